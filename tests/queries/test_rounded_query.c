@@ -99,21 +99,6 @@ static void scale_world(world *w, float scale)
     }
 }
 
-static duet_tree *open_rounded(uint32_t dims, uint32_t share, duet_object_kind kind,
-                               const void *objects, uint32_t n)
-{
-    duet_error err = {0};
-    duet_tree_def def = duet_default_tree_def();
-    def.pair = devices;
-    def.share = share;
-    def.dims = dims;
-    def.shape = kind == DUET_OBJECT_SPHERES ? DUET_SHAPE_SPHERES : DUET_SHAPE_ROUNDED_BOXES;
-    duet_tree *tree = duet_tree_create(&def, &err);
-    assert_ok(tree, err);
-    assert_ok(duet_tree_set_objects(tree, kind, objects, n, &err), err);
-    return tree;
-}
-
 static duet_ray_query *open_rays(duet_tree *tree, duet_query_wants wants)
 {
     duet_error err = {0};
@@ -300,7 +285,7 @@ static void rays_meet_what_the_host_says(void **state)
     world *w = make_world();
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         duet_tree *tree =
-            open_rounded(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+            open_rounded_tree(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
         rays_in(w, tree, w->boxes, dims);
         duet_tree_destroy(tree);
     }
@@ -340,7 +325,7 @@ static void rays_that_begin_at_a_surface_meet_it(void **state)
     for (uint32_t i = 0; i < 3; ++i) {
         duet_error err = {0};
         duet_ray_query_result found;
-        duet_tree *tree = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, &spheres[i], 1);
+        duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, &spheres[i], 1);
         duet_ray_query *query = open_rays(tree, DUET_QUERY_EVERY);
         assert_true(distance_at(&rays[i], &spheres[i], 3, 0) < 5);
         assert_ok(duet_ray_query_run(query, &rays[i], 1, &found, &err), err);
@@ -361,7 +346,7 @@ static void rays_of_any_scale_meet_as_many(void **state)
         world *w = make_world();
         scale_world(w, scales[i]);
         duet_tree *tree =
-            open_rounded(3, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+            open_rounded_tree(3, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
         rays_in(w, tree, w->boxes, 3);
         duet_tree_destroy(tree);
         free(w);
@@ -423,7 +408,7 @@ static void points_are_in_and_near_what_the_host_says(void **state)
     world *w = make_world();
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         duet_tree *tree =
-            open_rounded(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+            open_rounded_tree(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
         points_in(w, tree, w->boxes, dims);
         duet_tree_destroy(tree);
     }
@@ -475,7 +460,7 @@ static void boxes_collide_as_a_worlds(void **state)
     world *w = make_world();
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         duet_tree *tree =
-            open_rounded(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+            open_rounded_tree(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
         boxes_in(tree, DUET_OBJECT_ROUNDED_BOXES, w->boxes, w->boxes, dims);
         duet_tree_destroy(tree);
     }
@@ -490,7 +475,8 @@ static void spheres_are_asked_about_as_rounded_boxes(void **state)
     duet_rounded_box rounded[BOXES];
     for (uint32_t i = 0; i < BOXES; ++i)
         rounded[i] = rounded_of_sphere(&w->spheres[i]);
-    duet_tree *tree = open_rounded(3, DUET_SHARE_ONE / 3, DUET_OBJECT_SPHERES, w->spheres, BOXES);
+    duet_tree *tree =
+        open_rounded_tree(3, DUET_SHARE_ONE / 3, DUET_OBJECT_SPHERES, w->spheres, BOXES);
     rays_in(w, tree, rounded, 3);
     boxes_in(tree, DUET_OBJECT_SPHERES, w->spheres, rounded, 3);
     duet_tree_destroy(tree);
@@ -561,9 +547,9 @@ static void ask_bodies(const world *w, duet_motion *motion)
     duet_motion_result result;
     duet_rounded_box boxes[BOXES + 1];
     duet_pose poses[BOXES + 1];
-    duet_tree *trees[2], *by_hand = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
+    duet_tree *trees[2], *by_hand = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
     for (uint32_t i = 0; i < 2; ++i) // B alone, and both
-        trees[i] = open_rounded(3, DUET_SHARE_ONE / 3 * i, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
+        trees[i] = open_rounded_tree(3, DUET_SHARE_ONE / 3 * i, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
     memcpy(boxes, w->boxes, sizeof w->boxes);
     for (int step = 0; step < 3; ++step) {
         if (step == 2)
@@ -610,8 +596,8 @@ static void a_tree_of_rounded_boxes_takes_bodies_without_radii(void **state)
     assert_ok(duet_motion_get_poses(motion, poses, &err), err);
     for (uint32_t i = 0; i < BOXES; ++i)
         w->boxes[i].pose = poses[i];
-    duet_tree *by_hand = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
-    duet_tree *tree = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
+    duet_tree *by_hand = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+    duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
     assert_ok(duet_tree_set_motion(tree, motion, &err), err);
     assert_same_rays(w, tree, by_hand);
     duet_tree_destroy(by_hand);
@@ -628,7 +614,7 @@ static void what_is_no_rounded_box_is_refused(void **state)
     duet_error err = {0};
     const duet_rounded_box good = {{{0}, {1, 1, 1}, {0, 0, 0, 1}}, 0.5f};
     duet_rounded_box boxes[3] = {good, good, good};
-    duet_tree *tree = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, boxes, 3);
+    duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, boxes, 3);
     const float wrong[] = {-1, NAN, INFINITY, 0x1p101f};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         err = (duet_error){0};

@@ -341,41 +341,6 @@ static void radii_that_vanish_leave_a_normal(void **state)
 
 // ---------------------------------------------------------------- hits
 
-static duet_tree *open_rounded(uint32_t dims, uint32_t share, duet_object_kind kind,
-                               const void *objects, uint32_t n)
-{
-    duet_error err = {0};
-    duet_tree_def def = duet_default_tree_def();
-    def.pair = devices;
-    def.share = share;
-    def.dims = dims;
-    def.shape = kind == DUET_OBJECT_SPHERES ? DUET_SHAPE_SPHERES : DUET_SHAPE_ROUNDED_BOXES;
-    duet_tree *tree = duet_tree_create(&def, &err);
-    assert_ok(tree, err);
-    assert_ok(duet_tree_set_objects(tree, kind, objects, n, &err), err);
-    return tree;
-}
-
-static duet_sweep_query *open_query(duet_tree *tree, duet_query_wants wants)
-{
-    duet_error err = {0};
-    duet_sweep_query_def def = duet_default_sweep_query_def();
-    def.tree = tree;
-    def.wants = wants;
-    duet_sweep_query *query = duet_sweep_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
-}
-
-static duet_sweep_query_result ask(duet_sweep_query *query, duet_object_kind kind,
-                                   const void *sweeps, uint64_t n)
-{
-    duet_error err = {0};
-    duet_sweep_query_result result;
-    assert_ok(duet_sweep_query_run(query, kind, sweeps, n, &result, &err), err);
-    return result;
-}
-
 // Of docs/accuracy.md, and what rounding a centre adds that moved.
 static double error_of(const duet_rounded_sweep *s, const duet_rounded_box *box)
 {
@@ -410,9 +375,9 @@ static void check_hit(const duet_rounded_sweep *s, const duet_rounded_box *box,
 static void every_hit_in(uint32_t dims, uint32_t share)
 {
     world *w = make_world();
-    duet_tree *tree = open_rounded(dims, share, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
-    duet_sweep_query *query = open_query(tree, DUET_QUERY_EVERY);
-    duet_sweep_query_result found = ask(query, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
+    duet_tree *tree = open_rounded_tree(dims, share, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+    duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_EVERY);
+    duet_sweep_query_result found = run_sweeps(query, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
     uint64_t at = 0;
     for (uint32_t i = 0; i < SWEEPS; ++i) {
         bool met[BOXES] = {false};
@@ -453,11 +418,11 @@ static void closed_forms_hold_on_devices(void **state)
     (void)state;
     for (int i = 0; i < CLOSED; ++i) {
         const known *k = &closed[i].k;
-        duet_tree *tree = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, &k->still, 1);
-        duet_sweep_query *query = open_query(tree, DUET_QUERY_EVERY);
+        duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, &k->still, 1);
+        duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_EVERY);
         duet_rounded_sweep sweeps[2] = {sweep_of(k), sweep_of(k)};
         sweeps[1].box.radius = nextafterf(sweeps[1].box.radius, 0);
-        duet_sweep_query_result found = ask(query, DUET_OBJECT_ROUNDED_BOXES, sweeps, 2);
+        duet_sweep_query_result found = run_sweeps(query, DUET_OBJECT_ROUNDED_BOXES, sweeps, 2);
         assert_int_equal(found.n_hits, closed[i].grazes ? 1 : 2);
         assert_true(fabsf(found.hits[0].t - k->t) <= 4e-6f * (1 + k->t));
         duet_sweep_query_destroy(query);
@@ -471,14 +436,14 @@ static void closest_and_any_are_of_every_hit(void **state)
     (void)state;
     world *w = make_world();
     duet_tree *tree =
-        open_rounded(3, DUET_SHARE_ONE / 2, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
-    duet_tree *other = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+        open_rounded_tree(3, DUET_SHARE_ONE / 2, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+    duet_tree *other = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
     duet_sweep_query *queries[4] = {
-        open_query(tree, DUET_QUERY_EVERY), open_query(tree, DUET_QUERY_CLOSEST),
-        open_query(other, DUET_QUERY_CLOSEST), open_query(tree, DUET_QUERY_ANY)};
+        open_sweep_query(tree, DUET_QUERY_EVERY), open_sweep_query(tree, DUET_QUERY_CLOSEST),
+        open_sweep_query(other, DUET_QUERY_CLOSEST), open_sweep_query(tree, DUET_QUERY_ANY)};
     duet_sweep_query_result found[4];
     for (int i = 0; i < 4; ++i)
-        found[i] = ask(queries[i], DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
+        found[i] = run_sweeps(queries[i], DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
     assert_int_equal(found[1].n_hits, SWEEPS);
     assert_memory_equal(found[1].hits, found[2].hits, SWEEPS * sizeof *found[2].hits);
     uint64_t at = 0, n_same = 0, n_hit = 0;
@@ -519,12 +484,12 @@ static void boxes_without_radii_have_the_hits_of_poses(void **state)
         sweeps[i] = (duet_sweep){.box = s->box.pose, .t_max = s->t_max};
         memcpy(sweeps[i].direction, s->direction, sizeof s->direction);
     }
-    duet_tree *rounded = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+    duet_tree *rounded = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
     duet_tree *plain = open_tree(3, 0, poses, BOXES);
-    duet_sweep_query *one = open_query(rounded, DUET_QUERY_EVERY);
-    duet_sweep_query *other = open_query(plain, DUET_QUERY_EVERY);
-    duet_sweep_query_result a = ask(one, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
-    duet_sweep_query_result b = ask(other, DUET_OBJECT_POSES, sweeps, SWEEPS);
+    duet_sweep_query *one = open_sweep_query(rounded, DUET_QUERY_EVERY);
+    duet_sweep_query *other = open_sweep_query(plain, DUET_QUERY_EVERY);
+    duet_sweep_query_result a = run_sweeps(one, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
+    duet_sweep_query_result b = run_sweeps(other, DUET_OBJECT_POSES, sweeps, SWEEPS);
     assert_true(a.n_hits == b.n_hits && a.n_hits > SWEEPS / 8);
     assert_memory_equal(a.hits, b.hits, a.n_hits * sizeof *a.hits);
     duet_sweep_query_destroy(one);
@@ -559,9 +524,10 @@ static void lengths_of_any_scale_have_the_same_hits(void **state)
             for (int k = 0; k < 3; ++k)
                 w->sweeps[s].direction[k] *= scales[i];
         }
-        duet_tree *tree = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
-        duet_sweep_query *query = open_query(tree, DUET_QUERY_EVERY);
-        duet_sweep_query_result found = ask(query, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
+        duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+        duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_EVERY);
+        duet_sweep_query_result found =
+            run_sweeps(query, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
         if (i == 0) {
             n = found.n_hits;
             first = malloc((size_t)n * sizeof *first);
@@ -594,12 +560,13 @@ static void spheres_move_as_rounded_boxes(void **state)
         memcpy(sweeps[i].direction, s->direction, sizeof s->direction);
         s->box = rounded_of_sphere(&sweeps[i].sphere);
     }
-    duet_tree *rounded = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
-    duet_tree *round = open_rounded(3, DUET_SHARE_ONE / 3, DUET_OBJECT_SPHERES, spheres, BOXES);
-    duet_sweep_query *one = open_query(rounded, DUET_QUERY_EVERY);
-    duet_sweep_query *other = open_query(round, DUET_QUERY_EVERY);
-    duet_sweep_query_result a = ask(one, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
-    duet_sweep_query_result b = ask(other, DUET_OBJECT_SPHERES, sweeps, SWEEPS);
+    duet_tree *rounded = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+    duet_tree *round =
+        open_rounded_tree(3, DUET_SHARE_ONE / 3, DUET_OBJECT_SPHERES, spheres, BOXES);
+    duet_sweep_query *one = open_sweep_query(rounded, DUET_QUERY_EVERY);
+    duet_sweep_query *other = open_sweep_query(round, DUET_QUERY_EVERY);
+    duet_sweep_query_result a = run_sweeps(one, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
+    duet_sweep_query_result b = run_sweeps(other, DUET_OBJECT_SPHERES, sweeps, SWEEPS);
     assert_true(a.n_hits == b.n_hits && a.n_hits > SWEEPS / 8);
     assert_memory_equal(a.hits, b.hits, a.n_hits * sizeof *a.hits);
     duet_sweep_query_destroy(one);
@@ -616,8 +583,8 @@ static void what_is_no_sweep_of_the_shape_is_refused(void **state)
     (void)state;
     const duet_rounded_box box = round_at(0, 0, 0, 1, 1, 1, 1);
     duet_rounded_sweep sweeps[2] = {{box, {1, 0, 0}, 1}, {box, {1, 0, 0}, 1}};
-    duet_tree *tree = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, &box, 1);
-    duet_sweep_query *query = open_query(tree, DUET_QUERY_EVERY);
+    duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, &box, 1);
+    duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_EVERY);
     duet_sweep_query_result found;
     const float wrong[] = {-1, NAN, INFINITY, 0x1p101f};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {

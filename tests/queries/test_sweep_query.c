@@ -18,26 +18,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static duet_sweep_query *open_query(duet_tree *tree, duet_query_wants wants)
-{
-    duet_error err = {0};
-    duet_sweep_query_def def = duet_default_sweep_query_def();
-    def.tree = tree;
-    def.wants = wants;
-    duet_sweep_query *query = duet_sweep_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
-}
-
-static duet_sweep_query_result ask(duet_sweep_query *query, duet_object_kind kind,
-                                   const void *sweeps, uint64_t n)
-{
-    duet_error err = {0};
-    duet_sweep_query_result result;
-    assert_ok(duet_sweep_query_run(query, kind, sweeps, n, &result, &err), err);
-    return result;
-}
-
 // ---------------------------------------------------------------- worlds
 
 enum { BOXES = 250, SWEEPS = 500 };
@@ -183,8 +163,8 @@ static void every_hit_in(uint32_t dims, uint32_t share)
 {
     world *w = make_world();
     duet_tree *tree = open_tree(dims, share, w->boxes, BOXES);
-    duet_sweep_query *query = open_query(tree, DUET_QUERY_EVERY);
-    duet_sweep_query_result found = ask(query, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
+    duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_EVERY);
+    duet_sweep_query_result found = run_sweeps(query, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
     uint64_t at = 0;
     for (uint32_t i = 0; i < SWEEPS; ++i) {
         bool met[BOXES] = {false};
@@ -223,14 +203,14 @@ static void closest_and_any_are_of_every_hit(void **state)
     world *w = make_world();
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, w->boxes, BOXES);
     duet_tree *other = open_tree(3, 0, w->boxes, BOXES);
-    duet_sweep_query *every = open_query(tree, DUET_QUERY_EVERY);
-    duet_sweep_query *closest = open_query(tree, DUET_QUERY_CLOSEST);
-    duet_sweep_query *again = open_query(other, DUET_QUERY_CLOSEST);
-    duet_sweep_query *any = open_query(tree, DUET_QUERY_ANY);
-    duet_sweep_query_result all = ask(every, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
-    duet_sweep_query_result nearest = ask(closest, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
-    duet_sweep_query_result same = ask(again, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
-    duet_sweep_query_result some = ask(any, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
+    duet_sweep_query *every = open_sweep_query(tree, DUET_QUERY_EVERY);
+    duet_sweep_query *closest = open_sweep_query(tree, DUET_QUERY_CLOSEST);
+    duet_sweep_query *again = open_sweep_query(other, DUET_QUERY_CLOSEST);
+    duet_sweep_query *any = open_sweep_query(tree, DUET_QUERY_ANY);
+    duet_sweep_query_result all = run_sweeps(every, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
+    duet_sweep_query_result nearest = run_sweeps(closest, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
+    duet_sweep_query_result same = run_sweeps(again, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
+    duet_sweep_query_result some = run_sweeps(any, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
     assert_int_equal(nearest.n_hits, SWEEPS);
     assert_memory_equal(nearest.hits, same.hits, SWEEPS * sizeof *same.hits);
     uint64_t at = 0, n_same = 0, n_hit = 0;
@@ -276,8 +256,8 @@ static void moving_bounds_are_exact_in(uint32_t dims)
             sweeps[i].t_max = i % 5 ? 2 : INFINITY;
         }
     duet_tree *tree = open_bounds_tree(dims, DUET_SHARE_ONE / 3, boxes, N);
-    duet_sweep_query *query = open_query(tree, DUET_QUERY_EVERY);
-    duet_sweep_query_result found = ask(query, DUET_OBJECT_BOUNDS, sweeps, N);
+    duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_EVERY);
+    duet_sweep_query_result found = run_sweeps(query, DUET_OBJECT_BOUNDS, sweeps, N);
     uint64_t at = 0;
     for (uint32_t i = 0; i < N; ++i) {
         bool met[N] = {false};
@@ -333,8 +313,8 @@ static void a_cube_stops_at_a_wall(void **state)
                                        {4, 0, 0, {0}},
                                        {5, 0, 0, {0}}};
     duet_tree *tree = open_tree(3, 0, &wall, 1);
-    duet_sweep_query *query = open_query(tree, DUET_QUERY_CLOSEST);
-    duet_sweep_query_result found = ask(query, DUET_OBJECT_POSES, sweeps, N);
+    duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_CLOSEST);
+    duet_sweep_query_result found = run_sweeps(query, DUET_OBJECT_POSES, sweeps, N);
     assert_int_equal(found.n_hits, N);
     for (int i = 0; i < N - 1; ++i)
         for (int k = 0; k < 3; ++k)
@@ -351,13 +331,15 @@ static void what_touches_at_the_begin_has_no_normal(void **state)
     (void)state;
     const duet_pose box = {{1, 2, 2}, {4, 2, 3}, {1, 1, 1, 1}};
     const duet_pose mover = {{4, -2, 0}, {0, 2, 4}, {3, 1, -2, 5}};
-    const duet_sweep sweeps[] = {
-        {mover, {0, 0, 2}, 0}, {mover, {0, 0, 2}, 1}, {mover, {0, 0, -2}, 1}, {mover, {0, 0, 0}, 1}};
+    const duet_sweep sweeps[] = {{mover, {0, 0, 2}, 0},
+                                 {mover, {0, 0, 2}, 1},
+                                 {mover, {0, 0, -2}, 1},
+                                 {mover, {0, 0, 0}, 1}};
     enum { N = sizeof sweeps / sizeof *sweeps };
     assert_true(narrow_exact(&mover, &box, 3));
     duet_tree *tree = open_tree(3, 0, &box, 1);
-    duet_sweep_query *query = open_query(tree, DUET_QUERY_CLOSEST);
-    const duet_sweep_hit *hits = ask(query, DUET_OBJECT_POSES, sweeps, N).hits;
+    duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_CLOSEST);
+    const duet_sweep_hit *hits = run_sweeps(query, DUET_OBJECT_POSES, sweeps, N).hits;
     for (int i = 0; i < N; ++i) {
         assert_true(hits[i].id == 0 && hits[i].t == 0);
         assert_true(hits[i].normal[0] == 0 && hits[i].normal[1] == 0 && hits[i].normal[2] == 0);
@@ -371,7 +353,7 @@ static void what_is_no_sweep_is_refused_by_its_number(void **state)
     (void)state;
     const duet_pose box = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     duet_tree *tree = open_tree(3, 0, &box, 1);
-    duet_sweep_query *query = open_query(tree, DUET_QUERY_CLOSEST);
+    duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_CLOSEST);
     const duet_sweep good = {box, {1, 0, 0}, 1};
     duet_sweep bad[] = {good, good, good, good};
     bad[0].box.half_extents[2] = -1;

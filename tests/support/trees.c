@@ -37,3 +37,33 @@ duet_tree *open_bounds_tree(uint32_t dims, uint32_t share, const duet_bounds *bo
     assert_ok(duet_tree_set_objects(tree, DUET_OBJECT_BOUNDS, bounds, n, &err), err);
     return tree;
 }
+
+duet_tree *open_rounded_tree(uint32_t dims, uint32_t share, duet_object_kind kind,
+                             const void *objects, uint32_t n)
+{
+    duet_error err = {0};
+    bool spheres = kind == DUET_OBJECT_SPHERES;
+    duet_tree *tree = open_of(spheres ? DUET_SHAPE_SPHERES : DUET_SHAPE_ROUNDED_BOXES, dims, share);
+    assert_ok(duet_tree_set_objects(tree, kind, objects, n, &err), err);
+    return tree;
+}
+
+duet_sweep_query *open_sweep_query(duet_tree *tree, duet_query_wants wants)
+{
+    duet_error err = {0};
+    duet_sweep_query_def def = duet_default_sweep_query_def();
+    def.tree = tree;
+    def.wants = wants;
+    duet_sweep_query *query = duet_sweep_query_create(&def, &err);
+    assert_ok(query, err);
+    return query;
+}
+
+duet_sweep_query_result run_sweeps(duet_sweep_query *query, duet_object_kind kind,
+                                   const void *sweeps, uint64_t n)
+{
+    duet_error err = {0};
+    duet_sweep_query_result result;
+    assert_ok(duet_sweep_query_run(query, kind, sweeps, n, &result, &err), err);
+    return result;
+}
