@@ -87,6 +87,7 @@ DUET_API bool duet_cluster_set_plan(duet_cluster *cluster, const duet_plan *plan
 DUET_API bool duet_cluster_load_profile(duet_cluster *cluster, const char *path,
                                         duet_profile *profile, duet_error *store_failed,
                                         duet_error *err);
+// The same on all ranks; where one of them cannot have it, all keep the one they had.
 DUET_API bool duet_cluster_set_level(duet_cluster *cluster, duet_level level, duet_error *err);
 
 // A collision between objects a < b, by their global ids.
