@@ -672,8 +672,10 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
     duet_error own = {0};
     bool ok = error_given(ids, __func__, "ids", &own) && error_given(n, __func__, "n", &own) &&
               check_kind(c, kind, &own);
-    if (!settle_all(c, __func__, ok, &own, err))
-        return NULL;
+    if (!settle_all(c, __func__, ok, &own, NULL) && own.status != DUET_STATUS_BAD_OBJECT) {
+        error_set(err, own.status, "%s", own.text);
+        return NULL; // where objects are bad all are where they were, to be mended
+    }
     c->changed = true;
     *n = homes_open(&c->homes);
     *ids = c->homes.rows.ids;
@@ -685,7 +687,9 @@ bool duet_cluster_set_plan(duet_cluster *c, const duet_plan *plan, duet_error *e
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    bool ok = error_given(plan, __func__, "plan", &own);
+    bool ok = agree_on(c, __func__, error_given(plan, __func__, "plan", &own), &own, err);
+    if (!ok)
+        return false;
     for (int i = 0; ok && i < count_workers(c); ++i)
         ok = c->workers[i]->set_plan(c->workers[i], plan, &own);
     if (ok)
@@ -729,8 +733,8 @@ bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
     if (ok) {
         c->changed |= seen_in_any_order(level) != seen_in_any_order(before);
         c->def.world.level = level;
+        c->is_cold = true;
     }
-    c->is_cold = true;
     return ok || error_set(err, own.status, "%s", own.text);
 }
 

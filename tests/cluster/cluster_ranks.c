@@ -829,6 +829,18 @@ static void a_failure_is_that_of_all_ranks(void)
     MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, own, two, 2, &err), err);
     result = step(c);
     MUST(result.pairs == 15, "six boxes in one place, after a failure");
+    const uint64_t *home_ids;
+    uint32_t n;
+    for (int at = 0; at < 2; ++at) { // what became bad in place is mended in place
+        duet_pose *mapped = duet_cluster_map_homes(c, DUET_OBJECT_POSES, &home_ids, &n, &err);
+        MUST_OK(mapped, err);
+        for (uint32_t i = 0; i < n; ++i)
+            mapped[i].centre[1] = at == 0 && home_ids[i] % 2 ? NAN : pose.centre[1];
+        if (at == 0)
+            must_fail(duet_cluster_step(c, &result, &err), &err, DUET_STATUS_BAD_OBJECT, "object ");
+        err = (duet_error){0};
+    }
+    MUST(step(c).pairs == 15, "six boxes in one place again");
 
     err = (duet_error){0};
     must_fail(duet_cluster_save_pairs(c, "no/such/folder/p.npy", true, &err), &err,
@@ -873,6 +885,15 @@ static void calls_in_another_order_are_refused(void)
               rank == 1 ? "duet_cluster_get_ranks, and another rank makes another call"
                         : "duet_cluster_step, and another rank makes another call");
     MUST(step(c).pairs == 0, "and all goes on");
+    duet_plan plan = duet_default_plan(NULL);
+    for (int i = 0; i < 2; ++i) {
+        err = (duet_error){0};
+        bool ok = rank != 1 ? duet_cluster_step(c, &result, &err)
+                  : i == 0  ? duet_cluster_set_level(c, DUET_LEVEL_AABB, &err)
+                            : duet_cluster_set_plan(c, &plan, &err);
+        must_fail(ok, &err, DUET_STATUS_BAD_ARGUMENT, ", and another rank makes another call");
+        MUST(step(c).pairs == 0, "no rank waits for others in the next step");
+    }
     duet_cluster_destroy(c);
     MPI_Comm_free(&comm);
 }
