@@ -475,11 +475,14 @@ static bool fill_in_place(duet_cluster *c, duet_error *own)
 }
 
 // Brings homes and ghosts to where they belong, on all ranks or on none, and hands the first to
-// this rank's workers. What fails in that is of this rank alone, and *settled is then false.
-static bool settle(duet_cluster *c, bool *settled, duet_error *own)
+// this rank's workers. What fails in that is of this rank alone, and *settled is then false. Homes
+// that left or came are known to both ranks where they lie in place on all, or on none: where
+// one rank failed to bring its homes there, the others begin anew.
+static bool settle(duet_cluster *c, uint64_t n_in_place, bool *settled, duet_error *own)
 {
     bool in_place = c->in_place && seen_in_any_order(c->def.world.level);
-    *settled = in_place || !c->homes.holder || homes_move_out(&c->homes, own);
+    bool stay = in_place && n_in_place == (uint64_t)c->ranks.n;
+    *settled = stay || !c->homes.holder || homes_move_out(&c->homes, own);
     bool are_new = c->homes.widest == 0; // and all of them travel
     uint64_t begun_ns = ranks_now_ns(), n_cuts = c->homes.n_cuts;
     bool ok = homes_settle(&c->homes, &c->ranks, &c->cut, c->def.imbalance, settled, own);
@@ -497,14 +500,14 @@ static bool settle(duet_cluster *c, bool *settled, duet_error *own)
 static bool begin_settled(duet_cluster *c, const char *call, bool ok, bool *settled,
                           duet_error *own)
 {
-    tally t = {.sums = {c->changed}};
+    tally t = {.sums = {c->changed, c->homes.holder != NULL}};
     *settled = true;
     if (!ranks_agree_on(&c->ranks, call, ok, &t, own))
         return false;
     if (t.sums[0] == 0)
         return true;
     c->changed = true; // until all of it is done, on all ranks
-    return settle(c, settled, own);
+    return settle(c, t.sums[1], settled, own);
 }
 
 // On all ranks, or on none.
@@ -669,8 +672,10 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
     duet_error own = {0};
     bool ok = error_given(ids, __func__, "ids", &own) && error_given(n, __func__, "n", &own) &&
               check_kind(c, kind, &own);
-    if (!settle_all(c, __func__, ok, &own, err))
-        return NULL;
+    if (!settle_all(c, __func__, ok, &own, NULL) && own.status != DUET_STATUS_BAD_OBJECT) {
+        error_set(err, own.status, "%s", own.text);
+        return NULL; // where objects are bad all are where they were, to be mended
+    }
     c->changed = true;
     *n = homes_open(&c->homes);
     *ids = c->homes.rows.ids;
@@ -682,7 +687,9 @@ bool duet_cluster_set_plan(duet_cluster *c, const duet_plan *plan, duet_error *e
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    bool ok = error_given(plan, __func__, "plan", &own);
+    bool ok = agree_on(c, __func__, error_given(plan, __func__, "plan", &own), &own, err);
+    if (!ok)
+        return false;
     for (int i = 0; ok && i < count_workers(c); ++i)
         ok = c->workers[i]->set_plan(c->workers[i], plan, &own);
     if (ok)
@@ -691,22 +698,44 @@ bool duet_cluster_set_plan(duet_cluster *c, const duet_plan *plan, duet_error *e
     return agree_on(c, __func__, ok, &own, err);
 }
 
+static bool give_level(duet_cluster *c, duet_level level, duet_error *err)
+{
+    bool ok = true;
+    for (int i = 0; ok && i < count_workers(c); ++i)
+        ok = c->workers[i]->set_level(c->workers[i], level, err);
+    return ok;
+}
+
+// One level that all ranks ask for and know.
+static bool agree_on_level(duet_cluster *c, const char *call, duet_level level, duet_error *err)
+{
+    tally t = {.greatest = {level, -(double)level}};
+    bool ok =
+        duet_level_get_info(level) ||
+        error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level", (int)level);
+    return ranks_agree_on(&c->ranks, call, ok, &t, err) &&
+           (t.greatest[0] + t.greatest[1] == 0 ||
+            error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                      "the ranks' levels differ; expected the same on all"));
+}
+
 bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
 {
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    bool ok =
-        duet_level_get_info(level) ||
-        error_set(&own, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level", (int)level);
-    for (int i = 0; ok && i < count_workers(c); ++i)
-        ok = c->workers[i]->set_level(c->workers[i], level, &own);
-    if (ok) {
-        c->changed |= seen_in_any_order(level) != seen_in_any_order(c->def.world.level);
-        c->def.world.level = level;
+    duet_level before = c->def.world.level;
+    bool ok = agree_on_level(c, __func__, level, &own);
+    if (ok && !ranks_agree(&c->ranks, give_level(c, level, &own), &own)) {
+        give_level(c, before, NULL);
+        ok = false;
     }
-    c->is_cold = true;
-    return agree_on(c, __func__, ok, &own, err);
+    if (ok) {
+        c->changed |= seen_in_any_order(level) != seen_in_any_order(before);
+        c->def.world.level = level;
+        c->is_cold = true;
+    }
+    return ok || error_set(err, own.status, "%s", own.text);
 }
 
 static void load_profiles(duet_cluster *c, const char *path, duet_profile *profile,

@@ -5,7 +5,8 @@
 // All calls are collective: every rank makes the same calls in the same order. Each ends on
 // all ranks in the same way; where it fails on one, all return false with that rank's line,
 // which begins with the rank and its host. Where ranks make different calls, each of these fails
-// with BAD_ARGUMENT and the cluster is as before; only destroy waits until all ranks destroy it.
+// with BAD_ARGUMENT and the cluster is as before; only create waits until all ranks of its comm
+// create one, and destroy until all destroy it.
 // Getters and destroy's argument NULL are a rank's own. One thread of a rank calls MPI.
 //
 // A global id is 64 bits. A rank's homes are the objects that it is responsible for; its
@@ -73,7 +74,8 @@ DUET_API bool duet_cluster_set_objects(duet_cluster *cluster, duet_object_kind k
 // This rank's homes, to be written in place, and their ids, in no order: which object a row is
 // may change with each step. Valid until the next call but a getter. Where no rank has parts and
 // the level is certified or aabb this is memory that the devices read without a copy. Objects that
-// leave their rank's part of the world change homes in the next step.
+// leave their rank's part of the world change homes in the next step. After BAD_OBJECT all homes
+// are there as they were, to be mended.
 DUET_API void *duet_cluster_map_homes(duet_cluster *cluster, duet_object_kind kind,
                                       const uint64_t **ids, uint32_t *n, duet_error *err);
 
@@ -87,6 +89,7 @@ DUET_API bool duet_cluster_set_plan(duet_cluster *cluster, const duet_plan *plan
 DUET_API bool duet_cluster_load_profile(duet_cluster *cluster, const char *path,
                                         duet_profile *profile, duet_error *store_failed,
                                         duet_error *err);
+// The same on all ranks; where one of them cannot have it, all keep the one they had.
 DUET_API bool duet_cluster_set_level(duet_cluster *cluster, duet_level level, duet_error *err);
 
 // A collision between objects a < b, by their global ids.

@@ -116,6 +116,8 @@ bool homes_move_in(homes *h, worker *w, duet_error *err)
         parallel_each(h->threads, n, copy_part, &c);
         c.to = w->map(w, n, err);
         duet_free(order);
+        if (!c.to)
+            return false;
     }
     free(h->spare.objects);
     object_rows_end(&h->rows);
@@ -123,7 +125,7 @@ bool homes_move_in(homes *h, worker *w, duet_error *err)
     h->rows.objects = c.to;
     h->spare = (object_rows){0};
     h->holder = w;
-    return c.to;
+    return true;
 }
 
 bool homes_move_out(homes *h, duet_error *err)

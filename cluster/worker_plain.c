@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "cluster/objects.h"
+#include "runtime/broadphase/world.h"
 #include "runtime/scene/reference.h"
 
 #include <stdlib.h>
@@ -100,6 +101,8 @@ static void close_plain(worker *w)
 
 worker *worker_open_plain(const duet_world_def *def, duet_error *err)
 {
+    if (!world_check_def(def, err))
+        return NULL;
     plain_worker *p = calloc(1, sizeof *p);
     if (!p) {
         error_set(err, DUET_STATUS_NO_MEMORY, "a rank's objects: no memory");

@@ -137,13 +137,11 @@ static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
                      kinds[kind_of(&plain_def)].name);
 }
 
-static bool check_def(const duet_world_def *def, duet_error *err)
+bool world_check_def(const duet_world_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the world's def does not come from duet_default_world_def");
-    if (!def->pair)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world's def has no device pair");
     if (def->dims != 2 && def->dims != 3)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
     if (def->shape < DUET_SHAPE_POSES || def->shape >= DUET_SHAPES)
@@ -158,6 +156,13 @@ static bool check_def(const duet_world_def *def, duet_error *err)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "cell is %g; expected 0 or an edge above 0",
                          def->cell);
     return check_origin(def, err) && check_sizes_apart(def, err) && check_world_box(def, err);
+}
+
+static bool check_def(const duet_world_def *def, duet_error *err)
+{
+    return world_check_def(def, err) &&
+           (def->pair ||
+            error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world's def has no device pair"));
 }
 
 // The grid that both variants can search.

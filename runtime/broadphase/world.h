@@ -92,6 +92,9 @@ void world_forget_grid(duet_world *world);
 // Fits a grid to the objects where the last one does not suit them.
 bool world_fit_grid(duet_world *world, duet_error *err);
 
+// All of a def but its device pair and its plan.
+bool world_check_def(const duet_world_def *def, duet_error *err);
+
 // The plan's mode, where it is open, for the grid that was fitted.
 void world_choose_mode(duet_world *world);
 

@@ -438,6 +438,44 @@ static void homes_that_are_dealt_anew_change_nothing(uint64_t seed)
     }
 }
 
+static void *(*extend_in_truth)(worker *, uint32_t, uint32_t, duet_error *);
+
+static void *extend_by_nothing(worker *w, uint32_t n, uint32_t kept, duet_error *err)
+{
+    (void)w, (void)n, (void)kept;
+    error_set(err, DUET_STATUS_NO_MEMORY, "none in this test");
+    return NULL;
+}
+
+// One rank has no memory for its homes at first: later its objects lie like those of the others.
+static void homes_go_on_after_one_rank_had_no_memory(void)
+{
+    static crowd c;
+    duet_error err = {0};
+    duet_cluster_result result;
+    rng r = rng_seed(17);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(3);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+    worker *w = cluster->workers[0];
+    cluster->def.imbalance = 1e9; // the cut stays as it is made here
+    hand_over(cluster, &c, 0, 5);
+    extend_in_truth = w->extend;
+    w->extend = rank == 1 ? extend_by_nothing : w->extend;
+    MUST(!duet_cluster_step(cluster, &result, &err) && err.status == DUET_STATUS_NO_MEMORY,
+         "no memory on rank 1");
+    w->extend = extend_in_truth;
+    for (int at = 0; at < 5; ++at) {
+        deal_homes_anew(cluster, comm, &r);
+        cluster->changed = true;
+        must_find(cluster, &c);
+    }
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
 // What moved away from the cut is cut anew.
 static void a_cut_that_became_uneven_is_made_anew(void)
 {
@@ -791,6 +829,18 @@ static void a_failure_is_that_of_all_ranks(void)
     MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, own, two, 2, &err), err);
     result = step(c);
     MUST(result.pairs == 15, "six boxes in one place, after a failure");
+    const uint64_t *home_ids;
+    uint32_t n;
+    for (int at = 0; at < 2; ++at) { // what became bad in place is mended in place
+        duet_pose *mapped = duet_cluster_map_homes(c, DUET_OBJECT_POSES, &home_ids, &n, &err);
+        MUST_OK(mapped, err);
+        for (uint32_t i = 0; i < n; ++i)
+            mapped[i].centre[1] = at == 0 && home_ids[i] % 2 ? NAN : pose.centre[1];
+        if (at == 0)
+            must_fail(duet_cluster_step(c, &result, &err), &err, DUET_STATUS_BAD_OBJECT, "object ");
+        err = (duet_error){0};
+    }
+    MUST(step(c).pairs == 15, "six boxes in one place again");
 
     err = (duet_error){0};
     must_fail(duet_cluster_save_pairs(c, "no/such/folder/p.npy", true, &err), &err,
@@ -835,6 +885,15 @@ static void calls_in_another_order_are_refused(void)
               rank == 1 ? "duet_cluster_get_ranks, and another rank makes another call"
                         : "duet_cluster_step, and another rank makes another call");
     MUST(step(c).pairs == 0, "and all goes on");
+    duet_plan plan = duet_default_plan(NULL);
+    for (int i = 0; i < 2; ++i) {
+        err = (duet_error){0};
+        bool ok = rank != 1 ? duet_cluster_step(c, &result, &err)
+                  : i == 0  ? duet_cluster_set_level(c, DUET_LEVEL_AABB, &err)
+                            : duet_cluster_set_plan(c, &plan, &err);
+        must_fail(ok, &err, DUET_STATUS_BAD_ARGUMENT, ", and another rank makes another call");
+        MUST(step(c).pairs == 0, "no rank waits for others in the next step");
+    }
     duet_cluster_destroy(c);
     MPI_Comm_free(&comm);
 }
@@ -923,6 +982,15 @@ static void nothing_is_refused(void)
     wrong.world.shape = DUET_SHAPE_SPHERES;
     REFUSED(duet_cluster_create(&wrong, &err));
     wrong.world.shape = DUET_SHAPE_POSES;
+    wrong.world.dims = 7;
+    REFUSED(duet_cluster_create(&wrong, &err));
+    wrong.world.dims = 3;
+    wrong.world.level = (duet_level)99;
+    REFUSED(duet_cluster_create(&wrong, &err));
+    wrong.world.level = DUET_LEVEL_CERTIFIED;
+    wrong.world.origin_edge = 0.3f;
+    REFUSED(duet_cluster_create(&wrong, &err));
+    wrong.world.origin_edge = 0;
     wrong.parts = rank == 0 ? 0 : 1;
     REFUSED(duet_cluster_create(&wrong, &err));
     wrong.parts = 1;
@@ -932,6 +1000,10 @@ static void nothing_is_refused(void)
     duet_pose unit = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
     id = (uint64_t)rank;
     MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, &id, &unit, 1, &err), err);
+    REFUSED(duet_cluster_set_level(c, rank == 0 ? DUET_LEVEL_AABB : (duet_level)99, &err));
+    MUST(c->def.world.level == DUET_LEVEL_CERTIFIED, "the level of all ranks stays");
+    REFUSED(duet_cluster_set_level(c, rank == 0 ? DUET_LEVEL_AABB : DUET_LEVEL_SAT15, &err));
+    MUST(c->def.world.level == DUET_LEVEL_CERTIFIED, "the level of all ranks stays");
     result = step(c);
     MUST(result.pairs == 1 && result.n_own_pairs == 0, "a pair that is counted and not kept");
     REFUSED(duet_cluster_save_pairs(c, "p.npy", true, &err));
@@ -1043,6 +1115,7 @@ int main(int argc, char **argv)
     scenes_have_the_same_pairs();
     objects_that_move_have_the_references_pairs(seed);
     homes_that_are_dealt_anew_change_nothing(seed);
+    homes_go_on_after_one_rank_had_no_memory();
     a_cut_that_became_uneven_is_made_anew();
     grids_follow_objects_that_travel();
     ranks_get_objects_by_their_weights();
