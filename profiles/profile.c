@@ -187,7 +187,8 @@ bool profile_put(store *s, const profile_row *row, const char *unused, const cha
 bool profile_find(store *s, const char *uid, char whole[PROFILE_ID], duet_error *err)
 {
     int64_t n = 0;
-    sql q = sql_make(s, "SELECT uid FROM profile WHERE substr(uid, 1, length(?1)) = ?1", err);
+    sql q = sql_make(
+        s, "SELECT uid FROM profile WHERE ?1 <> '' AND substr(uid, 1, length(?1)) = ?1", err);
     sql_text(&q, uid);
     for (; sql_row(&q); ++n)
         sql_copy(whole, PROFILE_ID, sql_get_text(&q, 0));
