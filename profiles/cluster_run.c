@@ -167,11 +167,10 @@ bool cluster_rank_each(store *s, int64_t run_id, cluster_rank_visit *visit, void
 bool cluster_run_find(store *s, const char *uid, char whole[PROFILE_ID], duet_error *err)
 {
     int64_t n = 0;
-    sql q =
-        sql_make(s,
-                 "SELECT uid FROM cluster_run WHERE ?1 <> '' AND substr(uid, 1, length(?1)) = ?1 "
-                 "AND NOT EXISTS (SELECT 1 FROM profile WHERE substr(uid, 1, length(?1)) = ?1)",
-                 err);
+    sql q = sql_make(s,
+                     "SELECT uid FROM cluster_run WHERE substr(uid, 1, length(?1)) = ?1 AND NOT "
+                     "EXISTS (SELECT 1 FROM profile WHERE substr(uid, 1, length(?1)) = ?1)",
+                     err);
     sql_text(&q, uid);
     *whole = '\0';
     for (; sql_row(&q); ++n)

@@ -187,8 +187,7 @@ bool profile_put(store *s, const profile_row *row, const char *unused, const cha
 bool profile_find(store *s, const char *uid, char whole[PROFILE_ID], duet_error *err)
 {
     int64_t n = 0;
-    sql q = sql_make(
-        s, "SELECT uid FROM profile WHERE ?1 <> '' AND substr(uid, 1, length(?1)) = ?1", err);
+    sql q = sql_make(s, "SELECT uid FROM profile WHERE substr(uid, 1, length(?1)) = ?1", err);
     sql_text(&q, uid);
     for (; sql_row(&q); ++n)
         sql_copy(whole, PROFILE_ID, sql_get_text(&q, 0));
@@ -253,6 +252,10 @@ bool profile_use(store *s, const char *uid, duet_error *err)
 bool profile_forget(store *s, const char *uid, duet_error *err)
 {
     char whole[PROFILE_ID];
+    if (!*uid)
+        return error_set(err, DUET_STATUS_NOT_FOUND,
+                         "%s: an empty name is no profile's; 'duet profiles list --dead' shows them",
+                         s->path);
     if (!store_begin(s, err))
         return false;
     bool ok = profile_find(s, uid, whole, err) &&

@@ -144,9 +144,9 @@ static bool use(store *s, const arguments *args, char **operands, duet_error *er
 
 static bool forget(store *s, const arguments *args, char **operands, duet_error *err)
 {
-    char run[PROFILE_ID];
+    char run[PROFILE_ID] = "";
     (void)args;
-    if (!cluster_run_find(s, operands[0], run, err))
+    if (*operands[0] && !cluster_run_find(s, operands[0], run, err))
         return false;
     if (*run) {
         if (!cluster_run_forget(s, run, err))
