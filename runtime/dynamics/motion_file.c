@@ -362,7 +362,6 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
     m->has_graph = h.has_graph;
     m->bounds_checked = m->at_rest = false;
     m->list_stale = true;
-    m->flags[FLAG_PRESSED] = motion_has(m, DUET_EFFECT_SLEEP);
     m->told.known = false;
     m->told.touching.n = 0;
     m->reading.begun = false;

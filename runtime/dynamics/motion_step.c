@@ -106,22 +106,11 @@ static bool store_impulses(duet_motion *m, duet_error *err)
                           most_of(m, 0, COLOUR_OVERFLOW + 1), err);
 }
 
-// What slept deep in others when the last step ended.
-static bool push_sleepers(duet_motion *m, bool pressed, duet_error *err)
-{
-    const motion_kernels *k = &m->kernels;
-    bool ok = true;
-    for (m->args.round = 0; ok && pressed && m->args.round < PRESSED_ROUNDS; ++m->args.round)
-        ok = motion_launch(m, "sleep", k->push_sleepers, m->n, err);
-    return ok && (!pressed || motion_launch(m, "sleep", k->move_sleepers, m->n, err));
-}
-
 static bool respond(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
-    bool pressed = m->flags[FLAG_PRESSED];
-    bool ok = motion_build_graph(m, err) && push_sleepers(m, pressed, err) && touch(m, err) &&
-              motion_colour(m, err) && for_colours(m, k->prepare_contacts, err);
+    bool ok = motion_build_graph(m, err) && touch(m, err) && motion_colour(m, err) &&
+              for_colours(m, k->prepare_contacts, err);
     for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
         ok = substep(m, err);
     ok = ok && (!m->facts.elastic || for_colours(m, k->apply_restitution, err));
@@ -164,12 +153,27 @@ static bool hear(duet_motion *m, duet_error *err)
     return !motion_has(m, DUET_EFFECT_EVENTS) || motion_fetch_events(m, err);
 }
 
+// What sleeps deep in others goes at the end of a step, so that whatever it then touches is
+// searched for where it is.
+static bool push_sleepers(duet_motion *m, duet_error *err)
+{
+    const motion_kernels *k = &m->kernels;
+    bool ok = true;
+    if (!motion_has(m, DUET_EFFECT_SLEEP) || !m->flags[FLAG_PRESSED])
+        return true;
+    m->bounds_checked = false;
+    for (m->args.round = 0; ok && m->args.round < PRESSED_ROUNDS; ++m->args.round)
+        ok = motion_launch(m, "sleep", k->push_sleepers, m->n, err);
+    return ok && motion_launch(m, "sleep", k->move_sleepers, m->n, err);
+}
+
 // Nothing is sent to the device where nothing would change.
 static bool run_step(duet_motion *m, duet_error *err)
 {
     bool still = m->n == 0 || m->def.dt == 0.0 || m->effects == 0 || m->at_rest;
     return still ? motion_keep_events(m, err)
-                 : run_effects(m, err) && hear(m, err) && timeline_finish(&m->times, err);
+                 : run_effects(m, err) && hear(m, err) && push_sleepers(m, err) &&
+                       timeline_finish(&m->times, err);
 }
 
 static void fill_result(duet_motion *m, duet_motion_result *result)
