@@ -178,6 +178,35 @@ static void what_sleeps_deep_in_others_is_pushed_out(void **state)
     mover_free(m);
 }
 
+// Two that sleep in each other go apart, one of them into a cube that slides by.
+static mover *make_pushed_into_another(double skin)
+{
+    mover *m = make_sleeping_row(2, 0.4);
+    duet_error err = {0};
+    mover_restart(m);
+    m->def.skin = skin;
+    m->bodies[mover_add_cube(m, 1.45, 0, 0, 1)].velocity[1] = -0.5f;
+    mover_run(m, 0);
+    assert_ok(duet_motion_sleep_bodies(m->motion, (duet_body_list){.n = 2}, &err), err);
+    return m;
+}
+
+static void what_is_pushed_meets_the_same_with_a_skin(void **state)
+{
+    (void)state;
+    mover *plain = make_pushed_into_another(0), *with_skin = make_pushed_into_another(0.2);
+    bool met = false;
+    for (int step = 0; step < 30; ++step) {
+        mover_run(plain, 1);
+        mover_run(with_skin, 1);
+        assert_true(mover_hash(plain) == mover_hash(with_skin));
+        met = met || plain->states[2].velocity[0] > 0.0f;
+    }
+    assert_true(met);
+    mover_free(plain);
+    mover_free(with_skin);
+}
+
 // One between two of mass 0 that leave it no space. It is pushed for as long as it is long.
 static void what_has_no_space_sleeps_all_the_same(void **state)
 {
@@ -321,6 +350,7 @@ int main(void)
         cmocka_unit_test(a_small_house_of_cards_stands),
         cmocka_unit_test(a_pile_does_not_fall_asleep_deep),
         cmocka_unit_test(what_sleeps_deep_in_others_is_pushed_out),
+        cmocka_unit_test(what_is_pushed_meets_the_same_with_a_skin),
         cmocka_unit_test(what_has_no_space_sleeps_all_the_same),
         cmocka_unit_test(what_becomes_fast_is_held_where_that_is_asked_for),
         cmocka_unit_test(filters_hold_in_2d_and_in_doubles),
