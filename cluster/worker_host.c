@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include "cluster/worker_host.h"
+
+#include "base/error.h"
+
+#include <stdlib.h>
+
+static void *map(worker *w, uint32_t n, duet_error *err)
+{
+    worker_host *p = (worker_host *)w;
+    void *objects = realloc(p->objects, ((size_t)n + 1) * p->form.bytes);
+    if (!objects) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
+        return NULL;
+    }
+    p->objects = objects;
+    p->n = n;
+    return objects;
+}
+
+static void begin(worker *w, uint32_t n)
+{
+    (void)w, (void)n;
+}
+
+static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
+{
+    (void)kept;
+    return map(w, n, err);
+}
+
+static void move(worker *w)
+{
+    (void)w;
+}
+
+static bool set_level(worker *w, duet_level level, duet_error *err)
+{
+    (void)err;
+    ((worker_host *)w)->level = level;
+    return true;
+}
+
+static bool set_plan(worker *w, const duet_plan *plan, duet_error *err)
+{
+    (void)w, (void)plan, (void)err;
+    return true;
+}
+
+static bool load_profile(worker *w, const char *path, duet_profile *profile, duet_error *err)
+{
+    (void)w, (void)path, (void)err;
+    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
+    return true;
+}
+
+void worker_host_close(worker *w)
+{
+    free(((worker_host *)w)->objects);
+    free(w);
+}
+
+void *worker_host_open(size_t bytes, const char *name, const duet_world_def *def, duet_error *err)
+{
+    worker_host *p = calloc(1, bytes);
+    if (!p) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "a rank's objects: no memory");
+        return NULL;
+    }
+    p->base = (worker){.name = name,
+                       .map = map,
+                       .begin = begin,
+                       .extend = extend,
+                       .move = move,
+                       .set_level = set_level,
+                       .set_plan = set_plan,
+                       .load_profile = load_profile,
+                       .close = worker_host_close};
+    p->form = object_form_of(def);
+    p->level = def->level;
+    return p;
+}
