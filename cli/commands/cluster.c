@@ -45,8 +45,7 @@ static const option options[] = {
     OPTION_FLAG("check", check, "compare the pairs' number and hash with the plain C reference"),
     OPTION_FLAG("keep", keep, "keep what the ranks and their network did in the profile store"),
     OPTION_TEXT("simulate", simulate, "P.xml|RUN",
-                "simulate the ranks, with the plain C reference, on a platform of SimGrid's or on "
-                "the network of a kept run"),
+                "simulate the ranks, with the plain C reference, on SimGrid's platform or a run's"),
     OPTION_TEXT("profile", profile, "UID",
                 "find nothing, in the time that this profile or kept run of the store says"),
     OPTION_COUNT("stands-for", stands_for, "K", "each object stands for K of a larger scene (1)", 1,
