@@ -108,7 +108,7 @@ static void mark_part(void *context, uint32_t part, uint64_t first, uint64_t end
 static void mark_ghosts(marking *m, const homes *h, const parcels *ghosts)
 {
     for (uint32_t i = 0; i < h->n_gone; ++i)
-        mark_ghost(m, i, h->gone[i].row, (uint32_t)h->gone[i].to);
+        mark_ghost(m, i, h->gone[i], (uint32_t)h->gone_to[i]);
     for (m->rank = 0; m->rank < m->n_ranks; m->before += ghosts->counts[m->rank++])
         parallel_each(h->threads, ghosts->counts[m->rank], mark_part, m);
     m->s->n_ghosts = h->n_gone + ghosts->n;
@@ -265,7 +265,9 @@ static inline bool is_ghost(const seen *s, uint32_t place)
 
 static uint32_t key_of_ghost(const seen *s, uint32_t place)
 {
-    uint64_t first = 0, last = s->n_ghosts;
+    uint64_t first = 0, last = s->n_ghosts, from_end = s->rows.n - place;
+    if (from_end <= last && s->ghosts[last - from_end].place == place)
+        return s->ghosts[last - from_end].key; // as where all ghosts lie behind the homes
     while (last - first > 1) {
         uint64_t middle = first + (last - first) / 2;
         if (s->ghosts[middle].place <= place)
@@ -341,9 +343,9 @@ static void take_part(void *context, uint32_t part, uint64_t first, uint64_t end
 
 static bool reserve_pairs(own_pairs *own, uint64_t n, duet_error *err)
 {
-    if (n <= own->capacity)
+    if (own->pairs && n <= own->capacity)
         return true;
-    uint64_t most = n + n / 16;
+    uint64_t most = n + n / 16 + 1;
     duet_pair64 *pairs = realloc(own->pairs, most * sizeof *pairs);
     if (!pairs)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " pairs: no memory", n);
@@ -356,8 +358,6 @@ bool own_pairs_add(own_pairs *own, const seen *s, const worker_found *found, due
 {
     uint64_t n = found->spans[0].n + found->spans[1].n, all = own->n;
     taking t = {.s = s, .found = found};
-    if (n == 0)
-        return true;
     uint32_t parts = parallel_each(s->homes->threads, n, count_part, &t);
     for (uint32_t i = 0; i < parts; ++i) {
         uint64_t own_n = t.counts[i];
@@ -365,22 +365,24 @@ bool own_pairs_add(own_pairs *own, const seen *s, const worker_found *found, due
         all += own_n;
         own->hash += t.hashes[i];
     }
-    if (!own->drops && !reserve_pairs(own, all, err))
+    if (own->lists && !reserve_pairs(own, all, err))
         return false;
     t.pairs = own->pairs;
-    if (!own->drops)
+    if (own->lists)
         parallel_each(s->homes->threads, n, take_part, &t);
-    own->n = all;
+    own->n = all + found->n_counted;
+    own->hash += found->hash;
     return true;
 }
 
-void own_pairs_forget(own_pairs *own)
+void own_pairs_begin(own_pairs *own, bool lists)
 {
     own->n = own->hash = 0;
+    own->lists = lists;
 }
 
 void own_pairs_end(own_pairs *own)
 {
     free(own->pairs);
-    *own = (own_pairs){.drops = own->drops};
+    *own = (own_pairs){0};
 }

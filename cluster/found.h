@@ -72,16 +72,17 @@ static inline uint64_t seen_homes(const seen *s)
 
 // This rank's own pairs.
 typedef struct own_pairs {
-    bool drops; // they are counted, and pairs stays NULL
+    bool lists; // pairs has them; else they are counted
     duet_pair64 *pairs;
     uint64_t n;
     uint64_t hash;
     uint64_t capacity; // of pairs, for which there is memory
 } own_pairs;
 
-// Adds those of what was found.
+// None; keeps the memory.
+void own_pairs_begin(own_pairs *own, bool lists);
+// Adds those of what was found, all of which is in its spans where they are listed.
 bool own_pairs_add(own_pairs *own, const seen *s, const worker_found *found, duet_error *err);
-void own_pairs_forget(own_pairs *own); // keeps the memory
 void own_pairs_end(own_pairs *own);
 
 // The pair hash of one pair: below 2^32 that of duet_pairs_hash.

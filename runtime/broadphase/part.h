@@ -7,6 +7,7 @@
 #define RUNTIME_PART_H
 
 #include "kernels/counters.h"
+#include "runtime/broadphase/global_ids.h"
 #include "runtime/broadphase/grid.h"
 #include "runtime/broadphase/variant.h"
 #include "runtime/opencl/radix_sort.h"
@@ -25,7 +26,6 @@ typedef struct stretches {
 } stretches;
 
 typedef struct strays strays;
-typedef struct global_ids global_ids;
 
 // What both parts are told about the objects.
 typedef struct part_task {
