@@ -412,6 +412,22 @@ static void must_list(duet_cluster *cluster, const duet_cluster_result *result, 
     MUST(sums[0] == result->pairs && sums[1] == result->hash, "the pairs that were counted");
 }
 
+// How many pairs of two homes came to the host.
+static uint64_t count_brought(const duet_cluster *cluster)
+{
+    const homes *h = &cluster->homes;
+    uint64_t brought = 0;
+    for (int side = 0; side < 2; ++side)
+        for (uint64_t i = 0; i < cluster->found.spans[side].n; ++i) {
+            duet_pair p = cluster->found.spans[side].pairs[i];
+            bool both = p.a < h->rows.n && p.b < h->rows.n;
+            for (uint32_t k = 0; k < h->n_gone; ++k)
+                both &= p.a != h->gone[k] && p.b != h->gone[k];
+            brought += both;
+        }
+    return brought;
+}
+
 // The CPU's parts are told that they have memory of their own, so they count the pairs of homes
 // where these are found. Ids are far above 2^32, and objects change ranks and rows.
 static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
@@ -422,7 +438,7 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
     make_crowd(&c, &r, 3);
     MPI_Comm comm = group_of(n);
     if (comm == MPI_COMM_NULL) {
-        for (uint32_t at = 0; at < 20; ++at)
+        for (uint32_t at = 0; at < 32; ++at)
             find_expected(&c);
         return;
     }
@@ -438,16 +454,17 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
     duet_cluster *cluster = duet_cluster_create(&def, &err);
     MUST_OK(cluster, err);
     hand_over(cluster, &c, first, 7);
-    uint64_t counted = 0, gone = 0;
-    for (uint32_t at = 0; at < 20; ++at) {
+    uint64_t counted = 0, brought = 0, gone = 0;
+    for (uint32_t at = 0; at < 32; ++at) {
         const uint64_t *ids;
         uint32_t n_homes;
         duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n_homes, &err);
         MUST_OK(own, err);
-        for (uint32_t id = 0; id < c.n; ++id)
+        for (uint32_t id = at % 16; id < c.n; id += 16) // few, so that few ids change places
             move(&c.poses[id], id, at);
         for (uint32_t i = 0; i < n_homes; ++i)
-            move(&own[i], ids[i] - first, at);
+            if ((ids[i] - first) % 16 == at % 16)
+                move(&own[i], ids[i] - first, at);
         find_expected(&c);
         uint64_t expected = 0;
         for (uint64_t i = 0; i < c.n_pairs; ++i)
@@ -456,6 +473,7 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
             duet_cluster_result result = step(cluster);
             MUST(result.pairs == c.n_pairs && result.hash == expected, "the reference's pairs");
             counted += cluster->found.n_counted;
+            brought += rank == 2 ? 0 : count_brought(cluster);
             gone += cluster->homes.n_gone;
             if (at % 4 == 3)
                 must_list(cluster, &result, comm);
@@ -463,7 +481,10 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
     }
     MPI_Allreduce(MPI_IN_PLACE, &counted, 1, MPI_UINT64_T, MPI_SUM, comm);
     MPI_Allreduce(MPI_IN_PLACE, &gone, 1, MPI_UINT64_T, MPI_SUM, comm);
+    MPI_Allreduce(MPI_IN_PLACE, &brought, 1, MPI_UINT64_T, MPI_SUM, comm);
     MUST(counted > 1000 && (gone > 20 || n == 1), "devices counted, while objects left");
+    MUST(brought <= counted / 100,
+         "of the pairs of homes only those that float cannot decide come");
     duet_cluster_destroy(cluster);
     duet_device_pair_destroy(def.world.pair);
     MPI_Comm_free(&comm);
