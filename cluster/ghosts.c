@@ -60,6 +60,8 @@ static void search_part(void *context, uint32_t part, uint64_t first, uint64_t e
 {
     search *s = context;
     const homes *h = s->h;
+    visits found = s->parts[part]; // apart from what other threads write
+    bool failed = false;
     for (uint64_t at = first; at < end; ++at) {
         uint32_t i = h->border.rows[at];
         const void *object = object_row(&h->rows, &h->form, i);
@@ -74,9 +76,11 @@ static void search_part(void *context, uint32_t part, uint64_t first, uint64_t e
                 level = owners_upto(own_level, (uint32_t)s->self, (uint32_t)rank);
             if (level >= 0 && !homes_came_from(h, i, rank) &&
                 reaches_meet(&s->all[rank].upto[level], &e))
-                s->failed[part] |= !add_visit(&s->parts[part], i, rank);
+                failed |= !add_visit(&found, i, rank);
         }
     }
+    s->parts[part] = found;
+    s->failed[part] = failed;
 }
 
 // Those that all parts of the search have found.
