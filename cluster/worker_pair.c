@@ -31,6 +31,16 @@ static void begin(worker *w, uint32_t n)
     world_send_ahead(((pair_worker *)w)->world, n);
 }
 
+static bool skim_homes(worker *w, const float inside_lower[3], const float inside_upper[3])
+{
+    return world_skim(((pair_worker *)w)->world, inside_lower, inside_upper);
+}
+
+static uint32_t await_skim(worker *w, uint32_t from, const skim_block **blocks)
+{
+    return world_await_skim(((pair_worker *)w)->world, from, blocks);
+}
+
 // Into more memory, with some to spare.
 static void *grow(pair_worker *p, uint32_t n, uint32_t kept, duet_error *err)
 {
@@ -130,6 +140,8 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
     own.keep_bad = true; // so that it is the cluster that names a bad object
     p->base = (worker){.map = map,
                        .begin = begin,
+                       .skim = skim_homes,
+                       .await_skim = await_skim,
                        .extend = extend,
                        .order = order,
                        .move = move,
@@ -146,6 +158,7 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
         free(p);
         return NULL;
     }
+    p->world->skims = true;
     name_pair(p, def->pair);
     return &p->base;
 }

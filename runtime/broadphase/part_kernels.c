@@ -20,7 +20,7 @@ static const size_t buffers[] = {
     offsetof(part, ids_spare), offsetof(part, starts),    offsetof(part, bounds),
     offsetof(part, boxes),     offsetof(part, counters),  offsetof(part, candidates),
     offsetof(part, pairs),     offsetof(part, undecided), offsetof(part, levels),
-    offsetof(part, gathered),  offsetof(part, marks)};
+    offsetof(part, gathered),  offsetof(part, marks),     offsetof(part, skimmed)};
 
 #define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
 #define VALUE(name) BIND_VALUE(part, #name, args.name)
@@ -52,6 +52,7 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BUFFER("undecided", "uint2 *", undecided),
                                         BUFFER("counters", "uint *", counters),
                                         BUFFER("marks", "uint *", marks),
+                                        BUFFER("blocks", "skim_block *", skimmed),
                                         BIND_VALUE(part, "stamp", stamp),
                                         BIND_VALUE(part, "n_keys", args.n),
                                         BIND_VALUE(part, "place_capacity", place_capacity),
@@ -75,6 +76,9 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         VALUE(candidate_capacity),
                                         VALUE(pair_capacity),
                                         VALUE(undecided_capacity),
+                                        VALUE(skim_from),
+                                        VALUE(inside_lower),
+                                        VALUE(inside_upper),
                                         VALUE(cells),
                                         {0}};
 
@@ -115,6 +119,7 @@ void part_close(part *p)
     host_block_release(&p->news);
     host_block_release(&p->sent);
     host_block_release(&p->marks_seen);
+    host_block_release(&p->skim_seen);
     program_set_close(p->programs);
     gen_close(p->gen);
     *p = (part){0};
@@ -189,6 +194,17 @@ static bool ask_gather(part *p, const part_task *task, duet_error *err)
         p->kernels.gather = program_set_kernel(p->programs, "read_rows", "gather_rows", settings, n,
                                                gather_bindings, err);
     return p->kernels.gather;
+}
+
+// Objects in origin cells, or whose sizes are apart, are not skimmed.
+static bool ask_skim(part *p, const part_task *task, duet_error *err)
+{
+    const grid_objects *o = &task->objects;
+    bool skims = task->skims && !p->device->info.host_memory && !o->sizes && o->origin == 0.0f &&
+                 !grid_has_radii(o);
+    if (skims)
+        p->kernels.skim = get_kernel(p, "skim", "skim", err);
+    return !skims || p->kernels.skim;
 }
 
 // The primitives, with what the variant sets of them.
@@ -333,7 +349,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         if (!p->kernels.narrow)
             return false;
     }
-    return ask_gather(p, task, err) && all_settings_used(p, err) &&
+    return ask_gather(p, task, err) && ask_skim(p, task, err) && all_settings_used(p, err) &&
            program_set_build(p->programs, err);
 }
 
