@@ -478,13 +478,16 @@ static bool move_leavers(const look *seen, bool ok, homes *h, ranks *r, duet_err
 
 // ---------------------------------------------------------------- settling
 
-// Levels are those of the widest object there was: until one is wider, or they are too fine by
-// far. The same on all ranks.
+// A reach is a little wider the farther an object is from 0.
+#define ROOM_TO_MOVE 1.01
+
+// Levels are those of a little more than the widest object there was: until one is wider, or they
+// are too fine by far. The same on all ranks.
 static bool keep_widest(homes *h, double widest)
 {
     if (widest <= h->widest && h->widest <= 4 * widest)
         return true;
-    h->widest = widest;
+    h->widest = ROOM_TO_MOVE * widest;
     return false;
 }
 

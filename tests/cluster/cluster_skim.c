@@ -239,15 +239,35 @@ static void must_name_the_bad(duet_cluster *c)
          err.text);
 }
 
+static bool (*skim_in_truth)(worker *, const float[3], const float[3]);
+static int n_skims;
+
+static bool count_skim(worker *w, const float lower[3], const float upper[3])
+{
+    bool skims = skim_in_truth(w, lower, upper);
+    n_skims += skims;
+    return skims;
+}
+
+// Once a step, but where nothing was sent ahead or levels change.
+static bool is_quiet(uint32_t at)
+{
+    return at > 2 && at != GROWS && at != SHRINKS && at != CROWDS && at != FAILS && at != FAILS + 1;
+}
+
 static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
 {
     duet_cluster *clusters[] = {open_cluster(comm, true), open_cluster(comm, false)};
-    uint64_t left = 0, skims = 0;
+    uint64_t left = 0;
+    part *b = &worker_of(clusters[0])->world->parts[1];
+    skim_in_truth = clusters[0]->workers[0]->skim;
+    clusters[0]->workers[0]->skim = count_skim;
     for (int i = 0; i < 2; ++i)
         hand_over(clusters[i], seed);
     for (uint32_t at = 0; at < STEPS; ++at) {
         duet_error err = {0};
         duet_cluster_result results[2];
+        n_skims = 0;
         for (int i = 0; i < 2; ++i) {
             if (at > 0)
                 move_homes(clusters[i], at);
@@ -256,15 +276,13 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
             else
                 MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
         }
-        part *b = &worker_of(clusters[0])->world->parts[1];
-        skims += b->n_chunks > 2 && b->chunks[1].skimmed;
+        MUST(!is_quiet(at) || (n_skims == 1 && b->n_chunks > 2), "a look is enough, in chunks");
         left += clusters[0]->homes.n_gone;
         b->least_chunk = 1;
         MUST(at == FAILS || (results[0].hash == results[1].hash &&
                              results[0].pairs == results[1].pairs && results[0].pairs > 1000),
              "the pairs are the reference's");
     }
-    MUST(skims >= STEPS - 5, "devices skimmed most of the time");
     MPI_Allreduce(MPI_IN_PLACE, &left, 1, MPI_UINT64_T, MPI_SUM, *comm);
     MUST(clusters[0]->ranks.n == 1 || left > 100, "objects changed ranks");
     for (int i = 0; i < 2; ++i)
