@@ -197,7 +197,7 @@ typedef struct look {
     glance *parts; // [PARALLEL_MOST]
     glance all;    // whose lists only count
     const skim_block *blocks; // of the device that skimmed; NULL: the host did
-    uint64_t first_word;      // of them, that is looked at
+    uint32_t first;           // of the rows that are looked at
 } look;
 
 static void forget(glance *g)
@@ -258,16 +258,16 @@ static void look_at_part(void *context, uint32_t part, uint64_t first, uint64_t 
     l->parts[part] = g;
 }
 
-// Rows that the device found odd: a part is some words of 32 rows.
+// Of rows from l->first on those that the device found odd.
 static void look_at_odd(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
     look *l = context;
     glance g = l->parts[part];
-    for (uint64_t w = l->first_word + first; w < l->first_word + end; ++w) {
-        uint32_t odd = l->blocks[w / SKIM_WORDS].odd[w % SKIM_WORDS];
-        for (uint32_t i = (uint32_t)w * 32; odd; odd >>= 1, ++i)
-            if (odd & 1 && i < l->h->rows.n)
-                look_closely(l, &g, i);
+    for (uint64_t i = l->first + first; i < l->first + end;) {
+        uint32_t odd = l->blocks[i / SKIM_ROWS].odd[i % SKIM_ROWS / 32] >> i % 32;
+        if (odd & 1)
+            look_closely(l, &g, (uint32_t)i);
+        i = odd > 1 ? i + 1 : (i | 31) + 1;
     }
     l->parts[part] = g;
 }
@@ -298,8 +298,8 @@ static bool look_with_device(look *l)
         return false;
     for (uint32_t from = 0, to; from < h->rows.n; from = to) {
         to = w->await_skim(w, from, &l->blocks);
-        l->first_word = from / 32;
-        parallel_each(h->threads, (to - from + 31) / 32, look_at_odd, l);
+        l->first = from;
+        parallel_each(h->threads, to - from, look_at_odd, l);
         for (uint32_t i = from; i < to; i += SKIM_ROWS)
             skim_add_block(&l->all.deep, &l->blocks[i / SKIM_ROWS]);
     }

@@ -15,7 +15,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { N = 9000 };
+enum { N = 9000, MANY = 40000 };
 
 static duet_device_pair *devices;
 
@@ -41,8 +41,9 @@ static float some_number(rng *r, double likely)
     return rng_below(r, 150) > 0 ? (float)likely : odd[rng_below(r, sizeof odd / sizeof *odd)];
 }
 
-// What is promised not to count in 2D is any number too.
-static void make_row(rng *r, const object_form *form, float *row)
+// What is promised not to count in 2D is any number too. Some are all so small that float squares
+// of them vanish.
+static void make_row(rng *r, const object_form *form, bool is_small, float *row)
 {
     float from[3], half[3];
     for (int k = 0; k < 3; ++k) {
@@ -55,6 +56,8 @@ static void make_row(rng *r, const object_form *form, float *row)
     }
     for (int k = 6; form->shape == DUET_SHAPE_POSES && k < 10; ++k)
         row[k] = rng_below(r, 200) ? some_number(r, rng_normal(r)) : 0.0f;
+    for (int k = 0; is_small && k < 6; ++k)
+        row[k] *= 1e-24f;
 }
 
 static bool is_between(double lower, double x, double upper)
@@ -62,18 +65,20 @@ static bool is_between(double lower, double x, double upper)
     return lower < x && x < upper;
 }
 
-// What was passed over is sound, lies inside, and is in what is known of all.
-static void must_be_deep(const object_form *form, const float *row, const skim *all)
+// What was passed over is sound, lies inside, and is in what is known of its block.
+static void must_be_deep(const object_form *form, const float *row, const skim_block *block)
 {
     double at[3];
+    skim all = skim_none;
+    skim_add_block(&all, block);
     object_centre(form, row, at);
     reach e = reach_of(form, row);
     MUST(object_is_sound(form, row), "sound");
     for (uint32_t k = 0; k < form->dims; ++k)
-        MUST(is_between(inside.lower[k], at[k], inside.upper[k]) &&
-                 at[k] >= all->centres.lower[k] && at[k] <= all->centres.upper[k],
+        MUST(is_between(inside.lower[k], at[k], inside.upper[k]) && at[k] >= all.centres.lower[k] &&
+                 at[k] <= all.centres.upper[k],
              "inside");
-    MUST(reach_widest(&e) <= skim_widest(all, form), "no wider than is said");
+    MUST(reach_widest(&e) <= skim_widest(&all, form), "no wider than is said");
 }
 
 // Whether float must see that it is deep inside: the host does, bounds are inside as a whole, and
@@ -122,27 +127,22 @@ static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet
     rows = duet_world_map_objects(world, object_form_kind(&form), N, &err);
     MUST_OK(rows, err);
     for (uint32_t i = 0; i < N; ++i)
-        make_row(r, &form, rows + (size_t)i * words);
+        make_row(r, &form, i / SKIM_ROWS == 1, rows + (size_t)i * words);
     skim_box(&inside, lower, upper);
     MUST(!world_skim(world, lower, upper), "nothing was sent ahead");
     world_send_ahead(world, N);
     for (int again = 0; again < 2; ++again) { // any number of times
         const skim_block *blocks = NULL;
-        skim all = skim_none;
         MUST(world_skim(world, lower, upper), "it skims");
-        for (uint32_t from = 0; from < N; ++chunks) {
-            uint32_t to = world_await_skim(world, from, &blocks);
-            for (; from < to; from += SKIM_ROWS)
-                skim_add_block(&all, &blocks[from / SKIM_ROWS]);
-            from = to;
-        }
+        for (uint32_t from = 0; from < N; ++chunks)
+            from = world_await_skim(world, from, &blocks);
         deep = plain = n_odd = 0;
         for (uint32_t i = 0; i < N; ++i) {
             const float *row = rows + (size_t)i * words;
             bool is_odd = blocks[i / SKIM_ROWS].odd[i % SKIM_ROWS / 32] >> i % 32 & 1;
             bool is_plain = is_plainly_deep(&form, row);
             if (!is_odd)
-                must_be_deep(&form, row, &all);
+                must_be_deep(&form, row, &blocks[i / SKIM_ROWS]);
             MUST(!is_odd || !is_plain, "what is plainly deep is passed over");
             deep += !is_odd;
             plain += is_plain;
@@ -182,13 +182,13 @@ static worker_pair *worker_of(duet_cluster *c)
 }
 
 // Rank 0 brings all.
-static void hand_over(duet_cluster *c, uint64_t seed)
+static void hand_over(duet_cluster *c, uint32_t n, uint64_t seed)
 {
-    static duet_pose poses[N];
-    static uint64_t ids[N];
+    static duet_pose poses[MANY];
+    static uint64_t ids[MANY];
     duet_error err = {0};
     rng r = rng_seed(seed);
-    for (uint32_t i = 0; i < N; ++i) {
+    for (uint32_t i = 0; i < n; ++i) {
         ids[i] = i;
         poses[i] = (duet_pose){.half_extents = {0.5f, 0.3f, 0.4f}};
         for (int k = 0; k < 3; ++k)
@@ -196,7 +196,7 @@ static void hand_over(duet_cluster *c, uint64_t seed)
         for (int k = 0; k < 4; ++k)
             poses[i].rotation[k] = (float)rng_normal(&r);
     }
-    uint32_t n = duet_cluster_get_rank(c) == 0 ? N : 0;
+    n = duet_cluster_get_rank(c) == 0 ? n : 0;
     MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, poses, n, &err), err);
 }
 
@@ -263,7 +263,7 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
     skim_in_truth = clusters[0]->workers[0]->skim;
     clusters[0]->workers[0]->skim = count_skim;
     for (int i = 0; i < 2; ++i)
-        hand_over(clusters[i], seed);
+        hand_over(clusters[i], N, seed);
     for (uint32_t at = 0; at < STEPS; ++at) {
         duet_error err = {0};
         duet_cluster_result results[2];
@@ -289,6 +289,28 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
         duet_cluster_destroy(clusters[i]);
 }
 
+// Several threads look at each chunk, and then at the next.
+static void homes_leave_in_the_order_of_their_rows(MPI_Comm *comm, uint64_t seed)
+{
+    duet_error err = {0};
+    duet_cluster_result result;
+    duet_cluster *c = open_cluster(comm, true);
+    const homes *h = &c->homes;
+    parallel_end(&c->threads);
+    MUST_OK(parallel_begin(&c->threads, 1, &err), err);
+    hand_over(c, MANY, seed);
+    for (uint32_t at = 1; at < 4; ++at) {
+        MUST_OK(duet_cluster_step(c, &result, &err), err);
+        worker_of(c)->world->parts[1].least_chunk = 1;
+        for (uint32_t i = 1; i < h->n_gone; ++i)
+            MUST(h->gone[i - 1].row < h->gone[i].row, "ascending");
+        MUST(at < 3 || (h->n_gone > 100 && worker_of(c)->world->parts[1].chunks[1].skimmed),
+             "some left");
+        move_homes(c, at);
+    }
+    duet_cluster_destroy(c);
+}
+
 int main(int argc, char **argv)
 {
     const char *given = getenv("DUET_TEST_SEED");
@@ -310,6 +332,7 @@ int main(int argc, char **argv)
     }
     MPI_Barrier(MPI_COMM_WORLD);
     ranks_that_skim_find_the_same_pairs(&world, seed);
+    homes_leave_in_the_order_of_their_rows(&world, seed);
     duet_device_pair_destroy(devices);
     MUST(device_live_objects() == 0, "no OpenCL object is left");
     if (rank == 0)
