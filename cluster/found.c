@@ -84,21 +84,6 @@ bool seen_in_any_order(duet_level level)
     return level == DUET_LEVEL_CERTIFIED || level == DUET_LEVEL_AABB;
 }
 
-static void set_bit(seen *s, uint32_t place)
-{
-    s->is_ghost[place / 8] |= (uint8_t)(1u << place % 8);
-}
-
-// Those of the places [first, end).
-static void set_bits(seen *s, uint32_t first, uint32_t end)
-{
-    for (; first < end && first % 8 > 0; ++first)
-        set_bit(s, first);
-    for (; end > first && end % 8 > 0; --end)
-        set_bit(s, end - 1);
-    memset(s->is_ghost + first / 8, 0xff, (end - first) / 8);
-}
-
 typedef struct marking {
     seen *s;
     const homes *h;
@@ -127,9 +112,10 @@ static void mark_ghosts(marking *m, const homes *h, const parcels *ghosts)
     for (m->rank = 0; m->rank < m->n_ranks; m->before += ghosts->counts[m->rank++])
         parallel_each(h->threads, ghosts->counts[m->rank], mark_part, m);
     m->s->n_ghosts = h->n_gone + ghosts->n;
-    for (uint32_t i = 0; i < h->n_gone; ++i)
-        set_bit(m->s, h->gone[i].row);
-    set_bits(m->s, h->rows.n, h->rows.n + (uint32_t)ghosts->n);
+    for (uint64_t i = 0; i < m->s->n_ghosts; ++i) {
+        uint32_t place = m->s->ghosts[i].place;
+        m->s->is_ghost[place / 8] |= (uint8_t)(1u << place % 8);
+    }
 }
 
 bool seen_append(seen *s, homes *h, const ranks *r, const parcels *ghosts, duet_error *err)
@@ -257,7 +243,7 @@ bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error
         s->n_ghosts = from->n_ghosts;
     }
     for (uint64_t k = 0; ok && k < s->n_ghosts; ++k)
-        set_bit(s, s->ghosts[k].place);
+        s->is_ghost[s->ghosts[k].place / 8] |= (uint8_t)(1u << s->ghosts[k].place % 8);
     free(f);
     return ok;
 }
