@@ -11,6 +11,7 @@ typedef struct worker_pair {
     duet_object_kind kind;
     uint32_t bytes; // of an object
     char name[132];
+    const global_ids *ids; // for the next find, or NULL
 } worker_pair;
 
 #endif

@@ -8,6 +8,7 @@
 
 #include "kernels/counters.h"
 #include "kernels/grid/skim.h"
+#include "runtime/broadphase/global_ids.h"
 #include "runtime/broadphase/grid.h"
 #include "runtime/broadphase/variant.h"
 #include "runtime/opencl/radix_sort.h"
@@ -42,6 +43,7 @@ typedef struct part_task {
     const buffer *resident;   // the objects where the part's device has them already, or NULL
     bool keeps_pairs;         // they stay on the device
     bool skims;               // objects that are sent ahead may be skimmed
+    const global_ids *ids;    // pairs of objects that have one stay there, and are counted; or NULL
     uint64_t objects_version; // changes with the objects' content
     uint64_t sizes_version;   // changes with the sizes
     grid grid;
@@ -78,14 +80,15 @@ typedef struct part_kernels {
     kernel *starts;
     kernel *place; // bounds by id (paper), or everything into cell order (rows, lanes)
     kernel *candidates;
-    kernel *narrow; // NULL where the candidates' kernel finds pairs
-    kernel *gather; // NULL where the host sees objects that are to be decided
-    kernel *skim;   // NULL where it cannot be
-    bool fused;     // candidates are tested where they are found
-    bool listed;    // what overlaps is a pair, without a test
-    bool unboxed;   // boxes are read by id, where the objects are
-    bool from_ids;  // objects reach cell order by their sorted ids
-    bool packed;    // objects have names
+    kernel *narrow;                   // NULL where the candidates' kernel finds pairs
+    kernel *gather;                   // NULL where the host sees objects that are to be decided
+    kernel *change_ids, *count_pairs; // NULL where pairs come to the host
+    kernel *skim;                     // NULL where it cannot be
+    bool fused;                       // candidates are tested where they are found
+    bool listed;                      // what overlaps is a pair, without a test
+    bool unboxed;                     // boxes are read by id, where the objects are
+    bool from_ids;                    // objects reach cell order by their sorted ids
+    bool packed;                      // objects have names
     bool stretched; // some objects are taken, and what the other device wants of them is marked
     bool guarded;   // the search finds nothing where the grid got more than it has space for
 } part_kernels;
@@ -110,6 +113,7 @@ typedef struct part_args {
     cl_uint first, last;
     cl_uint found_capacity, candidate_capacity, pair_capacity, undecided_capacity;
     cl_uint row_words, n_ids; // gathered
+    cl_uint n_homes, n_id_changes, left_capacity;
     cl_uint marked_from, marked_to;
     cl_uint skim_from;
     cl_float4 inside_lower, inside_upper;
@@ -130,6 +134,13 @@ typedef struct part_found {
 } part_found;
 
 part_found part_found_of(const uint32_t counts[COUNTERS]);
+
+// Of the pairs that stay on the device.
+typedef struct part_counted {
+    uint64_t n;
+    uint64_t hash; // by global ids (cluster/found.h)
+    uint64_t left; // others, which come to the host
+} part_counted;
 
 typedef struct part {
     const device *device;
@@ -181,6 +192,12 @@ typedef struct part {
     buffer candidates, pairs, undecided;
     buffer gathered; // objects of the undecided pairs
     buffer counters;
+    buffer global_ids;
+    uint64_t ids_version; // of what was sent last; 0: nothing
+    buffer id_changes;
+    host_block changes; // on their way there
+    buffer pair_counts, left;
+    part_counted counted;
 
     part_found found;     // by what was read last of the counters
     host_block fetched;   // pairs on the host, where the device has memory of its own
