@@ -530,7 +530,7 @@ static bool settle_all(duet_cluster *c, const char *call, bool ok, duet_error *o
 typedef struct search {
     worker *worker;
     const seen *seen;
-    homes *told; // whose ids the worker is told, because all of them are seen in place; or NULL
+    homes *in_place; // whose rows are those of the worker; NULL: it has copies of some
     worker_found found;
     duet_error err;
     bool ok;
@@ -538,9 +538,9 @@ typedef struct search {
     pthread_t thread;
 } search;
 
-static void find_and_count(search *s, homes *h)
+static global_ids ids_of(const homes *h)
 {
-    const global_ids ids = {
+    return (global_ids){
         .list = h->rows.ids,
         .n = h->rows.n,
         .without = h->gone,
@@ -549,27 +549,29 @@ static void find_and_count(search *s, homes *h)
         .n_changed = h->renamed.n,
         .all_changed = h->all_renamed || h->renamed.failed,
     };
-    s->worker->tell_ids(s->worker, &ids);
-    s->ok = s->worker->find(s->worker, &s->found, &s->err);
-    if (s->ok)
-        homes_forget_renamed(h);
 }
 
 // Without homes there are no pairs of this rank's, and nothing is built.
 static void *run_search(void *arg)
 {
     search *s = arg;
+    global_ids ids;
     s->ok = true;
-    if (seen_homes(s->seen) > 0 && s->told && s->worker->tell_ids)
-        find_and_count(s, s->told);
-    else if (seen_homes(s->seen) > 0)
-        s->ok = s->worker->find(s->worker, &s->found, &s->err);
+    if (seen_homes(s->seen) == 0)
+        return NULL;
+    if (s->in_place && s->worker->tell_ids) {
+        ids = ids_of(s->in_place);
+        s->worker->tell_ids(s->worker, &ids);
+    }
+    s->ok = s->worker->find(s->worker, &s->found, &s->err);
+    if (s->ok && s->in_place)
+        homes_forget_renamed(s->in_place);
     return NULL;
 }
 
-static void begin_search(search *s, worker *w, const seen *what, homes *told, bool apart)
+static void begin_search(search *s, worker *w, const seen *what, homes *in_place, bool apart)
 {
-    *s = (search){.worker = w, .seen = what, .told = told};
+    *s = (search){.worker = w, .seen = what, .in_place = in_place};
     s->is_apart = apart && pthread_create(&s->thread, NULL, run_search, s) == 0;
     if (!s->is_apart)
         run_search(s);

@@ -80,15 +80,16 @@ typedef struct part_kernels {
     kernel *starts;
     kernel *place; // bounds by id (paper), or everything into cell order (rows, lanes)
     kernel *candidates;
-    kernel *narrow;                   // NULL where the candidates' kernel finds pairs
-    kernel *gather;                   // NULL where the host sees objects that are to be decided
-    kernel *change_ids, *count_pairs; // NULL where pairs come to the host
-    kernel *skim;                     // NULL where it cannot be
-    bool fused;                       // candidates are tested where they are found
-    bool listed;                      // what overlaps is a pair, without a test
-    bool unboxed;                     // boxes are read by id, where the objects are
-    bool from_ids;                    // objects reach cell order by their sorted ids
-    bool packed;                      // objects have names
+    kernel *narrow; // NULL where the candidates' kernel finds pairs
+    kernel *gather; // NULL where the host sees objects that are to be decided
+    kernel *change_ids;
+    kernel *count_pairs; // NULL where pairs come to the host
+    kernel *skim;        // NULL where it cannot be
+    bool fused;          // candidates are tested where they are found
+    bool listed;         // what overlaps is a pair, without a test
+    bool unboxed;        // boxes are read by id, where the objects are
+    bool from_ids;       // objects reach cell order by their sorted ids
+    bool packed;         // objects have names
     bool stretched; // some objects are taken, and what the other device wants of them is marked
     bool guarded;   // the search finds nothing where the grid got more than it has space for
 } part_kernels;
@@ -138,7 +139,7 @@ part_found part_found_of(const uint32_t counts[COUNTERS]);
 // Of the pairs that stay on the device.
 typedef struct part_counted {
     uint64_t n;
-    uint64_t hash; // by global ids (cluster/found.h)
+    uint64_t hash; // by global ids (kernels/grid/count_pairs.cl)
     uint64_t left; // others, which come to the host
 } part_counted;
 

@@ -358,7 +358,9 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
                 move(&own[i], ids[i], at);
             uint64_t first = n > 0 ? ids[0] : 0;
             must_find(clusters[g], &c);
-            left += clusters[g]->homes.n_gone;
+            const homes *h = &clusters[g]->homes;
+            left += h->n_gone;
+            MUST(homes_count(h) == 0 || h->renamed.n == 0, "a list that grows no further");
             merged += n > 0 && !clusters[g]->homes.holder && homes_count(&clusters[g]->homes) > 0 &&
                       clusters[g]->homes.rows.ids[0] != first;
         }
