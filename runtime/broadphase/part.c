@@ -55,10 +55,11 @@ void part_forget(part *p)
 
 // ---------------------------------------------------------------- objects
 
-// A chunk is whole groups of the kernel that takes them, the last one apart.
+// A chunk is whole groups of the kernels that take them, the last one apart. All are powers of two.
 static uint32_t chunk_size(const part *p, uint32_t n)
 {
     uint64_t unit = (uint64_t)p->kernels.hash->group * p->kernels.hash->per_item;
+    unit = p->kernels.skim && unit < SKIM_ROWS ? SKIM_ROWS : unit;
     uint64_t size = (uint64_t)n / PART_CHUNKS + 1;
     size = size < p->least_chunk ? p->least_chunk : size;
     size = (size + unit - 1) / unit * unit;
@@ -76,7 +77,8 @@ static bool send_chunks(part *p, const part_task *task, uint32_t from, duet_erro
                                    (const char *)task->objects.array + from * bytes, n * bytes,
                                    err))
             return false;
-        p->chunks[p->n_chunks++] = (part_chunk){from + n, timeline_last_event(&p->times)};
+        p->chunks[p->n_chunks++] =
+            (part_chunk){.to = from + n, .sent = timeline_last_event(&p->times)};
     }
     return true;
 }
@@ -133,6 +135,47 @@ bool part_send_ahead(part *p, const part_task *task, size_t bytes, duet_error *e
         return false;
     p->ahead_version = task->objects_version;
     return true;
+}
+
+// Blocks of a chunk travel while the next one is on its way.
+static bool skim_chunk(part *p, uint32_t from, part_chunk *c, duet_error *err)
+{
+    size_t at = from / SKIM_ROWS, end = ((size_t)c->to + SKIM_ROWS - 1) / SKIM_ROWS;
+    p->args.skim_from = from;
+    p->args.n = c->to;
+    bool ok =
+        timeline_launch_after(&p->times, "skim", p->kernels.skim, c->to - from, c->sent, p, err) &&
+        timeline_start_read(&p->times, "fetch skim", &p->skimmed, at * sizeof(skim_block),
+                            (skim_block *)p->skim_seen.bytes + at, (end - at) * sizeof(skim_block),
+                            err);
+    c->skimmed = timeline_last_event(&p->times);
+    return ok;
+}
+
+bool part_skim(part *p, const float inside_lower[3], const float inside_upper[3], duet_error *err)
+{
+    if (!p->kernels.skim || p->ahead_version == 0 || p->n_chunks == 0)
+        return false;
+    uint32_t n = p->chunks[p->n_chunks - 1].to, from = 0;
+    size_t bytes = ((size_t)n + SKIM_ROWS - 1) / SKIM_ROWS * sizeof(skim_block);
+    bool ok = buffer_reserve(&p->skimmed, p->device, bytes, err) &&
+              host_block_reserve(&p->skim_seen, p->device, 1, bytes, err);
+    p->args = (part_args){.objects = p->objects};
+    memcpy(&p->args.inside_lower, inside_lower, 3 * sizeof *inside_lower);
+    memcpy(&p->args.inside_upper, inside_upper, 3 * sizeof *inside_upper);
+    for (uint32_t i = 0; ok && i < p->n_chunks; from = p->chunks[i++].to)
+        ok = skim_chunk(p, from, &p->chunks[i], err);
+    return ok;
+}
+
+uint32_t part_await_skim(part *p, uint32_t from, const skim_block **blocks)
+{
+    uint32_t i = 0;
+    while (p->chunks[i].to <= from)
+        ++i;
+    timeline_spin(&p->times, p->chunks[i].skimmed);
+    *blocks = p->skim_seen.bytes;
+    return p->chunks[i].to;
 }
 
 // What was sent ahead is of use where all objects are sent, to where it is.

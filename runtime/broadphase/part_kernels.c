@@ -22,7 +22,8 @@ static const size_t buffers[] = {
     offsetof(part, boxes),      offsetof(part, counters),    offsetof(part, candidates),
     offsetof(part, pairs),      offsetof(part, undecided),   offsetof(part, levels),
     offsetof(part, gathered),   offsetof(part, marks),       offsetof(part, global_ids),
-    offsetof(part, id_changes), offsetof(part, pair_counts), offsetof(part, left)};
+    offsetof(part, id_changes), offsetof(part, pair_counts), offsetof(part, left),
+    offsetof(part, skimmed)};
 
 #define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
 #define VALUE(name) BIND_VALUE(part, #name, args.name)
@@ -54,6 +55,7 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BUFFER("undecided", "uint2 *", undecided),
                                         BUFFER("counters", "uint *", counters),
                                         BUFFER("marks", "uint *", marks),
+                                        BUFFER("blocks", "skim_block *", skimmed),
                                         BUFFER("global_ids", "uint2 *", global_ids),
                                         BUFFER("id_changes", "uint4 *", id_changes),
                                         BUFFER("pair_counts", "uint *", pair_counts),
@@ -81,6 +83,9 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         VALUE(candidate_capacity),
                                         VALUE(pair_capacity),
                                         VALUE(undecided_capacity),
+                                        VALUE(skim_from),
+                                        VALUE(inside_lower),
+                                        VALUE(inside_upper),
                                         VALUE(n_homes),
                                         VALUE(n_id_changes),
                                         VALUE(left_capacity),
@@ -124,6 +129,7 @@ void part_close(part *p)
     host_block_release(&p->news);
     host_block_release(&p->sent);
     host_block_release(&p->marks_seen);
+    host_block_release(&p->skim_seen);
     host_block_release(&p->changes);
     program_set_close(p->programs);
     gen_close(p->gen);
@@ -199,6 +205,17 @@ static bool ask_gather(part *p, const part_task *task, duet_error *err)
         p->kernels.gather = program_set_kernel(p->programs, "read_rows", "gather_rows", settings, n,
                                                gather_bindings, err);
     return p->kernels.gather;
+}
+
+// Objects in origin cells, or whose sizes are apart, are not skimmed.
+static bool ask_skim(part *p, const part_task *task, duet_error *err)
+{
+    const grid_objects *o = &task->objects;
+    bool skims = task->skims && !p->device->info.host_memory && !o->sizes && o->origin == 0.0f &&
+                 !grid_has_radii(o);
+    if (skims)
+        p->kernels.skim = get_kernel(p, "skim", "skim", err);
+    return !skims || p->kernels.skim;
 }
 
 static bool ask_count(part *p, const part_task *task, duet_error *err)
@@ -353,8 +370,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         if (!p->kernels.narrow)
             return false;
     }
-    return ask_gather(p, task, err) && ask_count(p, task, err) && all_settings_used(p, err) &&
-           program_set_build(p->programs, err);
+    return ask_gather(p, task, err) && ask_skim(p, task, err) && ask_count(p, task, err) &&
+           all_settings_used(p, err) && program_set_build(p->programs, err);
 }
 
 const kernel *part_kernel(const part *p, const char *name)
