@@ -34,6 +34,8 @@ void part_distrust(part *p)
     timeline_clear(&p->times);
     p->objects_version = p->sizes_version = p->levels_version = p->ahead_version = 0;
     p->packed.objects_version = p->stretched.objects_version = 0;
+    p->zero_counts = 0;
+    p->next_are_cleared = false;
 }
 
 void part_forget(part *p)
@@ -200,12 +202,17 @@ static uint32_t count_starts(const part_range *range)
     return own_cells(range) + 1 + STARTS_BEHIND;
 }
 
-// Zeroes the counters, and with them n_starts words of the starts.
-static bool clear(part *p, uint32_t n_starts, duet_error *err)
+// Zeroes the counters, and with them n_counts of the objects a cell. Mostly the step before has
+// done that: it left the counts at zero, and these counters.
+static bool clear(part *p, uint32_t n_counts, duet_error *err)
 {
-    uint32_t work = n_starts > COUNTERS ? n_starts : COUNTERS;
-    p->args.n_starts = n_starts;
-    return timeline_launch(&p->times, "clear", p->kernels.clear, work, p, err);
+    uint32_t work = n_counts > COUNTERS ? n_counts : COUNTERS;
+    bool is_done = p->next_are_cleared && n_counts <= p->zero_counts;
+    buffer_swap(&p->counters, &p->next_counters);
+    p->next_are_cleared = false;
+    p->zero_counts = n_counts > p->zero_counts ? n_counts : p->zero_counts;
+    p->args.n_counts = n_counts;
+    return is_done || timeline_launch(&p->times, "clear", p->kernels.clear, work, p, err);
 }
 
 // ---------------------------------------------------------------- sorting
@@ -285,18 +292,19 @@ static bool ask_for_marks(part *p, duet_error *err)
                                 p->marks.bytes, err));
 }
 
-// Of its own stretch alone the part marks what the other one wants.
+// The part marks what the other one wants of its own stretch, which comes first; marks of others
+// that lie side by side with it are nobody's concern.
 static bool hash_stretches(part *p, const part_task *task, duet_error *err)
 {
     const part_range *other = strays_wanted_by_other(task->strays, task->side);
-    stretch own = strays_own(task->strays, task->side);
+    const stretches taken = strays_joined(&p->taken);
+    const stretch *own = &taken.list[taken.own];
     p->args.marked_from = other->key_from;
     p->args.marked_to = other->key_to;
-    bool ok = hash_chunk(p, own.from, own.to, NULL, err) && ask_for_marks(p, err);
+    bool ok = hash_chunk(p, own->from, own->to, NULL, err) && ask_for_marks(p, err);
     p->args.marked_from = p->args.marked_to = 0;
-    for (uint32_t i = 0; ok && i < p->taken.n; ++i)
-        ok = i == p->taken.own ||
-             hash_chunk(p, p->taken.list[i].from, p->taken.list[i].to, NULL, err);
+    for (uint32_t i = 0; ok && i < taken.n; ++i)
+        ok = i == taken.own || hash_chunk(p, taken.list[i].from, taken.list[i].to, NULL, err);
     p->args.n = task->objects.n;
     return ok;
 }
@@ -322,17 +330,18 @@ static bool hash_objects(part *p, const part_task *task, bool all, duet_error *e
                : run_hash(p, task, err);
 }
 
-// Gives each object that was taken its place.
-static bool scatter(part *p, const part_task *task, duet_error *err)
+// Runs a kernel over the objects that were taken.
+static bool launch_over_taken(part *p, const part_task *task, const char *stage, const kernel *k,
+                              duet_error *err)
 {
     const stretches all = {.list = {{0, task->objects.n}}, .n = 1};
-    const stretches *taken = task->strays ? &p->taken : &all;
+    const stretches taken = task->strays ? strays_joined(&p->taken) : all;
     bool ok = true;
-    for (uint32_t i = 0; ok && i < taken->n; ++i) {
-        const stretch *s = &taken->list[i];
+    for (uint32_t i = 0; ok && i < taken.n; ++i) {
+        const stretch *s = &taken.list[i];
         p->args.n_hashed = s->from;
         p->args.n = s->to;
-        ok = timeline_launch(&p->times, "sort", p->kernels.scatter, s->to - s->from, p, err);
+        ok = timeline_launch(&p->times, stage, k, s->to - s->from, p, err);
     }
     p->args.n = task->objects.n;
     return ok;
@@ -341,9 +350,10 @@ static bool scatter(part *p, const part_task *task, duet_error *err)
 // The keys count into starts, and the ranks tell them apart.
 static bool counting_sort(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    return hash_objects(p, task, !p->kernels.from_ids, err) &&
-           scan_run(&p->scan, &p->times, "sort", &p->starts, count_starts(range), err) &&
-           (!p->kernels.from_ids || scatter(p, task, err));
+    return hash_objects(p, task, false, err) &&
+           scan_empty(&p->scan, &p->times, "sort", &p->counts, &p->starts, count_starts(range),
+                      err) &&
+           (!p->kernels.from_ids || launch_over_taken(p, task, "sort", p->kernels.scatter, err));
 }
 
 static bool find_starts(part *p, const part_task *task, const part_range *range, duet_error *err)
@@ -373,10 +383,14 @@ static bool radix_sort_keys(part *p, const part_task *task, const part_range *ra
 // The paper's kernels read bounds by id; the others read objects in cell order.
 static bool place(part *p, const part_task *task, duet_error *err)
 {
-    bool by_id = p->variant.search == SEARCH_PAPER;
-    bool gathers = !by_id && p->kernels.from_ids && p->place_capacity < task->objects.n;
-    return timeline_launch(&p->times, by_id ? "bounds" : "reorder", p->kernels.place,
-                           gathers ? p->place_capacity : task->objects.n, p, err);
+    uint32_t n = task->objects.n;
+    if (p->variant.search == SEARCH_PAPER)
+        return timeline_launch(&p->times, "bounds", p->kernels.place, n, p, err);
+    uint32_t work = n < p->place_capacity ? n : p->place_capacity;
+    p->next_are_cleared = work > 0;
+    return p->kernels.from_ids
+               ? timeline_launch(&p->times, "reorder", p->kernels.place, work, p, err)
+               : launch_over_taken(p, task, "reorder", p->kernels.place, err);
 }
 
 // Rotated boxes that have a radius: a quaternion and that, in 2D fewer
@@ -418,6 +432,17 @@ static bool reserve_places(part *p, const part_task *task, size_t n, duet_error 
            (bytes.boxes == 0 || buffer_reserve(&p->boxes, p->device, bytes.boxes, err));
 }
 
+// Without a counting sort nothing is counted.
+static bool reserve_counts(part *p, const part_range *range, duet_error *err)
+{
+    size_t before = p->counts.bytes;
+    size_t words = p->variant.sort == SORT_COUNTING ? count_starts(range) : 1;
+    bool ok = buffer_reserve(&p->counts, p->device, words * sizeof(uint32_t), err);
+    if (p->counts.bytes != before)
+        p->zero_counts = 0;
+    return ok;
+}
+
 static bool reserve_grid(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     size_t words = task->objects.n * sizeof(uint32_t);
@@ -427,7 +452,7 @@ static bool reserve_grid(part *p, const part_task *task, const part_range *range
            (p->variant.sort == SORT_COUNTING ||
             buffer_reserve(&p->ids_spare, p->device, words, err)) &&
            buffer_reserve(&p->starts, p->device, count_starts(range) * sizeof(uint32_t), err) &&
-           reserve_places(p, task, range->expected, err);
+           reserve_counts(p, range, err) && reserve_places(p, task, range->expected, err);
 }
 
 bool part_build_grid(part *p, const part_task *task, const part_range *range, duet_error *err)
