@@ -283,7 +283,7 @@ stray_marks part_marks(const part *p)
     return (stray_marks){p->marks.host ? p->marks.host : p->marks_seen.bytes, p->stamp};
 }
 
-// On their way where the device has memory of its own; else part_search brings them.
+// On their way where the device has memory of its own; else the search shows them.
 static bool ask_for_marks(part *p, duet_error *err)
 {
     return p->device->info.host_memory ||
@@ -670,10 +670,22 @@ static bool ask_ahead(part *p, cl_event *told, duet_error *err)
                                      bytes, err);
 }
 
+// All that the host reads of memory that it shares with the device.
+static bool see_found(part *p, duet_error *err)
+{
+    const buffer *const found[] = {&p->marks, &p->undecided, &p->pairs, &p->counters};
+    bool ok = timeline_see(&p->times, "fetch pairs", found, sizeof found / sizeof found[0], err);
+    if (ok)
+        p->found = part_found_of(p->counters.host);
+    return ok;
+}
+
 static bool hear(part *p, const part_task *task, duet_error *err)
 {
     cl_event told = NULL;
-    if (p->device->info.host_memory || task->keeps_pairs)
+    if (p->device->info.host_memory)
+        return see_found(p, err);
+    if (task->keeps_pairs)
         return read_counters(p, err);
     if (!ask_ahead(p, &told, err))
         return false;
@@ -765,12 +777,12 @@ static bool reserve_span(part *p, duet_pair **pairs, duet_error *err)
     return ok;
 }
 
-// The pairs that were not sent ahead start to travel; those for the next step
-// are a few more than now.
+// The pairs that were not sent ahead start to travel, unless the host has seen them; those for the
+// next step are a few more than now.
 static bool fetch_rest(part *p, duet_pair *pairs, uint64_t n, duet_error *err)
 {
-    uint64_t there = p->device->info.host_memory ? 0 : p->pairs_ahead;
-    bool ok = there >= n ||
+    uint64_t there = p->pairs_ahead;
+    bool ok = p->pairs.host || there >= n ||
               timeline_start_read(&p->times, "fetch pairs", &p->pairs, there * sizeof(duet_pair),
                                   pairs + there, (n - there) * sizeof(duet_pair), err);
     p->pairs_ahead = n + n / 64;
@@ -780,13 +792,10 @@ static bool fetch_rest(part *p, duet_pair *pairs, uint64_t n, duet_error *err)
 static bool fetch_open(part *p, const duet_pair **open, duet_pair *scratch, duet_error *err)
 {
     const news *n = p->news.bytes;
-    *open = p->undecided.host ? p->undecided.host : scratch;
-    if (n && !p->device->info.host_memory && p->n_undecided <= OPEN_AHEAD) {
-        *open = n->open;
-        return true;
-    }
-    return timeline_read(&p->times, "fetch pairs", &p->undecided, (void *)*open,
-                         p->n_undecided * sizeof **open, err);
+    bool ahead = n && p->n_undecided <= OPEN_AHEAD;
+    *open = p->undecided.host ? p->undecided.host : ahead ? n->open : scratch;
+    return *open != scratch || timeline_read(&p->times, "fetch pairs", &p->undecided, (void *)*open,
+                                             p->n_undecided * sizeof **open, err);
 }
 
 static bool collide(const grid_objects *objects, uint32_t a, uint32_t b)
@@ -915,13 +924,6 @@ static bool fetch(part *p, const part_task *task, duet_error *err)
     return ok;
 }
 
-// Where the device works on host memory, the marks are there already.
-static bool see_marks(part *p, duet_error *err)
-{
-    return !p->marks.host || timeline_start_read(&p->times, "fetch marks", &p->marks, 0,
-                                                 p->marks.host, p->marks.bytes, err);
-}
-
 bool part_search(part *p, const part_task *task, const part_range *range, bool *placed,
                  duet_error *err)
 {
@@ -941,5 +943,5 @@ bool part_search(part *p, const part_task *task, const part_range *range, bool *
     if (!ok || !*placed)
         return ok;
     p->n_candidates = p->kernels.listed ? p->found.pairs : p->found.candidates + p->found.tested;
-    return (!task->strays || see_marks(p, err)) && fetch(p, task, err);
+    return fetch(p, task, err);
 }
