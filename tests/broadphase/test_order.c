@@ -392,7 +392,7 @@ static void assert_counts_from_zero(duet_world *world, uint32_t n, const bool cl
 static void a_step_leaves_its_counts_at_zero_for_the_next_one(void **state)
 {
     (void)state;
-    enum { N = 5003 };
+    enum { N = CAPACITY / 4 };
     static const bool both[2] = {true, true}, none[2];
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
