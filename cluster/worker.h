@@ -50,9 +50,8 @@ struct worker {
 worker *worker_open_pair(const duet_world_def *def, duet_error *err);
 worker *worker_open_plain(const duet_world_def *def, duet_error *err);
 
-// Finds nothing, in the time that devices would take.
-struct simulation;
-worker *worker_open_simulated(const duet_world_def *def, const struct simulation *s,
-                              duet_error *err);
+// Finds nothing, in the time that the simulation of r says.
+struct ranks;
+worker *worker_open_simulated(const duet_world_def *def, const struct ranks *r, duet_error *err);
 
 #endif
