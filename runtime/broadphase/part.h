@@ -110,7 +110,7 @@ typedef struct part_args {
     cl_uint n_hashed;
     cl_uint key_from, key_home_to, key_to, key_end;
     cl_uint n_home_cells, n_own_cells;
-    cl_uint n_counters, n_starts;
+    cl_uint n_counters, n_counts;
     cl_uint first, last;
     cl_uint found_capacity, candidate_capacity, pair_capacity, undecided_capacity;
     cl_uint row_words, n_ids; // gathered
@@ -186,6 +186,8 @@ typedef struct part {
     uint64_t levels_version;      // of what was sent last
     buffer keys, ids;             // of the objects; in cell order once sorted
     buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
+    buffer counts;                // objects a cell, until the scan makes starts of them
+    uint32_t zero_counts;         // of them that are zero between steps
     buffer starts;                // first of each cell
     buffer bounds;                // [n][2], by id or in cell order; lanes: by columns
     buffer boxes;                 // [n][3], in cell order; lanes: rows of numbers
@@ -193,6 +195,8 @@ typedef struct part {
     buffer candidates, pairs, undecided;
     buffer gathered; // objects of the undecided pairs
     buffer counters;
+    buffer next_counters;  // the next step's
+    bool next_are_cleared; // they are zero
     buffer global_ids;
     uint64_t ids_version; // of what was sent last; 0: nothing
     buffer id_changes;
