@@ -106,6 +106,19 @@ static bool store_impulses(duet_motion *m, duet_error *err)
                           most_of(m, 0, COLOUR_OVERFLOW + 1), err);
 }
 
+// What sleeps deep in others goes when all else has gone, so that whatever it then touches is
+// searched for where it is. The flags are those that colours were chosen by.
+static bool push_sleepers(duet_motion *m, duet_error *err)
+{
+    const motion_kernels *k = &m->kernels;
+    bool ok = true;
+    if (!motion_has(m, DUET_EFFECT_SLEEP) || m->n_contacts == 0 || !m->flags[FLAG_PRESSED])
+        return true;
+    for (m->args.round = 0; ok && m->args.round < PRESSED_ROUNDS; ++m->args.round)
+        ok = motion_launch(m, "sleep", k->push_sleepers, m->n, err);
+    return ok && motion_launch(m, "sleep", k->move_sleepers, m->n, err);
+}
+
 static bool respond(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
@@ -115,7 +128,7 @@ static bool respond(duet_motion *m, duet_error *err)
         ok = substep(m, err);
     ok = ok && (!m->facts.elastic || for_colours(m, k->apply_restitution, err));
     ok = ok && store_impulses(m, err) && motion_note_events(m, err) &&
-         motion_launch(m, "integrate", k->finalize_bodies, m->n, err);
+         motion_launch(m, "integrate", k->finalize_bodies, m->n, err) && push_sleepers(m, err);
     if (!motion_has(m, DUET_EFFECT_SKIN))
         return ok;
     m->bounds_checked = ok && motion_check_bounds(m, err);
@@ -153,27 +166,12 @@ static bool hear(duet_motion *m, duet_error *err)
     return !motion_has(m, DUET_EFFECT_EVENTS) || motion_fetch_events(m, err);
 }
 
-// What sleeps deep in others goes at the end of a step, so that whatever it then touches is
-// searched for where it is.
-static bool push_sleepers(duet_motion *m, duet_error *err)
-{
-    const motion_kernels *k = &m->kernels;
-    bool ok = true;
-    if (!motion_has(m, DUET_EFFECT_SLEEP) || !m->flags[FLAG_PRESSED])
-        return true;
-    m->bounds_checked = false;
-    for (m->args.round = 0; ok && m->args.round < PRESSED_ROUNDS; ++m->args.round)
-        ok = motion_launch(m, "sleep", k->push_sleepers, m->n, err);
-    return ok && motion_launch(m, "sleep", k->move_sleepers, m->n, err);
-}
-
 // Nothing is sent to the device where nothing would change.
 static bool run_step(duet_motion *m, duet_error *err)
 {
     bool still = m->n == 0 || m->def.dt == 0.0 || m->effects == 0 || m->at_rest;
     return still ? motion_keep_events(m, err)
-                 : run_effects(m, err) && hear(m, err) && push_sleepers(m, err) &&
-                       timeline_finish(&m->times, err);
+                 : run_effects(m, err) && hear(m, err) && timeline_finish(&m->times, err);
 }
 
 static void fill_result(duet_motion *m, duet_motion_result *result)
