@@ -13,8 +13,6 @@
 
 #include <string.h>
 
-enum { TIMED_EVERY = 16 }; // steps, of those of a device with memory of its own
-
 // ---------------------------------------------------------------- response
 
 // woken: only of what woke in this step, where anything did.
@@ -191,19 +189,14 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
         .n_hits = m->told.n_hits,
         .stages = m->times.stages,
         .n_stages = m->times.n_launches > 0 ? (uint32_t)m->times.n_stages : 0,
+        .timed = !m->times.untimed,
     };
-}
-
-// Asking for times costs a GPU's driver more than many a kernel takes.
-static bool is_timed(const duet_motion *m)
-{
-    return m->device->info.host_memory || m->times.n_stages == 0 || m->step % TIMED_EVERY == 0;
 }
 
 bool motion_carry_step(duet_motion *m, double *ms, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
-    if (is_timed(m))
+    if (m->def.stage_times || timeline_is_due(&m->times, m->device, m->step))
         timeline_begin(&m->times, m->device);
     else
         timeline_begin_untimed(&m->times, m->device);
@@ -226,6 +219,7 @@ bool motion_complete_step(duet_motion *m, bool carried, double ms, duet_motion_r
     ++m->step;
     motion_note_step(m);
     fill_result(m, result);
+    m->times.untimed = true; // what comes between steps is of none
     result->total_ms = ms + clock_ms_since(begun);
     return true;
 }
