@@ -79,6 +79,16 @@ static void choose_keepers(duet_world *world)
             pair_buffers_can_copy(&world->left, &world->def.pair->devices[side]);
 }
 
+static void choose_timed(duet_world *world)
+{
+    for (int side = 0; side < 2; ++side) {
+        part *p = &world->parts[side];
+        p->untimed =
+            !world->def.stage_times && !timeline_is_due(&p->times, p->device, world->steps);
+    }
+    ++world->steps;
+}
+
 static part_task describe_task(const duet_world *world, int side)
 {
     const resident *r = &world->resident;
@@ -419,6 +429,7 @@ static void fill_result(duet_world *world, duet_result *result)
         .cell_widened = world->cell_widened,
         .runs = largest(a->runs, b->runs),
         .stages = world->stages,
+        .timed = !a->times.untimed && !b->times.untimed,
     };
     for (int side = 0; side < 2; ++side) {
         const timeline *t = &world->parts[side].times;
@@ -472,6 +483,7 @@ static bool run_step(duet_world *world, duet_result *result, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     choose_keepers(world);
+    choose_timed(world);
     if (!world_check_sizes(world, err) || !find_pairs_when_ready(world, err))
         return false;
     bool ok = true;

@@ -13,7 +13,6 @@ void timeline_begin_untimed(timeline *t, const device *d)
     t->device = d;
     t->untimed = true;
     t->n_launches = t->n_waits = 0;
-    t->first_begin = t->last_end = 0;
 }
 
 void timeline_begin(timeline *t, const device *d)
@@ -21,6 +20,12 @@ void timeline_begin(timeline *t, const device *d)
     timeline_begin_untimed(t, d);
     t->untimed = false;
     t->n_stages = 0;
+    t->first_begin = t->last_end = 0;
+}
+
+bool timeline_is_due(const timeline *t, const device *d, uint64_t step)
+{
+    return d->info.host_memory || t->n_stages == 0 || step % TIMELINE_TIMED_EVERY == 0;
 }
 
 static int stage_index(timeline *t, const char *name, bool transfer)

@@ -6,7 +6,8 @@
 #include "runtime/opencl/buffer.h"
 #include "runtime/opencl/program.h"
 
-enum { TIMELINE_EVENTS = 192, TIMELINE_STAGES = 24, TIMELINE_SEEN = 4 };
+// TIMED_EVERY: one step in so many has times where asking for them costs a device time.
+enum { TIMELINE_EVENTS = 192, TIMELINE_STAGES = 24, TIMELINE_SEEN = 4, TIMELINE_TIMED_EVERY = 16 };
 
 typedef struct timeline {
     const device *device;
@@ -31,9 +32,14 @@ typedef struct timeline {
 // Forgets the last step. side is 0 for A, 1 for B.
 void timeline_begin(timeline *t, const device *d);
 
-// The same without times: stages stay those of the last step that had them. Launches and
+// The same without times: stages, and the kernels' first begin and last end, stay those of the
+// last step that had them. Launches and
 // fills have no events then, which were measured to cost NVIDIA's driver 7 microseconds each.
 void timeline_begin_untimed(timeline *t, const device *d);
+
+// Whether a step has times though nobody asked: on a CPU each; elsewhere one in TIMED_EVERY, and
+// the first.
+bool timeline_is_due(const timeline *t, const device *d, uint64_t step);
 
 // Sends a kernel over `work` objects, pairs or values; none for work = 0. values: the
 // struct with its arguments, of the kind that its bindings describe.
