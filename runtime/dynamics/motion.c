@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/motion_commands.h"
-#include "runtime/dynamics/motion_halves.h"
 #include "runtime/dynamics/motion_map.h"
 #include "runtime/dynamics/recording.h"
 
@@ -367,21 +366,6 @@ uint32_t duet_motion_get_count(const duet_motion *m)
 uint64_t duet_motion_get_step(const duet_motion *m)
 {
     return m ? m->step : 0;
-}
-
-bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)
-{
-    return motion_is_steady(m, call, err) && motion_is_unmapped(m, call, err);
-}
-
-bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err)
-{
-    return error_given(m, call, "motion", err) && motion_is_idle(m, call, err) &&
-           (!m->broken ||
-            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                      "the motion failed in its step %llu; expected a saved one to be loaded, or a "
-                      "new motion",
-                      (unsigned long long)m->step + 1));
 }
 
 // ---------------------------------------------------------------- buffers

@@ -175,7 +175,7 @@ struct duet_motion {
     motion_commands *commands;   // NULL before the first
     motion_recording *recording; // NULL where nothing is recorded
     struct motion_map *maps;     // [parts of the state], likewise (motion_map.h)
-    struct motion_half *half;    // likewise (motion_halves.c)
+    struct motion_half *half;    // likewise (motion_step.c)
     buffer buffers[MOTION_BUFFERS];
     duet_world *world; // of bounds; NULL without contact
     double margin;     // contacts are kept to that far apart
@@ -216,9 +216,15 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err);
 
+// Whether a step has begun that was not ended, by its thread.
+bool motion_is_under_way(const duet_motion *m);
+// Waits for it, and forgets it.
+void motion_end_half(duet_motion *m);
+
 // Whether a public call has a motion whose state is that of a whole step, none of which is under
 // way, and of which nothing is mapped; BAD_ARGUMENT where it has not. Steady: something may be
-// mapped.
+// mapped. Idle: and a step may have failed.
+bool motion_is_idle(const duet_motion *m, const char *call, duet_error *err);
 bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err);
 bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
 
@@ -267,11 +273,6 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
 
 // Space for the n objects that there are, of which old_n had it; the others' state is 0.
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
-
-// The two halves of a step: what the devices do, and what the caller sees of it.
-bool motion_carry_step(duet_motion *m, double *ms, duet_error *err);
-bool motion_complete_step(duet_motion *m, bool carried, double ms, duet_motion_result *result,
-                          duet_error *err);
 
 // Where objects may touch: pairs to rows, rows to contacts, contacts to colours.
 bool motion_build_graph(duet_motion *m, duet_error *err);
