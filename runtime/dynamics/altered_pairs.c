@@ -114,11 +114,10 @@ static bool ask(duet_motion *m, duet_error *err)
     motion_kernels *k = &m->kernels;
     const char *name = "altered_pairs";
     return k->keep_pairs ||
-           (motion_ask_altered(m, &k->compute_altered_aabbs, "fat_aabbs", "compute_fat_aabbs",
-                               err) &&
-            motion_ask(m, &k->place_altered, name, "place_altered", err) &&
-            motion_ask(m, &k->find_altered_pairs, name, "find_altered_pairs", err) &&
-            motion_ask(m, &k->keep_pairs, name, "keep_pairs", err) &&
+           (motion_ask(m, &k->compute_altered_aabbs, "fat_aabbs", "compute_fat_aabbs", true, err) &&
+            motion_ask(m, &k->place_altered, name, "place_altered", false, err) &&
+            motion_ask(m, &k->find_altered_pairs, name, "find_altered_pairs", false, err) &&
+            motion_ask(m, &k->keep_pairs, name, "keep_pairs", false, err) &&
             program_set_build(m->programs, err));
 }
 

@@ -367,22 +367,3 @@ uint64_t duet_motion_get_step(const duet_motion *m)
 {
     return m ? m->step : 0;
 }
-
-// ---------------------------------------------------------------- buffers
-
-// A buffer that must grow gets more than it needs now: fresh pages cost as much time as
-// writing them.
-bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err)
-{
-    buffer *b = &m->buffers[which];
-    uint64_t bytes = n * size;
-    uint64_t roomy = bytes + bytes / 4;
-    bool grows = b->mem && b->bytes < bytes && roomy <= m->device->info.max_buffer_bytes;
-    return buffer_reserve(b, m->device, (size_t)(grows ? roomy : bytes), err);
-}
-
-bool motion_read_flags(duet_motion *m, duet_error *err)
-{
-    return timeline_read(&m->times, "flags", &m->buffers[FLAG_WORDS], m->flags, sizeof m->flags,
-                         err);
-}

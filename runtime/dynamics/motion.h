@@ -228,11 +228,10 @@ bool motion_is_idle(const duet_motion *m, const char *call, duet_error *err);
 bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err);
 bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
 
-// A kernel with what the scene says of its parameters, once it is built.
-bool motion_ask(duet_motion *m, kernel **at, const char *name, const char *entry, duet_error *err);
-// The same for bodies that commands altered, instead of all.
-bool motion_ask_altered(duet_motion *m, kernel **at, const char *name, const char *entry,
-                        duet_error *err);
+// A kernel with what the scene says of its parameters, once it is built: for all bodies, or for
+// those that commands altered.
+bool motion_ask(duet_motion *m, kernel **at, const char *name, const char *entry, bool altered,
+                duet_error *err);
 
 // What is wrong with a pose, a body or a def; a def's fault is told by err.
 const char *motion_pose_fault(const duet_pose *pose, uint32_t dims);
@@ -284,8 +283,6 @@ bool motion_colour(duet_motion *m, duet_error *err);
 // The pairs of what commands altered, besides those that rows have of the others. *found is
 // false where all pairs are to be searched.
 bool motion_find_altered_pairs(duet_motion *m, bool *found, duet_error *err);
-
-extern const binding motion_bindings[]; // of a duet_motion
 
 // Fills in the arguments that hold for a whole step.
 void motion_set_args(duet_motion *m);

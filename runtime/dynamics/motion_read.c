@@ -22,8 +22,8 @@ static bool prepare(duet_motion *m, duet_error *err)
     if (r->changed_rows)
         return true;
     kernel *gather = NULL, *changed = NULL;
-    if (!motion_ask(m, &gather, "read_rows", "gather_rows", err) ||
-        !motion_ask(m, &changed, "read_rows", "changed_rows", err) ||
+    if (!motion_ask(m, &gather, "read_rows", "gather_rows", false, err) ||
+        !motion_ask(m, &changed, "read_rows", "changed_rows", false, err) ||
         !program_set_build(m->programs, err))
         return false;
     r->gather_rows = gather;
@@ -122,8 +122,8 @@ static bool fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_s
     return ok && check_finite(m, ids, n, states, err);
 }
 
-bool duet_motion_get_states_of(duet_motion *m, const uint32_t *places, uint32_t n, duet_state *states,
-                               duet_error *err)
+bool duet_motion_get_states_of(duet_motion *m, const uint32_t *places, uint32_t n,
+                               duet_state *states, duet_error *err)
 {
     if (!motion_is_whole(m, __func__, err) ||
         (n > 0 && (!error_given(places, __func__, "places", err) ||
