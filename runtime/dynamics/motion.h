@@ -273,16 +273,12 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
 // Space for the n objects that there are, of which old_n had it; the others' state is 0.
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
 
-// Where objects may touch: pairs to rows, rows to contacts, contacts to colours.
-bool motion_build_graph(duet_motion *m, duet_error *err);
-// By the kernel of all n bodies, or of the n altered ones.
-bool motion_compute_bounds(duet_motion *m, const kernel *k, uint32_t n, duet_error *err);
+// Where objects may touch: bounds to pairs, pairs to rows, rows to contacts, contacts to colours.
 bool motion_check_bounds(duet_motion *m, duet_error *err); // sets FLAG_MOVED
+bool motion_bounds_hold(duet_motion *m, bool *hold, duet_error *err);
+bool motion_find_candidates(duet_motion *m, duet_error *err);
+bool motion_build_graph(duet_motion *m, duet_error *err);
 bool motion_colour(duet_motion *m, duet_error *err);
-
-// The pairs of what commands altered, besides those that rows have of the others. *found is
-// false where all pairs are to be searched.
-bool motion_find_altered_pairs(duet_motion *m, bool *found, duet_error *err);
 
 // Fills in the arguments that hold for a whole step.
 void motion_set_args(duet_motion *m);

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Rows after commands that let bodies come, go or touch others than before. Within a skin the
-// pairs of all other bodies hold on; only those of the altered ones are searched.
+// Which bodies may touch: pairs of fat AABBs.
+//
+// All of them are searched by a world of their bounds. After commands that let bodies come, go
+// or touch others than before, the pairs of all other bodies hold on within a skin; only those
+// of the altered ones are searched, by a hash table of them.
 #include "base/error.h"
 #include "kernels/dynamics/altered.h"
+#include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion_commands.h"
 
 #include <math.h>
@@ -13,6 +17,100 @@ enum { LEAST_PART = 8 };
 
 // Pairs that an altered body may have; with more, all are searched.
 enum { PAIRS_OF_ONE = 64 };
+
+// ---------------------------------------------------------------- bounds
+
+// Separations up to the margin are contacts, so each object's bounds have half of it.
+static bool compute_bounds(duet_motion *m, const kernel *k, uint32_t n, duet_error *err)
+{
+    double skin = motion_has(m, DUET_EFFECT_SKIN) ? m->def.skin : 0.0;
+    m->args.aabb_margin = motion_real(m, 0.5 * (m->margin + skin));
+    return motion_launch(m, "grid", k, n, err);
+}
+
+bool motion_check_bounds(duet_motion *m, duet_error *err)
+{
+    m->args.aabb_margin = motion_real(m, 0.5 * m->margin);
+    return motion_launch(m, "fat_aabbs", m->kernels.check_fat_aabbs, m->n, err);
+}
+
+// Whether everything is still inside the bounds that the rows were made from. What a step
+// moves last is checked at its end.
+bool motion_bounds_hold(duet_motion *m, bool *hold, duet_error *err)
+{
+    bool ok = m->bounds_checked || (motion_check_bounds(m, err) && motion_read_flags(m, err));
+    *hold = !m->flags[FLAG_MOVED];
+    return ok;
+}
+
+// ---------------------------------------------------------------- of all bodies
+
+// What A and what B found, one behind the other.
+static bool send_pairs(duet_motion *m, const duet_result *result, duet_error *err)
+{
+    const size_t size = sizeof *result->spans[0].pairs;
+    bool ok = motion_reserve(m, PAIRS, result->pairs + 1, size, err);
+    size_t at = 0;
+    for (int i = 0; ok && i < 2; ++i) {
+        size_t bytes = (size_t)result->spans[i].n * size;
+        ok = timeline_write_at(&m->times, "contact_graph", &m->buffers[PAIRS], at,
+                               result->spans[i].pairs, bytes, err);
+        at += bytes;
+    }
+    m->args.pairs = m->buffers[PAIRS];
+    return ok;
+}
+
+// Where both devices search, bounds and pairs go through the host.
+static bool search_on_both(duet_motion *m, duet_result *result, duet_error *err)
+{
+    duet_bounds *bounds = duet_world_map_objects(m->world, DUET_OBJECT_BOUNDS, m->n, err);
+    return bounds &&
+           timeline_read(&m->times, "grid", &m->buffers[BOXES], bounds, m->n * sizeof *bounds,
+                         err) &&
+           duet_world_step(m->world, result, err) && send_pairs(m, result, err);
+}
+
+static bool search_on_b(duet_motion *m, duet_result *result, duet_error *err)
+{
+    const buffer *pairs = NULL;
+    m->world->parts[1].untimed = m->times.untimed;
+    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, result, &pairs, err);
+    m->args.pairs = *pairs;
+    return ok;
+}
+
+// What is hidden is left out, and nothing else may be.
+static bool check_left_out(duet_motion *m, const duet_result *result, duet_error *err)
+{
+    uint32_t hidden = m->commands ? m->commands->n_hidden : 0;
+    return result->bad == hidden ||
+           (motion_check_states(m, err) &&
+            error_set(err, DUET_STATUS_BAD_OBJECT,
+                      "the bounds of %u objects of %u are not finite after step %llu",
+                      result->bad - hidden, m->n - hidden, (unsigned long long)m->step));
+}
+
+static bool find_pairs(duet_motion *m, duet_error *err)
+{
+    duet_result result;
+    m->world->def.keep_bad = m->commands && m->commands->n_hidden > 0;
+    bool ok =
+        world_is_b_alone(m->world) ? search_on_b(m, &result, err) : search_on_both(m, &result, err);
+    ok = ok && check_left_out(m, &result, err);
+    if (ok)
+        timeline_add_host(&m->times, "pairs", result.total_ms);
+    m->n_pairs = ok ? result.pairs : 0;
+    return ok;
+}
+
+// What had left its bounds has new ones.
+static bool find_all_pairs(duet_motion *m, duet_error *err)
+{
+    return (!m->flags[FLAG_MOVED] || timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0,
+                                                   FLAG_MOVED, FLAG_MOVED + 1, err)) &&
+           compute_bounds(m, m->kernels.compute_fat_aabbs, m->n, err) && find_pairs(m, err);
+}
 
 // ---------------------------------------------------------------- what is altered
 
@@ -54,7 +152,7 @@ static void list_once(motion_commands *c)
     c->n_altered = n;
 }
 
-// ---------------------------------------------------------------- the table
+// ---------------------------------------------------------------- a table of it
 
 // Twice as wide as what is altered, in the mean: few bodies overlap more than eight.
 static double edge_of(const duet_motion *m)
@@ -126,13 +224,11 @@ static bool place_altered(duet_motion *m, duet_error *err)
     list_once(m->commands);
     set_args(m);
     return ask(m, err) && reserve_table(m, err) && send_altered(m, err) &&
-           motion_compute_bounds(m, m->kernels.compute_altered_aabbs, m->args.n_altered, err) &&
+           compute_bounds(m, m->kernels.compute_altered_aabbs, m->args.n_altered, err) &&
            motion_launch(m, "altered_pairs", m->kernels.place_altered, m->args.n_altered, err);
 }
 
-// ---------------------------------------------------------------- pairs
-
-static bool find_pairs(duet_motion *m, bool *found, duet_error *err)
+static bool search_altered(duet_motion *m, bool *found, duet_error *err)
 {
     uint32_t counts[ALTERED_COUNTS];
     bool ok = motion_launch(m, "altered_pairs", m->kernels.find_altered_pairs, m->n, err) &&
@@ -147,11 +243,24 @@ static bool find_pairs(duet_motion *m, bool *found, duet_error *err)
     return true;
 }
 
-bool motion_find_altered_pairs(duet_motion *m, bool *found, duet_error *err)
+static bool find_altered_pairs(duet_motion *m, bool *found, duet_error *err)
 {
+    bool hold = false;
     *found = false;
-    if (!place_altered(m, err) ||
-        (!m->bounds_checked && (!motion_check_bounds(m, err) || !motion_read_flags(m, err))))
+    return place_altered(m, err) && motion_bounds_hold(m, &hold, err) &&
+           (!hold || search_altered(m, found, err));
+}
+
+// ---------------------------------------------------------------- of either
+
+// Those of what commands altered, where the others' hold on; else all.
+bool motion_find_candidates(duet_motion *m, duet_error *err)
+{
+    bool some = !m->rows_stale && motion_rows_are_stale(m), found = false;
+    if (some && !find_altered_pairs(m, &found, err))
         return false;
-    return m->flags[FLAG_MOVED] || find_pairs(m, found, err);
+    m->rows_stale = false;
+    if (m->commands)
+        m->commands->n_altered = 0;
+    return found || find_all_pairs(m, err);
 }
