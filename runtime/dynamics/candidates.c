@@ -80,15 +80,17 @@ static bool search_on_b(duet_motion *m, duet_result *result, duet_error *err)
     return ok;
 }
 
-// What is hidden is left out, and nothing else may be.
+// What is hidden is left out, and nothing else may be. The error is of its state, where that says
+// what is wrong.
 static bool check_left_out(duet_motion *m, const duet_result *result, duet_error *err)
 {
     uint32_t hidden = m->commands ? m->commands->n_hidden : 0;
-    return result->bad == hidden ||
-           (motion_check_states(m, err) &&
-            error_set(err, DUET_STATUS_BAD_OBJECT,
-                      "the bounds of %u objects of %u are not finite after step %llu",
-                      result->bad - hidden, m->n - hidden, (unsigned long long)m->step));
+    if (result->bad == hidden)
+        return true;
+    free(motion_read_states(m, err));
+    return error_set(err, DUET_STATUS_BAD_OBJECT,
+                     "the bounds of %u objects of %u are not finite after step %llu",
+                     result->bad - hidden, m->n - hidden, (unsigned long long)m->step);
 }
 
 static bool find_pairs(duet_motion *m, duet_error *err)

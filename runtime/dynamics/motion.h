@@ -248,8 +248,14 @@ bool motion_reset(duet_motion *m, duet_error *err);
 // The rotation and the angular velocity that an object was given.
 void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state);
 
+// All states, which the caller frees; NULL where a number of them is no longer finite.
+duet_state *motion_read_states(duet_motion *m, duet_error *err);
+
 // All states of a motion in origin cells, their centres offsets in these [n].
 bool motion_get_offsets(duet_motion *m, duet_state *states, cl_int4 *cells, duet_error *err);
+
+// One over the inertia of an object about each of its own axes; 0: never turned about it.
+void motion_inverse_inertia(const duet_motion *m, uint32_t id, double inverse[3]);
 
 // 32-bit words of state that an object has in a buffer; 0: not by object, or
 // not called for.
@@ -293,8 +299,5 @@ bool motion_read_flags(duet_motion *m, duet_error *err);
 
 // Space for n elements of `size` bytes in a buffer.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);
-
-// BAD_OBJECT where a number of the state is no longer finite.
-bool motion_check_states(duet_motion *m, duet_error *err);
 
 #endif

@@ -161,9 +161,9 @@ static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
     motion_rows links, colours;
     if (m->n_contacts == 0 || !motion_has(m, DUET_EFFECT_CONTACT_RESPONSE))
         return true;
-    if (!motion_rows_open(m, LINKS, 0, m->n_contacts, 2, false, &links, err))
+    if (!motion_rows_of_contacts(m, LINKS, 2, &links, err))
         return false;
-    if (!motion_rows_open(m, COLOUR_OF, 0, m->n_contacts, 1, false, &colours, err)) {
+    if (!motion_rows_of_contacts(m, COLOUR_OF, 1, &colours, err)) {
         motion_rows_drop(&links);
         return false;
     }

@@ -132,7 +132,7 @@ void *duet_motion_map_states(duet_motion *m, duet_state_part part, duet_map_acce
     if (access == DUET_MAP_WRITE && !forget_targets(m, first, n, err))
         return NULL;
     struct motion_map *map = &m->maps[part];
-    if (!motion_rows_open(m, parts[part].which, first, first + n, 4, true, &map->rows, err))
+    if (!motion_rows_open(m, parts[part].which, first, first + n, &map->rows, err))
         return NULL;
     map->mapped = true;
     map->written = access == DUET_MAP_WRITE;

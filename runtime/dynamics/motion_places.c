@@ -174,11 +174,9 @@ bool duet_motion_get_user_data(duet_motion *m, duet_body_list list, uint64_t *da
 static bool mark_rests(duet_motion *m, const uint32_t *places, uint32_t n, bool sleeps,
                        duet_error *err)
 {
-    uint32_t first, last;
     motion_rows rows;
     const double rested = fmax(m->def.sleep_after, m->def.dt);
-    motion_span_of(places, n, &first, &last);
-    if (!motion_rows_open(m, RESTS, first, last, 1, false, &rows, err))
+    if (!motion_rows_at(m, RESTS, places, n, &rows, err))
         return false;
     for (uint32_t i = 0; i < n; ++i) {
         bool hidden = motion_is_hidden(m, places[i]);
@@ -194,10 +192,8 @@ static bool mark_rests(duet_motion *m, const uint32_t *places, uint32_t n, bool 
 // those of where it lies.
 static bool mark_awake(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
 {
-    uint32_t first, last;
     motion_rows rows;
-    motion_span_of(places, n, &first, &last);
-    if (!motion_rows_open(m, ASLEEP, first, last, 1, false, &rows, err))
+    if (!motion_rows_at(m, ASLEEP, places, n, &rows, err))
         return false;
     for (uint32_t i = 0; i < n; ++i)
         *(uint32_t *)motion_row(&rows, places[i]) = 0;

@@ -38,11 +38,8 @@ static duet_pose aimed(const duet_motion *m, duet_pose pose, const duet_transfor
 static bool find_velocities(duet_motion *m, const uint32_t *places, const duet_pose *poses,
                             const cl_int4 *cells, uint32_t n, duet_body *bodies, duet_error *err)
 {
-    duet_state *states = malloc((size_t)m->n * sizeof *states + 1);
-    if (!states)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
-    bool ok = duet_motion_get_states(m, states, err);
-    for (uint32_t i = 0; ok && i < n; ++i) {
+    duet_state *states = motion_read_states(m, err);
+    for (uint32_t i = 0; states && i < n; ++i) {
         const duet_state *s = &states[places[i]];
         const float *q = poses[i].rotation;
         const double to[4] = {q[0], q[1], q[2], q[3]};
@@ -55,7 +52,7 @@ static bool find_velocities(duet_motion *m, const uint32_t *places, const duet_p
         turn_between(s->rotation, to, m->def.dt, bodies[i].angular_velocity);
     }
     free(states);
-    return ok;
+    return states;
 }
 
 static bool check_kinematic(const duet_motion *m, const uint32_t *places, uint32_t n,
