@@ -250,3 +250,32 @@ bool duet_motion_sleep_bodies(duet_motion *m, duet_body_list list, duet_error *e
 {
     return put_to(m, list, true, __func__, err);
 }
+
+// ---------------------------------------------------------------- after a step
+
+static bool forget_forces(duet_motion *m, duet_error *err)
+{
+    m->commands->pushed = false;
+    return timeline_fill(&m->times, "clear", &m->buffers[FORCES], 0, 0, (size_t)m->n * 8, err);
+}
+
+// A place whose ids are used up is never empty again.
+static void empty_places(duet_motion *m)
+{
+    motion_commands *c = m->commands;
+    c->any_left = false;
+    for (uint32_t place = m->n; place-- > 0;) {
+        if (c->states[place] != PLACE_LEFT || c->generations[place] == 0)
+            continue;
+        c->states[place] = PLACE_EMPTY;
+        c->first_empty = place < c->first_empty ? place : c->first_empty;
+    }
+}
+
+bool motion_end_commands(duet_motion *m, duet_error *err)
+{
+    motion_commands *c = m->commands;
+    if (c->any_left && (!motion_rows_are_stale(m) || !motion_has(m, DUET_EFFECT_CONTACT)))
+        empty_places(m);
+    return (c->n_targets == 0 || motion_arrive(m, err)) && (!c->pushed || forget_forces(m, err));
+}
