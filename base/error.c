@@ -81,9 +81,16 @@ static const char *cl_name(int cl_code)
     return "CL error";
 }
 
+// The first failure is kept.
 static bool is_free(const duet_error *err)
 {
     return err && err->status == DUET_STATUS_OK;
+}
+
+static void set_text(duet_error *err, const char *format, va_list args)
+{
+    vsnprintf(err->text, sizeof err->text, format, args);
+    join_lines(err->text, sizeof err->text);
 }
 
 bool error_set(duet_error *err, duet_status status, const char *format, ...)
@@ -92,9 +99,8 @@ bool error_set(duet_error *err, duet_status status, const char *format, ...)
         return false;
     va_list args;
     va_start(args, format);
-    vsnprintf(err->text, sizeof err->text, format, args);
+    set_text(err, format, args);
     va_end(args);
-    join_lines(err->text, sizeof err->text);
     err->status = status;
     err->cl_code = 0;
     return false;
@@ -106,9 +112,8 @@ bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
         return false;
     va_list args;
     va_start(args, format);
-    vsnprintf(err->text, sizeof err->text, format, args);
+    set_text(err, format, args);
     va_end(args);
-    join_lines(err->text, sizeof err->text);
     size_t used = strlen(err->text);
     snprintf(err->text + used, sizeof err->text - used, ": %s (%d)", cl_name(cl_code), cl_code);
     bool memory = cl_code == -4 || cl_code == -6 || cl_code == -61;
