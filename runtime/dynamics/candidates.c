@@ -36,7 +36,7 @@ bool motion_check_bounds(duet_motion *m, duet_error *err)
 
 // Whether everything is still inside the bounds that the rows were made from. What a step
 // moves last is checked at its end.
-bool motion_bounds_hold(duet_motion *m, bool *hold, duet_error *err)
+static bool bounds_hold(duet_motion *m, bool *hold, duet_error *err)
 {
     bool ok = m->bounds_checked || (motion_check_bounds(m, err) && motion_read_flags(m, err));
     *hold = !m->flags[FLAG_MOVED];
@@ -249,14 +249,14 @@ static bool find_altered_pairs(duet_motion *m, bool *found, duet_error *err)
 {
     bool hold = false;
     *found = false;
-    return place_altered(m, err) && motion_bounds_hold(m, &hold, err) &&
+    return place_altered(m, err) && bounds_hold(m, &hold, err) &&
            (!hold || search_altered(m, found, err));
 }
 
 // ---------------------------------------------------------------- of either
 
 // Those of what commands altered, where the others' hold on; else all.
-bool motion_find_candidates(duet_motion *m, duet_error *err)
+static bool search(duet_motion *m, duet_error *err)
 {
     bool some = !m->rows_stale && motion_rows_are_stale(m), found = false;
     if (some && !find_altered_pairs(m, &found, err))
@@ -265,4 +265,11 @@ bool motion_find_candidates(duet_motion *m, duet_error *err)
     if (m->commands)
         m->commands->n_altered = 0;
     return found || find_all_pairs(m, err);
+}
+
+bool motion_find_candidates(duet_motion *m, bool *hold, duet_error *err)
+{
+    bool skin = m->has_graph && !motion_rows_are_stale(m) && motion_has(m, DUET_EFFECT_SKIN);
+    *hold = false;
+    return (!skin || bounds_hold(m, hold, err)) && (*hold || search(m, err));
 }

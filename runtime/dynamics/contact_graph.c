@@ -88,10 +88,8 @@ static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
     return motion_launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
 }
 
-static bool build_graph(duet_motion *m, duet_error *err)
+static bool build_rows(duet_motion *m, duet_error *err)
 {
-    if (!motion_find_candidates(m, err))
-        return false;
     uint64_t most;
     uint32_t n_old = m->n_contacts;
     buffer *b = m->buffers;
@@ -107,12 +105,9 @@ static bool build_graph(duet_motion *m, duet_error *err)
 
 bool motion_build_graph(duet_motion *m, duet_error *err)
 {
+    bool hold;
     m->rebuilt = false;
-    bool holds = false;
-    bool skin = m->has_graph && !motion_rows_are_stale(m) && motion_has(m, DUET_EFFECT_SKIN);
-    if (skin && !motion_bounds_hold(m, &holds, err))
-        return false;
-    return holds || build_graph(m, err);
+    return motion_find_candidates(m, &hold, err) && (hold || build_rows(m, err));
 }
 
 // ---------------------------------------------------------------- graph colouring

@@ -281,8 +281,8 @@ bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
 
 // Where objects may touch: bounds to pairs, pairs to rows, rows to contacts, contacts to colours.
 bool motion_check_bounds(duet_motion *m, duet_error *err); // sets FLAG_MOVED
-bool motion_bounds_hold(duet_motion *m, bool *hold, duet_error *err);
-bool motion_find_candidates(duet_motion *m, duet_error *err);
+// *hold: those that rows are made of hold on, and none were searched.
+bool motion_find_candidates(duet_motion *m, bool *hold, duet_error *err);
 bool motion_build_graph(duet_motion *m, duet_error *err);
 bool motion_colour(duet_motion *m, duet_error *err);
 
