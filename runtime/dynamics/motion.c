@@ -2,6 +2,7 @@
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_map.h"
 #include "runtime/dynamics/recording.h"
+#include "runtime/dynamics/vector.h"
 
 #include "base/error.h"
 #include "runtime/narrowphase/origin.h"
@@ -144,24 +145,16 @@ static bool check_effects(const duet_motion *m, duet_error *err)
     return true;
 }
 
-static bool all_finite(const float *values, int n)
-{
-    for (int i = 0; i < n; ++i)
-        if (!isfinite(values[i]))
-            return false;
-    return true;
-}
-
 const char *motion_pose_fault(const duet_pose *p, uint32_t dims)
 {
-    int n = (int)dims;
     const float *q = p->rotation;
     double norm = (double)q[2] * q[2] + (double)q[3] * q[3];
     if (dims == 3)
         norm += (double)q[0] * q[0] + (double)q[1] * q[1];
-    if (!all_finite(p->centre, n) || !all_finite(p->half_extents, n) || !isfinite(norm))
+    if (!vector_is_finite(p->centre, dims) || !vector_is_finite(p->half_extents, dims) ||
+        !isfinite(norm))
         return "a number of its pose is not finite";
-    for (int k = 0; k < n; ++k)
+    for (uint32_t k = 0; k < dims; ++k)
         if (p->half_extents[k] < 0.0f)
             return "a half extent is negative";
     return norm > 0.0 ? NULL : "its rotation is zero";
@@ -169,7 +162,7 @@ const char *motion_pose_fault(const duet_pose *p, uint32_t dims)
 
 const char *motion_body_fault(const duet_body *b)
 {
-    if (!all_finite(b->velocity, 3) || !all_finite(b->angular_velocity, 3))
+    if (!vector_is_finite(b->velocity, 3) || !vector_is_finite(b->angular_velocity, 3))
         return "a velocity or angular velocity is not finite";
     if (!is_between(b->mass, 0.0, 1e30) || (b->mass > 0.0f && b->mass < 1e-30f))
         return "the mass must be 0, or from 1e-30 to 1e30";

@@ -11,19 +11,11 @@
 
 // ---------------------------------------------------------------- forces
 
-static bool all_finite(const float *values, size_t n)
-{
-    for (size_t i = 0; i < n; ++i)
-        if (!isfinite(values[i]))
-            return false;
-    return true;
-}
-
 static bool check_numbers(const void *of, size_t floats, uint32_t n, const char *call,
                           duet_error *err)
 {
     for (uint32_t i = 0; i < n; ++i)
-        if (!all_finite((const float *)of + i * floats, floats))
+        if (!vector_is_finite((const float *)of + i * floats, floats))
             return error_set(err, DUET_STATUS_BAD_OBJECT,
                              "%s: body %u of %u: a number is not finite", call, i, n);
     return true;
