@@ -44,7 +44,8 @@ bool motion_place_poses(const duet_motion *m, duet_pose *poses, uint32_t n, cl_i
     return true;
 }
 
-void motion_keep_poses(duet_motion *m, const uint32_t *places, const duet_pose *poses,
+// Says new ones of some places, to be sent; cells NULL without.
+static void keep_poses(duet_motion *m, const uint32_t *places, const duet_pose *poses,
                        const cl_int4 *cells, uint32_t n)
 {
     for (uint32_t i = 0; i < n; ++i) {
@@ -59,12 +60,12 @@ static bool put_poses(duet_motion *m, const uint32_t *places, const duet_pose *p
 {
     if (!motion_forget_targets(m, places, n, err))
         return false;
-    motion_keep_poses(m, places, poses, cells, n);
+    keep_poses(m, places, poses, cells, n);
     return motion_send_places(m, places, n, PART_POSE | PART_SIZE, err) &&
            motion_wake_places(m, places, n, err);
 }
 
-bool motion_check_poses(const duet_motion *m, const duet_pose *poses, uint32_t n, const char *call,
+static bool check_poses(const duet_motion *m, const duet_pose *poses, uint32_t n, const char *call,
                         duet_error *err)
 {
     bool ok = true;
@@ -87,7 +88,7 @@ bool duet_motion_set_poses(duet_motion *m, duet_body_list list, const duet_pose 
     cl_int4 *cells = NULL;
     if (bodies && list.n > 0)
         memcpy(copy, poses, list.n * sizeof *copy);
-    bool ok = bodies && motion_check_poses(m, copy, list.n, __func__, err) &&
+    bool ok = bodies && check_poses(m, copy, list.n, __func__, err) &&
               motion_place_poses(m, copy, list.n, &cells, __func__, err) &&
               motion_admit(m, copy, bodies, list.n, __func__, err) &&
               motion_keep_whole(m, put_poses(m, places, copy, cells, list.n, err));
@@ -204,7 +205,7 @@ bool duet_motion_set_targets(duet_motion *m, duet_body_list list, const duet_tra
     for (uint32_t i = 0; bodies && i < list.n; ++i)
         poses[i] = aimed(m, poses[i], &targets[i]);
     bool ok = bodies && check_kinematic(m, places, list.n, __func__, err) &&
-              motion_check_poses(m, poses, list.n, __func__, err) &&
+              check_poses(m, poses, list.n, __func__, err) &&
               motion_place_poses(m, poses, list.n, &cells, __func__, err) &&
               find_velocities(m, places, poses, cells, list.n, bodies, err) &&
               check_velocities(bodies, list.n, __func__, err) &&
@@ -267,7 +268,7 @@ bool motion_arrive(duet_motion *m, duet_error *err)
     }
     ok = ok && motion_place_poses(m, poses, n, &cells, __func__, err);
     if (ok)
-        motion_keep_poses(m, places, poses, cells, n);
+        keep_poses(m, places, poses, cells, n);
     ok = ok &&
          motion_send_places(m, places, n, PART_POSE | PART_VELOCITY | PART_ANGULAR_VELOCITY, err);
     // What it reaches there has not felt it yet.
