@@ -90,6 +90,7 @@ static part_task describe_task(const duet_world *world, int side)
         .objects = world_objects(world),
         .resident = r->on[side] ? &r->objects : NULL,
         .keeps_pairs = world->keeps_pairs[side],
+        .skims = world->skims,
         .ids = world->parts[side].device->info.host_memory ? NULL : world->ids,
         .objects_version = world->objects_version,
         .sizes_version = world->sizes_version,
@@ -329,6 +330,22 @@ void world_send_ahead(duet_world *world, uint32_t n)
             !part_send_ahead(&world->parts[side], &task, world->objects.size, NULL))
             part_distrust(&world->parts[side]);
     }
+}
+
+// B, which has most of the work, unless A alone was sent them.
+static part *skimmer(duet_world *world)
+{
+    return &world->parts[world->parts[1].ahead_version > 0];
+}
+
+bool world_skim(duet_world *world, const float inside_lower[3], const float inside_upper[3])
+{
+    return part_skim(skimmer(world), inside_lower, inside_upper, NULL);
+}
+
+uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **blocks)
+{
+    return part_await_skim(skimmer(world), from, blocks);
 }
 
 void world_stop_ahead(duet_world *world)
