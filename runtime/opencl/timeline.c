@@ -49,6 +49,7 @@ static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event e
                        duet_error *err)
 {
     device_object_made();
+    t->seen = false;
     if (t->n_events == TIMELINE_EVENTS && !timeline_finish(t, err)) {
         release_event(event);
         return false;
@@ -63,15 +64,20 @@ static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event e
 static bool keep_command(timeline *t, const char *stage, cl_event event, duet_error *err)
 {
     t->unheard = true;
+    t->seen = false;
     return !event || keep_event(t, stage, false, event, err);
 }
 
 static bool set_args(const kernel *k, const void *values, const device *d, duet_error *err)
 {
-    uint32_t bad = 0;
-    cl_int code = launcher_set(&k->launcher, k->cl, values, &bad);
-    return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s on %s: argument %u", k->name, d->info.selector, bad);
+    const launcher *l = &k->launcher;
+    for (uint32_t i = 0; i < l->n; ++i) {
+        cl_int code =
+            clSetKernelArg(k->cl, i, l->args[i].bytes, (const char *)values + l->args[i].at);
+        if (code != CL_SUCCESS)
+            return error_set_cl(err, code, "%s on %s: argument %u", k->name, d->info.selector, i);
+    }
+    return true;
 }
 
 bool timeline_launch(timeline *t, const char *stage, const kernel *k, uint64_t work,
@@ -122,6 +128,7 @@ static bool hand_over(timeline *t, buffer *b, cl_map_flags flags, size_t bytes, 
                       duet_error *err)
 {
     cl_int code = CL_SUCCESS;
+    t->seen = false;
     void *seen =
         clEnqueueMapBuffer(t->device->queue, b->mem, wait, flags, 0, bytes, 0, NULL, NULL, &code);
     if (seen)
@@ -223,6 +230,36 @@ bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, v
                          size_t bytes, duet_error *err)
 {
     return enqueue_read(t, stage, b, at, to, bytes, CL_FALSE, err) && timeline_flush(t, err);
+}
+
+// Nobody waits for the buffers to be handed back: what comes next in the queue does.
+bool timeline_see(timeline *t, const char *stage, const buffer *const list[], int n,
+                  duet_error *err)
+{
+    void *at[TIMELINE_SEEN] = {NULL};
+    cl_int code = CL_SUCCESS;
+    cl_event event = NULL;
+    assert(n > 0 && n <= TIMELINE_SEEN);
+    for (int i = 0; i < n && code == CL_SUCCESS; ++i) {
+        bool last = i + 1 == n;
+        if (list[i]->mem)
+            at[i] = clEnqueueMapBuffer(t->device->queue, list[i]->mem, last, CL_MAP_READ, 0,
+                                       list[i]->bytes, 0, NULL, last ? &event : NULL, &code);
+    }
+    for (int i = 0; i < n; ++i) {
+        cl_int given =
+            at[i] ? clEnqueueUnmapMemObject(t->device->queue, list[i]->mem, at[i], 0, NULL, NULL)
+                  : CL_SUCCESS;
+        code = code == CL_SUCCESS ? given : code;
+    }
+    ++t->n_waits;
+    bool kept = !event || keep_event(t, stage, true, event, err);
+    if (code == CL_SUCCESS)
+        code = clFlush(t->device->queue);
+    t->unheard = code != CL_SUCCESS;
+    t->seen = code == CL_SUCCESS;
+    return kept && (code == CL_SUCCESS ||
+                    error_set_cl(err, code, "%s: seeing what was found", t->device->info.selector));
 }
 
 cl_event timeline_last_event(const timeline *t)
@@ -338,7 +375,7 @@ bool timeline_finish(timeline *t, duet_error *err)
         if (code == CL_SUCCESS)
             timeline_spin(t, timeline_last_event(t));
     }
-    cl_int finished = finish_queues(t);
+    cl_int finished = t->seen && !t->beside ? CL_SUCCESS : finish_queues(t);
     code = code != CL_SUCCESS ? code : finished;
     if (code == CL_SUCCESS)
         code = collect(t, t->n_events);
