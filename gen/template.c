@@ -4,7 +4,6 @@
 #include "base/blob.h"
 #include "gen/script.h"
 
-#include <lauxlib.h>
 #include <stdlib.h>
 #include <string.h>
 

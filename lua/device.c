@@ -4,7 +4,6 @@
 #include "lua/nouns.h"
 #include "lua/policy.h"
 
-
 static const char *kind_name(int value)
 {
     static const char *const names[] = {"CPU", "GPU", "accelerator"};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "cli/report/run_report.h"
 
-#include "cli/inputs.h"
 #include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"

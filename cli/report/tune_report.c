@@ -2,7 +2,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/report/tune_report.h"
 
-#include "cli/inputs.h"
 #include "cli/interrupt.h"
 #include "cli/report/table.h"
 #include "cli/say.h"

@@ -9,7 +9,6 @@
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/opencl/shared_work.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 enum { COOKIE = 0x0d0e7007 };

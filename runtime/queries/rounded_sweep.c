@@ -10,7 +10,6 @@
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/queries/sweep.h"
 
-#include <limits.h>
 #include <math.h>
 
 static duet_rounded_sweep flat_sweep(const duet_rounded_sweep *sweep, uint32_t dims)

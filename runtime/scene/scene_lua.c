@@ -9,7 +9,6 @@
 #include "gen/field.h"
 #include "gen/script.h"
 #include "runtime/narrowphase/accuracy.h"
-#include "runtime/scene/scene_motion.h"
 
 #include <lauxlib.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/scene/scene_motion.h"
+#include "runtime/scene/scene_lua.h"
 
 #include "base/error.h"
 #include "gen/field.h"
