@@ -305,11 +305,7 @@ static int cluster_ranks(lua_State *L)
     duet_cluster_rank *ranks = lua_newuserdatauv(L, (size_t)box->rank_count * sizeof *ranks, 0);
     if (!box->calls->get_ranks(box->cluster, ranks, &err))
         return class_push_failure(L, &err);
-    lua_createtable(L, (int)box->rank_count, 0);
-    for (int64_t i = 0; i < box->rank_count; ++i) {
-        member_push_table(L, rank_members, &ranks[i]);
-        lua_rawseti(L, -2, i + 1);
-    }
+    member_push_list(L, rank_members, ranks, (uint64_t)box->rank_count, sizeof *ranks);
     return 1;
 }
 

@@ -54,9 +54,8 @@ enum { TREE_LARGE_POSES = DUET_SHAPES };
 int tree_shape(lua_State *L, int index); // of its objects, a duet_shape, or TREE_LARGE_POSES
 
 array_kind shape_array_kind(duet_shape shape);
-duet_object_kind tree_object_kind(array_kind kind);
 
-extern const luaL_Reg tree_query_methods[]; // lua/tree_query.c
+extern const lua_shared tree_query_methods[]; // lua/tree_query.c
 int contact_query_create_lua(lua_State *L);
 
 duet_motion *motion_check_lua(lua_State *L); // the one at 1

@@ -54,11 +54,10 @@ typedef struct query_kind {
     size_t hit_bytes;
     void *(*create)(duet_tree *tree, const query_def *def, duet_error *err);
     bool (*run)(void *query, const array *items, answer *found, duet_error *err);
-    void (*destroy)(void *query);
 } query_kind;
 
 typedef struct query_box {
-    void *query;
+    lua_handle query;
     const query_kind *kind;
     array_kind takes;
 } query_box;
@@ -99,12 +98,13 @@ static void *create_sweeps(duet_tree *tree, const query_def *given, duet_error *
 
 static bool run_sweeps(void *query, const array *items, answer *found, duet_error *err)
 {
-    duet_object_kind kind = items->kind == ARRAY_SWEEPS           ? DUET_OBJECT_POSES
-                            : items->kind == ARRAY_BOUNDS_SWEEPS  ? DUET_OBJECT_BOUNDS
-                            : items->kind == ARRAY_ROUNDED_SWEEPS ? DUET_OBJECT_ROUNDED_BOXES
-                            : items->kind == ARRAY_LARGE_SWEEPS   ? DUET_OBJECT_LARGE_POSES
-                                                                  : DUET_OBJECT_SPHERES;
-    return duet_sweep_query_run(query, kind, items->rows, items->n, &found->sweeps, err);
+    static const duet_object_kind kinds[] = {[ARRAY_SWEEPS] = DUET_OBJECT_POSES,
+                                             [ARRAY_BOUNDS_SWEEPS] = DUET_OBJECT_BOUNDS,
+                                             [ARRAY_ROUNDED_SWEEPS] = DUET_OBJECT_ROUNDED_BOXES,
+                                             [ARRAY_LARGE_SWEEPS] = DUET_OBJECT_LARGE_POSES,
+                                             [ARRAY_SPHERE_SWEEPS] = DUET_OBJECT_SPHERES};
+    return duet_sweep_query_run(query, kinds[items->kind], items->rows, items->n, &found->sweeps,
+                                err);
 }
 
 static void destroy_sweeps(void *query)
@@ -122,7 +122,7 @@ static void *create_boxes(duet_tree *tree, const query_def *given, duet_error *e
 
 static bool run_boxes(void *query, const array *items, answer *found, duet_error *err)
 {
-    return duet_box_query_run(query, tree_object_kind(items->kind), items->rows, items->n,
+    return duet_box_query_run(query, array_object_kind(items->kind), items->rows, items->n,
                               &found->boxes, err);
 }
 
@@ -153,18 +153,22 @@ static void destroy_points(void *query)
 
 // ---------------------------------------------------------------- one shape
 
-static const luaL_Reg methods[3], box_methods[4];
+static const luaL_Reg methods[2], box_methods[3];
 
-static const query_kind rays = {{.name = "duet.ray_query", .methods = methods},
+#define QUERY_CLASS(name_, methods_, destroy_)                                         \
+    {                                                                                  \
+        .name = (name_), .methods = (methods_), .destroy = (destroy_), .noun = "query" \
+    }
+
+static const query_kind rays = {QUERY_CLASS("duet.ray_query", methods, destroy_rays),
                                 "a ray query",
                                 wants_members,
                                 {ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_LARGE_RAYS},
                                 ARRAY_HITS,
                                 sizeof(duet_ray_hit),
                                 create_rays,
-                                run_rays,
-                                destroy_rays};
-static const query_kind sweeps = {{.name = "duet.sweep_query", .methods = methods},
+                                run_rays};
+static const query_kind sweeps = {QUERY_CLASS("duet.sweep_query", methods, destroy_sweeps),
                                   "a sweep query",
                                   wants_members,
                                   {[DUET_SHAPE_POSES] = ARRAY_SWEEPS,
@@ -175,9 +179,8 @@ static const query_kind sweeps = {{.name = "duet.sweep_query", .methods = method
                                   ARRAY_SWEEP_HITS,
                                   sizeof(duet_sweep_hit),
                                   create_sweeps,
-                                  run_sweeps,
-                                  destroy_sweeps};
-static const query_kind boxes = {{.name = "duet.box_query", .methods = box_methods},
+                                  run_sweeps};
+static const query_kind boxes = {QUERY_CLASS("duet.box_query", box_methods, destroy_boxes),
                                  "a box query",
                                  level_members,
                                  {[DUET_SHAPE_POSES] = ARRAY_POSES,
@@ -188,82 +191,52 @@ static const query_kind boxes = {{.name = "duet.box_query", .methods = box_metho
                                  ARRAY_BOX_HITS,
                                  sizeof(duet_box_hit),
                                  create_boxes,
-                                 run_boxes,
-                                 destroy_boxes};
+                                 run_boxes};
 static const query_kind points = {
-    {.name = "duet.point_query", .methods = methods},
+    QUERY_CLASS("duet.point_query", methods, destroy_points),
     "a point query",
     nearest_members,
     {ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_LARGE_POINTS},
     ARRAY_POINT_HITS,
     sizeof(duet_point_hit),
     create_points,
-    run_points,
-    destroy_points};
-static const query_kind *const kinds[] = {&rays, &boxes, &points, &sweeps};
+    run_points};
 
-enum { N_KINDS = sizeof kinds / sizeof *kinds };
+enum { RAYS, SWEEPS, BOXES, POINTS, N_KINDS };
 
-static query_box *box_at_1(lua_State *L)
+static const query_kind *const kinds[N_KINDS] = {
+    [RAYS] = &rays, [SWEEPS] = &sweeps, [BOXES] = &boxes, [POINTS] = &points};
+
+static query_box *check(lua_State *L)
 {
-    for (int i = 0; i < N_KINDS; ++i) {
-        query_box *box = luaL_testudata(L, 1, kinds[i]->class.name);
-        if (box)
-            return box;
-    }
+    for (int i = 0; i < N_KINDS; ++i)
+        if (luaL_testudata(L, 1, kinds[i]->class.name))
+            return class_check(L, 1, &kinds[i]->class);
     luaL_typeerror(L, 1, "duet query");
     return NULL;
 }
 
-static query_box *check(lua_State *L)
-{
-    query_box *box = box_at_1(L);
-    luaL_argcheck(L, box->query, 1, "the query is closed");
-    return box;
-}
-
-// tree:ray_query(def) and the others
-static int create(lua_State *L, const query_kind *kind)
+// tree:ray_query(def) and the others; the upvalue is the place in kinds.
+static int create(lua_State *L)
 {
     duet_error err = {0};
+    const query_kind *kind = kinds[lua_tointeger(L, lua_upvalueindex(1))];
     query_def def = {DUET_QUERY_CLOSEST, DUET_LEVEL_CERTIFIED, 0};
     duet_tree *tree = tree_check(L, 1);
     if (!lua_isnoneornil(L, 2))
         member_read_table(L, 2, kind->noun, kind->members, &def);
-    query_box *box = class_push(L, &kind->class, sizeof *box);
-    lua_pushvalue(L, 1);
-    lua_setiuservalue(L, -2, 1);
+    query_box *box = class_push_of(L, &kind->class, sizeof *box, 1);
     box->kind = kind;
     box->takes = kind->takes[tree_shape(L, 1)];
-    box->query = kind->create(tree, &def, &err);
-    return box->query ? 1 : class_push_failure(L, &err);
+    box->query.object = kind->create(tree, &def, &err);
+    return box->query.object ? 1 : class_push_failure(L, &err);
 }
 
-static int create_ray_query(lua_State *L)
-{
-    return create(L, &rays);
-}
-
-static int create_sweep_query(lua_State *L)
-{
-    return create(L, &sweeps);
-}
-
-static int create_box_query(lua_State *L)
-{
-    return create(L, &boxes);
-}
-
-static int create_point_query(lua_State *L)
-{
-    return create(L, &points);
-}
-
-const luaL_Reg tree_query_methods[] = {{"ray_query", create_ray_query},
-                                       {"sweep_query", create_sweep_query},
-                                       {"box_query", create_box_query},
-                                       {"point_query", create_point_query},
-                                       {NULL, NULL}};
+const lua_shared tree_query_methods[] = {{"ray_query", create, RAYS},
+                                         {"sweep_query", create, SWEEPS},
+                                         {"box_query", create, BOXES},
+                                         {"point_query", create, POINTS},
+                                         {NULL, NULL, 0}};
 
 static int push_answer(lua_State *L, const query_kind *kind, const answer *found)
 {
@@ -281,7 +254,7 @@ static int run(lua_State *L)
     answer found = {0};
     query_box *box = check(L);
     const array *items = array_check(L, 2, box->takes);
-    if (!box->kind->run(box->query, items, &found, &err))
+    if (!box->kind->run(box->query.object, items, &found, &err))
         return class_push_failure(L, &err);
     return push_answer(L, box->kind, &found);
 }
@@ -291,27 +264,16 @@ static int run_itself(lua_State *L)
 {
     duet_error err = {0};
     answer found = {0};
-    query_box *box = luaL_checkudata(L, 1, boxes.class.name);
-    luaL_argcheck(L, box->query, 1, "the query is closed");
+    duet_box_query *query = class_object(L, 1, &boxes.class);
     const array *filters = lua_isnoneornil(L, 2) ? NULL : array_check(L, 2, ARRAY_FILTERS);
-    if (!duet_box_query_run_itself(box->query, filters ? filters->rows : NULL,
-                                   filters ? filters->n : 0, &found.boxes, &err))
+    if (!duet_box_query_run_itself(query, filters ? filters->rows : NULL, filters ? filters->n : 0,
+                                   &found.boxes, &err))
         return class_push_failure(L, &err);
     return push_answer(L, &boxes, &found);
 }
 
-static int close(lua_State *L)
-{
-    query_box *box = box_at_1(L);
-    if (box->query)
-        box->kind->destroy(box->query);
-    box->query = NULL;
-    return 0;
-}
-
-static const luaL_Reg methods[3] = {{"close", close}, {"run", run}, {NULL, NULL}};
-static const luaL_Reg box_methods[4] = {
-    {"close", close}, {"run", run}, {"run_itself", run_itself}, {NULL, NULL}};
+static const luaL_Reg methods[2] = {{"run", run}, {NULL, NULL}};
+static const luaL_Reg box_methods[3] = {{"run", run}, {"run_itself", run_itself}, {NULL, NULL}};
 
 void tree_query_open_lua(lua_State *L)
 {
