@@ -5,6 +5,18 @@
 #include <math.h>
 #include <stdbool.h>
 
+void exact_open(void *numbers, size_t bytes)
+{
+    for (mpz_t *at = numbers, *end = at + bytes / sizeof *at; at < end; ++at)
+        mpz_init(*at);
+}
+
+void exact_close(void *numbers, size_t bytes)
+{
+    for (mpz_t *at = numbers, *end = at + bytes / sizeof *at; at < end; ++at)
+        mpz_clear(*at);
+}
+
 int exact_least_power(const float *values, int n, int so_far)
 {
     for (int i = 0; i < n; ++i) {
@@ -75,6 +87,14 @@ void exact_dot(mpz_t out, mpz_t u[3], mpz_t v[3])
     mpz_mul(out, u[0], v[0]);
     mpz_addmul(out, u[1], v[1]);
     mpz_addmul(out, u[2], v[2]);
+}
+
+void exact_cross(mpz_t *out, mpz_t *u, mpz_t *v)
+{
+    for (int k = 0; k < 3; ++k) {
+        mpz_mul(out[k], u[(k + 1) % 3], v[(k + 2) % 3]);
+        mpz_submul(out[k], u[(k + 2) % 3], v[(k + 1) % 3]);
+    }
 }
 
 int exact_step(mpz_t out[3], const float direction[3], float t_max, int power)

@@ -11,6 +11,7 @@
 #include "runtime/narrowphase/narrow.h"
 
 #include "runtime/narrowphase/exact.h"
+#include "runtime/narrowphase/vector.h"
 
 #include <limits.h>
 #include <math.h>
@@ -63,11 +64,6 @@ static double larger(double x, double y)
 static double smaller(double x, double y)
 {
     return x < y ? x : y;
-}
-
-static double dot(const double u[3], const double v[3])
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
 // What is known of the separations of the axes seen so far.
@@ -405,12 +401,6 @@ typedef struct numbers {
     mpz_t distance, reach, term;
 } numbers;
 
-// The same numbers in a row, to make and to free them all.
-typedef union pool {
-    numbers of;
-    mpz_t all[sizeof(numbers) / sizeof(mpz_t)];
-} pool;
-
 // A shift is a difference of cells, of 32 bits at most.
 static int least_power_of_shift(const double shift[3], int so_far)
 {
@@ -510,13 +500,10 @@ bool narrow_exact_apart(const duet_pose *a, const duet_pose *b, const double shi
         return false;
     duet_pose flat_a = narrow_flat(a, dims), flat_b = narrow_flat(b, dims);
     const double flat_shift[3] = {shift[0], shift[1], dims == 3 ? shift[2] : 0};
-    pool p;
-    size_t n = sizeof p.all / sizeof *p.all;
-    for (size_t i = 0; i < n; ++i)
-        mpz_init(p.all[i]);
-    set_numbers(&p.of, &flat_a, &flat_b, flat_shift);
-    bool separated = any_axis_separates(&p.of);
-    for (size_t i = 0; i < n; ++i)
-        mpz_clear(p.all[i]);
+    numbers n;
+    exact_open(&n, sizeof n);
+    set_numbers(&n, &flat_a, &flat_b, flat_shift);
+    bool separated = any_axis_separates(&n);
+    exact_close(&n, sizeof n);
     return !separated;
 }
