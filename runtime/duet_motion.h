@@ -8,9 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // What a scene can call for. A motion runs those that its objects and its def
 // call for and nothing else: docs/effects.md says by what each is called for.
@@ -95,8 +93,8 @@ typedef struct duet_motion_def {
     double slop;                  // contacts are kept to 4 slops apart; 0: from the objects' sizes
     double max_push_speed;        // greatest speed at which overlap is resolved
     double restitution_threshold; // impacts below it do not bounce
-    double sleep_speed; // what is slower rests, and what is faster takes back twice the time
-    double sleep_after; // seconds of rest: sleeps, if nothing that moves touches it
+    double sleep_speed;  // what is slower rests, and what is faster takes back twice the time
+    double sleep_after;  // seconds of rest: sleeps, if nothing that moves touches it
     double hit_speed;    // > 0: impacts above that speed are told as hits
     uint32_t event_mask; // events are those of objects, one of the two, whose group has a bit of it
     int cookie;
@@ -145,12 +143,12 @@ typedef struct duet_hit_event {
 
 // What a step did. Its memory is the motion's and lasts until the next step.
 typedef struct duet_motion_result {
-    uint64_t step;     // steps since the start
-    double time;       // step * dt
-    uint64_t pairs;    // that may touch
-    uint64_t contacts; // that push
-    uint32_t colours;  // rounds of a solution
-    bool rebuilt;      // pairs were searched in this step
+    uint64_t step;            // steps since the start
+    double time;              // step * dt
+    uint64_t pairs;           // that may touch
+    uint64_t contacts;        // that push
+    uint32_t colours;         // rounds of a solution
+    bool rebuilt;             // pairs were searched in this step
     const duet_event *events; // that begin and end, ascending by a and b
     uint64_t n_events;
     const duet_pair *stays; // that touch, and did so in the last step; likewise
@@ -265,7 +263,6 @@ typedef struct duet_effect_info {
 // Effect i, and after the last one how positions are kept ("origin"); false past that.
 DUET_API bool duet_motion_explain(const duet_motion *motion, uint32_t i, duet_effect_info *info);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif
