@@ -83,7 +83,7 @@ duet_scene *scene_from_large_poses(const duet_large_pose *placed, uint32_t n, ui
     }
     for (uint32_t i = 0; i < n; ++i)
         poses[i] = placed[i].pose;
-    duet_scene *scene = scene_from_poses(placed ? poses : NULL, n, dims, err);
+    duet_scene *scene = scene_from_objects(DUET_SHAPE_POSES, placed ? poses : NULL, n, dims, err);
     free(poses);
     if (scene && place_all(scene, placed, origin, err))
         return scene;
