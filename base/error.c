@@ -86,17 +86,38 @@ static bool is_free(const duet_error *err)
     return err && err->status == DUET_STATUS_OK;
 }
 
-bool error_set(duet_error *err, duet_status status, const char *format, ...)
+static void fill(duet_error *err, duet_status status, const char *format, va_list args)
 {
-    if (!is_free(err))
-        return false;
-    va_list args;
-    va_start(args, format);
     vsnprintf(err->text, sizeof err->text, format, args);
-    va_end(args);
     join_lines(err->text, sizeof err->text);
     err->status = status;
     err->cl_code = 0;
+}
+
+bool error_set(duet_error *err, duet_status status, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    if (is_free(err))
+        fill(err, status, format, args);
+    va_end(args);
+    return false;
+}
+
+void *error_null(duet_error *err, duet_status status, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    if (is_free(err))
+        fill(err, status, format, args);
+    va_end(args);
+    return NULL;
+}
+
+bool error_copy(duet_error *err, const duet_error *why)
+{
+    if (is_free(err))
+        *err = *why;
     return false;
 }
 
@@ -104,15 +125,13 @@ bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
 {
     if (!is_free(err))
         return false;
+    bool memory = cl_code == -4 || cl_code == -6 || cl_code == -61;
     va_list args;
     va_start(args, format);
-    vsnprintf(err->text, sizeof err->text, format, args);
+    fill(err, memory ? DUET_STATUS_NO_MEMORY : DUET_STATUS_DEVICE_FAILED, format, args);
     va_end(args);
-    join_lines(err->text, sizeof err->text);
     size_t used = strlen(err->text);
     snprintf(err->text + used, sizeof err->text - used, ": %s (%d)", cl_name(cl_code), cl_code);
-    bool memory = cl_code == -4 || cl_code == -6 || cl_code == -61;
-    err->status = memory ? DUET_STATUS_NO_MEMORY : DUET_STATUS_DEVICE_FAILED;
     err->cl_code = cl_code;
     return false;
 }

@@ -91,20 +91,17 @@ static const cluster_library *load_library(duet_error *err)
     if (known.version)
         return &known;
     void *library = dlopen(CLUSTER_LIBRARY, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-    if (!library) {
-        error_set(err, DUET_STATUS_NOT_FOUND,
-                  "%s; on Debian it is in the package duet-cluster, and a Duet that was built "
-                  "without MPI has none",
-                  dlerror());
-        return NULL;
-    }
+    if (!library)
+        return error_null(
+            err, DUET_STATUS_NOT_FOUND,
+            "%s; on Debian it is in the package duet-cluster, and a Duet that was built "
+            "without MPI has none",
+            dlerror());
     const char *lacking = find_calls(library, &found);
-    if (lacking || strcmp(found.version(), duet_version()) != 0) {
-        error_set(err, DUET_STATUS_NOT_FOUND, "%s is of another version%s%s; expected %s",
-                  CLUSTER_LIBRARY, lacking ? ", without " : " of Duet, ",
-                  lacking ? lacking : found.version(), duet_version());
-        return NULL;
-    }
+    if (lacking || strcmp(found.version(), duet_version()) != 0)
+        return error_null(err, DUET_STATUS_NOT_FOUND, "%s is of another version%s%s; expected %s",
+                          CLUSTER_LIBRARY, lacking ? ", without " : " of Duet, ",
+                          lacking ? lacking : found.version(), duet_version());
     known = found;
     return &known;
 }

@@ -647,7 +647,7 @@ static bool look_in_file(const char *path, const profile_request *request, profi
         bool ok = look_once(path, request, found, why ? &told : NULL, &disturbed, &failure);
         bool final = !disturbed || i == MAX_LOOKS;
         if (final && !ok)
-            error_set(err, failure.status, "%s", failure.text);
+            error_copy(err, &failure);
         if (final && why)
             text_add(why, "%s%s%s", ok ? path : failure.text, ok ? ":\n" : "\n", text_chars(&told));
         text_free(&told);
@@ -670,7 +670,7 @@ bool profile_lookup_files(const char *user_path, const char *system_path,
             continue;
         if (!look_in_file(paths[i], request, &here, why, &failure) &&
             failure.status != DUET_STATUS_NOT_FOUND)
-            ok = error_set(err, failure.status, "%s", failure.text);
+            ok = error_copy(err, &failure);
         if (here.grade < found->grade)
             *found = here;
     }

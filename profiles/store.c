@@ -77,8 +77,7 @@ static store *make(const char *path, const char *file, duet_error *err)
     if (s && s->path && s->file)
         return s;
     store_close(s);
-    error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory to open it", path);
-    return NULL;
+    return error_null(err, DUET_STATUS_NO_MEMORY, "%s: no memory to open it", path);
 }
 
 static bool connect(store *s, const char *name, int flags, int busy_ms, duet_error *err)

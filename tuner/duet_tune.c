@@ -540,8 +540,8 @@ static bool run_recorded(tuning_resources *h, const profile_found *near, duet_tu
                       : why.status == DUET_STATUS_INTERRUPTED ? "stopped"
                                                               : "failed";
     ok = record_end(&h->record, how, &h->def, outcome, ok ? err : NULL) && ok;
-    if (why.status != DUET_STATUS_OK && err && err->status == DUET_STATUS_OK)
-        *err = why;
+    if (why.status != DUET_STATUS_OK)
+        error_copy(err, &why);
     return ok;
 }
 

@@ -236,7 +236,7 @@ static bool keep_failure(bench *b, const duet_scene_info *info, const duet_plan 
 {
     if (failure->status == DUET_STATUS_INTERRUPTED ||
         !bench_add(b->results, info, plan, NULL, failure))
-        return error_set(err, failure->status, "%s", failure->text);
+        return error_copy(err, failure);
     ++b->failed;
     say_failed(failure);
     return true;

@@ -294,7 +294,7 @@ static bool check_config(gen *g, program_set *set, const char *name, uint64_t in
     duet_error why = {0};
     bool compiled = program_set_check(set, name, config, n, &why);
     if (!compiled && why.status != DUET_STATUS_BUILD_FAILED)
-        return error_set(err, why.status, "%s", why.text);
+        return error_copy(err, &why);
     if (!compiled)
         fprintf(stderr, "duet: %s\n", why.text);
     c->compiled += compiled;

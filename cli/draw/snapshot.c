@@ -326,9 +326,8 @@ static canvas *open_canvas(const char *path, duet_error *err)
     size_t n = strlen(path);
     if (n >= 5 && strcmp(path + n - 4, ".png") == 0)
         return canvas_open(path, WIDTH, HEIGHT, err);
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "'%s': the name of a run's picture ends with .png",
-              path);
-    return NULL;
+    return error_null(err, DUET_STATUS_BAD_ARGUMENT,
+                      "'%s': the name of a run's picture ends with .png", path);
 }
 
 static bool has_shot(const snapshot *s, const crowd *c)

@@ -256,10 +256,8 @@ static bool settle_radii(duet_scene *scene, duet_error *err)
 static duet_scene *scene_new(duet_error *err)
 {
     duet_scene *scene = calloc(1, sizeof *scene);
-    if (!scene) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "a scene: no memory");
-        return NULL;
-    }
+    if (!scene)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "a scene: no memory");
     scene->info.dims = 3;
     scene->info.shape = DUET_SHAPE_POSES;
     scene->per_row = 1;
@@ -337,7 +335,7 @@ static bool refuse_path(const char *path, const duet_error *why, duet_error *err
 {
     shipped_scene near;
     if (why->status != DUET_STATUS_NOT_FOUND || strpbrk(path, "/."))
-        return error_set(err, why->status, "%s", why->text);
+        return error_copy(err, why);
     if (shipped_find_nearest(path, &near))
         return error_set(err, why->status, "%s: no such file or scene; did you mean '%s'?", path,
                          near.name);
@@ -509,14 +507,11 @@ duet_scene *duet_scene_load_pairs(const char *path, duet_error *err)
 static duet_scene *start_copy(duet_shape shape, const void *objects, uint32_t n, uint32_t dims,
                               duet_error *err)
 {
-    if (n > 0 && !objects) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u objects, but no memory that holds them", n);
-        return NULL;
-    }
-    if (dims != 2 && dims != 3) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; it must be 2 or 3", dims);
-        return NULL;
-    }
+    if (n > 0 && !objects)
+        return error_null(err, DUET_STATUS_BAD_ARGUMENT,
+                          "%u objects, but no memory that holds them", n);
+    if (dims != 2 && dims != 3)
+        return error_null(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; it must be 2 or 3", dims);
     duet_scene *scene = scene_new(err);
     if (!scene)
         return NULL;
@@ -587,12 +582,10 @@ duet_scene *scene_from_objects(duet_shape shape, const void *objects, uint32_t n
 duet_scene *duet_scene_create(duet_object_kind kind, const void *objects, uint32_t n, uint32_t dims,
                               float origin_edge, duet_error *err)
 {
-    if (origin_edge != 0.0f && kind != DUET_OBJECT_LARGE_POSES) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                  "origin_edge is %g; expected 0 for objects that are not large poses",
-                  (double)origin_edge);
-        return NULL;
-    }
+    if (origin_edge != 0.0f && kind != DUET_OBJECT_LARGE_POSES)
+        return error_null(err, DUET_STATUS_BAD_ARGUMENT,
+                          "origin_edge is %g; expected 0 for objects that are not large poses",
+                          (double)origin_edge);
     switch (kind) {
     case DUET_OBJECT_POSES:
         return scene_from_objects(DUET_SHAPE_POSES, objects, n, dims, err);
@@ -609,11 +602,11 @@ duet_scene *duet_scene_create(duet_object_kind kind, const void *objects, uint32
     case DUET_OBJECT_COMPACT_TRANSFORMS:
         break;
     }
-    error_set(err, DUET_STATUS_BAD_ARGUMENT,
-              "kind is %d; expected poses, bounds, large poses, rounded boxes or spheres for a "
-              "scene",
-              (int)kind);
-    return NULL;
+    return error_null(
+        err, DUET_STATUS_BAD_ARGUMENT,
+        "kind is %d; expected poses, bounds, large poses, rounded boxes or spheres for a "
+        "scene",
+        (int)kind);
 }
 
 static bool reorder(void *rows, size_t bytes, uint32_t n, const uint32_t *order, duet_error *err)

@@ -465,7 +465,7 @@ static void add_row(lua_State *L, scene_reading *reading, const row *r)
     if (scene_set_columns(reading->scene, r->n, place, &err) &&
         scene_add_row(reading->scene, r->value, place, &err))
         return;
-    error_set(reading->err, err.status, "%s", err.text);
+    error_copy(reading->err, &err);
     luaL_error(L, "%s", err.text);
 }
 
