@@ -5,6 +5,7 @@
 #ifndef RUNTIME_TREE_QUERY_H
 #define RUNTIME_TREE_QUERY_H
 
+#include "runtime/queries/any_query.h"
 #include "runtime/queries/tree.h"
 
 enum { QUERY_SETTINGS = 5 };
@@ -86,16 +87,7 @@ typedef struct tree_query {
     hit_list joined;
 } tree_query;
 
-// What a run found; the query's, until its next.
-typedef struct query_result {
-    const uint32_t *hits;
-    uint64_t n_hits;
-    uint64_t undecided;
-    double total_ms;
-    double device_ms[2];
-} query_result;
-
-// The same as a public query tells it, whose result and hits are of these types.
+// A query_result as a public query tells it, whose result and hits are of these types.
 #define QUERY_RESULT(result_type, hit_type, found)                        \
     (result_type)                                                         \
     {                                                                     \
