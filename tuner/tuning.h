@@ -4,7 +4,7 @@
 #ifndef TUNER_TUNING_H
 #define TUNER_TUNING_H
 
-#include "tuner/task.h"
+#include "tuner/tune.h"
 
 // The stages of a device whose kernel is varied.
 typedef struct focus {
