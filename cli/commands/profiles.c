@@ -31,10 +31,7 @@ typedef struct arguments {
 
 store *profiles_open(const char *path, store_access access, duet_error *err)
 {
-    text user = {0};
-    bool ok = path || store_user_path(&user, err);
-    store *s = ok ? store_open(path ? path : text_chars(&user), access, err) : NULL;
-    text_free(&user);
+    store *s = store_open(path, access, err);
     if (s && store_note(s))
         fprintf(stderr, "duet: %s\n", say_name(store_note(s)).chars);
     return s;
