@@ -3,10 +3,10 @@
 
 #include "base/text.h"
 #include "cli/draw/canvas.h"
+#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 
@@ -143,8 +143,7 @@ bool timestep_study_report_json(const timestep_study_report *r, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "scene", r->scene->name);
     cJSON_AddNumberToObject(o, "objects", r->scene->n);
-    cJSON_AddStringToObject(o, "a", duet_device_pair_get_info(r->pair, 0)->selector);
-    cJSON_AddStringToObject(o, "b", duet_device_pair_get_info(r->pair, 1)->selector);
+    json_add_devices(o, r->pair);
     cJSON_AddNumberToObject(o, "time", p->time);
     cJSON_AddItemToObject(o, "reference", row_json(&p->reference));
     cJSON *rows = cJSON_AddArrayToObject(o, "timesteps");
