@@ -5,6 +5,7 @@
 #include "cli/interrupt.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
+#include "runtime/scene/scene.h"
 #include "tuner/stats.h"
 
 #include <inttypes.h>
@@ -104,19 +105,11 @@ static void take_away(subject *s, uint32_t effect)
         change_body(&s->bodies[i], effect);
 }
 
-static uint32_t effect_named(const char *name)
-{
-    for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
-        if (strcmp(duet_effect_name(bit), name) == 0)
-            return bit;
-    return 0;
-}
-
 // False in *measured where other effects call for this one too.
 static bool measure_effect(const subject *whole, double whole_ms, cost *row, uint64_t steps,
                            duet_error *err)
 {
-    uint32_t effect = effect_named(row->info.name);
+    uint32_t effect = scene_effect_named(row->info.name);
     subject s = *whole;
     s.bodies = malloc(s.n * sizeof *s.bodies + 1);
     if (!s.bodies)
@@ -138,7 +131,7 @@ static bool measure_effect(const subject *whole, double whole_ms, cost *row, uin
 
 static bool is_measured(const cost *row)
 {
-    return row->info.active && effect_named(row->info.name);
+    return row->info.active && scene_effect_named(row->info.name);
 }
 
 static bool measure_effects(costs *c, const subject *s, duet_error *err)

@@ -2,6 +2,7 @@
 // device_pair:motion: objects that move, and push each other where they touch.
 #include "lua/nouns.h"
 #include "lua/policy.h"
+#include "runtime/scene/scene.h"
 
 #include <string.h>
 
@@ -70,12 +71,6 @@ static const char *boundary_name(int boundary)
     return boundary < 3 ? names[boundary] : NULL;
 }
 
-static const char *integrator_name(int integrator)
-{
-    static const char *const names[] = {"euler", "verlet", "yoshida"};
-    return integrator < 3 ? names[integrator] : NULL;
-}
-
 // script = function(step, motion): kept beside the pair.
 static void read_script(lua_State *L, const member *m, void *at)
 {
@@ -103,7 +98,7 @@ static const member def_members[] = {
     MEMBER(member_double, duet_motion_def, upper),
     MEMBER(member_double, duet_motion_def, dt),
     MEMBER(member_count, duet_motion_def, substeps),
-    MEMBER_ENUM(duet_motion_def, integrator, integrator_name),
+    MEMBER_ENUM(duet_motion_def, integrator, scene_integrator_name),
     MEMBER(member_double, duet_motion_def, skin),
     MEMBER(member_double, duet_motion_def, slop),
     MEMBER(member_double, duet_motion_def, max_push_speed),

@@ -89,6 +89,12 @@ duet_scene *scene_from_objects(duet_shape shape, const void *objects, uint32_t n
 duet_scene *scene_from_large_poses(const duet_large_pose *placed, uint32_t n, uint32_t dims,
                                    float origin, duet_error *err);
 
+// "euler", "verlet" ...; NULL beyond the last.
+const char *scene_integrator_name(int integrator);
+
+// The bit of duet_effect_name; 0 where no effect is called that.
+uint32_t scene_effect_named(const char *name);
+
 bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_error *err);
 
 // What a scene is read from: a file, stdin, or what the library carries.
