@@ -84,6 +84,13 @@ array *array_push(lua_State *L, array_kind kind, uint64_t n)
     return a;
 }
 
+void array_push_copy(lua_State *L, array_kind kind, const void *rows, uint64_t n)
+{
+    array *a = array_push(L, kind, n);
+    if (n > 0)
+        memcpy(a->rows, rows, n * kinds[kind].bytes);
+}
+
 void array_own(array *a, void *rows, uint64_t n)
 {
     a->rows = rows;

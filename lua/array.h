@@ -64,6 +64,9 @@ void array_open(lua_State *L); // adds duet.poses ... to the module at -1
 // Pushes an array with zeroed rows of its own.
 array *array_push(lua_State *L, array_kind kind, uint64_t n);
 
+// Pushes an array with a copy of such rows.
+void array_push_copy(lua_State *L, array_kind kind, const void *rows, uint64_t n);
+
 // Pushes an empty one for rows that C made, and gives it n of them, which
 // duet_free gives back.
 array *array_push_empty(lua_State *L, array_kind kind);

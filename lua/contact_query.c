@@ -2,8 +2,6 @@
 // device_pair:contact_query: where pairs of boxes touch.
 #include "lua/nouns.h"
 
-#include <string.h>
-
 typedef struct query_box {
     lua_handle query;
     duet_shape shape;
@@ -32,8 +30,7 @@ int contact_query_create_lua(lua_State *L)
     duet_error err = {0};
     duet_contact_query_def def = duet_default_contact_query_def();
     def.pair = device_pair_check(L, 1);
-    if (!lua_isnoneornil(L, 2))
-        member_read_table(L, 2, "a contact query", def_members, &def);
+    member_read_table(L, 2, "a contact query", def_members, &def);
     query_box *box = class_push_of(L, &query_class, sizeof *box, 1);
     box->shape = def.shape;
     box->query.object = duet_contact_query_create(&def, &err);
@@ -54,10 +51,7 @@ static int query_run(lua_State *L)
     if (!duet_contact_query_run(box->query.object, array_object_kind(kind), objects->rows,
                                 (uint32_t)objects->n, spans, &result, &err))
         return class_push_failure(L, &err);
-    array *contacts = array_push(L, ARRAY_CONTACTS, result.n_contacts);
-    if (result.n_contacts > 0)
-        memcpy(contacts->rows, result.contacts,
-               (size_t)result.n_contacts * sizeof *result.contacts);
+    array_push_copy(L, ARRAY_CONTACTS, result.contacts, result.n_contacts);
     member_push_table(L, result_members, &result);
     return 2;
 }

@@ -465,12 +465,8 @@ static int motion_moved(lua_State *L)
     duet_moved moved = {0};
     if (!duet_motion_get_moved(motion_check_lua(L), &moved, &err))
         return class_push_failure(L, &err);
-    array *ids = array_push(L, ARRAY_PLACES, moved.n);
-    array *states = array_push(L, ARRAY_STATES, moved.n);
-    if (moved.n > 0) {
-        memcpy(ids->rows, moved.places, moved.n * sizeof *moved.places);
-        memcpy(states->rows, moved.states, moved.n * sizeof *moved.states);
-    }
+    array_push_copy(L, ARRAY_PLACES, moved.places, moved.n);
+    array_push_copy(L, ARRAY_STATES, moved.states, moved.n);
     return 2;
 }
 

@@ -2,8 +2,6 @@
 // duet.pair_delta: which pairs of a still world began and ended between two steps.
 #include "lua/nouns.h"
 
-#include <string.h>
-
 static const lua_class delta_class;
 
 // duet.pair_delta()
@@ -13,13 +11,6 @@ static int create(lua_State *L)
     lua_handle *delta = class_push(L, &delta_class, sizeof *delta);
     delta->object = duet_pair_delta_create(&err);
     return delta->object ? 1 : class_push_failure(L, &err);
-}
-
-static void push_pairs(lua_State *L, const duet_pair *pairs, uint64_t n)
-{
-    array *to = array_push(L, ARRAY_PAIRS, n);
-    if (n > 0)
-        memcpy(to->rows, pairs, (size_t)n * sizeof *pairs);
 }
 
 static void push_events(lua_State *L, const duet_pair_delta_result *result, bool begins)
@@ -45,7 +36,7 @@ static int delta_update(lua_State *L)
         return class_push_failure(L, &err);
     push_events(L, &result, true);
     push_events(L, &result, false);
-    push_pairs(L, result.stays, result.n_stays);
+    array_push_copy(L, ARRAY_PAIRS, result.stays, result.n_stays);
     return 3;
 }
 

@@ -27,8 +27,7 @@ int pair_query_create_lua(lua_State *L)
     duet_pair_query_def def = duet_default_pair_query_def();
     def.pair = pair;
     def.share = duet_default_plan(pair).share;
-    if (!lua_isnoneornil(L, 2))
-        member_read_table(L, 2, "a pair query", def_members, &def);
+    member_read_table(L, 2, "a pair query", def_members, &def);
     lua_handle *query = class_push_of(L, &query_class, sizeof *query, 1);
     query->object = duet_pair_query_create(&def, &err);
     return query->object ? 1 : class_push_failure(L, &err);

@@ -30,8 +30,7 @@ int tree_create_lua(lua_State *L)
     duet_error err = {0};
     duet_tree_def def = duet_default_tree_def();
     def.pair = device_pair_check(L, 1);
-    if (!lua_isnoneornil(L, 2))
-        member_read_table(L, 2, "a tree", def_members, &def);
+    member_read_table(L, 2, "a tree", def_members, &def);
     tree_box *box = class_push_of(L, &tree_class, sizeof *box, 1);
     box->shape = def.origin_edge > 0 ? TREE_LARGE_POSES : (int)def.shape;
     box->tree.object = duet_tree_create(&def, &err);

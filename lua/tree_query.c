@@ -4,8 +4,6 @@
 #include "lua/nouns.h"
 #include "runtime/queries/any_query.h"
 
-#include <string.h>
-
 static const member result_members[] = {
     MEMBER(member_count, query_result, undecided),
     MEMBER(member_double, query_result, total_ms),
@@ -107,8 +105,7 @@ static int create(lua_State *L)
     const query_kind *kind = &kinds[item];
     query_def def = {.name = {.item = item}, .level = DUET_LEVEL_CERTIFIED};
     duet_tree *tree = tree_check(L, 1);
-    if (!lua_isnoneornil(L, 2))
-        member_read_table(L, 2, kind->noun, kind->members, &def);
+    member_read_table(L, 2, kind->noun, kind->members, &def);
     query_box *box = class_push_of(L, &kind->class, sizeof *box, 1);
     box->item = item;
     box->takes = kind->takes[tree_shape(L, 1)];
@@ -124,9 +121,7 @@ const lua_shared tree_query_methods[] = {{"ray_query", create, QUERY_RAYS},
 
 static int push_found(lua_State *L, query_item item, const query_result *found)
 {
-    array *hits = array_push(L, kinds[item].gives, found->n_hits);
-    if (found->n_hits > 0)
-        memcpy(hits->rows, found->hits, (size_t)found->n_hits * query_hit_bytes(item));
+    array_push_copy(L, kinds[item].gives, found->hits, found->n_hits);
     member_push_table(L, result_members, found);
     return 2;
 }
