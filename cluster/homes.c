@@ -16,11 +16,25 @@ typedef struct glance {
     double widest;
     level_boxes boxes; // of homes that are not deep inside, each of its level alone
     skim deep;         // the others
-    row_list leavers;  // ascending, as is
+    row_list leavers;  // ascending, unless a device has skimmed them
     row_list border;
 } glance;
 
 // ---------------------------------------------------------------- rows
+
+static void add_row(row_list *l, uint32_t row)
+{
+    if (!l->failed && l->n == l->capacity) {
+        uint64_t capacity = l->capacity ? 2 * l->capacity : 256;
+        uint32_t *rows = realloc(l->rows, capacity * sizeof *rows);
+        l->failed = !rows;
+        l->rows = rows ? rows : l->rows;
+        l->capacity = rows ? capacity : l->capacity;
+    }
+    if (!l->failed)
+        l->rows[l->n] = row;
+    ++l->n; // so that all ranks know that there is one
+}
 
 // What a worker holds is its own.
 static void let_go(homes *h)
@@ -29,7 +43,9 @@ static void let_go(homes *h)
         h->rows.objects = NULL;
     object_rows_end(&h->rows);
     free(h->gone);
+    free(h->gone_to);
     h->gone = NULL;
+    h->gone_to = NULL;
     h->holder = NULL;
     h->n_gone = 0;
 }
@@ -55,22 +71,30 @@ void homes_end(homes *h)
     free(h->all);
     free(h->arrived);
     free(h->border.rows);
+    free(h->renamed.rows);
     h->all = NULL;
     h->arrived = NULL;
     h->glances = NULL;
-    h->border = (row_list){0};
+    h->border = h->renamed = (row_list){0};
 }
 
 void homes_tidy(homes *h)
 {
     while (h->n_gone > 0) {
-        uint32_t hole = h->gone[--h->n_gone].row, last = --h->rows.n;
+        uint32_t hole = h->gone[--h->n_gone], last = --h->rows.n;
         if (hole == last)
             continue;
         h->rows.ids[hole] = h->rows.ids[last];
         memcpy(object_row(&h->rows, &h->form, hole), object_row(&h->rows, &h->form, last),
                h->form.bytes);
+        add_row(&h->renamed, hole);
     }
+}
+
+void homes_forget_renamed(homes *h)
+{
+    h->renamed = (row_list){.rows = h->renamed.rows, .capacity = h->renamed.capacity};
+    h->all_renamed = false;
 }
 
 uint32_t homes_open(homes *h)
@@ -125,6 +149,7 @@ bool homes_move_in(homes *h, worker *w, duet_error *err)
     h->rows.objects = c.to;
     h->spare = (object_rows){0};
     h->holder = w;
+    h->all_renamed = true;
     return true;
 }
 
@@ -196,6 +221,8 @@ typedef struct look {
     reach inside;  // where homes lie so deep in this rank's part that they touch no others
     glance *parts; // [PARALLEL_MOST]
     glance all;    // whose lists only count
+    const skim_block *blocks; // of the device that skimmed; NULL: the host did
+    uint32_t first;           // of the rows that are looked at
 } look;
 
 static void forget(glance *g)
@@ -206,20 +233,6 @@ static void forget(glance *g)
     g->border = (row_list){.rows = border.rows, .capacity = border.capacity};
     for (int l = 0; l < LEVELS; ++l)
         g->boxes.upto[l] = reach_none;
-}
-
-static void add_row(row_list *l, uint32_t row)
-{
-    if (!l->failed && l->n == l->capacity) {
-        uint64_t capacity = l->capacity ? 2 * l->capacity : 256;
-        uint32_t *rows = realloc(l->rows, capacity * sizeof *rows);
-        l->failed = !rows;
-        l->rows = rows ? rows : l->rows;
-        l->capacity = rows ? capacity : l->capacity;
-    }
-    if (!l->failed)
-        l->rows[l->n] = row;
-    ++l->n; // so that all ranks know that there is one
 }
 
 static void look_closely(const look *l, glance *g, uint32_t i)
@@ -248,11 +261,26 @@ static void look_at_part(void *context, uint32_t part, uint64_t first, uint64_t 
 {
     look *l = context;
     const homes *h = l->h;
-    glance *g = &l->parts[part];
+    glance g = l->parts[part]; // apart from what other threads write
     uint32_t i = (uint32_t)first, to = (uint32_t)end;
-    while ((i = object_rows_skim(&h->rows, &h->form, i, to, &l->inside, &g->deep)) < to)
-        look_closely(l, g, i++);
-    g->widest = fmax(g->widest, skim_widest(&g->deep, &h->form));
+    while ((i = object_rows_skim(&h->rows, &h->form, i, to, &l->inside, &g.deep)) < to)
+        look_closely(l, &g, i++);
+    g.widest = fmax(g.widest, skim_widest(&g.deep, &h->form));
+    l->parts[part] = g;
+}
+
+// Of rows from l->first on those that the device found odd.
+static void look_at_odd(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    look *l = context;
+    glance g = l->parts[part];
+    for (uint64_t i = l->first + first; i < l->first + end;) {
+        uint32_t odd = l->blocks[i / SKIM_ROWS].odd[i % SKIM_ROWS / 32] >> i % 32;
+        if (odd & 1)
+            look_closely(l, &g, (uint32_t)i);
+        i = odd > 1 ? i + 1 : (i | 31) + 1;
+    }
+    l->parts[part] = g;
 }
 
 static void add_glance(glance *to, const glance *g)
@@ -269,19 +297,42 @@ static void add_glance(glance *to, const glance *g)
         reach_add(&to->boxes.upto[k], &g->boxes.upto[k]);
 }
 
+// Homes that are on their way to a device are skimmed there, and the host looks at the odd ones of
+// those that have arrived while others travel. False where the device does not.
+static bool look_with_device(look *l)
+{
+    homes *h = l->h;
+    worker *w = h->holder;
+    float lower[3], upper[3];
+    skim_box(&l->inside, lower, upper);
+    if (!w || !w->skim || h->rows.n == 0 || !w->skim(w, lower, upper))
+        return false;
+    for (uint32_t from = 0, to; from < h->rows.n; from = to) {
+        to = w->await_skim(w, from, &l->blocks);
+        l->first = from;
+        parallel_each(h->threads, to - from, look_at_odd, l);
+        for (uint32_t i = from; i < to; i += SKIM_ROWS)
+            skim_add_block(&l->all.deep, &l->blocks[i / SKIM_ROWS]);
+    }
+    l->all.widest = skim_widest(&l->all.deep, &h->form);
+    return true;
+}
+
 static void look_again(look *l)
 {
     homes *h = l->h;
     for (int i = 0; i < PARALLEL_MOST; ++i)
         forget(&l->parts[i]);
+    forget(&l->all);
+    l->blocks = NULL;
     l->inside = reach_none;
     for (int k = 0; k < 3 && h->is_cut && h->widest > 0; ++k) {
         l->inside.lower[k] = l->c->lower[k] + 1.01 * h->widest;
         l->inside.upper[k] = l->c->upper[k] - 1.01 * h->widest;
     }
-    uint32_t n = parallel_each(h->threads, h->rows.n, look_at_part, l);
-    forget(&l->all);
-    for (uint32_t i = 0; i < n; ++i)
+    if (!look_with_device(l))
+        parallel_each(h->threads, h->rows.n, look_at_part, l);
+    for (int i = 0; i < PARALLEL_MOST; ++i)
         add_glance(&l->all, &l->parts[i]);
 }
 
@@ -325,6 +376,23 @@ typedef struct leavers {
     uint64_t n;
 } leavers;
 
+static int ascending(const void *left, const void *right)
+{
+    uint32_t p = *(const uint32_t *)left, q = *(const uint32_t *)right;
+    return (p > q) - (p < q);
+}
+
+static void list_leavers(leavers *out, const look *l)
+{
+    for (int part = 0; part < PARALLEL_MOST; ++part) {
+        const row_list *rows = &l->parts[part].leavers;
+        for (uint64_t k = 0; k < rows->n; ++k)
+            out->list[out->n++] = rows->rows[k];
+    }
+    if (l->blocks)
+        qsort(out->list, out->n, sizeof *out->list, ascending);
+}
+
 static bool find_leavers(leavers *out, const look *l, uint64_t *counts, duet_error *err)
 {
     uint64_t most = l->all.leavers.n + 1;
@@ -333,17 +401,12 @@ static bool find_leavers(leavers *out, const look *l, uint64_t *counts, duet_err
     if (!out->list || !out->destinations || l->all.leavers.failed)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects that leave: no memory",
                          most);
-    for (int part = 0; part < PARALLEL_MOST; ++part) {
-        const row_list *rows = &l->parts[part].leavers;
-        for (uint64_t k = 0; k < rows->n; ++k) {
-            double centre[3];
-            uint32_t i = rows->rows[k];
-            object_centre(&l->h->form, object_row(&l->h->rows, &l->h->form, i), centre);
-            int to = cut_home(l->c, centre);
-            out->list[out->n] = i;
-            out->destinations[out->n++] = to;
-            ++counts[to];
-        }
+    list_leavers(out, l);
+    for (uint64_t k = 0; k < out->n; ++k) {
+        double centre[3];
+        object_centre(&l->h->form, object_row(&l->h->rows, &l->h->form, out->list[k]), centre);
+        out->destinations[k] = cut_home(l->c, centre);
+        ++counts[out->destinations[k]];
     }
     return true;
 }
@@ -379,22 +442,31 @@ static void add_arrival(homes *h, uint32_t row)
     reach e = reach_of(&h->form, object_row(&h->rows, &h->form, row));
     reach_add(&h->boxes.upto[level_of(reach_widest(&e), h->widest)], &e);
     add_row(&h->border, row);
+    add_row(&h->renamed, row);
+}
+
+static void add_gone(homes *h, uint32_t row, int to)
+{
+    h->gone[h->n_gone] = row;
+    h->gone_to[h->n_gone++] = to;
+    add_row(&h->renamed, row);
 }
 
 // In the holder's memory.
 static bool append_arrivals(homes *h, ranks *r, const leavers *l, const parcels *in,
                             duet_error *err)
 {
-    gone_row *gone = realloc(h->gone, (l->n + 1) * sizeof *gone);
-    bool ok = gone || error_set(err, DUET_STATUS_NO_MEMORY,
-                                "%" PRIu64 " objects that leave: no memory", l->n);
+    uint32_t *gone = realloc(h->gone, (l->n + 1) * sizeof *gone);
+    int *gone_to = realloc(h->gone_to, (l->n + 1) * sizeof *gone_to);
+    bool ok = (gone && gone_to) || error_set(err, DUET_STATUS_NO_MEMORY,
+                                             "%" PRIu64 " objects that leave: no memory", l->n);
     h->gone = gone ? gone : h->gone;
+    h->gone_to = gone_to ? gone_to : h->gone_to;
     ok = ok && homes_write_behind(h, in, err);
     if (!ranks_agree(r, ok, err))
         return false;
     for (uint64_t i = 0; i < l->n; ++i)
-        gone[i] = (gone_row){l->list[i], l->destinations[i]};
-    h->n_gone = (uint32_t)l->n;
+        add_gone(h, l->list[i], l->destinations[i]);
     h->arrived[0] = h->rows.n;
     for (int q = 0; q < r->n; ++q)
         h->arrived[q + 1] = h->arrived[q] + in->counts[q];
@@ -426,13 +498,16 @@ static bool move_leavers(const look *seen, bool ok, homes *h, ranks *r, duet_err
 
 // ---------------------------------------------------------------- settling
 
-// Levels are those of the widest object there was: until one is wider, or they are too fine by
-// far. The same on all ranks.
+// A reach is a little wider the farther an object is from 0.
+#define ROOM_TO_MOVE 1.01
+
+// Levels are those of a little more than the widest object there was: until one is wider, or they
+// are too fine by far. The same on all ranks.
 static bool keep_widest(homes *h, double widest)
 {
     if (widest <= h->widest && h->widest <= 4 * widest)
         return true;
-    h->widest = widest;
+    h->widest = ROOM_TO_MOVE * widest;
     return false;
 }
 

@@ -4,6 +4,8 @@
 #ifndef CLUSTER_WORKER_H
 #define CLUSTER_WORKER_H
 
+#include "kernels/grid/skim.h"
+#include "runtime/broadphase/global_ids.h"
 #include "runtime/duet.h"
 
 typedef struct worker worker;
@@ -11,7 +13,9 @@ typedef struct worker worker;
 // What was found, by places in the objects' array, a < b. The worker's until it finds again.
 typedef struct worker_found {
     duet_span spans[2];
-    bool has_bad; // an object that its devices refuse
+    uint64_t n_counted; // pairs that are in no span,
+    uint64_t hash;      // and their pair hash by global ids
+    bool has_bad;       // an object that its devices refuse
     uint32_t first_bad;
 } worker_found;
 
@@ -23,6 +27,11 @@ struct worker {
     // The first n that were mapped are written and stay so: they may be on their way to the
     // devices while others are written behind them.
     void (*begin)(worker *w, uint32_t n);
+    // Which of these lie deep inside of a box, found where they are on their way to: NULL, or
+    // false, where the host must look at all. The other one waits for the blocks of objects from
+    // `from` on, 0 at first, and returns up to which object they are there.
+    bool (*skim)(worker *w, const float inside_lower[3], const float inside_upper[3]);
+    uint32_t (*await_skim)(worker *w, uint32_t from, const skim_block **blocks);
     // Space for n objects, of which the first `kept` stay; the others are to be written.
     void *(*extend)(worker *w, uint32_t n, uint32_t kept, duet_error *err);
     // Of the objects that were mapped and written, the order in which they are best kept: which
@@ -31,6 +40,11 @@ struct worker {
     // The objects lie elsewhere than those before: a grid that was fitted to these is of no use.
     void (*move)(worker *w);
     bool (*find)(worker *w, worker_found *found, duet_error *err);
+    // Before that: which objects are at home, and their ids. Pairs of two of these are then counted
+    // where they are found, and stay there. NULL: all are brought.
+    void (*tell_ids)(worker *w, const global_ids *ids);
+    // Those that the last find counted come into its spans.
+    bool (*bring)(worker *w, worker_found *found, duet_error *err);
     // Whether it leaves the host's processors to others; NULL: not.
     bool (*spares_host)(const worker *w);
     bool (*set_level)(worker *w, duet_level level, duet_error *err);
@@ -42,9 +56,8 @@ struct worker {
 worker *worker_open_pair(const duet_world_def *def, duet_error *err);
 worker *worker_open_plain(const duet_world_def *def, duet_error *err);
 
-// Finds nothing, in the time that devices would take.
-struct simulation;
-worker *worker_open_simulated(const duet_world_def *def, const struct simulation *s,
-                              duet_error *err);
+// Finds nothing, in the time that the simulation of r says.
+struct ranks;
+worker *worker_open_simulated(const duet_world_def *def, const struct ranks *r, duet_error *err);
 
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A world of its own on the rank's device pair. Its grid lies around what the rank sees, not
 // around the whole world.
-#include "cluster/worker.h"
+#include "cluster/worker_pair.h"
 
 #include "base/error.h"
 #include "cluster/objects.h"
@@ -11,28 +11,30 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct pair_worker {
-    worker base;
-    duet_world *world;
-    duet_object_kind kind;
-    uint32_t bytes; // of an object
-    char name[132];
-} pair_worker;
-
 static void *map(worker *w, uint32_t n, duet_error *err)
 {
-    pair_worker *p = (pair_worker *)w;
+    worker_pair *p = (worker_pair *)w;
     world_stop_ahead(p->world);
     return duet_world_map_objects(p->world, p->kind, n, err);
 }
 
 static void begin(worker *w, uint32_t n)
 {
-    world_send_ahead(((pair_worker *)w)->world, n);
+    world_send_ahead(((worker_pair *)w)->world, n);
+}
+
+static bool skim_homes(worker *w, const float inside_lower[3], const float inside_upper[3])
+{
+    return world_skim(((worker_pair *)w)->world, inside_lower, inside_upper);
+}
+
+static uint32_t await_skim(worker *w, uint32_t from, const skim_block **blocks)
+{
+    return world_await_skim(((worker_pair *)w)->world, from, blocks);
 }
 
 // Into more memory, with some to spare.
-static void *grow(pair_worker *p, uint32_t n, uint32_t kept, duet_error *err)
+static void *grow(worker_pair *p, uint32_t n, uint32_t kept, duet_error *err)
 {
     size_t bytes = (size_t)kept * p->bytes;
     uint64_t wanted = (uint64_t)n + n / 16;
@@ -53,7 +55,7 @@ static void *grow(pair_worker *p, uint32_t n, uint32_t kept, duet_error *err)
 
 static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
 {
-    pair_worker *p = (pair_worker *)w;
+    worker_pair *p = (worker_pair *)w;
     void *objects = kept > 0 ? world_extend_objects(p->world, p->kind, n) : NULL;
     return objects ? objects : grow(p, n, kept, err);
 }
@@ -62,27 +64,46 @@ static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
 static bool order(worker *w, uint32_t **order_of, duet_error *err)
 {
     uint32_t n = 0;
-    return duet_world_order(((pair_worker *)w)->world, order_of, &n, err);
+    return duet_world_order(((worker_pair *)w)->world, order_of, &n, err);
 }
 
 static void move(worker *w)
 {
-    ((pair_worker *)w)->world->fitted = false;
+    ((worker_pair *)w)->world->fitted = false;
+}
+
+static void tell_ids(worker *w, const global_ids *ids)
+{
+    ((worker_pair *)w)->ids = ids;
 }
 
 static bool find(worker *w, worker_found *found, duet_error *err)
 {
-    pair_worker *p = (pair_worker *)w;
+    worker_pair *p = (worker_pair *)w;
     duet_result result;
-    if (!duet_world_step(p->world, &result, err))
+    part_counted counted[2] = {{0}};
+    bool ok = p->ids ? world_step_counting(p->world, p->ids, &result, counted, err)
+                     : duet_world_step(p->world, &result, err);
+    p->ids = NULL;
+    if (!ok)
         return false;
-    *found = (worker_found){{result.spans[0], result.spans[1]}, result.bad > 0, result.first_bad};
+    *found = (worker_found){.spans = {result.spans[0], result.spans[1]},
+                            .n_counted = counted[0].n + counted[1].n,
+                            .hash = counted[0].hash + counted[1].hash,
+                            .has_bad = result.bad > 0,
+                            .first_bad = result.first_bad};
     return true;
+}
+
+static bool bring(worker *w, worker_found *found, duet_error *err)
+{
+    found->n_counted = found->hash = 0;
+    return world_bring_counted(((worker_pair *)w)->world, found->spans, err);
 }
 
 static bool spares_host(const worker *w)
 {
-    const duet_world *world = ((const pair_worker *)w)->world;
+    const duet_world *world = ((const worker_pair *)w)->world;
     const device *devices = world->def.pair->devices;
     uint32_t share = world->def.plan.share;
     return !(share > 0 && devices[0].info.host_memory) &&
@@ -91,26 +112,26 @@ static bool spares_host(const worker *w)
 
 static bool set_level(worker *w, duet_level level, duet_error *err)
 {
-    return duet_world_set_level(((pair_worker *)w)->world, level, err);
+    return duet_world_set_level(((worker_pair *)w)->world, level, err);
 }
 
 static bool set_plan(worker *w, const duet_plan *plan, duet_error *err)
 {
-    return duet_world_set_plan(((pair_worker *)w)->world, plan, err);
+    return duet_world_set_plan(((worker_pair *)w)->world, plan, err);
 }
 
 static bool load_profile(worker *w, const char *path, duet_profile *profile, duet_error *err)
 {
-    return duet_world_load_profile(((pair_worker *)w)->world, path, profile, err);
+    return duet_world_load_profile(((worker_pair *)w)->world, path, profile, err);
 }
 
 static void close_pair(worker *w)
 {
-    duet_world_destroy(((pair_worker *)w)->world);
+    duet_world_destroy(((worker_pair *)w)->world);
     free(w);
 }
 
-static void name_pair(pair_worker *p, const duet_device_pair *pair)
+static void name_pair(worker_pair *p, const duet_device_pair *pair)
 {
     snprintf(p->name, sizeof p->name, "%s,%s", duet_device_pair_get_info(pair, 0)->selector,
              duet_device_pair_get_info(pair, 1)->selector);
@@ -119,7 +140,7 @@ static void name_pair(pair_worker *p, const duet_device_pair *pair)
 
 worker *worker_open_pair(const duet_world_def *def, duet_error *err)
 {
-    pair_worker *p = calloc(1, sizeof *p);
+    worker_pair *p = calloc(1, sizeof *p);
     if (!p) {
         error_set(err, DUET_STATUS_NO_MEMORY, "a rank's world: no memory");
         return NULL;
@@ -130,10 +151,14 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
     own.keep_bad = true; // so that it is the cluster that names a bad object
     p->base = (worker){.map = map,
                        .begin = begin,
+                       .skim = skim_homes,
+                       .await_skim = await_skim,
                        .extend = extend,
                        .order = order,
                        .move = move,
                        .find = find,
+                       .tell_ids = tell_ids,
+                       .bring = bring,
                        .spares_host = spares_host,
                        .set_level = set_level,
                        .set_plan = set_plan,
@@ -146,6 +171,7 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
         free(p);
         return NULL;
     }
+    p->world->skims = true;
     name_pair(p, def->pair);
     return &p->base;
 }

@@ -34,6 +34,7 @@ typedef struct cluster_library {
     bool (*load_profile)(duet_cluster *, const char *, duet_profile *, duet_error *, duet_error *);
     bool (*set_level)(duet_cluster *, duet_level, duet_error *);
     bool (*step)(duet_cluster *, duet_cluster_result *, duet_error *);
+    bool (*get_own_pairs)(duet_cluster *, const duet_pair64 **, uint64_t *, duet_error *);
     bool (*get_ranks)(duet_cluster *, duet_cluster_rank *, duet_error *);
     bool (*save_pairs)(duet_cluster *, const char *, bool, duet_error *);
 } cluster_library;
@@ -61,6 +62,7 @@ static const struct {
     CALL(load_profile, "duet_cluster_load_profile"),
     CALL(set_level, "duet_cluster_set_level"),
     CALL(step, "duet_cluster_step"),
+    CALL(get_own_pairs, "duet_cluster_get_own_pairs"),
     CALL(get_ranks, "duet_cluster_get_ranks"),
     CALL(save_pairs, "duet_cluster_save_pairs"),
 };
@@ -388,10 +390,19 @@ static int cluster_step(lua_State *L)
     member_push_table(L, result_members, &result);
     array_push_hash(L, result.hash);
     lua_setfield(L, -2, "hash");
-    array *own = array_push_view(L, ARRAY_PAIRS64, (void *)result.own_pairs, result.n_own_pairs, 1,
-                                 &box->steps);
+    return 1;
+}
+
+static int cluster_own_pairs(lua_State *L)
+{
+    duet_error err = {0};
+    const duet_pair64 *pairs = NULL;
+    uint64_t n = 0;
+    cluster_box *box = check(L);
+    if (!box->calls->get_own_pairs(box->cluster.object, &pairs, &n, &err))
+        return class_push_failure(L, &err);
+    array *own = array_push_view(L, ARRAY_PAIRS64, (void *)pairs, n, 1, &box->steps);
     own->fixed = true;
-    lua_setfield(L, -2, "own_pairs");
     return 1;
 }
 
@@ -425,6 +436,7 @@ static const luaL_Reg methods[] = {{"close", cluster_close},
                                    {"set_level", cluster_set_level},
                                    {"load_profile", cluster_load_profile},
                                    {"step", cluster_step},
+                                   {"own_pairs", cluster_own_pairs},
                                    {"ranks", cluster_ranks},
                                    {"save_pairs", cluster_save_pairs},
                                    {NULL, NULL}};

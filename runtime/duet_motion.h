@@ -97,6 +97,7 @@ typedef struct duet_motion_def {
     double sleep_after;  // seconds of rest: sleeps, if nothing that moves touches it
     double hit_speed;    // > 0: impacts above that speed are told as hits
     uint32_t event_mask; // events are those of objects, one of the two, whose group has a bit of it
+    bool stage_times;    // every step is timed by stages; else, on a GPU, one in 16
     int cookie;
 } duet_motion_def;
 
@@ -156,8 +157,9 @@ typedef struct duet_motion_result {
     const duet_hit_event *hits; // likewise
     uint64_t n_hits;
     double total_ms;
-    const duet_stage *stages; // named by effect; on a GPU of the last timed step, one in 16
+    const duet_stage *stages; // named by effect
     uint32_t n_stages;
+    bool timed; // the stages are of this step; else of the last that was timed
 } duet_motion_result;
 
 // Advances all objects by dt. After a failure half a step may be done: until a saved

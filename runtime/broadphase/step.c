@@ -79,6 +79,16 @@ static void choose_keepers(duet_world *world)
             pair_buffers_can_copy(&world->left, &world->def.pair->devices[side]);
 }
 
+static void choose_timed(duet_world *world)
+{
+    for (int side = 0; side < 2; ++side) {
+        part *p = &world->parts[side];
+        p->untimed =
+            !world->def.stage_times && !timeline_is_due(&p->times, p->device, world->steps);
+    }
+    ++world->steps;
+}
+
 static part_task describe_task(const duet_world *world, int side)
 {
     const resident *r = &world->resident;
@@ -90,6 +100,8 @@ static part_task describe_task(const duet_world *world, int side)
         .objects = world_objects(world),
         .resident = r->on[side] ? &r->objects : NULL,
         .keeps_pairs = world->keeps_pairs[side],
+        .skims = world->skims,
+        .ids = world->parts[side].device->info.host_memory ? NULL : world->ids,
         .objects_version = world->objects_version,
         .sizes_version = world->sizes_version,
         .grid = world->grid,
@@ -213,9 +225,9 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
     for (int side = 0; side < 2; ++side) {
         const part_task *task = &jobs[side].task;
         part *p = &world->parts[side];
-        bool as_before = p->kernels.packed == task->packed &&
-                         p->kernels.stretched == (task->strays != NULL) &&
-                         (p->kernels.gather || !part_gathers(p, task));
+        bool as_before =
+            p->kernels.packed == task->packed && p->kernels.stretched == (task->strays != NULL) &&
+            (p->kernels.gather || !part_gathers(p, task)) && (p->kernels.count_pairs || !task->ids);
         if (!use[side] || (world->prepared[side] && as_before))
             continue;
         world->prepared[side] = part_prepare(p, &world->variants[side], task, err);
@@ -330,6 +342,22 @@ void world_send_ahead(duet_world *world, uint32_t n)
     }
 }
 
+// B, which has most of the work, unless A alone was sent them.
+static part *skimmer(duet_world *world)
+{
+    return &world->parts[world->parts[1].ahead_version > 0];
+}
+
+bool world_skim(duet_world *world, const float inside_lower[3], const float inside_upper[3])
+{
+    return part_skim(skimmer(world), inside_lower, inside_upper, NULL);
+}
+
+uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **blocks)
+{
+    return part_await_skim(skimmer(world), from, blocks);
+}
+
 void world_stop_ahead(duet_world *world)
 {
     for (int side = 0; side < 2; ++side)
@@ -401,6 +429,7 @@ static void fill_result(duet_world *world, duet_result *result)
         .cell_widened = world->cell_widened,
         .runs = largest(a->runs, b->runs),
         .stages = world->stages,
+        .timed = !a->times.untimed && !b->times.untimed,
     };
     for (int side = 0; side < 2; ++side) {
         const timeline *t = &world->parts[side].times;
@@ -454,6 +483,7 @@ static bool run_step(duet_world *world, duet_result *result, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     choose_keepers(world);
+    choose_timed(world);
     if (!world_check_sizes(world, err) || !find_pairs_when_ready(world, err))
         return false;
     bool ok = true;
@@ -496,6 +526,30 @@ bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, du
     fill_result(world, result);
     result->total_ms = clock_ms_since(begun);
     return true;
+}
+
+bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *result,
+                         part_counted counted[2], duet_error *err)
+{
+    global_ids own = *ids;
+    world->ids_version += world->ids_version == 0 || ids->all_changed || ids->n_changed > 0;
+    own.version = world->ids_version;
+    world->ids = &own;
+    bool ok = duet_world_step(world, result, err);
+    world->ids = NULL;
+    for (int side = 0; side < 2; ++side)
+        counted[side] = world->parts[side].counted;
+    return ok;
+}
+
+bool world_bring_counted(duet_world *world, duet_span spans[2], duet_error *err)
+{
+    bool ok = true;
+    for (int side = 0; ok && side < 2; ++side) {
+        ok = part_bring_counted(&world->parts[side], err);
+        spans[side] = world->parts[side].span;
+    }
+    return ok;
 }
 
 // ---------------------------------------------------------------- pairs
