@@ -8,26 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static void drop_cut_character(char *line)
-{
-    size_t length = strlen(line);
-    size_t begin = length;
-    while (begin > 0 && length - begin < 3 && ((unsigned char)line[begin - 1] & 0xc0) == 0x80)
-        --begin;
-    if (begin > 0 && (unsigned char)line[begin - 1] >= 0xc0 && utf8_length(line + begin - 1) == 0)
-        line[begin - 1] = '\0';
-}
-
-// A name of a stranger's file may hold what a terminal would obey.
-static void make_visible(char *line, size_t size)
-{
-    text shown = {0};
-    visible_add(&shown, line, strlen(line), "");
-    if (!shown.failed && shown.chars && strcmp(shown.chars, line) != 0)
-        snprintf(line, size, "%s", shown.chars);
-    text_free(&shown);
-}
-
 // A compiler log has many lines; an error has one.
 static void join_lines(char *line, size_t size)
 {
@@ -37,8 +17,7 @@ static void join_lines(char *line, size_t size)
     for (char *at = line; *at; ++at)
         if (*at == '\n' || *at == '\r' || *at == '\t')
             *at = ' ';
-    drop_cut_character(line);
-    make_visible(line, size);
+    visible_line(line, size);
 }
 
 // "CL_OUT_OF_RESOURCES" for -5; "CL error" outside the list.
@@ -81,6 +60,7 @@ static const char *cl_name(int cl_code)
     return "CL error";
 }
 
+// The first failure is kept.
 static bool is_free(const duet_error *err)
 {
     return err && err->status == DUET_STATUS_OK;
