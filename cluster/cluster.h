@@ -40,4 +40,23 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
 bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,
                         uint32_t n_settings, duet_scene **whole, duet_error *err);
 
+// ---------------------------------------------------------------- of its own files
+
+// Two where one is filled while the other searches.
+static inline int cluster_workers(const duet_cluster *c)
+{
+    return c->parts.n > 1 ? 2 : 1;
+}
+
+bool cluster_check_shape(duet_shape shape, duet_error *err);
+// Anew, by def.world, and without objects.
+bool cluster_open_workers(duet_cluster *c, duet_error *err);
+// These objects, in the place of those that there were.
+void cluster_take(duet_cluster *c, object_rows *rows);
+// A call's failure on one rank, NULL arguments included, becomes that of all.
+bool cluster_agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err);
+// All objects are where they belong: on all ranks, or on none.
+bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *own,
+                        duet_error *err);
+
 #endif
