@@ -253,7 +253,7 @@ static bool fill(duet_cluster *c, uint32_t part, duet_error *own)
 
 static bool fill_by_ids(duet_cluster *c, duet_error *own)
 {
-    bool ok = parts_divide(&c->parts, &c->homes, &c->ranks, &c->ghosts.in, own);
+    bool ok = parts_divide(&c->parts, &c->homes, &c->cut, &c->ranks, &c->ghosts.in, own);
     for (int i = 0; ok && i < cluster_workers(c); ++i)
         ok = fill(c, (uint32_t)i, own);
     return ok;
