@@ -247,13 +247,19 @@ static bool fill(duet_cluster *c, uint32_t part, duet_error *own)
 {
     sight from = parts_sight(&c->parts, part);
     worker *w = c->workers[part % 2];
+    if (c->filled[part % 2] == part + 1)
+        return true;
+    c->filled[part % 2] = 0;
     follow(c, w);
-    return seen_fill(&c->seen[part % 2], &c->homes, &from, w, own);
+    bool ok = seen_fill(&c->seen[part % 2], &c->homes, &from, w, own);
+    c->filled[part % 2] = ok ? part + 1 : 0;
+    return ok;
 }
 
 static bool fill_by_ids(duet_cluster *c, duet_error *own)
 {
     bool ok = parts_divide(&c->parts, &c->homes, &c->cut, &c->ranks, &c->ghosts.in, own);
+    memset(c->filled, 0, sizeof c->filled);
     for (int i = 0; ok && i < cluster_workers(c); ++i)
         ok = fill(c, (uint32_t)i, own);
     return ok;

@@ -20,6 +20,7 @@ struct duet_cluster {
     parts parts;
     worker *workers[2]; // one is filled while the other finds; the second is of several parts
     seen seen[2];
+    uint32_t filled[2]; // by which part, from 1; 0: it has to be
     reach fitted; // around the homes, when workers were last told that they moved
     own_pairs own;
     uint64_t n_ghosts;
