@@ -176,6 +176,7 @@ void cluster_take(duet_cluster *c, object_rows *rows)
 {
     homes_take(&c->homes, rows);
     own_pairs_end(&c->own);
+    c->fitted = (reach){0};
     c->changed = true;
 }
 
@@ -234,12 +235,13 @@ static bool have_moved(const duet_cluster *c)
     return moved;
 }
 
-static void follow(duet_cluster *c, worker *w)
+static void follow(duet_cluster *c)
 {
-    if (c->parts.n > 1 || have_moved(c)) {
-        w->move(w);
-        c->fitted = c->homes.around;
-    }
+    if (!c->parts.is_cut_anew && !have_moved(c))
+        return;
+    for (int i = 0; i < cluster_workers(c); ++i)
+        c->workers[i]->move(c->workers[i]);
+    c->fitted = c->homes.around;
 }
 
 // Parts take turns in the places that there are workers for.
@@ -250,8 +252,8 @@ static bool fill(duet_cluster *c, uint32_t part, duet_error *own)
     if (c->filled[part % 2] == part + 1)
         return true;
     c->filled[part % 2] = 0;
-    follow(c, w);
-    bool ok = seen_fill(&c->seen[part % 2], &c->homes, &from, w, own);
+    bool ok = (!w->turn_to || w->turn_to(w, part, own)) &&
+              seen_fill(&c->seen[part % 2], &c->homes, &from, w, own);
     c->filled[part % 2] = ok ? part + 1 : 0;
     return ok;
 }
@@ -260,6 +262,7 @@ static bool fill_by_ids(duet_cluster *c, duet_error *own)
 {
     bool ok = parts_divide(&c->parts, &c->homes, &c->cut, &c->ranks, &c->ghosts.in, own);
     memset(c->filled, 0, sizeof c->filled);
+    follow(c);
     for (int i = 0; ok && i < cluster_workers(c); ++i)
         ok = fill(c, (uint32_t)i, own);
     return ok;
@@ -268,7 +271,7 @@ static bool fill_by_ids(duet_cluster *c, duet_error *own)
 // Homes are where their worker has them.
 static bool fill_in_place(duet_cluster *c, duet_error *own)
 {
-    follow(c, c->workers[0]);
+    follow(c);
     return (c->homes.holder || homes_move_in(&c->homes, c->workers[0], own)) &&
            seen_append(&c->seen[0], &c->homes, &c->ranks, &c->ghosts.in, own);
 }

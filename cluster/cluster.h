@@ -21,7 +21,7 @@ struct duet_cluster {
     worker *workers[2]; // one is filled while the other finds; the second is of several parts
     seen seen[2];
     uint32_t filled[2]; // by which part, from 1; 0: it has to be
-    reach fitted; // around the homes, when workers were last told that they moved
+    reach fitted;       // around the homes, when workers were last told that they moved
     own_pairs own;
     uint64_t n_ghosts;
     bool in_place; // no rank has parts, and homes may lie in a worker's memory

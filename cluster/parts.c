@@ -10,6 +10,8 @@
 
 enum { SAMPLE_A_PART = 1 << 12 };
 
+static const double MOST_GROWTH = 1.2; // of unevenness, before homes are cut anew
+
 bool parts_begin(parts *p, uint32_t n, const ranks *r, duet_error *err)
 {
     *p = (parts){.n = n, .rank = (uint32_t)r->self, .n_ranks = (uint32_t)r->n};
@@ -163,9 +165,8 @@ static bool reserve_border(parts *p)
     return p->all_border <= p->border_capacity;
 }
 
-static bool divide_homes(parts *p, const cut *c, duet_error *err)
+static void mark_all(parts *p, const cut *c)
 {
-    uint32_t n = p->homes->rows.n;
     for (uint32_t i = 0; i < p->n; ++i) {
         reach *in = &p->list[i].inside;
         bisection_box(&p->cut, i, in->lower, in->upper);
@@ -174,9 +175,30 @@ static bool divide_homes(parts *p, const cut *c, duet_error *err)
             in->upper[k] = fmin(in->upper[k], c->upper[k]);
         }
     }
+    gather_homes(p, parallel_each(p->homes->threads, p->homes->rows.n, mark_homes, p));
+}
+
+static double unevenness(const parts *p)
+{
+    uint32_t n = p->homes->rows.n, most = 0;
+    for (uint32_t i = 0; i < p->n; ++i)
+        most = p->list[i].n > most ? p->list[i].n : most;
+    return n > 0 ? (double)most * p->n / n : 1;
+}
+
+// The cut stays as long as its parts are about as even, so that grids of parts can stay too.
+static bool divide_homes(parts *p, const cut *c, duet_error *err)
+{
+    uint32_t n = p->homes->rows.n;
     bool ok = reserve_homes(p, n);
-    if (ok)
-        gather_homes(p, parallel_each(p->homes->threads, n, mark_homes, p));
+    if (ok && p->unevenness > 0)
+        mark_all(p, c);
+    p->is_cut_anew = p->unevenness == 0 || unevenness(p) > MOST_GROWTH * p->unevenness;
+    if (ok && p->is_cut_anew) {
+        ok = cut_homes(p, err);
+        mark_all(p, c);
+        p->unevenness = unevenness(p);
+    }
     ok = ok && reserve_border(p);
     if (ok)
         parallel_each(p->homes->threads, n, list_homes, p);
@@ -303,7 +325,7 @@ bool parts_divide(parts *p, const homes *h, const cut *c, const ranks *r, parcel
     p->messages = *messages;
     *messages = (parcels){0};
     if (p->n > 1)
-        return cut_homes(p, err) && divide_homes(p, c, err) && divide_ghosts(p, err);
+        return divide_homes(p, c, err) && divide_ghosts(p, err);
     p->ghosts = ghosts_read(h, r, 1, &p->messages, err);
     return p->ghosts;
 }

@@ -30,6 +30,8 @@ typedef struct parts {
     uint32_t n;
     home_part *list;   // [n] where n > 1
     bisection cut;     // of the homes
+    double unevenness; // that it left: the most homes of a part for their mean; 0: it is not made
+    bool is_cut_anew;  // by the last division
     uint32_t *rows;    // [capacity]
     uint16_t *marks;   // [capacity]
     uint32_t capacity; // of homes

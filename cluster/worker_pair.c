@@ -14,6 +14,8 @@
 typedef struct pair_worker {
     worker base;
     duet_world *world;
+    world_fit *fits; // [n_fits] of each place but this one
+    uint32_t n_fits, place;
     duet_object_kind kind;
     uint32_t bytes; // of an object
     char name[132];
@@ -65,9 +67,37 @@ static bool order(worker *w, uint32_t **order_of, duet_error *err)
     return duet_world_order(((pair_worker *)w)->world, order_of, &n, err);
 }
 
+static void forget_fits(pair_worker *p)
+{
+    for (uint32_t i = 0; i < p->n_fits; ++i)
+        p->fits[i].fitted = false;
+}
+
 static void move(worker *w)
 {
-    ((pair_worker *)w)->world->fitted = false;
+    pair_worker *p = (pair_worker *)w;
+    forget_fits(p);
+    p->world->fitted = false;
+}
+
+static bool turn_to(worker *w, uint32_t place, duet_error *err)
+{
+    pair_worker *p = (pair_worker *)w;
+    if (place >= p->n_fits) {
+        uint32_t n = 2 * place + 1;
+        world_fit *fits = realloc(p->fits, n * sizeof *fits);
+        if (!fits)
+            return error_set(err, DUET_STATUS_NO_MEMORY, "grids of %u parts: no memory", n);
+        memset(fits + p->n_fits, 0, (n - p->n_fits) * sizeof *fits);
+        p->fits = fits;
+        p->n_fits = n;
+    }
+    if (place != p->place) {
+        world_swap_fit(p->world, &p->fits[p->place]);
+        world_swap_fit(p->world, &p->fits[place]);
+        p->place = place;
+    }
+    return true;
 }
 
 static bool find(worker *w, worker_found *found, duet_error *err)
@@ -96,17 +126,20 @@ static bool set_level(worker *w, duet_level level, duet_error *err)
 
 static bool set_plan(worker *w, const duet_plan *plan, duet_error *err)
 {
+    forget_fits((pair_worker *)w);
     return duet_world_set_plan(((pair_worker *)w)->world, plan, err);
 }
 
 static bool load_profile(worker *w, const char *path, duet_profile *profile, duet_error *err)
 {
+    forget_fits((pair_worker *)w);
     return duet_world_load_profile(((pair_worker *)w)->world, path, profile, err);
 }
 
 static void close_pair(worker *w)
 {
     duet_world_destroy(((pair_worker *)w)->world);
+    free(((pair_worker *)w)->fits);
     free(w);
 }
 
@@ -133,6 +166,7 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
                        .extend = extend,
                        .order = order,
                        .move = move,
+                       .turn_to = turn_to,
                        .find = find,
                        .spares_host = spares_host,
                        .set_level = set_level,
