@@ -113,7 +113,6 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
         return NULL;
     }
     c->def = *def;
-    c->own.drops = def->drops_pairs;
     bool ok = ranks_begin(&c->ranks, def->comm, s, err);
     if (ok) {
         c->homes.threads = &c->threads;
@@ -172,8 +171,15 @@ bool cluster_agree_on(duet_cluster *c, const char *call, bool ok, duet_error *ow
 
 // ---------------------------------------------------------------- objects
 
+// Rows that change places are no longer those that pairs were found of.
+static void forget_found(duet_cluster *c)
+{
+    c->is_found = c->own.lists = false;
+}
+
 void cluster_take(duet_cluster *c, object_rows *rows)
 {
+    forget_found(c);
     homes_take(&c->homes, rows);
     own_pairs_end(&c->own);
     c->fitted = (reach){0};
@@ -283,6 +289,7 @@ static bool fill_in_place(duet_cluster *c, duet_error *own)
 static bool settle(duet_cluster *c, uint64_t n_in_place, bool *settled, duet_error *own)
 {
     bool in_place = c->in_place && seen_in_any_order(c->def.world.level);
+    forget_found(c);
     bool stay = in_place && n_in_place == (uint64_t)c->ranks.n;
     *settled = stay || !c->homes.holder || homes_move_out(&c->homes, own);
     bool are_new = c->homes.widest == 0; // and all of them travel
@@ -325,6 +332,7 @@ bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *
 typedef struct search {
     worker *worker;
     const seen *seen;
+    homes *in_place; // whose rows are those of the worker; NULL: it has copies of some
     worker_found found;
     duet_error err;
     bool ok;
@@ -332,17 +340,40 @@ typedef struct search {
     pthread_t thread;
 } search;
 
+static global_ids ids_of(const homes *h)
+{
+    return (global_ids){
+        .list = h->rows.ids,
+        .n = h->rows.n,
+        .without = h->gone,
+        .n_without = h->n_gone,
+        .changed = h->renamed.rows,
+        .n_changed = h->renamed.n,
+        .all_changed = h->all_renamed || h->renamed.failed,
+    };
+}
+
 // Without homes there are no pairs of this rank's, and nothing is built.
 static void *run_search(void *arg)
 {
     search *s = arg;
-    s->ok = seen_homes(s->seen) == 0 || s->worker->find(s->worker, &s->found, &s->err);
+    global_ids ids;
+    s->ok = true;
+    if (seen_homes(s->seen) == 0)
+        return NULL;
+    if (s->in_place && s->worker->tell_ids) {
+        ids = ids_of(s->in_place);
+        s->worker->tell_ids(s->worker, &ids);
+    }
+    s->ok = s->worker->find(s->worker, &s->found, &s->err);
+    if (s->ok && s->in_place)
+        homes_forget_renamed(s->in_place);
     return NULL;
 }
 
-static void begin_search(search *s, worker *w, const seen *what, bool apart)
+static void begin_search(search *s, worker *w, const seen *what, homes *in_place, bool apart)
 {
-    *s = (search){.worker = w, .seen = what};
+    *s = (search){.worker = w, .seen = what, .in_place = in_place};
     s->is_apart = apart && pthread_create(&s->thread, NULL, run_search, s) == 0;
     if (!s->is_apart)
         run_search(s);
@@ -364,19 +395,22 @@ static bool find_own(duet_cluster *c, duet_error *own)
     uint32_t n = c->parts.n;
     search searches[2] = {{0}};
     bool ok = true;
-    own_pairs_forget(&c->own);
+    own_pairs_begin(&c->own, n > 1 && !c->def.drops_pairs);
     for (uint32_t i = 0; ok && i <= n; ++i) {
         search *now = &searches[i % 2], *before = &searches[(i + 1) % 2];
         ok = i >= n || n == 1 || fill(c, i, own);
         if (i > 0)
             ok = end_search(before, ok ? own : NULL) && ok;
         if (ok && i < n)
-            begin_search(now, c->workers[i % 2], &c->seen[i % 2], n > 1 && !c->ranks.simulation);
+            begin_search(now, c->workers[i % 2], &c->seen[i % 2],
+                         c->homes.holder ? &c->homes : NULL, n > 1 && !c->ranks.simulation);
         if (ok && i > 0)
             ok = own_pairs_add(&c->own, before->seen, &before->found, own);
         if (!ok)
             end_search(now, NULL);
     }
+    c->is_found = ok && n == 1;
+    c->found = searches[0].found;
     return ok;
 }
 
@@ -437,6 +471,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     ok = begin_settled(c, __func__, ok, &settled, &own) && find(c, settled, &t, &own);
     c->changed = c->changed && !ok;
     if (!ok) {
+        forget_found(c);
         own_pairs_end(&c->own);
         return error_set(err, own.status, "%s", own.text);
     }
@@ -444,12 +479,39 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     double total_ms = ms_since(begun_ns);
     ranks_greatest(&c->ranks, &total_ms, 1);
     balance_ranks(c, !was_cold && c->homes.n_cuts == n_cuts);
-    *result = (duet_cluster_result){.objects = t.sums[0],
-                                    .pairs = t.sums[1],
-                                    .hash = t.sums[2],
-                                    .total_ms = total_ms,
-                                    .own_pairs = c->own.pairs,
-                                    .n_own_pairs = c->own.drops ? 0 : c->own.n};
+    *result = (duet_cluster_result){
+        .objects = t.sums[0], .pairs = t.sums[1], .hash = t.sums[2], .total_ms = total_ms};
+    return true;
+}
+
+// Of one part, what its worker found is still there.
+bool cluster_list_pairs(duet_cluster *c, duet_error *err)
+{
+    worker *w = c->workers[0];
+    if (c->def.drops_pairs)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "this cluster drops its pairs; expected a def without drops_pairs");
+    if (c->own.lists)
+        return true;
+    if (!c->is_found)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "no pairs were found of the objects as they are; expected a step");
+    c->is_found = c->found.n_counted == 0 || w->bring(w, &c->found, err);
+    if (!c->is_found)
+        return false;
+    own_pairs_begin(&c->own, true);
+    c->own.lists = own_pairs_add(&c->own, &c->seen[0], &c->found, err);
+    return c->own.lists;
+}
+
+bool duet_cluster_get_own_pairs(duet_cluster *c, const duet_pair64 **pairs, uint64_t *n,
+                                duet_error *err)
+{
+    if (!error_given(c, __func__, "cluster", err) || !error_given(pairs, __func__, "pairs", err) ||
+        !error_given(n, __func__, "n", err) || !cluster_list_pairs(c, err))
+        return false;
+    *pairs = c->own.pairs;
+    *n = c->own.n;
     return true;
 }
 
@@ -479,6 +541,7 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
         return NULL; // where objects are bad all are where they were, to be mended
     }
     c->changed = true;
+    forget_found(c);
     *n = homes_open(&c->homes);
     *ids = c->homes.rows.ids;
     return c->homes.rows.objects;

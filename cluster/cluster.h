@@ -23,6 +23,8 @@ struct duet_cluster {
     uint32_t filled[2]; // by which part, from 1; 0: it has to be
     reach fitted;       // around the homes, when workers were last told that they moved
     own_pairs own;
+    worker_found found; // by the only worker, where is_found
+    bool is_found;      // it is of the objects as they are
     uint64_t n_ghosts;
     bool in_place; // no rank has parts, and homes may lie in a worker's memory
     bool changed;  // objects, since the worker got them
@@ -35,6 +37,9 @@ struct duet_cluster {
 
 // duet_cluster_create; s, unless NULL, has to stay.
 duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, duet_error *err);
+
+// Makes c->own list this rank's pairs of the last step; not collective.
+bool cluster_list_pairs(duet_cluster *c, duet_error *err);
 
 // duet_cluster_load_scene. With `whole` rank 0 reads all of the scene and hands it over, to be
 // destroyed; the others get NULL.

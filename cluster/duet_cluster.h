@@ -38,7 +38,9 @@ typedef struct duet_cluster_def {
                           // times that steps take, where these are so unequal that a cut pays
     uint32_t parts;   // in which this rank's devices see its homes, one after the other: they need
                       // memory for two of them. 1, up to 1024
-    bool drops_pairs; // own_pairs of a result stays empty: pairs are counted, and have a hash
+    bool drops_pairs; // pairs are counted and have a hash, and cannot be asked for. Where they can
+                      // be and nobody does, that costs nothing, but for several parts, whose pairs
+                      // are listed as each is searched
     double imbalance; // the cut is made anew where a rank has this many times the objects
                       // that are due to it; above 1
     duet_compile_callback *on_compile; // of a pair that is taken where world.pair is NULL
@@ -105,14 +107,19 @@ typedef struct duet_cluster_result {
                      // ids from 2^32 on, k is made of the lower 32 bits, and before anything
                      // else k ^= mixed(a >> 32 << 32 | b >> 32), as k itself is mixed
     double total_ms; // wall clock of the rank that took longest
-    const duet_pair64 *own_pairs; // those that this rank found, in no order; the cluster's, until
-    uint64_t n_own_pairs;         // the next step. Each pair is one rank's
 } duet_cluster_result;
 
 // Finds all pairs. BAD_OBJECT names the least id of an object that is NaN, infinite, negative
 // or without rotation; otherwise it fails as duet_world_step does.
 DUET_API bool duet_cluster_step(duet_cluster *cluster, duet_cluster_result *result,
                                 duet_error *err);
+
+// The pairs of the last step that this rank found, in no order; each pair is one rank's. A rank's
+// own call, before objects are mapped, set or loaded again; BAD_ARGUMENT after that, and where
+// pairs are dropped. Devices that kept them bring them now, where they were not asked before. The
+// array is the cluster's until the next step, or other objects.
+DUET_API bool duet_cluster_get_own_pairs(duet_cluster *cluster, const duet_pair64 **pairs,
+                                         uint64_t *n, duet_error *err);
 
 // What a rank did in the last step.
 typedef struct duet_cluster_rank {
@@ -130,9 +137,9 @@ typedef struct duet_cluster_rank {
 DUET_API bool duet_cluster_get_ranks(duet_cluster *cluster, duet_cluster_rank *ranks,
                                      duet_error *err);
 
-// Writes all pairs of the last step as a NumPy array of uint64, (pairs, 2), by all ranks at
-// once; the path must lead to the same file on all hosts. The file appears whole or not at
-// all. With sorted the pairs ascend, and its bytes are the same at any number of ranks.
+// Writes all ranks' own pairs as a NumPy array of uint64, (pairs, 2), by all ranks at once; the
+// path must lead to the same file on all hosts. The file appears whole or not at all. With sorted
+// the pairs ascend, and its bytes are the same at any number of ranks.
 DUET_API bool duet_cluster_save_pairs(duet_cluster *cluster, const char *path, bool sorted,
                                       duet_error *err);
 

@@ -63,8 +63,17 @@ static bool reserve(seen *s, uint64_t n, uint64_t n_ghosts, duet_error *err)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects and ghosts: no memory",
                          n);
     }
-    memset(s->is_ghost, 0, n / 8 + 1);
+    if (n_ghosts > 0)
+        memset(s->is_ghost, 0, n / 8 + 1);
     return true;
+}
+
+// The first n of the list.
+static void mark_ghosts(seen *s, uint64_t n)
+{
+    s->n_listed = n;
+    for (uint64_t i = 0; i < n; ++i)
+        s->is_ghost[s->ghosts[i].place / 8] |= (uint8_t)(1u << s->ghosts[i].place % 8);
 }
 
 static bool reserve_ids(seen *s, duet_error *err)
@@ -84,53 +93,42 @@ bool seen_in_any_order(duet_level level)
     return level == DUET_LEVEL_CERTIFIED || level == DUET_LEVEL_AABB;
 }
 
-typedef struct marking {
-    seen *s;
-    const homes *h;
-    uint32_t rank, n_ranks;
-    uint64_t before; // ghosts of ranks below
-} marking;
-
-static void mark_ghost(const marking *m, uint64_t ghost, uint32_t place, uint32_t rank)
+// Homes that are gone, each a ghost of another rank.
+static void mark_gone(seen *s, const homes *h)
 {
-    const void *object = object_row(&m->h->rows, &m->h->form, place);
-    m->s->ghosts[ghost] = (seen_ghost){place, ghost_key(m->h, object, rank, m->n_ranks)};
-}
-
-static void mark_part(void *context, uint32_t part, uint64_t first, uint64_t end)
-{
-    const marking *m = context;
-    (void)part;
-    for (uint64_t i = m->before + first; i < m->before + end; ++i)
-        mark_ghost(m, m->h->n_gone + i, m->h->rows.n + (uint32_t)i, m->rank);
-}
-
-static void mark_ghosts(marking *m, const homes *h, const parcels *ghosts)
-{
-    for (uint32_t i = 0; i < h->n_gone; ++i)
-        mark_ghost(m, i, h->gone[i].row, (uint32_t)h->gone[i].to);
-    for (m->rank = 0; m->rank < m->n_ranks; m->before += ghosts->counts[m->rank++])
-        parallel_each(h->threads, ghosts->counts[m->rank], mark_part, m);
-    m->s->n_ghosts = h->n_gone + ghosts->n;
-    for (uint64_t i = 0; i < m->s->n_ghosts; ++i) {
-        uint32_t place = m->s->ghosts[i].place;
-        m->s->is_ghost[place / 8] |= (uint8_t)(1u << place % 8);
+    for (uint32_t i = 0; i < h->n_gone; ++i) {
+        const void *object = object_row(&h->rows, &h->form, h->gone[i]);
+        s->ghosts[i].place = h->gone[i];
+        s->ghosts[i].key = ghost_key(h, object, (uint32_t)h->gone_to[i], s->n_homes);
     }
+    mark_ghosts(s, h->n_gone);
+}
+
+static bool count_behind(seen *s, const ranks *r, const parcels *ghosts, duet_error *err)
+{
+    uint32_t *first = realloc(s->first_behind, ((size_t)r->n + 1) * sizeof *first);
+    if (!first)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "ghosts of %d ranks: no memory", r->n);
+    s->first_behind = first;
+    first[0] = s->behind;
+    for (int q = 0; q < r->n; ++q)
+        first[q + 1] = first[q] + (uint32_t)ghosts->counts[q];
+    return true;
 }
 
 bool seen_append(seen *s, homes *h, const ranks *r, const parcels *ghosts, duet_error *err)
 {
-    marking m = {.s = s, .h = h, .n_ranks = (uint32_t)r->n};
-    if (!homes_write_behind(h, ghosts, err) ||
-        !reserve(s, h->rows.n + ghosts->n, h->n_gone + ghosts->n, err))
+    if (!homes_write_behind(h, ghosts, err) || !reserve(s, h->rows.n + ghosts->n, h->n_gone, err))
         return false;
     s->homes = h;
     s->home = (uint32_t)r->self;
-    s->n_homes = m.n_ranks;
+    s->n_homes = (uint32_t)r->n;
     s->rows = (object_rows){.ids = h->rows.ids, .objects = h->rows.objects};
     s->rows.n = h->rows.n + (uint32_t)ghosts->n;
-    mark_ghosts(&m, h, ghosts);
-    return true;
+    s->behind = h->rows.n;
+    s->n_ghosts = h->n_gone + ghosts->n;
+    mark_gone(s, h);
+    return count_behind(s, r, ghosts, err);
 }
 
 // ---------------------------------------------------------------- by ascending id
@@ -239,11 +237,10 @@ bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error
         ok = s->rows.objects && fill_all(f, err);
     }
     if (ok) {
-        s->rows.n = (uint32_t)n;
+        s->rows.n = s->behind = (uint32_t)n;
         s->n_ghosts = from->n_ghosts;
+        mark_ghosts(s, s->n_ghosts);
     }
-    for (uint64_t k = 0; ok && k < s->n_ghosts; ++k)
-        s->is_ghost[s->ghosts[k].place / 8] |= (uint8_t)(1u << s->ghosts[k].place % 8);
     free(f);
     return ok;
 }
@@ -253,6 +250,7 @@ void seen_end(seen *s)
     free(s->own_ids);
     free(s->is_ghost);
     free(s->ghosts);
+    free(s->first_behind);
     *s = (seen){0};
 }
 
@@ -260,12 +258,29 @@ void seen_end(seen *s)
 
 static inline bool is_ghost(const seen *s, uint32_t place)
 {
-    return s->is_ghost[place / 8] >> place % 8 & 1;
+    return place >= s->behind || (s->n_listed > 0 && s->is_ghost[place / 8] >> place % 8 & 1);
+}
+
+// The rank at home of a ghost behind the homes.
+static uint32_t home_behind(const seen *s, uint32_t place)
+{
+    uint32_t first = 0, last = s->n_homes;
+    while (last - first > 1) {
+        uint32_t middle = first + (last - first) / 2;
+        if (s->first_behind[middle] <= place)
+            first = middle;
+        else
+            last = middle;
+    }
+    return first;
 }
 
 static uint32_t key_of_ghost(const seen *s, uint32_t place)
 {
-    uint64_t first = 0, last = s->n_ghosts;
+    uint64_t first = 0, last = s->n_listed;
+    if (place >= s->behind)
+        return ghost_key(s->homes, object_row(&s->rows, &s->homes->form, place),
+                         home_behind(s, place), s->n_homes);
     while (last - first > 1) {
         uint64_t middle = first + (last - first) / 2;
         if (s->ghosts[middle].place <= place)
@@ -341,9 +356,9 @@ static void take_part(void *context, uint32_t part, uint64_t first, uint64_t end
 
 static bool reserve_pairs(own_pairs *own, uint64_t n, duet_error *err)
 {
-    if (n <= own->capacity)
+    if (own->pairs && n <= own->capacity)
         return true;
-    uint64_t most = n + n / 16;
+    uint64_t most = n + n / 16 + 1;
     duet_pair64 *pairs = realloc(own->pairs, most * sizeof *pairs);
     if (!pairs)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " pairs: no memory", n);
@@ -356,8 +371,6 @@ bool own_pairs_add(own_pairs *own, const seen *s, const worker_found *found, due
 {
     uint64_t n = found->spans[0].n + found->spans[1].n, all = own->n;
     taking t = {.s = s, .found = found};
-    if (n == 0)
-        return true;
     uint32_t parts = parallel_each(s->homes->threads, n, count_part, &t);
     for (uint32_t i = 0; i < parts; ++i) {
         uint64_t own_n = t.counts[i];
@@ -365,22 +378,24 @@ bool own_pairs_add(own_pairs *own, const seen *s, const worker_found *found, due
         all += own_n;
         own->hash += t.hashes[i];
     }
-    if (!own->drops && !reserve_pairs(own, all, err))
+    if (own->lists && !reserve_pairs(own, all, err))
         return false;
     t.pairs = own->pairs;
-    if (!own->drops)
+    if (own->lists)
         parallel_each(s->homes->threads, n, take_part, &t);
-    own->n = all;
+    own->n = all + found->n_counted;
+    own->hash += found->hash;
     return true;
 }
 
-void own_pairs_forget(own_pairs *own)
+void own_pairs_begin(own_pairs *own, bool lists)
 {
     own->n = own->hash = 0;
+    own->lists = lists;
 }
 
 void own_pairs_end(own_pairs *own)
 {
     free(own->pairs);
-    *own = (own_pairs){.drops = own->drops};
+    *own = (own_pairs){0};
 }

@@ -44,11 +44,14 @@ typedef struct seen_ghost {
 // that of one world with all objects. Where it decides nothing, homes that lie in the worker's
 // memory are seen there, and ghosts behind them.
 typedef struct seen {
-    object_rows rows;   // whose objects are the worker's memory
-    uint64_t *own_ids;  // NULL: rows' are the homes'
-    uint8_t *is_ghost;  // a bit each
-    seen_ghost *ghosts; // ascending
-    uint64_t n_ghosts;
+    object_rows rows;       // whose objects are the worker's memory
+    uint64_t *own_ids;      // NULL: rows' are the homes'
+    uint32_t behind;        // from this place on all are ghosts,
+    uint32_t *first_behind; // [n_homes + 1] rank by rank
+    uint8_t *is_ghost;      // a bit each, of those before; only where any is
+    seen_ghost *ghosts;     // [n_listed] these, ascending
+    uint64_t n_listed;
+    uint64_t n_ghosts;                 // all of them
     uint64_t capacity, ghost_capacity; // for which there is memory
     const homes *homes;
     uint32_t home, n_homes;
@@ -72,16 +75,17 @@ static inline uint64_t seen_homes(const seen *s)
 
 // This rank's own pairs.
 typedef struct own_pairs {
-    bool drops; // they are counted, and pairs stays NULL
+    bool lists; // pairs has them; else they are counted
     duet_pair64 *pairs;
     uint64_t n;
     uint64_t hash;
     uint64_t capacity; // of pairs, for which there is memory
 } own_pairs;
 
-// Adds those of what was found.
+// None; keeps the memory.
+void own_pairs_begin(own_pairs *own, bool lists);
+// Adds those of what was found, all of which is in its spans where they are listed.
 bool own_pairs_add(own_pairs *own, const seen *s, const worker_found *found, duet_error *err);
-void own_pairs_forget(own_pairs *own); // keeps the memory
 void own_pairs_end(own_pairs *own);
 
 // The pair hash of one pair: below 2^32 that of duet_pairs_hash.

@@ -22,6 +22,20 @@ typedef struct glance {
 
 // ---------------------------------------------------------------- rows
 
+static void add_row(row_list *l, uint32_t row)
+{
+    if (!l->failed && l->n == l->capacity) {
+        uint64_t capacity = l->capacity ? 2 * l->capacity : 256;
+        uint32_t *rows = realloc(l->rows, capacity * sizeof *rows);
+        l->failed = !rows;
+        l->rows = rows ? rows : l->rows;
+        l->capacity = rows ? capacity : l->capacity;
+    }
+    if (!l->failed)
+        l->rows[l->n] = row;
+    ++l->n; // so that all ranks know that there is one
+}
+
 // What a worker holds is its own.
 static void let_go(homes *h)
 {
@@ -29,7 +43,9 @@ static void let_go(homes *h)
         h->rows.objects = NULL;
     object_rows_end(&h->rows);
     free(h->gone);
+    free(h->gone_to);
     h->gone = NULL;
+    h->gone_to = NULL;
     h->holder = NULL;
     h->n_gone = 0;
 }
@@ -55,22 +71,30 @@ void homes_end(homes *h)
     free(h->all);
     free(h->arrived);
     free(h->border.rows);
+    free(h->renamed.rows);
     h->all = NULL;
     h->arrived = NULL;
     h->glances = NULL;
-    h->border = (row_list){0};
+    h->border = h->renamed = (row_list){0};
 }
 
 void homes_tidy(homes *h)
 {
     while (h->n_gone > 0) {
-        uint32_t hole = h->gone[--h->n_gone].row, last = --h->rows.n;
+        uint32_t hole = h->gone[--h->n_gone], last = --h->rows.n;
         if (hole == last)
             continue;
         h->rows.ids[hole] = h->rows.ids[last];
         memcpy(object_row(&h->rows, &h->form, hole), object_row(&h->rows, &h->form, last),
                h->form.bytes);
+        add_row(&h->renamed, hole);
     }
+}
+
+void homes_forget_renamed(homes *h)
+{
+    h->renamed = (row_list){.rows = h->renamed.rows, .capacity = h->renamed.capacity};
+    h->all_renamed = false;
 }
 
 uint32_t homes_open(homes *h)
@@ -125,6 +149,7 @@ bool homes_move_in(homes *h, worker *w, duet_error *err)
     h->rows.objects = c.to;
     h->spare = (object_rows){0};
     h->holder = w;
+    h->all_renamed = true;
     return true;
 }
 
@@ -206,20 +231,6 @@ static void forget(glance *g)
     g->border = (row_list){.rows = border.rows, .capacity = border.capacity};
     for (int l = 0; l < LEVELS; ++l)
         g->boxes.upto[l] = reach_none;
-}
-
-static void add_row(row_list *l, uint32_t row)
-{
-    if (!l->failed && l->n == l->capacity) {
-        uint64_t capacity = l->capacity ? 2 * l->capacity : 256;
-        uint32_t *rows = realloc(l->rows, capacity * sizeof *rows);
-        l->failed = !rows;
-        l->rows = rows ? rows : l->rows;
-        l->capacity = rows ? capacity : l->capacity;
-    }
-    if (!l->failed)
-        l->rows[l->n] = row;
-    ++l->n; // so that all ranks know that there is one
 }
 
 static void look_closely(const look *l, glance *g, uint32_t i)
@@ -379,22 +390,31 @@ static void add_arrival(homes *h, uint32_t row)
     reach e = reach_of(&h->form, object_row(&h->rows, &h->form, row));
     reach_add(&h->boxes.upto[level_of(reach_widest(&e), h->widest)], &e);
     add_row(&h->border, row);
+    add_row(&h->renamed, row);
+}
+
+static void add_gone(homes *h, uint32_t row, int to)
+{
+    h->gone[h->n_gone] = row;
+    h->gone_to[h->n_gone++] = to;
+    add_row(&h->renamed, row);
 }
 
 // In the holder's memory.
 static bool append_arrivals(homes *h, ranks *r, const leavers *l, const parcels *in,
                             duet_error *err)
 {
-    gone_row *gone = realloc(h->gone, (l->n + 1) * sizeof *gone);
-    bool ok = gone || error_set(err, DUET_STATUS_NO_MEMORY,
-                                "%" PRIu64 " objects that leave: no memory", l->n);
+    uint32_t *gone = realloc(h->gone, (l->n + 1) * sizeof *gone);
+    int *gone_to = realloc(h->gone_to, (l->n + 1) * sizeof *gone_to);
+    bool ok = (gone && gone_to) || error_set(err, DUET_STATUS_NO_MEMORY,
+                                             "%" PRIu64 " objects that leave: no memory", l->n);
     h->gone = gone ? gone : h->gone;
+    h->gone_to = gone_to ? gone_to : h->gone_to;
     ok = ok && homes_write_behind(h, in, err);
     if (!ranks_agree(r, ok, err))
         return false;
     for (uint64_t i = 0; i < l->n; ++i)
-        gone[i] = (gone_row){l->list[i], l->destinations[i]};
-    h->n_gone = (uint32_t)l->n;
+        add_gone(h, l->list[i], l->destinations[i]);
     h->arrived[0] = h->rows.n;
     for (int q = 0; q < r->n; ++q)
         h->arrived[q + 1] = h->arrived[q] + in->counts[q];

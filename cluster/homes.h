@@ -16,12 +16,6 @@ typedef struct level_boxes {
 // Those of each level alone become those with all finer ones.
 void level_boxes_join(level_boxes *boxes);
 
-// A row whose object has left for another rank.
-typedef struct gone_row {
-    uint32_t row;
-    int to;
-} gone_row;
-
 // Places in the rows, as many as there are.
 typedef struct row_list {
     uint32_t *rows;
@@ -39,8 +33,11 @@ typedef struct homes {
     object_rows rows;
     object_rows spare; // memory for the rows of the next step
     worker *holder;    // whose memory rows.objects is; NULL: their own
-    gone_row *gone;    // ascending
+    uint32_t *gone;    // [n_gone] ascending: rows whose objects have left for other ranks
+    int *gone_to;      // these
     uint32_t n_gone;
+    row_list renamed; // whose id is another since homes_forget_renamed, or who came or left
+    bool all_renamed;
     uint64_t *arrived; // [n of ranks + 1] the rows that came from rank q: those from arrived[q] on
     row_list border;   // of homes that may touch another rank's
     level_boxes boxes; // around those
@@ -73,6 +70,9 @@ uint32_t homes_open(homes *h);
 // Homes come to lie in a worker's memory, or leave it again.
 bool homes_move_in(homes *h, worker *w, duet_error *err);
 bool homes_move_out(homes *h, duet_error *err);
+
+// The holder knows the ids of all rows.
+void homes_forget_renamed(homes *h);
 
 // Whether a row came from that rank when homes were settled last: that rank has it already.
 static inline bool homes_came_from(const homes *h, uint32_t row, int rank)

@@ -167,11 +167,7 @@ bool duet_cluster_save_pairs(duet_cluster *c, const char *path, bool sorted, due
         return false;
     duet_error own = {0};
     parcels in_order = {0};
-    bool ok = error_given(path, __func__, "path", &own) &&
-              (!c->own.drops || error_set(&own, DUET_STATUS_BAD_ARGUMENT,
-                                          "%s: this cluster drops its pairs; expected a def "
-                                          "without drops_pairs",
-                                          path));
+    bool ok = error_given(path, __func__, "path", &own) && cluster_list_pairs(c, &own);
     ok = ranks_agree_on(&c->ranks, __func__, ok, NULL, &own);
     ok = ok && (!sorted || sort_pairs(c, &in_order, &own));
     if (ok)

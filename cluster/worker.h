@@ -4,6 +4,7 @@
 #ifndef CLUSTER_WORKER_H
 #define CLUSTER_WORKER_H
 
+#include "runtime/broadphase/global_ids.h"
 #include "runtime/duet.h"
 
 typedef struct worker worker;
@@ -11,7 +12,9 @@ typedef struct worker worker;
 // What was found, by places in the objects' array, a < b. The worker's until it finds again.
 typedef struct worker_found {
     duet_span spans[2];
-    bool has_bad; // an object that its devices refuse
+    uint64_t n_counted; // pairs that are in no span,
+    uint64_t hash;      // and their pair hash by global ids
+    bool has_bad;       // an object that its devices refuse
     uint32_t first_bad;
 } worker_found;
 
@@ -34,6 +37,11 @@ struct worker {
     // fitted to its last ones is used again; NULL: it has none.
     bool (*turn_to)(worker *w, uint32_t place, duet_error *err);
     bool (*find)(worker *w, worker_found *found, duet_error *err);
+    // Before that: which objects are at home, and their ids. Pairs of two of these are then counted
+    // where they are found, and stay there. NULL: all are brought.
+    void (*tell_ids)(worker *w, const global_ids *ids);
+    // Those that the last find counted come into its spans.
+    bool (*bring)(worker *w, worker_found *found, duet_error *err);
     // Whether it leaves the host's processors to others; NULL: not.
     bool (*spares_host)(const worker *w);
     bool (*set_level)(worker *w, duet_level level, duet_error *err);

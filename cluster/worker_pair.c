@@ -19,6 +19,7 @@ typedef struct pair_worker {
     duet_object_kind kind;
     uint32_t bytes; // of an object
     char name[132];
+    const global_ids *ids; // for the next find, or NULL
 } pair_worker;
 
 static void *map(worker *w, uint32_t n, duet_error *err)
@@ -100,14 +101,33 @@ static bool turn_to(worker *w, uint32_t place, duet_error *err)
     return true;
 }
 
+static void tell_ids(worker *w, const global_ids *ids)
+{
+    ((pair_worker *)w)->ids = ids;
+}
+
 static bool find(worker *w, worker_found *found, duet_error *err)
 {
     pair_worker *p = (pair_worker *)w;
     duet_result result;
-    if (!duet_world_step(p->world, &result, err))
+    part_counted counted[2] = {{0}};
+    bool ok = p->ids ? world_step_counting(p->world, p->ids, &result, counted, err)
+                     : duet_world_step(p->world, &result, err);
+    p->ids = NULL;
+    if (!ok)
         return false;
-    *found = (worker_found){{result.spans[0], result.spans[1]}, result.bad > 0, result.first_bad};
+    *found = (worker_found){.spans = {result.spans[0], result.spans[1]},
+                            .n_counted = counted[0].n + counted[1].n,
+                            .hash = counted[0].hash + counted[1].hash,
+                            .has_bad = result.bad > 0,
+                            .first_bad = result.first_bad};
     return true;
+}
+
+static bool bring(worker *w, worker_found *found, duet_error *err)
+{
+    found->n_counted = found->hash = 0;
+    return world_bring_counted(((pair_worker *)w)->world, found->spans, err);
 }
 
 static bool spares_host(const worker *w)
@@ -168,6 +188,8 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
                        .move = move,
                        .turn_to = turn_to,
                        .find = find,
+                       .tell_ids = tell_ids,
+                       .bring = bring,
                        .spares_host = spares_host,
                        .set_level = set_level,
                        .set_plan = set_plan,

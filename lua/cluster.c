@@ -291,10 +291,19 @@ static int cluster_step(lua_State *L)
     member_push_table(L, result_members, &result);
     array_push_hash(L, result.hash);
     lua_setfield(L, -2, "hash");
-    array *own = array_push_view(L, ARRAY_PAIRS64, (void *)result.own_pairs, result.n_own_pairs, 1,
-                                 &box->steps);
+    return 1;
+}
+
+static int cluster_own_pairs(lua_State *L)
+{
+    duet_error err = {0};
+    const duet_pair64 *pairs = NULL;
+    uint64_t n = 0;
+    cluster_box *box = check(L);
+    if (!box->calls->get_own_pairs(box->cluster, &pairs, &n, &err))
+        return class_push_failure(L, &err);
+    array *own = array_push_view(L, ARRAY_PAIRS64, (void *)pairs, n, 1, &box->steps);
     own->fixed = true;
-    lua_setfield(L, -2, "own_pairs");
     return 1;
 }
 
@@ -332,6 +341,7 @@ static const luaL_Reg methods[] = {{"close", cluster_close},
                                    {"set_level", cluster_set_level},
                                    {"load_profile", cluster_load_profile},
                                    {"step", cluster_step},
+                                   {"own_pairs", cluster_own_pairs},
                                    {"ranks", cluster_ranks},
                                    {"save_pairs", cluster_save_pairs},
                                    {NULL, NULL}};

@@ -31,6 +31,7 @@ static const struct {
     CALL(load_profile, "duet_cluster_load_profile"),
     CALL(set_level, "duet_cluster_set_level"),
     CALL(step, "duet_cluster_step"),
+    CALL(get_own_pairs, "duet_cluster_get_own_pairs"),
     CALL(get_ranks, "duet_cluster_get_ranks"),
     CALL(save_pairs, "duet_cluster_save_pairs"),
 };

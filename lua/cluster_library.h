@@ -24,6 +24,7 @@ typedef struct cluster_library {
     bool (*load_profile)(duet_cluster *, const char *, duet_profile *, duet_error *, duet_error *);
     bool (*set_level)(duet_cluster *, duet_level, duet_error *);
     bool (*step)(duet_cluster *, duet_cluster_result *, duet_error *);
+    bool (*get_own_pairs)(duet_cluster *, const duet_pair64 **, uint64_t *, duet_error *);
     bool (*get_ranks)(duet_cluster *, duet_cluster_rank *, duet_error *);
     bool (*save_pairs)(duet_cluster *, const char *, bool, duet_error *);
 } cluster_library;

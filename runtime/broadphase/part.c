@@ -3,10 +3,12 @@
 // finds their pairs and brings these to the host.
 #include "runtime/broadphase/part.h"
 
+#include "runtime/broadphase/pair_count.h"
 #include "runtime/broadphase/strays.h"
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "kernels/grid/pair_counts.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/narrowphase/rounded.h"
@@ -33,7 +35,7 @@ void part_distrust(part *p)
 {
     timeline_clear(&p->times);
     p->objects_version = p->sizes_version = p->levels_version = p->ahead_version = 0;
-    p->packed.objects_version = p->stretched.objects_version = 0;
+    p->packed.objects_version = p->stretched.objects_version = p->ids_version = 0;
 }
 
 void part_forget(part *p)
@@ -44,6 +46,7 @@ void part_forget(part *p)
         timeline_begin(&p->times, p->device);
     p->ahead_version = 0;
     p->span = (duet_span){0};
+    p->counted = (part_counted){0};
     p->n_candidates = p->n_undecided = 0;
     p->runs = 0;
     p->wall_ms = 0.0;
@@ -150,7 +153,8 @@ bool part_begin(part *p, const part_task *task, duet_error *err)
     if (bytes == 0)
         return true;
     return (task->packed || task->resident || send_objects(p, task, bytes, err)) &&
-           send_sizes(p, task, err) && send_levels(p, task, err);
+           send_sizes(p, task, err) && send_levels(p, task, err) &&
+           (!task->ids || part_send_ids(p, task->ids, err));
 }
 
 // ---------------------------------------------------------------- grid
@@ -179,6 +183,7 @@ static void set_args(part *p, const part_task *task, const part_range *range)
         .n_home_cells = range->home_to - range->key_from,
         .n_own_cells = range->key_to - range->key_from,
         .n_counters = COUNTERS,
+        .n_homes = task->ids ? task->ids->n : 0,
         .first = range->first,
         .last = paper ? range->last : placed,
         .cells = task->grid.levels[0].cells,
@@ -574,6 +579,7 @@ static bool run_candidates(part *p, const part_task *task, const part_range *ran
     a->candidate_capacity = capacity_of(&p->candidates);
     a->pair_capacity = capacity_of(&p->pairs);
     a->undecided_capacity = capacity_of(&p->undecided);
+    a->left_capacity = capacity_of(&p->left);
     bool decides = p->variant.search == SEARCH_SIMD && p->kernels.fused;
     return timeline_launch(&p->times, decides ? "search" : "candidates", p->kernels.candidates,
                            search_work(task, range), p, err);
@@ -598,6 +604,7 @@ static bool everything_fits(part *p, bool *fits, duet_error *err)
     } lists[] = {
         {&p->candidates, p->found.candidates},
         {&p->undecided, p->found.undecided},
+        {&p->left, p->counted.left},
         // undecided pairs may join the pairs
         {&p->pairs, p->found.pairs + p->found.undecided},
     };
@@ -623,26 +630,46 @@ enum { OPEN_AHEAD = 1024 };
 // What is sent unasked besides the pairs.
 typedef struct news {
     uint32_t counters[COUNTERS];
+    uint32_t pair_counts[PAIR_COUNTS];
     duet_pair open[OPEN_AHEAD];
 } news;
 
-// The counters come first: the host goes on with them while the pairs travel.
-static bool ask_ahead(part *p, cl_event *told, duet_error *err)
+// Where pairs are counted only those that are left travel.
+static buffer *pairs_to_fetch(part *p, const part_task *task)
 {
+    return task->ids ? &p->left : &p->pairs;
+}
+
+static uint64_t count_to_fetch(const part *p, const part_task *task)
+{
+    return task->ids ? p->counted.left : p->found.pairs;
+}
+
+// The counters come first: the host goes on with them while the pairs travel.
+static bool ask_ahead(part *p, const part_task *task, cl_event *told, duet_error *err)
+{
+    buffer *pairs = pairs_to_fetch(p, task);
     size_t open_bytes = smaller(p->undecided.bytes, sizeof((news *)0)->open);
     size_t bytes = smaller(p->pairs_ahead * sizeof(duet_pair), p->fetched.size);
-    bytes = smaller(bytes, p->pairs.bytes);
+    bytes = smaller(bytes, pairs->bytes);
     if (!host_block_reserve(&p->news, p->device, 1, sizeof(news), err))
         return false;
     news *n = p->news.bytes;
     p->pairs_ahead = bytes / sizeof(duet_pair);
     bool ok =
         timeline_start_read(&p->times, "fetch pairs", &p->undecided, 0, n->open, open_bytes, err) &&
+        (!task->ids || timeline_start_read(&p->times, "fetch pairs", &p->pair_counts, 0,
+                                           n->pair_counts, sizeof n->pair_counts, err)) &&
         timeline_start_read(&p->times, "fetch pairs", &p->counters, 0, n->counters,
                             sizeof n->counters, err);
     *told = timeline_last_event(&p->times);
-    return ok && timeline_start_read(&p->times, "fetch pairs", &p->pairs, 0, p->fetched.bytes,
-                                     bytes, err);
+    return ok &&
+           timeline_start_read(&p->times, "fetch pairs", pairs, 0, p->fetched.bytes, bytes, err);
+}
+
+static uint64_t wide(const uint32_t *words)
+{
+    return (uint64_t)words[1] << 32 | words[0];
 }
 
 static bool hear(part *p, const part_task *task, duet_error *err)
@@ -650,12 +677,17 @@ static bool hear(part *p, const part_task *task, duet_error *err)
     cl_event told = NULL;
     if (p->device->info.host_memory || task->keeps_pairs)
         return read_counters(p, err);
-    if (!ask_ahead(p, &told, err))
+    if ((task->ids && !part_count_pairs(p, err)) || !ask_ahead(p, task, &told, err))
         return false;
     timeline_spin(&p->times, told);
     if (!timeline_collect_to(&p->times, told, err))
         return false;
-    p->found = part_found_of(((news *)p->news.bytes)->counters);
+    const news *heard = p->news.bytes;
+    const uint32_t *counts = heard->pair_counts;
+    p->found = part_found_of(heard->counters);
+    if (task->ids)
+        p->counted = (part_counted){wide(counts + COUNT_COUNTED), wide(counts + COUNTED_HASH),
+                                    wide(counts + COUNT_LEFT)};
     return true;
 }
 
@@ -698,6 +730,8 @@ static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet
     bool ok = p->pairs.mem || reserve_pairs(p, &p->pairs, guess, err);
     if (task->objects.shape != DUET_SHAPE_BOUNDS)
         ok = ok && (p->undecided.mem || reserve_pairs(p, &p->undecided, guess / 64, err));
+    if (task->ids)
+        ok = ok && (p->left.mem || reserve_pairs(p, &p->left, guess / 64, err));
     if (p->kernels.narrow)
         ok = ok &&
              (p->candidates.mem ||
@@ -724,9 +758,9 @@ static bool check_placed(part *p, const part_task *task, const part_range *range
 // Where pairs come to lie on the host, with space behind them for the undecided.
 // A block that must grow loses what was sent ahead, and locking its pages takes
 // longer than a step: it grows by more than it must.
-static bool reserve_span(part *p, duet_pair **pairs, duet_error *err)
+static bool reserve_span(part *p, uint64_t n, duet_pair **pairs, duet_error *err)
 {
-    uint64_t most = p->found.pairs + p->found.undecided;
+    uint64_t most = n + p->found.undecided;
     size_t bytes = (size_t)most * sizeof(duet_pair);
     *pairs = p->pairs.host;
     if (*pairs)
@@ -742,12 +776,12 @@ static bool reserve_span(part *p, duet_pair **pairs, duet_error *err)
 
 // The pairs that were not sent ahead start to travel; those for the next step
 // are a few more than now.
-static bool fetch_rest(part *p, duet_pair *pairs, uint64_t n, duet_error *err)
+static bool fetch_rest(part *p, buffer *from, duet_pair *pairs, uint64_t n, duet_error *err)
 {
     uint64_t there = p->device->info.host_memory ? 0 : p->pairs_ahead;
-    bool ok = there >= n ||
-              timeline_start_read(&p->times, "fetch pairs", &p->pairs, there * sizeof(duet_pair),
-                                  pairs + there, (n - there) * sizeof(duet_pair), err);
+    bool ok =
+        there >= n || timeline_start_read(&p->times, "fetch pairs", from, there * sizeof(duet_pair),
+                                          pairs + there, (n - there) * sizeof(duet_pair), err);
     p->pairs_ahead = n + n / 64;
     return ok;
 }
@@ -843,10 +877,11 @@ static bool fetch_and_decide(part *p, const part_task *task, duet_pair *collidin
 {
     duet_pair *pairs = NULL;
     const duet_pair *open = NULL;
-    uint64_t n = p->found.pairs;
+    uint64_t n = count_to_fetch(p, task);
     uint64_t n_colliding = 0;
     open_objects seen = {0};
-    bool ok = reserve_span(p, &pairs, err) && fetch_rest(p, pairs, n, err) &&
+    bool ok = reserve_span(p, n, &pairs, err) &&
+              fetch_rest(p, pairs_to_fetch(p, task), pairs, n, err) &&
               fetch_open(p, &open, colliding, err) && see_open_objects(p, task, open, &seen, err);
     if (ok)
         n_colliding = decide(p, &seen, open, colliding);

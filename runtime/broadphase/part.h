@@ -7,6 +7,7 @@
 #define RUNTIME_PART_H
 
 #include "kernels/counters.h"
+#include "runtime/broadphase/global_ids.h"
 #include "runtime/broadphase/grid.h"
 #include "runtime/broadphase/variant.h"
 #include "runtime/opencl/radix_sort.h"
@@ -40,6 +41,7 @@ typedef struct part_task {
     grid_objects objects;     // that the part is sent; the array has all of them
     const buffer *resident;   // the objects where the part's device has them already, or NULL
     bool keeps_pairs;         // they stay on the device
+    const global_ids *ids;    // pairs of objects that have one stay there, and are counted; or NULL
     uint64_t objects_version; // changes with the objects' content
     uint64_t sizes_version;   // changes with the sizes
     grid grid;
@@ -77,11 +79,13 @@ typedef struct part_kernels {
     kernel *candidates;
     kernel *narrow; // NULL where the candidates' kernel finds pairs
     kernel *gather; // NULL where the host sees objects that are to be decided
-    bool fused;     // candidates are tested where they are found
-    bool listed;    // what overlaps is a pair, without a test
-    bool unboxed;   // boxes are read by id, where the objects are
-    bool from_ids;  // objects reach cell order by their sorted ids
-    bool packed;    // objects have names
+    kernel *change_ids;
+    kernel *count_pairs; // NULL where pairs come to the host
+    bool fused;          // candidates are tested where they are found
+    bool listed;         // what overlaps is a pair, without a test
+    bool unboxed;        // boxes are read by id, where the objects are
+    bool from_ids;       // objects reach cell order by their sorted ids
+    bool packed;         // objects have names
     bool stretched; // some objects are taken, and what the other device wants of them is marked
     bool guarded;   // the search finds nothing where the grid got more than it has space for
 } part_kernels;
@@ -106,6 +110,7 @@ typedef struct part_args {
     cl_uint first, last;
     cl_uint found_capacity, candidate_capacity, pair_capacity, undecided_capacity;
     cl_uint row_words, n_ids; // gathered
+    cl_uint n_homes, n_id_changes, left_capacity;
     cl_uint marked_from, marked_to;
     cl_int4 cells;
     buffer objects;
@@ -124,6 +129,13 @@ typedef struct part_found {
 } part_found;
 
 part_found part_found_of(const uint32_t counts[COUNTERS]);
+
+// Of the pairs that stay on the device.
+typedef struct part_counted {
+    uint64_t n;
+    uint64_t hash; // by global ids (kernels/grid/count_pairs.cl)
+    uint64_t left; // others, which come to the host
+} part_counted;
 
 typedef struct part {
     const device *device;
@@ -173,6 +185,12 @@ typedef struct part {
     buffer candidates, pairs, undecided;
     buffer gathered; // objects of the undecided pairs
     buffer counters;
+    buffer global_ids;
+    uint64_t ids_version; // of what was sent last; 0: nothing
+    buffer id_changes;
+    host_block changes; // on their way there
+    buffer pair_counts, left;
+    part_counted counted;
 
     part_found found;     // by what was read last of the counters
     host_block fetched;   // pairs on the host, where the device has memory of its own

@@ -3,6 +3,7 @@
 #include "runtime/broadphase/strays.h"
 
 #include "base/error.h"
+#include "kernels/grid/pair_counts.h"
 #include "runtime/narrowphase/level.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/opencl/device_pair.h"
@@ -15,12 +16,13 @@ enum { LEAST_CHUNK = 1 << 17 };
 
 // Where a part has its buffers.
 static const size_t buffers[] = {
-    offsetof(part, objects),   offsetof(part, sizes),     offsetof(part, names),
-    offsetof(part, keys),      offsetof(part, ids),       offsetof(part, keys_spare),
-    offsetof(part, ids_spare), offsetof(part, starts),    offsetof(part, bounds),
-    offsetof(part, boxes),     offsetof(part, counters),  offsetof(part, candidates),
-    offsetof(part, pairs),     offsetof(part, undecided), offsetof(part, levels),
-    offsetof(part, gathered),  offsetof(part, marks)};
+    offsetof(part, objects),    offsetof(part, sizes),       offsetof(part, names),
+    offsetof(part, keys),       offsetof(part, ids),         offsetof(part, keys_spare),
+    offsetof(part, ids_spare),  offsetof(part, starts),      offsetof(part, bounds),
+    offsetof(part, boxes),      offsetof(part, counters),    offsetof(part, candidates),
+    offsetof(part, pairs),      offsetof(part, undecided),   offsetof(part, levels),
+    offsetof(part, gathered),   offsetof(part, marks),       offsetof(part, global_ids),
+    offsetof(part, id_changes), offsetof(part, pair_counts), offsetof(part, left)};
 
 #define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
 #define VALUE(name) BIND_VALUE(part, #name, args.name)
@@ -52,6 +54,10 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BUFFER("undecided", "uint2 *", undecided),
                                         BUFFER("counters", "uint *", counters),
                                         BUFFER("marks", "uint *", marks),
+                                        BUFFER("global_ids", "uint2 *", global_ids),
+                                        BUFFER("id_changes", "uint4 *", id_changes),
+                                        BUFFER("pair_counts", "uint *", pair_counts),
+                                        BUFFER("left", "uint2 *", left),
                                         BIND_VALUE(part, "stamp", stamp),
                                         BIND_VALUE(part, "n_keys", args.n),
                                         BIND_VALUE(part, "place_capacity", place_capacity),
@@ -75,6 +81,9 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         VALUE(candidate_capacity),
                                         VALUE(pair_capacity),
                                         VALUE(undecided_capacity),
+                                        VALUE(n_homes),
+                                        VALUE(n_id_changes),
+                                        VALUE(left_capacity),
                                         VALUE(cells),
                                         {0}};
 
@@ -115,6 +124,7 @@ void part_close(part *p)
     host_block_release(&p->news);
     host_block_release(&p->sent);
     host_block_release(&p->marks_seen);
+    host_block_release(&p->changes);
     program_set_close(p->programs);
     gen_close(p->gen);
     *p = (part){0};
@@ -189,6 +199,16 @@ static bool ask_gather(part *p, const part_task *task, duet_error *err)
         p->kernels.gather = program_set_kernel(p->programs, "read_rows", "gather_rows", settings, n,
                                                gather_bindings, err);
     return p->kernels.gather;
+}
+
+static bool ask_count(part *p, const part_task *task, duet_error *err)
+{
+    if (!task->ids)
+        return true;
+    p->kernels.change_ids = get_kernel(p, "count_pairs", "change_ids", err);
+    p->kernels.count_pairs = get_kernel(p, "count_pairs", "count_pairs", err);
+    return p->kernels.change_ids && p->kernels.count_pairs &&
+           buffer_reserve(&p->pair_counts, p->device, PAIR_COUNTS * sizeof(uint32_t), err);
 }
 
 // The primitives, with what the variant sets of them.
@@ -333,7 +353,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         if (!p->kernels.narrow)
             return false;
     }
-    return ask_gather(p, task, err) && all_settings_used(p, err) &&
+    return ask_gather(p, task, err) && ask_count(p, task, err) && all_settings_used(p, err) &&
            program_set_build(p->programs, err);
 }
 

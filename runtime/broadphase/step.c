@@ -108,6 +108,7 @@ static part_task describe_task(const duet_world *world, int side)
         .objects = world_objects(world),
         .resident = r->on[side] ? &r->objects : NULL,
         .keeps_pairs = world->keeps_pairs[side],
+        .ids = world->parts[side].device->info.host_memory ? NULL : world->ids,
         .objects_version = world->objects_version,
         .sizes_version = world->sizes_version,
         .grid = world->grid,
@@ -231,9 +232,9 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
     for (int side = 0; side < 2; ++side) {
         const part_task *task = &jobs[side].task;
         part *p = &world->parts[side];
-        bool as_before = p->kernels.packed == task->packed &&
-                         p->kernels.stretched == (task->strays != NULL) &&
-                         (p->kernels.gather || !part_gathers(p, task));
+        bool as_before =
+            p->kernels.packed == task->packed && p->kernels.stretched == (task->strays != NULL) &&
+            (p->kernels.gather || !part_gathers(p, task)) && (p->kernels.count_pairs || !task->ids);
         if (!use[side] || (world->prepared[side] && as_before))
             continue;
         world->prepared[side] = part_prepare(p, &world->variants[side], task, err);
@@ -514,6 +515,30 @@ bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, du
     fill_result(world, result);
     result->total_ms = clock_ms_since(begun);
     return true;
+}
+
+bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *result,
+                         part_counted counted[2], duet_error *err)
+{
+    global_ids own = *ids;
+    world->ids_version += world->ids_version == 0 || ids->all_changed || ids->n_changed > 0;
+    own.version = world->ids_version;
+    world->ids = &own;
+    bool ok = duet_world_step(world, result, err);
+    world->ids = NULL;
+    for (int side = 0; side < 2; ++side)
+        counted[side] = world->parts[side].counted;
+    return ok;
+}
+
+bool world_bring_counted(duet_world *world, duet_span spans[2], duet_error *err)
+{
+    bool ok = true;
+    for (int side = 0; ok && side < 2; ++side) {
+        ok = part_bring_counted(&world->parts[side], err);
+        spans[side] = world->parts[side].span;
+    }
+    return ok;
 }
 
 // ---------------------------------------------------------------- pairs

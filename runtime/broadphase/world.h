@@ -4,6 +4,7 @@
 #define RUNTIME_WORLD_H
 
 #include "runtime/broadphase/pair_buffers.h"
+#include "runtime/broadphase/pair_count.h"
 #include "runtime/broadphase/part.h"
 #include "runtime/broadphase/resident.h"
 #include "runtime/broadphase/slab.h"
@@ -41,7 +42,9 @@ struct duet_world {
     bool cells_vary; // with the objects: the plan's grid had other cells before
     split split;     // of these objects, where slabs are searched
     bool cell_widened;
-    bool keeps_pairs[2];                    // on that device in the last step
+    bool keeps_pairs[2];   // on that device in the last step
+    const global_ids *ids; // of a step that counts pairs; else NULL
+    uint64_t ids_version;
     pair_buffers left;                      // where pairs are left
     step_half *half;                        // NULL before the first step in two halves
     duet_stage stages[2 * TIMELINE_STAGES]; // of the last step
@@ -131,5 +134,14 @@ bool world_is_b_alone(const duet_world *world);
 // says, in B's memory until the next step; its spans have none.
 bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, duet_result *result,
                          const buffer **pairs, duet_error *err);
+
+// A step in which a device with memory of its own counts the pairs of objects that have global ids,
+// and adds up their hash, in counted[side]. The result's pairs and spans have only the others, and
+// all that other devices found.
+bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *result,
+                         part_counted counted[2], duet_error *err);
+
+// Brings what that step counted: the spans then have all its pairs, until the next one.
+bool world_bring_counted(duet_world *world, duet_span spans[2], duet_error *err);
 
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Devices with memory of their own are sent objects in chunks where that is asked
-// for, and send pairs before they are asked. The CPU's parts here are told that they have such
-// memory.
+// for, and send pairs before they are asked, or count them. The CPU's parts here are told that they
+// have such memory.
 #include "support/test.h"
 
 #include "base/rng.h"
@@ -208,23 +208,192 @@ static void pairs_are_all_there_however_many_the_last_step_had(void **state)
     duet_world_destroy(world);
 }
 
+enum { SIDE = 10, TOUCHING = SIDE * SIDE * SIDE };
+
 // Cubes that touch, all turned the same way: float cannot tell.
-static void more_undecided_pairs_than_are_sent_ahead_are_decided(void **state)
+static void fill_touching(void)
 {
-    (void)state;
-    enum { SIDE = 10, N = SIDE * SIDE * SIDE };
-    for (uint32_t i = 0; i < N; ++i) {
+    for (uint32_t i = 0; i < TOUCHING; ++i) {
         float x = (float)(i % SIDE), y = (float)(i / SIDE % SIDE), z = (float)(i / SIDE / SIDE);
         poses[i] = (duet_pose){{0.6f * x - 0.8f * y, 0.8f * x + 0.6f * y, z},
                                {0.5f, 0.5f, 0.5f},
                                {0.0f, 0.0f, 1.0f, 2.0f}};
     }
+}
+
+static void more_undecided_pairs_than_are_sent_ahead_are_decided(void **state)
+{
+    (void)state;
+    fill_touching();
     duet_world *world = make_world(DUET_MODE_OWN, "gpu", false);
     set_share(world, 0);
-    assert_step_is_the_reference(world, N);
-    assert_step_is_the_reference(world, N);
-    duet_result result = step(world, N);
+    assert_step_is_the_reference(world, TOUCHING);
+    assert_step_is_the_reference(world, TOUCHING);
+    duet_result result = step(world, TOUCHING);
     assert_true(result.undecided > 1024);
+    duet_world_destroy(world);
+}
+
+// ------------------------------------------------------------ pairs that are counted
+
+// Objects with ids of 64 bits, and those that have none.
+static uint64_t names[CAPACITY];
+static uint32_t without[CAPACITY], changed[CAPACITY];
+
+static bool has_name(const global_ids *ids, uint32_t place)
+{
+    bool has = place < ids->n && names[place] != UINT64_MAX;
+    for (uint32_t i = 0; i < ids->n_without; ++i)
+        has &= without[i] != place;
+    return has;
+}
+
+// Number and hash of pairs, by the ids that a function of them gives.
+typedef struct sums {
+    uint64_t n, hash;
+} sums;
+
+static uint64_t mixed(uint64_t key)
+{
+    const duet_pair words = {(uint32_t)(key >> 32), (uint32_t)key};
+    return duet_pairs_hash(&words, 1);
+}
+
+// As duet_cluster.h says it.
+static void add_named(sums *to, duet_pair pair)
+{
+    uint64_t a = names[pair.a], b = names[pair.b];
+    uint64_t least = a < b ? a : b, most = a < b ? b : a;
+    ++to->n;
+    to->hash += mixed((least << 32 | (uint32_t)most) ^ mixed(least >> 32 << 32 | most >> 32));
+}
+
+static void add_pair(sums *named, sums *left, const global_ids *ids, duet_pair pair)
+{
+    if (has_name(ids, pair.a) && has_name(ids, pair.b)) {
+        add_named(named, pair);
+    } else if (pair.a < ids->n || pair.b < ids->n) {
+        ++left->n;
+        left->hash += duet_pairs_hash(&pair, 1);
+    }
+}
+
+// A step of n objects counts what the reference finds, leaves the rest, and brings all when asked.
+static duet_result count_step(duet_world *world, const global_ids *ids, uint32_t n)
+{
+    duet_error err = {0};
+    duet_result result;
+    part_counted counted[2];
+    sums expected_named = {0}, expected_left = {0}, named = {0}, left = {0};
+    duet_pair *pairs = NULL;
+    uint64_t n_pairs = 0;
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, &err);
+    assert_ok(scene != NULL, err);
+    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, &err), err);
+    for (uint64_t i = 0; i < n_pairs; ++i)
+        add_pair(&expected_named, &expected_left, ids, pairs[i]);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
+    assert_ok(world_step_counting(world, ids, &result, counted, &err), err);
+    for (int side = 0; side < 2; ++side) {
+        named.n += counted[side].n;
+        named.hash += counted[side].hash;
+        for (uint64_t i = 0; i < result.spans[side].n; ++i)
+            add_pair(&named, &left, ids, result.spans[side].pairs[i]);
+    }
+    assert_int_equal(named.n, expected_named.n);
+    assert_int_equal(named.hash, expected_named.hash);
+    assert_int_equal(left.n, expected_left.n);
+    assert_int_equal(left.hash, expected_left.hash);
+    assert_true(result.pairs <= left.n + result.undecided);
+    if (expected_named.n > 0) {
+        assert_ok(world_bring_counted(world, result.spans, &err), err);
+        assert_int_equal(result.spans[0].n + result.spans[1].n, n_pairs);
+        assert_int_equal(duet_result_get_hash(&result), duet_pairs_hash(pairs, n_pairs));
+    }
+    duet_free(pairs);
+    duet_scene_destroy(scene);
+    return result;
+}
+
+// Some ids change, and some objects have none from now on.
+static void change_ids(global_ids *ids, rng *r)
+{
+    ids->n_changed = 0;
+    for (uint32_t i = 0; i < ids->n_without; ++i) // they have one again
+        changed[ids->n_changed++] = without[i];
+    for (int i = 0; i < 10; ++i) {
+        uint32_t place = rng_below(r, ids->n);
+        names[place] ^= UINT64_C(1) << 50;
+        for (int twice = 0; twice < 2; ++twice)
+            changed[ids->n_changed++] = place;
+    }
+    ids->n_without = 0;
+    for (uint32_t i = rng_below(r, 99); i < ids->n; i += 1 + rng_below(r, 99)) {
+        without[ids->n_without++] = i;
+        changed[ids->n_changed++] = i;
+    }
+    ids->all_changed = false;
+}
+
+static duet_world *make_counting_world(void)
+{
+    duet_error err = {0};
+    duet_world *world = make_world(DUET_MODE_OWN, "gpu", false);
+    duet_plan plan = *duet_world_get_plan(world);
+    strcpy(plan.variant_b, "gpu count_pairs.WG=64 count_pairs.PER_ITEM=8");
+    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    return world;
+}
+
+// Any part of the objects has ids, below 2^32 and far above, and ids change or a device missed
+// those that did.
+static void pairs_of_objects_with_ids_are_counted_where_they_are_found(void **state)
+{
+    (void)state;
+    enum { N = 3000, ROUNDS = 12 };
+    static const uint32_t homes[ROUNDS] = {2900, 2900, 2900, 1500, 1500, 60,
+                                           2999, 3000, 3000, 0,    2000, 2950};
+    static const double edges[ROUNDS] = {28, 28, 28, 9, 9, 28, 28, 60, 28, 28, 28, 28};
+    rng r = {test_seed()};
+    duet_world *world = make_counting_world();
+    for (uint32_t i = 0; i < N; ++i) {
+        uint32_t k = (i * 7919) % N;
+        names[i] = i == 77      ? UINT64_MAX
+                   : k % 4 == 0 ? k
+                   : k % 4 == 1 ? UINT64_C(5) << 32 | k
+                                : UINT64_MAX - 1 - k;
+    }
+    global_ids ids = {.list = names, .without = without, .changed = changed, .all_changed = true};
+    for (int at = 0; at < ROUNDS; ++at) {
+        bool more = homes[at] > ids.n;
+        ids.n = homes[at];
+        fill(&r, N, edges[at]);
+        if (at % 3 != 2 && ids.n > 0)
+            change_ids(&ids, &r);
+        else
+            ids.n_changed = 0;
+        ids.all_changed = at == 0 || more;
+        set_share(world, at % 5 == 3 ? DUET_SHARE_ONE : at % 5 == 4 ? 0 : DUET_SHARE_ONE / 2);
+        for (uint32_t i = 0; i < ids.n_without; ++i)
+            if (without[i] >= ids.n)
+                ids.n_without = i;
+        count_step(world, &ids, N);
+    }
+    duet_world_destroy(world);
+}
+
+// What the host decides is not among what is counted.
+static void undecided_pairs_are_counted_once(void **state)
+{
+    (void)state;
+    duet_world *world = make_counting_world();
+    fill_touching();
+    for (uint32_t i = 0; i < TOUCHING; ++i)
+        names[i] = i;
+    global_ids ids = {.list = names, .n = TOUCHING - 10, .all_changed = true};
+    set_share(world, 0);
+    for (int at = 0; at < 2; ++at)
+        assert_true(count_step(world, &ids, TOUCHING).undecided > 1024);
     duet_world_destroy(world);
 }
 
@@ -252,6 +421,8 @@ int main(void)
         cmocka_unit_test(objects_that_are_there_come_in_no_chunks),
         cmocka_unit_test(pairs_are_all_there_however_many_the_last_step_had),
         cmocka_unit_test(more_undecided_pairs_than_are_sent_ahead_are_decided),
+        cmocka_unit_test(pairs_of_objects_with_ids_are_counted_where_they_are_found),
+        cmocka_unit_test(undecided_pairs_are_counted_once),
         cmocka_unit_test(a_bad_object_of_any_chunk_is_named),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);

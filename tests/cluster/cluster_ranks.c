@@ -9,6 +9,7 @@
 #include "base/rng.h"
 #include "base/text.h"
 #include "cluster/owner.h"
+#include "runtime/opencl/device_pair.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -380,7 +381,9 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
                 move(&own[i], ids[i], at);
             uint64_t first = n > 0 ? ids[0] : 0;
             must_find(clusters[g], &c);
-            left += clusters[g]->homes.n_gone;
+            const homes *h = &clusters[g]->homes;
+            left += h->n_gone;
+            MUST(homes_count(h) == 0 || h->renamed.n == 0, "a list that grows no further");
             merged += n > 0 && !clusters[g]->homes.holder && homes_count(&clusters[g]->homes) > 0 &&
                       clusters[g]->homes.rows.ids[0] != first;
         }
@@ -393,6 +396,100 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
         if (comms[g] != MPI_COMM_NULL)
             MPI_Comm_free(&comms[g]);
     }
+}
+
+// By the pairs that each rank hands out, when it is asked.
+static void must_list(duet_cluster *cluster, const duet_cluster_result *result, MPI_Comm comm)
+{
+    duet_error err = {0};
+    const duet_pair64 *own;
+    uint64_t n, sums[2];
+    MUST_OK(duet_cluster_get_own_pairs(cluster, &own, &n, &err), err);
+    MUST(n == cluster->last.pairs, "as many as were counted");
+    sums[0] = n;
+    sums[1] = 0;
+    for (uint64_t i = 0; i < n; ++i)
+        sums[1] += pair64_hash(own[i]);
+    MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_UINT64_T, MPI_SUM, comm);
+    MUST(sums[0] == result->pairs && sums[1] == result->hash, "the pairs that were counted");
+}
+
+// How many pairs of two homes came to the host.
+static uint64_t count_brought(const duet_cluster *cluster)
+{
+    const homes *h = &cluster->homes;
+    uint64_t brought = 0;
+    for (int side = 0; side < 2; ++side)
+        for (uint64_t i = 0; i < cluster->found.spans[side].n; ++i) {
+            duet_pair p = cluster->found.spans[side].pairs[i];
+            bool both = p.a < h->rows.n && p.b < h->rows.n;
+            for (uint32_t k = 0; k < h->n_gone; ++k)
+                both &= p.a != h->gone[k] && p.b != h->gone[k];
+            brought += both;
+        }
+    return brought;
+}
+
+// The CPU's parts are told that they have memory of their own, so they count the pairs of homes
+// where these are found. Ids are far above 2^32, and objects change ranks and rows.
+static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
+{
+    static crowd c;
+    const uint64_t first = UINT64_C(1) << 40;
+    rng r = rng_seed(seed);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(n);
+    if (comm == MPI_COMM_NULL) {
+        for (uint32_t at = 0; at < 32; ++at)
+            find_expected(&c);
+        return;
+    }
+    duet_error err = {0};
+    duet_device_pair_def pair_def = duet_default_device_pair_def();
+    duet_cluster_def def = duet_default_cluster_def();
+    def.comm = &comm;
+    def.world = c.world;
+    def.world.pair = duet_device_pair_create(&pair_def, &err);
+    MUST_OK(def.world.pair, err);
+    def.world.pair->devices[0].info.host_memory = false;
+    def.world.pair->devices[1].info.host_memory = rank == 2; // one counts, and the other does not
+    duet_cluster *cluster = duet_cluster_create(&def, &err);
+    MUST_OK(cluster, err);
+    hand_over(cluster, &c, first, 7);
+    uint64_t counted = 0, brought = 0, gone = 0;
+    for (uint32_t at = 0; at < 32; ++at) {
+        const uint64_t *ids;
+        uint32_t n_homes;
+        duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n_homes, &err);
+        MUST_OK(own, err);
+        for (uint32_t id = at % 16; id < c.n; id += 16) // few, so that few ids change places
+            move(&c.poses[id], id, at);
+        for (uint32_t i = 0; i < n_homes; ++i)
+            if ((ids[i] - first) % 16 == at % 16)
+                move(&own[i], ids[i] - first, at);
+        find_expected(&c);
+        uint64_t expected = 0;
+        for (uint64_t i = 0; i < c.n_pairs; ++i)
+            expected += pair64_hash((duet_pair64){first + c.pairs[i].a, first + c.pairs[i].b});
+        for (int again = 0; again < 2; ++again) { // nothing moved the second time
+            duet_cluster_result result = step(cluster);
+            MUST(result.pairs == c.n_pairs && result.hash == expected, "the reference's pairs");
+            counted += cluster->found.n_counted;
+            brought += rank == 2 ? 0 : count_brought(cluster);
+            gone += cluster->homes.n_gone;
+            if (at % 4 == 3)
+                must_list(cluster, &result, comm);
+        }
+    }
+    MPI_Allreduce(MPI_IN_PLACE, &counted, 1, MPI_UINT64_T, MPI_SUM, comm);
+    MPI_Allreduce(MPI_IN_PLACE, &gone, 1, MPI_UINT64_T, MPI_SUM, comm);
+    MPI_Allreduce(MPI_IN_PLACE, &brought, 1, MPI_UINT64_T, MPI_SUM, comm);
+    MUST(counted > 1000 && (gone > 20 || n == 1), "devices counted, while objects left");
+    MUST(brought <= counted / 100,
+         "of the pairs of homes only those that float cannot decide come");
+    duet_cluster_destroy(cluster);
+    duet_device_pair_destroy(def.world.pair);
+    MPI_Comm_free(&comm);
 }
 
 // Any planes at all, the same on all ranks of the group.
@@ -770,9 +867,13 @@ static void large_ids_have_one_hash(void)
         hand_over(cluster, &c, first, 3);
         duet_cluster_result result = step(cluster);
         MUST(result.pairs == c.n_pairs && result.hash == expected, "the hash of large ids");
-        for (uint64_t i = 0; i < result.n_own_pairs; ++i)
-            MUST(result.own_pairs[i].a >= first && result.own_pairs[i].a < result.own_pairs[i].b,
-                 "global ids, a < b");
+        duet_error err = {0};
+        const duet_pair64 *own;
+        uint64_t n;
+        MUST_OK(duet_cluster_get_own_pairs(cluster, &own, &n, &err), err);
+        MUST(n == cluster->last.pairs, "as many as were counted");
+        for (uint64_t i = 0; i < n; ++i)
+            MUST(own[i].a >= first && own[i].a < own[i].b, "global ids, a < b");
         duet_cluster_destroy(cluster);
         MPI_Comm_free(&comm);
     }
@@ -979,6 +1080,8 @@ static void nothing_is_refused(void)
     duet_profile profile;
     duet_plan plan = duet_default_plan(NULL);
     const uint64_t *ids;
+    const duet_pair64 *pairs;
+    uint64_t n_pairs;
     uint32_t n;
     MUST(duet_cluster_get_rank(NULL) == -1 && duet_cluster_get_rank_count(NULL) == 0, "no ranks");
     MUST(!duet_cluster_get_scene_info(NULL), "no scene");
@@ -997,6 +1100,7 @@ static void nothing_is_refused(void)
     REFUSED(duet_cluster_load_profile(NULL, NULL, &profile, NULL, &err));
     REFUSED(duet_cluster_step(NULL, &result, &err));
     REFUSED(duet_cluster_get_ranks(NULL, rows, &err));
+    REFUSED(duet_cluster_get_own_pairs(NULL, &pairs, &n_pairs, &err));
     REFUSED(duet_cluster_save_pairs(NULL, "p.npy", true, &err));
 
     MPI_Comm comm = group_of(2);
@@ -1017,6 +1121,12 @@ static void nothing_is_refused(void)
     REFUSED(duet_cluster_step(c, NULL, &err));
     REFUSED(duet_cluster_get_ranks(c, NULL, &err));
     REFUSED(duet_cluster_save_pairs(c, NULL, true, &err));
+    REFUSED(duet_cluster_get_own_pairs(c, &pairs, &n_pairs, &err)); // there was no step
+    step(c);
+    REFUSED(duet_cluster_get_own_pairs(c, NULL, &n_pairs, &err));
+    REFUSED(duet_cluster_get_own_pairs(c, &pairs, NULL, &err));
+    MUST_OK(duet_cluster_get_own_pairs(c, &pairs, &n_pairs, &err), err);
+    MUST(pairs && n_pairs == 0, "no pairs");
     duet_cluster_destroy(c);
     duet_cluster_def wrong = duet_default_cluster_def();
     wrong.comm = &comm;
@@ -1050,7 +1160,8 @@ static void nothing_is_refused(void)
     REFUSED(duet_cluster_set_level(c, rank == 0 ? DUET_LEVEL_AABB : DUET_LEVEL_SAT15, &err));
     MUST(c->def.world.level == DUET_LEVEL_CERTIFIED, "the level of all ranks stays");
     result = step(c);
-    MUST(result.pairs == 1 && result.n_own_pairs == 0, "a pair that is counted and not kept");
+    MUST(result.pairs == 1, "a pair that is counted and not kept");
+    REFUSED(duet_cluster_get_own_pairs(c, &pairs, &n_pairs, &err));
     REFUSED(duet_cluster_save_pairs(c, "p.npy", true, &err));
     duet_cluster_destroy(c);
     MPI_Comm_free(&comm);
@@ -1159,6 +1270,8 @@ int main(int argc, char **argv)
     random_crowds_have_the_same_pairs(seed);
     scenes_have_the_same_pairs();
     objects_that_move_have_the_references_pairs(seed);
+    devices_that_count_have_the_references_pairs(seed, 1);
+    devices_that_count_have_the_references_pairs(seed, 3);
     homes_that_are_dealt_anew_change_nothing(seed);
     homes_go_on_after_one_rank_had_no_memory();
     a_cut_that_became_uneven_is_made_anew();

@@ -176,7 +176,7 @@ static void try_launches(uint32_t dims, bool pushes, rng *r)
 {
     memset(launches, 0, sizeof launches);
     uint64_t truth = run(dims, pushes, "the cards' launches");
-    for (int i = 0; i < (take_all ? 24 : 1); ++i) {
+    for (int i = 0; i < (take_all ? 12 : 1); ++i) {
         char what[600];
         draw_launches(r);
         tell_launches(what, sizeof what);
@@ -195,10 +195,10 @@ static void any_launch_gives_the_same_state_and_writes_nothing_else(void **state
     assert_ok(generator, err);
     are_round = rng_below(&r, 2) > 0;
     try_launches(3, true, &r);
-    for (uint32_t dims = 2; take_all && dims <= 3; ++dims) {
-        are_round = !are_round;
-        try_launches(dims, false, &r);
-        try_launches(dims, true, &r);
+    for (int round = 0; take_all && round < 4; ++round) {
+        are_round = round % 2 > 0;
+        try_launches(round / 2 ? 3 : 2, false, &r);
+        try_launches(round / 2 ? 3 : 2, true, &r);
     }
     gen_close(generator);
 }

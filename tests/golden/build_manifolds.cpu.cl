@@ -141,26 +141,26 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
 }
 #line 870 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 916 "kernels/dynamics/build_manifolds.cl.in"
+#line 910 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 920 "kernels/dynamics/build_manifolds.cl.in"
+#line 914 "kernels/dynamics/build_manifolds.cl.in"
 __kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
-#line 922 "kernels/dynamics/build_manifolds.cl.in"
+#line 916 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 927 "kernels/dynamics/build_manifolds.cl.in"
+#line 921 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 943 "kernels/dynamics/build_manifolds.cl.in"
+#line 937 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 953 "kernels/dynamics/build_manifolds.cl.in"
+#line 954 "kernels/dynamics/build_manifolds.cl.in"
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_contacts);
-#line 959 "kernels/dynamics/build_manifolds.cl.in"
+#line 960 "kernels/dynamics/build_manifolds.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 976 "kernels/dynamics/build_manifolds.cl.in"
+#line 977 "kernels/dynamics/build_manifolds.cl.in"
         look_at_pair(&s, i, link);
-#line 986 "kernels/dynamics/build_manifolds.cl.in"
+#line 987 "kernels/dynamics/build_manifolds.cl.in"
     }
-#line 997 "kernels/dynamics/build_manifolds.cl.in"
+#line 998 "kernels/dynamics/build_manifolds.cl.in"
 }

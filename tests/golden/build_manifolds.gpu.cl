@@ -150,43 +150,44 @@ static inline void look_at_one(const scene *s, uint i)
     look_at_pair(s, i, link);
 }
 
-// A group's pairs that had points a step ago lie first in `places`, and those that had
-// none, which are soon seen to be apart, last, so that work-items side by side have as
-// much to do.
-static inline void look_at_group(const scene *s, uint n_contacts, __local uint *places,
-                                 volatile __local uint *n_places)
+// Of a group's pairs, by its work-items together: those that had points a step ago lie first in
+// `places`, and those that had none, which are soon seen to be apart, last, so that work-items
+// side by side have as much to do. The barriers around it are the kernel's: the compiler of
+// PoCL 3.1 fails on some where a function has them.
+static inline void divide_group(const scene *s, uint n_contacts, __local uint *places,
+                                volatile __local uint *n_places)
 {
     const uint most = WG * PER_ITEM;
-    uint first = get_group_id(0) * most, at = get_local_id(0);
-    if (at < 2)
-        n_places[at] = 0;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint k = first + at; k < min(first + most, n_contacts); k += WG) {
-#line 905 "kernels/dynamics/build_manifolds.cl.in"
+    uint first = get_group_id(0) * most;
+    for (uint k = first + get_local_id(0); k < min(first + most, n_contacts); k += WG) {
+#line 903 "kernels/dynamics/build_manifolds.cl.in"
         if (s->touches[k] & TOUCH_POINTS)
             places[atomic_inc(n_places)] = k;
         else
             places[most - 1 - atomic_inc(n_places + 1)] = k;
     }
-    barrier(CLK_LOCAL_MEM_FENCE);
-    uint touched = n_places[0], all = touched + n_places[1];
-    for (uint k = at; k < all; k += WG)
-        look_at_one(s, places[k < touched ? k : most - 1 - (k - touched)]);
 }
-#line 916 "kernels/dynamics/build_manifolds.cl.in"
+#line 910 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 918 "kernels/dynamics/build_manifolds.cl.in"
+#line 912 "kernels/dynamics/build_manifolds.cl.in"
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void build_manifolds(BUILD_MANIFOLDS_ARGS)
-#line 922 "kernels/dynamics/build_manifolds.cl.in"
+#line 916 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 927 "kernels/dynamics/build_manifolds.cl.in"
+#line 921 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 943 "kernels/dynamics/build_manifolds.cl.in"
+#line 937 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 949 "kernels/dynamics/build_manifolds.cl.in"
+#line 943 "kernels/dynamics/build_manifolds.cl.in"
     __local uint places[WG * PER_ITEM];
     __local uint n_places[2];
-    look_at_group(&s, n_contacts, places, n_places);
-#line 997 "kernels/dynamics/build_manifolds.cl.in"
+    if (get_local_id(0) < 2)
+        n_places[get_local_id(0)] = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    divide_group(&s, n_contacts, places, n_places);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    uint touched = n_places[0], all = touched + n_places[1];
+    for (uint k = get_local_id(0); k < all; k += WG)
+        look_at_one(&s, places[k < touched ? k : WG * PER_ITEM - 1 - (k - touched)]);
+#line 998 "kernels/dynamics/build_manifolds.cl.in"
 }

@@ -1,0 +1,29 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "counts and hashes the pairs of objects that have global ids",
+  uses = { "counters.h", "grid/pair_counts.h" },
+  params = {
+    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 8, 16, 4096 }, default = function(limits) return limits.cpu and 4096 or 8 end,
+      about = "pairs a work-item" },
+  },
+  args = {
+    change_ids = [[
+      const uint4 *id_changes
+      uint n_id_changes
+      uint2 *global_ids
+    ]],
+    count_pairs = [[
+      const uint2 *pairs
+      const uint *counters
+      uint pair_capacity
+      const uint2 *global_ids
+      uint n_homes
+      volatile uint *pair_counts
+      uint2 *left
+      uint left_capacity
+    ]],
+  },
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}
