@@ -11,9 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { STAGED_MOST = 15 };
+
 static bool keep_step(timed *t, const duet_result *result, duet_error *err)
 {
-    timed_step *step = &t->steps[t->n];
+    timed_step *step = &t->steps[t->n + t->n_staged];
     step->stages = calloc(result->n_stages + 1, sizeof *step->stages);
     if (!step->stages)
         return error_set(err, DUET_STATUS_NO_MEMORY, "the times of a step: no memory");
@@ -24,7 +26,6 @@ static bool keep_step(timed *t, const duet_result *result, duet_error *err)
     memcpy(step->kernel_ms, result->kernel_ms, sizeof step->kernel_ms);
     step->device_ms[0] = result->device_ms[0];
     step->device_ms[1] = result->device_ms[1];
-    ++t->n;
     return true;
 }
 
@@ -52,35 +53,61 @@ static bool check_hash(const timed *t, duet_error *err)
 {
     return duet_result_get_hash(&t->last) == t->hash ||
            error_set(err, DUET_STATUS_WRONG_RESULT, "step %u found other pairs than the first",
-                     t->n);
+                     t->n + t->n_staged);
+}
+
+// Counts the step as one of *n.
+static bool step(timed *t, uint32_t *n, duet_world *world, const duet_scene *scene,
+                 timed_sends sends, duet_error *err)
+{
+    if (!hand_over(world, scene, sends, err) || !duet_world_step(world, &t->last, err) ||
+        !keep_step(t, &t->last, err))
+        return false;
+    ++*n;
+    return check_hash(t, err);
+}
+
+// Being timed by stages makes a GPU's step longer, so that is done apart.
+static bool step_staged(timed *t, duet_world *world, const duet_scene *scene, timed_sends sends,
+                        duet_error *err)
+{
+    const uint32_t most = t->n < STAGED_MOST ? t->n : STAGED_MOST;
+    const bool asked = world->def.stage_times;
+    bool ok = true;
+    world->def.stage_times = true;
+    while (ok && t->n_staged < most && !interrupt_asked())
+        ok = step(t, &t->n_staged, world, scene, sends, err);
+    world->def.stage_times = asked;
+    return ok;
 }
 
 bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t repeat,
                timed_sends sends, duet_error *err)
 {
-    t->steps = calloc(repeat, sizeof *t->steps);
+    t->steps = calloc((size_t)repeat + STAGED_MOST, sizeof *t->steps);
     if (!t->steps)
         return error_set(err, DUET_STATUS_NO_MEMORY, "the times of %u steps: no memory", repeat);
     bool ok = duet_world_set_scene(world, scene, err) && duet_world_step(world, &t->last, err);
     t->hash = ok ? duet_result_get_hash(&t->last) : 0;
+    bool untimed = false;
     progress p = progress_begin("step", repeat);
     while (ok && t->n < repeat && !interrupt_asked()) {
-        ok = hand_over(world, scene, sends, err);
-        ok = ok && duet_world_step(world, &t->last, err);
-        ok = ok && keep_step(t, &t->last, err) && check_hash(t, err);
+        ok = step(t, &t->n, world, scene, sends, err);
+        untimed |= ok && !t->last.timed;
         progress_show(&p, t->n);
     }
     progress_end(&p);
+    ok = ok && (!untimed || step_staged(t, world, scene, sends, err));
     if (ok && t->n == 0)
         ok = interrupt_check(err);
-    if (t->n > 0)
-        qsort(t->steps, t->n, sizeof *t->steps, by_time);
+    qsort(t->steps, t->n, sizeof *t->steps, by_time);
+    qsort(t->steps + t->n, t->n_staged, sizeof *t->steps, by_time);
     return ok;
 }
 
 void timed_free(timed *t)
 {
-    for (uint32_t i = 0; i < t->n; ++i)
+    for (uint32_t i = 0; i < t->n + t->n_staged; ++i)
         free(t->steps[i].stages);
     free(t->steps);
 }
@@ -88,4 +115,9 @@ void timed_free(timed *t)
 const timed_step *timed_median(const timed *t)
 {
     return &t->steps[(t->n - 1) / 2];
+}
+
+const timed_step *timed_staged(const timed *t)
+{
+    return t->n_staged > 0 ? &t->steps[t->n + (t->n_staged - 1) / 2] : timed_median(t);
 }

@@ -15,9 +15,10 @@ typedef struct timed_step {
 } timed_step;
 
 typedef struct timed {
-    timed_step *steps; // by time, least first
+    timed_step *steps; // by time, least first; then, likewise, those timed by stages besides
     uint32_t n;
-    duet_result last; // pairs and counts
+    uint32_t n_staged; // of those besides
+    duet_result last;  // pairs and counts
     uint64_t hash;
 } timed;
 
@@ -28,14 +29,16 @@ typedef enum timed_sends {
     TIMED_SENDS_NOTHING     // objects stay resident on the devices
 } timed_sends;
 
-// Steps the world once to warm up and then repeat times. Ctrl-C ends it with what
-// was timed until then; INTERRUPTED where that is nothing. WRONG_RESULT where two
-// steps found different pairs.
+// Steps the world once to warm up and then repeat times, and where those are not timed by
+// stages a few times more, for the stages. Ctrl-C ends it with what was timed until then;
+// INTERRUPTED where that is nothing. WRONG_RESULT where two steps found different pairs.
 bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t repeat,
                timed_sends sends, duet_error *err);
 void timed_free(timed *t);
 
 // The step with the median time; of an even number the lesser.
 const timed_step *timed_median(const timed *t);
+// The same of the steps whose stages were timed, for stages and kernel_ms.
+const timed_step *timed_staged(const timed *t);
 
 #endif

@@ -64,9 +64,9 @@ static void close_workers(duet_cluster *c)
 static worker *open_worker(const duet_cluster *c, duet_error *err)
 {
     const simulation *s = c->ranks.simulation;
-    return s && s->object_seconds > 0 ? worker_open_simulated(&c->def.world, s, err)
-           : c->def.plain             ? worker_open_plain(&c->def.world, err)
-                                      : worker_open_pair(&c->def.world, err);
+    return s && s->object_seconds ? worker_open_simulated(&c->def.world, &c->ranks, err)
+           : c->def.plain         ? worker_open_plain(&c->def.world, err)
+                                  : worker_open_pair(&c->def.world, err);
 }
 
 bool cluster_open_workers(duet_cluster *c, duet_error *err)

@@ -9,8 +9,7 @@
 // A home that is a ghost elsewhere.
 typedef struct visit {
     uint32_t home;
-    int rank;
-    uint64_t to; // row of what is sent
+    uint32_t neighbour; // of those that the search knows
 } visit;
 
 typedef struct visits {
@@ -23,7 +22,6 @@ typedef struct visits {
 typedef struct ghosts {
     parcels in; // messages of other ranks
     parcels out;
-    visits found;
     visits parts[PARALLEL_MOST];
 } ghosts;
 

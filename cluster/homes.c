@@ -16,7 +16,7 @@ typedef struct glance {
     double widest;
     level_boxes boxes; // of homes that are not deep inside, each of its level alone
     skim deep;         // the others
-    row_list leavers;  // ascending, as is
+    row_list leavers;  // ascending, unless a device has skimmed them
     row_list border;
 } glance;
 
@@ -221,6 +221,8 @@ typedef struct look {
     reach inside;  // where homes lie so deep in this rank's part that they touch no others
     glance *parts; // [PARALLEL_MOST]
     glance all;    // whose lists only count
+    const skim_block *blocks; // of the device that skimmed; NULL: the host did
+    uint32_t first;           // of the rows that are looked at
 } look;
 
 static void forget(glance *g)
@@ -259,11 +261,26 @@ static void look_at_part(void *context, uint32_t part, uint64_t first, uint64_t 
 {
     look *l = context;
     const homes *h = l->h;
-    glance *g = &l->parts[part];
+    glance g = l->parts[part]; // apart from what other threads write
     uint32_t i = (uint32_t)first, to = (uint32_t)end;
-    while ((i = object_rows_skim(&h->rows, &h->form, i, to, &l->inside, &g->deep)) < to)
-        look_closely(l, g, i++);
-    g->widest = fmax(g->widest, skim_widest(&g->deep, &h->form));
+    while ((i = object_rows_skim(&h->rows, &h->form, i, to, &l->inside, &g.deep)) < to)
+        look_closely(l, &g, i++);
+    g.widest = fmax(g.widest, skim_widest(&g.deep, &h->form));
+    l->parts[part] = g;
+}
+
+// Of rows from l->first on those that the device found odd.
+static void look_at_odd(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    look *l = context;
+    glance g = l->parts[part];
+    for (uint64_t i = l->first + first; i < l->first + end;) {
+        uint32_t odd = l->blocks[i / SKIM_ROWS].odd[i % SKIM_ROWS / 32] >> i % 32;
+        if (odd & 1)
+            look_closely(l, &g, (uint32_t)i);
+        i = odd > 1 ? i + 1 : (i | 31) + 1;
+    }
+    l->parts[part] = g;
 }
 
 static void add_glance(glance *to, const glance *g)
@@ -280,19 +297,42 @@ static void add_glance(glance *to, const glance *g)
         reach_add(&to->boxes.upto[k], &g->boxes.upto[k]);
 }
 
+// Homes that are on their way to a device are skimmed there, and the host looks at the odd ones of
+// those that have arrived while others travel. False where the device does not.
+static bool look_with_device(look *l)
+{
+    homes *h = l->h;
+    worker *w = h->holder;
+    float lower[3], upper[3];
+    skim_box(&l->inside, lower, upper);
+    if (!w || !w->skim || h->rows.n == 0 || !w->skim(w, lower, upper))
+        return false;
+    for (uint32_t from = 0, to; from < h->rows.n; from = to) {
+        to = w->await_skim(w, from, &l->blocks);
+        l->first = from;
+        parallel_each(h->threads, to - from, look_at_odd, l);
+        for (uint32_t i = from; i < to; i += SKIM_ROWS)
+            skim_add_block(&l->all.deep, &l->blocks[i / SKIM_ROWS]);
+    }
+    l->all.widest = skim_widest(&l->all.deep, &h->form);
+    return true;
+}
+
 static void look_again(look *l)
 {
     homes *h = l->h;
     for (int i = 0; i < PARALLEL_MOST; ++i)
         forget(&l->parts[i]);
+    forget(&l->all);
+    l->blocks = NULL;
     l->inside = reach_none;
     for (int k = 0; k < 3 && h->is_cut && h->widest > 0; ++k) {
         l->inside.lower[k] = l->c->lower[k] + 1.01 * h->widest;
         l->inside.upper[k] = l->c->upper[k] - 1.01 * h->widest;
     }
-    uint32_t n = parallel_each(h->threads, h->rows.n, look_at_part, l);
-    forget(&l->all);
-    for (uint32_t i = 0; i < n; ++i)
+    if (!look_with_device(l))
+        parallel_each(h->threads, h->rows.n, look_at_part, l);
+    for (int i = 0; i < PARALLEL_MOST; ++i)
         add_glance(&l->all, &l->parts[i]);
 }
 
@@ -336,6 +376,23 @@ typedef struct leavers {
     uint64_t n;
 } leavers;
 
+static int ascending(const void *left, const void *right)
+{
+    uint32_t p = *(const uint32_t *)left, q = *(const uint32_t *)right;
+    return (p > q) - (p < q);
+}
+
+static void list_leavers(leavers *out, const look *l)
+{
+    for (int part = 0; part < PARALLEL_MOST; ++part) {
+        const row_list *rows = &l->parts[part].leavers;
+        for (uint64_t k = 0; k < rows->n; ++k)
+            out->list[out->n++] = rows->rows[k];
+    }
+    if (l->blocks)
+        qsort(out->list, out->n, sizeof *out->list, ascending);
+}
+
 static bool find_leavers(leavers *out, const look *l, uint64_t *counts, duet_error *err)
 {
     uint64_t most = l->all.leavers.n + 1;
@@ -344,17 +401,12 @@ static bool find_leavers(leavers *out, const look *l, uint64_t *counts, duet_err
     if (!out->list || !out->destinations || l->all.leavers.failed)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects that leave: no memory",
                          most);
-    for (int part = 0; part < PARALLEL_MOST; ++part) {
-        const row_list *rows = &l->parts[part].leavers;
-        for (uint64_t k = 0; k < rows->n; ++k) {
-            double centre[3];
-            uint32_t i = rows->rows[k];
-            object_centre(&l->h->form, object_row(&l->h->rows, &l->h->form, i), centre);
-            int to = cut_home(l->c, centre);
-            out->list[out->n] = i;
-            out->destinations[out->n++] = to;
-            ++counts[to];
-        }
+    list_leavers(out, l);
+    for (uint64_t k = 0; k < out->n; ++k) {
+        double centre[3];
+        object_centre(&l->h->form, object_row(&l->h->rows, &l->h->form, out->list[k]), centre);
+        out->destinations[k] = cut_home(l->c, centre);
+        ++counts[out->destinations[k]];
     }
     return true;
 }
@@ -446,13 +498,16 @@ static bool move_leavers(const look *seen, bool ok, homes *h, ranks *r, duet_err
 
 // ---------------------------------------------------------------- settling
 
-// Levels are those of the widest object there was: until one is wider, or they are too fine by
-// far. The same on all ranks.
+// A reach is a little wider the farther an object is from 0.
+#define ROOM_TO_MOVE 1.01
+
+// Levels are those of a little more than the widest object there was: until one is wider, or they
+// are too fine by far. The same on all ranks.
 static bool keep_widest(homes *h, double widest)
 {
     if (widest <= h->widest && h->widest <= 4 * widest)
         return true;
-    h->widest = widest;
+    h->widest = ROOM_TO_MOVE * widest;
     return false;
 }
 

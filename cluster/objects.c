@@ -182,6 +182,24 @@ static float below(float rounded, double number)
     return (double)rounded > number ? nextafterf(rounded, -INFINITY) : rounded;
 }
 
+void skim_box(const reach *inside, float lower[3], float upper[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        lower[k] = above((float)inside->lower[k], inside->lower[k]);
+        upper[k] = below((float)inside->upper[k], inside->upper[k]);
+    }
+}
+
+// Of bounds a block has more than their centres; squares are short by less than 2^-21.
+void skim_add_block(skim *s, const skim_block *block)
+{
+    for (int k = 0; k < 3; ++k) {
+        s->centres.lower[k] = lesser(s->centres.lower[k], (double)block->lower[k]);
+        s->centres.upper[k] = greater(s->centres.upper[k], (double)block->upper[k]);
+    }
+    s->square = greater(s->square, (double)block->square * (1 + 0x1p-20));
+}
+
 enum { SIDE_BY_SIDE = 4 }; // numbers that a compiler takes together
 
 // A pose is ten numbers: its centre and a half extent, three half extents and one of the rotation,
@@ -192,10 +210,12 @@ static uint32_t skim_poses(const duet_pose *poses, uint32_t dims, uint32_t first
 {
     float lower[SIDE_BY_SIDE], upper[SIDE_BY_SIDE], least[SIDE_BY_SIDE], most[SIDE_BY_SIDE];
     double square = to->square, in_3d = dims == 3;
+    skim_box(inside, lower, upper);
     for (int k = 0; k < SIDE_BY_SIDE; ++k) {
-        bool along = (uint32_t)k < dims;
-        lower[k] = along ? above((float)inside->lower[k], inside->lower[k]) : -INFINITY;
-        upper[k] = along ? below((float)inside->upper[k], inside->upper[k]) : INFINITY;
+        if ((uint32_t)k >= dims) {
+            lower[k] = -INFINITY;
+            upper[k] = INFINITY;
+        }
         least[k] = INFINITY;
         most[k] = -INFINITY;
     }

@@ -3,6 +3,7 @@
 #ifndef CLUSTER_OBJECTS_H
 #define CLUSTER_OBJECTS_H
 
+#include "kernels/grid/skim.h"
 #include "runtime/duet.h"
 
 typedef struct object_rows object_rows;
@@ -47,6 +48,9 @@ extern const skim skim_none;
 // that cannot be told at a glance, or which is not sound; `end` where there is none.
 uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint32_t first,
                           uint32_t end, const reach *inside, skim *s);
+// The same by a device: the box as it takes it, and a block of its answer.
+void skim_box(const reach *inside, float lower[3], float upper[3]);
+void skim_add_block(skim *s, const skim_block *block);
 // No less than the width of any of them, nor than that of their reaches.
 double skim_widest(const skim *s, const object_form *form);
 

@@ -4,6 +4,7 @@
 #ifndef CLUSTER_WORKER_H
 #define CLUSTER_WORKER_H
 
+#include "kernels/grid/skim.h"
 #include "runtime/broadphase/global_ids.h"
 #include "runtime/duet.h"
 
@@ -26,6 +27,11 @@ struct worker {
     // The first n that were mapped are written and stay so: they may be on their way to the
     // devices while others are written behind them.
     void (*begin)(worker *w, uint32_t n);
+    // Which of these lie deep inside of a box, found where they are on their way to: NULL, or
+    // false, where the host must look at all. The other one waits for the blocks of objects from
+    // `from` on, 0 at first, and returns up to which object they are there.
+    bool (*skim)(worker *w, const float inside_lower[3], const float inside_upper[3]);
+    uint32_t (*await_skim)(worker *w, uint32_t from, const skim_block **blocks);
     // Space for n objects, of which the first `kept` stay; the others are to be written.
     void *(*extend)(worker *w, uint32_t n, uint32_t kept, duet_error *err);
     // Of the objects that were mapped and written, the order in which they are best kept: which
@@ -53,9 +59,8 @@ struct worker {
 worker *worker_open_pair(const duet_world_def *def, duet_error *err);
 worker *worker_open_plain(const duet_world_def *def, duet_error *err);
 
-// Finds nothing, in the time that devices would take.
-struct simulation;
-worker *worker_open_simulated(const duet_world_def *def, const struct simulation *s,
-                              duet_error *err);
+// Finds nothing, in the time that the simulation of r says.
+struct ranks;
+worker *worker_open_simulated(const duet_world_def *def, const struct ranks *r, duet_error *err);
 
 #endif

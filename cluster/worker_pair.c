@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A world of its own on the rank's device pair. Its grid lies around what the rank sees, not
 // around the whole world.
-#include "cluster/worker.h"
+#include "cluster/worker_pair.h"
 
 #include "base/error.h"
 #include "cluster/objects.h"
@@ -11,31 +11,30 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct pair_worker {
-    worker base;
-    duet_world *world;
-    world_fit *fits; // [n_fits] of each place but this one
-    uint32_t n_fits, place;
-    duet_object_kind kind;
-    uint32_t bytes; // of an object
-    char name[132];
-    const global_ids *ids; // for the next find, or NULL
-} pair_worker;
-
 static void *map(worker *w, uint32_t n, duet_error *err)
 {
-    pair_worker *p = (pair_worker *)w;
+    worker_pair *p = (worker_pair *)w;
     world_stop_ahead(p->world);
     return duet_world_map_objects(p->world, p->kind, n, err);
 }
 
 static void begin(worker *w, uint32_t n)
 {
-    world_send_ahead(((pair_worker *)w)->world, n);
+    world_send_ahead(((worker_pair *)w)->world, n);
+}
+
+static bool skim_homes(worker *w, const float inside_lower[3], const float inside_upper[3])
+{
+    return world_skim(((worker_pair *)w)->world, inside_lower, inside_upper);
+}
+
+static uint32_t await_skim(worker *w, uint32_t from, const skim_block **blocks)
+{
+    return world_await_skim(((worker_pair *)w)->world, from, blocks);
 }
 
 // Into more memory, with some to spare.
-static void *grow(pair_worker *p, uint32_t n, uint32_t kept, duet_error *err)
+static void *grow(worker_pair *p, uint32_t n, uint32_t kept, duet_error *err)
 {
     size_t bytes = (size_t)kept * p->bytes;
     uint64_t wanted = (uint64_t)n + n / 16;
@@ -56,7 +55,7 @@ static void *grow(pair_worker *p, uint32_t n, uint32_t kept, duet_error *err)
 
 static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
 {
-    pair_worker *p = (pair_worker *)w;
+    worker_pair *p = (worker_pair *)w;
     void *objects = kept > 0 ? world_extend_objects(p->world, p->kind, n) : NULL;
     return objects ? objects : grow(p, n, kept, err);
 }
@@ -65,10 +64,10 @@ static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
 static bool order(worker *w, uint32_t **order_of, duet_error *err)
 {
     uint32_t n = 0;
-    return duet_world_order(((pair_worker *)w)->world, order_of, &n, err);
+    return duet_world_order(((worker_pair *)w)->world, order_of, &n, err);
 }
 
-static void forget_fits(pair_worker *p)
+static void forget_fits(worker_pair *p)
 {
     for (uint32_t i = 0; i < p->n_fits; ++i)
         p->fits[i].fitted = false;
@@ -76,14 +75,14 @@ static void forget_fits(pair_worker *p)
 
 static void move(worker *w)
 {
-    pair_worker *p = (pair_worker *)w;
+    worker_pair *p = (worker_pair *)w;
     forget_fits(p);
     p->world->fitted = false;
 }
 
 static bool turn_to(worker *w, uint32_t place, duet_error *err)
 {
-    pair_worker *p = (pair_worker *)w;
+    worker_pair *p = (worker_pair *)w;
     if (place >= p->n_fits) {
         uint32_t n = 2 * place + 1;
         world_fit *fits = realloc(p->fits, n * sizeof *fits);
@@ -103,12 +102,12 @@ static bool turn_to(worker *w, uint32_t place, duet_error *err)
 
 static void tell_ids(worker *w, const global_ids *ids)
 {
-    ((pair_worker *)w)->ids = ids;
+    ((worker_pair *)w)->ids = ids;
 }
 
 static bool find(worker *w, worker_found *found, duet_error *err)
 {
-    pair_worker *p = (pair_worker *)w;
+    worker_pair *p = (worker_pair *)w;
     duet_result result;
     part_counted counted[2] = {{0}};
     bool ok = p->ids ? world_step_counting(p->world, p->ids, &result, counted, err)
@@ -127,12 +126,12 @@ static bool find(worker *w, worker_found *found, duet_error *err)
 static bool bring(worker *w, worker_found *found, duet_error *err)
 {
     found->n_counted = found->hash = 0;
-    return world_bring_counted(((pair_worker *)w)->world, found->spans, err);
+    return world_bring_counted(((worker_pair *)w)->world, found->spans, err);
 }
 
 static bool spares_host(const worker *w)
 {
-    const duet_world *world = ((const pair_worker *)w)->world;
+    const duet_world *world = ((const worker_pair *)w)->world;
     const device *devices = world->def.pair->devices;
     uint32_t share = world->def.plan.share;
     return !(share > 0 && devices[0].info.host_memory) &&
@@ -141,29 +140,29 @@ static bool spares_host(const worker *w)
 
 static bool set_level(worker *w, duet_level level, duet_error *err)
 {
-    return duet_world_set_level(((pair_worker *)w)->world, level, err);
+    return duet_world_set_level(((worker_pair *)w)->world, level, err);
 }
 
 static bool set_plan(worker *w, const duet_plan *plan, duet_error *err)
 {
-    forget_fits((pair_worker *)w);
-    return duet_world_set_plan(((pair_worker *)w)->world, plan, err);
+    forget_fits((worker_pair *)w);
+    return duet_world_set_plan(((worker_pair *)w)->world, plan, err);
 }
 
 static bool load_profile(worker *w, const char *path, duet_profile *profile, duet_error *err)
 {
-    forget_fits((pair_worker *)w);
-    return duet_world_load_profile(((pair_worker *)w)->world, path, profile, err);
+    forget_fits((worker_pair *)w);
+    return duet_world_load_profile(((worker_pair *)w)->world, path, profile, err);
 }
 
 static void close_pair(worker *w)
 {
-    duet_world_destroy(((pair_worker *)w)->world);
-    free(((pair_worker *)w)->fits);
+    duet_world_destroy(((worker_pair *)w)->world);
+    free(((worker_pair *)w)->fits);
     free(w);
 }
 
-static void name_pair(pair_worker *p, const duet_device_pair *pair)
+static void name_pair(worker_pair *p, const duet_device_pair *pair)
 {
     snprintf(p->name, sizeof p->name, "%s,%s", duet_device_pair_get_info(pair, 0)->selector,
              duet_device_pair_get_info(pair, 1)->selector);
@@ -172,7 +171,7 @@ static void name_pair(pair_worker *p, const duet_device_pair *pair)
 
 worker *worker_open_pair(const duet_world_def *def, duet_error *err)
 {
-    pair_worker *p = calloc(1, sizeof *p);
+    worker_pair *p = calloc(1, sizeof *p);
     if (!p) {
         error_set(err, DUET_STATUS_NO_MEMORY, "a rank's world: no memory");
         return NULL;
@@ -183,6 +182,8 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
     own.keep_bad = true; // so that it is the cluster that names a bad object
     p->base = (worker){.map = map,
                        .begin = begin,
+                       .skim = skim_homes,
+                       .await_skim = await_skim,
                        .extend = extend,
                        .order = order,
                        .move = move,
@@ -202,6 +203,7 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
         free(p);
         return NULL;
     }
+    p->world->skims = true;
     name_pair(p, def->pair);
     return &p->base;
 }

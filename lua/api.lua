@@ -217,7 +217,7 @@ api.names = {
     c = "duet_default_plan" },
   { "duet.DevicePair:world", { "scene?: duet.Scene|table", "def?: table" }, "duet.World",
     "A world by a def { plan, dims, shape, level, accuracy, rotated, cell, cell_fixed, lower, upper, " ..
-    "separate_sizes, compact_transforms, ordered, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.",
+    "separate_sizes, compact_transforms, ordered, keep_bad, max_pairs, stage_times }; given a scene, with its objects and, where the def says nothing, its settings.",
     fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
   { "duet.DevicePair:tune", { "scene: duet.Scene", "def?: table" }, "duet.Tuning",
     "Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, ordered, " ..
@@ -373,6 +373,7 @@ api.names = {
   { "duet.Result.grid_levels", "integer", "each with cells of its own size" },
   { "duet.Result.hashed", "boolean", "cells share a table's entries, as in a sparse world" },
   { "duet.Result.runs", "integer", "1, or more where a buffer had to grow" },
+  { "duet.Result.timed", "boolean", "stages and kernel_ms are of this step; else of the last that was timed" },
 
   { "duet.Pairs:hash", {}, "string", "The pair hash, 16 hex digits.", c = "duet_pairs_hash" },
   { "duet.Poses:collide", { "a: integer", "b: integer", "dims?: integer" }, "boolean",
@@ -506,7 +507,7 @@ api.names = {
   { "duet.DevicePair:motion", { "objects: duet.Scene|duet.Poses|string|any[]", "bodies?: duet.Bodies|string|any[]|table",
     "def?: table" },
     "duet.Motion", "Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, origin_edge, gravity, attraction, centre, drag, " ..
-    "boundary, lower, upper, dt, substeps, integrator, skin, slop, max_push_speed, restitution_threshold, sleep_speed, sleep_after, hit_speed, event_mask, script }; " ..
+    "boundary, lower, upper, dt, substeps, integrator, skin, slop, max_push_speed, restitution_threshold, sleep_speed, sleep_after, hit_speed, event_mask, stage_times, script }; " ..
     "wants is a list of effects, boundary none, walls or periodic, integrator euler, verlet or yoshida. Before each step script(step, motion) is called, " ..
     "with the number of the step that comes.",
     fails = true, c = { "duet_motion_create", "duet_motion_create_from_scene", "duet_scene_motion_def" } },
@@ -613,7 +614,7 @@ api.names = {
   { "duet.MotionResult:hits", {},
     "fun(): integer, integer, number, number, number, number, number, number, number, number",
     "for a, b, x, y, z, nx, ny, nz, speed, impulse in result:hits() do" },
-  { "duet.MotionResult:stages", {}, "duet.Stage[]", "Where the time went, by effect; on a GPU in the last timed step, one in 16." },
+  { "duet.MotionResult:stages", {}, "duet.Stage[]", "Where the time went, by effect." },
   { "duet.MotionResult:close", {}, nil, "Forgets the motion." },
   { "duet.MotionResult.step", "integer", "steps since the start" },
   { "duet.MotionResult.time", "number", "step * dt" },
@@ -625,6 +626,7 @@ api.names = {
   { "duet.MotionResult.n_stays", "integer", "contacts that touch and did so in the last step" },
   { "duet.MotionResult.n_hits", "integer", "impacts above hit_speed" },
   { "duet.MotionResult.total_ms", "number", "" },
+  { "duet.MotionResult.timed", "boolean", "the stages are of this step; else of the last that was timed" },
   { "duet.Energy.kinetic", "number", "of objects with a mass" },
   { "duet.Energy.turning", "number", "of their rotation" },
   { "duet.Energy.potential", "number", "" },

@@ -112,6 +112,7 @@ static const member def_members[] = {
     MEMBER(member_double, duet_motion_def, sleep_after),
     MEMBER(member_double, duet_motion_def, hit_speed),
     MEMBER(member_count, duet_motion_def, event_mask),
+    MEMBER(member_bool, duet_motion_def, stage_times),
     {0},
 };
 
@@ -243,6 +244,7 @@ static const member step_members[] = {
     MEMBER(member_count, duet_motion_result, n_stays),
     MEMBER(member_count, duet_motion_result, n_hits),
     MEMBER(member_double, duet_motion_result, total_ms),
+    MEMBER(member_bool, duet_motion_result, timed),
     {0},
 };
 

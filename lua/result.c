@@ -12,14 +12,23 @@ typedef struct result_box {
 static const lua_class result_class;
 
 static const member result_members[] = {
-    MEMBER(member_count, duet_result, objects),     MEMBER(member_count, duet_result, bad),
-    MEMBER(member_count, duet_result, first_bad),   MEMBER(member_count, duet_result, candidates),
-    MEMBER(member_count, duet_result, undecided),   MEMBER(member_double, duet_result, total_ms),
-    MEMBER(member_double, duet_result, device_ms),  MEMBER(member_double, duet_result, kernel_ms),
-    MEMBER(member_sizes, duet_result, bytes),       MEMBER(member_counts, duet_result, cells),
-    MEMBER(member_float, duet_result, cell),        MEMBER(member_bool, duet_result, cell_widened),
-    MEMBER(member_count, duet_result, grid_levels), MEMBER(member_bool, duet_result, hashed),
-    MEMBER(member_count, duet_result, runs),        {0},
+    MEMBER(member_count, duet_result, objects),
+    MEMBER(member_count, duet_result, bad),
+    MEMBER(member_count, duet_result, first_bad),
+    MEMBER(member_count, duet_result, candidates),
+    MEMBER(member_count, duet_result, undecided),
+    MEMBER(member_double, duet_result, total_ms),
+    MEMBER(member_double, duet_result, device_ms),
+    MEMBER(member_double, duet_result, kernel_ms),
+    MEMBER(member_sizes, duet_result, bytes),
+    MEMBER(member_counts, duet_result, cells),
+    MEMBER(member_float, duet_result, cell),
+    MEMBER(member_bool, duet_result, cell_widened),
+    MEMBER(member_count, duet_result, grid_levels),
+    MEMBER(member_bool, duet_result, hashed),
+    MEMBER(member_count, duet_result, runs),
+    MEMBER(member_bool, duet_result, timed),
+    {0},
 };
 
 static const char *device_letter(int value)

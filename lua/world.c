@@ -19,6 +19,7 @@ static const member def_members[] = {
     MEMBER(member_bool, duet_world_def, ordered),
     MEMBER(member_bool, duet_world_def, keep_bad),
     MEMBER(member_count, duet_world_def, max_pairs),
+    MEMBER(member_bool, duet_world_def, stage_times),
     MEMBER(member_accuracy, duet_world_def, accuracy),
     {0},
 };

@@ -95,10 +95,11 @@ typedef struct duet_motion_def {
     double slop;                  // contacts are kept to 4 slops apart; 0: from the objects' sizes
     double max_push_speed;        // greatest speed at which overlap is resolved
     double restitution_threshold; // impacts below it do not bounce
-    double sleep_speed; // what is slower rests, and what is faster takes back twice the time
-    double sleep_after; // seconds of rest: sleeps, if nothing that moves touches it
+    double sleep_speed;  // what is slower rests, and what is faster takes back twice the time
+    double sleep_after;  // seconds of rest: sleeps, if nothing that moves touches it
     double hit_speed;    // > 0: impacts above that speed are told as hits
     uint32_t event_mask; // events are those of objects, one of the two, whose group has a bit of it
+    bool stage_times;    // every step is timed by stages; else, on a GPU, one in 16
     int cookie;
 } duet_motion_def;
 
@@ -145,12 +146,12 @@ typedef struct duet_hit_event {
 
 // What a step did. Its memory is the motion's and lasts until the next step.
 typedef struct duet_motion_result {
-    uint64_t step;     // steps since the start
-    double time;       // step * dt
-    uint64_t pairs;    // that may touch
-    uint64_t contacts; // that push
-    uint32_t colours;  // rounds of a solution
-    bool rebuilt;      // pairs were searched in this step
+    uint64_t step;            // steps since the start
+    double time;              // step * dt
+    uint64_t pairs;           // that may touch
+    uint64_t contacts;        // that push
+    uint32_t colours;         // rounds of a solution
+    bool rebuilt;             // pairs were searched in this step
     const duet_event *events; // that begin and end, ascending by a and b
     uint64_t n_events;
     const duet_pair *stays; // that touch, and did so in the last step; likewise
@@ -158,8 +159,9 @@ typedef struct duet_motion_result {
     const duet_hit_event *hits; // likewise
     uint64_t n_hits;
     double total_ms;
-    const duet_stage *stages; // named by effect; on a GPU of the last timed step, one in 16
+    const duet_stage *stages; // named by effect
     uint32_t n_stages;
+    bool timed; // the stages are of this step; else of the last that was timed
 } duet_motion_result;
 
 // Advances all objects by dt. After a failure half a step may be done: until a saved

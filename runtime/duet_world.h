@@ -73,6 +73,9 @@ typedef struct duet_world_def {
     bool ordered;            // promises that objects are kept in about duet_world_order's order
     bool keep_bad;           // leave bad objects out and count them, instead of BAD_OBJECT
     uint64_t max_pairs;      // TOO_MANY above it; 0: as memory allows
+    // Every step is timed by stages. Without, a device with memory of its own times one step in
+    // 16, because asking costs its driver up to half as long as a small step takes.
+    bool stage_times;
     int cookie;
 } duet_world_def;
 
@@ -150,6 +153,7 @@ typedef struct duet_result {
     double kernel_ms[2]; // from the begin of its first kernel to the end of its last
     const duet_stage *stages;
     uint32_t n_stages;
+    bool timed;           // stages and kernel_ms are of this step; else of the last that was timed
     uint64_t bytes[2];    // memory held on each device
     uint32_t cells[3];    // of the grid's finest level
     float cell;           // their least edge

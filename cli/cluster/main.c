@@ -19,7 +19,7 @@ static bool run(void *given, char **operands, duet_error *err)
     rank_arguments *own = given;
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    bool ok = rank_run(&own->args, operands[0], NULL, err);
+    bool ok = rank_run(&own->args, operands[0], NULL, NULL, err);
     if (ok || rank == 0)
         return ok;
     own->quiet_status = say_status(err);

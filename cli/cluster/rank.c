@@ -21,7 +21,8 @@
 // A run on this rank.
 typedef struct run_state {
     const cluster_arguments *args;
-    const simulation *simulation;
+    const simulation *simulation; // NULL: the ranks are real
+    const stored_run *like;       // whose times they take; NULL: none's
     duet_cluster *cluster;
     duet_scene *scene; // rank 0's
     int rank;
@@ -121,6 +122,33 @@ static bool load(run_state *r, const char *path, duet_error *err)
            duet_cluster_set_level(r->cluster, level, err);
 }
 
+// A step of another kind takes other times.
+static bool check_like(const run_state *r, duet_error *err)
+{
+    const stored_run *like = r->like;
+    const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
+    const char *level = duet_level_get_info(r->cluster->def.world.level)->name;
+    if (!like)
+        return true;
+    if (info->dims != like->dims)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "--profile '%s': a run in %uD, and %s is in %uD; expected the same",
+                         r->args->profile, like->dims, info->name, info->dims);
+    if (strcmp(level, like->level) != 0)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "--profile '%s': a run at level %s, and this is at level %s; expected the "
+                         "same",
+                         r->args->profile, like->level, level);
+    if (like->parts != r->args->parts)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "--profile '%s': a run with --parts %u; expected the same",
+                         r->args->profile, like->parts);
+    return like->resident == r->args->resident ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "--profile '%s': a run with%s --resident; expected the same", r->args->profile,
+                     like->resident ? "" : "out");
+}
+
 // As duet run: a plan that was given is kept, else each rank gets what was measured.
 static bool choose_plan(run_state *r, duet_error *err)
 {
@@ -202,15 +230,27 @@ static bool check(run_state *r, duet_error *err)
 // Pairs are not searched: times alone are of interest.
 static bool is_forecast(const run_state *r)
 {
-    return r->simulation && r->simulation->object_seconds > 0;
+    return r->simulation && r->simulation->object_seconds;
 }
 
-// Of weak scaling: by the time of a rank that is alone with its part of the objects.
+// Of weak scaling: the part of all ranks' time that they have for their own objects.
 static double efficiency(const run_state *r)
 {
-    double objects = (double)r->result.objects / r->n_ranks;
-    double alone_ms = 1e3 * r->simulation->object_seconds * objects;
-    return alone_ms / r->total_ms[(r->args->repeat - 1) / 2];
+    double own_ms = 0;
+    for (int i = 0; i < r->n_ranks; ++i) {
+        const duet_cluster_rank *rank = &r->ranks[i];
+        double own = (double)rank->objects, all = own + (double)rank->ghosts;
+        own_ms += all > 0 ? rank->busy_ms * own / all : 0;
+    }
+    return own_ms / (r->n_ranks * r->total_ms[(r->args->repeat - 1) / 2]);
+}
+
+static void print_like(const stored_run *like)
+{
+    printf("\nranks as in run %.8s: %s, %s, ", say_name(like->uid).chars,
+           say_name(like->scene).chars, table_things(like->n, "box", "boxes").chars);
+    printf("%s on %s\n", table_things(like->ranks, "rank", "ranks").chars,
+           table_things(like->hosts, "host", "hosts").chars);
 }
 
 static void print_text(const run_state *r)
@@ -248,9 +288,12 @@ static void print_text(const run_state *r)
     if (is_forecast(r)) {
         table_cell(&t, "efficiency");
         table_cell(&t, "%.3f", efficiency(r));
-        table_cell(&t, "what devices take for one rank's objects alone, by that");
+        table_cell(&t, "what %s take for their own objects, by that",
+                   r->like ? "ranks" : "devices");
     }
     table_print(&t, stdout);
+    if (r->like)
+        print_like(r->like);
     if (r->check.asked)
         run_report_check(&r->check);
 }
@@ -337,17 +380,17 @@ static bool keep(const run_state *r, duet_error *err)
 
 static bool run_all(run_state *r, const char *path, duet_error *err)
 {
-    bool ok = open_cluster(r, err) && load(r, path, err) && choose_plan(r, err) &&
-              run_steps(r, err) && check(r, err);
+    bool ok = open_cluster(r, err) && load(r, path, err) && check_like(r, err) &&
+              choose_plan(r, err) && run_steps(r, err) && check(r, err);
     if (ok && r->args->pairs_path)
         ok = duet_cluster_save_pairs(r->cluster, r->args->pairs_path, r->args->sorted, err);
     return ok && ranks_agree(&r->cluster->ranks, tell(r, err), err) && keep(r, err);
 }
 
 bool rank_run(const cluster_arguments *args, const char *scene, const simulation *s,
-              duet_error *err)
+              const stored_run *like, duet_error *err)
 {
-    run_state r = {.args = args, .simulation = s};
+    run_state r = {.args = args, .simulation = s, .like = like};
     MPI_Comm_rank(MPI_COMM_WORLD, &r.rank);
     MPI_Comm_size(MPI_COMM_WORLD, &r.n_ranks);
     bool ok = run_all(&r, scene, err);

@@ -4,17 +4,21 @@
 #include "cli/cluster/rank.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
+#include "cluster/simulated/platform.h"
 #include "cluster/simulated/smpi.h"
 #include "profiles/duet_profiles.h"
 
 #include <limits.h>
 #include <locale.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct simulated_job {
     cluster_arguments args; // first: the table of options fills it
     const char *scene;
     simulation simulation;
+    stored_run like;       // whose times ranks take; no ranks: none
+    double object_seconds; // of a profile
     bool failed;
     duet_error err; // of rank 0, which is that of all
 } simulated_job;
@@ -35,24 +39,79 @@ static const duet_stored_profile *find_profile(const duet_profile_list *list, co
     }
     if (n != 1)
         error_set(err, DUET_STATUS_NOT_FOUND,
-                  "--profile '%s': %u profiles begin so; expected the first digits of one, as "
-                  "'duet profiles' shows them",
+                  "--profile '%s': %u profiles begin so; expected the first digits of one, or of "
+                  "a kept run, as 'duet profiles' shows them",
                   uid, n);
     return n == 1 ? found : NULL;
 }
 
-// A step's time by the objects of the profile.
-static bool read_times(simulated_job *job, duet_error *err)
+// A step's time by the objects of the profile, on devices of each rank's own.
+static bool take_profile(simulated_job *job, duet_error *err)
 {
-    job->simulation = (simulation){.pass = smpi_pass, .stands_for = (uint32_t)job->args.stands_for};
-    if (!job->args.profile)
-        return true;
     duet_profile_list *list = duet_profile_list_create(NULL, true, err);
     const duet_stored_profile *p = list ? find_profile(list, job->args.profile, err) : NULL;
     if (p)
-        job->simulation.object_seconds = p->step_ms * 1e-3 / (double)p->objects;
+        job->object_seconds = p->step_ms * 1e-3 / (double)p->objects;
+    job->simulation.object_seconds = &job->object_seconds;
+    job->simulation.n_paces = 1;
     duet_profile_list_destroy(list);
     return p;
+}
+
+static bool read_times(simulated_job *job, duet_error *err)
+{
+    bool found = false;
+    simulation *s = &job->simulation;
+    *s = (simulation){.pass = smpi_pass, .stands_for = (uint32_t)job->args.stands_for};
+    if (!job->args.profile)
+        return true;
+    if (!stored_run_read(&job->like, job->args.profile, &found, err))
+        return false;
+    if (!found)
+        return take_profile(job, err);
+    s->object_seconds = job->like.object_seconds;
+    s->n_paces = job->like.n_paces;
+    s->ranks_a_host = (double)job->like.ranks / job->like.hosts;
+    return true;
+}
+
+// ---------------------------------------------------------------- the network
+
+// Digits of a uid, where no file has that name.
+static bool names_run(const char *name)
+{
+    return *name && name[strspn(name, "0123456789abcdef")] == '\0' && access(name, F_OK) != 0;
+}
+
+// Ranks stay on the one host whose inside was measured; else hosts have as many as in that run.
+static bool write_platform(const simulated_job *job, const stored_run *run, platform_file *file,
+                           duet_error *err)
+{
+    uint32_t a_host = (run->ranks + run->hosts - 1) / run->hosts, n = (uint32_t)job->args.ranks;
+    platform p = {.hosts = run->hosts == 1 ? 1 : (n + a_host - 1) / a_host,
+                  .latency_s = run->latency_ns * 1e-9};
+    if (run->latency_ns == 0)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "--simulate '%s': that run had one rank and no network; expected a run of "
+                         "several",
+                         job->args.simulate);
+    p.bytes_a_second = 1e9 / run->byte_ns;
+    return platform_write(file, &p, err);
+}
+
+static bool make_platform(const simulated_job *job, platform_file *file, duet_error *err)
+{
+    bool found = false;
+    stored_run run;
+    bool ok = stored_run_read(&run, job->args.simulate, &found, err);
+    if (ok && !found)
+        ok = error_set(err, DUET_STATUS_NOT_FOUND,
+                       "--simulate '%s': no such file, and no kept run begins so; 'duet profiles "
+                       "list' shows them",
+                       job->args.simulate);
+    ok = ok && write_platform(job, &run, file, err);
+    stored_run_end(&run);
+    return ok;
 }
 
 // ---------------------------------------------------------------- the program
@@ -65,23 +124,34 @@ static void run_rank(void *context)
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     if (rank == 0 && job->simulation.stands_for > 1)
         job->simulation.ballast = smpi_ballast(INT_MAX);
-    bool ok = rank_run(&job->args, job->scene, &job->simulation, &err);
+    bool ok = rank_run(&job->args, job->scene, &job->simulation,
+                       job->like.ranks > 0 ? &job->like : NULL, &err);
     if (ok || rank > 0)
         return;
     job->failed = true;
     job->err = err;
 }
 
-static bool run(void *given, char **operands, duet_error *err)
+static bool run_ranks(simulated_job *job, const char *path, duet_error *err)
 {
-    simulated_job *job = given;
-    job->scene = operands[0];
-    if (!read_times(job, err) ||
-        !smpi_run(job->args.simulate, (int)job->args.ranks, run_rank, job, err))
+    if (!smpi_run(path, (int)job->args.ranks, run_rank, job, err))
         return false;
     if (job->failed)
         *err = job->err;
     return !job->failed;
+}
+
+static bool run(void *given, char **operands, duet_error *err)
+{
+    simulated_job *job = given;
+    platform_file made = {.file = -1};
+    bool is_run = names_run(job->args.simulate);
+    job->scene = operands[0];
+    bool ok = read_times(job, err) && (!is_run || make_platform(job, &made, err)) &&
+              run_ranks(job, is_run ? made.path : job->args.simulate, err);
+    platform_close(&made);
+    stored_run_end(&job->like);
+    return ok;
 }
 
 int main(int argc, char **argv)

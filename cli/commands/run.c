@@ -238,6 +238,8 @@ static bool run_world(const arguments *args, const duet_scene *scene, const uint
 
 // ---------------------------------------------------------------- a scene that moves
 
+// Where each step is timed by stages though a GPU then takes longer.
+enum { FEW_STEPS = 64 };
 enum { STAGES_MOST = 32, ROWS_TOLD = 10, FRAMES_A_SECOND = 30 };
 
 // A run, and what it took by effect.
@@ -254,6 +256,9 @@ typedef struct moved {
     uint64_t frames;
     double total_ms;
     double slowest_ms;
+    uint64_t since_timed;  // steps, of those after the first
+    uint64_t staged_steps; // up to the last timed one
+    uint64_t timed_steps;
     struct {
         char name[24];
         double ms;
@@ -261,6 +266,7 @@ typedef struct moved {
     uint32_t n_stages;
 } moved;
 
+// Each timed step stands for those since the one before.
 static void add_stage(moved *r, const duet_stage *stage)
 {
     uint32_t i = 0;
@@ -270,7 +276,19 @@ static void add_stage(moved *r, const duet_stage *stage)
         return;
     if (i == r->n_stages)
         snprintf(r->stages[r->n_stages++].name, sizeof r->stages[0].name, "%s", stage->name);
-    r->stages[i].ms += stage->ms;
+    r->stages[i].ms += stage->ms * (double)r->since_timed;
+}
+
+static void add_stages(moved *r)
+{
+    ++r->since_timed;
+    if (!r->last.timed)
+        return;
+    for (uint32_t i = 0; i < r->last.n_stages; ++i)
+        add_stage(r, &r->last.stages[i]);
+    r->staged_steps += r->since_timed;
+    r->since_timed = 0;
+    ++r->timed_steps;
 }
 
 // A frame where its time has come.
@@ -325,8 +343,7 @@ static bool step(moved *r, duet_error *err)
     if (r->done > 1) { // the first builds kernels and makes space
         r->total_ms += r->last.total_ms;
         r->slowest_ms = fmax(r->slowest_ms, r->last.total_ms);
-        for (uint32_t i = 0; i < r->last.n_stages; ++i)
-            add_stage(r, &r->last.stages[i]);
+        add_stages(r);
     }
     return tell_step(r, err) && draw_frame(r, err);
 }
@@ -370,14 +387,16 @@ static void tell_times(const moved *r)
     table t = table_begin("lrrl");
     double mean = mean_ms(r);
     table_words(&t, "", "ms a step", "%", "", NULL);
-    for (uint32_t i = 0; i < r->n_stages && r->done > 1; ++i) {
-        double ms = r->stages[i].ms / (double)(r->done - 1);
+    for (uint32_t i = 0; i < r->n_stages; ++i) {
+        double ms = r->stages[i].ms / (double)r->staged_steps;
         table_cell(&t, "%s", r->stages[i].name);
         table_cell(&t, "%.3f", ms);
         table_cell(&t, "%.1f", mean > 0 ? 100 * ms / mean : 0.0);
         table_cell(&t, "%s", table_bar(mean > 0 ? ms / mean : 0.0, 24).chars);
     }
     table_print(&t, stdout);
+    if (r->timed_steps + 1 < r->done)
+        printf("of %s\n", table_things(r->timed_steps, "timed step", "timed steps").chars);
     printf("\n%.3f ms a step after the first, the slowest %.3f: %.4g steps a second\n", mean,
            r->slowest_ms, mean > 0 ? 1e3 / mean : 0.0);
 }
@@ -415,14 +434,17 @@ static bool tell_json(moved *r, uint64_t hash, duet_error *err)
         if (duet_motion_get_effects(r->motion) & bit)
             cJSON_AddItemToArray(effects, cJSON_CreateString(duet_effect_name(bit)));
     cJSON *stages = cJSON_AddObjectToObject(o, "stages_ms");
-    for (uint32_t i = 0; i < r->n_stages && r->done > 1; ++i)
-        cJSON_AddNumberToObject(stages, r->stages[i].name, r->stages[i].ms / (double)(r->done - 1));
+    for (uint32_t i = 0; i < r->n_stages; ++i)
+        cJSON_AddNumberToObject(stages, r->stages[i].name,
+                                r->stages[i].ms / (double)r->staged_steps);
+    cJSON_AddNumberToObject(o, "timed_steps", (double)r->timed_steps);
     return say_json(o, err);
 }
 
 static bool open_motion(moved *r, duet_device_pair *pair, duet_error *err)
 {
     r->def = duet_scene_motion_def(r->scene, pair);
+    r->def.stage_times = r->args->steps <= FEW_STEPS;
     if (!inputs_change_plan(&r->args->plan, &r->def.plan, err))
         return false;
     r->motion = duet_motion_create_from_scene(&r->def, r->scene, NULL, err);

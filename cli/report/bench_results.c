@@ -58,7 +58,7 @@ static void add_times(cJSON *o, const timed *t)
     double ms[BENCH_SAMPLES_MOST];
     for (uint32_t i = 0; i < t->n; ++i)
         ms[i] = t->steps[i].total_ms;
-    const timed_step *median = timed_median(t);
+    const timed_step *median = timed_median(t), *staged = timed_staged(t);
     stats_interval in = stats_median_interval(ms, t->n, level);
     cJSON_AddNumberToObject(o, "median_ms", stats_median(ms, t->n));
     cJSON_AddNumberToObject(o, "low_ms", in.low);
@@ -68,11 +68,11 @@ static void add_times(cJSON *o, const timed *t)
     cJSON_AddNumberToObject(o, "b_ms", median->device_ms[1]);
     cJSON_AddItemToObject(o, "samples_ms", cJSON_CreateDoubleArray(ms, (int)t->n));
     cJSON *stages = cJSON_AddArrayToObject(o, "stages");
-    for (uint32_t i = 0; i < median->n_stages; ++i) {
+    for (uint32_t i = 0; i < staged->n_stages; ++i) {
         cJSON *stage = cJSON_CreateObject();
-        cJSON_AddStringToObject(stage, "name", median->stages[i].name);
-        cJSON_AddStringToObject(stage, "device", median->stages[i].device == 0 ? "A" : "B");
-        cJSON_AddNumberToObject(stage, "ms", median->stages[i].ms);
+        cJSON_AddStringToObject(stage, "name", staged->stages[i].name);
+        cJSON_AddStringToObject(stage, "device", staged->stages[i].device == 0 ? "A" : "B");
+        cJSON_AddNumberToObject(stage, "ms", staged->stages[i].ms);
         cJSON_AddItemToArray(stages, stage);
     }
 }

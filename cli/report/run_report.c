@@ -262,16 +262,16 @@ static void add_counts(cJSON *o, const duet_scene_info *info, const timed *m)
 
 static void add_times(cJSON *o, const timed *m)
 {
-    const timed_step *median = timed_median(m);
+    const timed_step *median = timed_median(m), *staged = timed_staged(m);
     cJSON_AddNumberToObject(o, "repeat", m->n);
     cJSON_AddNumberToObject(o, "total_ms", median->total_ms);
-    cJSON_AddNumberToObject(o, "kernel_ms_a", median->kernel_ms[0]);
-    cJSON_AddNumberToObject(o, "kernel_ms_b", median->kernel_ms[1]);
+    cJSON_AddNumberToObject(o, "kernel_ms_a", staged->kernel_ms[0]);
+    cJSON_AddNumberToObject(o, "kernel_ms_b", staged->kernel_ms[1]);
     cJSON_AddNumberToObject(o, "least_ms", m->steps[0].total_ms);
     cJSON_AddNumberToObject(o, "most_ms", m->steps[m->n - 1].total_ms);
     cJSON_AddNumberToObject(o, "a_ms", median->device_ms[0]);
     cJSON_AddNumberToObject(o, "b_ms", median->device_ms[1]);
-    cJSON_AddItemToObject(o, "stages", stages_json(median));
+    cJSON_AddItemToObject(o, "stages", stages_json(staged));
 }
 
 void run_report_add_check(cJSON *o, const reference_check *check)
@@ -291,7 +291,7 @@ void run_report_text(const run_report *r)
     print_grid(r->scene, &r->timed->last);
     run_report_devices(r->pair, r->plan);
     print_profile(r);
-    print_stages(timed_median(r->timed), is_one(r->pair, r->plan));
+    print_stages(timed_staged(r->timed), is_one(r->pair, r->plan));
     print_totals(r->timed, r->level, is_one(r->pair, r->plan));
     if (r->check.asked)
         run_report_check(&r->check);

@@ -12,6 +12,7 @@
 //   keys   [n]               cell, or NOWHERE (FROM_IDS 0)
 //   ranks  [n]               (FROM_IDS 0)
 //   starts [n_own_cells + 1] first of each cell; the last one: how many are in the grid
+//   next_counters [COUNTERS]           become zero, for the next step
 //   bounds [place_capacity][2]         lower xyz and the id, upper xyz and the level
 //   boxes  [place_capacity][3]         centre xyz and the id, half extents, rotation (poses)
 //
@@ -79,8 +80,11 @@ __kernel void reorder(REORDER_ARGS)
     object_rows rows = objects;
 #endif
     uint placed = starts[n_own_cells];
-    if (get_global_id(0) == 0)
+    if (get_global_id(0) == 0) {
         counters[COUNT_PLACED] = placed;
+        for (uint k = 0; k < COUNTERS; ++k)
+            next_counters[k] = 0;
+    }
     uint first = get_global_id(0) * PER_ITEM;
 #if FROM_IDS
     uint last = min(min(first + PER_ITEM, placed), place_capacity);
@@ -96,6 +100,9 @@ __kernel void reorder(REORDER_ARGS)
             put(&to, base + k, &batch[k], ID_OF(ids[base + k]));
     }
 #else
+//@ if STRETCH == 1 then
+    first += n_hashed;
+//@ end
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         uint key = keys[id];

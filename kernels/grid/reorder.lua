@@ -14,6 +14,7 @@ return {
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "FROM_IDS", values = { 0, 1 }, default = 1, about = "1: gathers by sorted ids, 0: scatters by cell and rank" },
     { "PACKED", values = { 0, 1 }, default = 0, about = "1: objects of one slab, with their ids" },
+    { "STRETCH", min = 0, max = 1, default = 0, silent = true, about = "1: objects from n_hashed on, to their places" },
     { "UNBOXED", min = 0, max = 1, default = 0, silent = true, about = "1: boxes are read by id, and only bounds are moved" },
     { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
@@ -32,6 +33,7 @@ return {
       const uint *keys      if FROM_IDS == 0
       const uint *ranks     if FROM_IDS == 0
       uint n
+      uint n_hashed         if STRETCH == 1
       const uint *starts
       uint n_own_cells
       uint place_capacity
@@ -40,6 +42,7 @@ return {
       float4 *sorted_bounds
       float4 *sorted_boxes  if SHAPE ~= 1 and UNBOXED == 0
       volatile uint *counters
+      uint *next_counters
     ]],
   },
   valid = function(p)

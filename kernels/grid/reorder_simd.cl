@@ -5,6 +5,7 @@
 //   sizes  [n + 1] of the objects, where those are transforms (APART)
 //   ids    [n]  sorted by cell
 //   starts [n_own_cells + 1] the last one: how many are in the grid
+//   next_counters [COUNTERS] become zero, for the next step
 //   bounds [2 DIMS + 1][COLUMN(place_capacity)], with ORIGIN DIMS more
 //   boxes  [COLUMN(place_capacity)][BOX_WORDS] (poses)
 
@@ -52,8 +53,11 @@ __kernel void reorder_simd(REORDER_SIMD_ARGS)
     object_rows rows = objects;
 #endif
     uint placed = starts[n_own_cells];
-    if (get_global_id(0) == 0)
+    if (get_global_id(0) == 0) {
         counters[COUNT_PLACED] = placed;
+        for (uint k = 0; k < COUNTERS; ++k)
+            next_counters[k] = 0;
+    }
     uint end = min(placed, place_capacity);
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, end);

@@ -41,6 +41,7 @@ return {
       float *sorted_bounds
       float *sorted_boxes  if SHAPE ~= 1
       volatile uint *counters
+      uint *next_counters
     ]],
   },
   valid = function(p, limits)

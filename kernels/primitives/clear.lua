@@ -11,8 +11,8 @@ return {
     clear = [[
       uint *counters
       uint n_counters
-      uint *starts
-      uint n_starts
+      uint *counts
+      uint n_counts
     ]],
   },
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

@@ -4,6 +4,9 @@
 //
 //   values [n]
 //   sums   [n_blocks], a block being WG * PER_ITEM values
+//@ if EMPTIES == 1 then
+//   to     [n] where the sums go; the values are zero then, so that they can be counted anew
+//@ end
 #define BLOCK (WG * PER_ITEM)
 
 // Exclusive sum of one value a work-item over the group; *total is the whole.
@@ -55,7 +58,11 @@ static inline uint group_sum(uint value, __local uint *shared_sums)
 
 // Replaces a work-item's values by their exclusive sums; `running` is that of all before. In a
 // group four at a time, so that neighbours write whole sectors.
+//@ if EMPTIES == 1 then
+static inline void put_sums(__global uint *values, __global uint *to, uint first, uint n, uint running)
+//@ else
 static inline void put_sums(__global uint *values, uint first, uint n, uint running)
+//@ end
 {
     uint last = min(first + PER_ITEM, n), i = first;
 //@ if WG > 1 then
@@ -64,12 +71,22 @@ static inline void put_sums(__global uint *values, uint first, uint n, uint runn
         uint4 of = *four;
         uint4 before = (uint4)(0, of.x, of.x + of.y, of.x + of.y + of.z) + running;
         running = before.w + of.w;
+//@ if EMPTIES == 1 then
+        *four = (uint4)(0);
+        *(__global uint4 *)(to + i) = before;
+//@ else
         *four = before;
+//@ end
     }
 //@ end
     for (; i < last; ++i) {
         uint value = values[i];
+//@ if EMPTIES == 1 then
+        values[i] = 0;
+        to[i] = running;
+//@ else
         values[i] = running;
+//@ end
         running += value;
     }
 }
@@ -120,5 +137,9 @@ scan_blocks(SCAN_BLOCKS_ARGS)
     uint total;
     uint running = before_block(sums, use_tops, shared_sums);
     running += group_scan(sum_of(values, first, n), shared_sums, &total);
+//@ if EMPTIES == 1 then
+    put_sums(values, to, first, n, running);
+//@ else
     put_sums(values, first, n, running);
+//@ end
 }

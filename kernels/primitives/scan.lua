@@ -6,6 +6,8 @@ return {
       about = "work-items a group" },
     { "PER_ITEM", values = { 4, 8, 16, 8192 }, default = function(limits) return limits.cpu and 8192 or 4 end,
       about = "values a work-item" },
+    { "EMPTIES", min = 0, max = 1, default = 0, silent = true,
+      about = "1: sums go to a buffer of their own, and the values become zero" },
   },
   args = {
     scan_sums = [[
@@ -19,6 +21,7 @@ return {
     ]],
     scan_blocks = [[
       uint *values
+      uint *to  if EMPTIES == 1
       uint n
       const uint *sums
       uint use_tops

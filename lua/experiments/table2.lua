@@ -44,6 +44,7 @@ end
 local function median_step(pair, scene, variant)
   if variant == "fast" then variant = pair:plan().variant_b end
   local world <close> = assert(pair:world(scene, {
+    stage_times = true,
     plan = { share = 0, mode = "shared", variant_a = variant, variant_b = variant },
   }))
   local steps = {}

@@ -36,6 +36,8 @@ void part_distrust(part *p)
     timeline_clear(&p->times);
     p->objects_version = p->sizes_version = p->levels_version = p->ahead_version = 0;
     p->packed.objects_version = p->stretched.objects_version = p->ids_version = 0;
+    p->zero_counts = 0;
+    p->next_are_cleared = false;
 }
 
 void part_forget(part *p)
@@ -55,10 +57,11 @@ void part_forget(part *p)
 
 // ---------------------------------------------------------------- objects
 
-// A chunk is whole groups of the kernel that takes them, the last one apart.
+// A chunk is whole groups of the kernels that take them, the last one apart. All are powers of two.
 static uint32_t chunk_size(const part *p, uint32_t n)
 {
     uint64_t unit = (uint64_t)p->kernels.hash->group * p->kernels.hash->per_item;
+    unit = p->kernels.skim && unit < SKIM_ROWS ? SKIM_ROWS : unit;
     uint64_t size = (uint64_t)n / PART_CHUNKS + 1;
     size = size < p->least_chunk ? p->least_chunk : size;
     size = (size + unit - 1) / unit * unit;
@@ -76,7 +79,8 @@ static bool send_chunks(part *p, const part_task *task, uint32_t from, duet_erro
                                    (const char *)task->objects.array + from * bytes, n * bytes,
                                    err))
             return false;
-        p->chunks[p->n_chunks++] = (part_chunk){from + n, timeline_last_event(&p->times)};
+        p->chunks[p->n_chunks++] =
+            (part_chunk){.to = from + n, .sent = timeline_last_event(&p->times)};
     }
     return true;
 }
@@ -133,6 +137,47 @@ bool part_send_ahead(part *p, const part_task *task, size_t bytes, duet_error *e
         return false;
     p->ahead_version = task->objects_version;
     return true;
+}
+
+// Blocks of a chunk travel while the next one is on its way.
+static bool skim_chunk(part *p, uint32_t from, part_chunk *c, duet_error *err)
+{
+    size_t at = from / SKIM_ROWS, end = ((size_t)c->to + SKIM_ROWS - 1) / SKIM_ROWS;
+    p->args.skim_from = from;
+    p->args.n = c->to;
+    bool ok =
+        timeline_launch_after(&p->times, "skim", p->kernels.skim, c->to - from, c->sent, p, err) &&
+        timeline_start_read(&p->times, "fetch skim", &p->skimmed, at * sizeof(skim_block),
+                            (skim_block *)p->skim_seen.bytes + at, (end - at) * sizeof(skim_block),
+                            err);
+    c->skimmed = timeline_last_event(&p->times);
+    return ok;
+}
+
+bool part_skim(part *p, const float inside_lower[3], const float inside_upper[3], duet_error *err)
+{
+    if (!p->kernels.skim || p->ahead_version == 0 || p->n_chunks == 0)
+        return false;
+    uint32_t n = p->chunks[p->n_chunks - 1].to, from = 0;
+    size_t bytes = ((size_t)n + SKIM_ROWS - 1) / SKIM_ROWS * sizeof(skim_block);
+    bool ok = buffer_reserve(&p->skimmed, p->device, bytes, err) &&
+              host_block_reserve(&p->skim_seen, p->device, 1, bytes, err);
+    p->args = (part_args){.objects = p->objects};
+    memcpy(&p->args.inside_lower, inside_lower, 3 * sizeof *inside_lower);
+    memcpy(&p->args.inside_upper, inside_upper, 3 * sizeof *inside_upper);
+    for (uint32_t i = 0; ok && i < p->n_chunks; from = p->chunks[i++].to)
+        ok = skim_chunk(p, from, &p->chunks[i], err);
+    return ok;
+}
+
+uint32_t part_await_skim(part *p, uint32_t from, const skim_block **blocks)
+{
+    uint32_t i = 0;
+    while (p->chunks[i].to <= from)
+        ++i;
+    timeline_spin(&p->times, p->chunks[i].skimmed);
+    *blocks = p->skim_seen.bytes;
+    return p->chunks[i].to;
 }
 
 // What was sent ahead is of use where all objects are sent, to where it is.
@@ -205,12 +250,17 @@ static uint32_t count_starts(const part_range *range)
     return own_cells(range) + 1 + STARTS_BEHIND;
 }
 
-// Zeroes the counters, and with them n_starts words of the starts.
-static bool clear(part *p, uint32_t n_starts, duet_error *err)
+// Zeroes the counters, and with them n_counts of the objects a cell. Mostly the step before has
+// done that: it left the counts at zero, and these counters.
+static bool clear(part *p, uint32_t n_counts, duet_error *err)
 {
-    uint32_t work = n_starts > COUNTERS ? n_starts : COUNTERS;
-    p->args.n_starts = n_starts;
-    return timeline_launch(&p->times, "clear", p->kernels.clear, work, p, err);
+    uint32_t work = n_counts > COUNTERS ? n_counts : COUNTERS;
+    bool is_done = p->next_are_cleared && n_counts <= p->zero_counts;
+    buffer_swap(&p->counters, &p->next_counters);
+    p->next_are_cleared = false;
+    p->zero_counts = n_counts > p->zero_counts ? n_counts : p->zero_counts;
+    p->args.n_counts = n_counts;
+    return is_done || timeline_launch(&p->times, "clear", p->kernels.clear, work, p, err);
 }
 
 // ---------------------------------------------------------------- sorting
@@ -281,7 +331,7 @@ stray_marks part_marks(const part *p)
     return (stray_marks){p->marks.host ? p->marks.host : p->marks_seen.bytes, p->stamp};
 }
 
-// On their way where the device has memory of its own; else part_search brings them.
+// On their way where the device has memory of its own; else the search shows them.
 static bool ask_for_marks(part *p, duet_error *err)
 {
     return p->device->info.host_memory ||
@@ -290,18 +340,19 @@ static bool ask_for_marks(part *p, duet_error *err)
                                 p->marks.bytes, err));
 }
 
-// Of its own stretch alone the part marks what the other one wants.
+// The part marks what the other one wants of its own stretch, which comes first; marks of others
+// that lie side by side with it are nobody's concern.
 static bool hash_stretches(part *p, const part_task *task, duet_error *err)
 {
     const part_range *other = strays_wanted_by_other(task->strays, task->side);
-    stretch own = strays_own(task->strays, task->side);
+    const stretches taken = strays_joined(&p->taken);
+    const stretch *own = &taken.list[taken.own];
     p->args.marked_from = other->key_from;
     p->args.marked_to = other->key_to;
-    bool ok = hash_chunk(p, own.from, own.to, NULL, err) && ask_for_marks(p, err);
+    bool ok = hash_chunk(p, own->from, own->to, NULL, err) && ask_for_marks(p, err);
     p->args.marked_from = p->args.marked_to = 0;
-    for (uint32_t i = 0; ok && i < p->taken.n; ++i)
-        ok = i == p->taken.own ||
-             hash_chunk(p, p->taken.list[i].from, p->taken.list[i].to, NULL, err);
+    for (uint32_t i = 0; ok && i < taken.n; ++i)
+        ok = i == taken.own || hash_chunk(p, taken.list[i].from, taken.list[i].to, NULL, err);
     p->args.n = task->objects.n;
     return ok;
 }
@@ -327,17 +378,18 @@ static bool hash_objects(part *p, const part_task *task, bool all, duet_error *e
                : run_hash(p, task, err);
 }
 
-// Gives each object that was taken its place.
-static bool scatter(part *p, const part_task *task, duet_error *err)
+// Runs a kernel over the objects that were taken.
+static bool launch_over_taken(part *p, const part_task *task, const char *stage, const kernel *k,
+                              duet_error *err)
 {
     const stretches all = {.list = {{0, task->objects.n}}, .n = 1};
-    const stretches *taken = task->strays ? &p->taken : &all;
+    const stretches taken = task->strays ? strays_joined(&p->taken) : all;
     bool ok = true;
-    for (uint32_t i = 0; ok && i < taken->n; ++i) {
-        const stretch *s = &taken->list[i];
+    for (uint32_t i = 0; ok && i < taken.n; ++i) {
+        const stretch *s = &taken.list[i];
         p->args.n_hashed = s->from;
         p->args.n = s->to;
-        ok = timeline_launch(&p->times, "sort", p->kernels.scatter, s->to - s->from, p, err);
+        ok = timeline_launch(&p->times, stage, k, s->to - s->from, p, err);
     }
     p->args.n = task->objects.n;
     return ok;
@@ -346,9 +398,10 @@ static bool scatter(part *p, const part_task *task, duet_error *err)
 // The keys count into starts, and the ranks tell them apart.
 static bool counting_sort(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    return hash_objects(p, task, !p->kernels.from_ids, err) &&
-           scan_run(&p->scan, &p->times, "sort", &p->starts, count_starts(range), err) &&
-           (!p->kernels.from_ids || scatter(p, task, err));
+    return hash_objects(p, task, false, err) &&
+           scan_empty(&p->scan, &p->times, "sort", &p->counts, &p->starts, count_starts(range),
+                      err) &&
+           (!p->kernels.from_ids || launch_over_taken(p, task, "sort", p->kernels.scatter, err));
 }
 
 static bool find_starts(part *p, const part_task *task, const part_range *range, duet_error *err)
@@ -378,10 +431,14 @@ static bool radix_sort_keys(part *p, const part_task *task, const part_range *ra
 // The paper's kernels read bounds by id; the others read objects in cell order.
 static bool place(part *p, const part_task *task, duet_error *err)
 {
-    bool by_id = p->variant.search == SEARCH_PAPER;
-    bool gathers = !by_id && p->kernels.from_ids && p->place_capacity < task->objects.n;
-    return timeline_launch(&p->times, by_id ? "bounds" : "reorder", p->kernels.place,
-                           gathers ? p->place_capacity : task->objects.n, p, err);
+    uint32_t n = task->objects.n;
+    if (p->variant.search == SEARCH_PAPER)
+        return timeline_launch(&p->times, "bounds", p->kernels.place, n, p, err);
+    uint32_t work = n < p->place_capacity ? n : p->place_capacity;
+    p->next_are_cleared = work > 0;
+    return p->kernels.from_ids
+               ? timeline_launch(&p->times, "reorder", p->kernels.place, work, p, err)
+               : launch_over_taken(p, task, "reorder", p->kernels.place, err);
 }
 
 // Rotated boxes that have a radius: a quaternion and that, in 2D fewer
@@ -423,6 +480,17 @@ static bool reserve_places(part *p, const part_task *task, size_t n, duet_error 
            (bytes.boxes == 0 || buffer_reserve(&p->boxes, p->device, bytes.boxes, err));
 }
 
+// Without a counting sort nothing is counted.
+static bool reserve_counts(part *p, const part_range *range, duet_error *err)
+{
+    size_t before = p->counts.bytes;
+    size_t words = p->variant.sort == SORT_COUNTING ? count_starts(range) : 1;
+    bool ok = buffer_reserve(&p->counts, p->device, words * sizeof(uint32_t), err);
+    if (p->counts.bytes != before)
+        p->zero_counts = 0;
+    return ok;
+}
+
 static bool reserve_grid(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     size_t words = task->objects.n * sizeof(uint32_t);
@@ -432,7 +500,7 @@ static bool reserve_grid(part *p, const part_task *task, const part_range *range
            (p->variant.sort == SORT_COUNTING ||
             buffer_reserve(&p->ids_spare, p->device, words, err)) &&
            buffer_reserve(&p->starts, p->device, count_starts(range) * sizeof(uint32_t), err) &&
-           reserve_places(p, task, range->expected, err);
+           reserve_counts(p, range, err) && reserve_places(p, task, range->expected, err);
 }
 
 bool part_build_grid(part *p, const part_task *task, const part_range *range, duet_error *err)
@@ -672,10 +740,22 @@ static uint64_t wide(const uint32_t *words)
     return (uint64_t)words[1] << 32 | words[0];
 }
 
+// All that the host reads of memory that it shares with the device.
+static bool see_found(part *p, duet_error *err)
+{
+    const buffer *const found[] = {&p->marks, &p->undecided, &p->pairs, &p->counters};
+    bool ok = timeline_see(&p->times, "fetch pairs", found, sizeof found / sizeof found[0], err);
+    if (ok)
+        p->found = part_found_of(p->counters.host);
+    return ok;
+}
+
 static bool hear(part *p, const part_task *task, duet_error *err)
 {
     cl_event told = NULL;
-    if (p->device->info.host_memory || task->keeps_pairs)
+    if (p->device->info.host_memory)
+        return see_found(p, err);
+    if (task->keeps_pairs)
         return read_counters(p, err);
     if ((task->ids && !part_count_pairs(p, err)) || !ask_ahead(p, task, &told, err))
         return false;
@@ -774,14 +854,14 @@ static bool reserve_span(part *p, uint64_t n, duet_pair **pairs, duet_error *err
     return ok;
 }
 
-// The pairs that were not sent ahead start to travel; those for the next step
-// are a few more than now.
+// The pairs that were not sent ahead start to travel, unless the host has seen them; those for the
+// next step are a few more than now.
 static bool fetch_rest(part *p, buffer *from, duet_pair *pairs, uint64_t n, duet_error *err)
 {
-    uint64_t there = p->device->info.host_memory ? 0 : p->pairs_ahead;
-    bool ok =
-        there >= n || timeline_start_read(&p->times, "fetch pairs", from, there * sizeof(duet_pair),
-                                          pairs + there, (n - there) * sizeof(duet_pair), err);
+    uint64_t there = p->pairs_ahead;
+    bool ok = from->host || there >= n ||
+              timeline_start_read(&p->times, "fetch pairs", from, there * sizeof(duet_pair),
+                                  pairs + there, (n - there) * sizeof(duet_pair), err);
     p->pairs_ahead = n + n / 64;
     return ok;
 }
@@ -789,13 +869,10 @@ static bool fetch_rest(part *p, buffer *from, duet_pair *pairs, uint64_t n, duet
 static bool fetch_open(part *p, const duet_pair **open, duet_pair *scratch, duet_error *err)
 {
     const news *n = p->news.bytes;
-    *open = p->undecided.host ? p->undecided.host : scratch;
-    if (n && !p->device->info.host_memory && p->n_undecided <= OPEN_AHEAD) {
-        *open = n->open;
-        return true;
-    }
-    return timeline_read(&p->times, "fetch pairs", &p->undecided, (void *)*open,
-                         p->n_undecided * sizeof **open, err);
+    bool ahead = n && p->n_undecided <= OPEN_AHEAD;
+    *open = p->undecided.host ? p->undecided.host : ahead ? n->open : scratch;
+    return *open != scratch || timeline_read(&p->times, "fetch pairs", &p->undecided, (void *)*open,
+                                             p->n_undecided * sizeof **open, err);
 }
 
 static bool collide(const grid_objects *objects, uint32_t a, uint32_t b)
@@ -925,13 +1002,6 @@ static bool fetch(part *p, const part_task *task, duet_error *err)
     return ok;
 }
 
-// Where the device works on host memory, the marks are there already.
-static bool see_marks(part *p, duet_error *err)
-{
-    return !p->marks.host || timeline_start_read(&p->times, "fetch marks", &p->marks, 0,
-                                                 p->marks.host, p->marks.bytes, err);
-}
-
 bool part_search(part *p, const part_task *task, const part_range *range, bool *placed,
                  duet_error *err)
 {
@@ -951,5 +1021,5 @@ bool part_search(part *p, const part_task *task, const part_range *range, bool *
     if (!ok || !*placed)
         return ok;
     p->n_candidates = p->kernels.listed ? p->found.pairs : p->found.candidates + p->found.tested;
-    return (!task->strays || see_marks(p, err)) && fetch(p, task, err);
+    return fetch(p, task, err);
 }

@@ -7,6 +7,7 @@
 #define RUNTIME_PART_H
 
 #include "kernels/counters.h"
+#include "kernels/grid/skim.h"
 #include "runtime/broadphase/global_ids.h"
 #include "runtime/broadphase/grid.h"
 #include "runtime/broadphase/variant.h"
@@ -41,6 +42,7 @@ typedef struct part_task {
     grid_objects objects;     // that the part is sent; the array has all of them
     const buffer *resident;   // the objects where the part's device has them already, or NULL
     bool keeps_pairs;         // they stay on the device
+    bool skims;               // objects that are sent ahead may be skimmed
     const global_ids *ids;    // pairs of objects that have one stay there, and are counted; or NULL
     uint64_t objects_version; // changes with the objects' content
     uint64_t sizes_version;   // changes with the sizes
@@ -65,7 +67,8 @@ typedef struct part_range {
 // Objects that travel together: those from the chunk before it up to `to`.
 typedef struct part_chunk {
     uint32_t to;
-    cl_event sent; // the timeline's
+    cl_event sent;    // the timeline's, as all here
+    cl_event skimmed; // its blocks are on the host
 } part_chunk;
 
 enum { PART_CHUNKS = 8 };
@@ -81,6 +84,7 @@ typedef struct part_kernels {
     kernel *gather; // NULL where the host sees objects that are to be decided
     kernel *change_ids;
     kernel *count_pairs; // NULL where pairs come to the host
+    kernel *skim;        // NULL where it cannot be
     bool fused;          // candidates are tested where they are found
     bool listed;         // what overlaps is a pair, without a test
     bool unboxed;        // boxes are read by id, where the objects are
@@ -106,12 +110,14 @@ typedef struct part_args {
     cl_uint n_hashed;
     cl_uint key_from, key_home_to, key_to, key_end;
     cl_uint n_home_cells, n_own_cells;
-    cl_uint n_counters, n_starts;
+    cl_uint n_counters, n_counts;
     cl_uint first, last;
     cl_uint found_capacity, candidate_capacity, pair_capacity, undecided_capacity;
     cl_uint row_words, n_ids; // gathered
     cl_uint n_homes, n_id_changes, left_capacity;
     cl_uint marked_from, marked_to;
+    cl_uint skim_from;
+    cl_float4 inside_lower, inside_upper;
     cl_int4 cells;
     buffer objects;
     buffer found; // pairs, or candidates where they are tested later
@@ -159,6 +165,8 @@ typedef struct part {
     part_chunk chunks[2 * PART_CHUNKS];
     uint32_t n_chunks;      // under way; 0 where the objects are there
     uint64_t ahead_version; // of the objects whose first chunks are sent before the step; 0: none
+    buffer skimmed;         // blocks of the objects that were sent ahead
+    host_block skim_seen;   // the same on the host
     buffer names;           // of packed objects: their ids
     struct {
         uint64_t objects_version, grid_version; // of what was sent last; 0: nothing
@@ -178,6 +186,8 @@ typedef struct part {
     uint64_t levels_version;      // of what was sent last
     buffer keys, ids;             // of the objects; in cell order once sorted
     buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
+    buffer counts;                // objects a cell, until the scan makes starts of them
+    uint32_t zero_counts;         // of them that are zero between steps
     buffer starts;                // first of each cell
     buffer bounds;                // [n][2], by id or in cell order; lanes: by columns
     buffer boxes;                 // [n][3], in cell order; lanes: rows of numbers
@@ -185,6 +195,8 @@ typedef struct part {
     buffer candidates, pairs, undecided;
     buffer gathered; // objects of the undecided pairs
     buffer counters;
+    buffer next_counters;  // the next step's
+    bool next_are_cleared; // they are zero
     buffer global_ids;
     uint64_t ids_version; // of what was sent last; 0: nothing
     buffer id_changes;
@@ -223,6 +235,13 @@ void part_distrust(part *p);
 // Begins to send the task's objects before a step that has these and perhaps more; there is
 // space for `bytes` of them all. Only for a device with memory of its own.
 bool part_send_ahead(part *p, const part_task *task, size_t bytes, duet_error *err);
+
+// Skims the objects that were sent ahead, chunk after chunk as they come: which lie deep inside of
+// the box (kernels/grid/skim.h). False where the device does not; nothing is lost then.
+bool part_skim(part *p, const float inside_lower[3], const float inside_upper[3], duet_error *err);
+// Waits for the blocks of objects from `from` on, which begins a chunk: up to which they are there.
+// The blocks are those of all objects. What failed on the device fails in the step.
+uint32_t part_await_skim(part *p, uint32_t from, const skim_block **blocks);
 
 // Forgets what the last step found, counted and took, and what was sent ahead of one.
 void part_forget(part *p);

@@ -16,13 +16,14 @@ enum { LEAST_CHUNK = 1 << 17 };
 
 // Where a part has its buffers.
 static const size_t buffers[] = {
-    offsetof(part, objects),    offsetof(part, sizes),       offsetof(part, names),
-    offsetof(part, keys),       offsetof(part, ids),         offsetof(part, keys_spare),
-    offsetof(part, ids_spare),  offsetof(part, starts),      offsetof(part, bounds),
-    offsetof(part, boxes),      offsetof(part, counters),    offsetof(part, candidates),
-    offsetof(part, pairs),      offsetof(part, undecided),   offsetof(part, levels),
-    offsetof(part, gathered),   offsetof(part, marks),       offsetof(part, global_ids),
-    offsetof(part, id_changes), offsetof(part, pair_counts), offsetof(part, left)};
+    offsetof(part, objects),       offsetof(part, sizes),      offsetof(part, names),
+    offsetof(part, keys),          offsetof(part, ids),        offsetof(part, keys_spare),
+    offsetof(part, ids_spare),     offsetof(part, counts),     offsetof(part, starts),
+    offsetof(part, bounds),        offsetof(part, boxes),      offsetof(part, counters),
+    offsetof(part, next_counters), offsetof(part, candidates), offsetof(part, pairs),
+    offsetof(part, undecided),     offsetof(part, levels),     offsetof(part, gathered),
+    offsetof(part, marks),         offsetof(part, global_ids), offsetof(part, id_changes),
+    offsetof(part, pair_counts),   offsetof(part, left),       offsetof(part, skimmed)};
 
 #define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
 #define VALUE(name) BIND_VALUE(part, #name, args.name)
@@ -36,7 +37,7 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BUFFER("keys", "uint *", keys),
                                         BUFFER("ids", "uint *", ids),
                                         BUFFER("ranks", "uint *", keys_spare),
-                                        BUFFER("counts", "uint *", starts),
+                                        BUFFER("counts", "uint *", counts),
                                         BUFFER("starts", "uint *", starts),
                                         BUFFER("key_starts", "uint *", starts),
                                         BUFFER("bounds", "float4 *", bounds),
@@ -53,7 +54,9 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BUFFER("pairs", "uint2 *", pairs),
                                         BUFFER("undecided", "uint2 *", undecided),
                                         BUFFER("counters", "uint *", counters),
+                                        BUFFER("next_counters", "uint *", next_counters),
                                         BUFFER("marks", "uint *", marks),
+                                        BUFFER("blocks", "skim_block *", skimmed),
                                         BUFFER("global_ids", "uint2 *", global_ids),
                                         BUFFER("id_changes", "uint4 *", id_changes),
                                         BUFFER("pair_counts", "uint *", pair_counts),
@@ -74,13 +77,16 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         VALUE(n_home_cells),
                                         VALUE(n_own_cells),
                                         VALUE(n_counters),
-                                        VALUE(n_starts),
+                                        VALUE(n_counts),
                                         VALUE(first),
                                         VALUE(last),
                                         VALUE(found_capacity),
                                         VALUE(candidate_capacity),
                                         VALUE(pair_capacity),
                                         VALUE(undecided_capacity),
+                                        VALUE(skim_from),
+                                        VALUE(inside_lower),
+                                        VALUE(inside_upper),
                                         VALUE(n_homes),
                                         VALUE(n_id_changes),
                                         VALUE(left_capacity),
@@ -107,6 +113,7 @@ bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
     p->programs = p->gen ? program_set_open(p->device, p->gen, &pair->builder, err) : NULL;
     bool ok = p->programs &&
               buffer_reserve(&p->counters, p->device, COUNTERS * sizeof(uint32_t), err) &&
+              buffer_reserve(&p->next_counters, p->device, COUNTERS * sizeof(uint32_t), err) &&
               buffer_reserve(&p->levels, p->device, sizeof((grid *)0)->levels, err);
     if (!ok)
         part_close(p);
@@ -124,6 +131,7 @@ void part_close(part *p)
     host_block_release(&p->news);
     host_block_release(&p->sent);
     host_block_release(&p->marks_seen);
+    host_block_release(&p->skim_seen);
     host_block_release(&p->changes);
     program_set_close(p->programs);
     gen_close(p->gen);
@@ -201,6 +209,17 @@ static bool ask_gather(part *p, const part_task *task, duet_error *err)
     return p->kernels.gather;
 }
 
+// Objects in origin cells, or whose sizes are apart, are not skimmed.
+static bool ask_skim(part *p, const part_task *task, duet_error *err)
+{
+    const grid_objects *o = &task->objects;
+    bool skims = task->skims && !p->device->info.host_memory && !o->sizes && o->origin == 0.0f &&
+                 !grid_has_radii(o);
+    if (skims)
+        p->kernels.skim = get_kernel(p, "skim", "skim", err);
+    return !skims || p->kernels.skim;
+}
+
 static bool ask_count(part *p, const part_task *task, duet_error *err)
 {
     if (!task->ids)
@@ -216,8 +235,9 @@ static bool open_sorts(part *p, duet_error *err)
 {
     gen_setting settings[MAX_SETTINGS];
     uint32_t n = 0;
+    const part_choice empties = {"EMPTIES", p->variant.sort == SORT_COUNTING, false};
     p->radix.count = p->radix.move = NULL; // of a variant before
-    if (!gather_settings(p, "scan", NULL, 0, settings, &n, err) ||
+    if (!gather_settings(p, "scan", &empties, 1, settings, &n, err) ||
         !scan_open(&p->scan, p->device, p->programs, settings, n, err))
         return false;
     return p->variant.sort == SORT_COUNTING ||
@@ -287,8 +307,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     bool turned = poses && task->rotated && task->objects.shape != DUET_SHAPE_SPHERES;
     duet_level level = level_of(task);
     bool tested = poses && level != DUET_LEVEL_AABB;
-    // Objects that are in order go to places side by side; a slab's are not all looked at.
-    bool to_places = counting && !task->shared && task->ordered && !task->strays;
+    // Objects that are in order go to places side by side.
+    bool to_places = counting && !task->shared && task->ordered;
     bool unboxed = search == SEARCH_GPU && leaves_boxes(task);
     cl_int4 cells = compiled_cells(p, task);
     const part_choice choices[PART_CHOICES] = {
@@ -353,8 +373,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         if (!p->kernels.narrow)
             return false;
     }
-    return ask_gather(p, task, err) && ask_count(p, task, err) && all_settings_used(p, err) &&
-           program_set_build(p->programs, err);
+    return ask_gather(p, task, err) && ask_skim(p, task, err) && ask_count(p, task, err) &&
+           all_settings_used(p, err) && program_set_build(p->programs, err);
 }
 
 const kernel *part_kernel(const part *p, const char *name)

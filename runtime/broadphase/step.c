@@ -97,6 +97,16 @@ static void choose_keepers(duet_world *world)
             pair_buffers_can_copy(&world->left, &world->def.pair->devices[side]);
 }
 
+static void choose_timed(duet_world *world)
+{
+    for (int side = 0; side < 2; ++side) {
+        part *p = &world->parts[side];
+        p->untimed =
+            !world->def.stage_times && !timeline_is_due(&p->times, p->device, world->steps);
+    }
+    ++world->steps;
+}
+
 static part_task describe_task(const duet_world *world, int side)
 {
     const resident *r = &world->resident;
@@ -108,6 +118,7 @@ static part_task describe_task(const duet_world *world, int side)
         .objects = world_objects(world),
         .resident = r->on[side] ? &r->objects : NULL,
         .keeps_pairs = world->keeps_pairs[side],
+        .skims = world->skims,
         .ids = world->parts[side].device->info.host_memory ? NULL : world->ids,
         .objects_version = world->objects_version,
         .sizes_version = world->sizes_version,
@@ -349,6 +360,22 @@ void world_send_ahead(duet_world *world, uint32_t n)
     }
 }
 
+// B, which has most of the work, unless A alone was sent them.
+static part *skimmer(duet_world *world)
+{
+    return &world->parts[world->parts[1].ahead_version > 0];
+}
+
+bool world_skim(duet_world *world, const float inside_lower[3], const float inside_upper[3])
+{
+    return part_skim(skimmer(world), inside_lower, inside_upper, NULL);
+}
+
+uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **blocks)
+{
+    return part_await_skim(skimmer(world), from, blocks);
+}
+
 void world_stop_ahead(duet_world *world)
 {
     for (int side = 0; side < 2; ++side)
@@ -420,6 +447,7 @@ static void fill_result(duet_world *world, duet_result *result)
         .cell_widened = world->cell_widened,
         .runs = largest(a->runs, b->runs),
         .stages = world->stages,
+        .timed = !a->times.untimed && !b->times.untimed,
     };
     for (int side = 0; side < 2; ++side) {
         const timeline *t = &world->parts[side].times;
@@ -473,6 +501,7 @@ static bool run_step(duet_world *world, duet_result *result, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     choose_keepers(world);
+    choose_timed(world);
     if (!world_check_sizes(world, err) || !find_pairs_when_ready(world, err))
         return false;
     bool ok = true;

@@ -168,3 +168,18 @@ stretches strays_taken(const strays *s, int side)
     }
     return all;
 }
+
+stretches strays_joined(const stretches *taken)
+{
+    stretches joined = {.own = 0};
+    for (uint32_t i = 0; i < taken->n; ++i) {
+        const stretch *s = &taken->list[i];
+        if (joined.n > 0 && joined.list[joined.n - 1].to == s->from)
+            joined.list[joined.n - 1].to = s->to;
+        else
+            joined.list[joined.n++] = *s;
+        if (i == taken->own)
+            joined.own = joined.n - 1;
+    }
+    return joined;
+}

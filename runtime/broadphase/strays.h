@@ -38,6 +38,7 @@ bool strays_begin(strays *s, const part_task *task, const part_range ranges[2], 
 // A device's own stretch; all that it takes; and the slab that the other one wants objects of.
 stretch strays_own(const strays *s, int side);
 stretches strays_taken(const strays *s, int side);
+stretches strays_joined(const stretches *taken); // those side by side as one
 const part_range *strays_wanted_by_other(const strays *s, int side);
 
 // What a device marked: blocks [n_blocks] of its own stretch that are `stamp`.

@@ -27,6 +27,7 @@ struct duet_world {
     resident resident;  // the objects, where a device has them; else empty
     uint32_t n;
     uint64_t objects_version;
+    uint64_t steps;   // that were begun
     host_block sizes; // [n_sizes + 1] of transforms
     uint32_t n_sizes;
     uint64_t sizes_version;
@@ -45,6 +46,7 @@ struct duet_world {
     bool keeps_pairs[2];   // on that device in the last step
     const global_ids *ids; // of a step that counts pairs; else NULL
     uint64_t ids_version;
+    bool skims;                             // objects that are sent ahead may be skimmed
     pair_buffers left;                      // where pairs are left
     step_half *half;                        // NULL before the first step in two halves
     duet_stage stages[2 * TIMELINE_STAGES]; // of the last step
@@ -78,6 +80,12 @@ bool world_can_have(const duet_world *world, duet_object_kind kind, uint32_t n, 
 // as they are. What fails is sent again in the step.
 void world_send_ahead(duet_world *world, uint32_t n);
 void world_stop_ahead(duet_world *world); // waits for it, and forgets it
+
+// Skims what was sent ahead, by a device to which it goes anyway: which of the objects lie deep
+// inside of the box. False where none does. The other one waits for the blocks from `from` on, 0 at
+// first, and returns up to which object they are there (part.h).
+bool world_skim(duet_world *world, const float inside_lower[3], const float inside_upper[3]);
+uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **blocks);
 
 // From now on the world has n of the objects that were mapped and those that were written behind
 // them; NULL where there is no space for so many.

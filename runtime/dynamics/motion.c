@@ -260,6 +260,7 @@ static bool open_world(duet_motion *m, duet_error *err)
     if (!motion_has(m, DUET_EFFECT_CONTACT))
         return true;
     duet_world_def def = duet_default_world_def();
+    def.stage_times = m->def.stage_times;
     def.pair = m->def.pair;
     def.plan = m->def.plan;
     def.dims = m->def.dims;
@@ -271,7 +272,7 @@ static bool open_world(duet_motion *m, duet_error *err)
 static bool open_device(duet_motion *m, duet_error *err)
 {
     m->device = &m->def.pair->devices[1];
-    timeline_begin(&m->times, m->device);
+    timeline_begin_untimed(&m->times, m->device);
     m->gen = gen_open(m->def.pair->kernel_dir, err);
     m->programs = m->gen ? program_set_open(m->device, m->gen, &m->def.pair->builder, err) : NULL;
     return m->programs;

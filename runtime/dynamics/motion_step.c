@@ -13,8 +13,6 @@
 
 #include <string.h>
 
-enum { TIMED_EVERY = 16 }; // steps, of those of a device with memory of its own
-
 // ---------------------------------------------------------------- response
 
 // woken: only of what woke in this step, where anything did.
@@ -106,6 +104,19 @@ static bool store_impulses(duet_motion *m, duet_error *err)
                           most_of(m, 0, COLOUR_OVERFLOW + 1), err);
 }
 
+// What sleeps deep in others goes when all else has gone, so that whatever it then touches is
+// searched for where it is. The flags are those that colours were chosen by.
+static bool push_sleepers(duet_motion *m, duet_error *err)
+{
+    const motion_kernels *k = &m->kernels;
+    bool ok = true;
+    if (!motion_has(m, DUET_EFFECT_SLEEP) || m->n_contacts == 0 || !m->flags[FLAG_PRESSED])
+        return true;
+    for (m->args.round = 0; ok && m->args.round < PRESSED_ROUNDS; ++m->args.round)
+        ok = motion_launch(m, "sleep", k->push_sleepers, m->n, err);
+    return ok && motion_launch(m, "sleep", k->move_sleepers, m->n, err);
+}
+
 static bool respond(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
@@ -115,7 +126,7 @@ static bool respond(duet_motion *m, duet_error *err)
         ok = substep(m, err);
     ok = ok && (!m->facts.elastic || for_colours(m, k->apply_restitution, err));
     ok = ok && store_impulses(m, err) && motion_note_events(m, err) &&
-         motion_launch(m, "integrate", k->finalize_bodies, m->n, err);
+         motion_launch(m, "integrate", k->finalize_bodies, m->n, err) && push_sleepers(m, err);
     if (!motion_has(m, DUET_EFFECT_SKIN))
         return ok;
     m->bounds_checked = ok && motion_check_bounds(m, err);
@@ -153,27 +164,12 @@ static bool hear(duet_motion *m, duet_error *err)
     return !motion_has(m, DUET_EFFECT_EVENTS) || motion_fetch_events(m, err);
 }
 
-// What sleeps deep in others goes at the end of a step, so that whatever it then touches is
-// searched for where it is.
-static bool push_sleepers(duet_motion *m, duet_error *err)
-{
-    const motion_kernels *k = &m->kernels;
-    bool ok = true;
-    if (!motion_has(m, DUET_EFFECT_SLEEP) || !m->flags[FLAG_PRESSED])
-        return true;
-    m->bounds_checked = false;
-    for (m->args.round = 0; ok && m->args.round < PRESSED_ROUNDS; ++m->args.round)
-        ok = motion_launch(m, "sleep", k->push_sleepers, m->n, err);
-    return ok && motion_launch(m, "sleep", k->move_sleepers, m->n, err);
-}
-
 // Nothing is sent to the device where nothing would change.
 static bool run_step(duet_motion *m, duet_error *err)
 {
     bool still = m->n == 0 || m->def.dt == 0.0 || m->effects == 0 || m->at_rest;
     return still ? motion_keep_events(m, err)
-                 : run_effects(m, err) && hear(m, err) && push_sleepers(m, err) &&
-                       timeline_finish(&m->times, err);
+                 : run_effects(m, err) && hear(m, err) && timeline_finish(&m->times, err);
 }
 
 static void fill_result(duet_motion *m, duet_motion_result *result)
@@ -193,19 +189,14 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
         .n_hits = m->told.n_hits,
         .stages = m->times.stages,
         .n_stages = m->times.n_launches > 0 ? (uint32_t)m->times.n_stages : 0,
+        .timed = !m->times.untimed,
     };
-}
-
-// Asking for times costs a GPU's driver more than many a kernel takes.
-static bool is_timed(const duet_motion *m)
-{
-    return m->device->info.host_memory || m->times.n_stages == 0 || m->step % TIMED_EVERY == 0;
 }
 
 bool motion_carry_step(duet_motion *m, double *ms, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
-    if (is_timed(m))
+    if (m->def.stage_times || timeline_is_due(&m->times, m->device, m->step))
         timeline_begin(&m->times, m->device);
     else
         timeline_begin_untimed(&m->times, m->device);
@@ -228,6 +219,7 @@ bool motion_complete_step(duet_motion *m, bool carried, double ms, duet_motion_r
     ++m->step;
     motion_note_step(m);
     fill_result(m, result);
+    m->times.untimed = true; // what comes between steps is of none
     result->total_ms = ms + clock_ms_since(begun);
     return true;
 }

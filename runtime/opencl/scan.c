@@ -5,6 +5,7 @@
 enum { MOST_ADDED_BLOCKS = 2048 };
 
 static const binding scan_bindings[] = {BIND_BUFFER(scan, "values", "uint *", values),
+                                        BIND_BUFFER(scan, "to", "uint *", to),
                                         BIND_BUFFER(scan, "sums", "uint *", sums),
                                         BIND_VALUE(scan, "n", n),
                                         BIND_VALUE(scan, "n_blocks", n_blocks),
@@ -32,11 +33,12 @@ void scan_close(scan *s)
     *s = (scan){0};
 }
 
-bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, uint32_t n,
-              duet_error *err)
+bool scan_empty(scan *s, timeline *t, const char *stage, const buffer *values, const buffer *to,
+                uint32_t n, duet_error *err)
 {
     uint32_t block = s->block_sums->group * s->block_sums->per_item;
     s->values = *values;
+    s->to = *to;
     s->n = n;
     s->n_blocks = (uint32_t)(((uint64_t)n + block - 1) / block);
     s->use_tops = s->n_blocks > MOST_ADDED_BLOCKS;
@@ -44,4 +46,10 @@ bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, uin
            timeline_launch(t, stage, s->block_sums, n, s, err) &&
            (!s->use_tops || timeline_launch(t, stage, s->top_sums, 1, s, err)) &&
            timeline_launch(t, stage, s->blocks, n, s, err);
+}
+
+bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, uint32_t n,
+              duet_error *err)
+{
+    return scan_empty(s, t, stage, values, values, n, err);
 }

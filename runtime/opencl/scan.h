@@ -9,7 +9,7 @@ typedef struct scan {
     const device *device;
     kernel *block_sums, *top_sums, *blocks;
     buffer sums; // [n_blocks]
-    buffer values;
+    buffer values, to;
     cl_uint n, n_blocks, use_tops;
 } scan;
 
@@ -21,5 +21,10 @@ void scan_close(scan *s);
 // Replaces each of the n words by the sum of those before it.
 bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, uint32_t n,
               duet_error *err);
+
+// Writes the sums of the words before each to another buffer, and makes the words zero. For a scan
+// whose kernels were built with EMPTIES.
+bool scan_empty(scan *s, timeline *t, const char *stage, const buffer *values, const buffer *to,
+                uint32_t n, duet_error *err);
 
 #endif

@@ -13,7 +13,6 @@ void timeline_begin_untimed(timeline *t, const device *d)
     t->device = d;
     t->untimed = true;
     t->n_launches = t->n_waits = 0;
-    t->first_begin = t->last_end = 0;
 }
 
 void timeline_begin(timeline *t, const device *d)
@@ -21,6 +20,12 @@ void timeline_begin(timeline *t, const device *d)
     timeline_begin_untimed(t, d);
     t->untimed = false;
     t->n_stages = 0;
+    t->first_begin = t->last_end = 0;
+}
+
+bool timeline_is_due(const timeline *t, const device *d, uint64_t step)
+{
+    return d->info.host_memory || t->n_stages == 0 || step % TIMELINE_TIMED_EVERY == 0;
 }
 
 static int stage_index(timeline *t, const char *name, bool transfer)
@@ -44,6 +49,7 @@ static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event e
                        duet_error *err)
 {
     device_object_made();
+    t->seen = false;
     if (t->n_events == TIMELINE_EVENTS && !timeline_finish(t, err)) {
         release_event(event);
         return false;
@@ -58,6 +64,7 @@ static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event e
 static bool keep_command(timeline *t, const char *stage, cl_event event, duet_error *err)
 {
     t->unheard = true;
+    t->seen = false;
     return !event || keep_event(t, stage, false, event, err);
 }
 
@@ -117,6 +124,7 @@ static bool hand_over(timeline *t, buffer *b, cl_map_flags flags, size_t bytes, 
                       duet_error *err)
 {
     cl_int code = CL_SUCCESS;
+    t->seen = false;
     void *seen =
         clEnqueueMapBuffer(t->device->queue, b->mem, wait, flags, 0, bytes, 0, NULL, NULL, &code);
     if (seen)
@@ -218,6 +226,36 @@ bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, v
                          size_t bytes, duet_error *err)
 {
     return enqueue_read(t, stage, b, at, to, bytes, CL_FALSE, err) && timeline_flush(t, err);
+}
+
+// Nobody waits for the buffers to be handed back: what comes next in the queue does.
+bool timeline_see(timeline *t, const char *stage, const buffer *const list[], int n,
+                  duet_error *err)
+{
+    void *at[TIMELINE_SEEN] = {NULL};
+    cl_int code = CL_SUCCESS;
+    cl_event event = NULL;
+    assert(n > 0 && n <= TIMELINE_SEEN);
+    for (int i = 0; i < n && code == CL_SUCCESS; ++i) {
+        bool last = i + 1 == n;
+        if (list[i]->mem)
+            at[i] = clEnqueueMapBuffer(t->device->queue, list[i]->mem, last, CL_MAP_READ, 0,
+                                       list[i]->bytes, 0, NULL, last ? &event : NULL, &code);
+    }
+    for (int i = 0; i < n; ++i) {
+        cl_int given =
+            at[i] ? clEnqueueUnmapMemObject(t->device->queue, list[i]->mem, at[i], 0, NULL, NULL)
+                  : CL_SUCCESS;
+        code = code == CL_SUCCESS ? given : code;
+    }
+    ++t->n_waits;
+    bool kept = !event || keep_event(t, stage, true, event, err);
+    if (code == CL_SUCCESS)
+        code = clFlush(t->device->queue);
+    t->unheard = code != CL_SUCCESS;
+    t->seen = code == CL_SUCCESS;
+    return kept && (code == CL_SUCCESS ||
+                    error_set_cl(err, code, "%s: seeing what was found", t->device->info.selector));
 }
 
 cl_event timeline_last_event(const timeline *t)
@@ -333,7 +371,7 @@ bool timeline_finish(timeline *t, duet_error *err)
         if (code == CL_SUCCESS)
             timeline_spin(t, timeline_last_event(t));
     }
-    cl_int finished = finish_queues(t);
+    cl_int finished = t->seen && !t->beside ? CL_SUCCESS : finish_queues(t);
     code = code != CL_SUCCESS ? code : finished;
     if (code == CL_SUCCESS)
         code = collect(t, t->n_events);

@@ -6,7 +6,8 @@
 #include "runtime/opencl/buffer.h"
 #include "runtime/opencl/program.h"
 
-enum { TIMELINE_EVENTS = 192, TIMELINE_STAGES = 24 };
+// TIMED_EVERY: one step in so many has times where asking for them costs a device time.
+enum { TIMELINE_EVENTS = 192, TIMELINE_STAGES = 24, TIMELINE_SEEN = 4, TIMELINE_TIMED_EVERY = 16 };
 
 typedef struct timeline {
     const device *device;
@@ -19,6 +20,7 @@ typedef struct timeline {
     int n_stages;
     bool untimed;         // commands on the device's memory have no events
     bool unheard;         // some of those may be under way
+    bool seen;            // the host has seen the end of all that was sent
     uint32_t n_launches;  // of kernels
     uint32_t n_waits;     // reads that the host waited for
     cl_ulong first_begin; // of the kernels, on the device's clock; 0: none ran
@@ -30,9 +32,14 @@ typedef struct timeline {
 // Forgets the last step. side is 0 for A, 1 for B.
 void timeline_begin(timeline *t, const device *d);
 
-// The same without times: stages stay those of the last step that had them. Launches and
+// The same without times: stages, and the kernels' first begin and last end, stay those of the
+// last step that had them. Launches and
 // fills have no events then, which were measured to cost NVIDIA's driver 7 microseconds each.
 void timeline_begin_untimed(timeline *t, const device *d);
+
+// Whether a step has times though nobody asked: on a CPU each; elsewhere one in TIMED_EVERY, and
+// the first.
+bool timeline_is_due(const timeline *t, const device *d, uint64_t step);
 
 // Sends a kernel over `work` objects, pairs or values; none for work = 0. values: the
 // struct with its arguments, of the kind that its bindings describe.
@@ -76,6 +83,12 @@ bool timeline_follow(timeline *t, cl_event beside, duet_error *err);
 // waited, or the timeline has finished.
 bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, void *to,
                          size_t bytes, duet_error *err);
+
+// Waits, and the host sees these buffers where the device works on them: all with one wait, which
+// costs a CPU's driver two wake-ups. Buffers that there are none of are passed over, the last
+// one apart. What was sent before is over then.
+bool timeline_see(timeline *t, const char *stage, const buffer *const list[], int n,
+                  duet_error *err);
 
 // Of what was sent to the queue last; the timeline's until it finishes.
 cl_event timeline_last_event(const timeline *t);

@@ -44,6 +44,7 @@ static bool open_world(subject *s, duet_device_pair *pair, const duet_pose *pose
     duet_world_def def = duet_default_world_def();
     def.pair = pair;
     def.ordered = s->ordered;
+    def.stage_times = true;
     def.plan.share = s->share;
     def.plan.mode = s->share ? DUET_MODE_SLAB : DUET_MODE_OWN;
     s->world = duet_world_create(&def, err);

@@ -34,6 +34,7 @@ bool subject_open(subject *s, const subject_def *def, duet_error *err)
     duet_world_def world_def = duet_default_world_def();
     world_def.pair = s->pair;
     world_def.plan = plan_of(def);
+    world_def.stage_times = true;
     s->world = duet_world_create(&world_def, err);
     if (s->world && duet_world_set_objects(s->world, DUET_OBJECT_POSES, def->poses, def->n, err) &&
         duet_world_step(s->world, &s->last, err))

@@ -322,7 +322,7 @@ static void whole_grids_of_ordered_objects_are_right(void **state)
 {
     (void)state;
     enum { N = 3000 };
-    static const char *const variants[] = {"gpu FUSED=1", "gpu grid=hashed"};
+    static const char *const variants[] = {"gpu FUSED=1 JOINED=1", "gpu grid=hashed"};
     rng r = {test_seed()};
     for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
         duet_world_def def = ordered_def(3, variants[v]);
@@ -338,6 +338,81 @@ static void whole_grids_of_ordered_objects_are_right(void **state)
         assert_true(world->grid.n_levels > 1);
         duet_world_destroy(world);
     }
+}
+
+// Each cell and those around it hold hundreds, many more than a lane lists at once.
+static void crowds_are_found_by_lanes_that_list_first(void **state)
+{
+    (void)state;
+    enum { N = 1200 };
+    rng r = {test_seed()};
+    duet_world_def def = ordered_def(3, "gpu FUSED=1 JOINED=1");
+    def.plan.mode = DUET_MODE_OWN;
+    duet_world *world = make_world(&def);
+    fill_poses(&r, N, 3);
+    for (uint32_t i = 0; i < N; ++i)
+        for (int k = 0; k < 3; ++k)
+            poses[i].centre[k] = (float)rng_between(&r, 0.0, i % 2 ? 6.0 : 60.0);
+    put_in_order(world, N);
+    assert_finds_all(world, N);
+    duet_world_destroy(world);
+}
+
+static bool has_stage(const part *p, const char *name)
+{
+    for (int i = 0; i < p->times.n_stages; ++i)
+        if (strcmp(p->times.stages[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+static void assert_zero(const buffer *words, size_t n)
+{
+    const uint32_t *at = words->host;
+    for (size_t i = 0; i < n; ++i)
+        assert_int_equal(at[i], 0);
+}
+
+// What a step counts is zero when it begins: it clears that itself, or the step before did.
+static void assert_counts_from_zero(duet_world *world, uint32_t n, const bool clears[2])
+{
+    duet_result result;
+    set_poses(world, n);
+    step(world, &result);
+    assert_int_equal(duet_result_get_hash(&result), reference_hash(n, 3));
+    for (int side = 0; side < 2; ++side) {
+        const part *p = &world->parts[side];
+        assert_int_equal(has_stage(p, "clear"), clears[side]);
+        assert_true(p->zero_counts > 0 && p->next_are_cleared);
+        assert_zero(&p->counts, p->zero_counts);
+        assert_zero(&p->next_counters, COUNTERS);
+    }
+}
+
+static void a_step_leaves_its_counts_at_zero_for_the_next_one(void **state)
+{
+    (void)state;
+    enum { N = CAPACITY / 4 };
+    static const bool both[2] = {true, true}, none[2];
+    rng r = {test_seed()};
+    duet_world_def def = ordered_def(3, "simd");
+    def.plan.mode = DUET_MODE_OWN;
+    def.max_pairs = N;
+    duet_world *world = make_world(&def);
+    fill_poses(&r, 4 * N, 3);
+    assert_counts_from_zero(world, N, both);
+    for (int i = 0; i < 3; ++i)
+        assert_counts_from_zero(world, N - i, none);
+    assert_counts_from_zero(world, N / 4, none); // another grid, of fewer cells
+    duet_error err = {0};
+    for (uint32_t i = 0; i < N; ++i)
+        poses[4 * N - 1 - i].centre[0] = 1.0f; // a crowd
+    set_poses(world, 4 * N);
+    assert_false(duet_world_step(world, &(duet_result){0}, &err));
+    assert_int_equal(err.status, DUET_STATUS_TOO_MANY);
+    assert_counts_from_zero(world, N, both);
+    assert_counts_from_zero(world, N, none);
+    duet_world_destroy(world);
 }
 
 // Giants make the cells wide, and a crowd makes one cell hold half of all.
@@ -504,6 +579,20 @@ static void a_guess_follows_what_was_wanted(void **state)
     strays_close(&s);
 }
 
+// One launch takes them, the part's own among them.
+static void stretches_side_by_side_are_one(void **state)
+{
+    (void)state;
+    const stretches taken = {
+        .list = {{0, 5}, {7, 9}, {9, 10}, {10, 20}, {20, 21}, {30, 40}}, .n = 6, .own = 3};
+    const stretches one = strays_joined(&taken);
+    static const stretch expected[] = {{0, 5}, {7, 21}, {30, 40}};
+    assert_int_equal(one.n, 3);
+    assert_memory_equal(one.list, expected, sizeof expected);
+    assert_int_equal(one.own, 1);
+    assert_int_equal(strays_joined(&(stretches){.n = 0}).n, 0);
+}
+
 // Blocks far apart have more around them than is wanted, and keep it: a new version is sent again.
 static void the_same_guess_is_no_new_one(void **state)
 {
@@ -590,11 +679,14 @@ int main(void)
         cmocka_unit_test(any_order_share_and_number_gives_the_reference_pairs),
         cmocka_unit_test(every_sort_takes_stretches),
         cmocka_unit_test(whole_grids_of_ordered_objects_are_right),
+        cmocka_unit_test(crowds_are_found_by_lanes_that_list_first),
+        cmocka_unit_test(a_step_leaves_its_counts_at_zero_for_the_next_one),
         cmocka_unit_test(giants_and_crowds_are_found),
         cmocka_unit_test(objects_in_origin_cells_are_found_in_any_order),
         cmocka_unit_test(a_device_takes_its_own_half_and_the_blocks_with_strays),
         cmocka_unit_test(objects_that_move_are_found_in_every_step),
         cmocka_unit_test(a_guess_follows_what_was_wanted),
+        cmocka_unit_test(stretches_side_by_side_are_one),
         cmocka_unit_test(the_same_guess_is_no_new_one),
         cmocka_unit_test(a_workload_tells_how_many_objects_stray),
         cmocka_unit_test(a_bad_object_is_named_wherever_it_strays),

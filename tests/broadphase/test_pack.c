@@ -88,6 +88,7 @@ static duet_world *make_world(const duet_world_def *def)
 static duet_world_def world_def(uint32_t dims, const char *text)
 {
     duet_world_def def = duet_default_world_def();
+    def.stage_times = true;
     def.pair = devices;
     def.dims = dims;
     def.plan.mode = DUET_MODE_SLAB;

@@ -413,6 +413,44 @@ static void a_bad_object_of_any_chunk_is_named(void **state)
     duet_world_destroy(world);
 }
 
+static double all_ms(const duet_result *result)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < result->n_stages; ++i)
+        sum += result->stages[i].ms;
+    return sum;
+}
+
+// Which steps have times of their own is known; the others show the last ones.
+static void stages_have_times_where_they_are_asked_for(void **state)
+{
+    (void)state;
+    rng r = {test_seed()};
+    duet_world *world = make_world(DUET_MODE_SLAB, "gpu send=chunks", false);
+    fill(&r, CAPACITY, 34.0);
+    set_share(world, DUET_SHARE_ONE / 2);
+    uint64_t hash = 0;
+    double last_ms = 0.0, last_kernel_ms = 0.0;
+    int fresh = 0;
+    for (int k = 0; k < 40; ++k) {
+        world->def.stage_times = k > 34;
+        duet_result result = step(world, CAPACITY);
+        assert_true(result.timed == (k % 16 == 0 || k > 34));
+        assert_true(result.n_stages > 0);
+        assert_true(result.kernel_ms[0] > 0.0 && result.kernel_ms[1] > 0.0);
+        if (result.timed)
+            fresh += all_ms(&result) != last_ms;
+        else
+            assert_true(all_ms(&result) == last_ms && result.kernel_ms[1] == last_kernel_ms);
+        last_ms = all_ms(&result);
+        last_kernel_ms = result.kernel_ms[1];
+        hash = hash ? hash : duet_result_get_hash(&result);
+        assert_int_equal(duet_result_get_hash(&result), hash);
+    }
+    assert_true(fresh > 5); // of eight; two sums of times may be equal by chance
+    duet_world_destroy(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -424,6 +462,7 @@ int main(void)
         cmocka_unit_test(pairs_of_objects_with_ids_are_counted_where_they_are_found),
         cmocka_unit_test(undecided_pairs_are_counted_once),
         cmocka_unit_test(a_bad_object_of_any_chunk_is_named),
+        cmocka_unit_test(stages_have_times_where_they_are_asked_for),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);
 }

@@ -4,6 +4,7 @@
 //
 // Every rank runs this; a fact that does not hold on one ends the job with a line.
 #include "cluster/cluster.h"
+#include "cluster/must.h"
 
 #include "base/error.h"
 #include "base/rng.h"
@@ -20,33 +21,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#ifdef __SANITIZE_ADDRESS__
-#include <sanitizer/lsan_interface.h>
-#define IGNORE_LEAKS(call) (__lsan_disable(), call, __lsan_enable())
-#define FIND_LEAKS() __lsan_do_leak_check()
-#else
-#define IGNORE_LEAKS(call) call
-#define FIND_LEAKS() (void)0
-#endif
-
-static int rank; // of the whole job
 static const int groups[] = {1, 2, 3, 4, 8};
 
 enum { N_GROUPS = sizeof groups / sizeof groups[0], MOST_OBJECTS = 300 };
-
-_Noreturn static void end_job(const char *fact, const char *file, int line, const char *why)
-{
-    fprintf(stderr, "rank %d, %s:%d: %s: %s\n", rank, file, line, fact, why);
-    MPI_Abort(MPI_COMM_WORLD, 1);
-    abort();
-}
-
-#define MUST(fact, why)                                \
-    do {                                               \
-        if (!(fact))                                   \
-            end_job(#fact, __FILE__, __LINE__, (why)); \
-    } while (0)
-#define MUST_OK(call, err) MUST(call, (err).text)
 
 // The first n ranks of the job; MPI_COMM_NULL on the others.
 static MPI_Comm group_of(int n)

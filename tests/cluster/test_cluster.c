@@ -8,8 +8,11 @@
 
 #include "base/npy.h"
 #include "base/text.h"
+#include "profiles/cluster_run.h"
 #include "profiles/duet_profiles.h"
+#include "profiles/sql.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -179,6 +182,201 @@ static void a_platform_that_is_none_is_one_line(void **state)
         program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
     }
     remove(FABRIC);
+}
+
+// ---------------------------------------------------------------- kept runs
+
+// One of two ranks, the first of which is the busiest: for 2 ms of each step's 2.5.
+static void keep_test_run(store *s, double latency_ns, double byte_ns, uint32_t n_ranks,
+                          char uid[9])
+{
+    duet_error err = {0};
+    char whole[PROFILE_ID];
+    static const char *const places[] = {"0", "one", "two"};
+    profile_fabric fabric = {.mpi = "Some MPI",
+                             .place = places[n_ranks],
+                             .hosts = 1,
+                             .ranks = n_ranks,
+                             .latency_ns = latency_ns,
+                             .byte_ns = byte_ns};
+    profile_cluster_run run = {.scene = "paper",
+                               .dims = 3,
+                               .n = 100,
+                               .level = "certified",
+                               .parts = 1,
+                               .steps = 3,
+                               .median_ns = 2.5e6,
+                               .low_ns = 1e6,
+                               .high_ns = 9e6};
+    static const profile_cluster_rank rows[] = {{"a:0,a:0", 60, 20, 9, 120, 4e6, 1e6},
+                                                {"a:0,a:0", 40, 0, 8, 160, 3e6, 2e6}};
+    assert_ok(cluster_run_put(s, &fabric, &run, rows, whole, &err), err);
+    snprintf(uid, 9, "%.8s", whole);
+}
+
+static cJSON *simulate(const char *path, const char *arguments, const char *uid)
+{
+    char variables[160];
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", path);
+    program p =
+        program_run_with(variables, "cluster --simulate %s --repeat 1 --json %s", uid, arguments);
+    return json_of_program(&p);
+}
+
+static double simulated_ms(const char *path, const char *arguments, const char *uid)
+{
+    cJSON *json = simulate(path, arguments, uid);
+    double ms = json_number(json, "total_ms");
+    cJSON_Delete(json);
+    return ms;
+}
+
+static double rank_number(const cJSON *run, int rank, const char *name)
+{
+    return json_number(cJSON_GetArrayItem(cJSON_GetObjectItem(run, "ranks"), rank), name);
+}
+
+// Messages that follow each other take k latencies and the time of their bytes, no matter where
+// the ranks are.
+static void a_kept_network_shows_in_the_times(void **state)
+{
+    (void)state;
+    skip_without("duet-simulate", "SimGrid");
+    enum { MS = 1000000 };
+    static const struct {
+        double latency_ns, byte_ns;
+    } networks[] = {{2 * MS, 10}, {5 * MS, 10}, {2 * MS, 30}};
+    test_folder folder = test_folder_make();
+    double ms[3];
+    char uid[9];
+    for (int i = 0; i < 3; ++i) {
+        store *s = test_store_open(folder.store, STORE_WRITE);
+        keep_test_run(s, networks[i].latency_ns, networks[i].byte_ns, 2, uid);
+        store_close(s);
+        ms[i] = simulated_ms(folder.store, "--ranks 2 paper -n 900 --set world=18", uid);
+    }
+    double latencies = (ms[1] - ms[0]) / 3, bytes = (ms[2] - ms[0]) * 1e6 / 20;
+    assert_true(latencies > 0.5 && fabs(latencies - round(latencies)) < 1e-5);
+    assert_true(bytes > 100 && fabs(ms[0] - 2 * latencies - bytes * 10e-6) < 1e-3);
+
+    // Rank 1 sends ghosts to rank 0, and then takes twice as long for each of its objects.
+    char arguments[128];
+    cJSON *at[2];
+    for (int i = 0; i < 2; ++i) {
+        snprintf(arguments, sizeof arguments,
+                 "--ranks 2 --profile %s --stands-for %d paper -n 900 --set world=180", uid,
+                 1000 * (i + 1));
+        at[i] = simulate(folder.store, arguments, uid);
+    }
+    double busy = rank_number(at[1], 1, "busy_ms") - rank_number(at[0], 1, "busy_ms");
+    double sent = rank_number(at[1], 1, "sent_bytes") - rank_number(at[0], 1, "sent_bytes");
+    double more = json_number(at[1], "total_ms") - json_number(at[0], "total_ms");
+    assert_true(busy > 0 && sent > 0 && rank_number(at[1], 0, "sent_bytes") == 0);
+    assert_true(fabs(more - busy - sent * 30e-6) < 1e-6 * more);
+    cJSON_Delete(at[0]);
+    cJSON_Delete(at[1]);
+    test_folder_remove(&folder);
+}
+
+// 2 ms a step for the 80 and the 40 objects that the ranks saw, where two shared the host.
+static void a_kept_run_shows_in_a_forecast(void **state)
+{
+    (void)state;
+    skip_without("duet-simulate", "SimGrid");
+    test_folder folder = test_folder_make();
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    char uid[9], arguments[128];
+    keep_test_run(s, 1000, 1, 2, uid);
+    store_close(s);
+    static const double object_ms[] = {2.0 / 80, 2.0 / 40};
+    for (int ranks = 1; ranks <= 4; ranks += 3) {
+        snprintf(arguments, sizeof arguments, "--ranks %d --profile %s paper -n 900 --set world=18",
+                 ranks, uid);
+        cJSON *run = simulate(folder.store, arguments, uid);
+        double own_ms = 0, most_ms = 0, total_ms = json_number(run, "total_ms");
+        for (int i = 0; i < ranks; ++i) {
+            double n = rank_number(run, i, "objects"), ghosts = rank_number(run, i, "ghosts");
+            double ms = object_ms[i % 2] * ranks / 2;
+            assert_true(fabs(rank_number(run, i, "busy_ms") - ms * (n + ghosts)) < 1e-3);
+            own_ms += ms * n;
+            most_ms = fmax(most_ms, ms * (n + ghosts));
+        }
+        assert_true(total_ms >= most_ms - 1e-3 && total_ms < most_ms + 1);
+        assert_true(fabs(json_number(run, "efficiency") - own_ms / ranks / total_ms) < 1e-3);
+        cJSON_Delete(run);
+    }
+    char variables[160];
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
+    program p = program_run_with(variables,
+                                 "cluster --simulate %s --profile %s --ranks 2 paper "
+                                 "-n 60",
+                                 uid, uid);
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "ranks as in run "));
+    assert_non_null(strstr(p.out, ": paper, 100 boxes, 2 ranks on 1 host"));
+    program_free(&p);
+    test_folder_remove(&folder);
+}
+
+static void a_run_that_does_not_fit_is_one_line(void **state)
+{
+    (void)state;
+    skip_without("duet-simulate", "SimGrid");
+    test_folder folder = test_folder_make();
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    duet_error err = {0};
+    char uid[9], alone[9], variables[160], arguments[128];
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
+    keep_test_run(s, 1000, 1, 2, uid);
+    keep_test_run(s, 0, 0, 1, alone);
+    store_close(s);
+    const struct {
+        const char *network, *of, *arguments;
+        int exit_code;
+        const char *says;
+    } wrong[] = {
+        {"0000000000", uid, "paper", 1, "'0000000000': no such file, and no kept run begins so"},
+        {alone, uid, "paper", 2, "': that run had one rank and no network"},
+        {uid, "none", "paper", 1, "--profile 'none': 0 profiles begin so"},
+        {uid, uid, "paper2d -n 9", 2, "': a run in 3D, and paper2d is in 2D; expected the same"},
+        {uid, uid, "paper -n 9 --level aabb", 2,
+         "': a run at level certified, and this is at level "},
+        {uid, uid, "paper -n 9 --parts 2", 2, "': a run with --parts 1; expected the same"},
+        {uid, uid, "paper -n 9 --resident", 2, "': a run without --resident; expected the same"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        snprintf(arguments, sizeof arguments, "--simulate %s --profile %s %s", wrong[i].network,
+                 wrong[i].of, wrong[i].arguments);
+        program p = program_run_with(variables, "cluster --ranks 2 %s", arguments);
+        program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
+    }
+    static const struct {
+        const char *change;
+        const char *says;
+    } hostile[] = {
+        {"fabric SET latency_ns = -1", "its network's latency or bandwidth cannot be"},
+        {"fabric SET latency_ns = 9e999", "its network's latency or bandwidth cannot be"},
+        {"fabric SET latency_ns = 1, byte_ns = 1e300", "its network's latency or bandwidth cannot"},
+        {"fabric SET byte_ns = 1, hosts = 0", "its number of ranks or hosts cannot be"},
+        {"fabric SET hosts = 1; UPDATE cluster_rank SET busy_ns = -1",
+         "objects or times of a rank"},
+        {"cluster_rank SET busy_ns = 9e999", "its objects or times of a rank cannot be"},
+        {"cluster_rank SET busy_ns = 1, ghosts = -1", "its objects or times of a rank cannot be"},
+        {"cluster_rank SET ghosts = 0, n = 0", "its ranks without objects and times cannot be"},
+        {"cluster_rank SET n = 9; UPDATE cluster_run SET median_ns = 1e300",
+         "its time of a step cannot be"},
+    };
+    for (size_t i = 0; i < sizeof hostile / sizeof *hostile; ++i) {
+        s = test_store_open(folder.store, STORE_WRITE);
+        snprintf(arguments, sizeof arguments, "PRAGMA ignore_check_constraints = ON; UPDATE %s",
+                 hostile[i].change);
+        assert_ok(sql_script(s, arguments, &err), err);
+        store_close(s);
+        program p = program_run_with(
+            variables, "cluster --ranks 2 --simulate %s --profile %s still", uid, uid);
+        program_assert_refused(&p, 1, hostile[i].says);
+    }
+    test_folder_remove(&folder);
 }
 
 // ---------------------------------------------------------------- what is told
@@ -429,6 +627,9 @@ int main(int argc, char **argv)
         cmocka_unit_test(simulated_ranks_find_the_pairs_of_run),
         cmocka_unit_test(a_forecast_takes_the_times_of_a_profile),
         cmocka_unit_test(a_platform_that_is_none_is_one_line),
+        cmocka_unit_test(a_kept_network_shows_in_the_times),
+        cmocka_unit_test(a_kept_run_shows_in_a_forecast),
+        cmocka_unit_test(a_run_that_does_not_fit_is_one_line),
         cmocka_unit_test(an_array_is_read_in_parts),
         cmocka_unit_test(each_rank_has_its_row_and_its_part_of_the_devices),
         cmocka_unit_test(a_rank_that_is_bound_to_one_core_of_several_is_told_of),

@@ -445,6 +445,26 @@ static void kernels_are_those_that_are_called_for(void **state)
     mover_free(m);
 }
 
+// On a device with memory of its own each step has times only where that is asked for.
+static void stages_have_times_where_they_are_asked_for(void **state)
+{
+    (void)state;
+    bool *host = &mover_pair()->devices[1].info.host_memory, had = *host;
+    *host = false;
+    mover *m = make_scene(0);
+    for (int k = 0; k < 36; ++k) {
+        double last_ms = k > 0 ? m->last.stages[0].ms : 0.0;
+        if (k > 0)
+            m->motion->def.stage_times = k > 33;
+        mover_run(m, 1);
+        assert_int_equal(m->last.n_stages, 1);
+        assert_true(m->last.timed == (k % 16 == 0 || k > 33));
+        assert_true(m->last.timed || m->last.stages[0].ms == last_ms);
+    }
+    *host = had;
+    mover_free(m);
+}
+
 static void explain_tells_effects_and_bytes(void **state)
 {
     (void)state;
@@ -625,6 +645,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(an_effect_names_all_its_kernels),
         cmocka_unit_test(buffers_are_those_that_are_called_for),
         cmocka_unit_test(kernels_are_those_that_are_called_for),
+        cmocka_unit_test(stages_have_times_where_they_are_asked_for),
         cmocka_unit_test(explain_tells_effects_and_bytes),
         cmocka_unit_test(launches_do_not_grow_with_colours),
         cmocka_unit_test(a_step_at_rest_sends_nothing),

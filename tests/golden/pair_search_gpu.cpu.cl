@@ -238,10 +238,10 @@ static inline void set_point(const sorted *in, uint place, coord point[3])
 
 // In a hashed grid other cells share the entries of those that are meant; in a
 // dense one the cells need not be known.
-static inline bool is_in(const sorted *in, uint place, float4 upper, const row *cells)
+static inline bool is_in(const sorted *in, uint place, const row *cells)
 {
 #if GRID == GRID_HASHED
-    if (as_uint(upper.w) != cells->level)
+    if (as_uint(in->bounds[BOUNDS_QUADS * (size_t)place + 1].w) != cells->level)
         return false;
     coord point[3];
     uint cell[3];
@@ -253,27 +253,36 @@ static inline bool is_in(const sorted *in, uint place, float4 upper, const row *
 #endif
 }
 
+// Whether the bounds of what lies there overlap.
+static inline bool meets(const sorted *in, const seeker *me, uint place)
+{
+    float4 lower = in->bounds[BOUNDS_QUADS * (size_t)place];
+    float4 upper = in->bounds[BOUNDS_QUADS * (size_t)place + 1];
+#if ORIGIN
+    int4 between = as_int4(in->bounds[BOUNDS_QUADS * (size_t)place + 2]) - me->cell;
+    return none_of(bounds_apart(me->lower, me->upper, lower, upper, between));
+#else
+    return none_of(bounds_apart(me->lower, me->upper, lower, upper));
+#endif
+}
+
+static inline void add_met(pair_sink *sink, const sorted *in, const seeker *me, uint place)
+{
+    uint mine = as_uint(me->lower.w), other = as_uint(in->bounds[BOUNDS_QUADS * (size_t)place].w);
+#if IDS
+    add_pair(sink, ordered(mine, other));
+#else
+    uint2 pair = (uint2)(me->place, place);
+    add_pair(sink, mine < other ? pair : pair.yx);
+#endif
+}
+
 static inline void search_range(pair_sink *sink, const sorted *in, const seeker *me, const row *cells, uint from,
                                 uint to)
 {
-    for (uint place = from; place < to; ++place) {
-        float4 lower = in->bounds[BOUNDS_QUADS * (size_t)place];
-        float4 upper = in->bounds[BOUNDS_QUADS * (size_t)place + 1];
-#if ORIGIN
-        int4 between = as_int4(in->bounds[BOUNDS_QUADS * (size_t)place + 2]) - me->cell;
-        int4 apart = bounds_apart(me->lower, me->upper, lower, upper, between);
-#else
-        int4 apart = bounds_apart(me->lower, me->upper, lower, upper);
-#endif
-        if (none_of(apart) && is_in(in, place, upper, cells)) {
-#if IDS
-            add_pair(sink, ordered(as_uint(me->lower.w), as_uint(lower.w)));
-#else
-            uint2 pair = (uint2)(me->place, place);
-            add_pair(sink, as_uint(me->lower.w) < as_uint(lower.w) ? pair : pair.yx);
-#endif
-        }
-    }
+    for (uint place = from; place < to; ++place)
+        if (meets(in, me, place) && is_in(in, place, cells))
+            add_met(sink, in, me, place);
 }
 
 static inline void search_row(pair_sink *sink, const sorted *in, const seeker *me, const row *cells)
@@ -321,45 +330,51 @@ static inline void search_level(pair_sink *sink, const sorted *in, const seeker 
     row cells = {level, y, z, x, right};
     search_own_row(sink, in, me, &cells);
     cells.left = left;
-#line 282 "kernels/grid/pair_search_gpu.cl.in"
+#line 291 "kernels/grid/pair_search_gpu.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = 0;
         search_row(sink, in, me, &cells);
     }
-#line 288 "kernels/grid/pair_search_gpu.cl.in"
+#line 297 "kernels/grid/pair_search_gpu.cl.in"
 #else
     // All look-ups are under way before the first range is searched.
     uint key = row_key(y, z, grid, level) - in->key_from;
     uint from_0 = me->place + 1, to_0 = in->starts[key + right + 1];
-#line 294 "kernels/grid/pair_search_gpu.cl.in"
+#line 303 "kernels/grid/pair_search_gpu.cl.in"
     uint from_1 = 0, to_1 = 0;
     if (y + 1 < ny) {
         key = row_key(y + 1, 0, grid, level) - in->key_from;
         from_1 = in->starts[key + left];
         to_1 = in->starts[key + right + 1];
     }
-#line 301 "kernels/grid/pair_search_gpu.cl.in"
+#line 310 "kernels/grid/pair_search_gpu.cl.in"
 #if JOINED
     // One loop over all ranges: lanes that run in step wait for the longest sum,
-    // not for the longest of each.
+    // not for the longest of each. Who meets is a bit at first: what is done about it
+    // would stop all lanes for each.
     uint shift_0 = from_0, end_0 = to_0 - from_0;
-#line 306 "kernels/grid/pair_search_gpu.cl.in"
+#line 316 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_1 = from_1 - end_0, end_1 = end_0 + to_1 - from_1;
-#line 308 "kernels/grid/pair_search_gpu.cl.in"
-    for (uint k = 0; k < end_1; ++k) {
-        uint shift = shift_0;
-#line 311 "kernels/grid/pair_search_gpu.cl.in"
-        shift = k >= end_0 ? shift_1 : shift;
-#line 313 "kernels/grid/pair_search_gpu.cl.in"
-        search_range(sink, in, me, 0, k + shift, k + shift + 1);
+#line 323 "kernels/grid/pair_search_gpu.cl.in"
+    uint end = end_1;
+    for (uint from = 0; from < end; from += 32) {
+        uint n = min(end - from, 32u), met = 0;
+        for (uint i = 0; i < n; ++i) {
+            uint k = from + i;
+            met |= (uint)meets(in, me, k + (k >= end_0 ? shift_1 : shift_0)) << i;
+        }
+        for (; met; met &= met - 1) {
+            uint k = from + 31 - clz(met & -met);
+            add_met(sink, in, me, k + (k >= end_0 ? shift_1 : shift_0));
+        }
     }
 #else
-#line 317 "kernels/grid/pair_search_gpu.cl.in"
+#line 337 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_0, to_0);
-#line 317 "kernels/grid/pair_search_gpu.cl.in"
+#line 337 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_1, to_1);
-#line 319 "kernels/grid/pair_search_gpu.cl.in"
+#line 339 "kernels/grid/pair_search_gpu.cl.in"
 #endif
 #endif
 }
@@ -417,8 +432,8 @@ static inline void search_around(pair_sink *sink, const sorted *in, uint place)
 // agree on it, though not on the order inside a cell.
 static inline uint entry_begin(const sorted *in, uint place, uint end)
 {
-    if (place >= end)
-        return end;
+    if (place == 0 || place >= end)
+        return min(place, end);
     uint level = as_uint(in->bounds[BOUNDS_QUADS * (size_t)place + 1].w);
     coord point[3];
     set_point(in, place, point);

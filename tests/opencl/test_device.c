@@ -364,14 +364,14 @@ static void launches_of_pocls_cpus_lie_along_the_third_axis(void **state)
 }
 
 typedef struct clear_args {
-    buffer counters, starts;
-    cl_uint n_counters, n_starts;
+    buffer counters, counts;
+    cl_uint n_counters, n_counts;
 } clear_args;
 
 static const binding clear_bindings[] = {BIND_BUFFER(clear_args, "counters", "uint *", counters),
-                                         BIND_BUFFER(clear_args, "starts", "uint *", starts),
+                                         BIND_BUFFER(clear_args, "counts", "uint *", counts),
                                          BIND_VALUE(clear_args, "n_counters", n_counters),
-                                         BIND_VALUE(clear_args, "n_starts", n_starts),
+                                         BIND_VALUE(clear_args, "n_counts", n_counts),
                                          {0}};
 
 enum { CLEARED_MOST = 300000, CLEARINGS = 200 };
@@ -396,13 +396,13 @@ static void open_clearing(clearing *c, gen *g, const char *selector)
     assert_ok(c->k && program_set_build(c->set, &c->err), c->err);
     size_t bytes = (CLEARED_MOST + 1) * sizeof(cl_uint);
     assert_ok(buffer_reserve(&c->args.counters, &c->d, sizeof(cl_uint), &c->err), c->err);
-    assert_ok(buffer_reserve(&c->args.starts, &c->d, bytes, &c->err), c->err);
+    assert_ok(buffer_reserve(&c->args.counts, &c->d, bytes, &c->err), c->err);
 }
 
 static void close_clearing(clearing *c)
 {
     buffer_release(&c->args.counters);
-    buffer_release(&c->args.starts);
+    buffer_release(&c->args.counts);
     program_set_close(c->set);
     device_close(&c->d);
 }
@@ -416,11 +416,11 @@ static void *clear_ranges(void *arg)
     c->ok = words != NULL;
     for (int i = 0; c->ok && i < CLEARINGS; ++i) {
         uint32_t most = i % 2 ? CLEARED_MOST : 1000;
-        cl_uint n = c->args.n_starts = 1 + rng_below(&c->random, most);
+        cl_uint n = c->args.n_counts = 1 + rng_below(&c->random, most);
         timeline_begin(&times, &c->d);
-        c->ok = timeline_fill(&times, "fill", &c->args.starts, 7, 0, n + 1, &c->err) &&
+        c->ok = timeline_fill(&times, "fill", &c->args.counts, 7, 0, n + 1, &c->err) &&
                 timeline_launch(&times, "clear", c->k, n, &c->args, &c->err) &&
-                timeline_read(&times, "read", &c->args.starts, words, (n + 1) * sizeof *words,
+                timeline_read(&times, "read", &c->args.counts, words, (n + 1) * sizeof *words,
                               &c->err) &&
                 timeline_finish(&times, &c->err) && words[n] == 7;
         for (cl_uint k = 0; c->ok && k < n; ++k)
@@ -464,17 +464,17 @@ static void what_is_not_timed_is_done_all_the_same(void **state)
     open_clearing(&c, g, cpu->selector);
     timeline times = {0};
     timeline_begin(&times, &c.d);
-    assert_ok(timeline_fill(&times, "fill", &c.args.starts, 7, 0, 1001, &c.err), c.err);
+    assert_ok(timeline_fill(&times, "fill", &c.args.counts, 7, 0, 1001, &c.err), c.err);
     assert_ok(timeline_finish(&times, &c.err), c.err);
     const duet_stage filled = times.stages[0];
     timeline_begin_untimed(&times, &c.d);
-    c.args.n_starts = 1000;
+    c.args.n_counts = 1000;
     assert_ok(timeline_launch(&times, "clear", c.k, 1000, &c.args, &c.err), c.err);
     assert_int_equal(times.n_launches, 1);
     assert_int_equal(times.n_events, 0);
     assert_ok(timeline_finish(&times, &c.err), c.err);
     cl_uint words[1001] = {0};
-    assert_ok(timeline_read(&times, "read", &c.args.starts, words, sizeof words, &c.err), c.err);
+    assert_ok(timeline_read(&times, "read", &c.args.counts, words, sizeof words, &c.err), c.err);
     for (int k = 0; k < 1001; ++k)
         assert_int_equal(words[k], k < 1000 ? 0 : 7);
     assert_ok(timeline_finish(&times, &c.err), c.err);

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// A run that `duet cluster --keep` kept, as simulated ranks need it.
+#ifndef CLI_CLUSTER_STORED_RUN_H
+#define CLI_CLUSTER_STORED_RUN_H
+
+#include "duet_error.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct stored_run {
+    char uid[72]; // its first digits name it
+    char scene[256];
+    char level[16];
+    uint32_t dims;
+    uint64_t n;
+    uint32_t parts;
+    bool resident;
+    uint32_t hosts;
+    uint32_t ranks;
+    double latency_ns; // of a message; 0: it had one rank
+    double byte_ns;    // of each of its bytes
+    // [n_paces] What a step takes of each home and each ghost that a rank has, seconds, but for
+    // the time that all ranks waited for messages. Those with homes, in order.
+    double *object_seconds;
+    uint32_t n_paces;
+} stored_run;
+
+// Reads the one run of the user's store whose uid begins so; *found is false where there is none,
+// or where a profile's begins so too. BAD_INPUT where a number of it cannot be.
+bool stored_run_read(stored_run *run, const char *uid, bool *found, duet_error *err);
+void stored_run_end(stored_run *run);
+
+#endif

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: MIT
+// What a device skims for a rank: it passes over nothing that the host must look at, and ranks
+// whose devices skim find the pairs of ranks whose devices do not. The CPU's parts here are told
+// that they have memory of their own.
+#include "cluster/cluster.h"
+#include "cluster/must.h"
+#include "cluster/worker_pair.h"
+
+#include "base/rng.h"
+#include "runtime/broadphase/world.h"
+#include "runtime/opencl/device_pair.h"
+
+#include <float.h>
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+enum { N = 9000, MANY = 40000 };
+
+static duet_device_pair *devices;
+
+static void open_devices(void)
+{
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    devices = duet_device_pair_create(&def, &err);
+    MUST_OK(devices, err);
+    devices->devices[0].info.host_memory = devices->devices[1].info.host_memory = false;
+}
+
+// ---------------------------------------------------------------- one device
+
+static const reach inside = {{-2.5, -2.25, -3}, {2.5, 3.1, 2.7}};
+
+// Few of them are any number that there is.
+static float some_number(rng *r, double likely)
+{
+    const float odd[] = {NAN,      INFINITY, -INFINITY, -0.0f,  1e-40f, -1e-40f, FLT_MAX,
+                         -FLT_MAX, 1e-25f,   1e25f,     2.5f,   2.7f,   -2.25f,  0.0f,
+                         -3.0f,    -FLT_MIN, 3.1f,      1e-16f, 1e16f,  -1.0f};
+    return rng_below(r, 150) > 0 ? (float)likely : odd[rng_below(r, sizeof odd / sizeof *odd)];
+}
+
+// What is promised not to count in 2D is any number too. Some are all so small that float squares
+// of them vanish.
+static void make_row(rng *r, const object_form *form, bool is_small, float *row)
+{
+    float from[3], half[3];
+    for (int k = 0; k < 3; ++k) {
+        from[k] = some_number(r, rng_between(r, -4, 4));
+        half[k] = some_number(r, rng_below(r, 9) ? rng_between(r, 0, 1) : 0);
+    }
+    for (int k = 0; k < 3; ++k) {
+        row[k] = from[k];
+        row[3 + k] = form->shape == DUET_SHAPE_POSES ? half[k] : some_number(r, from[k] + half[k]);
+    }
+    for (int k = 6; form->shape == DUET_SHAPE_POSES && k < 10; ++k)
+        row[k] = rng_below(r, 200) ? some_number(r, rng_normal(r)) : 0.0f;
+    for (int k = 0; is_small && k < 6; ++k)
+        row[k] *= 1e-24f;
+}
+
+static bool is_between(double lower, double x, double upper)
+{
+    return lower < x && x < upper;
+}
+
+// What was passed over is sound, lies inside, and is in what is known of its block.
+static void must_be_deep(const object_form *form, const float *row, const skim_block *block)
+{
+    double at[3];
+    skim all = skim_none;
+    skim_add_block(&all, block);
+    object_centre(form, row, at);
+    reach e = reach_of(form, row);
+    MUST(object_is_sound(form, row), "sound");
+    for (uint32_t k = 0; k < form->dims; ++k)
+        MUST(is_between(inside.lower[k], at[k], inside.upper[k]) && at[k] >= all.centres.lower[k] &&
+                 at[k] <= all.centres.upper[k],
+             "inside");
+    MUST(reach_widest(&e) <= skim_widest(&all, form), "no wider than is said");
+}
+
+// Whether float must see that it is deep inside: the host does, bounds are inside as a whole, and
+// the numbers are neither very small nor very large.
+static bool is_plainly_deep(const object_form *form, const float *row)
+{
+    const object_rows one = {.objects = (void *)(uintptr_t)row, .n = 1};
+    skim s = skim_none;
+    float lower[3], upper[3];
+    skim_box(&inside, lower, upper);
+    if (object_rows_skim(&one, form, 0, 1, &inside, &s) != 1)
+        return false;
+    for (uint32_t k = 0; k < form->dims; ++k)
+        if (form->shape == DUET_SHAPE_BOUNDS && !(row[k] > lower[k] && row[3 + k] < upper[k]))
+            return false;
+    return is_between(0x1p-99, s.square, 0x1p99);
+}
+
+static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet_shape shape,
+                                                     const char *plan)
+{
+    duet_error err = {0};
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    def.dims = dims;
+    def.shape = shape;
+    def.rotated = shape == DUET_SHAPE_POSES;
+    def.plan = (duet_plan){.mode = DUET_MODE_OWN};
+    strcpy(def.plan.variant_a, plan);
+    strcpy(def.plan.variant_b, plan);
+    duet_world *world = duet_world_create(&def, &err);
+    MUST_OK(world, err);
+    world->skims = true;
+    world->parts[1].least_chunk = 1;
+
+    object_form form = object_form_of(&def);
+    uint32_t words = form.bytes / (uint32_t)sizeof(float), deep = 0, plain = 0, n_odd = 0,
+             chunks = 0;
+    duet_result result;
+    float lower[3], upper[3],
+        *rows = duet_world_map_objects(world, object_form_kind(&form), 1, &err);
+    MUST_OK(rows, err);
+    for (uint32_t k = 0; k < words; ++k)
+        rows[k] = k > 2; // whatever it is, so that kernels are there
+    MUST_OK(duet_world_step(world, &result, &err), err);
+    rows = duet_world_map_objects(world, object_form_kind(&form), N, &err);
+    MUST_OK(rows, err);
+    for (uint32_t i = 0; i < N; ++i)
+        make_row(r, &form, i / SKIM_ROWS == 1, rows + (size_t)i * words);
+    skim_box(&inside, lower, upper);
+    MUST(!world_skim(world, lower, upper), "nothing was sent ahead");
+    world_send_ahead(world, N);
+    for (int again = 0; again < 2; ++again) { // any number of times
+        const skim_block *blocks = NULL;
+        MUST(world_skim(world, lower, upper), "it skims");
+        for (uint32_t from = 0; from < N; ++chunks)
+            from = world_await_skim(world, from, &blocks);
+        deep = plain = n_odd = 0;
+        for (uint32_t i = 0; i < N; ++i) {
+            const float *row = rows + (size_t)i * words;
+            bool is_odd = blocks[i / SKIM_ROWS].odd[i % SKIM_ROWS / 32] >> i % 32 & 1;
+            bool is_plain = is_plainly_deep(&form, row);
+            if (!is_odd)
+                must_be_deep(&form, row, &blocks[i / SKIM_ROWS]);
+            MUST(!is_odd || !is_plain, "what is plainly deep is passed over");
+            deep += !is_odd;
+            plain += is_plain;
+        }
+        for (uint32_t b = 0; b <= (N - 1) / SKIM_ROWS; ++b)
+            n_odd += blocks[b].n_odd;
+    }
+    MUST(chunks == 2 * world->parts[1].n_chunks && chunks > 4, "they come in chunks");
+    MUST(n_odd == N - deep, "odd ones are counted");
+    MUST(plain > 500 && deep < N - 2000, "some are, and some are not");
+    world_stop_ahead(world);
+    MUST(!world_skim(world, lower, upper), "nothing is sent ahead any more");
+    duet_world_destroy(world);
+}
+
+// ---------------------------------------------------------------- ranks
+
+static duet_cluster *open_cluster(MPI_Comm *comm, bool skims)
+{
+    duet_error err = {0};
+    duet_cluster_def def = duet_default_cluster_def();
+    def.comm = comm;
+    def.plain = !skims;
+    def.weight = 1;
+    def.imbalance = 1.5;
+    def.world.pair = skims ? devices : NULL;
+    def.world.plan.share = 0;
+    def.world.plan.mode = DUET_MODE_OWN;
+    duet_cluster *c = duet_cluster_create(&def, &err);
+    MUST_OK(c, err);
+    return c;
+}
+
+static worker_pair *worker_of(duet_cluster *c)
+{
+    return (worker_pair *)c->workers[0];
+}
+
+// Rank 0 brings all.
+static void hand_over(duet_cluster *c, uint32_t n, uint64_t seed)
+{
+    static duet_pose poses[MANY];
+    static uint64_t ids[MANY];
+    duet_error err = {0};
+    rng r = rng_seed(seed);
+    for (uint32_t i = 0; i < n; ++i) {
+        ids[i] = i;
+        poses[i] = (duet_pose){.half_extents = {0.5f, 0.3f, 0.4f}};
+        for (int k = 0; k < 3; ++k)
+            poses[i].centre[k] = (float)rng_between(&r, -12, 12);
+        for (int k = 0; k < 4; ++k)
+            poses[i].rotation[k] = (float)rng_normal(&r);
+    }
+    n = duet_cluster_get_rank(c) == 0 ? n : 0;
+    MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, poses, n, &err), err);
+}
+
+enum { STEPS = 14, GROWS = 4, SHRINKS = 7, FAILS = 9, CROWDS = 11 };
+
+// Where an object is at a step is known by its id alone: some leap far, once one becomes wide, and
+// later narrow, two are bad for a moment, and most come to one side.
+static void move(duet_pose *p, uint64_t id, uint32_t at)
+{
+    rng r = rng_seed(id * 1000 + at);
+    for (int k = 0; k < 3; ++k)
+        p->centre[k] += (float)rng_between(&r, -0.3, 0.3);
+    if (id % 97 == at)
+        p->centre[id % 3] = (float)rng_between(&r, -16, 16);
+    if (at == CROWDS && id % 4 > 0)
+        p->centre[0] = fabsf(p->centre[0]);
+    if (id == 77)
+        p->half_extents[1] = at < GROWS || at >= SHRINKS ? 0.3f : 3.0f;
+    if (id == 4321 || id == 8765)
+        p->half_extents[2] = at == FAILS ? -1.0f : 0.4f;
+}
+
+static void move_homes(duet_cluster *c, uint32_t at)
+{
+    duet_error err = {0};
+    const uint64_t *ids;
+    uint32_t n;
+    duet_pose *own = duet_cluster_map_homes(c, DUET_OBJECT_POSES, &ids, &n, &err);
+    MUST_OK(own, err);
+    for (uint32_t i = 0; i < n; ++i)
+        move(&own[i], ids[i], at);
+}
+
+static void must_name_the_bad(duet_cluster *c)
+{
+    duet_error err = {0};
+    duet_cluster_result result;
+    MUST(!duet_cluster_step(c, &result, &err) && err.status == DUET_STATUS_BAD_OBJECT, err.text);
+    MUST(strstr(err.text, "object 4321 of 9000 is not a number") && strstr(err.text, "(2 such"),
+         err.text);
+}
+
+static bool (*skim_in_truth)(worker *, const float[3], const float[3]);
+static int n_skims;
+
+static bool count_skim(worker *w, const float lower[3], const float upper[3])
+{
+    bool skims = skim_in_truth(w, lower, upper);
+    n_skims += skims;
+    return skims;
+}
+
+// Once a step, but where nothing was sent ahead or levels change.
+static bool is_quiet(uint32_t at)
+{
+    return at > 2 && at != GROWS && at != SHRINKS && at != CROWDS && at != FAILS && at != FAILS + 1;
+}
+
+static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
+{
+    duet_cluster *clusters[] = {open_cluster(comm, true), open_cluster(comm, false)};
+    uint64_t left = 0;
+    part *b = &worker_of(clusters[0])->world->parts[1];
+    skim_in_truth = clusters[0]->workers[0]->skim;
+    clusters[0]->workers[0]->skim = count_skim;
+    for (int i = 0; i < 2; ++i)
+        hand_over(clusters[i], N, seed);
+    for (uint32_t at = 0; at < STEPS; ++at) {
+        duet_error err = {0};
+        duet_cluster_result results[2];
+        n_skims = 0;
+        for (int i = 0; i < 2; ++i) {
+            if (at > 0)
+                move_homes(clusters[i], at);
+            if (at == FAILS)
+                must_name_the_bad(clusters[i]);
+            else
+                MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
+        }
+        MUST(!is_quiet(at) || (n_skims == 1 && b->n_chunks > 2), "a look is enough, in chunks");
+        left += clusters[0]->homes.n_gone;
+        b->least_chunk = 1;
+        MUST(at == FAILS || (results[0].hash == results[1].hash &&
+                             results[0].pairs == results[1].pairs && results[0].pairs > 1000),
+             "the pairs are the reference's");
+    }
+    MPI_Allreduce(MPI_IN_PLACE, &left, 1, MPI_UINT64_T, MPI_SUM, *comm);
+    MUST(clusters[0]->ranks.n == 1 || left > 100, "objects changed ranks");
+    for (int i = 0; i < 2; ++i)
+        duet_cluster_destroy(clusters[i]);
+}
+
+// Several threads look at each chunk, and then at the next.
+static void homes_leave_in_the_order_of_their_rows(MPI_Comm *comm, uint64_t seed)
+{
+    duet_error err = {0};
+    duet_cluster_result result;
+    duet_cluster *c = open_cluster(comm, true);
+    const homes *h = &c->homes;
+    parallel_end(&c->threads);
+    MUST_OK(parallel_begin(&c->threads, 1, &err), err);
+    hand_over(c, MANY, seed);
+    for (uint32_t at = 1; at < 4; ++at) {
+        MUST_OK(duet_cluster_step(c, &result, &err), err);
+        worker_of(c)->world->parts[1].least_chunk = 1;
+        for (uint32_t i = 1; i < h->n_gone; ++i)
+            MUST(h->gone[i - 1] < h->gone[i], "ascending");
+        MUST(at < 3 || (h->n_gone > 100 && worker_of(c)->world->parts[1].chunks[1].skimmed),
+             "some left");
+        move_homes(c, at);
+    }
+    duet_cluster_destroy(c);
+}
+
+int main(int argc, char **argv)
+{
+    const char *given = getenv("DUET_TEST_SEED");
+    uint64_t seed = given ? strtoull(given, NULL, 10) : 20261123;
+    rng r = rng_seed(seed);
+    MPI_Comm self = MPI_COMM_SELF, world = MPI_COMM_WORLD;
+    IGNORE_LEAKS(MPI_Init(&argc, &argv));
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    if (rank == 0)
+        printf("DUET_TEST_SEED=%" PRIu64 "\n", seed);
+    open_devices();
+    if (rank == 0) { // with a group of one, as on a CPU, and of many
+        a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_POSES, "simd");
+        a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_POSES, "simd skim.WG=64");
+        a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_POSES, "simd skim.WG=256");
+        a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_BOUNDS, "simd");
+        a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_BOUNDS, "simd skim.WG=128");
+        ranks_that_skim_find_the_same_pairs(&self, seed);
+    }
+    MPI_Barrier(MPI_COMM_WORLD);
+    ranks_that_skim_find_the_same_pairs(&world, seed);
+    homes_leave_in_the_order_of_their_rows(&world, seed);
+    duet_device_pair_destroy(devices);
+    MUST(device_live_objects() == 0, "no OpenCL object is left");
+    if (rank == 0)
+        printf("all facts hold\n");
+    FIND_LEAKS(); // before MPI ends, which forgets some memory of its own
+    MPI_Finalize();
+    return 0;
+}

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// Prefix sums on a device, beside those of plain C.
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/opencl/device_list.h"
+#include "runtime/opencl/scan.h"
+
+#include <stdlib.h>
+
+enum { MOST = 300000 };
+
+// Where the host reads them again once a timeline has shown them.
+typedef struct bench {
+    device d;
+    gen *g;
+    program_set *set;
+    scan s;
+    buffer words, sums;
+    uint32_t from[MOST + 1];
+} bench;
+
+static bench b;
+
+// Groups of one work-item, as a CPU has them, or of several.
+static void open_bench(bool emptying, bool grouped)
+{
+    duet_error err = {0};
+    const device_root *roots = NULL;
+    uint32_t n = 0, cpu = 0;
+    device_list_roots(&roots, &n, NULL);
+    while (cpu < n && !roots[cpu].info.host_memory)
+        ++cpu;
+    if (cpu == n)
+        skip();
+    const gen_setting settings[] = {
+        {"EMPTIES", emptying}, {"WG", grouped ? 64 : 1}, {"PER_ITEM", grouped ? 4 : 8192}};
+    assert_ok(device_open(&b.d, roots[cpu].info.selector, &err), err);
+    b.g = gen_open(NULL, &err);
+    assert_ok(b.g != NULL, err);
+    b.set = program_set_open(&b.d, b.g, NULL, &err);
+    assert_ok(b.set != NULL, err);
+    assert_ok(scan_open(&b.s, &b.d, b.set, settings, 3, &err), err);
+    assert_ok(program_set_build(b.set, &err), err);
+    assert_ok(buffer_reserve(&b.words, &b.d, sizeof b.from, &err), err);
+    assert_ok(buffer_reserve(&b.sums, &b.d, sizeof b.from, &err), err);
+}
+
+static void close_bench(void)
+{
+    scan_close(&b.s);
+    buffer_release(&b.words);
+    buffer_release(&b.sums);
+    program_set_close(b.set);
+    gen_close(b.g);
+    device_close(&b.d);
+    assert_int_equal(device_live_objects(), 0);
+}
+
+// Word n is not to be touched.
+static void try_scan(rng *r, uint32_t n, bool emptying)
+{
+    duet_error err = {0};
+    timeline t = {0};
+    size_t bytes = (n + (size_t)1) * sizeof(uint32_t);
+    buffer *const to = emptying ? &b.sums : &b.words;
+    for (uint32_t i = 0; i <= n; ++i)
+        b.from[i] = rng_below(r, 5);
+    timeline_begin(&t, &b.d);
+    assert_ok(timeline_write_at(&t, "send", &b.words, 0, b.from, bytes, &err), err);
+    assert_ok(timeline_fill(&t, "fill", &b.sums, 7, 0, n + (size_t)1, &err), err);
+    assert_ok(emptying ? scan_empty(&b.s, &t, "scan", &b.words, &b.sums, n, &err)
+                       : scan_run(&b.s, &t, "scan", &b.words, n, &err),
+              err);
+    const buffer absent = {0}, *const list[] = {&absent, &b.words, &b.sums};
+    uint32_t waits = t.n_waits;
+    assert_ok(timeline_see(&t, "see", list, 3, &err), err);
+    assert_int_equal(t.n_waits, waits + 1);
+    const uint32_t *words = b.words.host, *sums = to->host;
+    uint32_t sum = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        assert_int_equal(sums[i], sum);
+        sum += b.from[i];
+        if (emptying)
+            assert_int_equal(words[i], 0);
+    }
+    assert_int_equal(words[n], b.from[n]);
+    assert_int_equal(((const uint32_t *)b.sums.host)[n], 7);
+    assert_ok(timeline_finish(&t, &err), err);
+    assert_int_equal(t.n_events, 0);
+}
+
+static void try_numbers(rng *r, bool emptying, bool grouped)
+{
+    static const uint32_t numbers[] = {1, 3, 4, 255, 256, 257, 8191, 8192, 8193, 100001, MOST};
+    open_bench(emptying, grouped);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i)
+        try_scan(r, numbers[i], emptying);
+    close_bench();
+}
+
+static void each_word_becomes_the_sum_of_those_before_it(void **state)
+{
+    (void)state;
+    rng r = {test_seed()};
+    try_numbers(&r, false, false);
+    try_numbers(&r, false, true);
+}
+
+static void sums_go_elsewhere_and_leave_zeros(void **state)
+{
+    (void)state;
+    rng r = {test_seed()};
+    try_numbers(&r, true, false);
+    try_numbers(&r, true, true);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_word_becomes_the_sum_of_those_before_it),
+        cmocka_unit_test(sums_go_elsewhere_and_leave_zeros),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
