@@ -80,7 +80,7 @@ static void mark_homes(void *context, uint32_t thread, uint64_t first, uint64_t 
         for (int k = 0; k < LEVELS; ++k)
             own[i].boxes.upto[k] = reach_none;
     }
-    p->n_border[thread] = 0;
+    uint64_t n_border = 0;
     for (uint64_t i = first; i < end; ++i) {
         const void *object = object_row(&h->rows, &h->form, (uint32_t)i);
         double centre[3];
@@ -93,8 +93,9 @@ static void mark_homes(void *context, uint32_t thread, uint64_t first, uint64_t 
             continue;
         reach e = reach_of(&h->form, object);
         reach_add(&own[part].boxes.upto[level_of(reach_widest(&e), h->widest)], &e);
-        ++p->n_border[thread];
+        ++n_border;
     }
+    p->n_border[thread] = n_border;
 }
 
 static void list_homes(void *context, uint32_t thread, uint64_t first, uint64_t end)
@@ -143,7 +144,8 @@ static void gather_homes(parts *p, uint32_t n_threads)
 static bool reserve_homes(parts *p, uint32_t n)
 {
     if (!p->portions)
-        p->portions = malloc(PARALLEL_MOST * (size_t)p->n * sizeof *p->portions);
+        p->portions =
+            aligned_alloc(alignof(portion), PARALLEL_MOST * (size_t)p->n * sizeof *p->portions);
     if (n > p->capacity) {
         free(p->rows);
         free(p->marks);

@@ -9,6 +9,8 @@
 
 #include "cluster/found.h"
 
+#include <stdalign.h>
+
 typedef struct home_part {
     reach inside;      // where its homes lie
     level_boxes boxes; // around those that may touch others, of each level and all finer ones
@@ -18,9 +20,10 @@ typedef struct home_part {
     uint64_t n_ghosts;
 } home_part;
 
-// What one thread of a loop counts for a part, and then where it writes.
+// What one thread of a loop counts for a part, and then where it writes; on cache lines of its own.
 typedef struct portion {
-    uint64_t homes, ghosts;
+    alignas(64) uint64_t homes;
+    uint64_t ghosts;
     level_boxes boxes; // each of its level alone
 } portion;
 
