@@ -10,7 +10,7 @@
 
 enum { SAMPLE_A_PART = 1 << 12 };
 
-static const double MOST_GROWTH = 1.2; // of unevenness, before homes are cut anew
+static const double most_growth = 1.2; // of unevenness, before homes are cut anew
 
 bool parts_begin(parts *p, uint32_t n, const ranks *r, duet_error *err)
 {
@@ -195,7 +195,7 @@ static bool divide_homes(parts *p, const cut *c, duet_error *err)
     bool ok = reserve_homes(p, n);
     if (ok && p->unevenness > 0)
         mark_all(p, c);
-    p->is_cut_anew = p->unevenness == 0 || unevenness(p) > MOST_GROWTH * p->unevenness;
+    p->is_cut_anew = p->unevenness == 0 || unevenness(p) > most_growth * p->unevenness;
     if (ok && p->is_cut_anew) {
         ok = cut_homes(p, err);
         mark_all(p, c);
