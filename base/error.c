@@ -8,26 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static void drop_cut_character(char *line)
-{
-    size_t length = strlen(line);
-    size_t begin = length;
-    while (begin > 0 && length - begin < 3 && ((unsigned char)line[begin - 1] & 0xc0) == 0x80)
-        --begin;
-    if (begin > 0 && (unsigned char)line[begin - 1] >= 0xc0 && utf8_length(line + begin - 1) == 0)
-        line[begin - 1] = '\0';
-}
-
-// A name of a stranger's file may hold what a terminal would obey.
-static void make_visible(char *line, size_t size)
-{
-    text shown = {0};
-    visible_add(&shown, line, strlen(line), "");
-    if (!shown.failed && shown.chars && strcmp(shown.chars, line) != 0)
-        snprintf(line, size, "%s", shown.chars);
-    text_free(&shown);
-}
-
 // A compiler log has many lines; an error has one.
 static void join_lines(char *line, size_t size)
 {
@@ -37,8 +17,7 @@ static void join_lines(char *line, size_t size)
     for (char *at = line; *at; ++at)
         if (*at == '\n' || *at == '\r' || *at == '\t')
             *at = ' ';
-    drop_cut_character(line);
-    make_visible(line, size);
+    visible_line(line, size);
 }
 
 // "CL_OUT_OF_RESOURCES" for -5; "CL error" outside the list.
@@ -81,9 +60,16 @@ static const char *cl_name(int cl_code)
     return "CL error";
 }
 
+// The first failure is kept.
 static bool is_free(const duet_error *err)
 {
     return err && err->status == DUET_STATUS_OK;
+}
+
+static void set_text(duet_error *err, const char *format, va_list args)
+{
+    vsnprintf(err->text, sizeof err->text, format, args);
+    join_lines(err->text, sizeof err->text);
 }
 
 bool error_set(duet_error *err, duet_status status, const char *format, ...)
@@ -92,9 +78,8 @@ bool error_set(duet_error *err, duet_status status, const char *format, ...)
         return false;
     va_list args;
     va_start(args, format);
-    vsnprintf(err->text, sizeof err->text, format, args);
+    set_text(err, format, args);
     va_end(args);
-    join_lines(err->text, sizeof err->text);
     err->status = status;
     err->cl_code = 0;
     return false;
@@ -106,9 +91,8 @@ bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
         return false;
     va_list args;
     va_start(args, format);
-    vsnprintf(err->text, sizeof err->text, format, args);
+    set_text(err, format, args);
     va_end(args);
-    join_lines(err->text, sizeof err->text);
     size_t used = strlen(err->text);
     snprintf(err->text + used, sizeof err->text - used, ": %s (%d)", cl_name(cl_code), cl_code);
     bool memory = cl_code == -4 || cl_code == -6 || cl_code == -61;

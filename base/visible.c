@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/visible.h"
 
+#include <stdio.h>
 #include <string.h>
 
 // By the first byte: how many follow, and the least and greatest second byte,
@@ -74,6 +75,26 @@ void visible_add(text *t, const char *chars, size_t n, const char *kept)
             text_add(t, "\\x%02x", (unsigned)(unsigned char)chars[i + k]);
         i += length > 0 ? length : 1;
     }
+}
+
+static void drop_cut_character(char *line)
+{
+    size_t length = strlen(line);
+    size_t begin = length;
+    while (begin > 0 && length - begin < 3 && ((unsigned char)line[begin - 1] & 0xc0) == 0x80)
+        --begin;
+    if (begin > 0 && (unsigned char)line[begin - 1] >= 0xc0 && utf8_length(line + begin - 1) == 0)
+        line[begin - 1] = '\0';
+}
+
+void visible_line(char *line, size_t size)
+{
+    text shown = {0};
+    drop_cut_character(line);
+    visible_add(&shown, line, strlen(line), "");
+    if (!shown.failed && shown.chars && strcmp(shown.chars, line) != 0)
+        snprintf(line, size, "%s", shown.chars);
+    text_free(&shown);
 }
 
 static void add_json_character(text *t, const char *at, size_t length)

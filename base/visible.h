@@ -16,6 +16,10 @@ bool utf8_is_valid(const char *chars);
 // of `kept`, "\n" say, stay as they are.
 void visible_add(text *t, const char *chars, size_t n, const char *kept);
 
+// The same of a line in place, of `size` bytes with its end: what does not fit is left out, and so
+// is a character that was cut.
+void visible_line(char *line, size_t size);
+
 // Adds JSON whose strings may hold what is no UTF-8, which becomes U+FFFD, and
 // DEL and U+0080 to U+009F, which become \u007f and so on and so stay what they
 // are.

@@ -399,7 +399,7 @@ bool card_set_fallbacks(card *c, const gen_limits *limits, duet_error *err)
 
 // ---------------------------------------------------------------- values
 
-bool card_allows(const card *c, const gen_param *param, int64_t value, duet_error *err)
+static bool check_value(const card *c, const gen_param *param, int64_t value, duet_error *err)
 {
     if (has_value(param, value))
         return true;
@@ -414,6 +414,35 @@ bool card_allows(const card *c, const gen_param *param, int64_t value, duet_erro
               param->name, value, text_chars(&all));
     text_free(&all);
     return false;
+}
+
+static bool set_param(const card *c, const gen_setting *setting, gen_setting *config,
+                      duet_error *err)
+{
+    for (uint32_t i = 0; i < c->n_params; ++i) {
+        if (strcmp(c->params[i].name, setting->name) != 0)
+            continue;
+        config[i].value = setting->value;
+        return check_value(c, &c->params[i], setting->value, err);
+    }
+    text all = {0};
+    for (uint32_t i = 0; i < c->n_params; ++i)
+        text_add(&all, "%s%s", i > 0 ? ", " : "", c->params[i].name);
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: no parameter '%s': there are %s", c->kernel,
+              setting->name, text_chars(&all));
+    text_free(&all);
+    return false;
+}
+
+bool card_fill(card *c, const gen_setting *settings, uint32_t n, const gen_limits *limits,
+               gen_setting *config, duet_error *err)
+{
+    bool ok = card_set_fallbacks(c, limits, err);
+    for (uint32_t i = 0; ok && i < c->n_params; ++i)
+        config[i] = (gen_setting){c->params[i].name, c->params[i].fallback};
+    for (uint32_t i = 0; ok && i < n; ++i)
+        ok = set_param(c, &settings[i], config, err);
+    return ok;
 }
 
 // A range without values does not vary by itself.

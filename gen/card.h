@@ -44,8 +44,10 @@ void card_close(card *c);
 // Fills in what each parameter is where it is not set; it may depend on limits.
 bool card_set_fallbacks(card *c, const gen_limits *limits, duet_error *err);
 
-// BAD_ARGUMENT where the parameter has no such value; the line says which.
-bool card_allows(const card *c, const gen_param *param, int64_t value, duet_error *err);
+// Fills in a config: what n settings say, and what the other parameters are where they are not
+// set. BAD_ARGUMENT where there is no such parameter, or it has no such value.
+bool card_fill(card *c, const gen_setting *settings, uint32_t n, const gen_limits *limits,
+               gen_setting *config, duet_error *err);
 
 // BAD_ARGUMENT with the card's reason where the config is not valid.
 bool card_check(card *c, const gen_limits *limits, const gen_setting *config, card_launch *launch,

@@ -167,35 +167,6 @@ static kernel *find_kernel(gen *g, const char *name, duet_error *err)
 
 // ---------------------------------------------------------------- variants
 
-static bool set_param(const card *c, const gen_setting *setting, gen_setting *config,
-                      duet_error *err)
-{
-    for (uint32_t i = 0; i < c->n_params; ++i) {
-        if (strcmp(c->params[i].name, setting->name) != 0)
-            continue;
-        config[i].value = setting->value;
-        return card_allows(c, &c->params[i], setting->value, err);
-    }
-    text all = {0};
-    for (uint32_t i = 0; i < c->n_params; ++i)
-        text_add(&all, "%s%s", i > 0 ? ", " : "", c->params[i].name);
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: no parameter '%s': there are %s", c->kernel,
-              setting->name, text_chars(&all));
-    text_free(&all);
-    return false;
-}
-
-static bool fill_config(card *c, const gen_setting *settings, uint32_t n, const gen_limits *limits,
-                        gen_setting *config, duet_error *err)
-{
-    bool ok = card_set_fallbacks(c, limits, err);
-    for (uint32_t i = 0; ok && i < c->n_params; ++i)
-        config[i] = (gen_setting){c->params[i].name, c->params[i].fallback};
-    for (uint32_t i = 0; ok && i < n; ++i)
-        ok = set_param(c, &settings[i], config, err);
-    return ok;
-}
-
 static bool is_said(const gen_param *param, const gen_setting *setting)
 {
     return !param->silent || setting->value != 0;
@@ -254,10 +225,10 @@ bool gen_make(gen *g, const char *name, const gen_setting *settings, uint32_t n_
     gen_setting config[CARD_MAX_PARAMS] = {{NULL, 0}};
     card_launch launch = {0};
     text out = {0};
-    bool ok = fill_config(&k->card, settings, n_settings, limits, config, err);
+    bool ok = card_fill(&k->card, settings, n_settings, limits, config, err);
     ok = ok && card_check(&k->card, limits, config, &launch, err);
-    ok = ok && name_variant(&k->card, config, variant, err);
     ok = ok && card_entries(&k->card, config, &variant->entries, err);
+    ok = ok && name_variant(&k->card, config, variant, err);
     if (ok) {
         variant->n_entries = k->card.n_signatures;
         add_prelude(&k->card, config, variant, &out);

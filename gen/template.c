@@ -61,7 +61,7 @@ static int keep_module(lua_State *L)
 static bool open_modules(template *t, const card_names *emit, duet_error *err)
 {
     bool ok = true;
-    for (uint32_t i = 0; ok && i < emit->n; ++i) {
+    for (uint32_t i = 0; ok && emit && i < emit->n; ++i) {
         text path = {0};
         text_add(&path, "gen/emit/%s.lua", emit->at[i]);
         job j = {.module = emit->at[i]};
@@ -117,25 +117,6 @@ template *template_open(const text *chars, const char *path, const char *line_na
         return t;
     template_close(t);
     return NULL;
-}
-
-template *template_open_choices(const text *chars, const char *path, duet_error *err)
-{
-    static const card_names none = {0};
-    return template_open(chars, path, NULL, &none, err);
-}
-
-// At the begin of a line or behind blanks.
-bool template_has_choices(const text *chars)
-{
-    for (const char *at = strstr(text_chars(chars), "//@"); at; at = strstr(at + 1, "//@")) {
-        const char *line = at;
-        while (line > chars->chars && (line[-1] == ' ' || line[-1] == '\t'))
-            --line;
-        if (line == chars->chars || line[-1] == '\n')
-            return true;
-    }
-    return false;
 }
 
 void template_close(template *t)

@@ -10,14 +10,12 @@
 typedef struct template template;
 
 // chars: the template. path: what Lua's messages call it. line_name: what the
-// compiler's do. emit: modules gen/emit/NAME.lua that it finds as globals.
+// compiler's do; NULL for headers and a plain kernel, whose lines name their files.
+// emit: modules gen/emit/NAME.lua that it finds as globals; NULL: none.
 // BUILD_FAILED with path:line where it is no template.
 template *template_open(const text *chars, const char *path, const char *line_name,
                         const card_names *emit, duet_error *err);
 
-// Whether some line of a text is Lua, and that text, headers and a plain kernel, as a template.
-bool template_has_choices(const text *chars);
-template *template_open_choices(const text *chars, const char *path, duet_error *err);
 void template_close(template *t);
 
 // Appends the expanded text; every parameter is a global.

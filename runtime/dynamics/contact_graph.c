@@ -1,97 +1,10 @@
 // SPDX-License-Identifier: MIT
-// From bounds to rows: which objects may touch which, and the contacts that
-// they had before.
+// From pairs to rows: the contacts that each body may have, those that it had before, and a
+// colour for each.
 #include "base/error.h"
-#include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion_commands.h"
 
-#include <string.h>
-
-// ---------------------------------------------------------------- bounds
-
-// Separations up to the margin are contacts, so each object's bounds have half of it.
-bool motion_compute_bounds(duet_motion *m, const kernel *k, uint32_t n, duet_error *err)
-{
-    double skin = motion_has(m, DUET_EFFECT_SKIN) ? m->def.skin : 0.0;
-    m->args.aabb_margin = motion_real(m, 0.5 * (m->margin + skin));
-    return motion_launch(m, "grid", k, n, err);
-}
-
-bool motion_check_bounds(duet_motion *m, duet_error *err)
-{
-    m->args.aabb_margin = motion_real(m, 0.5 * m->margin);
-    return motion_launch(m, "fat_aabbs", m->kernels.check_fat_aabbs, m->n, err);
-}
-
-// Whether everything is still inside the bounds that the rows were made from. What a step
-// moves last is checked at its end.
-static bool skin_holds(duet_motion *m, bool *holds, duet_error *err)
-{
-    bool ok = m->bounds_checked || (motion_check_bounds(m, err) && motion_read_flags(m, err));
-    *holds = !m->flags[FLAG_MOVED];
-    return ok;
-}
-
-// ---------------------------------------------------------------- pairs
-
-// What A and what B found, one behind the other.
-static bool send_pairs(duet_motion *m, const duet_result *result, duet_error *err)
-{
-    const size_t size = sizeof *result->spans[0].pairs;
-    bool ok = motion_reserve(m, PAIRS, result->pairs + 1, size, err);
-    size_t at = 0;
-    for (int i = 0; ok && i < 2; ++i) {
-        size_t bytes = (size_t)result->spans[i].n * size;
-        ok = timeline_write_at(&m->times, "contact_graph", &m->buffers[PAIRS], at,
-                               result->spans[i].pairs, bytes, err);
-        at += bytes;
-    }
-    m->args.pairs = m->buffers[PAIRS];
-    return ok;
-}
-
-// Where both devices search, bounds and pairs go through the host.
-static bool search_on_both(duet_motion *m, duet_result *result, duet_error *err)
-{
-    duet_bounds *bounds = duet_world_map_objects(m->world, DUET_OBJECT_BOUNDS, m->n, err);
-    return bounds &&
-           timeline_read(&m->times, "grid", &m->buffers[BOXES], bounds, m->n * sizeof *bounds,
-                         err) &&
-           duet_world_step(m->world, result, err) && send_pairs(m, result, err);
-}
-
-static bool search_on_b(duet_motion *m, duet_result *result, duet_error *err)
-{
-    const buffer *pairs = NULL;
-    m->world->parts[1].untimed = m->times.untimed;
-    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, result, &pairs, err);
-    m->args.pairs = *pairs;
-    return ok;
-}
-
-// What is hidden is left out, and nothing else may be.
-static bool check_left_out(duet_motion *m, const duet_result *result, duet_error *err)
-{
-    uint32_t hidden = m->commands ? m->commands->n_hidden : 0;
-    return result->bad == hidden ||
-           (motion_check_states(m, err) &&
-            error_set(err, DUET_STATUS_BAD_OBJECT,
-                      "the bounds of %u objects of %u are not finite after step %llu",
-                      result->bad - hidden, m->n - hidden, (unsigned long long)m->step));
-}
-
-static bool find_pairs(duet_motion *m, duet_error *err)
-{
-    duet_result result;
-    m->world->def.keep_bad = m->commands && m->commands->n_hidden > 0;
-    bool ok =
-        world_is_b_alone(m->world) ? search_on_b(m, &result, err) : search_on_both(m, &result, err);
-    ok = ok && check_left_out(m, &result, err);
-    if (ok)
-        timeline_add_host(&m->times, "pairs", result.total_ms);
-    m->n_pairs = ok ? result.pairs : 0;
-    return ok;
-}
+// ---------------------------------------------------------------- rows
 
 // Contacts that rows may have: pairs, and walls.
 static bool check_capacity(const duet_motion *m, uint64_t *most, duet_error *err)
@@ -120,13 +33,6 @@ static bool sort_rows(duet_motion *m, motion_buffer starts, motion_buffer values
     return motion_launch(m, "contact_graph", m->kernels.contact_graph_sort, m->n, err);
 }
 
-// The last of the starts: how many there are.
-static bool read_total(duet_motion *m, motion_buffer starts, uint32_t *total, duet_error *err)
-{
-    return timeline_read_at(&m->times, "contact_graph", &m->buffers[starts], m->n * sizeof *total,
-                            total, sizeof *total, err);
-}
-
 static bool scan_starts(duet_motion *m, motion_buffer starts, duet_error *err)
 {
     return scan_run(&m->scan, &m->times, "contact_graph", &m->buffers[starts], m->n + 1, err);
@@ -140,10 +46,13 @@ static bool count_rows(duet_motion *m, duet_error *err)
            scan_starts(m, STARTS, err);
 }
 
+// The last of the starts says how many there are.
 static bool fill_rows(duet_motion *m, uint64_t most, duet_error *err)
 {
     return motion_reserve(m, OTHERS, most + 1, sizeof(uint32_t), err) && put_all(m, 1, err) &&
-           sort_rows(m, STARTS, OTHERS, err) && read_total(m, STARTS, &m->n_contacts, err);
+           sort_rows(m, STARTS, OTHERS, err) &&
+           timeline_read_at(&m->times, "contact_graph", &m->buffers[STARTS],
+                            m->n * sizeof m->n_contacts, &m->n_contacts, sizeof m->n_contacts, err);
 }
 
 static bool put_returns(duet_motion *m, uint32_t fill, duet_error *err)
@@ -173,38 +82,14 @@ static bool fill_returns(duet_motion *m, duet_error *err)
            sort_rows(m, RETURN_STARTS, RETURNS, err);
 }
 
-// ---------------------------------------------------------------- contacts
-
 static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
 {
     m->args.n_old = n_old;
     return motion_launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
 }
 
-// What had left its bounds has new ones.
-static bool find_all_pairs(duet_motion *m, duet_error *err)
+static bool build_rows(duet_motion *m, duet_error *err)
 {
-    return (!m->flags[FLAG_MOVED] || timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0,
-                                                   FLAG_MOVED, FLAG_MOVED + 1, err)) &&
-           motion_compute_bounds(m, m->kernels.compute_fat_aabbs, m->n, err) && find_pairs(m, err);
-}
-
-// Those of what commands altered, where the others' hold on; else all.
-static bool find_candidates(duet_motion *m, duet_error *err)
-{
-    bool some = !m->rows_stale && motion_rows_are_stale(m), found = false;
-    if (some && !motion_find_altered_pairs(m, &found, err))
-        return false;
-    m->rows_stale = false;
-    if (m->commands)
-        m->commands->n_altered = 0;
-    return found || find_all_pairs(m, err);
-}
-
-static bool build_graph(duet_motion *m, duet_error *err)
-{
-    if (!find_candidates(m, err))
-        return false;
     uint64_t most;
     uint32_t n_old = m->n_contacts;
     buffer *b = m->buffers;
@@ -220,12 +105,9 @@ static bool build_graph(duet_motion *m, duet_error *err)
 
 bool motion_build_graph(duet_motion *m, duet_error *err)
 {
+    bool hold;
     m->rebuilt = false;
-    bool holds = false;
-    bool skin = m->has_graph && !motion_rows_are_stale(m) && motion_has(m, DUET_EFFECT_SKIN);
-    if (skin && !skin_holds(m, &holds, err))
-        return false;
-    return holds || build_graph(m, err);
+    return motion_find_candidates(m, &hold, err) && (hold || build_rows(m, err));
 }
 
 // ---------------------------------------------------------------- graph colouring

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/motion_commands.h"
-#include "runtime/dynamics/motion_halves.h"
 #include "runtime/dynamics/motion_map.h"
 #include "runtime/dynamics/recording.h"
+#include "runtime/dynamics/vector.h"
 
 #include "base/error.h"
 #include "runtime/narrowphase/origin.h"
@@ -145,24 +145,16 @@ static bool check_effects(const duet_motion *m, duet_error *err)
     return true;
 }
 
-static bool all_finite(const float *values, int n)
-{
-    for (int i = 0; i < n; ++i)
-        if (!isfinite(values[i]))
-            return false;
-    return true;
-}
-
 const char *motion_pose_fault(const duet_pose *p, uint32_t dims)
 {
-    int n = (int)dims;
     const float *q = p->rotation;
     double norm = (double)q[2] * q[2] + (double)q[3] * q[3];
     if (dims == 3)
         norm += (double)q[0] * q[0] + (double)q[1] * q[1];
-    if (!all_finite(p->centre, n) || !all_finite(p->half_extents, n) || !isfinite(norm))
+    if (!vector_is_finite(p->centre, dims) || !vector_is_finite(p->half_extents, dims) ||
+        !isfinite(norm))
         return "a number of its pose is not finite";
-    for (int k = 0; k < n; ++k)
+    for (uint32_t k = 0; k < dims; ++k)
         if (p->half_extents[k] < 0.0f)
             return "a half extent is negative";
     return norm > 0.0 ? NULL : "its rotation is zero";
@@ -170,7 +162,7 @@ const char *motion_pose_fault(const duet_pose *p, uint32_t dims)
 
 const char *motion_body_fault(const duet_body *b)
 {
-    if (!all_finite(b->velocity, 3) || !all_finite(b->angular_velocity, 3))
+    if (!vector_is_finite(b->velocity, 3) || !vector_is_finite(b->angular_velocity, 3))
         return "a velocity or angular velocity is not finite";
     if (!is_between(b->mass, 0.0, 1e30) || (b->mass > 0.0f && b->mass < 1e-30f))
         return "the mass must be 0, or from 1e-30 to 1e30";
@@ -368,38 +360,4 @@ uint32_t duet_motion_get_count(const duet_motion *m)
 uint64_t duet_motion_get_step(const duet_motion *m)
 {
     return m ? m->step : 0;
-}
-
-bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)
-{
-    return motion_is_steady(m, call, err) && motion_is_unmapped(m, call, err);
-}
-
-bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err)
-{
-    return error_given(m, call, "motion", err) && motion_is_idle(m, call, err) &&
-           (!m->broken ||
-            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                      "the motion failed in its step %llu; expected a saved one to be loaded, or a "
-                      "new motion",
-                      (unsigned long long)m->step + 1));
-}
-
-// ---------------------------------------------------------------- buffers
-
-// A buffer that must grow gets more than it needs now: fresh pages cost as much time as
-// writing them.
-bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err)
-{
-    buffer *b = &m->buffers[which];
-    uint64_t bytes = n * size;
-    uint64_t roomy = bytes + bytes / 4;
-    bool grows = b->mem && b->bytes < bytes && roomy <= m->device->info.max_buffer_bytes;
-    return buffer_reserve(b, m->device, (size_t)(grows ? roomy : bytes), err);
-}
-
-bool motion_read_flags(duet_motion *m, duet_error *err)
-{
-    return timeline_read(&m->times, "flags", &m->buffers[FLAG_WORDS], m->flags, sizeof m->flags,
-                         err);
 }

@@ -175,7 +175,7 @@ struct duet_motion {
     motion_commands *commands;   // NULL before the first
     motion_recording *recording; // NULL where nothing is recorded
     struct motion_map *maps;     // [parts of the state], likewise (motion_map.h)
-    struct motion_half *half;    // likewise (motion_halves.c)
+    struct motion_half *half;    // likewise (motion_step.c)
     buffer buffers[MOTION_BUFFERS];
     duet_world *world; // of bounds; NULL without contact
     double margin;     // contacts are kept to that far apart
@@ -216,17 +216,22 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err);
 
+// Whether a step has begun that was not ended, by its thread.
+bool motion_is_under_way(const duet_motion *m);
+// Waits for it, and forgets it.
+void motion_end_half(duet_motion *m);
+
 // Whether a public call has a motion whose state is that of a whole step, none of which is under
 // way, and of which nothing is mapped; BAD_ARGUMENT where it has not. Steady: something may be
-// mapped.
+// mapped. Idle: and a step may have failed.
+bool motion_is_idle(const duet_motion *m, const char *call, duet_error *err);
 bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err);
 bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
 
-// A kernel with what the scene says of its parameters, once it is built.
-bool motion_ask(duet_motion *m, kernel **at, const char *name, const char *entry, duet_error *err);
-// The same for bodies that commands altered, instead of all.
-bool motion_ask_altered(duet_motion *m, kernel **at, const char *name, const char *entry,
-                        duet_error *err);
+// A kernel with what the scene says of its parameters, once it is built: for all bodies, or for
+// those that commands altered.
+bool motion_ask(duet_motion *m, kernel **at, const char *name, const char *entry, bool altered,
+                duet_error *err);
 
 // What is wrong with a pose, a body or a def; a def's fault is told by err.
 const char *motion_pose_fault(const duet_pose *pose, uint32_t dims);
@@ -243,8 +248,14 @@ bool motion_reset(duet_motion *m, duet_error *err);
 // The rotation and the angular velocity that an object was given.
 void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state);
 
+// All states, which the caller frees; NULL where a number of them is no longer finite.
+duet_state *motion_read_states(duet_motion *m, duet_error *err);
+
 // All states of a motion in origin cells, their centres offsets in these [n].
 bool motion_get_offsets(duet_motion *m, duet_state *states, cl_int4 *cells, duet_error *err);
+
+// One over the inertia of an object about each of its own axes; 0: never turned about it.
+void motion_inverse_inertia(const duet_motion *m, uint32_t id, double inverse[3]);
 
 // 32-bit words of state that an object has in a buffer; 0: not by object, or
 // not called for.
@@ -268,23 +279,12 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
 // Space for the n objects that there are, of which old_n had it; the others' state is 0.
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
 
-// The two halves of a step: what the devices do, and what the caller sees of it.
-bool motion_carry_step(duet_motion *m, double *ms, duet_error *err);
-bool motion_complete_step(duet_motion *m, bool carried, double ms, duet_motion_result *result,
-                          duet_error *err);
-
-// Where objects may touch: pairs to rows, rows to contacts, contacts to colours.
-bool motion_build_graph(duet_motion *m, duet_error *err);
-// By the kernel of all n bodies, or of the n altered ones.
-bool motion_compute_bounds(duet_motion *m, const kernel *k, uint32_t n, duet_error *err);
+// Where objects may touch: bounds to pairs, pairs to rows, rows to contacts, contacts to colours.
 bool motion_check_bounds(duet_motion *m, duet_error *err); // sets FLAG_MOVED
+// *hold: those that rows are made of hold on, and none were searched.
+bool motion_find_candidates(duet_motion *m, bool *hold, duet_error *err);
+bool motion_build_graph(duet_motion *m, duet_error *err);
 bool motion_colour(duet_motion *m, duet_error *err);
-
-// The pairs of what commands altered, besides those that rows have of the others. *found is
-// false where all pairs are to be searched.
-bool motion_find_altered_pairs(duet_motion *m, bool *found, duet_error *err);
-
-extern const binding motion_bindings[]; // of a duet_motion
 
 // Fills in the arguments that hold for a whole step.
 void motion_set_args(duet_motion *m);
@@ -299,8 +299,5 @@ bool motion_read_flags(duet_motion *m, duet_error *err);
 
 // Space for n elements of `size` bytes in a buffer.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);
-
-// BAD_OBJECT where a number of the state is no longer finite.
-bool motion_check_states(duet_motion *m, duet_error *err);
 
 #endif

@@ -108,7 +108,7 @@ static bool move_walls(duet_motion *m, uint32_t old_n, duet_error *err)
     motion_rows rows;
     if (!m->kernels.contact_graph_walls || m->n_contacts == 0)
         return true;
-    if (!motion_rows_open(m, LINKS, 0, m->n_contacts, 2, false, &rows, err))
+    if (!motion_rows_of_contacts(m, LINKS, 2, &rows, err))
         return false;
     for (uint32_t i = 0; i < m->n_contacts; ++i) {
         uint32_t *link = motion_row(&rows, i);

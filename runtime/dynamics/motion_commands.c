@@ -5,7 +5,6 @@
 #include "base/error.h"
 #include "runtime/dynamics/motion_rows.h"
 #include "runtime/dynamics/recording.h"
-#include "runtime/narrowphase/origin.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -24,12 +23,6 @@ const char *duet_body_field_name(uint32_t field)
         if (field == 1u << i)
             return field_names[i];
     return NULL;
-}
-
-void motion_stop(duet_motion *m, uint32_t place)
-{
-    memset(m->bodies[place].velocity, 0, sizeof m->bodies[place].velocity);
-    memset(m->bodies[place].angular_velocity, 0, sizeof m->bodies[place].angular_velocity);
 }
 
 bool motion_keep_whole(duet_motion *m, bool made)
@@ -154,6 +147,17 @@ duet_pose *motion_poses_at(const duet_motion *m, const uint32_t *places, uint32_
     return poses;
 }
 
+duet_body *motion_bodies_at(const duet_motion *m, const uint32_t *places, uint32_t n,
+                            duet_error *err)
+{
+    duet_body *bodies = malloc((size_t)n * sizeof *bodies + 1);
+    if (!bodies)
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", n);
+    for (uint32_t i = 0; bodies && i < n; ++i)
+        bodies[i] = m->bodies[places[i]];
+    return bodies;
+}
+
 // Contacts of one colour share no body that moves; those of a body that has a mass from now
 // on may have done so.
 static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
@@ -161,9 +165,9 @@ static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
     motion_rows links, colours;
     if (m->n_contacts == 0 || !motion_has(m, DUET_EFFECT_CONTACT_RESPONSE))
         return true;
-    if (!motion_rows_open(m, LINKS, 0, m->n_contacts, 2, false, &links, err))
+    if (!motion_rows_of_contacts(m, LINKS, 2, &links, err))
         return false;
-    if (!motion_rows_open(m, COLOUR_OF, 0, m->n_contacts, 1, false, &colours, err)) {
+    if (!motion_rows_of_contacts(m, COLOUR_OF, 1, &colours, err)) {
         motion_rows_drop(&links);
         return false;
     }
@@ -261,100 +265,6 @@ bool duet_motion_set_bodies(duet_motion *m, duet_body_list list, uint32_t fields
     return ok;
 }
 
-// ---------------------------------------------------------------- poses
-
-bool motion_place_poses(const duet_motion *m, duet_pose *poses, uint32_t n, cl_int4 **cells,
-                        const char *call, duet_error *err)
-{
-    *cells = NULL;
-    if (!m->cells)
-        return true;
-    *cells = calloc((size_t)n + 1, sizeof **cells);
-    if (!*cells)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u cells", call, n);
-    for (uint32_t i = 0; i < n; ++i) {
-        duet_large_pose p = {.pose = poses[i]};
-        double at[3];
-        for (int k = 0; k < 3; ++k)
-            at[k] = m->def.origin[k] + (double)poses[i].centre[k];
-        if (!origin_place(&p, at, m->def.origin_edge))
-            return error_set(err, DUET_STATUS_BAD_OBJECT,
-                             "%s: body %u of %u is beyond 2^30 origin cells of edge %g", call, i, n,
-                             (double)m->def.origin_edge);
-        poses[i] = p.pose;
-        for (uint32_t k = 0; k < m->def.dims; ++k)
-            (*cells)[i].s[k] = p.cell[k];
-    }
-    return true;
-}
-
-void motion_keep_poses(duet_motion *m, const uint32_t *places, const duet_pose *poses,
-                       const cl_int4 *cells, uint32_t n)
-{
-    for (uint32_t i = 0; i < n; ++i) {
-        m->poses[places[i]] = poses[i];
-        if (cells)
-            m->cells[places[i]] = cells[i];
-    }
-}
-
-static bool put_poses(duet_motion *m, const uint32_t *places, const duet_pose *poses,
-                      const cl_int4 *cells, uint32_t n, duet_error *err)
-{
-    if (!motion_forget_targets(m, places, n, err))
-        return false;
-    motion_keep_poses(m, places, poses, cells, n);
-    return motion_send_places(m, places, n, PART_POSE | PART_SIZE, err) &&
-           motion_wake_places(m, places, n, err);
-}
-
-bool motion_check_poses(const duet_motion *m, const duet_pose *poses, uint32_t n, const char *call,
-                        duet_error *err)
-{
-    bool ok = true;
-    for (uint32_t i = 0; ok && i < n; ++i) {
-        const char *fault = motion_pose_fault(&poses[i], m->def.dims);
-        ok = !fault ||
-             error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: %s", call, i, n, fault);
-    }
-    return ok;
-}
-
-duet_body *motion_bodies_at(const duet_motion *m, const uint32_t *places, uint32_t n,
-                            duet_error *err)
-{
-    duet_body *bodies = malloc((size_t)n * sizeof *bodies + 1);
-    if (!bodies)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", n);
-    for (uint32_t i = 0; bodies && i < n; ++i)
-        bodies[i] = m->bodies[places[i]];
-    return bodies;
-}
-
-bool duet_motion_set_poses(duet_motion *m, duet_body_list list, const duet_pose *poses,
-                           duet_error *err)
-{
-    if (list.n > 0 && !error_given(poses, __func__, "poses", err))
-        return false;
-    uint32_t *places = motion_places_of(m, list, false, __func__, err);
-    duet_pose *copy = places ? motion_poses_at(m, places, list.n, err) : NULL;
-    duet_body *bodies = copy ? motion_bodies_at(m, places, list.n, err) : NULL;
-    cl_int4 *cells = NULL;
-    if (bodies && list.n > 0)
-        memcpy(copy, poses, list.n * sizeof *copy);
-    bool ok = bodies && motion_check_poses(m, copy, list.n, __func__, err) &&
-              motion_place_poses(m, copy, list.n, &cells, __func__, err) &&
-              motion_admit(m, copy, bodies, list.n, __func__, err) &&
-              motion_keep_whole(m, put_poses(m, places, copy, cells, list.n, err));
-    if (ok)
-        motion_note(m, RECORDED_POSES, places, list.n, poses);
-    free(cells);
-    free(bodies);
-    free(copy);
-    free(places);
-    return ok;
-}
-
 // ---------------------------------------------------------------- the world
 
 const duet_motion_def *duet_motion_get_def(const duet_motion *m)
@@ -420,33 +330,4 @@ bool duet_motion_set_def(duet_motion *m, const duet_motion_def *def, duet_error 
     if (ok)
         motion_note_def(m);
     return ok;
-}
-
-// ---------------------------------------------------------------- after a step
-
-static bool forget_forces(duet_motion *m, duet_error *err)
-{
-    m->commands->pushed = false;
-    return timeline_fill(&m->times, "clear", &m->buffers[FORCES], 0, 0, (size_t)m->n * 8, err);
-}
-
-// A place whose ids are used up is never empty again.
-static void empty_places(duet_motion *m)
-{
-    motion_commands *c = m->commands;
-    c->any_left = false;
-    for (uint32_t place = m->n; place-- > 0;) {
-        if (c->states[place] != PLACE_LEFT || c->generations[place] == 0)
-            continue;
-        c->states[place] = PLACE_EMPTY;
-        c->first_empty = place < c->first_empty ? place : c->first_empty;
-    }
-}
-
-bool motion_end_commands(duet_motion *m, duet_error *err)
-{
-    motion_commands *c = m->commands;
-    if (c->any_left && (!motion_rows_are_stale(m) || !motion_has(m, DUET_EFFECT_CONTACT)))
-        empty_places(m);
-    return (c->n_targets == 0 || motion_arrive(m, err)) && (!c->pushed || forget_forces(m, err));
 }

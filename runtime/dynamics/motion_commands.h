@@ -103,13 +103,6 @@ duet_pose *motion_poses_at(const duet_motion *m, const uint32_t *places, uint32_
 duet_body *motion_bodies_at(const duet_motion *m, const uint32_t *places, uint32_t n,
                             duet_error *err);
 
-bool motion_check_poses(const duet_motion *m, const duet_pose *poses, uint32_t n, const char *call,
-                        duet_error *err);
-
-// Says new ones of some places, to be sent; cells NULL without.
-void motion_keep_poses(duet_motion *m, const uint32_t *places, const duet_pose *poses,
-                       const cl_int4 *cells, uint32_t n);
-
 // Puts bodies exactly where their targets are.
 bool motion_arrive(duet_motion *m, duet_error *err);
 

@@ -78,11 +78,11 @@ static bool fetch_touching(duet_motion *m, duet_error *err)
 
 bool motion_note_events(duet_motion *m, duet_error *err)
 {
-    uint64_t n_words = ((uint64_t)m->n_contacts + 31) / 32;
+    uint64_t n = m->n_contacts, n_words = (n + 31) / 32;
+    bool hits = motion_tells_hits(m);
     return !m->kernels.contact_events ||
            (motion_reserve(m, TOUCHING, n_words + 1, sizeof(uint32_t), err) &&
-            (!motion_tells_hits(m) || motion_reserve(m, HITS, (uint64_t)m->n_contacts + 1,
-                                                     HIT_WORDS * sizeof(uint32_t), err)) &&
+            (!hits || motion_reserve(m, HITS, n + 1, HIT_WORDS * sizeof(uint32_t), err)) &&
             motion_launch(m, "events", m->kernels.contact_events, n_words, err));
 }
 

@@ -81,7 +81,7 @@ static saved_place place_of(const duet_motion *m, uint32_t place)
 static bool add_forces(duet_motion *m, text *file, duet_error *err)
 {
     motion_rows rows;
-    if (!motion_rows_open(m, FORCES, 0, m->n, FORCE_WORDS, false, &rows, err))
+    if (!motion_rows_open(m, FORCES, 0, m->n, &rows, err))
         return false;
     text_add_bytes(file, rows.bytes, rows.size);
     motion_rows_drop(&rows);
@@ -224,7 +224,7 @@ static bool put_forces(duet_motion *as, const char *bytes, const char *path, due
 {
     size_t n = (size_t)as->n * FORCE_WORDS;
     motion_rows rows;
-    if (!motion_rows_open(as, FORCES, 0, as->n, FORCE_WORDS, false, &rows, err))
+    if (!motion_rows_open(as, FORCES, 0, as->n, &rows, err))
         return false;
     memcpy(rows.bytes, bytes, n * sizeof(float));
     bool ok = true;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
+// Parts of a motion's state for the caller: in place, or in a buffer of the caller's.
 #include "runtime/dynamics/motion_map.h"
 
 #include "base/error.h"
+#include "runtime/duet_opencl.h"
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/opencl/callers_buffer.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -35,7 +38,7 @@ const char *duet_state_part_name(duet_state_part part)
     return (int)part >= 0 && (int)part < PARTS ? parts[part].name : NULL;
 }
 
-bool motion_part_buffer(const duet_motion *m, duet_state_part part, motion_buffer *which,
+static bool part_buffer(const duet_motion *m, duet_state_part part, motion_buffer *which,
                         const char *call, duet_error *err)
 {
     if (!duet_state_part_name(part))
@@ -91,7 +94,7 @@ static bool can_map(duet_motion *m, duet_state_part part, duet_map_access access
                     duet_error *err)
 {
     motion_buffer which;
-    if (!motion_is_steady(m, call, err) || !motion_part_buffer(m, part, &which, call, err))
+    if (!motion_is_steady(m, call, err) || !part_buffer(m, part, &which, call, err))
         return false;
     if (access != DUET_MAP_READ && access != DUET_MAP_WRITE)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
@@ -132,7 +135,7 @@ void *duet_motion_map_states(duet_motion *m, duet_state_part part, duet_map_acce
     if (access == DUET_MAP_WRITE && !forget_targets(m, first, n, err))
         return NULL;
     struct motion_map *map = &m->maps[part];
-    if (!motion_rows_open(m, parts[part].which, first, first + n, 4, true, &map->rows, err))
+    if (!motion_rows_open(m, parts[part].which, first, first + n, &map->rows, err))
         return NULL;
     map->mapped = true;
     map->written = access == DUET_MAP_WRITE;
@@ -248,4 +251,49 @@ bool duet_motion_unmap_states(duet_motion *m, duet_state_part part, duet_error *
     motion_rows_drop(&map->rows);
     *map = (struct motion_map){0};
     return true;
+}
+
+// ---------------------------------------------------------------- in a buffer of the caller's
+
+static bool check_events(cl_mem rows, cl_uint n, const cl_event *events, const char *call,
+                         duet_error *err)
+{
+    cl_context context = NULL;
+    clGetMemObjectInfo(rows, CL_MEM_CONTEXT, sizeof context, &context, NULL);
+    return callers_events_check(n, events, context, call, err);
+}
+
+// The motion's queue runs in order, so that later steps follow the copy.
+static bool copy_rows(duet_motion *m, const buffer *from, cl_mem to, size_t bytes, cl_event *done,
+                      duet_error *err)
+{
+    const device *d = m->device;
+    cl_int code = bytes == 0
+                      ? clEnqueueMarkerWithWaitList(d->queue, 0, NULL, done)
+                      : clEnqueueCopyBuffer(d->queue, from->mem, to, 0, 0, bytes, 0, NULL, done);
+    if (code == CL_SUCCESS)
+        code = done ? clFlush(d->queue) : clFinish(d->queue);
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: copying %zu bytes of states", d->info.selector, bytes);
+}
+
+bool duet_motion_copy_states(duet_motion *m, duet_state_part part, cl_mem rows, cl_uint n_events,
+                             const cl_event *events, cl_event *done, duet_error *err)
+{
+    motion_buffer which;
+    bool has[2];
+    callers_events ready = {0};
+    if (done)
+        *done = NULL;
+    if (!motion_is_whole(m, __func__, err) || !part_buffer(m, part, &which, __func__, err))
+        return false;
+    const size_t bytes = (size_t)m->n * motion_words(m, which) * sizeof(cl_uint);
+    const buffer_need need = {__func__, "rows", BUFFER_WRITTEN, bytes};
+    bool ok = callers_buffer_check(rows, &need, m->def.pair->devices, 1, has, err) &&
+              check_events(rows, n_events, events, __func__, err) &&
+              callers_events_hold(&ready, n_events, events, err) &&
+              callers_events_wait(&ready, "the states", err) && timeline_finish(&m->times, err) &&
+              copy_rows(m, &m->buffers[which], rows, bytes, done, err);
+    callers_events_release(&ready);
+    return ok;
 }

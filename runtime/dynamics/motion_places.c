@@ -174,11 +174,9 @@ bool duet_motion_get_user_data(duet_motion *m, duet_body_list list, uint64_t *da
 static bool mark_rests(duet_motion *m, const uint32_t *places, uint32_t n, bool sleeps,
                        duet_error *err)
 {
-    uint32_t first, last;
     motion_rows rows;
     const double rested = fmax(m->def.sleep_after, m->def.dt);
-    motion_span_of(places, n, &first, &last);
-    if (!motion_rows_open(m, RESTS, first, last, 1, false, &rows, err))
+    if (!motion_rows_at(m, RESTS, places, n, &rows, err))
         return false;
     for (uint32_t i = 0; i < n; ++i) {
         bool hidden = motion_is_hidden(m, places[i]);
@@ -194,10 +192,8 @@ static bool mark_rests(duet_motion *m, const uint32_t *places, uint32_t n, bool 
 // those of where it lies.
 static bool mark_awake(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
 {
-    uint32_t first, last;
     motion_rows rows;
-    motion_span_of(places, n, &first, &last);
-    if (!motion_rows_open(m, ASLEEP, first, last, 1, false, &rows, err))
+    if (!motion_rows_at(m, ASLEEP, places, n, &rows, err))
         return false;
     for (uint32_t i = 0; i < n; ++i)
         *(uint32_t *)motion_row(&rows, places[i]) = 0;
@@ -253,4 +249,33 @@ bool duet_motion_wake_bodies(duet_motion *m, duet_body_list list, duet_error *er
 bool duet_motion_sleep_bodies(duet_motion *m, duet_body_list list, duet_error *err)
 {
     return put_to(m, list, true, __func__, err);
+}
+
+// ---------------------------------------------------------------- after a step
+
+static bool forget_forces(duet_motion *m, duet_error *err)
+{
+    m->commands->pushed = false;
+    return timeline_fill(&m->times, "clear", &m->buffers[FORCES], 0, 0, (size_t)m->n * 8, err);
+}
+
+// A place whose ids are used up is never empty again.
+static void empty_places(duet_motion *m)
+{
+    motion_commands *c = m->commands;
+    c->any_left = false;
+    for (uint32_t place = m->n; place-- > 0;) {
+        if (c->states[place] != PLACE_LEFT || c->generations[place] == 0)
+            continue;
+        c->states[place] = PLACE_EMPTY;
+        c->first_empty = place < c->first_empty ? place : c->first_empty;
+    }
+}
+
+bool motion_end_commands(duet_motion *m, duet_error *err)
+{
+    motion_commands *c = m->commands;
+    if (c->any_left && (!motion_rows_are_stale(m) || !motion_has(m, DUET_EFFECT_CONTACT)))
+        empty_places(m);
+    return (c->n_targets == 0 || motion_arrive(m, err)) && (!c->pushed || forget_forces(m, err));
 }

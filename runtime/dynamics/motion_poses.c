@@ -23,14 +23,11 @@ bool duet_motion_get_poses(duet_motion *m, duet_pose *poses, duet_error *err)
     if (!motion_is_whole(m, __func__, err) ||
         (m->n > 0 && !error_given(poses, __func__, "poses", err)))
         return false;
-    duet_state *states = calloc((size_t)m->n + 1, sizeof *states);
-    if (!states)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
-    bool ok = duet_motion_get_states(m, states, err);
-    for (uint32_t id = 0; ok && id < m->n; ++id)
+    duet_state *states = motion_read_states(m, err);
+    for (uint32_t id = 0; states && id < m->n; ++id)
         poses[id] = pose_of(m, id, &states[id]);
     free(states);
-    return ok;
+    return states;
 }
 
 // Poses become rounded boxes where they lie, the last first.
@@ -112,7 +109,7 @@ bool motion_write_poses(duet_motion *m, bool radii, const buffer *rows, duet_err
     kernel **write = &m->kernels.write_poses;
     m->args.poses = *rows;
     m->args.row_words = (radii ? sizeof(duet_rounded_box) : sizeof(duet_pose)) / sizeof(cl_float);
-    return (*write || (motion_ask(m, write, "write_poses", "write_poses", err) &&
+    return (*write || (motion_ask(m, write, "write_poses", "write_poses", false, err) &&
                        program_set_build(m->programs, err))) &&
            motion_launch(m, "fetch", *write, m->n, err) && timeline_finish(&m->times, err);
 }

@@ -11,19 +11,11 @@
 
 // ---------------------------------------------------------------- forces
 
-static bool all_finite(const float *values, size_t n)
-{
-    for (size_t i = 0; i < n; ++i)
-        if (!isfinite(values[i]))
-            return false;
-    return true;
-}
-
 static bool check_numbers(const void *of, size_t floats, uint32_t n, const char *call,
                           duet_error *err)
 {
     for (uint32_t i = 0; i < n; ++i)
-        if (!all_finite((const float *)of + i * floats, floats))
+        if (!vector_is_finite((const float *)of + i * floats, floats))
             return error_set(err, DUET_STATUS_BAD_OBJECT,
                              "%s: body %u of %u: a number is not finite", call, i, n);
     return true;
@@ -82,12 +74,10 @@ static bool write_forces(duet_motion *m, motion_rows *rows, const uint32_t *plac
 static bool add_forces(duet_motion *m, const uint32_t *places, const duet_force *forces, uint32_t n,
                        const char *call, duet_error *err)
 {
-    uint32_t first, last;
     motion_rows rows;
     if (n == 0)
         return true;
-    motion_span_of(places, n, &first, &last);
-    if (!motion_rows_open(m, FORCES, first, last, 8, false, &rows, err))
+    if (!motion_rows_at(m, FORCES, places, n, &rows, err))
         return false;
     if (check_sums(m, &rows, places, forces, n, call, err))
         return motion_keep_whole(m, write_forces(m, &rows, places, forces, n, err));
@@ -152,13 +142,11 @@ typedef struct pushed {
 static bool open_pushed(duet_motion *m, const uint32_t *places, uint32_t n, pushed *p,
                         duet_error *err)
 {
-    uint32_t first, last;
-    motion_span_of(places, n, &first, &last);
-    return motion_rows_open(m, VELOCITIES, first, last, 4, true, &p->velocities, err) &&
+    return motion_rows_at(m, VELOCITIES, places, n, &p->velocities, err) &&
            (!motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) ||
-            (motion_rows_open(m, ROTATIONS, first, last, 4, true, &p->rotations, err) &&
-             motion_rows_open(m, INERTIAS, first, last, 4, false, &p->inertias, err) &&
-             motion_rows_open(m, ANGULAR_VELOCITIES, first, last, 4, true, &p->spins, err)));
+            (motion_rows_at(m, ROTATIONS, places, n, &p->rotations, err) &&
+             motion_rows_at(m, INERTIAS, places, n, &p->inertias, err) &&
+             motion_rows_at(m, ANGULAR_VELOCITIES, places, n, &p->spins, err)));
 }
 
 // By how much an impulse changes the velocity and the angular velocity of a place.

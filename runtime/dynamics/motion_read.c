@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// States of some bodies: of given ids, and of those that moved. The device gathers them, so
-// that no others travel; what it needs is built and reserved when it is first asked for.
+// What a caller reads: contacts, and states of all bodies, of given ids or of those that moved. The
+// device gathers some, so that no others travel; what it needs is built and reserved when it is
+// first asked for.
 #include "runtime/dynamics/motion.h"
 
 #include "base/error.h"
@@ -22,8 +23,8 @@ static bool prepare(duet_motion *m, duet_error *err)
     if (r->changed_rows)
         return true;
     kernel *gather = NULL, *changed = NULL;
-    if (!motion_ask(m, &gather, "read_rows", "gather_rows", err) ||
-        !motion_ask(m, &changed, "read_rows", "changed_rows", err) ||
+    if (!motion_ask(m, &gather, "read_rows", "gather_rows", false, err) ||
+        !motion_ask(m, &changed, "read_rows", "changed_rows", false, err) ||
         !program_set_build(m->programs, err))
         return false;
     r->gather_rows = gather;
@@ -31,7 +32,7 @@ static bool prepare(duet_motion *m, duet_error *err)
     return true;
 }
 
-// ---------------------------------------------------------------- of given ids
+// ---------------------------------------------------------------- rows
 
 // One part of a state, and where it lies there.
 static const struct {
@@ -47,48 +48,81 @@ static const struct {
 
 enum { PARTS = sizeof parts / sizeof parts[0], MOST_WORDS = 8 };
 
-static bool gather(duet_motion *m, motion_buffer which, uint32_t n, uint32_t *rows, duet_error *err)
+// Bodies whose states are read: those of n ids, or without ids all.
+typedef struct reading {
+    const uint32_t *ids;
+    uint32_t n;
+    uint32_t *space; // [n] rows, where B does not work on the host's memory
+} reading;
+
+static bool begin(duet_motion *m, const reading *r, duet_error *err)
 {
-    uint32_t words = motion_words(m, which);
+    return timeline_finish(&m->times, err) &&
+           (!r->ids || (prepare(m, err) && motion_reserve(m, READ_IDS, r->n, sizeof *r->ids, err) &&
+                        motion_reserve(m, GATHERED, r->n, MOST_WORDS * sizeof *r->space, err) &&
+                        timeline_write_at(&m->times, "send", &m->buffers[READ_IDS], 0, r->ids,
+                                          r->n * sizeof *r->ids, err)));
+}
+
+static bool gather(duet_motion *m, motion_buffer which, uint32_t n, duet_error *err)
+{
     m->args.rows = m->buffers[which];
-    m->args.row_words = words;
+    m->args.row_words = motion_words(m, which);
     m->args.n_ids = n;
-    return motion_launch(m, "fetch", m->reading.gather_rows, n, err) &&
-           timeline_read(&m->times, "fetch", &m->buffers[GATHERED], rows,
-                         (size_t)n * words * sizeof *rows, err);
+    return motion_launch(m, "fetch", m->reading.gather_rows, n, err);
+}
+
+// The rows of a buffer; NULL after a failure.
+static const uint32_t *fetch(duet_motion *m, const reading *r, motion_buffer which, duet_error *err)
+{
+    buffer *b = &m->buffers[r->ids ? GATHERED : which];
+    uint32_t *rows = b->host ? b->host : r->space;
+    size_t bytes = (size_t)r->n * motion_words(m, which) * sizeof *rows;
+    bool ok = (!r->ids || gather(m, which, r->n, err)) &&
+              timeline_read(&m->times, "fetch", b, rows, bytes, err);
+    return ok ? rows : NULL;
 }
 
 static double number_at(const duet_motion *m, const uint32_t *row, size_t k)
 {
     float number;
     double wide;
+    if (m->def.doubles) {
+        memcpy(&wide, row + 2 * k, sizeof wide);
+        return wide;
+    }
     memcpy(&number, row + k, sizeof number);
-    memcpy(&wide, row + (m->def.doubles ? 2 * k : 0), sizeof wide);
-    return m->def.doubles ? wide : (double)number;
+    return (double)number;
 }
 
-static bool fetch_parts(duet_motion *m, uint32_t n, duet_state *states, uint32_t *rows,
+static bool fetch_part(duet_motion *m, const reading *r, size_t p, duet_state *states,
+                       duet_error *err)
+{
+    uint32_t words = motion_words(m, parts[p].which);
+    const uint32_t *rows = fetch(m, r, parts[p].which, err);
+    for (uint32_t i = 0; rows && i < r->n; ++i)
+        for (size_t k = 0; k < parts[p].numbers; ++k)
+            ((double *)((char *)&states[i] + parts[p].at))[k] =
+                number_at(m, rows + (size_t)i * words, k);
+    return rows;
+}
+
+// Centres were read as offsets in their cells: these are for the caller, or are added.
+static bool fetch_cells(duet_motion *m, const reading *r, duet_state *states, cl_int4 *cells,
                         duet_error *err)
 {
-    for (size_t p = 0; p < PARTS; ++p) {
-        uint32_t words = motion_words(m, parts[p].which);
-        if (words > 0 && !gather(m, parts[p].which, n, rows, err))
-            return false;
-        for (uint32_t i = 0; words > 0 && i < n; ++i)
-            for (size_t k = 0; k < parts[p].numbers; ++k)
-                ((double *)((char *)&states[i] + parts[p].at))[k] =
-                    number_at(m, rows + (size_t)i * words, k);
-    }
-    if (!m->cells)
-        return true;
-    if (!gather(m, CELLS, n, rows, err))
-        return false;
-    for (uint32_t i = 0; i < n; ++i)
+    const uint32_t *rows = fetch(m, r, CELLS, err);
+    if (rows && cells)
+        memcpy(cells, rows, r->n * sizeof *cells);
+    for (uint32_t i = 0; rows && !cells && i < r->n; ++i)
         for (uint32_t k = 0; k < m->def.dims; ++k)
             states[i].centre[k] += (double)(int32_t)rows[4 * (size_t)i + k] * m->def.origin_edge;
-    return true;
+    return rows;
 }
 
+// ---------------------------------------------------------------- states
+
+// What no longer is a number is told here at the latest.
 static bool check_finite(const duet_motion *m, const uint32_t *ids, uint32_t n,
                          const duet_state *states, duet_error *err)
 {
@@ -96,34 +130,60 @@ static bool check_finite(const duet_motion *m, const uint32_t *ids, uint32_t n,
         for (size_t k = 0; k < sizeof *states / sizeof(double); ++k)
             if (!isfinite(((const double *)&states[i])[k]))
                 return error_set(err, DUET_STATUS_BAD_OBJECT,
-                                 "object %u of %u: its state after step %llu is not finite", ids[i],
-                                 m->n, (unsigned long long)m->step);
+                                 "object %u of %u: its state after step %llu is not finite",
+                                 ids ? ids[i] : i, m->n, (unsigned long long)m->step);
     return true;
 }
 
 // The ids are valid.
 static bool fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
-                         duet_error *err)
+                         cl_int4 *cells, duet_error *err)
 {
+    reading r = {.ids = ids, .n = n};
     if (n == 0)
         return true;
-    uint32_t *rows = malloc(((size_t)n + 1) * MOST_WORDS * sizeof *rows);
-    if (!rows)
+    r.space = malloc((size_t)n * MOST_WORDS * sizeof *r.space);
+    if (!r.space)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", n);
-    for (uint32_t i = 0; i < n; ++i)
-        motion_given_state(m, ids[i], &states[i]);
-    bool ok =
-        timeline_finish(&m->times, err) && prepare(m, err) &&
-        motion_reserve(m, READ_IDS, n, sizeof *ids, err) &&
-        motion_reserve(m, GATHERED, n, MOST_WORDS * sizeof *rows, err) &&
-        timeline_write_at(&m->times, "send", &m->buffers[READ_IDS], 0, ids, n * sizeof *ids, err) &&
-        fetch_parts(m, n, states, rows, err) && timeline_finish(&m->times, err);
-    free(rows);
+    bool given = motion_words(m, ROTATIONS) == 0 || motion_words(m, ANGULAR_VELOCITIES) == 0;
+    for (uint32_t i = 0; given && i < n; ++i)
+        motion_given_state(m, ids ? ids[i] : i, &states[i]);
+    bool ok = begin(m, &r, err);
+    for (size_t p = 0; ok && p < PARTS; ++p)
+        ok = motion_words(m, parts[p].which) == 0 || fetch_part(m, &r, p, states, err);
+    ok = ok && (!m->cells || fetch_cells(m, &r, states, cells, err)) &&
+         timeline_finish(&m->times, err);
+    free(r.space);
     return ok && check_finite(m, ids, n, states, err);
 }
 
-bool duet_motion_get_states_of(duet_motion *m, const uint32_t *places, uint32_t n, duet_state *states,
-                               duet_error *err)
+bool duet_motion_get_states(duet_motion *m, duet_state *states, duet_error *err)
+{
+    return motion_is_whole(m, __func__, err) &&
+           (m->n == 0 || error_given(states, __func__, "states", err)) &&
+           fetch_states(m, NULL, m->n, states, NULL, err);
+}
+
+bool motion_get_offsets(duet_motion *m, duet_state *states, cl_int4 *cells, duet_error *err)
+{
+    return fetch_states(m, NULL, m->n, states, cells, err);
+}
+
+duet_state *motion_read_states(duet_motion *m, duet_error *err)
+{
+    duet_state *states = malloc(((size_t)m->n + 1) * sizeof *states);
+    if (!states) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+        return NULL;
+    }
+    if (fetch_states(m, NULL, m->n, states, NULL, err))
+        return states;
+    free(states);
+    return NULL;
+}
+
+bool duet_motion_get_states_of(duet_motion *m, const uint32_t *places, uint32_t n,
+                               duet_state *states, duet_error *err)
 {
     if (!motion_is_whole(m, __func__, err) ||
         (n > 0 && (!error_given(places, __func__, "places", err) ||
@@ -133,7 +193,7 @@ bool duet_motion_get_states_of(duet_motion *m, const uint32_t *places, uint32_t 
         if (places[i] >= m->n)
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "place %u, in row %u; expected one below %u", places[i], i, m->n);
-    return fetch_states(m, places, n, states, err);
+    return fetch_states(m, places, n, states, NULL, err);
 }
 
 // ---------------------------------------------------------------- what moved
@@ -200,7 +260,7 @@ static bool read_moved(duet_motion *m, uint32_t *words, duet_moved *moved, duet_
     motion_reading *r = &m->reading;
     bool ok = m->n == 0 || find_changed(m, words, err);
     uint32_t n = ok ? list_moved(m, words) : 0;
-    ok = ok && fetch_states(m, r->ids, n, r->states, err);
+    ok = ok && fetch_states(m, r->ids, n, r->states, NULL, err);
     r->begun = ok;
     *moved = (duet_moved){.places = r->ids, .states = r->states, .n = n};
     return ok;
@@ -216,6 +276,59 @@ bool duet_motion_get_moved(duet_motion *m, duet_moved *moved, duet_error *err)
     bool ok = timeline_finish(&m->times, err) && prepare(m, err) && reserve_reading(m, err) &&
               read_moved(m, words, moved, err);
     free(words);
+    return ok;
+}
+
+// ---------------------------------------------------------------- contacts
+
+static duet_contact read_record(const duet_motion *m, const uint32_t link[2], uint32_t n,
+                                const float *record)
+{
+    const motion_layout *l = &m->layout;
+    duet_contact c = {.a = link[0], .b = link[1], .n = n};
+    memcpy(c.normal, record + AT_NORMAL, sizeof c.normal);
+    for (uint32_t k = 0; k < n; ++k) {
+        const float *saved = record + l->head + k * l->point;
+        memcpy(c.points[k].anchor, saved + OF_ANCHOR, sizeof c.points[k].anchor);
+        c.points[k].separation = saved[OF_SEPARATION];
+        c.points[k].normal_impulse =
+            motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? saved[OF_NORMAL_IMPULSE] : 0.0f;
+    }
+    return c;
+}
+
+bool duet_motion_get_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) || !error_given(contacts, __func__, "contacts", err) ||
+        !error_given(n, __func__, "n", err))
+        return false;
+    size_t count = m->n_contacts;
+    size_t record = m->layout.record;
+    uint32_t(*links)[2] = malloc(count * sizeof *links + 1);
+    uint32_t *touches = malloc(count * sizeof *touches + 1);
+    float *records = malloc(count * record * sizeof *records + 1);
+    duet_contact *found = malloc(count * sizeof *found + 1);
+    bool ok = links && touches && records && found;
+    if (!ok)
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu contacts", count);
+    ok = ok &&
+         timeline_read(&m->times, "fetch", &m->buffers[LINKS], links, count * sizeof *links, err) &&
+         timeline_read(&m->times, "fetch", &m->buffers[TOUCHES], touches, count * sizeof *touches,
+                       err) &&
+         timeline_read(&m->times, "fetch", &m->buffers[CONTACTS], records,
+                       count * record * sizeof *records, err) &&
+         timeline_finish(&m->times, err);
+    *n = 0;
+    for (size_t i = 0; ok && i < count; ++i)
+        if (touches[i] & TOUCH_POINTS)
+            found[(*n)++] =
+                read_record(m, links[i], touches[i] & TOUCH_POINTS, records + i * record);
+    free(links);
+    free(touches);
+    free(records);
+    *contacts = ok ? found : NULL;
+    if (!ok)
+        free(found);
     return ok;
 }
 

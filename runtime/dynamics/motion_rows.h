@@ -18,15 +18,17 @@ typedef struct motion_rows {
     cl_command_queue mapped_by; // where the buffer's memory is mapped; else bytes are a copy
 } motion_rows;
 
-// Rows [first, last) of `words` words each, in double where the state's reals are.
-// Afterwards they are closed, or dropped if nothing was changed.
+// Rows [first, last) of a buffer by object; those from the least of n places to the greatest; or
+// all of a buffer by contact, of so many words each. Afterwards they are closed, or dropped if
+// nothing was changed.
 bool motion_rows_open(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last,
-                      uint32_t words, bool reals, motion_rows *rows, duet_error *err);
+                      motion_rows *rows, duet_error *err);
+bool motion_rows_at(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
+                    motion_rows *rows, duet_error *err);
+bool motion_rows_of_contacts(duet_motion *m, motion_buffer which, uint32_t words, motion_rows *rows,
+                             duet_error *err);
 bool motion_rows_close(duet_motion *m, motion_rows *rows, duet_error *err);
 void motion_rows_drop(motion_rows *rows);
-
-// The least span [first, last) with all these places.
-void motion_span_of(const uint32_t *places, uint32_t n, uint32_t *first, uint32_t *last);
 
 static inline void *motion_row(const motion_rows *rows, uint32_t place)
 {

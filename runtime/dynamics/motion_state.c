@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The state of a motion: onto B, back, and sums over it.
+// The state of a motion on B: what each buffer holds by object, and what the host writes there.
+#include "runtime/dynamics/inertia.h"
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
-#include "runtime/dynamics/rounded_inertia.h"
-#include "runtime/dynamics/vector.h"
 
 #include "base/error.h"
 
@@ -91,32 +90,20 @@ static entry angular_velocity_of(const duet_motion *m, uint32_t id)
     return (entry){{solid ? w[0] : 0.0, solid ? w[1] : 0.0, w[2]}};
 }
 
-static double inverse_of(double inertia)
-{
-    return inertia > 0.0 ? 1.0 / inertia : 0.0;
-}
-
 // Of a solid body; one without extent across an axis is never turned about it.
-static entry inertia_of(const duet_motion *m, uint32_t id)
+void motion_inverse_inertia(const duet_motion *m, uint32_t id, double inverse[3])
 {
-    const float *h = m->poses[id].half_extents;
     const duet_body *b = &m->bodies[id];
     bool fixed = b->fixed_rotation || motion_is_hidden(m, id);
-    if (b->radius > 0.0f) {
-        double spread[3];
-        rounded_spread(h, b->radius, m->def.dims, spread);
-        double mass = fixed ? 0.0 : (double)b->mass;
-        bool solid = m->def.dims == 3;
-        return (entry){{solid ? inverse_of(mass * (spread[1] + spread[2])) : 0.0,
-                        solid ? inverse_of(mass * (spread[0] + spread[2])) : 0.0,
-                        inverse_of(mass * (spread[0] + spread[1]))}};
-    }
-    double third = fixed ? 0.0 : (double)b->mass / 3.0;
-    double xx = (double)h[0] * h[0], yy = (double)h[1] * h[1], zz = (double)h[2] * h[2];
-    if (m->def.dims == 2)
-        return (entry){{0.0, 0.0, inverse_of(third * (xx + yy))}};
-    return (entry){{inverse_of(third * (yy + zz)), inverse_of(third * (xx + zz)),
-                    inverse_of(third * (xx + yy))}};
+    inertia_inverse(m->poses[id].half_extents, b->radius, fixed ? 0.0 : (double)b->mass,
+                    m->def.dims, inverse);
+}
+
+static entry inertia_of(const duet_motion *m, uint32_t id)
+{
+    entry inverse = {{0}};
+    motion_inverse_inertia(m, id, inverse.at);
+    return inverse;
 }
 
 // Bounds of what is hidden end before they begin, and no search takes such ones.
@@ -143,6 +130,13 @@ static entry friction_of(const duet_motion *m, uint32_t id)
 static entry sensor_of(const duet_motion *m, uint32_t id)
 {
     return (entry){{m->bodies[id].sensor ? 1.0 : 0.0}};
+}
+
+void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state)
+{
+    entry rotation = rotation_of(m, id), angular = angular_velocity_of(m, id);
+    memcpy(state->rotation, rotation.at, sizeof state->rotation);
+    memcpy(state->angular_velocity, angular.at, sizeof state->angular_velocity);
 }
 
 // Sends n entries of `width` numbers, as doubles or floats.
@@ -241,14 +235,93 @@ bool motion_reset(duet_motion *m, duet_error *err)
     return ok && timeline_finish(&m->times, err);
 }
 
+// ---------------------------------------------------------------- some rows
+
+static bool map_rows(duet_motion *m, motion_rows *rows, size_t at, duet_error *err)
+{
+    const device *d = m->device;
+    cl_int code = CL_SUCCESS;
+    ++m->times.n_waits;
+    rows->bytes = clEnqueueMapBuffer(d->queue, rows->of->mem, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE,
+                                     at, rows->size, 0, NULL, NULL, &code);
+    if (!rows->bytes)
+        return error_set_cl(err, code, "%s: mapping %zu bytes", d->info.selector, rows->size);
+    rows->mapped_by = d->queue;
+    return true;
+}
+
+static bool fetch_rows(duet_motion *m, motion_rows *rows, size_t at, duet_error *err)
+{
+    rows->bytes = malloc(rows->size + 1);
+    if (!rows->bytes)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", rows->size);
+    bool ok = timeline_read_at(&m->times, "fetch", rows->of, at, rows->bytes, rows->size, err);
+    if (!ok)
+        motion_rows_drop(rows);
+    return ok;
+}
+
+static bool open_rows(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last,
+                      uint32_t words, bool doubles, motion_rows *rows, duet_error *err)
+{
+    size_t row = words * sizeof(uint32_t);
+    buffer *b = &m->buffers[which];
+    *rows = (motion_rows){
+        .of = b, .first = first, .row = row, .size = (last - first) * row, .doubles = doubles};
+    return b->host && rows->size > 0 ? map_rows(m, rows, first * row, err)
+                                     : fetch_rows(m, rows, first * row, err);
+}
+
+bool motion_rows_open(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last,
+                      motion_rows *rows, duet_error *err)
+{
+    bool doubles = by_object[which].reals > 0 && m->def.doubles;
+    return open_rows(m, which, first, last, motion_words(m, which), doubles, rows, err);
+}
+
+bool motion_rows_at(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
+                    motion_rows *rows, duet_error *err)
+{
+    uint32_t first = UINT32_MAX, last = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        first = places[i] < first ? places[i] : first;
+        last = places[i] >= last ? places[i] + 1 : last;
+    }
+    return motion_rows_open(m, which, first, last, rows, err);
+}
+
+bool motion_rows_of_contacts(duet_motion *m, motion_buffer which, uint32_t words, motion_rows *rows,
+                             duet_error *err)
+{
+    return open_rows(m, which, 0, m->n_contacts, words, false, rows, err);
+}
+
+// What is mapped is the device's again before the queue's next command.
+bool motion_rows_close(duet_motion *m, motion_rows *rows, duet_error *err)
+{
+    size_t at = rows->first * rows->row;
+    bool ok = rows->mapped_by ||
+              (timeline_write_at(&m->times, "send", rows->of, at, rows->bytes, rows->size, err) &&
+               timeline_finish(&m->times, err));
+    motion_rows_drop(rows);
+    return ok;
+}
+
+void motion_rows_drop(motion_rows *rows)
+{
+    if (rows->mapped_by)
+        clEnqueueUnmapMemObject(rows->mapped_by, rows->of->mem, rows->bytes, 0, NULL, NULL);
+    else
+        free(rows->bytes);
+    *rows = (motion_rows){0};
+}
+
 // ---------------------------------------------------------------- some objects
 
 static bool send_some_cells(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
 {
-    uint32_t first, last;
     motion_rows rows;
-    motion_span_of(places, n, &first, &last);
-    if (!motion_rows_open(m, CELLS, first, last, 4, false, &rows, err))
+    if (!motion_rows_at(m, CELLS, places, n, &rows, err))
         return false;
     for (uint32_t i = 0; i < n; ++i)
         memcpy(motion_row(&rows, places[i]), &m->cells[places[i]], sizeof *m->cells);
@@ -257,10 +330,8 @@ static bool send_some_cells(duet_motion *m, const uint32_t *places, uint32_t n, 
 
 static bool send_some_filters(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
 {
-    uint32_t first, last;
     motion_rows rows;
-    motion_span_of(places, n, &first, &last);
-    if (!motion_rows_open(m, FILTERS, first, last, 2, false, &rows, err))
+    if (!motion_rows_at(m, FILTERS, places, n, &rows, err))
         return false;
     for (uint32_t i = 0; i < n; ++i) {
         const duet_body *b = &m->bodies[places[i]];
@@ -273,12 +344,8 @@ static bool send_some_filters(duet_motion *m, const uint32_t *places, uint32_t n
 static bool send_some(duet_motion *m, const uint32_t *places, uint32_t n, size_t what,
                       duet_error *err)
 {
-    motion_buffer which = sent[what].which;
-    uint32_t first, last;
     motion_rows rows;
-    motion_span_of(places, n, &first, &last);
-    if (!motion_rows_open(m, which, first, last, by_object[which].reals + by_object[which].words,
-                          by_object[which].reals > 0, &rows, err))
+    if (!motion_rows_at(m, sent[what].which, places, n, &rows, err))
         return false;
     for (uint32_t i = 0; i < n; ++i) {
         entry e = sent[what].of(m, places[i]);
@@ -337,224 +404,4 @@ bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err)
         if (motion_words(m, (motion_buffer)which) > 0)
             ok = grow(m, (motion_buffer)which, old_n, err);
     return ok && timeline_finish(&m->times, err);
-}
-
-// ---------------------------------------------------------------- back
-
-void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state)
-{
-    entry rotation = rotation_of(m, id), angular = angular_velocity_of(m, id);
-    memcpy(state->rotation, rotation.at, sizeof state->rotation);
-    memcpy(state->angular_velocity, angular.at, sizeof state->angular_velocity);
-}
-
-// Four numbers of each object, or what was given where the buffer is not
-// called for.
-static bool fetch(duet_motion *m, motion_buffer which,
-                  entry (*given)(const duet_motion *, uint32_t), entry *entries, duet_error *err)
-{
-    if (motion_words(m, which) == 0) {
-        for (uint32_t id = 0; id < m->n; ++id)
-            entries[id] = given(m, id);
-        return true;
-    }
-    size_t numbers = (size_t)m->n * 4;
-    size_t bytes = numbers * (m->def.doubles ? sizeof(double) : sizeof(float));
-    const buffer *b = &m->buffers[which];
-    void *host = b->host ? b->host : malloc(bytes + 1);
-    if (!host)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", bytes);
-    bool ok = timeline_read(&m->times, "fetch", &m->buffers[which], host, bytes, err);
-    for (size_t i = 0; ok && i < numbers; ++i)
-        entries[i / 4].at[i % 4] =
-            m->def.doubles ? ((const double *)host)[i] : (double)((const float *)host)[i];
-    if (!b->host)
-        free(host);
-    return ok;
-}
-
-// Centres were read as offsets.
-static bool add_cells(duet_motion *m, duet_state *states, duet_error *err)
-{
-    size_t bytes = (size_t)m->n * sizeof(cl_int4);
-    const buffer *b = &m->buffers[CELLS];
-    cl_int4 *host = b->host ? b->host : malloc(bytes + 1);
-    if (!host)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", bytes);
-    bool ok = timeline_read(&m->times, "fetch", &m->buffers[CELLS], host, bytes, err);
-    for (uint32_t id = 0; ok && id < m->n; ++id)
-        for (uint32_t k = 0; k < m->def.dims; ++k)
-            states[id].centre[k] += (double)host[id].s[k] * m->def.origin_edge;
-    if (!b->host)
-        free(host);
-    return ok;
-}
-
-// What no longer is a number is told here at the latest.
-static bool check_finite(const duet_motion *m, const duet_state *states, duet_error *err)
-{
-    const size_t numbers = sizeof *states / sizeof(double);
-    for (uint32_t id = 0; id < m->n; ++id)
-        for (size_t k = 0; k < numbers; ++k)
-            if (!isfinite(((const double *)&states[id])[k]))
-                return error_set(err, DUET_STATUS_BAD_OBJECT,
-                                 "object %u of %u: its state after step %llu is not finite", id,
-                                 m->n, (unsigned long long)m->step);
-    return true;
-}
-
-// With offsets for centres.
-static bool fetch_states(duet_motion *m, duet_state *states, duet_error *err)
-{
-    static const struct {
-        motion_buffer which;
-        entry (*given)(const duet_motion *, uint32_t);
-        size_t at;
-        size_t numbers;
-    } parts[] = {
-        {CENTRES, centre_of, offsetof(duet_state, centre), 3},
-        {ROTATIONS, rotation_of, offsetof(duet_state, rotation), 4},
-        {VELOCITIES, velocity_of, offsetof(duet_state, velocity), 3},
-        {ANGULAR_VELOCITIES, angular_velocity_of, offsetof(duet_state, angular_velocity), 3},
-    };
-    entry *entries = calloc((size_t)m->n + 1, sizeof *entries);
-    if (!entries)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
-    bool ok = timeline_finish(&m->times, err);
-    for (size_t i = 0; ok && i < sizeof parts / sizeof parts[0]; ++i) {
-        ok = fetch(m, parts[i].which, parts[i].given, entries, err);
-        for (uint32_t id = 0; ok && id < m->n; ++id)
-            memcpy((char *)&states[id] + parts[i].at, entries[id].at,
-                   parts[i].numbers * sizeof(double));
-    }
-    free(entries);
-    return ok;
-}
-
-bool duet_motion_get_states(duet_motion *m, duet_state *states, duet_error *err)
-{
-    return motion_is_whole(m, __func__, err) &&
-           (m->n == 0 || error_given(states, __func__, "states", err)) &&
-           fetch_states(m, states, err) && (!m->cells || add_cells(m, states, err)) &&
-           timeline_finish(&m->times, err) && check_finite(m, states, err);
-}
-
-bool motion_get_offsets(duet_motion *m, duet_state *states, cl_int4 *cells, duet_error *err)
-{
-    return fetch_states(m, states, err) &&
-           timeline_read(&m->times, "fetch", &m->buffers[CELLS], cells, m->n * sizeof *cells,
-                         err) &&
-           timeline_finish(&m->times, err) && check_finite(m, states, err);
-}
-
-// ---------------------------------------------------------------- sums
-
-static duet_state *read_states(duet_motion *m, duet_error *err)
-{
-    duet_state *states = calloc((size_t)m->n + 1, sizeof *states);
-    if (!states) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
-        return NULL;
-    }
-    if (duet_motion_get_states(m, states, err))
-        return states;
-    free(states);
-    return NULL;
-}
-
-bool motion_check_states(duet_motion *m, duet_error *err)
-{
-    duet_state *states = read_states(m, err);
-    free(states);
-    return states;
-}
-
-// -0 counts as 0: which of the two a sum of nothing is does not matter.
-static uint64_t mix(uint64_t sum, double value, uint64_t place)
-{
-    double plain = value + 0.0;
-    uint64_t k;
-    memcpy(&k, &plain, sizeof k);
-    k ^= place * UINT64_C(0x9E3779B97F4A7C15);
-    k *= UINT64_C(0xBF58476D1CE4E5B9);
-    k ^= k >> 29;
-    k *= UINT64_C(0x94D049BB133111EB);
-    return sum + (k ^ k >> 32);
-}
-
-bool duet_motion_get_hash(duet_motion *m, uint64_t *hash, duet_error *err)
-{
-    if (!motion_is_whole(m, __func__, err) || !error_given(hash, __func__, "hash", err))
-        return false;
-    duet_state *states = read_states(m, err);
-    if (!states)
-        return false;
-    const size_t numbers = sizeof *states / sizeof(double);
-    const double *values = (const double *)states;
-    *hash = 0;
-    for (size_t i = 0; i < m->n * numbers; ++i)
-        *hash = mix(*hash, values[i], i + 1);
-    free(states);
-    return true;
-}
-
-// Axis k of a box turned by q, |q| = 1.
-static void axis_of(const double q[4], int k, double axis[3])
-{
-    double x = q[0], y = q[1], z = q[2], w = q[3];
-    const double columns[3][3] = {
-        {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
-        {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
-        {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)},
-    };
-    memcpy(axis, columns[k], sizeof columns[k]);
-}
-
-static double potential_of(const duet_motion_def *def, const duet_state *s, double mass)
-{
-    if (def->attraction != 0.0) {
-        double to[3] = {def->centre[0] - s->centre[0], def->centre[1] - s->centre[1],
-                        def->dims == 3 ? def->centre[2] - s->centre[2] : 0.0};
-        return -mass * def->attraction / sqrt(vector_dot(to, to, 3));
-    }
-    return -mass * vector_dot(def->gravity, s->centre, 3);
-}
-
-static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, duet_energy *e)
-{
-    double mass = m->bodies[id].mass;
-    entry inverse = inertia_of(m, id);
-    double swing[3];
-    vector_cross(s->centre, s->velocity, swing);
-    e->kinetic += 0.5 * mass * vector_dot(s->velocity, s->velocity, 3);
-    if (motion_has(m, DUET_EFFECT_GRAVITY))
-        e->potential += potential_of(&m->def, s, mass);
-    for (int k = 0; k < 3; ++k) {
-        e->momentum[k] += mass * s->velocity[k];
-        e->angular[k] += mass * swing[k];
-    }
-    for (int k = 0; k < 3; ++k) {
-        double axis[3];
-        axis_of(s->rotation, k, axis);
-        double along = vector_dot(axis, s->angular_velocity, 3);
-        double inertia = inverse.at[k] > 0.0 ? 1.0 / inverse.at[k] : 0.0;
-        e->turning += 0.5 * inertia * along * along;
-        for (int j = 0; j < 3; ++j)
-            e->angular[j] += inertia * along * axis[j];
-    }
-}
-
-bool duet_motion_get_energy(duet_motion *m, duet_energy *energy, duet_error *err)
-{
-    if (!motion_is_whole(m, __func__, err) || !error_given(energy, __func__, "energy", err))
-        return false;
-    duet_state *states = read_states(m, err);
-    if (!states)
-        return false;
-    *energy = (duet_energy){0};
-    for (uint32_t id = 0; id < m->n; ++id)
-        if (m->bodies[id].mass > 0.0f && !motion_is_hidden(m, id))
-            add_object(m, id, &states[id], energy);
-    free(states);
-    return true;
 }

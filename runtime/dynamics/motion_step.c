@@ -4,14 +4,58 @@
 // Without response each object flies free, and where it then touches is looked
 // at afterwards. With response the contacts of the step's beginning are solved
 // in substeps.
+//
+// In two halves a thread of the motion's own takes the step while the caller works. What a
+// caller may ask meanwhile changes only in the second half.
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_map.h"
 #include "runtime/dynamics/recording.h"
 
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
+#include "runtime/opencl/thread_pool.h"
 
-#include <string.h>
+#include <stdlib.h>
+
+struct motion_half {
+    thread_pool *thread;
+    bool under_way;
+    duet_error err;
+    bool ok;
+    double ms;
+};
+
+// ---------------------------------------------------------------- between steps
+
+bool motion_is_under_way(const duet_motion *m)
+{
+    return m->half && m->half->under_way;
+}
+
+bool motion_is_idle(const duet_motion *m, const char *call, duet_error *err)
+{
+    return !motion_is_under_way(m) ||
+           error_set(
+               err, DUET_STATUS_BAD_ARGUMENT,
+               "%s: a step of the motion is under way; expected duet_motion_advance_end first",
+               call);
+}
+
+bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err)
+{
+    return error_given(m, call, "motion", err) && motion_is_idle(m, call, err) &&
+           (!m->broken ||
+            error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                      "the motion failed in its step %llu; expected a saved one to be loaded, or a "
+                      "new motion",
+                      (unsigned long long)m->step + 1));
+}
+
+bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)
+{
+    return motion_is_steady(m, call, err) && motion_is_unmapped(m, call, err);
+}
 
 // ---------------------------------------------------------------- response
 
@@ -193,7 +237,7 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
     };
 }
 
-bool motion_carry_step(duet_motion *m, double *ms, duet_error *err)
+static bool carry_step(duet_motion *m, double *ms, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     if (m->def.stage_times || timeline_is_due(&m->times, m->device, m->step))
@@ -206,7 +250,7 @@ bool motion_carry_step(duet_motion *m, double *ms, duet_error *err)
     return ok;
 }
 
-bool motion_complete_step(duet_motion *m, bool carried, double ms, duet_motion_result *result,
+static bool complete_step(duet_motion *m, bool carried, double ms, duet_motion_result *result,
                           duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
@@ -230,6 +274,65 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
     if (!motion_is_whole(m, __func__, err) || !error_given(result, __func__, "result", err) ||
         !budget_check(err))
         return false;
-    bool carried = motion_carry_step(m, &ms, err);
-    return motion_complete_step(m, carried, ms, result, err);
+    bool carried = carry_step(m, &ms, err);
+    return complete_step(m, carried, ms, result, err);
+}
+
+// ---------------------------------------------------------------- in two halves
+
+static void carry(void *arg)
+{
+    duet_motion *m = arg;
+    m->half->ok = carry_step(m, &m->half->ms, &m->half->err);
+}
+
+static bool reserve(duet_motion *m, duet_error *err)
+{
+    if (m->half)
+        return true;
+    struct motion_half *h = calloc(1, sizeof *h);
+    if (!h)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a step in two halves");
+    h->thread = thread_pool_open(1, err);
+    if (!h->thread) {
+        free(h);
+        return false;
+    }
+    m->half = h;
+    return true;
+}
+
+bool duet_motion_advance_begin(duet_motion *m, duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) || !reserve(m, err))
+        return false;
+    m->half->err = (duet_error){0};
+    m->half->under_way = true;
+    thread_pool_start(m->half->thread, carry, m);
+    return true;
+}
+
+bool duet_motion_advance_end(duet_motion *m, duet_motion_result *result, duet_error *err)
+{
+    if (!error_given(m, __func__, "motion", err) || !error_given(result, __func__, "result", err))
+        return false;
+    struct motion_half *h = m->half;
+    if (!motion_is_under_way(m))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: no step is under way; expected duet_motion_advance_begin first",
+                         __func__);
+    thread_pool_wait(h->thread);
+    h->under_way = false;
+    if (!h->ok && err && err->status == DUET_STATUS_OK)
+        *err = h->err;
+    return complete_step(m, h->ok, h->ms, result, err);
+}
+
+void motion_end_half(duet_motion *m)
+{
+    if (!m->half)
+        return;
+    thread_pool_close(m->half->thread);
+    free(m->half);
+    m->half = NULL;
 }

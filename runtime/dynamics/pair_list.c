@@ -29,11 +29,6 @@ void pair_list_free(pair_list *list)
     *list = (pair_list){0};
 }
 
-duet_pair pair_ordered(duet_pair p)
-{
-    return p.a < p.b ? p : (duet_pair){p.b, p.a};
-}
-
 int pair_compare(duet_pair x, duet_pair y)
 {
     return x.a != y.a ? (x.a < y.a ? -1 : 1) : x.b != y.b ? (x.b < y.b ? -1 : 1) : 0;

@@ -22,7 +22,11 @@ bool pair_list_reserve(pair_list *list, size_t n, duet_error *err);
 void pair_list_free(pair_list *list);
 
 // The pair with its lesser id first.
-duet_pair pair_ordered(duet_pair pair);
+static inline duet_pair pair_ordered(duet_pair p)
+{
+    return p.a < p.b ? p : (duet_pair){p.b, p.a};
+}
+
 int pair_compare(duet_pair x, duet_pair y);
 
 // Ascending by a and b.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Boxes in whole numbers: a float is an integer times a power of two.
+// Boxes in whole numbers: a float is an integer times a power of two. Of two boxes
+// runtime/narrowphase/narrow.h has the answer that is made so, narrow_exact.
 #ifndef RUNTIME_EXACT_H
 #define RUNTIME_EXACT_H
 

@@ -185,7 +185,7 @@ static bool make_ready(device *d, bool has_context, duet_error *err)
 {
     if (has_context && make_queue(&d->queue, d, err) && make_queue(&d->beside, d, err)) {
         d->built = program_pool_open();
-        d->third_axis = driver_third_axis(&d->info);
+        d->third_axis = driver_of(&d->info).third_axis;
         return true;
     }
     device_close(d);

@@ -13,22 +13,28 @@
 
 #include "runtime/duet.h"
 
-// What stands before the text of each kernel where groups lie along the third axis: the functions
-// of OpenCL by which a kernel asks for its place along the first. NULL where they lie along it.
-const char *driver_third_axis(const duet_device_info *info);
+typedef struct driver {
+    // What stands before the text of each kernel where groups lie along the third axis: the
+    // functions of OpenCL by which a kernel asks for its place along the first. NULL where they
+    // lie along it.
+    const char *third_axis;
 
-// Whether the driver keeps what it compiled itself and compiles all again when it is asked
-// for a binary, as PoCL does: 5.7 s of processor time instead of 3.2 for a first run, and
-// 0.1 instead of 0.2 for the next.
-bool driver_keeps_kernels(const duet_device_info *info);
+    // The option that leaves out the header of OpenCL's functions, where the driver reads one for
+    // each program: the program must then declare what it calls. NULL where the driver reads none.
+    // A first run takes 3.2 s of processor time instead of 4.6, and the next 0.2 instead of 0.4.
+    const char *header_option;
 
-// Whether several threads are not to compile at once: PoCL compiles under one lock, and a
-// thread more would only wait; Oclgrind's programs share a state of LLVM that no lock guards.
-bool driver_compiles_one_by_one(const duet_device_info *info);
+    // It keeps what it compiled itself and compiles all again when it is asked for a binary, as
+    // PoCL does: 5.7 s of processor time instead of 3.2 for a first run, and 0.1 instead of 0.2
+    // for the next.
+    bool keeps_kernels;
 
-// The option that leaves out the header of OpenCL's functions, where the driver reads one for each
-// program: the program must then declare what it calls. NULL where the driver reads none. A first
-// run takes 3.2 s of processor time instead of 4.6, and the next 0.2 instead of 0.4.
-const char *driver_header_option(const duet_device_info *info);
+    // Several threads are not to compile at once: PoCL compiles under one lock, and a thread more
+    // would only wait; Oclgrind's programs share a state of LLVM that no lock guards.
+    bool compiles_one_by_one;
+    bool breaks; // else
+} driver;
+
+driver driver_of(const duet_device_info *info);
 
 #endif

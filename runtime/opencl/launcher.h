@@ -61,12 +61,4 @@ typedef struct launcher {
     uint32_t n;
 } launcher;
 
-// BUILD_FAILED where an argument is not among the bindings, or has another type there.
-bool launcher_bind(launcher *l, const char *kernel, const gen_entry *entry, bindings from,
-                   duet_error *err);
-
-// Hands the arguments over from the struct that the bindings were made for. CL_SUCCESS, or
-// what refused argument *bad.
-cl_int launcher_set(const launcher *l, cl_kernel k, const void *values, uint32_t *bad);
-
 #endif

@@ -41,7 +41,7 @@ struct program_set {
 // Unless a folder was named, a driver that keeps its kernels itself is left to do so.
 bool program_builder_keeps(const program_builder *b, const duet_device_info *info)
 {
-    return b->cache_dir && !(b->is_default && driver_keeps_kernels(info));
+    return b->cache_dir && !(b->is_default && driver_of(info).keeps_kernels);
 }
 
 gen_limits program_limits(const duet_device_info *info)
@@ -155,7 +155,7 @@ static cl_int build_sources(const program_set *set, program *p, cl_uint n, const
 // With declarations of ours in the place of the driver's header.
 static bool build_declared(const program_set *set, program *p)
 {
-    const char *leave_out = driver_header_option(&set->device->info);
+    const char *leave_out = driver_of(&set->device->info).header_option;
     const char *sources[] = {gen_built_ins(set->gen), p->text};
     char options[96];
     snprintf(options, sizeof options, "%s %s", BUILD_OPTIONS, leave_out ? leave_out : "");
@@ -298,7 +298,7 @@ static void compile_some(void *arg)
 
 static uint32_t helpers_for(const program_set *set, uint32_t n)
 {
-    if (n < 2 || driver_compiles_one_by_one(&set->device->info))
+    if (n < 2 || driver_of(&set->device->info).compiles_one_by_one)
         return 0;
     return n - 1 < MOST_HELPERS ? n - 1 : MOST_HELPERS;
 }
@@ -401,6 +401,53 @@ static program *find_or_add(program_set *set, const gen_variant *variant, duet_e
     return p;
 }
 
+// ---------------------------------------------------------------- kernels
+
+// The type that the name has otherwise, for a message; NULL where there is no such name.
+static const char *other_type(bindings from, const char *name)
+{
+    for (; from->name; ++from)
+        if (strcmp(from->name, name) == 0)
+            return from->type;
+    return NULL;
+}
+
+static const binding *find_binding(bindings from, const gen_arg *arg)
+{
+    for (; from->name; ++from)
+        if (strcmp(from->name, arg->name) == 0 && strcmp(from->type, arg->type) == 0)
+            return from;
+    return NULL;
+}
+
+static bool fail_to_bind(const char *name, const gen_entry *entry, const gen_arg *arg,
+                         bindings from, duet_error *err)
+{
+    const char *type = other_type(from, arg->name);
+    if (type)
+        return error_set(err, DUET_STATUS_BUILD_FAILED,
+                         "kernel %s: argument '%s' of %s is of type '%s'; expected '%s'", name,
+                         arg->name, entry->name, arg->type, type);
+    return error_set(err, DUET_STATUS_BUILD_FAILED,
+                     "kernel %s: %s has an argument '%s' that its launcher does not know", name,
+                     entry->name, arg->name);
+}
+
+static bool bind_entry(launcher *l, const char *name, const gen_entry *entry, bindings from,
+                       duet_error *err)
+{
+    l->n = 0;
+    for (uint32_t i = 0; i < entry->n_args; ++i) {
+        const gen_arg *arg = &entry->args[i];
+        const binding *b = find_binding(from, arg);
+        if (!b)
+            return fail_to_bind(name, entry, arg, from, err);
+        l->args[l->n].at = b->at;
+        l->args[l->n++].bytes = arg->bytes ? arg->bytes : (uint32_t)sizeof(cl_mem);
+    }
+    return true;
+}
+
 // All entries of the program are checked before it is compiled: a compiler says less of
 // what is wrong with a card.
 static bool bind(const program_set *set, const gen_variant *variant, const char *entry,
@@ -410,7 +457,7 @@ static bool bind(const program_set *set, const gen_variant *variant, const char 
     for (uint32_t i = 0; i < variant->n_entries; ++i) {
         launcher other;
         bool is_meant = strcmp(variant->entries[i].name, entry) == 0;
-        if (!launcher_bind(is_meant ? l : &other, variant->name, &variant->entries[i], from, err))
+        if (!bind_entry(is_meant ? l : &other, variant->name, &variant->entries[i], from, err))
             return false;
         found = found || is_meant;
     }

@@ -70,10 +70,14 @@ static bool keep_command(timeline *t, const char *stage, cl_event event, duet_er
 
 static bool set_args(const kernel *k, const void *values, const device *d, duet_error *err)
 {
-    uint32_t bad = 0;
-    cl_int code = launcher_set(&k->launcher, k->cl, values, &bad);
-    return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s on %s: argument %u", k->name, d->info.selector, bad);
+    const launcher *l = &k->launcher;
+    for (uint32_t i = 0; i < l->n; ++i) {
+        cl_int code =
+            clSetKernelArg(k->cl, i, l->args[i].bytes, (const char *)values + l->args[i].at);
+        if (code != CL_SUCCESS)
+            return error_set_cl(err, code, "%s on %s: argument %u", k->name, d->info.selector, i);
+    }
+    return true;
 }
 
 bool timeline_launch(timeline *t, const char *stage, const kernel *k, uint64_t work,

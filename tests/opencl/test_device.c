@@ -355,7 +355,7 @@ static void launches_of_pocls_cpus_lie_along_the_third_axis(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         duet_device_info info = {.kind = cases[i].kind};
         strcpy(info.platform, cases[i].platform);
-        assert_int_equal(driver_third_axis(&info) != NULL, cases[i].third);
+        assert_int_equal(driver_of(&info).third_axis != NULL, cases[i].third);
         uint32_t n = 0;
         while (duet_device_info_get_quirk(&info, n))
             ++n;
@@ -527,7 +527,7 @@ static void compile_declared(const device *d, gen *g, const char *name, uint64_t
     assert_ok(gen_make(g, name, config, n_params, &limits, &v, &err), err);
     const char *sources[] = {gen_built_ins(g), v.text};
     char options[64];
-    snprintf(options, sizeof options, "-cl-std=CL1.2 -w %s", driver_header_option(&d->info));
+    snprintf(options, sizeof options, "-cl-std=CL1.2 -w %s", driver_of(&d->info).header_option);
     cl_program p = clCreateProgramWithSource(d->context, 2, sources, NULL, NULL);
     if (clCompileProgram(p, 1, &d->id, options, 0, NULL, NULL, NULL, NULL) != CL_SUCCESS)
         fail_msg("%s calls what kernels/built_ins.clh does not declare", v.name);
@@ -546,7 +546,7 @@ static void every_built_in_function_that_a_kernel_calls_is_declared(void **state
     assert_ok(g && device_open(&d, selector, &err), err);
     gen_limits limits = program_limits(&d.info);
     const char *name;
-    for (uint32_t i = 0; driver_header_option(&d.info) && (name = gen_kernel(g, i)); ++i) {
+    for (uint32_t i = 0; driver_of(&d.info).header_option && (name = gen_kernel(g, i)); ++i) {
         uint64_t n = 0;
         assert_ok(gen_count(g, name, &limits, &n, &err), err);
         compile_declared(&d, g, name, 0);

@@ -306,8 +306,8 @@ static void every_launch_of_a_pocl_cpu_has_one_width(void **state)
 {
     (void)state;
     assert_true(atomic_load(&launches) > 0);
-    if (driver_third_axis(&devices->devices[0].info) &&
-        driver_third_axis(&devices->devices[1].info))
+    if (driver_of(&devices->devices[0].info).third_axis &&
+        driver_of(&devices->devices[1].info).third_axis)
         assert_int_equal(atomic_load(&wide), 0);
     else
         assert_true(atomic_load(&wide) > 0);

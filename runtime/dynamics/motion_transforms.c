@@ -1,13 +1,107 @@
 // SPDX-License-Identifier: MIT
-// Kinematic targets: where the next step takes bodies without mass.
+// Where commands put bodies: poses hold at once, and targets are where the next step takes bodies
+// without mass.
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/recording.h"
 #include "runtime/dynamics/vector.h"
+#include "runtime/narrowphase/origin.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+// ---------------------------------------------------------------- poses
+
+void motion_stop(duet_motion *m, uint32_t place)
+{
+    memset(m->bodies[place].velocity, 0, sizeof m->bodies[place].velocity);
+    memset(m->bodies[place].angular_velocity, 0, sizeof m->bodies[place].angular_velocity);
+}
+
+bool motion_place_poses(const duet_motion *m, duet_pose *poses, uint32_t n, cl_int4 **cells,
+                        const char *call, duet_error *err)
+{
+    *cells = NULL;
+    if (!m->cells)
+        return true;
+    *cells = calloc((size_t)n + 1, sizeof **cells);
+    if (!*cells)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u cells", call, n);
+    for (uint32_t i = 0; i < n; ++i) {
+        duet_large_pose p = {.pose = poses[i]};
+        double at[3];
+        for (int k = 0; k < 3; ++k)
+            at[k] = m->def.origin[k] + (double)poses[i].centre[k];
+        if (!origin_place(&p, at, m->def.origin_edge))
+            return error_set(err, DUET_STATUS_BAD_OBJECT,
+                             "%s: body %u of %u is beyond 2^30 origin cells of edge %g", call, i, n,
+                             (double)m->def.origin_edge);
+        poses[i] = p.pose;
+        for (uint32_t k = 0; k < m->def.dims; ++k)
+            (*cells)[i].s[k] = p.cell[k];
+    }
+    return true;
+}
+
+// Says new ones of some places, to be sent; cells NULL without.
+static void keep_poses(duet_motion *m, const uint32_t *places, const duet_pose *poses,
+                       const cl_int4 *cells, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        m->poses[places[i]] = poses[i];
+        if (cells)
+            m->cells[places[i]] = cells[i];
+    }
+}
+
+static bool put_poses(duet_motion *m, const uint32_t *places, const duet_pose *poses,
+                      const cl_int4 *cells, uint32_t n, duet_error *err)
+{
+    if (!motion_forget_targets(m, places, n, err))
+        return false;
+    keep_poses(m, places, poses, cells, n);
+    return motion_send_places(m, places, n, PART_POSE | PART_SIZE, err) &&
+           motion_wake_places(m, places, n, err);
+}
+
+static bool check_poses(const duet_motion *m, const duet_pose *poses, uint32_t n, const char *call,
+                        duet_error *err)
+{
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        const char *fault = motion_pose_fault(&poses[i], m->def.dims);
+        ok = !fault ||
+             error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: %s", call, i, n, fault);
+    }
+    return ok;
+}
+
+bool duet_motion_set_poses(duet_motion *m, duet_body_list list, const duet_pose *poses,
+                           duet_error *err)
+{
+    if (list.n > 0 && !error_given(poses, __func__, "poses", err))
+        return false;
+    uint32_t *places = motion_places_of(m, list, false, __func__, err);
+    duet_pose *copy = places ? motion_poses_at(m, places, list.n, err) : NULL;
+    duet_body *bodies = copy ? motion_bodies_at(m, places, list.n, err) : NULL;
+    cl_int4 *cells = NULL;
+    if (bodies && list.n > 0)
+        memcpy(copy, poses, list.n * sizeof *copy);
+    bool ok = bodies && check_poses(m, copy, list.n, __func__, err) &&
+              motion_place_poses(m, copy, list.n, &cells, __func__, err) &&
+              motion_admit(m, copy, bodies, list.n, __func__, err) &&
+              motion_keep_whole(m, put_poses(m, places, copy, cells, list.n, err));
+    if (ok)
+        motion_note(m, RECORDED_POSES, places, list.n, poses);
+    free(cells);
+    free(bodies);
+    free(copy);
+    free(places);
+    return ok;
+}
+
+// ---------------------------------------------------------------- targets
 
 // The steady angular velocity that turns `from` into `to` in the time.
 static void turn_between(const double from[4], const double to[4], double time, float velocity[3])
@@ -38,11 +132,8 @@ static duet_pose aimed(const duet_motion *m, duet_pose pose, const duet_transfor
 static bool find_velocities(duet_motion *m, const uint32_t *places, const duet_pose *poses,
                             const cl_int4 *cells, uint32_t n, duet_body *bodies, duet_error *err)
 {
-    duet_state *states = malloc((size_t)m->n * sizeof *states + 1);
-    if (!states)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
-    bool ok = duet_motion_get_states(m, states, err);
-    for (uint32_t i = 0; ok && i < n; ++i) {
+    duet_state *states = motion_read_states(m, err);
+    for (uint32_t i = 0; states && i < n; ++i) {
         const duet_state *s = &states[places[i]];
         const float *q = poses[i].rotation;
         const double to[4] = {q[0], q[1], q[2], q[3]};
@@ -55,7 +146,7 @@ static bool find_velocities(duet_motion *m, const uint32_t *places, const duet_p
         turn_between(s->rotation, to, m->def.dt, bodies[i].angular_velocity);
     }
     free(states);
-    return ok;
+    return states;
 }
 
 static bool check_kinematic(const duet_motion *m, const uint32_t *places, uint32_t n,
@@ -114,7 +205,7 @@ bool duet_motion_set_targets(duet_motion *m, duet_body_list list, const duet_tra
     for (uint32_t i = 0; bodies && i < list.n; ++i)
         poses[i] = aimed(m, poses[i], &targets[i]);
     bool ok = bodies && check_kinematic(m, places, list.n, __func__, err) &&
-              motion_check_poses(m, poses, list.n, __func__, err) &&
+              check_poses(m, poses, list.n, __func__, err) &&
               motion_place_poses(m, poses, list.n, &cells, __func__, err) &&
               find_velocities(m, places, poses, cells, list.n, bodies, err) &&
               check_velocities(bodies, list.n, __func__, err) &&
@@ -177,7 +268,7 @@ bool motion_arrive(duet_motion *m, duet_error *err)
     }
     ok = ok && motion_place_poses(m, poses, n, &cells, __func__, err);
     if (ok)
-        motion_keep_poses(m, places, poses, cells, n);
+        keep_poses(m, places, poses, cells, n);
     ok = ok &&
          motion_send_places(m, places, n, PART_POSE | PART_VELOCITY | PART_ANGULAR_VELOCITY, err);
     // What it reaches there has not felt it yet.

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: MIT
+// Which bodies may touch: pairs of fat AABBs.
+//
+// All of them are searched by a world of their bounds. After commands that let bodies come, go
+// or touch others than before, the pairs of all other bodies hold on within a skin; only those
+// of the altered ones are searched, by a hash table of them.
+#include "base/error.h"
+#include "kernels/dynamics/altered.h"
+#include "runtime/broadphase/world.h"
+#include "runtime/dynamics/motion_commands.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// More altered bodies are searched with all others, whose grid costs less then.
+enum { LEAST_PART = 8 };
+
+// Pairs that an altered body may have; with more, all are searched.
+enum { PAIRS_OF_ONE = 64 };
+
+// ---------------------------------------------------------------- bounds
+
+// Separations up to the margin are contacts, so each object's bounds have half of it.
+static bool compute_bounds(duet_motion *m, const kernel *k, uint32_t n, duet_error *err)
+{
+    double skin = motion_has(m, DUET_EFFECT_SKIN) ? m->def.skin : 0.0;
+    m->args.aabb_margin = motion_real(m, 0.5 * (m->margin + skin));
+    return motion_launch(m, "grid", k, n, err);
+}
+
+bool motion_check_bounds(duet_motion *m, duet_error *err)
+{
+    m->args.aabb_margin = motion_real(m, 0.5 * m->margin);
+    return motion_launch(m, "fat_aabbs", m->kernels.check_fat_aabbs, m->n, err);
+}
+
+// Whether everything is still inside the bounds that the rows were made from. What a step
+// moves last is checked at its end.
+static bool bounds_hold(duet_motion *m, bool *hold, duet_error *err)
+{
+    bool ok = m->bounds_checked || (motion_check_bounds(m, err) && motion_read_flags(m, err));
+    *hold = !m->flags[FLAG_MOVED];
+    return ok;
+}
+
+// ---------------------------------------------------------------- of all bodies
+
+// What A and what B found, one behind the other.
+static bool send_pairs(duet_motion *m, const duet_result *result, duet_error *err)
+{
+    const size_t size = sizeof *result->spans[0].pairs;
+    bool ok = motion_reserve(m, PAIRS, result->pairs + 1, size, err);
+    size_t at = 0;
+    for (int i = 0; ok && i < 2; ++i) {
+        size_t bytes = (size_t)result->spans[i].n * size;
+        ok = timeline_write_at(&m->times, "contact_graph", &m->buffers[PAIRS], at,
+                               result->spans[i].pairs, bytes, err);
+        at += bytes;
+    }
+    m->args.pairs = m->buffers[PAIRS];
+    return ok;
+}
+
+// Where both devices search, bounds and pairs go through the host.
+static bool search_on_both(duet_motion *m, duet_result *result, duet_error *err)
+{
+    duet_bounds *bounds = duet_world_map_objects(m->world, DUET_OBJECT_BOUNDS, m->n, err);
+    return bounds &&
+           timeline_read(&m->times, "grid", &m->buffers[BOXES], bounds, m->n * sizeof *bounds,
+                         err) &&
+           duet_world_step(m->world, result, err) && send_pairs(m, result, err);
+}
+
+static bool search_on_b(duet_motion *m, duet_result *result, duet_error *err)
+{
+    const buffer *pairs = NULL;
+    m->world->parts[1].untimed = m->times.untimed;
+    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, result, &pairs, err);
+    m->args.pairs = *pairs;
+    return ok;
+}
+
+// What is hidden is left out, and nothing else may be. The error is of its state, where that says
+// what is wrong.
+static bool check_left_out(duet_motion *m, const duet_result *result, duet_error *err)
+{
+    uint32_t hidden = m->commands ? m->commands->n_hidden : 0;
+    if (result->bad == hidden)
+        return true;
+    free(motion_read_states(m, err));
+    return error_set(err, DUET_STATUS_BAD_OBJECT,
+                     "the bounds of %u objects of %u are not finite after step %llu",
+                     result->bad - hidden, m->n - hidden, (unsigned long long)m->step);
+}
+
+static bool find_pairs(duet_motion *m, duet_error *err)
+{
+    duet_result result;
+    m->world->def.keep_bad = m->commands && m->commands->n_hidden > 0;
+    bool ok =
+        world_is_b_alone(m->world) ? search_on_b(m, &result, err) : search_on_both(m, &result, err);
+    ok = ok && check_left_out(m, &result, err);
+    if (ok)
+        timeline_add_host(&m->times, "pairs", result.total_ms);
+    m->n_pairs = ok ? result.pairs : 0;
+    return ok;
+}
+
+// What had left its bounds has new ones.
+static bool find_all_pairs(duet_motion *m, duet_error *err)
+{
+    return (!m->flags[FLAG_MOVED] || timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0,
+                                                   FLAG_MOVED, FLAG_MOVED + 1, err)) &&
+           compute_bounds(m, m->kernels.compute_fat_aabbs, m->n, err) && find_pairs(m, err);
+}
+
+// ---------------------------------------------------------------- what is altered
+
+static bool reserve(motion_commands *c, uint64_t n)
+{
+    if (n <= c->altered_capacity)
+        return true;
+    uint32_t *altered = realloc(c->altered, 2 * n * sizeof *altered);
+    if (!altered)
+        return false;
+    c->altered = altered;
+    c->altered_capacity = (uint32_t)(2 * n);
+    return true;
+}
+
+void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n)
+{
+    motion_commands *c = m->commands;
+    uint64_t all = (uint64_t)c->n_altered + n;
+    m->rows_stale = m->rows_stale || !m->has_graph || !motion_has(m, DUET_EFFECT_SKIN) ||
+                    all > m->n / LEAST_PART || !reserve(c, all);
+    for (uint32_t i = 0; i < n && !m->rows_stale; ++i)
+        c->altered[c->n_altered++] = places[i];
+}
+
+static int by_place(const void *a, const void *b)
+{
+    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+static void list_once(motion_commands *c)
+{
+    uint32_t n = 0;
+    qsort(c->altered, c->n_altered, sizeof *c->altered, by_place);
+    for (uint32_t i = 0; i < c->n_altered; ++i)
+        if (n == 0 || c->altered[n - 1] != c->altered[i])
+            c->altered[n++] = c->altered[i];
+    c->n_altered = n;
+}
+
+// ---------------------------------------------------------------- a table of it
+
+// Twice as wide as what is altered, in the mean: few bodies overlap more than eight.
+static double edge_of(const duet_motion *m)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < m->commands->n_altered; ++i) {
+        const float *h = m->poses[m->commands->altered[i]].half_extents;
+        sum += fmax(fmax(h[0], h[1]), m->def.dims == 3 ? h[2] : 0.0f);
+    }
+    return 4.0 * sum / m->commands->n_altered + 2.0 * (m->margin + m->def.skin);
+}
+
+static uint32_t count_heads(uint32_t n_altered)
+{
+    uint32_t n = 1024;
+    while (n < 16 * (uint64_t)n_altered && n < 1u << 31)
+        n *= 2;
+    return n;
+}
+
+static void set_args(duet_motion *m)
+{
+    motion_args *args = &m->args;
+    args->n_altered = m->commands->n_altered;
+    args->n_heads = count_heads(args->n_altered);
+    args->per_edge = (float)fmin(1.0 / edge_of(m), 1e30);
+    args->pair_capacity = m->n_contacts + PAIRS_OF_ONE * args->n_altered;
+}
+
+static bool reserve_table(duet_motion *m, duet_error *err)
+{
+    const uint64_t word = sizeof(uint32_t), n = m->args.n_altered;
+    return motion_reserve(m, ALTERED, n, word, err) &&
+           motion_reserve(m, IS_ALTERED, m->n, word, err) &&
+           motion_reserve(m, ALTERED_HEADS, m->args.n_heads, word, err) &&
+           motion_reserve(m, ALTERED_ENTRIES_OF, ALTERED_CELLS * n, sizeof(cl_int4), err) &&
+           motion_reserve(m, ALTERED_NEXTS, ALTERED_CELLS * n, word, err) &&
+           motion_reserve(m, ALTERED_WIDE_ONES, n, word, err) &&
+           motion_reserve(m, ALTERED_COUNT_WORDS, ALTERED_COUNTS, word, err) &&
+           motion_reserve(m, PAIRS, m->args.pair_capacity, 2 * word, err);
+}
+
+static bool send_altered(duet_motion *m, duet_error *err)
+{
+    const motion_commands *c = m->commands;
+    buffer *b = m->buffers;
+    timeline *t = &m->times;
+    return timeline_write_at(t, "altered_pairs", &b[ALTERED], 0, c->altered,
+                             c->n_altered * sizeof *c->altered, err) &&
+           timeline_fill(t, "altered_pairs", &b[IS_ALTERED], 0, 0, m->n, err) &&
+           timeline_fill(t, "altered_pairs", &b[ALTERED_HEADS], 0, 0, m->args.n_heads, err) &&
+           timeline_fill(t, "altered_pairs", &b[ALTERED_COUNT_WORDS], 0, 0, ALTERED_COUNTS, err);
+}
+
+static bool ask(duet_motion *m, duet_error *err)
+{
+    motion_kernels *k = &m->kernels;
+    const char *name = "altered_pairs";
+    return k->keep_pairs ||
+           (motion_ask(m, &k->compute_altered_aabbs, "fat_aabbs", "compute_fat_aabbs", true, err) &&
+            motion_ask(m, &k->place_altered, name, "place_altered", false, err) &&
+            motion_ask(m, &k->find_altered_pairs, name, "find_altered_pairs", false, err) &&
+            motion_ask(m, &k->keep_pairs, name, "keep_pairs", false, err) &&
+            program_set_build(m->programs, err));
+}
+
+static bool place_altered(duet_motion *m, duet_error *err)
+{
+    list_once(m->commands);
+    set_args(m);
+    return ask(m, err) && reserve_table(m, err) && send_altered(m, err) &&
+           compute_bounds(m, m->kernels.compute_altered_aabbs, m->args.n_altered, err) &&
+           motion_launch(m, "altered_pairs", m->kernels.place_altered, m->args.n_altered, err);
+}
+
+static bool search_altered(duet_motion *m, bool *found, duet_error *err)
+{
+    uint32_t counts[ALTERED_COUNTS];
+    bool ok = motion_launch(m, "altered_pairs", m->kernels.find_altered_pairs, m->n, err) &&
+              motion_launch(m, "altered_pairs", m->kernels.keep_pairs, m->n_contacts, err) &&
+              timeline_read(&m->times, "altered_pairs", &m->buffers[ALTERED_COUNT_WORDS], counts,
+                            sizeof counts, err);
+    *found = ok && counts[ALTERED_PAIRS] <= m->args.pair_capacity;
+    if (!*found)
+        return ok;
+    m->n_pairs = counts[ALTERED_PAIRS];
+    m->args.pairs = m->buffers[PAIRS];
+    return true;
+}
+
+static bool find_altered_pairs(duet_motion *m, bool *found, duet_error *err)
+{
+    bool hold = false;
+    *found = false;
+    return place_altered(m, err) && bounds_hold(m, &hold, err) &&
+           (!hold || search_altered(m, found, err));
+}
+
+// ---------------------------------------------------------------- of either
+
+// Those of what commands altered, where the others' hold on; else all.
+static bool search(duet_motion *m, duet_error *err)
+{
+    bool some = !m->rows_stale && motion_rows_are_stale(m), found = false;
+    if (some && !find_altered_pairs(m, &found, err))
+        return false;
+    m->rows_stale = false;
+    if (m->commands)
+        m->commands->n_altered = 0;
+    return found || find_all_pairs(m, err);
+}
+
+bool motion_find_candidates(duet_motion *m, bool *hold, duet_error *err)
+{
+    bool skin = m->has_graph && !motion_rows_are_stale(m) && motion_has(m, DUET_EFFECT_SKIN);
+    *hold = false;
+    return (!skin || bounds_hold(m, hold, err)) && (*hold || search(m, err));
+}
