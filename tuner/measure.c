@@ -214,6 +214,17 @@ static bool launch_once(const measure_machine *machine, const duet_plan *plan, u
     return true;
 }
 
+// Launches differ in their stages: some have nothing to clear.
+static const duet_stage *find_stage(const measure_launch *launch, const duet_stage *like)
+{
+    for (uint32_t i = 0; i < launch->n_stages; ++i) {
+        const duet_stage *stage = &launch->stages[i];
+        if (stage->device == like->device && strcmp(stage->name, like->name) == 0)
+            return stage;
+    }
+    return NULL;
+}
+
 // A disturbance only ever adds to a kernel's time, which the device's own clock took:
 // what warmed up counts too.
 static void take_least_stages(measure_launch *launch, const measure_launch *launches, uint32_t n)
@@ -221,10 +232,8 @@ static void take_least_stages(measure_launch *launch, const measure_launch *laun
     for (uint32_t i = 0; i < launch->n_stages; ++i) {
         duet_stage *stage = &launch->stages[i];
         for (uint32_t k = 0; k < n; ++k) {
-            const duet_stage *other = &launches[k].stages[i];
-            if (i < launches[k].n_stages && other->device == stage->device &&
-                strcmp(other->name, stage->name) == 0)
-                stage->ms = fmin(stage->ms, other->ms);
+            const duet_stage *other = find_stage(&launches[k], stage);
+            stage->ms = other ? fmin(stage->ms, other->ms) : stage->ms;
         }
     }
 }

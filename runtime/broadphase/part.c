@@ -435,10 +435,12 @@ static bool place(part *p, const part_task *task, duet_error *err)
     if (p->variant.search == SEARCH_PAPER)
         return timeline_launch(&p->times, "bounds", p->kernels.place, n, p, err);
     uint32_t work = n < p->place_capacity ? n : p->place_capacity;
-    p->next_are_cleared = work > 0;
-    return p->kernels.from_ids
-               ? timeline_launch(&p->times, "reorder", p->kernels.place, work, p, err)
-               : launch_over_taken(p, task, "reorder", p->kernels.place, err);
+    uint32_t launches_before = p->times.n_launches;
+    bool ok = p->kernels.from_ids
+                  ? timeline_launch(&p->times, "reorder", p->kernels.place, work, p, err)
+                  : launch_over_taken(p, task, "reorder", p->kernels.place, err);
+    p->next_are_cleared = p->times.n_launches > launches_before; // none where no object was taken
+    return ok;
 }
 
 // Rotated boxes that have a radius: a quaternion and that, in 2D fewer

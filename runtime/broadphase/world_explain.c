@@ -86,7 +86,7 @@ static const struct {
     const char *called_by;
     reason left_out;
 } kernels[] = {
-    {"clear", "every step", NEVER},
+    {"clear", "the first step, and where the one before left no zeros", NEVER},
     {"hash", "every step: the cell of each object", NEVER},
     {"scan", "every step: places are sums of counts", NEVER},
     {"scatter", "sort=counting: ids to their places", BY_SORT},

@@ -9,7 +9,9 @@
 
 void timeline_begin_untimed(timeline *t, const device *d)
 {
-    timeline_clear(t);
+    if (t->n_events > 0)
+        timeline_clear(t);
+    t->lost = CL_SUCCESS;
     t->device = d;
     t->untimed = true;
     t->n_launches = t->n_waits = 0;
@@ -391,10 +393,11 @@ void timeline_add_host(timeline *t, const char *stage, double ms)
 
 void timeline_clear(timeline *t)
 {
-    if (t->n_events > 0)
+    if (t->n_events > 0 || t->unheard)
         finish_queues(t);
     for (int i = 0; i < t->n_events; ++i)
         release_event(t->events[i].event);
     t->n_events = 0;
+    t->unheard = false;
     t->lost = CL_SUCCESS;
 }

@@ -111,6 +111,7 @@ bool timeline_finish(timeline *t, duet_error *err); // waits and reads the times
 // Adds time that the host spent on a stage of this device.
 void timeline_add_host(timeline *t, const char *stage, double ms);
 
-void timeline_clear(timeline *t); // releases what a failed step left behind
+// Waits for what a failed step left under way, and releases it.
+void timeline_clear(timeline *t);
 
 #endif

@@ -415,6 +415,37 @@ static void a_step_leaves_its_counts_at_zero_for_the_next_one(void **state)
     duet_world_destroy(world);
 }
 
+// B's slab has rows of cells, but no object is in them, and B takes none: what it counted when it
+// had some is not told again.
+static void a_device_that_takes_nothing_finds_nothing(void **state)
+{
+    (void)state;
+    enum { N = 2 * STRAY_BLOCK }; // A's own stretch ends with the last block
+    rng r = {test_seed()};
+    duet_world_def def = ordered_def(3, "gpu FROM_IDS=0");
+    def.has_world = true;
+    def.upper[0] = def.upper[1] = def.upper[2] = 100.0f;
+    duet_world *world = make_world(&def);
+    fill_poses(&r, N, 3);
+    put_in_order(world, N);
+    set_poses(world, N);
+    uint64_t truth = reference_hash(N, 3);
+    for (int round = 0; round < 2; ++round) {
+        duet_result result;
+        set_share(world, DUET_SHARE_ONE / 10 * 9); // B has fewer than an empty slab has space for
+        step(world, &result);
+        assert_true(result.spans[1].n > 0);
+        set_share(world, DUET_SHARE_ONE - 1);
+        for (int i = 0; i < 3; ++i) {
+            step(world, &result);
+            assert_int_equal(world->parts[1].taken.n, 1);
+            assert_int_equal(result.spans[1].n, 0);
+            assert_int_equal(duet_result_get_hash(&result), truth);
+        }
+    }
+    duet_world_destroy(world);
+}
+
 // Giants make the cells wide, and a crowd makes one cell hold half of all.
 static void giants_and_crowds_are_found(void **state)
 {
@@ -681,6 +712,7 @@ int main(void)
         cmocka_unit_test(whole_grids_of_ordered_objects_are_right),
         cmocka_unit_test(crowds_are_found_by_lanes_that_list_first),
         cmocka_unit_test(a_step_leaves_its_counts_at_zero_for_the_next_one),
+        cmocka_unit_test(a_device_that_takes_nothing_finds_nothing),
         cmocka_unit_test(giants_and_crowds_are_found),
         cmocka_unit_test(objects_in_origin_cells_are_found_in_any_order),
         cmocka_unit_test(a_device_takes_its_own_half_and_the_blocks_with_strays),

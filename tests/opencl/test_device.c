@@ -484,6 +484,33 @@ static void what_is_not_timed_is_done_all_the_same(void **state)
     gen_close(g);
 }
 
+// What nobody will wait for otherwise is over before its memory goes.
+static void what_has_no_event_is_waited_for_when_it_is_forgotten(void **state)
+{
+    (void)state;
+    clearing c = {0};
+    gen *g = gen_open(NULL, &c.err);
+    assert_ok(g != NULL, c.err);
+    open_clearing(&c, g, cuttable_cpu()->selector);
+    timeline times = {0};
+    const cl_uint *words = c.args.counts.host;
+    assert_non_null(words);
+    c.args.n_counts = CLEARED_MOST;
+    for (int i = 0; i < 10; ++i) {
+        timeline_begin_untimed(&times, &c.d);
+        for (cl_uint value = 1; value < 8; ++value)
+            assert_ok(timeline_fill(&times, "fill", &c.args.counts, value, 0, CLEARED_MOST, &c.err),
+                      c.err);
+        assert_ok(timeline_launch(&times, "clear", c.k, CLEARED_MOST, &c.args, &c.err), c.err);
+        assert_int_equal(times.n_events, 0);
+        timeline_clear(&times);
+        assert_int_equal(words[CLEARED_MOST - 1], 0);
+        assert_int_equal(words[0], 0);
+    }
+    close_clearing(&c);
+    gen_close(g);
+}
+
 // ------------------------------------------------------------ threads
 
 enum { SHARED_THINGS = 100001 };
@@ -579,6 +606,7 @@ int main(void)
         FACT(launches_of_pocls_cpus_lie_along_the_third_axis),
         FACT(two_devices_launch_one_program_over_any_ranges_at_once),
         FACT(what_is_not_timed_is_done_all_the_same),
+        FACT(what_has_no_event_is_waited_for_when_it_is_forgotten),
         FACT(what_threads_share_is_done_once_each),
         FACT(every_built_in_function_that_a_kernel_calls_is_declared),
     };

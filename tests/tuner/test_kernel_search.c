@@ -397,6 +397,34 @@ static void a_budget_ends_the_search_and_leaves_the_rest_of_the_tuning(void **st
     }
 }
 
+// The first of three launches has a stage more, and its kernel was not disturbed.
+static bool launch_clearing(void *context, const duet_plan *plan, measure_launch *launch,
+                            duet_error *err)
+{
+    uint32_t *launched = context;
+    (void)plan, (void)err;
+    bool first = (*launched)++ == 0;
+    if (first)
+        launch->stages[launch->n_stages++] = (duet_stage){"clear", 1, 5.0, false};
+    launch->stages[launch->n_stages++] = (duet_stage){"search", 1, first ? 1.0 : 2.0, false};
+    launch->total_ns = launch->b_ns = first ? 7000000 : 3000000;
+    launch->hash = RIGHT;
+    return true;
+}
+
+static void a_kernels_least_time_is_that_of_all_launches_whatever_else_they_did(void **state)
+{
+    (void)state;
+    static const char *const stages[] = {"search"};
+    uint32_t launched = 0;
+    const measure_machine machine = {
+        .context = &launched, .launch = launch_clearing, .hash = RIGHT};
+    const measurement m = measure_plan(&machine, &(duet_plan){0}, false, 2);
+    assert_string_equal(m.outcome, "ok");
+    assert_int_equal(launched, 3);
+    assert_int_equal(measure_stages_ns(&m.launch, 1, stages, 1), 1000000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -408,6 +436,7 @@ int main(void)
         cmocka_unit_test(values_that_go_together_are_reached),
         cmocka_unit_test(a_resumed_search_ends_as_an_uninterrupted_one),
         cmocka_unit_test(a_budget_ends_the_search_and_leaves_the_rest_of_the_tuning),
+        cmocka_unit_test(a_kernels_least_time_is_that_of_all_launches_whatever_else_they_did),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
