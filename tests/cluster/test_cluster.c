@@ -154,6 +154,21 @@ static void a_forecast_takes_the_times_of_a_profile(void **state)
     cJSON_Delete(one);
     cJSON_Delete(two);
     cJSON_Delete(many);
+    static const char *const hostile[] = {"profile SET median_ns = 9e999",
+                                          "profile SET median_ns = -5", "profile SET median_ns = 0",
+                                          "profile SET median_ns = 7; UPDATE workload SET n = 0"};
+    for (size_t i = 0; i < sizeof hostile / sizeof *hostile; ++i) {
+        char change[160];
+        s = test_store_open(folder.store, STORE_WRITE);
+        snprintf(change, sizeof change, "PRAGMA ignore_check_constraints = ON; UPDATE %s",
+                 hostile[i]);
+        assert_ok(sql_script(s, change, &err), err);
+        store_close(s);
+        p = program_run_with(variables,
+                             "cluster --simulate " FABRIC " --ranks 2 --profile %.8s still",
+                             profile->uid);
+        program_assert_refused(&p, 1, "its time of a step or its objects cannot be");
+    }
     duet_profile_list_destroy(list);
     test_folder_remove(&folder);
     remove(FABRIC);
