@@ -7,8 +7,13 @@
 #ifndef DUET_ERROR_H
 #define DUET_ERROR_H
 
+// Around what the public headers declare, which is C to C++ too.
 #ifdef __cplusplus
-extern "C" {
+#define DUET_C_BEGIN extern "C" {
+#define DUET_C_END }
+#else
+#define DUET_C_BEGIN
+#define DUET_C_END
 #endif
 
 #if defined(__GNUC__)
@@ -16,6 +21,8 @@ extern "C" {
 #else
 #define DUET_API
 #endif
+
+DUET_C_BEGIN
 
 // name, what it means in general
 #define DUET_STATUS_LIST(X)                                                         \
@@ -51,7 +58,6 @@ typedef struct duet_error {
 // "BUILD_FAILED" for DUET_STATUS_BUILD_FAILED; "UNKNOWN" outside the list.
 DUET_API const char *duet_status_name(duet_status status);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

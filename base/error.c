@@ -66,22 +66,38 @@ static bool is_free(const duet_error *err)
     return err && err->status == DUET_STATUS_OK;
 }
 
-static void set_text(duet_error *err, const char *format, va_list args)
+static void fill(duet_error *err, duet_status status, const char *format, va_list args)
 {
     vsnprintf(err->text, sizeof err->text, format, args);
     join_lines(err->text, sizeof err->text);
+    err->status = status;
+    err->cl_code = 0;
 }
 
 bool error_set(duet_error *err, duet_status status, const char *format, ...)
 {
-    if (!is_free(err))
-        return false;
     va_list args;
     va_start(args, format);
-    set_text(err, format, args);
+    if (is_free(err))
+        fill(err, status, format, args);
     va_end(args);
-    err->status = status;
-    err->cl_code = 0;
+    return false;
+}
+
+void *error_null(duet_error *err, duet_status status, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    if (is_free(err))
+        fill(err, status, format, args);
+    va_end(args);
+    return NULL;
+}
+
+bool error_copy(duet_error *err, const duet_error *why)
+{
+    if (is_free(err))
+        *err = *why;
     return false;
 }
 
@@ -89,14 +105,13 @@ bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
 {
     if (!is_free(err))
         return false;
+    bool memory = cl_code == -4 || cl_code == -6 || cl_code == -61;
     va_list args;
     va_start(args, format);
-    set_text(err, format, args);
+    fill(err, memory ? DUET_STATUS_NO_MEMORY : DUET_STATUS_DEVICE_FAILED, format, args);
     va_end(args);
     size_t used = strlen(err->text);
     snprintf(err->text + used, sizeof err->text - used, ": %s (%d)", cl_name(cl_code), cl_code);
-    bool memory = cl_code == -4 || cl_code == -6 || cl_code == -61;
-    err->status = memory ? DUET_STATUS_NO_MEMORY : DUET_STATUS_DEVICE_FAILED;
     err->cl_code = cl_code;
     return false;
 }

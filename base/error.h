@@ -13,6 +13,13 @@
 bool error_set(duet_error *err, duet_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+// The same for makers: NULL.
+void *error_null(duet_error *err, duet_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+// The same with a failure that another call told.
+bool error_copy(duet_error *err, const duet_error *why);
+
 // The same for a failed OpenCL call: appends the code's name.
 bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

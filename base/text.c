@@ -47,6 +47,8 @@ void text_add_bytes(text *t, const char *bytes, size_t n)
 void text_add(text *t, const char *format, ...)
 {
     va_list args;
+    if (!t)
+        return;
     va_start(args, format);
     int n = vsnprintf(NULL, 0, format, args);
     va_end(args);

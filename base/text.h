@@ -18,6 +18,7 @@ typedef struct text {
     bool failed;
 } text;
 
+// Adds nothing where t is NULL.
 void text_add(text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void text_add_bytes(text *t, const char *bytes, size_t n);
 const char *text_chars(const text *t); // never NULL

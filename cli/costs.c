@@ -5,6 +5,8 @@
 #include "cli/interrupt.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
+#include "runtime/scene/scene.h"
+#include "tuner/stats.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -25,13 +27,6 @@ typedef struct subject {
     duet_body *bodies;
     uint32_t n;
 } subject;
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a;
-    double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 static bool advance(duet_motion *m, double *ms, duet_error *err)
 {
@@ -67,7 +62,7 @@ static bool measure(const subject *s, const subject *beside, uint64_t steps, dou
             times[k - WARM] = other ? others / own : own;
         progress_show(&s->tally->shown, ++s->tally->done);
     }
-    qsort(times, steps, sizeof *times, by_value);
+    stats_sort(times, steps);
     *median = times[steps / 2];
     duet_motion_destroy(other);
     duet_motion_destroy(m);
@@ -110,19 +105,11 @@ static void take_away(subject *s, uint32_t effect)
         change_body(&s->bodies[i], effect);
 }
 
-static uint32_t effect_named(const char *name)
-{
-    for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
-        if (strcmp(duet_effect_name(bit), name) == 0)
-            return bit;
-    return 0;
-}
-
 // False in *measured where other effects call for this one too.
 static bool measure_effect(const subject *whole, double whole_ms, cost *row, uint64_t steps,
                            duet_error *err)
 {
-    uint32_t effect = effect_named(row->info.name);
+    uint32_t effect = scene_effect_named(row->info.name);
     subject s = *whole;
     s.bodies = malloc(s.n * sizeof *s.bodies + 1);
     if (!s.bodies)
@@ -144,7 +131,7 @@ static bool measure_effect(const subject *whole, double whole_ms, cost *row, uin
 
 static bool is_measured(const cost *row)
 {
-    return row->info.active && effect_named(row->info.name);
+    return row->info.active && scene_effect_named(row->info.name);
 }
 
 static bool measure_effects(costs *c, const subject *s, duet_error *err)
@@ -220,9 +207,9 @@ void costs_report_text(const costs *c)
 
 // ---------------------------------------------------------------- as data
 
-static cJSON *row_json(const cost *row)
+static void add_row(cJSON *list, const cost *row)
 {
-    cJSON *o = cJSON_CreateObject();
+    cJSON *o = json_add_row(list);
     cJSON_AddStringToObject(o, "effect", row->info.name);
     cJSON_AddBoolToObject(o, "active", row->info.active);
     cJSON_AddStringToObject(o, "called_by", row->info.called_by);
@@ -230,7 +217,6 @@ static cJSON *row_json(const cost *row)
     cJSON_AddStringToObject(o, "kernels", row->info.active ? row->info.kernels : "");
     if (row->measured)
         cJSON_AddNumberToObject(o, "ms", row->ms);
-    return o;
 }
 
 cJSON *costs_report_json(const costs *c, const duet_scene_info *scene, const duet_device_pair *pair)
@@ -239,14 +225,13 @@ cJSON *costs_report_json(const costs *c, const duet_scene_info *scene, const due
     cJSON_AddStringToObject(o, "type", COSTS_TYPE);
     cJSON_AddStringToObject(o, "scene", scene->name);
     cJSON_AddNumberToObject(o, "objects", scene->n);
-    cJSON_AddStringToObject(o, "a", duet_device_pair_get_info(pair, 0)->selector);
-    cJSON_AddStringToObject(o, "b", duet_device_pair_get_info(pair, 1)->selector);
+    json_add_devices(o, pair);
     cJSON_AddNumberToObject(o, "steps", (double)c->steps);
     if (c->steps > 0)
         cJSON_AddNumberToObject(o, "step_ms", c->step_ms);
     cJSON *effects = cJSON_AddArrayToObject(o, "effects");
     for (uint32_t i = 0; i < c->n; ++i)
-        cJSON_AddItemToArray(effects, row_json(&c->rows[i]));
+        add_row(effects, &c->rows[i]);
     return o;
 }
 

@@ -2,7 +2,6 @@
 #include "cli/timed.h"
 
 #include "base/error.h"
-#include "cli/inputs.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
 #include "runtime/broadphase/world.h"

@@ -5,18 +5,14 @@
 
 #include "base/error.h"
 #include "cluster/own_pair.h"
-#include "runtime/scene/scene.h"
 
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-enum { COOKIE = 0x0d0e7011, MOST_PARTS = 1024, OBJECTS_AT_ONCE = 1 << 20 };
-
-enum { WEIGHINGS = 2 }; // the time of a step is no straight line
+enum { COOKIE = 0x0d0e7011, MOST_PARTS = 1024 };
 
 // ---------------------------------------------------------------- owner
 
@@ -26,7 +22,7 @@ duet_cluster_def duet_default_cluster_def(void)
         .world = duet_default_world_def(), .parts = 1, .imbalance = 1.2, .cookie = COOKIE};
 }
 
-static bool check_shape(duet_shape shape, duet_error *err)
+bool cluster_check_shape(duet_shape shape, duet_error *err)
 {
     bool has_radii = shape == DUET_SHAPE_ROUNDED_BOXES || shape == DUET_SHAPE_SPHERES;
     return !has_radii || error_set(err, DUET_STATUS_BAD_ARGUMENT,
@@ -46,7 +42,7 @@ static bool check_def(const duet_cluster_def *def, duet_error *err)
     if (def->world.separate_sizes || def->world.compact_transforms)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s is for one world; expected false",
                          def->world.separate_sizes ? "separate_sizes" : "compact_transforms");
-    if (!check_shape(def->world.shape, err))
+    if (!cluster_check_shape(def->world.shape, err))
         return false;
     if (def->parts < 1 || def->parts > MOST_PARTS)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "parts is %u; expected 1 to %d", def->parts,
@@ -54,11 +50,6 @@ static bool check_def(const duet_cluster_def *def, duet_error *err)
     return def->imbalance > 1 ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "imbalance is %g; expected a number above 1",
                      def->imbalance);
-}
-
-static int count_workers(const duet_cluster *c)
-{
-    return c->parts.n > 1 ? 2 : 1;
 }
 
 static void close_workers(duet_cluster *c)
@@ -78,13 +69,13 @@ static worker *open_worker(const duet_cluster *c, duet_error *err)
                                   : worker_open_pair(&c->def.world, err);
 }
 
-static bool open_workers(duet_cluster *c, duet_error *err)
+bool cluster_open_workers(duet_cluster *c, duet_error *err)
 {
     object_rows none = {0};
     bool ok = true;
     homes_take(&c->homes, &none);
     close_workers(c);
-    for (int i = 0; ok && i < count_workers(c); ++i) {
+    for (int i = 0; ok && i < cluster_workers(c); ++i) {
         c->workers[i] = open_worker(c, err);
         ok = c->workers[i];
     }
@@ -127,7 +118,7 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
         c->homes.threads = &c->threads;
         ok = ranks_reserve(&c->ranks, &own) && parallel_begin(&c->threads, c->ranks.n_here, &own) &&
              check_def(def, &own) && parts_begin(&c->parts, def->parts, &c->ranks, &own) &&
-             open_pair(c, &own) && open_workers(c, &own);
+             open_pair(c, &own) && cluster_open_workers(c, &own);
         tally t = {.sums = {def->parts > 1}};
         ok = ranks_agree_and(&c->ranks, ok, &t, &own) &&
              cut_begin(&c->cut, &c->ranks, def->weight, &own);
@@ -172,8 +163,7 @@ int duet_cluster_get_rank_count(const duet_cluster *c)
     return c ? c->ranks.n : 0;
 }
 
-// A call's failure on one rank, NULL arguments included, becomes that of all.
-static bool agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err)
+bool cluster_agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err)
 {
     return ranks_agree_on(&c->ranks, call, ok, NULL, own) ||
            error_set(err, own->status, "%s", own->text);
@@ -187,11 +177,12 @@ static void forget_found(duet_cluster *c)
     c->is_found = c->own.lists = false;
 }
 
-static void take(duet_cluster *c, object_rows *rows)
+void cluster_take(duet_cluster *c, object_rows *rows)
 {
     forget_found(c);
     homes_take(&c->homes, rows);
     own_pairs_end(&c->own);
+    c->fitted = (reach){0};
     c->changed = true;
 }
 
@@ -215,208 +206,11 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
     ok = ok && (n == 0 || (error_given(ids, __func__, "ids", &own) &&
                            error_given(objects, __func__, "objects", &own)));
     ok = ok && object_rows_copy(&rows, &c->homes.form, ids, objects, n, &own);
-    ok = agree_on(c, __func__, ok, &own, err);
+    ok = cluster_agree_on(c, __func__, ok, &own, err);
     if (ok)
-        take(c, &rows);
+        cluster_take(c, &rows);
     object_rows_end(&rows);
     return ok;
-}
-
-// ---------------------------------------------------------------- scenes
-
-// What a rank has read of a scene: rank 0 all of it, or each rank a part.
-typedef struct scene_part {
-    duet_scene *scene; // NULL: nothing; else it, or its first objects
-    object_rows rows;
-    bool rotated; // one of them
-    uint64_t n;   // of all ranks' parts
-} scene_part;
-
-// What rank 0 tells the others of a scene.
-typedef struct told_scene {
-    duet_scene_info info; // without its name
-    uint64_t name_bytes;
-} told_scene;
-
-static bool tell_scene(duet_cluster *c, const scene_part *part, duet_error *own)
-{
-    told_scene told = {0};
-    uint64_t rotated = part->rotated;
-    ranks_sum(&c->ranks, &rotated, 1);
-    if (c->ranks.self == 0)
-        told.info = part->scene->info;
-    const char *name = told.info.name;
-    told.name_bytes = name ? strlen(name) + 1 : 1;
-    ranks_tell(&c->ranks, &told, sizeof told);
-    char *copy = calloc(told.name_bytes, 1);
-    if (!ranks_agree(&c->ranks, copy || error_set(own, DUET_STATUS_NO_MEMORY, "a name: no memory"),
-                     own)) {
-        free(copy);
-        return false;
-    }
-    if (name)
-        memcpy(copy, name, told.name_bytes);
-    ranks_tell(&c->ranks, copy, told.name_bytes);
-    free(c->scene_name);
-    c->scene_name = copy;
-    c->scene = told.info;
-    c->scene.name = copy;
-    c->scene.n = part->n < UINT32_MAX ? (uint32_t)part->n : UINT32_MAX;
-    c->scene.rotated = rotated > 0;
-    return true;
-}
-
-static duet_world_def def_of_scene(const duet_cluster *c)
-{
-    const duet_scene described = {.info = c->scene};
-    duet_world_def def = duet_scene_world_def(&described, c->def.world.pair);
-    def.plan = c->def.world.plan;
-    def.max_pairs = c->def.world.max_pairs;
-    def.has_accuracy = false;
-    return def;
-}
-
-// Rows for n objects, whose ids count from `first` on; those of the scene are the first.
-static bool begin_rows(scene_part *part, uint64_t first, uint64_t n, duet_error *own)
-{
-    duet_world_def def = duet_scene_world_def(part->scene, NULL);
-    object_form form = object_form_of(&def);
-    bool ok = check_shape(def.shape, own) && object_rows_begin(&part->rows, &form, n, own);
-    for (uint64_t i = 0; ok && i < n; ++i)
-        part->rows.ids[i] = first + i;
-    part->rows.n = 0;
-    return ok;
-}
-
-static void add_objects(scene_part *part, const duet_scene *from)
-{
-    duet_world_def def = duet_scene_world_def(part->scene, NULL);
-    object_form form = object_form_of(&def);
-    const void *objects = duet_scene_get_objects(from, object_form_kind(&form));
-    object_rows_append(&part->rows, &form, part->rows.ids + part->rows.n, objects, from->info.n);
-    part->rotated = part->rotated || from->info.rotated;
-}
-
-static bool are_of_one_kind(const duet_scene *a, const duet_scene *b)
-{
-    return a->info.dims == b->info.dims && a->info.shape == b->info.shape &&
-           a->info.origin_edge == b->info.origin_edge;
-}
-
-// Some objects at a time, so that a part is not there twice.
-static bool read_range(scene_part *part, const char *path, const duet_setting *settings,
-                       uint32_t n_settings, uint64_t first, uint64_t end, duet_error *own)
-{
-    bool ok = true;
-    for (uint64_t at = first; ok && (at < end || !part->scene);) {
-        uint64_t n = 0, to = end - at < OBJECTS_AT_ONCE ? end : at + OBJECTS_AT_ONCE;
-        duet_scene *some = scene_load_range(path, settings, n_settings, at, to, &n, own);
-        bool is_first = !part->scene;
-        part->scene = is_first ? some : part->scene;
-        ok = some && ((n == part->n && are_of_one_kind(part->scene, some)) ||
-                      error_set(own, DUET_STATUS_BAD_INPUT,
-                                "%s: it has %llu objects here and %llu on rank 0, or others each "
-                                "time it is read",
-                                path, (unsigned long long)n, (unsigned long long)part->n));
-        ok = ok && (!is_first || begin_rows(part, first, end - first, own));
-        if (ok)
-            add_objects(part, some);
-        if (!is_first)
-            duet_scene_destroy(some);
-        at = to;
-    }
-    return ok;
-}
-
-// Stdin is rank 0's alone, and an array need not be on all hosts.
-static bool is_of_one_rank(duet_cluster *c, const char *path)
-{
-    size_t length = strlen(path);
-    bool is_array = length > 4 && strcmp(path + length - 4, ".npy") == 0;
-    uint64_t lacking = strcmp(path, "-") == 0 || (is_array && access(path, R_OK) != 0);
-    ranks_sum(&c->ranks, &lacking, 1);
-    return lacking > 0;
-}
-
-// Rank 0 reads the scene. Where objects are made by `each`, or are rows of an array, it only counts
-// them, and each rank makes or reads as many of them as the others.
-static bool read_part(duet_cluster *c, const char *path, const duet_setting *settings,
-                      uint32_t n_settings, bool whole, scene_part *part, duet_error *own)
-{
-    uint64_t told[2] = {0}; // objects, and those that are not made
-    bool ok = true, reads = c->ranks.self == 0;
-    whole = is_of_one_rank(c, path) || whole;
-    *part = (scene_part){0};
-    if (reads && whole)
-        part->scene = duet_scene_load(path, settings, n_settings, own);
-    else if (reads)
-        part->scene = scene_load_deferred(path, settings, n_settings, &told[0], &told[1], own);
-    ok = !reads || part->scene;
-    if (ok && reads && whole)
-        told[0] = part->scene->info.n;
-    if (ok && reads && told[1] == 0) {
-        ok = begin_rows(part, 0, told[0], own);
-        if (ok)
-            add_objects(part, part->scene);
-    }
-    if (!ranks_agree(&c->ranks, ok, own))
-        return false;
-    ranks_tell(&c->ranks, told, sizeof told);
-    part->n = told[0];
-    if (told[1] == 0)
-        return true;
-    uint64_t each = part->n / (uint64_t)c->ranks.n + 1, first = each * (uint64_t)c->ranks.self;
-    first = first < part->n ? first : part->n;
-    duet_scene_destroy(part->scene);
-    part->scene = NULL;
-    ok = read_range(part, path, settings, n_settings, first,
-                    part->n - first < each ? part->n : first + each, own);
-    return ranks_agree(&c->ranks, ok, own);
-}
-
-static bool take_part(duet_cluster *c, scene_part *part, duet_error *own)
-{
-    if (!tell_scene(c, part, own))
-        return false;
-    c->def.world = def_of_scene(c);
-    bool ok = open_workers(c, own);
-    ok = ok && (part->scene || object_rows_begin(&part->rows, &c->homes.form, 0, own));
-    ok = ranks_agree(&c->ranks, ok, own);
-    if (ok)
-        take(c, &part->rows);
-    c->has_scene = c->has_scene || ok;
-    return ok;
-}
-
-bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,
-                        uint32_t n_settings, duet_scene **whole, duet_error *err)
-{
-    duet_error own = {0};
-    scene_part part;
-    bool ok =
-        read_part(c, path, settings, n_settings, whole, &part, &own) && take_part(c, &part, &own);
-    if (ok && whole) {
-        *whole = part.scene;
-        part.scene = NULL;
-    }
-    duet_scene_destroy(part.scene);
-    object_rows_end(&part.rows);
-    return ok || error_set(err, own.status, "%s", own.text);
-}
-
-bool duet_cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,
-                             uint32_t n_settings, duet_error *err)
-{
-    if (!error_given(c, __func__, "cluster", err))
-        return false;
-    duet_error own = {0};
-    return agree_on(c, __func__, error_given(path, __func__, "path", &own), &own, err) &&
-           cluster_load_scene(c, path, settings, n_settings, NULL, err);
-}
-
-const duet_scene_info *duet_cluster_get_scene_info(const duet_cluster *c)
-{
-    return c && c->has_scene ? &c->scene : NULL;
 }
 
 // ---------------------------------------------------------------- a step
@@ -447,12 +241,13 @@ static bool have_moved(const duet_cluster *c)
     return moved;
 }
 
-static void follow(duet_cluster *c, worker *w)
+static void follow(duet_cluster *c)
 {
-    if (c->parts.n > 1 || have_moved(c)) {
-        w->move(w);
-        c->fitted = c->homes.around;
-    }
+    if (!c->parts.is_cut_anew && !have_moved(c))
+        return;
+    for (int i = 0; i < cluster_workers(c); ++i)
+        c->workers[i]->move(c->workers[i]);
+    c->fitted = c->homes.around;
 }
 
 // Parts take turns in the places that there are workers for.
@@ -460,14 +255,21 @@ static bool fill(duet_cluster *c, uint32_t part, duet_error *own)
 {
     sight from = parts_sight(&c->parts, part);
     worker *w = c->workers[part % 2];
-    follow(c, w);
-    return seen_fill(&c->seen[part % 2], &c->homes, &from, w, own);
+    if (c->filled[part % 2] == part + 1)
+        return true;
+    c->filled[part % 2] = 0;
+    bool ok = (!w->turn_to || w->turn_to(w, part, own)) &&
+              seen_fill(&c->seen[part % 2], &c->homes, &from, w, own);
+    c->filled[part % 2] = ok ? part + 1 : 0;
+    return ok;
 }
 
 static bool fill_by_ids(duet_cluster *c, duet_error *own)
 {
-    bool ok = parts_divide(&c->parts, &c->homes, &c->ranks, &c->ghosts.in, own);
-    for (int i = 0; ok && i < count_workers(c); ++i)
+    bool ok = parts_divide(&c->parts, &c->homes, &c->cut, &c->ranks, &c->ghosts.in, own);
+    memset(c->filled, 0, sizeof c->filled);
+    follow(c);
+    for (int i = 0; ok && i < cluster_workers(c); ++i)
         ok = fill(c, (uint32_t)i, own);
     return ok;
 }
@@ -475,7 +277,7 @@ static bool fill_by_ids(duet_cluster *c, duet_error *own)
 // Homes are where their worker has them.
 static bool fill_in_place(duet_cluster *c, duet_error *own)
 {
-    follow(c, c->workers[0]);
+    follow(c);
     return (c->homes.holder || homes_move_in(&c->homes, c->workers[0], own)) &&
            seen_append(&c->seen[0], &c->homes, &c->ranks, &c->ghosts.in, own);
 }
@@ -517,8 +319,8 @@ static bool begin_settled(duet_cluster *c, const char *call, bool ok, bool *sett
     return settle(c, t.sums[1], settled, own);
 }
 
-// On all ranks, or on none.
-static bool settle_all(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err)
+bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *own,
+                        duet_error *err)
 {
     bool settled;
     ok = begin_settled(c, call, ok, &settled, own) && ranks_agree(&c->ranks, settled, own);
@@ -718,7 +520,7 @@ bool duet_cluster_get_ranks(duet_cluster *c, duet_cluster_rank *rows, duet_error
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    if (!agree_on(c, __func__, error_given(rows, __func__, "ranks", &own), &own, err))
+    if (!cluster_agree_on(c, __func__, error_given(rows, __func__, "ranks", &own), &own, err))
         return false;
     ranks_gather(&c->ranks, &c->last, rows, (int)sizeof c->last);
     return true;
@@ -734,7 +536,7 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
     duet_error own = {0};
     bool ok = error_given(ids, __func__, "ids", &own) && error_given(n, __func__, "n", &own) &&
               check_kind(c, kind, &own);
-    if (!settle_all(c, __func__, ok, &own, NULL) && own.status != DUET_STATUS_BAD_OBJECT) {
+    if (!cluster_settle_all(c, __func__, ok, &own, NULL) && own.status != DUET_STATUS_BAD_OBJECT) {
         error_set(err, own.status, "%s", own.text);
         return NULL; // where objects are bad all are where they were, to be mended
     }
@@ -743,98 +545,4 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
     *n = homes_open(&c->homes);
     *ids = c->homes.rows.ids;
     return c->homes.rows.objects;
-}
-
-bool duet_cluster_set_plan(duet_cluster *c, const duet_plan *plan, duet_error *err)
-{
-    if (!error_given(c, __func__, "cluster", err))
-        return false;
-    duet_error own = {0};
-    bool ok = agree_on(c, __func__, error_given(plan, __func__, "plan", &own), &own, err);
-    if (!ok)
-        return false;
-    for (int i = 0; ok && i < count_workers(c); ++i)
-        ok = c->workers[i]->set_plan(c->workers[i], plan, &own);
-    if (ok)
-        c->def.world.plan = *plan;
-    c->is_cold = true;
-    return agree_on(c, __func__, ok, &own, err);
-}
-
-static bool give_level(duet_cluster *c, duet_level level, duet_error *err)
-{
-    bool ok = true;
-    for (int i = 0; ok && i < count_workers(c); ++i)
-        ok = c->workers[i]->set_level(c->workers[i], level, err);
-    return ok;
-}
-
-// One level that all ranks ask for and know.
-static bool agree_on_level(duet_cluster *c, const char *call, duet_level level, duet_error *err)
-{
-    tally t = {.greatest = {level, -(double)level}};
-    bool ok =
-        duet_level_get_info(level) ||
-        error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level", (int)level);
-    return ranks_agree_on(&c->ranks, call, ok, &t, err) &&
-           (t.greatest[0] + t.greatest[1] == 0 ||
-            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                      "the ranks' levels differ; expected the same on all"));
-}
-
-bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
-{
-    if (!error_given(c, __func__, "cluster", err))
-        return false;
-    duet_error own = {0};
-    duet_level before = c->def.world.level;
-    bool ok = agree_on_level(c, __func__, level, &own);
-    if (ok && !ranks_agree(&c->ranks, give_level(c, level, &own), &own)) {
-        give_level(c, before, NULL);
-        ok = false;
-    }
-    if (ok) {
-        c->changed |= seen_in_any_order(level) != seen_in_any_order(before);
-        c->def.world.level = level;
-        c->is_cold = true;
-    }
-    return ok || error_set(err, own.status, "%s", own.text);
-}
-
-static void load_profiles(duet_cluster *c, const char *path, duet_profile *profile,
-                          duet_error *store_failed)
-{
-    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
-    for (int i = 0; homes_count(&c->homes) > 0 && i < count_workers(c); ++i)
-        c->workers[i]->load_profile(c->workers[i], path, profile, store_failed);
-}
-
-// By the times that the store knows for what each rank has now.
-static bool weigh_ranks(duet_cluster *c, const duet_profile *profile)
-{
-    double pace =
-        profile->step_ms > 0 ? homes_count(&c->homes) / (c->parts.n * profile->step_ms) : 0;
-    if (c->def.weight > 0 || c->ranks.n == 1 || !cut_weigh(&c->cut, &c->ranks, pace))
-        return false;
-    c->homes.is_cut = false;
-    c->changed = true;
-    return true;
-}
-
-bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *profile,
-                               duet_error *store_failed, duet_error *err)
-{
-    if (!error_given(c, __func__, "cluster", err))
-        return false;
-    duet_error own = {0};
-    if (!settle_all(c, __func__, error_given(profile, __func__, "profile", &own), &own, err))
-        return false;
-    load_profiles(c, path, profile, store_failed);
-    for (int round = 0; round < WEIGHINGS && weigh_ranks(c, profile); ++round) {
-        if (!settle_all(c, __func__, true, &own, err))
-            return false;
-        load_profiles(c, path, profile, store_failed);
-    }
-    c->is_cold = true;
-    return true;
 }

@@ -20,7 +20,8 @@ struct duet_cluster {
     parts parts;
     worker *workers[2]; // one is filled while the other finds; the second is of several parts
     seen seen[2];
-    reach fitted; // around the homes, when workers were last told that they moved
+    uint32_t filled[2]; // by which part, from 1; 0: it has to be
+    reach fitted;       // around the homes, when workers were last told that they moved
     own_pairs own;
     worker_found found; // by the only worker, where is_found
     bool is_found;      // it is of the objects as they are
@@ -44,5 +45,24 @@ bool cluster_list_pairs(duet_cluster *c, duet_error *err);
 // destroyed; the others get NULL.
 bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,
                         uint32_t n_settings, duet_scene **whole, duet_error *err);
+
+// ---------------------------------------------------------------- of its own files
+
+// Two where one is filled while the other searches.
+static inline int cluster_workers(const duet_cluster *c)
+{
+    return c->parts.n > 1 ? 2 : 1;
+}
+
+bool cluster_check_shape(duet_shape shape, duet_error *err);
+// Anew, by def.world, and without objects.
+bool cluster_open_workers(duet_cluster *c, duet_error *err);
+// These objects, in the place of those that there were.
+void cluster_take(duet_cluster *c, object_rows *rows);
+// A call's failure on one rank, NULL arguments included, becomes that of all.
+bool cluster_agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err);
+// All objects are where they belong: on all ranks, or on none.
+bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *own,
+                        duet_error *err);
 
 #endif

@@ -17,9 +17,7 @@
 
 #include "duet_world.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 typedef struct duet_cluster duet_cluster;
 
@@ -143,7 +141,6 @@ DUET_API bool duet_cluster_get_ranks(duet_cluster *cluster, duet_cluster_rank *r
 DUET_API bool duet_cluster_save_pairs(duet_cluster *cluster, const char *path, bool sorted,
                                       duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

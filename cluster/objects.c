@@ -431,10 +431,25 @@ bool object_rows_merge(object_rows *to, const object_form *form, const object_ro
     return ok;
 }
 
+static bool do_ascend(const uint64_t *ids, uint32_t n)
+{
+    bool ascend = true;
+    for (uint32_t i = 1; ascend && i < n; ++i)
+        ascend = ids[i - 1] < ids[i];
+    return ascend;
+}
+
 bool object_rows_copy(object_rows *rows, const object_form *form, const uint64_t *ids,
                       const void *objects, uint32_t n, duet_error *err)
 {
     const object_rows none = {0};
+    if (do_ascend(ids, n)) {
+        bool begun = object_rows_begin(rows, form, n, err);
+        rows->n = 0;
+        if (begun)
+            object_rows_append(rows, form, ids, objects, n);
+        return begun;
+    }
     arrival *arrivals = malloc(((size_t)n + 1) * sizeof *arrivals);
     bool ok = arrivals || error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
     for (uint32_t i = 0; ok && i < n; ++i)

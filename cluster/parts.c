@@ -4,10 +4,13 @@
 #include "base/error.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { SAMPLE_A_PART = 1 << 12 };
+
+static const double most_growth = 1.2; // of unevenness, before homes are cut anew
 
 bool parts_begin(parts *p, uint32_t n, const ranks *r, duet_error *err)
 {
@@ -29,11 +32,12 @@ static void forget_ghosts(parts *p)
 void parts_end(parts *p)
 {
     forget_ghosts(p);
-    for (uint32_t i = 0; p->list && i < p->n; ++i)
-        free(p->list[i].ghosts);
     bisection_end(&p->cut);
     free(p->list);
     free(p->rows);
+    free(p->marks);
+    free(p->border);
+    free(p->portions);
     *p = (parts){0};
 }
 
@@ -51,12 +55,160 @@ static bool cut_homes(parts *p, duet_error *err)
     return true;
 }
 
-static uint32_t part_of(const parts *p, const void *object)
+static portion *portions_of(const parts *p, uint32_t thread)
 {
-    double centre[3];
-    object_centre(&p->homes->form, object, centre);
-    return bisection_part(&p->cut, centre);
+    return p->portions + (size_t)thread * p->n;
 }
+
+// A mark is a home's part, and whether it may touch what is at home elsewhere.
+enum { AT_BORDER = 1 << 15 };
+
+static uint32_t part_of_mark(uint16_t mark)
+{
+    return mark & (AT_BORDER - 1);
+}
+
+// Only of the others are boxes needed: what lies deeper in its part, and in its rank's, than any
+// reach is wide touches nothing else.
+static void mark_homes(void *context, uint32_t thread, uint64_t first, uint64_t end)
+{
+    parts *p = context;
+    const homes *h = p->homes;
+    portion *own = portions_of(p, thread);
+    for (uint32_t i = 0; i < p->n; ++i) {
+        own[i] = (portion){0};
+        for (int k = 0; k < LEVELS; ++k)
+            own[i].boxes.upto[k] = reach_none;
+    }
+    uint64_t n_border = 0;
+    for (uint64_t i = first; i < end; ++i) {
+        const void *object = object_row(&h->rows, &h->form, (uint32_t)i);
+        double centre[3];
+        object_centre(&h->form, object, centre);
+        uint32_t part = bisection_part(&p->cut, centre);
+        bool deep = reach_holds(&p->list[part].inside, centre, h->widest);
+        p->marks[i] = (uint16_t)(part | (deep ? 0 : AT_BORDER));
+        ++own[part].homes;
+        if (deep)
+            continue;
+        reach e = reach_of(&h->form, object);
+        reach_add(&own[part].boxes.upto[level_of(reach_widest(&e), h->widest)], &e);
+        ++n_border;
+    }
+    p->n_border[thread] = n_border;
+}
+
+static void list_homes(void *context, uint32_t thread, uint64_t first, uint64_t end)
+{
+    parts *p = context;
+    portion *own = portions_of(p, thread);
+    uint32_t *border = p->border + p->n_border[thread];
+    for (uint64_t i = first; i < end; ++i) {
+        p->rows[own[part_of_mark(p->marks[i])].homes++] = (uint32_t)i;
+        if (p->marks[i] & AT_BORDER)
+            *border++ = (uint32_t)i;
+    }
+}
+
+// Makes a count what comes before it, and adds it to the sum.
+static void count_before(uint64_t *count, uint64_t *sum)
+{
+    uint64_t n = *count;
+    *count = *sum;
+    *sum += n;
+}
+
+static void gather_homes(parts *p, uint32_t n_threads)
+{
+    uint64_t all = 0;
+    for (uint32_t i = 0; i < p->n; ++i) {
+        home_part *of = &p->list[i];
+        uint64_t before = all;
+        for (int k = 0; k < LEVELS; ++k)
+            of->boxes.upto[k] = reach_none;
+        for (uint32_t t = 0; t < n_threads; ++t) {
+            portion *own = &portions_of(p, t)[i];
+            count_before(&own->homes, &all);
+            for (int k = 0; k < LEVELS; ++k)
+                reach_add(&of->boxes.upto[k], &own->boxes.upto[k]);
+        }
+        level_boxes_join(&of->boxes);
+        of->rows = p->rows + before;
+        of->n = (uint32_t)(all - before);
+    }
+    p->all_border = 0;
+    for (uint32_t t = 0; t < n_threads; ++t)
+        count_before(&p->n_border[t], &p->all_border);
+}
+
+static bool reserve_homes(parts *p, uint32_t n)
+{
+    if (!p->portions)
+        p->portions =
+            aligned_alloc(alignof(portion), PARALLEL_MOST * (size_t)p->n * sizeof *p->portions);
+    if (n > p->capacity) {
+        free(p->rows);
+        free(p->marks);
+        p->rows = malloc(n * sizeof *p->rows);
+        p->marks = malloc(n * sizeof *p->marks);
+        p->capacity = p->rows && p->marks ? n : 0;
+    }
+    return p->portions && n <= p->capacity;
+}
+
+static bool reserve_border(parts *p)
+{
+    if (p->all_border > p->border_capacity) {
+        free(p->border);
+        p->border_capacity = p->all_border + p->all_border / 4;
+        p->border = malloc(p->border_capacity * sizeof *p->border);
+        p->border_capacity = p->border ? p->border_capacity : 0;
+    }
+    return p->all_border <= p->border_capacity;
+}
+
+static void mark_all(parts *p, const cut *c)
+{
+    for (uint32_t i = 0; i < p->n; ++i) {
+        reach *in = &p->list[i].inside;
+        bisection_box(&p->cut, i, in->lower, in->upper);
+        for (int k = 0; k < 3; ++k) {
+            in->lower[k] = fmax(in->lower[k], c->lower[k]);
+            in->upper[k] = fmin(in->upper[k], c->upper[k]);
+        }
+    }
+    gather_homes(p, parallel_each(p->homes->threads, p->homes->rows.n, mark_homes, p));
+}
+
+static double unevenness(const parts *p)
+{
+    uint32_t n = p->homes->rows.n, most = 0;
+    for (uint32_t i = 0; i < p->n; ++i)
+        most = p->list[i].n > most ? p->list[i].n : most;
+    return n > 0 ? (double)most * p->n / n : 1;
+}
+
+// The cut stays as long as its parts are about as even, so that grids of parts can stay too.
+static bool divide_homes(parts *p, const cut *c, duet_error *err)
+{
+    uint32_t n = p->homes->rows.n;
+    bool ok = reserve_homes(p, n);
+    if (ok && p->unevenness > 0)
+        mark_all(p, c);
+    p->is_cut_anew = p->unevenness == 0 || unevenness(p) > most_growth * p->unevenness;
+    if (ok && p->is_cut_anew) {
+        ok = cut_homes(p, err);
+        mark_all(p, c);
+        p->unevenness = unevenness(p);
+    }
+    ok = ok && reserve_border(p);
+    if (ok)
+        parallel_each(p->homes->threads, n, list_homes, p);
+    return ok ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "parts of %" PRIu32 " objects: no memory", n);
+}
+
+// ---------------------------------------------------------------- ghosts
 
 // An object, where it is at home, and its level.
 typedef struct guest {
@@ -80,137 +232,104 @@ static guest guest_of(const parts *p, uint64_t id, const void *object, uint32_t 
     return g;
 }
 
-static void count_homes(parts *p)
+static guest guest_of_border(const parts *p, uint64_t i)
 {
     const homes *h = p->homes;
+    uint32_t row = p->border[i];
+    return guest_of(p, h->rows.ids[row], object_row(&h->rows, &h->form, row),
+                    home_of_part(p, part_of_mark(p->marks[row])));
+}
+
+// *sender is that of the message before, or 0, and *upto the messages of all up to it.
+static guest guest_of_message(const parts *p, uint64_t i, uint32_t *sender, uint64_t *upto)
+{
+    const unsigned char *message =
+        (const unsigned char *)p->messages.rows + i * p->messages.row_bytes;
+    uint64_t id;
+    while (i >= *upto)
+        *upto += p->messages.counts[++*sender];
+    memcpy(&id, message, sizeof id);
+    return guest_of(p, id, message + sizeof id, *sender * p->n);
+}
+
+// Adds it to all parts but its own whose objects it may touch and be owned by; where `to` is NULL
+// it is only counted.
+static void add_guest(const parts *p, const guest *g, portion *own, ghost_row *to)
+{
     for (uint32_t i = 0; i < p->n; ++i) {
-        p->list[i].n = 0;
-        for (int k = 0; k < LEVELS; ++k)
-            p->list[i].boxes.upto[k] = reach_none;
-    }
-    for (uint32_t i = 0; i < h->rows.n; ++i) {
-        const void *object = object_row(&h->rows, &h->form, i);
-        home_part *to = &p->list[part_of(p, object)];
-        reach e = reach_of(&h->form, object);
-        reach_add(&to->boxes.upto[level_of(reach_widest(&e), h->widest)], &e);
-        ++to->n;
-    }
-    for (uint32_t i = 0; i < p->n; ++i)
-        level_boxes_join(&p->list[i].boxes);
-}
-
-static bool list_homes(parts *p, duet_error *err)
-{
-    const homes *h = p->homes;
-    if (h->rows.n > p->capacity) {
-        free(p->rows);
-        p->rows = malloc(h->rows.n * sizeof *p->rows);
-        p->capacity = p->rows ? h->rows.n : 0;
-    }
-    if (h->rows.n > p->capacity)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "parts of %" PRIu32 " objects: no memory",
-                         h->rows.n);
-    uint32_t *at = p->rows;
-    for (uint32_t i = 0; i < p->n; ++i) {
-        p->list[i].rows = at;
-        at += p->list[i].n;
-        p->list[i].n = 0;
-    }
-    for (uint32_t i = 0; i < h->rows.n; ++i) {
-        home_part *to = &p->list[part_of(p, object_row(&h->rows, &h->form, i))];
-        to->rows[to->n++] = i;
-    }
-    return true;
-}
-
-// ---------------------------------------------------------------- ghosts
-
-static bool add_ghost(home_part *to, const ghost_row *g)
-{
-    if (to->n_ghosts == to->capacity) {
-        uint64_t capacity = to->capacity ? 2 * to->capacity : 1024;
-        ghost_row *ghosts = realloc(to->ghosts, capacity * sizeof *ghosts);
-        if (!ghosts)
-            return false;
-        to->ghosts = ghosts;
-        to->capacity = capacity;
-    }
-    to->ghosts[to->n_ghosts++] = *g;
-    return true;
-}
-
-// To all parts but its own whose objects it may touch and be owned by.
-static bool send_guest(parts *p, const guest *g)
-{
-    bool ok = true;
-    for (uint32_t i = 0; ok && i < p->n; ++i) {
         uint32_t place = home_of_part(p, i);
         int level = owners_upto(g->level, g->home, place);
-        if (place != g->home && level >= 0 &&
-            reaches_meet(&p->list[i].boxes.upto[level], &g->reach))
-            ok = add_ghost(&p->list[i], &g->as);
+        if (place == g->home || level < 0 ||
+            !reaches_meet(&p->list[i].boxes.upto[level], &g->reach))
+            continue;
+        if (to)
+            to[own[i].ghosts] = g->as;
+        ++own[i].ghosts;
     }
-    return ok;
 }
 
-// Objects deeper inside of their part than any reaches meet no other part.
-static bool send_homes(parts *p)
+// Homes by ascending id, and then what others sent.
+static void add_guests(const parts *p, uint64_t first, uint64_t end, portion *own, ghost_row *to)
 {
-    const homes *h = p->homes;
-    bool ok = true;
-    for (uint32_t i = 0; ok && i < p->n; ++i) {
-        const home_part *from = &p->list[i];
-        reach inside = reach_none;
-        bisection_box(&p->cut, i, inside.lower, inside.upper);
-        for (uint32_t k = 0; ok && k < from->n; ++k) {
-            const void *object = object_row(&h->rows, &h->form, from->rows[k]);
-            double centre[3];
-            object_centre(&h->form, object, centre);
-            if (reach_holds(&inside, centre, h->widest))
-                continue;
-            guest g = guest_of(p, h->rows.ids[from->rows[k]], object, home_of_part(p, i));
-            ok = send_guest(p, &g);
-        }
+    uint32_t sender = 0;
+    uint64_t upto = p->messages.counts[0];
+    for (uint64_t i = first; i < end; ++i) {
+        guest g = i < p->all_border ? guest_of_border(p, i)
+                                    : guest_of_message(p, i - p->all_border, &sender, &upto);
+        add_guest(p, &g, own, to);
     }
-    return ok;
 }
 
-static bool send_ghosts(parts *p)
+static void count_ghosts(void *context, uint32_t thread, uint64_t first, uint64_t end)
 {
-    const unsigned char *message = p->messages.rows;
-    bool ok = true;
-    for (uint32_t q = 0; q < p->n_ranks; ++q)
-        for (uint64_t i = 0; ok && i < p->messages.counts[q]; ++i) {
-            uint64_t id;
-            memcpy(&id, message, sizeof id);
-            guest g = guest_of(p, id, message + sizeof id, q * p->n);
-            ok = send_guest(p, &g);
-            message += p->messages.row_bytes;
-        }
-    return ok;
+    const parts *p = context;
+    portion *own = portions_of(p, thread);
+    for (uint32_t i = 0; i < p->n; ++i)
+        own[i].ghosts = 0;
+    add_guests(p, first, end, own, NULL);
 }
 
-bool parts_divide(parts *p, const homes *h, const ranks *r, parcels *messages, duet_error *err)
+static void write_ghosts(void *context, uint32_t thread, uint64_t first, uint64_t end)
+{
+    const parts *p = context;
+    add_guests(p, first, end, portions_of(p, thread), p->ghosts);
+}
+
+static bool divide_ghosts(parts *p, duet_error *err)
+{
+    uint64_t n = p->all_border + p->messages.n, all = 0;
+    uint32_t n_threads = parallel_each(p->homes->threads, n, count_ghosts, p);
+    for (uint32_t i = 0; i < p->n; ++i) {
+        uint64_t before = all;
+        for (uint32_t t = 0; t < n_threads; ++t)
+            count_before(&portions_of(p, t)[i].ghosts, &all);
+        p->list[i].n_ghosts = all - before;
+    }
+    p->ghosts = malloc((all + 1) * sizeof *p->ghosts);
+    if (!p->ghosts)
+        return error_set(err, DUET_STATUS_NO_MEMORY,
+                         "%" PRIu64 " ghosts of %" PRIu32 " parts: no memory", all, p->n);
+    parallel_each(p->homes->threads, n, write_ghosts, p);
+    ghost_row *ghosts = p->ghosts;
+    for (uint32_t i = 0; i < p->n; ghosts += p->list[i++].n_ghosts) {
+        p->list[i].ghosts = ghosts;
+        if (p->messages.n > 0)
+            ghosts_sort(ghosts, p->list[i].n_ghosts);
+    }
+    return true;
+}
+
+bool parts_divide(parts *p, const homes *h, const cut *c, const ranks *r, parcels *messages,
+                  duet_error *err)
 {
     forget_ghosts(p);
     p->homes = h;
     p->messages = *messages;
     *messages = (parcels){0};
-    if (p->n == 1) {
-        p->ghosts = ghosts_read(h, r, 1, &p->messages, err);
-        return p->ghosts;
-    }
-    if (!cut_homes(p, err))
-        return false;
-    count_homes(p);
-    if (!list_homes(p, err))
-        return false;
-    if (!send_homes(p) || !send_ghosts(p))
-        return error_set(err, DUET_STATUS_NO_MEMORY, "ghosts of %" PRIu32 " parts: no memory",
-                         p->n);
-    for (uint32_t i = 0; i < p->n; ++i)
-        ghosts_sort(p->list[i].ghosts, p->list[i].n_ghosts);
-    return true;
+    if (p->n > 1)
+        return divide_homes(p, c, err) && divide_ghosts(p, err);
+    p->ghosts = ghosts_read(h, r, 1, &p->messages, err);
+    return p->ghosts;
 }
 
 sight parts_sight(const parts *p, uint32_t i)

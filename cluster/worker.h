@@ -39,6 +39,9 @@ struct worker {
     bool (*order)(worker *w, uint32_t **order, duet_error *err);
     // The objects lie elsewhere than those before: a grid that was fitted to these is of no use.
     void (*move)(worker *w);
+    // From here on the objects are those of another place, numbered from 0, where the grid that was
+    // fitted to its last ones is used again; NULL: it has none.
+    bool (*turn_to)(worker *w, uint32_t place, duet_error *err);
     bool (*find)(worker *w, worker_found *found, duet_error *err);
     // Before that: which objects are at home, and their ids. Pairs of two of these are then counted
     // where they are found, and stay there. NULL: all are brought.

@@ -67,9 +67,37 @@ static bool order(worker *w, uint32_t **order_of, duet_error *err)
     return duet_world_order(((worker_pair *)w)->world, order_of, &n, err);
 }
 
+static void forget_fits(worker_pair *p)
+{
+    for (uint32_t i = 0; i < p->n_fits; ++i)
+        p->fits[i].fitted = false;
+}
+
 static void move(worker *w)
 {
-    ((worker_pair *)w)->world->fitted = false;
+    worker_pair *p = (worker_pair *)w;
+    forget_fits(p);
+    p->world->fitted = false;
+}
+
+static bool turn_to(worker *w, uint32_t place, duet_error *err)
+{
+    worker_pair *p = (worker_pair *)w;
+    if (place >= p->n_fits) {
+        uint32_t n = 2 * place + 1;
+        world_fit *fits = realloc(p->fits, n * sizeof *fits);
+        if (!fits)
+            return error_set(err, DUET_STATUS_NO_MEMORY, "grids of %u parts: no memory", n);
+        memset(fits + p->n_fits, 0, (n - p->n_fits) * sizeof *fits);
+        p->fits = fits;
+        p->n_fits = n;
+    }
+    if (place != p->place) {
+        world_swap_fit(p->world, &p->fits[p->place]);
+        world_swap_fit(p->world, &p->fits[place]);
+        p->place = place;
+    }
+    return true;
 }
 
 static void tell_ids(worker *w, const global_ids *ids)
@@ -117,17 +145,20 @@ static bool set_level(worker *w, duet_level level, duet_error *err)
 
 static bool set_plan(worker *w, const duet_plan *plan, duet_error *err)
 {
+    forget_fits((worker_pair *)w);
     return duet_world_set_plan(((worker_pair *)w)->world, plan, err);
 }
 
 static bool load_profile(worker *w, const char *path, duet_profile *profile, duet_error *err)
 {
+    forget_fits((worker_pair *)w);
     return duet_world_load_profile(((worker_pair *)w)->world, path, profile, err);
 }
 
 static void close_pair(worker *w)
 {
     duet_world_destroy(((worker_pair *)w)->world);
+    free(((worker_pair *)w)->fits);
     free(w);
 }
 
@@ -156,6 +187,7 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
                        .extend = extend,
                        .order = order,
                        .move = move,
+                       .turn_to = turn_to,
                        .find = find,
                        .tell_ids = tell_ids,
                        .bring = bring,

@@ -8,6 +8,8 @@
 typedef struct worker_pair {
     worker base;
     duet_world *world;
+    struct world_fit *fits; // [n_fits] of each place but this one
+    uint32_t n_fits, place;
     duet_object_kind kind;
     uint32_t bytes; // of an object
     char name[132];

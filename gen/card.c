@@ -7,7 +7,6 @@
 
 #include <inttypes.h>
 #include <lauxlib.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -11,7 +11,6 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <sha256.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -426,8 +426,8 @@ static bool is_plain(const char *pattern, size_t n)
 static int find_plain(matcher *m, const char *from)
 {
     size_t n = (size_t)(m->pattern_end - m->pattern);
-    step(m, ((size_t)(m->text_end - from) + n) / 8);
     const char *found = n == 0 ? from : memmem(from, (size_t)(m->text_end - from), m->pattern, n);
+    step(m, ((size_t)((found ? found : m->text_end) - from) + n) / 8);
     if (!found) {
         lua_pushnil(m->lua);
         return 1;

@@ -336,10 +336,8 @@ static bool fail(script *s, int lua_status, duet_error *err)
 script *script_open(const script_limits *limits, duet_error *err)
 {
     script *s = calloc(1, sizeof *s);
-    if (!s) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state: no memory");
-        return NULL;
-    }
+    if (!s)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "a Lua state: no memory");
     s->limits = limits ? *limits : script_default_limits();
     text_add(&s->name, "the sandbox");
     s->lua = lua_newstate(allocate, s);

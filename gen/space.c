@@ -26,7 +26,7 @@ static bool check_one(card *c, const gen_limits *limits, uint64_t number, gen_se
     card_config(c, number, config);
     *valid = card_check(c, limits, config, &launch, &why);
     bool broken = !*valid && why.status != DUET_STATUS_BAD_ARGUMENT;
-    return !broken || error_set(err, why.status, "%s", why.text);
+    return !broken || error_copy(err, &why);
 }
 
 // Walks through the block from its first config on and ends after the valid

@@ -4,7 +4,6 @@
 #include "base/blob.h"
 #include "gen/script.h"
 
-#include <lauxlib.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -102,10 +101,8 @@ template *template_open(const text *chars, const char *path, const char *line_na
                         const card_names *emit, duet_error *err)
 {
     template *t = calloc(1, sizeof *t);
-    if (!t) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", path);
-        return NULL;
-    }
+    if (!t)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "%s: no memory", path);
     script_limits limits = script_default_limits();
     limits.failure = DUET_STATUS_BUILD_FAILED;
     t->script = script_open(&limits, err);

@@ -11,8 +11,31 @@ local template = { modules = {} } -- modules: of gen/emit, by name
 local library = { "assert", "error", "ipairs", "math", "pairs", "select", "string", "table",
                   "tonumber", "tostring", "type" }
 
+-- The rows of a text one after the other, each with its end. Most hold nothing of interest, so
+-- that it counts how little is done for each.
+local function each_row(text)
+  local at = 1
+  return function()
+    if at > #text then return nil end
+    local from, to = at, text:find("\n", at, true) or #text
+    at = to + 1
+    return text:sub(from, to)
+  end
+end
+
+local function end_row(text)
+  return text:sub(-1) == "\n" and text or text .. "\n"
+end
+
+-- Behind the //@ of a line of Lua, or nil.
+local function lua_in(row)
+  local _, mark = row:find("^%s*//@")
+  return mark and row:sub(mark + 1, -2)
+end
+
 -- 'a @{b} c'  ->  '"a ", (b), " c", "\n"'
 local function row_to_args(row, where)
+  if not row:find("@{", 1, true) then return ("%q, \"\\n\""):format(row) end
   local args, at = {}, 1
   for from, expr, to in row:gmatch("()@(%b{})()") do
     args[#args + 1] = ("%q"):format(row:sub(at, from - 1))
@@ -29,43 +52,58 @@ end
 -- compiler's do. Returns a chunk that wants what template.expand gives it.
 function template.translate(text, path, line_name)
   local chunk, moved = {}, true
-  for row in (text:gsub("\n?$", "\n", 1)):gmatch("(.-)\n") do
+  for row in each_row(end_row(text)) do
     local n = #chunk + 1
-    local lua = row:match("^%s*//@(.*)$")
+    local lua = lua_in(row)
     if lua then
       chunk[n], moved = lua, true
     else
       local sync = moved and ("_put('#line %d %q\\n') "):format(n, line_name) or ""
-      chunk[n], moved = sync .. "_put(" .. row_to_args(row, path .. ":" .. n) .. ")", false
+      chunk[n], moved = sync .. "_put(" .. row_to_args(row:sub(1, -2), path .. ":" .. n) .. ")", false
     end
   end
   return "local _put, _ENV = ... " .. table.concat(chunk, "\n")
+end
+
+-- Where the row of a place begins, at `least` or behind it.
+local function row_at(text, place, least)
+  while place > least and text:byte(place - 1) ~= 10 do place = place - 1 end
+  return place
+end
+
+-- Pieces of a text: rows in which neither mark stands, many in one, and each row in which one does.
+-- There are few of these, so that most of the text is not looked at row by row.
+local function each_piece(text, one, other)
+  local at, next_one, next_other = 1, 0, 0
+  local function find(mark, last)
+    return last >= at and last or text:find(mark, at, true) or math.huge
+  end
+  return function()
+    if at > #text then return nil end
+    next_one, next_other = find(one, next_one), find(other, next_other)
+    local from, mark = at, math.min(next_one, next_other)
+    local row = mark < math.huge and row_at(text, mark, at) or #text + 1
+    at = row > from and row or text:find("\n", mark, true) + 1
+    return text:sub(from, at - 1)
+  end
 end
 
 -- The same for headers and plain kernels, one after the other: lines of Lua only choose
 -- among the others, which stay as they are and get no #line of their own. A file of which
 -- nothing stays leaves no #line 1 either.
 function template.translate_choices(text)
-  local chunk, rows = { "local _head = '' " }, {}
-  local function put_rows()
-    if #rows == 0 then return end
-    chunk[#chunk + 1] = ("_put(_head, %q) _head = ''"):format(table.concat(rows))
-    rows = {}
-  end
-  for row in (text:gsub("\n?$", "\n", 1)):gmatch("(.-\n)") do
-    local lua = row:match("^%s*//@(.*)\n$")
+  local chunk = { "local _put, _ENV = ... local _head = '' " }
+  for piece in each_piece(end_row(text), "//@", "#line 1 ") do
+    local lua = lua_in(piece)
     if lua then
-      put_rows()
       chunk[#chunk + 1] = " " .. lua .. "\n"
-    elseif row:match("^#line 1 ") then
-      put_rows()
-      chunk[#chunk + 1] = (" _head = %q "):format(row)
+    elseif piece:sub(1, 8) == "#line 1 " then
+      chunk[#chunk + 1] = (" _head = %q "):format(piece)
     else
-      rows[#rows + 1] = row
+      chunk[#chunk + 1] = ("_put(_head, %q) _head = ''"):format(piece)
     end
   end
-  put_rows()
-  return "local _put, _ENV = ... " .. table.concat(chunk)
+  return table.concat(chunk)
 end
 
 -- Runs a translated template, which finds the names in scope, the modules and

@@ -9,50 +9,15 @@
 #include <stdio.h>
 #include <string.h>
 
-static const lua_class classes[ARRAY_KINDS];
-
 // A row is a C struct; columns has a letter for each of its members in order:
 // f float, d double, i int32_t, I uint32_t, Q uint64_t, h int16_t, C uint8_t, B bool.
-static const struct {
+typedef struct kind_info {
+    lua_class class;
     const char *columns;
     size_t bytes;
-} layouts[] = {
-    [ARRAY_POSES] = {"ffffffffff", sizeof(duet_pose)},
-    [ARRAY_BOUNDS] = {"ffffff", sizeof(duet_bounds)},
-    [ARRAY_TRANSFORMS] = {"fffffff", sizeof(duet_transform)},
-    [ARRAY_COMPACT_TRANSFORMS] = {"fffhhhh", sizeof(duet_compact_transform)},
-    [ARRAY_SIZES] = {"fff", sizeof(duet_size)},
-    [ARRAY_ROUNDED_BOXES] = {"fffffffffff", sizeof(duet_rounded_box)},
-    [ARRAY_SPHERES] = {"ffff", sizeof(duet_sphere)},
-    [ARRAY_LARGE_POSES] = {"ffffffffffiii", sizeof(duet_large_pose)},
-    [ARRAY_PAIRS] = {"II", sizeof(duet_pair)},
-    [ARRAY_PAIRS64] = {"QQ", 2 * sizeof(uint64_t)},
-    [ARRAY_BODIES] = {"fffffffffIIfBB", sizeof(duet_body)},
-    [ARRAY_STATES] = {"ddddddddddddd", sizeof(duet_state)},
-    [ARRAY_CONTACTS] = {"IIfffIffffffffffffffffffff", sizeof(duet_contact)},
-    [ARRAY_ANSWERS] = {"C", sizeof(uint8_t)},
-    [ARRAY_SEPARATIONS] = {"d", sizeof(double)},
-    [ARRAY_RAYS] = {"fffffff", sizeof(duet_ray)},
-    [ARRAY_LARGE_RAYS] = {"fffffffiii", sizeof(duet_large_ray)},
-    [ARRAY_HITS] = {"IIf", sizeof(duet_ray_hit)},
-    [ARRAY_PLACES] = {"I", sizeof(uint32_t)},
-    [ARRAY_BOX_HITS] = {"II", sizeof(duet_box_hit)},
-    [ARRAY_FILTERS] = {"II", sizeof(duet_filter)},
-    [ARRAY_POINTS] = {"fff", sizeof(duet_point)},
-    [ARRAY_LARGE_POINTS] = {"fffiii", sizeof(duet_large_point)},
-    [ARRAY_POINT_HITS] = {"IIf", sizeof(duet_point_hit)},
-    [ARRAY_SWEEPS] = {"ffffffffffffff", sizeof(duet_sweep)},
-    [ARRAY_BOUNDS_SWEEPS] = {"ffffffffff", sizeof(duet_bounds_sweep)},
-    [ARRAY_LARGE_SWEEPS] = {"ffffffffffiiiffff", sizeof(duet_large_sweep)},
-    [ARRAY_ROUNDED_SWEEPS] = {"fffffffffffffff", sizeof(duet_rounded_sweep)},
-    [ARRAY_SPHERE_SWEEPS] = {"ffffffff", sizeof(duet_sphere_sweep)},
-    [ARRAY_SWEEP_HITS] = {"IIffff", sizeof(duet_sweep_hit)},
-    [ARRAY_IDS] = {"Q", sizeof(uint64_t)},
-    [ARRAY_FORCES] = {"ffffff", sizeof(duet_force)},
-    [ARRAY_IMPULSES] = {"ffffff", sizeof(duet_impulse)},
-    [ARRAY_STATE_ROWS] = {"ffff", 4 * sizeof(float)},
-    [ARRAY_DOUBLE_STATE_ROWS] = {"dddd", 4 * sizeof(double)},
-};
+} kind_info;
+
+static const kind_info kinds[ARRAY_KINDS];
 
 _Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
 _Static_assert(offsetof(duet_bounds, upper[2]) == 5 * 4, "bounds are six floats");
@@ -80,18 +45,18 @@ _Static_assert(offsetof(duet_contact, points[3].normal_impulse) == 25 * 4, "all 
 
 static int width_of(const array *a)
 {
-    return (int)strlen(layouts[a->kind].columns);
+    return (int)strlen(kinds[a->kind].columns);
 }
 
 static void *row_at(const array *a, uint64_t i)
 {
-    return (char *)a->rows + i * layouts[a->kind].bytes;
+    return (char *)a->rows + i * kinds[a->kind].bytes;
 }
 
 // All members but the last are of one size, and short ones come after the others.
 static void *column_at(const array *a, uint64_t i, int column)
 {
-    const char *columns = layouts[a->kind].columns;
+    const char *columns = kinds[a->kind].columns;
     size_t at = (size_t)column * (strchr("dQ", columns[0]) ? 8 : 4);
     for (int k = column - 1; k >= 0 && strchr("hB", columns[k]); --k)
         at -= sizeof(float) - (columns[k] == 'h' ? sizeof(int16_t) : sizeof(bool));
@@ -102,21 +67,28 @@ static void *column_at(const array *a, uint64_t i, int column)
 
 array *array_push_empty(lua_State *L, array_kind kind)
 {
-    array *a = class_push(L, &classes[kind], sizeof *a);
+    array *a = class_push(L, &kinds[kind].class, sizeof *a);
     a->kind = kind;
     return a;
 }
 
 array *array_push(lua_State *L, array_kind kind, uint64_t n)
 {
-    uint64_t most = (SIZE_MAX / 2 - sizeof(array)) / layouts[kind].bytes;
+    uint64_t most = (SIZE_MAX / 2 - sizeof(array)) / kinds[kind].bytes;
     if (n > most)
-        luaL_error(L, "%s of %I rows: too many", classes[kind].name, (LUAI_UACINT)n);
-    array *a = class_push(L, &classes[kind], sizeof *a + n * layouts[kind].bytes);
+        luaL_error(L, "%s of %I rows: too many", kinds[kind].class.name, (LUAI_UACINT)n);
+    array *a = class_push(L, &kinds[kind].class, sizeof *a + n * kinds[kind].bytes);
     a->kind = kind;
     a->rows = a + 1;
     a->n = n;
     return a;
+}
+
+void array_push_copy(lua_State *L, array_kind kind, const void *rows, uint64_t n)
+{
+    array *a = array_push(L, kind, n);
+    if (n > 0)
+        memcpy(a->rows, rows, n * kinds[kind].bytes);
 }
 
 void array_own(array *a, void *rows, uint64_t n)
@@ -124,16 +96,14 @@ void array_own(array *a, void *rows, uint64_t n)
     a->rows = rows;
     a->n = n;
     a->owned = true;
-    budget_hold(n * layouts[a->kind].bytes);
+    budget_hold(n * kinds[a->kind].bytes);
 }
 
 array *array_push_view(lua_State *L, array_kind kind, void *rows, uint64_t n, int owner_index,
                        const uint64_t *epoch)
 {
-    owner_index = lua_absindex(L, owner_index);
-    array *a = array_push_empty(L, kind);
-    lua_pushvalue(L, owner_index);
-    lua_setiuservalue(L, -2, 1);
+    array *a = class_push_of(L, &kinds[kind].class, sizeof *a, owner_index);
+    a->kind = kind;
     a->rows = rows;
     a->n = n;
     a->epoch = epoch;
@@ -144,7 +114,7 @@ array *array_push_view(lua_State *L, array_kind kind, void *rows, uint64_t n, in
 // Raises an error about the value on top of the stack.
 static void refuse_value(lua_State *L, const array *a, uint64_t i, int column, const char *wanted)
 {
-    luaL_error(L, "%s: row %I, column %d: %s, not %s", classes[a->kind].name, (LUAI_UACINT)i,
+    luaL_error(L, "%s: row %I, column %d: %s, not %s", kinds[a->kind].class.name, (LUAI_UACINT)i,
                column + 1, member_push_shown(L, -1), wanted);
 }
 
@@ -173,7 +143,7 @@ static void take_number(lua_State *L, const array *a, uint64_t i, int column, bo
 // Writes the value on top of the stack into a row's column, and pops it.
 static void take_column(lua_State *L, const array *a, uint64_t i, int column)
 {
-    switch (layouts[a->kind].columns[column]) {
+    switch (kinds[a->kind].columns[column]) {
     case 'i':
         *(int32_t *)column_at(a, i, column) =
             (int32_t)take_whole(L, a, i, column, INT32_MIN, INT32_MAX, "a whole number of 32 bits");
@@ -200,7 +170,7 @@ static void take_column(lua_State *L, const array *a, uint64_t i, int column)
         *(bool *)column_at(a, i, column) = lua_toboolean(L, -1);
         break;
     default:
-        take_number(L, a, i, column, layouts[a->kind].columns[column] == 'd');
+        take_number(L, a, i, column, kinds[a->kind].columns[column] == 'd');
     }
     lua_pop(L, 1);
 }
@@ -210,7 +180,7 @@ static void read_row(lua_State *L, int index, const array *a, uint64_t i)
     int width = width_of(a);
     lua_Unsigned given = lua_istable(L, index) ? lua_rawlen(L, index) : 0;
     if (given != (lua_Unsigned)width)
-        luaL_error(L, "%s: row %I: %I numbers, and a row has %d", classes[a->kind].name,
+        luaL_error(L, "%s: row %I: %I numbers, and a row has %d", kinds[a->kind].class.name,
                    (LUAI_UACINT)i, (LUAI_UACINT)given, width);
     for (int column = 0; column < width; ++column) {
         lua_rawgeti(L, index, column + 1);
@@ -232,10 +202,10 @@ static void push_from_rows(lua_State *L, int index, array_kind kind)
 static void push_from_numbers(lua_State *L, int index, array_kind kind)
 {
     lua_Unsigned numbers = lua_rawlen(L, index);
-    lua_Unsigned width = strlen(layouts[kind].columns);
+    lua_Unsigned width = strlen(kinds[kind].columns);
     if (numbers % width != 0)
-        luaL_error(L, "%s from %I numbers: a row has %d", classes[kind].name, (LUAI_UACINT)numbers,
-                   (int)width);
+        luaL_error(L, "%s from %I numbers: a row has %d", kinds[kind].class.name,
+                   (LUAI_UACINT)numbers, (int)width);
     array *a = array_push(L, kind, numbers / width);
     for (lua_Unsigned i = 0; i < numbers; ++i) {
         lua_rawgeti(L, index, (lua_Integer)i + 1);
@@ -247,9 +217,9 @@ static void push_from_bytes(lua_State *L, int index, array_kind kind)
 {
     size_t length = 0;
     const char *bytes = lua_tolstring(L, index, &length);
-    size_t width = layouts[kind].bytes;
+    size_t width = kinds[kind].bytes;
     if (length % width != 0)
-        luaL_error(L, "%s from %I bytes: a row has %d", classes[kind].name, (LUAI_UACINT)length,
+        luaL_error(L, "%s from %I bytes: a row has %d", kinds[kind].class.name, (LUAI_UACINT)length,
                    (int)width);
     array *a = array_push(L, kind, length / width);
     memcpy(a->rows, bytes, length);
@@ -307,10 +277,10 @@ static int make(lua_State *L)
 
 // ---------------------------------------------------------------- reading
 
-static array *test_array(lua_State *L, int index)
+array *array_test(lua_State *L, int index)
 {
     for (int kind = 0; kind < ARRAY_KINDS; ++kind) {
-        array *a = luaL_testudata(L, index, classes[kind].name);
+        array *a = luaL_testudata(L, index, kinds[kind].class.name);
         if (a)
             return a;
     }
@@ -326,7 +296,7 @@ static void check_alive(lua_State *L, int index, const array *a)
 
 static array *check_self(lua_State *L)
 {
-    array *a = test_array(L, 1);
+    array *a = array_test(L, 1);
     if (!a)
         luaL_typeerror(L, 1, "duet.poses or another array");
     check_alive(L, 1, a);
@@ -340,7 +310,7 @@ const array *array_check(lua_State *L, int index, array_kind kind)
         push_from_value(L, index, kind);
         lua_replace(L, index);
     }
-    const array *a = luaL_checkudata(L, index, classes[kind].name);
+    const array *a = luaL_checkudata(L, index, kinds[kind].class.name);
     check_alive(L, index, a);
     return a;
 }
@@ -358,7 +328,7 @@ static uint64_t check_place(lua_State *L, int index, const array *a)
 static void push_column(lua_State *L, const array *a, uint64_t i, int column)
 {
     const void *at = column_at(a, i, column);
-    switch (layouts[a->kind].columns[column]) {
+    switch (kinds[a->kind].columns[column]) {
     case 'i':
         lua_pushinteger(L, *(const int32_t *)at);
         break;
@@ -407,7 +377,7 @@ static int array_set(lua_State *L)
     int width = width_of(a);
     luaL_argcheck(L, !a->fixed, 1, "these rows cannot be changed");
     if (lua_gettop(L) != width + 2)
-        return luaL_error(L, "%s: row %I: %d numbers, and a row has %d", classes[a->kind].name,
+        return luaL_error(L, "%s: row %I: %d numbers, and a row has %d", kinds[a->kind].class.name,
                           (LUAI_UACINT)i, lua_gettop(L) - 2, width);
     for (int column = 0; column < width; ++column) {
         lua_pushvalue(L, 3 + column);
@@ -443,7 +413,7 @@ static int array_bytes(lua_State *L)
 {
     const array *a = check_self(L);
     class_check_limits(L);
-    lua_pushlstring(L, a->rows ? a->rows : "", a->n * layouts[a->kind].bytes);
+    lua_pushlstring(L, a->rows ? a->rows : "", a->n * kinds[a->kind].bytes);
     return 1;
 }
 
@@ -451,6 +421,21 @@ static int array_length(lua_State *L)
 {
     lua_pushinteger(L, (lua_Integer)check_self(L)->n);
     return 1;
+}
+
+duet_object_kind array_object_kind(array_kind kind)
+{
+    static const duet_object_kind objects[] = {
+        [ARRAY_POSES] = DUET_OBJECT_POSES,
+        [ARRAY_BOUNDS] = DUET_OBJECT_BOUNDS,
+        [ARRAY_TRANSFORMS] = DUET_OBJECT_TRANSFORMS,
+        [ARRAY_COMPACT_TRANSFORMS] = DUET_OBJECT_COMPACT_TRANSFORMS,
+        [ARRAY_SIZES] = DUET_OBJECT_SIZES,
+        [ARRAY_ROUNDED_BOXES] = DUET_OBJECT_ROUNDED_BOXES,
+        [ARRAY_SPHERES] = DUET_OBJECT_SPHERES,
+        [ARRAY_LARGE_POSES] = DUET_OBJECT_LARGE_POSES,
+    };
+    return objects[kind];
 }
 
 void array_push_hash(lua_State *L, uint64_t hash)
@@ -463,7 +448,7 @@ void array_push_hash(lua_State *L, uint64_t hash)
 static int array_tostring(lua_State *L)
 {
     const array *a = check_self(L);
-    lua_pushfstring(L, "%s of %I rows", classes[a->kind].name, (LUAI_UACINT)a->n);
+    lua_pushfstring(L, "%s of %I rows", kinds[a->kind].class.name, (LUAI_UACINT)a->n);
     return 1;
 }
 
@@ -520,11 +505,11 @@ static int rounded_boxes_separation(lua_State *L)
 
 static int array_close(lua_State *L)
 {
-    array *a = test_array(L, 1);
+    array *a = array_test(L, 1);
     if (!a)
         return luaL_typeerror(L, 1, "duet.poses or another array");
     if (a->owned) {
-        budget_release(a->n * layouts[a->kind].bytes);
+        budget_release(a->n * kinds[a->kind].bytes);
         duet_free(a->rows);
     }
     a->owned = false;
@@ -533,73 +518,71 @@ static int array_close(lua_State *L)
     return 0;
 }
 
-#define EVERY_KIND                                                                        \
-    {"get", array_get}, {"set", array_set}, {"each", array_each}, {"bytes", array_bytes}, \
-    {                                                                                     \
-        "close", array_close                                                              \
-    }
-
-static const luaL_Reg poses_methods[] = {
-    EVERY_KIND, {"collide", poses_collide}, {"separation", poses_separation}, {NULL, NULL}};
-static const luaL_Reg rounded_boxes_methods[] = {EVERY_KIND,
-                                                 {"collide", rounded_boxes_collide},
-                                                 {"separation", rounded_boxes_separation},
-                                                 {NULL, NULL}};
-static const luaL_Reg pairs_methods[] = {EVERY_KIND, {"hash", pairs_hash}, {NULL, NULL}};
-static const luaL_Reg methods[] = {EVERY_KIND, {NULL, NULL}};
+static const luaL_Reg methods[] = {{"get", array_get},     {"set", array_set},
+                                   {"each", array_each},   {"bytes", array_bytes},
+                                   {"close", array_close}, {NULL, NULL}};
 static const luaL_Reg metas[] = {
     {"__len", array_length}, {"__tostring", array_tostring}, {NULL, NULL}};
+static const luaL_Reg poses_methods[] = {
+    {"collide", poses_collide}, {"separation", poses_separation}, {NULL, NULL}};
+static const luaL_Reg rounded_boxes_methods[] = {
+    {"collide", rounded_boxes_collide}, {"separation", rounded_boxes_separation}, {NULL, NULL}};
+static const luaL_Reg pairs_methods[] = {{"hash", pairs_hash}, {NULL, NULL}};
 
-static const lua_class classes[] = {
-    [ARRAY_POSES] = {.name = "duet.poses", .methods = poses_methods, .metas = metas},
-    [ARRAY_BOUNDS] = {.name = "duet.bounds", .methods = methods, .metas = metas},
-    [ARRAY_TRANSFORMS] = {.name = "duet.transforms", .methods = methods, .metas = metas},
-    [ARRAY_COMPACT_TRANSFORMS] = {.name = "duet.compact_transforms",
-                                  .methods = methods,
-                                  .metas = metas},
-    [ARRAY_SIZES] = {.name = "duet.sizes", .methods = methods, .metas = metas},
-    [ARRAY_ROUNDED_BOXES] = {.name = "duet.rounded_boxes",
-                             .methods = rounded_boxes_methods,
-                             .metas = metas},
-    [ARRAY_SPHERES] = {.name = "duet.spheres", .methods = methods, .metas = metas},
-    [ARRAY_LARGE_POSES] = {.name = "duet.large_poses", .methods = methods, .metas = metas},
-    [ARRAY_PAIRS] = {.name = "duet.pairs", .methods = pairs_methods, .metas = metas},
-    [ARRAY_PAIRS64] = {.name = "duet.pairs64", .methods = methods, .metas = metas},
-    [ARRAY_BODIES] = {.name = "duet.bodies", .methods = methods, .metas = metas},
-    [ARRAY_STATES] = {.name = "duet.states", .methods = methods, .metas = metas},
-    [ARRAY_CONTACTS] = {.name = "duet.contacts", .methods = methods, .metas = metas},
-    [ARRAY_ANSWERS] = {.name = "duet.answers", .methods = methods, .metas = metas},
-    [ARRAY_SEPARATIONS] = {.name = "duet.separations", .methods = methods, .metas = metas},
-    [ARRAY_RAYS] = {.name = "duet.rays", .methods = methods, .metas = metas},
-    [ARRAY_LARGE_RAYS] = {.name = "duet.large_rays", .methods = methods, .metas = metas},
-    [ARRAY_HITS] = {.name = "duet.hits", .methods = methods, .metas = metas},
-    [ARRAY_PLACES] = {.name = "duet.places", .methods = methods, .metas = metas},
-    [ARRAY_IDS] = {.name = "duet.ids", .methods = methods, .metas = metas},
-    [ARRAY_FILTERS] = {.name = "duet.filters", .methods = methods, .metas = metas},
-    [ARRAY_BOX_HITS] = {.name = "duet.box_hits", .methods = methods, .metas = metas},
-    [ARRAY_POINTS] = {.name = "duet.points", .methods = methods, .metas = metas},
-    [ARRAY_LARGE_POINTS] = {.name = "duet.large_points", .methods = methods, .metas = metas},
-    [ARRAY_POINT_HITS] = {.name = "duet.point_hits", .methods = methods, .metas = metas},
-    [ARRAY_SWEEPS] = {.name = "duet.sweeps", .methods = methods, .metas = metas},
-    [ARRAY_BOUNDS_SWEEPS] = {.name = "duet.bounds_sweeps", .methods = methods, .metas = metas},
-    [ARRAY_LARGE_SWEEPS] = {.name = "duet.large_sweeps", .methods = methods, .metas = metas},
-    [ARRAY_ROUNDED_SWEEPS] = {.name = "duet.rounded_sweeps", .methods = methods, .metas = metas},
-    [ARRAY_SPHERE_SWEEPS] = {.name = "duet.sphere_sweeps", .methods = methods, .metas = metas},
-    [ARRAY_SWEEP_HITS] = {.name = "duet.sweep_hits", .methods = methods, .metas = metas},
-    [ARRAY_FORCES] = {.name = "duet.forces", .methods = methods, .metas = metas},
-    [ARRAY_IMPULSES] = {.name = "duet.impulses", .methods = methods, .metas = metas},
-    [ARRAY_STATE_ROWS] = {.name = "duet.state_rows", .methods = methods, .metas = metas},
-    [ARRAY_DOUBLE_STATE_ROWS] = {.name = "duet.double_state_rows",
-                                 .methods = methods,
-                                 .metas = metas},
+#define ROWS(name_, more, columns, bytes)                                                  \
+    {                                                                                      \
+        {.name = "duet." name_, .methods = methods, .more_methods = more, .metas = metas}, \
+            columns, bytes                                                                 \
+    }
+
+static const kind_info kinds[] = {
+    [ARRAY_POSES] = ROWS("poses", poses_methods, "ffffffffff", sizeof(duet_pose)),
+    [ARRAY_BOUNDS] = ROWS("bounds", NULL, "ffffff", sizeof(duet_bounds)),
+    [ARRAY_TRANSFORMS] = ROWS("transforms", NULL, "fffffff", sizeof(duet_transform)),
+    [ARRAY_COMPACT_TRANSFORMS] =
+        ROWS("compact_transforms", NULL, "fffhhhh", sizeof(duet_compact_transform)),
+    [ARRAY_SIZES] = ROWS("sizes", NULL, "fff", sizeof(duet_size)),
+    [ARRAY_ROUNDED_BOXES] =
+        ROWS("rounded_boxes", rounded_boxes_methods, "fffffffffff", sizeof(duet_rounded_box)),
+    [ARRAY_SPHERES] = ROWS("spheres", NULL, "ffff", sizeof(duet_sphere)),
+    [ARRAY_LARGE_POSES] = ROWS("large_poses", NULL, "ffffffffffiii", sizeof(duet_large_pose)),
+    [ARRAY_PAIRS] = ROWS("pairs", pairs_methods, "II", sizeof(duet_pair)),
+    [ARRAY_PAIRS64] = ROWS("pairs64", NULL, "QQ", 2 * sizeof(uint64_t)),
+    [ARRAY_BODIES] = ROWS("bodies", NULL, "fffffffffIIfBB", sizeof(duet_body)),
+    [ARRAY_STATES] = ROWS("states", NULL, "ddddddddddddd", sizeof(duet_state)),
+    [ARRAY_CONTACTS] = ROWS("contacts", NULL, "IIfffIffffffffffffffffffff", sizeof(duet_contact)),
+    [ARRAY_ANSWERS] = ROWS("answers", NULL, "C", sizeof(uint8_t)),
+    [ARRAY_SEPARATIONS] = ROWS("separations", NULL, "d", sizeof(double)),
+    [ARRAY_RAYS] = ROWS("rays", NULL, "fffffff", sizeof(duet_ray)),
+    [ARRAY_LARGE_RAYS] = ROWS("large_rays", NULL, "fffffffiii", sizeof(duet_large_ray)),
+    [ARRAY_HITS] = ROWS("hits", NULL, "IIf", sizeof(duet_ray_hit)),
+    [ARRAY_PLACES] = ROWS("places", NULL, "I", sizeof(uint32_t)),
+    [ARRAY_BOX_HITS] = ROWS("box_hits", NULL, "II", sizeof(duet_box_hit)),
+    [ARRAY_FILTERS] = ROWS("filters", NULL, "II", sizeof(duet_filter)),
+    [ARRAY_POINTS] = ROWS("points", NULL, "fff", sizeof(duet_point)),
+    [ARRAY_LARGE_POINTS] = ROWS("large_points", NULL, "fffiii", sizeof(duet_large_point)),
+    [ARRAY_POINT_HITS] = ROWS("point_hits", NULL, "IIf", sizeof(duet_point_hit)),
+    [ARRAY_SWEEPS] = ROWS("sweeps", NULL, "ffffffffffffff", sizeof(duet_sweep)),
+    [ARRAY_BOUNDS_SWEEPS] = ROWS("bounds_sweeps", NULL, "ffffffffff", sizeof(duet_bounds_sweep)),
+    [ARRAY_LARGE_SWEEPS] =
+        ROWS("large_sweeps", NULL, "ffffffffffiiiffff", sizeof(duet_large_sweep)),
+    [ARRAY_ROUNDED_SWEEPS] =
+        ROWS("rounded_sweeps", NULL, "fffffffffffffff", sizeof(duet_rounded_sweep)),
+    [ARRAY_SPHERE_SWEEPS] = ROWS("sphere_sweeps", NULL, "ffffffff", sizeof(duet_sphere_sweep)),
+    [ARRAY_SWEEP_HITS] = ROWS("sweep_hits", NULL, "IIffff", sizeof(duet_sweep_hit)),
+    [ARRAY_IDS] = ROWS("ids", NULL, "Q", sizeof(uint64_t)),
+    [ARRAY_FORCES] = ROWS("forces", NULL, "ffffff", sizeof(duet_force)),
+    [ARRAY_IMPULSES] = ROWS("impulses", NULL, "ffffff", sizeof(duet_impulse)),
+    [ARRAY_STATE_ROWS] = ROWS("state_rows", NULL, "ffff", 4 * sizeof(float)),
+    [ARRAY_DOUBLE_STATE_ROWS] = ROWS("double_state_rows", NULL, "dddd", 4 * sizeof(double)),
 };
 
 void array_open(lua_State *L)
 {
     for (int kind = 0; kind < ARRAY_KINDS; ++kind) {
-        class_open(L, &classes[kind]);
+        class_open(L, &kinds[kind].class);
         lua_pushinteger(L, kind);
         lua_pushcclosure(L, make, 1);
-        lua_setfield(L, -2, classes[kind].name + sizeof "duet." - 1);
+        lua_setfield(L, -2, kinds[kind].class.name + sizeof "duet." - 1);
     }
 }

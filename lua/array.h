@@ -64,6 +64,9 @@ void array_open(lua_State *L); // adds duet.poses ... to the module at -1
 // Pushes an array with zeroed rows of its own.
 array *array_push(lua_State *L, array_kind kind, uint64_t n);
 
+// Pushes an array with a copy of such rows.
+void array_push_copy(lua_State *L, array_kind kind, const void *rows, uint64_t n);
+
 // Pushes an empty one for rows that C made, and gives it n of them, which
 // duet_free gives back.
 array *array_push_empty(lua_State *L, array_kind kind);
@@ -76,6 +79,13 @@ array *array_push_view(lua_State *L, array_kind kind, void *rows, uint64_t n, in
 // The rows at index: an array, a string of packed rows, a table of rows or of
 // numbers; the latter become an array, which takes their place at index.
 const array *array_check(lua_State *L, int index, array_kind kind);
+
+// The array at index; NULL where there is something else.
+array *array_test(lua_State *L, int index);
+
+// The objects that rows of poses, bounds, transforms, sizes, rounded boxes, spheres or large poses
+// are.
+duet_object_kind array_object_kind(array_kind kind);
 
 // A pair hash as 16 hex digits.
 void array_push_hash(lua_State *L, uint64_t hash);

@@ -118,6 +118,36 @@ int class_names(lua_State *L)
     return 3;
 }
 
+// The close of a userdata that begins with a handle; upvalue 1 is its class.
+static int close_handle(lua_State *L)
+{
+    const lua_class *c = lua_touserdata(L, lua_upvalueindex(1));
+    lua_handle *handle = luaL_checkudata(L, 1, c->name);
+    if (handle->object)
+        c->destroy(handle->object);
+    handle->object = NULL;
+    return 0;
+}
+
+// Pushes a table of them.
+static void push_methods(lua_State *L, const lua_class *c)
+{
+    lua_newtable(L);
+    luaL_setfuncs(L, c->methods, 0);
+    if (c->more_methods)
+        luaL_setfuncs(L, c->more_methods, 0);
+    for (const lua_shared *m = c->shared; m && m->name; ++m) {
+        lua_pushinteger(L, m->which);
+        lua_pushcclosure(L, m->call, 1);
+        lua_setfield(L, -2, m->name);
+    }
+    if (c->destroy) {
+        lua_pushlightuserdata(L, (void *)c);
+        lua_pushcclosure(L, close_handle, 1);
+        lua_setfield(L, -2, "close");
+    }
+}
+
 void class_open(lua_State *L, const lua_class *c)
 {
     if (!luaL_newmetatable(L, c->name)) {
@@ -130,10 +160,7 @@ void class_open(lua_State *L, const lua_class *c)
     if (c->metas)
         luaL_setfuncs(L, c->metas, 0);
     lua_pushlightuserdata(L, (void *)c);
-    lua_newtable(L);
-    luaL_setfuncs(L, c->methods, 0);
-    if (c->more_methods)
-        luaL_setfuncs(L, c->more_methods, 0);
+    push_methods(L, c);
     lua_getfield(L, -1, "close");
     lua_pushvalue(L, -1);
     lua_setfield(L, -5, "__gc");
@@ -151,6 +178,28 @@ void *class_push(lua_State *L, const lua_class *c, size_t bytes)
     memset(object, 0, bytes);
     luaL_setmetatable(L, c->name);
     return object;
+}
+
+void *class_push_of(lua_State *L, const lua_class *c, size_t bytes, int parent_index)
+{
+    parent_index = lua_absindex(L, parent_index);
+    void *object = class_push(L, c, bytes);
+    lua_pushvalue(L, parent_index);
+    lua_setiuservalue(L, -2, 1);
+    return object;
+}
+
+void *class_check(lua_State *L, int index, const lua_class *c)
+{
+    lua_handle *handle = luaL_checkudata(L, index, c->name);
+    if (!handle->object)
+        luaL_argerror(L, index, lua_pushfstring(L, "the %s is closed", c->noun));
+    return handle;
+}
+
+void *class_object(lua_State *L, int index, const lua_class *c)
+{
+    return ((lua_handle *)class_check(L, index, c))->object;
 }
 
 void class_check_limits(lua_State *L)

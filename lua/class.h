@@ -12,15 +12,30 @@
 #include <lua.h>
 #include <stdbool.h>
 
+// One of several methods that share a C function: `which` is its first upvalue.
+typedef struct lua_shared {
+    const char *name;
+    lua_CFunction call;
+    lua_Integer which;
+} lua_shared;
+
 typedef struct lua_class {
     const char *name;                       // "duet.scene"
     const luaL_Reg *methods;                // "close" is __gc and __close too
     const luaL_Reg *more_methods;           // of another file; NULL: none
+    const lua_shared *shared;               // methods too; NULL: none
     const luaL_Reg *metas;                  // __len ...; NULL: none
     const member *members;                  // NULL: none
     const void *(*struct_of)(lua_State *L); // the struct of the userdata at 1; raises if closed
     lua_CFunction about; // of one without members: pushes what it is in words; raises if closed
+    void (*destroy)(void *object); // of one whose userdata begins with a handle: its "close"
+    const char *noun;              // of such a one: "tree"
 } lua_class;
+
+// What such a userdata is of; NULL: it is closed.
+typedef struct lua_handle {
+    void *object;
+} lua_handle;
 
 // Makes the metatable, once a state.
 void class_open(lua_State *L, const lua_class *c);
@@ -31,6 +46,14 @@ int class_names(lua_State *L);
 
 // Pushes a zeroed userdata with space for one uservalue: its parent.
 void *class_push(lua_State *L, const lua_class *c, size_t bytes);
+
+// The same, and the parent is the value at that index.
+void *class_push_of(lua_State *L, const lua_class *c, size_t bytes, int parent_index);
+
+// The userdata of such a class at an index, or the object of its handle. Both raise an error where
+// it is closed.
+void *class_check(lua_State *L, int index, const lua_class *c);
+void *class_object(lua_State *L, int index, const lua_class *c);
 
 // nil, message, "STATUS": what a failed call gives back.
 int class_push_failure(lua_State *L, const duet_error *err);

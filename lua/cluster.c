@@ -3,15 +3,116 @@
 //
 // Closing is collective, so no collector may do it at a time of its own: the registry holds every
 // cluster until it is closed, or until the state is, which closes the last one first.
-#include "lua/cluster_library.h"
+#include "base/error.h"
+#include "cluster/duet_cluster.h"
 #include "lua/nouns.h"
 #include "lua/policy.h"
 
+#include <dlfcn.h>
 #include <stddef.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- the library
+
+// The calls of libduet_cluster, which is loaded when a script asks for its first cluster: nothing
+// else of this module knows MPI. That library holds all of Duet once more, so no object of ours
+// may go into one of its calls: only numbers, texts, and rows.
+typedef struct cluster_library {
+    const char *(*version)(void);
+    duet_cluster_def (*default_def)(void);
+    duet_cluster *(*create)(const duet_cluster_def *, duet_error *);
+    void (*destroy)(duet_cluster *);
+    int (*get_rank)(const duet_cluster *);
+    int (*get_rank_count)(const duet_cluster *);
+    bool (*load_scene)(duet_cluster *, const char *, const duet_setting *, uint32_t, duet_error *);
+    const duet_scene_info *(*get_scene_info)(const duet_cluster *);
+    bool (*set_objects)(duet_cluster *, duet_object_kind, const uint64_t *, const void *, uint32_t,
+                        duet_error *);
+    void *(*map_homes)(duet_cluster *, duet_object_kind, const uint64_t **, uint32_t *,
+                       duet_error *);
+    bool (*set_plan)(duet_cluster *, const duet_plan *, duet_error *);
+    bool (*load_profile)(duet_cluster *, const char *, duet_profile *, duet_error *, duet_error *);
+    bool (*set_level)(duet_cluster *, duet_level, duet_error *);
+    bool (*step)(duet_cluster *, duet_cluster_result *, duet_error *);
+    bool (*get_own_pairs)(duet_cluster *, const duet_pair64 **, uint64_t *, duet_error *);
+    bool (*get_ranks)(duet_cluster *, duet_cluster_rank *, duet_error *);
+    bool (*save_pairs)(duet_cluster *, const char *, bool, duet_error *);
+} cluster_library;
+
+#define CALL(member, name)                      \
+    {                                           \
+        name, offsetof(cluster_library, member) \
+    }
+
+static const struct {
+    const char *name;
+    size_t place;
+} call_names[] = {
+    CALL(version, "duet_version"),
+    CALL(default_def, "duet_default_cluster_def"),
+    CALL(create, "duet_cluster_create"),
+    CALL(destroy, "duet_cluster_destroy"),
+    CALL(get_rank, "duet_cluster_get_rank"),
+    CALL(get_rank_count, "duet_cluster_get_rank_count"),
+    CALL(load_scene, "duet_cluster_load_scene"),
+    CALL(get_scene_info, "duet_cluster_get_scene_info"),
+    CALL(set_objects, "duet_cluster_set_objects"),
+    CALL(map_homes, "duet_cluster_map_homes"),
+    CALL(set_plan, "duet_cluster_set_plan"),
+    CALL(load_profile, "duet_cluster_load_profile"),
+    CALL(set_level, "duet_cluster_set_level"),
+    CALL(step, "duet_cluster_step"),
+    CALL(get_own_pairs, "duet_cluster_get_own_pairs"),
+    CALL(get_ranks, "duet_cluster_get_ranks"),
+    CALL(save_pairs, "duet_cluster_save_pairs"),
+};
+
+_Static_assert(sizeof(cluster_library) == sizeof call_names / sizeof *call_names * sizeof(void *),
+               "a name for each call");
+
+// All of them, or the name of the first that is not there.
+static const char *find_calls(void *library, cluster_library *found)
+{
+    for (size_t i = 0; i < sizeof call_names / sizeof *call_names; ++i) {
+        void *call = dlsym(library, call_names[i].name);
+        if (!call)
+            return call_names[i].name;
+        memcpy((char *)found + call_names[i].place, &call, sizeof call);
+    }
+    return NULL;
+}
+
+// The process's. NULL with NOT_FOUND where there is none, or one of another version.
+//
+// It stays until the process ends, for MPI may have threads in it. Its own calls bind to itself
+// (module.cmake), so that two copies of Duet never share a function.
+static const cluster_library *load_library(duet_error *err)
+{
+    static cluster_library known;
+    cluster_library found;
+    if (known.version)
+        return &known;
+    void *library = dlopen(CLUSTER_LIBRARY, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+    if (!library)
+        return error_null(
+            err, DUET_STATUS_NOT_FOUND,
+            "%s; on Debian it is in the package duet-cluster, and a Duet that was built "
+            "without MPI has none",
+            dlerror());
+    const char *lacking = find_calls(library, &found);
+    if (lacking || strcmp(found.version(), duet_version()) != 0)
+        return error_null(err, DUET_STATUS_NOT_FOUND, "%s is of another version%s%s; expected %s",
+                          CLUSTER_LIBRARY, lacking ? ", without " : " of Duet, ",
+                          lacking ? lacking : found.version(), duet_version());
+    known = found;
+    return &known;
+}
+
+// ---------------------------------------------------------------- what a script sees
 
 typedef struct cluster_box {
+    lua_handle cluster;
     const cluster_library *calls;
-    duet_cluster *cluster;
     int64_t rank, rank_count;
     duet_object_kind kind; // of its objects
     uint64_t maps;         // views of homes hold until the next call
@@ -76,17 +177,14 @@ static const member result_members[] = {
 
 static cluster_box *check(lua_State *L)
 {
-    cluster_box *box = luaL_checkudata(L, 1, cluster_class.name);
-    luaL_argcheck(L, box->cluster, 1, "the cluster is closed");
+    cluster_box *box = class_check(L, 1, &cluster_class);
     ++box->maps;
     return box;
 }
 
 static const void *struct_of(lua_State *L)
 {
-    const cluster_box *box = luaL_checkudata(L, 1, cluster_class.name);
-    luaL_argcheck(L, box->cluster, 1, "the cluster is closed");
-    return box;
+    return class_check(L, 1, &cluster_class);
 }
 
 // ---------------------------------------------------------------- making
@@ -114,12 +212,12 @@ static bool push_cluster(lua_State *L, const cluster_library *calls, const duet_
     cluster_box *box = class_push(L, &cluster_class, sizeof *box);
     *box = (cluster_box){.calls = calls, .kind = (duet_object_kind)def->world.shape};
     hold(L, true);
-    box->cluster = calls->create(def, err);
-    box->rank = calls->get_rank(box->cluster);
-    box->rank_count = calls->get_rank_count(box->cluster);
-    if (!box->cluster)
+    box->cluster.object = calls->create(def, err);
+    box->rank = calls->get_rank(box->cluster.object);
+    box->rank_count = calls->get_rank_count(box->cluster.object);
+    if (!box->cluster.object)
         hold(L, false);
-    return box->cluster;
+    return box->cluster.object;
 }
 
 // A process begins MPI once. An empty cluster holds it for those that come one after the other,
@@ -149,7 +247,7 @@ static int create(lua_State *L)
 {
     duet_error err = {0};
     policy_check_trusted(L, "duet.cluster");
-    const cluster_library *calls = cluster_library_load(&err);
+    const cluster_library *calls = load_library(&err);
     if (!calls)
         return class_push_failure(L, &err);
     lua_settop(L, 1);
@@ -163,10 +261,10 @@ static int create(lua_State *L)
 static int cluster_close(lua_State *L)
 {
     cluster_box *box = luaL_checkudata(L, 1, cluster_class.name);
-    if (!box->cluster)
+    if (!box->cluster.object)
         return 0;
-    box->calls->destroy(box->cluster);
-    box->cluster = NULL;
+    box->calls->destroy(box->cluster.object);
+    box->cluster.object = NULL;
     ++box->maps;
     ++box->steps;
     lua_settop(L, 1);
@@ -189,9 +287,9 @@ static int cluster_load_scene(lua_State *L)
     const char *path = luaL_checkstring(L, 2);
     const duet_setting *settings = scene_read_settings(L, 3, &n);
     ++box->steps;
-    if (!box->calls->load_scene(box->cluster, path, settings, n, &err))
+    if (!box->calls->load_scene(box->cluster.object, path, settings, n, &err))
         return class_push_failure(L, &err);
-    const duet_scene_info *info = box->calls->get_scene_info(box->cluster);
+    const duet_scene_info *info = box->calls->get_scene_info(box->cluster.object);
     box->kind = info->origin_edge > 0 ? DUET_OBJECT_LARGE_POSES : (duet_object_kind)info->shape;
     scene_push_info(L, info);
     return 1;
@@ -200,7 +298,7 @@ static int cluster_load_scene(lua_State *L)
 static int cluster_scene(lua_State *L)
 {
     cluster_box *box = check(L);
-    const duet_scene_info *info = box->calls->get_scene_info(box->cluster);
+    const duet_scene_info *info = box->calls->get_scene_info(box->cluster.object);
     if (info)
         scene_push_info(L, info);
     else
@@ -219,9 +317,10 @@ static int cluster_set_objects(lua_State *L)
     luaL_argcheck(L, ids->n == rows->n, 3, "as many objects as there are ids");
     luaL_argcheck(L, ids->n < UINT32_MAX, 2, "more than 2^32 - 2 objects");
     ++box->steps;
-    bool ok = box->calls->set_objects(
-        box->cluster, box->kind == DUET_OBJECT_BOUNDS ? DUET_OBJECT_BOUNDS : DUET_OBJECT_POSES,
-        ids->rows, rows->rows, (uint32_t)ids->n, &err);
+    bool ok = box->calls->set_objects(box->cluster.object,
+                                      box->kind == DUET_OBJECT_BOUNDS ? DUET_OBJECT_BOUNDS
+                                                                      : DUET_OBJECT_POSES,
+                                      ids->rows, rows->rows, (uint32_t)ids->n, &err);
     return class_push_done(L, ok, &err);
 }
 
@@ -234,7 +333,7 @@ static int cluster_map_homes(lua_State *L)
     cluster_box *box = check(L);
     duet_object_kind kind =
         box->kind == DUET_OBJECT_BOUNDS ? DUET_OBJECT_BOUNDS : DUET_OBJECT_POSES;
-    void *homes = box->calls->map_homes(box->cluster, kind, &ids, &n, &err);
+    void *homes = box->calls->map_homes(box->cluster.object, kind, &ids, &n, &err);
     if (!homes)
         return class_push_failure(L, &err);
     array_push_view(L, rows_of(box), homes, n, 1, &box->maps);
@@ -253,7 +352,7 @@ static int cluster_set_plan(lua_State *L)
     duet_plan plan = duet_default_plan(NULL);
     lua_settop(L, 2);
     member_plan.read(L, &argument, &plan);
-    return class_push_done(L, box->calls->set_plan(box->cluster, &plan, &err), &err);
+    return class_push_done(L, box->calls->set_plan(box->cluster.object, &plan, &err), &err);
 }
 
 static int cluster_set_level(lua_State *L)
@@ -261,7 +360,7 @@ static int cluster_set_level(lua_State *L)
     duet_error err = {0};
     cluster_box *box = check(L);
     duet_level level = level_check(L, 2);
-    return class_push_done(L, box->calls->set_level(box->cluster, level, &err), &err);
+    return class_push_done(L, box->calls->set_level(box->cluster.object, level, &err), &err);
 }
 
 // cluster:load_profile(path) -> profile, and the line of a store that cannot be read
@@ -271,7 +370,7 @@ static int cluster_load_profile(lua_State *L)
     duet_profile profile;
     cluster_box *box = check(L);
     const char *path = luaL_optstring(L, 2, NULL);
-    if (!box->calls->load_profile(box->cluster, path, &profile, &store_failed, &err))
+    if (!box->calls->load_profile(box->cluster.object, path, &profile, &store_failed, &err))
         return class_push_failure(L, &err);
     profile_push_known(L, &profile);
     if (store_failed.status == DUET_STATUS_OK)
@@ -286,7 +385,7 @@ static int cluster_step(lua_State *L)
     duet_cluster_result result = {0};
     cluster_box *box = check(L);
     ++box->steps;
-    if (!box->calls->step(box->cluster, &result, &err))
+    if (!box->calls->step(box->cluster.object, &result, &err))
         return class_push_failure(L, &err);
     member_push_table(L, result_members, &result);
     array_push_hash(L, result.hash);
@@ -300,7 +399,7 @@ static int cluster_own_pairs(lua_State *L)
     const duet_pair64 *pairs = NULL;
     uint64_t n = 0;
     cluster_box *box = check(L);
-    if (!box->calls->get_own_pairs(box->cluster, &pairs, &n, &err))
+    if (!box->calls->get_own_pairs(box->cluster.object, &pairs, &n, &err))
         return class_push_failure(L, &err);
     array *own = array_push_view(L, ARRAY_PAIRS64, (void *)pairs, n, 1, &box->steps);
     own->fixed = true;
@@ -312,13 +411,9 @@ static int cluster_ranks(lua_State *L)
     duet_error err = {0};
     cluster_box *box = check(L);
     duet_cluster_rank *ranks = lua_newuserdatauv(L, (size_t)box->rank_count * sizeof *ranks, 0);
-    if (!box->calls->get_ranks(box->cluster, ranks, &err))
+    if (!box->calls->get_ranks(box->cluster.object, ranks, &err))
         return class_push_failure(L, &err);
-    lua_createtable(L, (int)box->rank_count, 0);
-    for (int64_t i = 0; i < box->rank_count; ++i) {
-        member_push_table(L, rank_members, &ranks[i]);
-        lua_rawseti(L, -2, i + 1);
-    }
+    member_push_list(L, rank_members, ranks, (uint64_t)box->rank_count, sizeof *ranks);
     return 1;
 }
 
@@ -328,7 +423,7 @@ static int cluster_save_pairs(lua_State *L)
     duet_error err = {0};
     cluster_box *box = check(L);
     const char *path = luaL_checkstring(L, 2);
-    bool ok = box->calls->save_pairs(box->cluster, path, lua_toboolean(L, 3), &err);
+    bool ok = box->calls->save_pairs(box->cluster.object, path, lua_toboolean(L, 3), &err);
     return class_push_done(L, ok, &err);
 }
 
@@ -345,8 +440,11 @@ static const luaL_Reg methods[] = {{"close", cluster_close},
                                    {"ranks", cluster_ranks},
                                    {"save_pairs", cluster_save_pairs},
                                    {NULL, NULL}};
-static const lua_class cluster_class = {
-    .name = "duet.cluster", .methods = methods, .members = box_members, .struct_of = struct_of};
+static const lua_class cluster_class = {.name = "duet.cluster",
+                                        .methods = methods,
+                                        .members = box_members,
+                                        .struct_of = struct_of,
+                                        .noun = "cluster"};
 
 void cluster_open_lua(lua_State *L)
 {

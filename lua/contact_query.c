@@ -2,10 +2,8 @@
 // device_pair:contact_query: where pairs of boxes touch.
 #include "lua/nouns.h"
 
-#include <string.h>
-
 typedef struct query_box {
-    duet_contact_query *query;
+    lua_handle query;
     duet_shape shape;
 } query_box;
 
@@ -32,14 +30,11 @@ int contact_query_create_lua(lua_State *L)
     duet_error err = {0};
     duet_contact_query_def def = duet_default_contact_query_def();
     def.pair = device_pair_check(L, 1);
-    if (!lua_isnoneornil(L, 2))
-        member_read_table(L, 2, "a contact query", def_members, &def);
-    query_box *box = class_push(L, &query_class, sizeof *box);
-    lua_pushvalue(L, 1);
-    lua_setiuservalue(L, -2, 1);
+    member_read_table(L, 2, "a contact query", def_members, &def);
+    query_box *box = class_push_of(L, &query_class, sizeof *box, 1);
     box->shape = def.shape;
-    box->query = duet_contact_query_create(&def, &err);
-    return box->query ? 1 : class_push_failure(L, &err);
+    box->query.object = duet_contact_query_create(&def, &err);
+    return box->query.object ? 1 : class_push_failure(L, &err);
 }
 
 // query:run(objects, pairs) -> contacts, result
@@ -47,34 +42,28 @@ static int query_run(lua_State *L)
 {
     duet_error err = {0};
     duet_contact_query_result result = {0};
-    query_box *box = luaL_checkudata(L, 1, query_class.name);
-    luaL_argcheck(L, box->query, 1, "the query is closed");
+    const query_box *box = class_check(L, 1, &query_class);
     array_kind kind = shape_array_kind(box->shape);
     const array *objects = array_check(L, 2, kind);
     const array *pairs = array_check(L, 3, ARRAY_PAIRS);
     luaL_argcheck(L, objects->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
     const duet_span spans[2] = {{pairs->rows, pairs->n}, {NULL, 0}};
-    if (!duet_contact_query_run(box->query, tree_object_kind(kind), objects->rows,
+    if (!duet_contact_query_run(box->query.object, array_object_kind(kind), objects->rows,
                                 (uint32_t)objects->n, spans, &result, &err))
         return class_push_failure(L, &err);
-    array *contacts = array_push(L, ARRAY_CONTACTS, result.n_contacts);
-    if (result.n_contacts > 0)
-        memcpy(contacts->rows, result.contacts,
-               (size_t)result.n_contacts * sizeof *result.contacts);
+    array_push_copy(L, ARRAY_CONTACTS, result.contacts, result.n_contacts);
     member_push_table(L, result_members, &result);
     return 2;
 }
 
-static int query_close(lua_State *L)
+static void destroy(void *query)
 {
-    query_box *box = luaL_checkudata(L, 1, query_class.name);
-    duet_contact_query_destroy(box->query);
-    box->query = NULL;
-    return 0;
+    duet_contact_query_destroy(query);
 }
 
-static const luaL_Reg methods[] = {{"close", query_close}, {"run", query_run}, {NULL, NULL}};
-static const lua_class query_class = {.name = "duet.contact_query", .methods = methods};
+static const luaL_Reg methods[] = {{"run", query_run}, {NULL, NULL}};
+static const lua_class query_class = {
+    .name = "duet.contact_query", .methods = methods, .destroy = destroy, .noun = "query"};
 
 void contact_query_open_lua(lua_State *L)
 {

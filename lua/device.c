@@ -4,7 +4,6 @@
 #include "lua/nouns.h"
 #include "lua/policy.h"
 
-
 static const char *kind_name(int value)
 {
     static const char *const names[] = {"CPU", "GPU", "accelerator"};
@@ -44,45 +43,39 @@ static void push_device(lua_State *L, const duet_device_info *info)
     lua_setfield(L, -2, "quirks");
 }
 
-// The list's userdata is only there to be collected where an error is raised.
-static int list_close(lua_State *L)
+static void destroy_list(void *list)
 {
-    duet_device_list **list = luaL_checkudata(L, 1, "duet.device_list");
-    duet_device_list_destroy(*list);
-    *list = NULL;
-    return 0;
+    duet_device_list_destroy(list);
 }
 
-static const luaL_Reg list_methods[] = {{"close", list_close}, {NULL, NULL}};
-static const lua_class list_class = {.name = "duet.device_list", .methods = list_methods};
+// Its userdata is only there to be collected where an error is raised.
+static const luaL_Reg no_methods[] = {{NULL, NULL}};
+static const lua_class list_class = {
+    .name = "duet.device_list", .methods = no_methods, .destroy = destroy_list};
 
 static int devices(lua_State *L)
 {
     duet_error err = {0};
-    duet_device_list **list = class_push(L, &list_class, sizeof(duet_device_list *));
-    *list = duet_device_list_create(&err);
-    if (!*list)
+    lua_handle *list = class_push(L, &list_class, sizeof *list);
+    list->object = duet_device_list_create(&err);
+    if (!list->object)
         return class_push_failure(L, &err);
     lua_newtable(L);
-    for (uint32_t i = 0; i < duet_device_list_get_count(*list); ++i) {
-        push_device(L, duet_device_list_get_info(*list, i));
+    for (uint32_t i = 0; i < duet_device_list_get_count(list->object); ++i) {
+        push_device(L, duet_device_list_get_info(list->object, i));
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
-    duet_device_list_destroy(*list);
-    *list = NULL;
     return 1;
 }
 
 // ---------------------------------------------------------------- pairs
 
-static int pair_close(lua_State *L);
 static int pair_device(lua_State *L);
 static int pair_plan(lua_State *L);
 static int pair_check_cache(lua_State *L);
 static int pair_about(lua_State *L);
 
-static const luaL_Reg methods[] = {{"close", pair_close},
-                                   {"device", pair_device},
+static const luaL_Reg methods[] = {{"device", pair_device},
                                    {"plan", pair_plan},
                                    {"check_cache", pair_check_cache},
                                    {"tune", device_pair_tune_lua},
@@ -92,8 +85,18 @@ static const luaL_Reg methods[] = {{"close", pair_close},
                                    {"tree", tree_create_lua},
                                    {"world", world_create_lua},
                                    {NULL, NULL}};
-static const lua_class pair_class = {
-    .name = "duet.device_pair", .methods = methods, .about = pair_about};
+
+// What was made on the pair holds it open.
+static void destroy_pair(void *pair)
+{
+    duet_device_pair_destroy(pair);
+}
+
+static const lua_class pair_class = {.name = "duet.device_pair",
+                                     .methods = methods,
+                                     .about = pair_about,
+                                     .destroy = destroy_pair,
+                                     .noun = "device pair"};
 
 static const member def_members[] = {
     MEMBER(member_string, duet_device_pair_def, a),
@@ -103,24 +106,9 @@ static const member def_members[] = {
     {0},
 };
 
-typedef struct device_pair_box {
-    duet_device_pair *pair; // NULL: closed
-} device_pair_box;
-
 duet_device_pair *device_pair_check(lua_State *L, int index)
 {
-    device_pair_box *box = luaL_checkudata(L, index, pair_class.name);
-    luaL_argcheck(L, box->pair, index, "the device pair is closed");
-    return box->pair;
-}
-
-// What was made on the pair holds it open.
-static int pair_close(lua_State *L)
-{
-    device_pair_box *box = luaL_checkudata(L, 1, pair_class.name);
-    duet_device_pair_destroy(box->pair);
-    box->pair = NULL;
-    return 0;
+    return class_object(L, index, &pair_class);
 }
 
 // By a def, or by a string as --pair takes it.
@@ -136,9 +124,9 @@ static int pair_open(lua_State *L)
         member_read_table(L, 1, "a device pair", def_members, &def);
     if (def.kernel_dir != kernel_dir || def.cache_dir != cache_dir)
         policy_check_trusted(L, "choosing kernel_dir or cache_dir");
-    device_pair_box *box = class_push(L, &pair_class, sizeof *box);
-    box->pair = duet_device_pair_create(&def, &err);
-    return box->pair ? 1 : class_push_failure(L, &err);
+    lua_handle *pair = class_push(L, &pair_class, sizeof *pair);
+    pair->object = duet_device_pair_create(&def, &err);
+    return pair->object ? 1 : class_push_failure(L, &err);
 }
 
 // "A" or "B"

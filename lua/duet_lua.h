@@ -7,9 +7,7 @@
 
 #include "duet_error.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 struct lua_State;
 
@@ -22,7 +20,6 @@ DUET_API int luaopen_duet_frame(struct lua_State *L);
 DUET_API int luaopen_duet_lab(struct lua_State *L);
 DUET_API int luaopen_duet_plot(struct lua_State *L);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

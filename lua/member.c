@@ -5,7 +5,6 @@
 
 #include <lauxlib.h>
 #include <math.h>
-#include <stdint.h>
 #include <string.h>
 
 const char *member_push_shown(lua_State *L, int index)
@@ -282,5 +281,15 @@ void member_push_table(lua_State *L, const member *members, const void *from)
     for (const member *f = members; f->name; ++f) {
         member_push(L, f, from);
         lua_setfield(L, -2, f->name);
+    }
+}
+
+void member_push_list(lua_State *L, const member *members, const void *from, uint64_t n,
+                      size_t size)
+{
+    lua_createtable(L, (int)n, 0);
+    for (uint64_t i = 0; i < n; ++i) {
+        member_push_table(L, members, (const char *)from + i * size);
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
 }

@@ -6,6 +6,7 @@
 
 #include <lua.h>
 #include <stddef.h>
+#include <stdint.h>
 
 typedef struct member member;
 
@@ -55,6 +56,10 @@ void member_read_table(lua_State *L, int index, const char *what, const member *
 
 // Pushes a table with all fields of the struct.
 void member_push_table(lua_State *L, const member *members, const void *from);
+
+// Pushes a list of such tables, of n structs of `size` bytes.
+void member_push_list(lua_State *L, const member *members, const void *from, uint64_t n,
+                      size_t size);
 
 // NULL where there is none of that name.
 const member *member_find(const member *members, const char *name);

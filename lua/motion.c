@@ -2,6 +2,7 @@
 // device_pair:motion: objects that move, and push each other where they touch.
 #include "lua/nouns.h"
 #include "lua/policy.h"
+#include "runtime/scene/scene.h"
 
 #include <string.h>
 
@@ -70,12 +71,6 @@ static const char *boundary_name(int boundary)
     return boundary < 3 ? names[boundary] : NULL;
 }
 
-static const char *integrator_name(int integrator)
-{
-    static const char *const names[] = {"euler", "verlet", "yoshida"};
-    return integrator < 3 ? names[integrator] : NULL;
-}
-
 // script = function(step, motion): kept beside the pair.
 static void read_script(lua_State *L, const member *m, void *at)
 {
@@ -103,7 +98,7 @@ static const member def_members[] = {
     MEMBER(member_double, duet_motion_def, upper),
     MEMBER(member_double, duet_motion_def, dt),
     MEMBER(member_count, duet_motion_def, substeps),
-    MEMBER_ENUM(duet_motion_def, integrator, integrator_name),
+    MEMBER_ENUM(duet_motion_def, integrator, scene_integrator_name),
     MEMBER(member_double, duet_motion_def, skin),
     MEMBER(member_double, duet_motion_def, slop),
     MEMBER(member_double, duet_motion_def, max_push_speed),
@@ -183,28 +178,21 @@ int motion_create_lua(lua_State *L)
     return box->motion ? 1 : class_push_failure(L, &err);
 }
 
-static motion_box *check_box_at(lua_State *L, int index)
+static motion_box *check_box(lua_State *L, int index)
 {
     motion_box *box = luaL_checkudata(L, index, motion_class.name);
     luaL_argcheck(L, box->motion, index, "the motion is closed");
     return box;
 }
 
-static motion_box *check_box(lua_State *L)
+duet_motion *motion_check_at(lua_State *L, int index)
 {
-    return check_box_at(L, 1);
+    return check_box(L, index)->motion;
 }
 
 duet_motion *motion_check_lua(lua_State *L)
 {
-    return check_box(L)->motion;
-}
-
-duet_motion *motion_check_at(lua_State *L, int index)
-{
-    motion_box *box = luaL_checkudata(L, index, motion_class.name);
-    luaL_argcheck(L, box->motion, index, "the motion is closed");
-    return box->motion;
+    return motion_check_at(L, 1);
 }
 
 static int motion_close(lua_State *L)
@@ -222,7 +210,7 @@ static int motion_close(lua_State *L)
 
 uint64_t *motion_maps_lua(lua_State *L)
 {
-    return check_box(L)->maps;
+    return check_box(L, 1)->maps;
 }
 
 // ---------------------------------------------------------------- steps
@@ -269,36 +257,6 @@ static int step_stages(lua_State *L)
     return 1;
 }
 
-// Pushes what is at place i of the result, and says how many values that is.
-typedef int push_row(lua_State *L, const duet_motion_result *result, uint64_t i);
-
-// One of a result's rows after the other; upvalues: the result, the place.
-static int next_row(lua_State *L, uint64_t n, push_row *push)
-{
-    const step_box *box = lua_touserdata(L, lua_upvalueindex(1));
-    lua_Integer i = lua_tointeger(L, lua_upvalueindex(2));
-    check_step(L, box);
-    if ((uint64_t)i >= n)
-        return 0;
-    lua_pushinteger(L, i + 1);
-    lua_replace(L, lua_upvalueindex(2));
-    return push(L, &box->result, (uint64_t)i);
-}
-
-static const duet_motion_result *upvalue_result(lua_State *L)
-{
-    return &((const step_box *)lua_touserdata(L, lua_upvalueindex(1)))->result;
-}
-
-static int push_iterator(lua_State *L, lua_CFunction next)
-{
-    step_struct(L);
-    lua_pushvalue(L, 1);
-    lua_pushinteger(L, 0);
-    lua_pushcclosure(L, next, 2);
-    return 1;
-}
-
 static int push_event(lua_State *L, const duet_motion_result *result, uint64_t i)
 {
     lua_pushinteger(L, result->events[i].a);
@@ -328,34 +286,35 @@ static int push_hit(lua_State *L, const duet_motion_result *result, uint64_t i)
     return 10;
 }
 
-static int next_event(lua_State *L)
+enum { EVENTS, STAYS, HITS };
+
+// One of a result's rows after the other; upvalues: the result, the place, which rows.
+static int next_row(lua_State *L)
 {
-    return next_row(L, upvalue_result(L)->n_events, push_event);
+    // Each pushes what is at place i of the result, and says how many values that is.
+    static int (*const push[])(lua_State *, const duet_motion_result *, uint64_t) = {
+        [EVENTS] = push_event, [STAYS] = push_stay, [HITS] = push_hit};
+    const step_box *box = lua_touserdata(L, lua_upvalueindex(1));
+    lua_Integer i = lua_tointeger(L, lua_upvalueindex(2));
+    lua_Integer which = lua_tointeger(L, lua_upvalueindex(3));
+    check_step(L, box);
+    const uint64_t counts[] = {box->result.n_events, box->result.n_stays, box->result.n_hits};
+    if ((uint64_t)i >= counts[which])
+        return 0;
+    lua_pushinteger(L, i + 1);
+    lua_replace(L, lua_upvalueindex(2));
+    return push[which](L, &box->result, (uint64_t)i);
 }
 
-static int next_stay(lua_State *L)
+// result:events() and others; the upvalue says which.
+static int step_rows(lua_State *L)
 {
-    return next_row(L, upvalue_result(L)->n_stays, push_stay);
-}
-
-static int next_hit(lua_State *L)
-{
-    return next_row(L, upvalue_result(L)->n_hits, push_hit);
-}
-
-static int step_events(lua_State *L)
-{
-    return push_iterator(L, next_event);
-}
-
-static int step_stays(lua_State *L)
-{
-    return push_iterator(L, next_stay);
-}
-
-static int step_hits(lua_State *L)
-{
-    return push_iterator(L, next_hit);
+    step_struct(L);
+    lua_pushvalue(L, 1);
+    lua_pushinteger(L, 0);
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_pushcclosure(L, next_row, 3);
+    return 1;
 }
 
 static int step_close(lua_State *L)
@@ -365,24 +324,26 @@ static int step_close(lua_State *L)
     return 0;
 }
 
-static const luaL_Reg step_methods[] = {{"stages", step_stages}, {"events", step_events},
-                                        {"stays", step_stays},   {"hits", step_hits},
-                                        {"close", step_close},   {NULL, NULL}};
+static const luaL_Reg step_methods[] = {
+    {"stages", step_stages}, {"close", step_close}, {NULL, NULL}};
+static const lua_shared step_shared[] = {{"events", step_rows, EVENTS},
+                                         {"stays", step_rows, STAYS},
+                                         {"hits", step_rows, HITS},
+                                         {NULL, NULL, 0}};
 static const lua_class step_class = {.name = "duet.motion_result",
                                      .methods = step_methods,
+                                     .shared = step_shared,
                                      .members = step_members,
                                      .struct_of = step_struct};
 
 int motion_advance_by(lua_State *L, int index, advance_call *advance, void *by)
 {
     duet_error err = {0};
-    motion_box *motion = check_box_at(L, index);
-    step_box *box = class_push(L, &step_class, sizeof *box);
+    motion_box *motion = check_box(L, index);
+    step_box *box = class_push_of(L, &step_class, sizeof *box, index);
     ++motion->steps;
     if (!advance(by, motion->motion, &box->result, &err))
         return class_push_failure(L, &err);
-    lua_pushvalue(L, index);
-    lua_setiuservalue(L, -2, 1);
     box->motion = motion;
     box->step = motion->steps;
     return 1;
@@ -397,7 +358,7 @@ static bool advance_once(void *by, duet_motion *motion, duet_motion_result *resu
 // Calls script(step, motion), where the motion has one.
 static void run_script(lua_State *L)
 {
-    motion_box *box = check_box(L);
+    motion_box *box = check_box(L, 1);
     if (lua_getiuservalue(L, 1, 1) == LUA_TTABLE) {
         luaL_argcheck(L, !box->in_script, 1, "its script is running: it cannot be advanced by it");
         lua_rawgeti(L, -1, 2);
@@ -423,7 +384,7 @@ static int motion_advance_begin(lua_State *L)
 {
     duet_error err = {0};
     run_script(L);
-    motion_box *box = check_box(L);
+    motion_box *box = check_box(L, 1);
     bool ok = duet_motion_advance_begin(box->motion, &err);
     box->steps += ok;
     return class_push_done(L, ok, &err);
@@ -506,12 +467,8 @@ static int motion_moved(lua_State *L)
     duet_moved moved = {0};
     if (!duet_motion_get_moved(motion_check_lua(L), &moved, &err))
         return class_push_failure(L, &err);
-    array *ids = array_push(L, ARRAY_PLACES, moved.n);
-    array *states = array_push(L, ARRAY_STATES, moved.n);
-    if (moved.n > 0) {
-        memcpy(ids->rows, moved.places, moved.n * sizeof *moved.places);
-        memcpy(states->rows, moved.states, moved.n * sizeof *moved.states);
-    }
+    array_push_copy(L, ARRAY_PLACES, moved.places, moved.n);
+    array_push_copy(L, ARRAY_STATES, moved.states, moved.n);
     return 2;
 }
 
@@ -596,7 +553,7 @@ static int motion_save(lua_State *L)
 static int motion_load(lua_State *L)
 {
     duet_error err = {0};
-    motion_box *box = check_box(L);
+    motion_box *box = check_box(L, 1);
     const char *path = luaL_checkstring(L, 2);
     policy_check_read(L, path);
     ++box->steps;
@@ -660,8 +617,6 @@ static const luaL_Reg methods[] = {{"advance", motion_advance},
                                    {"record", motion_record},
                                    {"save_recording", motion_save_recording},
                                    {"step", motion_step},
-                                   {"map_states", motion_map_states_lua},
-                                   {"unmap_states", motion_unmap_states_lua},
                                    {NULL, NULL}};
 static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
 static int motion_about(lua_State *L)
@@ -686,6 +641,7 @@ static const lua_class motion_class = {
     .name = "duet.motion",
     .methods = methods,
     .more_methods = motion_command_methods,
+    .shared = motion_list_methods,
     .metas = metas,
     .about = motion_about,
 };

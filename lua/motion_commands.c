@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Commands to a motion between its steps; with the motion's other methods.
+// Commands to a motion between its steps, and its states in place; with the motion's other
+// methods.
 #include "lua/nouns.h"
 
 #include <string.h>
@@ -59,37 +60,23 @@ static int add_bodies(lua_State *L)
 
 typedef bool list_call(duet_motion *motion, duet_body_list list, duet_error *err);
 
-static int call_with_list(lua_State *L, list_call *call)
+static list_call *const list_calls[] = {duet_motion_remove_bodies, duet_motion_disable_bodies,
+                                        duet_motion_enable_bodies, duet_motion_wake_bodies,
+                                        duet_motion_sleep_bodies};
+
+// motion:remove_bodies(list) and others; the upvalue is the place in list_calls.
+static int call_with_list(lua_State *L)
 {
     duet_error err = {0};
     duet_motion *motion = motion_check_lua(L);
+    list_call *call = list_calls[lua_tointeger(L, lua_upvalueindex(1))];
     return class_push_done(L, call(motion, check_list(L, 2), &err), &err);
 }
 
-static int remove_bodies(lua_State *L)
-{
-    return call_with_list(L, duet_motion_remove_bodies);
-}
-
-static int disable_bodies(lua_State *L)
-{
-    return call_with_list(L, duet_motion_disable_bodies);
-}
-
-static int enable_bodies(lua_State *L)
-{
-    return call_with_list(L, duet_motion_enable_bodies);
-}
-
-static int wake_bodies(lua_State *L)
-{
-    return call_with_list(L, duet_motion_wake_bodies);
-}
-
-static int sleep_bodies(lua_State *L)
-{
-    return call_with_list(L, duet_motion_sleep_bodies);
-}
+const lua_shared motion_list_methods[] = {
+    {"remove_bodies", call_with_list, 0}, {"disable_bodies", call_with_list, 1},
+    {"enable_bodies", call_with_list, 2}, {"wake_bodies", call_with_list, 3},
+    {"sleep_bodies", call_with_list, 4},  {NULL, NULL, 0}};
 
 // motion:ids() or, of some places, motion:ids(first, n)
 static int get_ids(lua_State *L)
@@ -241,12 +228,49 @@ static int apply_impulses(lua_State *L)
     return class_push_done(L, duet_motion_apply_impulses(motion, list, impulses, &err), &err);
 }
 
+// ---------------------------------------------------------------- states in place
+
+static duet_state_part check_part(lua_State *L, int index)
+{
+    static const char *const names[] = {"centres", "rotations", "velocities", "angular_velocities",
+                                        NULL};
+    return (duet_state_part)luaL_checkoption(L, index, NULL, names);
+}
+
+// motion:map_states(part, access, first, n) -> rows that hold until unmap_states
+static int map_states(lua_State *L)
+{
+    static const char *const accesses[] = {"read", "write", NULL};
+    duet_error err = {0};
+    uint64_t *maps = motion_maps_lua(L);
+    duet_motion *motion = motion_check_lua(L);
+    duet_state_part part = check_part(L, 2);
+    duet_map_access access = (duet_map_access)luaL_checkoption(L, 3, NULL, accesses);
+    lua_Integer first = luaL_optinteger(L, 4, 0);
+    lua_Integer n = luaL_optinteger(L, 5, (lua_Integer)duet_motion_get_count(motion) - first);
+    luaL_argcheck(L, first >= 0 && first <= UINT32_MAX, 4, "a place from 0");
+    luaL_argcheck(L, n >= 0 && n <= UINT32_MAX, 5, "a number of places from 0");
+    void *rows = duet_motion_map_states(motion, part, access, (uint32_t)first, (uint32_t)n, &err);
+    if (!rows)
+        return class_push_failure(L, &err);
+    array *a = array_push_view(
+        L, duet_motion_get_def(motion)->doubles ? ARRAY_DOUBLE_STATE_ROWS : ARRAY_STATE_ROWS, rows,
+        (uint64_t)n, 1, &maps[part]);
+    a->fixed = access == DUET_MAP_READ;
+    return 1;
+}
+
+static int unmap_states(lua_State *L)
+{
+    duet_error err = {0};
+    uint64_t *maps = motion_maps_lua(L);
+    duet_state_part part = check_part(L, 2);
+    bool ok = duet_motion_unmap_states(motion_check_lua(L), part, &err);
+    maps[part] += ok;
+    return class_push_done(L, ok, &err);
+}
+
 const luaL_Reg motion_command_methods[] = {{"add_bodies", add_bodies},
-                                           {"remove_bodies", remove_bodies},
-                                           {"disable_bodies", disable_bodies},
-                                           {"enable_bodies", enable_bodies},
-                                           {"wake_bodies", wake_bodies},
-                                           {"sleep_bodies", sleep_bodies},
                                            {"ids", get_ids},
                                            {"has_body", has_body},
                                            {"set_user_data", set_user_data},
@@ -258,4 +282,6 @@ const luaL_Reg motion_command_methods[] = {{"add_bodies", add_bodies},
                                            {"def", get_def},
                                            {"apply_forces", apply_forces},
                                            {"apply_impulses", apply_impulses},
+                                           {"map_states", map_states},
+                                           {"unmap_states", unmap_states},
                                            {NULL, NULL}};

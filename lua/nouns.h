@@ -37,7 +37,7 @@ extern const member_type member_accuracy; // a duet_accuracy as a table
 
 duet_device_pair *device_pair_check(lua_State *L, int index);
 
-// The methods device_pair:world, :tune, :motion and :test; with the pair's other methods.
+// The methods device_pair:world, :tune and :motion; with the pair's other methods.
 int world_create_lua(lua_State *L);
 int device_pair_tune_lua(lua_State *L);
 int motion_create_lua(lua_State *L);
@@ -54,19 +54,15 @@ enum { TREE_LARGE_POSES = DUET_SHAPES };
 int tree_shape(lua_State *L, int index); // of its objects, a duet_shape, or TREE_LARGE_POSES
 
 array_kind shape_array_kind(duet_shape shape);
-duet_object_kind tree_object_kind(array_kind kind);
 
-extern const luaL_Reg tree_query_methods[]; // lua/tree_query.c
+extern const lua_shared tree_query_methods[]; // lua/tree_query.c
 int contact_query_create_lua(lua_State *L);
 
 duet_motion *motion_check_lua(lua_State *L); // the one at 1
 duet_motion *motion_check_at(lua_State *L, int index);
 extern const luaL_Reg motion_command_methods[]; // lua/motion_commands.c
+extern const lua_shared motion_list_methods[];  // lua/motion_commands.c
 uint64_t *motion_maps_lua(lua_State *L); // of the one at 1, by part: views of others no longer hold
-
-// The methods motion:map_states and :unmap_states.
-int motion_map_states_lua(lua_State *L);
-int motion_unmap_states_lua(lua_State *L);
 
 typedef struct world_box {
     duet_world *world;

@@ -2,28 +2,15 @@
 // duet.pair_delta: which pairs of a still world began and ended between two steps.
 #include "lua/nouns.h"
 
-#include <string.h>
-
-typedef struct delta_box {
-    duet_pair_delta *delta;
-} delta_box;
-
 static const lua_class delta_class;
 
 // duet.pair_delta()
 static int create(lua_State *L)
 {
     duet_error err = {0};
-    delta_box *box = class_push(L, &delta_class, sizeof *box);
-    box->delta = duet_pair_delta_create(&err);
-    return box->delta ? 1 : class_push_failure(L, &err);
-}
-
-static void push_pairs(lua_State *L, const duet_pair *pairs, uint64_t n)
-{
-    array *to = array_push(L, ARRAY_PAIRS, n);
-    if (n > 0)
-        memcpy(to->rows, pairs, (size_t)n * sizeof *pairs);
+    lua_handle *delta = class_push(L, &delta_class, sizeof *delta);
+    delta->object = duet_pair_delta_create(&err);
+    return delta->object ? 1 : class_push_failure(L, &err);
 }
 
 static void push_events(lua_State *L, const duet_pair_delta_result *result, bool begins)
@@ -42,28 +29,25 @@ static int delta_update(lua_State *L)
 {
     duet_error err = {0};
     duet_pair_delta_result result = {0};
-    delta_box *box = luaL_checkudata(L, 1, delta_class.name);
-    luaL_argcheck(L, box->delta, 1, "the delta is closed");
+    duet_pair_delta *delta = class_object(L, 1, &delta_class);
     const array *pairs = array_check(L, 2, ARRAY_PAIRS);
     const duet_span spans[2] = {{pairs->rows, pairs->n}, {NULL, 0}};
-    if (!duet_pair_delta_update(box->delta, spans, &result, &err))
+    if (!duet_pair_delta_update(delta, spans, &result, &err))
         return class_push_failure(L, &err);
     push_events(L, &result, true);
     push_events(L, &result, false);
-    push_pairs(L, result.stays, result.n_stays);
+    array_push_copy(L, ARRAY_PAIRS, result.stays, result.n_stays);
     return 3;
 }
 
-static int delta_close(lua_State *L)
+static void destroy(void *delta)
 {
-    delta_box *box = luaL_checkudata(L, 1, delta_class.name);
-    duet_pair_delta_destroy(box->delta);
-    box->delta = NULL;
-    return 0;
+    duet_pair_delta_destroy(delta);
 }
 
-static const luaL_Reg methods[] = {{"close", delta_close}, {"update", delta_update}, {NULL, NULL}};
-static const lua_class delta_class = {.name = "duet.pair_delta", .methods = methods};
+static const luaL_Reg methods[] = {{"update", delta_update}, {NULL, NULL}};
+static const lua_class delta_class = {
+    .name = "duet.pair_delta", .methods = methods, .destroy = destroy, .noun = "delta"};
 
 void pair_delta_open_lua(lua_State *L)
 {

@@ -2,10 +2,6 @@
 // device_pair:query: the narrow phase alone, for pairs that a script brings.
 #include "lua/nouns.h"
 
-typedef struct query_box {
-    duet_pair_query *query;
-} query_box;
-
 static const lua_class query_class;
 
 static const member def_members[] = {
@@ -31,13 +27,10 @@ int pair_query_create_lua(lua_State *L)
     duet_pair_query_def def = duet_default_pair_query_def();
     def.pair = pair;
     def.share = duet_default_plan(pair).share;
-    if (!lua_isnoneornil(L, 2))
-        member_read_table(L, 2, "a pair query", def_members, &def);
-    query_box *box = class_push(L, &query_class, sizeof *box);
-    lua_pushvalue(L, 1);
-    lua_setiuservalue(L, -2, 1);
-    box->query = duet_pair_query_create(&def, &err);
-    return box->query ? 1 : class_push_failure(L, &err);
+    member_read_table(L, 2, "a pair query", def_members, &def);
+    lua_handle *query = class_push_of(L, &query_class, sizeof *query, 1);
+    query->object = duet_pair_query_create(&def, &err);
+    return query->object ? 1 : class_push_failure(L, &err);
 }
 
 // query:run(poses, with_separations) -> answers, result, separations
@@ -45,15 +38,14 @@ static int query_run(lua_State *L)
 {
     duet_error err = {0};
     duet_pair_query_result result = {0};
-    query_box *box = luaL_checkudata(L, 1, query_class.name);
-    luaL_argcheck(L, box->query, 1, "the query is closed");
+    duet_pair_query *query = class_object(L, 1, &query_class);
     const array *poses = array_check(L, 2, ARRAY_POSES);
     luaL_argcheck(L, poses->n % 2 == 0, 2, "an even number of rows: two a pair");
     bool with_separations = lua_toboolean(L, 3);
     uint64_t n = poses->n / 2;
     array *answers = array_push(L, ARRAY_ANSWERS, n);
     array *separations = array_push(L, ARRAY_SEPARATIONS, with_separations ? n : 0);
-    if (!duet_pair_query_run(box->query, poses->rows, n, answers->rows,
+    if (!duet_pair_query_run(query, poses->rows, n, answers->rows,
                              with_separations ? separations->rows : NULL, &result, &err))
         return class_push_failure(L, &err);
     member_push_table(L, result_members, &result);
@@ -64,18 +56,14 @@ static int query_run(lua_State *L)
     return with_separations ? 3 : 2;
 }
 
-static int query_close(lua_State *L)
+static void destroy(void *query)
 {
-    query_box *box = luaL_checkudata(L, 1, query_class.name);
-    if (!box->query)
-        return 0;
-    duet_pair_query_destroy(box->query);
-    box->query = NULL;
-    return 0;
+    duet_pair_query_destroy(query);
 }
 
-static const luaL_Reg methods[] = {{"close", query_close}, {"run", query_run}, {NULL, NULL}};
-static const lua_class query_class = {.name = "duet.pair_query", .methods = methods};
+static const luaL_Reg methods[] = {{"run", query_run}, {NULL, NULL}};
+static const lua_class query_class = {
+    .name = "duet.pair_query", .methods = methods, .destroy = destroy, .noun = "query"};
 
 void pair_query_open_lua(lua_State *L)
 {

@@ -81,27 +81,16 @@ static const char *check_store(lua_State *L, int index)
 }
 
 // These userdata are only there to be collected where an error is raised.
-static int list_close(lua_State *L)
+static void destroy_list(void *list)
 {
-    duet_profile_list **list = luaL_checkudata(L, 1, "duet.profile_list");
-    duet_profile_list_destroy(*list);
-    *list = NULL;
-    return 0;
+    duet_profile_list_destroy(list);
 }
 
-static const luaL_Reg list_methods[] = {{"close", list_close}, {NULL, NULL}};
-static const lua_class list_class = {.name = "duet.profile_list", .methods = list_methods};
-
-static int memory_close(lua_State *L)
-{
-    void **memory = luaL_checkudata(L, 1, "duet.memory");
-    duet_free(*memory);
-    *memory = NULL;
-    return 0;
-}
-
-static const luaL_Reg memory_methods[] = {{"close", memory_close}, {NULL, NULL}};
-static const lua_class memory_class = {.name = "duet.memory", .methods = memory_methods};
+static const luaL_Reg no_methods[] = {{NULL, NULL}};
+static const lua_class list_class = {
+    .name = "duet.profile_list", .methods = no_methods, .destroy = destroy_list};
+static const lua_class memory_class = {
+    .name = "duet.memory", .methods = no_methods, .destroy = duet_free};
 
 // duet.profiles(path, replaced_too)
 static int profiles(lua_State *L)
@@ -109,13 +98,13 @@ static int profiles(lua_State *L)
     duet_error err = {0};
     const char *path = check_store(L, 1);
     bool replaced_too = lua_toboolean(L, 2);
-    duet_profile_list **list = class_push(L, &list_class, sizeof(duet_profile_list *));
-    *list = duet_profile_list_create(path, replaced_too, &err);
-    if (!*list)
+    lua_handle *list = class_push(L, &list_class, sizeof *list);
+    list->object = duet_profile_list_create(path, replaced_too, &err);
+    if (!list->object)
         return class_push_failure(L, &err);
     lua_newtable(L);
-    for (uint32_t i = 0; i < duet_profile_list_get_count(*list); ++i) {
-        member_push_table(L, profile_members, duet_profile_list_get_profile(*list, i));
+    for (uint32_t i = 0; i < duet_profile_list_get_count(list->object); ++i) {
+        member_push_table(L, profile_members, duet_profile_list_get_profile(list->object, i));
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
     return 1;
@@ -129,15 +118,11 @@ static int profile_trials(lua_State *L)
     uint32_t n = 0;
     const char *uid = luaL_checkstring(L, 1);
     const char *path = check_store(L, 2);
-    void **memory = class_push(L, &memory_class, sizeof(void *));
+    lua_handle *memory = class_push(L, &memory_class, sizeof *memory);
     if (!duet_profile_get_trials(path, uid, &trials, &n, &err))
         return class_push_failure(L, &err);
-    *memory = trials;
-    lua_newtable(L);
-    for (uint32_t i = 0; i < n; ++i) {
-        member_push_table(L, trial_members, &trials[i]);
-        lua_rawseti(L, -2, (lua_Integer)i + 1);
-    }
+    memory->object = trials;
+    member_push_list(L, trial_members, trials, n, sizeof *trials);
     return 1;
 }
 
@@ -245,10 +230,10 @@ int world_explain_profile_lua(lua_State *L)
     char *why = NULL;
     world_box *box = world_check(L, 1);
     const char *path = check_store(L, 2);
-    void **memory = class_push(L, &memory_class, sizeof(void *));
+    lua_handle *memory = class_push(L, &memory_class, sizeof *memory);
     if (!duet_world_explain_profile(box->world, path, &why, &err))
         return class_push_failure(L, &err);
-    *memory = why;
+    memory->object = why;
     lua_pushstring(L, why);
     return 1;
 }

@@ -3,10 +3,6 @@
 #include "lua/nouns.h"
 #include "lua/policy.h"
 
-typedef struct replay_box {
-    duet_replay *replay;
-} replay_box;
-
 static const lua_class replay_class;
 
 // duet.replay(path)
@@ -15,16 +11,9 @@ static int create(lua_State *L)
     duet_error err = {0};
     const char *path = luaL_checkstring(L, 1);
     policy_check_read(L, path);
-    replay_box *box = class_push(L, &replay_class, sizeof *box);
-    box->replay = duet_replay_create(path, &err);
-    return box->replay ? 1 : class_push_failure(L, &err);
-}
-
-static duet_replay *check_replay(lua_State *L)
-{
-    replay_box *box = luaL_checkudata(L, 1, replay_class.name);
-    luaL_argcheck(L, box->replay, 1, "the replay is closed");
-    return box->replay;
+    lua_handle *replay = class_push(L, &replay_class, sizeof *replay);
+    replay->object = duet_replay_create(path, &err);
+    return replay->object ? 1 : class_push_failure(L, &err);
 }
 
 static bool advance_by_replay(void *by, duet_motion *motion, duet_motion_result *result,
@@ -36,7 +25,7 @@ static bool advance_by_replay(void *by, duet_motion *motion, duet_motion_result 
 // replay:advance(motion) -> the step's result
 static int advance(lua_State *L)
 {
-    return motion_advance_by(L, 2, advance_by_replay, check_replay(L));
+    return motion_advance_by(L, 2, advance_by_replay, class_object(L, 1, &replay_class));
 }
 
 static const member info_members[] = {
@@ -49,22 +38,19 @@ static const member info_members[] = {
 // replay:info() -> { steps, commands, steps_done }
 static int info(lua_State *L)
 {
-    const duet_replay_info i = duet_replay_get_info(check_replay(L));
+    const duet_replay_info i = duet_replay_get_info(class_object(L, 1, &replay_class));
     member_push_table(L, info_members, &i);
     return 1;
 }
 
-static int replay_close(lua_State *L)
+static void destroy(void *replay)
 {
-    replay_box *box = luaL_checkudata(L, 1, replay_class.name);
-    duet_replay_destroy(box->replay);
-    box->replay = NULL;
-    return 0;
+    duet_replay_destroy(replay);
 }
 
-static const luaL_Reg methods[] = {
-    {"close", replay_close}, {"advance", advance}, {"info", info}, {NULL, NULL}};
-static const lua_class replay_class = {.name = "duet.replay", .methods = methods};
+static const luaL_Reg methods[] = {{"advance", advance}, {"info", info}, {NULL, NULL}};
+static const lua_class replay_class = {
+    .name = "duet.replay", .methods = methods, .destroy = destroy, .noun = "replay"};
 
 void replay_open_lua(lua_State *L)
 {

@@ -48,9 +48,7 @@ static const member stage_members[] = {
 void result_push(lua_State *L, int world_index, const duet_result *result)
 {
     world_index = lua_absindex(L, world_index);
-    result_box *box = class_push(L, &result_class, sizeof *box);
-    lua_pushvalue(L, world_index);
-    lua_setiuservalue(L, -2, 1);
+    result_box *box = class_push_of(L, &result_class, sizeof *box, world_index);
     box->result = *result;
     box->world = world_check(L, world_index);
     box->step = box->world->steps;
@@ -130,11 +128,7 @@ static int result_copy(lua_State *L)
 
 void stages_push(lua_State *L, const duet_stage *stages, uint32_t n)
 {
-    lua_createtable(L, (int)n, 0);
-    for (uint32_t i = 0; i < n; ++i) {
-        member_push_table(L, stage_members, &stages[i]);
-        lua_rawseti(L, -2, (lua_Integer)i + 1);
-    }
+    member_push_list(L, stage_members, stages, n, sizeof *stages);
 }
 
 static int result_stages(lua_State *L)

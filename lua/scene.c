@@ -117,25 +117,15 @@ static int scene_make(lua_State *L)
         return scene_load(L);
     lua_Integer dims = luaL_optinteger(L, 2, 3);
     luaL_argcheck(L, dims == 2 || dims == 3, 2, "2 or 3 dimensions");
-    static const struct {
-        const char *name;
-        array_kind rows;
-        duet_object_kind kind;
-    } others[] = {{"duet.bounds", ARRAY_BOUNDS, DUET_OBJECT_BOUNDS},
-                  {"duet.rounded_boxes", ARRAY_ROUNDED_BOXES, DUET_OBJECT_ROUNDED_BOXES},
-                  {"duet.spheres", ARRAY_SPHERES, DUET_OBJECT_SPHERES}};
-    array_kind rows = ARRAY_POSES;
-    duet_object_kind kind = DUET_OBJECT_POSES;
-    for (size_t i = 0; i < sizeof others / sizeof *others; ++i)
-        if (luaL_testudata(L, 1, others[i].name)) {
-            rows = others[i].rows;
-            kind = others[i].kind;
-        }
+    const array *given = array_test(L, 1);
+    bool others = given && (given->kind == ARRAY_BOUNDS || given->kind == ARRAY_ROUNDED_BOXES ||
+                            given->kind == ARRAY_SPHERES);
+    array_kind rows = others ? given->kind : ARRAY_POSES;
     const array *a = array_check(L, 1, rows);
     luaL_argcheck(L, a->n <= UINT32_MAX, 1, "more than 2^32 - 1 objects");
     uint32_t n = (uint32_t)a->n;
     scene_box *box = class_push(L, &scene_class, sizeof *box);
-    box->scene = duet_scene_create(kind, a->rows, n, (uint32_t)dims, 0, &err);
+    box->scene = duet_scene_create(array_object_kind(rows), a->rows, n, (uint32_t)dims, 0, &err);
     return finish(L, box, &err);
 }
 
@@ -177,27 +167,11 @@ static int push_rows(lua_State *L, array_kind kind, const void *rows)
     return 1;
 }
 
-static int scene_poses(lua_State *L)
+// scene:poses() and others; the upvalue is the kind of rows.
+static int scene_objects(lua_State *L)
 {
-    return push_rows(L, ARRAY_POSES, duet_scene_get_objects(scene_check(L, 1), DUET_OBJECT_POSES));
-}
-
-static int scene_bounds(lua_State *L)
-{
-    return push_rows(L, ARRAY_BOUNDS,
-                     duet_scene_get_objects(scene_check(L, 1), DUET_OBJECT_BOUNDS));
-}
-
-static int scene_rounded_boxes(lua_State *L)
-{
-    return push_rows(L, ARRAY_ROUNDED_BOXES,
-                     duet_scene_get_objects(scene_check(L, 1), DUET_OBJECT_ROUNDED_BOXES));
-}
-
-static int scene_spheres(lua_State *L)
-{
-    return push_rows(L, ARRAY_SPHERES,
-                     duet_scene_get_objects(scene_check(L, 1), DUET_OBJECT_SPHERES));
+    array_kind kind = (array_kind)lua_tointeger(L, lua_upvalueindex(1));
+    return push_rows(L, kind, duet_scene_get_objects(scene_check(L, 1), array_object_kind(kind)));
 }
 
 static int scene_bodies(lua_State *L)
@@ -227,13 +201,16 @@ static int scene_length(lua_State *L)
 }
 
 static const luaL_Reg methods[] = {
-    {"close", scene_close},         {"poses", scene_poses},
-    {"bounds", scene_bounds},       {"rounded_boxes", scene_rounded_boxes},
-    {"spheres", scene_spheres},     {"bodies", scene_bodies},
-    {"reference", scene_reference}, {NULL, NULL}};
+    {"close", scene_close}, {"bodies", scene_bodies}, {"reference", scene_reference}, {NULL, NULL}};
+static const lua_shared shared[] = {{"poses", scene_objects, ARRAY_POSES},
+                                    {"bounds", scene_objects, ARRAY_BOUNDS},
+                                    {"rounded_boxes", scene_objects, ARRAY_ROUNDED_BOXES},
+                                    {"spheres", scene_objects, ARRAY_SPHERES},
+                                    {NULL, NULL, 0}};
 static const luaL_Reg metas[] = {{"__len", scene_length}, {NULL, NULL}};
 static const lua_class scene_class = {.name = "duet.scene",
                                       .methods = methods,
+                                      .shared = shared,
                                       .metas = metas,
                                       .members = info_members,
                                       .struct_of = info_of};

@@ -4,7 +4,6 @@
 #include "lua/nouns.h"
 #include "lua/policy.h"
 
-#include "base/text.h"
 #include "tuner/search.h"
 #include "tuner/strategy.h"
 

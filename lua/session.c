@@ -219,10 +219,8 @@ static bool open_state(session *s, duet_error *err)
 session *session_open(const session_def *def, duet_error *err)
 {
     session *s = calloc(1, sizeof *s);
-    if (!s) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state: no memory");
-        return NULL;
-    }
+    if (!s)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "a Lua state: no memory");
     s->def = *def;
     bool ok = open_state(s, err);
     if (ok) {

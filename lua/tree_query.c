@@ -1,49 +1,31 @@
 // SPDX-License-Identifier: MIT
 // tree:ray_query, :sweep_query, :box_query and :point_query: what is asked of a tree. They differ
-// in the C calls behind them and in the arrays that they take and give.
+// in the arrays that they take and give.
 #include "lua/nouns.h"
-
-#include <stddef.h>
-#include <string.h>
-
-// The results differ in the type of their hits alone.
-typedef union answer {
-    struct {
-        const void *hits;
-        uint64_t n_hits;
-        uint64_t undecided;
-        double total_ms;
-        double device_ms[2];
-    };
-    duet_ray_query_result rays;
-    duet_sweep_query_result sweeps;
-    duet_box_query_result boxes;
-    duet_point_query_result points;
-} answer;
-
-#define IS_AN_ANSWER(result)                                                         \
-    _Static_assert(sizeof(result) == sizeof(answer) &&                               \
-                       offsetof(result, undecided) == offsetof(answer, undecided) && \
-                       offsetof(result, device_ms) == offsetof(answer, device_ms),   \
-                   #result " is laid out as the others")
-IS_AN_ANSWER(duet_ray_query_result);
-IS_AN_ANSWER(duet_sweep_query_result);
-IS_AN_ANSWER(duet_box_query_result);
-IS_AN_ANSWER(duet_point_query_result);
+#include "runtime/queries/any_query.h"
 
 static const member result_members[] = {
-    MEMBER(member_count, answer, undecided),
-    MEMBER(member_double, answer, total_ms),
-    MEMBER(member_double, answer, device_ms),
+    MEMBER(member_count, query_result, undecided),
+    MEMBER(member_double, query_result, total_ms),
+    MEMBER(member_double, query_result, device_ms),
     {0},
 };
 
 // What a script says in place of a def.
 typedef struct query_def {
-    duet_query_wants wants;
+    query_name name;
     duet_level level;
-    uint32_t nearest;
 } query_def;
+
+#define DEF_MEMBER(type_, member_, name_of_)                                             \
+    {                                                                                    \
+        .name = #member_, .type = &(type_), .offset = offsetof(query_def, name.member_), \
+        .size = sizeof(((query_name *)0)->member_), .name_of = (name_of_)                \
+    }
+
+static const member wants_members[] = {DEF_MEMBER(member_enum, wants, query_wants_name), {0}};
+static const member level_members[] = {MEMBER_ENUM(query_def, level, level_name), {0}};
+static const member nearest_members[] = {DEF_MEMBER(member_count, nearest, NULL), {0}};
 
 typedef struct query_kind {
     lua_class class;
@@ -51,225 +33,95 @@ typedef struct query_kind {
     const member *members;             // of query_def
     array_kind takes[DUET_SHAPES + 1]; // by the tree's shape
     array_kind gives;
-    size_t hit_bytes;
-    void *(*create)(duet_tree *tree, const query_def *def, duet_error *err);
-    bool (*run)(void *query, const array *items, answer *found, duet_error *err);
-    void (*destroy)(void *query);
 } query_kind;
 
 typedef struct query_box {
-    void *query;
-    const query_kind *kind;
+    lua_handle query;
+    query_item item;
     array_kind takes;
 } query_box;
 
 // ---------------------------------------------------------------- the four
 
-static const member wants_members[] = {MEMBER_ENUM(query_def, wants, query_wants_name), {0}};
-static const member level_members[] = {MEMBER_ENUM(query_def, level, level_name), {0}};
-static const member nearest_members[] = {MEMBER(member_count, query_def, nearest), {0}};
-
-static void *create_rays(duet_tree *tree, const query_def *given, duet_error *err)
+static void destroy(void *query)
 {
-    duet_ray_query_def def = duet_default_ray_query_def();
-    def.tree = tree;
-    def.wants = given->wants;
-    return duet_ray_query_create(&def, err);
+    any_query_destroy(query);
 }
 
-static bool run_rays(void *query, const array *items, answer *found, duet_error *err)
-{
-    if (items->kind == ARRAY_LARGE_RAYS)
-        return duet_ray_query_run_large(query, items->rows, items->n, &found->rays, err);
-    return duet_ray_query_run(query, items->rows, items->n, &found->rays, err);
-}
+static const luaL_Reg methods[2], box_methods[3];
 
-static void destroy_rays(void *query)
-{
-    duet_ray_query_destroy(query);
-}
+#define QUERY_CLASS(name_, methods_)                                                \
+    {                                                                               \
+        .name = (name_), .methods = (methods_), .destroy = destroy, .noun = "query" \
+    }
 
-static void *create_sweeps(duet_tree *tree, const query_def *given, duet_error *err)
-{
-    duet_sweep_query_def def = duet_default_sweep_query_def();
-    def.tree = tree;
-    def.wants = given->wants;
-    return duet_sweep_query_create(&def, err);
-}
-
-static bool run_sweeps(void *query, const array *items, answer *found, duet_error *err)
-{
-    duet_object_kind kind = items->kind == ARRAY_SWEEPS           ? DUET_OBJECT_POSES
-                            : items->kind == ARRAY_BOUNDS_SWEEPS  ? DUET_OBJECT_BOUNDS
-                            : items->kind == ARRAY_ROUNDED_SWEEPS ? DUET_OBJECT_ROUNDED_BOXES
-                            : items->kind == ARRAY_LARGE_SWEEPS   ? DUET_OBJECT_LARGE_POSES
-                                                                  : DUET_OBJECT_SPHERES;
-    return duet_sweep_query_run(query, kind, items->rows, items->n, &found->sweeps, err);
-}
-
-static void destroy_sweeps(void *query)
-{
-    duet_sweep_query_destroy(query);
-}
-
-static void *create_boxes(duet_tree *tree, const query_def *given, duet_error *err)
-{
-    duet_box_query_def def = duet_default_box_query_def();
-    def.tree = tree;
-    def.level = given->level;
-    return duet_box_query_create(&def, err);
-}
-
-static bool run_boxes(void *query, const array *items, answer *found, duet_error *err)
-{
-    return duet_box_query_run(query, tree_object_kind(items->kind), items->rows, items->n,
-                              &found->boxes, err);
-}
-
-static void destroy_boxes(void *query)
-{
-    duet_box_query_destroy(query);
-}
-
-static void *create_points(duet_tree *tree, const query_def *given, duet_error *err)
-{
-    duet_point_query_def def = duet_default_point_query_def();
-    def.tree = tree;
-    def.nearest = given->nearest;
-    return duet_point_query_create(&def, err);
-}
-
-static bool run_points(void *query, const array *items, answer *found, duet_error *err)
-{
-    if (items->kind == ARRAY_LARGE_POINTS)
-        return duet_point_query_run_large(query, items->rows, items->n, &found->points, err);
-    return duet_point_query_run(query, items->rows, items->n, &found->points, err);
-}
-
-static void destroy_points(void *query)
-{
-    duet_point_query_destroy(query);
-}
-
-// ---------------------------------------------------------------- one shape
-
-static const luaL_Reg methods[3], box_methods[4];
-
-static const query_kind rays = {{.name = "duet.ray_query", .methods = methods},
-                                "a ray query",
-                                wants_members,
-                                {ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_LARGE_RAYS},
-                                ARRAY_HITS,
-                                sizeof(duet_ray_hit),
-                                create_rays,
-                                run_rays,
-                                destroy_rays};
-static const query_kind sweeps = {{.name = "duet.sweep_query", .methods = methods},
-                                  "a sweep query",
-                                  wants_members,
-                                  {[DUET_SHAPE_POSES] = ARRAY_SWEEPS,
-                                   [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS_SWEEPS,
-                                   [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_SWEEPS,
-                                   [DUET_SHAPE_SPHERES] = ARRAY_SPHERE_SWEEPS,
-                                   [TREE_LARGE_POSES] = ARRAY_LARGE_SWEEPS},
-                                  ARRAY_SWEEP_HITS,
-                                  sizeof(duet_sweep_hit),
-                                  create_sweeps,
-                                  run_sweeps,
-                                  destroy_sweeps};
-static const query_kind boxes = {{.name = "duet.box_query", .methods = box_methods},
-                                 "a box query",
-                                 level_members,
-                                 {[DUET_SHAPE_POSES] = ARRAY_POSES,
-                                  [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS,
-                                  [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_BOXES,
-                                  [DUET_SHAPE_SPHERES] = ARRAY_SPHERES,
-                                  [TREE_LARGE_POSES] = ARRAY_LARGE_POSES},
-                                 ARRAY_BOX_HITS,
-                                 sizeof(duet_box_hit),
-                                 create_boxes,
-                                 run_boxes,
-                                 destroy_boxes};
-static const query_kind points = {
-    {.name = "duet.point_query", .methods = methods},
-    "a point query",
-    nearest_members,
-    {ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_LARGE_POINTS},
-    ARRAY_POINT_HITS,
-    sizeof(duet_point_hit),
-    create_points,
-    run_points,
-    destroy_points};
-static const query_kind *const kinds[] = {&rays, &boxes, &points, &sweeps};
+static const query_kind kinds[] = {
+    [QUERY_RAYS] = {QUERY_CLASS("duet.ray_query", methods),
+                    "a ray query",
+                    wants_members,
+                    {ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_LARGE_RAYS},
+                    ARRAY_HITS},
+    [QUERY_SWEEPS] = {QUERY_CLASS("duet.sweep_query", methods),
+                      "a sweep query",
+                      wants_members,
+                      {[DUET_SHAPE_POSES] = ARRAY_SWEEPS,
+                       [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS_SWEEPS,
+                       [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_SWEEPS,
+                       [DUET_SHAPE_SPHERES] = ARRAY_SPHERE_SWEEPS,
+                       [TREE_LARGE_POSES] = ARRAY_LARGE_SWEEPS},
+                      ARRAY_SWEEP_HITS},
+    [QUERY_BOXES] = {QUERY_CLASS("duet.box_query", box_methods),
+                     "a box query",
+                     level_members,
+                     {[DUET_SHAPE_POSES] = ARRAY_POSES,
+                      [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS,
+                      [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_BOXES,
+                      [DUET_SHAPE_SPHERES] = ARRAY_SPHERES,
+                      [TREE_LARGE_POSES] = ARRAY_LARGE_POSES},
+                     ARRAY_BOX_HITS},
+    [QUERY_POINTS] = {QUERY_CLASS("duet.point_query", methods),
+                      "a point query",
+                      nearest_members,
+                      {ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_LARGE_POINTS},
+                      ARRAY_POINT_HITS},
+};
 
 enum { N_KINDS = sizeof kinds / sizeof *kinds };
 
-static query_box *box_at_1(lua_State *L)
+static query_box *check(lua_State *L)
 {
-    for (int i = 0; i < N_KINDS; ++i) {
-        query_box *box = luaL_testudata(L, 1, kinds[i]->class.name);
-        if (box)
-            return box;
-    }
+    for (int i = 0; i < N_KINDS; ++i)
+        if (luaL_testudata(L, 1, kinds[i].class.name))
+            return class_check(L, 1, &kinds[i].class);
     luaL_typeerror(L, 1, "duet query");
     return NULL;
 }
 
-static query_box *check(lua_State *L)
-{
-    query_box *box = box_at_1(L);
-    luaL_argcheck(L, box->query, 1, "the query is closed");
-    return box;
-}
-
-// tree:ray_query(def) and the others
-static int create(lua_State *L, const query_kind *kind)
+// tree:ray_query(def) and the others; the upvalue is the query_item.
+static int create(lua_State *L)
 {
     duet_error err = {0};
-    query_def def = {DUET_QUERY_CLOSEST, DUET_LEVEL_CERTIFIED, 0};
+    query_item item = (query_item)lua_tointeger(L, lua_upvalueindex(1));
+    const query_kind *kind = &kinds[item];
+    query_def def = {.name = {.item = item}, .level = DUET_LEVEL_CERTIFIED};
     duet_tree *tree = tree_check(L, 1);
-    if (!lua_isnoneornil(L, 2))
-        member_read_table(L, 2, kind->noun, kind->members, &def);
-    query_box *box = class_push(L, &kind->class, sizeof *box);
-    lua_pushvalue(L, 1);
-    lua_setiuservalue(L, -2, 1);
-    box->kind = kind;
+    member_read_table(L, 2, kind->noun, kind->members, &def);
+    query_box *box = class_push_of(L, &kind->class, sizeof *box, 1);
+    box->item = item;
     box->takes = kind->takes[tree_shape(L, 1)];
-    box->query = kind->create(tree, &def, &err);
-    return box->query ? 1 : class_push_failure(L, &err);
+    box->query.object = any_query_create(tree, &def.name, def.level, &err);
+    return box->query.object ? 1 : class_push_failure(L, &err);
 }
 
-static int create_ray_query(lua_State *L)
-{
-    return create(L, &rays);
-}
+const lua_shared tree_query_methods[] = {{"ray_query", create, QUERY_RAYS},
+                                         {"sweep_query", create, QUERY_SWEEPS},
+                                         {"box_query", create, QUERY_BOXES},
+                                         {"point_query", create, QUERY_POINTS},
+                                         {NULL, NULL, 0}};
 
-static int create_sweep_query(lua_State *L)
+static int push_found(lua_State *L, query_item item, const query_result *found)
 {
-    return create(L, &sweeps);
-}
-
-static int create_box_query(lua_State *L)
-{
-    return create(L, &boxes);
-}
-
-static int create_point_query(lua_State *L)
-{
-    return create(L, &points);
-}
-
-const luaL_Reg tree_query_methods[] = {{"ray_query", create_ray_query},
-                                       {"sweep_query", create_sweep_query},
-                                       {"box_query", create_box_query},
-                                       {"point_query", create_point_query},
-                                       {NULL, NULL}};
-
-static int push_answer(lua_State *L, const query_kind *kind, const answer *found)
-{
-    array *hits = array_push(L, kind->gives, found->n_hits);
-    if (found->n_hits > 0)
-        memcpy(hits->rows, found->hits, (size_t)found->n_hits * kind->hit_bytes);
+    array_push_copy(L, kinds[item].gives, found->hits, found->n_hits);
     member_push_table(L, result_members, found);
     return 2;
 }
@@ -278,43 +130,32 @@ static int push_answer(lua_State *L, const query_kind *kind, const answer *found
 static int run(lua_State *L)
 {
     duet_error err = {0};
-    answer found = {0};
-    query_box *box = check(L);
+    query_result found;
+    const query_box *box = check(L);
     const array *items = array_check(L, 2, box->takes);
-    if (!box->kind->run(box->query, items, &found, &err))
+    if (!any_query_run(box->query.object, items->rows, items->n, &found, &err))
         return class_push_failure(L, &err);
-    return push_answer(L, box->kind, &found);
+    return push_found(L, box->item, &found);
 }
 
 // query:run_itself(filters) -> hits, result
 static int run_itself(lua_State *L)
 {
     duet_error err = {0};
-    answer found = {0};
-    query_box *box = luaL_checkudata(L, 1, boxes.class.name);
-    luaL_argcheck(L, box->query, 1, "the query is closed");
+    query_result found;
+    any_query *query = class_object(L, 1, &kinds[QUERY_BOXES].class);
     const array *filters = lua_isnoneornil(L, 2) ? NULL : array_check(L, 2, ARRAY_FILTERS);
-    if (!duet_box_query_run_itself(box->query, filters ? filters->rows : NULL,
-                                   filters ? filters->n : 0, &found.boxes, &err))
+    if (!any_query_run_itself(query, filters ? filters->rows : NULL, filters ? filters->n : 0,
+                              &found, &err))
         return class_push_failure(L, &err);
-    return push_answer(L, &boxes, &found);
+    return push_found(L, QUERY_BOXES, &found);
 }
 
-static int close(lua_State *L)
-{
-    query_box *box = box_at_1(L);
-    if (box->query)
-        box->kind->destroy(box->query);
-    box->query = NULL;
-    return 0;
-}
-
-static const luaL_Reg methods[3] = {{"close", close}, {"run", run}, {NULL, NULL}};
-static const luaL_Reg box_methods[4] = {
-    {"close", close}, {"run", run}, {"run_itself", run_itself}, {NULL, NULL}};
+static const luaL_Reg methods[2] = {{"run", run}, {NULL, NULL}};
+static const luaL_Reg box_methods[3] = {{"run", run}, {"run_itself", run_itself}, {NULL, NULL}};
 
 void tree_query_open_lua(lua_State *L)
 {
     for (int i = 0; i < N_KINDS; ++i)
-        class_open(L, &kinds[i]->class);
+        class_open(L, &kinds[i].class);
 }

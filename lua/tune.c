@@ -142,13 +142,8 @@ static const member kernels_members[] = {
 // A's and B's.
 static void push_kernels(lua_State *L, const member *m, const void *at)
 {
-    const duet_kernel_search *kernels = at;
     (void)m;
-    lua_createtable(L, 2, 0);
-    for (int i = 0; i < 2; ++i) {
-        member_push_table(L, kernels_members, &kernels[i]);
-        lua_rawseti(L, -2, i + 1);
-    }
+    member_push_list(L, kernels_members, at, 2, sizeof(duet_kernel_search));
 }
 
 static const member_type member_kernels = {NULL, push_kernels};
@@ -344,9 +339,7 @@ int world_online_lua(lua_State *L)
     if (def.keep)
         policy_check_trusted(L, "keeping a profile (or else keep = false)");
     def.world = world->world;
-    online_box *box = class_push(L, &online_class, sizeof *box);
-    lua_pushvalue(L, 1);
-    lua_setiuservalue(L, -2, 1);
+    online_box *box = class_push_of(L, &online_class, sizeof *box, 1);
     box->online = duet_online_create(&def, &err);
     if (!box->online)
         return class_push_failure(L, &err);

@@ -74,9 +74,7 @@ int world_create_lua(lua_State *L)
     duet_device_pair *pair = device_pair_check(L, 1);
     const duet_scene *scene = lua_isuserdata(L, 2) ? scene_check(L, 2) : NULL;
     duet_world_def def = read_def(L, pair, scene, scene ? 3 : 2);
-    world_box *box = class_push(L, &world_class, sizeof *box);
-    lua_pushvalue(L, 1);
-    lua_setiuservalue(L, -2, 1);
+    world_box *box = class_push_of(L, &world_class, sizeof *box, 1);
     box->world = duet_world_create(&def, &err);
     if (!box->world)
         return class_push_failure(L, &err);
@@ -106,34 +104,17 @@ static uint32_t check_number(lua_State *L, int index, const array *a)
     return (uint32_t)a->n;
 }
 
-static int set_objects(lua_State *L, duet_object_kind kind, array_kind rows)
+// world:set_poses(rows) and others; the upvalue is the kind of rows.
+static int world_set_objects(lua_State *L)
 {
     duet_error err = {0};
+    array_kind rows = (array_kind)lua_tointeger(L, lua_upvalueindex(1));
     world_box *box = world_check(L, 1);
     const array *a = array_check(L, 2, rows);
-    bool ok = duet_world_set_objects(box->world, kind, a->rows, check_number(L, 2, a), &err);
+    bool ok = duet_world_set_objects(box->world, array_object_kind(rows), a->rows,
+                                     check_number(L, 2, a), &err);
     world_forget_views(box);
     return class_push_done(L, ok, &err);
-}
-
-static int world_set_poses(lua_State *L)
-{
-    return set_objects(L, DUET_OBJECT_POSES, ARRAY_POSES);
-}
-
-static int world_set_rounded_boxes(lua_State *L)
-{
-    return set_objects(L, DUET_OBJECT_ROUNDED_BOXES, ARRAY_ROUNDED_BOXES);
-}
-
-static int world_set_spheres(lua_State *L)
-{
-    return set_objects(L, DUET_OBJECT_SPHERES, ARRAY_SPHERES);
-}
-
-static int world_set_bounds(lua_State *L)
-{
-    return set_objects(L, DUET_OBJECT_BOUNDS, ARRAY_BOUNDS);
 }
 
 static int world_set_scene(lua_State *L)
@@ -145,56 +126,24 @@ static int world_set_scene(lua_State *L)
     return class_push_done(L, ok, &err);
 }
 
+// world:map_poses(n) and others; the upvalue is the kind of rows.
+//
 // Views of memory that was mapped before no longer hold: what is written there
 // after a step is not sent to the devices.
-static int map_objects(lua_State *L, duet_object_kind kind, array_kind rows)
+static int world_map_objects(lua_State *L)
 {
     duet_error err = {0};
+    array_kind rows = (array_kind)lua_tointeger(L, lua_upvalueindex(1));
     world_box *box = world_check(L, 1);
-    uint64_t *maps = kind == DUET_OBJECT_SIZES ? &box->size_maps : &box->maps;
+    uint64_t *maps = rows == ARRAY_SIZES ? &box->size_maps : &box->maps;
     lua_Integer n = luaL_checkinteger(L, 2);
     luaL_argcheck(L, n >= 0 && n <= UINT32_MAX, 2, "a number of objects from 0 to 2^32 - 1");
     ++*maps;
-    void *memory = duet_world_map_objects(box->world, kind, (uint32_t)n, &err);
+    void *memory = duet_world_map_objects(box->world, array_object_kind(rows), (uint32_t)n, &err);
     if (!memory)
         return class_push_failure(L, &err);
     array_push_view(L, rows, memory, (uint64_t)n, 1, maps);
     return 1;
-}
-
-static int world_map_poses(lua_State *L)
-{
-    return map_objects(L, DUET_OBJECT_POSES, ARRAY_POSES);
-}
-
-static int world_map_bounds(lua_State *L)
-{
-    return map_objects(L, DUET_OBJECT_BOUNDS, ARRAY_BOUNDS);
-}
-
-static int world_map_rounded_boxes(lua_State *L)
-{
-    return map_objects(L, DUET_OBJECT_ROUNDED_BOXES, ARRAY_ROUNDED_BOXES);
-}
-
-static int world_map_spheres(lua_State *L)
-{
-    return map_objects(L, DUET_OBJECT_SPHERES, ARRAY_SPHERES);
-}
-
-static int world_map_transforms(lua_State *L)
-{
-    return map_objects(L, DUET_OBJECT_TRANSFORMS, ARRAY_TRANSFORMS);
-}
-
-static int world_map_compact_transforms(lua_State *L)
-{
-    return map_objects(L, DUET_OBJECT_COMPACT_TRANSFORMS, ARRAY_COMPACT_TRANSFORMS);
-}
-
-static int world_map_sizes(lua_State *L)
-{
-    return map_objects(L, DUET_OBJECT_SIZES, ARRAY_SIZES);
 }
 
 static int world_order(lua_State *L)
@@ -283,18 +232,7 @@ static int world_step_end(lua_State *L)
 }
 
 static const luaL_Reg methods[] = {{"close", world_close},
-                                   {"set_poses", world_set_poses},
-                                   {"set_bounds", world_set_bounds},
-                                   {"set_rounded_boxes", world_set_rounded_boxes},
-                                   {"set_spheres", world_set_spheres},
                                    {"set_scene", world_set_scene},
-                                   {"map_poses", world_map_poses},
-                                   {"map_bounds", world_map_bounds},
-                                   {"map_rounded_boxes", world_map_rounded_boxes},
-                                   {"map_spheres", world_map_spheres},
-                                   {"map_transforms", world_map_transforms},
-                                   {"map_compact_transforms", world_map_compact_transforms},
-                                   {"map_sizes", world_map_sizes},
                                    {"order", world_order},
                                    {"plan", world_plan},
                                    {"set_plan", world_set_plan},
@@ -307,6 +245,20 @@ static const luaL_Reg methods[] = {{"close", world_close},
                                    {"step_begin", world_step_begin},
                                    {"step_end", world_step_end},
                                    {NULL, NULL}};
+static const lua_shared shared[] = {
+    {"set_poses", world_set_objects, ARRAY_POSES},
+    {"set_bounds", world_set_objects, ARRAY_BOUNDS},
+    {"set_rounded_boxes", world_set_objects, ARRAY_ROUNDED_BOXES},
+    {"set_spheres", world_set_objects, ARRAY_SPHERES},
+    {"map_poses", world_map_objects, ARRAY_POSES},
+    {"map_bounds", world_map_objects, ARRAY_BOUNDS},
+    {"map_rounded_boxes", world_map_objects, ARRAY_ROUNDED_BOXES},
+    {"map_spheres", world_map_objects, ARRAY_SPHERES},
+    {"map_transforms", world_map_objects, ARRAY_TRANSFORMS},
+    {"map_compact_transforms", world_map_objects, ARRAY_COMPACT_TRANSFORMS},
+    {"map_sizes", world_map_objects, ARRAY_SIZES},
+    {NULL, NULL, 0}};
+
 // What its next step does.
 static int world_about(lua_State *L)
 {
@@ -323,7 +275,7 @@ static int world_about(lua_State *L)
 }
 
 static const lua_class world_class = {
-    .name = "duet.world", .methods = methods, .about = world_about};
+    .name = "duet.world", .methods = methods, .shared = shared, .about = world_about};
 
 void world_open_lua(lua_State *L)
 {

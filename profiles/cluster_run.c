@@ -6,7 +6,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdio.h>
 
 // ---------------------------------------------------------------- in
 
@@ -106,27 +105,13 @@ bool cluster_run_put(store *s, const profile_fabric *fabric, const profile_clust
 
 // ---------------------------------------------------------------- as people see them
 
+// But those of the run and of the fabric.
 static const sql_column entry_columns[] = {
     SQL_COLUMN("r.id", cluster_run_entry, id),
     SQL_COLUMN("r.uid", cluster_run_entry, uid),
     SQL_COLUMN("r.created_ns", cluster_run_entry, created_ns),
-    SQL_COLUMN("r.scene", cluster_run_entry, run.scene),
-    SQL_COLUMN("r.dims", cluster_run_entry, run.dims),
-    SQL_COLUMN("r.n", cluster_run_entry, run.n),
-    SQL_COLUMN("r.level", cluster_run_entry, run.level),
-    SQL_COLUMN("r.parts", cluster_run_entry, run.parts),
-    SQL_COLUMN("r.resident", cluster_run_entry, run.resident),
-    SQL_COLUMN("r.steps", cluster_run_entry, run.steps),
-    SQL_COLUMN("r.median_ns", cluster_run_entry, run.median_ns),
-    SQL_COLUMN("r.low_ns", cluster_run_entry, run.low_ns),
-    SQL_COLUMN("r.high_ns", cluster_run_entry, run.high_ns),
-    SQL_COLUMN("f.mpi", cluster_run_entry, fabric.mpi),
-    SQL_COLUMN("f.place", cluster_run_entry, fabric.place),
-    SQL_COLUMN("f.hosts", cluster_run_entry, fabric.hosts),
-    SQL_COLUMN("f.ranks", cluster_run_entry, fabric.ranks),
     SQL_COLUMN("f.latency_ns", cluster_run_entry, fabric.latency_ns),
     SQL_COLUMN("f.byte_ns", cluster_run_entry, fabric.byte_ns),
-    SQL_COLUMN("f.times", cluster_run_entry, fabric.times),
     SQL_COLUMN("f.measured_ns", cluster_run_entry, measured_ns),
     SQL_COLUMN("(SELECT sum(busy_ns) / sum(busy_ns + wait_ns) FROM cluster_rank "
                "WHERE run_id = r.id)",
@@ -137,17 +122,25 @@ static const sql_column entry_columns[] = {
 bool cluster_run_each(store *s, const char *uid, cluster_run_visit *visit, void *context,
                       duet_error *err)
 {
-    sql q = sql_select(s, entry_columns,
-                       " FROM cluster_run r JOIN fabric f ON f.id = r.fabric_id "
-                       "WHERE substr(r.uid, 1, length(?1)) = ?1 ORDER BY r.created_ns, r.uid",
-                       err);
+    text rest = {0};
+    text_add(&rest, ", ");
+    sql_add_names(&rest, "r.", run_columns);
+    text_add(&rest, ", ");
+    sql_add_names(&rest, "f.", fabric_columns);
+    text_add(&rest, " FROM cluster_run r JOIN fabric f ON f.id = r.fabric_id "
+                    "WHERE substr(r.uid, 1, length(?1)) = ?1 ORDER BY r.created_ns, r.uid");
+    bool ok = text_ok(&rest, err);
+    sql q = sql_select(s, entry_columns, text_chars(&rest), err);
     sql_text(&q, uid ? uid : "");
-    for (bool more = true; more && sql_row(&q);) {
+    for (bool more = ok; more && sql_row(&q);) {
         cluster_run_entry entry = {0};
-        sql_read(&q, 0, entry_columns, &entry);
+        int at = sql_read(&q, 0, entry_columns, &entry);
+        at = sql_read(&q, at, run_columns, &entry.run);
+        sql_read(&q, at, fabric_columns, &entry.fabric);
         more = visit(context, &entry);
     }
-    return sql_close(&q);
+    text_free(&rest);
+    return sql_close(&q) && ok;
 }
 
 bool cluster_rank_each(store *s, int64_t run_id, cluster_rank_visit *visit, void *context,

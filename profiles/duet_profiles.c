@@ -14,15 +14,6 @@ struct duet_profile_list {
     uint32_t n;
 };
 
-static store *open_store(const char *path, store_access access, duet_error *err)
-{
-    text user = {0};
-    bool ok = path || store_user_path(&user, err);
-    store *s = ok ? store_open(path ? path : text_chars(&user), access, err) : NULL;
-    text_free(&user);
-    return s;
-}
-
 // ---------------------------------------------------------------- profiles
 
 static const sql_column profile_columns[] = {
@@ -75,7 +66,7 @@ static bool fill(duet_profile_list *list, store *s, bool replaced_too, duet_erro
 
 duet_profile_list *duet_profile_list_create(const char *path, bool replaced_too, duet_error *err)
 {
-    store *s = open_store(path, STORE_READ, err);
+    store *s = store_open(path, STORE_READ, err);
     if (!s)
         return NULL;
     duet_profile_list *list = calloc(1, sizeof *list);
@@ -148,7 +139,7 @@ bool duet_profile_get_trials(const char *path, const char *uid, duet_stored_tria
         return false;
     duet_stored_trial *list = NULL;
     uint32_t n_list = 0;
-    store *s = open_store(path, STORE_READ, err);
+    store *s = store_open(path, STORE_READ, err);
     bool ok = s && read_trials(s, uid, &list, &n_list, err) && store_check_read(s, err);
     store_close(s);
     if (!ok) {
@@ -166,7 +157,7 @@ typedef bool profile_change(store *s, const char *uid, duet_error *err);
 
 static bool change(const char *path, const char *uid, profile_change *by, duet_error *err)
 {
-    store *s = open_store(path, STORE_WRITE, err);
+    store *s = store_open(path, STORE_WRITE, err);
     bool ok = s && by(s, uid, err);
     store_close(s);
     return ok;
@@ -188,7 +179,7 @@ bool duet_profiles_export(const char *path, const char *file, duet_error *err)
 {
     if (!error_given(file, __func__, "file", err))
         return false;
-    store *s = open_store(path, STORE_READ, err);
+    store *s = store_open(path, STORE_READ, err);
     bool ok = s && profile_export_file(s, file, err);
     store_close(s);
     return ok;
@@ -213,7 +204,7 @@ bool duet_profiles_import(const char *path, const char *file, duet_import_counts
     if (!in)
         return error_set(err, errno == ENOENT ? DUET_STATUS_NOT_FOUND : DUET_STATUS_IO_FAILED,
                          "%s: %s", file, strerror(errno));
-    store *s = open_store(path, STORE_WRITE, err);
+    store *s = store_open(path, STORE_WRITE, err);
     bool ok = s && import_file(s, in, file, counts, err);
     store_close(s);
     fclose(in);

@@ -13,9 +13,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 typedef struct duet_stored_device {
     char name[256];
@@ -109,7 +107,6 @@ typedef struct duet_import_counts {
 DUET_API bool duet_profiles_import(const char *path, const char *file, duet_import_counts *counts,
                                    duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

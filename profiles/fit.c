@@ -14,7 +14,6 @@
 #include "profiles/sql.h"
 
 #include <float.h>
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -197,8 +197,7 @@ static bool find_by_seats(look *l, const char *query, bool *held)
 
 static bool refuse(look *l, const char *reason)
 {
-    if (l->why)
-        text_add(l->why, "no: %s", reason);
+    text_add(l->why, "no: %s", reason);
     return true;
 }
 
@@ -216,21 +215,26 @@ static void bind_question(const look *l, sql *q)
     }
 }
 
-// What the profile that is there gets wrong.
-static bool tell_inaccuracy(look *l)
+// Of profiles for just this: by the workload, the pair, the kernels and the objective.
+static sql ask_exact(look *l, const char *query)
 {
-    sql q = sql_make(l->s,
-                     "SELECT p.missed_rate, p.false_rate, coalesce(p.true_pairs, -1) "
-                     "FROM workload w JOIN profile p ON p.workload_id = w.id AND p.live = 1 "
-                     "WHERE w.key = ? AND p.pair_id = ? AND p.kernels = ? AND p.objective = ?",
-                     l->err);
+    sql q = sql_make(l->s, query, l->err);
     sql_text(&q, l->workload);
     sql_int(&q, l->pair_id);
     sql_text(&q, l->request->kernels);
     sql_text(&q, l->request->objective);
+    return q;
+}
+
+// What the profile that is there gets wrong.
+static bool tell_inaccuracy(look *l)
+{
+    sql q = ask_exact(l, "SELECT p.missed_rate, p.false_rate, coalesce(p.true_pairs, -1) "
+                         "FROM workload w JOIN profile p ON p.workload_id = w.id AND p.live = 1 "
+                         "WHERE w.key = ? AND p.pair_id = ? AND p.kernels = ? AND p.objective = ?");
     if (sql_row(&q) && sql_get_int(&q, 2) < 0)
         refuse(l, "how many pairs it misses or invents was not measured");
-    else if (l->why)
+    else
         text_add(l->why,
                  "no: it misses %.3g and invents %.3g of the true pairs, above %.3g or %.3g",
                  sql_get_real(&q, 0), sql_get_real(&q, 1), l->request->max_missed_rate,
@@ -241,17 +245,12 @@ static bool tell_inaccuracy(look *l)
 // Why the last profile that was measured for just this is not used.
 static bool tell_unused(look *l, bool *told)
 {
-    sql q = sql_make(l->s,
-                     "SELECT p.uid, p.dead_reason FROM workload w "
+    sql q =
+        ask_exact(l, "SELECT p.uid, p.dead_reason FROM workload w "
                      "JOIN profile p ON p.workload_id = w.id WHERE w.key = ?1 AND p.pair_id = ?2 "
                      "AND p.kernels = ?3 AND p.objective = ?4 AND NOT EXISTS (SELECT 1 FROM "
                      "profile WHERE workload_id = w.id AND pair_id = ?2 AND kernels = ?3 AND "
-                     "live = 1) ORDER BY p.created_ns DESC LIMIT 1",
-                     l->err);
-    sql_text(&q, l->workload);
-    sql_int(&q, l->pair_id);
-    sql_text(&q, l->request->kernels);
-    sql_text(&q, l->request->objective);
+                     "live = 1) ORDER BY p.created_ns DESC LIMIT 1");
     *told = sql_row(&q);
     if (*told)
         text_add(l->why, "no: it was measured, but profile %.8s is not used: %s",
@@ -322,20 +321,19 @@ static bool look_stale(look *l, bool *held)
 static bool use_forecast(look *l, const forecast *f, bool *held)
 {
     *held = f->doubt <= MOST_DOUBT;
-    if (*held)
-        forecast_take(f, l->found);
-    if (l->why && *held)
+    if (!*held) {
         text_add(l->why,
-                 "yes: %u times of %.0f to %.0f objects say %.4g ms +- %.1f %% by both at share "
-                 "%.4f +- %.4f, %.4g ms by one",
-                 f->points, f->n_min, f->n_max, f->both.ns * 1e-6, 100 * f->doubt, f->share,
-                 f->share_sd, f->one.ns * 1e-6);
-    else if (l->why)
-        text_add(
-            l->why,
-            "no: from what was measured of %.0f to %.0f objects a step's time is known only to "
-            "within %.0f %%",
-            f->n_min, f->n_max, 100 * f->doubt);
+                 "no: from what was measured of %.0f to %.0f objects a step's time is known "
+                 "only to within %.0f %%",
+                 f->n_min, f->n_max, 100 * f->doubt);
+        return true;
+    }
+    forecast_take(f, l->found);
+    text_add(l->why,
+             "yes: %u times of %.0f to %.0f objects say %.4g ms +- %.1f %% by both at share "
+             "%.4f +- %.4f, %.4g ms by one",
+             f->points, f->n_min, f->n_max, f->both.ns * 1e-6, 100 * f->doubt, f->share,
+             f->share_sd, f->one.ns * 1e-6);
     return true;
 }
 
@@ -408,9 +406,8 @@ static bool use_neighbour(look *l, const neighbour *near)
 {
     const profile_found *found = &near->found;
     take_neighbour(l, near);
-    if (l->why)
-        text_add(l->why, "yes: %.0f objects were measured, which is next to it%s%s", near->n,
-                 found->session[0] ? ", session " : "", found->session);
+    text_add(l->why, "yes: %.0f objects were measured, which is next to it%s%s", near->n,
+             found->session[0] ? ", session " : "", found->session);
     return true;
 }
 
@@ -467,9 +464,8 @@ static bool use_both(look *l, const neighbour near[2], bool *held)
 {
     *held = true;
     take_neighbour(l, &near[0]);
-    if (l->why)
-        text_add(l->why, "yes: one device did it best at %.0f and at %.0f objects, alike",
-                 fmin(near[0].n, near[1].n), fmax(near[0].n, near[1].n));
+    text_add(l->why, "yes: one device did it best at %.0f and at %.0f objects, alike",
+             fmin(near[0].n, near[1].n), fmax(near[0].n, near[1].n));
     return true;
 }
 
@@ -477,12 +473,11 @@ static bool use_both(look *l, const neighbour near[2], bool *held)
 static bool tell_gap(look *l, const neighbour near[2])
 {
     double n = (double)l->at.n;
-    bool between = near[0].n > 0 && near[1].n > 0;
-    if (l->why && between)
+    if (near[0].n > 0 && near[1].n > 0)
         text_add(l->why,
                  "no: no plan was measured both at %.0f objects or fewer and at %.0f or more",
                  fmin(near[0].n, near[1].n), fmax(near[0].n, near[1].n));
-    else if (l->why)
+    else
         text_add(l->why, "no: the size is %s those measured, the nearest of which is %.0f",
                  near[0].n < n ? "above" : "below", near[0].n);
     return true;
@@ -540,12 +535,10 @@ static bool try_grades(look *l)
 {
     for (size_t i = 0; i < sizeof grades / sizeof grades[0]; ++i) {
         bool held = false;
-        if (l->why)
-            text_add(l->why, "  %-12s ", profile_grade_name(grades[i].grade));
+        text_add(l->why, "  %-12s ", profile_grade_name(grades[i].grade));
         if (!grades[i].look(l, &held))
             return false;
-        if (l->why)
-            text_add(l->why, "\n");
+        text_add(l->why, "\n");
         if (held) {
             l->found->grade = grades[i].grade;
             return true;
@@ -582,9 +575,8 @@ static bool try_levels(look *l, profile_found *best)
         l->found = &found;
         if (!turn_to_level(l, request->levels[i]) || !is_measured(l, &measured))
             return false;
-        if (l->why)
-            text_add(l->why, " level %s%s\n", request->levels[i],
-                     measured ? "" : ": no like workload was measured at it");
+        text_add(l->why, " level %s%s\n", request->levels[i],
+                 measured ? "" : ": no like workload was measured at it");
         if (measured && !try_grades(l))
             return false;
         if (is_better(&found, best))
@@ -647,7 +639,7 @@ static bool look_in_file(const char *path, const profile_request *request, profi
         bool ok = look_once(path, request, found, why ? &told : NULL, &disturbed, &failure);
         bool final = !disturbed || i == MAX_LOOKS;
         if (final && !ok)
-            error_set(err, failure.status, "%s", failure.text);
+            error_copy(err, &failure);
         if (final && why)
             text_add(why, "%s%s%s", ok ? path : failure.text, ok ? ":\n" : "\n", text_chars(&told));
         text_free(&told);
@@ -670,7 +662,7 @@ bool profile_lookup_files(const char *user_path, const char *system_path,
             continue;
         if (!look_in_file(paths[i], request, &here, why, &failure) &&
             failure.status != DUET_STATUS_NOT_FOUND)
-            ok = error_set(err, failure.status, "%s", failure.text);
+            ok = error_copy(err, &failure);
         if (here.grade < found->grade)
             *found = here;
     }

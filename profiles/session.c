@@ -78,35 +78,52 @@ static const char *options_of(const profile_session *session)
     return session->options ? session->options : "{}";
 }
 
+// What decides whether two sessions ask for the same, but the script.
+static const sql_column question_columns[] = {
+    SQL_COLUMN("workload_id", profile_session, workload_id),
+    SQL_COLUMN("pair_id", profile_session, pair_id),
+    SQL_COLUMN("kernels", profile_session, kernels),
+    SQL_COLUMN("strategy", profile_session, strategy),
+    SQL_COLUMN("objective", profile_session, objective),
+    SQL_COLUMN("options", profile_session, options),
+    SQL_COLUMN("seed", profile_session, seed),
+    {0},
+};
+
+static void bind_question(sql *q, const profile_session *session)
+{
+    profile_session whole = *session;
+    whole.options = options_of(session);
+    sql_bind(q, question_columns, &whole);
+}
+
+// This process, alive now. host: as long as the statement.
+static void bind_owner(sql *q, char host[PROFILE_SHA])
+{
+    profile_host(host);
+    sql_text(q, host);
+    sql_int(q, getpid());
+    sql_int(q, process_start(getpid()));
+    sql_int(q, clock_calendar_ns());
+}
+
 static bool insert(store *s, const profile_session *session, const char *id, const char *script,
                    duet_error *err)
 {
     char host[PROFILE_SHA];
-    profile_host(host);
-    int64_t now = clock_calendar_ns();
-    sql q = sql_make(
-        s,
-        "INSERT INTO session (id, state, pair_id, workload_id, kernels, strategy, objective, "
-        "options, seed, script, tool_version, host, pid, pid_start, load, timer_ns, started_ns, "
-        "heartbeat_ns) VALUES (?, 'running', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-        err);
+    sql q = sql_insert(s, "session", question_columns,
+                       "id, state, script, tool_version, load, timer_ns, host, pid, pid_start, "
+                       "heartbeat_ns, started_ns",
+                       "", err);
+    bind_question(&q, session);
     sql_text(&q, id);
-    sql_int(&q, session->pair_id);
-    sql_int(&q, session->workload_id);
-    sql_text(&q, session->kernels);
-    sql_text(&q, session->strategy);
-    sql_text(&q, session->objective);
-    sql_text(&q, options_of(session));
-    sql_int(&q, (int64_t)session->seed);
+    sql_text(&q, "running");
     sql_text(&q, script);
     sql_text(&q, session->tool_version);
-    sql_text(&q, host);
-    sql_int(&q, getpid());
-    sql_int(&q, process_start(getpid()));
     sql_real(&q, session->load);
     sql_real(&q, session->timer_ns);
-    sql_int(&q, now);
-    sql_int(&q, now);
+    bind_owner(&q, host);
+    sql_int(&q, clock_calendar_ns());
     return sql_run(&q);
 }
 
@@ -136,13 +153,7 @@ static sql ask(store *s, const char *query, const profile_session *session, char
     if (session->script)
         profile_sha(session->script, strlen(session->script), key);
     sql q = sql_make(s, query, err);
-    sql_int(&q, session->workload_id);
-    sql_int(&q, session->pair_id);
-    sql_text(&q, session->kernels);
-    sql_text(&q, session->strategy);
-    sql_text(&q, session->objective);
-    sql_text(&q, options_of(session));
-    sql_int(&q, (int64_t)session->seed);
+    bind_question(&q, session);
     sql_text(&q, session->script ? key : NULL);
     return q;
 }
@@ -205,15 +216,11 @@ static bool find_unfinished(store *s, const profile_session *session, profile_re
 static bool become_owner(store *s, const char *id, duet_error *err)
 {
     char host[PROFILE_SHA];
-    profile_host(host);
     sql q = sql_make(s,
                      "UPDATE session SET state = 'running', host = ?, pid = ?, pid_start = ?, "
                      "heartbeat_ns = ?, resumed = resumed + 1, ended_ns = NULL WHERE id = ?",
                      err);
-    sql_text(&q, host);
-    sql_int(&q, getpid());
-    sql_int(&q, process_start(getpid()));
-    sql_int(&q, clock_calendar_ns());
+    bind_owner(&q, host);
     sql_text(&q, id);
     return sql_run(&q);
 }

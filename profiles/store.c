@@ -77,8 +77,7 @@ static store *make(const char *path, const char *file, duet_error *err)
     if (s && s->path && s->file)
         return s;
     store_close(s);
-    error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory to open it", path);
-    return NULL;
+    return error_null(err, DUET_STATUS_NO_MEMORY, "%s: no memory to open it", path);
 }
 
 static bool connect(store *s, const char *name, int flags, int busy_ms, duet_error *err)
@@ -272,7 +271,7 @@ static bool make_whole(const char *path, duet_error *err)
     return ok;
 }
 
-store *store_open(const char *path, store_access access, duet_error *err)
+static store *open_at(const char *path, store_access access, duet_error *err)
 {
     if (access == STORE_READ)
         return open_store(path, access, open_for_reading, err);
@@ -281,6 +280,15 @@ store *store_open(const char *path, store_access access, duet_error *err)
         (stat(path, &info) != 0 && !make_whole(path, err)))
         return NULL;
     return open_store(path, access, open_for_writing, err);
+}
+
+store *store_open(const char *path, store_access access, duet_error *err)
+{
+    text user = {0};
+    bool ok = path || store_user_path(&user, err);
+    store *s = ok ? open_at(path ? path : text_chars(&user), access, err) : NULL;
+    text_free(&user);
+    return s;
 }
 
 store *store_open_look(const char *path, duet_error *err)

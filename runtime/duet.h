@@ -43,16 +43,13 @@
 
 #include <stddef.h> // NULL
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 DUET_API const char *duet_version(void); // "1.0.0"
 
 // Memory that a call says the caller frees. NULL does nothing.
 DUET_API void duet_free(void *memory);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

@@ -5,9 +5,7 @@
 
 #include "duet_tree.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 typedef struct duet_box_hit {
     uint32_t box; // of the caller's
@@ -56,7 +54,6 @@ typedef struct duet_filter {
 DUET_API bool duet_box_query_run_itself(duet_box_query *query, const duet_filter *filters,
                                         uint64_t n, duet_box_query_result *result, duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

@@ -6,9 +6,7 @@
 
 #include "duet_motion.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 typedef struct duet_contact_query duet_contact_query;
 
@@ -54,7 +52,6 @@ DUET_API bool duet_contact_query_run(duet_contact_query *query, duet_object_kind
                                      const void *objects, uint32_t n, const duet_span spans[2],
                                      duet_contact_query_result *result, duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

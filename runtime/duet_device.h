@@ -8,9 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 typedef enum duet_device_kind {
     DUET_KIND_CPU,
@@ -99,7 +97,6 @@ DUET_API bool duet_device_pair_check_cache(const duet_device_pair *pair, duet_er
 DUET_API const duet_device_info *duet_device_pair_get_info(const duet_device_pair *pair,
                                                            int device); // 0: A, 1: B, else NULL
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

@@ -8,9 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // Levels of accuracy: what may be taken for a collision, and what may be missed.
 // Every level starts from the pairs whose bounds, rounded outward, overlap, and
@@ -54,7 +52,6 @@ typedef struct duet_accuracy {
     double false_rate; // found besides those pairs; >= 0
 } duet_accuracy;
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

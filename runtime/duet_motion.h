@@ -8,9 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // What a scene can call for. A motion runs those that its objects and its def
 // call for and nothing else: docs/effects.md says by what each is called for.
@@ -267,7 +265,6 @@ typedef struct duet_effect_info {
 // Effect i, and after the last one how positions are kept ("origin"); false past that.
 DUET_API bool duet_motion_explain(const duet_motion *motion, uint32_t i, duet_effect_info *info);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

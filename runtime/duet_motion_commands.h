@@ -14,9 +14,7 @@
 
 #include "duet_motion.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // A body's id: its place, and 2^32 times how many bodies had that place before. Those that
 // a motion is made of have the ids 0, 1, 2 ... An id of a removed body never is another's.
@@ -126,7 +124,6 @@ DUET_API bool duet_motion_apply_impulses(duet_motion *motion, duet_body_list lis
 DUET_API bool duet_motion_set_targets(duet_motion *motion, duet_body_list list,
                                       const duet_transform *targets, duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

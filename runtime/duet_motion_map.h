@@ -5,9 +5,7 @@
 
 #include "duet_motion.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // A part of the state: rows of four numbers, float, or double in a motion with doubles.
 typedef enum duet_state_part {
@@ -34,13 +32,11 @@ DUET_API void *duet_motion_map_states(duet_motion *motion, duet_state_part part,
 
 // Ends a mapping. With WRITE the two calls are a command to those bodies, in the order of the
 // calls (duet_motion_commands.h): map takes away their targets, and unmap wakes them. Rotations
-// need not have length 1. A disabled body stands still whatever is written. Refused while the motion is
-// recorded (duet_replay.h).
-// BAD_OBJECT names the first row that is not finite, or is no rotation: all stays mapped, to be
-// mended.
+// need not have length 1. A disabled body stands still whatever is written. Refused while the
+// motion is recorded (duet_replay.h). BAD_OBJECT names the first row that is not finite, or is no
+// rotation: all stays mapped, to be mended.
 DUET_API bool duet_motion_unmap_states(duet_motion *motion, duet_state_part part, duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

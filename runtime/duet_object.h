@@ -8,9 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // An oriented box. The rotation is M(q)/|q|^2, so any quaternion but zero is
 // legal. In 2D centre[2], half[2], rotation[0] and rotation[1] are not read.
@@ -131,7 +129,6 @@ DUET_API bool duet_large_poses_collide(const duet_large_pose *a, const duet_larg
 DUET_API double duet_large_poses_separation(const duet_large_pose *a, const duet_large_pose *b,
                                             float edge, uint32_t dims);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

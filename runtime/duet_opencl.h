@@ -23,9 +23,7 @@
 
 #include <CL/cl.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // ---------------------------------------------------------------- device pairs
 
@@ -98,7 +96,6 @@ DUET_API bool duet_motion_copy_states(duet_motion *motion, duet_state_part part,
                                       cl_uint n_events, const cl_event *events, cl_event *done,
                                       duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

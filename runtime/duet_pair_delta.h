@@ -5,9 +5,7 @@
 
 #include "duet_motion.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // The pairs of the last step.
 typedef struct duet_pair_delta duet_pair_delta;
@@ -30,7 +28,6 @@ DUET_API void duet_pair_delta_destroy(duet_pair_delta *delta);
 DUET_API bool duet_pair_delta_update(duet_pair_delta *delta, const duet_span spans[2],
                                      duet_pair_delta_result *result, duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

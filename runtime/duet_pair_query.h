@@ -10,9 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // Tests pairs that the caller brings as a step tests its candidates, on a
 // device pair, again and again.
@@ -51,7 +49,6 @@ DUET_API bool duet_pair_query_run(duet_pair_query *test, const duet_pose *poses,
                                   uint8_t *answers, double *separations,
                                   duet_pair_query_result *result, duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

@@ -5,9 +5,7 @@
 
 #include "duet_tree.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 typedef struct duet_point {
     float at[3]; // in 2D z is not read
@@ -64,7 +62,6 @@ DUET_API bool duet_point_query_run_large(duet_point_query *query, const duet_lar
                                          uint64_t n, duet_point_query_result *result,
                                          duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

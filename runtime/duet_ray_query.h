@@ -8,9 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // The points origin + t direction for t from 0 to t_max, both included. The direction may
 // have any length, and 0: the ray is then its origin. In 2D z counts for nothing.
@@ -67,7 +65,6 @@ DUET_API bool duet_ray_query_run(duet_ray_query *query, const duet_ray *rays, ui
 DUET_API bool duet_ray_query_run_large(duet_ray_query *query, const duet_large_ray *rays,
                                        uint64_t n, duet_ray_query_result *result, duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

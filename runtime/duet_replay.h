@@ -6,9 +6,7 @@
 
 #include "duet_motion_commands.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // Records the motion's commands and steps from here on, and forgets what was recorded
 // before. A load, and a step that fails, end the recording.
@@ -42,7 +40,6 @@ DUET_API duet_replay_info duet_replay_get_info(const duet_replay *replay);
 DUET_API bool duet_replay_advance(duet_replay *replay, duet_motion *motion,
                                   duet_motion_result *result, duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

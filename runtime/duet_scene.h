@@ -9,9 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // Objects with the world they live in, as read from a file.
 typedef struct duet_scene duet_scene;
@@ -65,7 +63,6 @@ DUET_API const void *duet_scene_get_objects(const duet_scene *scene, duet_object
 DUET_API bool duet_reference(const duet_scene *scene, duet_level level, duet_pair **pairs,
                              uint64_t *n, duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

@@ -5,9 +5,7 @@
 
 #include "duet_tree.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // The box at centre + t direction for t from 0 to t_max, both included; it does not turn. The
 // direction may have any length, and 0: the box then stays. In 2D z counts for nothing.
@@ -84,7 +82,6 @@ DUET_API bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kin
                                    const void *sweeps, uint64_t n, duet_sweep_query_result *result,
                                    duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

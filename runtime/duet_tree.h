@@ -8,9 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 #define DUET_NO_OBJECT UINT32_MAX
 
@@ -44,8 +42,9 @@ DUET_API bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, cons
 // their ids are their places (docs/commands.md, "Ids"); those that were removed or are disabled
 // are left out. A tree of rounded boxes has their radii, too; one of poses takes no motion whose
 // bodies have or had radii. Where B keeps the motion's sizes, as for contacts, the boxes stay on B,
-// unless A has a share. The motion goes on as before. BAD_ARGUMENT for a tree of another shape or of
-// other dims, BAD_OBJECT where a body is at no finite place or above 2^100; the tree is empty then.
+// unless A has a share. The motion goes on as before. BAD_ARGUMENT for a tree of another shape or
+// of other dims, BAD_OBJECT where a body is at no finite place or above 2^100; the tree is empty
+// then.
 DUET_API bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err);
 
 // Its queries divide what they are asked so from now on. A device that gets its first share builds
@@ -71,7 +70,6 @@ typedef enum duet_query_wants {
 // "closest", "any", "every"; NULL outside
 DUET_API const char *duet_query_wants_name(duet_query_wants wants);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

@@ -10,9 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // ---------------------------------------------------------------- plans
 
@@ -232,7 +230,6 @@ DUET_API bool duet_world_load_profile(duet_world *world, const char *path, duet_
 DUET_API bool duet_world_explain_profile(duet_world *world, const char *path, char **why,
                                          duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

@@ -15,6 +15,7 @@
 #include "tuner/strategy.h"
 #include "tuner/trial_budget.h"
 #include "tuner/tune.h"
+#include "tuner/tuning.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -456,8 +457,7 @@ static bool open_whole(void *context, const char *kernels, measure_machine *mach
     if (!h->whole_pair)
         return false;
     *plan = (duet_plan){.share = 0, .mode = DUET_MODE_OWN};
-    snprintf(plan->variant_a, sizeof plan->variant_a, "%s", kernels);
-    snprintf(plan->variant_b, sizeof plan->variant_b, "%s", kernels);
+    plan_set_variants(plan, kernels);
     if (h->def.query) {
         *machine = measure_query_machine(&h->whole_query, h->hash);
         return open_query(h, h->whole_pair, &h->whole_query, NULL);
@@ -486,8 +486,7 @@ static bool read_kernels(void *context, const duet_plan *plan, int device, kerne
 static duet_plan query_plan(void)
 {
     duet_plan plan = {.mode = query_modes[0]};
-    snprintf(plan.variant_a, sizeof plan.variant_a, "%s", query_variants[0]);
-    snprintf(plan.variant_b, sizeof plan.variant_b, "%s", query_variants[0]);
+    plan_set_variants(&plan, query_variants[0]);
     return plan;
 }
 
@@ -542,8 +541,8 @@ static bool run_recorded(tuning_resources *h, const profile_found *near, duet_tu
                       : why.status == DUET_STATUS_INTERRUPTED ? "stopped"
                                                               : "failed";
     ok = record_end(&h->record, how, &h->def, outcome, ok ? err : NULL) && ok;
-    if (why.status != DUET_STATUS_OK && err && err->status == DUET_STATUS_OK)
-        *err = why;
+    if (why.status != DUET_STATUS_OK)
+        error_copy(err, &why);
     return ok;
 }
 

@@ -5,9 +5,7 @@
 
 #include "duet.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+DUET_C_BEGIN
 
 // Told after each trial.
 typedef struct duet_tune_progress {
@@ -168,7 +166,6 @@ DUET_API uint32_t duet_online_get_tunings(const duet_online *online);
 // NULL.
 DUET_API bool duet_online_destroy(duet_online *online, duet_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+DUET_C_END
+
 #endif

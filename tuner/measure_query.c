@@ -164,28 +164,6 @@ static bool draw_items(measure_query *q, draw *d, duet_error *err)
 
 // ---------------------------------------------------------------- owner
 
-static bool open_query(measure_query *q, duet_error *err)
-{
-    duet_ray_query_def rays = duet_default_ray_query_def();
-    duet_sweep_query_def sweeps = duet_default_sweep_query_def();
-    duet_box_query_def boxes = duet_default_box_query_def();
-    duet_point_query_def points = duet_default_point_query_def();
-    rays.tree = sweeps.tree = boxes.tree = points.tree = q->tree;
-    rays.wants = sweeps.wants = q->name.wants;
-    points.nearest = q->name.nearest;
-    switch (q->name.item) {
-    case QUERY_RAYS:
-        return (q->rays = duet_ray_query_create(&rays, err));
-    case QUERY_SWEEPS:
-        return (q->sweeps = duet_sweep_query_create(&sweeps, err));
-    case QUERY_BOXES:
-        return (q->boxes = duet_box_query_create(&boxes, err));
-    case QUERY_POINTS:
-        return (q->points = duet_point_query_create(&points, err));
-    }
-    return false;
-}
-
 static bool open_tree(measure_query *q, duet_device_pair *pair, const duet_scene_info *info,
                       const void *objects, duet_error *err)
 {
@@ -216,15 +194,15 @@ bool measure_query_open(measure_query *q, duet_device_pair *pair, const duet_sce
                          "%llu items of a query of %u objects; expected 1 or more of both, and "
                          "fewer than 2^32",
                          (unsigned long long)q->n, info->n);
-    return open_tree(q, pair, info, objects, err) && draw_items(q, &d, err) && open_query(q, err);
+    if (!open_tree(q, pair, info, objects, err) || !draw_items(q, &d, err))
+        return false;
+    q->query = any_query_create(q->tree, name, DUET_LEVEL_CERTIFIED, err);
+    return q->query;
 }
 
 void measure_query_close(measure_query *q)
 {
-    duet_ray_query_destroy(q->rays);
-    duet_sweep_query_destroy(q->sweeps);
-    duet_box_query_destroy(q->boxes);
-    duet_point_query_destroy(q->points);
+    any_query_destroy(q->query);
     duet_tree_destroy(q->tree);
     free(q->items);
     *q = (measure_query){0};
@@ -232,86 +210,20 @@ void measure_query_close(measure_query *q)
 
 // ---------------------------------------------------------------- launches
 
-typedef struct answer {
-    const void *hits;
-    size_t bytes; // of all
-    uint64_t n;
-    double total_ms;
-    double device_ms[2];
-} answer;
-
-#define ANSWER(result)                                                                   \
-    (answer)                                                                             \
-    {                                                                                    \
-        (result).hits, (size_t)(result).n_hits * sizeof *(result).hits, (result).n_hits, \
-            (result).total_ms,                                                           \
-        {                                                                                \
-            (result).device_ms[0], (result).device_ms[1]                                 \
-        }                                                                                \
-    }
-
-static bool run_rays(measure_query *q, answer *a, duet_error *err)
+static bool ask(measure_query *q, uint32_t share, query_result *found, duet_error *err)
 {
-    duet_ray_query_result result = {0};
-    bool ok = tree_kind(q->tree) == DUET_OBJECT_LARGE_POSES
-                  ? duet_ray_query_run_large(q->rays, q->items, q->n, &result, err)
-                  : duet_ray_query_run(q->rays, q->items, q->n, &result, err);
-    *a = ANSWER(result);
-    return ok;
-}
-
-static bool run_sweeps(measure_query *q, duet_object_kind kind, answer *a, duet_error *err)
-{
-    duet_sweep_query_result result = {0};
-    bool ok = duet_sweep_query_run(q->sweeps, kind, q->items, q->n, &result, err);
-    *a = ANSWER(result);
-    return ok;
-}
-
-static bool run_boxes(measure_query *q, duet_object_kind kind, answer *a, duet_error *err)
-{
-    duet_box_query_result result = {0};
-    bool ok = q->name.itself ? duet_box_query_run_itself(q->boxes, NULL, 0, &result, err)
-                             : duet_box_query_run(q->boxes, kind, q->items, q->n, &result, err);
-    *a = ANSWER(result);
-    return ok;
-}
-
-static bool run_points(measure_query *q, answer *a, duet_error *err)
-{
-    duet_point_query_result result = {0};
-    bool ok = tree_kind(q->tree) == DUET_OBJECT_LARGE_POSES
-                  ? duet_point_query_run_large(q->points, q->items, q->n, &result, err)
-                  : duet_point_query_run(q->points, q->items, q->n, &result, err);
-    *a = ANSWER(result);
-    return ok;
-}
-
-static bool ask(measure_query *q, uint32_t share, answer *a, duet_error *err)
-{
-    duet_object_kind kind = tree_kind(q->tree);
-    if (!duet_tree_set_share(q->tree, share, err))
-        return false;
-    switch (q->name.item) {
-    case QUERY_RAYS:
-        return run_rays(q, a, err);
-    case QUERY_SWEEPS:
-        return run_sweeps(q, kind, a, err);
-    case QUERY_BOXES:
-        return run_boxes(q, kind, a, err);
-    case QUERY_POINTS:
-        return run_points(q, a, err);
-    }
-    return false;
+    return duet_tree_set_share(q->tree, share, err) &&
+           (q->name.itself ? any_query_run_itself(q->query, NULL, 0, found, err)
+                           : any_query_run(q->query, q->items, q->n, found, err));
 }
 
 // They come in order.
-static uint64_t hash_of(const answer *a)
+static uint64_t hash_of(const measure_query *q, const query_result *found)
 {
-    const uint32_t *words = a->hits;
-    uint64_t hash = a->n;
-    for (size_t i = 0; i < a->bytes / sizeof *words; ++i)
-        hash = (hash ^ words[i]) * 0x9E3779B97F4A7C15u;
+    uint64_t hash = found->n_hits;
+    size_t words = found->n_hits * query_hit_bytes(q->name.item) / sizeof *found->hits;
+    for (size_t i = 0; i < words; ++i)
+        hash = (hash ^ found->hits[i]) * 0x9E3779B97F4A7C15u;
     return hash;
 }
 
@@ -323,13 +235,13 @@ static int64_t to_ns(double ms)
 static bool launch_query(void *context, const duet_plan *plan, measure_launch *launch,
                          duet_error *err)
 {
-    answer a;
-    if (!ask(context, plan->share, &a, err))
+    query_result found;
+    if (!ask(context, plan->share, &found, err))
         return false;
-    *launch = (measure_launch){.total_ns = to_ns(a.total_ms),
-                               .a_ns = to_ns(a.device_ms[0]),
-                               .b_ns = to_ns(a.device_ms[1]),
-                               .hash = hash_of(&a)};
+    *launch = (measure_launch){.total_ns = to_ns(found.total_ms),
+                               .a_ns = to_ns(found.device_ms[0]),
+                               .b_ns = to_ns(found.device_ms[1]),
+                               .hash = hash_of(context, &found)};
     return true;
 }
 
@@ -340,10 +252,10 @@ measure_machine measure_query_machine(measure_query *q, uint64_t hash)
 
 bool measure_query_right(measure_query *q, uint64_t *hash, uint64_t *n_hits, duet_error *err)
 {
-    answer a;
-    if (!ask(q, 0, &a, err))
+    query_result found;
+    if (!ask(q, 0, &found, err))
         return false;
-    *hash = hash_of(&a);
-    *n_hits = a.n;
+    *hash = hash_of(q, &found);
+    *n_hits = found.n_hits;
     return true;
 }

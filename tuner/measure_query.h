@@ -4,7 +4,7 @@
 #ifndef TUNER_MEASURE_QUERY_H
 #define TUNER_MEASURE_QUERY_H
 
-#include "runtime/queries/tree_share.h"
+#include "runtime/queries/any_query.h"
 #include "tuner/measure.h"
 
 typedef struct measure_query {
@@ -12,10 +12,7 @@ typedef struct measure_query {
     query_name name;
     void *items; // drawn among the objects
     uint64_t n;
-    duet_ray_query *rays; // the one that the name says
-    duet_sweep_query *sweeps;
-    duet_box_query *boxes;
-    duet_point_query *points;
+    any_query *query;
 } measure_query;
 
 // n items, drawn by the seed. All is to be closed, also after a failure.

@@ -175,23 +175,17 @@ duet_online_def duet_default_online_def(void)
 
 duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
 {
-    if (!def || def->cookie != COOKIE || !def->world) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                  "the def has no world or does not come from duet_default_online_def");
-        return NULL;
-    }
+    if (!def || def->cookie != COOKIE || !def->world)
+        return error_null(err, DUET_STATUS_BAD_ARGUMENT,
+                          "the def has no world or does not come from duet_default_online_def");
     if (!world_is_idle(def->world, __func__, err))
         return NULL;
-    if (!(def->most_extra >= 0) || !isfinite(def->most_extra)) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT, "most_extra is %g; expected a part, as 0.1",
-                  def->most_extra);
-        return NULL;
-    }
+    if (!(def->most_extra >= 0) || !isfinite(def->most_extra))
+        return error_null(err, DUET_STATUS_BAD_ARGUMENT,
+                          "most_extra is %g; expected a part, as 0.1", def->most_extra);
     duet_online *o = calloc(1, sizeof *o);
-    if (!o) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory to tune on line");
-        return NULL;
-    }
+    if (!o)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory to tune on line");
     o->def = *def;
     world_hold(def->world);
     o->online = online_begin(duet_world_get_plan(def->world)->share, def->most_extra);

@@ -19,10 +19,9 @@ static int order(const void *x, const void *y)
 duet_pair *pair_list_sorted(const duet_result *result, duet_error *err)
 {
     duet_pair *pairs = calloc(result->pairs + 1, sizeof *pairs);
-    if (!pairs) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " pairs: no memory", result->pairs);
-        return NULL;
-    }
+    if (!pairs)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " pairs: no memory",
+                          result->pairs);
     for (uint64_t i = 0; i < result->pairs; ++i)
         pairs[i] = duet_result_get_pair(result, i);
     qsort(pairs, result->pairs, sizeof *pairs, order);

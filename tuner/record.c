@@ -21,12 +21,8 @@ static bool check_writable(const record *r, duet_error *err)
 
 bool record_open(record *r, const char *path, duet_error *err)
 {
-    *r = (record){0};
-    text user = {0};
-    bool ok = path || store_user_path(&user, err);
-    r->store = ok ? store_open(path ? path : text_chars(&user), STORE_WRITE, err) : NULL;
-    text_free(&user);
-    ok = r->store && check_writable(r, err);
+    *r = (record){.store = store_open(path, STORE_WRITE, err)};
+    bool ok = r->store && check_writable(r, err);
     if (!ok)
         record_close(r);
     return ok;

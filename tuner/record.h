@@ -5,7 +5,7 @@
 
 #include "profiles/lookup.h"
 #include "profiles/profile.h"
-#include "tuner/task.h"
+#include "tuner/tune.h"
 
 typedef struct record {
     store *store;

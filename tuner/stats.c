@@ -12,11 +12,16 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+void stats_sort(double *values, size_t n)
+{
+    qsort(values, n, sizeof *values, by_value);
+}
+
 static void sort_into(double *sorted, const double *values, uint32_t n)
 {
     assert(n > 0 && n <= STATS_MOST);
     memcpy(sorted, values, n * sizeof *values);
-    qsort(sorted, n, sizeof *sorted, by_value);
+    stats_sort(sorted, n);
 }
 
 double stats_median(const double *values, uint32_t n)

@@ -4,7 +4,7 @@
 #define TUNER_TRIAL_BUDGET_H
 
 #include "tuner/race.h"
-#include "tuner/task.h"
+#include "tuner/tune.h"
 
 enum {
     VERDICT_REPEATS = 2, // at most, of which the quicker is typical

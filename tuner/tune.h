@@ -1,9 +1,58 @@
 // SPDX-License-Identifier: MIT
 // One tuning: what is measured next, until it is known how to share the work.
+//
+// It is given what to choose from, a machine to measure plans on, and who keeps what was measured.
+// Of devices and the store it knows no more than these functions.
 #ifndef TUNER_TUNE_H
 #define TUNER_TUNE_H
 
-#include "tuner/task.h"
+#include "runtime/broadphase/kernel_space.h"
+#include "tuner/measure.h"
+#include "tuner/trial_log.h"
+
+typedef struct tune_recorder {
+    void *context;
+    // Keeps a trial with the state after it. NULL: nothing is kept.
+    bool (*trial)(void *context, const duet_plan *plan, const measurement *m,
+                  const trial_log *state, duet_error *err);
+} tune_recorder;
+
+// The one device that both devices are parts of.
+typedef struct tune_whole {
+    void *context;
+    // Asked once a winner is known, whose kernels it runs. false: it is not raced.
+    bool (*open)(void *context, const char *kernels, measure_machine *machine, duet_plan *plan);
+} tune_whole;
+
+// What may be set of the kernels that a device runs by a plan; the caller frees *spaces.
+typedef struct tune_kernels {
+    void *context;
+    bool (*read)(void *context, const duet_plan *plan, int device, kernel_space **spaces,
+                 uint32_t *n, duet_error *err);
+} tune_kernels;
+
+typedef struct tune_task {
+    const duet_tune_def *def; // what to choose from, budget, strategy, watch
+    measure_machine machine;
+    tune_recorder recorder;
+    tune_whole whole;               // open NULL: there is none
+    tune_kernels kernels;           // asked only where def->search is given
+    bool one_device;                // both are the same: there is nothing to share
+    char searched[2][DUET_VARIANT]; // by device, what a search led to before; empty: none did
+    duet_plan plan;                 // its variants are the defaults that must work
+    bool has_start;                 // a share that is likely near the best
+    uint32_t start;
+    void *script;         // of the strategy "lua"
+    uint32_t least_share; // shares nearer than this are the same
+} tune_task;
+
+// The variants to choose from, in order: those that are asked for, or else ours. NULL
+// past the end.
+const char *task_variant(const duet_tune_def *def, uint32_t i);
+uint32_t task_count_variants(const duet_tune_def *def);
+
+// Modes that may be searched; some fit no pair of variants.
+uint32_t task_count_modes(const duet_tune_def *def);
 
 // state is empty, or an interrupted tuning's. After INTERRUPTED it can be
 // handed in again. Fills all of outcome but known, resumed and objects.

@@ -20,6 +20,12 @@ void plan_set_variant(duet_plan *plan, int device, const char *variant)
     snprintf(to, sizeof plan->variant_a, "%s", variant);
 }
 
+void plan_set_variants(duet_plan *plan, const char *variant)
+{
+    plan_set_variant(plan, 0, variant);
+    plan_set_variant(plan, 1, variant);
+}
+
 duet_plan tuning_plan(const tuning *t, uint32_t share, duet_mode mode)
 {
     duet_plan plan = t->plan;

@@ -4,7 +4,7 @@
 #ifndef TUNER_TUNING_H
 #define TUNER_TUNING_H
 
-#include "tuner/task.h"
+#include "tuner/tune.h"
 
 // The stages of a device whose kernel is varied.
 typedef struct focus {
@@ -64,5 +64,6 @@ duet_plan tuning_plan(const tuning *t, uint32_t share, duet_mode mode);
 // A plan's variant by device; A is 0.
 const char *plan_variant(const duet_plan *plan, int device);
 void plan_set_variant(duet_plan *plan, int device, const char *variant);
+void plan_set_variants(duet_plan *plan, const char *variant); // both
 
 #endif

@@ -101,9 +101,7 @@ static bool fail_unmeasured(const tuning *t, duet_error *err)
                          "the budget ended before the devices were compared; expected more "
                          "than %u trials or %.3g seconds",
                          t->state->played, (double)t->spent_ns * 1e-9);
-    if (err && err->status == DUET_STATUS_OK)
-        *err = t->failure;
-    return false;
+    return error_copy(err, &t->failure);
 }
 
 // The single device and the shared plan once more, with its evened share.

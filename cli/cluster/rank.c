@@ -10,6 +10,7 @@
 #include "cli/say.h"
 #include "cluster/cluster.h"
 #include "profiles/cluster_run.h"
+#include "tuner/stats.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -177,12 +178,6 @@ static bool step(run_state *r, duet_error *err)
             error_set(err, DUET_STATUS_WRONG_RESULT, "a step found other pairs than the first"));
 }
 
-static int ascending(const void *left, const void *right)
-{
-    double p = *(const double *)left, q = *(const double *)right;
-    return (p > q) - (p < q);
-}
-
 static bool run_steps(run_state *r, duet_error *err)
 {
     uint64_t repeat = r->args->repeat;
@@ -201,7 +196,7 @@ static bool run_steps(run_state *r, duet_error *err)
     }
     progress_end(&p);
     if (ok)
-        qsort(r->total_ms, repeat, sizeof *r->total_ms, ascending);
+        stats_sort(r->total_ms, repeat);
     return ok && duet_cluster_get_ranks(r->cluster, r->ranks, err);
 }
 
@@ -298,10 +293,10 @@ static void print_text(const run_state *r)
         run_report_check(&r->check);
 }
 
-static cJSON *rank_json(const run_state *r, int i)
+static void add_rank(cJSON *list, const run_state *r, int i)
 {
     const duet_cluster_rank *rank = &r->ranks[i];
-    cJSON *o = cJSON_CreateObject();
+    cJSON *o = json_add_row(list);
     cJSON_AddNumberToObject(o, "rank", i);
     cJSON_AddStringToObject(o, "host", rank->host);
     cJSON_AddStringToObject(o, "pair", rank->pair);
@@ -311,22 +306,19 @@ static cJSON *rank_json(const run_state *r, int i)
     cJSON_AddNumberToObject(o, "busy_ms", rank->busy_ms);
     cJSON_AddNumberToObject(o, "wait_ms", rank->wait_ms);
     cJSON_AddNumberToObject(o, "sent_bytes", (double)rank->sent_bytes);
-    return o;
 }
 
 static bool print_json(const run_state *r, duet_error *err)
 {
     const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
     uint64_t n = r->args->repeat;
-    char hash[17];
-    snprintf(hash, sizeof hash, "%016" PRIx64, r->result.hash);
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "scene", info->name);
     cJSON_AddNumberToObject(o, "dims", info->dims);
     cJSON_AddNumberToObject(o, "objects", (double)r->result.objects);
     if (!is_forecast(r)) {
         cJSON_AddNumberToObject(o, "pairs", (double)r->result.pairs);
-        cJSON_AddStringToObject(o, "hash", hash);
+        json_add_hash(o, r->result.hash);
     }
     cJSON_AddStringToObject(o, "level", duet_level_get_info(r->cluster->def.world.level)->name);
     cJSON_AddBoolToObject(o, "resident", r->args->resident);
@@ -340,7 +332,7 @@ static bool print_json(const run_state *r, duet_error *err)
         cJSON_AddNumberToObject(o, "efficiency", efficiency(r));
     cJSON *rows = cJSON_AddArrayToObject(o, "ranks");
     for (int i = 0; i < r->n_ranks; ++i)
-        cJSON_AddItemToArray(rows, rank_json(r, i));
+        add_rank(rows, r, i);
     if (r->check.asked)
         run_report_add_check(o, &r->check);
     return say_json(o, err);

@@ -12,6 +12,8 @@
 #include "cli/report/level_costs_report.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
+#include "tuner/trial_log.h"
+#include "tuner/tuning.h"
 
 #include <inttypes.h>
 #include <sched.h>
@@ -94,19 +96,10 @@ typedef struct plan_list {
 static void add(plan_list *list, const duet_plan *plan)
 {
     for (uint32_t i = 0; i < list->n; ++i) {
-        const duet_plan *p = &list->plans[i];
-        if (p->share == plan->share && p->mode == plan->mode &&
-            strcmp(p->variant_a, plan->variant_a) == 0 &&
-            strcmp(p->variant_b, plan->variant_b) == 0)
+        if (trial_log_same_plan(&list->plans[i], plan))
             return;
     }
     list->plans[list->n++] = *plan;
-}
-
-static void use_kernels(duet_plan *plan, const char *variant)
-{
-    snprintf(plan->variant_a, sizeof plan->variant_a, "%s", variant);
-    snprintf(plan->variant_b, sizeof plan->variant_b, "%s", variant);
 }
 
 enum { BENCH_PLANS_MOST = 16 };
@@ -127,11 +120,11 @@ static uint32_t bench_plans(const bench_scene *scene, const duet_device_pair *pa
     }
     plan.share = one ? 0 : DUET_SHARE_ONE / 2;
     for (size_t i = 0; i < sizeof variants / sizeof *variants; ++i) {
-        use_kernels(&plan, variants[i].variant);
+        plan_set_variants(&plan, variants[i].variant);
         if (!(variants[i].one_size && scene->mixed))
             add(&list, &plan);
     }
-    use_kernels(&plan, "auto");
+    plan_set_variants(&plan, "auto");
     for (size_t i = 0; i < sizeof modes / sizeof *modes && !scene->mixed && !one; ++i) {
         plan.mode = modes[i];
         add(&list, &plan);
@@ -236,7 +229,7 @@ static bool keep_failure(bench *b, const duet_scene_info *info, const duet_plan 
 {
     if (failure->status == DUET_STATUS_INTERRUPTED ||
         !bench_add(b->results, info, plan, NULL, failure))
-        return error_set(err, failure->status, "%s", failure->text);
+        return error_copy(err, failure);
     ++b->failed;
     say_failed(failure);
     return true;

@@ -156,10 +156,8 @@ static char **make_argv(const launch *l, char *const *begin, duet_error *err)
         ++n;
     char **argv = calloc((size_t)(n + l->argc), sizeof *argv);
     n = 0;
-    if (!argv) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "the command line: no memory");
-        return NULL;
-    }
+    if (!argv)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "the command line: no memory");
     while (*begin)
         argv[n++] = *begin++;
     for (int i = 1; i < l->argc; ++i)

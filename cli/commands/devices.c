@@ -68,9 +68,9 @@ static void print_default(const duet_device_pair *pair)
     printf("without --pair: %s%s%s\n", a->selector, one ? "" : ",", one ? "" : b->selector);
 }
 
-static cJSON *device_json(const duet_device_info *d)
+static void add_device(cJSON *list, const duet_device_info *d)
 {
-    cJSON *o = cJSON_CreateObject();
+    cJSON *o = json_add_row(list);
     cJSON_AddStringToObject(o, "selector", d->selector);
     cJSON_AddStringToObject(o, "name", d->name);
     cJSON_AddStringToObject(o, "kind", kinds[d->kind]);
@@ -92,7 +92,6 @@ static cJSON *device_json(const duet_device_info *d)
     const char *quirk;
     for (uint32_t i = 0; (quirk = duet_device_info_get_quirk(d, i)); ++i)
         cJSON_AddItemToArray(quirks, cJSON_CreateString(quirk));
-    return o;
 }
 
 static bool print_json(const duet_device_list *list, const duet_device_pair *pair, duet_error *err)
@@ -100,7 +99,7 @@ static bool print_json(const duet_device_list *list, const duet_device_pair *pai
     cJSON *o = cJSON_CreateObject();
     cJSON *devices = cJSON_AddArrayToObject(o, "devices");
     for (uint32_t i = 0; i < duet_device_list_get_count(list); ++i)
-        cJSON_AddItemToArray(devices, device_json(duet_device_list_get_info(list, i)));
+        add_device(devices, duet_device_list_get_info(list, i));
     json_add_pair(o, "default_pair", pair);
     return say_json(o, err);
 }

@@ -9,7 +9,6 @@
 #include "cli/say.h"
 #include "runtime/broadphase/world_explain.h"
 
-#include <cjson/cJSON.h>
 #include <inttypes.h>
 
 typedef struct arguments {
@@ -91,33 +90,29 @@ static void print(const duet_world *world, const duet_device_pair *pair)
     }
 }
 
-static cJSON *facts_json(const duet_world *world, int side)
+static void add_facts(cJSON *o, const duet_world *world, int side)
 {
-    cJSON *list = cJSON_CreateArray();
+    cJSON *list = cJSON_AddArrayToObject(o, "facts");
     world_fact fact;
     for (uint32_t i = 0; world_fact_at(world, side, i, &fact); ++i) {
-        cJSON *o = cJSON_CreateObject();
-        cJSON_AddStringToObject(o, "name", fact.name);
-        cJSON_AddStringToObject(o, "parameter", fact.parameter);
-        cJSON_AddNumberToObject(o, "value", (double)fact.value);
-        cJSON_AddStringToObject(o, "means", fact.means);
-        cJSON_AddItemToArray(list, o);
+        cJSON *row = json_add_row(list);
+        cJSON_AddStringToObject(row, "name", fact.name);
+        cJSON_AddStringToObject(row, "parameter", fact.parameter);
+        cJSON_AddNumberToObject(row, "value", (double)fact.value);
+        cJSON_AddStringToObject(row, "means", fact.means);
     }
-    return list;
 }
 
-static cJSON *kernels_json(const duet_world *world, int side)
+static void add_kernels(cJSON *o, const duet_world *world, int side)
 {
-    cJSON *list = cJSON_CreateArray();
+    cJSON *list = cJSON_AddArrayToObject(o, "kernels");
     world_kernel k;
     for (uint32_t i = 0; world_kernel_at(world, side, i, &k); ++i) {
-        cJSON *o = cJSON_CreateObject();
-        cJSON_AddStringToObject(o, "name", k.name);
-        cJSON_AddBoolToObject(o, "runs", k.runs);
-        cJSON_AddStringToObject(o, "why", k.why);
-        cJSON_AddItemToArray(list, o);
+        cJSON *row = json_add_row(list);
+        cJSON_AddStringToObject(row, "name", k.name);
+        cJSON_AddBoolToObject(row, "runs", k.runs);
+        cJSON_AddStringToObject(row, "why", k.why);
     }
-    return list;
 }
 
 static void add_json(const duet_world *world, cJSON *o)
@@ -128,12 +123,11 @@ static void add_json(const duet_world *world, cJSON *o)
     for (int side = 0; side < 2; ++side) {
         if (!world->prepared[side])
             continue;
-        cJSON *its = cJSON_CreateObject();
+        cJSON *its = json_add_row(search);
         cJSON_AddStringToObject(its, "device", sides[side]);
         cJSON_AddStringToObject(its, "variant", variants[side]);
-        cJSON_AddItemToObject(its, "facts", facts_json(world, side));
-        cJSON_AddItemToObject(its, "kernels", kernels_json(world, side));
-        cJSON_AddItemToArray(search, its);
+        add_facts(its, world, side);
+        add_kernels(its, world, side);
     }
 }
 

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "cli/commands.h"
 #include "cli/options.h"
+#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "profiles/cluster_run.h"
@@ -13,7 +14,6 @@
 #include "profiles/profile.h"
 #include "profiles/upkeep.h"
 
-#include <cjson/cJSON.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <string.h>
@@ -31,10 +31,7 @@ typedef struct arguments {
 
 store *profiles_open(const char *path, store_access access, duet_error *err)
 {
-    text user = {0};
-    bool ok = path || store_user_path(&user, err);
-    store *s = ok ? store_open(path ? path : text_chars(&user), access, err) : NULL;
-    text_free(&user);
+    store *s = store_open(path, access, err);
     if (s && store_note(s))
         fprintf(stderr, "duet: %s\n", say_name(store_note(s)).chars);
     return s;
@@ -299,12 +296,7 @@ static bool print_report(const arguments *args, const char *report, duet_error *
         return true;
     }
     cJSON *o = cJSON_CreateObject();
-    cJSON *problems = cJSON_AddArrayToObject(o, "problems");
-    for (const char *at = report; *at; at += strcspn(at, "\n") + 1) {
-        char problem[512];
-        snprintf(problem, sizeof problem, "%.*s", (int)strcspn(at, "\n"), at);
-        cJSON_AddItemToArray(problems, cJSON_CreateString(problem));
-    }
+    json_add_lines(o, "problems", report);
     return say_json(o, err);
 }
 

@@ -77,9 +77,10 @@ static bool read_subject(duet_world *world, const duet_scene *scene, profile_sub
 
 static void add_device_row(table *t, const char *label, const profile_env *env)
 {
-    table_words(t, label, NULL);
-    table_cell(t, "%s%s%s%s, driver %s", env->device.name, env->part ? " [" : "",
-               env->part ? env->part : "", env->part ? "]" : "", env->driver);
+    profile_report_device_row(t, label,
+                              &(profile_entry_device){.name = env->device.name,
+                                                      .part = env->part,
+                                                      .driver = env->driver});
 }
 
 static void print_subject(const answer *a)
@@ -195,27 +196,17 @@ static bool print_json(const answer *a, duet_error *err)
             cJSON_AddNumberToObject(o, "false_rate", found->false_rate);
             cJSON_AddNumberToObject(o, "true_pairs", (double)found->true_pairs);
         }
-        cJSON_AddNumberToObject(o, "gain", found->gain);
-        cJSON_AddNumberToObject(o, "gain_low", found->gain_low);
-        cJSON_AddNumberToObject(o, "gain_high", found->gain_high);
+        json_add_interval(o, "gain", found->gain, found->gain_low, found->gain_high);
         cJSON_AddStringToObject(o, "verdict", found->verdict);
         if (found->whole_ns > 0) {
             cJSON_AddNumberToObject(o, "whole_ms", found->whole_ns * 1e-6);
-            cJSON_AddNumberToObject(o, "whole_gain", found->whole_gain);
-            cJSON_AddNumberToObject(o, "whole_gain_low", found->whole_gain_low);
-            cJSON_AddNumberToObject(o, "whole_gain_high", found->whole_gain_high);
+            json_add_interval(o, "whole_gain", found->whole_gain, found->whole_gain_low,
+                              found->whole_gain_high);
         }
         cJSON_AddStringToObject(o, "uid", found->uid);
         cJSON_AddStringToObject(o, "created", profile_report_when(found->created_ns).chars);
     }
-    cJSON *why = cJSON_AddArrayToObject(o, "why");
-    for (const char *at = text_chars(&a->why); *at;) {
-        char ground[512];
-        int length = (int)strcspn(at, "\n");
-        snprintf(ground, sizeof ground, "%.*s", length, at);
-        cJSON_AddItemToArray(why, cJSON_CreateString(ground));
-        at += length + (at[length] == '\n');
-    }
+    json_add_lines(o, "why", text_chars(&a->why));
     return say_json(o, err);
 }
 

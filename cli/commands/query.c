@@ -6,11 +6,9 @@
 #include "cli/commands.h"
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
-#include "cli/options.h"
 #include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
-#include "runtime/duet.h"
 
 #include <stdio.h>
 #include <stdlib.h>

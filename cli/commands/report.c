@@ -118,7 +118,7 @@ static bool add_store(cJSON *shown, const char *path, bool needed, duet_error *e
         return true;
     }
     if (!s)
-        return error_set(err, failure.status, "%s", failure.text);
+        return error_copy(err, &failure);
     bool ok = page_add_store(shown, s, err) && store_check_read(s, err);
     store_close(s);
     return ok;

@@ -11,12 +11,12 @@
 #include "cli/draw/snapshot.h"
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
+#include "cli/report/json.h"
 #include "cli/report/run_report.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "tuner/pair_list.h"
 
-#include <cjson/cJSON.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
@@ -416,8 +416,6 @@ static bool tell_json(moved *r, uint64_t hash, duet_error *err)
     duet_energy e;
     if (!duet_motion_get_energy(r->motion, &e, err))
         return false;
-    char digits[17];
-    snprintf(digits, sizeof digits, "%016" PRIx64, hash);
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "scene", duet_scene_get_info(r->scene)->name);
     cJSON_AddNumberToObject(o, "objects", duet_motion_get_count(r->motion));
@@ -428,7 +426,7 @@ static bool tell_json(moved *r, uint64_t hash, duet_error *err)
     cJSON_AddNumberToObject(o, "contacts", (double)r->last.contacts);
     cJSON_AddNumberToObject(o, "kinetic", e.kinetic + e.turning);
     cJSON_AddNumberToObject(o, "potential", e.potential);
-    cJSON_AddStringToObject(o, "hash", digits);
+    json_add_hash(o, hash);
     cJSON *effects = cJSON_AddArrayToObject(o, "effects");
     for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
         if (duet_motion_get_effects(r->motion) & bit)

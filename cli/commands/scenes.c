@@ -56,10 +56,9 @@ static bool list_json(duet_error *err)
     cJSON *o = cJSON_CreateObject();
     cJSON *scenes = cJSON_AddArrayToObject(o, "scenes");
     for (unsigned i = 0; shipped_at(i, &scene); ++i) {
-        cJSON *one = cJSON_CreateObject();
+        cJSON *one = json_add_row(scenes);
         cJSON_AddStringToObject(one, "name", scene.name);
         cJSON_AddStringToObject(one, "about", scene.about);
-        cJSON_AddItemToArray(scenes, one);
     }
     return say_json(o, err);
 }

@@ -7,12 +7,12 @@
 #include "cli/commands.h"
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
+#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/opencl/program.h"
 
-#include <cjson/cJSON.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -214,9 +214,9 @@ static bool print_kernel(const listed *k, duet_error *err)
     return ok;
 }
 
-static cJSON *param_json(const gen_param *p)
+static void add_param(cJSON *list, const gen_param *p)
 {
-    cJSON *o = cJSON_CreateObject();
+    cJSON *o = json_add_row(list);
     cJSON_AddStringToObject(o, "name", p->name);
     cJSON_AddStringToObject(o, "about", p->about);
     cJSON_AddNumberToObject(o, "default", (double)p->fallback);
@@ -227,19 +227,17 @@ static cJSON *param_json(const gen_param *p)
     cJSON *values = cJSON_AddArrayToObject(o, "values");
     for (uint32_t i = 0; i < p->n_values; ++i)
         cJSON_AddItemToArray(values, cJSON_CreateNumber((double)p->values[i]));
-    return o;
 }
 
-static cJSON *kernel_json(const listed *k)
+static void add_kernel(cJSON *list, const listed *k)
 {
-    cJSON *o = cJSON_CreateObject();
+    cJSON *o = json_add_row(list);
     cJSON_AddStringToObject(o, "name", k->name);
     cJSON_AddStringToObject(o, "about", k->about);
     cJSON_AddNumberToObject(o, "configs", (double)k->configs);
     cJSON *params = cJSON_AddArrayToObject(o, "params");
     for (uint32_t i = 0; i < k->n_params; ++i)
-        cJSON_AddItemToArray(params, param_json(&k->params[i]));
-    return o;
+        add_param(params, &k->params[i]);
 }
 
 static bool list_kernels(gen *g, const char *only, const gen_limits *limits, const arguments *args,
@@ -253,7 +251,7 @@ static bool list_kernels(gen *g, const char *only, const gen_limits *limits, con
         listed k;
         ok = ask(g, name, limits, &k, err);
         if (ok && o)
-            cJSON_AddItemToArray(kernels, kernel_json(&k));
+            add_kernel(kernels, &k);
         else if (ok)
             ok = print_kernel(&k, err);
     }
@@ -294,7 +292,7 @@ static bool check_config(gen *g, program_set *set, const char *name, uint64_t in
     duet_error why = {0};
     bool compiled = program_set_check(set, name, config, n, &why);
     if (!compiled && why.status != DUET_STATUS_BUILD_FAILED)
-        return error_set(err, why.status, "%s", why.text);
+        return error_copy(err, &why);
     if (!compiled)
         fprintf(stderr, "duet: %s\n", why.text);
     c->compiled += compiled;

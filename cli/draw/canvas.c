@@ -39,16 +39,12 @@ static bool ends_with(const char *path, const char *ending)
 canvas *canvas_open(const char *path, double width, double height, duet_error *err)
 {
     bool is_png = ends_with(path, ".png");
-    if (!is_png && !ends_with(path, ".svg") && strcmp(path, "-") != 0) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT, "'%s': a picture's name ends with .svg or .png",
-                  path);
-        return NULL;
-    }
+    if (!is_png && !ends_with(path, ".svg") && strcmp(path, "-") != 0)
+        return error_null(err, DUET_STATUS_BAD_ARGUMENT,
+                          "'%s': a picture's name ends with .svg or .png", path);
     canvas *c = calloc(1, sizeof *c);
-    if (!c) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for the picture", path);
-        return NULL;
-    }
+    if (!c)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "%s: no memory for the picture", path);
     c->path = path;
     c->is_png = is_png;
     c->surface = is_png ? cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)width, (int)height)

@@ -5,6 +5,7 @@
 #include "cli/draw/view.h"
 #include "cli/report/table.h"
 #include "runtime/scene/scene.h"
+#include "tuner/stats.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -76,12 +77,6 @@ static duet_rounded_box body_of(const duet_scene *scene, uint32_t id)
     return poses ? (duet_rounded_box){poses[id], 0} : scene_rounded_box(scene, id);
 }
 
-static int by_number(const void *x, const void *y)
-{
-    double a = *(const double *)x, b = *(const double *)y;
-    return (a > b) - (a < b);
-}
-
 // All objects along an axis but a few on either side, and but what was shot.
 static bool find_extent(const snapshot *s, const crowd *c, uint32_t axis, double *lower,
                         double *upper, duet_error *err)
@@ -100,8 +95,8 @@ static bool find_extent(const snapshot *s, const crowd *c, uint32_t axis, double
         lowers[n] = c->states[i].centre[axis] - reach;
         uppers[n++] = c->states[i].centre[axis] + reach;
     }
-    qsort(lowers, n, sizeof *lowers, by_number);
-    qsort(uppers, n, sizeof *uppers, by_number);
+    stats_sort(lowers, n);
+    stats_sort(uppers, n);
     *lower = n > 0 ? lowers[n / EDGE] : 0.0;
     *upper = n > 0 ? uppers[n - 1 - n / EDGE] : 0.0;
     free(lowers);
@@ -326,9 +321,8 @@ static canvas *open_canvas(const char *path, duet_error *err)
     size_t n = strlen(path);
     if (n >= 5 && strcmp(path + n - 4, ".png") == 0)
         return canvas_open(path, WIDTH, HEIGHT, err);
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "'%s': the name of a run's picture ends with .png",
-              path);
-    return NULL;
+    return error_null(err, DUET_STATUS_BAD_ARGUMENT,
+                      "'%s': the name of a run's picture ends with .png", path);
 }
 
 static bool has_shot(const snapshot *s, const crowd *c)

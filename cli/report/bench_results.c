@@ -9,7 +9,6 @@
 #include "tuner/race.h"
 #include "tuner/stats.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -39,13 +38,12 @@ cJSON *bench_begin(const duet_device_pair *pair, bool quick)
     cJSON *devices = cJSON_AddArrayToObject(o, "devices");
     for (int i = 0; i < 2; ++i) {
         const duet_device_info *info = duet_device_pair_get_info(pair, i);
-        cJSON *device = cJSON_CreateObject();
+        cJSON *device = json_add_row(devices);
         cJSON_AddStringToObject(device, "selector", info->selector);
         cJSON_AddStringToObject(device, "name", info->name);
         cJSON_AddStringToObject(device, "driver", info->driver);
         cJSON_AddStringToObject(device, "platform", info->platform_version);
         cJSON_AddNumberToObject(device, "units", info->units);
-        cJSON_AddItemToArray(devices, device);
     }
     cJSON_AddArrayToObject(o, "cases");
     cJSON_AddArrayToObject(o, "accuracy");
@@ -69,19 +67,17 @@ static void add_times(cJSON *o, const timed *t)
     cJSON_AddItemToObject(o, "samples_ms", cJSON_CreateDoubleArray(ms, (int)t->n));
     cJSON *stages = cJSON_AddArrayToObject(o, "stages");
     for (uint32_t i = 0; i < staged->n_stages; ++i) {
-        cJSON *stage = cJSON_CreateObject();
+        cJSON *stage = json_add_row(stages);
         cJSON_AddStringToObject(stage, "name", staged->stages[i].name);
         cJSON_AddStringToObject(stage, "device", staged->stages[i].device == 0 ? "A" : "B");
         cJSON_AddNumberToObject(stage, "ms", staged->stages[i].ms);
-        cJSON_AddItemToArray(stages, stage);
     }
 }
 
 cJSON *bench_add(cJSON *results, const duet_scene_info *scene, const duet_plan *plan,
                  const timed *t, const duet_error *failure)
 {
-    char hash[17];
-    cJSON *o = cJSON_CreateObject();
+    cJSON *o = json_add_row(cJSON_GetObjectItem(results, "cases"));
     cJSON_AddStringToObject(o, "scene", scene->name);
     cJSON_AddNumberToObject(o, "dims", scene->dims);
     cJSON_AddNumberToObject(o, "objects", scene->n);
@@ -90,12 +86,10 @@ cJSON *bench_add(cJSON *results, const duet_scene_info *scene, const duet_plan *
     if (failure) {
         cJSON_AddStringToObject(o, "failed", failure->text);
     } else {
-        snprintf(hash, sizeof hash, "%016" PRIx64, t->hash);
-        cJSON_AddStringToObject(o, "hash", hash);
+        json_add_hash(o, t->hash);
         cJSON_AddNumberToObject(o, "pairs", (double)t->last.pairs);
         add_times(o, t);
     }
-    cJSON_AddItemToArray(cJSON_GetObjectItem(results, "cases"), o);
     return o;
 }
 

@@ -110,13 +110,6 @@ bool cluster_run_report_list(store *s, bool apart, cJSON *json, uint64_t *n, due
 
 // ---------------------------------------------------------------- one of them
 
-typedef struct showing {
-    store *s;
-    bool json;
-    bool ok;
-    duet_error *err;
-} showing;
-
 static bool add_rank_row(void *context, uint32_t rank, const profile_cluster_rank *row)
 {
     table *t = context;
@@ -153,7 +146,7 @@ static void print_fabric(const cluster_run_entry *e)
     cJSON_Delete(times);
 }
 
-static bool show_text(showing *show, const cluster_run_entry *e)
+static bool show_text(profile_showing *show, const cluster_run_entry *e)
 {
     printf("run        %s, a cluster\n", say_name(e->uid).chars);
     printf("workload   %s, %uD, %s, level %s%s\n", say_name(e->run.scene).chars, e->run.dims,
@@ -172,7 +165,7 @@ static bool show_text(showing *show, const cluster_run_entry *e)
     return ok;
 }
 
-static bool show_json(showing *show, const cluster_run_entry *e)
+static bool show_json(profile_showing *show, const cluster_run_entry *e)
 {
     cJSON *o = run_json(e);
     cJSON *ranks = cJSON_AddArrayToObject(o, "ranks");
@@ -184,13 +177,13 @@ static bool show_json(showing *show, const cluster_run_entry *e)
 
 static bool show_run(void *context, const cluster_run_entry *e)
 {
-    showing *show = context;
+    profile_showing *show = context;
     show->ok = (show->json ? show_json : show_text)(show, e);
     return false;
 }
 
 bool cluster_run_report_show(store *s, const char *uid, bool json, duet_error *err)
 {
-    showing show = {.s = s, .json = json, .err = err};
+    profile_showing show = {.s = s, .json = json, .err = err};
     return cluster_run_each(s, uid, show_run, &show, err) && show.ok;
 }

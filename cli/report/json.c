@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/visible.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -53,6 +54,48 @@ void json_add_plan(cJSON *o, double share, const char *mode, const char *variant
     cJSON_AddStringToObject(o, "mode", mode);
     cJSON_AddStringToObject(o, "variant_a", variant_a);
     cJSON_AddStringToObject(o, "variant_b", variant_b);
+}
+
+void json_add_interval(cJSON *o, const char *name, double value, double low, double high)
+{
+    char bound[64];
+    cJSON_AddNumberToObject(o, name, value);
+    snprintf(bound, sizeof bound, "%s_low", name);
+    cJSON_AddNumberToObject(o, bound, low);
+    snprintf(bound, sizeof bound, "%s_high", name);
+    cJSON_AddNumberToObject(o, bound, high);
+}
+
+void json_add_hash(cJSON *o, uint64_t hash)
+{
+    char digits[17];
+    snprintf(digits, sizeof digits, "%016" PRIx64, hash);
+    cJSON_AddStringToObject(o, "hash", digits);
+}
+
+void json_add_lines(cJSON *o, const char *name, const char *lines)
+{
+    cJSON *list = cJSON_AddArrayToObject(o, name);
+    while (*lines) {
+        char line[512];
+        int length = (int)strcspn(lines, "\n");
+        snprintf(line, sizeof line, "%.*s", length, lines);
+        cJSON_AddItemToArray(list, cJSON_CreateString(line));
+        lines += length + (lines[length] == '\n');
+    }
+}
+
+cJSON *json_add_row(cJSON *list)
+{
+    cJSON *row = cJSON_CreateObject();
+    cJSON_AddItemToArray(list, row);
+    return row;
+}
+
+void json_add_devices(cJSON *o, const duet_device_pair *pair)
+{
+    cJSON_AddStringToObject(o, "a", duet_device_pair_get_info(pair, 0)->selector);
+    cJSON_AddStringToObject(o, "b", duet_device_pair_get_info(pair, 1)->selector);
 }
 
 void json_add_pair(cJSON *o, const char *name, const duet_device_pair *pair)

@@ -24,8 +24,23 @@ void json_add_object(cJSON *o, const char *name, const char *chars);
 void json_add_plan(cJSON *o, double share, const char *mode, const char *variant_a,
                    const char *variant_b);
 
+// Adds NAME, NAME_low and NAME_high.
+void json_add_interval(cJSON *o, const char *name, double value, double low, double high);
+
+// Adds "hash" as 16 hexadecimal digits, for no number of JSON holds 64 bits.
+void json_add_hash(cJSON *o, uint64_t hash);
+
+// Adds an array of the lines of a text.
+void json_add_lines(cJSON *o, const char *name, const char *lines);
+
+// Adds a new object at a list's end.
+cJSON *json_add_row(cJSON *list);
+
 // Adds a field "A,B" from the devices' selectors.
 void json_add_pair(cJSON *o, const char *name, const duet_device_pair *pair);
+
+// Adds the fields "a" and "b", the devices' selectors.
+void json_add_devices(cJSON *o, const duet_device_pair *pair);
 
 // A field that must be there; a table of them ends with {0}.
 typedef struct json_field {

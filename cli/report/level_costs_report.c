@@ -123,9 +123,9 @@ void level_costs_report_text(const level_costs_report *r)
 
 // ---------------------------------------------------------------- as data
 
-static cJSON *row_json(const level_cost *row)
+static void add_row(cJSON *list, const level_cost *row)
 {
-    cJSON *o = cJSON_CreateObject();
+    cJSON *o = json_add_row(list);
     cJSON_AddStringToObject(o, "level", name_of(row));
     cJSON_AddStringToObject(o, "device", row->device == 0 ? "A" : "B");
     cJSON_AddNumberToObject(o, "step_ms", row->step_ms);
@@ -141,7 +141,6 @@ static cJSON *row_json(const level_cost *row)
     cJSON_AddNumberToObject(o, "widest_false", row->widest_added);
     cJSON_AddNumberToObject(o, "undecided_share", undecided_share(row));
     cJSON_AddBoolToObject(o, "front", row->front);
-    return o;
 }
 
 cJSON *level_costs_report_json(const level_costs_report *r)
@@ -151,12 +150,11 @@ cJSON *level_costs_report_json(const level_costs_report *r)
     cJSON_AddStringToObject(o, "scene", r->scene->name);
     cJSON_AddNumberToObject(o, "objects", r->scene->n);
     cJSON_AddNumberToObject(o, "pairs", (double)r->costs->truth);
-    cJSON_AddStringToObject(o, "a", duet_device_pair_get_info(r->pair, 0)->selector);
-    cJSON_AddStringToObject(o, "b", duet_device_pair_get_info(r->pair, 1)->selector);
+    json_add_devices(o, r->pair);
     cJSON_AddNumberToObject(o, "rounds", r->costs->rounds);
     cJSON *levels = cJSON_AddArrayToObject(o, "levels");
     for (uint32_t i = 0; i < r->costs->n; ++i)
-        cJSON_AddItemToArray(levels, row_json(&r->costs->rows[i]));
+        add_row(levels, &r->costs->rows[i]);
     return o;
 }
 

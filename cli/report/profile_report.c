@@ -2,7 +2,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/report/profile_report.h"
 
-#include "cli/report/table.h"
 #include "cli/say.h"
 
 #include <inttypes.h>
@@ -77,17 +76,14 @@ cJSON *profile_report_json(const profile_entry *e)
     cJSON_AddNumberToObject(o, "ms", e->row.median_ns * 1e-6);
     cJSON_AddNumberToObject(o, "low_ms", e->row.low_ns * 1e-6);
     cJSON_AddNumberToObject(o, "high_ms", e->row.high_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "gain", e->row.gain);
-    cJSON_AddNumberToObject(o, "gain_low", e->row.gain_low);
-    cJSON_AddNumberToObject(o, "gain_high", e->row.gain_high);
+    json_add_interval(o, "gain", e->row.gain, e->row.gain_low, e->row.gain_high);
     cJSON_AddStringToObject(o, "verdict", e->row.verdict);
     cJSON_AddNumberToObject(o, "rounds", e->row.rounds);
     cJSON_AddNumberToObject(o, "single_ms", e->row.single_ns * 1e-6);
     if (e->row.whole_ns > 0) {
         cJSON_AddNumberToObject(o, "whole_ms", e->row.whole_ns * 1e-6);
-        cJSON_AddNumberToObject(o, "whole_gain", e->row.whole_gain);
-        cJSON_AddNumberToObject(o, "whole_gain_low", e->row.whole_gain_low);
-        cJSON_AddNumberToObject(o, "whole_gain_high", e->row.whole_gain_high);
+        json_add_interval(o, "whole_gain", e->row.whole_gain, e->row.whole_gain_low,
+                          e->row.whole_gain_high);
     }
     if (e->row.true_pairs >= 0) {
         cJSON_AddNumberToObject(o, "missed_rate", e->row.missed_rate);
@@ -165,7 +161,7 @@ void profile_report_device(const char *label, const profile_entry_device *d)
            say_name(d->part).chars, d->part ? "]" : "", say_name(d->driver).chars);
 }
 
-static void add_device_row(table *t, const char *label, const profile_entry_device *d)
+void profile_report_device_row(table *t, const char *label, const profile_entry_device *d)
 {
     table_words(t, label, NULL);
     table_cell(t, "%s%s%s%s, driver %s", say_name(d->name).chars, d->part ? " [" : "",
@@ -241,9 +237,9 @@ void profile_report_text(const profile_entry *e)
     table_cell(&t, "%s%s%s", say_name(e->uid).chars, e->dead_reason ? ", dead: " : "",
                say_name(e->dead_reason).chars);
     bool one = profile_report_is_one(e);
-    add_device_row(&t, one ? "device" : "A", &e->a);
+    profile_report_device_row(&t, one ? "device" : "A", &e->a);
     if (!one)
-        add_device_row(&t, "B", &e->b);
+        profile_report_device_row(&t, "B", &e->b);
     table_words(&t, "workload", NULL);
     table_cell(&t, "%s, %s: %s", say_name(or_none(e->scene)).chars,
                e->query ? table_things((uint64_t)e->n, "item", "items").chars

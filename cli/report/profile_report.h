@@ -4,6 +4,7 @@
 #define CLI_PROFILE_REPORT_H
 
 #include "cli/report/json.h"
+#include "cli/report/table.h"
 #include "profiles/profile.h"
 
 // "2026-11-21 08:17", UTC; empty for 0.
@@ -19,6 +20,14 @@ bool profile_report_is_here(const profile_entry *e);
 // Whether A and B are the same: a pair of one device.
 bool profile_report_is_one(const profile_entry *e);
 
+// For a visit of one entry, which prints it while it is there.
+typedef struct profile_showing {
+    store *s;
+    bool json;
+    bool ok;
+    duet_error *err;
+} profile_showing;
+
 cJSON *profile_report_json(const profile_entry *e);
 
 // Adds the session; nothing for a profile that has none.
@@ -29,6 +38,9 @@ bool profile_report_add_trials(cJSON *o, store *s, const char *session, duet_err
 
 // "LABELname [part], driver ...".
 void profile_report_device(const char *label, const profile_entry_device *d);
+
+// The same as a row of a table of two columns.
+void profile_report_device_row(table *t, const char *label, const profile_entry_device *d);
 
 // All of it but its trials.
 void profile_report_text(const profile_entry *e);

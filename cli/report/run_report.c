@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "cli/report/run_report.h"
 
-#include "cli/inputs.h"
 #include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
@@ -214,12 +213,11 @@ static cJSON *stages_json(const timed_step *step)
 {
     cJSON *stages = cJSON_CreateArray();
     for (uint32_t i = 0; i < step->n_stages; ++i) {
-        cJSON *stage = cJSON_CreateObject();
+        cJSON *stage = json_add_row(stages);
         cJSON_AddStringToObject(stage, "name", step->stages[i].name);
         cJSON_AddStringToObject(stage, "device", step->stages[i].device == 0 ? "A" : "B");
         cJSON_AddNumberToObject(stage, "ms", step->stages[i].ms);
         cJSON_AddBoolToObject(stage, "transfer", step->stages[i].transfer);
-        cJSON_AddItemToArray(stages, stage);
     }
     return stages;
 }
@@ -239,8 +237,6 @@ static void add_plan(cJSON *o, const duet_device_pair *pair, const duet_plan *pl
 static void add_counts(cJSON *o, const duet_scene_info *info, const timed *m)
 {
     const duet_result *r = &m->last;
-    char hash[17];
-    snprintf(hash, sizeof hash, "%016" PRIx64, m->hash);
     cJSON_AddStringToObject(o, "scene", info->name);
     cJSON_AddNumberToObject(o, "dims", info->dims);
     cJSON_AddNumberToObject(o, "objects", r->objects);
@@ -248,7 +244,7 @@ static void add_counts(cJSON *o, const duet_scene_info *info, const timed *m)
     cJSON_AddNumberToObject(o, "candidates", (double)r->candidates);
     cJSON_AddNumberToObject(o, "pairs", (double)r->pairs);
     cJSON_AddNumberToObject(o, "undecided", (double)r->undecided);
-    cJSON_AddStringToObject(o, "hash", hash);
+    json_add_hash(o, m->hash);
     cJSON *cells = cJSON_AddArrayToObject(o, "cells");
     for (uint32_t i = 0; i < info->dims; ++i)
         cJSON_AddItemToArray(cells, cJSON_CreateNumber(r->cells[i]));

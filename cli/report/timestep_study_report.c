@@ -3,22 +3,15 @@
 
 #include "base/text.h"
 #include "cli/draw/canvas.h"
+#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
+#include "runtime/scene/scene.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 
 enum { BAR = 16 };
-
-static const char *timestep_integrator(const timestep_run *row)
-{
-    static const char *const names[] = {[DUET_INTEGRATOR_EULER] = "euler",
-                                        [DUET_INTEGRATOR_VERLET] = "verlet",
-                                        [DUET_INTEGRATOR_YOSHIDA] = "yoshida"};
-    return names[row->integrator];
-}
 
 // ---------------------------------------------------------------- as text
 
@@ -79,7 +72,7 @@ static void print_row(table *t, const timestep_study *p, const timestep_run *row
     table_cell(t, "%s", row->front ? "*" : " ");
     table_cell(t, "1/%.4g", 1 / row->dt);
     table_cell(t, "%u%s", row->substeps, row->own ? " <" : "  ");
-    table_cell(t, "%s", timestep_integrator(row));
+    table_cell(t, "%s", scene_integrator_name(row->integrator));
     table_cell(t, "%.1f", row->ms);
     if (isfinite(row->noise))
         table_cell(t, "\u00b1%.1f", row->noise);
@@ -96,8 +89,9 @@ void timestep_study_report_text(const timestep_study_report *r)
            table_things(r->scene->n, "object", "objects").chars, p->time,
            duet_device_pair_get_info(r->pair, 1)->selector);
     printf("reference: dt 1/%.4g, substeps %u, %s: %.1f ms a second, gain %.2g %%\n\n",
-           1 / p->reference.dt, p->reference.substeps, timestep_integrator(&p->reference),
-           p->reference.ms, 100 * p->reference.gain);
+           1 / p->reference.dt, p->reference.substeps,
+           scene_integrator_name(p->reference.integrator), p->reference.ms,
+           100 * p->reference.gain);
     table t = table_begin("lrrlrrlrlrrr");
     table_words(&t, " ", "dt", "substeps", "", "ms a second", "noise", "", "error", "", "energy",
                 "gain", "deepest", NULL);
@@ -123,7 +117,7 @@ static cJSON *row_json(const timestep_run *row)
     cJSON *o = cJSON_CreateObject();
     cJSON_AddNumberToObject(o, "dt", row->dt);
     cJSON_AddNumberToObject(o, "substeps", row->substeps);
-    cJSON_AddStringToObject(o, "integrator", timestep_integrator(row));
+    cJSON_AddStringToObject(o, "integrator", scene_integrator_name(row->integrator));
     cJSON_AddBoolToObject(o, "own", row->own);
     cJSON_AddNumberToObject(o, "ms_a_second", row->ms);
     if (isfinite(row->noise))
@@ -143,8 +137,7 @@ bool timestep_study_report_json(const timestep_study_report *r, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "scene", r->scene->name);
     cJSON_AddNumberToObject(o, "objects", r->scene->n);
-    cJSON_AddStringToObject(o, "a", duet_device_pair_get_info(r->pair, 0)->selector);
-    cJSON_AddStringToObject(o, "b", duet_device_pair_get_info(r->pair, 1)->selector);
+    json_add_devices(o, r->pair);
     cJSON_AddNumberToObject(o, "time", p->time);
     cJSON_AddItemToObject(o, "reference", row_json(&p->reference));
     cJSON *rows = cJSON_AddArrayToObject(o, "timesteps");
@@ -162,8 +155,9 @@ bool timestep_study_report_csv(const timestep_study_report *r, const char *path,
     for (uint32_t i = 0; i < r->study->n; ++i) {
         const timestep_run *row = &r->study->rows[i];
         text_add(&lines, "%.9g,%u,%s,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d\n", row->dt,
-                 row->substeps, timestep_integrator(row), row->own, row->ms, row->noise, row->error,
-                 row->energy, row->gain, row->depth, row->finite, row->front);
+                 row->substeps, scene_integrator_name(row->integrator), row->own, row->ms,
+                 row->noise, row->error, row->energy, row->gain, row->depth, row->finite,
+                 row->front);
     }
     return say_to_file(&lines, path, err);
 }
@@ -342,7 +336,7 @@ static void draw_key(canvas *c, const timestep_study *p)
             continue;
         drawn[hue] = true;
         if (by_integrator(p))
-            snprintf(words, sizeof words, "%s", timestep_integrator(row));
+            snprintf(words, sizeof words, "%s", scene_integrator_name(row->integrator));
         else
             snprintf(words, sizeof words, "dt 1/%.4g s", 1 / row->dt);
         canvas_dot(c, (point){right + 30, y - 4}, 6, hues[hue]);

@@ -2,7 +2,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/report/tune_report.h"
 
-#include "cli/inputs.h"
 #include "cli/interrupt.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
@@ -99,18 +98,15 @@ static void add_kernels(cJSON *row, const duet_tune_outcome *o)
         const duet_kernel_search *k = &o->kernels[device];
         if (k->configs == 0)
             continue;
-        cJSON *one = cJSON_CreateObject();
+        cJSON *one = json_add_row(list);
         cJSON_AddStringToObject(one, "device", device == 0 ? "A" : "B");
         cJSON_AddStringToObject(one, "variant",
                                 device == 0 ? o->plan.variant_a : o->plan.variant_b);
         cJSON_AddNumberToObject(one, "configs", k->configs);
         cJSON_AddNumberToObject(one, "tried", k->tried);
         cJSON_AddNumberToObject(one, "launches", k->launches);
-        cJSON_AddNumberToObject(one, "gain", k->gain);
-        cJSON_AddNumberToObject(one, "gain_low", k->gain_low);
-        cJSON_AddNumberToObject(one, "gain_high", k->gain_high);
+        json_add_interval(one, "gain", k->gain, k->gain_low, k->gain_high);
         cJSON_AddStringToObject(one, "verdict", k->verdict);
-        cJSON_AddItemToArray(list, one);
     }
 }
 
@@ -124,7 +120,7 @@ static double break_even(const duet_tune_outcome *o)
 
 void tune_report_add(tune_report *r, const duet_tune_outcome *o)
 {
-    cJSON *row = cJSON_CreateObject();
+    cJSON *row = json_add_row(r->workloads);
     cJSON_AddStringToObject(row, "workload", r->name);
     cJSON_AddNumberToObject(row, "objects", o->objects);
     if (r->query) {
@@ -139,9 +135,7 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o)
                   o->plan.variant_a, o->plan.variant_b);
     cJSON_AddBoolToObject(row, "one_device", r->one);
     cJSON_AddNumberToObject(row, "best_share", o->best.share / (double)DUET_SHARE_ONE);
-    cJSON_AddNumberToObject(row, "gain", o->gain);
-    cJSON_AddNumberToObject(row, "gain_low", o->gain_low);
-    cJSON_AddNumberToObject(row, "gain_high", o->gain_high);
+    json_add_interval(row, "gain", o->gain, o->gain_low, o->gain_high);
     cJSON_AddStringToObject(row, "verdict", o->verdict);
     cJSON_AddNumberToObject(row, "step_ms", o->step_ms);
     cJSON_AddNumberToObject(row, "rounds", o->rounds);
@@ -149,9 +143,7 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o)
     if (o->whole_ms > 0) {
         cJSON_AddStringToObject(row, "whole", r->whole);
         cJSON_AddNumberToObject(row, "whole_ms", o->whole_ms);
-        cJSON_AddNumberToObject(row, "whole_gain", o->whole_gain);
-        cJSON_AddNumberToObject(row, "whole_gain_low", o->whole_gain_low);
-        cJSON_AddNumberToObject(row, "whole_gain_high", o->whole_gain_high);
+        json_add_interval(row, "whole_gain", o->whole_gain, o->whole_gain_low, o->whole_gain_high);
     }
     cJSON_AddNumberToObject(row, "launches", o->launches);
     cJSON_AddNumberToObject(row, "seconds", o->seconds);
@@ -162,7 +154,6 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o)
     cJSON_AddStringToObject(row, "unused", o->unused);
     add_terms(row, &o->terms);
     add_kernels(row, o);
-    cJSON_AddItemToArray(r->workloads, row);
     clear_line(r);
 }
 

@@ -23,6 +23,31 @@ enum { MOST_FITS = 3 };
 
 // ---------------------------------------------------------------- the grid
 
+// The grid is another than the one before.
+static void take_grid(duet_world *world, const grid *before, uint32_t n)
+{
+    const cl_int4 was = before->levels[0].cells, is = world->grid.levels[0].cells;
+    world->cells_vary |= was.s[0] > 0 && memcmp(&was, &is, sizeof is) != 0;
+    world->fitted = true;
+    world->fitted_n = n;
+    world_choose_mode(world);
+    world->split.stale = true;
+    ++world->grid_version;
+    world->prepared[0] = world->prepared[1] = false;
+}
+
+void world_swap_fit(duet_world *world, world_fit *fit)
+{
+    world_fit before = {world->fitted, world->cell_widened, world->fitted_n, world->grid};
+    world->fitted = fit->fitted;
+    if (fit->fitted) {
+        world->grid = fit->grid;
+        world->cell_widened = fit->cell_widened;
+        take_grid(world, &before.grid, fit->n);
+    }
+    *fit = before;
+}
+
 static bool fit_grid(duet_world *world, duet_error *err)
 {
     const duet_world_def *def = &world->def;
@@ -44,18 +69,11 @@ static bool fit_grid(duet_world *world, duet_error *err)
         wish.lower[k] = def->lower[k];
         wish.upper[k] = def->upper[k];
     }
-    const cl_int4 before = world->grid.levels[0].cells;
+    const grid before = world->grid;
     if (!grid_fit(&world->grid, &needs, &wish, &objects, err))
         return false;
-    const cl_int4 cells = world->grid.levels[0].cells;
-    world->cells_vary |= before.s[0] > 0 && memcmp(&before, &cells, sizeof cells) != 0;
     world->cell_widened = too_small;
-    world->fitted = true;
-    world->fitted_n = world->n;
-    world_choose_mode(world);
-    world->split.stale = true;
-    ++world->grid_version;
-    world->prepared[0] = world->prepared[1] = false;
+    take_grid(world, &before, world->n);
     return true;
 }
 

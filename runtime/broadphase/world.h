@@ -100,6 +100,18 @@ void world_change_level(duet_world *world, duet_level level);
 // The next step lays its grid anew, whatever the last one found.
 void world_forget_grid(duet_world *world);
 
+// A grid that was fitted to n objects; or none.
+typedef struct world_fit {
+    bool fitted;
+    bool cell_widened;
+    uint32_t n;
+    grid grid;
+} world_fit;
+
+// The world's becomes this one, and this one the world's: of objects that take turns each have
+// a grid of their own.
+void world_swap_fit(duet_world *world, world_fit *fit);
+
 // Fits a grid to the objects where the last one does not suit them.
 bool world_fit_grid(duet_world *world, duet_error *err);
 

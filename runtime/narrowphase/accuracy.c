@@ -2,11 +2,9 @@
 #include "runtime/narrowphase/accuracy.h"
 
 #include "base/error.h"
-#include "base/text.h"
 #include "gen/field.h"
 
 #include <math.h>
-#include <string.h>
 
 // What is wrong with it; NULL: nothing.
 static const char *fault_of(const duet_accuracy *a)

@@ -7,6 +7,18 @@
 #include <math.h>
 #include <stdbool.h>
 
+void exact_open(void *numbers, size_t bytes)
+{
+    for (mpz_t *at = numbers, *end = at + bytes / sizeof *at; at < end; ++at)
+        mpz_init(*at);
+}
+
+void exact_close(void *numbers, size_t bytes)
+{
+    for (mpz_t *at = numbers, *end = at + bytes / sizeof *at; at < end; ++at)
+        mpz_clear(*at);
+}
+
 int exact_least_power(const float *values, int n, int so_far)
 {
     for (int i = 0; i < n; ++i) {
@@ -79,6 +91,14 @@ void exact_dot(mpz_t out, mpz_t u[3], mpz_t v[3])
     mpz_addmul(out, u[2], v[2]);
 }
 
+void exact_cross(mpz_t *out, mpz_t *u, mpz_t *v)
+{
+    for (int k = 0; k < 3; ++k) {
+        mpz_mul(out[k], u[(k + 1) % 3], v[(k + 2) % 3]);
+        mpz_submul(out[k], u[(k + 2) % 3], v[(k + 1) % 3]);
+    }
+}
+
 int exact_step(mpz_t out[3], const float direction[3], float t_max, int power)
 {
     bool ends = isfinite(t_max);
@@ -121,12 +141,6 @@ typedef struct numbers {
     mpz_t t_a[3], t_b[3];        // t . axis_a[i], t . axis_b[j]
     mpz_t distance, reach, term;
 } numbers;
-
-// The same numbers in a row, to make and to free them all.
-typedef union pool {
-    numbers of;
-    mpz_t all[sizeof(numbers) / sizeof(mpz_t)];
-} pool;
 
 static void set_lengths(numbers *n, const duet_pose *a, const duet_pose *b, const double shift[3])
 {
@@ -215,13 +229,10 @@ bool narrow_exact_apart(const duet_pose *a, const duet_pose *b, const double shi
         return false;
     duet_pose flat_a = narrow_flat(a, dims), flat_b = narrow_flat(b, dims);
     const double flat_shift[3] = {shift[0], shift[1], dims == 3 ? shift[2] : 0};
-    pool p;
-    size_t n = sizeof p.all / sizeof *p.all;
-    for (size_t i = 0; i < n; ++i)
-        mpz_init(p.all[i]);
-    set_numbers(&p.of, &flat_a, &flat_b, flat_shift);
-    bool separated = any_axis_separates(&p.of);
-    for (size_t i = 0; i < n; ++i)
-        mpz_clear(p.all[i]);
+    numbers n;
+    exact_open(&n, sizeof n);
+    set_numbers(&n, &flat_a, &flat_b, flat_shift);
+    bool separated = any_axis_separates(&n);
+    exact_close(&n, sizeof n);
     return !separated;
 }

@@ -5,6 +5,11 @@
 #define RUNTIME_EXACT_H
 
 #include <gmp.h>
+#include <stddef.h>
+
+// Makes a struct of nothing but mpz_t ready, and frees it; bytes is its size.
+void exact_open(void *numbers, size_t bytes);
+void exact_close(void *numbers, size_t bytes);
 
 // The power of two that makes integers of all n values, if below so_far.
 int exact_least_power(const float *values, int n, int so_far);
@@ -18,6 +23,7 @@ void exact_integer(mpz_t out, double value, int power);
 void exact_axes(mpz_t axis[3][3], mpz_t norm, mpz_t q[4], const float rotation[4]);
 
 void exact_dot(mpz_t out, mpz_t u[3], mpz_t v[3]);
+void exact_cross(mpz_t *out, mpz_t *u, mpz_t *v); // of three each
 
 // The way from t = 0 to t_max by direction, in units of 2^p; without an end the direction, in any
 // unit. Returns p, which is power or less.

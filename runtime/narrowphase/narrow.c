@@ -10,6 +10,8 @@
 // parallel edges").
 #include "runtime/narrowphase/narrow.h"
 
+#include "runtime/narrowphase/vector.h"
+
 #include <math.h>
 
 #define SLACK (NARROW_SLACK * 0x1p-53)
@@ -60,11 +62,6 @@ static double larger(double x, double y)
 static double smaller(double x, double y)
 {
     return x < y ? x : y;
-}
-
-static double dot(const double u[3], const double v[3])
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
 // What is known of the separations of the axes seen so far.

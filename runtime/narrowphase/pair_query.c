@@ -9,7 +9,6 @@
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/opencl/shared_work.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 enum { COOKIE = 0x0d0e7007 };
@@ -85,10 +84,8 @@ duet_pair_query *duet_pair_query_create(const duet_pair_query_def *def, duet_err
     if (!check_def(def, err))
         return NULL;
     duet_pair_query *test = calloc(1, sizeof *test);
-    if (!test) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a test");
-        return NULL;
-    }
+    if (!test)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a test");
     side *a = &test->sides[0], *b = &test->sides[1];
     if (!shared_work_open(&test->work, def->pair, def->share, &a->work, &b->work, err) ||
         !open_side(a, def, err) || !open_side(b, def, err)) {

@@ -6,6 +6,7 @@
 #include "runtime/narrowphase/rounded.h"
 
 #include "runtime/narrowphase/exact.h"
+#include "runtime/narrowphase/vector.h"
 
 #include <limits.h>
 #include <math.h>
@@ -116,11 +117,6 @@ typedef struct cores {
 typedef struct points {
     double x[3], y[3];
 } points;
-
-static double dot(const double u[3], const double v[3])
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-}
 
 static double from_column(const cores *m, const double v[3], int j)
 {
@@ -294,11 +290,6 @@ typedef struct numbers {
     mpz_t at, bound, term;
 } numbers;
 
-typedef union pool {
-    numbers of;
-    mpz_t all[sizeof(numbers) / sizeof(mpz_t)];
-} pool;
-
 static void set_lengths(numbers *n, const duet_rounded_box *a, const duet_rounded_box *b)
 {
     const float radii[2] = {a->radius, b->radius};
@@ -391,19 +382,11 @@ static bool any_corner_is_near(numbers *n, side *box, side *other, bool away)
     return false;
 }
 
-static void cross(mpz_t out[3], mpz_t u[3], mpz_t v[3])
-{
-    for (int k = 0; k < 3; ++k) {
-        mpz_mul(out[k], u[(k + 1) % 3], v[(k + 2) % 3]);
-        mpz_submul(out[k], u[(k + 2) % 3], v[(k + 1) % 3]);
-    }
-}
-
 // Whether the point of one line that is nearest to the other lies in its edge: `along` is the
 // other's direction, half and norm are the edge's.
 static bool is_inside(numbers *n, mpz_t along[3], const mpz_t half, const mpz_t norm_other)
 {
-    cross(n->moment, n->way, along);
+    exact_cross(n->moment, n->way, along);
     exact_dot(n->at, n->moment, n->across);
     mpz_mul(n->bound, half, norm_other);
     mpz_mul(n->bound, n->bound, n->squared);
@@ -425,7 +408,7 @@ static bool any_edges_are_near(numbers *n)
 {
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
-            cross(n->across, n->a.axis[i], n->b.axis[j]);
+            exact_cross(n->across, n->a.axis[i], n->b.axis[j]);
             exact_dot(n->squared, n->across, n->across);
             bool skew =
                 mpz_sgn(n->squared) > 0 && mpz_sgn(n->a.half[i]) > 0 && mpz_sgn(n->b.half[j]) > 0;
@@ -449,15 +432,12 @@ bool rounded_exact(const duet_rounded_box *first, const duet_rounded_box *second
     duet_rounded_box a = flat(first, dims), b = flat(second, dims);
     if (narrow_exact(&a.pose, &b.pose, dims))
         return true;
-    pool p;
-    size_t n = sizeof p.all / sizeof *p.all;
-    for (size_t i = 0; i < n; ++i)
-        mpz_init(p.all[i]);
-    set_numbers(&p.of, &a, &b);
-    bool near = any_corner_is_near(&p.of, &p.of.a, &p.of.b, false) ||
-                any_corner_is_near(&p.of, &p.of.b, &p.of.a, true) || any_edges_are_near(&p.of);
-    for (size_t i = 0; i < n; ++i)
-        mpz_clear(p.all[i]);
+    numbers n;
+    exact_open(&n, sizeof n);
+    set_numbers(&n, &a, &b);
+    bool near = any_corner_is_near(&n, &n.a, &n.b, false) ||
+                any_corner_is_near(&n, &n.b, &n.a, true) || any_edges_are_near(&n);
+    exact_close(&n, sizeof n);
     return near;
 }
 

@@ -13,7 +13,6 @@ struct duet_box_query {
     tree_query asked;
     tree_query itself; // of the tree's objects; without kind until it is asked for
     duet_level level;
-    duet_rounded_box *spheres; // what was asked last, as the tree has them
 };
 
 _Static_assert(sizeof(duet_box_hit) == 2 * sizeof(uint32_t), "a hit is two words");
@@ -29,15 +28,6 @@ static bool meets(const duet_tree *tree, const void *item, uint32_t *hit)
     return narrow_decide(item, (const duet_pose *)tree->objects + hit[1], tree->def.dims);
 }
 
-static const query_kind kind_of_poses = {
-    .item = "box",
-    .items = "boxes",
-    .wrong = "not a number, infinite, negative, without rotation, or above 2^100",
-    .kernel = "box_query",
-    .hit_words = 2,
-    .meets = meets,
-};
-
 static bool meets_far(const duet_tree *tree, const void *item, uint32_t *hit)
 {
     const duet_large_pose *box = item;
@@ -47,58 +37,44 @@ static bool meets_far(const duet_tree *tree, const void *item, uint32_t *hit)
     return narrow_decide_apart(&object->pose, &box->pose, shift, tree->def.dims);
 }
 
-static const query_kind kind_of_far_poses = {
-    .item = "box",
-    .items = "boxes",
-    .wrong = "not a number, infinite, negative, without rotation, or beyond 2^30 origin cells",
-    .kernel = "box_query",
-    .hit_words = 2,
-    .meets = meets_far,
-};
-
 static bool meets_rounded(const duet_tree *tree, const void *item, uint32_t *hit)
 {
     return rounded_decide(item, (const duet_rounded_box *)tree->objects + hit[1], tree->def.dims);
 }
 
-static const query_kind kind_of_rounded = {
-    .item = "box",
-    .items = "boxes",
-    .wrong = "not a number, infinite, negative, without rotation, or above 2^100",
-    .kernel = "box_query",
-    .hit_words = 2,
-    .meets = meets_rounded,
+#define BOXES(wrong_, meets_)                                                                  \
+    .item = "box", .items = "boxes", .wrong = (wrong_), .kernel = "box_query", .hit_words = 2, \
+    .meets = (meets_)
+
+static const query_kind kinds[DUET_SHAPES] = {
+    [DUET_SHAPE_POSES] = {BOXES(
+        "not a number, infinite, negative, without rotation, or above 2^100", meets)},
+    [DUET_SHAPE_BOUNDS] = {BOXES(
+        "not a number, infinite, with a lower corner above its upper one, or above 2^100", NULL)},
+    [DUET_SHAPE_ROUNDED_BOXES] = {BOXES(
+        "not a number, infinite, negative, without rotation, or above 2^100", meets_rounded)},
+    [DUET_SHAPE_SPHERES] =
+        {BOXES("not a number, infinite, negative, without rotation, or above 2^100", meets_rounded),
+         .copy = tree_copy_rows},
 };
 
-static const query_kind kind_of_bounds = {
-    .item = "box",
-    .items = "boxes",
-    .wrong = "not a number, infinite, with a lower corner above its upper one, or above 2^100",
-    .kernel = "box_query",
-    .hit_words = 2,
-};
+static const query_kind far_kind = {BOXES(
+    "not a number, infinite, negative, without rotation, or beyond 2^30 origin cells", meets_far)};
 
 static bool check_def(const duet_box_query_def *def, duet_error *err)
 {
-    if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the query's def does not come from duet_default_box_query_def");
-    if (!def->tree)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
-    if (!duet_level_get_info(def->level))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
-                         (int)def->level);
-    return true;
+    bool ours = def && def->cookie == COOKIE;
+    return tree_query_check_def(ours, ours ? def->tree : NULL, "duet_default_box_query_def", err) &&
+           (duet_level_get_info(def->level) ||
+            error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
+                      (int)def->level));
 }
 
 static bool open(tree_query *q, duet_tree *tree, duet_level level, bool itself, duet_error *err)
 {
-    static const query_kind *const kinds[] = {[DUET_SHAPE_POSES] = &kind_of_poses,
-                                              [DUET_SHAPE_BOUNDS] = &kind_of_bounds,
-                                              [DUET_SHAPE_ROUNDED_BOXES] = &kind_of_rounded};
     bool poses = tree->def.shape == DUET_SHAPE_POSES;
     bool far = tree->def.origin_edge > 0.0f;
-    *q = (tree_query){.kind = far ? &kind_of_far_poses : kinds[box_tree_shape(tree->def.shape)],
+    *q = (tree_query){.kind = far ? &far_kind : &kinds[tree->def.shape],
                       .tree = tree,
                       .wants = QUERY_EVERY,
                       .item_words = (uint32_t)(tree_row_bytes(tree) / sizeof(float)),
@@ -112,13 +88,9 @@ static bool open(tree_query *q, duet_tree *tree, duet_level level, bool itself, 
 
 duet_box_query *duet_box_query_create(const duet_box_query_def *def, duet_error *err)
 {
-    if (!check_def(def, err))
+    duet_box_query *query = check_def(def, err) ? tree_query_new(sizeof *query, err) : NULL;
+    if (!query)
         return NULL;
-    duet_box_query *query = calloc(1, sizeof *query);
-    if (!query) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
-        return NULL;
-    }
     query->level = def->level;
     if (open(&query->asked, def->tree, def->level, false, err))
         return query;
@@ -132,34 +104,7 @@ void duet_box_query_destroy(duet_box_query *query)
         tree_query_close(&query->itself);
     if (query)
         tree_query_close(&query->asked);
-    if (query)
-        free(query->spheres);
     free(query);
-}
-
-static duet_box_query_result result_of(const query_result *found)
-{
-    return (duet_box_query_result){.hits = (const duet_box_hit *)found->hits,
-                                   .n_hits = found->n_hits,
-                                   .undecided = found->undecided,
-                                   .total_ms = found->total_ms,
-                                   .device_ms = {found->device_ms[0], found->device_ms[1]}};
-}
-
-// Spheres are rounded boxes to the tree.
-static bool take_spheres(duet_box_query *query, const void **boxes, uint64_t n, duet_error *err)
-{
-    const duet_tree *tree = query->asked.tree;
-    if (tree->def.shape != DUET_SHAPE_SPHERES || n == 0 || !*boxes)
-        return true;
-    void *spheres = n <= UINT32_MAX ? realloc(query->spheres, n * sizeof *query->spheres) : NULL;
-    if (!spheres)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu spheres",
-                         (unsigned long long)n);
-    query->spheres = spheres;
-    tree_copy_rows(tree, *boxes, n, spheres);
-    *boxes = spheres;
-    return true;
 }
 
 bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void *boxes, uint64_t n,
@@ -168,10 +113,10 @@ bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void
     query_result found;
     if (!error_given(query, __func__, "query", err) ||
         !error_given(result, __func__, "result", err) ||
-        !tree_takes(query->asked.tree, kind, err) || !take_spheres(query, &boxes, n, err) ||
+        !tree_takes(query->asked.tree, kind, err) ||
         !tree_query_run(&query->asked, boxes, n, &found, err))
         return false;
-    *result = result_of(&found);
+    *result = QUERY_RESULT(duet_box_query_result, duet_box_hit, found);
     return true;
 }
 
@@ -196,6 +141,6 @@ bool duet_box_query_run_itself(duet_box_query *query, const duet_filter *filters
     q->filters = filters;
     if (!tree_query_run(q, q->tree->objects, n_objects, &found, err))
         return false;
-    *result = result_of(&found);
+    *result = QUERY_RESULT(duet_box_query_result, duet_box_hit, found);
     return true;
 }

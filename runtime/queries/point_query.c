@@ -59,26 +59,19 @@ static const query_kind kind = {
 
 static bool check_def(const duet_point_query_def *def, duet_error *err)
 {
-    if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the query's def does not come from duet_default_point_query_def");
-    if (!def->tree)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
-    if (def->nearest > DUET_MOST_NEAREST)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "nearest is %u; expected at most %u",
-                         def->nearest, DUET_MOST_NEAREST);
-    return true;
+    bool ours = def && def->cookie == COOKIE;
+    return tree_query_check_def(ours, ours ? def->tree : NULL, "duet_default_point_query_def",
+                                err) &&
+           (def->nearest <= DUET_MOST_NEAREST ||
+            error_set(err, DUET_STATUS_BAD_ARGUMENT, "nearest is %u; expected at most %u",
+                      def->nearest, DUET_MOST_NEAREST));
 }
 
 duet_point_query *duet_point_query_create(const duet_point_query_def *def, duet_error *err)
 {
-    if (!check_def(def, err))
+    duet_point_query *query = check_def(def, err) ? tree_query_new(sizeof *query, err) : NULL;
+    if (!query)
         return NULL;
-    duet_point_query *query = calloc(1, sizeof *query);
-    if (!query) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
-        return NULL;
-    }
     bool far = def->tree->def.origin_edge > 0.0f;
     size_t bytes = far ? sizeof(duet_large_point) : sizeof(duet_point);
     query->asked = (tree_query){.kind = &kind,
@@ -110,11 +103,7 @@ static bool run(duet_point_query *query, const void *points, uint64_t n, bool fa
         !tree_query_is_far(&query->asked, far, err) ||
         !tree_query_run(&query->asked, points, n, &found, err))
         return false;
-    *result = (duet_point_query_result){.hits = (const duet_point_hit *)found.hits,
-                                        .n_hits = found.n_hits,
-                                        .undecided = found.undecided,
-                                        .total_ms = found.total_ms,
-                                        .device_ms = {found.device_ms[0], found.device_ms[1]}};
+    *result = QUERY_RESULT(duet_point_query_result, duet_point_hit, found);
     return true;
 }
 

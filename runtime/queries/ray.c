@@ -3,6 +3,7 @@
 
 #include "runtime/narrowphase/exact.h"
 #include "runtime/narrowphase/narrow.h"
+#include "runtime/narrowphase/vector.h"
 
 #include <math.h>
 
@@ -13,11 +14,6 @@ typedef enum met { MISSED, MET, OPEN } met;
 // As kernels/queries/ray_query.cl, with the unit of rounding of a double.
 #define SLACK (64 * 0x1p-53)
 #define SLOW 0x1p-60
-
-static double dot(const double u[3], const double v[3])
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-}
 
 // The difference of two offsets in origin cells is exact, so way is rounded once.
 static met meet_in_double(const duet_ray *ray, const duet_pose *box, const double shift[3],
@@ -68,11 +64,6 @@ typedef struct numbers {
     mpz_t from, per;    // a place on the way, from / per
     mpz_t left, right, term;
 } numbers;
-
-typedef union pool {
-    numbers of;
-    mpz_t all[sizeof(numbers) / sizeof(mpz_t)];
-} pool;
 
 // Ways and half extents share a power of two with the step, unless that has no end.
 static void set_numbers(numbers *n, const duet_ray *ray, const duet_pose *box,
@@ -159,15 +150,12 @@ static bool check_exactly(check *holds, const duet_ray *ray, const duet_pose *bo
 {
     duet_ray flat = flat_ray(ray, dims);
     duet_pose pose = narrow_flat(box, dims);
-    pool p;
-    size_t n = sizeof p.all / sizeof *p.all;
-    for (size_t i = 0; i < n; ++i)
-        mpz_init(p.all[i]);
     const double flat_shift[3] = {shift[0], shift[1], dims == 3 ? shift[2] : 0};
-    set_numbers(&p.of, &flat, &pose, flat_shift, radius);
-    bool found = holds(&p.of, isfinite(ray->t_max));
-    for (size_t i = 0; i < n; ++i)
-        mpz_clear(p.all[i]);
+    numbers n;
+    exact_open(&n, sizeof n);
+    set_numbers(&n, &flat, &pose, flat_shift, radius);
+    bool found = holds(&n, isfinite(ray->t_max));
+    exact_close(&n, sizeof n);
     return found;
 }
 

@@ -60,45 +60,34 @@ static bool meets_far(const duet_tree *tree, const void *item, uint32_t *hit)
     return ray_meets_apart(&ray->ray, &box->pose, shift, tree->def.dims);
 }
 
-static const query_kind far_kind = {
-    .item = "ray",
-    .items = "rays",
-    .wrong = "not a number, an origin beyond 2^30 origin cells, a direction above 2^100 or below "
-             "2^-100, or a t_max below 0",
-    .kernel = "ray_query",
-    .hit_words = 3,
-    .meets = meets_far,
-};
+#define RAYS(wrong_, meets_)                                                                      \
+    {                                                                                             \
+        .item = "ray", .items = "rays", .wrong = (wrong_), .kernel = "ray_query", .hit_words = 3, \
+        .meets = (meets_)                                                                         \
+    }
 
-static const query_kind kind = {
-    .item = "ray",
-    .items = "rays",
-    .wrong = "not a number, an origin or direction above 2^100, a direction below 2^-100, or a "
-             "t_max below 0",
-    .kernel = "ray_query",
-    .hit_words = 3,
-    .meets = meets,
-};
+static const query_kind far_kind =
+    RAYS("not a number, an origin beyond 2^30 origin cells, a direction above 2^100 or below "
+         "2^-100, or a t_max below 0",
+         meets_far);
+
+static const query_kind kind =
+    RAYS("not a number, an origin or direction above 2^100, a direction below 2^-100, or a "
+         "t_max below 0",
+         meets);
 
 static bool check_def(const duet_ray_query_def *def, duet_error *err)
 {
-    if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the query's def does not come from duet_default_ray_query_def");
-    if (!def->tree)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
-    return tree_query_knows(def->wants, err);
+    bool ours = def && def->cookie == COOKIE;
+    return tree_query_check_def(ours, ours ? def->tree : NULL, "duet_default_ray_query_def", err) &&
+           tree_query_knows(def->wants, err);
 }
 
 duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error *err)
 {
-    if (!check_def(def, err))
+    duet_ray_query *query = check_def(def, err) ? tree_query_new(sizeof *query, err) : NULL;
+    if (!query)
         return NULL;
-    duet_ray_query *query = calloc(1, sizeof *query);
-    if (!query) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
-        return NULL;
-    }
     bool far = def->tree->def.origin_edge > 0.0f;
     size_t bytes = far ? sizeof(duet_large_ray) : sizeof(duet_ray);
     query->asked = (tree_query){.kind = far ? &far_kind : &kind,
@@ -130,11 +119,7 @@ static bool run(duet_ray_query *query, const void *rays, uint64_t n, bool far, c
         !tree_query_is_far(&query->asked, far, err) ||
         !tree_query_run(&query->asked, rays, n, &found, err))
         return false;
-    *result = (duet_ray_query_result){.hits = (const duet_ray_hit *)found.hits,
-                                      .n_hits = found.n_hits,
-                                      .undecided = found.undecided,
-                                      .total_ms = found.total_ms,
-                                      .device_ms = {found.device_ms[0], found.device_ms[1]}};
+    *result = QUERY_RESULT(duet_ray_query_result, duet_ray_hit, found);
     return true;
 }
 

@@ -8,9 +8,9 @@
 
 #include "runtime/narrowphase/exact.h"
 #include "runtime/narrowphase/rounded.h"
+#include "runtime/narrowphase/vector.h"
 #include "runtime/queries/sweep.h"
 
-#include <limits.h>
 #include <math.h>
 
 static duet_rounded_sweep flat_sweep(const duet_rounded_sweep *sweep, uint32_t dims)
@@ -54,17 +54,6 @@ typedef struct gap {
     double apart; // along it both reach no further: the cores are at least so far apart
     double speed; // with which they come nearer along it
 } gap;
-
-static double dot(const double u[3], const double v[3])
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-}
-
-static void cross(double out[3], const double u[3], const double v[3])
-{
-    for (int k = 0; k < 3; ++k)
-        out[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
-}
 
 static core core_of(const duet_pose *pose)
 {
@@ -315,11 +304,6 @@ typedef struct numbers {
     mpz_t square, along, beside, term;
 } numbers;
 
-typedef union pool {
-    numbers of;
-    mpz_t all[sizeof(numbers) / sizeof(mpz_t)];
-} pool;
-
 static void set_edges(numbers *n, mpz_t edges[3][3], const duet_pose *pose, int power,
                       const mpz_t norm_other)
 {
@@ -358,14 +342,6 @@ static void set_numbers(numbers *n, const duet_rounded_sweep *sweep, const duet_
         exact_integer(n->term, b->centre[k], power);
         mpz_sub(n->begin[k], n->begin[k], n->term);
         mpz_mul(n->begin[k], n->begin[k], n->norms);
-    }
-}
-
-static void cross_exactly(mpz_t out[3], mpz_t u[3], mpz_t v[3])
-{
-    for (int k = 0; k < 3; ++k) {
-        mpz_mul(out[k], u[(k + 1) % 3], v[(k + 2) % 3]);
-        mpz_submul(out[k], u[(k + 2) % 3], v[(k + 1) % 3]);
     }
 }
 
@@ -409,11 +385,11 @@ static bool is_face_near(numbers *n, int u, int v, bool ends)
     mpz_mul(n->term, n->limit, n->square);
     if (mpz_cmp(n->beside, n->term) > 0)
         return false;
-    cross_exactly(n->moment, n->at, n->edges[v]);
+    exact_cross(n->moment, n->at, n->edges[v]);
     exact_dot(n->along, n->moment, n->across);
     if (!is_on(n, u, ends))
         return false;
-    cross_exactly(n->moment, n->edges[u], n->at);
+    exact_cross(n->moment, n->edges[u], n->at);
     exact_dot(n->along, n->moment, n->across);
     return is_on(n, v, ends);
 }
@@ -459,7 +435,7 @@ static bool any_corner_edge_or_face_is_near(numbers *n, bool ends)
         if (has_length(n->edges[u]) && any_is_near(n, u, -1, ends))
             return true;
         for (int v = u + 1; v <= WAY; ++v) {
-            cross_exactly(n->across, n->edges[u], n->edges[v]);
+            exact_cross(n->across, n->edges[u], n->edges[v]);
             exact_dot(n->square, n->across, n->across);
             if (mpz_sgn(n->square) > 0 && any_is_near(n, u, v, ends))
                 return true;
@@ -478,14 +454,11 @@ bool rounded_sweep_meets_exactly(const duet_rounded_sweep *sweep, const duet_rou
         return true;
     if (flat.box.radius == 0 && other.radius == 0)
         return false;
-    pool p;
-    size_t n = sizeof p.all / sizeof *p.all;
-    for (size_t i = 0; i < n; ++i)
-        mpz_init(p.all[i]);
-    set_numbers(&p.of, &flat, &other);
-    bool near = any_corner_edge_or_face_is_near(&p.of, isfinite(sweep->t_max));
-    for (size_t i = 0; i < n; ++i)
-        mpz_clear(p.all[i]);
+    numbers n;
+    exact_open(&n, sizeof n);
+    set_numbers(&n, &flat, &other);
+    bool near = any_corner_edge_or_face_is_near(&n, isfinite(sweep->t_max));
+    exact_close(&n, sizeof n);
     return near;
 }
 

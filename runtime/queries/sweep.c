@@ -8,6 +8,7 @@
 
 #include "runtime/narrowphase/exact.h"
 #include "runtime/narrowphase/narrow.h"
+#include "runtime/narrowphase/vector.h"
 
 #include <math.h>
 
@@ -31,17 +32,6 @@ typedef struct passage {
     double normal[3];
     double apart; // at the begin, along the axis where they are the most
 } passage;
-
-static double dot(const double u[3], const double v[3])
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-}
-
-static void cross(double out[3], const double u[3], const double v[3])
-{
-    for (int k = 0; k < 3; ++k)
-        out[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
-}
 
 static void narrow_to(interval *of, double enter, double leave)
 {
@@ -239,23 +229,6 @@ typedef struct numbers {
     mpz_t at, end, reach, part, term;
 } numbers;
 
-typedef union pool {
-    numbers of;
-    mpz_t all[sizeof(numbers) / sizeof(mpz_t)];
-} pool;
-
-static void pool_open(pool *p)
-{
-    for (size_t i = 0; i < sizeof p->all / sizeof *p->all; ++i)
-        mpz_init(p->all[i]);
-}
-
-static void pool_close(pool *p)
-{
-    for (size_t i = 0; i < sizeof p->all / sizeof *p->all; ++i)
-        mpz_clear(p->all[i]);
-}
-
 static void set_numbers(numbers *n, const duet_sweep *sweep, const duet_pose *box,
                         const double shift[3])
 {
@@ -336,37 +309,26 @@ static bool separates(numbers *n, bool ends)
     return mpz_sgn(n->at) == side && mpz_cmpabs(n->at, n->reach) > 0;
 }
 
-static void set_axis(numbers *n, mpz_t u[3])
+static bool axis_separates(numbers *n, mpz_t u[3], bool ends)
 {
     for (int k = 0; k < 3; ++k)
         mpz_set(n->axis[k], u[k]);
-}
-
-static void set_product(numbers *n, mpz_t u[3], mpz_t v[3])
-{
-    for (int k = 0; k < 3; ++k) {
-        mpz_mul(n->axis[k], u[(k + 1) % 3], v[(k + 2) % 3]);
-        mpz_submul(n->axis[k], u[(k + 2) % 3], v[(k + 1) % 3]);
-    }
+    return separates(n, ends);
 }
 
 static bool product_separates(numbers *n, mpz_t u[3], mpz_t v[3], bool ends)
 {
-    set_product(n, u, v);
+    exact_cross(n->axis, u, v);
     return separates(n, ends);
 }
 
 static bool any_axis_separates(numbers *n, bool ends)
 {
-    for (int i = 0; i < 3; ++i) {
-        set_axis(n, n->axis_a[i]);
-        if (separates(n, ends))
-            return true;
-        set_axis(n, n->axis_b[i]);
-        if (separates(n, ends) || product_separates(n, n->step, n->axis_a[i], ends) ||
+    for (int i = 0; i < 3; ++i)
+        if (axis_separates(n, n->axis_a[i], ends) || axis_separates(n, n->axis_b[i], ends) ||
+            product_separates(n, n->step, n->axis_a[i], ends) ||
             product_separates(n, n->step, n->axis_b[i], ends))
             return true;
-    }
     for (int i = 0; i < 9; ++i)
         if (product_separates(n, n->axis_a[i / 3], n->axis_b[i % 3], ends))
             return true;
@@ -376,11 +338,11 @@ static bool any_axis_separates(numbers *n, bool ends)
 // They are flat.
 static bool meet_in_integers(const duet_sweep *sweep, const duet_pose *box, const double shift[3])
 {
-    pool p;
-    pool_open(&p);
-    set_numbers(&p.of, sweep, box, shift);
-    bool separated = any_axis_separates(&p.of, isfinite(sweep->t_max));
-    pool_close(&p);
+    numbers n;
+    exact_open(&n, sizeof n);
+    set_numbers(&n, sweep, box, shift);
+    bool separated = any_axis_separates(&n, isfinite(sweep->t_max));
+    exact_close(&n, sizeof n);
     return !separated;
 }
 
@@ -395,14 +357,14 @@ bool sweep_meets_bounds(const duet_bounds_sweep *sweep, const duet_bounds *box, 
 {
     duet_bounds_sweep flat = *sweep;
     duet_bounds bounds = *box;
-    pool p;
+    numbers n;
     if (dims == 2)
         flat.direction[2] = flat.bounds.lower[2] = flat.bounds.upper[2] = bounds.lower[2] =
             bounds.upper[2] = 0;
-    pool_open(&p);
-    set_bounds_numbers(&p.of, &flat, &bounds);
-    bool separated = any_axis_separates(&p.of, isfinite(sweep->t_max));
-    pool_close(&p);
+    exact_open(&n, sizeof n);
+    set_bounds_numbers(&n, &flat, &bounds);
+    bool separated = any_axis_separates(&n, isfinite(sweep->t_max));
+    exact_close(&n, sizeof n);
     return !separated;
 }
 

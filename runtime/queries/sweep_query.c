@@ -14,7 +14,6 @@ enum { COOKIE = 0x0d0e700e };
 
 struct duet_sweep_query {
     tree_query asked;
-    duet_rounded_sweep *spheres; // what was asked last, as the kernel has them
 };
 
 _Static_assert(sizeof(duet_sweep) == 14 * sizeof(float), "a sweep is a pose and four floats");
@@ -80,18 +79,6 @@ static void enter_far(const duet_tree *tree, const void *item, uint32_t *hit)
     h->t = sweep_enter_apart(&sweep, &box->pose, shift, tree->def.dims, h->normal);
 }
 
-static const query_kind far_kind = {
-    .item = "sweep",
-    .items = "sweeps",
-    .wrong = "no box, beyond 2^30 origin cells, a number that is none or above 2^100, a direction "
-             "below 2^-100, or a t_max below 0",
-    .kernel = "ray_query",
-    .hit_words = 6,
-    .meets = meets_far,
-    .finish = enter_far,
-    .finish_reads = true,
-};
-
 // A grazing one is left open before float knows where it touches.
 static bool meets_rounded(const duet_tree *tree, const void *item, uint32_t *hit)
 {
@@ -110,61 +97,60 @@ static void enter_rounded(const duet_tree *tree, const void *item, uint32_t *hit
     h->t = rounded_sweep_enter(item, box, tree->def.dims, h->normal);
 }
 
-static const query_kind kinds[] = {
-    [DUET_SHAPE_POSES] = {.item = "sweep",
-                          .items = "sweeps",
-                          .wrong =
-                              "no box, a number that is none or above 2^100, a direction below "
-                              "2^-100, or a t_max below 0",
-                          .kernel = "ray_query",
-                          .hit_words = 6,
-                          .meets = meets,
-                          .finish = enter,
-                          .finish_reads = true},
-    [DUET_SHAPE_BOUNDS] = {.item = "sweep",
-                           .items = "sweeps",
-                           .wrong = "no bounds, a number that is none or above 2^100, a direction "
-                                    "below 2^-100, or a t_max below 0",
-                           .kernel = "ray_query",
-                           .hit_words = 6,
-                           .meets = meets_bounds,
-                           .finish = enter_bounds,
-                           .finish_reads = true},
-    [DUET_SHAPE_ROUNDED_BOXES] = {.item = "sweep",
-                                  .items = "sweeps",
-                                  .wrong = "no box, a radius below 0, a number that is none or "
-                                           "above 2^100, a direction below 2^-100, or a t_max "
-                                           "below 0",
-                                  .kernel = "ray_query",
-                                  .hit_words = 6,
-                                  .meets = meets_rounded,
-                                  .finish = enter_rounded,
-                                  .finish_reads = true},
+// Spheres are rounded boxes to the kernel.
+static void copy_spheres(const duet_tree *tree, const void *items, uint64_t n, void *to)
+{
+    const duet_sphere_sweep *given = items;
+    duet_rounded_sweep *sweeps = to;
+    (void)tree;
+    for (uint64_t i = 0; i < n; ++i) {
+        sweeps[i] = (duet_rounded_sweep){.box = rounded_of_sphere(&given[i].sphere),
+                                         .t_max = given[i].t_max};
+        memcpy(sweeps[i].direction, given[i].direction, sizeof given[i].direction);
+    }
+}
+
+#define SWEEPS(wrong_, meets_, enter_)                                                            \
+    .item = "sweep", .items = "sweeps", .wrong = (wrong_), .kernel = "ray_query", .hit_words = 6, \
+    .meets = (meets_), .finish = (enter_), .finish_reads = true
+
+#define WRONG_ROUNDED                                                                            \
+    "no box, a radius below 0, a number that is none or above 2^100, a direction below 2^-100, " \
+    "or a t_max below 0"
+
+static const query_kind kinds[DUET_SHAPES] = {
+    [DUET_SHAPE_POSES] = {SWEEPS("no box, a number that is none or above 2^100, a direction below "
+                                 "2^-100, or a t_max below 0",
+                                 meets, enter)},
+    [DUET_SHAPE_BOUNDS] = {SWEEPS("no bounds, a number that is none or above 2^100, a direction "
+                                  "below 2^-100, or a t_max below 0",
+                                  meets_bounds, enter_bounds)},
+    [DUET_SHAPE_ROUNDED_BOXES] = {SWEEPS(WRONG_ROUNDED, meets_rounded, enter_rounded)},
+    [DUET_SHAPE_SPHERES] = {SWEEPS(WRONG_ROUNDED, meets_rounded, enter_rounded),
+                            .copy = copy_spheres},
 };
+
+static const query_kind far_kind = {
+    SWEEPS("no box, beyond 2^30 origin cells, a number that is none or above 2^100, a direction "
+           "below 2^-100, or a t_max below 0",
+           meets_far, enter_far)};
 
 static bool check_def(const duet_sweep_query_def *def, duet_error *err)
 {
-    if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the query's def does not come from duet_default_sweep_query_def");
-    if (!def->tree)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
-    return tree_query_knows(def->wants, err);
+    bool ours = def && def->cookie == COOKIE;
+    return tree_query_check_def(ours, ours ? def->tree : NULL, "duet_default_sweep_query_def",
+                                err) &&
+           tree_query_knows(def->wants, err);
 }
 
 duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def, duet_error *err)
 {
-    if (!check_def(def, err))
+    duet_sweep_query *query = check_def(def, err) ? tree_query_new(sizeof *query, err) : NULL;
+    if (!query)
         return NULL;
-    duet_sweep_query *query = calloc(1, sizeof *query);
-    if (!query) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
-        return NULL;
-    }
-    duet_shape shape = box_tree_shape(def->tree->def.shape);
     bool far = def->tree->def.origin_edge > 0.0f;
     size_t bytes = tree_row_bytes(def->tree) + 4 * sizeof(float); // and a direction and t_max
-    query->asked = (tree_query){.kind = far ? &far_kind : &kinds[shape],
+    query->asked = (tree_query){.kind = far ? &far_kind : &kinds[def->tree->def.shape],
                                 .tree = def->tree,
                                 .wants = (query_wants)def->wants,
                                 .item_words = (uint32_t)(bytes / sizeof(float)),
@@ -182,29 +168,7 @@ void duet_sweep_query_destroy(duet_sweep_query *query)
 {
     if (query)
         tree_query_close(&query->asked);
-    if (query)
-        free(query->spheres);
     free(query);
-}
-
-// Spheres are rounded boxes to the tree.
-static bool take_spheres(duet_sweep_query *query, const void **sweeps, uint64_t n, duet_error *err)
-{
-    const duet_sphere_sweep *given = *sweeps;
-    if (query->asked.tree->def.shape != DUET_SHAPE_SPHERES || n == 0 || !given)
-        return true;
-    void *spheres = n <= UINT32_MAX ? realloc(query->spheres, n * sizeof *query->spheres) : NULL;
-    if (!spheres)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu spheres",
-                         (unsigned long long)n);
-    query->spheres = spheres;
-    for (uint64_t i = 0; i < n; ++i) {
-        query->spheres[i] = (duet_rounded_sweep){.box = rounded_of_sphere(&given[i].sphere),
-                                                 .t_max = given[i].t_max};
-        memcpy(query->spheres[i].direction, given[i].direction, sizeof given[i].direction);
-    }
-    *sweeps = spheres;
-    return true;
 }
 
 bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kind, const void *sweeps,
@@ -213,13 +177,9 @@ bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kind, const 
     query_result found;
     if (!error_given(query, __func__, "query", err) ||
         !error_given(result, __func__, "result", err) ||
-        !tree_takes(query->asked.tree, kind, err) || !take_spheres(query, &sweeps, n, err) ||
+        !tree_takes(query->asked.tree, kind, err) ||
         !tree_query_run(&query->asked, sweeps, n, &found, err))
         return false;
-    *result = (duet_sweep_query_result){.hits = (const duet_sweep_hit *)found.hits,
-                                        .n_hits = found.n_hits,
-                                        .undecided = found.undecided,
-                                        .total_ms = found.total_ms,
-                                        .device_ms = {found.device_ms[0], found.device_ms[1]}};
+    *result = QUERY_RESULT(duet_sweep_query_result, duet_sweep_hit, found);
     return true;
 }

@@ -117,8 +117,7 @@ static bool add_side(duet_tree *tree, int which, duet_error *err)
         build(&work);
         if (s->ok)
             return true;
-        if (err && err->status == DUET_STATUS_OK)
-            *err = s->err;
+        error_copy(err, &s->err);
     }
     close_side(s);
     return false;
@@ -181,10 +180,8 @@ duet_tree *duet_tree_create(const duet_tree_def *def, duet_error *err)
     if (!check_def(def, err))
         return NULL;
     duet_tree *tree = calloc(1, sizeof *tree);
-    if (!tree) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a tree");
-        return NULL;
-    }
+    if (!tree)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a tree");
     tree->def = *def;
     if (def->share == DUET_SHARE_DEFAULT)
         tree->def.share = duet_default_plan(def->pair).share;
@@ -224,9 +221,7 @@ bool tree_run(duet_tree *tree, void (*work)(void *), void *a, void *b, duet_erro
     }
     thread_pool_run_both(tree->driver, work, a, b);
     const tree_side *failed = &tree->sides[tree->sides[0].ok];
-    if (!failed->ok && err && err->status == DUET_STATUS_OK)
-        *err = failed->err;
-    return failed->ok;
+    return failed->ok || error_copy(err, &failed->err);
 }
 
 // ---------------------------------------------------------------- objects

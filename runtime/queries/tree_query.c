@@ -65,7 +65,23 @@ bool tree_query_knows(duet_query_wants wants, duet_error *err)
                      (int)wants);
 }
 
+bool tree_query_check_def(bool is_ours, const duet_tree *tree, const char *maker, duet_error *err)
+{
+    if (!is_ours)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def does not come from %s",
+                         maker);
+    return tree || error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
+}
+
 // ---------------------------------------------------------------- owner
+
+void *tree_query_new(size_t bytes, duet_error *err)
+{
+    void *query = calloc(1, bytes);
+    if (!query)
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
+    return query;
+}
 
 static void close_flow(query_flow *f)
 {
@@ -130,7 +146,7 @@ void tree_query_close(tree_query *q)
     close_side(&q->sides[0]);
     close_side(&q->sides[1]);
     host_block_release(&q->joined.block);
-    free(q->far_items);
+    free(q->own_items);
     duet_tree_destroy(q->tree);
 }
 
@@ -661,15 +677,20 @@ bool tree_query_is_far(const tree_query *q, bool far, duet_error *err)
 static bool take_items(tree_query *q, const void *items, uint64_t n, duet_error *err)
 {
     size_t bytes = (size_t)n * q->item_words * sizeof(float);
+    bool is_far = q->tree->def.origin_edge > 0.0f;
     q->items = items;
-    if (!(q->tree->def.origin_edge > 0.0f) || q->itself || n == 0)
+    if ((!is_far && !q->kind->copy) || q->itself || n == 0)
         return true;
-    void *copies = realloc(q->far_items, bytes);
+    void *copies = realloc(q->own_items, bytes);
     if (!copies)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu %s",
                          (unsigned long long)n, q->kind->items);
-    q->items = q->far_items = memcpy(copies, items, bytes);
-    const far_rows far = {copies, n, q->item_words, q->item_cell};
+    q->items = q->own_items = copies;
+    if (q->kind->copy) {
+        q->kind->copy(q->tree, items, n, copies);
+        return true;
+    }
+    const far_rows far = {memcpy(copies, items, bytes), n, q->item_words, q->item_cell};
     far_rows_settle(&far, q->tree->def.origin_edge);
     far_rows_count_from(&far, q->tree->middle);
     return true;

@@ -5,6 +5,7 @@
 #ifndef RUNTIME_TREE_QUERY_H
 #define RUNTIME_TREE_QUERY_H
 
+#include "runtime/queries/any_query.h"
 #include "runtime/queries/tree.h"
 
 enum { QUERY_SETTINGS = 5 };
@@ -23,6 +24,8 @@ typedef struct query_kind {
     const char *wrong;  // what may be wrong with one, in a message
     const char *kernel; // of kernels/queries, and its entry
     uint32_t hit_words;
+    // Copies items as the caller has them to items as the kernel does; NULL: they are that.
+    void (*copy)(const duet_tree *tree, const void *items, uint64_t n, void *to);
     // Whether an item meets the object of a hit that float leaves open; exact. Its value, which is
     // never above the true one, may then be raised. NULL: float leaves nothing open.
     bool (*meets)(const duet_tree *tree, const void *item, uint32_t *hit);
@@ -79,22 +82,31 @@ typedef struct tree_query {
     uint32_t n_settings;
     query_side sides[2];
     const char *items;          // of the run
-    void *far_items;            // in origin cells: as the tree has them
+    void *own_items;            // copies, of spheres and in origin cells: as the tree has them
     const duet_filter *filters; // of the objects, where these are the items; NULL: all touch
     hit_list joined;
 } tree_query;
 
-// What a run found; the query's, until its next.
-typedef struct query_result {
-    const uint32_t *hits;
-    uint64_t n_hits;
-    uint64_t undecided;
-    double total_ms;
-    double device_ms[2];
-} query_result;
+// A query_result as a public query tells it, whose result and hits are of these types.
+#define QUERY_RESULT(result_type, hit_type, found)                        \
+    (result_type)                                                         \
+    {                                                                     \
+        .hits = (const hit_type *)(found).hits, .n_hits = (found).n_hits, \
+        .undecided = (found).undecided, .total_ms = (found).total_ms,     \
+        .device_ms = {                                                    \
+            (found).device_ms[0],                                         \
+            (found).device_ms[1],                                         \
+        },                                                                \
+    }
+
+// BAD_ARGUMENT unless the def of a query comes from its maker and has a tree.
+bool tree_query_check_def(bool is_ours, const duet_tree *tree, const char *maker, duet_error *err);
 
 // BAD_ARGUMENT for no duet_query_wants.
 bool tree_query_knows(duet_query_wants wants, duet_error *err);
+
+// Zeroed memory of a public query, which begins with a tree_query.
+void *tree_query_new(size_t bytes, duet_error *err);
 
 // Builds the kernel of q->kind with these settings and DIMS, SHAPE, ORIGIN. kind, tree, wants,
 // item_words and each are set.

@@ -71,19 +71,16 @@ duet_motion *duet_motion_create_from_scene(const duet_motion_def *def, const due
     const duet_body *own = bodies ? bodies : duet_scene_get_bodies(scene);
     if (info->shape == DUET_SHAPE_ROUNDED_BOXES || info->shape == DUET_SHAPE_SPHERES)
         return create_rounded(def, scene, own, err);
-    if (!poses) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                  "%s: its objects are corners, which do not move; expected centres and half "
-                  "extents",
-                  info->name);
-        return NULL;
-    }
-    if (def && def->origin_edge != info->origin_edge) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                  "the scene %s has origin cells of edge %g, the motion's def of %g", info->name,
-                  (double)info->origin_edge, (double)def->origin_edge);
-        return NULL;
-    }
+    if (!poses)
+        return error_null(
+            err, DUET_STATUS_BAD_ARGUMENT,
+            "%s: its objects are corners, which do not move; expected centres and half "
+            "extents",
+            info->name);
+    if (def && def->origin_edge != info->origin_edge)
+        return error_null(err, DUET_STATUS_BAD_ARGUMENT,
+                          "the scene %s has origin cells of edge %g, the motion's def of %g",
+                          info->name, (double)info->origin_edge, (double)def->origin_edge);
     return motion_create(def, poses, duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES), own,
                          info->n, err);
 }

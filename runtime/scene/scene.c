@@ -256,10 +256,8 @@ static bool settle_radii(duet_scene *scene, duet_error *err)
 static duet_scene *scene_new(duet_error *err)
 {
     duet_scene *scene = calloc(1, sizeof *scene);
-    if (!scene) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "a scene: no memory");
-        return NULL;
-    }
+    if (!scene)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "a scene: no memory");
     scene->info.dims = 3;
     scene->info.shape = DUET_SHAPE_POSES;
     scene->per_row = 1;
@@ -337,7 +335,7 @@ static bool refuse_path(const char *path, const duet_error *why, duet_error *err
 {
     shipped_scene near;
     if (why->status != DUET_STATUS_NOT_FOUND || strpbrk(path, "/."))
-        return error_set(err, why->status, "%s", why->text);
+        return error_copy(err, why);
     if (shipped_find_nearest(path, &near))
         return error_set(err, why->status, "%s: no such file or scene; did you mean '%s'?", path,
                          near.name);
@@ -377,8 +375,8 @@ static bool open_source(const char *path, scene_source *source, text *file, duet
     duet_error why = {0};
     if (!text_read_lines(file, path, &why))
         return refuse_path(path, &why, err);
-    *source =
-        (scene_source){strcmp(path, "-") == 0 ? STDIN_NAME : path, text_chars(file), file->length, -1};
+    *source = (scene_source){strcmp(path, "-") == 0 ? STDIN_NAME : path, text_chars(file),
+                             file->length, -1};
     return true;
 }
 
@@ -509,14 +507,11 @@ duet_scene *duet_scene_load_pairs(const char *path, duet_error *err)
 static duet_scene *start_copy(duet_shape shape, const void *objects, uint32_t n, uint32_t dims,
                               duet_error *err)
 {
-    if (n > 0 && !objects) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u objects, but no memory that holds them", n);
-        return NULL;
-    }
-    if (dims != 2 && dims != 3) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; it must be 2 or 3", dims);
-        return NULL;
-    }
+    if (n > 0 && !objects)
+        return error_null(err, DUET_STATUS_BAD_ARGUMENT,
+                          "%u objects, but no memory that holds them", n);
+    if (dims != 2 && dims != 3)
+        return error_null(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; it must be 2 or 3", dims);
     duet_scene *scene = scene_new(err);
     if (!scene)
         return NULL;
@@ -527,100 +522,91 @@ static duet_scene *start_copy(duet_shape shape, const void *objects, uint32_t n,
                    scene);
 }
 
-duet_scene *scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t dims, duet_error *err)
+static void write_pose(const duet_pose *pose, uint32_t dims, double *row)
 {
-    duet_scene *scene = start_copy(DUET_SHAPE_POSES, poses, n, dims, err);
-    const scene_layout *l = dims == 2 ? &scene_layout_pose_2d : scene_layout_find(10);
-    bool ok = scene != NULL;
-    for (uint32_t i = 0; ok && i < n; ++i) {
-        const float *c = poses[i].centre;
-        const float *h = poses[i].half_extents;
-        const float *q = poses[i].rotation;
-        const double in_2d[] = {c[0], c[1], h[0], h[1], q[2], q[3]};
-        const double in_3d[] = {c[0], c[1], c[2], h[0], h[1], h[2], q[0], q[1], q[2], q[3]};
-        ok = add(scene, l, dims == 2 ? in_2d : in_3d, (scene_place){0}, err);
+    const uint32_t first = dims == 2 ? 2 : 0; // of the quaternion
+    for (uint32_t k = 0; k < dims; ++k) {
+        row[k] = pose->centre[k];
+        row[dims + k] = pose->half_extents[k];
     }
-    return keep_if(ok, scene);
+    for (uint32_t k = first; k < 4; ++k)
+        row[2 * dims + k - first] = pose->rotation[k];
 }
 
-static duet_scene *from_rounded_boxes(const duet_rounded_box *boxes, uint32_t n, uint32_t dims,
-                                      duet_error *err)
+static void write_bounds(const duet_bounds *bounds, uint32_t dims, double *row)
 {
-    duet_scene *scene = start_copy(DUET_SHAPE_POSES, boxes, n, dims, err);
-    bool ok = scene && begin_radii(scene, err);
-    for (uint32_t i = 0; ok && i < n; ++i) {
-        const float *c = boxes[i].pose.centre, *h = boxes[i].pose.half_extents;
-        const float *q = boxes[i].pose.rotation, r = boxes[i].radius;
-        const double in_2d[] = {c[0], c[1], h[0], h[1], q[2], q[3], r};
-        const double in_3d[] = {c[0], c[1], c[2], h[0], h[1], h[2], q[0], q[1], q[2], q[3], r};
-        ok = add(scene, scene_layout_rounded_box(dims), dims == 2 ? in_2d : in_3d, (scene_place){0},
-                 err);
+    for (uint32_t k = 0; k < dims; ++k) {
+        row[k] = bounds->lower[k];
+        row[dims + k] = bounds->upper[k];
     }
-    return keep_if(ok && join_radii(scene, DUET_SHAPE_ROUNDED_BOXES, err), scene);
 }
 
-static duet_scene *from_spheres(const duet_sphere *spheres, uint32_t n, uint32_t dims,
-                                duet_error *err)
+// Object i as a row of that layout; what has a radius has it last.
+static void write_row(const scene_layout *l, duet_shape shape, const void *objects, uint32_t i,
+                      double *row)
 {
-    duet_scene *scene = start_copy(DUET_SHAPE_POSES, spheres, n, dims, err);
-    bool ok = scene && begin_radii(scene, err);
-    for (uint32_t i = 0; ok && i < n; ++i) {
-        const float *c = spheres[i].centre, r = spheres[i].radius;
-        const double in_2d[] = {c[0], c[1], 0, 0, 0, 1, r};
-        const double in_3d[] = {c[0], c[1], c[2], 0, 0, 0, 0, 0, 0, 1, r};
-        ok = add(scene, scene_layout_rounded_box(dims), dims == 2 ? in_2d : in_3d, (scene_place){0},
-                 err);
+    duet_rounded_box box = {.radius = 0};
+    if (shape == DUET_SHAPE_BOUNDS) {
+        write_bounds((const duet_bounds *)objects + i, l->dims, row);
+        return;
     }
-    return keep_if(ok && join_radii(scene, DUET_SHAPE_SPHERES, err), scene);
+    if (shape == DUET_SHAPE_POSES)
+        box.pose = ((const duet_pose *)objects)[i];
+    else
+        box = shape == DUET_SHAPE_SPHERES ? rounded_of_sphere((const duet_sphere *)objects + i)
+                                          : ((const duet_rounded_box *)objects)[i];
+    write_pose(&box.pose, l->dims, row);
+    if (scene_layout_has_radius(l))
+        row[l->n - 1] = box.radius;
 }
 
-static duet_scene *from_bounds(const duet_bounds *bounds, uint32_t n, uint32_t dims,
+duet_scene *scene_from_objects(duet_shape shape, const void *objects, uint32_t n, uint32_t dims,
                                duet_error *err)
 {
-    duet_scene *scene = start_copy(DUET_SHAPE_BOUNDS, bounds, n, dims, err);
-    const scene_layout *l = scene_layout_find(2 * dims);
-    bool ok = scene != NULL;
+    bool bounds = shape == DUET_SHAPE_BOUNDS, rounded = !bounds && shape != DUET_SHAPE_POSES;
+    const scene_layout *l = bounds      ? scene_layout_find(2 * dims)
+                            : rounded   ? scene_layout_rounded_box(dims)
+                            : dims == 2 ? &scene_layout_pose_2d
+                                        : scene_layout_find(10);
+    duet_scene *scene =
+        start_copy(bounds ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES, objects, n, dims, err);
+    bool ok = scene && (!rounded || begin_radii(scene, err));
     for (uint32_t i = 0; ok && i < n; ++i) {
-        double row[6];
-        for (uint32_t k = 0; k < dims; ++k) {
-            row[k] = bounds[i].lower[k];
-            row[k + dims] = bounds[i].upper[k];
-        }
+        double row[SCENE_MAX_COLUMNS];
+        write_row(l, shape, objects, i, row);
         ok = add(scene, l, row, (scene_place){0}, err);
     }
-    return keep_if(ok, scene);
+    return keep_if(ok && (!rounded || join_radii(scene, shape, err)), scene);
 }
 
 duet_scene *duet_scene_create(duet_object_kind kind, const void *objects, uint32_t n, uint32_t dims,
                               float origin_edge, duet_error *err)
 {
-    if (origin_edge != 0.0f && kind != DUET_OBJECT_LARGE_POSES) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                  "origin_edge is %g; expected 0 for objects that are not large poses",
-                  (double)origin_edge);
-        return NULL;
-    }
+    if (origin_edge != 0.0f && kind != DUET_OBJECT_LARGE_POSES)
+        return error_null(err, DUET_STATUS_BAD_ARGUMENT,
+                          "origin_edge is %g; expected 0 for objects that are not large poses",
+                          (double)origin_edge);
     switch (kind) {
     case DUET_OBJECT_POSES:
-        return scene_from_poses(objects, n, dims, err);
+        return scene_from_objects(DUET_SHAPE_POSES, objects, n, dims, err);
     case DUET_OBJECT_BOUNDS:
-        return from_bounds(objects, n, dims, err);
+        return scene_from_objects(DUET_SHAPE_BOUNDS, objects, n, dims, err);
     case DUET_OBJECT_LARGE_POSES:
         return scene_from_large_poses(objects, n, dims, origin_edge, err);
     case DUET_OBJECT_ROUNDED_BOXES:
-        return from_rounded_boxes(objects, n, dims, err);
+        return scene_from_objects(DUET_SHAPE_ROUNDED_BOXES, objects, n, dims, err);
     case DUET_OBJECT_SPHERES:
-        return from_spheres(objects, n, dims, err);
+        return scene_from_objects(DUET_SHAPE_SPHERES, objects, n, dims, err);
     case DUET_OBJECT_TRANSFORMS:
     case DUET_OBJECT_SIZES:
     case DUET_OBJECT_COMPACT_TRANSFORMS:
         break;
     }
-    error_set(err, DUET_STATUS_BAD_ARGUMENT,
-              "kind is %d; expected poses, bounds, large poses, rounded boxes or spheres for a "
-              "scene",
-              (int)kind);
-    return NULL;
+    return error_null(
+        err, DUET_STATUS_BAD_ARGUMENT,
+        "kind is %d; expected poses, bounds, large poses, rounded boxes or spheres for a "
+        "scene",
+        (int)kind);
 }
 
 static bool reorder(void *rows, size_t bytes, uint32_t n, const uint32_t *order, duet_error *err)

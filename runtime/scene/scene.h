@@ -66,7 +66,8 @@ duet_scene *scene_load_range(const char *path, const duet_setting *settings, uin
                              uint64_t first, uint64_t end, uint64_t *n, duet_error *err);
 
 // duet_scene_load in which `each` makes only its first object, and of a .npy file no other is
-// read: *deferred are left out of all *n. Where there are any, parts of the scene are better read by their ranges.
+// read: *deferred are left out of all *n. Where there are any, parts of the scene are better read
+// by their ranges.
 duet_scene *scene_load_deferred(const char *path, const duet_setting *settings, uint32_t n_settings,
                                 uint64_t *n, uint64_t *deferred, duet_error *err);
 
@@ -82,10 +83,17 @@ duet_object_kind scene_kind(const duet_scene_info *info);
 // An object of a scene whose objects have radii.
 duet_rounded_box scene_rounded_box(const duet_scene *scene, uint32_t id);
 
-// duet_scene_create of these kinds.
-duet_scene *scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t dims, duet_error *err);
+// duet_scene_create of objects of that shape, or of large poses.
+duet_scene *scene_from_objects(duet_shape shape, const void *objects, uint32_t n, uint32_t dims,
+                               duet_error *err);
 duet_scene *scene_from_large_poses(const duet_large_pose *placed, uint32_t n, uint32_t dims,
                                    float origin, duet_error *err);
+
+// "euler", "verlet" ...; NULL beyond the last.
+const char *scene_integrator_name(int integrator);
+
+// The bit of duet_effect_name; 0 where no effect is called that.
+uint32_t scene_effect_named(const char *name);
 
 bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_error *err);
 

@@ -9,7 +9,6 @@
 #include "gen/field.h"
 #include "gen/script.h"
 #include "runtime/narrowphase/accuracy.h"
-#include "runtime/scene/scene_motion.h"
 
 #include <lauxlib.h>
 #include <math.h>
@@ -466,7 +465,7 @@ static void add_row(lua_State *L, scene_reading *reading, const row *r)
     if (scene_set_columns(reading->scene, r->n, place, &err) &&
         scene_add_row(reading->scene, r->value, place, &err))
         return;
-    error_set(reading->err, err.status, "%s", err.text);
+    error_copy(reading->err, &err);
     luaL_error(L, "%s", err.text);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A scene while its script runs. What is wrong is raised as a Lua error; the reading's err
-// keeps the status where a check of the scene's own refused an object.
+// A scene while its script runs, and what it says of motion: bodies of its objects, and a
+// motion's def. What is wrong is raised as a Lua error; the reading's err keeps the status where
+// a check of the scene's own refused an object.
 #ifndef RUNTIME_SCENE_LUA_H
 #define RUNTIME_SCENE_LUA_H
 
@@ -20,5 +21,36 @@ typedef struct scene_reading {
     uint64_t n_each;   // calls of each until now
     bool in_each;
 } scene_reading;
+
+// ---------------------------------------------------------------- scene_motion.c
+
+// An object's body, as far as it is given; bits of the fields in their table.
+typedef struct scene_body {
+    uint32_t id;
+    uint32_t given;
+    duet_body body;
+} scene_body;
+
+// Reads the field `name` of an object from the top of the stack. False where
+// bodies have no such field; the fields are named by SCENE_BODY_NAMES.
+bool scene_read_body_field(lua_State *L, const char *name, scene_body *body);
+#define SCENE_BODY_NAMES \
+    "angular_velocity, fixed_rotation, friction, group, mask, mass, restitution, sensor, velocity"
+
+// Keeps what was given for the object that was added last.
+bool scene_keep_body(duet_scene *scene, const scene_body *body, duet_error *err);
+
+// The scene's own fields of motion, each read from the table at index 1.
+void scene_read_body(lua_State *L, scene_reading *reading);
+void scene_read_gravity(lua_State *L, scene_reading *reading);
+void scene_read_origin(lua_State *L, scene_reading *reading);
+void scene_read_attraction(lua_State *L, scene_reading *reading);
+void scene_read_boundary(lua_State *L, scene_reading *reading);
+void scene_read_wants(lua_State *L, scene_reading *reading);
+void scene_read_integrator(lua_State *L, scene_reading *reading);
+void scene_read_motion_numbers(lua_State *L, scene_reading *reading);
+
+// Makes the bodies of all objects of what was given, after the last field.
+bool scene_fill_bodies(duet_scene *scene, duet_error *err);
 
 #endif

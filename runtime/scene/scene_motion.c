@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/scene/scene_motion.h"
+#include "runtime/scene/scene_lua.h"
 
 #include "base/error.h"
 #include "gen/field.h"
@@ -194,7 +194,7 @@ void scene_read_origin(lua_State *L, scene_reading *reading)
         read_corner(L, reading, "origin", reading->scene->motion.origin);
     duet_error err = {0};
     if (cells && !scene_set_origin(reading->scene, field_number(L, 1, "origin_edge", 1), &err)) {
-        error_set(reading->err, err.status, "%s", err.text);
+        error_copy(reading->err, &err);
         luaL_error(L, "%s", err.text);
     }
 }
@@ -232,7 +232,7 @@ void scene_read_boundary(lua_State *L, scene_reading *reading)
     }
 }
 
-static uint32_t effect_named(const char *name)
+uint32_t scene_effect_named(const char *name)
 {
     for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
         if (strcmp(duet_effect_name(bit), name) == 0)
@@ -248,7 +248,7 @@ void scene_read_wants(lua_State *L, scene_reading *reading)
     for (lua_Unsigned i = 1; i <= n; ++i) {
         lua_rawgeti(L, -1, (lua_Integer)i);
         const char *name = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "?";
-        uint32_t effect = effect_named(name);
+        uint32_t effect = scene_effect_named(name);
         if (!effect)
             field_raise(L, "wants",
                         "wants has '%s', which is no effect; docs/effects.md lists them", name);
@@ -258,12 +258,19 @@ void scene_read_wants(lua_State *L, scene_reading *reading)
     lua_pop(L, 1);
 }
 
+const char *scene_integrator_name(int integrator)
+{
+    static const char *const names[] = {[DUET_INTEGRATOR_EULER] = "euler",
+                                        [DUET_INTEGRATOR_VERLET] = "verlet",
+                                        [DUET_INTEGRATOR_YOSHIDA] = "yoshida"};
+    return integrator <= DUET_INTEGRATOR_YOSHIDA ? names[integrator] : NULL;
+}
+
 void scene_read_integrator(lua_State *L, scene_reading *reading)
 {
-    static const char *const names[] = {"euler", "verlet", "yoshida"};
-    const char *name = field_string(L, 1, "integrator", names[0]);
-    for (int i = 0; i < 3; ++i)
-        if (strcmp(name, names[i]) == 0) {
+    const char *name = field_string(L, 1, "integrator", scene_integrator_name(0));
+    for (int i = 0; scene_integrator_name(i); ++i)
+        if (strcmp(name, scene_integrator_name(i)) == 0) {
             reading->scene->motion.integrator = (duet_integrator)i;
             return;
         }

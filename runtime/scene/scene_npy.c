@@ -10,7 +10,6 @@
 
 #include "base/budget.h"
 #include "base/error.h"
-#include "base/text.h"
 
 #include <ctype.h>
 #include <errno.h>

@@ -77,13 +77,11 @@ duet_scene *scene_from_large_poses(const duet_large_pose *placed, uint32_t n, ui
     if (n > 0 && !error_given(placed, "duet_scene_create", "objects", err))
         return NULL;
     duet_pose *poses = calloc(n > 0 ? n : 1, sizeof *poses);
-    if (!poses) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "%u poses: no memory", n);
-        return NULL;
-    }
+    if (!poses)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "%u poses: no memory", n);
     for (uint32_t i = 0; i < n; ++i)
         poses[i] = placed[i].pose;
-    duet_scene *scene = scene_from_poses(placed ? poses : NULL, n, dims, err);
+    duet_scene *scene = scene_from_objects(DUET_SHAPE_POSES, placed ? poses : NULL, n, dims, err);
     free(poses);
     if (scene && place_all(scene, placed, origin, err))
         return scene;

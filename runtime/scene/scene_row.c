@@ -112,88 +112,42 @@ static void store_pose_3d(const double *row, void *object)
     store_rotation(row[6], row[7], row[8], row[9], pose);
 }
 
+static const scene_column bounds_2d[] = {{"min x", COLUMN_COORDINATE},
+                                         {"min y", COLUMN_COORDINATE},
+                                         {"max x", COLUMN_COORDINATE},
+                                         {"max y", COLUMN_COORDINATE}};
+static const scene_column bounds_3d[] = {
+    {"min x", COLUMN_COORDINATE}, {"min y", COLUMN_COORDINATE}, {"min z", COLUMN_COORDINATE},
+    {"max x", COLUMN_COORDINATE}, {"max y", COLUMN_COORDINATE}, {"max z", COLUMN_COORDINATE}};
+static const scene_column box_2d[] = {{"cx", COLUMN_COORDINATE},
+                                      {"cy", COLUMN_COORDINATE},
+                                      {"hx", COLUMN_HALF},
+                                      {"hy", COLUMN_HALF},
+                                      {"angle", COLUMN_ANGLE}};
+
+// The last is only of a rounded box, here and below.
+static const scene_column pose_2d[] = {{"cx", COLUMN_COORDINATE}, {"cy", COLUMN_COORDINATE},
+                                       {"hx", COLUMN_HALF},       {"hy", COLUMN_HALF},
+                                       {"qz", COLUMN_ROTATION},   {"qw", COLUMN_ROTATION},
+                                       {"radius", COLUMN_RADIUS}};
+static const scene_column pose_3d[] = {
+    {"cx", COLUMN_COORDINATE}, {"cy", COLUMN_COORDINATE}, {"cz", COLUMN_COORDINATE},
+    {"hx", COLUMN_HALF},       {"hy", COLUMN_HALF},       {"hz", COLUMN_HALF},
+    {"qx", COLUMN_ROTATION},   {"qy", COLUMN_ROTATION},   {"qz", COLUMN_ROTATION},
+    {"qw", COLUMN_ROTATION},   {"radius", COLUMN_RADIUS}};
+
 // The rows that files have. No two have the same number of columns.
 static const scene_layout layouts[] = {
-    {4,
-     2,
-     DUET_SHAPE_BOUNDS,
-     {{"min x", COLUMN_COORDINATE},
-      {"min y", COLUMN_COORDINATE},
-      {"max x", COLUMN_COORDINATE},
-      {"max y", COLUMN_COORDINATE}},
-     store_bounds_2d},
-    {5,
-     2,
-     DUET_SHAPE_POSES,
-     {{"cx", COLUMN_COORDINATE},
-      {"cy", COLUMN_COORDINATE},
-      {"hx", COLUMN_HALF},
-      {"hy", COLUMN_HALF},
-      {"angle", COLUMN_ANGLE}},
-     store_box_2d},
-    {6,
-     3,
-     DUET_SHAPE_BOUNDS,
-     {{"min x", COLUMN_COORDINATE},
-      {"min y", COLUMN_COORDINATE},
-      {"min z", COLUMN_COORDINATE},
-      {"max x", COLUMN_COORDINATE},
-      {"max y", COLUMN_COORDINATE},
-      {"max z", COLUMN_COORDINATE}},
-     store_bounds_3d},
-    {10,
-     3,
-     DUET_SHAPE_POSES,
-     {{"cx", COLUMN_COORDINATE},
-      {"cy", COLUMN_COORDINATE},
-      {"cz", COLUMN_COORDINATE},
-      {"hx", COLUMN_HALF},
-      {"hy", COLUMN_HALF},
-      {"hz", COLUMN_HALF},
-      {"qx", COLUMN_ROTATION},
-      {"qy", COLUMN_ROTATION},
-      {"qz", COLUMN_ROTATION},
-      {"qw", COLUMN_ROTATION}},
-     store_pose_3d},
-    {7,
-     2,
-     DUET_SHAPE_POSES,
-     {{"cx", COLUMN_COORDINATE},
-      {"cy", COLUMN_COORDINATE},
-      {"hx", COLUMN_HALF},
-      {"hy", COLUMN_HALF},
-      {"qz", COLUMN_ROTATION},
-      {"qw", COLUMN_ROTATION},
-      {"radius", COLUMN_RADIUS}},
-     store_pose_2d},
-    {11,
-     3,
-     DUET_SHAPE_POSES,
-     {{"cx", COLUMN_COORDINATE},
-      {"cy", COLUMN_COORDINATE},
-      {"cz", COLUMN_COORDINATE},
-      {"hx", COLUMN_HALF},
-      {"hy", COLUMN_HALF},
-      {"hz", COLUMN_HALF},
-      {"qx", COLUMN_ROTATION},
-      {"qy", COLUMN_ROTATION},
-      {"qz", COLUMN_ROTATION},
-      {"qw", COLUMN_ROTATION},
-      {"radius", COLUMN_RADIUS}},
-     store_pose_3d},
+    {4, 2, DUET_SHAPE_BOUNDS, bounds_2d, store_bounds_2d},
+    {5, 2, DUET_SHAPE_POSES, box_2d, store_box_2d},
+    {6, 3, DUET_SHAPE_BOUNDS, bounds_3d, store_bounds_3d},
+    {7, 2, DUET_SHAPE_POSES, pose_2d, store_pose_2d},
+    {10, 3, DUET_SHAPE_POSES, pose_3d, store_pose_3d},
+    {11, 3, DUET_SHAPE_POSES, pose_3d, store_pose_3d},
 };
 
-// What duet_scene_from_poses makes of a pose in 2D; in no file.
-const scene_layout scene_layout_pose_2d = {6,
-                                           2,
-                                           DUET_SHAPE_POSES,
-                                           {{"cx", COLUMN_COORDINATE},
-                                            {"cy", COLUMN_COORDINATE},
-                                            {"hx", COLUMN_HALF},
-                                            {"hy", COLUMN_HALF},
-                                            {"qz", COLUMN_ROTATION},
-                                            {"qw", COLUMN_ROTATION}},
-                                           store_pose_2d};
+// What duet_scene_create makes of a pose in 2D; in no file.
+const scene_layout scene_layout_pose_2d = {6, 2, DUET_SHAPE_POSES, pose_2d, store_pose_2d};
 
 const scene_layout *scene_layout_find(uint32_t columns)
 {

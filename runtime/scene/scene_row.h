@@ -41,7 +41,7 @@ typedef struct scene_layout {
     uint32_t n;
     uint32_t dims;
     duet_shape shape;
-    scene_column columns[SCENE_MAX_COLUMNS];
+    const scene_column *columns;                    // [n]
     void (*store)(const double *row, void *object); // but for the radius
 } scene_layout;
 

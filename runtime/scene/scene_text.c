@@ -118,7 +118,7 @@ static const char *first_line(const scene_source *source)
     return source->bytes + (strncmp(source->bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0);
 }
 
-static bool read_lines(duet_scene *scene, const scene_source *source, duet_error *err)
+bool scene_read_text(duet_scene *scene, const scene_source *source, duet_error *err)
 {
     const char *at = first_line(source);
     bool may_be_header = true;
@@ -137,11 +137,6 @@ static bool read_lines(duet_scene *scene, const scene_source *source, duet_error
         at += *at == '\n';
     }
     return true;
-}
-
-bool scene_read_text(duet_scene *scene, const scene_source *source, duet_error *err)
-{
-    return read_lines(scene, source, err);
 }
 
 bool scene_is_text(const scene_source *source)

@@ -121,6 +121,35 @@ static void only_cells_that_stay_are_compiled_in(void **state)
     duet_world_destroy(world);
 }
 
+// Two places, far apart: a grid that was fitted anew would begin elsewhere.
+static void objects_that_take_turns_keep_their_grids(void **state)
+{
+    (void)state;
+    static const float upper[3] = {10, 10, 10};
+    rng r = rng_seed(test_seed());
+    duet_world *world = make_world(3, upper);
+    world_fit other = {0};
+    double corners[2];
+    world->def.has_world = false;
+    for (int turn = 0; turn < 6; ++turn) {
+        uint64_t hash;
+        int place = turn % 2;
+        fill(&r, FEW, upper);
+        for (int i = 0; i < FEW; ++i)
+            poses[i].centre[0] += 1000.0f * (float)place;
+        if (turn > 0)
+            world_swap_fit(world, &other);
+        step(world, FEW, &hash);
+        assert_int_equal(hash, reference_hash(3, FEW));
+        double corner = grid_corner(&world->grid.levels[0], 0, 0);
+        if (turn < 2)
+            corners[place] = corner;
+        assert_true(corner == corners[place]);
+    }
+    assert_true(corners[1] > corners[0] + 900);
+    duet_world_destroy(world);
+}
+
 static void a_word_for_cells_that_there_is_not_is_refused(void **state)
 {
     (void)state;
@@ -138,6 +167,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(compiled_cells_give_the_same_pairs),
         cmocka_unit_test(only_cells_that_stay_are_compiled_in),
+        cmocka_unit_test(objects_that_take_turns_keep_their_grids),
         cmocka_unit_test(a_word_for_cells_that_there_is_not_is_refused),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);

@@ -627,6 +627,47 @@ static void grids_follow_objects_that_travel(void)
     MPI_Comm_free(&comm);
 }
 
+// Parts and their grids stay while homes do, and are made anew once homes crowd.
+static void parts_stay_while_they_are_even(void)
+{
+    static crowd c;
+    rng r = rng_seed(12);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(2);
+    duet_cluster *cluster = NULL;
+    n_parts = 3;
+    if (comm != MPI_COMM_NULL)
+        cluster = open_cluster(&comm, &c.world, 1);
+    n_parts = 1;
+    if (cluster)
+        hand_over(cluster, &c, 0, 1);
+    for (int at = 0; at < 6; ++at) {
+        bool crowds = at == 3; // towards a corner
+        for (uint32_t i = 0; at > 0 && i < c.n; ++i)
+            for (int k = 0; k < 3; ++k)
+                c.poses[i].centre[k] *= crowds && i % 4 != 0 ? 0.1f : 1.001f;
+        find_expected(&c);
+        if (!cluster)
+            continue;
+        duet_error err = {0};
+        const uint64_t *ids;
+        uint32_t n;
+        int before = n_moves;
+        duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
+        MUST_OK(own, err);
+        for (uint32_t i = 0; i < n; ++i)
+            own[i] = c.poses[ids[i]];
+        for (int i = 0; i < 2; ++i)
+            cluster->workers[i]->move = count_move;
+        must_find(cluster, &c);
+        MUST(at == 0 || cluster->parts.is_cut_anew == crowds, "parts are cut where uneven");
+        MUST(at == 0 || (n_moves == before + 2) == crowds, "and both workers know of it");
+    }
+    duet_cluster_destroy(cluster);
+    if (comm != MPI_COMM_NULL)
+        MPI_Comm_free(&comm);
+}
+
 static void ranks_get_objects_by_their_weights(void)
 {
     static crowd c;
@@ -1223,6 +1264,7 @@ int main(int argc, char **argv)
     homes_go_on_after_one_rank_had_no_memory();
     a_cut_that_became_uneven_is_made_anew();
     grids_follow_objects_that_travel();
+    parts_stay_while_they_are_even();
     ranks_get_objects_by_their_weights();
     ranks_are_weighed_by_their_stored_times();
     ranks_that_prove_slow_get_fewer_objects();

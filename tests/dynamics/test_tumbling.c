@@ -112,11 +112,64 @@ static void tumbling_in_double_keeps_its_momentum(void **state)
     assert_worst(drift_of(true, 5), "in double # of the momentum and # of the energy");
 }
 
+// A box of each shape in turn, its sides up to a third more or less.
+static mover *thin_boxes(rng *r, uint32_t substeps)
+{
+    static const double shapes[][3] = {
+        {1, 0.01, 0.01}, {1, 0.02, 0.02}, {1, 1, 0.01}, {1, 0.3, 0.02}, {1, 0.6, 0.3}};
+    const double most_spin = 60;
+    mover *m = mover_new(3);
+    m->def.substeps = substeps;
+    for (int i = 0; i < BOXES; ++i) {
+        const double *h = shapes[i % 5];
+        double axis[3], length = 0, spin = most_spin * rng_unit(r);
+        uint32_t id = mover_add(m, 10 * i, 0, 0, h[0] * rng_between(r, 0.7, 1.3),
+                                h[1] * rng_between(r, 0.7, 1.3), h[2] * rng_between(r, 0.7, 1.3));
+        for (int k = 0; k < 3; ++k)
+            axis[k] = rng_normal(r);
+        length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
+        for (int k = 0; k < 3; ++k)
+            m->bodies[id].angular_velocity[k] = (float)(spin * axis[k] / length);
+    }
+    return m;
+}
+
+// A free body keeps both for ever, however far it turns in a step.
+static void thin_boxes_that_turn_far_keep_their_energy(void **state)
+{
+    (void)state;
+    static kept before[BOXES];
+    rng r = rng_seed(test_seed());
+    print_message("DUET_TEST_SEED=%llu\n", (unsigned long long)test_seed());
+    double part = figure("notes/effects.md", "no box may gain or lose more than # %") / 100;
+    for (uint32_t substeps = 1; substeps <= 4; substeps += 3) {
+        kept worst = {0, 0};
+        mover *m = thin_boxes(&r, substeps);
+        mover_run(m, 0);
+        for (uint32_t i = 0; i < BOXES; ++i)
+            before[i] = kept_of(m, i);
+        for (int step = 0; step < 600; ++step) {
+            mover_run(m, 1);
+            for (uint32_t i = 0; i < BOXES; ++i) {
+                kept now = kept_of(m, i);
+                worst.energy = fmax(worst.energy, fabs(now.energy / before[i].energy - 1));
+                worst.momentum = fmax(worst.momentum, fabs(now.momentum / before[i].momentum - 1));
+            }
+        }
+        print_message("%u substeps: at most %.1e of momentum, %.1e of energy\n", substeps,
+                      worst.momentum, worst.energy);
+        assert_true(worst.energy < part);
+        assert_true(worst.momentum < 1e-3);
+        mover_free(m);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tumbling_in_float_keeps_momentum_and_energy),
         cmocka_unit_test(tumbling_in_double_keeps_its_momentum),
+        cmocka_unit_test(thin_boxes_that_turn_far_keep_their_energy),
     };
     return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
 }

@@ -121,6 +121,23 @@ static void ordinary_patterns_pass(void **state)
     script_close(s);
 }
 
+static void a_search_takes_what_it_looks_at(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    script *s = script_open(&tight, &err);
+    assert_ok(s, err);
+    assert_ok(run(s,
+                  "local s, at, n = (('x'):rep(99) .. '\\n'):rep(2000), 1, 0\n"
+                  "while at do at, n = s:find('\\n', at + 1, true), n + 1 end\n"
+                  "assert(n == 2001)",
+                  0, &err),
+              err);
+    refuse(s, "local s = ('x'):rep(2e5) for i = 1, 1000 do s:find('\\n', 1, true) end",
+           "instructions");
+    script_close(s);
+}
+
 static void deep_recursion_is_an_error_and_no_crash(void **state)
 {
     (void)state;
@@ -286,6 +303,7 @@ int main(void)
         cmocka_unit_test(a_greedy_script_ends_at_its_memory),
         cmocka_unit_test(a_pattern_that_would_never_end_ends_with_its_line),
         cmocka_unit_test(ordinary_patterns_pass),
+        cmocka_unit_test(a_search_takes_what_it_looks_at),
         cmocka_unit_test(deep_recursion_is_an_error_and_no_crash),
         cmocka_unit_test(deep_nesting_of_the_text_is_an_error),
         cmocka_unit_test(an_error_of_any_kind_is_one_line_with_a_place),

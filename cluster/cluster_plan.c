@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// How the ranks' workers search: their plan, their level, and what the store knows of both.
+#include "cluster/cluster.h"
+
+#include "base/error.h"
+
+enum { WEIGHINGS = 2 }; // the time of a step is no straight line
+
+bool duet_cluster_set_plan(duet_cluster *c, const duet_plan *plan, duet_error *err)
+{
+    if (!error_given(c, __func__, "cluster", err))
+        return false;
+    duet_error own = {0};
+    bool ok = cluster_agree_on(c, __func__, error_given(plan, __func__, "plan", &own), &own, err);
+    if (!ok)
+        return false;
+    for (int i = 0; ok && i < cluster_workers(c); ++i)
+        ok = c->workers[i]->set_plan(c->workers[i], plan, &own);
+    if (ok)
+        c->def.world.plan = *plan;
+    c->is_cold = true;
+    return cluster_agree_on(c, __func__, ok, &own, err);
+}
+
+static bool give_level(duet_cluster *c, duet_level level, duet_error *err)
+{
+    bool ok = true;
+    for (int i = 0; ok && i < cluster_workers(c); ++i)
+        ok = c->workers[i]->set_level(c->workers[i], level, err);
+    return ok;
+}
+
+// One level that all ranks ask for and know.
+static bool agree_on_level(duet_cluster *c, const char *call, duet_level level, duet_error *err)
+{
+    tally t = {.greatest = {level, -(double)level}};
+    bool ok =
+        duet_level_get_info(level) ||
+        error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level", (int)level);
+    return ranks_agree_on(&c->ranks, call, ok, &t, err) &&
+           (t.greatest[0] + t.greatest[1] == 0 ||
+            error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                      "the ranks' levels differ; expected the same on all"));
+}
+
+bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
+{
+    if (!error_given(c, __func__, "cluster", err))
+        return false;
+    duet_error own = {0};
+    duet_level before = c->def.world.level;
+    bool ok = agree_on_level(c, __func__, level, &own);
+    if (ok && !ranks_agree(&c->ranks, give_level(c, level, &own), &own)) {
+        give_level(c, before, NULL);
+        ok = false;
+    }
+    if (ok) {
+        c->changed |= seen_in_any_order(level) != seen_in_any_order(before);
+        c->def.world.level = level;
+        c->is_cold = true;
+    }
+    return ok || error_set(err, own.status, "%s", own.text);
+}
+
+static void load_profiles(duet_cluster *c, const char *path, duet_profile *profile,
+                          duet_error *store_failed)
+{
+    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
+    for (int i = 0; homes_count(&c->homes) > 0 && i < cluster_workers(c); ++i)
+        c->workers[i]->load_profile(c->workers[i], path, profile, store_failed);
+}
+
+// By the times that the store knows for what each rank has now.
+static bool weigh_ranks(duet_cluster *c, const duet_profile *profile)
+{
+    double pace =
+        profile->step_ms > 0 ? homes_count(&c->homes) / (c->parts.n * profile->step_ms) : 0;
+    if (c->def.weight > 0 || c->ranks.n == 1 || !cut_weigh(&c->cut, &c->ranks, pace))
+        return false;
+    c->homes.is_cut = false;
+    c->changed = true;
+    return true;
+}
+
+bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *profile,
+                               duet_error *store_failed, duet_error *err)
+{
+    if (!error_given(c, __func__, "cluster", err))
+        return false;
+    duet_error own = {0};
+    if (!cluster_settle_all(c, __func__, error_given(profile, __func__, "profile", &own), &own,
+                            err))
+        return false;
+    load_profiles(c, path, profile, store_failed);
+    for (int round = 0; round < WEIGHINGS && weigh_ranks(c, profile); ++round) {
+        if (!cluster_settle_all(c, __func__, true, &own, err))
+            return false;
+        load_profiles(c, path, profile, store_failed);
+    }
+    c->is_cold = true;
+    return true;
+}

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: MIT
+// The objects of a scene come in: rank 0 reads it, or each rank a part.
+#include "cluster/cluster.h"
+
+#include "base/error.h"
+#include "runtime/scene/scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { OBJECTS_AT_ONCE = 1 << 20 };
+
+// What a rank has read of a scene: rank 0 all of it, or each rank a part.
+typedef struct scene_part {
+    duet_scene *scene; // NULL: nothing; else it, or its first objects
+    object_rows rows;
+    bool rotated; // one of them
+    uint64_t n;   // of all ranks' parts
+} scene_part;
+
+// What rank 0 tells the others of a scene.
+typedef struct told_scene {
+    duet_scene_info info; // without its name
+    uint64_t name_bytes;
+} told_scene;
+
+static bool tell_scene(duet_cluster *c, const scene_part *part, duet_error *own)
+{
+    told_scene told = {0};
+    uint64_t rotated = part->rotated;
+    ranks_sum(&c->ranks, &rotated, 1);
+    if (c->ranks.self == 0)
+        told.info = part->scene->info;
+    const char *name = told.info.name;
+    told.name_bytes = name ? strlen(name) + 1 : 1;
+    ranks_tell(&c->ranks, &told, sizeof told);
+    char *copy = calloc(told.name_bytes, 1);
+    if (!ranks_agree(&c->ranks, copy || error_set(own, DUET_STATUS_NO_MEMORY, "a name: no memory"),
+                     own)) {
+        free(copy);
+        return false;
+    }
+    if (name)
+        memcpy(copy, name, told.name_bytes);
+    ranks_tell(&c->ranks, copy, told.name_bytes);
+    free(c->scene_name);
+    c->scene_name = copy;
+    c->scene = told.info;
+    c->scene.name = copy;
+    c->scene.n = part->n < UINT32_MAX ? (uint32_t)part->n : UINT32_MAX;
+    c->scene.rotated = rotated > 0;
+    return true;
+}
+
+static duet_world_def def_of_scene(const duet_cluster *c)
+{
+    const duet_scene described = {.info = c->scene};
+    duet_world_def def = duet_scene_world_def(&described, c->def.world.pair);
+    def.plan = c->def.world.plan;
+    def.max_pairs = c->def.world.max_pairs;
+    def.has_accuracy = false;
+    return def;
+}
+
+// Rows for n objects, whose ids count from `first` on; those of the scene are the first.
+static bool begin_rows(scene_part *part, uint64_t first, uint64_t n, duet_error *own)
+{
+    duet_world_def def = duet_scene_world_def(part->scene, NULL);
+    object_form form = object_form_of(&def);
+    bool ok = cluster_check_shape(def.shape, own) && object_rows_begin(&part->rows, &form, n, own);
+    for (uint64_t i = 0; ok && i < n; ++i)
+        part->rows.ids[i] = first + i;
+    part->rows.n = 0;
+    return ok;
+}
+
+static void add_objects(scene_part *part, const duet_scene *from)
+{
+    duet_world_def def = duet_scene_world_def(part->scene, NULL);
+    object_form form = object_form_of(&def);
+    const void *objects = duet_scene_get_objects(from, object_form_kind(&form));
+    object_rows_append(&part->rows, &form, part->rows.ids + part->rows.n, objects, from->info.n);
+    part->rotated = part->rotated || from->info.rotated;
+}
+
+static bool are_of_one_kind(const duet_scene *a, const duet_scene *b)
+{
+    return a->info.dims == b->info.dims && a->info.shape == b->info.shape &&
+           a->info.origin_edge == b->info.origin_edge;
+}
+
+// Some objects at a time, so that a part is not there twice.
+static bool read_range(scene_part *part, const char *path, const duet_setting *settings,
+                       uint32_t n_settings, uint64_t first, uint64_t end, duet_error *own)
+{
+    bool ok = true;
+    for (uint64_t at = first; ok && (at < end || !part->scene);) {
+        uint64_t n = 0, to = end - at < OBJECTS_AT_ONCE ? end : at + OBJECTS_AT_ONCE;
+        duet_scene *some = scene_load_range(path, settings, n_settings, at, to, &n, own);
+        bool is_first = !part->scene;
+        part->scene = is_first ? some : part->scene;
+        ok = some && ((n == part->n && are_of_one_kind(part->scene, some)) ||
+                      error_set(own, DUET_STATUS_BAD_INPUT,
+                                "%s: it has %llu objects here and %llu on rank 0, or others each "
+                                "time it is read",
+                                path, (unsigned long long)n, (unsigned long long)part->n));
+        ok = ok && (!is_first || begin_rows(part, first, end - first, own));
+        if (ok)
+            add_objects(part, some);
+        if (!is_first)
+            duet_scene_destroy(some);
+        at = to;
+    }
+    return ok;
+}
+
+// Stdin is rank 0's alone, and an array need not be on all hosts.
+static bool is_of_one_rank(duet_cluster *c, const char *path)
+{
+    size_t length = strlen(path);
+    bool is_array = length > 4 && strcmp(path + length - 4, ".npy") == 0;
+    uint64_t lacking = strcmp(path, "-") == 0 || (is_array && access(path, R_OK) != 0);
+    ranks_sum(&c->ranks, &lacking, 1);
+    return lacking > 0;
+}
+
+// Rank 0 reads the scene. Where objects are made by `each`, or are rows of an array, it only counts
+// them, and each rank makes or reads as many of them as the others.
+static bool read_part(duet_cluster *c, const char *path, const duet_setting *settings,
+                      uint32_t n_settings, bool whole, scene_part *part, duet_error *own)
+{
+    uint64_t told[2] = {0}; // objects, and those that are not made
+    bool ok = true, reads = c->ranks.self == 0;
+    whole = is_of_one_rank(c, path) || whole;
+    *part = (scene_part){0};
+    if (reads && whole)
+        part->scene = duet_scene_load(path, settings, n_settings, own);
+    else if (reads)
+        part->scene = scene_load_deferred(path, settings, n_settings, &told[0], &told[1], own);
+    ok = !reads || part->scene;
+    if (ok && reads && whole)
+        told[0] = part->scene->info.n;
+    if (ok && reads && told[1] == 0) {
+        ok = begin_rows(part, 0, told[0], own);
+        if (ok)
+            add_objects(part, part->scene);
+    }
+    if (!ranks_agree(&c->ranks, ok, own))
+        return false;
+    ranks_tell(&c->ranks, told, sizeof told);
+    part->n = told[0];
+    if (told[1] == 0)
+        return true;
+    uint64_t each = part->n / (uint64_t)c->ranks.n + 1, first = each * (uint64_t)c->ranks.self;
+    first = first < part->n ? first : part->n;
+    duet_scene_destroy(part->scene);
+    part->scene = NULL;
+    ok = read_range(part, path, settings, n_settings, first,
+                    part->n - first < each ? part->n : first + each, own);
+    return ranks_agree(&c->ranks, ok, own);
+}
+
+static bool take_part(duet_cluster *c, scene_part *part, duet_error *own)
+{
+    if (!tell_scene(c, part, own))
+        return false;
+    c->def.world = def_of_scene(c);
+    bool ok = cluster_open_workers(c, own);
+    ok = ok && (part->scene || object_rows_begin(&part->rows, &c->homes.form, 0, own));
+    ok = ranks_agree(&c->ranks, ok, own);
+    if (ok)
+        cluster_take(c, &part->rows);
+    c->has_scene = c->has_scene || ok;
+    return ok;
+}
+
+bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,
+                        uint32_t n_settings, duet_scene **whole, duet_error *err)
+{
+    duet_error own = {0};
+    scene_part part;
+    bool ok =
+        read_part(c, path, settings, n_settings, whole, &part, &own) && take_part(c, &part, &own);
+    if (ok && whole) {
+        *whole = part.scene;
+        part.scene = NULL;
+    }
+    duet_scene_destroy(part.scene);
+    object_rows_end(&part.rows);
+    return ok || error_set(err, own.status, "%s", own.text);
+}
+
+bool duet_cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,
+                             uint32_t n_settings, duet_error *err)
+{
+    if (!error_given(c, __func__, "cluster", err))
+        return false;
+    duet_error own = {0};
+    return cluster_agree_on(c, __func__, error_given(path, __func__, "path", &own), &own, err) &&
+           cluster_load_scene(c, path, settings, n_settings, NULL, err);
+}
+
+const duet_scene_info *duet_cluster_get_scene_info(const duet_cluster *c)
+{
+    return c && c->has_scene ? &c->scene : NULL;
+}

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// A query of any kind, by its name: for whoever asks a tree what another one chose.
+#ifndef RUNTIME_ANY_QUERY_H
+#define RUNTIME_ANY_QUERY_H
+
+#include "runtime/duet.h"
+#include "runtime/queries/query_name.h"
+
+typedef struct any_query any_query;
+
+// What a run found, as the public queries tell it; the query's, until its next.
+typedef struct query_result {
+    const uint32_t *hits;
+    uint64_t n_hits;
+    uint64_t undecided;
+    double total_ms;
+    double device_ms[2];
+} query_result;
+
+// level: of boxes.
+any_query *any_query_create(duet_tree *tree, const query_name *name, duet_level level,
+                            duet_error *err);
+void any_query_destroy(any_query *q);
+
+// n items as the public call takes them, of the tree's kind.
+bool any_query_run(any_query *q, const void *items, uint64_t n, query_result *found,
+                   duet_error *err);
+
+// Of boxes: duet_box_query_run_itself.
+bool any_query_run_itself(any_query *q, const duet_filter *filters, uint64_t n, query_result *found,
+                          duet_error *err);
+
+size_t query_hit_bytes(query_item item);
+
+#endif
