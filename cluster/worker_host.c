@@ -5,17 +5,22 @@
 
 #include <stdlib.h>
 
+// As many as there were have their memory: that cannot fail.
 static void *map(worker *w, uint32_t n, duet_error *err)
 {
     worker_host *p = (worker_host *)w;
-    void *objects = realloc(p->objects, ((size_t)n + 1) * p->form.bytes);
-    if (!objects) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
-        return NULL;
+    if (!p->objects || n > p->capacity) {
+        uint64_t most = (uint64_t)n + n / 16;
+        void *objects = realloc(p->objects, (most + 1) * p->form.bytes);
+        if (!objects) {
+            error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
+            return NULL;
+        }
+        p->objects = objects;
+        p->capacity = most;
     }
-    p->objects = objects;
     p->n = n;
-    return objects;
+    return p->objects;
 }
 
 static void begin(worker *w, uint32_t n)

@@ -13,6 +13,7 @@ typedef struct worker_host {
     duet_level level;
     void *objects;
     uint32_t n;
+    uint64_t capacity; // objects for which there is memory
 } worker_host;
 
 // A worker of `bytes`, which begins with a worker_host; all else is 0. It needs a `find`, and ends

@@ -52,10 +52,15 @@ static bool take_profile(simulated_job *job, duet_error *err)
     const duet_stored_profile *p = list ? find_profile(list, job->args.profile, err) : NULL;
     if (p)
         job->object_seconds = p->step_ms * 1e-3 / (double)p->objects;
+    bool ok = p && (stored_time_can_be(job->object_seconds) ||
+                    error_set(err, DUET_STATUS_BAD_INPUT,
+                              "profile %.8s of the store: its time of a step or its objects cannot "
+                              "be; expected what 'duet tune' wrote",
+                              p->uid));
     job->simulation.object_seconds = &job->object_seconds;
     job->simulation.n_paces = 1;
     duet_profile_list_destroy(list);
-    return p;
+    return ok;
 }
 
 static bool read_times(simulated_job *job, duet_error *err)

@@ -29,6 +29,11 @@ static bool is_from(double value, double least, double most)
     return value >= least && value <= most; // false of NaN
 }
 
+bool stored_time_can_be(double object_seconds)
+{
+    return object_seconds > 0 && object_seconds <= MOST_OBJECT_S;
+}
+
 static bool refuse(reading *r, const char *what)
 {
     r->ok = error_set(r->err, DUET_STATUS_BAD_INPUT,
@@ -78,7 +83,7 @@ static bool find_paces(reading *r)
         return refuse(r, "ranks without objects and times");
     for (uint32_t i = 0; i < run->n_paces; ++i) {
         run->object_seconds[i] = r->median_ns * 1e-9 * r->busiest / (double)r->seen[i];
-        if (!is_from(run->object_seconds[i], 0, MOST_OBJECT_S) || run->object_seconds[i] == 0)
+        if (!stored_time_can_be(run->object_seconds[i]))
             return refuse(r, "time of a step");
     }
     return true;

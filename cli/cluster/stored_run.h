@@ -31,4 +31,7 @@ typedef struct stored_run {
 bool stored_run_read(stored_run *run, const char *uid, bool *found, duet_error *err);
 void stored_run_end(stored_run *run);
 
+// Whether a step may take so long of each object, whoever wrote the store.
+bool stored_time_can_be(double object_seconds);
+
 #endif

@@ -46,27 +46,77 @@ static void begin_simgrid(const char *platform)
     simgrid_load_platform(platform);
 }
 
+static int by_name(const void *left, const void *right)
+{
+    return strverscmp(sg_host_get_name(*(const sg_host_t *)left),
+                      sg_host_get_name(*(const sg_host_t *)right));
+}
+
+// The platform's, to be freed; ranks are dealt out to them in turn.
+static sg_host_t *list_hosts(size_t *n)
+{
+    sg_host_t *hosts = sg_host_list();
+    *n = sg_host_count();
+    qsort(hosts, *n, sizeof(sg_host_t), by_name);
+    return hosts;
+}
+
 // ---------------------------------------------------------------- whether it is sound
 
+// Its least bandwidth; below 0 where it has no links.
+static bool has_route(sg_host_t from, sg_host_t to)
+{
+    return sg_host_get_route_bandwidth(from, to) > 0;
+}
+
+enum { ROUTES_A_HOST = 16 }; // that are tried: every pair of hosts, where they are few
+
+static size_t n_tried; // ranks whose hosts' routes are tried
+
+// An actor's, for a platform is complete only once it runs.
+static void try_routes(int argc, char **argv)
+{
+    size_t n = 0;
+    sg_host_t *hosts = list_hosts(&n);
+    (void)argc, (void)argv;
+    for (size_t i = 0; i < n && i < n_tried; ++i)
+        for (size_t k = 0; k < i && k < ROUTES_A_HOST; ++k)
+            if (!has_route(hosts[i], hosts[k]) || !has_route(hosts[k], hosts[i])) {
+                fprintf(stderr, "no route leads from %s to %s and back\n",
+                        sg_host_get_name(hosts[k]), sg_host_get_name(hosts[i]));
+                _exit(1);
+            }
+    free(hosts);
+}
+
 // SimGrid ends a process that reads a wrong platform, and says why on stderr.
-_Noreturn static void try_platform(const char *platform, int told)
+_Noreturn static void try_platform(const char *platform, int n_ranks, int told)
 {
     dup2(told, STDERR_FILENO);
     begin_simgrid(platform);
-    _exit(sg_host_count() > 0 ? 0 : 1);
+    size_t n = 0;
+    sg_host_t *hosts = list_hosts(&n);
+    if (n == 0) {
+        fputs("it has no hosts\n", stderr);
+        _exit(1);
+    }
+    n_tried = (size_t)n_ranks;
+    sg_actor_create("routes", hosts[0], try_routes, 0, NULL);
+    simgrid_run();
+    _exit(0);
 }
 
 static void read_reason(int from, char *reason, size_t size)
 {
     FILE *lines = fdopen(from, "r");
     if (!lines || !fgets(reason, (int)size, lines))
-        snprintf(reason, size, "it has no hosts");
+        snprintf(reason, size, "it ends SimGrid without a word");
     reason[strcspn(reason, "\n")] = '\0';
     if (lines)
         fclose(lines);
 }
 
-static bool check_platform(const char *platform, duet_error *err)
+static bool check_platform(const char *platform, int n_ranks, duet_error *err)
 {
     int told[2], status = 0;
     char reason[256] = "";
@@ -76,7 +126,7 @@ static bool check_platform(const char *platform, duet_error *err)
         return error_set(err, DUET_STATUS_IO_FAILED, "a pipe: %s", strerror(errno));
     pid_t child = fork();
     if (child == 0)
-        try_platform(platform, told[1]);
+        try_platform(platform, n_ranks, told[1]);
     close(told[1]);
     bool ran = child > 0 && waitpid(child, &status, 0) == child;
     read_reason(told[0], reason, sizeof reason);
@@ -85,12 +135,6 @@ static bool check_platform(const char *platform, duet_error *err)
 }
 
 // ---------------------------------------------------------------- ranks
-
-static int by_name(const void *left, const void *right)
-{
-    return strverscmp(sg_host_get_name(*(const sg_host_t *)left),
-                      sg_host_get_name(*(const sg_host_t *)right));
-}
 
 // SimGrid takes ranks from a file alone.
 static bool deploy(int n, duet_error *err)
@@ -101,9 +145,8 @@ static bool deploy(int n, duet_error *err)
     if (!lines)
         return error_set(err, DUET_STATUS_IO_FAILED, "the list of %d ranks: %s", n,
                          strerror(errno));
-    sg_host_t *hosts = sg_host_list();
-    size_t n_hosts = sg_host_count();
-    qsort(hosts, n_hosts, sizeof(sg_host_t), by_name);
+    size_t n_hosts = 0;
+    sg_host_t *hosts = list_hosts(&n_hosts);
     fputs("<!DOCTYPE platform SYSTEM \"https://simgrid.org/simgrid.dtd\">\n"
           "<platform version=\"4.1\">\n",
           lines);
@@ -124,7 +167,7 @@ static bool deploy(int n, duet_error *err)
 bool smpi_run(const char *platform, int n, void (*body)(void *context), void *context,
               duet_error *err)
 {
-    if (!check_platform(platform, err))
+    if (!check_platform(platform, n, err))
         return false;
     rank_body = body;
     rank_context = context;

@@ -14,7 +14,7 @@ typedef struct global_ids {
     const uint32_t *changed; // [n_changed] places, in any order, whose id is another than in the
     uint64_t n_changed;      // last step, or who had one and have none, or the other way round
     bool all_changed;
-    uint64_t version; // the world's
+    uint64_t version, before; // the world's, now and in its last step
 } global_ids;
 
 #endif

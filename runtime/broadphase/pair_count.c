@@ -68,12 +68,13 @@ static bool send_changes(part *p, const global_ids *ids, bool all_sent, duet_err
                            err);
 }
 
+// What a device missed while it had no work is in no list any more.
 bool part_send_ids(part *p, const global_ids *ids, duet_error *err)
 {
     bool has_some = p->ids_version > 0 && ids->n * sizeof *ids->list <= p->global_ids.bytes;
     if (ids->n == 0 || (has_some && p->ids_version == ids->version))
         return true;
-    bool follows = has_some && p->ids_version + 1 == ids->version && !ids->all_changed &&
+    bool follows = has_some && p->ids_version == ids->before && !ids->all_changed &&
                    ids->n_changed < ids->n / 4;
     p->ids_version = 0;
     bool ok = (follows || send_all(p, ids, err)) && send_changes(p, ids, !follows, err);

@@ -550,6 +550,7 @@ bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *
                          part_counted counted[2], duet_error *err)
 {
     global_ids own = *ids;
+    own.before = world->ids_version;
     world->ids_version += world->ids_version == 0 || ids->all_changed || ids->n_changed > 0;
     own.version = world->ids_version;
     world->ids = &own;

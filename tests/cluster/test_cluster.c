@@ -62,17 +62,26 @@ static void ranks_with_devices_find_the_pairs_of_run(void **state)
 // ---------------------------------------------------------------- simulated ranks
 
 #define FABRIC "fabric.xml"
+#define APART "apart.xml"
+
+static void write_platform(const char *path, const char *inside)
+{
+    duet_error err = {0};
+    text file = {0};
+    text_add(&file,
+             "<?xml version='1.0'?>"
+             "<!DOCTYPE platform SYSTEM \"https://simgrid.org/simgrid.dtd\">"
+             "<platform version='4.1'><config><prop id='network/model' value='CM02'/></config>"
+             "<zone id='all' routing='Full'>%s</zone></platform>",
+             inside);
+    assert_ok(text_write_file(path, text_chars(&file), file.length, &err), err);
+    text_free(&file);
+}
 
 static void write_fabric(void)
 {
-    duet_error err = {0};
-    static const char file[] =
-        "<?xml version='1.0'?>"
-        "<!DOCTYPE platform SYSTEM \"https://simgrid.org/simgrid.dtd\">"
-        "<platform version='4.1'><config><prop id='network/model' value='CM02'/></config>"
-        "<zone id='all' routing='Full'><cluster id='hosts' prefix='host' suffix='' "
-        "radical='0-63' speed='1Gf' bw='1GBps' lat='10us'/></zone></platform>";
-    assert_ok(text_write_file(FABRIC, file, sizeof file - 1, &err), err);
+    write_platform(FABRIC, "<cluster id='hosts' prefix='host' suffix='' radical='0-63' "
+                           "speed='1Gf' bw='1GBps' lat='10us'/>");
 }
 
 static void simulated_ranks_find_the_pairs_of_run(void **state)
@@ -154,6 +163,21 @@ static void a_forecast_takes_the_times_of_a_profile(void **state)
     cJSON_Delete(one);
     cJSON_Delete(two);
     cJSON_Delete(many);
+    static const char *const hostile[] = {"profile SET median_ns = 9e999",
+                                          "profile SET median_ns = -5", "profile SET median_ns = 0",
+                                          "profile SET median_ns = 7; UPDATE workload SET n = 0"};
+    for (size_t i = 0; i < sizeof hostile / sizeof *hostile; ++i) {
+        char change[160];
+        s = test_store_open(folder.store, STORE_WRITE);
+        snprintf(change, sizeof change, "PRAGMA ignore_check_constraints = ON; UPDATE %s",
+                 hostile[i]);
+        assert_ok(sql_script(s, change, &err), err);
+        store_close(s);
+        p = program_run_with(variables,
+                             "cluster --simulate " FABRIC " --ranks 2 --profile %.8s still",
+                             profile->uid);
+        program_assert_refused(&p, 1, "its time of a step or its objects cannot be");
+    }
     duet_profile_list_destroy(list);
     test_folder_remove(&folder);
     remove(FABRIC);
@@ -170,6 +194,7 @@ static void a_platform_that_is_none_is_one_line(void **state)
     } wrong[] = {
         {"no.xml --ranks 2 still", 1, "no.xml: No such file or directory"},
         {"/dev/null --ranks 2 still", 1, "/dev/null: no platform of SimGrid: "},
+        {APART " --ranks 2 still", 1, APART ": no platform of SimGrid: no route leads from a to b"},
         {FABRIC " still", 2, "--simulate does nothing without --ranks"},
         {FABRIC " --ranks 2 --pair cpu still", 2, "--simulate and --pair do not go together"},
         {FABRIC " --ranks 2 --keep still", 2, "--simulate and --keep do not go together"},
@@ -177,11 +202,13 @@ static void a_platform_that_is_none_is_one_line(void **state)
         {FABRIC " --ranks 2 --stands-for 9 still", 2, "--stands-for does nothing without "},
     };
     write_fabric();
+    write_platform(APART, "<host id='a' speed='1Gf'/><host id='b' speed='1Gf'/>");
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         program p = program_run("cluster --simulate %s", wrong[i].arguments);
         program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
     }
     remove(FABRIC);
+    remove(APART);
 }
 
 // ---------------------------------------------------------------- kept runs
