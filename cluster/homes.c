@@ -2,6 +2,7 @@
 #include "cluster/homes.h"
 
 #include "base/error.h"
+#include "cluster/look.h"
 #include "cluster/owner.h"
 
 #include <inttypes.h>
@@ -9,20 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What one thread sees.
-typedef struct glance {
-    uint64_t bad;
-    uint64_t first_bad; // its id
-    double widest;
-    level_boxes boxes; // of homes that are not deep inside, each of its level alone
-    skim deep;         // the others
-    row_list leavers;  // ascending, unless a device has skimmed them
-    row_list border;
-} glance;
-
 // ---------------------------------------------------------------- rows
 
-static void add_row(row_list *l, uint32_t row)
+void row_list_add(row_list *l, uint32_t row)
 {
     if (!l->failed && l->n == l->capacity) {
         uint64_t capacity = l->capacity ? 2 * l->capacity : 256;
@@ -87,7 +77,7 @@ void homes_tidy(homes *h)
         h->rows.ids[hole] = h->rows.ids[last];
         memcpy(object_row(&h->rows, &h->form, hole), object_row(&h->rows, &h->form, last),
                h->form.bytes);
-        add_row(&h->renamed, hole);
+        row_list_add(&h->renamed, hole);
     }
 }
 
@@ -213,128 +203,7 @@ bool homes_write_behind(homes *h, const parcels *messages, duet_error *err)
     return true;
 }
 
-// ---------------------------------------------------------------- a look at all
-
-typedef struct look {
-    homes *h;
-    const cut *c;
-    reach inside;  // where homes lie so deep in this rank's part that they touch no others
-    glance *parts; // [PARALLEL_MOST]
-    glance all;    // whose lists only count
-    const skim_block *blocks; // of the device that skimmed; NULL: the host did
-    uint32_t first;           // of the rows that are looked at
-} look;
-
-static void forget(glance *g)
-{
-    row_list leavers = g->leavers, border = g->border;
-    *g = (glance){.first_bad = UINT64_MAX, .deep = skim_none};
-    g->leavers = (row_list){.rows = leavers.rows, .capacity = leavers.capacity};
-    g->border = (row_list){.rows = border.rows, .capacity = border.capacity};
-    for (int l = 0; l < LEVELS; ++l)
-        g->boxes.upto[l] = reach_none;
-}
-
-static void look_closely(const look *l, glance *g, uint32_t i)
-{
-    const homes *h = l->h;
-    const void *object = object_row(&h->rows, &h->form, i);
-    if (!object_is_sound(&h->form, object)) {
-        g->first_bad = g->first_bad < h->rows.ids[i] ? g->first_bad : h->rows.ids[i];
-        ++g->bad;
-        return;
-    }
-    reach e = reach_of(&h->form, object);
-    double width = reach_widest(&e);
-    double centre[3];
-    g->widest = fmax(g->widest, width);
-    object_centre(&h->form, object, centre);
-    if (h->is_cut && !cut_keeps(l->c, centre)) {
-        add_row(&g->leavers, i);
-        return;
-    }
-    reach_add(&g->boxes.upto[level_of(width, h->widest)], &e);
-    add_row(&g->border, i);
-}
-
-static void look_at_part(void *context, uint32_t part, uint64_t first, uint64_t end)
-{
-    look *l = context;
-    const homes *h = l->h;
-    glance g = l->parts[part]; // apart from what other threads write
-    uint32_t i = (uint32_t)first, to = (uint32_t)end;
-    while ((i = object_rows_skim(&h->rows, &h->form, i, to, &l->inside, &g.deep)) < to)
-        look_closely(l, &g, i++);
-    g.widest = fmax(g.widest, skim_widest(&g.deep, &h->form));
-    l->parts[part] = g;
-}
-
-// Of rows from l->first on those that the device found odd.
-static void look_at_odd(void *context, uint32_t part, uint64_t first, uint64_t end)
-{
-    look *l = context;
-    glance g = l->parts[part];
-    for (uint64_t i = l->first + first; i < l->first + end;) {
-        uint32_t odd = l->blocks[i / SKIM_ROWS].odd[i % SKIM_ROWS / 32] >> i % 32;
-        if (odd & 1)
-            look_closely(l, &g, (uint32_t)i);
-        i = odd > 1 ? i + 1 : (i | 31) + 1;
-    }
-    l->parts[part] = g;
-}
-
-static void add_glance(glance *to, const glance *g)
-{
-    to->bad += g->bad;
-    to->first_bad = to->first_bad < g->first_bad ? to->first_bad : g->first_bad;
-    to->widest = fmax(to->widest, g->widest);
-    to->leavers.n += g->leavers.n;
-    to->leavers.failed |= g->leavers.failed;
-    to->border.n += g->border.n;
-    to->border.failed |= g->border.failed;
-    reach_add(&to->deep.centres, &g->deep.centres);
-    for (int k = 0; k < LEVELS; ++k)
-        reach_add(&to->boxes.upto[k], &g->boxes.upto[k]);
-}
-
-// Homes that are on their way to a device are skimmed there, and the host looks at the odd ones of
-// those that have arrived while others travel. False where the device does not.
-static bool look_with_device(look *l)
-{
-    homes *h = l->h;
-    worker *w = h->holder;
-    float lower[3], upper[3];
-    skim_box(&l->inside, lower, upper);
-    if (!w || !w->skim || h->rows.n == 0 || !w->skim(w, lower, upper))
-        return false;
-    for (uint32_t from = 0, to; from < h->rows.n; from = to) {
-        to = w->await_skim(w, from, &l->blocks);
-        l->first = from;
-        parallel_each(h->threads, to - from, look_at_odd, l);
-        for (uint32_t i = from; i < to; i += SKIM_ROWS)
-            skim_add_block(&l->all.deep, &l->blocks[i / SKIM_ROWS]);
-    }
-    l->all.widest = skim_widest(&l->all.deep, &h->form);
-    return true;
-}
-
-static void look_again(look *l)
-{
-    homes *h = l->h;
-    for (int i = 0; i < PARALLEL_MOST; ++i)
-        forget(&l->parts[i]);
-    forget(&l->all);
-    l->blocks = NULL;
-    l->inside = reach_none;
-    for (int k = 0; k < 3 && h->is_cut && h->widest > 0; ++k) {
-        l->inside.lower[k] = l->c->lower[k] + 1.01 * h->widest;
-        l->inside.upper[k] = l->c->upper[k] - 1.01 * h->widest;
-    }
-    if (!look_with_device(l))
-        parallel_each(h->threads, h->rows.n, look_at_part, l);
-    for (int i = 0; i < PARALLEL_MOST; ++i)
-        add_glance(&l->all, &l->parts[i]);
-}
+// ---------------------------------------------------------------- all ranks
 
 // What all ranks' looks say.
 typedef struct overview {
@@ -441,15 +310,15 @@ static void add_arrival(homes *h, uint32_t row)
 {
     reach e = reach_of(&h->form, object_row(&h->rows, &h->form, row));
     reach_add(&h->boxes.upto[level_of(reach_widest(&e), h->widest)], &e);
-    add_row(&h->border, row);
-    add_row(&h->renamed, row);
+    row_list_add(&h->border, row);
+    row_list_add(&h->renamed, row);
 }
 
 static void add_gone(homes *h, uint32_t row, int to)
 {
     h->gone[h->n_gone] = row;
     h->gone_to[h->n_gone++] = to;
-    add_row(&h->renamed, row);
+    row_list_add(&h->renamed, row);
 }
 
 // In the holder's memory.
@@ -548,12 +417,12 @@ static bool has_border(const homes *h, duet_error *err)
 static bool move(look *l, overview *o, homes *h, ranks *r, duet_error *err)
 {
     if (!keep_widest(h, o->widest))
-        look_again(l);
+        look_at_all(l);
     keep_border(h, l);
     if (o->leavers > 0 && !move_leavers(l, has_border(h, err), h, r, err))
         return false;
     if (o->leavers > 0 && !h->holder) { // rows have changed places
-        look_again(l);
+        look_at_all(l);
         keep_border(h, l);
     }
     return true;
@@ -571,7 +440,7 @@ static bool cut_anew(look *l, homes *h, ranks *r, cut *c, duet_error *err)
         return false;
     h->is_cut = true;
     ++h->n_cuts;
-    look_again(l);
+    look_at_all(l);
     if (!look_over(&o, l, true, r, err) || !move(l, &o, h, r, err) ||
         !look_over(&o, l, true, r, err))
         return false;
@@ -585,7 +454,7 @@ static bool settle(look *l, bool *ok, homes *h, ranks *r, cut *c, double imbalan
 {
     overview o;
     if (*ok)
-        look_again(l);
+        look_at_all(l);
     if (!look_over(&o, l, *ok, r, err))
         return false;
     if (o.bad > 0)

@@ -24,6 +24,8 @@ typedef struct row_list {
     bool failed; // no memory; n counts on
 } row_list;
 
+void row_list_add(row_list *l, uint32_t row);
+
 // Homes lie by ascending id in memory of their own, or, in no order, in that of the worker that
 // searches them, where the application writes them and devices read them without a copy. There
 // what arrives is added behind the others, and what leaves stays where it is, a ghost like any
