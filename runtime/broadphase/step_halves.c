@@ -5,21 +5,9 @@
 #include "base/error.h"
 #include "runtime/opencl/callers_buffer.h"
 
-#include <stdlib.h>
-
-struct step_half {
-    thread_pool *thread;
-    bool under_way;
-    cl_event done; // the caller's commands may wait for it; NULL: none do
-    duet_result result;
-    duet_error err;
-    bool ok;
-    bool told; // the number of pairs is on the device
-};
-
 bool world_is_under_way(const duet_world *world)
 {
-    return world->half && world->half->under_way;
+    return world->background.under_way;
 }
 
 bool world_is_idle(const duet_world *world, const char *call, duet_error *err)
@@ -46,39 +34,20 @@ static void tell(step_half *h)
 static void run(void *arg)
 {
     duet_world *world = arg;
-    step_half *h = world->half;
-    h->ok = world_run_step(world, &h->result, &h->told, &h->err);
+    step_half *h = &world->half;
+    world->background.ok = world_run_step(world, &h->result, &h->told, &world->background.err);
     tell(h);
-}
-
-static bool reserve(duet_world *world, duet_error *err)
-{
-    if (world->half)
-        return true;
-    step_half *h = calloc(1, sizeof *h);
-    if (!h)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a step in two halves");
-    h->thread = thread_pool_open(1, err);
-    if (!h->thread) {
-        free(h);
-        return false;
-    }
-    world->half = h;
-    return true;
 }
 
 static void start(duet_world *world)
 {
-    step_half *h = world->half;
-    h->result = (duet_result){0};
-    h->err = (duet_error){0};
-    h->under_way = true;
-    thread_pool_start(h->thread, run, world);
+    world->half.result = (duet_result){0};
+    background_start(&world->background, run, world);
 }
 
 bool duet_world_step_begin(duet_world *world, duet_error *err)
 {
-    if (!world_is_idle(world, __func__, err) || !reserve(world, err))
+    if (!world_is_idle(world, __func__, err) || !background_open(&world->background, err))
         return false;
     start(world);
     return true;
@@ -94,14 +63,14 @@ bool duet_world_step_begin_event(duet_world *world, cl_event *done, duet_error *
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: pairs come to the host; expected duet_world_leave_pairs first",
                          __func__);
-    if (!reserve(world, err))
+    if (!background_open(&world->background, err))
         return false;
     cl_event event = clCreateUserEvent(world->left.device->context, &code);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s: making an event", __func__);
     device_object_made();
     clRetainEvent(event);
-    world->half->done = *done = event;
+    world->half.done = *done = event;
     start(world);
     return true;
 }
@@ -111,25 +80,11 @@ bool duet_world_step_end(duet_world *world, duet_result *result, duet_error *err
     if (!error_given(world, __func__, "world", err) ||
         !error_given(result, __func__, "result", err))
         return false;
-    step_half *h = world->half;
     if (!world_is_under_way(world))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: no step is under way; expected duet_world_step_begin first",
                          __func__);
-    thread_pool_wait(h->thread);
-    h->under_way = false;
-    *result = h->result;
-    if (!h->ok && err && err->status == DUET_STATUS_OK)
-        *err = h->err;
-    return h->ok;
-}
-
-void world_end_half(duet_world *world)
-{
-    step_half *h = world->half;
-    if (!h)
-        return;
-    thread_pool_close(h->thread);
-    free(h);
-    world->half = NULL;
+    bool ok = background_end(&world->background, err);
+    *result = world->half.result;
+    return ok;
 }

@@ -301,7 +301,7 @@ void duet_world_destroy(duet_world *world)
 {
     if (!world || --world->users > 0)
         return;
-    world_end_half(world);
+    background_close(&world->background);
     thread_pool_close(world->driver);
     part_close(&world->parts[0]);
     part_close(&world->parts[1]);

@@ -10,11 +10,16 @@
 #include "runtime/broadphase/slab.h"
 #include "runtime/broadphase/strays.h"
 #include "runtime/broadphase/workload_stats.h"
+#include "runtime/opencl/background.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/thread_pool.h"
 
-// A step that has begun (step_halves.c).
-typedef struct step_half step_half;
+// What a step in two halves leaves for the second (step_halves.c).
+typedef struct step_half {
+    cl_event done; // the caller's commands may wait for it; NULL: none do
+    bool told;     // the number of pairs is on the device
+    duet_result result;
+} step_half;
 
 struct duet_world {
     duet_world_def def;
@@ -46,9 +51,10 @@ struct duet_world {
     bool keeps_pairs[2];   // on that device in the last step
     const global_ids *ids; // of a step that counts pairs; else NULL
     uint64_t ids_version;
-    bool skims;                             // objects that are sent ahead may be skimmed
-    pair_buffers left;                      // where pairs are left
-    step_half *half;                        // NULL before the first step in two halves
+    bool skims;            // objects that are sent ahead may be skimmed
+    pair_buffers left;     // where pairs are left
+    background background; // of a step in two halves
+    step_half half;
     duet_stage stages[2 * TIMELINE_STAGES]; // of the last step
 };
 
@@ -60,9 +66,6 @@ bool world_is_idle(const duet_world *world, const char *call, duet_error *err);
 // A step; the arguments are right, and no other is under way. *told: where pairs are left on a
 // device their number is there, 0 after a failure.
 bool world_run_step(duet_world *world, duet_result *result, bool *told, duet_error *err);
-
-// Waits for a step that has begun, and forgets it.
-void world_end_half(duet_world *world);
 
 // What the world was made for, and a row's bytes.
 typedef struct world_kind {

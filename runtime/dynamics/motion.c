@@ -321,7 +321,7 @@ void duet_motion_destroy(duet_motion *m)
 {
     if (!m)
         return;
-    motion_end_half(m);
+    background_close(&m->background);
     timeline_clear(&m->times);
     motion_forget_maps(m);
     for (int i = 0; i < MOTION_BUFFERS; ++i)

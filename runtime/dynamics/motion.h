@@ -10,6 +10,7 @@
 #include "runtime/dynamics/effect.h"
 #include "runtime/dynamics/motion_events.h"
 #include "runtime/dynamics/motion_read.h"
+#include "runtime/opencl/background.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/radix_sort.h"
 
@@ -175,7 +176,8 @@ struct duet_motion {
     motion_commands *commands;   // NULL before the first
     motion_recording *recording; // NULL where nothing is recorded
     struct motion_map *maps;     // [parts of the state], likewise (motion_map.h)
-    struct motion_half *half;    // likewise (motion_step.c)
+    background background;       // of a step in two halves, and what that took
+    double background_ms;
     buffer buffers[MOTION_BUFFERS];
     duet_world *world; // of bounds; NULL without contact
     double margin;     // contacts are kept to that far apart
@@ -218,8 +220,6 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
 
 // Whether a step has begun that was not ended, by its thread.
 bool motion_is_under_way(const duet_motion *m);
-// Waits for it, and forgets it.
-void motion_end_half(duet_motion *m);
 
 // Whether a public call has a motion whose state is that of a whole step, none of which is under
 // way, and of which nothing is mapped; BAD_ARGUMENT where it has not. Steady: something may be

@@ -14,23 +14,12 @@
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
-#include "runtime/opencl/thread_pool.h"
-
-#include <stdlib.h>
-
-struct motion_half {
-    thread_pool *thread;
-    bool under_way;
-    duet_error err;
-    bool ok;
-    double ms;
-};
 
 // ---------------------------------------------------------------- between steps
 
 bool motion_is_under_way(const duet_motion *m)
 {
-    return m->half && m->half->under_way;
+    return m->background.under_way;
 }
 
 bool motion_is_idle(const duet_motion *m, const char *call, duet_error *err)
@@ -283,32 +272,14 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
 static void carry(void *arg)
 {
     duet_motion *m = arg;
-    m->half->ok = carry_step(m, &m->half->ms, &m->half->err);
-}
-
-static bool reserve(duet_motion *m, duet_error *err)
-{
-    if (m->half)
-        return true;
-    struct motion_half *h = calloc(1, sizeof *h);
-    if (!h)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a step in two halves");
-    h->thread = thread_pool_open(1, err);
-    if (!h->thread) {
-        free(h);
-        return false;
-    }
-    m->half = h;
-    return true;
+    m->background.ok = carry_step(m, &m->background_ms, &m->background.err);
 }
 
 bool duet_motion_advance_begin(duet_motion *m, duet_error *err)
 {
-    if (!motion_is_whole(m, __func__, err) || !reserve(m, err))
+    if (!motion_is_whole(m, __func__, err) || !background_open(&m->background, err))
         return false;
-    m->half->err = (duet_error){0};
-    m->half->under_way = true;
-    thread_pool_start(m->half->thread, carry, m);
+    background_start(&m->background, carry, m);
     return true;
 }
 
@@ -316,23 +287,10 @@ bool duet_motion_advance_end(duet_motion *m, duet_motion_result *result, duet_er
 {
     if (!error_given(m, __func__, "motion", err) || !error_given(result, __func__, "result", err))
         return false;
-    struct motion_half *h = m->half;
     if (!motion_is_under_way(m))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: no step is under way; expected duet_motion_advance_begin first",
                          __func__);
-    thread_pool_wait(h->thread);
-    h->under_way = false;
-    if (!h->ok && err && err->status == DUET_STATUS_OK)
-        *err = h->err;
-    return complete_step(m, h->ok, h->ms, result, err);
-}
-
-void motion_end_half(duet_motion *m)
-{
-    if (!m->half)
-        return;
-    thread_pool_close(m->half->thread);
-    free(m->half);
-    m->half = NULL;
+    bool carried = background_end(&m->background, err);
+    return complete_step(m, carried, m->background_ms, result, err);
 }
