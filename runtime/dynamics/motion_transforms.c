@@ -77,27 +77,47 @@ static bool check_poses(const duet_motion *m, const duet_pose *poses, uint32_t n
     return ok;
 }
 
+// Copies of what is at some places, to be changed.
+typedef struct placed {
+    uint32_t *places;
+    duet_pose *poses;
+    duet_body *bodies;
+    cl_int4 *cells; // where the poses lie; NULL without origin cells
+} placed;
+
+static bool begin_placed(placed *p, duet_motion *m, duet_body_list list, bool enabled,
+                         const char *call, duet_error *err)
+{
+    *p = (placed){.places = motion_places_of(m, list, enabled, call, err)};
+    p->poses = p->places ? motion_poses_at(m, p->places, list.n, err) : NULL;
+    p->bodies = p->poses ? motion_bodies_at(m, p->places, list.n, err) : NULL;
+    return p->bodies;
+}
+
+static void end_placed(placed *p)
+{
+    free(p->cells);
+    free(p->bodies);
+    free(p->poses);
+    free(p->places);
+}
+
 bool duet_motion_set_poses(duet_motion *m, duet_body_list list, const duet_pose *poses,
                            duet_error *err)
 {
+    placed p;
     if (list.n > 0 && !error_given(poses, __func__, "poses", err))
         return false;
-    uint32_t *places = motion_places_of(m, list, false, __func__, err);
-    duet_pose *copy = places ? motion_poses_at(m, places, list.n, err) : NULL;
-    duet_body *bodies = copy ? motion_bodies_at(m, places, list.n, err) : NULL;
-    cl_int4 *cells = NULL;
-    if (bodies && list.n > 0)
-        memcpy(copy, poses, list.n * sizeof *copy);
-    bool ok = bodies && check_poses(m, copy, list.n, __func__, err) &&
-              motion_place_poses(m, copy, list.n, &cells, __func__, err) &&
-              motion_admit(m, copy, bodies, list.n, __func__, err) &&
-              motion_keep_whole(m, put_poses(m, places, copy, cells, list.n, err));
+    bool ok = begin_placed(&p, m, list, false, __func__, err);
+    if (ok && list.n > 0)
+        memcpy(p.poses, poses, list.n * sizeof *poses);
+    ok = ok && check_poses(m, p.poses, list.n, __func__, err) &&
+         motion_place_poses(m, p.poses, list.n, &p.cells, __func__, err) &&
+         motion_admit(m, p.poses, p.bodies, list.n, __func__, err) &&
+         motion_keep_whole(m, put_poses(m, p.places, p.poses, p.cells, list.n, err));
     if (ok)
-        motion_note(m, RECORDED_POSES, places, list.n, poses);
-    free(cells);
-    free(bodies);
-    free(copy);
-    free(places);
+        motion_note(m, RECORDED_POSES, p.places, list.n, poses);
+    end_placed(&p);
     return ok;
 }
 
@@ -196,27 +216,22 @@ static bool aim(duet_motion *m, const uint32_t *places, const duet_transform *ta
 bool duet_motion_set_targets(duet_motion *m, duet_body_list list, const duet_transform *targets,
                              duet_error *err)
 {
+    placed p;
     if (list.n > 0 && !error_given(targets, __func__, "targets", err))
         return false;
-    uint32_t *places = motion_places_of(m, list, true, __func__, err);
-    duet_pose *poses = places ? motion_poses_at(m, places, list.n, err) : NULL;
-    duet_body *bodies = poses ? motion_bodies_at(m, places, list.n, err) : NULL;
-    cl_int4 *cells = NULL;
-    for (uint32_t i = 0; bodies && i < list.n; ++i)
-        poses[i] = aimed(m, poses[i], &targets[i]);
-    bool ok = bodies && check_kinematic(m, places, list.n, __func__, err) &&
-              check_poses(m, poses, list.n, __func__, err) &&
-              motion_place_poses(m, poses, list.n, &cells, __func__, err) &&
-              find_velocities(m, places, poses, cells, list.n, bodies, err) &&
-              check_velocities(bodies, list.n, __func__, err) &&
-              motion_admit(m, poses, bodies, list.n, __func__, err) &&
-              motion_keep_whole(m, aim(m, places, targets, bodies, list.n, err));
+    bool ok = begin_placed(&p, m, list, true, __func__, err);
+    for (uint32_t i = 0; ok && i < list.n; ++i)
+        p.poses[i] = aimed(m, p.poses[i], &targets[i]);
+    ok = ok && check_kinematic(m, p.places, list.n, __func__, err) &&
+         check_poses(m, p.poses, list.n, __func__, err) &&
+         motion_place_poses(m, p.poses, list.n, &p.cells, __func__, err) &&
+         find_velocities(m, p.places, p.poses, p.cells, list.n, p.bodies, err) &&
+         check_velocities(p.bodies, list.n, __func__, err) &&
+         motion_admit(m, p.poses, p.bodies, list.n, __func__, err) &&
+         motion_keep_whole(m, aim(m, p.places, targets, p.bodies, list.n, err));
     if (ok)
-        motion_note(m, RECORDED_TARGETS, places, list.n, targets);
-    free(cells);
-    free(bodies);
-    free(poses);
-    free(places);
+        motion_note(m, RECORDED_TARGETS, p.places, list.n, targets);
+    end_placed(&p);
     return ok;
 }
 
