@@ -124,7 +124,7 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
              cut_begin(&c->cut, &c->ranks, def->weight, &own);
         c->in_place = t.sums[0] == 0;
         if (!ok)
-            error_set(err, own.status, "%s", own.text);
+            error_copy(err, &own);
     }
     if (!ok) {
         duet_cluster_destroy(c);
@@ -165,8 +165,7 @@ int duet_cluster_get_rank_count(const duet_cluster *c)
 
 bool cluster_agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err)
 {
-    return ranks_agree_on(&c->ranks, call, ok, NULL, own) ||
-           error_set(err, own->status, "%s", own->text);
+    return ranks_agree_on(&c->ranks, call, ok, NULL, own) || error_copy(err, own);
 }
 
 // ---------------------------------------------------------------- objects
@@ -325,7 +324,7 @@ bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *
     bool settled;
     ok = begin_settled(c, call, ok, &settled, own) && ranks_agree(&c->ranks, settled, own);
     c->changed = c->changed && !ok;
-    return ok || error_set(err, own->status, "%s", own->text);
+    return ok || error_copy(err, own);
 }
 
 // A worker that finds the pairs of a part.
@@ -385,7 +384,7 @@ static bool end_search(search *s, duet_error *own)
         pthread_join(s->thread, NULL);
     s->is_apart = false;
     if (!s->ok)
-        return error_set(own, s->err.status, "%s", s->err.text);
+        return error_copy(own, &s->err);
     return check_worker_result(s->seen, &s->found, own);
 }
 
@@ -473,7 +472,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     if (!ok) {
         forget_found(c);
         own_pairs_end(&c->own);
-        return error_set(err, own.status, "%s", own.text);
+        return error_copy(err, &own);
     }
     keep_times(c, begun_ns);
     double total_ms = ms_since(begun_ns);
@@ -537,7 +536,7 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
     bool ok = error_given(ids, __func__, "ids", &own) && error_given(n, __func__, "n", &own) &&
               check_kind(c, kind, &own);
     if (!cluster_settle_all(c, __func__, ok, &own, NULL) && own.status != DUET_STATUS_BAD_OBJECT) {
-        error_set(err, own.status, "%s", own.text);
+        error_copy(err, &own);
         return NULL; // where objects are bad all are where they were, to be mended
     }
     c->changed = true;

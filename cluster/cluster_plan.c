@@ -59,7 +59,7 @@ bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
         c->def.world.level = level;
         c->is_cold = true;
     }
-    return ok || error_set(err, own.status, "%s", own.text);
+    return ok || error_copy(err, &own);
 }
 
 static void load_profiles(duet_cluster *c, const char *path, duet_profile *profile,

@@ -188,7 +188,7 @@ bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *s
     }
     duet_scene_destroy(part.scene);
     object_rows_end(&part.rows);
-    return ok || error_set(err, own.status, "%s", own.text);
+    return ok || error_copy(err, &own);
 }
 
 bool duet_cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,

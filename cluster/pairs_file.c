@@ -174,5 +174,5 @@ bool duet_cluster_save_pairs(duet_cluster *c, const char *path, bool sorted, due
         ok = sorted ? write_pairs(c, path, in_order.rows, in_order.n, &own)
                     : write_pairs(c, path, c->own.pairs, c->own.n, &own);
     parcels_end(&in_order);
-    return ok || error_set(err, own.status, "%s", own.text);
+    return ok || error_copy(err, &own);
 }

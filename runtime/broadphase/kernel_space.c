@@ -107,8 +107,7 @@ static bool check_config(const part *p, const kernel_space *space, const setting
     gen_limits limits = program_set_limits(p->programs);
     *valid = gen_make(p->gen, space->kernel, s->at, s->n, &limits, &made, &why);
     gen_variant_free(&made);
-    return *valid || why.status == DUET_STATUS_BAD_ARGUMENT ||
-           error_set(err, why.status, "%s", why.text);
+    return *valid || why.status == DUET_STATUS_BAD_ARGUMENT || error_copy(err, &why);
 }
 
 // The next one in mixed radix order, the last parameter fastest; false after the last.

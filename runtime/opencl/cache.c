@@ -103,7 +103,7 @@ bool cache_check(const char *dir, duet_error *err)
     int folder = open_folder(dir, &why);
     if (folder >= 0)
         close(folder);
-    return why.status == DUET_STATUS_OK || error_set(err, why.status, "%s", why.text);
+    return why.status == DUET_STATUS_OK || error_copy(err, &why);
 }
 
 static void make_folder(const char *dir)
@@ -128,7 +128,7 @@ bool cache_check_writable(const char *dir, duet_error *err)
     if (folder >= 0)
         close(folder);
     if (why.status != DUET_STATUS_OK)
-        return error_set(err, why.status, "%s", why.text);
+        return error_copy(err, &why);
     return writable || error_set(err, DUET_STATUS_BAD_ARGUMENT,
                                  "built kernels cannot be kept in %s: %s", dir, reason);
 }

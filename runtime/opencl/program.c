@@ -319,7 +319,7 @@ static bool compile_the_others(program_set *set, uint32_t n, duet_error *err)
     if (c.why.status == DUET_STATUS_OK)
         return true;
     // Ctrl-C ends the processes of a compiler, too, which then has its own complaint.
-    return budget_check_stop(err) && error_set(err, c.why.status, "%s", c.why.text);
+    return budget_check_stop(err) && error_copy(err, &c.why);
 }
 
 static bool create_kernels(const program_set *set, program *p, duet_error *err)

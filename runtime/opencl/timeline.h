@@ -33,8 +33,8 @@ typedef struct timeline {
 void timeline_begin(timeline *t, const device *d);
 
 // The same without times: stages, and the kernels' first begin and last end, stay those of the
-// last step that had them. Launches and
-// fills have no events then, which were measured to cost NVIDIA's driver 7 microseconds each.
+// last step that had them. Launches and fills have no events then, which were measured to cost
+// NVIDIA's driver 7 microseconds each.
 void timeline_begin_untimed(timeline *t, const device *d);
 
 // Whether a step has times though nobody asked: on a CPU each; elsewhere one in TIMED_EVERY, and
