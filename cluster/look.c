@@ -53,10 +53,12 @@ static void look_at_odd(void *context, uint32_t part, uint64_t first, uint64_t e
     look *l = context;
     glance g = l->parts[part];
     for (uint64_t i = l->first + first; i < l->first + end;) {
-        uint32_t odd = l->blocks[i / SKIM_ROWS].odd[i % SKIM_ROWS / 32] >> i % 32;
+        const skim_block *b = &l->blocks[i / SKIM_ROWS];
+        uint32_t odd = b->odd[i % SKIM_ROWS / 32] >> i % 32;
         if (odd & 1)
             look_closely(l, &g, (uint32_t)i);
-        i = odd > 1 ? i + 1 : (i | 31) + 1;
+        uint32_t passed = b->n_odd == 0 ? SKIM_ROWS - 1 : odd > 1 ? 0 : 31;
+        i = (i | passed) + 1;
     }
     l->parts[part] = g;
 }
