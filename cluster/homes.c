@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/homes.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 #include "cluster/look.h"
 #include "cluster/owner.h"
@@ -245,12 +246,6 @@ typedef struct leavers {
     uint64_t n;
 } leavers;
 
-static int ascending(const void *left, const void *right)
-{
-    uint32_t p = *(const uint32_t *)left, q = *(const uint32_t *)right;
-    return (p > q) - (p < q);
-}
-
 static void list_leavers(leavers *out, const look *l)
 {
     for (int part = 0; part < PARALLEL_MOST; ++part) {
@@ -259,7 +254,7 @@ static void list_leavers(leavers *out, const look *l)
             out->list[out->n++] = rows->rows[k];
     }
     if (l->blocks)
-        qsort(out->list, out->n, sizeof *out->list, ascending);
+        qsort(out->list, out->n, sizeof *out->list, compare_uint32);
 }
 
 static bool find_leavers(leavers *out, const look *l, uint64_t *counts, duet_error *err)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/ranks.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 
 #include <inttypes.h>
@@ -220,12 +221,6 @@ void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes)
 
 enum { PINGS = 11, WARM_PINGS = 3 };
 
-static int ascending(const void *left, const void *right)
-{
-    double p = *(const double *)left, q = *(const double *)right;
-    return (p > q) - (p < q);
-}
-
 double ranks_ping_ns(ranks *r, int to, void *bytes, int n)
 {
     double taken[PINGS];
@@ -245,7 +240,7 @@ double ranks_ping_ns(ranks *r, int to, void *bytes, int n)
     MPI_Barrier(r->comm);
     if (!plays)
         return 0;
-    qsort(taken, PINGS, sizeof *taken, ascending);
+    qsort(taken, PINGS, sizeof *taken, compare_double);
     return taken[PINGS / 2];
 }
 

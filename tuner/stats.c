@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/stats.h"
 
+#include "base/compare.h"
+
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 void stats_sort(double *values, size_t n)
 {
-    qsort(values, n, sizeof *values, by_value);
+    qsort(values, n, sizeof *values, compare_double);
 }
 
 static void sort_into(double *sorted, const double *values, uint32_t n)

@@ -2,6 +2,7 @@
 // A device keeps the ids from step to step and is sent only those that changed.
 #include "runtime/broadphase/pair_count.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 #include "kernels/grid/pair_counts.h"
 
@@ -17,16 +18,10 @@ typedef struct id_change {
     uint32_t unused;
 } id_change;
 
-static int by_place(const void *left, const void *right)
-{
-    const uint32_t *p = left, *q = right;
-    return (*p > *q) - (*p < *q);
-}
-
 static bool has_id(const global_ids *ids, uint32_t place)
 {
     return place < ids->n && (ids->n_without == 0 || !bsearch(&place, ids->without, ids->n_without,
-                                                              sizeof place, by_place));
+                                                              sizeof place, compare_uint32));
 }
 
 // Each place once, or always with the same id: they are written in no order.

@@ -4,6 +4,7 @@
 #include "runtime/broadphase/workload_stats.h"
 
 #include "base/budget.h"
+#include "base/compare.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/narrowphase/origin.h"
 
@@ -244,18 +245,12 @@ static uint32_t sample_rows(double rows[MOST_ROWS], const duet_world *world, con
     return n;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double count_strays(const duet_world *world, const raster *r)
 {
     double rows[MOST_ROWS], sorted[MOST_ROWS];
     uint32_t n = sample_rows(rows, world, r);
     memcpy(sorted, rows, n * sizeof *sorted);
-    qsort(sorted, n, sizeof *sorted, by_value);
+    qsort(sorted, n, sizeof *sorted, compare_double);
     double middle = sorted[n / 2];
     uint32_t n_strays = 0;
     for (uint32_t i = 0; i < n; ++i)

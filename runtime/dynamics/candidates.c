@@ -4,6 +4,7 @@
 // All of them are searched by a world of their bounds. After commands that let bodies come, go
 // or touch others than before, the pairs of all other bodies hold on within a skin; only those
 // of the altered ones are searched, by a hash table of them.
+#include "base/compare.h"
 #include "base/error.h"
 #include "kernels/dynamics/altered.h"
 #include "runtime/broadphase/world.h"
@@ -138,16 +139,10 @@ void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n)
         c->altered[c->n_altered++] = places[i];
 }
 
-static int by_place(const void *a, const void *b)
-{
-    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
-
 static void list_once(motion_commands *c)
 {
     uint32_t n = 0;
-    qsort(c->altered, c->n_altered, sizeof *c->altered, by_place);
+    qsort(c->altered, c->n_altered, sizeof *c->altered, compare_uint32);
     for (uint32_t i = 0; i < c->n_altered; ++i)
         if (n == 0 || c->altered[n - 1] != c->altered[i])
             c->altered[n++] = c->altered[i];

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// Orders for qsort and bsearch.
+#ifndef BASE_COMPARE_H
+#define BASE_COMPARE_H
+
+#include <stdint.h>
+
+static inline int compare_uint32(const void *left, const void *right)
+{
+    uint32_t p = *(const uint32_t *)left, q = *(const uint32_t *)right;
+    return (p > q) - (p < q);
+}
+
+static inline int compare_double(const void *left, const void *right)
+{
+    double p = *(const double *)left, q = *(const double *)right;
+    return (p > q) - (p < q);
+}
+
+#endif
