@@ -488,10 +488,11 @@ static void what_is_not_timed_is_done_all_the_same(void **state)
 static void what_has_no_event_is_waited_for_when_it_is_forgotten(void **state)
 {
     (void)state;
+    const duet_device_info *cpu = cuttable_cpu();
     clearing c = {0};
     gen *g = gen_open(NULL, &c.err);
     assert_ok(g != NULL, c.err);
-    open_clearing(&c, g, cuttable_cpu()->selector);
+    open_clearing(&c, g, cpu->selector);
     timeline times = {0};
     const cl_uint *words = c.args.counts.host;
     assert_non_null(words);
