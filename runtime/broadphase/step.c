@@ -220,19 +220,14 @@ static void forget_last_step(duet_world *world)
             part_forget(&world->parts[side]);
 }
 
-static bool strays_were_missed(duet_world *world, const job jobs[2])
-{
-    const stray_marks marks[2] = {part_marks(jobs[0].part), part_marks(jobs[1].part)};
-    return jobs[0].placed && jobs[1].placed && !strays_guessed_all(&world->strays, marks);
-}
-
 // Once strays were missed they are known, and no second guess misses any.
 static bool run_stretched(duet_world *world, job jobs[2], duet_error *err)
 {
     const part_range ranges[2] = {jobs[0].range, jobs[1].range};
     if (!strays_begin(&world->strays, &jobs[1].task, ranges, err) || !run_own(world, jobs))
         return false;
-    if (!strays_were_missed(world, jobs))
+    const stray_marks marks[2] = {strays_marks_of(jobs[0].part), strays_marks_of(jobs[1].part)};
+    if (!jobs[0].placed || !jobs[1].placed || strays_guessed_all(&world->strays, marks))
         return true;
     forget_last_step(world);
     return run_own(world, jobs);
@@ -244,7 +239,7 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
         const part_task *task = &jobs[side].task;
         part *p = &world->parts[side];
         bool as_before =
-            p->kernels.packed == task->packed && p->kernels.stretched == (task->strays != NULL) &&
+            p->kernels.packed == task->packed && p->kernels.stretched == (task->intake != NULL) &&
             (p->kernels.gather || !part_gathers(p, task)) && (p->kernels.count_pairs || !task->ids);
         if (!use[side] || (world->prepared[side] && as_before))
             continue;
@@ -312,10 +307,9 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
     job jobs[2];
     for (int side = 0; side < 2; ++side) {
         part_task own = describe_task(world, side);
-        own.side = side;
         own.slab = slabs;
-        own.strays = stretched ? &world->strays : NULL;
-        own.packed = slabs && !own.strays && !own.resident &&
+        own.intake = stretched ? &world->strays.intakes[side] : NULL;
+        own.packed = slabs && !stretched && !own.resident &&
                      pack_pays(&own, ranges, side, &world->parts[side], &world->variants[side]);
         jobs[side] = (job){.part = &world->parts[side],
                            .pack = &world->pack,

@@ -4,7 +4,6 @@
 #define RUNTIME_WORLD_H
 
 #include "runtime/broadphase/pair_buffers.h"
-#include "runtime/broadphase/pair_count.h"
 #include "runtime/broadphase/part.h"
 #include "runtime/broadphase/resident.h"
 #include "runtime/broadphase/slab.h"
