@@ -215,7 +215,8 @@ static kernel *get_kernel(part *p, const char *name, const char *entry, duet_err
     return program_set_kernel(p->programs, name, entry, settings, n, part_bindings, err);
 }
 
-bool part_gathers(const part *p, const part_task *task)
+// Whether the device alone has objects that the host may have to decide.
+static bool gathers(const part *p, const part_task *task)
 {
     return task->resident && !p->device->info.host_memory &&
            task->objects.shape == DUET_SHAPE_POSES;
@@ -225,7 +226,7 @@ static bool ask_gather(part *p, const part_task *task, duet_error *err)
 {
     gen_setting settings[MAX_SETTINGS];
     uint32_t n = 0;
-    if (!part_gathers(p, task))
+    if (!gathers(p, task))
         return true;
     if (gather_settings(p, "read_rows", NULL, 0, settings, &n, err))
         p->kernels.gather = program_set_kernel(p->programs, "read_rows", "gather_rows", settings, n,
@@ -304,6 +305,13 @@ static bool leaves_boxes(const part_task *task)
 {
     return task->ordered && task->objects.shape == DUET_SHAPE_POSES && !task->objects.sizes &&
            task->objects.origin == 0.0f && !task->packed;
+}
+
+bool part_is_prepared(const part *p, const part_task *task)
+{
+    const part_kernels *k = &p->kernels;
+    return k->packed == task->packed && k->stretched == (task->intake != NULL) &&
+           (k->gather || !gathers(p, task)) && (k->count_pairs || !task->ids);
 }
 
 bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err)

@@ -229,11 +229,11 @@ void part_close(part *p);
 // Generates and builds what the variant needs for such objects.
 bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err);
 
+// Whether kernels that were made for such a world are also those of this step.
+bool part_is_prepared(const part *p, const part_task *task);
+
 // The kernel of that name that the part has prepared; NULL where it runs another.
 const kernel *part_kernel(const part *p, const char *name);
-
-// Whether the device alone has objects that the host may have to decide.
-bool part_gathers(const part *p, const part_task *task);
 
 // After a step that failed: waits for what is under way. What was sent may not have
 // arrived, so the next step sends all of it again.
