@@ -300,6 +300,15 @@ static cl_int4 compiled_cells(const part *p, const part_task *task)
     return fixed ? task->grid.levels[0].cells : (cl_int4){{0}};
 }
 
+// Dense, of one level, and at least three cells wide along all axes but the
+// last: then no cell is near another on both ways round a row's end.
+static bool is_roomy(const part_task *task)
+{
+    const cl_int *cells = task->grid.levels[0].cells.s;
+    return task->grid.kind == GRID_DENSE && task->grid.n_levels == 1 && cells[0] > 2 &&
+           (task->objects.dims == 2 || cells[1] > 2);
+}
+
 // Boxes that are in order are near each other where they are.
 static bool leaves_boxes(const part_task *task)
 {
@@ -356,7 +365,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {"ACCURACY", level, false},
         {"GRID", task->grid.kind, false},
         {"LEVELS", task->grid.n_levels > 1, false},
-        {"ROOMY", grid_is_roomy(&task->grid, task->objects.dims), false},
+        {"ROOMY", is_roomy(task), false},
         {"CELLS_X", cells.s[0], false},
         {"CELLS_Y", cells.s[1], false},
         {"CELLS_Z", cells.s[2], false},

@@ -6,9 +6,6 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "kernels/grid/pair_counts.h"
-#include "runtime/narrowphase/narrow.h"
-#include "runtime/narrowphase/origin.h"
-#include "runtime/narrowphase/rounded.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -320,21 +317,6 @@ static bool fetch_open(part *p, const duet_pair **open, duet_pair *scratch, duet
                                              p->n_undecided * sizeof **open, err);
 }
 
-static bool collide(const grid_objects *objects, uint32_t a, uint32_t b)
-{
-    if (grid_has_radii(objects)) {
-        const duet_rounded_box of_a = grid_rounded_box_of(objects, a);
-        const duet_rounded_box of_b = grid_rounded_box_of(objects, b);
-        return rounded_decide(&of_a, &of_b, objects->dims);
-    }
-    double shift[3];
-    duet_pose scratch[2];
-    const duet_pose *of_a = grid_pose_of(objects, a, &scratch[0]);
-    const duet_pose *of_b = grid_pose_of(objects, b, &scratch[1]);
-    origin_shift(shift, objects->array, objects->origin, a, b);
-    return narrow_decide_apart(of_a, of_b, shift, objects->dims);
-}
-
 // What the host decides with: all objects, or where it does not see them those of the open
 // pairs, two for each.
 typedef struct open_objects {
@@ -385,7 +367,7 @@ static uint64_t decide(part *p, const open_objects *o, const duet_pair *open, du
     for (uint64_t i = 0; i < p->n_undecided; ++i) {
         uint32_t first = o->rows ? 2 * (uint32_t)i : open[i].a;
         uint32_t second = o->rows ? first + 1 : open[i].b;
-        if (collide(&o->objects, first, second))
+        if (grid_objects_collide(&o->objects, first, second))
             colliding[n++] = open[i];
     }
     if (p->n_undecided > 0)

@@ -17,7 +17,7 @@ static const double object_cost = 8.0;
 
 static bool count_objects(split *s, const part_task *task, duet_error *err)
 {
-    uint32_t n_rows = grid_cell_rows(&task->grid);
+    uint32_t n_rows = task->grid.n_cells / (uint32_t)task->grid.levels[0].cells.s[0];
     uint32_t *rows = calloc(n_rows, sizeof *rows);
     if (!rows)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %u rows of cells",
