@@ -2,12 +2,8 @@
 #include "runtime/broadphase/grid.h"
 
 #include "base/error.h"
-#include "runtime/narrowphase/origin.h"
-#include "runtime/narrowphase/rounded.h"
 
-#include <assert.h>
 #include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -297,35 +293,6 @@ uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t i
     const grid_level *level = &g->levels[0];
     uint32_t z = objects->dims == 3 ? cell_of(level, objects, id, 2) : 0;
     return z * (uint32_t)level->cells.s[1] + cell_of(level, objects, id, 1);
-}
-
-static_assert(offsetof(duet_pose, centre) == 0 && offsetof(duet_bounds, lower) == 0 &&
-                  offsetof(duet_transform, centre) == 0 && offsetof(duet_sphere, centre) == 0 &&
-                  offsetof(duet_compact_transform, centre) == 0,
-              "a row begins with the point that decides its cell");
-
-static void find_cells_along(uint32_t *cells, const grid_level *level, const grid_objects *objects,
-                             uint32_t first, uint32_t n, uint32_t axis)
-{
-    size_t row = grid_object_bytes(objects);
-    const char *at = (const char *)objects->array + first * row + axis * sizeof(float);
-    float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
-    cl_int along = level->cells.s[axis];
-    for (uint32_t k = 0; k < n; ++k)
-        cells[k] = grid_cell_along(*(const float *)(at + k * row), lower, per_cell, along);
-}
-
-void grid_find_cell_rows(uint32_t *rows, const grid *g, const grid_objects *objects, uint32_t first,
-                         uint32_t n)
-{
-    const grid_level *level = &g->levels[0];
-    uint32_t layers[GRID_ROWS_AT_ONCE];
-    find_cells_along(rows, level, objects, first, n, 1);
-    if (objects->dims == 2)
-        return;
-    find_cells_along(layers, level, objects, first, n, 2);
-    for (uint32_t k = 0; k < n; ++k)
-        rows[k] += layers[k] * (uint32_t)level->cells.s[1];
 }
 
 // Bounds that end before they begin: bad ones, which no search takes.

@@ -68,9 +68,4 @@ void grid_cell_of(uint32_t cell[3], const grid *g, const grid_objects *objects, 
 // The row of an object, in a dense grid of one level; in key order each row is cells[0] keys long.
 uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t id);
 
-// The same of n objects without an origin, at most GRID_ROWS_AT_ONCE, as fast as they are read.
-enum { GRID_ROWS_AT_ONCE = 1024 };
-void grid_find_cell_rows(uint32_t *rows, const grid *g, const grid_objects *objects, uint32_t first,
-                         uint32_t n);
-
 #endif

@@ -288,8 +288,8 @@ static bool find_pairs(duet_world *world, duet_error *err)
 static bool run_step(duet_world *world, duet_result *result, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
-    world_choose_keepers(world);
     choose_timed(world);
+    world_choose_keepers(world);
     if (!world_await_objects(world, err) || !find_pairs(world, err))
         return false;
     bool ok = !world->left.device || world_gather_pairs(world, err);

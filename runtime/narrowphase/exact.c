@@ -254,7 +254,7 @@ typedef struct core_numbers {
     mpz_t t[3]; // from a's centre to b's
     mpz_t q[4];
     mpz_t reach, norms, limit; // n times the reach, squared
-    mpz_t way[3], corner[3];   // n times
+    mpz_t way[3];              // n times
     mpz_t across[3], squared;
     mpz_t moment[3];
     mpz_t at, bound, term;
