@@ -253,9 +253,9 @@ uint32_t part_await_skim(part *p, uint32_t from, const skim_block **blocks);
 // Forgets what the last step found, counted and took, and what was sent ahead of one.
 void part_forget(part *p);
 
-// Starts a step: hands the objects over, unless they are packed, and the grid's
-// levels.
-bool part_begin(part *p, const part_task *task, duet_error *err);
+// First in a step: sends the objects, unless they are packed or there, and what belongs to them:
+// sizes, the grid's levels, ids.
+bool part_send_objects(part *p, const part_task *task, duet_error *err);
 
 // Builds the grid of the range from the objects.
 bool part_build_grid(part *p, const part_task *task, const part_range *range, duet_error *err);

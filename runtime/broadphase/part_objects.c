@@ -248,7 +248,7 @@ static bool send_ids(part *p, const global_ids *ids, duet_error *err)
     return ok;
 }
 
-bool part_begin(part *p, const part_task *task, duet_error *err)
+bool part_send_objects(part *p, const part_task *task, duet_error *err)
 {
     size_t bytes = task->objects.n * grid_object_bytes(&task->objects);
     take_ahead(p, task, bytes);

@@ -67,7 +67,7 @@ static bool get_grid(job *j)
         return true;
     if (j->grid_from)
         return part_receive_grid(j->part, j->grid_from, &j->task, &j->range, &j->err);
-    return part_begin(j->part, &j->task, &j->err) &&
+    return part_send_objects(j->part, &j->task, &j->err) &&
            (!j->task.packed || part_receive_slab(j->part, j->pack, j->side, &j->task, &j->range,
                                                  &j->placed, &j->err)) &&
            (!j->placed || part_build_grid(j->part, &j->task, &j->range, &j->err));
@@ -107,8 +107,8 @@ static bool run_shared(duet_world *world, job jobs[2])
     uint64_t begun = clock_steady_ns();
     a->task.receives = true;
     a->grid_from = b->part;
-    b->has_grid = part_begin(b->part, &b->task, &b->err) &&
-                  part_begin(a->part, &a->task, &b->err) &&
+    b->has_grid = part_send_objects(b->part, &b->task, &b->err) &&
+                  part_send_objects(a->part, &a->task, &b->err) &&
                   part_build_grid(b->part, &b->task, &b->range, &b->err) &&
                   part_send_grid(b->part, a->part, &b->task, &b->err);
     b->part->wall_ms = clock_ms_since(begun);
