@@ -481,6 +481,25 @@ static void one_device_keeps_its_usual_kernels_unless_others_are_surely_faster(v
     assert_in_range(left, 0, 0.03 * TIMES);
 }
 
+// However long its kernels race.
+static void a_budget_leaves_an_only_device_its_time(void **state)
+{
+    (void)state;
+    static const char *const variants[] = {"auto", "other"};
+    fake f = {.model = {.ratio = 1, .sigma = 0.2}, .random = rng_seed(test_seed())};
+    duet_tune_def def = fake_def(&f);
+    def.variants = variants;
+    def.n_variants = 2;
+    tune_task task = fake_task(&f, &def);
+    task.one_device = true;
+    for (uint32_t i = 0; i < 50; ++i) {
+        def.budget_trials = trial_budget_least(&def) + i % 40;
+        duet_tune_outcome outcome = tune_task_fake(&task);
+        assert_in_range(outcome.trials, 8, def.budget_trials);
+        assert_true(outcome.step_low_ms > 0 && outcome.step_low_ms < outcome.step_high_ms);
+    }
+}
+
 // ---------------------------------------------------------------- Ctrl-C
 
 static bool stopped_now;
@@ -610,6 +629,7 @@ int main(void)
         cmocka_unit_test(parts_are_raced_against_the_undivided_device),
         cmocka_unit_test(one_device_gets_its_best_kernels_and_no_share),
         cmocka_unit_test(one_device_keeps_its_usual_kernels_unless_others_are_surely_faster),
+        cmocka_unit_test(a_budget_leaves_an_only_device_its_time),
         cmocka_unit_test(a_stop_while_a_kernel_is_built_is_no_trial),
         cmocka_unit_test(a_start_from_a_neighbour_saves_trials),
         cmocka_unit_test(a_log_of_another_tuning_is_forgotten_where_it_differs),
