@@ -213,6 +213,18 @@ static inline bool motion_tells_hits(const duet_motion *m)
            m->def.hit_speed > 0.0;
 }
 
+static inline arg_real motion_real(const duet_motion *m, double value)
+{
+    return m->def.doubles ? (arg_real){.d = value} : (arg_real){.f = (float)value};
+}
+
+// Reads the flags, which waits for all that was launched.
+static inline bool motion_read_flags(duet_motion *m, duet_error *err)
+{
+    return timeline_read(&m->times, "flags", &m->buffers[FLAG_WORDS], m->flags, sizeof m->flags,
+                         err);
+}
+
 // The objects of a motion: poses, or with origin cells large_poses [n]; the other is NULL.
 duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
@@ -279,23 +291,12 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
 // Space for the n objects that there are, of which old_n had it; the others' state is 0.
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
 
-// Where objects may touch: bounds to pairs, pairs to rows, rows to contacts, contacts to colours.
+// Where objects may touch: bounds to pairs, pairs to the contacts of each.
 bool motion_check_bounds(duet_motion *m, duet_error *err); // sets FLAG_MOVED
-// *hold: those that rows are made of hold on, and none were searched.
-bool motion_find_candidates(duet_motion *m, bool *hold, duet_error *err);
 bool motion_build_graph(duet_motion *m, duet_error *err);
-bool motion_colour(duet_motion *m, duet_error *err);
 
-// Fills in the arguments that hold for a whole step.
-void motion_set_args(duet_motion *m);
-arg_real motion_real(const duet_motion *m, double value);
-
-// Runs a kernel over so many objects, pairs or contacts.
-bool motion_launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work,
-                   duet_error *err);
-
-// Reads the flags, which waits for all that was launched.
-bool motion_read_flags(duet_motion *m, duet_error *err);
+// Manifolds, sleep, colours and substeps: what contacts do to bodies in a step.
+bool motion_solve(duet_motion *m, duet_error *err);
 
 // Space for n elements of `size` bytes in a buffer.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);

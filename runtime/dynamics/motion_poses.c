@@ -111,5 +111,6 @@ bool motion_write_poses(duet_motion *m, bool radii, const buffer *rows, duet_err
     m->args.row_words = (radii ? sizeof(duet_rounded_box) : sizeof(duet_pose)) / sizeof(cl_float);
     return (*write || (motion_ask(m, write, "write_poses", "write_poses", false, err) &&
                        program_set_build(m->programs, err))) &&
-           motion_launch(m, "fetch", *write, m->n, err) && timeline_finish(&m->times, err);
+           timeline_launch(&m->times, "fetch", *write, m->n, m, err) &&
+           timeline_finish(&m->times, err);
 }

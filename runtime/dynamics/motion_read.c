@@ -69,7 +69,7 @@ static bool gather(duet_motion *m, motion_buffer which, uint32_t n, duet_error *
     m->args.rows = m->buffers[which];
     m->args.row_words = motion_words(m, which);
     m->args.n_ids = n;
-    return motion_launch(m, "fetch", m->reading.gather_rows, n, err);
+    return timeline_launch(&m->times, "fetch", m->reading.gather_rows, n, m, err);
 }
 
 // The rows of a buffer; NULL after a failure.
@@ -217,7 +217,7 @@ static bool find_changed(duet_motion *m, uint32_t *words, duet_error *err)
         m->args.rows = m->buffers[places[i].which];
         m->args.last_rows = m->buffers[places[i].last];
         m->args.row_words = row_words;
-        ok = ok && motion_launch(m, "moved", m->reading.changed_rows, n_words, err);
+        ok = ok && timeline_launch(&m->times, "moved", m->reading.changed_rows, n_words, m, err);
     }
     return ok && timeline_read(&m->times, "moved", &m->buffers[CHANGED], words,
                                n_words * sizeof *words, err);

@@ -181,6 +181,17 @@ static bool send_filters(duet_motion *m, duet_error *err)
     return ok;
 }
 
+// A buffer that must grow gets more than it needs now: fresh pages cost as much time as
+// writing them.
+bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err)
+{
+    buffer *b = &m->buffers[which];
+    uint64_t bytes = n * size;
+    uint64_t roomy = bytes + bytes / 4;
+    bool grows = b->mem && b->bytes < bytes && roomy <= m->device->info.max_buffer_bytes;
+    return buffer_reserve(b, m->device, (size_t)(grows ? roomy : bytes), err);
+}
+
 static bool reserve_all(duet_motion *m, duet_error *err)
 {
     bool ok = !motion_has(m, DUET_EFFECT_CONTACT) ||
