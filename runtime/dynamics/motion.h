@@ -273,7 +273,10 @@ void motion_inverse_inertia(const duet_motion *m, uint32_t id, double inverse[3]
 // not called for.
 uint32_t motion_words(const duet_motion *m, motion_buffer which);
 
-// Puts what poses and bodies say of some objects into B's buffers.
+// Bytes of state that an object has for an effect.
+uint32_t motion_bytes_for(const duet_motion *m, uint32_t effect);
+
+// Puts what poses and bodies say of some objects into B's buffers; places NULL: of all n.
 enum motion_part {
     PART_POSE = 1 << 0, // centre and rotation
     PART_SIZE = 1 << 1,
