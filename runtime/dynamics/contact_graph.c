@@ -205,23 +205,23 @@ static bool send_altered(duet_motion *m, duet_error *err)
            timeline_fill(t, "altered_pairs", &b[ALTERED_COUNT_WORDS], 0, 0, ALTERED_COUNTS, err);
 }
 
-static bool ask(duet_motion *m, duet_error *err)
+static bool prepare(duet_motion *m, duet_error *err)
 {
     motion_kernels *k = &m->kernels;
-    const char *name = "altered_pairs";
-    return k->keep_pairs ||
-           (motion_ask(m, &k->compute_altered_aabbs, "fat_aabbs", "compute_fat_aabbs", true, err) &&
-            motion_ask(m, &k->place_altered, name, "place_altered", false, err) &&
-            motion_ask(m, &k->find_altered_pairs, name, "find_altered_pairs", false, err) &&
-            motion_ask(m, &k->keep_pairs, name, "keep_pairs", false, err) &&
-            program_set_build(m->programs, err));
+    const motion_choice list[] = {
+        {&k->compute_altered_aabbs, MOTION_ALTERED, "fat_aabbs", "compute_fat_aabbs"},
+        {&k->place_altered, MOTION_ALL, "altered_pairs", "place_altered"},
+        {&k->find_altered_pairs, MOTION_ALL, "altered_pairs", "find_altered_pairs"},
+        {&k->keep_pairs, MOTION_ALL, "altered_pairs", "keep_pairs"},
+    };
+    return motion_build_kernels(m, list, sizeof list / sizeof *list, err);
 }
 
 static bool place_altered(duet_motion *m, duet_error *err)
 {
     list_once(m->commands);
     set_args(m);
-    return ask(m, err) && reserve_table(m, err) && send_altered(m, err) &&
+    return prepare(m, err) && reserve_table(m, err) && send_altered(m, err) &&
            compute_bounds(m, m->kernels.compute_altered_aabbs, m->args.n_altered, err) &&
            timeline_launch(&m->times, "altered_pairs", m->kernels.place_altered, m->args.n_altered,
                            m, err);

@@ -2,7 +2,6 @@
 #include "runtime/dynamics/motion.h"
 
 #include <math.h>
-#include <string.h>
 
 // An effect stands after those that it can be called for by.
 static const effect_row rows[] = {
@@ -114,13 +113,11 @@ static void add_object(effect_facts *f, const duet_pose *p, const duet_body *b, 
     f->reach = fmax(f->reach, reach_of(p, b, dims, dt));
 }
 
-effect_facts effect_facts_of(const duet_motion_def *def, const duet_pose *poses,
-                             const duet_body *bodies, uint32_t n)
+void effect_facts_add(effect_facts *facts, const duet_motion_def *def, const duet_pose *poses,
+                      const duet_body *bodies, uint32_t n)
 {
-    effect_facts f = {0};
     for (uint32_t i = 0; i < n; ++i)
-        add_object(&f, &poses[i], &bodies[i], def->dims, def->dt);
-    return f;
+        add_object(facts, &poses[i], &bodies[i], def->dims, def->dt);
 }
 
 // ---------------------------------------------------------------- inference

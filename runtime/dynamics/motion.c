@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/motion_commands.h"
-#include "runtime/dynamics/motion_map.h"
 #include "runtime/dynamics/recording.h"
 #include "runtime/dynamics/vector.h"
 
@@ -274,7 +273,7 @@ static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large
 {
     if (!copy_objects(m, poses, large_poses, bodies, n, err))
         return false;
-    m->facts = effect_facts_of(&m->def, m->poses, m->bodies, n);
+    effect_facts_add(&m->facts, &m->def, m->poses, m->bodies, n);
     m->effects = effect_infer(&m->def, &m->facts);
     double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * mean_least_extent(m);
     m->margin = MOTION_SLOPS * slop;
@@ -334,7 +333,7 @@ void duet_motion_destroy(duet_motion *m)
     free(m->cells);
     free(m->bodies);
     motion_free_events(&m->told);
-    motion_free_reading(&m->reading);
+    motion_forget_moved(&m->reading);
     motion_forget_commands(m->commands);
     motion_forget_recording(m);
     duet_device_pair_destroy(m->def.pair);

@@ -9,7 +9,6 @@
 #include "kernels/dynamics/records.h"
 #include "runtime/dynamics/effect.h"
 #include "runtime/dynamics/motion_events.h"
-#include "runtime/dynamics/motion_read.h"
 #include "runtime/opencl/background.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/radix_sort.h"
@@ -152,6 +151,15 @@ typedef struct colour_span {
     cl_uint spare;
 } colour_span;
 
+// What was told of the bodies that moved (motion_read.c).
+typedef struct motion_reading {
+    kernel *gather_rows, *changed_rows; // NULL until something is read
+    bool begun;                         // the device has what was read last
+    uint32_t n;
+    uint32_t *ids; // [n] that moved
+    duet_state *states;
+} motion_reading;
+
 // What commands (runtime/duet_motion_commands.h) leave behind.
 typedef struct motion_commands motion_commands;
 typedef struct motion_recording motion_recording;
@@ -175,7 +183,7 @@ struct duet_motion {
     timeline times;
     motion_commands *commands;   // NULL before the first
     motion_recording *recording; // NULL where nothing is recorded
-    struct motion_map *maps;     // [parts of the state], likewise (motion_map.h)
+    struct motion_map *maps;     // [parts of the state], likewise (motion_map.c)
     background background;       // of a step in two halves, and what that took
     double background_ms;
     buffer buffers[MOTION_BUFFERS];
@@ -239,11 +247,22 @@ bool motion_is_under_way(const duet_motion *m);
 bool motion_is_idle(const duet_motion *m, const char *call, duet_error *err);
 bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err);
 bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
+bool motion_is_unmapped(const duet_motion *m, const char *call, duet_error *err);
 
-// A kernel with what the scene says of its parameters, once it is built: for all bodies, or for
-// those that commands altered.
-bool motion_ask(duet_motion *m, kernel **at, const char *name, const char *entry, bool altered,
-                duet_error *err);
+// Without writing what was mapped; and what was told of the bodies that moved.
+void motion_forget_maps(duet_motion *m);
+void motion_forget_moved(motion_reading *r);
+
+// A kernel with what the scene says of its parameters, for all bodies or for those that commands
+// altered; and such kernels as are built when they are first asked for.
+typedef enum motion_wanted { MOTION_NONE, MOTION_ALL, MOTION_ALTERED } motion_wanted;
+typedef struct motion_choice {
+    kernel **at;
+    motion_wanted wanted;
+    const char *name;
+    const char *entry;
+} motion_choice;
+bool motion_build_kernels(duet_motion *m, const motion_choice *list, size_t n, duet_error *err);
 
 // What is wrong with a pose, a body or a def; a def's fault is told by err.
 const char *motion_pose_fault(const duet_pose *pose, uint32_t dims);

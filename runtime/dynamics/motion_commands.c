@@ -6,7 +6,6 @@
 #include "runtime/dynamics/motion_rows.h"
 #include "runtime/dynamics/recording.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,52 +47,38 @@ bool motion_needs(const duet_motion *m, uint32_t effect, const char *call, duet_
     return lacks(effect & ~m->effects, call, "it ", err);
 }
 
-// What is known of the motion's objects and of some that join them. How fast those are is
-// not looked at: continuous is called for by what a motion begins with.
-static effect_facts joined(const duet_motion *m, const effect_facts *more)
+// Effects that the motion lacks for some objects that join its own, and what is then known of all.
+// How fast they are is not looked at: continuous is called for by what a motion begins with.
+static uint32_t missing_for(const duet_motion *m, const duet_pose *poses, const duet_body *bodies,
+                            uint32_t n, effect_facts *all)
 {
-    effect_facts f = m->facts;
-    f.rotated |= more->rotated;
-    f.moving |= more->moving;
-    f.turning |= more->turning;
-    f.massive |= more->massive;
-    f.turnable |= more->turnable;
-    f.uneven |= more->uneven;
-    f.sensing |= more->sensing;
-    f.round |= more->round;
-    f.elastic |= more->elastic;
-    f.rough |= more->rough;
-    f.filtered |= more->filtered;
-    return f;
-}
-
-static uint32_t missing_for(const duet_motion *m, const effect_facts *more)
-{
-    effect_facts f = joined(m, more);
-    return effect_infer(&m->def, &f) & ~m->effects;
+    *all = m->facts;
+    effect_facts_add(all, &m->def, poses, bodies, n);
+    all->reach = m->facts.reach;
+    return effect_infer(&m->def, all) & ~m->effects;
 }
 
 static bool tell_who_lacks(const duet_motion *m, const motion_placed *p, const char *call,
                            duet_error *err)
 {
-    for (uint32_t i = 0; i < p->n; ++i) {
-        effect_facts f = effect_facts_of(&m->def, &p->poses[i], &p->bodies[i], 1);
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < p->n; ++i) {
+        effect_facts all;
         char what[48];
         snprintf(what, sizeof what, "body %u of %u ", i, p->n);
-        if (!lacks(missing_for(m, &f), call, what, err))
-            return false;
+        ok = lacks(missing_for(m, &p->poses[i], &p->bodies[i], 1, &all), call, what, err);
     }
-    return false;
+    return ok;
 }
 
 bool motion_placed_admit(duet_motion *m, const motion_placed *p, const char *call, duet_error *err)
 {
-    effect_facts more = effect_facts_of(&m->def, p->poses, p->bodies, p->n);
-    if (missing_for(m, &more))
-        return tell_who_lacks(m, p, call, err);
     const effect_facts before = m->facts;
-    m->facts = joined(m, &more);
-    bool tumbles = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven && !before.uneven;
+    effect_facts all;
+    if (missing_for(m, p->poses, p->bodies, p->n, &all))
+        return tell_who_lacks(m, p, call, err);
+    m->facts = all;
+    bool tumbles = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && all.uneven && !before.uneven;
     if (!tumbles || motion_prepare_again(m, err))
         return true;
     m->facts = before;

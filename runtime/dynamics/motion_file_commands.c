@@ -165,7 +165,8 @@ static bool take_target(const duet_motion *as, const motion_target *t, const cha
 static bool take_facts(duet_motion *as, const char *path, duet_error *err)
 {
     const effect_facts before = as->facts;
-    as->facts = effect_facts_of(&as->def, as->poses, as->bodies, as->n);
+    as->facts = (effect_facts){0};
+    effect_facts_add(&as->facts, &as->def, as->poses, as->bodies, as->n);
     as->facts.reach = before.reach;
     if (effect_infer(&as->def, &as->facts) & ~as->effects)
         return error_set(err, DUET_STATUS_BAD_INPUT,

@@ -2,7 +2,6 @@
 // Which kernels a motion runs, and with which parameters.
 #include "runtime/dynamics/motion.h"
 
-#include "base/error.h"
 #include "runtime/narrowphase/origin.h"
 
 #include <assert.h>
@@ -127,11 +126,6 @@ static const gen_param *find_param(const gen_param *params, uint32_t n, const ch
     return NULL;
 }
 
-static int64_t has(const duet_motion *m, uint32_t effect)
-{
-    return motion_has(m, effect) ? 1 : 0;
-}
-
 static int64_t gravity_kind(const duet_motion *m)
 {
     return !motion_has(m, DUET_EFFECT_GRAVITY) ? 0 : m->def.attraction != 0.0 ? 2 : 1;
@@ -176,21 +170,21 @@ static bool gather(duet_motion *m, const char *name, bool altered,
         {"DOUBLE", m->def.doubles},
         {"ORIGIN", origin_setting(m->def.origin_edge)},
         {"ORDER", order_of(m->def.integrator)},
-        {"ROTATED", has(m, DUET_EFFECT_ROTATION)},
+        {"ROTATED", motion_has(m, DUET_EFFECT_ROTATION)},
         {"ANGULAR_VELOCITY", turning_kind(m)},
         {"GYRO", gyro},
         {"GRAVITY", gravity_kind(m)},
-        {"DRAG", has(m, DUET_EFFECT_DRAG)},
-        {"FORCES", has(m, DUET_EFFECT_FORCES)},
+        {"DRAG", motion_has(m, DUET_EFFECT_DRAG)},
+        {"FORCES", motion_has(m, DUET_EFFECT_FORCES)},
         {"BOUNDARY", boundary_kind(m)},
-        {"CONTACT_RESPONSE", has(m, DUET_EFFECT_CONTACT_RESPONSE)},
-        {"FRICTION", has(m, DUET_EFFECT_FRICTION)},
-        {"CONTINUOUS", has(m, DUET_EFFECT_CONTINUOUS)},
-        {"FILTER", has(m, DUET_EFFECT_FILTER)},
-        {"SLEEP", has(m, DUET_EFFECT_SLEEP)},
-        {"SKIN", has(m, DUET_EFFECT_SKIN)},
-        {"ROUNDED", has(m, DUET_EFFECT_RADIUS)},
-        {"SENSORS", has(m, DUET_EFFECT_SENSORS)},
+        {"CONTACT_RESPONSE", motion_has(m, DUET_EFFECT_CONTACT_RESPONSE)},
+        {"FRICTION", motion_has(m, DUET_EFFECT_FRICTION)},
+        {"CONTINUOUS", motion_has(m, DUET_EFFECT_CONTINUOUS)},
+        {"FILTER", motion_has(m, DUET_EFFECT_FILTER)},
+        {"SLEEP", motion_has(m, DUET_EFFECT_SLEEP)},
+        {"SKIN", motion_has(m, DUET_EFFECT_SKIN)},
+        {"ROUNDED", motion_has(m, DUET_EFFECT_RADIUS)},
+        {"SENSORS", motion_has(m, DUET_EFFECT_SENSORS)},
         {"HITS", motion_tells_hits(m)},
         {"ALTERED", altered},
     };
@@ -209,15 +203,31 @@ static bool gather(duet_motion *m, const char *name, bool altered,
     return true;
 }
 
-bool motion_ask(duet_motion *m, kernel **at, const char *name, const char *entry, bool altered,
-                duet_error *err)
+static bool ask(duet_motion *m, const motion_choice *list, size_t n, duet_error *err)
 {
-    gen_setting settings[MOST_PARAMS];
-    uint32_t n = 0;
-    if (!gather(m, name, altered, settings, &n, err))
-        return false;
-    *at = program_set_kernel(m->programs, name, entry, settings, n, motion_bindings, err);
-    return *at;
+    for (size_t i = 0; i < n; ++i) {
+        const motion_choice *c = &list[i];
+        gen_setting settings[MOST_PARAMS];
+        uint32_t n_settings = 0;
+        if (!c->wanted)
+            continue;
+        if (!gather(m, c->name, c->wanted == MOTION_ALTERED, settings, &n_settings, err))
+            return false;
+        *c->at = program_set_kernel(m->programs, c->name, c->entry, settings, n_settings,
+                                    motion_bindings, err);
+        if (!*c->at)
+            return false;
+    }
+    return true;
+}
+
+// After a failure none is there.
+bool motion_build_kernels(duet_motion *m, const motion_choice *list, size_t n, duet_error *err)
+{
+    bool ok = *list->at || (ask(m, list, n, err) && program_set_build(m->programs, err));
+    for (size_t i = 0; !ok && i < n; ++i)
+        *list[i].at = NULL;
+    return ok;
 }
 
 // ---------------------------------------------------------------- all of them
@@ -247,25 +257,22 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
     bool response = motion_has(m, DUET_EFFECT_CONTACT_RESPONSE);
     bool flight = motion_has(m, DUET_EFFECT_MOTION) && !response;
     bool walls = contact && boundary_kind(m) == 1;
-    const struct {
-        kernel **at;
-        bool wanted;
-        const char *name;
-        const char *entry;
-    } list[] = {
+    bool sleep = motion_has(m, DUET_EFFECT_SLEEP), skin = motion_has(m, DUET_EFFECT_SKIN);
+    bool events = motion_has(m, DUET_EFFECT_EVENTS);
+    const motion_choice list[] = {
         {&k->integrate_free_flight, flight, "integrate_free_flight", "integrate_free_flight"},
         {&k->compute_fat_aabbs, contact, "fat_aabbs", "compute_fat_aabbs"},
-        {&k->check_fat_aabbs, motion_has(m, DUET_EFFECT_SKIN), "fat_aabbs", "check_fat_aabbs"},
+        {&k->check_fat_aabbs, skin, "fat_aabbs", "check_fat_aabbs"},
         {&k->contact_graph_pairs, contact, "contact_graph", "contact_graph_pairs"},
         {&k->contact_graph_walls, walls, "contact_graph", "contact_graph_walls"},
         {&k->contact_graph_sort, contact, "contact_graph", "contact_graph_sort"},
         {&k->contact_graph_reverse, contact, "contact_graph", "contact_graph_reverse"},
         {&k->match_contacts, contact, "match_contacts", "match_contacts"},
         {&k->build_manifolds, contact, "build_manifolds", "build_manifolds"},
-        {&k->update_sleep, motion_has(m, DUET_EFFECT_SLEEP), "update_sleep", "update_sleep"},
-        {&k->push_sleepers, motion_has(m, DUET_EFFECT_SLEEP), "update_sleep", "push_sleepers"},
-        {&k->move_sleepers, motion_has(m, DUET_EFFECT_SLEEP), "update_sleep", "move_sleepers"},
-        {&k->contact_events, motion_has(m, DUET_EFFECT_EVENTS), "contact_events", "contact_events"},
+        {&k->update_sleep, sleep, "update_sleep", "update_sleep"},
+        {&k->push_sleepers, sleep, "update_sleep", "push_sleepers"},
+        {&k->move_sleepers, sleep, "update_sleep", "move_sleepers"},
+        {&k->contact_events, events, "contact_events", "contact_events"},
         {&k->prepare_bodies, response, "bodies", "prepare_bodies"},
         {&k->integrate_velocities, response, "bodies", "integrate_velocities"},
         {&k->integrate_positions, response, "integrate_positions", "integrate_positions"},
@@ -281,9 +288,8 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         {&k->row_start, response, "cell_start", "row_start"},
     };
     m->layout = lay_out(m);
-    for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i)
-        if (list[i].wanted && !motion_ask(m, list[i].at, list[i].name, list[i].entry, false, err))
-            return false;
+    if (!ask(m, list, sizeof list / sizeof *list, err))
+        return false;
     if (response)
         m->layout.block = (uint32_t)kernel_param(k->solve_contacts, "BLOCK");
     return true;
@@ -300,7 +306,12 @@ bool motion_prepare(duet_motion *m, duet_error *err)
            program_set_build(m->programs, err);
 }
 
+// After a failure those before go on.
 bool motion_prepare_again(duet_motion *m, duet_error *err)
 {
-    return choose_kernels(m, err) && program_set_build(m->programs, err);
+    const motion_kernels before = m->kernels;
+    bool ok = choose_kernels(m, err) && program_set_build(m->programs, err);
+    if (!ok)
+        m->kernels = before;
+    return ok;
 }

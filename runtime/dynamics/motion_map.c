@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Parts of a motion's state for the caller: in place, or in a buffer of the caller's.
-#include "runtime/dynamics/motion_map.h"
+#include "runtime/duet_motion_map.h"
 
 #include "base/error.h"
 #include "runtime/duet_opencl.h"
@@ -219,11 +219,17 @@ static uint32_t *settle(const duet_motion *m, duet_state_part part, const struct
     return awake;
 }
 
-static bool write_back(duet_motion *m, struct motion_map *map, const uint32_t *awake, uint32_t n,
-                       duet_error *err)
+// What cannot be written stays mapped.
+static bool write_back(duet_motion *m, duet_state_part part, struct motion_map *map,
+                       const char *call, duet_error *err)
 {
-    return (map->n == 0 || motion_rows_close(m, &map->rows, err)) &&
-           motion_wake_places(m, awake, n, err);
+    uint32_t n = 0;
+    uint32_t *awake = check_rows(m, part, map, call, err) ? settle(m, part, map, &n, err) : NULL;
+    bool ok =
+        awake && motion_keep_whole(m, (map->n == 0 || motion_rows_close(m, &map->rows, err)) &&
+                                          motion_wake_places(m, awake, n, err));
+    free(awake);
+    return ok;
 }
 
 bool duet_motion_unmap_states(duet_motion *m, duet_state_part part, duet_error *err)
@@ -235,22 +241,12 @@ bool duet_motion_unmap_states(duet_motion *m, duet_state_part part, duet_error *
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: %s are not mapped; expected duet_motion_map_states first", __func__,
                          duet_state_part_name(part) ? parts[part].name : "states");
-    if (map->written) {
-        uint32_t n = 0;
-        if (!check_rows(m, part, map, __func__, err))
-            return false;
-        uint32_t *awake = settle(m, part, map, &n, err);
-        bool ok = awake && motion_keep_whole(m, write_back(m, map, awake, n, err));
-        free(awake);
-        if (!ok && !m->broken)
-            return false;
-        motion_rows_drop(&map->rows);
-        *map = (struct motion_map){0};
-        return ok;
-    }
+    bool ok = !map->written || write_back(m, part, map, __func__, err);
+    if (!ok && !m->broken)
+        return false;
     motion_rows_drop(&map->rows);
     *map = (struct motion_map){0};
-    return true;
+    return ok;
 }
 
 // ---------------------------------------------------------------- in a buffer of the caller's

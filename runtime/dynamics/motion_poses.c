@@ -106,11 +106,10 @@ bool motion_has_poses(const duet_motion *m, bool radii)
 
 bool motion_write_poses(duet_motion *m, bool radii, const buffer *rows, duet_error *err)
 {
-    kernel **write = &m->kernels.write_poses;
+    const motion_choice write = {&m->kernels.write_poses, MOTION_ALL, "write_poses", "write_poses"};
     m->args.poses = *rows;
     m->args.row_words = (radii ? sizeof(duet_rounded_box) : sizeof(duet_pose)) / sizeof(cl_float);
-    return (*write || (motion_ask(m, write, "write_poses", "write_poses", false, err) &&
-                       program_set_build(m->programs, err))) &&
-           timeline_launch(&m->times, "fetch", *write, m->n, m, err) &&
+    return motion_build_kernels(m, &write, 1, err) &&
+           timeline_launch(&m->times, "fetch", *write.at, m->n, m, err) &&
            timeline_finish(&m->times, err);
 }

@@ -10,26 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-void motion_free_reading(motion_reading *r)
-{
-    free(r->ids);
-    free(r->states);
-    *r = (motion_reading){0};
-}
-
 static bool prepare(duet_motion *m, duet_error *err)
 {
-    motion_reading *r = &m->reading;
-    if (r->changed_rows)
-        return true;
-    kernel *gather = NULL, *changed = NULL;
-    if (!motion_ask(m, &gather, "read_rows", "gather_rows", false, err) ||
-        !motion_ask(m, &changed, "read_rows", "changed_rows", false, err) ||
-        !program_set_build(m->programs, err))
-        return false;
-    r->gather_rows = gather;
-    r->changed_rows = changed;
-    return true;
+    const motion_choice list[] = {
+        {&m->reading.gather_rows, MOTION_ALL, "read_rows", "gather_rows"},
+        {&m->reading.changed_rows, MOTION_ALL, "read_rows", "changed_rows"},
+    };
+    return motion_build_kernels(m, list, sizeof list / sizeof *list, err);
 }
 
 // ---------------------------------------------------------------- rows
@@ -223,25 +210,27 @@ static bool find_changed(duet_motion *m, uint32_t *words, duet_error *err)
                                n_words * sizeof *words, err);
 }
 
-// Where there are more or fewer bodies than before, all is told again.
-static bool reserve_reading(duet_motion *m, duet_error *err)
+void motion_forget_moved(motion_reading *r)
 {
-    motion_reading *r = &m->reading;
-    if (r->ids && r->n == m->n)
-        return true;
-    free(r->ids);
-    free(r->states);
-    r->begun = false;
-    r->n = m->n;
-    r->ids = malloc(((size_t)m->n + 1) * sizeof *r->ids);
-    r->states = malloc(((size_t)m->n + 1) * sizeof *r->states);
-    if (r->ids && r->states)
-        return true;
     free(r->ids);
     free(r->states);
     r->ids = NULL;
     r->states = NULL;
-    return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+    r->begun = false;
+}
+
+// Where there are more or fewer bodies than before, all is told again.
+static bool reserve_reading(duet_motion *m, duet_error *err)
+{
+    motion_reading *r = &m->reading;
+    if (r->ids && r->states && r->n == m->n)
+        return true;
+    motion_forget_moved(r);
+    r->n = m->n;
+    r->ids = malloc(((size_t)m->n + 1) * sizeof *r->ids);
+    r->states = malloc(((size_t)m->n + 1) * sizeof *r->states);
+    return (r->ids && r->states) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
 }
 
 // What was never read has moved.

@@ -189,12 +189,6 @@ void motion_note_def(duet_motion *m)
         add(to, &d, sizeof d);
 }
 
-void motion_note_step(duet_motion *m)
-{
-    if (m->recording)
-        ++m->recording->steps;
-}
-
 void motion_forget_recording(duet_motion *m)
 {
     if (m->recording)

@@ -78,7 +78,6 @@ typedef struct motion_recording {
 void motion_forget_recording(duet_motion *m);
 
 // Each does nothing where the motion is not recorded. The commands are done by then.
-void motion_note_step(duet_motion *m);
 void motion_note_def(duet_motion *m);
 void motion_note_arrivals(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
                           uint32_t n);
