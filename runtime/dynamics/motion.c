@@ -342,7 +342,7 @@ void duet_motion_destroy(duet_motion *m)
 
 const duet_plan *duet_motion_get_plan(const duet_motion *m)
 {
-    return m && m->world && !motion_is_under_way(m) ? duet_world_get_plan(m->world) : NULL;
+    return m && m->world && !m->background.under_way ? duet_world_get_plan(m->world) : NULL;
 }
 
 uint32_t duet_motion_get_effects(const duet_motion *m)

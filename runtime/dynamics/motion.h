@@ -238,9 +238,6 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err);
 
-// Whether a step has begun that was not ended, by its thread.
-bool motion_is_under_way(const duet_motion *m);
-
 // Whether a public call has a motion whose state is that of a whole step, none of which is under
 // way, and of which nothing is mapped; BAD_ARGUMENT where it has not. Steady: something may be
 // mapped. Idle: and a step may have failed.
@@ -282,8 +279,10 @@ void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state);
 // All states, which the caller frees; NULL where a number of them is no longer finite.
 duet_state *motion_read_states(duet_motion *m, duet_error *err);
 
-// All states of a motion in origin cells, their centres offsets in these [n].
-bool motion_get_offsets(duet_motion *m, duet_state *states, cl_int4 *cells, duet_error *err);
+// States of n bodies whose ids are valid, or without ids of the first n. Where cells are asked for,
+// centres are offsets in these.
+bool motion_fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
+                         cl_int4 *cells, duet_error *err);
 
 // One over the inertia of an object about each of its own axes; 0: never turned about it.
 void motion_inverse_inertia(const duet_motion *m, uint32_t id, double inverse[3]);

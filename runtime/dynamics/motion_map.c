@@ -38,8 +38,8 @@ const char *duet_state_part_name(duet_state_part part)
     return (int)part >= 0 && (int)part < PARTS ? parts[part].name : NULL;
 }
 
-static bool part_buffer(const duet_motion *m, duet_state_part part, motion_buffer *which,
-                        const char *call, duet_error *err)
+static bool check_part(const duet_motion *m, duet_state_part part, const char *call,
+                       duet_error *err)
 {
     if (!duet_state_part_name(part))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
@@ -49,7 +49,6 @@ static bool part_buffer(const duet_motion *m, duet_state_part part, motion_buffe
                          "%s: centres are in origin cells; expected duet_motion_get_states, or "
                          "duet_motion_set_poses",
                          call);
-    *which = parts[part].which;
     return motion_needs(m, parts[part].effect, call, err);
 }
 
@@ -93,8 +92,7 @@ static bool begin_maps(duet_motion *m, duet_error *err)
 static bool can_map(duet_motion *m, duet_state_part part, duet_map_access access, const char *call,
                     duet_error *err)
 {
-    motion_buffer which;
-    if (!motion_is_steady(m, call, err) || !part_buffer(m, part, &which, call, err))
+    if (!motion_is_steady(m, call, err) || !check_part(m, part, call, err))
         return false;
     if (access != DUET_MAP_READ && access != DUET_MAP_WRITE)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
@@ -276,13 +274,13 @@ static bool copy_rows(duet_motion *m, const buffer *from, cl_mem to, size_t byte
 bool duet_motion_copy_states(duet_motion *m, duet_state_part part, cl_mem rows, cl_uint n_events,
                              const cl_event *events, cl_event *done, duet_error *err)
 {
-    motion_buffer which;
     bool has[2];
     callers_events ready = {0};
     if (done)
         *done = NULL;
-    if (!motion_is_whole(m, __func__, err) || !part_buffer(m, part, &which, __func__, err))
+    if (!motion_is_whole(m, __func__, err) || !check_part(m, part, __func__, err))
         return false;
+    const motion_buffer which = parts[part].which;
     const size_t bytes = (size_t)m->n * motion_words(m, which) * sizeof(cl_uint);
     const buffer_need need = {__func__, "rows", BUFFER_WRITTEN, bytes};
     bool ok = callers_buffer_check(rows, &need, m->def.pair->devices, 1, has, err) &&

@@ -122,8 +122,7 @@ static bool check_finite(const duet_motion *m, const uint32_t *ids, uint32_t n,
     return true;
 }
 
-// The ids are valid.
-static bool fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
+bool motion_fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
                          cl_int4 *cells, duet_error *err)
 {
     reading r = {.ids = ids, .n = n};
@@ -148,12 +147,7 @@ bool duet_motion_get_states(duet_motion *m, duet_state *states, duet_error *err)
 {
     return motion_is_whole(m, __func__, err) &&
            (m->n == 0 || error_given(states, __func__, "states", err)) &&
-           fetch_states(m, NULL, m->n, states, NULL, err);
-}
-
-bool motion_get_offsets(duet_motion *m, duet_state *states, cl_int4 *cells, duet_error *err)
-{
-    return fetch_states(m, NULL, m->n, states, cells, err);
+           motion_fetch_states(m, NULL, m->n, states, NULL, err);
 }
 
 duet_state *motion_read_states(duet_motion *m, duet_error *err)
@@ -163,7 +157,7 @@ duet_state *motion_read_states(duet_motion *m, duet_error *err)
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
         return NULL;
     }
-    if (fetch_states(m, NULL, m->n, states, NULL, err))
+    if (motion_fetch_states(m, NULL, m->n, states, NULL, err))
         return states;
     free(states);
     return NULL;
@@ -180,7 +174,7 @@ bool duet_motion_get_states_of(duet_motion *m, const uint32_t *places, uint32_t 
         if (places[i] >= m->n)
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "place %u, in row %u; expected one below %u", places[i], i, m->n);
-    return fetch_states(m, places, n, states, NULL, err);
+    return motion_fetch_states(m, places, n, states, NULL, err);
 }
 
 // ---------------------------------------------------------------- what moved
@@ -249,7 +243,7 @@ static bool read_moved(duet_motion *m, uint32_t *words, duet_moved *moved, duet_
     motion_reading *r = &m->reading;
     bool ok = m->n == 0 || find_changed(m, words, err);
     uint32_t n = ok ? list_moved(m, words) : 0;
-    ok = ok && fetch_states(m, r->ids, n, r->states, NULL, err);
+    ok = ok && motion_fetch_states(m, r->ids, n, r->states, NULL, err);
     r->begun = ok;
     *moved = (duet_moved){.places = r->ids, .states = r->states, .n = n};
     return ok;

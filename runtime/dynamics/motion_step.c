@@ -14,14 +14,9 @@
 
 // ---------------------------------------------------------------- between steps
 
-bool motion_is_under_way(const duet_motion *m)
-{
-    return m->background.under_way;
-}
-
 bool motion_is_idle(const duet_motion *m, const char *call, duet_error *err)
 {
-    return !motion_is_under_way(m) ||
+    return !m->background.under_way ||
            error_set(
                err, DUET_STATUS_BAD_ARGUMENT,
                "%s: a step of the motion is under way; expected duet_motion_advance_end first",
@@ -284,7 +279,7 @@ bool duet_motion_advance_end(duet_motion *m, duet_motion_result *result, duet_er
 {
     if (!error_given(m, __func__, "motion", err) || !error_given(result, __func__, "result", err))
         return false;
-    if (!motion_is_under_way(m))
+    if (!m->background.under_way)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: no step is under way; expected duet_motion_advance_begin first",
                          __func__);

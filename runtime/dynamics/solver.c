@@ -189,6 +189,7 @@ static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
     return for_colours(m, m->kernels.solve_contacts, err);
 }
 
+// Contacts are soft springs, and then relax without these.
 static bool substep(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
