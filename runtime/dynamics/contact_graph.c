@@ -45,7 +45,7 @@ static bool bounds_hold(duet_motion *m, bool *hold, duet_error *err)
     return ok;
 }
 
-// ---------------------------------------------------------------- of all bodies
+// ---------------------------------------------------------------- pairs of all bodies
 
 // What A and what B found, one behind the other.
 static bool send_pairs(duet_motion *m, const duet_result *result, duet_error *err)
@@ -150,7 +150,7 @@ static void list_once(motion_commands *c)
     c->n_altered = n;
 }
 
-// ---------------------------------------------------------------- a table of it
+// ---------------------------------------------------------------- a table of them
 
 // Twice as wide as what is altered, in the mean: few bodies overlap more than eight.
 static double edge_of(const duet_motion *m)
@@ -251,7 +251,7 @@ static bool find_altered_pairs(duet_motion *m, bool *found, duet_error *err)
            (!hold || search_altered(m, found, err));
 }
 
-// ---------------------------------------------------------------- of either
+// ---------------------------------------------------------------- pairs of either
 
 // Those of what commands altered, where the others' hold on; else all.
 static bool search(duet_motion *m, duet_error *err)

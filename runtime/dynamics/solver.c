@@ -26,7 +26,7 @@ static bool prepare_bodies(duet_motion *m, uint32_t woken, duet_error *err)
 
 // Bodies and where they touch. What is woken by a touch has its mass again
 // before it is pushed.
-static bool touch(duet_motion *m, duet_error *err)
+static bool update_contacts(duet_motion *m, duet_error *err)
 {
     return prepare_bodies(m, 0, err) && find_manifolds(m, 0, err) &&
            (!motion_has(m, DUET_EFFECT_SLEEP) ||
@@ -226,7 +226,8 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
 bool motion_solve(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
-    bool ok = touch(m, err) && colour_contacts(m, err) && for_colours(m, k->prepare_contacts, err);
+    bool ok = update_contacts(m, err) && colour_contacts(m, err) &&
+              for_colours(m, k->prepare_contacts, err);
     for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
         ok = substep(m, err);
     ok = ok && (!m->facts.elastic || for_colours(m, k->apply_restitution, err));
