@@ -49,10 +49,10 @@ static const command_line line = {
     .operands = "PAIRS.npy|FILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about =
-        "Tests the pairs of a file as a step tests its candidates: 1 colliding, 0 separated.\n"
-        "A row is two poses of 10 numbers, centre xyz, half extents xyz, quaternion xyzw; in 2D\n"
-        "two of 5, centre xy, half extents xy, angle. Files are .npy, or numbers as text.",
+    .about = "Tests the pairs of a file as a step tests its candidates: 1 colliding, 0\n"
+             "separated. A row is two poses of 10 numbers, centre xyz, half extents xyz,\n"
+             "quaternion xyzw; in 2D two of 5, centre xy, half extents xy, angle. Files are\n"
+             ".npy, or numbers as text.",
     .options = options,
     .rules = rules,
 };

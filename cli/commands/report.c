@@ -29,10 +29,10 @@ static const command_line line = {
     .name = "report",
     .operands = "[RESULTS.json...]",
     .most_operands = RESULTS_MOST,
-    .about =
-        "Makes one HTML page of the profile store and of results of 'duet bench --output', the\n"
-        "earliest first, 'duet accuracy --json' and 'duet explain --measure --json': profiles,\n"
-        "searches, accuracy against time, what effects cost, stages, history.",
+    .about = "Makes one HTML page of the profile store and of results of 'duet bench\n"
+             "--output', the earliest first, 'duet accuracy --json' and 'duet explain\n"
+             "--measure --json': profiles, searches, accuracy against time, what effects\n"
+             "cost, stages, history.",
     .options = options,
 };
 

@@ -26,6 +26,18 @@ static void help_and_version_are_printed(void **state)
     program_free(&p);
 }
 
+static void without_a_subcommand_help_is_printed_and_that_is_wrong(void **state)
+{
+    (void)state;
+    program alone = program_run("%s", "");
+    program help = program_run("--help");
+    assert_int_equal(alone.exit_code, 2);
+    assert_string_equal(alone.err, "duet: a subcommand is missing\n");
+    assert_int_equal(strncmp(alone.out, help.out, strlen(help.out)), 0);
+    program_free(&help);
+    program_free(&alone);
+}
+
 // Every subcommand that --help names has a --help of its own.
 static void every_subcommand_has_help(void **state)
 {
@@ -56,11 +68,12 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
 {
     (void)state;
     static const char *const wrong[][2] = {
-        {"", "a subcommand is missing"},
         {"abacus", "there is no subcommand 'abacus'; 'duet --help' lists"},
         {"help devcies", "there is no subcommand 'devcies'; did you mean 'devices'?"},
         {"devcies", "there is no subcommand 'devcies'; did you mean 'devices'?"},
         {"dev", "there is no subcommand 'dev'; did you mean 'devices'?"},
+        {"run", "duet run: SCENE|FILE is missing; 'duet run --help' says what it is"},
+        {"tune", "give a scene, as 'duet tune paper', or a tune file with --config"},
         {"run x --chekc", "there is no option '--chekc'; did you mean '--check'?"},
         {"run x --check-all=1", "there is no option '--check-all=1'; 'duet run --help' lists"},
         {"run x -json", "there is no option '-json'; did you mean '--json'?"},
@@ -222,7 +235,8 @@ static void a_machine_without_opencl_is_told_what_to_install(void **state)
     (void)state;
     static const char *const commands[] = {"devices", "devices --json"};
     for (int i = 0; i < 2; ++i) {
-        program p = program_run_with("OCL_ICD_FILENAMES= OCL_ICD_VENDORS=no/such/folder", "%s", commands[i]);
+        program p = program_run_with("OCL_ICD_FILENAMES= OCL_ICD_VENDORS=no/such/folder", "%s",
+                                     commands[i]);
         program_assert_refused(&p, 1, "apt install pocl-opencl-icd");
     }
 }
@@ -314,6 +328,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(help_and_version_are_printed),
+        cmocka_unit_test(without_a_subcommand_help_is_printed_and_that_is_wrong),
         cmocka_unit_test(every_subcommand_has_help),
         cmocka_unit_test(wrong_usage_is_one_line_and_exit_2),
         cmocka_unit_test(numbers_are_written_as_people_write_them),

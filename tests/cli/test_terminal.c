@@ -189,19 +189,26 @@ static void a_line_of_progress_is_no_wider_than_the_terminal(void **state)
 {
     (void)state;
     enum { COLUMNS = 20 };
-    static const work falling = {"run orbit2d -n 300 --steps %d --json >out", 150, "step "};
-    terminal t = run_until_told(&falling, COLUMNS);
-    if (widest(text_chars(&t.seen)) >= COLUMNS)
-        fail_msg("%s", text_chars(&t.seen));
-    text_free(&t.seen);
+    static const work works[] = {
+        {"run orbit2d -n 300 --steps %d --json >out", 150, "step "},
+        {"tune still -n %d --variants simd --profile out.db --json >out", 300, "1/1 still"},
+    };
+    for (size_t i = 0; i < sizeof works / sizeof *works; ++i) {
+        terminal t = run_until_told(&works[i], COLUMNS);
+        if (widest(text_chars(&t.seen)) >= COLUMNS)
+            fail_msg("%s", text_chars(&t.seen));
+        text_free(&t.seen);
+    }
     remove("out");
+    remove("out.db");
 }
 
 static void tables_are_folded_to_the_terminal(void **state)
 {
     (void)state;
     enum { COLUMNS = 80 };
-    static const char *const commands[] = {"explain paper -n 100", "explain falling -n 100"};
+    static const char *const commands[] = {"explain paper -n 100", "explain falling -n 100",
+                                           "run --help", "tune --help", "cluster --help"};
     for (size_t i = 0; i < sizeof commands / sizeof *commands; ++i) {
         char script[512];
         snprintf(script, sizeof script, "%s %s", getenv("DUET_PROGRAM"), commands[i]);
