@@ -76,6 +76,8 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"tune", "give a scene, as 'duet tune paper', or a tune file with --config"},
         {"run x --chekc", "there is no option '--chekc'; did you mean '--check'?"},
         {"run x --check-all=1", "there is no option '--check-all=1'; 'duet run --help' lists"},
+        {"run x --JSON", "there is no option '--JSON'; did you mean '--json'?"},
+        {"Run x", "there is no subcommand 'Run'; did you mean 'run'?"},
         {"run x -json", "there is no option '-json'; did you mean '--json'?"},
         {"run x --n 3", "there is no option '--n'; did you mean '-n'?"},
         {"run x -p", "there is no option '-p'; 'duet run --help' lists"},
