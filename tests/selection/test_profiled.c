@@ -398,6 +398,12 @@ static void why_names_the_plan_and_run_uses_it(void **state)
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "exact: share 0.3750, mode own, A auto, B auto sort=radix"));
     program_free(&p);
+    p = program_run("profiles why %s --profile %s --level sat15", SCENE, folder.store);
+    assert_non_null(strstr(p.out, "\n  exact         no: "));
+    assert_non_null(strstr(p.out, "\n  other driver  no: "));
+    assert_non_null(strstr(p.out, "\n  stale         no: "));
+    assert_non_null(strstr(p.out, "of which nothing is known"));
+    program_free(&p);
     test_store_run(folder.store, "UPDATE profile SET share = 0, verdict = 'same'");
     p = program_run_with(variables, "run %s --repeat 1", SCENE);
     assert_non_null(strstr(p.out, "exact; B alone; no share promises more"));
