@@ -145,6 +145,16 @@ static void of_one_device_the_page_shows_no_share(void **state)
     program_free(&p);
 }
 
+static void a_page_without_a_name_is_told_of(void **state)
+{
+    (void)state;
+    program p = program_run("report --profile %s", folder.store);
+    assert_int_equal(p.exit_code, 0);
+    assert_string_equal(p.out, "-> duet-report.html\n");
+    assert_int_equal(remove("duet-report.html"), 0);
+    program_free(&p);
+}
+
 static void one_slow_step_does_not_flatten_the_others(void **state)
 {
     (void)state;
@@ -245,6 +255,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_page_shows_profile_search_stages_and_history),
         cmocka_unit_test(of_one_device_the_page_shows_no_share),
+        cmocka_unit_test(a_page_without_a_name_is_told_of),
         cmocka_unit_test(one_slow_step_does_not_flatten_the_others),
         cmocka_unit_test(the_page_loads_nothing),
         cmocka_unit_test(names_are_words_and_no_markup),
