@@ -2,6 +2,7 @@
 #include "cli/options.h"
 
 #include "base/nearest.h"
+#include "base/output.h"
 #include "cli/interrupt.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
@@ -370,6 +371,17 @@ static bool parse(const command_line *line, int argc, char **argv, void *args, p
            check_stdout(line, &given, args);
 }
 
+static bool check_outputs(const command_line *line, const void *args, duet_error *err)
+{
+    for (const option *o = line->options; o->name; ++o) {
+        const char *at = (const char *)args + o->at;
+        const char *path = o->kind == KIND_OUTPUT ? *(const char *const *)at : NULL;
+        if (path && !output_check(path, err))
+            return false;
+    }
+    return true;
+}
+
 int options_run(const command_line *line, int argc, char **argv, void *args, command_body *run)
 {
     parsed p;
@@ -379,6 +391,8 @@ int options_run(const command_line *line, int argc, char **argv, void *args, com
     const char *wrong = line->refuse ? line->refuse(args, p.operands) : NULL;
     if (wrong)
         return say_wrong(line->name, "%s", wrong);
+    if (!check_outputs(line, args, &err))
+        return say_failed(&err);
     // What was done until Ctrl-C may be worth telling: it is not all that was asked for.
     if (run(args, p.operands, &err) && interrupt_check(&err))
         return EXIT_OK;

@@ -93,6 +93,17 @@ static const option_rule rules[] = {
     {0},
 };
 
+// Pictures of bodies are of pixels.
+static const char *refuse(const void *given, char **operands)
+{
+    const char *path = ((const arguments *)given)->picture;
+    size_t n = path ? strlen(path) : 0;
+    (void)operands;
+    return !path || (n >= 5 && strcmp(path + n - 4, ".png") == 0)
+               ? NULL
+               : "--picture: the name of a run's picture ends with .png";
+}
+
 static const command_line line = {
     .name = "run",
     .operands = "SCENE|FILE",
@@ -103,6 +114,7 @@ static const command_line line = {
              "as text; - is stdin.",
     .options = options,
     .rules = rules,
+    .refuse = refuse,
 };
 
 // ---------------------------------------------------------------- one state of a scene

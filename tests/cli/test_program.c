@@ -105,6 +105,21 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
     }
 }
 
+// Some of these would work for minutes first.
+static void what_cannot_be_written_is_refused_before_the_work(void **state)
+{
+    (void)state;
+    static const char *const commands[] = {"bench -o no/such/x.json",
+                                           "accuracy still -n 100 --csv no/such/x.csv",
+                                           "accuracy still -n 100 --plot no/such/x.svg",
+                                           "run falling -n 100 --steps 2 --record no/such/x",
+                                           "run still -n 100 --pairs no/such/x.csv"};
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; ++i) {
+        program p = program_run("%s", commands[i]);
+        program_assert_refused(&p, 1, "cannot be written: No such file or directory");
+    }
+}
+
 static uint64_t objects_of(const char *arguments)
 {
     program p = program_run("run --json --repeat 1 --share 0 %s", arguments);
@@ -333,6 +348,7 @@ int main(void)
         cmocka_unit_test(without_a_subcommand_help_is_printed_and_that_is_wrong),
         cmocka_unit_test(every_subcommand_has_help),
         cmocka_unit_test(wrong_usage_is_one_line_and_exit_2),
+        cmocka_unit_test(what_cannot_be_written_is_refused_before_the_work),
         cmocka_unit_test(numbers_are_written_as_people_write_them),
         cmocka_unit_test(scenes_are_known_by_name),
         cmocka_unit_test(a_name_is_a_scene_and_a_path_a_file),
