@@ -83,11 +83,10 @@ const command_line cluster_line = {
     .operands = "SCENE|FILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about =
-        "Finds all pairs of boxes that collide, on all ranks of an MPI job: each rank finds those\n"
-        "of its part of the world on devices of its own. The pairs, and their hash, are those of\n"
-        "'duet run' at any number of ranks. On several machines, or by another launcher:\n"
-        "mpirun -np 4 duet cluster SCENE.",
+    .about = "Finds all pairs of boxes that collide, on all ranks of an MPI job: each rank\n"
+             "finds those of its part of the world on devices of its own. The pairs, and\n"
+             "their hash, are those of 'duet run' at any number of ranks. On several\n"
+             "machines, or by another launcher: mpirun -np 4 duet cluster SCENE.",
     .options = options,
     .rules = rules,
     .refuse = refuse,
@@ -213,6 +212,14 @@ static bool wait_for(pid_t job, int *status)
     return ended == job;
 }
 
+// Open MPI refuses root unless both say 1.
+static bool is_refused_root(void)
+{
+    const char *allowed = getenv("OMPI_ALLOW_RUN_AS_ROOT");
+    const char *confirmed = getenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM");
+    return geteuid() == 0 && (!allowed || !confirmed);
+}
+
 static bool explain(launch *l, int status, duet_error *err)
 {
     int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
@@ -223,6 +230,10 @@ static bool explain(launch *l, int status, duet_error *err)
                          "a rank was ended by signal %d (%s), and with it the job", code - 128,
                          strsignal(code - 128));
     l->status = code == 0 ? EXIT_OK : code - CLUSTER_TOLD;
+    if (code == EXIT_FAILED && is_refused_root())
+        return error_set(err, DUET_STATUS_IO_FAILED,
+                         "mpirun ended with status 1: as root set OMPI_ALLOW_RUN_AS_ROOT and "
+                         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM to 1");
     return code == 0 || l->status == EXIT_FAILED || l->status == EXIT_WRONG ||
            error_set(err, DUET_STATUS_IO_FAILED,
                      "mpirun ended with status %d%s; 'mpirun -np %llu duet cluster' says why", code,
