@@ -95,10 +95,7 @@ bool buffer_hold(buffer *b, const device *d, void *host, size_t bytes, duet_erro
 
 void buffer_release(buffer *b)
 {
-    if (b->mem) {
-        clReleaseMemObject(b->mem);
-        device_object_gone();
-    }
+    DEVICE_RELEASE(b->mem);
     if (!b->borrowed)
         free(b->host);
     *b = (buffer){0};
@@ -147,15 +144,12 @@ bool host_block_reserve(host_block *h, const device devices[], int n_devices, si
 
 void host_block_release(host_block *h)
 {
-    if (h->mem) {
-        if (h->bytes) {
-            clEnqueueUnmapMemObject(h->owner->queue, h->mem, h->bytes, 0, NULL, NULL);
-            clFinish(h->owner->queue);
-        }
-        clReleaseMemObject(h->mem);
-        device_object_gone();
-    } else {
-        free(h->bytes);
+    if (h->mem && h->bytes) {
+        clEnqueueUnmapMemObject(h->owner->queue, h->mem, h->bytes, 0, NULL, NULL);
+        clFinish(h->owner->queue);
     }
+    if (!h->mem)
+        free(h->bytes);
+    DEVICE_RELEASE(h->mem);
     *h = (host_block){0};
 }

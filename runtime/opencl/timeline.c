@@ -40,12 +40,6 @@ static int stage_index(timeline *t, const char *name, bool transfer)
     return t->n_stages++;
 }
 
-static void release_event(cl_event event)
-{
-    clReleaseEvent(event);
-    device_object_gone();
-}
-
 // Waits for the queue once the list is full, so that any number fits.
 static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event event,
                        duet_error *err)
@@ -53,7 +47,7 @@ static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event e
     device_object_made();
     t->seen = false;
     if (t->n_events == TIMELINE_EVENTS && !timeline_finish(t, err)) {
-        release_event(event);
+        DEVICE_RELEASE(event);
         return false;
     }
     t->events[t->n_events].stage = t->untimed ? 0 : stage_index(t, stage, transfer);
@@ -335,7 +329,7 @@ static cl_int collect(timeline *t, int n)
             code = state;
         else if (!t->untimed)
             add_event(t, &t->stages[t->events[i].stage], event);
-        release_event(event);
+        DEVICE_RELEASE(event);
     }
     t->n_events -= n;
     memmove(t->events, t->events + n, (size_t)t->n_events * sizeof t->events[0]);
@@ -396,7 +390,7 @@ void timeline_clear(timeline *t)
     if (t->n_events > 0 || t->unheard)
         finish_queues(t);
     for (int i = 0; i < t->n_events; ++i)
-        release_event(t->events[i].event);
+        DEVICE_RELEASE(t->events[i].event);
     t->n_events = 0;
     t->unheard = false;
     t->lost = CL_SUCCESS;
