@@ -314,7 +314,7 @@ static bool fail(script *s, int lua_status, duet_error *err)
     const char *name = text_chars(&s->name);
     bool is_text = lua_type(s->lua, -1) == LUA_TSTRING;
     const char *message = is_text ? lua_tostring(s->lua, -1) : "";
-    duet_status status = s->limits.failure ? s->limits.failure : DUET_STATUS_BAD_INPUT;
+    duet_status status = s->limits.failure;
     const char *rest = after_cut_name(message, &s->name);
     if (lua_status == LUA_ERRMEM || s->passed)
         report_limit(s, status, err);
@@ -339,21 +339,21 @@ script *script_open(const script_limits *limits, duet_error *err)
     if (!s)
         return error_null(err, DUET_STATUS_NO_MEMORY, "a Lua state: no memory");
     s->limits = limits ? *limits : script_default_limits();
+    if (!s->limits.failure)
+        s->limits.failure = DUET_STATUS_BAD_INPUT;
     text_add(&s->name, "the sandbox");
     s->lua = lua_newstate(allocate, s);
-    if (!s->lua) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state in %zu bytes: no memory",
-                  s->limits.memory_bytes);
-        script_close(s);
-        return NULL;
+    bool ok = s->lua || error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state in %zu bytes: no memory",
+                                  s->limits.memory_bytes);
+    if (ok) {
+        *(script **)lua_getextraspace(s->lua) = s;
+        lua_pushcfunction(s->lua, sandbox_open);
+        ok = script_call(s, 0, 0, err);
     }
-    *(script **)lua_getextraspace(s->lua) = s;
-    lua_pushcfunction(s->lua, sandbox_open);
-    if (!script_call(s, 0, 0, err)) {
-        script_close(s);
-        return NULL;
-    }
-    return s;
+    if (ok)
+        return s;
+    script_close(s);
+    return NULL;
 }
 
 void script_close(script *s)
@@ -396,10 +396,9 @@ static size_t count_words(const char *chars, size_t n, const char *word)
 static bool check_jumps(const script *s, const char *chars, size_t n, duet_error *err)
 {
     size_t jumps = count_words(chars, n, "goto") + count_words(chars, n, "break");
-    duet_status status = s->limits.failure ? s->limits.failure : DUET_STATUS_BAD_INPUT;
-    return jumps <= MOST_JUMPS ||
-           error_set(err, status, "%s: has goto or break %zu times, where %d are allowed",
-                     text_chars(&s->name), jumps, MOST_JUMPS);
+    return jumps <= MOST_JUMPS || error_set(err, s->limits.failure,
+                                            "%s: has goto or break %zu times, where %d are allowed",
+                                            text_chars(&s->name), jumps, MOST_JUMPS);
 }
 
 typedef struct pieces {
