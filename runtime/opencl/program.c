@@ -8,12 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Unless a folder was named, a driver that keeps its kernels itself is left to do so.
-bool program_builder_keeps(const program_builder *b, const duet_device_info *info)
-{
-    return b->cache_dir && !(b->is_default && driver_of(info).keeps_kernels);
-}
-
 gen_limits program_limits(const duet_device_info *info)
 {
     return (gen_limits){
@@ -77,34 +71,17 @@ bool kernel_is(const kernel *k, const char *name)
 
 // ---------------------------------------------------------------- arguments
 
-// The type that the name has otherwise, for a message; NULL where there is no such name.
-static const char *other_type(bindings from, const char *name)
+// other: the type that the name has where it is not the argument's.
+static const binding *find_binding(bindings from, const gen_arg *arg, const char **other)
 {
-    for (; from->name; ++from)
-        if (strcmp(from->name, name) == 0)
-            return from->type;
-    return NULL;
-}
-
-static const binding *find_binding(bindings from, const gen_arg *arg)
-{
-    for (; from->name; ++from)
-        if (strcmp(from->name, arg->name) == 0 && strcmp(from->type, arg->type) == 0)
+    for (; from->name; ++from) {
+        if (strcmp(from->name, arg->name) != 0)
+            continue;
+        if (strcmp(from->type, arg->type) == 0)
             return from;
+        *other = *other ? *other : from->type;
+    }
     return NULL;
-}
-
-static bool fail_to_bind(const char *name, const gen_entry *entry, const gen_arg *arg,
-                         bindings from, duet_error *err)
-{
-    const char *type = other_type(from, arg->name);
-    if (type)
-        return error_set(err, DUET_STATUS_BUILD_FAILED,
-                         "kernel %s: argument '%s' of %s is of type '%s'; expected '%s'", name,
-                         arg->name, entry->name, arg->type, type);
-    return error_set(err, DUET_STATUS_BUILD_FAILED,
-                     "kernel %s: %s has an argument '%s' that its launcher does not know", name,
-                     entry->name, arg->name);
 }
 
 static bool bind_entry(launcher *l, const char *name, const gen_entry *entry, bindings from,
@@ -113,9 +90,16 @@ static bool bind_entry(launcher *l, const char *name, const gen_entry *entry, bi
     l->n = 0;
     for (uint32_t i = 0; i < entry->n_args; ++i) {
         const gen_arg *arg = &entry->args[i];
-        const binding *b = find_binding(from, arg);
+        const char *other = NULL;
+        const binding *b = find_binding(from, arg, &other);
+        if (!b && other)
+            return error_set(err, DUET_STATUS_BUILD_FAILED,
+                             "kernel %s: argument '%s' of %s is of type '%s'; expected '%s'", name,
+                             arg->name, entry->name, arg->type, other);
         if (!b)
-            return fail_to_bind(name, entry, arg, from, err);
+            return error_set(err, DUET_STATUS_BUILD_FAILED,
+                             "kernel %s: %s has an argument '%s' that its launcher does not know",
+                             name, entry->name, arg->name);
         l->args[l->n].at = b->at;
         l->args[l->n++].bytes = arg->bytes ? arg->bytes : (uint32_t)sizeof(cl_mem);
     }
@@ -178,11 +162,9 @@ static kernel *find_or_add_entry(const program_set *set, program *p, const char 
     for (int i = 0; i < p->n_entries; ++i)
         if (strcmp(p->entries[i].entry, entry) == 0)
             return &p->entries[i].k;
-    if (p->n_entries == PROGRAM_MOST_ENTRIES) {
-        error_set(err, DUET_STATUS_BUILD_FAILED, "%s on %s: has more than %d kernels",
-                  variant->name, set->device->info.selector, PROGRAM_MOST_ENTRIES);
-        return NULL;
-    }
+    if (p->n_entries == PROGRAM_MOST_ENTRIES)
+        return error_null(err, DUET_STATUS_BUILD_FAILED, "%s on %s: has more than %d kernels",
+                          variant->name, set->device->info.selector, PROGRAM_MOST_ENTRIES);
     kernel *k = &p->entries[p->n_entries].k;
     k->launcher = *l;
     k->group = variant->group;

@@ -89,6 +89,12 @@ static void put_into_pool(program_pool *pool, const program *p)
 
 // ---------------------------------------------------------------- what the folder has
 
+// Unless a folder was named, a driver that keeps its kernels itself is left to do so.
+bool program_builder_keeps(const program_builder *b, const duet_device_info *info)
+{
+    return b->cache_dir && !(b->is_default && driver_of(info).keeps_kernels);
+}
+
 // A driver may refuse a binary that it made itself, after an update say; the
 // source is built then.
 static bool build_binary(const program_set *set, program *p, const text *binary)
