@@ -217,28 +217,33 @@ static int by_use(const void *a, const void *b)
     return x->tv_nsec < y->tv_nsec ? -1 : x->tv_nsec > y->tv_nsec;
 }
 
-// Removes what killed processes left half-written. Lists the entries where there is memory for
-// that.
-static size_t look_through(int folder, entry_file **files)
+// Whether the name is an entry's. What a killed process left half-written goes.
+static bool note_entry(int folder, const char *name, entry_file *file)
 {
     enum { WRITTEN_BY_THEN_S = 3600 };
+    struct stat info;
+    if (fstatat(folder, name, &info, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(info.st_mode))
+        return false;
+    if (ends_with(name, ".part") && time(NULL) - info.st_mtime > WRITTEN_BY_THEN_S)
+        unlinkat(folder, name, 0);
+    if (!ends_with(name, ".bin") || strlen(name) >= sizeof file->name)
+        return false;
+    snprintf(file->name, sizeof file->name, "%s", name);
+    file->bytes = (uint64_t)info.st_size;
+    file->used = info.st_mtim;
+    return true;
+}
+
+// How many entries there are; none without memory.
+static size_t look_through(int folder, entry_file **files)
+{
     struct dirent **found = NULL;
     int n_found = scandirat(folder, ".", &found, NULL, NULL);
     size_t n = 0;
     *files = n_found > 0 ? calloc((size_t)n_found, sizeof **files) : NULL;
-    for (int i = 0; i < n_found; free(found[i++])) {
-        const char *name = found[i]->d_name;
-        struct stat info;
-        if (fstatat(folder, name, &info, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(info.st_mode))
-            continue;
-        if (ends_with(name, ".part") && time(NULL) - info.st_mtime > WRITTEN_BY_THEN_S)
-            unlinkat(folder, name, 0);
-        else if (*files && ends_with(name, ".bin") && strlen(name) < sizeof(*files)->name) {
-            entry_file *file = &(*files)[n++];
-            strcpy(file->name, name);
-            file->bytes = (uint64_t)info.st_size;
-            file->used = info.st_mtim;
-        }
+    for (int i = 0; i < n_found; ++i) {
+        n += *files && note_entry(folder, found[i]->d_name, &(*files)[n]);
+        free(found[i]);
     }
     free(found);
     return n;

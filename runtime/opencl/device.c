@@ -6,7 +6,6 @@
 #include "base/text.h"
 #include "base/visible.h"
 #include "runtime/opencl/device_list.h"
-#include "runtime/opencl/driver.h"
 #include "runtime/opencl/program_build.h"
 
 #include <assert.h>
@@ -186,7 +185,7 @@ static bool make_ready(device *d, bool has_context, duet_error *err)
 {
     if (has_context && make_queue(&d->queue, d, err) && make_queue(&d->beside, d, err)) {
         d->built = program_pool_open();
-        d->third_axis = driver_of(&d->info).third_axis;
+        d->driver = driver_of(&d->info);
         return true;
     }
     device_close(d);

@@ -8,7 +8,7 @@
 #ifndef RUNTIME_DEVICE_H
 #define RUNTIME_DEVICE_H
 
-#include "runtime/duet.h"
+#include "runtime/opencl/driver.h"
 
 #include <CL/cl.h>
 
@@ -21,8 +21,8 @@ typedef struct device {
     cl_command_queue beside;  // the same, for what is sent while kernels run
     cl_command_queue callers; // whose context and device these are; NULL: our own
     duet_device_info info;
-    bool owns_part;         // id is a part that we cut off, or the caller's that we hold
-    const char *third_axis; // NULL: groups lie along the first (runtime/opencl/driver.h)
+    driver driver;
+    bool owns_part; // id is a part that we cut off, or the caller's that we hold
     program_pool *built;
 } device;
 

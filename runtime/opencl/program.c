@@ -26,14 +26,13 @@ program_set *program_set_open(const device *d, gen *g, const program_builder *bu
         return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for the kernels of %s",
                           d->info.selector);
     set->device = d;
-    set->driver = driver_of(&d->info);
     set->gen = g;
     set->limits = program_limits(&d->info);
     if (builder)
         set->builder = *builder;
     if (program_builder_keeps(&set->builder, &d->info))
         set->cache_dir = set->builder.cache_dir;
-    if (set->driver.header_option)
+    if (d->driver.header_option)
         set->built_ins = gen_built_ins(g);
     return set;
 }
@@ -128,7 +127,7 @@ static bool bind(const program_set *set, const gen_variant *variant, const char 
 
 static program *new_program(const program_set *set, const gen_variant *variant, duet_error *err)
 {
-    const char *third_axis = set->device->third_axis;
+    const char *third_axis = set->device->driver.third_axis;
     text all = {0};
     text_add(&all, "%s%s", third_axis ? third_axis : "", variant->text);
     program *p = text_ok(&all, NULL) ? calloc(1, sizeof *p) : NULL;

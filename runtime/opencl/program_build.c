@@ -172,7 +172,7 @@ static bool build_declared(const program_set *set, program *p)
 {
     const char *sources[] = {set->built_ins, p->text};
     char options[96];
-    snprintf(options, sizeof options, "%s %s", BUILD_OPTIONS, set->driver.header_option);
+    snprintf(options, sizeof options, "%s %s", BUILD_OPTIONS, set->device->driver.header_option);
     return build_sources(set, p, 2, sources, options) == CL_SUCCESS;
 }
 
@@ -251,7 +251,7 @@ static void compile_some(void *arg)
 static uint32_t helpers_for(const program_set *set, uint32_t n)
 {
     enum { MOST_HELPERS = 3 };
-    if (n < 2 || set->driver.compiles_one_by_one)
+    if (n < 2 || set->device->driver.compiles_one_by_one)
         return 0;
     return n - 1 < MOST_HELPERS ? n - 1 : MOST_HELPERS;
 }

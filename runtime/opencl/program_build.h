@@ -4,7 +4,6 @@
 #ifndef RUNTIME_PROGRAM_BUILD_H
 #define RUNTIME_PROGRAM_BUILD_H
 
-#include "runtime/opencl/driver.h"
 #include "runtime/opencl/program.h"
 
 enum { PROGRAM_MOST_ENTRIES = 5 };
@@ -25,7 +24,6 @@ typedef struct program {
 
 struct program_set {
     const device *device;
-    driver driver;
     gen *gen;
     gen_limits limits;
     program_builder builder;

@@ -96,8 +96,8 @@ bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint
     const size_t along_third[3] = {k->group, 1, n_groups};
     cl_event event = NULL;
     cl_int code = clEnqueueNDRangeKernel(
-        t->device->queue, k->cl, 3, NULL, t->device->third_axis ? along_third : along_first, group,
-        after ? 1 : 0, after ? &after : NULL, t->untimed ? NULL : &event);
+        t->device->queue, k->cl, 3, NULL, t->device->driver.third_axis ? along_third : along_first,
+        group, after ? 1 : 0, after ? &after : NULL, t->untimed ? NULL : &event);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s on %s: launch", k->name, t->device->info.selector);
     ++t->n_launches;
