@@ -110,19 +110,6 @@ static bool read_body(const char *dir, kernel *k, duet_error *err)
     return read_template(dir, k, shaped, err);
 }
 
-// Whether some line is Lua: at its begin or behind blanks.
-static bool has_choices(const text *chars)
-{
-    for (const char *at = strstr(text_chars(chars), "//@"); at; at = strstr(at + 1, "//@")) {
-        const char *line = at;
-        while (line > chars->chars && (line[-1] == ' ' || line[-1] == '\t'))
-            --line;
-        if (line == chars->chars || line[-1] == '\n')
-            return true;
-    }
-    return false;
-}
-
 static bool read_choices(kernel *k, duet_error *err)
 {
     char name[FILE_SIZE + sizeof " and its headers"];
@@ -136,7 +123,7 @@ bool kernel_read(kernel *k, const char *dir, duet_error *err)
     bool ok = read_card(dir, k, err);
     ok = ok && read_headers(dir, k, err);
     ok = ok && read_body(dir, k, err);
-    ok = ok && (!has_choices(&k->plain) || read_choices(k, err));
+    ok = ok && (!template_has_lua(&k->plain) || read_choices(k, err));
     if (!ok)
         kernel_forget(k);
     return ok;
