@@ -149,8 +149,8 @@ static bool launch_over_taken(part *p, const part_task *task, const char *stage,
 static bool counting_sort(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     return hash_objects(p, task, false, err) &&
-           scan_empty(&p->scan, &p->times, "sort", &p->counts, &p->starts, count_starts(range),
-                      err) &&
+           scan_run(&p->scan, &p->times, "sort", &p->counts, &p->starts, count_starts(range),
+                    err) &&
            (!p->kernels.from_ids || launch_over_taken(p, task, "sort", p->kernels.scatter, err));
 }
 

@@ -304,7 +304,8 @@ static bool sort_rows(duet_motion *m, motion_buffer starts, motion_buffer values
 
 static bool scan_starts(duet_motion *m, motion_buffer starts, duet_error *err)
 {
-    return scan_run(&m->scan, &m->times, "contact_graph", &m->buffers[starts], m->n + 1, err);
+    return scan_run(&m->scan, &m->times, "contact_graph", &m->buffers[starts], &m->buffers[starts],
+                    m->n + 1, err);
 }
 
 static bool count_rows(duet_motion *m, duet_error *err)
