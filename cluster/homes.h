@@ -26,6 +26,13 @@ typedef struct row_list {
 
 void row_list_add(row_list *l, uint32_t row);
 
+// Homes that lie side by side, up to row `end`, and those of a box alone but for some that have
+// come there or left.
+typedef struct home_range {
+    reach box;
+    uint32_t end;
+} home_range;
+
 // Homes lie by ascending id in memory of their own, or, in no order, in that of the worker that
 // searches them, where the application writes them and devices read them without a copy. There
 // what arrives is added behind the others, and what leaves stays where it is, a ghost like any
@@ -42,6 +49,9 @@ typedef struct homes {
     bool all_renamed;
     uint64_t *arrived; // [n of ranks + 1] the rows that came from rank q: those from arrived[q] on
     row_list border;   // of homes that may touch another rank's
+    const home_range *ranges; // [n_ranges] in which homes lie, side by side; 0: they do not
+    uint32_t n_ranges;
+    row_list edges;    // of homes that do not lie deep in the box of their range, or in none
     level_boxes boxes; // around those
     reach around;      // all homes, or a little more
     level_boxes *all;  // [n of ranks] of each, for the ghosts
@@ -66,12 +76,25 @@ static inline uint32_t homes_count(const homes *h)
 // Closes the gaps that others left, with the last rows.
 void homes_tidy(homes *h);
 
+// Those that are gone become the last rows.
+void homes_move_gone_last(homes *h);
+
 // Ready to be written: returns how many they are, without gaps.
 uint32_t homes_open(homes *h);
 
-// Homes come to lie in a worker's memory, or leave it again.
+// Homes come to lie in a worker's memory, as they are, or leave it again. Moving in needs no
+// more memory than there is in both places at a time.
 bool homes_move_in(homes *h, worker *w, duet_error *err);
 bool homes_move_out(homes *h, duet_error *err);
+
+// Rows [first, first + n) come to lie in the order that suits a worker which sees just these.
+bool homes_put_in_order(homes *h, uint32_t first, uint32_t n, worker *w, duet_error *err);
+
+// Space for n rows behind the homes, in the holder's memory, where rows keep what they are.
+bool homes_reserve_behind(homes *h, uint64_t n, duet_error *err);
+
+// Finds the edges of ranges anew, of settled homes.
+bool homes_find_edges(homes *h, const cut *c, duet_error *err);
 
 // The holder knows the ids of all rows.
 void homes_forget_renamed(homes *h);

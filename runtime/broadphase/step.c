@@ -353,9 +353,11 @@ void world_send_ahead(duet_world *world, uint32_t n)
 {
     for (int side = 0; side < 2 && n > 0 && !world->resident.objects.mem; ++side) {
         part_task task = describe_task(world, side);
+        size_t bytes = world->lent ? world->n * grid_object_bytes(&task.objects)
+                                   : world->objects.size;
         task.objects.n = n;
         if (can_send_ahead(world, side) &&
-            !part_send_ahead(&world->parts[side], &task, world->objects.size, NULL))
+            !part_send_ahead(&world->parts[side], &task, bytes, NULL))
             part_distrust(&world->parts[side]);
     }
 }
