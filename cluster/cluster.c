@@ -301,10 +301,8 @@ static bool fill_by_ids(duet_cluster *c, duet_error *own)
 }
 
 // Without its ghosts, which others' homes are in the place of.
-static bool lend_homes(duet_cluster *c, uint32_t turn, duet_error *own)
+static bool lend_homes(duet_cluster *c, uint32_t part, worker *w, duet_error *own)
 {
-    worker *w = c->workers[turn % 2];
-    uint32_t part = part_of_turn(c, turn);
     sight_in_place from = parts_sight_in_place(&c->parts, part);
     if (w->turn_to && !w->turn_to(w, part, own))
         return false;
@@ -319,9 +317,11 @@ static bool cut_parts(duet_cluster *c, duet_error *own)
         return false;
     follow(c);
     for (uint32_t i = 0; i < c->parts.n; ++i) {
-        sight_in_place from = parts_sight_in_place(&c->parts, part_of_turn(c, i));
-        if (from.n > 0 && (!lend_homes(c, i, own) || !homes_put_in_order(&c->homes, from.first, from.n,
-                                                                        c->workers[i % 2], own)))
+        worker *w = c->workers[i % 2];
+        uint32_t part = part_of_turn(c, i);
+        sight_in_place from = parts_sight_in_place(&c->parts, part);
+        if (from.n > 0 && !(lend_homes(c, part, w, own) &&
+                            homes_put_in_order(&c->homes, from.first, from.n, w, own)))
             return false;
     }
     return homes_find_edges(&c->homes, &c->cut, own);
@@ -337,8 +337,8 @@ static bool fill_parts(duet_cluster *c, duet_error *own)
     else
         follow(c);
     ok = ok && parts_settle(&c->parts, &c->homes, &c->ghosts.in, own);
-    for (uint32_t i = 0; ok && i < 2; ++i)
-        ok = lend_homes(c, i, own);
+    for (int i = 0; ok && i < 2; ++i) // so that each can be asked for its profile
+        ok = lend_homes(c, parts_largest(&c->parts), c->workers[i], own);
     return ok;
 }
 

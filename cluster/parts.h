@@ -87,6 +87,7 @@ bool parts_look(parts *p, homes *h, bool *even, duet_error *err);
 bool parts_settle(parts *p, homes *h, parcels *messages, duet_error *err);
 
 sight_in_place parts_sight_in_place(const parts *p, uint32_t part);
+uint32_t parts_largest(const parts *p);
 
 // The ghosts come to lie behind their part, and go back. What they take of others must not be
 // needed meanwhile: parts_clash says whether two parts can be open at a time.

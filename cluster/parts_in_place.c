@@ -255,6 +255,14 @@ sight_in_place parts_sight_in_place(const parts *p, uint32_t part)
     };
 }
 
+uint32_t parts_largest(const parts *p)
+{
+    uint32_t largest = 0;
+    for (uint32_t i = 1; i < p->n; ++i)
+        largest = p->list[i].n > p->list[largest].n ? i : largest;
+    return largest;
+}
+
 typedef struct exchange {
     unsigned char *a, *b;
     uint32_t row_bytes;
