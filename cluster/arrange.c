@@ -114,8 +114,7 @@ static void copy_taken(arranging *a, object_rows *copy)
         all += n;
     }
     for (uint64_t k = 0; k < a->n_taken; ++k) {
-        uint32_t row = a->taken[k].row,
-                 at = (uint32_t)a->changes[a->taken[k].to].n_taken++;
+        uint32_t row = a->taken[k].row, at = (uint32_t)a->changes[a->taken[k].to].n_taken++;
         copy->ids[at] = a->rows->ids[row];
         memcpy(object_row(copy, a->form, at), object_row(a->rows, a->form, row), a->form->bytes);
     }

@@ -119,8 +119,7 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
         ok = ranks_reserve(&c->ranks, &own) && parallel_begin(&c->threads, c->ranks.n_here, &own) &&
              check_def(def, &own) && parts_begin(&c->parts, def->parts, &c->ranks, &own) &&
              open_pair(c, &own) && cluster_open_workers(c, &own);
-        ok = ranks_agree(&c->ranks, ok, &own) &&
-             cut_begin(&c->cut, &c->ranks, def->weight, &own);
+        ok = ranks_agree(&c->ranks, ok, &own) && cut_begin(&c->cut, &c->ranks, def->weight, &own);
         if (!ok)
             error_copy(err, &own);
     }
@@ -457,8 +456,8 @@ static void begin_search(duet_cluster *c, uint32_t turn, search *s)
     s->tells_ids = c->homes.holder && !c->own.lists;
     s->ids = is_only ? ids_of_homes(&c->homes)
                      : (global_ids){.list = what->rows.ids, .n = what->behind, .all_changed = true};
-    s->is_apart = !is_only && !c->ranks.simulation &&
-                  pthread_create(&s->thread, NULL, run_search, s) == 0;
+    s->is_apart =
+        !is_only && !c->ranks.simulation && pthread_create(&s->thread, NULL, run_search, s) == 0;
     if (!s->is_apart)
         run_search(s);
     if (is_only && s->ok && seen_homes(what) > 0 && s->tells_ids)

@@ -54,14 +54,14 @@ typedef struct seen_ghost {
 // that of one world with all objects. Where it decides nothing, homes that lie in the worker's
 // memory are seen there, and ghosts behind them.
 typedef struct seen {
-    object_rows rows;       // whose objects are the worker's memory
-    uint64_t *own_ids;      // NULL: rows' are the homes'
-    uint32_t behind;        // from this place on all are ghosts,
-    uint32_t *first_behind; // [n_homes + 1] rank by rank, or
+    object_rows rows;           // whose objects are the worker's memory
+    uint64_t *own_ids;          // NULL: rows' are the homes'
+    uint32_t behind;            // from this place on all are ghosts,
+    uint32_t *first_behind;     // [n_homes + 1] rank by rank, or
     const uint64_t *ids_behind; // each with its id and key, which the rows need not have; else NULL
     const uint32_t *keys_behind;
-    uint8_t *is_ghost;      // a bit each, of those before; only where any is
-    seen_ghost *ghosts;     // [n_listed] these, ascending
+    uint8_t *is_ghost;  // a bit each, of those before; only where any is
+    seen_ghost *ghosts; // [n_listed] these, ascending
     uint64_t n_listed;
     uint64_t n_ghosts;                 // all of them
     uint64_t capacity, ghost_capacity; // for which there is memory

@@ -47,6 +47,7 @@ static void let_go(homes *h)
 void homes_take(homes *h, object_rows *rows)
 {
     let_go(h);
+    object_rows_end(&h->spare); // its rows may be of another size
     h->rows = *rows;
     h->widest = 0;
     h->is_cut = false;

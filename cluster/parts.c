@@ -15,7 +15,8 @@ bool parts_begin(parts *p, uint32_t n, const ranks *r, duet_error *err)
     *p = (parts){.n = n, .rank = (uint32_t)r->self, .n_ranks = (uint32_t)r->n};
     p->list = calloc(n, sizeof *p->list);
     p->ranges = calloc(n, sizeof *p->ranges);
-    return ((p->list && p->ranges) || error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu32 " parts: no memory", n)) &&
+    return ((p->list && p->ranges) ||
+            error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu32 " parts: no memory", n)) &&
            bisection_begin(&p->cut, n, err);
 }
 

@@ -6,8 +6,8 @@
 // the other parts and of other ranks. So each pair is found in one part.
 //
 // Where the order of objects decides nothing, homes lie part after part, and devices read them
-// there. A part's ghosts lie in a block, and change places with the rows behind the part for as long
-// as it is searched. Else homes lie by ascending id, and parts are copies of some.
+// there. A part's ghosts lie in a block, and change places with the rows behind the part for as
+// long as it is searched. Else homes lie by ascending id, and parts are copies of some.
 #ifndef CLUSTER_PARTS_H
 #define CLUSTER_PARTS_H
 
@@ -51,7 +51,7 @@ typedef struct parts {
     uint32_t *rows;    // [capacity]
     uint16_t *marks;   // [capacity] of homes, or of those at edges
     uint64_t capacity, row_capacity;
-    uint32_t *border;  // [all_border] rows of homes that may touch others, ascending
+    uint32_t *border; // [all_border] rows of homes that may touch others, ascending
     uint64_t all_border, border_capacity;
     uint64_t n_border[PARALLEL_MOST]; // as a portion's
     portion *portions;                // [PARALLEL_MOST][n]

@@ -15,8 +15,8 @@ static uint32_t first_row(const parts *p, uint32_t part)
 
 static bool no_memory(const parts *p, duet_error *err)
 {
-    return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu32 " parts of %" PRIu32
-                     " objects: no memory", p->n, p->homes->rows.n);
+    return error_set(err, DUET_STATUS_NO_MEMORY,
+                     "%" PRIu32 " parts of %" PRIu32 " objects: no memory", p->n, p->homes->rows.n);
 }
 
 static void count_homes(parts *p)

@@ -283,6 +283,40 @@ static const char mixed_scene[] =
     "end)\n"
     "return { dims = 3, origin = 'cell' }\n";
 
+static duet_cluster_result step_of_scene(duet_cluster *cluster, const shipped *s)
+{
+    duet_error err = {0};
+    MUST_OK(duet_cluster_load_scene(cluster, s->name, s->settings, 3, &err), err);
+    MUST_OK(duet_cluster_set_level(cluster, s->level, &err), err);
+    return step(cluster);
+}
+
+// Memory of a step is used again in the next, but for rows of another size.
+static void scenes_of_other_rows_may_follow(void)
+{
+    static const shipped poses = {
+        "paper", {{"n", "900"}, {"world", "18"}, {"seed", "1"}}, DUET_LEVEL_DOUBLE};
+    static const shipped large = {
+        "cluster_ranks.lua", {{"n", "800"}, {"seed", "4"}, {"n", "800"}}, DUET_LEVEL_CERTIFIED};
+    MPI_Comm comm = group_of(2);
+    if (comm == MPI_COMM_NULL)
+        return;
+    for (uint32_t k = 1; k < 4; k += 2) {
+        n_parts = k;
+        duet_world_def world = duet_default_world_def();
+        duet_cluster *a = open_cluster(&comm, &world, 1), *b = open_cluster(&comm, &world, 1);
+        n_parts = 1;
+        step_of_scene(a, &poses);
+        duet_cluster_result follows = step_of_scene(a, &large), first = step_of_scene(b, &large);
+        MUST(follows.objects == 1602 && first.pairs > 100, "large poses");
+        MUST(follows.pairs == first.pairs && follows.hash == first.hash,
+             "the pairs of a first one");
+        duet_cluster_destroy(a);
+        duet_cluster_destroy(b);
+    }
+    MPI_Comm_free(&comm);
+}
+
 static void scenes_have_the_same_pairs(void)
 {
     duet_error err = {0};
@@ -310,6 +344,7 @@ static void scenes_have_the_same_pairs(void)
     };
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i)
         must_have_the_pairs_of(&scenes[i]);
+    scenes_of_other_rows_may_follow();
     MPI_Barrier(MPI_COMM_WORLD);
     if (rank == 0)
         remove("cluster_ranks.lua");
@@ -366,7 +401,8 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
             const homes *h = &clusters[g]->homes;
             left += h->n_gone;
             MUST(homes_count(h) == 0 || h->renamed.n == 0, "a list that grows no further");
-            MUST(g == BY_IDS || h->n_ranges == (clusters[g]->parts.n > 1 ? clusters[g]->parts.n : 0),
+            MUST(g == BY_IDS ||
+                     h->n_ranges == (clusters[g]->parts.n > 1 ? clusters[g]->parts.n : 0),
                  "parts lie in place");
             strayed += h->n_ranges > 0 ? clusters[g]->parts.n_strays : 0;
             merged += n > 0 && !clusters[g]->homes.holder && homes_count(&clusters[g]->homes) > 0 &&
