@@ -33,10 +33,11 @@ typedef struct home_range {
     uint32_t end;
 } home_range;
 
-// Homes lie by ascending id in memory of their own, or, in no order, in that of the worker that
-// searches them, where the application writes them and devices read them without a copy. There
-// what arrives is added behind the others, and what leaves stays where it is, a ghost like any
-// other, until homes_tidy.
+// Homes lie by ascending id in memory of their own, or, in no order or in ranges, in that of the
+// worker that searches them, where the application writes them and devices read them without a
+// copy. There what arrives is added behind the others, and what leaves stays where it is, a ghost
+// like any other, until homes_tidy. Ranges need not hold exactly what is in their boxes: what does
+// not is at an edge.
 typedef struct homes {
     object_form form;
     object_rows rows;
@@ -49,10 +50,11 @@ typedef struct homes {
     bool all_renamed;
     uint64_t *arrived; // [n of ranks + 1] the rows that came from rank q: those from arrived[q] on
     row_list border;   // of homes that may touch another rank's
-    const home_range *ranges; // [n_ranges] in which homes lie, side by side; 0: they do not
-    uint32_t n_ranges;
-    row_list edges;    // of homes that do not lie deep in the box of their range, or in none
     level_boxes boxes; // around those
+    const home_range
+        *ranges; // [n_ranges] that homes lie in, side by side; 0: they lie in any order
+    uint32_t n_ranges;
+    row_list edges;    // of homes that do not lie deep in the box of their range, or in no range
     reach around;      // all homes, or a little more
     level_boxes *all;  // [n of ranks] of each, for the ghosts
     double widest;     // of all ranks' objects, or a little more

@@ -653,6 +653,46 @@ static void homes_go_on_after_one_rank_had_no_memory(void)
     MPI_Comm_free(&comm);
 }
 
+static bool (*find_in_truth)(worker *, worker_found *, duet_error *);
+static int finds_left;
+
+static bool find_some_times(worker *w, worker_found *found, duet_error *err)
+{
+    return finds_left-- > 0 ? find_in_truth(w, found, err)
+                            : error_set(err, DUET_STATUS_DEVICE_FAILED, "not in this test");
+}
+
+// Whichever part it fails in, ghosts leave the places of the homes behind it.
+static void a_search_that_fails_leaves_homes_as_they_were(void)
+{
+    static crowd c;
+    duet_error err = {0};
+    duet_cluster_result result;
+    rng r = rng_seed(18);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(2);
+    if (comm == MPI_COMM_NULL)
+        return;
+    n_parts = 5;
+    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+    n_parts = 1;
+    hand_over(cluster, &c, 0, 5);
+    find_in_truth = cluster->workers[0]->find;
+    for (int at = 0; at < 5; ++at) {
+        for (int i = 0; i < 2; ++i)
+            cluster->workers[i]->find = rank == 1 ? find_some_times : find_in_truth;
+        finds_left = at;
+        err = (duet_error){0};
+        MUST(!duet_cluster_step(cluster, &result, &err) && err.status == DUET_STATUS_DEVICE_FAILED,
+             "a device failed");
+        for (int i = 0; i < 2; ++i)
+            cluster->workers[i]->find = find_in_truth;
+        must_find(cluster, &c);
+    }
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
 // What moved away from the cut is cut anew.
 static void a_cut_that_became_uneven_is_made_anew(void)
 {
@@ -1408,6 +1448,7 @@ int main(int argc, char **argv)
     devices_find_the_pairs_of_parts_in_place(seed, 5);
     homes_that_are_dealt_anew_change_nothing(seed);
     homes_go_on_after_one_rank_had_no_memory();
+    a_search_that_fails_leaves_homes_as_they_were();
     a_cut_that_became_uneven_is_made_anew();
     grids_follow_objects_that_travel();
     parts_stay_while_they_are_even();
