@@ -199,7 +199,7 @@ static bool extend(homes *h, uint64_t n, duet_error *err)
     if (n > UINT32_MAX - 2)
         return error_set(err, DUET_STATUS_TOO_MANY,
                          "%" PRIu64 " objects and ghosts on one rank; expected more ranks", n);
-    if (n > h->rows.capacity) {
+    if (!h->rows.ids || n > h->rows.capacity) {
         uint64_t capacity = n + n / 16;
         uint64_t *ids = realloc(h->rows.ids, (capacity + 1) * sizeof *ids);
         if (!ids)

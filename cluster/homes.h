@@ -84,8 +84,8 @@ void homes_move_gone_last(homes *h);
 // Ready to be written: returns how many they are, without gaps.
 uint32_t homes_open(homes *h);
 
-// Homes come to lie in a worker's memory, as they are, or leave it again. Moving in needs no
-// more memory than there is in both places at a time.
+// Homes come to lie in a worker's memory, as they are, and give theirs back row by row; or they
+// leave it again.
 bool homes_move_in(homes *h, worker *w, duet_error *err);
 bool homes_move_out(homes *h, duet_error *err);
 

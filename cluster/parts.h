@@ -78,8 +78,8 @@ sight parts_sight(const parts *p, uint32_t part);
 // Homes that lie in a holder's memory are put in the order of parts; their edges are then unknown.
 bool parts_cut_in_place(parts *p, homes *h, duet_error *err);
 
-// Looks at the homes at edges: *even is false where parts have become so uneven, or never
-// were cut, that they must be cut first.
+// Looks at the homes at edges: *even is false where parts must be cut first, for they never were,
+// have become uneven, or very many homes have left theirs.
 bool parts_look(parts *p, homes *h, bool *even, duet_error *err);
 
 // After that: brings each home to its part, those that are gone behind all, and finds the ghosts.

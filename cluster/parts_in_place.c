@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { FEW_STRAYS = 1 << 12 };
+
 static uint32_t first_row(const parts *p, uint32_t part)
 {
     return part > 0 ? p->ranges[part - 1].end : 0;
@@ -125,6 +127,12 @@ static void list_strays(parts *p)
     }
 }
 
+// Where very many have strayed a cut is no more work, and needs no memory for them.
+static bool are_few(const parts *p)
+{
+    return p->n_strays <= FEW_STRAYS + homes_count(p->homes) / 8;
+}
+
 bool parts_look(parts *p, homes *h, bool *even, duet_error *err)
 {
     p->homes = h;
@@ -146,7 +154,7 @@ bool parts_look(parts *p, homes *h, bool *even, duet_error *err)
     if (!p->strays)
         return no_memory(p, err);
     list_strays(p);
-    *even = parts_are_even(p);
+    *even = parts_are_even(p) && are_few(p);
     return true;
 }
 
