@@ -319,8 +319,8 @@ static bool cut_parts(duet_cluster *c, duet_error *own)
         worker *w = c->workers[i % 2];
         uint32_t part = part_of_turn(c, i);
         sight_in_place from = parts_sight_in_place(&c->parts, part);
-        if (from.n > 0 && !(lend_homes(c, part, w, own) &&
-                            homes_put_in_order(&c->homes, from.first, from.n, w, own)))
+        if (!lend_homes(c, part, w, own) ||
+            !homes_put_in_order(&c->homes, from.first, from.n, w, own))
             return false;
     }
     return homes_find_edges(&c->homes, &c->cut, own);

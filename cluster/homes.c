@@ -162,7 +162,7 @@ bool homes_put_in_order(homes *h, uint32_t first, uint32_t n, worker *w, duet_er
 {
     uint32_t *order = NULL;
     object_rows copy = {0};
-    if (w->order && !w->order(w, &order, err))
+    if (n > 0 && w->order && !w->order(w, &order, err))
         return false;
     if (!order)
         return true;
