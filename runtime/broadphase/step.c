@@ -449,11 +449,14 @@ bool duet_world_step_end(duet_world *world, duet_result *result, duet_error *err
 
 // ---------------------------------------------------------------- before a step
 
-// A device that is sent all objects, into memory of its own, by kernels that are there.
+// A device that is sent all objects, into memory of its own, by kernels that are there. Objects
+// that are lent take turns, each with a grid whose kernels may be others; in how many pieces they
+// travel is all that these decide.
 static bool can_send_ahead(const duet_world *world, int side)
 {
     uint32_t share = world->def.plan.share;
-    return world->prepared[side] && world->def.plan.mode == DUET_MODE_OWN &&
+    bool has_kernels = world->prepared[side] || (world->lent && world->parts[side].kernels.hash);
+    return has_kernels && world->def.plan.mode == DUET_MODE_OWN &&
            !world->parts[side].device->info.host_memory && !world->def.separate_sizes &&
            (side == 0 ? share > 0 : share < DUET_SHARE_ONE);
 }
@@ -462,9 +465,11 @@ void world_send_ahead(duet_world *world, uint32_t n)
 {
     for (int side = 0; side < 2 && n > 0 && !world->resident.objects.mem; ++side) {
         part_task task = describe_task(world, side);
+        size_t bytes =
+            world->lent ? world->n * grid_object_bytes(&task.objects) : world->objects.size;
         task.objects.n = n;
         if (can_send_ahead(world, side) &&
-            !part_send_ahead(&world->parts[side], &task, world->objects.size, NULL))
+            !part_send_ahead(&world->parts[side], &task, bytes, NULL))
             part_distrust(&world->parts[side]);
     }
 }

@@ -48,6 +48,7 @@ struct duet_world {
     pack pack;
     strays strays;
     host_block objects; // [n] poses or bounds, or transforms
+    const void *lent;   // the objects, where they lie in memory of someone else's; else NULL
     resident resident;  // the objects, where a device has them; else empty
     uint32_t n;
     uint64_t objects_version;
@@ -101,6 +102,10 @@ uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **b
 // From now on the world has n of the objects that were mapped and those that were written behind
 // them; NULL where there is no space for so many.
 void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n);
+
+// The next steps are of n objects in the caller's memory, of the kind that the world was made for.
+// They stay there, and as they are while a step reads them, until others are mapped or lent.
+void world_lend_objects(duet_world *world, const void *objects, uint32_t n);
 
 // One user more, until it destroys the world.
 void world_hold(duet_world *world);

@@ -114,7 +114,9 @@ grid_objects world_objects(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
     return (grid_objects){
-        .array = world->resident.objects.mem ? world->resident.seen : world->objects.bytes,
+        .array = world->resident.objects.mem ? world->resident.seen
+                 : world->lent               ? world->lent
+                                             : world->objects.bytes,
         .shape = def->shape,
         .origin = def->origin_edge,
         .n = world->n,
@@ -185,6 +187,7 @@ void *duet_world_map_objects(duet_world *world, duet_object_kind kind, uint32_t 
     if (!host_block_reserve(&world->objects, world->def.pair->devices, 2, n * kinds[kind].bytes,
                             err))
         return NULL;
+    world->lent = NULL;
     world->n = n;
     ++world->objects_version;
     return world->objects.bytes;
@@ -194,8 +197,17 @@ void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n)
 {
     if (n * kinds[kind].bytes > world->objects.size)
         return NULL;
+    world->lent = NULL;
     world->n = n;
     return world->objects.bytes;
+}
+
+void world_lend_objects(duet_world *world, const void *objects, uint32_t n)
+{
+    resident_drop(&world->resident);
+    world->lent = objects;
+    world->n = n;
+    ++world->objects_version;
 }
 
 static bool take_sizes(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
