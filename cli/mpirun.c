@@ -165,12 +165,14 @@ static bool fail_by_status(const job *j, int code, duet_error *err)
     if (*says->host)
         return error_set(err, DUET_STATUS_IO_FAILED,
                          "%s is out of reach, and with it the job has ended", says->host);
-    if (says->begun)
+    if (!says->begun && *says->why)
         return error_set(err, DUET_STATUS_IO_FAILED,
-                         "mpirun ended with status %d; with --verbose it says why", code);
+                         "mpirun ended with status %d before all ranks had begun: %s", code,
+                         says->why);
     return error_set(err, DUET_STATUS_IO_FAILED,
-                     "mpirun ended with status %d before all ranks had begun%s%s", code,
-                     *says->why ? ": " : "; with --verbose it says why", says->why);
+                     "mpirun ended with status %d%s%s; with --verbose it says why", code,
+                     says->begun ? "" : " before all ranks had begun",
+                     j->what->hosts ? ", a machine may be out of reach" : "");
 }
 
 static bool explain(const job *j, int *status, duet_error *err)

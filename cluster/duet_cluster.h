@@ -79,7 +79,8 @@ DUET_API bool duet_cluster_set_objects(duet_cluster *cluster, duet_object_kind k
 DUET_API void *duet_cluster_map_homes(duet_cluster *cluster, duet_object_kind kind,
                                       const uint64_t **ids, uint32_t *n, duet_error *err);
 
-// Of this rank's devices; they may differ from rank to rank.
+// Of this rank's devices; they may differ from rank to rank. Where one rank's cannot have theirs, all
+// keep the one they had.
 DUET_API bool duet_cluster_set_plan(duet_cluster *cluster, const duet_plan *plan, duet_error *err);
 // Gives each rank the best plan known for its devices and its number of objects; profile is
 // this rank's. Where weights are 0 and the time of a step is known for all ranks, each gets as many

@@ -375,6 +375,12 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
     }
 }
 
+static void must_fail(bool ok, const duet_error *err, duet_status status, const char *says)
+{
+    MUST(!ok && err->status == status && strstr(err->text, says) && !strchr(err->text, '\n'),
+         err->text);
+}
+
 // By the pairs that each rank hands out, when it is asked.
 static void must_list(duet_cluster *cluster, const duet_cluster_result *result, MPI_Comm comm)
 {
@@ -413,6 +419,25 @@ static void give_share(duet_cluster *cluster, uint32_t share)
     duet_plan plan = cluster->def.world.plan;
     plan.share = share;
     MUST_OK(duet_cluster_set_plan(cluster, &plan, &err), err);
+}
+
+// The last rank's devices have no such variant, and another share is none that all take.
+static void must_keep_plans(duet_cluster *cluster, int n)
+{
+    duet_error err = {0};
+    worker *w = cluster->workers[0];
+    duet_plan before = w->plan(w), other = before;
+    char says[32];
+    other.share = before.share == 0 ? DUET_SHARE_ONE : 0;
+    if (rank == n - 1)
+        snprintf(other.variant_a, sizeof other.variant_a, "abacus");
+    snprintf(says, sizeof says, n > 1 ? "rank %d on " : "abacus", n - 1);
+    must_fail(duet_cluster_set_plan(cluster, &other, &err), &err, DUET_STATUS_BAD_ARGUMENT, says);
+    MUST(strstr(err.text, "abacus"), err.text);
+    duet_plan after = w->plan(w);
+    MUST(after.share == before.share && strcmp(after.variant_a, before.variant_a) == 0 &&
+             cluster->def.world.plan.share != other.share,
+         "all keep the plan they had");
 }
 
 // The CPU's parts are told that they have memory of their own, so they count the pairs of homes
@@ -472,6 +497,7 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
     MPI_Allreduce(MPI_IN_PLACE, &counted, 1, MPI_UINT64_T, MPI_SUM, comm);
     MPI_Allreduce(MPI_IN_PLACE, &gone, 1, MPI_UINT64_T, MPI_SUM, comm);
     MPI_Allreduce(MPI_IN_PLACE, &brought, 1, MPI_UINT64_T, MPI_SUM, comm);
+    must_keep_plans(cluster, n);
     MUST(counted > 1000 && (gone > 20 || n == 1), "devices counted, while objects left");
     MUST(brought <= counted / 100,
          "of the pairs of homes only those that float cannot decide come");
@@ -922,12 +948,6 @@ static void sorted_pairs_are_the_same_bytes(void)
 }
 
 // ---------------------------------------------------------------- failures
-
-static void must_fail(bool ok, const duet_error *err, duet_status status, const char *says)
-{
-    MUST(!ok && err->status == status && strstr(err->text, says) && !strchr(err->text, '\n'),
-         err->text);
-}
 
 static void a_failure_is_that_of_all_ranks(void)
 {
