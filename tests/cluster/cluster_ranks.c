@@ -440,6 +440,22 @@ static void must_keep_plans(duet_cluster *cluster, int n)
          "all keep the plan they had");
 }
 
+// The last rank cannot open a world for it.
+static void must_keep_objects(duet_cluster *cluster, int n)
+{
+    duet_error err = {0};
+    duet_cluster_result before = step(cluster);
+    duet_plan *plan = &cluster->def.world.plan, right = *plan;
+    if (rank == n - 1)
+        snprintf(plan->variant_a, sizeof plan->variant_a, "abacus");
+    must_fail(duet_cluster_load_scene(cluster, "paper2d", NULL, 0, &err), &err,
+              DUET_STATUS_BAD_ARGUMENT, "abacus");
+    *plan = right;
+    MUST(!duet_cluster_get_scene_info(cluster), "there is no scene");
+    duet_cluster_result after = step(cluster);
+    MUST(after.pairs == before.pairs && after.hash == before.hash, "all objects are there");
+}
+
 // The CPU's parts are told that they have memory of their own, so they count the pairs of homes
 // where these are found. Ids are far above 2^32, and objects change ranks and rows. A is left out
 // of some steps, whose changes of ids it must hear of later.
@@ -498,6 +514,7 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
     MPI_Allreduce(MPI_IN_PLACE, &gone, 1, MPI_UINT64_T, MPI_SUM, comm);
     MPI_Allreduce(MPI_IN_PLACE, &brought, 1, MPI_UINT64_T, MPI_SUM, comm);
     must_keep_plans(cluster, n);
+    must_keep_objects(cluster, n);
     MUST(counted > 1000 && (gone > 20 || n == 1), "devices counted, while objects left");
     MUST(brought <= counted / 100,
          "of the pairs of homes only those that float cannot decide come");
