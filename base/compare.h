@@ -11,6 +11,12 @@ static inline int compare_uint32(const void *left, const void *right)
     return (p > q) - (p < q);
 }
 
+static inline int compare_uint64(const void *left, const void *right)
+{
+    uint64_t p = *(const uint64_t *)left, q = *(const uint64_t *)right;
+    return (p > q) - (p < q);
+}
+
 static inline int compare_double(const void *left, const void *right)
 {
     double p = *(const double *)left, q = *(const double *)right;

@@ -4,6 +4,7 @@
 #include "cluster/cluster.h"
 
 #include "base/error.h"
+#include "cluster/ids.h"
 #include "cluster/own_pair.h"
 
 #include <math.h>
@@ -217,11 +218,12 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
     ok = ok && (n == 0 || (error_given(ids, __func__, "ids", &own) &&
                            error_given(objects, __func__, "objects", &own)));
     ok = ok && object_rows_copy(&rows, &c->homes.form, ids, objects, n, &own);
-    ok = cluster_agree_on(c, __func__, ok, &own, err);
+    ok = ranks_agree_on(&c->ranks, __func__, ok, NULL, &own) &&
+         ids_are_distinct(&c->ranks, rows.ids, rows.n, &own);
     if (ok)
         cluster_take(c, &rows);
     object_rows_end(&rows);
-    return ok;
+    return ok || error_copy(err, &own);
 }
 
 // ---------------------------------------------------------------- a step

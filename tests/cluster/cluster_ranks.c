@@ -1040,6 +1040,101 @@ static void a_failure_is_that_of_all_ranks(void)
     MPI_Comm_free(&comm);
 }
 
+enum { MOST_IDS = 120 };
+
+// Ids of all ranks, [n], and whose they are; none is twice on one rank.
+typedef struct dealt_ids {
+    uint64_t ids[MOST_IDS];
+    int ranks[MOST_IDS];
+    uint32_t n;
+} dealt_ids;
+
+static bool has(const dealt_ids *d, uint64_t id, int of)
+{
+    for (uint32_t i = 0; i < d->n; ++i)
+        if (d->ids[i] == id && d->ranks[i] == of)
+            return true;
+    return false;
+}
+
+// Of few ids, of all that there are, or in a range for each rank, which the next one's may touch.
+static void deal_ids(dealt_ids *d, rng *r, uint32_t round, int n_ranks)
+{
+    uint32_t n = rng_below(r, MOST_IDS);
+    d->n = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        int of = (int)rng_below(r, (uint32_t)n_ranks);
+        uint64_t id = round % 3 == 0   ? rng_below(r, 2000)
+                      : round % 3 == 1 ? (uint64_t)rng_next(r) << 32 |
+                                             (rng_below(r, 30) == 0 ? UINT64_MAX : rng_next(r))
+                                       : (uint64_t)of * 300 + rng_below(r, 301);
+        if (has(d, id, of))
+            continue;
+        d->ids[d->n] = id;
+        d->ranks[d->n++] = of;
+    }
+}
+
+// The least id of two ranks, in the line that all of them get; "" where there is none.
+static void find_double(const dealt_ids *d, int n_ranks, char *line, size_t size)
+{
+    uint64_t least = UINT64_MAX;
+    *line = '\0';
+    for (uint32_t i = 0; i < d->n; ++i) {
+        int holders = 0, first = 0, last = 0;
+        for (int q = n_ranks - 1; q >= 0; --q)
+            if (has(d, d->ids[i], q)) {
+                last = holders++ == 0 ? q : last;
+                first = q;
+            }
+        if (holders < 2 || d->ids[i] > least)
+            continue;
+        least = d->ids[i];
+        snprintf(line, size, "object %" PRIu64 " is there twice: on rank %d and on rank %d", least,
+                 first, last);
+    }
+}
+
+// At the level at which nobody compares ids in a step, of objects far from each other.
+static void an_id_that_two_ranks_bring_is_refused(uint64_t seed)
+{
+    static const int some_groups[] = {2, 3, 8};
+    for (int g = 0; g < 3; ++g) {
+        rng r = rng_seed(seed + (uint64_t)g);
+        MPI_Comm comm = group_of(some_groups[g]);
+        if (comm == MPI_COMM_NULL)
+            continue;
+        duet_world_def world = duet_default_world_def();
+        duet_cluster *c = open_cluster(&comm, &world, 1);
+        uint64_t there = 0;
+        int refused = 0, taken = 0;
+        for (uint32_t round = 0; round < 36; ++round) {
+            dealt_ids d;
+            duet_error err = {0};
+            char says[100];
+            uint64_t ids[MOST_IDS];
+            duet_pose poses[MOST_IDS];
+            uint32_t n = 0;
+            deal_ids(&d, &r, round, some_groups[g]);
+            find_double(&d, some_groups[g], says, sizeof says);
+            for (uint32_t i = 0; i < d.n; ++i)
+                if (d.ranks[i] == rank) {
+                    poses[n] = (duet_pose){.centre = {(float)i * 9}, .rotation = {0, 0, 0, 1}};
+                    ids[n++] = d.ids[i];
+                }
+            bool ok = duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, poses, n, &err);
+            MUST(ok == !*says && strcmp(err.text, says) == 0, ok ? says : err.text);
+            there = ok ? d.n : there;
+            refused += !ok;
+            taken += ok;
+            MUST(round % 4 > 0 || step(c).objects == there, "all or none of them");
+        }
+        MUST(refused > 5 && taken > 5, "some of both");
+        duet_cluster_destroy(c);
+        MPI_Comm_free(&comm);
+    }
+}
+
 static void calls_in_another_order_are_refused(void)
 {
     MPI_Comm comm = group_of(3);
@@ -1290,6 +1385,7 @@ int main(int argc, char **argv)
     what_is_skimmed_is_deep_inside();
     nothing_is_refused();
     a_failure_is_that_of_all_ranks();
+    an_id_that_two_ranks_bring_is_refused(seed);
     calls_in_another_order_are_refused();
     a_disk_that_is_full_is_told_of();
     random_crowds_have_the_same_pairs(seed);
