@@ -17,6 +17,13 @@ static inline int compare_uint64(const void *left, const void *right)
     return (p > q) - (p < q);
 }
 
+// Rows that begin with two, by the first and then the second: pairs, hits of queries and of bodies.
+static inline int compare_uint32_pair(const void *left, const void *right)
+{
+    const uint32_t *p = left, *q = right;
+    return p[0] != q[0] ? compare_uint32(&p[0], &q[0]) : compare_uint32(&p[1], &q[1]);
+}
+
 static inline int compare_double(const void *left, const void *right)
 {
     double p = *(const double *)left, q = *(const double *)right;

@@ -9,7 +9,8 @@
 -- A block that cannot be run in a test has a comment above it that says why:
 -- <!-- not run: it needs a GPU -->
 -- Blocks with 'duet cluster' or mpirun are passed over where Duet was built without MPI, and
--- those with --simulate where it was built without SimGrid.
+-- those with --simulate where it was built without SimGrid, and those that search a share where the
+-- device pair is one device.
 -- The blocks of a tutorial build on each other. It begins with a comment,
 -- <!-- all blocks in one folder -->, and a block of C or Lua in it whose first line is
 -- a comment with a file's name, `// game.c`, becomes that file.
@@ -28,6 +29,8 @@ local examples = {
 
 local has_cluster = io.open(program .. "-cluster") ~= nil
 local has_simulate = io.open(program .. "-simulate") ~= nil
+local pair <close> = assert(duet.device_pair())
+local is_one = pair:device("A").selector == pair:device("B").selector
 
 -- Every block of shell commands and every file in a document, with its line.
 local function blocks(path)
@@ -49,7 +52,8 @@ local function blocks(path)
       local uses_mpi = commands:find("duet cluster", 1, true) or commands:find("duet_cluster", 1, true) or commands:find("mpirun", 1, true)
       local simulates = commands:find("--simulate", 1, true)
       if simulates then uses_mpi = false end
-      block.skipped = block.skipped or uses_mpi and not has_cluster or simulates and not has_simulate
+      local shares = commands:find("duet tune", 1, true) and (commands:find("--strategy", 1, true) or commands:find("--query", 1, true))
+      block.skipped = block.skipped or uses_mpi and not has_cluster or simulates and not has_simulate or shares and is_one
       if block.name and one_folder or not block.is_text then found[#found + 1] = block end
       for _, command in ipairs(block.is_text and {} or block.commands) do
         cats = cats or (command:match("^cat ") or command:match("%./%w+$")) and block

@@ -226,7 +226,6 @@ static bool make_world(tuning_resources *h, duet_error *err)
     def.has_accuracy = h->def.has_accuracy;
     def.accuracy = h->def.accuracy;
     def.ordered = h->def.ordered;
-    def.stage_times = true;
     h->world = duet_world_create(&def, err);
     return h->world && duet_world_set_scene(h->world, h->def.scene, err);
 }
@@ -465,7 +464,6 @@ static bool open_whole(void *context, const char *kernels, measure_machine *mach
     duet_world_def def = duet_scene_world_def(h->def.scene, h->whole_pair);
     def.level = duet_world_get_level(h->world);
     def.has_accuracy = false;
-    def.stage_times = true;
     def.plan = *plan;
     h->whole_world = duet_world_create(&def, NULL);
     if (!h->whole_world || !duet_world_set_scene(h->whole_world, h->def.scene, NULL))

@@ -226,7 +226,6 @@ bool kernel_tuning_run(tuning *t, duet_kernel_search told[2], duet_error *err)
     t->search_begun = t->state->played;
     t->stage = "kernels of B";
     t->stage_end = (VARIANTS_END + KERNELS_END) / 2;
-    t->keeps_warm = true;
     t->repeats = 1;
     bool ok =
         take_searched(t, 1) || !tuning_within_budget(t) || search_device(t, 1, 0, &told[1], err);
@@ -238,7 +237,6 @@ bool kernel_tuning_run(tuning *t, duet_kernel_search told[2], duet_error *err)
         ok = ok &&
              (take_searched(t, 0) || !tuning_within_budget(t) ||
               (variants_share_of_a(t, &share, err) && search_device(t, 0, share, &told[0], err)));
-    t->keeps_warm = false;
     t->repeats = repeats;
     t->search_known = true;
     t->search_trials = t->state->played - t->search_begun;

@@ -4,6 +4,7 @@
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
+#include "runtime/broadphase/world.h"
 #include "tuner/stats.h"
 
 #include <assert.h>
@@ -138,11 +139,12 @@ static bool hand_over_objects(const measure_world *at, duet_error *err)
     return duet_world_map_objects(at->world, at->kind, at->n, err);
 }
 
-static bool step_world(void *context, const duet_plan *plan, measure_launch *launch,
+static bool step_world(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
                        duet_error *err)
 {
     const measure_world *at = context;
     duet_result result;
+    at->world->def.stage_times = staged;
     if (!duet_world_set_plan(at->world, plan, err) || !hand_over_objects(at, err) ||
         !duet_world_step(at->world, &result, err))
         return false;
@@ -161,14 +163,14 @@ static bool step_world(void *context, const duet_plan *plan, measure_launch *lau
     return true;
 }
 
-uint64_t measure_stages_ns(const measure_launch *launch, int device, const char *const *names,
+uint64_t measure_stages_ns(const measure_launch *launch, int side, const char *const *names,
                            uint32_t most)
 {
     int64_t ns = 0;
     for (uint32_t i = 0; i < launch->n_stages; ++i) {
         const duet_stage *stage = &launch->stages[i];
         for (uint32_t k = 0; k < most && names[k]; ++k)
-            if (stage->device == device && strcmp(stage->name, names[k]) == 0)
+            if (stage->device == side && strcmp(stage->name, names[k]) == 0)
                 ns += to_ns(stage->ms);
     }
     return (uint64_t)ns;
@@ -193,11 +195,12 @@ static const char *outcome_of(const duet_error *err)
     }
 }
 
-static bool launch_once(const measure_machine *machine, const duet_plan *plan, uint32_t flags,
-                        measure_launch *launch, profile_sample *sample, duet_error *err)
+static bool launch_once(const measure_machine *machine, const duet_plan *plan, bool staged,
+                        uint32_t flags, measure_launch *launch, profile_sample *sample,
+                        duet_error *err)
 {
     *launch = (measure_launch){0};
-    if (!budget_check_stop(NULL) || !machine->launch(machine->context, plan, launch, err))
+    if (!budget_check_stop(NULL) || !machine->launch(machine->context, plan, staged, launch, err))
         return false;
     if (launch->hash != machine->hash)
         return error_set(err, DUET_STATUS_WRONG_RESULT,
@@ -265,20 +268,22 @@ static void summarize(measurement *m, const measure_launch *launches, uint32_t f
     take_least_stages(&m->launch, launches, m->n_samples);
 }
 
-measurement measure_plan(const measure_machine *machine, const duet_plan *plan, bool warm,
-                         uint32_t repeats)
+measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way)
 {
-    assert(repeats > 0 && repeats <= MEASURE_REPEATS);
+    assert(way.repeats > 0 && way.repeats <= MEASURE_REPEATS && (way.staged || !way.warm));
     measurement m = {0};
     measure_launch launches[1 + MEASURE_REPEATS];
     duet_error *err = &m.failure;
-    uint32_t first = warm ? 0 : 1;
+    uint32_t first = way.warm ? 0 : 1;
     uint64_t begun = clock_steady_ns();
-    for (bool ok = true; ok && m.n_samples < first + repeats; m.n_samples += ok)
-        ok = launch_once(machine, plan, m.n_samples < first ? PROFILE_SAMPLE_WARM_UP : 0,
-                         &launches[m.n_samples], &m.samples[m.n_samples], err);
+    for (bool ok = true; ok && m.n_samples < first + way.repeats; m.n_samples += ok) {
+        bool warms_up = m.n_samples < first;
+        ok = launch_once(machine, plan, way.staged || warms_up,
+                         warms_up ? PROFILE_SAMPLE_WARM_UP : 0, &launches[m.n_samples],
+                         &m.samples[m.n_samples], err);
+    }
     // Ctrl-C reaches a driver's compiler as well, whose complaint is none of the plan's.
-    if (m.n_samples <= repeats && !budget_check_stop(NULL))
+    if (m.n_samples < first + way.repeats && !budget_check_stop(NULL))
         *err = (duet_error){.status = DUET_STATUS_INTERRUPTED, .text = "stopped"};
     m.spent_ns = clock_steady_ns() - begun;
     m.outcome = outcome_of(err);

@@ -25,10 +25,13 @@ typedef struct measure_launch {
     uint32_t n_stages;
 } measure_launch;
 
-// What plans are measured on: a world, or arithmetic in tests.
+// What plans are measured on: a world, or arithmetic in tests. staged: the times of the launch's
+// stages are wanted, which makes a GPU's launch longer. Else it is one as applications have it,
+// and a GPU's stages are those of the last that was staged.
 typedef struct measure_machine {
     void *context;
-    bool (*launch)(void *context, const duet_plan *plan, measure_launch *launch, duet_error *err);
+    bool (*launch)(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
+                   duet_error *err);
     uint64_t hash; // of the right pairs
 } measure_machine;
 
@@ -61,15 +64,22 @@ typedef struct measurement {
     uint64_t spent_ns;     // by the clock, builds included
 } measurement;
 
+// Of a plan that is not staged only the launch that warms up is, so that those that count are as
+// applications have them; it cannot be warm.
+typedef struct measure_way {
+    uint32_t repeats; // launches that count, at most MEASURE_REPEATS
+    bool warm;        // the plan ran before, and no launch warms it up
+    bool staged;      // what counts is the time of stages
+} measure_way;
+
 // One launch to warm up, unless the plan is warm, then `repeats`; all are verified. A
 // plan that does not build, run or find the right pairs is a measurement whose outcome
 // says so.
-measurement measure_plan(const measure_machine *machine, const duet_plan *plan, bool warm,
-                         uint32_t repeats);
+measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way);
 
 // What the launch took on a device in stages of these names; names end with NULL or
 // after `most`.
-uint64_t measure_stages_ns(const measure_launch *launch, int device, const char *const *names,
+uint64_t measure_stages_ns(const measure_launch *launch, int side, const char *const *names,
                            uint32_t most);
 
 // ---------------------------------------------------------------- terms

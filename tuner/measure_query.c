@@ -232,10 +232,12 @@ static int64_t to_ns(double ms)
     return (int64_t)(ms * 1e6 + 0.5);
 }
 
-static bool launch_query(void *context, const duet_plan *plan, measure_launch *launch,
+// A query has no stages.
+static bool launch_query(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
                          duet_error *err)
 {
     query_result found;
+    (void)staged;
     if (!ask(context, plan->share, &found, err))
         return false;
     *launch = (measure_launch){.total_ns = to_ns(found.total_ms),

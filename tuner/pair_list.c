@@ -1,20 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/pair_list.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
-
-// As qsort asks, by a and then b.
-static int order(const void *x, const void *y)
-{
-    const duet_pair *p = x;
-    const duet_pair *q = y;
-    if (p->a != q->a)
-        return p->a < q->a ? -1 : 1;
-    return (p->b > q->b) - (p->b < q->b);
-}
 
 duet_pair *pair_list_sorted(const duet_result *result, duet_error *err)
 {
@@ -24,7 +15,7 @@ duet_pair *pair_list_sorted(const duet_result *result, duet_error *err)
                           result->pairs);
     for (uint64_t i = 0; i < result->pairs; ++i)
         pairs[i] = duet_result_get_pair(result, i);
-    qsort(pairs, result->pairs, sizeof *pairs, order);
+    qsort(pairs, result->pairs, sizeof *pairs, compare_uint32_pair);
     return pairs;
 }
 
@@ -34,7 +25,7 @@ void pair_list_rename(duet_pair *pairs, uint64_t n, const uint32_t *ids)
         uint32_t a = ids[pairs[i].a], b = ids[pairs[i].b];
         pairs[i] = a < b ? (duet_pair){a, b} : (duet_pair){b, a};
     }
-    qsort(pairs, n, sizeof *pairs, order);
+    qsort(pairs, n, sizeof *pairs, compare_uint32_pair);
 }
 
 void pair_list_compare(const duet_pair *found, uint64_t n_found, const duet_pair *truth,
@@ -42,7 +33,9 @@ void pair_list_compare(const duet_pair *found, uint64_t n_found, const duet_pair
 {
     uint64_t i = 0, j = 0;
     while (i < n_found || j < n_truth) {
-        int ahead = i == n_found ? 1 : j == n_truth ? -1 : order(&found[i], &truth[j]);
+        int ahead = i == n_found   ? 1
+                    : j == n_truth ? -1
+                                   : compare_uint32_pair(&found[i], &truth[j]);
         if (ahead != 0)
             visit(context, ahead < 0 ? found[i] : truth[j], ahead > 0);
         i += ahead <= 0;

@@ -39,11 +39,17 @@ uint32_t trial_budget_most(const tune_task *task, uint32_t kernels)
     return def->budget_trials > 0 && def->budget_trials < most ? def->budget_trials : most;
 }
 
+// After all races of what is tuned: one with the undivided device, or an only device's steps.
+static uint32_t least_at_the_end(const tune_task *task)
+{
+    return task->whole.open ? LEAST_RACED * 2 : task->one_device ? LEAST_RACED : 0;
+}
+
 double trial_budget_end(const tune_task *task, double stage_end)
 {
     const duet_tune_def *def = task->def;
     double all = def->budget_trials;
-    double raced = all - (task->whole.open ? LEAST_RACED * 2 : 0);
+    double raced = all - least_at_the_end(task);
     double searched = fmin(SEARCH_END * raced, raced - LEAST_RACED * most_rivals(def));
     if (stage_end <= SEARCH_END)
         return stage_end / SEARCH_END * searched;

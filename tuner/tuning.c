@@ -134,9 +134,15 @@ static bool check_measured(tuning *t, const duet_plan *plan, const measurement *
 static bool is_warm(const tuning *t, const duet_plan *plan)
 {
     bool warm = false;
-    for (uint32_t i = t->first; t->keeps_warm && i < t->state->played && !warm; ++i)
+    for (uint32_t i = t->first; t->focus.stages && i < t->state->played && !warm; ++i)
         warm = trial_log_same_plan(&t->state->entries[i].plan, plan);
     return warm;
+}
+
+static measure_way way_of(const tuning *t, const duet_plan *plan)
+{
+    return (measure_way){
+        .repeats = t->repeats, .warm = is_warm(t, plan), .staged = t->focus.stages};
 }
 
 static bool measure_live(tuning *t, const duet_plan *plan, trial_log_entry *entry, duet_error *err)
@@ -144,7 +150,7 @@ static bool measure_live(tuning *t, const duet_plan *plan, trial_log_entry *entr
     const tune_task *task = t->task;
     if (!budget_check(err))
         return false;
-    measurement m = measure_plan(&task->machine, plan, is_warm(t, plan), t->repeats);
+    measurement m = measure_plan(&task->machine, plan, way_of(t, plan));
     if (m.failure.status == DUET_STATUS_INTERRUPTED)
         return tuning_stop(t, err);
     *entry = entry_of(t, plan, &m);
@@ -179,7 +185,7 @@ bool tuning_run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *
 bool tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan,
                          double *ns, duet_error *err)
 {
-    measurement m = measure_plan(machine, plan, false, t->repeats);
+    measurement m = measure_plan(machine, plan, (measure_way){.repeats = t->repeats});
     if (m.failure.status == DUET_STATUS_INTERRUPTED)
         return tuning_stop(t, err);
     trial_log_entry entry = entry_of(t, plan, &m);

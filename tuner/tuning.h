@@ -6,7 +6,8 @@
 
 #include "tuner/tune.h"
 
-// The stages of a device whose kernel is varied.
+// The stages of a device whose kernel is varied. A plan that ran before is not warmed up again
+// for them.
 typedef struct focus {
     int device;
     const char *const *stages; // NULL: none
@@ -19,7 +20,6 @@ typedef struct tuning {
     const char *stage;
     double stage_end; // part of the budget that is used up when it must end
     uint32_t repeats; // launches of a trial that count
-    bool keeps_warm;  // a plan that ran before is not warmed up again
     uint32_t first;   // trial that this process measured
     focus focus;
     duet_plan plan;         // the variants chosen so far

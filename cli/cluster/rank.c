@@ -23,7 +23,7 @@
 typedef struct run_state {
     const cluster_arguments *args;
     const simulation *simulation; // NULL: the ranks are real
-    const stored_run *like;       // whose times they take; NULL: none's
+    const stored_steps *like;     // whose times they take; NULL: none's
     duet_cluster *cluster;
     duet_scene *scene; // rank 0's
     int rank;
@@ -123,31 +123,39 @@ static bool load(run_state *r, const char *path, duet_error *err)
            duet_cluster_set_level(r->cluster, level, err);
 }
 
+static const stored_run *run_of(const stored_steps *like)
+{
+    return like ? like->run : NULL;
+}
+
 // A step of another kind takes other times.
 static bool check_like(const run_state *r, duet_error *err)
 {
-    const stored_run *like = r->like;
+    const stored_steps *like = r->like;
+    const stored_run *run = run_of(like);
     const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
     const char *level = duet_level_get_info(r->cluster->def.world.level)->name;
     if (!like)
         return true;
     if (info->dims != like->dims)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--profile '%s': a run in %uD, and %s is in %uD; expected the same",
-                         r->args->profile, like->dims, info->name, info->dims);
+                         "--profile '%s': a %s in %uD, and %s is in %uD; expected the same",
+                         r->args->profile, like->of, like->dims, info->name, info->dims);
     if (strcmp(level, like->level) != 0)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--profile '%s': a run at level %s, and this is at level %s; expected the "
+                         "--profile '%s': a %s at level %s, and this is at level %s; expected the "
                          "same",
-                         r->args->profile, like->level, level);
-    if (like->parts != r->args->parts)
+                         r->args->profile, like->of, like->level, level);
+    if (!run)
+        return true;
+    if (run->parts != r->args->parts)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "--profile '%s': a run with --parts %u; expected the same",
-                         r->args->profile, like->parts);
-    return like->resident == r->args->resident ||
+                         r->args->profile, run->parts);
+    return run->resident == r->args->resident ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "--profile '%s': a run with%s --resident; expected the same", r->args->profile,
-                     like->resident ? "" : "out");
+                     run->resident ? "" : "out");
 }
 
 // As duet run: a plan that was given is kept, else each rank gets what was measured.
@@ -240,12 +248,12 @@ static double efficiency(const run_state *r)
     return own_ms / (r->n_ranks * r->total_ms[(r->args->repeat - 1) / 2]);
 }
 
-static void print_like(const stored_run *like)
+static void print_run(const stored_run *run)
 {
-    printf("\nranks as in run %.8s: %s, %s, ", say_name(like->uid).chars,
-           say_name(like->scene).chars, table_things(like->n, "box", "boxes").chars);
-    printf("%s on %s\n", table_things(like->ranks, "rank", "ranks").chars,
-           table_things(like->hosts, "host", "hosts").chars);
+    printf("\nranks as in run %.8s: %s, %s, ", say_name(run->uid).chars, say_name(run->scene).chars,
+           table_things(run->n, "box", "boxes").chars);
+    printf("%s on %s\n", table_things(run->ranks, "rank", "ranks").chars,
+           table_things(run->hosts, "host", "hosts").chars);
 }
 
 static void print_text(const run_state *r)
@@ -284,11 +292,11 @@ static void print_text(const run_state *r)
         table_cell(&t, "efficiency");
         table_cell(&t, "%.3f", efficiency(r));
         table_cell(&t, "what %s take for their own objects, by that",
-                   r->like ? "ranks" : "devices");
+                   run_of(r->like) ? "ranks" : "devices");
     }
     table_print(&t, stdout);
-    if (r->like)
-        print_like(r->like);
+    if (run_of(r->like))
+        print_run(run_of(r->like));
     if (r->check.asked)
         run_report_check(&r->check);
 }
@@ -380,7 +388,7 @@ static bool run_all(run_state *r, const char *path, duet_error *err)
 }
 
 bool rank_run(const cluster_arguments *args, const char *scene, const simulation *s,
-              const stored_run *like, duet_error *err)
+              const stored_steps *like, duet_error *err)
 {
     run_state r = {.args = args, .simulation = s, .like = like};
     MPI_Comm_rank(MPI_COMM_WORLD, &r.rank);

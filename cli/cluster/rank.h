@@ -8,8 +8,16 @@
 #include "cli/commands/cluster.h"
 #include "cluster/cluster.h"
 
-// s NULL: the ranks are real. like: the run whose times simulated ranks take; NULL: none's.
+// The steps whose times simulated ranks take.
+typedef struct stored_steps {
+    const char *of; // "run" or "profile"
+    uint32_t dims;
+    char level[16];
+    const stored_run *run; // NULL: they are a profile's
+} stored_steps;
+
+// s NULL: the ranks are real. like NULL: they take their own times.
 bool rank_run(const cluster_arguments *args, const char *scene, const simulation *s,
-              const stored_run *like, duet_error *err);
+              const stored_steps *like, duet_error *err);
 
 #endif

@@ -17,8 +17,9 @@ typedef struct simulated_job {
     cluster_arguments args; // first: the table of options fills it
     const char *scene;
     simulation simulation;
-    stored_run like;       // whose times ranks take; no ranks: none
-    double object_seconds; // of a profile
+    stored_run run;        // whose times ranks take; no ranks: none's
+    double object_seconds; // of a profile, whose times they take else
+    stored_steps like;     // those; without a name where ranks find pairs
     bool failed;
     duet_error err; // of rank 0, which is that of all
 } simulated_job;
@@ -45,18 +46,30 @@ static const duet_stored_profile *find_profile(const duet_profile_list *list, co
     return n == 1 ? found : NULL;
 }
 
+static bool check_steps(const simulated_job *job, const duet_stored_profile *p, duet_error *err)
+{
+    return !*p->query ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "--profile '%s': a profile of the query '%s'; expected one of steps",
+                     job->args.profile, p->query);
+}
+
 // A step's time by the objects of the profile, on devices of each rank's own.
 static bool take_profile(simulated_job *job, duet_error *err)
 {
     duet_profile_list *list = duet_profile_list_create(NULL, true, err);
     const duet_stored_profile *p = list ? find_profile(list, job->args.profile, err) : NULL;
-    if (p)
+    if (p) {
         job->object_seconds = p->step_ms * 1e-3 / (double)p->objects;
-    bool ok = p && (stored_time_can_be(job->object_seconds) ||
-                    error_set(err, DUET_STATUS_BAD_INPUT,
-                              "profile %.8s of the store: its time of a step or its objects cannot "
-                              "be; expected what 'duet tune' wrote",
-                              p->uid));
+        job->like = (stored_steps){.of = "profile", .dims = p->dims};
+        memcpy(job->like.level, p->level, sizeof p->level);
+    }
+    bool ok = p && check_steps(job, p, err) &&
+              (stored_time_can_be(job->object_seconds) ||
+               error_set(err, DUET_STATUS_BAD_INPUT,
+                         "profile %.8s of the store: its time of a step or its objects cannot "
+                         "be; expected what 'duet tune' wrote",
+                         p->uid));
     job->simulation.object_seconds = &job->object_seconds;
     job->simulation.n_paces = 1;
     duet_profile_list_destroy(list);
@@ -70,13 +83,15 @@ static bool read_times(simulated_job *job, duet_error *err)
     *s = (simulation){.pass = smpi_pass, .stands_for = (uint32_t)job->args.stands_for};
     if (!job->args.profile)
         return true;
-    if (!stored_run_read(&job->like, job->args.profile, &found, err))
+    if (!stored_run_read(&job->run, job->args.profile, &found, err))
         return false;
     if (!found)
         return take_profile(job, err);
-    s->object_seconds = job->like.object_seconds;
-    s->n_paces = job->like.n_paces;
-    s->ranks_a_host = (double)job->like.ranks / job->like.hosts;
+    s->object_seconds = job->run.object_seconds;
+    s->n_paces = job->run.n_paces;
+    s->ranks_a_host = (double)job->run.ranks / job->run.hosts;
+    job->like = (stored_steps){.of = "run", .dims = job->run.dims, .run = &job->run};
+    memcpy(job->like.level, job->run.level, sizeof job->run.level);
     return true;
 }
 
@@ -129,8 +144,8 @@ static void run_rank(void *context)
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     if (rank == 0 && job->simulation.stands_for > 1)
         job->simulation.ballast = smpi_ballast(INT_MAX);
-    bool ok = rank_run(&job->args, job->scene, &job->simulation,
-                       job->like.ranks > 0 ? &job->like : NULL, &err);
+    bool ok =
+        rank_run(&job->args, job->scene, &job->simulation, job->like.of ? &job->like : NULL, &err);
     if (ok || rank > 0)
         return;
     job->failed = true;
@@ -155,7 +170,7 @@ static bool run(void *given, char **operands, duet_error *err)
     bool ok = read_times(job, err) && (!is_run || make_platform(job, &made, err)) &&
               run_ranks(job, is_run ? made.path : job->args.simulate, err);
     platform_close(&made);
-    stored_run_end(&job->like);
+    stored_run_end(&job->run);
     return ok;
 }
 

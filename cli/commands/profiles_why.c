@@ -48,21 +48,6 @@ typedef struct answer {
     bool one_device;
 } answer;
 
-static bool look(const arguments *args, answer *a, duet_error *err)
-{
-    text user = {0};
-    text system = {0};
-    profile_request request = profile_subject_request(&a->asked);
-    bool ok = args->store || store_user_path(&user, err);
-    bool has_system = store_system_path(&system);
-    ok = ok && profile_lookup_files(args->store ? args->store : text_chars(&user),
-                                    has_system ? text_chars(&system) : NULL, &request, &a->found,
-                                    &a->why, err);
-    text_free(&user);
-    text_free(&system);
-    return ok;
-}
-
 // Of many millions of objects it takes seconds.
 static bool read_subject(duet_world *world, const duet_scene *scene, profile_subject *asked,
                          duet_error *err)
@@ -223,7 +208,11 @@ static bool run(void *given, char **operands, duet_error *err)
         a.fallback = duet_default_plan(pair);
         a.one_device = duet_device_pair_is_one(pair);
         world = inputs_change_level(&args->level, &def, err) ? duet_world_create(&def, err) : NULL;
-        ok = world && read_subject(world, scene, &a.asked, err) && look(args, &a, err);
+        ok = world && read_subject(world, scene, &a.asked, err);
+    }
+    if (ok) {
+        profile_request request = profile_subject_request(&a.asked);
+        ok = profile_subject_look(args->store, &request, &a.found, &a.why, err);
     }
     if (ok && args->json)
         ok = print_json(&a, err);

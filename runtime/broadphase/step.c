@@ -99,6 +99,8 @@ static void choose_keepers(duet_world *world)
 
 static void choose_timed(duet_world *world)
 {
+    if (world->def.stage_times)
+        world->steps = 0;
     for (int side = 0; side < 2; ++side) {
         part *p = &world->parts[side];
         p->untimed =

@@ -32,7 +32,7 @@ struct duet_world {
     resident resident;  // the objects, where a device has them; else empty
     uint32_t n;
     uint64_t objects_version;
-    uint64_t steps;   // that were begun
+    uint64_t steps;   // since the last whose stages were asked for
     host_block sizes; // [n_sizes + 1] of transforms
     uint32_t n_sizes;
     uint64_t sizes_version;

@@ -4,6 +4,7 @@
 // come nearly in order.
 #include "runtime/dynamics/motion.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 
 #include <stdlib.h>
@@ -130,12 +131,6 @@ static duet_hit_event hit_of(const duet_motion *m, const uint32_t words[HIT_WORD
     return hit;
 }
 
-static int by_ids(const void *x, const void *y)
-{
-    const duet_hit_event *a = x, *b = y;
-    return pair_compare((duet_pair){a->a, a->b}, (duet_pair){b->a, b->b});
-}
-
 // Devices write them in any order.
 static bool fetch_hits(duet_motion *m, duet_error *err)
 {
@@ -155,7 +150,7 @@ static bool fetch_hits(duet_motion *m, duet_error *err)
             e->hits[e->n_hits++] = hit;
     }
     if (ok)
-        qsort(e->hits, e->n_hits, sizeof *e->hits, by_ids);
+        qsort(e->hits, e->n_hits, sizeof *e->hits, compare_uint32_pair);
     free(words);
     return ok;
 }

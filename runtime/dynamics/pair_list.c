@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/pair_list.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 
 #include <stdlib.h>
@@ -27,11 +28,6 @@ void pair_list_free(pair_list *list)
 {
     free(list->pairs);
     *list = (pair_list){0};
-}
-
-int pair_compare(duet_pair x, duet_pair y)
-{
-    return x.a != y.a ? (x.a < y.a ? -1 : 1) : x.b != y.b ? (x.b < y.b ? -1 : 1) : 0;
 }
 
 // ---------------------------------------------------------------- order
@@ -66,7 +62,7 @@ bool pair_list_sort(pair_list *list, duet_error *err)
 {
     bool sorted = true;
     for (size_t i = 1; sorted && i < list->n; ++i)
-        sorted = pair_compare(list->pairs[i - 1], list->pairs[i]) <= 0;
+        sorted = compare_uint32_pair(&list->pairs[i - 1], &list->pairs[i]) <= 0;
     if (sorted)
         return true;
     pair_list other = {0};
@@ -97,7 +93,7 @@ bool pair_changes_find(pair_changes *c, const pair_list *before, const pair_list
     for (size_t i = 0, k = 0; i < before->n || k < now->n;) {
         int order = i == before->n ? 1
                     : k == now->n  ? -1
-                                   : pair_compare(before->pairs[i], now->pairs[k]);
+                                   : compare_uint32_pair(&before->pairs[i], &now->pairs[k]);
         duet_pair p = order < 0 ? before->pairs[i] : now->pairs[k];
         i += order <= 0;
         k += order >= 0;

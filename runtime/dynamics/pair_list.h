@@ -27,8 +27,6 @@ static inline duet_pair pair_ordered(duet_pair p)
     return p.a < p.b ? p : (duet_pair){p.b, p.a};
 }
 
-int pair_compare(duet_pair x, duet_pair y);
-
 // Ascending by a and b.
 bool pair_list_sort(pair_list *list, duet_error *err);
 

@@ -6,6 +6,7 @@
 
 #include "base/budget.h"
 #include "base/clock.h"
+#include "base/compare.h"
 #include "base/error.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/queries/far_rows.h"
@@ -188,21 +189,13 @@ static float value_of(const uint32_t *hit)
     return value;
 }
 
-// By item and id; with a value by item, value and id.
-static int compare_pairs(const void *x, const void *y)
-{
-    const uint32_t *a = x, *b = y;
-    if (a[0] != b[0])
-        return a[0] < b[0] ? -1 : 1;
-    return (a[1] > b[1]) - (a[1] < b[1]);
-}
-
+// By item, value and id.
 static int compare_hits(const void *x, const void *y)
 {
     const uint32_t *a = x, *b = y;
     float of_a = value_of(a), of_b = value_of(b);
     if (a[0] != b[0] || of_a == of_b)
-        return compare_pairs(a, b);
+        return compare_uint32_pair(a, b);
     return of_a < of_b ? -1 : 1;
 }
 
@@ -210,7 +203,7 @@ typedef int comparison(const void *x, const void *y);
 
 static comparison *comparison_of(const tree_query *q)
 {
-    return q->kind->hit_words > 2 ? compare_hits : compare_pairs;
+    return q->kind->hit_words > 2 ? compare_hits : compare_uint32_pair;
 }
 
 // The last n hits: by item first, which is a place, then the few of each item.

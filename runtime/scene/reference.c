@@ -8,6 +8,7 @@
 #include "runtime/scene/reference.h"
 
 #include "base/budget.h"
+#include "base/compare.h"
 #include "base/error.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/origin.h"
@@ -210,14 +211,6 @@ static bool test_pair(finder *f, const entry *one, const entry *other)
     return !collide(f->objects, a, b) || add_pair(f, a, b);
 }
 
-static int compare_pairs(const void *left, const void *right)
-{
-    const duet_pair *p = left, *q = right;
-    if (p->a != q->a)
-        return p->a < q->a ? -1 : 1;
-    return (p->b > q->b) - (p->b < q->b);
-}
-
 // ------------------------------------------------------------ each with each
 
 static bool find_each_with_each(finder *f)
@@ -398,7 +391,7 @@ bool reference_find(const reference_objects *objects, reference_way way, referen
         return false;
     }
     if (found->n > 0)
-        qsort(found->pairs, found->n, sizeof *found->pairs, compare_pairs);
+        qsort(found->pairs, found->n, sizeof *found->pairs, compare_uint32_pair);
     return true;
 }
 

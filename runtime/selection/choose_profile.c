@@ -18,22 +18,6 @@ const char *duet_grade_name(duet_grade grade)
     return (unsigned)grade <= DUET_GRADE_DEFAULT ? profile_grade_name((profile_grade)grade) : NULL;
 }
 
-static bool look(const char *path, const profile_request *request, profile_found *found, text *why,
-                 duet_error *err)
-{
-    text user = {0};
-    text system = {0};
-    // Without a place for a user's store there may still be a system's.
-    const char *first = path;
-    if (!path && store_user_path(&user, NULL))
-        first = text_chars(&user);
-    const char *second = !path && store_system_path(&system) ? text_chars(&system) : NULL;
-    bool ok = profile_lookup_files(first, second, request, found, why, err);
-    text_free(&user);
-    text_free(&system);
-    return ok;
-}
-
 // What was found is good enough to be used.
 static bool is_founded(const profile_found *found)
 {
@@ -86,7 +70,7 @@ bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *
     if (!profile_subject_read(world, &asked, err))
         return false;
     profile_request request = profile_subject_request(&asked);
-    bool ok = look(path, &request, &found, NULL, err);
+    bool ok = profile_subject_look(path, &request, &found, NULL, err);
     return use(world, &found, profile, err) && ok;
 }
 
@@ -108,7 +92,7 @@ bool duet_tree_load_profile(duet_tree *tree, const char *query, uint64_t n, cons
     if (!profile_subject_read_query(tree, &name, n, &asked, err))
         return false;
     profile_request request = profile_subject_request(&asked);
-    bool ok = look(path, &request, &found, NULL, err);
+    bool ok = profile_subject_look(path, &request, &found, NULL, err);
     if (is_founded(&found)) {
         if (!tree_tune(tree, &name, found.plan.share, err))
             return false;
@@ -129,7 +113,7 @@ bool duet_world_explain_profile(duet_world *world, const char *path, char **why,
     if (!profile_subject_read(world, &asked, err))
         return false;
     profile_request request = profile_subject_request(&asked);
-    bool ok = look(path, &request, &found, &lines, err) && text_ok(&lines, err);
+    bool ok = profile_subject_look(path, &request, &found, &lines, err) && text_ok(&lines, err);
     *why = ok ? strdup(text_chars(&lines)) : NULL;
     text_free(&lines);
     return ok &&

@@ -248,6 +248,22 @@ profile_request profile_subject_request(const profile_subject *p)
     return request;
 }
 
+bool profile_subject_look(const char *path, const profile_request *request, profile_found *found,
+                          text *why, duet_error *err)
+{
+    text user = {0};
+    text system = {0};
+    // Without a place for a user's store there may still be a system's.
+    const char *first = path;
+    if (!path && store_user_path(&user, NULL))
+        first = text_chars(&user);
+    const char *second = !path && store_system_path(&system) ? text_chars(&system) : NULL;
+    bool ok = profile_lookup_files(first, second, request, found, why, err);
+    text_free(&user);
+    text_free(&system);
+    return ok;
+}
+
 bool profile_subject_read_level(const char *name, duet_level *level, duet_error *err)
 {
     return duet_level_from_name(name, level) ||

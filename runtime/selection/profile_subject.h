@@ -35,6 +35,11 @@ void profile_subject_settle(profile_subject *p, duet_level level);
 // p must live as long as the request is used.
 profile_request profile_subject_request(const profile_subject *p);
 
+// Looks in the store at the path alone; without one in the user's and, where that has nothing
+// better, in the system's. As profile_lookup_files else.
+bool profile_subject_look(const char *path, const profile_request *request, profile_found *found,
+                          text *why, duet_error *err);
+
 // The level that the store knows by that name. BAD_INPUT where there is none.
 bool profile_subject_read_level(const char *name, duet_level *level, duet_error *err);
 

@@ -52,6 +52,7 @@ static void step_default(int wide, duet_mode mode)
 static void a_default_world_uses_both_devices(void **state)
 {
     (void)state;
+    skip_on_one_device();
     step_default(0, DUET_MODE_SLAB);
     step_default(100, DUET_MODE_OWN);
 }

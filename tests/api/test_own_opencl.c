@@ -408,7 +408,7 @@ static void a_device_of_another_context_gets_them_through_the_host(void **state)
     duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     duet_device_pair_def devices = duet_default_device_pair_def();
-    devices.a = devices.b = "cpu[1/1]";
+    devices.a = devices.b = own.cut ? "cpu[1/1]" : "cpu";
     for (int side = 0; side < 2; ++side) {
         duet_device_pair *pair = duet_device_pair_create_on_queues(
             &devices, side ? NULL : own.queues[0], side ? own.queues[1] : NULL, &err);

@@ -36,7 +36,7 @@ static bool measure_share(const measure_machine *machine, uint32_t share, search
                           duet_error *err)
 {
     duet_plan plan = plan_at(share);
-    measurement m = measure_plan(machine, &plan, false, 1);
+    measurement m = measure_plan(machine, &plan, (measure_way){.repeats = 1});
     if (m.failure.status != DUET_STATUS_OK) {
         *err = m.failure;
         return false;

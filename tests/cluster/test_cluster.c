@@ -146,6 +146,16 @@ static void a_forecast_takes_the_times_of_a_profile(void **state)
     program p =
         program_run_with(variables, "cluster --simulate " FABRIC " --ranks 2 --profile none still");
     program_assert_refused(&p, 1, "--profile 'none': 0 profiles begin so");
+    p = program_run_with(variables,
+                         "cluster --simulate " FABRIC " --ranks 2 --profile %.8s paper2d -n 9",
+                         profile->uid);
+    program_assert_refused(&p, 2, "': a profile in 3D, and paper2d is in 2D; expected the same");
+    p = program_run_with(
+        variables, "cluster --simulate " FABRIC " --ranks 2 --profile %.8s paper -n 9 --level aabb",
+        profile->uid);
+    program_assert_refused(&p, 2,
+                           "': a profile at level certified, and this is at level aabb; expected "
+                           "the same");
     cJSON *two = forecast(folder.store, profile->uid, "--ranks 2 paper -n 4000 --set world=32");
     cJSON *many = forecast(folder.store, profile->uid,
                            "--ranks 2 --stands-for 1000 paper -n 4000 --set world=320");
@@ -163,6 +173,14 @@ static void a_forecast_takes_the_times_of_a_profile(void **state)
     cJSON_Delete(one);
     cJSON_Delete(two);
     cJSON_Delete(many);
+    s = test_store_open(folder.store, STORE_WRITE);
+    assert_ok(sql_script(s, "UPDATE workload SET query = 'rays closest', boxes = 9", &err), err);
+    p = program_run_with(variables, "cluster --simulate " FABRIC " --ranks 2 --profile %.8s still",
+                         profile->uid);
+    program_assert_refused(&p, 2,
+                           "': a profile of the query 'rays closest'; expected one of steps");
+    assert_ok(sql_script(s, "UPDATE workload SET query = NULL, boxes = 0", &err), err);
+    store_close(s);
     static const char *const hostile[] = {"profile SET median_ns = 9e999",
                                           "profile SET median_ns = -5", "profile SET median_ns = 0",
                                           "profile SET median_ns = 7; UPDATE workload SET n = 0"};

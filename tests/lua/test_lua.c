@@ -80,12 +80,12 @@ static void what_is_shown_says_what_it_is(void **state)
 {
     (void)state;
     write_script("p = duet.device_pair('halves')\n"
-                 "tostring(p) == ('duet.device_pair { A = %s %s, B = %s %s }'):format(\n"
-                 "p:device('A').selector, p:device('A').name, p:device('B').selector, "
-                 "p:device('B').name)\n"
-                 "q = duet.device_pair(p:device('A').selector)\n"
-                 "tostring(q) == ('duet.device_pair { A = B = %s %s }'):format(\n"
-                 "q:device('A').selector, q:device('A').name)\n"
+                 "a, b = p:device('A'), p:device('B')\n"
+                 "one = ('duet.device_pair { A = B = %s %s }'):format(a.selector, a.name)\n"
+                 "two = ('duet.device_pair { A = %s %s, B = %s %s }'):format(\n"
+                 "a.selector, a.name, b.selector, b.name)\n"
+                 "tostring(p) == (a.selector == b.selector and one or two)\n"
+                 "tostring(duet.device_pair(a.selector)) == one\n"
                  "p:world { plan = { share = 0.25, mode = 'own', variant_a = 'simd', variant_b = "
                  "'gpu' } }\n"
                  "s = duet.scene(duet.poses { { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1 } }, 3)\n"

@@ -26,6 +26,24 @@ int close_devices(void **state)
     return 0;
 }
 
+bool devices_are_two(void)
+{
+    duet_error err = {0};
+    duet_device_pair *pair = duet_device_pair_open(NULL, &err);
+    assert_ok(pair, err);
+    bool two = !duet_device_pair_is_one(pair);
+    duet_device_pair_destroy(pair);
+    return two;
+}
+
+void skip_on_one_device(void)
+{
+    if (devices_are_two())
+        return;
+    print_message("the device pair is one device: there is nothing to share\n");
+    skip();
+}
+
 void devices_seem_gpus(bool seem)
 {
     static duet_device_info own[2];

@@ -11,6 +11,10 @@ extern duet_device_pair *devices;
 int open_devices(void **state);
 int close_devices(void **state);
 
+// Whether the default device pair is two: halves of a CPU with one unit are that CPU, twice.
+bool devices_are_two(void);
+void skip_on_one_device(void); // with a line
+
 // What is made from now on is made as for GPUs with memory of their own, or again as for what
 // the devices are.
 void devices_seem_gpus(bool seem);

@@ -121,7 +121,8 @@ static double coldness(fake *f, int device, const uint8_t config[PARAMS])
     return ran ? 1 : 1 + f->cold * rng_unit(&f->random);
 }
 
-static bool launch_fake(void *context, const duet_plan *plan, measure_launch *launch,
+// A launch that is not asked for its stages has none.
+static bool launch_fake(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
                         duet_error *err)
 {
     fake *f = context;
@@ -143,7 +144,8 @@ static bool launch_fake(void *context, const duet_plan *plan, measure_launch *la
         double kernel_ms =
             part[device] * disturbed(f, time_of(f, config)) * coldness(f, device, config);
         double ms = kernel_ms + part[device] * disturbed(f, REST_MS);
-        launch->stages[launch->n_stages++] = (duet_stage){"search", device, kernel_ms, false};
+        if (staged)
+            launch->stages[launch->n_stages++] = (duet_stage){"search", device, kernel_ms, false};
         *(device == 0 ? &launch->a_ns : &launch->b_ns) = (int64_t)(ms * 1e6);
     }
     launch->total_ns = launch->a_ns > launch->b_ns ? launch->a_ns : launch->b_ns;
@@ -398,11 +400,12 @@ static void a_budget_ends_the_search_and_leaves_the_rest_of_the_tuning(void **st
 }
 
 // The first of three launches has a stage more, and its kernel was not disturbed.
-static bool launch_clearing(void *context, const duet_plan *plan, measure_launch *launch,
-                            duet_error *err)
+static bool launch_clearing(void *context, const duet_plan *plan, bool staged,
+                            measure_launch *launch, duet_error *err)
 {
     uint32_t *launched = context;
     (void)plan, (void)err;
+    assert_true(staged);
     bool first = (*launched)++ == 0;
     if (first)
         launch->stages[launch->n_stages++] = (duet_stage){"clear", 1, 5.0, false};
@@ -419,7 +422,8 @@ static void a_kernels_least_time_is_that_of_all_launches_whatever_else_they_did(
     uint32_t launched = 0;
     const measure_machine machine = {
         .context = &launched, .launch = launch_clearing, .hash = RIGHT};
-    const measurement m = measure_plan(&machine, &(duet_plan){0}, false, 2);
+    const measurement m =
+        measure_plan(&machine, &(duet_plan){0}, (measure_way){.repeats = 2, .staged = true});
     assert_string_equal(m.outcome, "ok");
     assert_int_equal(launched, 3);
     assert_int_equal(measure_stages_ns(&m.launch, 1, stages, 1), 1000000);

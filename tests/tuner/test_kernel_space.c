@@ -125,9 +125,9 @@ static void a_config_as_text_runs_and_finds_the_same_pairs(void **state)
     assert_true(kernel_space_write(s, other, "simd", variant, sizeof variant));
     measure_machine machine = measure_world_machine(&f->at, 0);
     duet_plan plan = plan_of_b("simd");
-    assert_ok(machine.launch(machine.context, &plan, &plain, &err), err);
+    assert_ok(machine.launch(machine.context, &plan, false, &plain, &err), err);
     strcpy(plan.variant_b, variant);
-    assert_ok(machine.launch(machine.context, &plan, &set, &err), err);
+    assert_ok(machine.launch(machine.context, &plan, false, &set, &err), err);
     assert_true(plain.hash == set.hash && plain.hash != 0);
     free(spaces);
 }
@@ -141,7 +141,7 @@ static void terms_count_the_search_that_tests(void **state)
     measure_launch launch = {0};
     measure_machine machine = measure_world_machine(&f->at, 0);
     duet_plan plan = plan_of_b("simd");
-    assert_ok(machine.launch(machine.context, &plan, &launch, &err), err);
+    assert_ok(machine.launch(machine.context, &plan, true, &launch, &err), err);
     double ms = (double)measure_stages_ns(&launch, 1, stages, 1) * 1e-6;
     assert_true(ms > 0);
     assert_int_equal(measure_stages_ns(&launch, 0, stages, 1), 0);

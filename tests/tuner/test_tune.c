@@ -23,7 +23,9 @@ typedef struct fake {
     bool slow[2];
     bool modes_tie; // else mode shared costs more
     double factor;  // on all times; 0: 1
+    double staging; // how many times as long a launch takes whose stages are timed; 0: 1
     uint32_t launches;
+    uint32_t staged;     // of them
     uint32_t stop_after; // trials; 0: never
     uint32_t recorded;
 } fake;
@@ -36,11 +38,12 @@ static double slowed(fake *f, int device, double ns)
     return f->slow[device] ? f->slowness * ns : ns;
 }
 
-static bool launch_fake(void *context, const duet_plan *plan, measure_launch *launch,
+static bool launch_fake(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
                         duet_error *err)
 {
     fake *f = context;
     ++f->launches;
+    f->staged += staged;
     bool a = plan->share > 0, b = plan->share < DUET_SHARE_ONE;
     if ((a && strcmp(plan->variant_a, "broken") == 0) ||
         (b && strcmp(plan->variant_b, "broken") == 0)) {
@@ -58,8 +61,10 @@ static bool launch_fake(void *context, const duet_plan *plan, measure_launch *la
     double slow_b = b && strcmp(plan->variant_b, "slow") == 0 ? 3 : 1;
     launch->a_ns = (int64_t)slowed(f, 0, (double)s.a_ns);
     launch->b_ns = (int64_t)slowed(f, 1, slow_b * (double)s.b_ns);
-    launch->a_ns = (int64_t)((double)launch->a_ns * (f->factor > 0 ? f->factor : 1));
-    launch->b_ns = (int64_t)((double)launch->b_ns * (f->factor > 0 ? f->factor : 1));
+    double factor = f->factor > 0 ? f->factor : 1;
+    factor *= staged && f->staging > 0 ? f->staging : 1;
+    launch->a_ns = (int64_t)((double)launch->a_ns * factor);
+    launch->b_ns = (int64_t)((double)launch->b_ns * factor);
     launch->total_ns = launch->a_ns > launch->b_ns ? launch->a_ns : launch->b_ns;
     bool wrong = (a && strcmp(plan->variant_a, "wrong") == 0) ||
                  (b && strcmp(plan->variant_b, "wrong") == 0);
@@ -142,6 +147,23 @@ static void two_equal_halves_are_shared_evenly_and_gain(void **state)
     assert_int_not_equal(outcome.plan.mode, DUET_MODE_SHARED); // which costs more
     assert_true(outcome.gain > 0.6 && outcome.gain_low > 0.6 && outcome.gain_high < 1.1);
     assert_int_equal(outcome.launches, f.launches);
+}
+
+// Timing a GPU's stages makes its launches longer.
+static void what_counts_is_launched_as_applications_launch_it(void **state)
+{
+    (void)state;
+    fake f = {.model = {.ratio = 1, .overhead = {0.02, 0.02}},
+              .random = rng_seed(test_seed()),
+              .staging = 3};
+    duet_tune_def def = fake_def(&f);
+    duet_tune_outcome outcome = tune_fake(&f, &def);
+    assert_true(outcome.trials > 0 && f.launches > 2 * outcome.trials);
+    assert_int_equal(f.staged, outcome.trials); // to warm up
+    double alone_ms = (double)simulated_launch(&f.model, 0, NULL).total_ns * 1e-6;
+    double step_ms = (double)simulated_launch(&f.model, outcome.plan.share, NULL).total_ns * 1e-6;
+    assert_true(fabs(outcome.single_ms - alone_ms) < 1e-3 * alone_ms);
+    assert_true(fabs(outcome.step_ms - step_ms) < 1e-3 * step_ms);
 }
 
 // Each device takes as long for any part of the work.
@@ -459,6 +481,25 @@ static void one_device_keeps_its_usual_kernels_unless_others_are_surely_faster(v
     assert_in_range(left, 0, 0.03 * TIMES);
 }
 
+// However long its kernels race.
+static void a_budget_leaves_an_only_device_its_time(void **state)
+{
+    (void)state;
+    static const char *const variants[] = {"auto", "other"};
+    fake f = {.model = {.ratio = 1, .sigma = 0.2}, .random = rng_seed(test_seed())};
+    duet_tune_def def = fake_def(&f);
+    def.variants = variants;
+    def.n_variants = 2;
+    tune_task task = fake_task(&f, &def);
+    task.one_device = true;
+    for (uint32_t i = 0; i < 50; ++i) {
+        def.budget_trials = trial_budget_least(&def) + i % 40;
+        duet_tune_outcome outcome = tune_task_fake(&task);
+        assert_in_range(outcome.trials, 8, def.budget_trials);
+        assert_true(outcome.step_low_ms > 0 && outcome.step_low_ms < outcome.step_high_ms);
+    }
+}
+
 // ---------------------------------------------------------------- Ctrl-C
 
 static bool stopped_now;
@@ -469,15 +510,15 @@ static bool is_stopped(void)
 }
 
 // As Ctrl-C at a terminal, which reaches the driver's compiler too.
-static bool launch_stopped(void *context, const duet_plan *plan, measure_launch *launch,
-                           duet_error *err)
+static bool launch_stopped(void *context, const duet_plan *plan, bool staged,
+                           measure_launch *launch, duet_error *err)
 {
     fake *f = context;
     if (f->launches == 10) {
         stopped_now = true;
         return error_set(err, DUET_STATUS_BUILD_FAILED, "the linker was killed");
     }
-    return launch_fake(context, plan, launch, err);
+    return launch_fake(context, plan, staged, launch, err);
 }
 
 static bool count_recorded(void *context, const duet_plan *plan, const measurement *m,
@@ -556,7 +597,7 @@ static void a_measurement_keeps_the_warm_up_and_marks_outliers(void **state)
               .random = rng_seed(test_seed())};
     measure_machine machine = {.context = &f, .launch = launch_fake, .hash = RIGHT};
     duet_plan plan = {.share = 16384, .variant_a = "auto", .variant_b = "auto"};
-    measurement m = measure_plan(&machine, &plan, false, 20);
+    measurement m = measure_plan(&machine, &plan, (measure_way){.repeats = 20});
     assert_string_equal(m.outcome, "ok");
     assert_int_equal(m.n_samples, 21);
     assert_int_equal(m.samples[0].flags, PROFILE_SAMPLE_WARM_UP);
@@ -573,6 +614,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_equal_halves_are_shared_evenly_and_gain),
+        cmocka_unit_test(what_counts_is_launched_as_applications_launch_it),
         cmocka_unit_test(devices_that_are_slow_for_a_while_hide_neither_share_nor_gain),
         cmocka_unit_test(sharing_that_changes_nothing_is_called_the_same),
         cmocka_unit_test(modes_that_tie_are_not_raced_to_the_end),
@@ -587,6 +629,7 @@ int main(void)
         cmocka_unit_test(parts_are_raced_against_the_undivided_device),
         cmocka_unit_test(one_device_gets_its_best_kernels_and_no_share),
         cmocka_unit_test(one_device_keeps_its_usual_kernels_unless_others_are_surely_faster),
+        cmocka_unit_test(a_budget_leaves_an_only_device_its_time),
         cmocka_unit_test(a_stop_while_a_kernel_is_built_is_no_trial),
         cmocka_unit_test(a_start_from_a_neighbour_saves_trials),
         cmocka_unit_test(a_log_of_another_tuning_is_forgotten_where_it_differs),

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// How a world is stepped while a plan is measured.
+#include "support/test.h"
+
+#include "runtime/broadphase/world.h"
+#include "support/devices.h"
+#include "tuner/measure.h"
+
+enum { BOXES = 300 };
+
+static duet_world *make_world(void)
+{
+    duet_error err = {0};
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world, err);
+    duet_pose *poses = duet_world_map_objects(world, DUET_OBJECT_POSES, BOXES, &err);
+    assert_ok(poses, err);
+    for (int i = 0; i < BOXES; ++i)
+        poses[i] =
+            (duet_pose){{0.7f * (float)(i % 17), 0.8f * (float)(i % 5), 0.9f * (float)(i % 13)},
+                        {0.5f, 0.5f, 0.5f},
+                        {0, 0, 0, 1}};
+    return world;
+}
+
+// A machine that another one does the work of.
+typedef struct watched {
+    const measure_machine *machine;
+    const duet_world *world;
+    uint32_t launches;
+    uint32_t timed; // of them, stage by stage: a bit each, the first lowest
+} watched;
+
+static bool launch_watched(void *context, const duet_plan *plan, bool staged,
+                           measure_launch *launch, duet_error *err)
+{
+    watched *w = context;
+    bool ok = w->machine->launch(w->machine->context, plan, staged, launch, err);
+    w->timed |= (uint32_t)!w->world->parts[1].times.untimed << w->launches++;
+    return ok;
+}
+
+// Three measurements are more steps than those of which a GPU times one in any world.
+static void a_gpus_launches_that_count_are_not_timed_by_stages(void **state)
+{
+    (void)state;
+    static const struct {
+        bool staged;
+        uint32_t timed;
+    } cases[] = {{false, 1}, {false, 1}, {true, 0x1fff}, {false, 1}};
+    devices_seem_gpus(true);
+    duet_world *world = make_world();
+    measure_world at = {.world = world, .kind = DUET_OBJECT_POSES, .n = BOXES};
+    measure_machine machine = measure_world_machine(&at, 0);
+    measure_launch first = {0};
+    duet_error err = {0};
+    duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "simd", .variant_b = "simd"};
+    assert_ok(machine.launch(machine.context, &plan, false, &first, &err), err);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        watched w = {.machine = &machine, .world = world};
+        measure_machine watching = {.context = &w, .launch = launch_watched, .hash = first.hash};
+        measurement m =
+            measure_plan(&watching, &plan, (measure_way){.repeats = 12, .staged = cases[i].staged});
+        assert_string_equal(m.outcome, "ok");
+        assert_int_equal(w.launches, 13);
+        assert_int_equal(w.timed, cases[i].timed);
+        assert_true(m.launch.terms.gpu2 > 0); // of the launch that warmed up
+    }
+    duet_world_destroy(world);
+    devices_seem_gpus(false);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_gpus_launches_that_count_are_not_timed_by_stages),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}
