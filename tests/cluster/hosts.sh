@@ -75,15 +75,26 @@ rank_on_three() {
   done
 }
 
+processor_ticks() { # PID: hundredths of a second
+  awk '{ print $14 + $15 }' "/proc/$1/stat" 2>/dev/null || true
+}
+
+# Starting takes less than half a second of its processor time.
+wait_for_steps() {
+  local rank ticks
+  for _ in $(seq 600); do
+    rank=$(rank_on_three)
+    ticks=$([ -z "$rank" ] || processor_ticks "$rank")
+    [ "${ticks:-0}" -lt 50 ] || return 0
+    sleep 0.05
+  done
+}
+
 # A job that would go on for long ends by itself once ACTION is done to machine three.
 ends_in_one_line() { # ACTION WORDS
   rm -f "$work"/cut.npy*
   (
-    for _ in $(seq 200); do
-      [ -z "$(rank_on_three)" ] || break
-      sleep 0.05
-    done
-    sleep 0.5
+    wait_for_steps
     $1
   ) &
   local code=0

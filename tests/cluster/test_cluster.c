@@ -646,7 +646,7 @@ static void run_is_refused_in_a_job(void **state)
 }
 
 // mpirun is the program's child, and the ranks are mpirun's. Some seconds later that one would
-// still be at work.
+// still be at work. It may have no name for a rank that has just been started.
 static void a_rank_that_is_killed_ends_the_job_and_leaves_no_file(void **state)
 {
     (void)state;
@@ -659,7 +659,6 @@ static void a_rank_that_is_killed_ends_the_job_and_leaves_no_file(void **state)
                             "-n 30000 %s",
                             kill_one);
     assert_string_equal(p.out, "");
-    assert_non_null(strstr(p.err, "duet: rank "));
     program_assert_refused(&p, 1, " was ended by signal 9 (Killed), and with it the job");
     assert_int_equal(access("killed.npy", F_OK), -1);
     assert_int_equal(system("ls killed.npy* >/dev/null 2>&1") == 0, 0);
