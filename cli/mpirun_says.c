@@ -60,6 +60,16 @@ static verdict is_mpis(const char *line, size_t n)
 
 // ---------------------------------------------------------------- what a line tells
 
+// What others say, ssh for one, is nearer to the cause than MPI's blocks.
+static void keep_why(mpirun_says *s, size_t n)
+{
+    if (*s->why && (s->in_block || !s->why_is_of_block))
+        return;
+    memcpy(s->why, s->line, n + 1);
+    visible_line(s->why, sizeof s->why);
+    s->why_is_of_block = s->in_block;
+}
+
 static void learn(mpirun_says *s)
 {
     s->line[s->n < MPIRUN_LINE ? s->n : MPIRUN_LINE - 1] = '\0';
@@ -72,12 +82,10 @@ static void learn(mpirun_says *s)
     else if (lost && node && !*s->host)
         sscanf(node, "] on node %255s", s->host);
     visible_line(s->host, sizeof s->host);
-    if (is_rule(s->line, n) == YES) {
+    if (is_rule(s->line, n) == YES)
         s->in_block = !s->in_block;
-    } else if (!s->begun && !s->in_block && !*s->why && n > 0 && is_mpis(s->line, n) != YES) {
-        memcpy(s->why, s->line, n + 1);
-        visible_line(s->why, sizeof s->why);
-    }
+    else if (!s->begun && n > 0 && is_mpis(s->line, n) != YES)
+        keep_why(s, n);
 }
 
 // ---------------------------------------------------------------- byte by byte

@@ -23,6 +23,7 @@ typedef struct mpirun_says {
     // ---------------- of its own
     int state;
     bool in_block;
+    bool why_is_of_block;
     char line[MPIRUN_LINE]; // what is held of this line
     size_t n;               // of it; more where there was no room
 } mpirun_says;

@@ -106,6 +106,10 @@ static void what_mpi_tells_is_known(void **state)
     assert_string_equal(says.host, "three");
     says = heard("[vm:1] plm:rsh: Warning: setpgid\n\nssh: \033[1mno\nand more\n" HUNG_UP);
     assert_string_equal(says.why, "ssh: \\x1b[1mno");
+    says = heard(RULE "mpirun has detected an attempt to run as root.\nOther\n" RULE);
+    assert_string_equal(says.why, "mpirun has detected an attempt to run as root.");
+    says = heard(HUNG_UP "orted: command not found\n" HUNG_UP);
+    assert_string_equal(says.why, "orted: command not found");
     says = heard("no end");
     assert_string_equal(says.why, "no end");
 }
