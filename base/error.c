@@ -84,16 +84,6 @@ bool error_set(duet_error *err, duet_status status, const char *format, ...)
     return false;
 }
 
-void *error_null(duet_error *err, duet_status status, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    if (is_free(err))
-        fill(err, status, format, args);
-    va_end(args);
-    return NULL;
-}
-
 bool error_copy(duet_error *err, const duet_error *why)
 {
     if (is_free(err))

@@ -14,8 +14,7 @@ bool error_set(duet_error *err, duet_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 // The same for makers: NULL.
-void *error_null(duet_error *err, duet_status status, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+#define error_null(...) (error_set(__VA_ARGS__), NULL)
 
 // The same with a failure that another call told.
 bool error_copy(duet_error *err, const duet_error *why);

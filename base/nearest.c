@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "base/nearest.h"
 
+#include <ctype.h>
+#include <stdbool.h>
 #include <string.h>
 
 enum { LONGEST = 32 };
@@ -10,8 +12,13 @@ static unsigned least(unsigned a, unsigned b)
     return a < b ? a : b;
 }
 
+static bool same(char a, char b)
+{
+    return tolower((unsigned char)a) == tolower((unsigned char)b);
+}
+
 // Characters to insert, remove or replace, and neighbours to swap: the optimal
-// string alignment distance.
+// string alignment distance. Capitals are as good as small letters.
 static unsigned count_edits(const char *a, const char *b)
 {
     unsigned rows[3][LONGEST + 1];
@@ -22,8 +29,8 @@ static unsigned count_edits(const char *a, const char *b)
     for (unsigned i = 1; a[i - 1]; ++i) {
         row[0] = i;
         for (unsigned j = 1; j <= n; ++j) {
-            row[j] = least(last[j - 1] + (a[i - 1] != b[j - 1]), least(last[j], row[j - 1]) + 1);
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+            row[j] = least(last[j - 1] + !same(a[i - 1], b[j - 1]), least(last[j], row[j - 1]) + 1);
+            if (i > 1 && j > 1 && same(a[i - 1], b[j - 2]) && same(a[i - 2], b[j - 1]))
                 row[j] = least(row[j], before[j - 2] + 1);
         }
         unsigned *free = before;

@@ -312,3 +312,15 @@ bool output_make_folders(const char *path, mode_t mode, text *failed)
     errno = code;
     return ok;
 }
+
+bool output_check(const char *path, duet_error *err)
+{
+    struct stat there;
+    output o;
+    if (strcmp(path, "-") == 0 ||
+        (stat(path, &there) == 0 && !S_ISREG(there.st_mode) && !S_ISDIR(there.st_mode)))
+        return true;
+    bool ok = output_open(&o, path, err);
+    output_close(&o, false, NULL);
+    return ok;
+}

@@ -37,6 +37,10 @@ bool output_open_in(output *o, int folder, const char *name, mode_t mode, duet_e
 // removes what there is. Gives back whether the file is in its place.
 bool output_close(output *o, bool keep, duet_error *err);
 
+// Whether a file can be written at that path, before the work that it is for; what is there stays
+// as it is. IO_FAILED else. Pipes and devices are not opened, and pass.
+bool output_check(const char *path, duet_error *err);
+
 // Makes the folders that a path lies in, those that are missing. false with errno, and the
 // path of the one that cannot be made in `failed`, an empty text or NULL.
 bool output_make_folders(const char *path, mode_t mode, text *failed);

@@ -43,7 +43,7 @@ typedef struct plan_options {
 #define PAIR_OPTION_ROW(member) \
     OPTION_TEXT(                \
         "pair", member, "A,B",  \
-        "two devices, as cpu,gpu or as 'duet devices' calls them; one; or halves of the CPU")
+        "the devices: cpu,gpu; cpu alone; halves of the CPU; or names from 'duet devices'")
 
 #define PLAN_OPTION_ROWS(member)                                                      \
     OPTION_SHARE("share", member.share, "R", "A's part of the work, as 0.25 or 1/4"), \
@@ -69,11 +69,13 @@ typedef struct level_options {
 #define LEVEL_OPTION_ROW(member)      \
     OPTION_TEXT("level", member, "L", \
                 "of accuracy: certified (the default), aabb, sphere, sat6, sat15 or double")
-#define ACCURACY_OPTION_ROWS(member)                                                          \
-    OPTION_NUMBER("missed", member.missed, "R",                                               \
-                  "any level that misses at most this part of the pairs that collide", 0, 1), \
-        OPTION_NUMBER("false-rate", member.false_rate, "R",                                   \
-                      "and invents at most so many by each of them, as 0.02", 0, 0)
+#define ACCURACY_OPTION_ROWS(member)                                                              \
+    OPTION_NUMBER("missed", member.missed, "R",                                                   \
+                  "accept any level that misses at most this part of the pairs, as 0.001", 0, 1), \
+        OPTION_NUMBER(                                                                            \
+            "false-rate", member.false_rate, "R",                                                 \
+            "accept any level that invents at most so many pairs for each true one, as 0.02", 0,  \
+            0)
 #define SCENE_LEVEL_OPTION_ROWS(member)                                                       \
     OPTION_TEXT("level", member.level, "L",                                                   \
                 "of accuracy: certified, aabb, sphere, sat6, sat15 or double (the scene's)"), \

@@ -81,10 +81,10 @@ void interrupt_told(void)
     atomic_store(&told, true);
 }
 
-void interrupt_at_once(void)
+void interrupt_at_once(bool tells)
 {
+    atomic_store(&told, !tells);
     atomic_store(&at_once, true);
-    interrupt_told();
 }
 
 // ---------------------------------------------------------------- the end
@@ -169,8 +169,11 @@ static void *guard(void *unused)
     const struct timespec pause = {.tv_nsec = PAUSE_NS};
     for (;;) {
         int number = sigtimedwait(&heard, NULL, &pause);
-        if (number > 0 && atomic_load(&at_once))
+        if (number > 0 && atomic_load(&at_once)) {
+            if (!atomic_load(&told))
+                SAY("duet: stopped\n");
             end_by(number);
+        }
         if (number > 0)
             note(number);
         look();

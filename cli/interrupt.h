@@ -31,9 +31,9 @@ void interrupt_pass(bool passes);
 // to be waited for, and only a second one meanwhile ends the program.
 void interrupt_wait(void);
 
-// From here on a signal ends the program at once and without a line: it comes from who started
-// the program, and waits for it.
-void interrupt_at_once(void);
+// From here on a signal ends the program at once; without a line where it comes from who
+// started the program, and waits for it.
+void interrupt_at_once(bool tells);
 
 // A line has said that the program was stopped.
 void interrupt_told(void);

@@ -80,7 +80,10 @@ static int help_with(char *name)
 static int run(int argc, char **argv)
 {
     if (argc < 2) {
-        fprintf(stderr, "duet: a subcommand is missing; 'duet --help' lists them\n");
+        print_help();
+        printf("\n");
+        fflush(stdout);
+        fprintf(stderr, "duet: a subcommand is missing\n");
         return EXIT_WRONG;
     }
     const char *name = argv[1];

@@ -159,12 +159,24 @@ static bool fail_by_signal(const mpirun_says *says, int number, duet_error *err)
                      strsignal(number));
 }
 
+// Open MPI refuses root unless both say 1.
+static bool is_refused_root(void)
+{
+    const char *allowed = getenv("OMPI_ALLOW_RUN_AS_ROOT");
+    const char *confirmed = getenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM");
+    return geteuid() == 0 && (!allowed || !confirmed);
+}
+
 static bool fail_by_status(const job *j, int code, duet_error *err)
 {
     const mpirun_says *says = &j->says;
     if (*says->host)
         return error_set(err, DUET_STATUS_IO_FAILED,
                          "%s is out of reach, and with it the job has ended", says->host);
+    if (!says->begun && code == EXIT_FAILED && is_refused_root())
+        return error_set(err, DUET_STATUS_IO_FAILED,
+                         "mpirun ended with status 1: as root set OMPI_ALLOW_RUN_AS_ROOT and "
+                         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM to 1");
     if (!says->begun && *says->why)
         return error_set(err, DUET_STATUS_IO_FAILED,
                          "mpirun ended with status %d before all ranks had begun: %s", code,

@@ -2,7 +2,9 @@
 #include "cli/options.h"
 
 #include "base/nearest.h"
+#include "base/output.h"
 #include "cli/interrupt.h"
+#include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/duet.h"
 
@@ -44,12 +46,12 @@ static const option *find_name(const command_line *line, const char *name, size_
     return NULL;
 }
 
-static bool read_number(const char *text, double *number)
+static bool read_number(const char *written, double *number)
 {
     char *end = NULL;
-    if (*text == '\0' || isspace((unsigned char)*text))
+    if (*written == '\0' || isspace((unsigned char)*written))
         return false;
-    *number = strtod(text, &end);
+    *number = strtod(written, &end);
     return *end == '\0' && isfinite(*number);
 }
 
@@ -62,16 +64,16 @@ static double read_suffix(const char **at)
 }
 
 // Digits alone are read exactly; with a point, an exponent or a suffix as a double.
-const char *options_read_count(const char *text, uint64_t *count)
+const char *options_read_count(const char *written, uint64_t *count)
 {
     char *end = NULL;
-    if (!isdigit((unsigned char)*text))
+    if (!isdigit((unsigned char)*written))
         return NULL;
     errno = 0;
-    *count = strtoull(text, &end, 10);
+    *count = strtoull(written, &end, 10);
     if (!*end || !strchr(".eEkKMG", *end))
         return errno == 0 ? end : NULL;
-    double number = strtod(text, &end);
+    double number = strtod(written, &end);
     const char *after = end;
     number *= read_suffix(&after);
     if (!(number < 0x1p64) || number != floor(number))
@@ -80,23 +82,23 @@ const char *options_read_count(const char *text, uint64_t *count)
     return after;
 }
 
-static bool read_count(const char *text, uint64_t *count)
+static bool read_count(const char *written, uint64_t *count)
 {
-    const char *after = options_read_count(text, count);
+    const char *after = options_read_count(written, count);
     return after && *after == '\0';
 }
 
 // "0.25", "1/4", "1" -> out of DUET_SHARE_ONE, to the nearest.
-static bool options_read_share(const char *text, uint32_t *share)
+static bool options_read_share(const char *written, uint32_t *share)
 {
     char first[64];
     double parts = 1;
     double whole = 1;
-    const char *slash = strchr(text, '/');
-    size_t length = slash ? (size_t)(slash - text) : strlen(text);
+    const char *slash = strchr(written, '/');
+    size_t length = slash ? (size_t)(slash - written) : strlen(written);
     if (length >= sizeof first)
         return false;
-    memcpy(first, text, length);
+    memcpy(first, written, length);
     first[length] = '\0';
     if (!read_number(first, &parts) || (slash && !read_number(slash + 1, &whole)))
         return false;
@@ -106,14 +108,14 @@ static bool options_read_share(const char *text, uint32_t *share)
     return true;
 }
 
-static bool refuse_range(const command_line *line, const option *o, const char *text,
+static bool refuse_range(const command_line *line, const option *o, const char *written,
                          const char *what)
 {
     if (o->most > 0)
-        say_wrong(line->name, "--%s '%s': give %s from %.10g to %.10g", o->name, text, what,
+        say_wrong(line->name, "--%s '%s': give %s from %.10g to %.10g", o->name, written, what,
                   o->least, o->most);
     else
-        say_wrong(line->name, "--%s '%s': give %s of at least %.10g", o->name, text, what,
+        say_wrong(line->name, "--%s '%s': give %s of at least %.10g", o->name, written, what,
                   o->least);
     return false;
 }
@@ -123,23 +125,23 @@ static bool is_within(const option *o, double value)
     return value >= o->least && (o->most == 0 || value <= o->most);
 }
 
-static bool add_setting(const command_line *line, const option *o, const char *text,
+static bool add_setting(const command_line *line, const option *o, const char *written,
                         option_list *list)
 {
-    const char *equals = strchr(text, '=');
-    if (!equals || equals == text) {
-        say_wrong(line->name, "--%s '%s': give a name and a value, as seed=7", o->name, text);
+    const char *equals = strchr(written, '=');
+    if (!equals || equals == written) {
+        say_wrong(line->name, "--%s '%s': give a name and a value, as seed=7", o->name, written);
         return false;
     }
     if (list->n == OPTION_LIST_MOST) {
         say_wrong(line->name, "--%s is given more than %d times", o->name, OPTION_LIST_MOST);
         return false;
     }
-    list->items[list->n++] = text;
+    list->items[list->n++] = written;
     return true;
 }
 
-static bool set_value(const command_line *line, const option *o, const char *text, void *args)
+static bool set_value(const command_line *line, const option *o, const char *written, void *args)
 {
     void *at = (char *)args + o->at;
     double number = 0;
@@ -150,24 +152,24 @@ static bool set_value(const command_line *line, const option *o, const char *tex
         return true;
     case KIND_TEXT:
     case KIND_OUTPUT:
-        *(const char **)at = text;
+        *(const char **)at = written;
         return true;
     case KIND_SETTINGS:
-        return add_setting(line, o, text, at);
+        return add_setting(line, o, written, at);
     case KIND_COUNT:
-        if (!read_count(text, &count) || !is_within(o, (double)count))
-            return refuse_range(line, o, text, "a whole number");
+        if (!read_count(written, &count) || !is_within(o, (double)count))
+            return refuse_range(line, o, written, "a whole number");
         *(uint64_t *)at = count;
         return true;
     case KIND_NUMBER:
-        if (!read_number(text, &number) || !is_within(o, number))
-            return refuse_range(line, o, text, "a number");
+        if (!read_number(written, &number) || !is_within(o, number))
+            return refuse_range(line, o, written, "a number");
         *(double *)at = number;
         return true;
     case KIND_SHARE:
-        if (!options_read_share(text, at)) {
+        if (!options_read_share(written, at)) {
             say_wrong(line->name, "--%s '%s': give a part from 0 to 1, as 0.25 or 1/4", o->name,
-                      text);
+                      written);
             return false;
         }
         return true;
@@ -175,23 +177,24 @@ static bool set_value(const command_line *line, const option *o, const char *tex
     return false;
 }
 
-static void print_row(const char *name, const char *value, const char *help)
+static void add_row(table *t, const char *name, const char *value, const char *help)
 {
-    char left[64];
     char letter[8] = "";
     if (letter_of_name(name))
         snprintf(letter, sizeof letter, "-%c, ", letter_of_name(name));
-    snprintf(left, sizeof left, "%s--%s%s%s", letter, name, value ? " " : "", value ? value : "");
-    printf("  %-18s %s\n", left, help);
+    table_cell(t, "  %s--%s%s%s", letter, name, value ? " " : "", value ? value : "");
+    table_cell(t, "%s", help);
 }
 
 static void print_help(const command_line *line)
 {
     printf("duet %s%s%s [options]\n%s\n\n", line->name, *line->operands ? " " : "", line->operands,
            line->about);
+    table t = table_begin("ll");
     for (const option *o = line->options; o->name; ++o)
-        print_row(o->name, o->value, o->help);
-    print_row("help", NULL, "this text");
+        add_row(&t, o->name, o->value, o->help);
+    add_row(&t, "help", NULL, "this text");
+    table_print(&t, stdout);
 }
 
 // What one argument asks for: an option with or without its value in it.
@@ -314,8 +317,8 @@ static bool check_rules(const command_line *line, const given_options *given)
 static bool check_operands(const command_line *line, int n, char **operands)
 {
     if (n < line->least_operands) {
-        say_wrong(line->name, "%s is missing: duet %s %s", line->operands, line->name,
-                  line->operands);
+        say_wrong(line->name, "%s is missing; 'duet %s --help' says what it is", line->operands,
+                  line->name);
         return false;
     }
     if (n > line->most_operands) {
@@ -368,6 +371,17 @@ static bool parse(const command_line *line, int argc, char **argv, void *args, p
            check_stdout(line, &given, args);
 }
 
+static bool check_outputs(const command_line *line, const void *args, duet_error *err)
+{
+    for (const option *o = line->options; o->name; ++o) {
+        const char *at = (const char *)args + o->at;
+        const char *path = o->kind == KIND_OUTPUT ? *(const char *const *)at : NULL;
+        if (path && !output_check(path, err))
+            return false;
+    }
+    return true;
+}
+
 int options_run(const command_line *line, int argc, char **argv, void *args, command_body *run)
 {
     parsed p;
@@ -377,6 +391,8 @@ int options_run(const command_line *line, int argc, char **argv, void *args, com
     const char *wrong = line->refuse ? line->refuse(args, p.operands) : NULL;
     if (wrong)
         return say_wrong(line->name, "%s", wrong);
+    if (!check_outputs(line, args, &err))
+        return say_failed(&err);
     // What was done until Ctrl-C may be worth telling: it is not all that was asked for.
     if (run(args, p.operands, &err) && interrupt_check(&err))
         return EXIT_OK;

@@ -149,13 +149,18 @@ static size_t terminal_width(void)
     return known ? size.ws_col : 80;
 }
 
+// A line that reached the last column would wrap, and could not be cleared.
+void progress_line(const char *line)
+{
+    fprintf(stderr, "\r\033[K%.*s", (int)terminal_width() - 1, line);
+    fflush(stderr);
+}
+
 static void show_line(const char *before, const char *line)
 {
-    // A line that reached the last column would wrap, and could not be cleared.
     char shown[2 * LINE_MOST + 2];
     snprintf(shown, sizeof shown, "%s%s%s", before, *before ? "; " : "", line);
-    fprintf(stderr, "\r\033[K%.*s", (int)terminal_width() - 1, shown);
-    fflush(stderr);
+    progress_line(shown);
 }
 
 void progress_show(progress *p, uint64_t done)

@@ -69,6 +69,9 @@ void progress_show(progress *p, uint64_t done);
 void progress_hide(progress *p); // before something else is printed
 void progress_end(progress *p);  // clears the line
 
+// Draws the line in place of the one before, cut to the terminal's width.
+void progress_line(const char *line);
+
 // Shows in percent how far the library's own work is until progress_end; Ctrl-C ends that.
 void progress_follow(progress *p);
 

@@ -55,7 +55,7 @@ static bool check_def(const duet_cluster_def *def, duet_error *err)
 
 void cluster_close_workers(worker *workers[2])
 {
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 1; i >= 0; --i) { // what the first one holds is lent to the other one
         if (workers[i])
             workers[i]->close(workers[i]);
         workers[i] = NULL;
@@ -132,10 +132,7 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
              open_pair(c, &own) && cluster_open_workers(c, &c->def.world, workers, &own);
         if (ok)
             cluster_take_workers(c, &c->def.world, workers);
-        tally t = {.sums = {def->parts > 1}};
-        ok = ranks_agree_and(&c->ranks, ok, &t, &own) &&
-             cut_begin(&c->cut, &c->ranks, def->weight, &own);
-        c->in_place = t.sums[0] == 0;
+        ok = ranks_agree(&c->ranks, ok, &own) && cut_begin(&c->cut, &c->ranks, def->weight, &own);
         if (!ok)
             error_copy(err, &own);
     }
@@ -238,7 +235,7 @@ static bool check_worker_result(const seen *s, const worker_found *found, duet_e
     return !found->has_bad ||
            error_set(err, DUET_STATUS_BAD_OBJECT,
                      "object %llu is not a number, infinite, negative or without rotation",
-                     (unsigned long long)s->rows.ids[found->first_bad]);
+                     (unsigned long long)seen_id(s, found->first_bad));
 }
 
 // Far enough for a grid of its own: by a quarter of the width that they take, on any side.
@@ -263,36 +260,119 @@ static void follow(duet_cluster *c)
     c->fitted = c->homes.around;
 }
 
-// Parts take turns in the places that there are workers for.
-static bool fill(duet_cluster *c, uint32_t part, duet_error *own)
+// The part that comes i-th: first every other one, so that two that follow each other are seldom
+// neighbours among the homes, where the ghosts of one lie in the other's place.
+static uint32_t part_of_turn(const duet_cluster *c, uint32_t turn)
 {
-    sight from = parts_sight(&c->parts, part);
-    worker *w = c->workers[part % 2];
-    if (c->filled[part % 2] == part + 1)
+    uint32_t n_even = (c->parts.n + 1) / 2;
+    return turn < n_even ? 2 * turn : 2 * (turn - n_even) + 1;
+}
+
+static bool fill_by_copies(duet_cluster *c, uint32_t turn, duet_error *own)
+{
+    sight from = parts_sight(&c->parts, part_of_turn(c, turn));
+    return seen_fill(&c->seen[turn % 2], &c->homes, &from, c->workers[turn % 2], own);
+}
+
+static void lend_part(duet_cluster *c, uint32_t turn)
+{
+    worker *w = c->workers[turn % 2];
+    seen *s = &c->seen[turn % 2];
+    sight_in_place from = parts_sight_in_place(&c->parts, part_of_turn(c, turn));
+    seen_in_place(s, &c->homes, &from);
+    w->lend(w, s->rows.objects, s->rows.n);
+    w->begin(w, s->rows.n);
+}
+
+// Parts take turns in the places that there are workers for.
+static bool fill(duet_cluster *c, uint32_t turn, duet_error *own)
+{
+    uint32_t part = part_of_turn(c, turn);
+    worker *w = c->workers[turn % 2];
+    bool in_place = c->homes.n_ranges > 0;
+    if (in_place)
+        parts_open(&c->parts, &c->homes, part);
+    if (c->filled[turn % 2] == part + 1)
         return true;
-    c->filled[part % 2] = 0;
-    bool ok = (!w->turn_to || w->turn_to(w, part, own)) &&
-              seen_fill(&c->seen[part % 2], &c->homes, &from, w, own);
-    c->filled[part % 2] = ok ? part + 1 : 0;
+    c->filled[turn % 2] = 0;
+    bool ok = !w->turn_to || w->turn_to(w, part, own);
+    if (ok && in_place)
+        lend_part(c, turn);
+    else if (ok)
+        ok = fill_by_copies(c, turn, own);
+    c->filled[turn % 2] = ok ? part + 1 : 0;
     return ok;
 }
 
 static bool fill_by_ids(duet_cluster *c, duet_error *own)
 {
     bool ok = parts_divide(&c->parts, &c->homes, &c->cut, &c->ranks, &c->ghosts.in, own);
-    memset(c->filled, 0, sizeof c->filled);
     follow(c);
     for (int i = 0; ok && i < cluster_workers(c); ++i)
         ok = fill(c, (uint32_t)i, own);
     return ok;
 }
 
+// Without its ghosts, which others' homes are in the place of.
+static bool lend_homes(duet_cluster *c, uint32_t part, worker *w, duet_error *own)
+{
+    sight_in_place from = parts_sight_in_place(&c->parts, part);
+    if (w->turn_to && !w->turn_to(w, part, own))
+        return false;
+    w->lend(w, object_row(&c->homes.rows, &c->homes.form, from.first), from.n);
+    return true;
+}
+
+// Within a part, homes lie as its worker has them best.
+static bool cut_parts(duet_cluster *c, duet_error *own)
+{
+    if (!parts_cut_in_place(&c->parts, &c->homes, own))
+        return false;
+    follow(c);
+    for (uint32_t i = 0; i < c->parts.n; ++i) {
+        worker *w = c->workers[i % 2];
+        uint32_t part = part_of_turn(c, i);
+        sight_in_place from = parts_sight_in_place(&c->parts, part);
+        if (!lend_homes(c, part, w, own) ||
+            !homes_put_in_order(&c->homes, from.first, from.n, w, own))
+            return false;
+    }
+    return homes_find_edges(&c->homes, &c->cut, own);
+}
+
+static bool fill_parts(duet_cluster *c, duet_error *own)
+{
+    bool even = true, ok;
+    c->parts.is_cut_anew = false;
+    ok = parts_look(&c->parts, &c->homes, &even, own);
+    if (ok && !even)
+        ok = cut_parts(c, own) && parts_look(&c->parts, &c->homes, &even, own);
+    else
+        follow(c);
+    ok = ok && parts_settle(&c->parts, &c->homes, &c->ghosts.in, own);
+    for (int i = 0; ok && i < 2; ++i) // so that each can be asked for its profile
+        ok = lend_homes(c, parts_largest(&c->parts), c->workers[i], own);
+    return ok;
+}
+
+static bool move_homes_in(duet_cluster *c, duet_error *own)
+{
+    worker *w = c->workers[0];
+    if (!homes_move_in(&c->homes, w, own))
+        return false;
+    return c->parts.n > 1 || (homes_put_in_order(&c->homes, 0, c->homes.rows.n, w, own) &&
+                              w->map(w, c->homes.rows.n, own));
+}
+
 // Homes are where their worker has them.
 static bool fill_in_place(duet_cluster *c, duet_error *own)
 {
+    if (!c->homes.holder && !move_homes_in(c, own))
+        return false;
+    if (c->parts.n > 1)
+        return fill_parts(c, own);
     follow(c);
-    return (c->homes.holder || homes_move_in(&c->homes, c->workers[0], own)) &&
-           seen_append(&c->seen[0], &c->homes, &c->ranks, &c->ghosts.in, own);
+    return seen_append(&c->seen[0], &c->homes, &c->ranks, &c->ghosts.in, own);
 }
 
 // Brings homes and ghosts to where they belong, on all ranks or on none, and hands the first to
@@ -301,8 +381,9 @@ static bool fill_in_place(duet_cluster *c, duet_error *own)
 // one rank failed to bring its homes there, the others begin anew.
 static bool settle(duet_cluster *c, uint64_t n_in_place, bool *settled, duet_error *own)
 {
-    bool in_place = c->in_place && seen_in_any_order(c->def.world.level);
+    bool in_place = seen_in_any_order(c->def.world.level);
     forget_found(c);
+    memset(c->filled, 0, sizeof c->filled);
     bool stay = in_place && n_in_place == (uint64_t)c->ranks.n;
     *settled = stay || !c->homes.holder || homes_move_out(&c->homes, own);
     bool are_new = c->homes.widest == 0; // and all of them travel
@@ -345,7 +426,8 @@ bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *
 typedef struct search {
     worker *worker;
     const seen *seen;
-    homes *in_place; // whose rows are those of the worker; NULL: it has copies of some
+    global_ids ids;
+    bool tells_ids; // of homes that lie where the worker reads them
     worker_found found;
     duet_error err;
     bool ok;
@@ -353,7 +435,7 @@ typedef struct search {
     pthread_t thread;
 } search;
 
-static global_ids ids_of(const homes *h)
+static global_ids ids_of_homes(const homes *h)
 {
     return (global_ids){
         .list = h->rows.ids,
@@ -370,26 +452,30 @@ static global_ids ids_of(const homes *h)
 static void *run_search(void *arg)
 {
     search *s = arg;
-    global_ids ids;
     s->ok = true;
     if (seen_homes(s->seen) == 0)
         return NULL;
-    if (s->in_place && s->worker->tell_ids) {
-        ids = ids_of(s->in_place);
-        s->worker->tell_ids(s->worker, &ids);
-    }
+    if (s->tells_ids && s->worker->tell_ids)
+        s->worker->tell_ids(s->worker, &s->ids);
     s->ok = s->worker->find(s->worker, &s->found, &s->err);
-    if (s->ok && s->in_place)
-        homes_forget_renamed(s->in_place);
     return NULL;
 }
 
-static void begin_search(search *s, worker *w, const seen *what, homes *in_place, bool apart)
+// The ids of a part are told anew each time, and not where its pairs are listed.
+static void begin_search(duet_cluster *c, uint32_t turn, search *s)
 {
-    *s = (search){.worker = w, .seen = what, .in_place = in_place};
-    s->is_apart = apart && pthread_create(&s->thread, NULL, run_search, s) == 0;
+    const seen *what = &c->seen[turn % 2];
+    bool is_only = c->parts.n == 1;
+    *s = (search){.worker = c->workers[turn % 2], .seen = what};
+    s->tells_ids = c->homes.holder && !c->own.lists;
+    s->ids = is_only ? ids_of_homes(&c->homes)
+                     : (global_ids){.list = what->rows.ids, .n = what->behind, .all_changed = true};
+    s->is_apart =
+        !is_only && !c->ranks.simulation && pthread_create(&s->thread, NULL, run_search, s) == 0;
     if (!s->is_apart)
         run_search(s);
+    if (is_only && s->ok && seen_homes(what) > 0 && s->tells_ids)
+        homes_forget_renamed(&c->homes);
 }
 
 static bool end_search(search *s, duet_error *own)
@@ -402,6 +488,32 @@ static bool end_search(search *s, duet_error *own)
     return check_worker_result(s->seen, &s->found, own);
 }
 
+// A search that has ended needs its ghosts no longer.
+static bool leave(duet_cluster *c, uint32_t turn, search *s, duet_error *own)
+{
+    bool ok = end_search(s, own);
+    if (c->homes.n_ranges > 0)
+        parts_close(&c->parts, &c->homes, part_of_turn(c, turn));
+    return ok;
+}
+
+// Nothing of any part is on its way any more.
+static void give_up(duet_cluster *c)
+{
+    for (int i = 0; c->homes.n_ranges > 0 && i < cluster_workers(c); ++i)
+        c->workers[i]->lend(c->workers[i], NULL, 0);
+    for (uint32_t i = 0; c->homes.n_ranges > 0 && i < c->parts.n; ++i)
+        parts_close(&c->parts, &c->homes, i);
+    memset(c->filled, 0, sizeof c->filled);
+}
+
+// Whether a part cannot be written while the one before is searched.
+static bool must_wait(const duet_cluster *c, uint32_t turn)
+{
+    return c->homes.n_ranges > 0 &&
+           parts_clash(&c->parts, part_of_turn(c, turn - 1), part_of_turn(c, turn));
+}
+
 // While a part is searched the next one is written, and the pairs of the one before are taken.
 static bool find_own(duet_cluster *c, duet_error *own)
 {
@@ -411,17 +523,21 @@ static bool find_own(duet_cluster *c, duet_error *own)
     own_pairs_begin(&c->own, n > 1 && !c->def.drops_pairs);
     for (uint32_t i = 0; ok && i <= n; ++i) {
         search *now = &searches[i % 2], *before = &searches[(i + 1) % 2];
-        ok = i >= n || n == 1 || fill(c, i, own);
+        bool has_next = i < n, waits = has_next && i > 0 && must_wait(c, i);
+        ok = !has_next || n == 1 || waits || fill(c, i, own);
         if (i > 0)
-            ok = end_search(before, ok ? own : NULL) && ok;
-        if (ok && i < n)
-            begin_search(now, c->workers[i % 2], &c->seen[i % 2],
-                         c->homes.holder ? &c->homes : NULL, n > 1 && !c->ranks.simulation);
-        if (ok && i > 0)
+            ok = leave(c, i - 1, before, ok ? own : NULL) && ok;
+        if (ok && waits)
+            ok = own_pairs_add(&c->own, before->seen, &before->found, own) && fill(c, i, own);
+        if (ok && has_next)
+            begin_search(c, i, now);
+        if (ok && i > 0 && !waits)
             ok = own_pairs_add(&c->own, before->seen, &before->found, own);
         if (!ok)
             end_search(now, NULL);
     }
+    if (!ok)
+        give_up(c);
     c->is_found = ok && n == 1;
     c->found = searches[0].found;
     return ok;

@@ -26,9 +26,8 @@ struct duet_cluster {
     worker_found found; // by the only worker, where is_found
     bool is_found;      // it is of the objects as they are
     uint64_t n_ghosts;
-    bool in_place; // no rank has parts, and homes may lie in a worker's memory
-    bool changed;  // objects, since the worker got them
-    bool is_cold;  // kernels may have to be built
+    bool changed; // objects, since the worker got them
+    bool is_cold; // kernels may have to be built
     bool has_scene;
     duet_scene_info scene;
     char *scene_name;

@@ -72,8 +72,8 @@ DUET_API bool duet_cluster_set_objects(duet_cluster *cluster, duet_object_kind k
                                        duet_error *err);
 
 // This rank's homes, to be written in place, and their ids, in no order: which object a row is
-// may change with each step. Valid until the next call but a getter. Where no rank has parts and
-// the level is certified or aabb this is memory that the devices read without a copy. Objects that
+// may change with each step. Valid until the next call but a getter. Where the level is certified
+// or aabb this is memory that the devices read without a copy, in parts or not. Objects that
 // leave their rank's part of the world change homes in the next step. After BAD_OBJECT all homes
 // are there as they were, to be mended.
 DUET_API void *duet_cluster_map_homes(duet_cluster *cluster, duet_object_kind kind,

@@ -125,10 +125,26 @@ bool seen_append(seen *s, homes *h, const ranks *r, const parcels *ghosts, duet_
     s->n_homes = (uint32_t)r->n;
     s->rows = (object_rows){.ids = h->rows.ids, .objects = h->rows.objects};
     s->rows.n = h->rows.n + (uint32_t)ghosts->n;
+    s->ids_behind = NULL;
     s->behind = h->rows.n;
     s->n_ghosts = h->n_gone + ghosts->n;
     mark_gone(s, h);
     return count_behind(s, r, ghosts, err);
+}
+
+void seen_in_place(seen *s, const homes *h, const sight_in_place *from)
+{
+    s->homes = h;
+    s->home = from->home;
+    s->n_homes = from->n_homes;
+    s->rows = (object_rows){.ids = h->rows.ids + from->first,
+                            .objects = object_row(&h->rows, &h->form, from->first),
+                            .n = from->n + from->n_ghosts};
+    s->behind = from->n;
+    s->ids_behind = from->ghost_ids;
+    s->keys_behind = from->ghost_keys;
+    s->n_listed = 0;
+    s->n_ghosts = from->n_ghosts;
 }
 
 // ---------------------------------------------------------------- by ascending id
@@ -238,6 +254,7 @@ bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error
     }
     if (ok) {
         s->rows.n = s->behind = (uint32_t)n;
+        s->ids_behind = NULL;
         s->n_ghosts = from->n_ghosts;
         mark_ghosts(s, s->n_ghosts);
     }
@@ -278,6 +295,8 @@ static uint32_t home_behind(const seen *s, uint32_t place)
 static uint32_t key_of_ghost(const seen *s, uint32_t place)
 {
     uint64_t first = 0, last = s->n_listed;
+    if (place >= s->behind && s->ids_behind)
+        return s->keys_behind[place - s->behind];
     if (place >= s->behind)
         return ghost_key(s->homes, object_row(&s->rows, &s->homes->form, place),
                          home_behind(s, place), s->n_homes);
@@ -324,7 +343,7 @@ static inline duet_pair pair_at(const worker_found *found, uint64_t i)
 // By the ids of its objects.
 static inline duet_pair64 pair_of(const seen *s, duet_pair p)
 {
-    uint64_t a = s->rows.ids[p.a], b = s->rows.ids[p.b];
+    uint64_t a = seen_id(s, p.a), b = seen_id(s, p.b);
     return a < b ? (duet_pair64){a, b} : (duet_pair64){b, a};
 }
 

@@ -34,6 +34,16 @@ typedef struct sight {
     uint32_t home, n_homes; // as ghost_key has them
 } sight;
 
+// The same where homes lie in place: the rows from `first` on, and ghosts in the places behind
+// them, of which ids and keys are apart.
+typedef struct sight_in_place {
+    uint32_t first, n;
+    const uint64_t *ghost_ids; // [n_ghosts]
+    const uint32_t *ghost_keys;
+    uint32_t n_ghosts;
+    uint32_t home, n_homes;
+} sight_in_place;
+
 // A ghost among what is seen.
 typedef struct seen_ghost {
     uint32_t place;
@@ -44,12 +54,14 @@ typedef struct seen_ghost {
 // that of one world with all objects. Where it decides nothing, homes that lie in the worker's
 // memory are seen there, and ghosts behind them.
 typedef struct seen {
-    object_rows rows;       // whose objects are the worker's memory
-    uint64_t *own_ids;      // NULL: rows' are the homes'
-    uint32_t behind;        // from this place on all are ghosts,
-    uint32_t *first_behind; // [n_homes + 1] rank by rank
-    uint8_t *is_ghost;      // a bit each, of those before; only where any is
-    seen_ghost *ghosts;     // [n_listed] these, ascending
+    object_rows rows;           // whose objects are the worker's memory
+    uint64_t *own_ids;          // NULL: rows' are the homes'
+    uint32_t behind;            // from this place on all are ghosts,
+    uint32_t *first_behind;     // [n_homes + 1] rank by rank, or
+    const uint64_t *ids_behind; // each with its id and key, which the rows need not have; else NULL
+    const uint32_t *keys_behind;
+    uint8_t *is_ghost;  // a bit each, of those before; only where any is
+    seen_ghost *ghosts; // [n_listed] these, ascending
     uint64_t n_listed;
     uint64_t n_ghosts;                 // all of them
     uint64_t capacity, ghost_capacity; // for which there is memory
@@ -63,6 +75,9 @@ bool seen_in_any_order(duet_level level);
 // Adds the ghosts in the messages behind homes that lie in the worker's memory. Not collective.
 bool seen_append(seen *s, homes *h, const ranks *r, const parcels *ghosts, duet_error *err);
 
+// Some homes where they lie, and ghosts that are written behind them before a worker sees these.
+void seen_in_place(seen *s, const homes *h, const sight_in_place *from);
+
 // Writes the homes and ghosts into the worker's memory. Not collective.
 bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error *err);
 void seen_end(seen *s);
@@ -71,6 +86,13 @@ void seen_end(seen *s);
 static inline uint64_t seen_homes(const seen *s)
 {
     return s->rows.n - s->n_ghosts;
+}
+
+// The id of what is at a place.
+static inline uint64_t seen_id(const seen *s, uint32_t place)
+{
+    return s->ids_behind && place >= s->behind ? s->ids_behind[place - s->behind]
+                                               : s->rows.ids[place];
 }
 
 // This rank's own pairs.

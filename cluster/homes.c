@@ -3,11 +3,13 @@
 
 #include "base/compare.h"
 #include "base/error.h"
+#include "cluster/arrange.h"
 #include "cluster/look.h"
 #include "cluster/owner.h"
 
 #include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,12 +40,14 @@ static void let_go(homes *h)
     h->gone = NULL;
     h->gone_to = NULL;
     h->holder = NULL;
-    h->n_gone = 0;
+    h->ranges = NULL;
+    h->n_ranges = h->n_gone = 0;
 }
 
 void homes_take(homes *h, object_rows *rows)
 {
     let_go(h);
+    object_rows_end(&h->spare); // its rows may be of another size
     h->rows = *rows;
     h->widest = 0;
     h->is_cut = false;
@@ -57,16 +61,18 @@ void homes_end(homes *h)
     for (int i = 0; h->glances && i < PARALLEL_MOST; ++i) {
         free(h->glances[i].leavers.rows);
         free(h->glances[i].border.rows);
+        free(h->glances[i].edges.rows);
     }
     free(h->glances);
     free(h->all);
     free(h->arrived);
     free(h->border.rows);
+    free(h->edges.rows);
     free(h->renamed.rows);
     h->all = NULL;
     h->arrived = NULL;
     h->glances = NULL;
-    h->border = h->renamed = (row_list){0};
+    h->border = h->edges = h->renamed = (row_list){0};
 }
 
 void homes_tidy(homes *h)
@@ -79,6 +85,15 @@ void homes_tidy(homes *h)
         memcpy(object_row(&h->rows, &h->form, hole), object_row(&h->rows, &h->form, last),
                h->form.bytes);
         row_list_add(&h->renamed, hole);
+    }
+}
+
+// From the last one on, so that none takes the place of another one.
+void homes_move_gone_last(homes *h)
+{
+    for (uint32_t k = h->n_gone, to = h->rows.n; k-- > 0;) {
+        rows_exchange(&h->rows, &h->form, h->gone[k], --to);
+        h->gone[k] = to;
     }
 }
 
@@ -99,49 +114,72 @@ uint32_t homes_open(homes *h)
 typedef struct copying {
     const object_form *form;
     const object_rows *from;
-    const uint32_t *order; // NULL: as they are
+    const uint32_t *order; // NULL: as they are, and without ids
     uint64_t *ids;
     unsigned char *to;
+    uint32_t first; // of the rows
 } copying;
 
 static void copy_part(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
     const copying *c = context;
+    uint32_t bytes = c->form->bytes;
     (void)part;
-    for (uint64_t i = first; i < end; ++i) {
-        uint32_t row = c->order ? c->order[i] : (uint32_t)i;
+    if (!c->order && first < end)
+        memcpy(c->to + (c->first + first) * bytes,
+               object_row(c->from, c->form, c->first + (uint32_t)first), (end - first) * bytes);
+    for (uint64_t i = first; c->order && i < end; ++i) {
+        uint32_t row = c->first + c->order[i];
         c->ids[i] = c->from->ids[row];
-        memcpy(c->to + i * c->form->bytes, object_row(c->from, c->form, row), c->form->bytes);
+        memcpy(c->to + i * bytes, object_row(c->from, c->form, row), bytes);
     }
 }
 
+enum { ROWS_AT_ONCE = 1 << 20 };
+
+// The last rows come first, and the memory that they leave is given back.
 bool homes_move_in(homes *h, worker *w, duet_error *err)
 {
-    uint32_t *order = NULL, n = h->rows.n;
     copying c = {.form = &h->form, .from = &h->rows};
-    c.to = w->extend(w, n, 0, err);
-    if (!c.to || !object_rows_reserve(&h->spare, &h->form, n, err))
+    c.to = w->extend(w, h->rows.n, 0, err);
+    if (!c.to)
         return false;
-    c.ids = h->spare.ids;
-    parallel_each(h->threads, n, copy_part, &c);
-    if (w->order && !w->order(w, &order, err))
-        return false;
-    if (order) {
-        c.order = order;
-        parallel_each(h->threads, n, copy_part, &c);
-        c.to = w->map(w, n, err);
-        duet_free(order);
-        if (!c.to)
-            return false;
+    for (uint32_t end = h->rows.n; end > 0; end = c.first) {
+        c.first = end > ROWS_AT_ONCE ? end - ROWS_AT_ONCE : 0;
+        parallel_each(h->threads, end - c.first, copy_part, &c);
+        void *rest = realloc(h->rows.objects, (size_t)c.first * h->form.bytes + 1);
+        h->rows.objects = rest ? rest : h->rows.objects;
     }
-    free(h->spare.objects);
-    object_rows_end(&h->rows);
-    h->rows = h->spare;
+    free(h->rows.objects);
+    object_rows_end(&h->spare);
     h->rows.objects = c.to;
-    h->spare = (object_rows){0};
     h->holder = w;
     h->all_renamed = true;
     return true;
+}
+
+bool homes_put_in_order(homes *h, uint32_t first, uint32_t n, worker *w, duet_error *err)
+{
+    uint32_t *order = NULL;
+    object_rows copy = {0};
+    if (n > 0 && w->order && !w->order(w, &order, err))
+        return false;
+    if (!order)
+        return true;
+    bool ok = object_rows_begin(&copy, &h->form, n, err);
+    if (ok) {
+        copying c = {.form = &h->form, .from = &h->rows, .order = order, .first = first};
+        c.ids = copy.ids;
+        c.to = copy.objects;
+        parallel_each(h->threads, n, copy_part, &c);
+        memcpy(h->rows.ids + first, copy.ids, n * sizeof *copy.ids);
+        c = (copying){.form = &h->form, .from = &copy};
+        c.to = object_row(&h->rows, &h->form, first);
+        parallel_each(h->threads, n, copy_part, &c);
+    }
+    duet_free(order);
+    object_rows_end(&copy);
+    return ok;
 }
 
 bool homes_move_out(homes *h, duet_error *err)
@@ -161,7 +199,7 @@ static bool extend(homes *h, uint64_t n, duet_error *err)
     if (n > UINT32_MAX - 2)
         return error_set(err, DUET_STATUS_TOO_MANY,
                          "%" PRIu64 " objects and ghosts on one rank; expected more ranks", n);
-    if (n > h->rows.capacity) {
+    if (!h->rows.ids || n > h->rows.capacity) {
         uint64_t capacity = n + n / 16;
         uint64_t *ids = realloc(h->rows.ids, (capacity + 1) * sizeof *ids);
         if (!ids)
@@ -173,6 +211,11 @@ static bool extend(homes *h, uint64_t n, duet_error *err)
     if (objects)
         h->rows.objects = objects;
     return objects;
+}
+
+bool homes_reserve_behind(homes *h, uint64_t n, duet_error *err)
+{
+    return extend(h, h->rows.n + n, err);
 }
 
 typedef struct writing {
@@ -307,6 +350,8 @@ static void add_arrival(homes *h, uint32_t row)
     reach_add(&h->boxes.upto[level_of(reach_widest(&e), h->widest)], &e);
     row_list_add(&h->border, row);
     row_list_add(&h->renamed, row);
+    if (h->n_ranges > 0)
+        row_list_add(&h->edges, row);
 }
 
 static void add_gone(homes *h, uint32_t row, int to)
@@ -381,31 +426,37 @@ void level_boxes_join(level_boxes *boxes)
         reach_add(&boxes->upto[k], &boxes->upto[k - 1]);
 }
 
+// All that the threads found, one behind the other.
+static void keep_rows(row_list *to, const row_list *sum, const look *l, size_t list)
+{
+    to->n = 0;
+    if (sum->n > to->capacity) {
+        uint32_t *rows = realloc(to->rows, sum->n * sizeof *rows);
+        to->rows = rows ? rows : to->rows;
+        to->capacity = rows ? sum->n : to->capacity;
+    }
+    to->failed = sum->n > to->capacity || sum->failed;
+    for (int i = 0; !to->failed && i < PARALLEL_MOST; ++i) {
+        const row_list *of = (const row_list *)(const void *)((const char *)&l->parts[i] + list);
+        if (of->n > 0)
+            memcpy(to->rows + to->n, of->rows, of->n * sizeof *of->rows);
+        to->n += of->n;
+    }
+}
+
 // What the last look says of the homes that others may touch.
 static void keep_border(homes *h, const look *l)
 {
-    uint64_t n = l->all.border.n;
     h->boxes = l->all.boxes;
-    h->border.n = 0;
-    if (n > h->border.capacity) {
-        uint32_t *rows = realloc(h->border.rows, n * sizeof *rows);
-        h->border.rows = rows ? rows : h->border.rows;
-        h->border.capacity = rows ? n : h->border.capacity;
-    }
-    h->border.failed = n > h->border.capacity || l->all.border.failed;
-    for (int i = 0; !h->border.failed && i < PARALLEL_MOST; ++i) {
-        const row_list *of = &l->parts[i].border;
-        if (of->n > 0)
-            memcpy(h->border.rows + h->border.n, of->rows, of->n * sizeof *of->rows);
-        h->border.n += of->n;
-    }
+    keep_rows(&h->border, &l->all.border, l, offsetof(glance, border));
+    keep_rows(&h->edges, &l->all.edges, l, offsetof(glance, edges));
 }
 
 static bool has_border(const homes *h, duet_error *err)
 {
-    return !h->border.failed ||
+    return (!h->border.failed && !h->edges.failed) ||
            error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects at the border: no memory",
-                     h->border.n);
+                     h->border.n + h->edges.n);
 }
 
 // Whose level changed is looked at again, and who leaves goes. Where any did, o is of before.
@@ -486,7 +537,7 @@ static bool begin(homes *h, duet_error *err)
     void *objects = h->holder->map(h->holder, h->rows.n, err);
     if (objects) {
         h->rows.objects = objects;
-        if (h->is_cut)
+        if (h->is_cut && h->n_ranges == 0)
             h->holder->begin(h->holder, h->rows.n);
     }
     return objects;
@@ -519,4 +570,12 @@ bool homes_settle(homes *h, ranks *r, cut *c, double imbalance, bool *settled, d
         h->around = around(h, &l);
     }
     return ok;
+}
+
+bool homes_find_edges(homes *h, const cut *c, duet_error *err)
+{
+    look l = {.h = h, .c = c, .parts = h->glances};
+    look_at_all(&l);
+    keep_rows(&h->edges, &l.all.edges, &l, offsetof(glance, edges));
+    return has_border(h, err);
 }

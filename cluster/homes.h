@@ -26,10 +26,18 @@ typedef struct row_list {
 
 void row_list_add(row_list *l, uint32_t row);
 
-// Homes lie by ascending id in memory of their own, or, in no order, in that of the worker that
-// searches them, where the application writes them and devices read them without a copy. There
-// what arrives is added behind the others, and what leaves stays where it is, a ghost like any
-// other, until homes_tidy.
+// Homes that lie side by side, up to row `end`, and those of a box alone but for some that have
+// come there or left.
+typedef struct home_range {
+    reach box;
+    uint32_t end;
+} home_range;
+
+// Homes lie by ascending id in memory of their own, or, in no order or in ranges, in that of the
+// worker that searches them, where the application writes them and devices read them without a
+// copy. There what arrives is added behind the others, and what leaves stays where it is, a ghost
+// like any other, until homes_tidy. Ranges need not hold exactly what is in their boxes: what does
+// not is at an edge.
 typedef struct homes {
     object_form form;
     object_rows rows;
@@ -43,6 +51,10 @@ typedef struct homes {
     uint64_t *arrived; // [n of ranks + 1] the rows that came from rank q: those from arrived[q] on
     row_list border;   // of homes that may touch another rank's
     level_boxes boxes; // around those
+    const home_range
+        *ranges; // [n_ranges] that homes lie in, side by side; 0: they lie in any order
+    uint32_t n_ranges;
+    row_list edges;    // of homes that do not lie deep in the box of their range, or in no range
     reach around;      // all homes, or a little more
     level_boxes *all;  // [n of ranks] of each, for the ghosts
     double widest;     // of all ranks' objects, or a little more
@@ -66,12 +78,25 @@ static inline uint32_t homes_count(const homes *h)
 // Closes the gaps that others left, with the last rows.
 void homes_tidy(homes *h);
 
+// Those that are gone become the last rows.
+void homes_move_gone_last(homes *h);
+
 // Ready to be written: returns how many they are, without gaps.
 uint32_t homes_open(homes *h);
 
-// Homes come to lie in a worker's memory, or leave it again.
+// Homes come to lie in a worker's memory, as they are, and give theirs back row by row; or they
+// leave it again.
 bool homes_move_in(homes *h, worker *w, duet_error *err);
 bool homes_move_out(homes *h, duet_error *err);
+
+// Rows [first, first + n) come to lie in the order that suits a worker which sees just these.
+bool homes_put_in_order(homes *h, uint32_t first, uint32_t n, worker *w, duet_error *err);
+
+// Space for n rows behind the homes, in the holder's memory, where rows keep what they are.
+bool homes_reserve_behind(homes *h, uint64_t n, duet_error *err);
+
+// Finds the edges of ranges anew, of settled homes.
+bool homes_find_edges(homes *h, const cut *c, duet_error *err);
 
 // The holder knows the ids of all rows.
 void homes_forget_renamed(homes *h);

@@ -5,12 +5,21 @@
 
 static void forget(glance *g)
 {
-    row_list leavers = g->leavers, border = g->border;
+    row_list leavers = g->leavers, border = g->border, edges = g->edges;
     *g = (glance){.first_bad = UINT64_MAX, .deep = skim_none};
     g->leavers = (row_list){.rows = leavers.rows, .capacity = leavers.capacity};
     g->border = (row_list){.rows = border.rows, .capacity = border.capacity};
+    g->edges = (row_list){.rows = edges.rows, .capacity = edges.capacity};
     for (int l = 0; l < LEVELS; ++l)
         g->boxes.upto[l] = reach_none;
+}
+
+static bool is_inside(const reach *inside, const double at[3])
+{
+    bool deep = true;
+    for (int k = 0; k < 3; ++k)
+        deep &= (at[k] > inside->lower[k]) & (at[k] < inside->upper[k]);
+    return deep;
 }
 
 static void look_closely(const look *l, glance *g, uint32_t i)
@@ -31,8 +40,51 @@ static void look_closely(const look *l, glance *g, uint32_t i)
         row_list_add(&g->leavers, i);
         return;
     }
+    if (h->n_ranges > 0) {
+        row_list_add(&g->edges, i);
+        if (is_inside(&l->inside, centre)) {
+            reach_add(&g->deep.centres, &(reach){{centre[0], centre[1], centre[2]},
+                                                 {centre[0], centre[1], centre[2]}});
+            return;
+        }
+    }
     reach_add(&g->boxes.upto[level_of(width, h->widest)], &e);
     row_list_add(&g->border, i);
+}
+
+// Where homes lie so deep in the box of a range, too, that they touch none of another one.
+static reach inside_of_range(const look *l, uint32_t range)
+{
+    reach inside = l->inside;
+    if (range == l->h->n_ranges)
+        return reach_none;
+    const reach *box = &l->h->ranges[range].box;
+    for (int k = 0; k < 3; ++k) {
+        inside.lower[k] = fmax(inside.lower[k], box->lower[k] + 1.01 * l->h->widest);
+        inside.upper[k] = fmin(inside.upper[k], box->upper[k] - 1.01 * l->h->widest);
+    }
+    return inside;
+}
+
+static void look_at_rows(const look *l, glance *g, uint32_t i, uint32_t to, const reach *inside)
+{
+    const homes *h = l->h;
+    while ((i = object_rows_skim(&h->rows, &h->form, i, to, inside, &g->deep)) < to)
+        look_closely(l, g, i++);
+}
+
+static void look_at_ranges(const look *l, glance *g, uint32_t i, uint32_t to)
+{
+    const homes *h = l->h;
+    for (uint32_t range = 0; i < to; ++range) {
+        uint32_t end = range < h->n_ranges ? h->ranges[range].end : to;
+        end = end < to ? end : to;
+        if (end <= i)
+            continue;
+        reach inside = inside_of_range(l, range);
+        look_at_rows(l, g, i, end, &inside);
+        i = end;
+    }
 }
 
 static void look_at_part(void *context, uint32_t part, uint64_t first, uint64_t end)
@@ -40,9 +92,10 @@ static void look_at_part(void *context, uint32_t part, uint64_t first, uint64_t 
     look *l = context;
     const homes *h = l->h;
     glance g = l->parts[part]; // apart from what other threads write
-    uint32_t i = (uint32_t)first, to = (uint32_t)end;
-    while ((i = object_rows_skim(&h->rows, &h->form, i, to, &l->inside, &g.deep)) < to)
-        look_closely(l, &g, i++);
+    if (h->n_ranges > 0)
+        look_at_ranges(l, &g, (uint32_t)first, (uint32_t)end);
+    else
+        look_at_rows(l, &g, (uint32_t)first, (uint32_t)end, &l->inside);
     g.widest = fmax(g.widest, skim_widest(&g.deep, &h->form));
     l->parts[part] = g;
 }
@@ -72,6 +125,8 @@ static void add_glance(glance *to, const glance *g)
     to->leavers.failed |= g->leavers.failed;
     to->border.n += g->border.n;
     to->border.failed |= g->border.failed;
+    to->edges.n += g->edges.n;
+    to->edges.failed |= g->edges.failed;
     reach_add(&to->deep.centres, &g->deep.centres);
     for (int k = 0; k < LEVELS; ++k)
         reach_add(&to->boxes.upto[k], &g->boxes.upto[k]);

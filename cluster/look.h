@@ -15,6 +15,7 @@ typedef struct glance {
     skim deep;         // the others
     row_list leavers;  // ascending, unless a device has skimmed them
     row_list border;
+    row_list edges; // where homes lie in ranges
 } glance;
 
 typedef struct look {

@@ -10,17 +10,17 @@
 
 enum { SAMPLE_A_PART = 1 << 12 };
 
-static const double most_growth = 1.2; // of unevenness, before homes are cut anew
-
 bool parts_begin(parts *p, uint32_t n, const ranks *r, duet_error *err)
 {
     *p = (parts){.n = n, .rank = (uint32_t)r->self, .n_ranks = (uint32_t)r->n};
     p->list = calloc(n, sizeof *p->list);
-    return (p->list || error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu32 " parts: no memory", n)) &&
+    p->ranges = calloc(n, sizeof *p->ranges);
+    return ((p->list && p->ranges) ||
+            error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu32 " parts: no memory", n)) &&
            bisection_begin(&p->cut, n, err);
 }
 
-static void forget_ghosts(parts *p)
+void parts_forget_ghosts(parts *p)
 {
     for (uint32_t i = 0; p->list && i < p->n; ++i)
         p->list[i].n_ghosts = 0;
@@ -31,9 +31,12 @@ static void forget_ghosts(parts *p)
 
 void parts_end(parts *p)
 {
-    forget_ghosts(p);
+    parts_forget_ghosts(p);
+    ghost_block_end(&p->block);
     bisection_end(&p->cut);
     free(p->list);
+    free(p->ranges);
+    free(p->strays);
     free(p->rows);
     free(p->marks);
     free(p->border);
@@ -43,7 +46,7 @@ void parts_end(parts *p)
 
 // ---------------------------------------------------------------- homes
 
-static bool cut_homes(parts *p, duet_error *err)
+bool parts_cut(parts *p, duet_error *err)
 {
     uint64_t most = (uint64_t)SAMPLE_A_PART * p->n;
     bisection_point *sample = malloc(most * sizeof *sample);
@@ -55,17 +58,14 @@ static bool cut_homes(parts *p, duet_error *err)
     return true;
 }
 
-static portion *portions_of(const parts *p, uint32_t thread)
+void parts_clear_portions(parts *p, uint32_t thread)
 {
-    return p->portions + (size_t)thread * p->n;
-}
-
-// A mark is a home's part, and whether it may touch what is at home elsewhere.
-enum { AT_BORDER = 1 << 15 };
-
-static uint32_t part_of_mark(uint16_t mark)
-{
-    return mark & (AT_BORDER - 1);
+    portion *own = parts_portions(p, thread);
+    for (uint32_t i = 0; i < p->n; ++i) {
+        own[i] = (portion){0};
+        for (int k = 0; k < LEVELS; ++k)
+            own[i].boxes.upto[k] = reach_none;
+    }
 }
 
 // Only of the others are boxes needed: what lies deeper in its part, and in its rank's, than any
@@ -74,20 +74,16 @@ static void mark_homes(void *context, uint32_t thread, uint64_t first, uint64_t 
 {
     parts *p = context;
     const homes *h = p->homes;
-    portion *own = portions_of(p, thread);
-    for (uint32_t i = 0; i < p->n; ++i) {
-        own[i] = (portion){0};
-        for (int k = 0; k < LEVELS; ++k)
-            own[i].boxes.upto[k] = reach_none;
-    }
+    portion *own = parts_portions(p, thread);
     uint64_t n_border = 0;
+    parts_clear_portions(p, thread);
     for (uint64_t i = first; i < end; ++i) {
         const void *object = object_row(&h->rows, &h->form, (uint32_t)i);
         double centre[3];
         object_centre(&h->form, object, centre);
         uint32_t part = bisection_part(&p->cut, centre);
         bool deep = reach_holds(&p->list[part].inside, centre, h->widest);
-        p->marks[i] = (uint16_t)(part | (deep ? 0 : AT_BORDER));
+        p->marks[i] = (uint16_t)(part | (deep ? 0 : PART_MARKED));
         ++own[part].homes;
         if (deep)
             continue;
@@ -101,38 +97,37 @@ static void mark_homes(void *context, uint32_t thread, uint64_t first, uint64_t 
 static void list_homes(void *context, uint32_t thread, uint64_t first, uint64_t end)
 {
     parts *p = context;
-    portion *own = portions_of(p, thread);
+    portion *own = parts_portions(p, thread);
     uint32_t *border = p->border + p->n_border[thread];
     for (uint64_t i = first; i < end; ++i) {
         p->rows[own[part_of_mark(p->marks[i])].homes++] = (uint32_t)i;
-        if (p->marks[i] & AT_BORDER)
+        if (p->marks[i] & PART_MARKED)
             *border++ = (uint32_t)i;
     }
 }
 
-// Makes a count what comes before it, and adds it to the sum.
-static void count_before(uint64_t *count, uint64_t *sum)
+void parts_join_boxes(parts *p, uint32_t n_threads)
 {
-    uint64_t n = *count;
-    *count = *sum;
-    *sum += n;
+    for (uint32_t i = 0; i < p->n; ++i) {
+        level_boxes *boxes = &p->list[i].boxes;
+        for (int k = 0; k < LEVELS; ++k)
+            boxes->upto[k] = reach_none;
+        for (uint32_t t = 0; t < n_threads; ++t)
+            for (int k = 0; k < LEVELS; ++k)
+                reach_add(&boxes->upto[k], &parts_portions(p, t)[i].boxes.upto[k]);
+        level_boxes_join(boxes);
+    }
 }
 
 static void gather_homes(parts *p, uint32_t n_threads)
 {
     uint64_t all = 0;
+    parts_join_boxes(p, n_threads);
     for (uint32_t i = 0; i < p->n; ++i) {
         home_part *of = &p->list[i];
         uint64_t before = all;
-        for (int k = 0; k < LEVELS; ++k)
-            of->boxes.upto[k] = reach_none;
-        for (uint32_t t = 0; t < n_threads; ++t) {
-            portion *own = &portions_of(p, t)[i];
-            count_before(&own->homes, &all);
-            for (int k = 0; k < LEVELS; ++k)
-                reach_add(&of->boxes.upto[k], &own->boxes.upto[k]);
-        }
-        level_boxes_join(&of->boxes);
+        for (uint32_t t = 0; t < n_threads; ++t)
+            count_before(&parts_portions(p, t)[i].homes, &all);
         of->rows = p->rows + before;
         of->n = (uint32_t)(all - before);
     }
@@ -141,19 +136,27 @@ static void gather_homes(parts *p, uint32_t n_threads)
         count_before(&p->n_border[t], &p->all_border);
 }
 
-static bool reserve_homes(parts *p, uint32_t n)
+bool parts_reserve_marks(parts *p, uint64_t n)
 {
     if (!p->portions)
         p->portions =
             aligned_alloc(alignof(portion), PARALLEL_MOST * (size_t)p->n * sizeof *p->portions);
     if (n > p->capacity) {
-        free(p->rows);
         free(p->marks);
-        p->rows = malloc(n * sizeof *p->rows);
         p->marks = malloc(n * sizeof *p->marks);
-        p->capacity = p->rows && p->marks ? n : 0;
+        p->capacity = p->marks ? n : 0;
     }
     return p->portions && n <= p->capacity;
+}
+
+static bool reserve_homes(parts *p, uint32_t n)
+{
+    if (n > p->row_capacity) {
+        free(p->rows);
+        p->rows = malloc(n * sizeof *p->rows);
+        p->row_capacity = p->rows ? n : 0;
+    }
+    return parts_reserve_marks(p, n) && n <= p->row_capacity;
 }
 
 static bool reserve_border(parts *p)
@@ -180,9 +183,9 @@ static void mark_all(parts *p, const cut *c)
     gather_homes(p, parallel_each(p->homes->threads, p->homes->rows.n, mark_homes, p));
 }
 
-static double unevenness(const parts *p)
+double parts_unevenness(const parts *p)
 {
-    uint32_t n = p->homes->rows.n, most = 0;
+    uint32_t n = homes_count(p->homes), most = 0;
     for (uint32_t i = 0; i < p->n; ++i)
         most = p->list[i].n > most ? p->list[i].n : most;
     return n > 0 ? (double)most * p->n / n : 1;
@@ -195,11 +198,11 @@ static bool divide_homes(parts *p, const cut *c, duet_error *err)
     bool ok = reserve_homes(p, n);
     if (ok && p->unevenness > 0)
         mark_all(p, c);
-    p->is_cut_anew = p->unevenness == 0 || unevenness(p) > most_growth * p->unevenness;
+    p->is_cut_anew = p->unevenness == 0 || !parts_are_even(p);
     if (ok && p->is_cut_anew) {
-        ok = cut_homes(p, err);
+        ok = parts_cut(p, err);
         mark_all(p, c);
-        p->unevenness = unevenness(p);
+        p->unevenness = parts_unevenness(p);
     }
     ok = ok && reserve_border(p);
     if (ok)
@@ -235,9 +238,18 @@ static guest guest_of(const parts *p, uint64_t id, const void *object, uint32_t 
 static guest guest_of_border(const parts *p, uint64_t i)
 {
     const homes *h = p->homes;
-    uint32_t row = p->border[i];
+    bool in_place = h->n_ranges > 0;
+    uint32_t row = in_place ? h->edges.rows[i] : p->border[i];
     return guest_of(p, h->rows.ids[row], object_row(&h->rows, &h->form, row),
-                    home_of_part(p, part_of_mark(p->marks[row])));
+                    home_of_part(p, part_of_mark(p->marks[in_place ? i : row])));
+}
+
+static guest guest_of_gone(const parts *p, uint64_t i)
+{
+    const homes *h = p->homes;
+    uint32_t row = h->gone[i];
+    return guest_of(p, h->rows.ids[row], object_row(&h->rows, &h->form, row),
+                    (uint32_t)h->gone_to[i] * p->n);
 }
 
 // *sender is that of the message before, or 0, and *upto the messages of all up to it.
@@ -268,14 +280,15 @@ static void add_guest(const parts *p, const guest *g, portion *own, ghost_row *t
     }
 }
 
-// Homes by ascending id, and then what others sent.
+// Homes, by ascending id where they lie so, then those that are gone, and what others sent.
 static void add_guests(const parts *p, uint64_t first, uint64_t end, portion *own, ghost_row *to)
 {
     uint32_t sender = 0;
-    uint64_t upto = p->messages.counts[0];
+    uint64_t upto = p->messages.counts[0], n_own = p->all_border + p->homes->n_gone;
     for (uint64_t i = first; i < end; ++i) {
         guest g = i < p->all_border ? guest_of_border(p, i)
-                                    : guest_of_message(p, i - p->all_border, &sender, &upto);
+                  : i < n_own       ? guest_of_gone(p, i - p->all_border)
+                                    : guest_of_message(p, i - n_own, &sender, &upto);
         add_guest(p, &g, own, to);
     }
 }
@@ -283,7 +296,7 @@ static void add_guests(const parts *p, uint64_t first, uint64_t end, portion *ow
 static void count_ghosts(void *context, uint32_t thread, uint64_t first, uint64_t end)
 {
     const parts *p = context;
-    portion *own = portions_of(p, thread);
+    portion *own = parts_portions(p, thread);
     for (uint32_t i = 0; i < p->n; ++i)
         own[i].ghosts = 0;
     add_guests(p, first, end, own, NULL);
@@ -292,17 +305,17 @@ static void count_ghosts(void *context, uint32_t thread, uint64_t first, uint64_
 static void write_ghosts(void *context, uint32_t thread, uint64_t first, uint64_t end)
 {
     const parts *p = context;
-    add_guests(p, first, end, portions_of(p, thread), p->ghosts);
+    add_guests(p, first, end, parts_portions(p, thread), p->ghosts);
 }
 
-static bool divide_ghosts(parts *p, duet_error *err)
+bool parts_divide_ghosts(parts *p, duet_error *err)
 {
-    uint64_t n = p->all_border + p->messages.n, all = 0;
+    uint64_t n = p->all_border + p->homes->n_gone + p->messages.n, all = 0;
     uint32_t n_threads = parallel_each(p->homes->threads, n, count_ghosts, p);
     for (uint32_t i = 0; i < p->n; ++i) {
         uint64_t before = all;
         for (uint32_t t = 0; t < n_threads; ++t)
-            count_before(&portions_of(p, t)[i].ghosts, &all);
+            count_before(&parts_portions(p, t)[i].ghosts, &all);
         p->list[i].n_ghosts = all - before;
     }
     p->ghosts = malloc((all + 1) * sizeof *p->ghosts);
@@ -313,7 +326,7 @@ static bool divide_ghosts(parts *p, duet_error *err)
     ghost_row *ghosts = p->ghosts;
     for (uint32_t i = 0; i < p->n; ghosts += p->list[i++].n_ghosts) {
         p->list[i].ghosts = ghosts;
-        if (p->messages.n > 0)
+        if (p->messages.n > 0 && p->homes->n_ranges == 0)
             ghosts_sort(ghosts, p->list[i].n_ghosts);
     }
     return true;
@@ -322,12 +335,12 @@ static bool divide_ghosts(parts *p, duet_error *err)
 bool parts_divide(parts *p, const homes *h, const cut *c, const ranks *r, parcels *messages,
                   duet_error *err)
 {
-    forget_ghosts(p);
+    parts_forget_ghosts(p);
     p->homes = h;
     p->messages = *messages;
     *messages = (parcels){0};
     if (p->n > 1)
-        return divide_homes(p, c, err) && divide_ghosts(p, err);
+        return divide_homes(p, c, err) && parts_divide_ghosts(p, err);
     p->ghosts = ghosts_read(h, r, 1, &p->messages, err);
     return p->ghosts;
 }

@@ -34,8 +34,11 @@ struct worker {
     uint32_t (*await_skim)(worker *w, uint32_t from, const skim_block **blocks);
     // Space for n objects, of which the first `kept` stay; the others are to be written.
     void *(*extend)(worker *w, uint32_t n, uint32_t kept, duet_error *err);
-    // Of the objects that were mapped and written, the order in which they are best kept: which
-    // comes i-th, to be freed with duet_free. NULL, or *order NULL: any.
+    // The objects are n that lie elsewhere, until others are mapped or lent: they stay there, and
+    // as they are while the worker finds, from the next `begin` on.
+    void (*lend)(worker *w, const void *objects, uint32_t n);
+    // Of the objects that were mapped and written, or lent, the order in which they are best kept:
+    // which comes i-th, to be freed with duet_free. NULL, or *order NULL: any.
     bool (*order)(worker *w, uint32_t **order, duet_error *err);
     // The objects lie elsewhere than those before: a grid that was fitted to these is of no use.
     void (*move)(worker *w);

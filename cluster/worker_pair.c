@@ -60,6 +60,13 @@ static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
     return objects ? objects : grow(p, n, kept, err);
 }
 
+static void lend(worker *w, const void *objects, uint32_t n)
+{
+    worker_pair *p = (worker_pair *)w;
+    world_stop_ahead(p->world);
+    world_lend_objects(p->world, objects, n);
+}
+
 // Pairs are then of objects that lie near each other.
 static bool order(worker *w, uint32_t **order_of, duet_error *err)
 {
@@ -190,6 +197,7 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
                        .skim = skim_homes,
                        .await_skim = await_skim,
                        .extend = extend,
+                       .lend = lend,
                        .order = order,
                        .move = move,
                        .turn_to = turn_to,

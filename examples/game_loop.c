@@ -64,18 +64,19 @@ int main(void)
         def.plan = duet_default_plan(pair);
     duet_world *world = pair ? duet_world_create(&def, &err) : NULL;
     bool ok = world && start(world, &err);
-    uint64_t total_ns = 0;
+    double total_ms = 0;
     uint64_t collisions = 0;
     for (int frame = 0; ok && frame < FRAMES; ++frame) {
         duet_result result;
         ok = do_frame(world, frame, &result, &err);
         if (ok) {
-            total_ns += (uint64_t)(result.total_ms * 1e6);
+            total_ms += result.total_ms;
             collisions += result.pairs;
         }
     }
     if (ok)
-        printf("%d frames, %" PRIu64 " ns, %" PRIu64 " collisions\n", FRAMES, total_ns, collisions);
+        printf("%d frames, %.3f ms each, %" PRIu64 " collisions\n", FRAMES, total_ms / FRAMES,
+               collisions);
     else
         fprintf(stderr, "%s\n", err.text);
     duet_world_destroy(world);

@@ -100,6 +100,22 @@ static int compare_names(const void *a, const void *b)
     return strcmp(((const kernel *)a)->name, ((const kernel *)b)->name);
 }
 
+// By their names, of which there is one each.
+static bool order_kernels(gen *g, duet_error *err)
+{
+    bool ok = true;
+    if (g->n_kernels > 1)
+        qsort(g->kernels, g->n_kernels, sizeof *g->kernels, compare_names);
+    for (uint32_t i = 1; ok && i < g->n_kernels; ++i) {
+        const kernel *k = &g->kernels[i];
+        if (strcmp(k->name, k[-1].name) == 0)
+            ok = error_set(err, DUET_STATUS_BAD_INPUT,
+                           "kernel %s: its card is in %s and in %s; expected one", k->name,
+                           *k[-1].folder ? k[-1].folder : "./", *k->folder ? k->folder : "./");
+    }
+    return ok;
+}
+
 gen *gen_open(const char *kernel_dir, duet_error *err)
 {
     gen *g = calloc(1, sizeof *g);
@@ -108,24 +124,11 @@ gen *gen_open(const char *kernel_dir, duet_error *err)
         ok = (g->dir = strdup(kernel_dir));
     if (!ok)
         error_set(err, DUET_STATUS_NO_MEMORY, "the generator: no memory");
-    ok = ok && (kernel_dir ? list_dir(g, err) : list_carried(g, err));
-    if (!ok) {
-        gen_close(g);
-        return NULL;
-    }
-    if (g->n_kernels > 1)
-        qsort(g->kernels, g->n_kernels, sizeof *g->kernels, compare_names);
-    for (uint32_t i = 1; i < g->n_kernels; ++i) {
-        const kernel *k = &g->kernels[i];
-        if (strcmp(k->name, k[-1].name) != 0)
-            continue;
-        error_set(err, DUET_STATUS_BAD_INPUT,
-                  "kernel %s: its card is in %s and in %s; expected one", k->name,
-                  *k[-1].folder ? k[-1].folder : "./", *k->folder ? k->folder : "./");
-        gen_close(g);
-        return NULL;
-    }
-    return g;
+    ok = ok && (kernel_dir ? list_dir(g, err) : list_carried(g, err)) && order_kernels(g, err);
+    if (ok)
+        return g;
+    gen_close(g);
+    return NULL;
 }
 
 void gen_close(gen *g)
@@ -190,6 +193,33 @@ static bool name_variant(const card *c, const gen_setting *config, gen_variant *
     return ok;
 }
 
+// "__global const double4 *restrict rotations" of "real4 *".
+static void add_argument(const gen_arg *a, text *out)
+{
+    bool is_buffer = a->bytes == 0, is_real = strncmp(a->type, "real", 4) == 0;
+    const char *memory = a->is_constant ? "__constant " : "__global ";
+    const char *alone = a->is_constant ? "" : "restrict ";
+    const char *real = a->is_double ? "double" : "float";
+    text_add(out, " \\\n    %s%s%s", a->is_volatile ? "volatile " : "", is_buffer ? memory : "",
+             a->is_const ? "const " : "");
+    text_add(out, "%s%s%s%s", is_real ? real : "", a->type + (is_real ? 4 : 0),
+             is_buffer ? alone : " ", a->name);
+}
+
+// "#define ENTRY_ARGS ...", the parameters as the kernel's text names them.
+static void add_entry(const gen_entry *entry, text *out)
+{
+    text_add(out, "#define ");
+    for (const char *c = entry->name; *c; ++c)
+        text_add(out, "%c", *c >= 'a' && *c <= 'z' ? *c - 'a' + 'A' : *c);
+    text_add(out, "_ARGS");
+    for (uint32_t i = 0; i < entry->n_args; ++i) {
+        add_argument(&entry->args[i], out);
+        text_add(out, i + 1 < entry->n_args ? "," : "");
+    }
+    text_add(out, "\n");
+}
+
 static void add_prelude(const card *c, const gen_setting *config, const gen_variant *v, text *out)
 {
     text_add(out, "// %s\n", v->name);
@@ -201,7 +231,7 @@ static void add_prelude(const card *c, const gen_setting *config, const gen_vari
                  config[i].name, config[i].value);
     }
     for (uint32_t i = 0; i < v->n_entries; ++i)
-        signature_define(&v->entries[i], out);
+        add_entry(&v->entries[i], out);
 }
 
 static bool add_kernel_text(const kernel *k, const gen_setting *config, text *out, duet_error *err)
@@ -273,15 +303,99 @@ bool gen_params(gen *g, const char *name, const gen_limits *limits, const gen_pa
     return true;
 }
 
+// ---------------------------------------------------------------- valid configs
+
+// Only how many there are in each block of the numbering is kept, no list of them.
+enum { BLOCK = 256 };
+
+static bool same_limits(const gen_limits *a, const gen_limits *b)
+{
+    return a->max_group == b->max_group && a->local_bytes == b->local_bytes && a->fp64 == b->fp64 &&
+           a->cpu == b->cpu;
+}
+
+// Walks through the block from its first config on and ends after the valid
+// one that makes n `enough`, which is then in config.
+static bool walk_block(card *c, const gen_limits *limits, uint64_t block, uint64_t enough,
+                       gen_setting *config, uint64_t *n, duet_error *err)
+{
+    uint64_t size = card_size(c), end = (block + 1) * BLOCK;
+    *n = 0;
+    for (uint64_t i = block * BLOCK; i < size && i < end && *n < enough; ++i) {
+        card_launch launch;
+        duet_error why = {0};
+        card_config(c, i, config);
+        bool valid = card_check(c, limits, config, &launch, &why);
+        if (!valid && why.status != DUET_STATUS_BAD_ARGUMENT)
+            return error_copy(err, &why);
+        *n += valid;
+    }
+    return true;
+}
+
+static bool count_blocks(kernel *k, const gen_limits *limits, duet_error *err)
+{
+    gen_setting config[CARD_MAX_PARAMS];
+    uint64_t n_blocks = (card_size(&k->card) + BLOCK - 1) / BLOCK;
+    uint64_t *before = calloc(n_blocks + 1, sizeof *before);
+    bool ok = before || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory to count configs",
+                                  k->card.kernel);
+    for (uint64_t i = 0, n = 0; ok && i < n_blocks; ++i) {
+        ok = walk_block(&k->card, limits, i, BLOCK, config, &n, err);
+        before[i + 1] = before[i] + n;
+    }
+    if (ok)
+        k->valid = (valid_configs){*limits, before, n_blocks};
+    else
+        free(before);
+    return ok;
+}
+
+static bool count_valid(kernel *k, const gen_limits *limits, duet_error *err)
+{
+    if (!card_set_fallbacks(&k->card, limits, err))
+        return false;
+    if (k->valid.before && same_limits(&k->valid.limits, limits))
+        return true;
+    free(k->valid.before);
+    k->valid.before = NULL;
+    return count_blocks(k, limits, err);
+}
+
 bool gen_count(gen *g, const char *name, const gen_limits *limits, uint64_t *count, duet_error *err)
 {
     kernel *k = find_kernel(g, name, err);
-    return k && space_count(&k->space, &k->card, limits, count, err);
+    if (!k || !count_valid(k, limits, err))
+        return false;
+    *count = k->valid.before[k->valid.n_blocks];
+    return true;
+}
+
+// The block that holds valid config number index.
+static uint64_t block_of(const valid_configs *valid, uint64_t index)
+{
+    uint64_t low = 0, high = valid->n_blocks;
+    while (high - low > 1) {
+        uint64_t middle = low + (high - low) / 2;
+        if (valid->before[middle] <= index)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
 }
 
 bool gen_config(gen *g, const char *name, const gen_limits *limits, uint64_t index,
                 gen_setting *config, duet_error *err)
 {
     kernel *k = find_kernel(g, name, err);
-    return k && space_config(&k->space, &k->card, limits, index, config, err);
+    if (!k || !count_valid(k, limits, err))
+        return false;
+    const valid_configs *valid = &k->valid;
+    uint64_t count = valid->before[valid->n_blocks];
+    if (index >= count)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: config %" PRIu64 " of %" PRIu64,
+                         k->card.kernel, index, count);
+    uint64_t block = block_of(valid, index), n = 0;
+    return walk_block(&k->card, limits, block, index - valid->before[block] + 1, config, &n, err);
 }

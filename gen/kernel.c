@@ -4,6 +4,7 @@
 #include "base/blob.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -12,43 +13,38 @@ enum { FILE_SIZE = sizeof((kernel *)0)->name + sizeof((kernel *)0)->folder + 8 }
 
 // ---------------------------------------------------------------- files
 
-static void file_path(const char *dir, const char *file, text *path)
-{
-    text_add(path, "%s/%s", dir ? dir : "kernels", file);
-}
-
 static bool file_exists(const char *dir, const char *file)
 {
     text path = {0};
-    file_path(dir, file, &path);
+    text_add(&path, "%s/%s", dir ? dir : "kernels", file);
     bool exists = dir ? access(text_chars(&path), F_OK) == 0 : blob_find(text_chars(&path)) != NULL;
     text_free(&path);
     return exists;
 }
 
-// Appends a file of the kernels' folder.
-static bool read_file(const char *dir, const char *file, text *chars, duet_error *err)
+// Appends a file of the kernels' folder, and tells its path.
+static bool read_file(const char *dir, const char *file, text *path, text *chars, duet_error *err)
 {
-    text path = {0};
-    file_path(dir, file, &path);
-    bool ok = text_ok(&path, err);
-    const blob *b = ok && !dir ? blob_find(path.chars) : NULL;
-    if (b)
-        text_add_bytes(chars, b->bytes, b->length);
-    else if (ok && dir)
-        ok = text_read_file(chars, path.chars, err);
-    else if (ok)
-        ok = error_set(err, DUET_STATUS_NOT_FOUND, "%s: there is no such file", path.chars);
-    text_free(&path);
-    return ok && text_ok(chars, err);
+    text_add(path, "%s/%s", dir ? dir : "kernels", file);
+    if (!text_ok(path, err))
+        return false;
+    if (dir)
+        return text_read_file(chars, path->chars, err);
+    const blob *b = blob_find(path->chars);
+    if (!b)
+        return error_set(err, DUET_STATUS_NOT_FOUND, "%s: there is no such file", path->chars);
+    text_add_bytes(chars, b->bytes, b->length);
+    return text_ok(chars, err);
 }
 
 // The name does not depend on the folder, so that equal kernels have equal
 // text wherever they were read from.
 static bool add_file(const char *dir, const char *file, text *out, duet_error *err)
 {
+    text path = {0};
     text_add(out, "#line 1 \"kernels/%s\"\n", file);
-    bool ok = read_file(dir, file, out, err);
+    bool ok = read_file(dir, file, &path, out, err);
+    text_free(&path);
     if (ok && out->chars[out->length - 1] != '\n')
         text_add(out, "\n");
     return ok && text_ok(out, err);
@@ -60,7 +56,8 @@ void kernel_forget(kernel *k)
 {
     if (k->is_read)
         card_close(&k->card);
-    space_free(&k->space);
+    free(k->valid.before);
+    k->valid = (valid_configs){0};
     text_free(&k->plain);
     template_close(k->choices);
     template_close(k->template);
@@ -73,13 +70,11 @@ static bool read_card(const char *dir, kernel *k, duet_error *err)
     char file[FILE_SIZE];
     snprintf(file, sizeof file, "%s%s.lua", k->folder, k->name);
     text path = {0}, chars = {0};
-    file_path(dir, file, &path);
-    bool ok = text_ok(&path, err) && read_file(dir, file, &chars, err);
-    ok = ok && card_open(&k->card, k->name, path.chars, &chars, err);
-    k->is_read = ok;
+    k->is_read = read_file(dir, file, &path, &chars, err) &&
+                 card_open(&k->card, k->name, path.chars, &chars, err);
     text_free(&path);
     text_free(&chars);
-    return ok;
+    return k->is_read;
 }
 
 static bool read_headers(const char *dir, kernel *k, duet_error *err)
@@ -92,15 +87,13 @@ static bool read_headers(const char *dir, kernel *k, duet_error *err)
 
 static bool read_template(const char *dir, kernel *k, const char *file, duet_error *err)
 {
-    text path = {0}, chars = {0}, line_name = {0};
-    file_path(dir, file, &path);
-    text_add(&line_name, "kernels/%s", file);
-    bool ok = text_ok(&path, err) && text_ok(&line_name, err) && read_file(dir, file, &chars, err);
-    if (ok)
-        k->template = template_open(&chars, path.chars, line_name.chars, &k->card.emit, err);
+    text path = {0}, chars = {0};
+    char line_name[FILE_SIZE + sizeof "kernels/"];
+    snprintf(line_name, sizeof line_name, "kernels/%s", file);
+    if (read_file(dir, file, &path, &chars, err))
+        k->template = template_open(&chars, path.chars, line_name, &k->card.emit, err);
     text_free(&path);
     text_free(&chars);
-    text_free(&line_name);
     return k->template;
 }
 
@@ -117,19 +110,6 @@ static bool read_body(const char *dir, kernel *k, duet_error *err)
     return read_template(dir, k, shaped, err);
 }
 
-// Whether some line is Lua: at its begin or behind blanks.
-static bool has_choices(const text *chars)
-{
-    for (const char *at = strstr(text_chars(chars), "//@"); at; at = strstr(at + 1, "//@")) {
-        const char *line = at;
-        while (line > chars->chars && (line[-1] == ' ' || line[-1] == '\t'))
-            --line;
-        if (line == chars->chars || line[-1] == '\n')
-            return true;
-    }
-    return false;
-}
-
 static bool read_choices(kernel *k, duet_error *err)
 {
     char name[FILE_SIZE + sizeof " and its headers"];
@@ -143,7 +123,7 @@ bool kernel_read(kernel *k, const char *dir, duet_error *err)
     bool ok = read_card(dir, k, err);
     ok = ok && read_headers(dir, k, err);
     ok = ok && read_body(dir, k, err);
-    ok = ok && (!has_choices(&k->plain) || read_choices(k, err));
+    ok = ok && (!template_has_lua(&k->plain) || read_choices(k, err));
     if (!ok)
         kernel_forget(k);
     return ok;

@@ -5,15 +5,21 @@
 #define GEN_KERNEL_H
 
 #include "gen/card.h"
-#include "gen/space.h"
 #include "gen/template.h"
+
+// How many valid configs there are, for some limits.
+typedef struct valid_configs {
+    gen_limits limits;
+    uint64_t *before; // [n_blocks + 1] before each block of the numbering; NULL: not counted
+    uint64_t n_blocks;
+} valid_configs;
 
 typedef struct kernel {
     char name[48];
     char folder[32]; // within the kernels' folder, "grid/", or ""
     bool is_read;
     card card;
-    space space;
+    valid_configs valid;
     text plain;         // common.clh, what the card uses, and a .cl, with #lines
     template *choices;  // of these, where some line is Lua, else NULL
     template *template; // of a .cl.in, else NULL

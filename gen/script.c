@@ -56,7 +56,7 @@ struct script {
     bool stack_moves; // Lua asks for another one; what looks at the stack would crash
     bool stack_grew;  // since the last look at the limits
     char place[400];  // "name:line", where that was or memory ran out last
-    text name;        // of the chunk loaded last
+    text name;        // of the chunk loaded last, or else the sandbox
     text source;      // its text
 };
 
@@ -92,7 +92,7 @@ static void note_place(script *s)
         if (!lua_getinfo(s->lua, "Sl", &ar) || !is_scripts(&ar))
             continue;
         const char *name = ar.source + (*ar.source == '@');
-        found = strcmp(name, text_chars(&s->name)) == 0;
+        found = strcmp(name, s->name.chars) == 0;
         if (found || !any)
             snprintf(s->place, sizeof s->place, "%s:%d", name, ar.currentline);
         any = true;
@@ -294,7 +294,7 @@ static const char *after_cut_name(const char *message, const text *name)
 // What the running call has passed, as a line.
 static bool report_limit(script *s, duet_status status, duet_error *err)
 {
-    const char *place = *s->place ? s->place : text_chars(&s->name);
+    const char *place = *s->place ? s->place : s->name.chars;
     if (s->passed == STOP)
         return error_set(err, DUET_STATUS_INTERRUPTED, "%s: stopped", place);
     if (s->passed == INSTRUCTIONS)
@@ -311,10 +311,10 @@ static bool report_limit(script *s, duet_status status, duet_error *err)
 // Takes the error value off the stack and makes a line of it.
 static bool fail(script *s, int lua_status, duet_error *err)
 {
-    const char *name = text_chars(&s->name);
+    const char *name = s->name.chars;
     bool is_text = lua_type(s->lua, -1) == LUA_TSTRING;
     const char *message = is_text ? lua_tostring(s->lua, -1) : "";
-    duet_status status = s->limits.failure ? s->limits.failure : DUET_STATUS_BAD_INPUT;
+    duet_status status = s->limits.failure;
     const char *rest = after_cut_name(message, &s->name);
     if (lua_status == LUA_ERRMEM || s->passed)
         report_limit(s, status, err);
@@ -339,21 +339,21 @@ script *script_open(const script_limits *limits, duet_error *err)
     if (!s)
         return error_null(err, DUET_STATUS_NO_MEMORY, "a Lua state: no memory");
     s->limits = limits ? *limits : script_default_limits();
+    if (!s->limits.failure)
+        s->limits.failure = DUET_STATUS_BAD_INPUT;
     text_add(&s->name, "the sandbox");
-    s->lua = lua_newstate(allocate, s);
-    if (!s->lua) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state in %zu bytes: no memory",
-                  s->limits.memory_bytes);
-        script_close(s);
-        return NULL;
+    s->lua = text_ok(&s->name, err) ? lua_newstate(allocate, s) : NULL;
+    bool ok = s->lua || error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state in %zu bytes: no memory",
+                                  s->limits.memory_bytes);
+    if (ok) {
+        *(script **)lua_getextraspace(s->lua) = s;
+        lua_pushcfunction(s->lua, sandbox_open);
+        ok = script_call(s, 0, 0, err);
     }
-    *(script **)lua_getextraspace(s->lua) = s;
-    lua_pushcfunction(s->lua, sandbox_open);
-    if (!script_call(s, 0, 0, err)) {
-        script_close(s);
-        return NULL;
-    }
-    return s;
+    if (ok)
+        return s;
+    script_close(s);
+    return NULL;
 }
 
 void script_close(script *s)
@@ -396,10 +396,9 @@ static size_t count_words(const char *chars, size_t n, const char *word)
 static bool check_jumps(const script *s, const char *chars, size_t n, duet_error *err)
 {
     size_t jumps = count_words(chars, n, "goto") + count_words(chars, n, "break");
-    duet_status status = s->limits.failure ? s->limits.failure : DUET_STATUS_BAD_INPUT;
-    return jumps <= MOST_JUMPS ||
-           error_set(err, status, "%s: has goto or break %zu times, where %d are allowed",
-                     text_chars(&s->name), jumps, MOST_JUMPS);
+    return jumps <= MOST_JUMPS || error_set(err, s->limits.failure,
+                                            "%s: has goto or break %zu times, where %d are allowed",
+                                            s->name.chars, jumps, MOST_JUMPS);
 }
 
 typedef struct pieces {
@@ -506,6 +505,6 @@ const char *script_tostring(lua_State *L, int index, size_t *length)
 const char *script_chunk(lua_State *L, const char **name)
 {
     const script *s = script_of(L);
-    *name = text_chars(&s->name);
+    *name = s->name.chars;
     return text_chars(&s->source);
 }

@@ -27,6 +27,19 @@ typedef struct job {
     text *out;
 } job;
 
+// The mark is at a line's begin or behind blanks.
+bool template_has_lua(const text *chars)
+{
+    for (const char *at = strstr(text_chars(chars), "//@"); at; at = strstr(at + 1, "//@")) {
+        const char *line = at;
+        while (line > chars->chars && (line[-1] == ' ' || line[-1] == '\t'))
+            --line;
+        if (line == chars->chars || line[-1] == '\n')
+            return true;
+    }
+    return false;
+}
+
 // Calls a C function with all that is on the stack and the job.
 static bool call(template *t, lua_CFunction function, job *j, int n_results, duet_error *err)
 {

@@ -18,6 +18,9 @@ template *template_open(const text *chars, const char *path, const char *line_na
 
 void template_close(template *t);
 
+// Whether some line is Lua, so that the text is to be expanded.
+bool template_has_lua(const text *chars);
+
 // Appends the expanded text; every parameter is a global.
 bool template_expand(template *t, const gen_setting *config, uint32_t n, text *out,
                      duet_error *err);

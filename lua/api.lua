@@ -729,6 +729,9 @@ api.names = {
 -- Arrays are made, read and written alike; a letter says what a column is.
 local letters = { f = "number", d = "number", i = "integer", I = "integer", Q = "integer", h = "integer", C = "integer", B = "boolean" }
 
+local about = {}
+for _, class in ipairs(api.classes) do about[class[1]] = class[2] end
+
 for class, columns in pairs {
   Poses = ("f"):rep(10),
   Bounds = ("f"):rep(6),
@@ -771,7 +774,7 @@ for class, columns in pairs {
   local row = table.concat(types, ", ")
   for _, name in ipairs {
     { "." .. class:gsub("(%l)(%u)", "%1_%2"):lower(), { "from: integer|string|any[]" }, "duet." .. class,
-      "Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows." },
+      about["duet." .. class] .. " Made of a number of rows, or as a copy of rows, of numbers or of packed rows." },
     { "." .. class .. ":get", { "place: integer" }, row, "The row at a place from 0." },
     { "." .. class .. ":set", { "place: integer", "...: any" }, nil, ("Writes a row: %d values."):format(#columns) },
     { "." .. class .. ":each", {}, "fun(): integer, " .. row, "for place, ... in it:each() do" },

@@ -241,12 +241,14 @@ function lab.picture(options, name, chart)
   return ok and (", %s.svg, %s.png"):format(name, name) or ""
 end
 
--- Prints the rows, and writes NAME.csv, NAME.json and the picture.
-function lab.finish(options, name, rows, chart)
+-- Prints the rows, and writes NAME.csv, NAME.json, the picture and other ones, NAME_KEY for
+-- each key of `more`.
+function lab.finish(options, name, rows, chart, more)
   rows:print()
   assert(rows:write(options.out .. "/" .. name))
   local written = name .. ".csv, " .. name .. ".json"
   if chart then written = written .. lab.picture(options, name, chart) end
+  for key, other in pairs(more or {}) do written = written .. lab.picture(options, name .. "_" .. key, other) end
   print(("-> %s: %s\n"):format(options.out, written))
 end
 

@@ -9,8 +9,8 @@
 --   })
 --
 -- A point is { x, y } or { x, y, low, high } with an interval. Bars and stacks
--- take the first series' x as names, which may be of several lines. A series
--- may have its style, "lines", "points" or "both", and its colour.
+-- begin at 0, and take the first series' x as names, which may be of several
+-- lines. A series may have its style, "lines", "points" or "both", and its colour.
 --
 -- A kind "map" has no series but `columns` and `rows`, which are names, and
 -- values[row][column], a number or false; each cell is coloured by its number
@@ -139,6 +139,7 @@ local function add_style(lines, chart)
   add(lines, "set grid ytics linecolor rgb '#dddddd' linetype 1")
   add(lines, "set key outside right top vertical Left reverse samplen 1 spacing 1.3")
   for axis in (chart.log or ""):gmatch "[xy]" do add(lines, "set logscale %s", axis) end
+  if chart.kind ~= "lines" and not (chart.log or ""):find "y" then add(lines, "set yrange [*<0:0<*]") end
   for axis, range in pairs { x = chart.xrange, y = chart.yrange } do
     add(lines, "set %srange [%s:%s]", axis, range[1] or "*", range[2] or "*")
   end

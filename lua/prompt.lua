@@ -44,8 +44,8 @@ end
 local overview <const> = [[
 The value of an expression is printed; Tab completes names; Ctrl-C stops what runs, Ctrl-D ends.
 
-  pair = duet.device_pair()              a CPU and a GPU; or with "halves" a CPU's halves
-  scene = duet.scene("scene.lua")        objects, from a file
+  pair = duet.device_pair()              the default devices; or "cpu,gpu", or "halves" of the CPU
+  scene = duet.scene("paper")            objects: a scene that comes with Duet, or a file
   world = pair:world(scene)              the objects on the devices
   result = world:step()                  all pairs that collide
   result:stages()                        where the time went
@@ -90,11 +90,29 @@ local function name_of(value)
   return (names_of_object(value))
 end
 
-local function help(value)
-  if value == nil then
-    print(overview)
-    return print_rows(rows_where(function(name) return name:find "^duet%.%l[%w_]*$" end))
+-- Arrays are many, and made alike.
+local function print_overview()
+  local arrays, others = {}, {}
+  for _, row in ipairs(rows_where(function(name) return name:find "^duet%.%l[%w_]*$" end)) do
+    local is_array = (row[4] or ""):find("Made of a number of rows", 1, true)
+    if is_array then arrays[#arrays + 1] = row[1]:match "[%w_]+$" else others[#others + 1] = row end
   end
+  print(overview)
+  print_rows(others)
+  print "\nArrays of rows are made by duet.NAME(rows); help(duet.poses) says what its rows are. The names:\n"
+  local line = " "
+  for _, name in ipairs(arrays) do
+    if #line + 1 + #name > 79 then
+      print(line)
+      line = " "
+    end
+    line = line .. " " .. name
+  end
+  print(line)
+end
+
+local function help(value)
+  if value == nil then return print_overview() end
   local wanted = plain(name_of(value) or tostring(value))
   for _, class in ipairs(api.classes) do
     if plain(class[1]) == wanted then print(class[1] .. ": " .. class[2]) end

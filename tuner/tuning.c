@@ -61,8 +61,8 @@ static bool check_budget(const tuning *t, const trial *first, duet_error *err)
 bool tuning_stop(const tuning *t, duet_error *err)
 {
     return error_set(err, DUET_STATUS_INTERRUPTED,
-                     "stopped after %u trials; the same command goes on from there",
-                     t->state->played);
+                     "stopped after %u trial%s; the same command goes on from there",
+                     t->state->played, t->state->played == 1 ? "" : "s");
 }
 
 // Before the kernels are known that are searched, nobody knows; but a budget ends it.

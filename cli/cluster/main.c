@@ -32,10 +32,11 @@ int main(int argc, char **argv)
 {
     rank_arguments own = {.args = CLUSTER_ARGUMENTS_DEFAULT};
     int level = 0, rank = 0;
+    unsigned long job_rank = 0, job_ranks = 0;
     setlocale(LC_CTYPE, "");
     signal(SIGXFSZ, SIG_IGN);
     interrupt_watch(); // before MPI's threads, so that the guard alone hears signals
-    interrupt_at_once();
+    interrupt_at_once(!cluster_job(&job_rank, &job_ranks));
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     const char *started = getenv(MPIRUN_STARTED);

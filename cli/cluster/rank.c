@@ -285,9 +285,9 @@ static void print_text(const run_state *r)
     }
     table_cell(&t, r->simulation ? "simulated time" : "time");
     table_cell(&t, "%.3f ms", median);
-    table_cell(&t, "median of %" PRIu64 ", %.3f to %.3f; %.3g million boxes a second", n,
-               r->total_ms[0], r->total_ms[n - 1],
-               median > 0 ? (double)result->objects / median * 1e-3 : 0.0);
+    table_cell(&t, "median of %" PRIu64 ", %.3f to %.3f; %s boxes a second", n, r->total_ms[0],
+               r->total_ms[n - 1],
+               table_rate(median > 0 ? (double)result->objects / median * 1e3 : 0).chars);
     if (is_forecast(r)) {
         table_cell(&t, "efficiency");
         table_cell(&t, "%.3f", efficiency(r));

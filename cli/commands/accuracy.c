@@ -47,10 +47,10 @@ static const command_line line = {
     .operands = "SCENE|FILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Measures what accuracy costs in time. A scene that moves: dt and substeps (in free\n"
-             "flight the integrator) against how far it comes from a much finer run, how its\n"
-             "energy drifts and how deep contacts get. One that does not: each level of\n"
-             "accuracy, and what it gets wrong.",
+    .about = "Measures what accuracy costs in time. Of a still scene: each level of accuracy,\n"
+             "and what it gets wrong. Of one that moves: time steps and substeps (in free\n"
+             "flight the integrator), how far each comes from a much finer run, how its\n"
+             "energy drifts and how deep contacts get.",
     .options = options,
     .rules = rules,
 };

@@ -48,10 +48,10 @@ static const option options[] = {
 static const command_line line = {
     .name = "bench",
     .operands = "",
-    .about = "Measures a standard set: on five scenes each device alone, shares in between, the\n"
-             "modes and the kernels; the levels of accuracy; on a sixth what each effect costs.\n"
-             "With --against says what became faster or slower, and ends with exit code 1 where\n"
-             "something became slower for sure.",
+    .about = "Measures a standard set. On five scenes: each device alone, shares in between,\n"
+             "the modes, the kernels and the levels of accuracy. On a sixth: what each effect\n"
+             "costs. With --against says what became faster or slower, and ends with exit\n"
+             "code 1 where something surely became slower.",
     .options = options,
 };
 

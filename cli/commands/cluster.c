@@ -85,11 +85,10 @@ const command_line cluster_line = {
     .operands = "SCENE|FILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about =
-        "Finds all pairs of boxes that collide, on all ranks of an MPI job: each rank finds those\n"
-        "of its part of the world on devices of its own. The pairs, and their hash, are those of\n"
-        "'duet run' at any number of ranks. On several machines, or by another launcher:\n"
-        "mpirun -np 4 duet cluster SCENE.",
+    .about = "Finds all pairs of boxes that collide, on all ranks of an MPI job: each rank\n"
+             "finds those of its part of the world on devices of its own. The pairs, and\n"
+             "their hash, are those of 'duet run' at any number of ranks. On several\n"
+             "machines, or by another launcher: mpirun -np 4 duet cluster SCENE.",
     .options = options,
     .rules = rules,
     .refuse = refuse,

@@ -20,11 +20,11 @@ static const option options[] = {
 static const command_line line = {
     .name = "devices",
     .operands = "",
-    .about =
-        "Lists the OpenCL devices here. A CPU can be cut into parts, which are devices too:\n"
-        "pocl:0[2-3] is units 2 and 3 of pocl:0, pocl:0[1/4] the first quarter. --pair takes two\n"
-        "selectors with a comma between them, one, or halves; cpu and gpu are the strongest of\n"
-        "their kind. Quirks are what Duet works round in a driver.",
+    .about = "Lists the OpenCL devices here. A CPU can be cut into parts, which are devices\n"
+             "too: pocl:0[2-3] is units 2 and 3 of pocl:0, pocl:0[1/4] the first quarter.\n"
+             "--pair takes two selectors with a comma between them, one, or halves; cpu and\n"
+             "gpu are the strongest of their kind. Quirks are what Duet works round in a\n"
+             "driver.",
     .options = options,
 };
 

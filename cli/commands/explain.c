@@ -39,9 +39,9 @@ static const command_line line = {
     .operands = "SCENE",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Tells what a scene calls for. Of one that moves: its effects, why, their kernels,\n"
-             "bytes an object. Of a still one: the kernels that find its pairs and those that\n"
-             "are left out, which property of the scene decides what, and what that means.",
+    .about = "Tells what a scene calls for. If it moves: its effects, what calls for each,\n"
+             "their kernels and bytes an object. If not: the kernels that find its pairs,\n"
+             "those that are left out, and which property of the scene decides that.",
     .options = options,
     .rules = rules,
 };

@@ -41,8 +41,8 @@ static const command_line line = {
     .operands = "[FILE [ARGUMENT...]]",
     .most_operands = 1 << 20,
     .rest_is_operands = true,
-    .about = "Runs a Lua script that uses the module 'duet'; its arguments are in 'arg'. Without\n"
-             "FILE and CODE it runs what is typed; 'help' there says how to begin.\n"
+    .about = "Runs a Lua script that uses the module 'duet'; its arguments are in 'arg'.\n"
+             "Without FILE and CODE it runs what is typed; 'help' there says how to begin.\n"
              "Without --trust it can compute, print and use devices, read what lies below the\n"
              "current folder or is named as an argument, and change nothing.",
     .options = options,

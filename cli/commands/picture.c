@@ -45,8 +45,8 @@ static const command_line line = {
     .operands = "SCENE|FILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Draws a scene with its cells and its pairs, and a bar for scale; of a large one the\n"
-             "boxes about a collision, and the whole of it in a corner.",
+    .about = "Draws a scene with its cells and its pairs, and a bar for scale; of a large one\n"
+             "the boxes about a collision, and the whole of it in a corner.",
     .options = options,
     .refuse = refuse,
 };

@@ -49,9 +49,8 @@ static const option list_options[] = {
 static const command_line list_line = {
     .name = "profiles list",
     .operands = "",
-    .about =
-        "Lists the profiles of the store by device pair and size, and the runs of 'duet cluster\n"
-        "--keep'.",
+    .about = "Lists the profiles of the store by device pair and size, and the runs of 'duet\n"
+             "cluster --keep'.",
     .options = list_options,
 };
 
@@ -74,9 +73,9 @@ static const command_line show_line = {
     .operands = "PROFILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Shows a profile, named by the first digits that 'duet profiles list' prints, with\n"
-             "the session it comes from and all its trials; or a run of a cluster, with its ranks\n"
-             "and the network between them.",
+    .about = "Shows a profile, named by the first digits that 'duet profiles list' prints,\n"
+             "with the session it comes from and all its trials; or a run of a cluster, with\n"
+             "its ranks and the network between them.",
     .options = show_options,
 };
 
@@ -113,9 +112,9 @@ static const command_line use_line = {
     .operands = "PROFILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about =
-        "Makes a stored profile the one that applications load in its place, as it was before\n"
-        "another replaced it. 'duet profiles list --dead' shows those that are not used.",
+    .about = "Makes a stored profile the one that applications load in its place, as it was\n"
+             "before another replaced it. 'duet profiles list --dead' shows those that are\n"
+             "not used.",
     .options = uid_options,
 };
 
@@ -124,9 +123,8 @@ static const command_line forget_line = {
     .operands = "PROFILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about =
-        "Removes a profile, or a run of a cluster. What was measured for a profile stays, and no\n"
-        "other takes its place.",
+    .about = "Removes a profile, or a run of a cluster. What was measured for a profile\n"
+             "stays, and no other takes its place.",
     .options = uid_options,
 };
 
@@ -198,8 +196,8 @@ static const command_line merge_line = {
     .operands = "OTHER.db",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Takes in the rows of another store, which is only read. Every row stays with its\n"
-             "own devices and machine; the store's own profiles stay live.",
+    .about = "Takes in the rows of another store, which is only read. Every row stays with\n"
+             "its own devices and machine; the store's own profiles stay live.",
     .options = import_options,
 };
 

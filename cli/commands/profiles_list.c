@@ -116,6 +116,27 @@ static bool list_entry(void *context, const profile_entry *e)
     return true;
 }
 
+static bool count_entry(void *context, const profile_entry *e)
+{
+    *(uint64_t *)context += e->dead_reason != NULL;
+    return true;
+}
+
+// Where there is nothing to list: why.
+static bool print_none(store *s, duet_error *err)
+{
+    uint64_t n_dead = 0;
+    if (!profile_entry_each(s, NULL, true, count_entry, &n_dead, err))
+        return false;
+    printf("%s: ", say_name(store_path(s)).chars);
+    if (n_dead == 0)
+        printf("no profiles yet; duet tune makes them\n");
+    else
+        printf("no profile is in use; --dead shows the %s that %s not\n", table_count(n_dead).chars,
+               n_dead == 1 ? "is" : "are");
+    return true;
+}
+
 bool profiles_list(store *s, bool dead, bool json, duet_error *err)
 {
     cJSON *o = json ? cJSON_CreateObject() : NULL;
@@ -131,7 +152,7 @@ bool profiles_list(store *s, bool dead, bool json, duet_error *err)
     }
     ok = ok && cluster_run_report_list(s, l.n > 0, o, &runs, err);
     if (!o && ok && l.n == 0 && runs == 0)
-        printf("%s: no profiles yet; duet tune makes them\n", say_name(store_path(s)).chars);
+        ok = print_none(s, err);
     if (ok && o)
         return say_json(o, err);
     cJSON_Delete(o);

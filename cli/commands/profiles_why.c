@@ -81,6 +81,18 @@ static void print_subject(const answer *a)
     table_print(&t, stdout);
 }
 
+// The length of the grade that a rung begins with, and of the blanks before it; or 0.
+static size_t grade_length(const char *rung)
+{
+    size_t blanks = strspn(rung, " ");
+    for (int grade = 0; blanks > 0 && grade < PROFILE_DEFAULT; ++grade) {
+        const char *name = profile_grade_name((profile_grade)grade);
+        if (strncmp(rung + blanks, name, strlen(name)) == 0)
+            return blanks + strlen(name);
+    }
+    return 0;
+}
+
 // A rung is "  exact        yes: ...": such lines become rows of a table, others stay.
 static void print_rungs(const char *why)
 {
@@ -90,7 +102,7 @@ static void print_rungs(const char *why)
         int length = (int)strcspn(at, "\n");
         snprintf(rung, sizeof rung, "%.*s", length, at);
         at += length + (at[length] == '\n');
-        size_t grade = strncmp(rung, "  ", 2) == 0 ? 2 + strcspn(rung + 2, " ") : 0;
+        size_t grade = grade_length(rung);
         if (grade > 0) {
             table_cell(&t, "%.*s", (int)grade, rung);
             table_words(&t, say_name(rung + grade + strspn(rung + grade, " ")).chars, NULL);
@@ -122,9 +134,9 @@ static void print_text(const answer *a)
     printf("%s: ", profile_grade_name(found->grade));
     if (found->grade == PROFILE_DEFAULT) {
         if (a->one_device)
-            printf("kernels %s, which nothing speaks for or against\n", a->fallback.variant_b);
+            printf("kernels %s, of which nothing is known\n", a->fallback.variant_b);
         else
-            printf("share %.4f, mode %s, A %s, B %s, which nothing speaks for or against\n",
+            printf("share %.4f, mode %s, A %s, B %s, of which nothing is known\n",
                    a->fallback.share / (double)DUET_SHARE_ONE, duet_mode_name(a->fallback.mode),
                    a->fallback.variant_a, a->fallback.variant_b);
         return;
@@ -144,9 +156,9 @@ static void print_text(const answer *a)
     if (found->whole_ns > 0)
         printf("%s\n", say_name(whole_text(a).chars).chars);
     if (found->true_pairs > 0)
-        printf("by %s pairs that collide level %s misses %.3g and invents %.3g\n",
+        printf("of %s pairs that collide, level %s misses %.3g %% and invents %.3g %%\n",
                table_count((uint64_t)found->true_pairs).chars, say_name(plan->level).chars,
-               found->missed_rate, found->false_rate);
+               100 * found->missed_rate, 100 * found->false_rate);
 }
 
 static void add_plan(cJSON *o, const answer *a)

@@ -49,10 +49,10 @@ static const command_line line = {
     .operands = "PAIRS.npy|FILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about =
-        "Tests the pairs of a file as a step tests its candidates: 1 colliding, 0 separated.\n"
-        "A row is two poses of 10 numbers, centre xyz, half extents xyz, quaternion xyzw; in 2D\n"
-        "two of 5, centre xy, half extents xy, angle. Files are .npy, or numbers as text.",
+    .about = "Tests the pairs of a file as a step tests its candidates: 1 colliding, 0\n"
+             "separated. A row is two poses of 10 numbers, centre xyz, half extents xyz,\n"
+             "quaternion xyzw; in 2D two of 5, centre xy, half extents xy, angle. Files are\n"
+             ".npy, or numbers as text.",
     .options = options,
     .rules = rules,
 };
@@ -62,6 +62,7 @@ static const command_line line = {
 typedef struct tested {
     duet_pair_query_def def;
     const char *path;
+    const char *name; // of the file, or stdin
     const duet_pose *poses;
     uint64_t n; // pairs
     uint8_t *answers;
@@ -154,16 +155,16 @@ static void tell(const tested *t)
     double share = (double)t->def.share / DUET_SHARE_ONE;
     const char *a = duet_device_pair_get_info(t->def.pair, 0)->selector;
     const char *b = duet_device_pair_get_info(t->def.pair, 1)->selector;
-    printf("%s: %s in %uD, level %s\n", say_name(t->path).chars,
+    printf("%s: %s in %uD, level %s\n", say_name(t->name).chars,
            table_things(t->n, "pair", "pairs").chars, t->def.dims,
            duet_level_get_info(t->def.level)->name);
     printf("%s colliding, %s separated, %s left undecided by float\n",
            table_count(t->colliding).chars, table_count(t->n - t->colliding).chars,
            table_count(t->undecided).chars);
     if (duet_device_pair_is_one(t->def.pair))
-        printf("%.6f s on %s\n", t->seconds, b);
+        printf("%.3f ms on %s\n", 1e3 * t->seconds, b);
     else
-        printf("%.6f s, A %s %.1f %%, B %s %.1f %%\n", t->seconds, a, 100 * share, b,
+        printf("%.3f ms, A %s %.1f %%, B %s %.1f %%\n", 1e3 * t->seconds, a, 100 * share, b,
                100 * (1 - share));
 }
 
@@ -230,7 +231,7 @@ static bool run(void *given, char **operands, duet_error *err)
     bool ok = false;
     if (pairs) {
         const duet_scene_info *info = duet_scene_get_info(pairs);
-        tested t = {.def = duet_default_pair_query_def(), .path = path};
+        tested t = {.def = duet_default_pair_query_def(), .path = path, .name = info->name};
         t.def.pair = pair;
         t.def.share = share_of(args, pair);
         t.def.level = level;

@@ -10,12 +10,15 @@
 #include "cli/report/level_costs_report.h"
 #include "cli/report/page.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { RESULTS_MOST = 64 };
 
+static const char usual_page[] = "duet-report.html";
+
 typedef struct arguments {
-    const char *out;
+    const char *out; // NULL: the usual page, and a line that names it
     const char *store;
 } arguments;
 
@@ -29,10 +32,10 @@ static const command_line line = {
     .name = "report",
     .operands = "[RESULTS.json...]",
     .most_operands = RESULTS_MOST,
-    .about =
-        "Makes one HTML page of the profile store and of results of 'duet bench --output', the\n"
-        "earliest first, 'duet accuracy --json' and 'duet explain --measure --json': profiles,\n"
-        "searches, accuracy against time, what effects cost, stages, history.",
+    .about = "Makes one HTML page of the profile store and of results of 'duet bench\n"
+             "--output', the earliest first, 'duet accuracy --json' and 'duet explain\n"
+             "--measure --json': profiles, searches, accuracy against time, what effects\n"
+             "cost, stages, history.",
     .options = options,
 };
 
@@ -138,7 +141,10 @@ static bool write_page(const arguments *args, const results *r, duet_error *err)
     add_list(shown, "effects", r->effects, r->n_effects);
     add_list(shown, "bench", r->bench, r->n_bench);
     bool ok = add_store(shown, args->store, r->n_files == 0, err) && page_make(&page, shown, err);
-    ok = ok && text_write_file(args->out, text_chars(&page), page.length, err);
+    const char *path = args->out ? args->out : usual_page;
+    ok = ok && text_write_file(path, text_chars(&page), page.length, err);
+    if (ok && !args->out)
+        printf("-> %s\n", path);
     cJSON_Delete(shown);
     text_free(&page);
     return ok;
@@ -155,6 +161,6 @@ static bool run(void *args, char **paths, duet_error *err)
 
 int command_report(int argc, char **argv)
 {
-    arguments args = {.out = "duet-report.html"};
+    arguments args = {0};
     return options_run(&line, argc, argv, &args, run);
 }

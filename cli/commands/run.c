@@ -52,15 +52,15 @@ static const option options[] = {
     SCENE_LEVEL_OPTION_ROWS(level),
     OPTION_COUNT("repeat", repeat, "K", "steps that are timed, after one to warm up (5)", 1,
                  100000),
-    OPTION_FLAG("resident", resident, "leave the objects on the devices between the steps"),
-    OPTION_FLAG("transforms", transforms, "send no sizes again, only centres and rotations"),
+    OPTION_FLAG("resident", resident, "send the objects once, and leave them on the devices"),
+    OPTION_FLAG("transforms", transforms,
+                "send sizes once, and for each step only centres and rotations"),
     OPTION_FLAG("compact", compact, "the same, with rotations rounded to 16 bits: 20 bytes a box"),
     OPTION_FLAG("ordered", ordered, "put the objects into the order of their cells beforehand"),
-    OPTION_COUNT("steps", steps, "K", "advance a scene that moves by K steps instead", 1,
-                 1000000000),
-    OPTION_TEXT("picture", picture, "F.png", "draw the last of the steps"),
+    OPTION_COUNT("steps", steps, "K", "let a scene that moves go on by K steps", 1, 1000000000),
+    OPTION_TEXT("picture", picture, "F.png", "draw the scene after the last step"),
     OPTION_TEXT("frames", frames, "DIR", "draw 30 pictures a second of the scene"),
-    OPTION_OUTPUT("record", record, "F.replay", "write commands, steps and the state's hash"),
+    OPTION_OUTPUT("record", record, "F.replay", "record commands, steps and the state's hash"),
     OPTION_TEXT("replay", replay, "F.replay",
                 "give the scene recorded commands, and compare the hash"),
     OPTION_OUTPUT("pairs", pairs_path, "OUT.csv",
@@ -93,17 +93,28 @@ static const option_rule rules[] = {
     {0},
 };
 
+// Pictures of bodies are of pixels.
+static const char *refuse(const void *given, char **operands)
+{
+    const char *path = ((const arguments *)given)->picture;
+    size_t n = path ? strlen(path) : 0;
+    (void)operands;
+    return !path || (n >= 5 && strcmp(path + n - 4, ".png") == 0)
+               ? NULL
+               : "--picture: the name of a run's picture ends with .png";
+}
+
 static const command_line line = {
     .name = "run",
     .operands = "SCENE|FILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about =
-        "Finds all pairs of boxes that collide, on two devices, and says where the time went.\n"
-        "SCENE is a name of 'duet scenes' or a Lua file; FILE is .npy, or numbers as text; - is\n"
-        "stdin.",
+    .about = "Finds all pairs of boxes that collide, on two devices, and says where the time\n"
+             "went. SCENE is a name of 'duet scenes' or a Lua file; FILE is .npy, or numbers\n"
+             "as text; - is stdin.",
     .options = options,
     .rules = rules,
+    .refuse = refuse,
 };
 
 // ---------------------------------------------------------------- one state of a scene

@@ -31,7 +31,8 @@ static const command_line line = {
     .operands = "[NAME]",
     .most_operands = 1,
     .about = "Lists the scenes that come with Duet; all subcommands take their names, as in\n"
-             "'duet run paper'. With NAME prints the Lua text of one, to begin one's own with.",
+             "'duet run paper'. With NAME prints the Lua text of one, to begin one's own\n"
+             "with.",
     .options = options,
     .refuse = refuse,
 };

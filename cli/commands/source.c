@@ -61,8 +61,8 @@ static const command_line line = {
     .name = "source",
     .operands = "[KERNEL]",
     .most_operands = 1,
-    .about = "Prints the exact text of a kernel as it is compiled. Parameters that are not set\n"
-             "take the default of the kernel's card.",
+    .about = "Prints the exact text of a kernel as it is compiled. Parameters that are not\n"
+             "set take the default of the kernel's card.",
     .options = options,
     .rules = rules,
     .refuse = refuse,

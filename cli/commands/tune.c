@@ -52,16 +52,16 @@ static const option options[] = {
         "variants", variants, "LIST",
         "kernels to choose from, with commas between them (auto,simd,auto sort=radix,paper)"),
     OPTION_TEXT("search", search, "WHAT",
-                "search parameters too: 'kernels' for those of all kernels, or one kernel's name"),
-    OPTION_TEXT("query", query, "WHAT",
-                "tune what a tree of the objects is asked instead of a step: 'rays closest', 'rays "
-                "any', 'rays every', the same of sweeps, boxes, 'boxes itself', points, 'points "
-                "nearest K'"),
-    OPTION_COUNT("items", items, "N", "rays, boxes ... of the query (as many as objects)", 1,
+                "search the parameters of one kernel too, or of all: 'kernels'"),
+    OPTION_TEXT(
+        "query", query, "WHAT",
+        "instead of a step tune a query: 'rays' or 'sweeps' with 'closest', 'any' or 'every'; "
+        "'boxes', 'boxes itself', 'points', 'points nearest K'"),
+    OPTION_COUNT("items", items, "N", "rays, boxes or points of the query (as many as objects)", 1,
                  UINT32_MAX),
     OPTION_TEXT("level", level.level, "LIST",
-                "of accuracy, or several to choose from (the scene's; all, where how much may be "
-                "wrong is given)"),
+                "of accuracy, or several to choose from (the scene's; all of them with --missed or "
+                "--false-rate)"),
     ACCURACY_OPTION_ROWS(level),
     OPTION_NUMBER("budget", budget_seconds, "SECONDS", "time for each workload (no limit)", 0.001,
                   0),
@@ -70,8 +70,9 @@ static const option options[] = {
     OPTION_COUNT("repeat", repeats, "K", "launches of a trial, after one to warm up (3)", 1, 32),
     OPTION_TEXT("profile", store, "FILE", "the profile file (DUET_PROFILE, or the user's own)"),
     OPTION_FLAG("ordered", ordered, "put the objects into the order of their cells beforehand"),
-    OPTION_FLAG("fresh", fresh, "measure again what was asked and finished before"),
-    OPTION_FLAG("keep", keep, "applications load what a strategy other than balance found, too"),
+    OPTION_FLAG("fresh", fresh, "measure again what an earlier run has finished"),
+    OPTION_FLAG("keep", keep,
+                "let applications load what a strategy other than balance found, too"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
@@ -81,10 +82,11 @@ static const command_line line = {
     .operands = "[SCENE|FILE]",
     .least_operands = 0,
     .most_operands = 1,
-    .about = "Finds the kernels, the mode and the share with which two devices do a scene's work\n"
-             "best, and keeps them in the profile file for 'duet run' and for applications.\n"
-             "With --config the scenes are those of the file, and options go before its fields.\n"
-             "A profile that applications load is replaced only by one that is as well measured.",
+    .about = "Finds the kernels, the mode and the share with which two devices do a scene's\n"
+             "work best, and keeps them in the profile file for 'duet run' and for\n"
+             "applications. With --config a file names the scenes and fills the fields that\n"
+             "no option gives. A profile that applications load is replaced only by one that\n"
+             "is as well measured.",
     .options = options,
 };
 
@@ -183,7 +185,7 @@ static bool check_operands(const arguments *args, const char *path, duet_error *
 {
     if (!path == !args->config)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "tune: give a scene, or a tune file with --config");
+                         "give a scene, as 'duet tune paper', or a tune file with --config");
     if (args->config && args->numbers)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "--objects: with --config the file says how many");

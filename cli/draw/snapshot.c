@@ -316,15 +316,6 @@ static void draw_ground(const view *v, canvas *c, const duet_motion_def *d)
         canvas_polygon(c, walk, 4, ground, ground);
 }
 
-static canvas *open_canvas(const char *path, duet_error *err)
-{
-    size_t n = strlen(path);
-    if (n >= 5 && strcmp(path + n - 4, ".png") == 0)
-        return canvas_open(path, WIDTH, HEIGHT, err);
-    return error_null(err, DUET_STATUS_BAD_ARGUMENT,
-                      "'%s': the name of a run's picture ends with .png", path);
-}
-
 static bool has_shot(const snapshot *s, const crowd *c)
 {
     for (uint32_t i = 0; i < c->n; ++i)
@@ -354,7 +345,7 @@ static bool draw(const snapshot *s, const char *path, const crowd *bodies, const
                  double time, duet_error *err)
 {
     static const point page[4] = {{0, 0}, {WIDTH, 0}, {WIDTH, HEIGHT}, {0, HEIGHT}};
-    canvas *c = open_canvas(path, err);
+    canvas *c = canvas_open(path, WIDTH, HEIGHT, err);
     if (!c)
         return false;
     block *blocks = calloc((size_t)bodies->n + 1, sizeof *blocks);

@@ -60,6 +60,15 @@ local function list(o, name)
   return type(value) == "table" and value or {}
 end
 
+-- One device alone is named as A and as B, and is the B that works.
+local function is_one_device(a, b) return text(a, "selector") ~= "" and text(a, "selector") == text(b, "selector") end
+
+-- A profile has no selectors: two equal devices that share nothing count as one.
+local function is_of_one(p)
+  return number(p, "share") == 0 and text(p.a, "name") == text(p.b, "name") and text(p.a, "part") == text(p.b, "part")
+    and text(p.a, "driver") == text(p.b, "driver")
+end
+
 -- Whether two have the same mode and kernels.
 local function same_plan(a, b)
   return text(a, "mode") == text(b, "mode") and text(a, "variant_a") == text(b, "variant_a")
@@ -318,17 +327,25 @@ end
 -- ---------------------------------------------------------------- the profile store
 
 local function title_of(p)
-  return ("%s, %s objects: %s | %s, %s, level %s"):format(cut(p.scene ~= "" and p.scene or "a scene", 60),
-    count(p.objects), p.variant_a, p.variant_b, p.mode, p.level)
+  local plan = is_of_one(p) and p.variant_b or ("%s | %s, %s"):format(p.variant_a, p.variant_b, p.mode)
+  return ("%s, %s objects: %s, level %s"):format(cut(p.scene ~= "" and p.scene or "a scene", 60), count(p.objects),
+    plan, p.level)
 end
 
 local function device_words(d)
   return ("%s%s, driver %s"):format(d.name, d.part ~= "" and (" [%s]"):format(d.part) or "", d.driver)
 end
 
-local function pair_words(p) return ("A: %s. B: %s."):format(device_words(p.a), device_words(p.b)) end
+local function pair_words(p)
+  return is_of_one(p) and device_words(p.b) or ("A: %s. B: %s."):format(device_words(p.a), device_words(p.b))
+end
 
 local function profile_row(row, p)
+  if is_of_one(p) then
+    row { p.scene ~= "" and p.scene or "-", count(p.objects), p.variant_b, p.level,
+      ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms), p.created }
+    return
+  end
   row { p.scene ~= "" and p.scene or "-", count(p.objects), ("%.1f %%"):format(100 * p.share), p.mode, p.variant_a,
     p.variant_b, p.level, ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms),
     ("%+.1f (%+.1f to %+.1f)"):format(100 * p.gain, 100 * p.gain_low, 100 * p.gain_high), p.verdict, p.created }
@@ -342,7 +359,9 @@ local function add_profiles(profiles)
     if first.live and not seen[pair_words(first)] then
       seen[pair_words(first)] = true
       add("<h3>%s</h3>\n", words(pair_words(first)))
-      local row = rows_begin("lrrllllrrll", { "scene", "objects", "share of A", "mode", "A's kernels", "B's kernels",
+      local row = is_of_one(first)
+          and rows_begin("lrllrl", { "scene", "objects", "kernels", "level", "step, ms", "measured, UTC" })
+        or rows_begin("lrrllllrrll", { "scene", "objects", "share of A", "mode", "A's kernels", "B's kernels",
         "level", "step, ms", "gain, %", "verdict", "measured, UTC" })
       for _, p in ipairs(profiles) do
         if p.live and pair_words(p) == pair_words(first) then profile_row(row, p) end
@@ -394,14 +413,22 @@ local function draw_search(p)
   } }
 end
 
+-- One device has no share to search.
 local function add_searches(profiles)
   paragraph("The median time of each share that was tried: of A's part, of B's, and of the step. The dashed line is "
     .. "the share that was chosen.")
   charts(function()
     for _, p in ipairs(profiles) do
-      if p.live then draw_search(p) end
+      if p.live and not is_of_one(p) then draw_search(p) end
     end
   end)
+end
+
+local function has_shares(profiles)
+  for _, p in ipairs(profiles) do
+    if p.live and not is_of_one(p) then return true end
+  end
+  return false
 end
 
 local function has_levels(profiles)
@@ -422,8 +449,8 @@ local function add_accuracy(profiles)
   rows_end()
 end
 
--- The profiles of one workload on one pair, by age; true where there are two.
-local function draw_replaced(profiles, live)
+-- The profiles of one workload on one pair, by age.
+local function ages_of(profiles, live)
   local points = {}
   for _, p in ipairs(profiles) do
     if p.pair_id == live.pair_id and p.workload_id == live.workload_id then
@@ -431,22 +458,27 @@ local function draw_replaced(profiles, live)
       points[#points + 1] = { created = p.created_ns, y = p.ms, says = says }
     end
   end
-  if #points < 2 then return false end
   table.sort(points, function(a, b) return a.created < b.created end)
   for i, p in ipairs(points) do p.x = i end
-  draw_chart { title = title_of(live), x_label = "profile, the live one last", y_label = "ms a step", counted = true,
-    series = { { name = "profiles", colour = "step", points = points } } }
-  return true
+  return points
 end
 
+-- Nothing where no profile took another's place.
 local function add_replaced(profiles)
-  local any = false
-  charts(function()
-    for _, p in ipairs(profiles) do
-      if p.live then any = draw_replaced(profiles, p) or any end
-    end
+  local replaced = {}
+  for _, p in ipairs(profiles) do
+    local points = p.live and ages_of(profiles, p) or {}
+    if #points > 1 then replaced[#replaced + 1] = { title = title_of(p), points = points } end
+  end
+  if #replaced == 0 then return end
+  section("What became of the profiles", function()
+    charts(function()
+      for _, one in ipairs(replaced) do
+        draw_chart { title = one.title, x_label = "profile, the live one last", y_label = "ms a step", counted = true,
+          series = { { name = "profiles", colour = "step", points = one.points } } }
+      end
+    end)
   end)
-  if not any then paragraph("No profile was replaced yet.") end
 end
 
 local function add_store(store)
@@ -456,9 +488,9 @@ local function add_store(store)
     return
   end
   section("Profiles", function() add_profiles(profiles) end)
-  section("Searches", function() add_searches(profiles) end)
+  if has_shares(profiles) then section("Searches", function() add_searches(profiles) end) end
   if has_levels(profiles) then section("Levels of the profiles", function() add_accuracy(profiles) end) end
-  section("What became of the profiles", function() add_replaced(profiles) end)
+  add_replaced(profiles)
 end
 
 -- ---------------------------------------------------------------- levels and effects
@@ -470,6 +502,8 @@ end
 local function wrong(row) return number(row, "missed") + number(row, "false") end
 local function step_ms(row) return number(row, "step_ms") end
 local function digits_of_wrong(row) return math.log(1 + wrong(row), 10) end
+
+local function is_alone(result) return text(result, "a") ~= "" and text(result, "a") == text(result, "b") end
 
 local function draw_levels(result, letter, colour)
   local levels, rows = list(result, "levels"), {}
@@ -488,17 +522,17 @@ local function draw_levels(result, letter, colour)
       }
     end
   end
-  local title = ("%s, %s pairs; %s: %s"):format(scene_words(result), count(number(result, "pairs")), letter,
-    cut(text(result, letter:lower()), 60))
+  local title = ("%s, %s pairs; %s%s"):format(scene_words(result), count(number(result, "pairs")),
+    is_alone(result) and "" or letter .. ": ", cut(text(result, letter:lower()), 60))
   draw_rows(title, { "a step, against sat15", "wrong pairs" }, rows)
 end
 
 local function add_levels(results)
-  paragraph("Each level of accuracy, alone on each device: the median time of a step, and how many pairs it gets "
+  paragraph("Each level of accuracy, on each device alone: the median time of a step, and how many pairs it gets "
     .. "wrong, by powers of ten. Pale: another level there is at least as fast and as right.")
   charts(function()
     for _, result in ipairs(results) do
-      draw_levels(result, "A", "a")
+      if not is_alone(result) then draw_levels(result, "A", "a") end
       draw_levels(result, "B", "b")
     end
   end)
@@ -610,26 +644,28 @@ local function parts_of(one, letter, places)
   return parts, ms
 end
 
-local function case_words(one)
+local function case_words(one, alone)
+  if alone then return ("%s: %.3f ms"):format(cut(text(one, "variant_b"), 80), number(one, "median_ms")) end
   local a, b = text(one, "variant_a"), text(one, "variant_b")
   local kernels = a == b and cut(a, 40) or cut(a, 40) .. " | " .. cut(b, 40)
   return ("share %.2f, %s, %s: %.3f ms"):format(number(one, "share"), text(one, "mode"), kernels,
     number(one, "median_ms"))
 end
 
-local function draw_stages(cases, places)
+local function draw_stages(cases, places, alone)
   local y, all = 0, {}
+  local letters = alone and { "B" } or { "A", "B" }
   for _, one in ipairs(cases) do
-    for _, letter in ipairs { "A", "B" } do all[#all + 1] = select(2, parts_of(one, letter, places)) end
+    for _, letter in ipairs(letters) do all[#all + 1] = select(2, parts_of(one, letter, places)) end
   end
   local most = most_shown(all)
-  figure(scene_words(cases[1]), 40 * #cases + 6)
+  figure(scene_words(cases[1]), (18 + 11 * #letters) * #cases + 6)
   for _, one in ipairs(cases) do
-    label(2, y + 14, case_words(one))
+    label(2, y + 14, case_words(one, alone))
     y = y + 18
-    for _, letter in ipairs { "A", "B" } do
+    for _, letter in ipairs(letters) do
       local parts, ms = parts_of(one, letter, places)
-      y = draw_parts(y, letter, parts, ms, most)
+      y = draw_parts(y, alone and "" or letter, parts, ms, most)
     end
   end
   figure_end()
@@ -661,10 +697,18 @@ local function draw_history(results, first)
     series = { { name = "best plan", colour = "step", points = points } } }
 end
 
-local function add_devices(result)
+local function is_bench_of_one(result)
+  local devices = list(result, "devices")
+  return is_one_device(devices[1], devices[2])
+end
+
+local function add_subject(result)
+  local alone = is_bench_of_one(result)
+  paragraph("Measured %s by Duet %s.", moment(result), text(result, "duet"))
   for i, device in ipairs(list(result, "devices")) do
-    paragraph("%s: %s, %s, driver %s, %s", string.char(64 + i), text(device, "selector"), text(device, "name"),
-      text(device, "driver"), text(device, "platform"))
+    if alone and i > 1 then break end
+    paragraph("%s%s, %s, driver %s, %s", alone and "" or string.char(64 + i) .. ": ", text(device, "selector"),
+      text(device, "name"), text(device, "driver"), text(device, "platform"))
   end
 end
 
@@ -672,26 +716,31 @@ local function add_bench(results)
   local latest = results[#results]
   local scenes = scenes_of(latest)
   local names, places = find_stages(latest)
-  section("Standard set: shares", function()
-    paragraph("Measured %s by Duet %s.", moment(latest), text(latest, "duet"))
-    add_devices(latest)
-    charts(function()
-      for _, cases in ipairs(scenes) do draw_shares(cases) end
+  local alone = is_bench_of_one(latest)
+  if not alone then
+    section("Standard set: shares", function()
+      add_subject(latest)
+      charts(function()
+        for _, cases in ipairs(scenes) do draw_shares(cases) end
+      end)
     end)
-  end)
+  end
   section("Standard set: stages", function()
     local keys = {}
+    if alone then add_subject(latest) end
     for i, name in ipairs(names) do keys[i] = key("s" .. i - 1, name) end
     add("<p>%s</p>\n", table.concat(keys))
     charts(function()
-      for _, cases in ipairs(scenes) do draw_stages(cases, places) end
+      for _, cases in ipairs(scenes) do draw_stages(cases, places, alone) end
     end)
   end)
-  section("Standard set: history", function()
-    charts(function()
-      for _, cases in ipairs(scenes) do draw_history(results, cases[1]) end
+  if #results > 1 then
+    section("Standard set: history", function()
+      charts(function()
+        for _, cases in ipairs(scenes) do draw_history(results, cases[1]) end
+      end)
     end)
-  end)
+  end
 end
 
 -- ---------------------------------------------------------------- what was found
@@ -704,7 +753,7 @@ end
 local function found_in_store(found, profiles)
   local live, best, n_faster = 0, nil, 0
   for _, p in ipairs(profiles) do
-    live = live + (p.live and 1 or 0)
+    live = live + (p.live and not is_of_one(p) and 1 or 0)
     if p.live and p.verdict == "faster" then
       n_faster = n_faster + 1
       if not best or p.gain > best.gain then best = p end
@@ -722,8 +771,8 @@ local function found_in_bench(found, result)
     for _, one in ipairs(cases) do
       if number(one, "median_ms") < number(best, "median_ms") then best = one end
     end
-    found[#found + 1] = ("%s: the fastest step takes %.3g ms, with %.0f %% of the work on A."):format(scene_words(best),
-      number(best, "median_ms"), 100 * number(best, "share"))
+    found[#found + 1] = ("%s: the fastest step takes %.3g ms%s."):format(scene_words(best), number(best, "median_ms"),
+      is_bench_of_one(result) and "" or (", with %.0f %% of the work on A"):format(100 * number(best, "share")))
   end
 end
 
@@ -738,8 +787,8 @@ local function found_in_levels(found, results)
       if beats and (not best or step_ms(row) < step_ms(best)) then best = row end
     end
     if exact then
-      found[#found + 1] = ("%s: the exact step takes %.3g ms on B; %s"):format(scene_words(result), step_ms(exact),
-        best and ("level %s takes %.3g ms and gets %s pairs wrong."):format(cut(text(best, "level"), 20), step_ms(best),
+      found[#found + 1] = ("%s: the exact step takes %.3g ms%s; %s"):format(scene_words(result), step_ms(exact),
+        is_alone(result) and "" or " on B", best and ("level %s takes %.3g ms and gets %s pairs wrong."):format(cut(text(best, "level"), 20), step_ms(best),
           count(wrong(best))) or "no other level is faster.")
     end
   end
@@ -750,7 +799,12 @@ local function subject_words(data)
   local devices = #data.bench > 0 and list(data.bench[#data.bench], "devices") or {}
   local live = data.store and data.store.profiles[1]
   local names = {}
-  for i, device in ipairs(#devices > 0 and devices or live and { live.a, live.b } or {}) do
+  if is_one_device(devices[1], devices[2]) then
+    devices = { devices[1] }
+  elseif #devices == 0 and live then
+    devices = is_of_one(live) and { live.b } or { live.a, live.b }
+  end
+  for i, device in ipairs(devices) do
     local at = text(device, "selector")
     names[i] = cut(text(device, "name"), 60) .. (at ~= "" and (" (%s)"):format(cut(at, 30)) or "")
   end

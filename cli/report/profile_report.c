@@ -33,8 +33,8 @@ static bool same_words(const char *a, const char *b)
 
 bool profile_report_is_one(const profile_entry *e)
 {
-    return same_words(e->a.name, e->b.name) && same_words(e->a.part, e->b.part) &&
-           same_words(e->a.driver, e->b.driver);
+    return e->row.plan.share == 0 && same_words(e->a.name, e->b.name) &&
+           same_words(e->a.part, e->b.part) && same_words(e->a.driver, e->b.driver);
 }
 
 // --------------------------------------------------------------------------- JSON
@@ -223,8 +223,9 @@ static void add_result(table *t, const profile_entry *e)
     if (row->true_pairs < 0)
         table_words(t, "was not measured", NULL);
     else
-        table_cell(t, "by %s true pairs %g are missed, %g invented",
-                   table_count((uint64_t)row->true_pairs).chars, row->missed_rate, row->false_rate);
+        table_cell(t, "of %s pairs that collide, %.3g %% are missed and %.3g %% invented",
+                   table_count((uint64_t)row->true_pairs).chars, 100 * row->missed_rate,
+                   100 * row->false_rate);
     if (row->terms)
         table_words(t, "terms", say_name(row->terms).chars, NULL);
     table_words(t, "kernels", say_name(row->kernels).chars, NULL);

@@ -190,9 +190,10 @@ static void print_totals(const timed *m, const char *level, bool one)
                    table_bytes(r->bytes[1]).chars);
     table_cell(&t, "time");
     table_cell(&t, "%.3f ms", median->total_ms);
-    table_cell(&t, "median of %u, %.3f to %.3f; %.3g million boxes a second", m->n,
-               m->steps[0].total_ms, m->steps[m->n - 1].total_ms,
-               (double)r->objects / median->total_ms * 1e-3);
+    table_cell(
+        &t, "median of %u, %.3f to %.3f; %s boxes a second", m->n, m->steps[0].total_ms,
+        m->steps[m->n - 1].total_ms,
+        table_rate(median->total_ms > 0 ? (double)r->objects / median->total_ms * 1e3 : 0).chars);
     table_print(&t, stdout);
 }
 

@@ -8,6 +8,7 @@
 #include <ctype.h>
 #include <langinfo.h>
 #include <limits.h>
+#include <math.h>
 #include <stdarg.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -159,16 +160,26 @@ static void print_cell(FILE *out, const char *cell, size_t n, int width, char al
     fputs(is_last ? "\n" : "  ", out);
 }
 
+// The last cell of a line that is not blank.
+static uint32_t find_last(const char *const *rests, uint32_t n_columns)
+{
+    uint32_t last = n_columns - 1;
+    while (last > 0 && !rests[last][strspn(rests[last], " ")])
+        --last;
+    return last;
+}
+
 // Cells that are wider than their column go on in the lines below.
 static void print_row(FILE *out, const char **rests, const char *align, const int *widths,
                       uint32_t n_columns)
 {
     bool more = true;
     while (more) {
+        uint32_t last = find_last(rests, n_columns);
         more = false;
-        for (uint32_t i = 0; i < n_columns; ++i) {
+        for (uint32_t i = 0; i <= last; ++i) {
             size_t n = line_length(rests[i], widths[i]);
-            print_cell(out, rests[i], n, widths[i], align[i], i + 1 == n_columns);
+            print_cell(out, rests[i], n, widths[i], align[i], i == last);
             rests[i] += n + strspn(rests[i] + n, " ");
             more |= *rests[i] != '\0';
         }
@@ -207,6 +218,17 @@ table_text table_count(uint64_t n)
         *to++ = digits[i];
     }
     return grouped;
+}
+
+table_text table_rate(double a_second)
+{
+    table_text t;
+    if (a_second < 999500) {
+        double unit = a_second < 1e3 ? 1 : pow(10, floor(log10(a_second)) - 2);
+        return table_count((uint64_t)(round(a_second / unit) * unit + 0.5));
+    }
+    snprintf(t.chars, sizeof t.chars, "%.3g million", a_second * 1e-6);
+    return t;
 }
 
 table_text table_things(uint64_t n, const char *one, const char *many)

@@ -36,6 +36,9 @@ table_text table_count(uint64_t n);
 // "1 box", "2 000 boxes"
 table_text table_things(uint64_t n, const char *one, const char *many);
 
+// "98.3 million", "14 800": three digits
+table_text table_rate(double a_second);
+
 // "12.3 MB"
 table_text table_bytes(uint64_t bytes);
 

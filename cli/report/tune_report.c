@@ -61,23 +61,24 @@ static void write_progress(const tune_report *r, const duet_tune_progress *p, te
         text_add(shown, ", step %u, %.1f s", p->launches, p->seconds);
         return;
     }
-    text_add(shown, " %.4f %s, trial %u", p->plan->share / (double)DUET_SHARE_ONE,
-             duet_mode_name(p->plan->mode), p->trials);
+    if (!r->one)
+        text_add(shown, " at %.4g %s", p->plan->share / (double)DUET_SHARE_ONE,
+                 duet_mode_name(p->plan->mode));
+    text_add(shown, ", trial %u", p->trials);
     if (p->most_trials > 0)
         text_add(shown, " of %u", p->most_trials);
     if (left >= 0)
-        text_add(shown, ", %.0f s left", left);
-    text_add(shown, "%s", p->remembered ? " (known)" : "");
+        text_add(shown, ", < %.0f s left", left);
+    text_add(shown, "%s", p->remembered ? " (measured before)" : "");
 }
 
 bool tune_report_watch(void *report, const duet_tune_progress *p)
 {
-    enum { COLUMNS = 79 };
     const tune_report *r = report;
     if (r->on_terminal) {
         text shown = {0};
         write_progress(r, p, &shown);
-        fprintf(stderr, "\r\033[K%.*s", COLUMNS, text_chars(&shown));
+        progress_line(text_chars(&shown));
         text_free(&shown);
     }
     return !interrupt_asked();
@@ -162,7 +163,7 @@ static void print_accuracy(const cJSON *row)
 {
     if (strcmp(json_string(row, "level"), "certified") == 0)
         return;
-    printf("  of %s pairs that collide '%s' misses %.3g %% and invents %.3g %%\n",
+    printf("  of %s pairs that collide, '%s' misses %.3g %% and invents %.3g %%\n",
            table_count((uint64_t)json_number(row, "true_pairs")).chars, json_string(row, "level"),
            100 * json_number(row, "missed_rate"), 100 * json_number(row, "false_rate"));
 }

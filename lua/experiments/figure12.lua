@@ -84,10 +84,11 @@ local function draw(name, title, launch, curve, time_of)
   lab.finish(options, name, rows, {
     title = title, x = "share of A", y = "ms", kind = "lines", log = "y", xrange = { -0.02, 1.02 },
     yrange = { 0.9 * best[2] }, series = places,
-  })
-  lab.picture(options, name .. "_path", {
-    title = title .. ": the share that each launch tried", x = "launch", y = "share of A", kind = "lines",
-    xrange = { 0.5, most + 0.5 }, yrange = { -0.03, 1.03 }, series = paths,
+  }, {
+    path = {
+      title = title .. ": the share that each launch tried", x = "launch", y = "share of A", kind = "lines",
+      xrange = { 0.5, most + 0.5 }, yrange = { -0.03, 1.03 }, series = paths,
+    },
   })
   rows = lab.frame.new(rows.columns)
 end

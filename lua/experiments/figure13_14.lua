@@ -32,7 +32,7 @@ for pair, devices in lab.each_pair(options) do
   end
   lab.finish(options, "figure13_14." .. devices:gsub("[^%w]+", "_"):gsub("_$", ""), rows, {
     title = "Time of a step: A " .. devices:gsub("%+", ", B "),
-    x = "objects", y = "ms", kind = "bars", yrange = { 0 }, series = series,
+    x = "objects", y = "ms", kind = "bars", series = series,
   })
   rows = lab.frame.new(rows.columns)
 end

@@ -48,5 +48,5 @@ end
 
 lab.finish(options, "slow_kernel", rows, {
   title = "The same sharing with a slow and with a fast kernel",
-  x = "kernels and objects", y = "ms", kind = "bars", yrange = { 0 }, series = series,
+  x = "kernels and objects", y = "ms", kind = "bars", series = series,
 })

@@ -2,12 +2,8 @@
 #include "runtime/broadphase/grid.h"
 
 #include "base/error.h"
-#include "runtime/narrowphase/origin.h"
-#include "runtime/narrowphase/rounded.h"
 
-#include <assert.h>
 #include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -270,42 +266,13 @@ static grid make_hashed(const double lower[3], const double length[3], const siz
 
 // ---------------------------------------------------------------- crowds
 
-bool grid_is_roomy(const grid *g, uint32_t dims)
-{
-    const cl_int *cells = g->levels[0].cells.s;
-    return g->kind == GRID_DENSE && g->n_levels == 1 && cells[0] > 2 && (dims == 2 || cells[1] > 2);
-}
-
-uint32_t grid_cell_rows(const grid *g)
-{
-    return g->n_cells / (uint32_t)g->levels[0].cells.s[0];
-}
-
-// The point that decides an object's cell; z is 0 in 2D.
-static inline void find_point(double point[3], const grid_objects *objects, uint32_t id)
-{
-    point[2] = 0.0;
-    if (objects->shape == DUET_SHAPE_BOUNDS) {
-        const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
-        for (uint32_t k = 0; k < objects->dims; ++k)
-            point[k] = (double)b->lower[k];
-        return;
-    }
-    double corner[3];
-    duet_pose scratch;
-    const duet_pose *p = grid_pose_of(objects, id, &scratch);
-    origin_corner(corner, objects->array, objects->origin, id);
-    for (uint32_t k = 0; k < objects->dims; ++k)
-        point[k] = corner[k] + (double)p->centre[k];
-}
-
 // An object's cell along an axis, as the kernels have it but for rounding with
 // origin cells.
 static uint32_t cell_of(const grid_level *level, const grid_objects *objects, uint32_t id,
                         uint32_t axis)
 {
     double point[3];
-    find_point(point, objects, id);
+    grid_point_of(point, objects, id);
     float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
     cl_int cells = level->cells.s[axis];
     if (objects->origin > 0.0f)
@@ -326,35 +293,6 @@ uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t i
     const grid_level *level = &g->levels[0];
     uint32_t z = objects->dims == 3 ? cell_of(level, objects, id, 2) : 0;
     return z * (uint32_t)level->cells.s[1] + cell_of(level, objects, id, 1);
-}
-
-static_assert(offsetof(duet_pose, centre) == 0 && offsetof(duet_bounds, lower) == 0 &&
-                  offsetof(duet_transform, centre) == 0 && offsetof(duet_sphere, centre) == 0 &&
-                  offsetof(duet_compact_transform, centre) == 0,
-              "a row begins with the point that decides its cell");
-
-static void find_cells_along(uint32_t *cells, const grid_level *level, const grid_objects *objects,
-                             uint32_t first, uint32_t n, uint32_t axis)
-{
-    size_t row = grid_object_bytes(objects);
-    const char *at = (const char *)objects->array + first * row + axis * sizeof(float);
-    float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
-    cl_int along = level->cells.s[axis];
-    for (uint32_t k = 0; k < n; ++k)
-        cells[k] = grid_cell_along(*(const float *)(at + k * row), lower, per_cell, along);
-}
-
-void grid_find_cell_rows(uint32_t *rows, const grid *g, const grid_objects *objects, uint32_t first,
-                         uint32_t n)
-{
-    const grid_level *level = &g->levels[0];
-    uint32_t layers[GRID_ROWS_AT_ONCE];
-    find_cells_along(rows, level, objects, first, n, 1);
-    if (objects->dims == 2)
-        return;
-    find_cells_along(layers, level, objects, first, n, 2);
-    for (uint32_t k = 0; k < n; ++k)
-        rows[k] += layers[k] * (uint32_t)level->cells.s[1];
 }
 
 // Bounds that end before they begin: bad ones, which no search takes.
@@ -436,194 +374,4 @@ bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const gri
     if (others > crowded)
         *g = make_hashed(lower, length, &classes, objects);
     return true;
-}
-
-// ---------------------------------------------------------------- needs
-
-// What the objects ask of a grid: where they are, and how wide.
-
-// Unlike fmin and fmax these are no calls, which would take longer than the rest.
-static inline double lesser(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static inline double greater(double a, double b)
-{
-    return a > b ? a : b;
-}
-
-// The octave of an extent, 2^-150 .. 2^149, as frexp counts; points share the
-// lowest.
-static uint32_t octave_of(double extent)
-{
-    enum { EXPONENT_AT = 52, EXPONENT_OF_HALF = 1022 };
-    uint64_t bits;
-    memcpy(&bits, &extent, sizeof bits);
-    int exponent = extent > 0.0 ? (int)(bits >> EXPONENT_AT) - EXPONENT_OF_HALF : -GRID_OCTAVES;
-    if (exponent < -GRID_OCTAVES / 2)
-        exponent = -GRID_OCTAVES / 2;
-    if (exponent >= GRID_OCTAVES / 2)
-        exponent = GRID_OCTAVES / 2 - 1;
-    return (uint32_t)(exponent + GRID_OCTAVES / 2);
-}
-
-static void add(grid_needs *needs, const double point[3], double widest, double rounding,
-                uint32_t id)
-{
-    for (int k = 0; k < 3; ++k) {
-        needs->lower[k] = lesser(needs->lower[k], point[k]);
-        needs->upper[k] = greater(needs->upper[k], point[k]);
-    }
-    if (widest > needs->widest) {
-        needs->widest = widest;
-        needs->widest_id = id;
-    }
-    double in_float = widest + rounding;
-    uint32_t octave = octave_of(in_float);
-    ++needs->octave_n[octave];
-    needs->octave_widest[octave] = greater(needs->octave_widest[octave], in_float);
-}
-
-// The widest extent of the rotated box: rows of |M(q)| / |q|^2 times the half
-// extents, twice.
-static double widest_of_pose(const duet_pose *p, uint32_t dims)
-{
-    double x = dims == 3 ? p->rotation[0] : 0.0;
-    double y = dims == 3 ? p->rotation[1] : 0.0;
-    double z = p->rotation[2];
-    double w = p->rotation[3];
-    double hx = p->half_extents[0];
-    double hy = p->half_extents[1];
-    double hz = dims == 3 ? p->half_extents[2] : 0.0;
-    double scale = 2.0 / (x * x + y * y + z * z + w * w);
-    double rx = fabs(w * w + x * x - y * y - z * z) * hx + 2.0 * fabs(x * y - w * z) * hy +
-                2.0 * fabs(x * z + w * y) * hz;
-    double ry = 2.0 * fabs(x * y + w * z) * hx + fabs(w * w - x * x + y * y - z * z) * hy +
-                2.0 * fabs(y * z - w * x) * hz;
-    double rz = 2.0 * fabs(x * z - w * y) * hx + 2.0 * fabs(y * z + w * x) * hy +
-                fabs(w * w - x * x - y * y + z * z) * hz;
-    double widest = greater(rx, ry);
-    return scale * (dims == 3 ? greater(widest, rz) : widest);
-}
-
-// Below 0 where a corner lies before the other: no box.
-static double widest_of_bounds(const duet_bounds *b, uint32_t dims)
-{
-    double widest = 0.0, narrowest = 0.0;
-    for (uint32_t k = 0; k < dims; ++k) {
-        double along = (double)b->upper[k] - (double)b->lower[k];
-        widest = greater(widest, along);
-        narrowest = lesser(narrowest, along);
-    }
-    return narrowest < 0.0 ? narrowest : widest;
-}
-
-size_t grid_object_bytes(const grid_objects *objects)
-{
-    return !objects->sizes    ? origin_row_bytes(objects->shape, objects->origin)
-           : objects->compact ? sizeof(duet_compact_transform)
-                              : sizeof(duet_transform);
-}
-
-duet_transform grid_transform_of(const duet_pose *pose)
-{
-    duet_transform t;
-    memcpy(t.centre, pose->centre, sizeof t.centre);
-    memcpy(t.rotation, pose->rotation, sizeof t.rotation);
-    return t;
-}
-
-const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch)
-{
-    if (objects->shape == DUET_SHAPE_ROUNDED_BOXES)
-        return &((const duet_rounded_box *)objects->array)[id].pose;
-    if (objects->shape == DUET_SHAPE_SPHERES) {
-        *scratch = rounded_of_sphere(&((const duet_sphere *)objects->array)[id]).pose;
-        return scratch;
-    }
-    if (!objects->sizes)
-        return origin_pose(objects->array, objects->origin, id);
-    memcpy(scratch->half_extents, objects->sizes[id].half_extents, sizeof scratch->half_extents);
-    if (objects->compact) {
-        const duet_compact_transform *c = &((const duet_compact_transform *)objects->array)[id];
-        memcpy(scratch->centre, c->centre, sizeof scratch->centre);
-        for (int k = 0; k < 4; ++k)
-            scratch->rotation[k] = c->rotation[k];
-        return scratch;
-    }
-    const duet_transform *t = &((const duet_transform *)objects->array)[id];
-    memcpy(scratch->centre, t->centre, sizeof scratch->centre);
-    memcpy(scratch->rotation, t->rotation, sizeof scratch->rotation);
-    return scratch;
-}
-
-bool grid_has_radii(const grid_objects *objects)
-{
-    return objects->shape == DUET_SHAPE_ROUNDED_BOXES || objects->shape == DUET_SHAPE_SPHERES;
-}
-
-float grid_radius_of(const grid_objects *objects, uint32_t id)
-{
-    return objects->shape == DUET_SHAPE_ROUNDED_BOXES
-               ? ((const duet_rounded_box *)objects->array)[id].radius
-           : objects->shape == DUET_SHAPE_SPHERES ? ((const duet_sphere *)objects->array)[id].radius
-                                                  : 0.0f;
-}
-
-duet_rounded_box grid_rounded_box_of(const grid_objects *objects, uint32_t id)
-{
-    return objects->shape == DUET_SHAPE_SPHERES
-               ? rounded_of_sphere(&((const duet_sphere *)objects->array)[id])
-               : ((const duet_rounded_box *)objects->array)[id];
-}
-
-// What the rounding of a device's bounds adds to an extent (kernels/narrowphase/object.clh,
-// object_extent): on either side three roundings of a corner and 2^-23 of it.
-static inline double rounding_of_pose(const duet_pose *p, const grid_objects *objects)
-{
-    double farthest = 0.0;
-    for (uint32_t k = 0; k < objects->dims; ++k)
-        farthest = greater(farthest, fabs((double)p->centre[k]));
-    return 0x1.8p-21 * farthest + 0x1p-23 * (double)objects->origin + 0x1p-123;
-}
-
-void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)
-{
-    find_point(centre, objects, id);
-    if (objects->shape != DUET_SHAPE_BOUNDS)
-        return;
-    const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
-    for (uint32_t k = 0; k < objects->dims; ++k)
-        centre[k] = 0.5 * (centre[k] + (double)b->upper[k]);
-}
-
-static double widest_of(const grid_objects *objects, uint32_t id, double *rounding)
-{
-    duet_pose scratch;
-    *rounding = 0.0;
-    if (objects->shape == DUET_SHAPE_BOUNDS)
-        return widest_of_bounds(&((const duet_bounds *)objects->array)[id], objects->dims);
-    const duet_pose *pose = grid_pose_of(objects, id, &scratch);
-    *rounding = rounding_of_pose(pose, objects);
-    double radius = grid_radius_of(objects, id);
-    double widest = widest_of_pose(pose, objects->dims) + 2.0 * radius;
-    return radius < 0.0 ? radius : widest;
-}
-
-void grid_needs_of(grid_needs *needs, const grid_objects *objects)
-{
-    memset(needs, 0, sizeof *needs);
-    for (int k = 0; k < 3; ++k) {
-        needs->lower[k] = INFINITY;
-        needs->upper[k] = -INFINITY;
-    }
-    for (uint32_t id = 0; id < objects->n; ++id) {
-        double point[3] = {0};
-        find_point(point, objects, id);
-        double rounding;
-        double widest = widest_of(objects, id, &rounding);
-        if (isfinite(point[0] + point[1] + point[2] + widest) && widest >= 0.0)
-            add(needs, point, widest, rounding, id);
-    }
 }

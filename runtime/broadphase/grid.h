@@ -18,7 +18,7 @@
 #define RUNTIME_GRID_H
 
 #include "kernels/grid/places.h"
-#include "runtime/duet.h"
+#include "runtime/broadphase/grid_objects.h"
 
 typedef enum grid_kind { GRID_DENSE, GRID_HASHED } grid_kind;
 
@@ -32,53 +32,6 @@ typedef struct grid {
     uint32_t key_bits; // of n_cells, the key of objects that are left out
     float edge;        // the least of any level
 } grid;
-
-enum { GRID_OCTAVES = 300 };
-
-// What the objects need. Bad ones are not counted.
-typedef struct grid_needs {
-    double lower[3]; // of the points that decide cells
-    double upper[3];
-    double widest;      // the largest extent of any object
-    uint32_t widest_id; // whose it is
-    // By octave of the extent of the bounds that devices compute, which are wider
-    // by their rounding: how many objects, and the largest extent.
-    uint32_t octave_n[GRID_OCTAVES];
-    double octave_widest[GRID_OCTAVES];
-} grid_needs;
-
-// What objects a grid is for: as the shape says, with origin cells large poses, or
-// with sizes transforms.
-typedef struct grid_objects {
-    const void *array;
-    duet_shape shape;
-    float origin; // the edge of origin cells, or 0
-    uint32_t n;
-    uint32_t dims;
-    const duet_size *sizes; // that the objects are without, or NULL
-    bool compact;           // compact transforms then
-} grid_objects;
-
-size_t grid_object_bytes(const grid_objects *objects);
-
-// A pose without its size.
-duet_transform grid_transform_of(const duet_pose *pose);
-
-// The pose of an object that has one; *scratch holds it where its size lies apart, or for a
-// sphere. A rounded box's is that of its core.
-const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch);
-
-// 0 where objects have none.
-float grid_radius_of(const grid_objects *objects, uint32_t id);
-bool grid_has_radii(const grid_objects *objects);
-
-// An object that has a radius.
-duet_rounded_box grid_rounded_box_of(const grid_objects *objects, uint32_t id);
-
-void grid_needs_of(grid_needs *needs, const grid_objects *objects);
-
-// An object's centre; z is 0 in 2D.
-void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id);
 
 // Where a level begins along an axis.
 double grid_corner(const grid_level *level, float origin, uint32_t axis);
@@ -99,14 +52,6 @@ typedef struct grid_wish {
 bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const grid_objects *objects,
               duet_error *err);
 
-// Dense, of one level, and at least three cells wide along all axes but the
-// last: then no cell is near another on both ways round a row's end.
-bool grid_is_roomy(const grid *g, uint32_t dims);
-
-// How many rows of cells a dense grid of one level has; in key order each row
-// is cells[0] keys long.
-uint32_t grid_cell_rows(const grid *g);
-
 // A coordinate's cell along one axis of a dense grid, in the kernels' own float
 // arithmetic: what is not a number lies in the first.
 static inline uint32_t grid_cell_along(float at, float lower, float per_cell, cl_int cells)
@@ -120,12 +65,7 @@ static inline uint32_t grid_cell_along(float at, float lower, float per_cell, cl
 // An object's cell of the finest level, about as the kernels have it; z is 0 in 2D.
 void grid_cell_of(uint32_t cell[3], const grid *g, const grid_objects *objects, uint32_t id);
 
-// The row of an object, in a dense grid of one level.
+// The row of an object, in a dense grid of one level; in key order each row is cells[0] keys long.
 uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t id);
-
-// The same of n objects without an origin, at most GRID_ROWS_AT_ONCE, as fast as they are read.
-enum { GRID_ROWS_AT_ONCE = 1024 };
-void grid_find_cell_rows(uint32_t *rows, const grid *g, const grid_objects *objects, uint32_t first,
-                         uint32_t n);
 
 #endif

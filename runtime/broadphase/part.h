@@ -26,23 +26,31 @@ typedef struct stretches {
     uint32_t own; // the one that is the part's own, in any order of the objects
 } stretches;
 
-typedef struct strays strays;
+// Objects that are taken together: whole work-items of every kernel that takes them.
+enum { STRAY_BLOCK = 1024 };
+
+// What a part takes of the input where that is not all of it (strays.h).
+typedef struct part_intake {
+    stretches sent;
+    stretches taken;                 // the same, those side by side as one
+    uint64_t strays_version;         // changes with those that are not the part's own
+    uint32_t marked_from, marked_to; // keys that the other part wants: its blocks are marked
+} part_intake;
 
 // What both parts are told about the objects.
 typedef struct part_task {
-    bool shared;    // the grid is for both parts
-    bool receives;  // the grid comes from the other part
-    bool slab;      // the part's grid has some of the cells, and space for about their objects
-    bool packed;    // the part is sent the objects of its slab, with their ids
-    bool ordered;   // the objects are in about the order of their cells
-    strays *strays; // the part takes its stretches of the input; NULL: all of it
-    int side;       // that it is for
+    bool shared;   // the grid is for both parts
+    bool receives; // the grid comes from the other part
+    bool slab;     // the part's grid has some of the cells, and space for about their objects
+    bool packed;   // the part is sent the objects of its slab, with their ids
+    bool ordered;  // the objects are in about the order of their cells
     bool rotated;
-    duet_level level;         // of accuracy, for poses
-    grid_objects objects;     // that the part is sent; the array has all of them
-    const buffer *resident;   // the objects where the part's device has them already, or NULL
-    bool keeps_pairs;         // they stay on the device
-    bool skims;               // objects that are sent ahead may be skimmed
+    const part_intake *intake; // NULL: all of the input
+    duet_level level;          // of accuracy, for poses
+    grid_objects objects;      // that the part is sent; the array has all of them
+    const buffer *resident;    // the objects where the part's device has them already, or NULL
+    bool keeps_pairs;          // they stay on the device
+    bool skims;                // objects that are sent ahead may be skimmed
     const global_ids *ids;    // pairs of objects that have one stay there, and are counted; or NULL
     uint64_t objects_version; // changes with the objects' content
     uint64_t sizes_version;   // changes with the sizes
@@ -173,11 +181,10 @@ typedef struct part {
         uint32_t key_from, key_to;
         uint32_t n, n_homes;
     } packed;
-    stretches taken; // of the input in this step
     struct {
         uint64_t objects_version; // of what was sent last; 0: nothing
         uint64_t strays_version;  // of the stretches that are not the part's own
-        uint32_t cut;
+        stretch own;
     } stretched;
     buffer marks;                 // [n / STRAY_BLOCK] blocks that the other part wants
     host_block marks_seen;        // where the device has memory of its own
@@ -222,11 +229,11 @@ void part_close(part *p);
 // Generates and builds what the variant needs for such objects.
 bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err);
 
+// Whether kernels that were made for such a world are also those of this step.
+bool part_is_prepared(const part *p, const part_task *task);
+
 // The kernel of that name that the part has prepared; NULL where it runs another.
 const kernel *part_kernel(const part *p, const char *name);
-
-// Whether the device alone has objects that the host may have to decide.
-bool part_gathers(const part *p, const part_task *task);
 
 // After a step that failed: waits for what is under way. What was sent may not have
 // arrived, so the next step sends all of it again.
@@ -246,9 +253,9 @@ uint32_t part_await_skim(part *p, uint32_t from, const skim_block **blocks);
 // Forgets what the last step found, counted and took, and what was sent ahead of one.
 void part_forget(part *p);
 
-// Starts a step: hands the objects over, unless they are packed, and the grid's
-// levels.
-bool part_begin(part *p, const part_task *task, duet_error *err);
+// First in a step: sends the objects, unless they are packed or there, and what belongs to them:
+// sizes, the grid's levels, ids.
+bool part_send_objects(part *p, const part_task *task, duet_error *err);
 
 // Builds the grid of the range from the objects.
 bool part_build_grid(part *p, const part_task *task, const part_range *range, duet_error *err);
@@ -259,16 +266,15 @@ bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err
 bool part_receive_grid(part *to, part *from, const part_task *task, const part_range *range,
                        duet_error *err);
 
-// What the part marked, once a step is over.
-typedef struct stray_marks stray_marks;
-stray_marks part_marks(const part *p);
-
-// Finds the pairs of the range's objects with those that come after them in
-// cell order, and brings them to the host. *placed is false where the grid had
-// more objects than there was space for; there is more space afterwards, and the
-// grid must be built again.
+// Finds the pairs of the range's objects, of the grid that was built or received last, with those
+// that come after them in cell order, and brings them to the host. *placed is false where the grid
+// had more objects than there was space for; there is more space afterwards, and the grid must be
+// built again.
 bool part_search(part *p, const part_task *task, const part_range *range, bool *placed,
                  duet_error *err);
+
+// What was counted on the device joins the part's span, which then has all pairs of the last step.
+bool part_bring_counted(part *p, duet_error *err);
 
 uint64_t part_bytes(const part *p); // memory held on the device
 

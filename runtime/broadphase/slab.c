@@ -7,6 +7,7 @@
 
 #include <assert.h>
 #include <sched.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,7 +18,7 @@ static const double object_cost = 8.0;
 
 static bool count_objects(split *s, const part_task *task, duet_error *err)
 {
-    uint32_t n_rows = grid_cell_rows(&task->grid);
+    uint32_t n_rows = task->grid.n_cells / (uint32_t)task->grid.levels[0].cells.s[0];
     uint32_t *rows = calloc(n_rows, sizeof *rows);
     if (!rows)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %u rows of cells",
@@ -136,11 +137,6 @@ enum { MOST_THREADS = 30 };
 // Packing must keep one object in so many from a device.
 enum { LEAST_LEFT_OUT = 16 };
 
-static size_t object_bytes(duet_shape shape)
-{
-    return shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds);
-}
-
 void pack_open(pack *p)
 {
     p->least_chunk = LEAST_CHUNK;
@@ -171,7 +167,7 @@ static bool begin_stream(pack_stream *s, uint32_t capacity, uint32_t least_chunk
 static bool begin_slab(pack *p, pack_slab *slab, const part_range *range, const device *to,
                        duet_error *err)
 {
-    size_t bytes = object_bytes(p->task.objects.shape);
+    size_t bytes = grid_object_bytes(&p->task.objects);
     return begin_stream(&slab->homes, range->expected_homes, p->least_chunk, SLOTS, bytes, to,
                         err) &&
            begin_stream(&slab->ghosts, range->expected_ghosts, p->least_chunk, PACK_CHUNKS, bytes,
@@ -191,6 +187,36 @@ void pack_close(pack *p)
 }
 
 // ---------------------------------------------------------------- gathering
+
+static_assert(offsetof(duet_pose, centre) == 0 && offsetof(duet_bounds, lower) == 0 &&
+                  offsetof(duet_transform, centre) == 0 && offsetof(duet_sphere, centre) == 0 &&
+                  offsetof(duet_compact_transform, centre) == 0,
+              "a row begins with the point that decides its cell");
+
+static void find_cells_along(uint32_t *cells, const grid_level *level, const grid_objects *objects,
+                             uint32_t first, uint32_t n, uint32_t axis)
+{
+    size_t row = grid_object_bytes(objects);
+    const char *at = (const char *)objects->array + first * row + axis * sizeof(float);
+    float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
+    cl_int along = level->cells.s[axis];
+    for (uint32_t k = 0; k < n; ++k)
+        cells[k] = grid_cell_along(*(const float *)(at + k * row), lower, per_cell, along);
+}
+
+// The rows of cells of n objects without an origin, as fast as they are read.
+static void find_cell_rows(uint32_t *rows, const grid *g, const grid_objects *objects,
+                           uint32_t first, uint32_t n)
+{
+    const grid_level *level = &g->levels[0];
+    uint32_t layers[BLOCK];
+    find_cells_along(rows, level, objects, first, n, 1);
+    if (objects->dims == 2)
+        return;
+    find_cells_along(layers, level, objects, first, n, 2);
+    for (uint32_t k = 0; k < n; ++k)
+        rows[k] += layers[k] * (uint32_t)level->cells.s[1];
+}
 
 // Objects of rows [from, to). Without a branch, for half of them are.
 static uint32_t pick(uint16_t picked[BLOCK], const uint32_t *rows, uint32_t n, uint32_t from,
@@ -266,7 +292,7 @@ static void pack_block(pack *p, uint32_t block)
     uint16_t picked[BLOCK];
     uint32_t first = block * BLOCK;
     uint32_t n = p->task.objects.n - first < BLOCK ? p->task.objects.n - first : BLOCK;
-    grid_find_cell_rows(rows, &p->task.grid, &p->task.objects, first, n);
+    find_cell_rows(rows, &p->task.grid, &p->task.objects, first, n);
     for (int side = 0; side < 2; ++side) {
         pack_slab *slab = &p->slabs[side];
         if (!slab->wanted)
@@ -426,7 +452,7 @@ static bool send_while_packing(part *p, pack *from, pack_stream *homes, uint32_t
                                duet_error *err)
 {
     cl_event travels[PACK_CHUNKS];
-    size_t bytes = object_bytes(from->task.objects.shape);
+    size_t bytes = grid_object_bytes(&from->task.objects);
     uint32_t chunk = 0;
     bool done = false;
     bool ok = true;
@@ -477,7 +503,7 @@ static bool send_slab(part *p, pack *from, pack_slab *slab, bool *placed, duet_e
         !is_abandoned(from) && n_homes <= slab->homes.capacity && n_ghosts <= slab->ghosts.capacity;
     p->packed.n = n_homes + n_ghosts;
     p->packed.n_homes = n_homes;
-    return !*placed || send_rest(p, slab, n_chunks, object_bytes(from->task.objects.shape), err);
+    return !*placed || send_rest(p, slab, n_chunks, grid_object_bytes(&from->task.objects), err);
 }
 
 bool part_receive_slab(part *p, pack *from, int side, part_task *task, const part_range *range,
@@ -488,7 +514,7 @@ bool part_receive_slab(part *p, pack *from, int side, part_task *task, const par
     if (slab->wanted) {
         size_t capacity = (size_t)slab->homes.capacity + slab->ghosts.capacity;
         p->objects_version = p->packed.objects_version = p->stretched.objects_version = 0;
-        if (!buffer_reserve(&p->objects, p->device, capacity * object_bytes(task->objects.shape),
+        if (!buffer_reserve(&p->objects, p->device, capacity * grid_object_bytes(&task->objects),
                             err) ||
             !buffer_reserve(&p->names, p->device, capacity * sizeof(uint32_t), err) ||
             !send_slab(p, from, slab, placed, err))

@@ -17,7 +17,73 @@ static uint32_t blocks_of(uint32_t n)
     return n / STRAY_BLOCK + (n % STRAY_BLOCK > 0);
 }
 
-// ---------------------------------------------------------------- guessing
+// ---------------------------------------------------------------- stretches
+
+// A gap is left out where it pays for a launch: so large a part of the input.
+enum { GAPS = STRETCHES - 3 };
+
+// With those up to it from the stretch `first` on, unless the gap is large.
+static void add_block(stretches *all, uint32_t first, const strays *s, uint32_t block)
+{
+    uint32_t from = block * STRAY_BLOCK;
+    uint32_t to = s->n - from < STRAY_BLOCK ? s->n : from + STRAY_BLOCK;
+    stretch *last = all->n > first ? &all->list[all->n - 1] : NULL;
+    if (!last || from - last->to > s->n / GAPS)
+        all->list[all->n++] = (stretch){from, to};
+    else
+        last->to = to;
+}
+
+static stretches list_stretches(const strays *s, int side)
+{
+    stretch own = side == 0 ? (stretch){0, s->cut} : (stretch){s->cut, s->n};
+    stretches all = {.own = 0};
+    if (side == 0)
+        all.list[all.n++] = own;
+    uint32_t first = all.n;
+    uint32_t from = side == 0 ? blocks_of(own.to) : 0;
+    uint32_t to = side == 0 ? blocks_of(s->n) : blocks_of(own.from);
+    for (uint32_t b = from; b < to; ++b)
+        if (s->guessed[b])
+            add_block(&all, first, s, b);
+    if (side == 1) {
+        all.own = all.n;
+        all.list[all.n++] = own;
+    }
+    return all;
+}
+
+stretches strays_joined(const stretches *list)
+{
+    stretches joined = {.own = 0};
+    for (uint32_t i = 0; i < list->n; ++i) {
+        const stretch *s = &list->list[i];
+        if (joined.n > 0 && joined.list[joined.n - 1].to == s->from)
+            joined.list[joined.n - 1].to = s->to;
+        else
+            joined.list[joined.n++] = *s;
+        if (i == list->own)
+            joined.own = joined.n - 1;
+    }
+    return joined;
+}
+
+// What both take by a new guess.
+static void list_intakes(strays *s)
+{
+    ++s->version;
+    for (int side = 0; side < 2; ++side) {
+        const part_range *other = &s->ranges[1 - side];
+        part_intake *in = &s->intakes[side];
+        in->sent = list_stretches(s, side);
+        in->taken = strays_joined(&in->sent);
+        in->strays_version = s->version;
+        in->marked_from = other->key_from;
+        in->marked_to = other->key_to;
+    }
+}
+
+// ---------------------------------------------------------------- the first guess
 
 static bool is_known(const strays *s, const part_task *task, const part_range ranges[2])
 {
@@ -74,9 +140,16 @@ bool strays_begin(strays *s, const part_task *task, const part_range ranges[2], 
     s->grid_version = task->grid_version;
     memcpy(s->ranges, ranges, sizeof s->ranges);
     s->margin = 0;
-    ++s->version;
     guess_border(s);
+    list_intakes(s);
     return true;
+}
+
+// ---------------------------------------------------------------- better ones
+
+stray_marks strays_marks_of(const part *p)
+{
+    return (stray_marks){p->marks.host ? p->marks.host : p->marks_seen.bytes, p->stamp};
 }
 
 static bool is_wanted(const strays *s, const stray_marks marks[2], uint32_t block)
@@ -118,68 +191,8 @@ bool strays_guessed_all(strays *s, const stray_marks marks[2])
         bool changed = take_wanted(s, marks, 0, blocks_of(s->cut));
         changed |= take_wanted(s, marks, blocks_of(s->cut), n_blocks);
         s->margin = layer;
-        s->version += changed;
+        if (changed)
+            list_intakes(s);
     }
     return n_missed == 0;
-}
-
-// ---------------------------------------------------------------- stretches
-
-stretch strays_own(const strays *s, int side)
-{
-    return side == 0 ? (stretch){0, s->cut} : (stretch){s->cut, s->n};
-}
-
-const part_range *strays_wanted_by_other(const strays *s, int side)
-{
-    return &s->ranges[1 - side];
-}
-
-// A gap is left out where it pays for a launch: so large a part of the input.
-enum { GAPS = STRETCHES - 3 };
-
-// With those up to it from the stretch `first` on, unless the gap is large.
-static void add_block(stretches *all, uint32_t first, const strays *s, uint32_t block)
-{
-    uint32_t from = block * STRAY_BLOCK;
-    uint32_t to = s->n - from < STRAY_BLOCK ? s->n : from + STRAY_BLOCK;
-    stretch *last = all->n > first ? &all->list[all->n - 1] : NULL;
-    if (!last || from - last->to > s->n / GAPS)
-        all->list[all->n++] = (stretch){from, to};
-    else
-        last->to = to;
-}
-
-stretches strays_taken(const strays *s, int side)
-{
-    stretch own = strays_own(s, side);
-    stretches all = {.own = 0};
-    if (side == 0)
-        all.list[all.n++] = own;
-    uint32_t first = all.n;
-    uint32_t from = side == 0 ? blocks_of(own.to) : 0;
-    uint32_t to = side == 0 ? blocks_of(s->n) : blocks_of(own.from);
-    for (uint32_t b = from; b < to; ++b)
-        if (s->guessed[b])
-            add_block(&all, first, s, b);
-    if (side == 1) {
-        all.own = all.n;
-        all.list[all.n++] = own;
-    }
-    return all;
-}
-
-stretches strays_joined(const stretches *taken)
-{
-    stretches joined = {.own = 0};
-    for (uint32_t i = 0; i < taken->n; ++i) {
-        const stretch *s = &taken->list[i];
-        if (joined.n > 0 && joined.list[joined.n - 1].to == s->from)
-            joined.list[joined.n - 1].to = s->to;
-        else
-            joined.list[joined.n++] = *s;
-        if (i == taken->own)
-            joined.own = joined.n - 1;
-    }
-    return joined;
 }

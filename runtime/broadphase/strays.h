@@ -15,10 +15,7 @@
 
 #include "runtime/broadphase/part.h"
 
-// Objects that are taken together: whole work-items of every kernel that takes them.
-enum { STRAY_BLOCK = 1024 };
-
-struct strays {
+typedef struct strays {
     bool *guessed; // [n_blocks] taken by the device whose own stretch it is not in
     uint32_t capacity;
     uint32_t n;   // objects
@@ -27,7 +24,8 @@ struct strays {
     uint64_t grid_version;
     uint64_t version; // changes with the guess
     uint32_t margin;  // blocks that are taken beside those that were wanted
-};
+    part_intake intakes[2];
+} strays;
 
 void strays_close(strays *s);
 
@@ -35,17 +33,17 @@ void strays_close(strays *s);
 // of objects that are in order.
 bool strays_begin(strays *s, const part_task *task, const part_range ranges[2], duet_error *err);
 
-// A device's own stretch; all that it takes; and the slab that the other one wants objects of.
-stretch strays_own(const strays *s, int side);
-stretches strays_taken(const strays *s, int side);
-stretches strays_joined(const stretches *taken); // those side by side as one
-const part_range *strays_wanted_by_other(const strays *s, int side);
+// Those that lie side by side as one.
+stretches strays_joined(const stretches *list);
 
 // What a device marked: blocks [n_blocks] of its own stretch that are `stamp`.
-struct stray_marks {
+typedef struct stray_marks {
     const uint32_t *blocks;
     uint32_t stamp;
-};
+} stray_marks;
+
+// Once a step is over.
+stray_marks strays_marks_of(const part *p);
 
 // Whether the guess held every block that was marked. If not, there is a better one.
 bool strays_guessed_all(strays *s, const stray_marks marks[2]);

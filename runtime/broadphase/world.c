@@ -69,38 +69,6 @@ duet_world_def duet_default_world_def(void)
         .plan = duet_default_plan(NULL), .dims = 3, .rotated = true, .cookie = COOKIE};
 }
 
-// ---------------------------------------------------------------- kinds of objects
-
-static const world_kind kinds[] = {
-    [DUET_OBJECT_POSES] = {DUET_OBJECT_POSES, "poses", sizeof(duet_pose)},
-    [DUET_OBJECT_BOUNDS] = {DUET_OBJECT_BOUNDS, "bounds", sizeof(duet_bounds)},
-    [DUET_OBJECT_LARGE_POSES] = {DUET_OBJECT_LARGE_POSES, "large poses", sizeof(duet_large_pose)},
-    [DUET_OBJECT_TRANSFORMS] = {DUET_OBJECT_TRANSFORMS, "transforms", sizeof(duet_transform)},
-    [DUET_OBJECT_SIZES] = {DUET_OBJECT_SIZES, "sizes", sizeof(duet_size)},
-    [DUET_OBJECT_COMPACT_TRANSFORMS] = {DUET_OBJECT_COMPACT_TRANSFORMS, "compact transforms",
-                                        sizeof(duet_compact_transform)},
-    [DUET_OBJECT_ROUNDED_BOXES] = {DUET_OBJECT_ROUNDED_BOXES, "rounded boxes",
-                                   sizeof(duet_rounded_box)},
-    [DUET_OBJECT_SPHERES] = {DUET_OBJECT_SPHERES, "spheres", sizeof(duet_sphere)},
-};
-
-// What a world is made for.
-static duet_object_kind kind_of(const duet_world_def *def)
-{
-    static const duet_object_kind of_shape[DUET_SHAPES] = {
-        [DUET_SHAPE_POSES] = DUET_OBJECT_POSES,
-        [DUET_SHAPE_BOUNDS] = DUET_OBJECT_BOUNDS,
-        [DUET_SHAPE_ROUNDED_BOXES] = DUET_OBJECT_ROUNDED_BOXES,
-        [DUET_SHAPE_SPHERES] = DUET_OBJECT_SPHERES,
-    };
-    if (def->shape != DUET_SHAPE_POSES)
-        return of_shape[def->shape];
-    return def->origin_edge > 0.0f   ? DUET_OBJECT_LARGE_POSES
-           : def->compact_transforms ? DUET_OBJECT_COMPACT_TRANSFORMS
-           : def->separate_sizes     ? DUET_OBJECT_TRANSFORMS
-                                     : DUET_OBJECT_POSES;
-}
-
 // ---------------------------------------------------------------- checks
 
 static bool check_world_box(const duet_world_def *def, duet_error *err)
@@ -123,7 +91,7 @@ static bool check_origin(const duet_world_def *def, duet_error *err)
     return def->origin_edge == 0.0f || def->shape == DUET_SHAPE_POSES ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "origin cells are for poses; expected an origin_edge of 0 for %s",
-                     kinds[kind_of(def)].name);
+                     world_objects_name(def));
 }
 
 static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
@@ -134,7 +102,7 @@ static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
     return plain || !(def->separate_sizes || def->compact_transforms) ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s is for poses; expected false for %s",
                      def->compact_transforms ? "compact_transforms" : "separate_sizes",
-                     kinds[kind_of(&plain_def)].name);
+                     world_objects_name(&plain_def));
 }
 
 bool world_check_def(const duet_world_def *def, duet_error *err)
@@ -233,20 +201,10 @@ static bool read_plan(grid_wish *wish, variant variants[2], const duet_plan *pla
 
 // ---------------------------------------------------------------- owner
 
-// Which mode the default is depends on the grid, which slabs cut only where its cells are
-// of one size. To have them at any price was measured three times slower where sizes are mixed.
-void world_choose_mode(duet_world *world)
-{
-    bool one_size = world->grid.kind == GRID_DENSE && world->grid.n_levels == 1;
-    if (world->mode_open)
-        world->def.plan.mode =
-            one_size && are_alike(world->def.pair) ? DUET_MODE_SLAB : DUET_MODE_OWN;
-}
-
 bool world_is_b_alone(const duet_world *world)
 {
     const duet_plan *plan = &world->def.plan;
-    bool slabs = plan->mode == DUET_MODE_SLAB || (world->mode_open && are_alike(world->def.pair));
+    bool slabs = plan->mode == DUET_MODE_SLAB || (world->mode_open && world->alike);
     return plan->share == 0 && !slabs;
 }
 
@@ -278,6 +236,7 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
         return NULL;
     }
     world->def = own;
+    world->alike = are_alike(def->pair);
     take_plan(world, &plan, &wish, variants);
     world_hold(world);
     device_pair_hold(def->pair);
@@ -314,13 +273,6 @@ void duet_world_destroy(duet_world *world)
     strays_close(&world->strays);
     duet_device_pair_destroy(world->def.pair);
     free(world);
-}
-
-// The next step fits another one, which is no change of this one.
-void world_forget_grid(duet_world *world)
-{
-    world->fitted = world->cells_vary = false;
-    world->grid = (grid){0};
 }
 
 bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err)
@@ -371,143 +323,4 @@ void world_change_level(duet_world *world, duet_level level)
 duet_level duet_world_get_level(const duet_world *world)
 {
     return world ? world->def.level : DUET_LEVEL_CERTIFIED;
-}
-
-// ---------------------------------------------------------------- objects
-
-grid_objects world_objects(const duet_world *world)
-{
-    const duet_world_def *def = &world->def;
-    return (grid_objects){
-        .array = world->resident.objects.mem ? world->resident.seen : world->objects.bytes,
-        .shape = def->shape,
-        .origin = def->origin_edge,
-        .n = world->n,
-        .dims = def->dims,
-        .sizes = def->separate_sizes ? world->sizes.bytes : NULL,
-        .compact = def->compact_transforms,
-    };
-}
-
-bool world_see_objects(duet_world *world, duet_error *err)
-{
-    grid_objects objects = world_objects(world);
-    const device *devices = world->def.pair->devices;
-    return objects.array || !world->resident.objects.mem ||
-           (resident_await(&world->resident, err) &&
-            resident_see(&world->resident, world->n * grid_object_bytes(&objects), &world->objects,
-                         devices, world->parts, err));
-}
-
-void world_end_sight(duet_world *world)
-{
-    resident_end_sight(&world->resident, world->def.pair->devices);
-}
-
-bool world_can_have(const duet_world *world, duet_object_kind kind, uint32_t n, const char *call,
-                    world_kind *what, duet_error *err)
-{
-    if (!world_is_idle(world, call, err))
-        return false;
-    if (kind < DUET_OBJECT_POSES || kind > DUET_OBJECT_SPHERES)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "kind is %d; expected a duet_object_kind",
-                         (int)kind);
-    duet_object_kind right = kind_of(&world->def);
-    bool size = kind == DUET_OBJECT_SIZES && world->def.separate_sizes;
-    if (kind != right && !size)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world was made for %s, not for %s",
-                         kinds[right].name, kinds[kind].name);
-    *what = kinds[kind];
-    return n <= UINT32_MAX - 2 ||
-           error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a world holds at most %u", n,
-                     UINT32_MAX - 2);
-}
-
-// The row behind the last belongs to none: a device may read four numbers at once.
-static void *map_sizes(duet_world *world, uint32_t n, duet_error *err)
-{
-    if (!host_block_reserve(&world->sizes, world->def.pair->devices, 2,
-                            ((size_t)n + 1) * sizeof(duet_size), err))
-        return NULL;
-    duet_size *sizes = world->sizes.bytes;
-    sizes[n] = (duet_size){0};
-    world->n_sizes = n;
-    ++world->sizes_version;
-    return sizes;
-}
-
-void *duet_world_map_objects(duet_world *world, duet_object_kind kind, uint32_t n, duet_error *err)
-{
-    world_kind what;
-    if (!world_can_have(world, kind, n, __func__, &what, err))
-        return NULL;
-    if (kind == DUET_OBJECT_SIZES)
-        return map_sizes(world, n, err);
-    resident_drop(&world->resident);
-    if (!host_block_reserve(&world->objects, world->def.pair->devices, 2, n * what.bytes, err))
-        return NULL;
-    world->n = n;
-    ++world->objects_version;
-    return world->objects.bytes;
-}
-
-void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n)
-{
-    if (n * kinds[kind].bytes > world->objects.size)
-        return NULL;
-    world->n = n;
-    return world->objects.bytes;
-}
-
-bool world_check_sizes(const duet_world *world, duet_error *err)
-{
-    return !world->def.separate_sizes || world->n_sizes == world->n ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%u objects have a transform and %u a size; expected as many of each",
-                     world->n, world->n_sizes);
-}
-
-static bool take_sizes(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
-{
-    duet_size *sizes = duet_world_map_objects(world, DUET_OBJECT_SIZES, n, err);
-    for (uint32_t i = 0; sizes && i < n; ++i)
-        memcpy(sizes[i].half_extents, poses[i].half_extents, sizeof poses->half_extents);
-    return sizes;
-}
-
-bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
-{
-    void *to = duet_world_map_objects(world, kind_of(&world->def), n, err);
-    for (uint32_t i = 0; to && i < n; ++i) {
-        duet_transform t = grid_transform_of(&poses[i]);
-        if (world->def.dims == 2)
-            t.rotation[0] = t.rotation[1] = 0.0f;
-        if (!world->def.compact_transforms)
-            ((duet_transform *)to)[i] = t;
-        else // what has no rotation is the step's to report
-            duet_compact_transform_set(&((duet_compact_transform *)to)[i], &t, NULL);
-    }
-    return to;
-}
-
-// The first objects are counted at once: who then asks for a profile need not
-// wait for that. An offset that is not a number is the step's to report. Of no
-// objects none need be there.
-bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void *objects,
-                            uint32_t n, duet_error *err)
-{
-    if (!world_is_idle(world, __func__, err) ||
-        (n > 0 && !error_given(objects, __func__, "objects", err)))
-        return false;
-    if (kind == DUET_OBJECT_POSES && world->def.separate_sizes)
-        return world_take_transforms(world, objects, n, err) && take_sizes(world, objects, n, err);
-    void *to = duet_world_map_objects(world, kind, n, err);
-    if (!to || n == 0)
-        return to;
-    memcpy(to, objects, n * kinds[kind].bytes);
-    for (uint32_t i = 0; kind == DUET_OBJECT_LARGE_POSES && i < n; ++i)
-        origin_settle(&((duet_large_pose *)to)[i], world->def.origin_edge);
-    if (kind != DUET_OBJECT_SIZES && world->objects_version == 1 && !world->def.separate_sizes)
-        workload_stats_take(&world->stats, world);
-    return true;
 }

@@ -3,18 +3,37 @@
 #ifndef RUNTIME_WORLD_H
 #define RUNTIME_WORLD_H
 
-#include "runtime/broadphase/pair_buffers.h"
-#include "runtime/broadphase/pair_count.h"
 #include "runtime/broadphase/part.h"
-#include "runtime/broadphase/resident.h"
 #include "runtime/broadphase/slab.h"
 #include "runtime/broadphase/strays.h"
 #include "runtime/broadphase/workload_stats.h"
+#include "runtime/duet_opencl.h"
 #include "runtime/opencl/background.h"
+#include "runtime/opencl/callers_buffer.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/thread_pool.h"
 
-// What a step in two halves leaves for the second (step_halves.c).
+// Objects that are in a device's memory before the step: where B made them, or in a buffer of
+// the caller's. A device that has them reads them there; the host sees them where it must.
+typedef struct resident {
+    buffer objects;       // empty: the objects are the host's
+    bool on[2];           // the devices that have them
+    bool callers;         // the buffer is held
+    callers_events ready; // what must be over first; none once it is
+    const void *seen;     // by the host; NULL: not yet
+    void *mapped;         // that memory, where it is the device's own
+} resident;
+
+// Pairs that a step leaves on a device instead of bringing them to the host.
+typedef struct pair_buffers {
+    const device *device; // NULL: pairs come to the host
+    cl_mem pairs, count;  // the caller's, held; NULL: own
+    uint64_t capacity;    // of the caller's
+    buffer own_pairs, own_count;
+    duet_pair_buffers last; // of the last step; its mems may be a part's
+} pair_buffers;
+
+// What a step in two halves leaves for the second.
 typedef struct step_half {
     cl_event done; // the caller's commands may wait for it; NULL: none do
     bool told;     // the number of pairs is on the device
@@ -29,6 +48,7 @@ struct duet_world {
     pack pack;
     strays strays;
     host_block objects; // [n] poses or bounds, or transforms
+    const void *lent;   // the objects, where they lie in memory of someone else's; else NULL
     resident resident;  // the objects, where a device has them; else empty
     uint32_t n;
     uint64_t objects_version;
@@ -37,6 +57,7 @@ struct duet_world {
     uint32_t n_sizes;
     uint64_t sizes_version;
     workload_stats stats; // of the objects that were set first
+    bool alike;           // the devices: they do work in proportion to their units
     bool mode_open;       // the plan's mode is what the grid makes of the default
     bool prepared[2];     // the part's kernels are those of the plan and the grid
     bool fitted;          // the grid is that of these objects
@@ -63,20 +84,8 @@ struct duet_world {
 bool world_is_under_way(const duet_world *world);
 bool world_is_idle(const duet_world *world, const char *call, duet_error *err);
 
-// A step; the arguments are right, and no other is under way. *told: where pairs are left on a
-// device their number is there, 0 after a failure.
-bool world_run_step(duet_world *world, duet_result *result, bool *told, duet_error *err);
-
-// What the world was made for, and a row's bytes.
-typedef struct world_kind {
-    duet_object_kind kind;
-    const char *name;
-    size_t bytes;
-} world_kind;
-
-// Whether n objects of a kind suit the world, what they are then; BAD_ARGUMENT or TOO_MANY.
-bool world_can_have(const duet_world *world, duet_object_kind kind, uint32_t n, const char *call,
-                    world_kind *what, duet_error *err);
+// What objects of a world are called: "poses".
+const char *world_objects_name(const duet_world_def *def);
 
 // Begins to send the first n objects of those that were mapped, where that can be, while the
 // caller writes others behind them; the next step is of all of these. Until then the first n stay
@@ -93,6 +102,10 @@ uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **b
 // From now on the world has n of the objects that were mapped and those that were written behind
 // them; NULL where there is no space for so many.
 void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n);
+
+// The next steps are of n objects in the caller's memory, of the kind that the world was made for.
+// They stay there, and as they are while a step reads them, until others are mapped or lent.
+void world_lend_objects(duet_world *world, const void *objects, uint32_t n);
 
 // One user more, until it destroys the world.
 void world_hold(duet_world *world);
@@ -127,16 +140,38 @@ void world_choose_mode(duet_world *world);
 // The array is NULL where the host does not see the objects.
 grid_objects world_objects(const duet_world *world);
 
-// Makes them visible, once what they wait for is over; world_end_sight ends what resident_see
-// began.
+// Makes them visible, in place or in the world's own memory, once what they wait for is over;
+// returns at once where they are. What is in place is so until world_end_sight, for a step at most.
 bool world_see_objects(duet_world *world, duet_error *err);
 void world_end_sight(duet_world *world);
+
+// Whether every object has a size, whichever of the two was set first; and what must be over
+// before they are read is over.
+bool world_check_sizes(const duet_world *world, duet_error *err);
+bool world_await_objects(duet_world *world, duet_error *err);
+
+// Lets go of the buffer.
+void resident_drop(resident *r);
 
 // Maps n transforms, of the kind that the world was made for, and fills them from poses.
 bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err);
 
-// Whether every object has a size, whichever of the two was set first.
-bool world_check_sizes(const duet_world *world, duet_error *err);
+// Where pairs are left on a device: which devices keep what they find in the next step; after it,
+// all pairs in one buffer, TOO_MANY where the caller's has no space for them.
+void world_choose_keepers(duet_world *world);
+bool world_gather_pairs(duet_world *world, duet_error *err);
+
+// After a step that failed: no pairs, so that kernels which read the number do nothing. False where
+// that is not written.
+bool world_clear_pairs(duet_world *world);
+
+void pair_buffers_drop(pair_buffers *b);
+
+// BAD_OBJECT where the parts found bad ones, unless the world keeps them.
+bool world_check_bad(const duet_world *world, duet_error *err);
+
+// All that a step tells but the time that it took in all.
+void world_tell_result(duet_world *world, duet_result *result);
 
 // Whether B searches around all objects and needs nothing of A or the host for it.
 bool world_is_b_alone(const duet_world *world);

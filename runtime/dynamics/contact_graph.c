@@ -1,8 +1,276 @@
 // SPDX-License-Identifier: MIT
-// From pairs to rows: the contacts that each body may have, those that it had before, and a
-// colour for each.
+// Which bodies may touch: from fat AABBs to pairs, and from pairs to the contacts of each body.
+//
+// All pairs are searched by a world of the bodies' bounds. After commands that let bodies come, go
+// or touch others than before, the pairs of all other bodies hold on within a skin; only those
+// of the altered ones are searched, by a hash table of them. Contacts are rows of their owners
+// and take over what those of the step before had.
+#include "base/compare.h"
 #include "base/error.h"
+#include "kernels/dynamics/altered.h"
+#include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion_commands.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// More altered bodies are searched with all others, whose grid costs less then.
+enum { LEAST_PART = 8 };
+
+// Pairs that an altered body may have; with more, all are searched.
+enum { PAIRS_OF_ONE = 64 };
+
+// ---------------------------------------------------------------- bounds
+
+// Separations up to the margin are contacts, so each object's bounds have half of it.
+static bool compute_bounds(duet_motion *m, const kernel *k, uint32_t n, duet_error *err)
+{
+    double skin = motion_has(m, DUET_EFFECT_SKIN) ? m->def.skin : 0.0;
+    m->args.aabb_margin = motion_real(m, 0.5 * (m->margin + skin));
+    return timeline_launch(&m->times, "grid", k, n, m, err);
+}
+
+bool motion_check_bounds(duet_motion *m, duet_error *err)
+{
+    m->args.aabb_margin = motion_real(m, 0.5 * m->margin);
+    return timeline_launch(&m->times, "fat_aabbs", m->kernels.check_fat_aabbs, m->n, m, err);
+}
+
+// Whether everything is still inside the bounds that the rows were made from. What a step
+// moves last is checked at its end.
+static bool bounds_hold(duet_motion *m, bool *hold, duet_error *err)
+{
+    bool ok = m->bounds_checked || (motion_check_bounds(m, err) && motion_read_flags(m, err));
+    *hold = !m->flags[FLAG_MOVED];
+    return ok;
+}
+
+// ---------------------------------------------------------------- pairs of all bodies
+
+// What A and what B found, one behind the other.
+static bool send_pairs(duet_motion *m, const duet_result *result, duet_error *err)
+{
+    const size_t size = sizeof *result->spans[0].pairs;
+    bool ok = motion_reserve(m, PAIRS, result->pairs + 1, size, err);
+    size_t at = 0;
+    for (int i = 0; ok && i < 2; ++i) {
+        size_t bytes = (size_t)result->spans[i].n * size;
+        ok = timeline_write_at(&m->times, "contact_graph", &m->buffers[PAIRS], at,
+                               result->spans[i].pairs, bytes, err);
+        at += bytes;
+    }
+    m->args.pairs = m->buffers[PAIRS];
+    return ok;
+}
+
+// Where both devices search, bounds and pairs go through the host.
+static bool search_on_both(duet_motion *m, duet_result *result, duet_error *err)
+{
+    duet_bounds *bounds = duet_world_map_objects(m->world, DUET_OBJECT_BOUNDS, m->n, err);
+    return bounds &&
+           timeline_read(&m->times, "grid", &m->buffers[BOXES], bounds, m->n * sizeof *bounds,
+                         err) &&
+           duet_world_step(m->world, result, err) && send_pairs(m, result, err);
+}
+
+static bool search_on_b(duet_motion *m, duet_result *result, duet_error *err)
+{
+    const buffer *pairs = NULL;
+    m->world->parts[1].untimed = m->times.untimed;
+    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, result, &pairs, err);
+    m->args.pairs = *pairs;
+    return ok;
+}
+
+// What is hidden is left out, and nothing else may be. The error is of its state, where that says
+// what is wrong.
+static bool check_left_out(duet_motion *m, const duet_result *result, duet_error *err)
+{
+    uint32_t hidden = m->commands ? m->commands->n_hidden : 0;
+    if (result->bad == hidden)
+        return true;
+    free(motion_read_states(m, err));
+    return error_set(err, DUET_STATUS_BAD_OBJECT,
+                     "the bounds of %u objects of %u are not finite after step %llu",
+                     result->bad - hidden, m->n - hidden, (unsigned long long)m->step);
+}
+
+static bool find_pairs(duet_motion *m, duet_error *err)
+{
+    duet_result result;
+    m->world->def.keep_bad = m->commands && m->commands->n_hidden > 0;
+    bool ok =
+        world_is_b_alone(m->world) ? search_on_b(m, &result, err) : search_on_both(m, &result, err);
+    ok = ok && check_left_out(m, &result, err);
+    if (ok)
+        timeline_add_host(&m->times, "pairs", result.total_ms);
+    m->n_pairs = ok ? result.pairs : 0;
+    return ok;
+}
+
+// What had left its bounds has new ones.
+static bool find_all_pairs(duet_motion *m, duet_error *err)
+{
+    return (!m->flags[FLAG_MOVED] || timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0,
+                                                   FLAG_MOVED, FLAG_MOVED + 1, err)) &&
+           compute_bounds(m, m->kernels.compute_fat_aabbs, m->n, err) && find_pairs(m, err);
+}
+
+// ---------------------------------------------------------------- altered bodies
+
+static bool reserve(motion_commands *c, uint64_t n)
+{
+    if (n <= c->altered_capacity)
+        return true;
+    uint32_t *altered = realloc(c->altered, 2 * n * sizeof *altered);
+    if (!altered)
+        return false;
+    c->altered = altered;
+    c->altered_capacity = (uint32_t)(2 * n);
+    return true;
+}
+
+void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n)
+{
+    motion_commands *c = m->commands;
+    uint64_t all = (uint64_t)c->n_altered + n;
+    m->rows_stale = m->rows_stale || !m->has_graph || !motion_has(m, DUET_EFFECT_SKIN) ||
+                    all > m->n / LEAST_PART || !reserve(c, all);
+    for (uint32_t i = 0; i < n && !m->rows_stale; ++i)
+        c->altered[c->n_altered++] = places[i];
+}
+
+static void list_once(motion_commands *c)
+{
+    uint32_t n = 0;
+    qsort(c->altered, c->n_altered, sizeof *c->altered, compare_uint32);
+    for (uint32_t i = 0; i < c->n_altered; ++i)
+        if (n == 0 || c->altered[n - 1] != c->altered[i])
+            c->altered[n++] = c->altered[i];
+    c->n_altered = n;
+}
+
+// ---------------------------------------------------------------- a table of them
+
+// Twice as wide as what is altered, in the mean: few bodies overlap more than eight.
+static double edge_of(const duet_motion *m)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < m->commands->n_altered; ++i) {
+        const float *h = m->poses[m->commands->altered[i]].half_extents;
+        sum += fmax(fmax(h[0], h[1]), m->def.dims == 3 ? h[2] : 0.0f);
+    }
+    return 4.0 * sum / m->commands->n_altered + 2.0 * (m->margin + m->def.skin);
+}
+
+static uint32_t count_heads(uint32_t n_altered)
+{
+    uint32_t n = 1024;
+    while (n < 16 * (uint64_t)n_altered && n < 1u << 31)
+        n *= 2;
+    return n;
+}
+
+static void set_args(duet_motion *m)
+{
+    motion_args *args = &m->args;
+    args->n_altered = m->commands->n_altered;
+    args->n_heads = count_heads(args->n_altered);
+    args->per_edge = (float)fmin(1.0 / edge_of(m), 1e30);
+    args->pair_capacity = m->n_contacts + PAIRS_OF_ONE * args->n_altered;
+}
+
+static bool reserve_table(duet_motion *m, duet_error *err)
+{
+    const uint64_t word = sizeof(uint32_t), n = m->args.n_altered;
+    return motion_reserve(m, ALTERED, n, word, err) &&
+           motion_reserve(m, IS_ALTERED, m->n, word, err) &&
+           motion_reserve(m, ALTERED_HEADS, m->args.n_heads, word, err) &&
+           motion_reserve(m, ALTERED_ENTRIES_OF, ALTERED_CELLS * n, sizeof(cl_int4), err) &&
+           motion_reserve(m, ALTERED_NEXTS, ALTERED_CELLS * n, word, err) &&
+           motion_reserve(m, ALTERED_WIDE_ONES, n, word, err) &&
+           motion_reserve(m, ALTERED_COUNT_WORDS, ALTERED_COUNTS, word, err) &&
+           motion_reserve(m, PAIRS, m->args.pair_capacity, 2 * word, err);
+}
+
+static bool send_altered(duet_motion *m, duet_error *err)
+{
+    const motion_commands *c = m->commands;
+    buffer *b = m->buffers;
+    timeline *t = &m->times;
+    return timeline_write_at(t, "altered_pairs", &b[ALTERED], 0, c->altered,
+                             c->n_altered * sizeof *c->altered, err) &&
+           timeline_fill(t, "altered_pairs", &b[IS_ALTERED], 0, 0, m->n, err) &&
+           timeline_fill(t, "altered_pairs", &b[ALTERED_HEADS], 0, 0, m->args.n_heads, err) &&
+           timeline_fill(t, "altered_pairs", &b[ALTERED_COUNT_WORDS], 0, 0, ALTERED_COUNTS, err);
+}
+
+static bool prepare(duet_motion *m, duet_error *err)
+{
+    motion_kernels *k = &m->kernels;
+    const motion_choice list[] = {
+        {&k->compute_altered_aabbs, MOTION_ALTERED, "fat_aabbs", "compute_fat_aabbs"},
+        {&k->place_altered, MOTION_ALL, "altered_pairs", "place_altered"},
+        {&k->find_altered_pairs, MOTION_ALL, "altered_pairs", "find_altered_pairs"},
+        {&k->keep_pairs, MOTION_ALL, "altered_pairs", "keep_pairs"},
+    };
+    return motion_build_kernels(m, list, sizeof list / sizeof *list, err);
+}
+
+static bool place_altered(duet_motion *m, duet_error *err)
+{
+    list_once(m->commands);
+    set_args(m);
+    return prepare(m, err) && reserve_table(m, err) && send_altered(m, err) &&
+           compute_bounds(m, m->kernels.compute_altered_aabbs, m->args.n_altered, err) &&
+           timeline_launch(&m->times, "altered_pairs", m->kernels.place_altered, m->args.n_altered,
+                           m, err);
+}
+
+static bool search_altered(duet_motion *m, bool *found, duet_error *err)
+{
+    uint32_t counts[ALTERED_COUNTS];
+    bool ok =
+        timeline_launch(&m->times, "altered_pairs", m->kernels.find_altered_pairs, m->n, m, err) &&
+        timeline_launch(&m->times, "altered_pairs", m->kernels.keep_pairs, m->n_contacts, m, err) &&
+        timeline_read(&m->times, "altered_pairs", &m->buffers[ALTERED_COUNT_WORDS], counts,
+                      sizeof counts, err);
+    *found = ok && counts[ALTERED_PAIRS] <= m->args.pair_capacity;
+    if (!*found)
+        return ok;
+    m->n_pairs = counts[ALTERED_PAIRS];
+    m->args.pairs = m->buffers[PAIRS];
+    return true;
+}
+
+static bool find_altered_pairs(duet_motion *m, bool *found, duet_error *err)
+{
+    bool hold = false;
+    *found = false;
+    return place_altered(m, err) && bounds_hold(m, &hold, err) &&
+           (!hold || search_altered(m, found, err));
+}
+
+// ---------------------------------------------------------------- pairs of either
+
+// Those of what commands altered, where the others' hold on; else all.
+static bool search(duet_motion *m, duet_error *err)
+{
+    bool some = !m->rows_stale && motion_rows_are_stale(m), found = false;
+    if (some && !find_altered_pairs(m, &found, err))
+        return false;
+    m->rows_stale = false;
+    if (m->commands)
+        m->commands->n_altered = 0;
+    return found || find_all_pairs(m, err);
+}
+
+static bool find_candidates(duet_motion *m, bool *hold, duet_error *err)
+{
+    bool skin = m->has_graph && !motion_rows_are_stale(m) && motion_has(m, DUET_EFFECT_SKIN);
+    *hold = false;
+    return (!skin || bounds_hold(m, hold, err)) && (*hold || search(m, err));
+}
 
 // ---------------------------------------------------------------- rows
 
@@ -21,21 +289,23 @@ static bool put_all(duet_motion *m, uint32_t fill, duet_error *err)
     const motion_kernels *k = &m->kernels;
     m->args.n_pairs = (uint32_t)m->n_pairs;
     m->args.fill = fill;
-    return motion_launch(m, "contact_graph", k->contact_graph_pairs, m->n_pairs, err) &&
+    return timeline_launch(&m->times, "contact_graph", k->contact_graph_pairs, m->n_pairs, m,
+                           err) &&
            (!k->contact_graph_walls ||
-            motion_launch(m, "contact_graph", k->contact_graph_walls, m->n, err));
+            timeline_launch(&m->times, "contact_graph", k->contact_graph_walls, m->n, m, err));
 }
 
 static bool sort_rows(duet_motion *m, motion_buffer starts, motion_buffer values, duet_error *err)
 {
     m->args.row_starts = m->buffers[starts];
     m->args.row_values = m->buffers[values];
-    return motion_launch(m, "contact_graph", m->kernels.contact_graph_sort, m->n, err);
+    return timeline_launch(&m->times, "contact_graph", m->kernels.contact_graph_sort, m->n, m, err);
 }
 
 static bool scan_starts(duet_motion *m, motion_buffer starts, duet_error *err)
 {
-    return scan_run(&m->scan, &m->times, "contact_graph", &m->buffers[starts], m->n + 1, err);
+    return scan_run(&m->scan, &m->times, "contact_graph", &m->buffers[starts], &m->buffers[starts],
+                    m->n + 1, err);
 }
 
 static bool count_rows(duet_motion *m, duet_error *err)
@@ -58,7 +328,8 @@ static bool fill_rows(duet_motion *m, uint64_t most, duet_error *err)
 static bool put_returns(duet_motion *m, uint32_t fill, duet_error *err)
 {
     m->args.fill = fill;
-    return motion_launch(m, "contact_graph", m->kernels.contact_graph_reverse, m->n, err);
+    return timeline_launch(&m->times, "contact_graph", m->kernels.contact_graph_reverse, m->n, m,
+                           err);
 }
 
 static bool reserve_contacts(duet_motion *m, duet_error *err)
@@ -85,7 +356,7 @@ static bool fill_returns(duet_motion *m, duet_error *err)
 static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
 {
     m->args.n_old = n_old;
-    return motion_launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
+    return timeline_launch(&m->times, "match_contacts", m->kernels.match_contacts, n_old, m, err);
 }
 
 static bool build_rows(duet_motion *m, duet_error *err)
@@ -107,107 +378,5 @@ bool motion_build_graph(duet_motion *m, duet_error *err)
 {
     bool hold;
     m->rebuilt = false;
-    return motion_find_candidates(m, &hold, err) && (hold || build_rows(m, err));
-}
-
-// ---------------------------------------------------------------- graph colouring
-
-// Contacts into colours, and the list that goes colour by colour.
-
-// Rounds that are sent at once where those of the last step were too few.
-enum { ROUNDS_MORE = 4 };
-
-static bool reserve_lists(duet_motion *m, duet_error *err)
-{
-    static const motion_buffer lists[] = {LIST, LIST_SPARE, LIST_KEYS, LIST_KEYS_SPARE};
-    bool ok = motion_reserve(m, COLOUR_STARTS, KEYS + 1, sizeof(uint32_t), err) &&
-              motion_reserve(m, SPANS, sizeof m->colours / sizeof m->colours[0],
-                             sizeof m->colours[0], err);
-    for (size_t i = 0; ok && i < sizeof lists / sizeof lists[0]; ++i)
-        ok = motion_reserve(m, lists[i], (uint64_t)m->n_contacts + 1, sizeof(uint32_t), err);
-    return ok;
-}
-
-// Where each colour's contacts are in the list, and in blocks: those of a colour
-// begin a block, and those of none have one each.
-static void lay_colours(duet_motion *m, const uint32_t starts[KEYS + 1])
-{
-    uint32_t block = m->layout.block, n_blocks = 0;
-    m->n_colours = 0;
-    for (uint32_t c = 0; c <= COLOUR_OVERFLOW; ++c) {
-        colour_span *span = &m->colours[c];
-        span->first = starts[c * COLOUR_KEYS];
-        span->count = starts[(c + 1) * COLOUR_KEYS] - span->first;
-        span->slot = n_blocks * block;
-        n_blocks += c == COLOUR_OVERFLOW ? span->count : (span->count + block - 1) / block;
-        m->n_colours += span->count > 0;
-    }
-    m->n_pushing = starts[(COLOUR_OVERFLOW + 1) * COLOUR_KEYS];
-    m->n_blocks = n_blocks;
-}
-
-// Contacts of one colour after the other into LIST. Reads the flags as well.
-static bool sort_colours(duet_motion *m, duet_error *err)
-{
-    uint32_t starts[KEYS + 1];
-    buffer *b = m->buffers;
-    const radix_lists lists = {&b[LIST_KEYS], &b[LIST], &b[LIST_KEYS_SPARE], &b[LIST_SPARE]};
-    const char *stage = "graph_colour";
-    bool ok = motion_launch(m, stage, m->kernels.graph_colour_key, m->n_contacts, err) &&
-              radix_sort_run(&m->radix, &m->times, stage, &lists, m->n_contacts, KEY_BITS, err) &&
-              motion_launch(m, stage, m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
-              timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
-                                  err) &&
-              timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, sizeof starts, err);
-    if (ok)
-        lay_colours(m, starts);
-    return ok;
-}
-
-static bool run_rounds(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
-{
-    bool ok = true;
-    for (m->args.round = from + 1; ok && m->args.round <= to; ++m->args.round)
-        ok = motion_launch(m, "graph_colour", m->kernels.graph_colour_choose, m->n, err) &&
-             motion_launch(m, "graph_colour", m->kernels.graph_colour_take, m->n, err);
-    return ok;
-}
-
-// Each round colours at least the contact of greatest rank, so rounds end. As many as in
-// the last step and one more are sent before the host looks whether any contact still waits.
-static bool list_colours(duet_motion *m, duet_error *err)
-{
-    bool ok = reserve_lists(m, err);
-    bool waits = m->recoloured || m->flags[FLAG_UNCOLOURED] > 0;
-    uint32_t from = 0, to = waits ? m->rounds + 1 : 0;
-    do {
-        ok = ok && run_rounds(m, from, to, err) && sort_colours(m, err);
-        from = to;
-        to += ROUNDS_MORE;
-    } while (ok && m->flags[FLAG_UNCOLOURED] > 0);
-    m->rounds = m->flags[FLAG_ROUNDS];
-    return ok &&
-           motion_reserve(m, BLOCKS, (uint64_t)m->n_blocks * m->layout.block,
-                          m->layout.constraint * sizeof(float), err) &&
-           timeline_write_at(&m->times, "graph_colour", &m->buffers[SPANS], 0, m->colours,
-                             sizeof m->colours, err);
-}
-
-// Where colours changed in the last step they do mostly again, and nobody need ask.
-bool motion_colour(duet_motion *m, duet_error *err)
-{
-    const uint32_t none[KEYS + 1] = {0};
-    if (m->n_contacts == 0) {
-        lay_colours(m, none);
-        return true;
-    }
-    if (!motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->n_contacts, err) ||
-        (!m->recoloured && !motion_read_flags(m, err)))
-        return false;
-    m->list_stale = m->list_stale || m->rebuilt || m->recoloured || m->flags[FLAG_RECOLOURED];
-    if (!m->list_stale)
-        return true;
-    m->list_stale = !list_colours(m, err);
-    m->recoloured = m->flags[FLAG_RECOLOURED];
-    return !m->list_stale;
+    return find_candidates(m, &hold, err) && (hold || build_rows(m, err));
 }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/dynamics/effect.h"
+#include "runtime/dynamics/motion.h"
 
 #include <math.h>
-#include <string.h>
 
 // An effect stands after those that it can be called for by.
 static const effect_row rows[] = {
@@ -114,13 +113,11 @@ static void add_object(effect_facts *f, const duet_pose *p, const duet_body *b, 
     f->reach = fmax(f->reach, reach_of(p, b, dims, dt));
 }
 
-effect_facts effect_facts_of(const duet_motion_def *def, const duet_pose *poses,
-                             const duet_body *bodies, uint32_t n)
+void effect_facts_add(effect_facts *facts, const duet_motion_def *def, const duet_pose *poses,
+                      const duet_body *bodies, uint32_t n)
 {
-    effect_facts f = {0};
     for (uint32_t i = 0; i < n; ++i)
-        add_object(&f, &poses[i], &bodies[i], def->dims, def->dt);
-    return f;
+        add_object(facts, &poses[i], &bodies[i], def->dims, def->dt);
 }
 
 // ---------------------------------------------------------------- inference
@@ -184,4 +181,37 @@ uint32_t effect_infer(const duet_motion_def *def, const effect_facts *facts)
         if ((effects & rows[i].effect) || is_called(rows[i].effect, def, facts, effects))
             effects |= rows[i].effect | rows[i].needs;
     return effects;
+}
+
+// ---------------------------------------------------------------- what each costs
+
+// No effect, for it changes how positions are kept and nothing of what happens.
+static bool explain_origin(const duet_motion *m, duet_effect_info *info)
+{
+    *info = (duet_effect_info){
+        .name = "origin",
+        .active = m->cells && m->effects,
+        .called_by = "origin = \"cell\"",
+        .kernels = "integrate_free_flight, bodies, fat_aabbs, build_manifolds",
+        .bytes = motion_words(m, CELLS) * (uint32_t)sizeof(uint32_t),
+    };
+    return true;
+}
+
+bool duet_motion_explain(const duet_motion *m, uint32_t i, duet_effect_info *info)
+{
+    const effect_row *row = effect_at(i);
+    if (!m || !info)
+        return false;
+    if (!row)
+        return i > 0 && effect_at(i - 1) && explain_origin(m, info);
+    bool active = motion_has(m, row->effect);
+    *info = (duet_effect_info){
+        .name = row->name,
+        .active = active,
+        .called_by = row->called_by,
+        .kernels = row->kernels,
+        .bytes = active ? motion_bytes_for(m, row->effect) : 0,
+    };
+    return true;
 }

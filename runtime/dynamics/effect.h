@@ -21,8 +21,9 @@ typedef struct effect_facts {
     double reach;  // the most that something moves in a step, in its least half extents
 } effect_facts;
 
-effect_facts effect_facts_of(const duet_motion_def *def, const duet_pose *poses,
-                             const duet_body *bodies, uint32_t n);
+// Adds what some objects say to what others said.
+void effect_facts_add(effect_facts *facts, const duet_motion_def *def, const duet_pose *poses,
+                      const duet_body *bodies, uint32_t n);
 
 // The effects that facts and def call for, and all that those need.
 uint32_t effect_infer(const duet_motion_def *def, const effect_facts *facts);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/motion_commands.h"
-#include "runtime/dynamics/motion_map.h"
 #include "runtime/dynamics/recording.h"
 #include "runtime/dynamics/vector.h"
 
@@ -203,29 +202,28 @@ static double mean_least_extent(const duet_motion *m)
     return n > 0 ? sum / n : 0.0;
 }
 
+static bool settle_pose(const duet_motion *m, duet_large_pose p, duet_pose *pose, cl_int4 *cell)
+{
+    bool ok = origin_settle(&p, m->def.origin_edge);
+    *pose = p.pose;
+    memcpy(cell->s, p.cell, m->def.dims * sizeof *p.cell);
+    return ok;
+}
+
 // Each centre into its origin cell: those of poses count from def.origin.
 static bool place_objects(duet_motion *m, const duet_large_pose *large_poses, duet_error *err)
 {
-    float edge = m->def.origin_edge;
-    if (edge == 0.0f)
+    if (m->def.origin_edge == 0.0f)
         return true;
     m->cells = calloc((size_t)m->n + 1, sizeof *m->cells);
     if (!m->cells)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the cells of %u objects", m->n);
-    for (uint32_t id = 0; id < m->n; ++id) {
-        duet_large_pose p = large_poses ? large_poses[id] : (duet_large_pose){.pose = m->poses[id]};
-        double at[3];
-        for (int k = 0; k < 3; ++k)
-            at[k] = m->def.origin[k] + (double)p.pose.centre[k];
-        bool ok = large_poses ? origin_settle(&p, edge) : origin_place(&p, at, edge);
-        if (!ok)
+    for (uint32_t id = 0; id < m->n; ++id)
+        if (!(large_poses ? settle_pose(m, large_poses[id], &m->poses[id], &m->cells[id])
+                          : motion_place_pose(m, &m->poses[id], &m->cells[id])))
             return error_set(err, DUET_STATUS_BAD_OBJECT,
                              "object %u of %u is beyond 2^30 origin cells of edge %g", id, m->n,
-                             (double)edge);
-        m->poses[id] = p.pose;
-        for (uint32_t k = 0; k < m->def.dims; ++k)
-            m->cells[id].s[k] = p.cell[k];
-    }
+                             (double)m->def.origin_edge);
     return true;
 }
 
@@ -275,7 +273,7 @@ static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large
 {
     if (!copy_objects(m, poses, large_poses, bodies, n, err))
         return false;
-    m->facts = effect_facts_of(&m->def, m->poses, m->bodies, n);
+    effect_facts_add(&m->facts, &m->def, m->poses, m->bodies, n);
     m->effects = effect_infer(&m->def, &m->facts);
     double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * mean_least_extent(m);
     m->margin = MOTION_SLOPS * slop;
@@ -335,7 +333,7 @@ void duet_motion_destroy(duet_motion *m)
     free(m->cells);
     free(m->bodies);
     motion_free_events(&m->told);
-    motion_free_reading(&m->reading);
+    motion_forget_moved(&m->reading);
     motion_forget_commands(m->commands);
     motion_forget_recording(m);
     duet_device_pair_destroy(m->def.pair);
@@ -344,7 +342,7 @@ void duet_motion_destroy(duet_motion *m)
 
 const duet_plan *duet_motion_get_plan(const duet_motion *m)
 {
-    return m && m->world && !motion_is_under_way(m) ? duet_world_get_plan(m->world) : NULL;
+    return m && m->world && !m->background.under_way ? duet_world_get_plan(m->world) : NULL;
 }
 
 uint32_t duet_motion_get_effects(const duet_motion *m)

@@ -9,7 +9,6 @@
 #include "kernels/dynamics/records.h"
 #include "runtime/dynamics/effect.h"
 #include "runtime/dynamics/motion_events.h"
-#include "runtime/dynamics/motion_read.h"
 #include "runtime/opencl/background.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/radix_sort.h"
@@ -152,6 +151,15 @@ typedef struct colour_span {
     cl_uint spare;
 } colour_span;
 
+// What was told of the bodies that moved (motion_read.c).
+typedef struct motion_reading {
+    kernel *gather_rows, *changed_rows; // NULL until something is read
+    bool begun;                         // the device has what was read last
+    uint32_t n;
+    uint32_t *ids; // [n] that moved
+    duet_state *states;
+} motion_reading;
+
 // What commands (runtime/duet_motion_commands.h) leave behind.
 typedef struct motion_commands motion_commands;
 typedef struct motion_recording motion_recording;
@@ -175,7 +183,7 @@ struct duet_motion {
     timeline times;
     motion_commands *commands;   // NULL before the first
     motion_recording *recording; // NULL where nothing is recorded
-    struct motion_map *maps;     // [parts of the state], likewise (motion_map.h)
+    struct motion_map *maps;     // [parts of the state], likewise (motion_map.c)
     background background;       // of a step in two halves, and what that took
     double background_ms;
     buffer buffers[MOTION_BUFFERS];
@@ -213,13 +221,22 @@ static inline bool motion_tells_hits(const duet_motion *m)
            m->def.hit_speed > 0.0;
 }
 
+static inline arg_real motion_real(const duet_motion *m, double value)
+{
+    return m->def.doubles ? (arg_real){.d = value} : (arg_real){.f = (float)value};
+}
+
+// Reads the flags, which waits for all that was launched.
+static inline bool motion_read_flags(duet_motion *m, duet_error *err)
+{
+    return timeline_read(&m->times, "flags", &m->buffers[FLAG_WORDS], m->flags, sizeof m->flags,
+                         err);
+}
+
 // The objects of a motion: poses, or with origin cells large_poses [n]; the other is NULL.
 duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err);
-
-// Whether a step has begun that was not ended, by its thread.
-bool motion_is_under_way(const duet_motion *m);
 
 // Whether a public call has a motion whose state is that of a whole step, none of which is under
 // way, and of which nothing is mapped; BAD_ARGUMENT where it has not. Steady: something may be
@@ -227,11 +244,22 @@ bool motion_is_under_way(const duet_motion *m);
 bool motion_is_idle(const duet_motion *m, const char *call, duet_error *err);
 bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err);
 bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
+bool motion_is_unmapped(const duet_motion *m, const char *call, duet_error *err);
 
-// A kernel with what the scene says of its parameters, once it is built: for all bodies, or for
-// those that commands altered.
-bool motion_ask(duet_motion *m, kernel **at, const char *name, const char *entry, bool altered,
-                duet_error *err);
+// Without writing what was mapped; and what was told of the bodies that moved.
+void motion_forget_maps(duet_motion *m);
+void motion_forget_moved(motion_reading *r);
+
+// A kernel with what the scene says of its parameters, for all bodies or for those that commands
+// altered; and such kernels as are built when they are first asked for.
+typedef enum motion_wanted { MOTION_NONE, MOTION_ALL, MOTION_ALTERED } motion_wanted;
+typedef struct motion_choice {
+    kernel **at;
+    motion_wanted wanted;
+    const char *name;
+    const char *entry;
+} motion_choice;
+bool motion_build_kernels(duet_motion *m, const motion_choice *list, size_t n, duet_error *err);
 
 // What is wrong with a pose, a body or a def; a def's fault is told by err.
 const char *motion_pose_fault(const duet_pose *pose, uint32_t dims);
@@ -251,8 +279,10 @@ void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state);
 // All states, which the caller frees; NULL where a number of them is no longer finite.
 duet_state *motion_read_states(duet_motion *m, duet_error *err);
 
-// All states of a motion in origin cells, their centres offsets in these [n].
-bool motion_get_offsets(duet_motion *m, duet_state *states, cl_int4 *cells, duet_error *err);
+// States of n bodies whose ids are valid, or without ids of the first n. Where cells are asked for,
+// centres are offsets in these.
+bool motion_fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
+                         cl_int4 *cells, duet_error *err);
 
 // One over the inertia of an object about each of its own axes; 0: never turned about it.
 void motion_inverse_inertia(const duet_motion *m, uint32_t id, double inverse[3]);
@@ -261,7 +291,10 @@ void motion_inverse_inertia(const duet_motion *m, uint32_t id, double inverse[3]
 // not called for.
 uint32_t motion_words(const duet_motion *m, motion_buffer which);
 
-// Puts what poses and bodies say of some objects into B's buffers.
+// Bytes of state that an object has for an effect.
+uint32_t motion_bytes_for(const duet_motion *m, uint32_t effect);
+
+// Puts what poses and bodies say of some objects into B's buffers; places NULL: of all n.
 enum motion_part {
     PART_POSE = 1 << 0, // centre and rotation
     PART_SIZE = 1 << 1,
@@ -279,23 +312,12 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
 // Space for the n objects that there are, of which old_n had it; the others' state is 0.
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
 
-// Where objects may touch: bounds to pairs, pairs to rows, rows to contacts, contacts to colours.
+// Where objects may touch: bounds to pairs, pairs to the contacts of each.
 bool motion_check_bounds(duet_motion *m, duet_error *err); // sets FLAG_MOVED
-// *hold: those that rows are made of hold on, and none were searched.
-bool motion_find_candidates(duet_motion *m, bool *hold, duet_error *err);
 bool motion_build_graph(duet_motion *m, duet_error *err);
-bool motion_colour(duet_motion *m, duet_error *err);
 
-// Fills in the arguments that hold for a whole step.
-void motion_set_args(duet_motion *m);
-arg_real motion_real(const duet_motion *m, double value);
-
-// Runs a kernel over so many objects, pairs or contacts.
-bool motion_launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work,
-                   duet_error *err);
-
-// Reads the flags, which waits for all that was launched.
-bool motion_read_flags(duet_motion *m, duet_error *err);
+// Manifolds, sleep, colours and substeps: what contacts do to bodies in a step.
+bool motion_solve(duet_motion *m, duet_error *err);
 
 // Space for n elements of `size` bytes in a buffer.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);

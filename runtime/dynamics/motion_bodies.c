@@ -10,67 +10,36 @@
 
 // ---------------------------------------------------------------- coming
 
-// What is to be added, checked and placed.
-typedef struct arrivals {
-    uint32_t n;
-    duet_pose *poses;
-    duet_body *bodies;
-    cl_int4 *cells; // NULL without
-    uint32_t *places;
-    uint32_t n_places; // of the motion afterwards
-} arrivals;
-
-static void forget_arrivals(arrivals *a)
+static bool open_arrivals(motion_placed *p, const duet_pose *poses, const duet_body *bodies,
+                          uint32_t n, const char *call, duet_error *err)
 {
-    free(a->poses);
-    free(a->bodies);
-    free(a->cells);
-    free(a->places);
-}
-
-static bool copy_arrivals(arrivals *a, const duet_pose *poses, const duet_body *bodies, uint32_t n,
-                          const char *call, duet_error *err)
-{
-    a->n = n;
-    a->poses = malloc((size_t)n * sizeof *poses + 1);
-    a->bodies = malloc((size_t)n * sizeof *bodies + 1);
-    a->places = malloc((size_t)n * sizeof *a->places + 1);
-    if (!a->poses || !a->bodies || !a->places)
+    *p = (motion_placed){.n = n,
+                         .places = malloc((size_t)n * sizeof *p->places + 1),
+                         .poses = malloc((size_t)n * sizeof *poses + 1),
+                         .bodies = malloc((size_t)n * sizeof *bodies + 1)};
+    if (!p->poses || !p->bodies || !p->places)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u bodies", call, n);
     for (uint32_t i = 0; i < n; ++i) {
-        a->poses[i] = poses[i];
-        a->bodies[i] = bodies ? bodies[i] : duet_default_body();
-    }
-    return true;
-}
-
-static bool check_arrivals(const duet_motion *m, const arrivals *a, const char *call,
-                           duet_error *err)
-{
-    for (uint32_t i = 0; i < a->n; ++i) {
-        const char *fault = motion_pose_fault(&a->poses[i], m->def.dims);
-        if (!fault)
-            fault = motion_body_fault(&a->bodies[i]);
-        if (fault)
-            return error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: %s", call, i, a->n,
-                             fault);
+        p->poses[i] = poses[i];
+        p->bodies[i] = bodies ? bodies[i] : duet_default_body();
     }
     return true;
 }
 
 // The lowest empty places, and then new ones at the end.
-static bool choose_places(const duet_motion *m, arrivals *a, const char *call, duet_error *err)
+static bool choose_places(const duet_motion *m, motion_placed *p, uint32_t *n_places,
+                          const char *call, duet_error *err)
 {
     uint32_t place = m->commands->first_empty;
-    for (uint32_t i = 0; i < a->n; ++i) {
+    for (uint32_t i = 0; i < p->n; ++i) {
         while (place < m->n && m->commands->states[place] != PLACE_EMPTY)
             ++place;
         if (place >= MOTION_MOST)
             return error_set(err, DUET_STATUS_TOO_MANY, "%s: a motion has at most %u places", call,
                              MOTION_MOST);
-        a->places[i] = place++;
+        p->places[i] = place++;
     }
-    a->n_places = place > m->n ? place : m->n;
+    *n_places = place > m->n ? place : m->n;
     return true;
 }
 
@@ -134,27 +103,25 @@ static bool make_space(duet_motion *m, uint32_t n, duet_error *err)
     return motion_keep_whole(m, motion_grow(m, old_n, err) && move_walls(m, old_n, err));
 }
 
-static bool settle(duet_motion *m, const arrivals *a, uint64_t *ids, duet_error *err)
+static bool settle(duet_motion *m, const motion_placed *p, uint64_t *ids, duet_error *err)
 {
     motion_commands *c = m->commands;
-    if (a->n == 0)
+    if (p->n == 0)
         return true;
-    motion_alter_places(m, a->places, a->n);
+    motion_alter_places(m, p->places, p->n);
     m->reading.begun = false;
-    for (uint32_t i = 0; i < a->n; ++i) {
-        uint32_t place = a->places[i];
-        m->poses[place] = a->poses[i];
-        m->bodies[place] = a->bodies[i];
-        if (m->cells)
-            m->cells[place] = a->cells[i];
+    for (uint32_t i = 0; i < p->n; ++i) {
+        uint32_t place = p->places[i];
+        m->bodies[place] = p->bodies[i];
         --c->n_hidden;
         c->states[place] = PLACE_ENABLED;
         if (ids)
             ids[i] = (uint64_t)c->generations[place] << 32 | place;
     }
-    c->first_empty = a->places[a->n - 1] + 1;
-    return motion_send_places(m, a->places, a->n, PART_ALL, err) &&
-           motion_wake_still(m, a->places, a->n, err);
+    motion_placed_keep(m, p);
+    c->first_empty = p->places[p->n - 1] + 1;
+    return motion_send_places(m, p->places, p->n, PART_ALL, err) &&
+           motion_set_asleep(m, p->places, p->n, false, err);
 }
 
 bool duet_motion_add_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
@@ -163,17 +130,18 @@ bool duet_motion_add_bodies(duet_motion *m, const duet_pose *poses, const duet_b
     if (!motion_is_whole(m, __func__, err) ||
         (n > 0 && !error_given(poses, __func__, "poses", err)))
         return false;
-    arrivals a = {0};
+    motion_placed p = {0};
+    uint32_t n_places = 0;
     bool ok = timeline_finish(&m->times, err) && motion_begin_commands(m, err) &&
-              copy_arrivals(&a, poses, bodies, n, __func__, err) &&
-              check_arrivals(m, &a, __func__, err) &&
-              motion_place_poses(m, a.poses, n, &a.cells, __func__, err) &&
-              choose_places(m, &a, __func__, err) &&
-              motion_admit(m, a.poses, a.bodies, n, __func__, err) &&
-              make_space(m, a.n_places, err) && motion_keep_whole(m, settle(m, &a, ids, err));
+              open_arrivals(&p, poses, bodies, n, __func__, err) &&
+              motion_placed_check(m, &p, PART_ALL, __func__, err) &&
+              motion_placed_settle(m, &p, __func__, err) &&
+              choose_places(m, &p, &n_places, __func__, err) &&
+              motion_placed_admit(m, &p, __func__, err) && make_space(m, n_places, err) &&
+              motion_keep_whole(m, settle(m, &p, ids, err));
     if (ok)
-        motion_note_arrivals(m, poses, a.bodies, n);
-    forget_arrivals(&a);
+        motion_note_arrivals(m, poses, p.bodies, n);
+    motion_placed_close(&p);
     return ok;
 }
 
@@ -187,7 +155,7 @@ static bool send_presence(duet_motion *m, const uint32_t *places, uint32_t n, du
     m->reading.begun = false;
     return motion_send_places(m, places, n,
                               PART_SIZE | PART_VELOCITY | PART_ANGULAR_VELOCITY | PART_MASS, err) &&
-           motion_wake_still(m, places, n, err);
+           motion_set_asleep(m, places, n, false, err);
 }
 
 static void leave(duet_motion *m, uint32_t place)

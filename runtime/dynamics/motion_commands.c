@@ -6,7 +6,6 @@
 #include "runtime/dynamics/motion_rows.h"
 #include "runtime/dynamics/recording.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,53 +47,38 @@ bool motion_needs(const duet_motion *m, uint32_t effect, const char *call, duet_
     return lacks(effect & ~m->effects, call, "it ", err);
 }
 
-// What is known of the motion's objects and of some that join them. How fast those are is
-// not looked at: continuous is called for by what a motion begins with.
-static effect_facts joined(const duet_motion *m, const effect_facts *more)
+// Effects that the motion lacks for some objects that join its own, and what is then known of all.
+// How fast they are is not looked at: continuous is called for by what a motion begins with.
+static uint32_t missing_for(const duet_motion *m, const duet_pose *poses, const duet_body *bodies,
+                            uint32_t n, effect_facts *all)
 {
-    effect_facts f = m->facts;
-    f.rotated |= more->rotated;
-    f.moving |= more->moving;
-    f.turning |= more->turning;
-    f.massive |= more->massive;
-    f.turnable |= more->turnable;
-    f.uneven |= more->uneven;
-    f.sensing |= more->sensing;
-    f.round |= more->round;
-    f.elastic |= more->elastic;
-    f.rough |= more->rough;
-    f.filtered |= more->filtered;
-    return f;
+    *all = m->facts;
+    effect_facts_add(all, &m->def, poses, bodies, n);
+    all->reach = m->facts.reach;
+    return effect_infer(&m->def, all) & ~m->effects;
 }
 
-static uint32_t missing_for(const duet_motion *m, const effect_facts *more)
+static bool tell_who_lacks(const duet_motion *m, const motion_placed *p, const char *call,
+                           duet_error *err)
 {
-    effect_facts f = joined(m, more);
-    return effect_infer(&m->def, &f) & ~m->effects;
-}
-
-static bool tell_who_lacks(const duet_motion *m, const duet_pose *poses, const duet_body *bodies,
-                           uint32_t n, const char *call, duet_error *err)
-{
-    for (uint32_t i = 0; i < n; ++i) {
-        effect_facts f = effect_facts_of(&m->def, &poses[i], &bodies[i], 1);
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < p->n; ++i) {
+        effect_facts all;
         char what[48];
-        snprintf(what, sizeof what, "body %u of %u ", i, n);
-        if (!lacks(missing_for(m, &f), call, what, err))
-            return false;
+        snprintf(what, sizeof what, "body %u of %u ", i, p->n);
+        ok = lacks(missing_for(m, &p->poses[i], &p->bodies[i], 1, &all), call, what, err);
     }
-    return false;
+    return ok;
 }
 
-bool motion_admit(duet_motion *m, const duet_pose *poses, const duet_body *bodies, uint32_t n,
-                  const char *call, duet_error *err)
+bool motion_placed_admit(duet_motion *m, const motion_placed *p, const char *call, duet_error *err)
 {
-    effect_facts more = effect_facts_of(&m->def, poses, bodies, n);
-    if (missing_for(m, &more))
-        return tell_who_lacks(m, poses, bodies, n, call, err);
     const effect_facts before = m->facts;
-    m->facts = joined(m, &more);
-    bool tumbles = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven && !before.uneven;
+    effect_facts all;
+    if (missing_for(m, p->poses, p->bodies, p->n, &all))
+        return tell_who_lacks(m, p, call, err);
+    m->facts = all;
+    bool tumbles = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && all.uneven && !before.uneven;
     if (!tumbles || motion_prepare_again(m, err))
         return true;
     m->facts = before;
@@ -136,28 +120,6 @@ static uint32_t parts_of(uint32_t fields)
     return all;
 }
 
-duet_pose *motion_poses_at(const duet_motion *m, const uint32_t *places, uint32_t n,
-                           duet_error *err)
-{
-    duet_pose *poses = malloc((size_t)n * sizeof *poses + 1);
-    if (!poses)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u poses", n);
-    for (uint32_t i = 0; poses && i < n; ++i)
-        poses[i] = m->poses[places[i]];
-    return poses;
-}
-
-duet_body *motion_bodies_at(const duet_motion *m, const uint32_t *places, uint32_t n,
-                            duet_error *err)
-{
-    duet_body *bodies = malloc((size_t)n * sizeof *bodies + 1);
-    if (!bodies)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", n);
-    for (uint32_t i = 0; bodies && i < n; ++i)
-        bodies[i] = m->bodies[places[i]];
-    return bodies;
-}
-
 // Contacts of one colour share no body that moves; those of a body that has a mass from now
 // on may have done so.
 static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
@@ -181,18 +143,17 @@ static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
 }
 
 // Whether each has a mass decides whose the contacts are.
-static bool change_masses(duet_motion *m, const uint32_t *places, const duet_body *bodies,
-                          uint32_t n, duet_error *err)
+static bool change_masses(duet_motion *m, const motion_placed *p, duet_error *err)
 {
     uint8_t *gained = calloc((size_t)m->n + 1, 1);
     bool any = false;
     if (!gained)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u places", m->n);
-    for (uint32_t i = 0; i < n; ++i) {
-        bool had = m->bodies[places[i]].mass > 0.0f, has = bodies[i].mass > 0.0f;
+    for (uint32_t i = 0; i < p->n; ++i) {
+        bool had = m->bodies[p->places[i]].mass > 0.0f, has = p->bodies[i].mass > 0.0f;
         if (had != has)
-            motion_alter_places(m, &places[i], 1);
-        gained[places[i]] |= has && !had;
+            motion_alter_places(m, &p->places[i], 1);
+        gained[p->places[i]] |= has && !had;
         any |= has && !had;
     }
     bool ok = !any || uncolour(m, gained, err);
@@ -200,45 +161,23 @@ static bool change_masses(duet_motion *m, const uint32_t *places, const duet_bod
     return ok;
 }
 
-static bool set_fields(duet_motion *m, const uint32_t *places, const duet_body *bodies, uint32_t n,
-                       uint32_t fields, duet_error *err)
+static bool set_fields(duet_motion *m, const motion_placed *p, uint32_t fields, duet_error *err)
 {
     const uint32_t moving = DUET_BODY_VELOCITY | DUET_BODY_ANGULAR_VELOCITY | DUET_BODY_MASS;
-    if (n == 0)
+    if (p->n == 0)
         return true;
-    if ((fields & moving) && !motion_forget_targets(m, places, n, err))
+    if ((fields & moving) && !motion_forget_targets(m, p->places, p->n, err))
         return false;
-    if ((fields & DUET_BODY_MASS) && !change_masses(m, places, bodies, n, err))
+    if ((fields & DUET_BODY_MASS) && !change_masses(m, p, err))
         return false;
     if (fields & DUET_BODY_FILTER) {
-        motion_alter_places(m, places, n);
+        motion_alter_places(m, p->places, p->n);
         m->told.known = false; // events are told by groups
     }
-    for (uint32_t i = 0; i < n; ++i)
-        copy_fields(&m->bodies[places[i]], &bodies[i], fields);
-    return motion_send_places(m, places, n, parts_of(fields), err) &&
-           motion_wake_places(m, places, n, err);
-}
-
-// What the bodies will be.
-static duet_body *merge_fields(const duet_motion *m, const uint32_t *places, duet_body_list list,
-                               uint32_t fields, const duet_body *bodies, const char *call,
-                               duet_error *err)
-{
-    duet_body *merged = malloc((size_t)list.n * sizeof *merged + 1);
-    bool ok = merged ||
-              error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u bodies", call, list.n);
-    for (uint32_t i = 0; ok && i < list.n; ++i) {
-        merged[i] = m->bodies[places[i]];
-        copy_fields(&merged[i], &bodies[i], fields);
-        const char *fault = motion_body_fault(&merged[i]);
-        ok = !fault || error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: %s", call, i,
-                                 list.n, fault);
-    }
-    if (ok)
-        return merged;
-    free(merged);
-    return NULL;
+    for (uint32_t i = 0; i < p->n; ++i)
+        copy_fields(&m->bodies[p->places[i]], &p->bodies[i], fields);
+    return motion_send_places(m, p->places, p->n, parts_of(fields), err) &&
+           motion_wake_places(m, p->places, p->n, err);
 }
 
 bool duet_motion_set_bodies(duet_motion *m, duet_body_list list, uint32_t fields,
@@ -251,17 +190,16 @@ bool duet_motion_set_bodies(duet_motion *m, duet_body_list list, uint32_t fields
                          __func__, fields);
     if (list.n > 0 && !error_given(bodies, __func__, "bodies", err))
         return false;
-    uint32_t *places = motion_places_of(m, list, false, __func__, err);
-    duet_body *merged =
-        places ? merge_fields(m, places, list, fields, bodies, __func__, err) : NULL;
-    duet_pose *poses = merged ? motion_poses_at(m, places, list.n, err) : NULL;
-    bool ok = poses && motion_admit(m, poses, merged, list.n, __func__, err) &&
-              motion_keep_whole(m, set_fields(m, places, merged, list.n, fields, err));
+    motion_placed p;
+    bool ok = motion_placed_open(&p, m, list, false, __func__, err);
+    for (uint32_t i = 0; ok && i < list.n; ++i)
+        copy_fields(&p.bodies[i], &bodies[i], fields);
+    ok = ok && motion_placed_check(m, &p, parts_of(fields), __func__, err) &&
+         motion_placed_admit(m, &p, __func__, err) &&
+         motion_keep_whole(m, set_fields(m, &p, fields, err));
     if (ok)
-        motion_note_bodies(m, places, list.n, fields, merged);
-    free(poses);
-    free(merged);
-    free(places);
+        motion_note_bodies(m, p.places, list.n, fields, p.bodies);
+    motion_placed_close(&p);
     return ok;
 }
 

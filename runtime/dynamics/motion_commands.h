@@ -73,10 +73,35 @@ bool motion_needs(const duet_motion *m, uint32_t effect, const char *call, duet_
 // Whether a command's changes were made; one that was left half-way breaks the motion.
 bool motion_keep_whole(duet_motion *m, bool made);
 
-// Whether poses and bodies call for nothing that the motion lacks; what differs in them
-// from those before is then known.
-bool motion_admit(duet_motion *m, const duet_pose *poses, const duet_body *bodies, uint32_t n,
-                  const char *call, duet_error *err);
+// Bodies that a command gives or changes: copies of what is at their places, until it is kept.
+typedef struct motion_placed {
+    uint32_t n;
+    uint32_t *places;
+    duet_pose *poses;
+    duet_body *bodies;
+    cl_int4 *cells; // of the poses, once they are placed; NULL without origin cells
+} motion_placed;
+
+// Those of a list; closed in any case.
+bool motion_placed_open(motion_placed *p, duet_motion *m, duet_body_list list, bool enabled,
+                        const char *call, duet_error *err);
+void motion_placed_close(motion_placed *p);
+
+// BAD_OBJECT where a pose is wrong, or a body, of whichever these parts are.
+bool motion_placed_check(const duet_motion *m, const motion_placed *p, uint32_t parts,
+                         const char *call, duet_error *err);
+
+// Where the motion has origin cells, centres become offsets in these; false beyond 2^30 cells.
+bool motion_place_pose(const duet_motion *m, duet_pose *pose, cl_int4 *cell);
+bool motion_placed_settle(const duet_motion *m, motion_placed *p, const char *call,
+                          duet_error *err);
+
+// Their poses are the motion's from then on, to be sent.
+void motion_placed_keep(duet_motion *m, const motion_placed *p);
+
+// Whether they call for nothing that the motion lacks; what differs in them from those before is
+// then known.
+bool motion_placed_admit(duet_motion *m, const motion_placed *p, const char *call, duet_error *err);
 
 // The places of a list's bodies, which the caller frees. NULL where the motion, an id, or a
 // place of the range is wrong, or where enabled is asked for and one is disabled.
@@ -85,29 +110,20 @@ uint32_t *motion_places_of(duet_motion *m, duet_body_list list, bool enabled, co
 
 // Bodies that were changed are awake, and those that they touch will be.
 bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err);
-// The same of bodies that are where they were, or altered: the others' bounds hold as they did.
-bool motion_wake_still(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err);
+// The same, or asleep, of bodies that are where they were, or altered: the others' bounds hold as
+// they did.
+bool motion_set_asleep(duet_motion *m, const uint32_t *places, uint32_t n, bool asleep,
+                       duet_error *err);
 bool motion_wake_all(duet_motion *m, duet_error *err);
 
 // Forgets the targets of some places, whose bodies then stand still.
 bool motion_forget_targets(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err);
 
-// Centres of poses as offsets in their origin cells [n], where the motion has some; *cells
-// is then the caller's to free.
-bool motion_place_poses(const duet_motion *m, duet_pose *poses, uint32_t n, cl_int4 **cells,
-                        const char *call, duet_error *err);
-
-// What poses and bodies say of some places, which the caller frees; NULL without memory.
-duet_pose *motion_poses_at(const duet_motion *m, const uint32_t *places, uint32_t n,
-                           duet_error *err);
-duet_body *motion_bodies_at(const duet_motion *m, const uint32_t *places, uint32_t n,
-                            duet_error *err);
-
 // Puts bodies exactly where their targets are.
 bool motion_arrive(duet_motion *m, duet_error *err);
 
-// What a step leaves of commands: targets are reached, forces are over, and what was
-// removed is forgotten.
+// What a step leaves of commands: what was removed is forgotten, forces are over, and targets are
+// reached.
 bool motion_end_commands(duet_motion *m, duet_error *err);
 
 #endif

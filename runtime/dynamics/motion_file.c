@@ -3,7 +3,6 @@
 // the end tells a damaged file.
 #include "runtime/dynamics/motion_check.h"
 #include "runtime/dynamics/motion_file_commands.h"
-#include "runtime/dynamics/motion_map.h"
 #include "runtime/dynamics/recording.h"
 
 #include "base/error.h"

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/recording.h"
 
 #include <assert.h>
 #include <math.h>
@@ -10,8 +11,7 @@
 #include <string.h>
 
 typedef struct saved_head {
-    double gravity[3], attraction, centre[3], drag, lower[3], upper[3];
-    double max_push_speed, restitution_threshold, sleep_speed, sleep_after;
+    recorded_def def;
     uint32_t rows_stale;
     uint32_t n_targets;
     uint32_t pushed;
@@ -20,8 +20,7 @@ typedef struct saved_head {
 
 typedef struct saved_place {
     duet_pose pose;
-    float velocity[3], angular_velocity[3], mass, restitution, friction;
-    uint32_t group, mask, flags;
+    recorded_body body;
     uint32_t generation, state;
     uint64_t user_data;
     int32_t cell[3];
@@ -33,46 +32,18 @@ static_assert(sizeof(saved_head) == 160 && sizeof(saved_place) == 120 &&
               "no byte of a file is left to chance");
 
 enum { FORCE_WORDS = 8 };
-enum { SAVED_FIXED = 1, SAVED_SENSOR = 2 }; // flags
 
 // ---------------------------------------------------------------- saving
 
-static saved_head head_of(const duet_motion *m)
-{
-    const duet_motion_def *d = &m->def;
-    saved_head h = {.attraction = d->attraction,
-                    .drag = d->drag,
-                    .max_push_speed = d->max_push_speed,
-                    .restitution_threshold = d->restitution_threshold,
-                    .sleep_speed = d->sleep_speed,
-                    .sleep_after = d->sleep_after,
-                    .rows_stale = motion_rows_are_stale(m),
-                    .n_targets = m->commands->n_targets,
-                    .pushed = m->commands->pushed};
-    memcpy(h.gravity, d->gravity, sizeof h.gravity);
-    memcpy(h.centre, d->centre, sizeof h.centre);
-    memcpy(h.lower, d->lower, sizeof h.lower);
-    memcpy(h.upper, d->upper, sizeof h.upper);
-    return h;
-}
-
 static saved_place place_of(const duet_motion *m, uint32_t place)
 {
-    const duet_body *b = &m->bodies[place];
+    const motion_commands *c = m->commands;
     saved_place s = {.pose = m->poses[place],
-                     .mass = b->mass,
-                     .restitution = b->restitution,
-                     .friction = b->friction,
-                     .group = b->group,
-                     .mask = b->mask,
-                     .flags =
-                         (b->fixed_rotation ? SAVED_FIXED : 0) | (b->sensor ? SAVED_SENSOR : 0),
-                     .generation = m->commands->generations[place],
-                     .state = m->commands->states[place],
-                     .user_data = m->commands->user_data[place],
-                     .radius = b->radius};
-    memcpy(s.velocity, b->velocity, sizeof s.velocity);
-    memcpy(s.angular_velocity, b->angular_velocity, sizeof s.angular_velocity);
+                     .body = recorded_body_of(&m->bodies[place]),
+                     .generation = c->generations[place],
+                     .state = c->states[place],
+                     .user_data = c->user_data[place],
+                     .radius = m->bodies[place].radius};
     if (m->cells)
         memcpy(s.cell, m->cells[place].s, sizeof s.cell);
     return s;
@@ -91,7 +62,10 @@ static bool add_forces(duet_motion *m, text *file, duet_error *err)
 bool motion_add_commands(duet_motion *m, text *file, duet_error *err)
 {
     const motion_commands *c = m->commands;
-    saved_head h = head_of(m);
+    const saved_head h = {.def = recorded_def_of(&m->def),
+                          .rows_stale = motion_rows_are_stale(m),
+                          .n_targets = c->n_targets,
+                          .pushed = c->pushed};
     text_add_bytes(file, (const char *)&h, sizeof h);
     for (uint32_t place = 0; place < m->n; ++place) {
         saved_place s = place_of(m, place);
@@ -124,16 +98,7 @@ static bool take_head(duet_motion *as, const saved_head *h, const char *path, du
     duet_error why = {0};
     duet_motion_def *d = &as->def;
     bool pulled = d->attraction != 0.0;
-    d->attraction = h->attraction;
-    d->drag = h->drag;
-    d->max_push_speed = h->max_push_speed;
-    d->restitution_threshold = h->restitution_threshold;
-    d->sleep_speed = h->sleep_speed;
-    d->sleep_after = h->sleep_after;
-    memcpy(d->gravity, h->gravity, sizeof h->gravity);
-    memcpy(d->centre, h->centre, sizeof h->centre);
-    memcpy(d->lower, h->lower, sizeof h->lower);
-    memcpy(d->upper, h->upper, sizeof h->upper);
+    recorded_to_def(&h->def, d);
     if (!motion_check_def(d, &why))
         return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion: %s", path, why.text);
     if (pulled != (d->attraction != 0.0))
@@ -152,9 +117,9 @@ static bool take_head(duet_motion *as, const saved_head *h, const char *path, du
 static const char *place_fault(const duet_motion *as, const saved_place *s)
 {
     uint32_t place_is_empty = s->state == PLACE_EMPTY || s->state == PLACE_LEFT;
-    if (s->state >= PLACE_STATES || s->flags > (SAVED_FIXED | SAVED_SENSOR))
+    if (s->state >= PLACE_STATES || s->body.flags > (RECORDED_FIXED_ROTATION | RECORDED_SENSOR))
         return "there is no such word for its body";
-    if (place_is_empty && s->mass != 0.0f)
+    if (place_is_empty && s->body.mass != 0.0f)
         return "it is empty and has a mass";
     for (uint32_t k = 0; as->cells && k < as->def.dims; ++k)
         if (abs(s->cell[k] / 2) > 1 << 29)
@@ -166,16 +131,7 @@ static bool take_place(duet_motion *as, uint32_t place, const saved_place *s, co
                        duet_error *err)
 {
     duet_body *b = &as->bodies[place];
-    *b = (duet_body){.mass = s->mass,
-                     .restitution = s->restitution,
-                     .friction = s->friction,
-                     .group = s->group,
-                     .mask = s->mask,
-                     .radius = s->radius,
-                     .fixed_rotation = s->flags & SAVED_FIXED,
-                     .sensor = s->flags & SAVED_SENSOR};
-    memcpy(b->velocity, s->velocity, sizeof b->velocity);
-    memcpy(b->angular_velocity, s->angular_velocity, sizeof b->angular_velocity);
+    *b = recorded_to_body(&s->body, s->radius);
     as->poses[place] = s->pose;
     if (as->cells)
         memcpy(as->cells[place].s, s->cell, sizeof s->cell);
@@ -209,7 +165,8 @@ static bool take_target(const duet_motion *as, const motion_target *t, const cha
 static bool take_facts(duet_motion *as, const char *path, duet_error *err)
 {
     const effect_facts before = as->facts;
-    as->facts = effect_facts_of(&as->def, as->poses, as->bodies, as->n);
+    as->facts = (effect_facts){0};
+    effect_facts_add(&as->facts, &as->def, as->poses, as->bodies, as->n);
     as->facts.reach = before.reach;
     if (effect_infer(&as->def, &as->facts) & ~as->effects)
         return error_set(err, DUET_STATUS_BAD_INPUT,

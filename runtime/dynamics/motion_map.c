@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Parts of a motion's state for the caller: in place, or in a buffer of the caller's.
-#include "runtime/dynamics/motion_map.h"
+#include "runtime/duet_motion_map.h"
 
 #include "base/error.h"
 #include "runtime/duet_opencl.h"
@@ -38,8 +38,8 @@ const char *duet_state_part_name(duet_state_part part)
     return (int)part >= 0 && (int)part < PARTS ? parts[part].name : NULL;
 }
 
-static bool part_buffer(const duet_motion *m, duet_state_part part, motion_buffer *which,
-                        const char *call, duet_error *err)
+static bool check_part(const duet_motion *m, duet_state_part part, const char *call,
+                       duet_error *err)
 {
     if (!duet_state_part_name(part))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
@@ -49,7 +49,6 @@ static bool part_buffer(const duet_motion *m, duet_state_part part, motion_buffe
                          "%s: centres are in origin cells; expected duet_motion_get_states, or "
                          "duet_motion_set_poses",
                          call);
-    *which = parts[part].which;
     return motion_needs(m, parts[part].effect, call, err);
 }
 
@@ -93,8 +92,7 @@ static bool begin_maps(duet_motion *m, duet_error *err)
 static bool can_map(duet_motion *m, duet_state_part part, duet_map_access access, const char *call,
                     duet_error *err)
 {
-    motion_buffer which;
-    if (!motion_is_steady(m, call, err) || !part_buffer(m, part, &which, call, err))
+    if (!motion_is_steady(m, call, err) || !check_part(m, part, call, err))
         return false;
     if (access != DUET_MAP_READ && access != DUET_MAP_WRITE)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
@@ -219,11 +217,17 @@ static uint32_t *settle(const duet_motion *m, duet_state_part part, const struct
     return awake;
 }
 
-static bool write_back(duet_motion *m, struct motion_map *map, const uint32_t *awake, uint32_t n,
-                       duet_error *err)
+// What cannot be written stays mapped.
+static bool write_back(duet_motion *m, duet_state_part part, struct motion_map *map,
+                       const char *call, duet_error *err)
 {
-    return (map->n == 0 || motion_rows_close(m, &map->rows, err)) &&
-           motion_wake_places(m, awake, n, err);
+    uint32_t n = 0;
+    uint32_t *awake = check_rows(m, part, map, call, err) ? settle(m, part, map, &n, err) : NULL;
+    bool ok =
+        awake && motion_keep_whole(m, (map->n == 0 || motion_rows_close(m, &map->rows, err)) &&
+                                          motion_wake_places(m, awake, n, err));
+    free(awake);
+    return ok;
 }
 
 bool duet_motion_unmap_states(duet_motion *m, duet_state_part part, duet_error *err)
@@ -235,22 +239,12 @@ bool duet_motion_unmap_states(duet_motion *m, duet_state_part part, duet_error *
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: %s are not mapped; expected duet_motion_map_states first", __func__,
                          duet_state_part_name(part) ? parts[part].name : "states");
-    if (map->written) {
-        uint32_t n = 0;
-        if (!check_rows(m, part, map, __func__, err))
-            return false;
-        uint32_t *awake = settle(m, part, map, &n, err);
-        bool ok = awake && motion_keep_whole(m, write_back(m, map, awake, n, err));
-        free(awake);
-        if (!ok && !m->broken)
-            return false;
-        motion_rows_drop(&map->rows);
-        *map = (struct motion_map){0};
-        return ok;
-    }
+    bool ok = !map->written || write_back(m, part, map, __func__, err);
+    if (!ok && !m->broken)
+        return false;
     motion_rows_drop(&map->rows);
     *map = (struct motion_map){0};
-    return true;
+    return ok;
 }
 
 // ---------------------------------------------------------------- in a buffer of the caller's
@@ -280,13 +274,13 @@ static bool copy_rows(duet_motion *m, const buffer *from, cl_mem to, size_t byte
 bool duet_motion_copy_states(duet_motion *m, duet_state_part part, cl_mem rows, cl_uint n_events,
                              const cl_event *events, cl_event *done, duet_error *err)
 {
-    motion_buffer which;
     bool has[2];
     callers_events ready = {0};
     if (done)
         *done = NULL;
-    if (!motion_is_whole(m, __func__, err) || !part_buffer(m, part, &which, __func__, err))
+    if (!motion_is_whole(m, __func__, err) || !check_part(m, part, __func__, err))
         return false;
+    const motion_buffer which = parts[part].which;
     const size_t bytes = (size_t)m->n * motion_words(m, which) * sizeof(cl_uint);
     const buffer_need need = {__func__, "rows", BUFFER_WRITTEN, bytes};
     bool ok = callers_buffer_check(rows, &need, m->def.pair->devices, 1, has, err) &&

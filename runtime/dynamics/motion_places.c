@@ -2,10 +2,8 @@
 // Places and ids, and what a step leaves of commands.
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
-#include "runtime/dynamics/motion_rows.h"
 #include "runtime/dynamics/recording.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -141,6 +139,50 @@ bool duet_motion_get_ids(const duet_motion *m, uint32_t first, uint32_t n, uint6
     return true;
 }
 
+// ---------------------------------------------------------------- copies
+
+bool motion_placed_open(motion_placed *p, duet_motion *m, duet_body_list list, bool enabled,
+                        const char *call, duet_error *err)
+{
+    size_t n = list.n;
+    *p = (motion_placed){.n = list.n, .places = motion_places_of(m, list, enabled, call, err)};
+    if (!p->places)
+        return false;
+    p->poses = malloc(n * sizeof *p->poses + 1);
+    p->bodies = malloc(n * sizeof *p->bodies + 1);
+    if (!p->poses || !p->bodies)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u bodies", call, list.n);
+    for (uint32_t i = 0; i < list.n; ++i) {
+        p->poses[i] = m->poses[p->places[i]];
+        p->bodies[i] = m->bodies[p->places[i]];
+    }
+    return true;
+}
+
+void motion_placed_close(motion_placed *p)
+{
+    free(p->cells);
+    free(p->bodies);
+    free(p->poses);
+    free(p->places);
+}
+
+bool motion_placed_check(const duet_motion *m, const motion_placed *p, uint32_t parts,
+                         const char *call, duet_error *err)
+{
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < p->n; ++i) {
+        const char *fault = NULL;
+        if (parts & PART_POSE)
+            fault = motion_pose_fault(&p->poses[i], m->def.dims);
+        if (!fault && (parts & ~(uint32_t)PART_POSE))
+            fault = motion_body_fault(&p->bodies[i]);
+        ok = !fault ||
+             error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: %s", call, i, p->n, fault);
+    }
+    return ok;
+}
+
 // ---------------------------------------------------------------- user data
 
 bool duet_motion_set_user_data(duet_motion *m, duet_body_list list, const uint64_t *data,
@@ -170,71 +212,12 @@ bool duet_motion_get_user_data(duet_motion *m, duet_body_list list, uint64_t *da
 
 // ---------------------------------------------------------------- sleep
 
-// What has no mass never sleeps; that it changed is told to those that touch it.
-static bool mark_rests(duet_motion *m, const uint32_t *places, uint32_t n, bool sleeps,
-                       duet_error *err)
-{
-    motion_rows rows;
-    const double rested = fmax(m->def.sleep_after, m->def.dt);
-    if (!motion_rows_at(m, RESTS, places, n, &rows, err))
-        return false;
-    for (uint32_t i = 0; i < n; ++i) {
-        bool hidden = motion_is_hidden(m, places[i]);
-        if (hidden || m->bodies[places[i]].mass > 0.0f)
-            motion_row_set(&rows, places[i], 0, sleeps && !hidden ? rested : 0.0);
-        else if (!sleeps)
-            motion_row_set(&rows, places[i], 0, -1.0);
-    }
-    return motion_rows_close(m, &rows, err);
-}
-
-// What is sent to sleep is awake for the step that finds it at rest: its contacts are then
-// those of where it lies.
-static bool mark_awake(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
-{
-    motion_rows rows;
-    if (!motion_rows_at(m, ASLEEP, places, n, &rows, err))
-        return false;
-    for (uint32_t i = 0; i < n; ++i)
-        *(uint32_t *)motion_row(&rows, places[i]) = 0;
-    return motion_rows_close(m, &rows, err);
-}
-
-static bool mark(duet_motion *m, const uint32_t *places, uint32_t n, bool sleeps, duet_error *err)
-{
-    if (n == 0)
-        return true;
-    m->at_rest = false;
-    return !motion_has(m, DUET_EFFECT_SLEEP) ||
-           (mark_rests(m, places, n, sleeps, err) && mark_awake(m, places, n, err));
-}
-
-bool motion_wake_still(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
-{
-    return mark(m, places, n, false, err);
-}
-
-bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
-{
-    m->bounds_checked = m->bounds_checked && n == 0;
-    return motion_wake_still(m, places, n, err);
-}
-
-bool motion_wake_all(duet_motion *m, duet_error *err)
-{
-    m->at_rest = m->bounds_checked = false;
-    return !motion_has(m, DUET_EFFECT_SLEEP) ||
-           (timeline_fill(&m->times, "clear", &m->buffers[RESTS], 0, 0, m->n, err) &&
-            timeline_fill(&m->times, "clear", &m->buffers[ASLEEP], 0, 0, m->n, err) &&
-            timeline_finish(&m->times, err));
-}
-
 static bool put_to(duet_motion *m, duet_body_list list, bool sleeps, const char *call,
                    duet_error *err)
 {
     uint32_t *places = motion_places_of(m, list, true, call, err);
     bool ok = places && motion_needs(m, DUET_EFFECT_SLEEP, call, err) &&
-              motion_keep_whole(m, mark(m, places, list.n, sleeps, err));
+              motion_keep_whole(m, motion_set_asleep(m, places, list.n, sleeps, err));
     if (ok)
         motion_note(m, sleeps ? RECORDED_SLEEP : RECORDED_WAKE, places, list.n, NULL);
     free(places);
@@ -277,5 +260,5 @@ bool motion_end_commands(duet_motion *m, duet_error *err)
     motion_commands *c = m->commands;
     if (c->any_left && (!motion_rows_are_stale(m) || !motion_has(m, DUET_EFFECT_CONTACT)))
         empty_places(m);
-    return (c->n_targets == 0 || motion_arrive(m, err)) && (!c->pushed || forget_forces(m, err));
+    return (!c->pushed || forget_forces(m, err)) && (c->n_targets == 0 || motion_arrive(m, err));
 }

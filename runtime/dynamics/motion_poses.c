@@ -74,7 +74,7 @@ bool motion_copy_large_poses(duet_motion *m, duet_large_pose *poses, duet_error 
     bool ok = states && cells;
     if (!ok)
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
-    ok = ok && (m->n == 0 || motion_get_offsets(m, states, cells, err));
+    ok = ok && motion_fetch_states(m, NULL, m->n, states, cells, err);
     for (uint32_t id = 0; ok && id < m->n; ++id) {
         poses[id] = (duet_large_pose){.pose = pose_of(m, id, &states[id])};
         memcpy(poses[id].cell, &cells[id], sizeof poses[id].cell);
@@ -106,10 +106,10 @@ bool motion_has_poses(const duet_motion *m, bool radii)
 
 bool motion_write_poses(duet_motion *m, bool radii, const buffer *rows, duet_error *err)
 {
-    kernel **write = &m->kernels.write_poses;
+    const motion_choice write = {&m->kernels.write_poses, MOTION_ALL, "write_poses", "write_poses"};
     m->args.poses = *rows;
     m->args.row_words = (radii ? sizeof(duet_rounded_box) : sizeof(duet_pose)) / sizeof(cl_float);
-    return (*write || (motion_ask(m, write, "write_poses", "write_poses", false, err) &&
-                       program_set_build(m->programs, err))) &&
-           motion_launch(m, "fetch", *write, m->n, err) && timeline_finish(&m->times, err);
+    return motion_build_kernels(m, &write, 1, err) &&
+           timeline_launch(&m->times, "fetch", *write.at, m->n, m, err) &&
+           timeline_finish(&m->times, err);
 }

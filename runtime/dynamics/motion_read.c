@@ -10,26 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-void motion_free_reading(motion_reading *r)
-{
-    free(r->ids);
-    free(r->states);
-    *r = (motion_reading){0};
-}
-
 static bool prepare(duet_motion *m, duet_error *err)
 {
-    motion_reading *r = &m->reading;
-    if (r->changed_rows)
-        return true;
-    kernel *gather = NULL, *changed = NULL;
-    if (!motion_ask(m, &gather, "read_rows", "gather_rows", false, err) ||
-        !motion_ask(m, &changed, "read_rows", "changed_rows", false, err) ||
-        !program_set_build(m->programs, err))
-        return false;
-    r->gather_rows = gather;
-    r->changed_rows = changed;
-    return true;
+    const motion_choice list[] = {
+        {&m->reading.gather_rows, MOTION_ALL, "read_rows", "gather_rows"},
+        {&m->reading.changed_rows, MOTION_ALL, "read_rows", "changed_rows"},
+    };
+    return motion_build_kernels(m, list, sizeof list / sizeof *list, err);
 }
 
 // ---------------------------------------------------------------- rows
@@ -69,7 +56,7 @@ static bool gather(duet_motion *m, motion_buffer which, uint32_t n, duet_error *
     m->args.rows = m->buffers[which];
     m->args.row_words = motion_words(m, which);
     m->args.n_ids = n;
-    return motion_launch(m, "fetch", m->reading.gather_rows, n, err);
+    return timeline_launch(&m->times, "fetch", m->reading.gather_rows, n, m, err);
 }
 
 // The rows of a buffer; NULL after a failure.
@@ -135,8 +122,7 @@ static bool check_finite(const duet_motion *m, const uint32_t *ids, uint32_t n,
     return true;
 }
 
-// The ids are valid.
-static bool fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
+bool motion_fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
                          cl_int4 *cells, duet_error *err)
 {
     reading r = {.ids = ids, .n = n};
@@ -161,12 +147,7 @@ bool duet_motion_get_states(duet_motion *m, duet_state *states, duet_error *err)
 {
     return motion_is_whole(m, __func__, err) &&
            (m->n == 0 || error_given(states, __func__, "states", err)) &&
-           fetch_states(m, NULL, m->n, states, NULL, err);
-}
-
-bool motion_get_offsets(duet_motion *m, duet_state *states, cl_int4 *cells, duet_error *err)
-{
-    return fetch_states(m, NULL, m->n, states, cells, err);
+           motion_fetch_states(m, NULL, m->n, states, NULL, err);
 }
 
 duet_state *motion_read_states(duet_motion *m, duet_error *err)
@@ -176,7 +157,7 @@ duet_state *motion_read_states(duet_motion *m, duet_error *err)
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
         return NULL;
     }
-    if (fetch_states(m, NULL, m->n, states, NULL, err))
+    if (motion_fetch_states(m, NULL, m->n, states, NULL, err))
         return states;
     free(states);
     return NULL;
@@ -193,7 +174,7 @@ bool duet_motion_get_states_of(duet_motion *m, const uint32_t *places, uint32_t 
         if (places[i] >= m->n)
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "place %u, in row %u; expected one below %u", places[i], i, m->n);
-    return fetch_states(m, places, n, states, NULL, err);
+    return motion_fetch_states(m, places, n, states, NULL, err);
 }
 
 // ---------------------------------------------------------------- what moved
@@ -217,31 +198,33 @@ static bool find_changed(duet_motion *m, uint32_t *words, duet_error *err)
         m->args.rows = m->buffers[places[i].which];
         m->args.last_rows = m->buffers[places[i].last];
         m->args.row_words = row_words;
-        ok = ok && motion_launch(m, "moved", m->reading.changed_rows, n_words, err);
+        ok = ok && timeline_launch(&m->times, "moved", m->reading.changed_rows, n_words, m, err);
     }
     return ok && timeline_read(&m->times, "moved", &m->buffers[CHANGED], words,
                                n_words * sizeof *words, err);
+}
+
+void motion_forget_moved(motion_reading *r)
+{
+    free(r->ids);
+    free(r->states);
+    r->ids = NULL;
+    r->states = NULL;
+    r->begun = false;
 }
 
 // Where there are more or fewer bodies than before, all is told again.
 static bool reserve_reading(duet_motion *m, duet_error *err)
 {
     motion_reading *r = &m->reading;
-    if (r->ids && r->n == m->n)
+    if (r->ids && r->states && r->n == m->n)
         return true;
-    free(r->ids);
-    free(r->states);
-    r->begun = false;
+    motion_forget_moved(r);
     r->n = m->n;
     r->ids = malloc(((size_t)m->n + 1) * sizeof *r->ids);
     r->states = malloc(((size_t)m->n + 1) * sizeof *r->states);
-    if (r->ids && r->states)
-        return true;
-    free(r->ids);
-    free(r->states);
-    r->ids = NULL;
-    r->states = NULL;
-    return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+    return (r->ids && r->states) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
 }
 
 // What was never read has moved.
@@ -260,7 +243,7 @@ static bool read_moved(duet_motion *m, uint32_t *words, duet_moved *moved, duet_
     motion_reading *r = &m->reading;
     bool ok = m->n == 0 || find_changed(m, words, err);
     uint32_t n = ok ? list_moved(m, words) : 0;
-    ok = ok && fetch_states(m, r->ids, n, r->states, NULL, err);
+    ok = ok && motion_fetch_states(m, r->ids, n, r->states, NULL, err);
     r->begun = ok;
     *moved = (duet_moved){.places = r->ids, .states = r->states, .n = n};
     return ok;

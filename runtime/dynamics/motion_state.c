@@ -10,47 +10,202 @@
 #include <stdlib.h>
 #include <string.h>
 
-// By object, what each buffer holds: reals and 32-bit words; and the effects of
-// which one must be called for, 0 for always.
+enum { ALWAYS = DUET_EFFECT_ALL };
+
+// By object, what each buffer holds: the effect that it is there for, another that calls for it,
+// reals and 32-bit words.
 static const struct {
-    uint32_t effects;
+    uint32_t effect;
+    uint32_t also;
     uint32_t reals;
     uint32_t words;
 } by_object[MOTION_BUFFERS] = {
-    [CENTRES] = {0, 4, 0},
-    [VELOCITIES] = {0, 4, 0},
-    [ROTATIONS] = {DUET_EFFECT_ROTATION, 4, 0},
-    [ANGULAR_VELOCITIES] = {DUET_EFFECT_ANGULAR_VELOCITY, 4, 0},
-    [INERTIAS] = {DUET_EFFECT_ANGULAR_VELOCITY, 0, 4},
-    [HALVES] = {DUET_EFFECT_CONTACT | DUET_EFFECT_BOUNDARY, 0, 4},
-    [RESTITUTIONS] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 1},
-    [FRICTIONS] = {DUET_EFFECT_FRICTION, 0, 1},
-    [FILTERS] = {DUET_EFFECT_FILTER, 0, 2},
-    [SENSORS] = {DUET_EFFECT_SENSORS, 0, 1},
-    [RESTS] = {DUET_EFFECT_SLEEP, 0, 1},
-    [ASLEEP] = {DUET_EFFECT_SLEEP, 0, 1},
-    [FORCES] = {DUET_EFFECT_FORCES, 0, 8},
-    [BOXES] = {DUET_EFFECT_CONTACT, 0, 6},
-    [STARTS] = {DUET_EFFECT_CONTACT, 0, 1},
-    [RETURN_STARTS] = {DUET_EFFECT_CONTACT, 0, 1},
-    [USED] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 1},
-    [CHOICES] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 1},
+    [CENTRES] = {DUET_EFFECT_MOTION, ALWAYS, 4, 0},
+    [VELOCITIES] = {DUET_EFFECT_MOTION, ALWAYS, 4, 0},
+    [ROTATIONS] = {DUET_EFFECT_ROTATION, 0, 4, 0},
+    [ANGULAR_VELOCITIES] = {DUET_EFFECT_ANGULAR_VELOCITY, 0, 4, 0},
+    [INERTIAS] = {DUET_EFFECT_ANGULAR_VELOCITY, 0, 0, 4},
+    [HALVES] = {DUET_EFFECT_CONTACT, DUET_EFFECT_BOUNDARY, 0, 4},
+    [RESTITUTIONS] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 0, 1},
+    [FRICTIONS] = {DUET_EFFECT_FRICTION, 0, 0, 1},
+    [FILTERS] = {DUET_EFFECT_FILTER, 0, 0, 2},
+    [SENSORS] = {DUET_EFFECT_SENSORS, 0, 0, 1},
+    [RESTS] = {DUET_EFFECT_SLEEP, 0, 0, 1},
+    [ASLEEP] = {DUET_EFFECT_SLEEP, 0, 0, 1},
+    [FORCES] = {DUET_EFFECT_FORCES, 0, 0, 8},
+    [BODIES] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 0, 4}, // times the layout's
+    [BOXES] = {DUET_EFFECT_CONTACT, 0, 0, 6},
+    [STARTS] = {DUET_EFFECT_CONTACT, 0, 0, 1},
+    [RETURN_STARTS] = {DUET_EFFECT_CONTACT, 0, 0, 1},
+    [USED] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 0, 1},
+    [CHOICES] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 0, 1},
 };
 
 uint32_t motion_words(const duet_motion *m, motion_buffer which)
 {
     if (which == CELLS)
         return m->cells ? 4 : 0;
-    if (which == BODIES)
-        return motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? 4 * m->layout.body : 0;
-    if (by_object[which].effects && !motion_has(m, by_object[which].effects))
+    if (by_object[which].also != ALWAYS &&
+        !motion_has(m, by_object[which].effect | by_object[which].also))
         return 0;
-    return by_object[which].reals * (m->def.doubles ? 2 : 1) + by_object[which].words;
+    return by_object[which].reals * (m->def.doubles ? 2 : 1) +
+           by_object[which].words * (which == BODIES ? m->layout.body : 1);
 }
 
-// ---------------------------------------------------------------- onto B
+uint32_t motion_bytes_for(const duet_motion *m, uint32_t effect)
+{
+    uint32_t words = 0;
+    for (int which = 0; which < MOTION_BUFFERS; ++which)
+        if (by_object[which].effect == effect)
+            words += motion_words(m, (motion_buffer)which);
+    return words * (uint32_t)sizeof(uint32_t);
+}
 
-// What one object has in a buffer, as doubles.
+// ---------------------------------------------------------------- buffers
+
+// A buffer that must grow gets more than it needs now: fresh pages cost as much time as
+// writing them.
+static size_t with_room(const duet_motion *m, uint64_t bytes)
+{
+    uint64_t roomy = bytes + bytes / 4;
+    return (size_t)(roomy <= m->device->info.max_buffer_bytes ? roomy : bytes);
+}
+
+bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err)
+{
+    buffer *b = &m->buffers[which];
+    bool grows = b->mem && b->bytes < n * size;
+    return buffer_reserve(b, m->device, grows ? with_room(m, n * size) : (size_t)(n * size), err);
+}
+
+// A buffer of more rows that keeps what it has; new rows are 0.
+static bool grow(duet_motion *m, motion_buffer which, uint32_t old_n, duet_error *err)
+{
+    size_t words = motion_words(m, which), row = words * sizeof(uint32_t);
+    size_t kept = old_n * row, bytes = ((size_t)m->n + MOTION_WALLS) * row;
+    buffer *b = &m->buffers[which];
+    buffer fresh = {0};
+    if (b->bytes < bytes) {
+        if (!buffer_reserve(&fresh, m->device, kept > 0 ? with_room(m, bytes) : bytes, err))
+            return false;
+        cl_int code = kept == 0 ? CL_SUCCESS
+                                : clEnqueueCopyBuffer(m->device->queue, b->mem, fresh.mem, 0, 0,
+                                                      kept, 0, NULL, NULL);
+        if (code == CL_SUCCESS)
+            code = clFinish(m->device->queue);
+        if (code != CL_SUCCESS) {
+            buffer_release(&fresh);
+            return error_set_cl(err, code, "%s: copying %zu bytes", m->device->info.selector, kept);
+        }
+        buffer_swap(b, &fresh);
+        buffer_release(&fresh);
+    }
+    return timeline_fill(&m->times, "clear", b, 0, old_n * words, bytes / sizeof(uint32_t), err);
+}
+
+bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err)
+{
+    bool ok = true;
+    for (int which = 0; ok && which < MOTION_BUFFERS; ++which)
+        if (motion_words(m, (motion_buffer)which) > 0)
+            ok = grow(m, (motion_buffer)which, old_n, err);
+    return ok && timeline_finish(&m->times, err);
+}
+
+// ---------------------------------------------------------------- rows
+
+static bool map_rows(duet_motion *m, motion_rows *rows, size_t at, duet_error *err)
+{
+    const device *d = m->device;
+    cl_int code = CL_SUCCESS;
+    ++m->times.n_waits;
+    rows->bytes = clEnqueueMapBuffer(d->queue, rows->of->mem, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE,
+                                     at, rows->size, 0, NULL, NULL, &code);
+    if (!rows->bytes)
+        return error_set_cl(err, code, "%s: mapping %zu bytes", d->info.selector, rows->size);
+    rows->mapped_by = d->queue;
+    return true;
+}
+
+// Those that are fresh are all written before they are sent.
+static bool fetch_rows(duet_motion *m, motion_rows *rows, size_t at, bool fresh, duet_error *err)
+{
+    rows->bytes = malloc(rows->size + 1);
+    if (!rows->bytes)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", rows->size);
+    bool ok =
+        fresh || timeline_read_at(&m->times, "fetch", rows->of, at, rows->bytes, rows->size, err);
+    if (!ok)
+        motion_rows_drop(rows);
+    return ok;
+}
+
+static bool open_rows(duet_motion *m, motion_rows *rows, bool fresh, duet_error *err)
+{
+    size_t at = rows->first * rows->row;
+    return rows->of->host && rows->size > 0 ? map_rows(m, rows, at, err)
+                                            : fetch_rows(m, rows, at, fresh, err);
+}
+
+static motion_rows rows_of(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last)
+{
+    size_t row = motion_words(m, which) * sizeof(uint32_t);
+    return (motion_rows){.of = &m->buffers[which],
+                         .first = first,
+                         .row = row,
+                         .size = (last - first) * row,
+                         .doubles = by_object[which].reals > 0 && m->def.doubles};
+}
+
+bool motion_rows_open(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last,
+                      motion_rows *rows, duet_error *err)
+{
+    *rows = rows_of(m, which, first, last);
+    return open_rows(m, rows, false, err);
+}
+
+bool motion_rows_at(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
+                    motion_rows *rows, duet_error *err)
+{
+    uint32_t first = UINT32_MAX, last = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        first = places[i] < first ? places[i] : first;
+        last = places[i] >= last ? places[i] + 1 : last;
+    }
+    return motion_rows_open(m, which, first, last, rows, err);
+}
+
+bool motion_rows_of_contacts(duet_motion *m, motion_buffer which, uint32_t words, motion_rows *rows,
+                             duet_error *err)
+{
+    size_t row = words * sizeof(uint32_t);
+    *rows = (motion_rows){.of = &m->buffers[which], .row = row, .size = m->n_contacts * row};
+    return open_rows(m, rows, false, err);
+}
+
+// What is mapped is the device's again before the queue's next command.
+bool motion_rows_close(duet_motion *m, motion_rows *rows, duet_error *err)
+{
+    size_t at = rows->first * rows->row;
+    bool ok = rows->mapped_by ||
+              (timeline_write_at(&m->times, "send", rows->of, at, rows->bytes, rows->size, err) &&
+               timeline_finish(&m->times, err));
+    motion_rows_drop(rows);
+    return ok;
+}
+
+void motion_rows_drop(motion_rows *rows)
+{
+    if (rows->mapped_by)
+        clEnqueueUnmapMemObject(rows->mapped_by, rows->of->mem, rows->bytes, 0, NULL, NULL);
+    else
+        free(rows->bytes);
+    *rows = (motion_rows){0};
+}
+
+// ---------------------------------------------------------------- objects
+
+// What one object has in a buffer: whole numbers as well are exact as doubles.
 typedef struct entry {
     double at[4];
 } entry;
@@ -61,6 +216,12 @@ static entry centre_of(const duet_motion *m, uint32_t id)
     const double nowhere[3] = {0};
     const double *o = m->cells ? nowhere : m->def.origin;
     return (entry){{o[0] + c[0], o[1] + c[1], m->def.dims == 3 ? o[2] + c[2] : 0.0}};
+}
+
+static entry cell_of(const duet_motion *m, uint32_t id)
+{
+    const cl_int *s = m->cells[id].s;
+    return (entry){{s[0], s[1], s[2], s[3]}};
 }
 
 static entry velocity_of(const duet_motion *m, uint32_t id)
@@ -126,6 +287,11 @@ static entry friction_of(const duet_motion *m, uint32_t id)
     return (entry){{m->bodies[id].friction}};
 }
 
+static entry filter_of(const duet_motion *m, uint32_t id)
+{
+    return (entry){{m->bodies[id].group, m->bodies[id].mask}};
+}
+
 // 1: touches without pushing.
 static entry sensor_of(const duet_motion *m, uint32_t id)
 {
@@ -139,218 +305,46 @@ void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state)
     memcpy(state->angular_velocity, angular.at, sizeof state->angular_velocity);
 }
 
-// Sends n entries of `width` numbers, as doubles or floats.
-static bool send(duet_motion *m, motion_buffer which, entry (*of)(const duet_motion *, uint32_t),
-                 uint32_t width, bool doubles, duet_error *err)
-{
-    size_t size = doubles ? sizeof(double) : sizeof(float);
-    size_t bytes = (size_t)m->n * width * size;
-    char *host = malloc(bytes + 1);
-    if (!host)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", bytes);
-    for (uint32_t id = 0; id < m->n; ++id) {
-        entry e = of(m, id);
-        for (uint32_t k = 0; k < width; ++k) {
-            size_t at = (size_t)id * width + k;
-            if (doubles)
-                ((double *)(void *)host)[at] = e.at[k];
-            else
-                ((float *)(void *)host)[at] = (float)e.at[k];
-        }
-    }
-    bool ok = timeline_write(&m->times, "send", &m->buffers[which], host, bytes, err) &&
-              timeline_finish(&m->times, err);
-    free(host);
-    return ok;
-}
-
-static bool send_filters(duet_motion *m, duet_error *err)
-{
-    uint32_t *host = malloc((size_t)m->n * 2 * sizeof *host + 1);
-    if (!host)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the groups of %u objects",
-                         m->n);
-    for (uint32_t id = 0; id < m->n; ++id) {
-        host[2 * (size_t)id] = m->bodies[id].group;
-        host[2 * (size_t)id + 1] = m->bodies[id].mask;
-    }
-    bool ok = timeline_write(&m->times, "send", &m->buffers[FILTERS], host,
-                             (size_t)m->n * 2 * sizeof *host, err) &&
-              timeline_finish(&m->times, err);
-    free(host);
-    return ok;
-}
-
-static bool reserve_all(duet_motion *m, duet_error *err)
-{
-    bool ok = !motion_has(m, DUET_EFFECT_CONTACT) ||
-              motion_reserve(m, FLAG_WORDS, FLAGS, sizeof(uint32_t), err);
-    for (int which = 0; ok && which < MOTION_BUFFERS; ++which) {
-        uint32_t words = motion_words(m, (motion_buffer)which);
-        if (words == 0)
-            continue;
-        uint64_t n = (uint64_t)m->n + MOTION_WALLS;
-        ok = motion_reserve(m, (motion_buffer)which, n * words, sizeof(uint32_t), err) &&
-             timeline_fill(&m->times, "clear", &m->buffers[which], 0, 0, (size_t)n * words, err);
-    }
-    return ok;
-}
-
 // What is sent, and the numbers of an entry that each part has.
 static const struct {
     motion_buffer which;
     entry (*of)(const duet_motion *, uint32_t);
     uint32_t parts;
     uint32_t from, to;
+    bool whole; // words, not reals
 } sent[] = {
-    {CENTRES, centre_of, PART_POSE, 0, 4},
-    {VELOCITIES, velocity_of, PART_VELOCITY, 0, 3},
-    {VELOCITIES, velocity_of, PART_MASS, 3, 4},
-    {ROTATIONS, rotation_of, PART_POSE, 0, 4},
-    {ANGULAR_VELOCITIES, angular_velocity_of, PART_ANGULAR_VELOCITY, 0, 4},
-    {INERTIAS, inertia_of, PART_MASS | PART_SIZE, 0, 4},
-    {HALVES, half_of, PART_SIZE, 0, 4},
-    {RESTITUTIONS, restitution_of, PART_SURFACE, 0, 1},
-    {FRICTIONS, friction_of, PART_SURFACE, 0, 1},
-    {SENSORS, sensor_of, PART_SENSOR, 0, 1},
+    {CENTRES, centre_of, PART_POSE, 0, 4, false},
+    {CELLS, cell_of, PART_POSE, 0, 4, true},
+    {VELOCITIES, velocity_of, PART_VELOCITY, 0, 3, false},
+    {VELOCITIES, velocity_of, PART_MASS, 3, 4, false},
+    {ROTATIONS, rotation_of, PART_POSE, 0, 4, false},
+    {ANGULAR_VELOCITIES, angular_velocity_of, PART_ANGULAR_VELOCITY, 0, 4, false},
+    {INERTIAS, inertia_of, PART_MASS | PART_SIZE, 0, 4, false},
+    {HALVES, half_of, PART_SIZE, 0, 4, false},
+    {RESTITUTIONS, restitution_of, PART_SURFACE, 0, 1, false},
+    {FRICTIONS, friction_of, PART_SURFACE, 0, 1, false},
+    {FILTERS, filter_of, PART_FILTER, 0, 2, true},
+    {SENSORS, sensor_of, PART_SENSOR, 0, 1, false},
 };
 
-bool motion_reset(duet_motion *m, duet_error *err)
+// Of all objects where places is NULL: their rows are then written whole.
+static bool send(duet_motion *m, const uint32_t *places, uint32_t n, size_t what, duet_error *err)
 {
-    bool ok = reserve_all(m, err);
-    for (size_t i = 0; ok && i < sizeof sent / sizeof sent[0]; ++i) {
-        if (sent[i].from > 0)
-            continue;
-        motion_buffer which = sent[i].which;
-        if (motion_words(m, which) == 0)
-            continue;
-        bool doubles = m->def.doubles && by_object[which].reals > 0;
-        uint32_t width = by_object[which].reals + by_object[which].words;
-        ok = send(m, which, sent[i].of, width, doubles, err);
-    }
-    ok = ok && (!motion_has(m, DUET_EFFECT_FILTER) || send_filters(m, err));
-    if (ok && m->cells)
-        ok = timeline_write(&m->times, "send", &m->buffers[CELLS], m->cells,
-                            m->n * sizeof *m->cells, err);
-    return ok && timeline_finish(&m->times, err);
-}
-
-// ---------------------------------------------------------------- some rows
-
-static bool map_rows(duet_motion *m, motion_rows *rows, size_t at, duet_error *err)
-{
-    const device *d = m->device;
-    cl_int code = CL_SUCCESS;
-    ++m->times.n_waits;
-    rows->bytes = clEnqueueMapBuffer(d->queue, rows->of->mem, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE,
-                                     at, rows->size, 0, NULL, NULL, &code);
-    if (!rows->bytes)
-        return error_set_cl(err, code, "%s: mapping %zu bytes", d->info.selector, rows->size);
-    rows->mapped_by = d->queue;
-    return true;
-}
-
-static bool fetch_rows(duet_motion *m, motion_rows *rows, size_t at, duet_error *err)
-{
-    rows->bytes = malloc(rows->size + 1);
-    if (!rows->bytes)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", rows->size);
-    bool ok = timeline_read_at(&m->times, "fetch", rows->of, at, rows->bytes, rows->size, err);
-    if (!ok)
-        motion_rows_drop(rows);
-    return ok;
-}
-
-static bool open_rows(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last,
-                      uint32_t words, bool doubles, motion_rows *rows, duet_error *err)
-{
-    size_t row = words * sizeof(uint32_t);
-    buffer *b = &m->buffers[which];
-    *rows = (motion_rows){
-        .of = b, .first = first, .row = row, .size = (last - first) * row, .doubles = doubles};
-    return b->host && rows->size > 0 ? map_rows(m, rows, first * row, err)
-                                     : fetch_rows(m, rows, first * row, err);
-}
-
-bool motion_rows_open(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last,
-                      motion_rows *rows, duet_error *err)
-{
-    bool doubles = by_object[which].reals > 0 && m->def.doubles;
-    return open_rows(m, which, first, last, motion_words(m, which), doubles, rows, err);
-}
-
-bool motion_rows_at(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
-                    motion_rows *rows, duet_error *err)
-{
-    uint32_t first = UINT32_MAX, last = 0;
-    for (uint32_t i = 0; i < n; ++i) {
-        first = places[i] < first ? places[i] : first;
-        last = places[i] >= last ? places[i] + 1 : last;
-    }
-    return motion_rows_open(m, which, first, last, rows, err);
-}
-
-bool motion_rows_of_contacts(duet_motion *m, motion_buffer which, uint32_t words, motion_rows *rows,
-                             duet_error *err)
-{
-    return open_rows(m, which, 0, m->n_contacts, words, false, rows, err);
-}
-
-// What is mapped is the device's again before the queue's next command.
-bool motion_rows_close(duet_motion *m, motion_rows *rows, duet_error *err)
-{
-    size_t at = rows->first * rows->row;
-    bool ok = rows->mapped_by ||
-              (timeline_write_at(&m->times, "send", rows->of, at, rows->bytes, rows->size, err) &&
-               timeline_finish(&m->times, err));
-    motion_rows_drop(rows);
-    return ok;
-}
-
-void motion_rows_drop(motion_rows *rows)
-{
-    if (rows->mapped_by)
-        clEnqueueUnmapMemObject(rows->mapped_by, rows->of->mem, rows->bytes, 0, NULL, NULL);
-    else
-        free(rows->bytes);
-    *rows = (motion_rows){0};
-}
-
-// ---------------------------------------------------------------- some objects
-
-static bool send_some_cells(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
-{
-    motion_rows rows;
-    if (!motion_rows_at(m, CELLS, places, n, &rows, err))
+    motion_buffer which = sent[what].which;
+    motion_rows rows = rows_of(m, which, 0, n);
+    if (!(places ? motion_rows_at(m, which, places, n, &rows, err)
+                 : open_rows(m, &rows, true, err)))
         return false;
-    for (uint32_t i = 0; i < n; ++i)
-        memcpy(motion_row(&rows, places[i]), &m->cells[places[i]], sizeof *m->cells);
-    return motion_rows_close(m, &rows, err);
-}
-
-static bool send_some_filters(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
-{
-    motion_rows rows;
-    if (!motion_rows_at(m, FILTERS, places, n, &rows, err))
-        return false;
+    uint32_t numbers = (uint32_t)(rows.row / (rows.doubles ? sizeof(double) : sizeof(float)));
+    uint32_t to = places ? sent[what].to : numbers;
     for (uint32_t i = 0; i < n; ++i) {
-        const duet_body *b = &m->bodies[places[i]];
-        const uint32_t filter[2] = {b->group, b->mask};
-        memcpy(motion_row(&rows, places[i]), filter, sizeof filter);
-    }
-    return motion_rows_close(m, &rows, err);
-}
-
-static bool send_some(duet_motion *m, const uint32_t *places, uint32_t n, size_t what,
-                      duet_error *err)
-{
-    motion_rows rows;
-    if (!motion_rows_at(m, sent[what].which, places, n, &rows, err))
-        return false;
-    for (uint32_t i = 0; i < n; ++i) {
-        entry e = sent[what].of(m, places[i]);
-        for (uint32_t k = sent[what].from; k < sent[what].to; ++k)
-            motion_row_set(&rows, places[i], k, e.at[k]);
+        uint32_t place = places ? places[i] : i;
+        entry e = sent[what].of(m, place);
+        for (uint32_t k = sent[what].from; k < to; ++k)
+            if (sent[what].whole)
+                ((uint32_t *)motion_row(&rows, place))[k] = (uint32_t)(int64_t)e.at[k];
+            else
+                motion_row_set(&rows, place, k, e.at[k]);
     }
     return motion_rows_close(m, &rows, err);
 }
@@ -359,49 +353,74 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
                         duet_error *err)
 {
     bool ok = true;
+    for (size_t i = 0; ok && n > 0 && i < sizeof sent / sizeof sent[0]; ++i)
+        if ((parts & sent[i].parts) && (places || sent[i].from == 0) &&
+            motion_words(m, sent[i].which) > 0)
+            ok = send(m, places, n, i, err);
+    return ok;
+}
+
+bool motion_reset(duet_motion *m, duet_error *err)
+{
+    return (!motion_has(m, DUET_EFFECT_CONTACT) ||
+            motion_reserve(m, FLAG_WORDS, FLAGS, sizeof(uint32_t), err)) &&
+           motion_grow(m, 0, err) && motion_send_places(m, NULL, m->n, PART_ALL, err) &&
+           timeline_finish(&m->times, err);
+}
+
+// ---------------------------------------------------------------- sleep
+
+// What has no mass never sleeps; that it changed is told to those that touch it.
+static bool mark_rests(duet_motion *m, const uint32_t *places, uint32_t n, bool sleeps,
+                       duet_error *err)
+{
+    motion_rows rows;
+    const double rested = fmax(m->def.sleep_after, m->def.dt);
+    if (!motion_rows_at(m, RESTS, places, n, &rows, err))
+        return false;
+    for (uint32_t i = 0; i < n; ++i) {
+        bool hidden = motion_is_hidden(m, places[i]);
+        if (hidden || m->bodies[places[i]].mass > 0.0f)
+            motion_row_set(&rows, places[i], 0, sleeps && !hidden ? rested : 0.0);
+        else if (!sleeps)
+            motion_row_set(&rows, places[i], 0, -1.0);
+    }
+    return motion_rows_close(m, &rows, err);
+}
+
+// What is sent to sleep is awake for the step that finds it at rest: its contacts are then
+// those of where it lies.
+static bool mark_awake(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
+{
+    motion_rows rows;
+    if (!motion_rows_at(m, ASLEEP, places, n, &rows, err))
+        return false;
+    for (uint32_t i = 0; i < n; ++i)
+        *(uint32_t *)motion_row(&rows, places[i]) = 0;
+    return motion_rows_close(m, &rows, err);
+}
+
+bool motion_set_asleep(duet_motion *m, const uint32_t *places, uint32_t n, bool asleep,
+                       duet_error *err)
+{
     if (n == 0)
         return true;
-    for (size_t i = 0; ok && i < sizeof sent / sizeof sent[0]; ++i)
-        if ((parts & sent[i].parts) && motion_words(m, sent[i].which) > 0)
-            ok = send_some(m, places, n, i, err);
-    return ok && (!(parts & PART_POSE) || !m->cells || send_some_cells(m, places, n, err)) &&
-           (!(parts & PART_FILTER) || !motion_has(m, DUET_EFFECT_FILTER) ||
-            send_some_filters(m, places, n, err));
+    m->at_rest = false;
+    return !motion_has(m, DUET_EFFECT_SLEEP) ||
+           (mark_rests(m, places, n, asleep, err) && mark_awake(m, places, n, err));
 }
 
-// A buffer of more rows that keeps what it has; new rows are 0.
-static bool grow(duet_motion *m, motion_buffer which, uint32_t old_n, duet_error *err)
+bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
 {
-    size_t words = motion_words(m, which), row = words * sizeof(uint32_t);
-    size_t kept = old_n * row, bytes = ((size_t)m->n + MOTION_WALLS) * row;
-    buffer *b = &m->buffers[which];
-    buffer fresh = {0};
-    if (b->bytes < bytes) {
-        size_t roomy = bytes + bytes / 4;
-        if (!buffer_reserve(&fresh, m->device,
-                            roomy <= m->device->info.max_buffer_bytes ? roomy : bytes, err))
-            return false;
-        cl_int code = kept == 0 ? CL_SUCCESS
-                                : clEnqueueCopyBuffer(m->device->queue, b->mem, fresh.mem, 0, 0,
-                                                      kept, 0, NULL, NULL);
-        if (code == CL_SUCCESS)
-            code = clFinish(m->device->queue);
-        if (code != CL_SUCCESS) {
-            buffer_release(&fresh);
-            return error_set_cl(err, code, "%s: copying %zu bytes", m->device->info.selector, kept);
-        }
-        buffer_swap(b, &fresh);
-        buffer_release(&fresh);
-    }
-    return timeline_fill(&m->times, "clear", b, 0, old_n * words,
-                         ((size_t)m->n + MOTION_WALLS) * words, err);
+    m->bounds_checked = m->bounds_checked && n == 0;
+    return motion_set_asleep(m, places, n, false, err);
 }
 
-bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err)
+bool motion_wake_all(duet_motion *m, duet_error *err)
 {
-    bool ok = true;
-    for (int which = 0; ok && which < MOTION_BUFFERS; ++which)
-        if (motion_words(m, (motion_buffer)which) > 0)
-            ok = grow(m, (motion_buffer)which, old_n, err);
-    return ok && timeline_finish(&m->times, err);
+    m->at_rest = m->bounds_checked = false;
+    return !motion_has(m, DUET_EFFECT_SLEEP) ||
+           (timeline_fill(&m->times, "clear", &m->buffers[RESTS], 0, 0, m->n, err) &&
+            timeline_fill(&m->times, "clear", &m->buffers[ASLEEP], 0, 0, m->n, err) &&
+            timeline_finish(&m->times, err));
 }

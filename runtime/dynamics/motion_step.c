@@ -1,30 +1,22 @@
 // SPDX-License-Identifier: MIT
-// A time step: the launches that its effects call for, in order.
-//
-// Without response each object flies free, and where it then touches is looked
-// at afterwards. With response the contacts of the step's beginning are solved
-// in substeps.
+// A time step: what its kernels are told, and the stages that its effects call for, in order.
 //
 // In two halves a thread of the motion's own takes the step while the caller works. What a
 // caller may ask meanwhile changes only in the second half.
 #include "runtime/dynamics/motion_commands.h"
-#include "runtime/dynamics/motion_map.h"
 #include "runtime/dynamics/recording.h"
 
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
 
-// ---------------------------------------------------------------- between steps
+#include <math.h>
 
-bool motion_is_under_way(const duet_motion *m)
-{
-    return m->background.under_way;
-}
+// ---------------------------------------------------------------- between steps
 
 bool motion_is_idle(const duet_motion *m, const char *call, duet_error *err)
 {
-    return !motion_is_under_way(m) ||
+    return !m->background.under_way ||
            error_set(
                err, DUET_STATUS_BAD_ARGUMENT,
                "%s: a step of the motion is under way; expected duet_motion_advance_end first",
@@ -46,143 +38,142 @@ bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)
     return motion_is_steady(m, call, err) && motion_is_unmapped(m, call, err);
 }
 
-// ---------------------------------------------------------------- response
+// ---------------------------------------------------------------- arguments
 
-// woken: only of what woke in this step, where anything did.
-static bool find_manifolds(duet_motion *m, uint32_t woken, duet_error *err)
+static cl_float4 float4_of(double x, double y, double z, double w)
 {
-    m->args.woken = woken;
-    return motion_launch(m, "manifolds", m->kernels.build_manifolds, m->n_contacts, err);
+    return (cl_float4){{(float)x, (float)y, (float)z, (float)w}};
 }
 
-static bool prepare_bodies(duet_motion *m, uint32_t woken, duet_error *err)
+static arg_real4 real4_of(const duet_motion *m, double x, double y, double z, double w)
 {
-    m->args.woken = woken;
-    return motion_launch(m, "integrate", m->kernels.prepare_bodies, (uint64_t)m->n + MOTION_WALLS,
-                         err);
+    return m->def.doubles ? (arg_real4){.d = {{x, y, z, w}}}
+                          : (arg_real4){.f = float4_of(x, y, z, w)};
 }
 
-// Bodies and where they touch. What is woken by a touch has its mass again
-// before it is pushed.
-static bool touch(duet_motion *m, duet_error *err)
+// The parts of a substep in free flight: one, or of Yoshida's order 4 two outer ones and
+// one between them that goes back. Drag comes once a part, or before and after it.
+static void set_flight(duet_motion *m, double h)
 {
-    return prepare_bodies(m, 0, err) && find_manifolds(m, 0, err) &&
-           (!motion_has(m, DUET_EFFECT_SLEEP) ||
-            (motion_launch(m, "sleep", m->kernels.update_sleep, m->n, err) &&
-             prepare_bodies(m, 1, err) && find_manifolds(m, 1, err)));
+    double root = cbrt(2.0);
+    bool parted = m->def.integrator == DUET_INTEGRATOR_YOSHIDA;
+    double outer = parted ? h / (2.0 - root) : h;
+    double inner = parted ? -h * root / (2.0 - root) : 0.0;
+    double share = m->def.integrator == DUET_INTEGRATOR_EULER ? 1.0 : 0.5;
+    m->args.times = real4_of(m, outer, inner, 0.0, 0.0);
+    m->args.drags =
+        real4_of(m, exp(-m->def.drag * share * outer), exp(-m->def.drag * share * inner), 0.0, 0.0);
 }
 
-static uint32_t most_of(const duet_motion *m, uint32_t from, uint32_t to)
+static void set_gravity(duet_motion *m)
 {
-    uint32_t most = 0;
-    for (uint32_t colour = from; colour < to; ++colour)
-        most = m->colours[colour].count > most ? m->colours[colour].count : most;
-    return most;
+    const duet_motion_def *d = &m->def;
+    const double *at = d->attraction != 0.0 ? d->centre : d->gravity;
+    double z = d->dims == 3 ? at[2] : 0.0;
+    m->args.gravity = real4_of(m, at[0], at[1], z, d->attraction);
+    m->args.gravity_float = float4_of(at[0], at[1], z, d->attraction);
 }
 
-// Runs a kernel over the contacts of these colours, one colour after the other.
-static bool launch_colours(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
-                           uint32_t each, uint64_t work, duet_error *err)
+// A damped spring, implicitly: how fast overlap is pushed out per depth, what part of the
+// mass answers, and what part of the impulse decays.
+static cl_float4 spring_of(const duet_motion *m, double h, double hertz)
 {
-    const colour_span *span = &m->colours[from];
-    m->args.span = (cl_int4){{(cl_int)span->first, (cl_int)span->count, (cl_int)span->slot}};
-    m->args.from_colour = from;
-    m->args.to_colour = to;
-    m->args.each = each;
-    return motion_launch(m, "solve_contacts", k, work, err);
+    const double damping = 10.0;
+    double omega = 2.0 * 3.14159265358979323846 * hertz;
+    double stiff = 2.0 * damping + h * omega;
+    double soft = h * omega * stiff;
+    double part = 1.0 / (1.0 + soft);
+    return float4_of(omega / stiff, soft * part, part, m->def.max_push_speed);
 }
 
-// Colours that one work-group has space for are taken by the same one.
-static uint32_t end_of_few(const duet_motion *m, const kernel *k, uint32_t from)
+// What the contacts of a substep are solved with.
+static void set_solver(duet_motion *m, double h)
 {
-    uint32_t to = from + 1;
-    if (m->colours[from].count <= k->group * k->per_item)
-        while (to < COLOUR_OVERFLOW && m->colours[to].count <= k->group * k->per_item)
-            ++to;
-    return to;
+    const duet_motion_def *d = &m->def;
+    // Six substeps a swing, and five against what never moves: fewer than 4.5 shake what they hold.
+    m->args.spring = spring_of(m, h, 1.0 / (6.0 * h));
+    m->args.hard_spring = spring_of(m, h, 1.0 / (5.0 * h));
+    m->args.least_speed = (float)d->restitution_threshold;
+    // What a substep adds to the velocity of all that falls, and 1 / its time. An
+    // attraction, which differs from place to place, is left out.
+    double part = d->attraction != 0.0 ? 0.0 : h;
+    m->args.pull = float4_of(part * d->gravity[0], part * d->gravity[1],
+                             d->dims == 3 ? part * d->gravity[2] : 0.0, 1.0 / h);
+    // What a load adds to a closing speed in a substep. Less than a slop in a step is rest.
+    const cl_float *pull = m->args.pull.s;
+    double fall = sqrt(pull[0] * pull[0] + pull[1] * pull[1] + pull[2] * pull[2]);
+    m->args.kick = (float)(fall + m->margin / MOTION_SLOPS / d->dt);
 }
 
-// What found no colour is taken in order, by one work-item.
-static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
+// Where there are none, walls are far away.
+static void set_walls(duet_motion *m)
 {
-    uint32_t in_order = m->colours[COLOUR_OVERFLOW].count;
-    bool ok = true;
-    for (uint32_t from = 0, to = 0; ok && from < COLOUR_OVERFLOW; from = to) {
-        to = end_of_few(m, k, from);
-        ok = launch_colours(m, k, from, to, k->per_item, most_of(m, from, to), err);
-    }
-    return ok && (in_order == 0 ||
-                  launch_colours(m, k, COLOUR_OVERFLOW, COLOUR_OVERFLOW + 1, in_order, 1, err));
+    const duet_motion_def *d = &m->def;
+    const double far = 1e30;
+    bool any = d->boundary != DUET_BOUNDARY_NONE;
+    m->args.lower = any ? real4_of(m, d->lower[0], d->lower[1], d->lower[2], 0.0)
+                        : real4_of(m, -far, -far, -far, 0.0);
+    m->args.upper = any ? real4_of(m, d->upper[0], d->upper[1], d->upper[2], 0.0)
+                        : real4_of(m, far, far, far, 0.0);
 }
 
-static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
+static void set_args(duet_motion *m)
 {
-    m->args.soft = soft;
-    return for_colours(m, m->kernels.solve_contacts, err);
-}
-
-static bool substep(duet_motion *m, duet_error *err)
-{
-    const motion_kernels *k = &m->kernels;
-    return budget_check(err) && motion_launch(m, "integrate", k->integrate_velocities, m->n, err) &&
-           solve(m, 1, err) && motion_launch(m, "integrate", k->integrate_positions, m->n, err) &&
-           solve(m, 0, err);
-}
-
-// Each contact has its own.
-static bool store_impulses(duet_motion *m, duet_error *err)
-{
-    const kernel *k = m->kernels.store_impulses;
-    return launch_colours(m, k, 0, COLOUR_OVERFLOW + 1, k->per_item,
-                          most_of(m, 0, COLOUR_OVERFLOW + 1), err);
-}
-
-// What sleeps deep in others goes when all else has gone, so that whatever it then touches is
-// searched for where it is. The flags are those that colours were chosen by.
-static bool push_sleepers(duet_motion *m, duet_error *err)
-{
-    const motion_kernels *k = &m->kernels;
-    bool ok = true;
-    if (!motion_has(m, DUET_EFFECT_SLEEP) || m->n_contacts == 0 || !m->flags[FLAG_PRESSED])
-        return true;
-    for (m->args.round = 0; ok && m->args.round < PRESSED_ROUNDS; ++m->args.round)
-        ok = motion_launch(m, "sleep", k->push_sleepers, m->n, err);
-    return ok && motion_launch(m, "sleep", k->move_sleepers, m->n, err);
-}
-
-static bool respond(duet_motion *m, duet_error *err)
-{
-    const motion_kernels *k = &m->kernels;
-    bool ok = motion_build_graph(m, err) && touch(m, err) && motion_colour(m, err) &&
-              for_colours(m, k->prepare_contacts, err);
-    for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
-        ok = substep(m, err);
-    ok = ok && (!m->facts.elastic || for_colours(m, k->apply_restitution, err));
-    ok = ok && store_impulses(m, err) && motion_note_events(m, err) &&
-         motion_launch(m, "integrate", k->finalize_bodies, m->n, err) && push_sleepers(m, err);
-    if (!motion_has(m, DUET_EFFECT_SKIN))
-        return ok;
-    m->bounds_checked = ok && motion_check_bounds(m, err);
-    return m->bounds_checked;
+    const duet_motion_def *d = &m->def;
+    double h = d->dt / d->substeps;
+    m->args = (motion_args){
+        .substeps = d->substeps,
+        .dt = (float)d->dt,
+        .dt_real = motion_real(m, d->dt),
+        .h = (float)h,
+        .per_h = (float)(1.0 / h),
+        .drag = (float)exp(-d->drag * h),
+        .margin = (float)m->margin,
+        .skin = motion_real(m, d->skin),
+        .sleep_speed = (float)d->sleep_speed,
+        .sleep_after = (float)d->sleep_after,
+        .hit_speed = (float)d->hit_speed,
+        .key_end = KEYS,
+        .base = m->cells ? m->cells[0] : (cl_int4){{0}},
+    };
+    set_walls(m);
+    set_flight(m, h);
+    set_gravity(m);
+    set_solver(m, h);
 }
 
 // ---------------------------------------------------------------- a step
 
+// With response the contacts of the step's beginning are solved.
+static bool respond(duet_motion *m, duet_error *err)
+{
+    if (!motion_build_graph(m, err) || !motion_solve(m, err))
+        return false;
+    if (!motion_has(m, DUET_EFFECT_SKIN))
+        return true;
+    m->bounds_checked = motion_check_bounds(m, err);
+    return m->bounds_checked;
+}
+
+// Without it each body flies free, and where it then touches is looked at afterwards.
+static bool fly(duet_motion *m, duet_error *err)
+{
+    const motion_kernels *k = &m->kernels;
+    return (!k->integrate_free_flight ||
+            timeline_launch(&m->times, "integrate", k->integrate_free_flight, m->n, m, err)) &&
+           (!k->build_manifolds ||
+            (motion_build_graph(m, err) &&
+             timeline_launch(&m->times, "manifolds", k->build_manifolds, m->n_contacts, m, err) &&
+             motion_note_events(m, err)));
+}
+
 static bool run_effects(duet_motion *m, duet_error *err)
 {
-    bool contact = motion_has(m, DUET_EFFECT_CONTACT);
-    bool flies = motion_has(m, DUET_EFFECT_MOTION);
-    motion_set_args(m);
-    if (!motion_recall_events(m, err))
-        return false;
-    if (contact && !timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, 0, FLAGS, err))
-        return false;
-    if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE))
-        return respond(m, err);
-    if (flies && !motion_launch(m, "integrate", m->kernels.integrate_free_flight, m->n, err))
-        return false;
-    return !contact ||
-           (motion_build_graph(m, err) && find_manifolds(m, 0, err) && motion_note_events(m, err));
+    set_args(m);
+    return motion_recall_events(m, err) &&
+           (!motion_has(m, DUET_EFFECT_CONTACT) ||
+            timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, 0, FLAGS, err)) &&
+           (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? respond(m, err) : fly(m, err));
 }
 
 // What the step leaves to be known: whether bounds still hold, what sleeps, and events.
@@ -250,7 +241,8 @@ static bool complete_step(duet_motion *m, bool carried, double ms, duet_motion_r
         return false;
     }
     ++m->step;
-    motion_note_step(m);
+    if (m->recording)
+        ++m->recording->steps;
     fill_result(m, result);
     m->times.untimed = true; // what comes between steps is of none
     result->total_ms = ms + clock_ms_since(begun);
@@ -287,7 +279,7 @@ bool duet_motion_advance_end(duet_motion *m, duet_motion_result *result, duet_er
 {
     if (!error_given(m, __func__, "motion", err) || !error_given(result, __func__, "result", err))
         return false;
-    if (!motion_is_under_way(m))
+    if (!m->background.under_way)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: no step is under way; expected duet_motion_advance_begin first",
                          __func__);

@@ -5,7 +5,6 @@
 #include "base/error.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 bool pair_list_grow(void **rows, size_t *capacity, size_t n, size_t size, duet_error *err)
 {

@@ -5,12 +5,11 @@
 #include "runtime/dynamics/motion_commands.h"
 
 #include <assert.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 static_assert(sizeof(recording_head) == 48 && sizeof(recorded) == 16 &&
-                  sizeof(recorded_body) == 52 && sizeof(recorded_def) == 144,
+                  sizeof(recorded_body) == 48 && sizeof(recorded_def) == 144,
               "no byte of a file is left to chance");
 
 const char recording_magic[16] = "duet replay 1\n";
@@ -18,7 +17,7 @@ const char recording_magic_radii[16] = "duet replay 2\n";
 
 size_t recorded_body_size(bool radii)
 {
-    return radii ? sizeof(recorded_body) : offsetof(recorded_body, radius);
+    return sizeof(recorded_body) + (radii ? sizeof(float) : 0);
 }
 
 size_t recorded_row(uint32_t kind, bool radii)
@@ -42,8 +41,6 @@ bool recorded_has_ids(uint32_t kind)
 
 // ---------------------------------------------------------------- rows
 
-enum { FIXED = 1, SENSOR = 2 };
-
 recorded_body recorded_body_of(const duet_body *b)
 {
     recorded_body r = {.mass = b->mass,
@@ -51,27 +48,25 @@ recorded_body recorded_body_of(const duet_body *b)
                        .friction = b->friction,
                        .group = b->group,
                        .mask = b->mask,
-                       .flags = (b->fixed_rotation ? FIXED : 0) | (b->sensor ? SENSOR : 0),
-                       .radius = b->radius};
+                       .flags = (b->fixed_rotation ? RECORDED_FIXED_ROTATION : 0) |
+                                (b->sensor ? RECORDED_SENSOR : 0)};
     memcpy(r.velocity, b->velocity, sizeof r.velocity);
     memcpy(r.angular_velocity, b->angular_velocity, sizeof r.angular_velocity);
     return r;
 }
 
-duet_body recorded_to_body(const char *row, bool radii)
+duet_body recorded_to_body(const recorded_body *r, float radius)
 {
-    recorded_body r = {.radius = 0.0f};
-    memcpy(&r, row, recorded_body_size(radii));
-    duet_body b = {.mass = r.mass,
-                   .restitution = r.restitution,
-                   .friction = r.friction,
-                   .group = r.group,
-                   .mask = r.mask,
-                   .radius = r.radius,
-                   .fixed_rotation = r.flags & FIXED,
-                   .sensor = r.flags & SENSOR};
-    memcpy(b.velocity, r.velocity, sizeof b.velocity);
-    memcpy(b.angular_velocity, r.angular_velocity, sizeof b.angular_velocity);
+    duet_body b = {.mass = r->mass,
+                   .restitution = r->restitution,
+                   .friction = r->friction,
+                   .group = r->group,
+                   .mask = r->mask,
+                   .radius = radius,
+                   .fixed_rotation = r->flags & RECORDED_FIXED_ROTATION,
+                   .sensor = r->flags & RECORDED_SENSOR};
+    memcpy(b.velocity, r->velocity, sizeof b.velocity);
+    memcpy(b.angular_velocity, r->angular_velocity, sizeof b.angular_velocity);
     return b;
 }
 
@@ -148,10 +143,11 @@ static void add_ids(duet_motion *m, text *to, recorded_kind kind, const uint32_t
 
 static void add_bodies(const duet_motion *m, text *to, const duet_body *bodies, uint32_t n)
 {
-    size_t size = recorded_body_size(motion_has(m, DUET_EFFECT_RADIUS));
+    bool radii = motion_has(m, DUET_EFFECT_RADIUS);
     for (uint32_t i = 0; i < n; ++i) {
         const recorded_body b = recorded_body_of(&bodies[i]);
-        add(to, &b, size);
+        add(to, &b, sizeof b);
+        add(to, &bodies[i].radius, radii ? sizeof bodies[i].radius : 0);
     }
 }
 
@@ -191,12 +187,6 @@ void motion_note_def(duet_motion *m)
     const recorded_def d = recorded_def_of(&m->def);
     if (to)
         add(to, &d, sizeof d);
-}
-
-void motion_note_step(duet_motion *m)
-{
-    if (m->recording)
-        ++m->recording->steps;
 }
 
 void motion_forget_recording(duet_motion *m)

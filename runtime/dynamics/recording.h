@@ -44,14 +44,13 @@ typedef struct recorded {
     uint32_t unused;
 } recorded;
 
-// A duet_body as it is written, without its radius where the recording has none.
+// A duet_body as it is written. Its radius follows where the file has radii.
 typedef struct recorded_body {
     float velocity[3], angular_velocity[3], mass, restitution, friction;
-    uint32_t group, mask, flags; // 1: fixed_rotation, 2: sensor
-    float radius;
+    uint32_t group, mask, flags;
 } recorded_body;
 
-size_t recorded_body_size(bool radii);
+enum { RECORDED_FIXED_ROTATION = 1, RECORDED_SENSOR = 2 }; // flags
 
 // What of a def a command can change.
 typedef struct recorded_def {
@@ -59,12 +58,13 @@ typedef struct recorded_def {
     double max_push_speed, restitution_threshold, sleep_speed, sleep_after;
 } recorded_def;
 
-// Bytes of a kind's row, and whether its records have ids.
+// Bytes of a kind's row, and of the body in it; whether a kind's records have ids.
 size_t recorded_row(uint32_t kind, bool radii);
+size_t recorded_body_size(bool radii);
 bool recorded_has_ids(uint32_t kind);
 
 recorded_body recorded_body_of(const duet_body *body);
-duet_body recorded_to_body(const char *row, bool radii);
+duet_body recorded_to_body(const recorded_body *row, float radius);
 recorded_def recorded_def_of(const duet_motion_def *def);
 void recorded_to_def(const recorded_def *from, duet_motion_def *def);
 
@@ -78,7 +78,6 @@ typedef struct motion_recording {
 void motion_forget_recording(duet_motion *m);
 
 // Each does nothing where the motion is not recorded. The commands are done by then.
-void motion_note_step(duet_motion *m);
 void motion_note_def(duet_motion *m);
 void motion_note_arrivals(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
                           uint32_t n);

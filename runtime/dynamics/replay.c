@@ -7,7 +7,6 @@
 #include "base/error.h"
 
 #include <inttypes.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -148,8 +147,14 @@ static void *copy_of(const char *from, size_t bytes)
 static bool make_bodies(order *o, const char *from, bool radii)
 {
     o->bodies = malloc((size_t)o->head.n * sizeof *o->bodies);
-    for (uint32_t i = 0; o->bodies && i < o->head.n; ++i)
-        o->bodies[i] = recorded_to_body(from + i * recorded_body_size(radii), radii);
+    for (uint32_t i = 0; o->bodies && i < o->head.n; ++i, from += recorded_body_size(radii)) {
+        recorded_body row;
+        float radius = 0.0f;
+        memcpy(&row, from, sizeof row);
+        if (radii)
+            memcpy(&radius, from + sizeof row, sizeof radius);
+        o->bodies[i] = recorded_to_body(&row, radius);
+    }
     return o->bodies;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/narrowphase/exact.h"
 
-#include "runtime/narrowphase/narrow.h"
+#include "runtime/narrowphase/rounded.h"
 
 #include <limits.h>
 #include <math.h>
@@ -235,4 +235,178 @@ bool narrow_exact_apart(const duet_pose *a, const duet_pose *b, const double shi
     bool separated = any_axis_separates(&n);
     exact_close(&n, sizeof n);
     return !separated;
+}
+
+// ---------------------------------------------------------------- two rounded boxes
+
+// The two cores in integers: lengths share a power of two, an axis has the length of its
+// quaternion's square. Cores that do not meet are nearest where a corner of one is nearest to the
+// other, or inside two edges, so these cases are enough. Nothing is divided: with
+// n = |qa|^2 |qb|^2 a distance d is n d, and what is compared are squares.
+typedef struct core {
+    mpz_t half[3];
+    mpz_t axis[3][3];
+    mpz_t norm;
+} core;
+
+typedef struct core_numbers {
+    core a, b;
+    mpz_t t[3]; // from a's centre to b's
+    mpz_t q[4];
+    mpz_t reach, norms, limit; // n times the reach, squared
+    mpz_t way[3];              // n times
+    mpz_t across[3], squared;
+    mpz_t moment[3];
+    mpz_t at, bound, term;
+} core_numbers;
+
+static void set_core_lengths(core_numbers *n, const duet_rounded_box *a, const duet_rounded_box *b)
+{
+    const float radii[2] = {a->radius, b->radius};
+    int power = exact_least_power(radii, 2, INT_MAX);
+    power = exact_least_power(a->pose.centre, 3, power);
+    power = exact_least_power(b->pose.centre, 3, power);
+    power = exact_least_power(a->pose.half_extents, 3, power);
+    power = exact_least_power(b->pose.half_extents, 3, power);
+    exact_integer(n->reach, radii[0], power);
+    exact_integer(n->term, radii[1], power);
+    mpz_add(n->reach, n->reach, n->term);
+    for (int k = 0; k < 3; ++k) {
+        exact_integer(n->t[k], b->pose.centre[k], power);
+        exact_integer(n->term, a->pose.centre[k], power);
+        mpz_sub(n->t[k], n->t[k], n->term);
+        exact_integer(n->a.half[k], a->pose.half_extents[k], power);
+        exact_integer(n->b.half[k], b->pose.half_extents[k], power);
+    }
+}
+
+static void set_core_numbers(core_numbers *n, const duet_rounded_box *a, const duet_rounded_box *b)
+{
+    set_core_lengths(n, a, b);
+    exact_axes(n->a.axis, n->a.norm, n->q, a->pose.rotation);
+    exact_axes(n->b.axis, n->b.norm, n->q, b->pose.rotation);
+    mpz_mul(n->norms, n->a.norm, n->b.norm);
+    mpz_mul(n->limit, n->reach, n->norms);
+    mpz_mul(n->limit, n->limit, n->limit);
+}
+
+// way = n t
+static void begin_way(core_numbers *n)
+{
+    for (int k = 0; k < 3; ++k)
+        mpz_mul(n->way[k], n->norms, n->t[k]);
+}
+
+// way += n (-1)^away the half of edge i of a side, in the direction of bit i; but for edge `but`.
+static void add_halves(core_numbers *n, const core *s, const mpz_t norm_other, int bits, int but,
+                       bool away)
+{
+    for (int i = 0; i < 3; ++i) {
+        if (i == but)
+            continue;
+        mpz_mul(n->term, s->half[i], norm_other);
+        bool plus = ((bits >> i & 1) != 0) != away;
+        for (int k = 0; k < 3; ++k)
+            (plus ? mpz_addmul : mpz_submul)(n->way[k], n->term, s->axis[i][k]);
+    }
+}
+
+// Whether bits names a corner, or with `but` an edge, that none before it was: an edge of no
+// length has one end.
+static bool is_first(const core *s, int bits, int but)
+{
+    for (int i = 0; i < 3; ++i)
+        if ((bits >> i & 1) && (i == but || mpz_sgn(s->half[i]) == 0))
+            return false;
+    return true;
+}
+
+// Whether the point at n times `way` from the box's centre is within reach of the box.
+static bool is_near_box(core_numbers *n, core *box)
+{
+    mpz_set_ui(n->squared, 0);
+    for (int i = 0; i < 3; ++i) {
+        exact_dot(n->at, n->way, box->axis[i]);
+        mpz_abs(n->at, n->at);
+        mpz_mul(n->bound, n->norms, box->half[i]);
+        mpz_submul(n->at, n->bound, box->norm);
+        if (mpz_sgn(n->at) > 0)
+            mpz_addmul(n->squared, n->at, n->at);
+    }
+    mpz_mul(n->bound, n->limit, box->norm);
+    mpz_mul(n->bound, n->bound, box->norm);
+    return mpz_cmp(n->squared, n->bound) <= 0;
+}
+
+// In a's frame b's corners are ahead of t; in b's frame a's corners are back from it.
+static bool any_corner_is_near(core_numbers *n, core *box, core *other, bool away)
+{
+    for (int bits = 0; bits < 8; ++bits) {
+        if (!is_first(other, bits, -1))
+            continue;
+        begin_way(n);
+        add_halves(n, other, box->norm, bits, -1, away);
+        if (is_near_box(n, box))
+            return true;
+    }
+    return false;
+}
+
+// Whether the point of one line that is nearest to the other lies in its edge: `along` is the
+// other's direction, half and norm are the edge's.
+static bool is_inside(core_numbers *n, mpz_t along[3], const mpz_t half, const mpz_t norm_other)
+{
+    exact_cross(n->moment, n->way, along);
+    exact_dot(n->at, n->moment, n->across);
+    mpz_mul(n->bound, half, norm_other);
+    mpz_mul(n->bound, n->bound, n->squared);
+    return mpz_cmpabs(n->at, n->bound) <= 0;
+}
+
+static bool edges_are_near(core_numbers *n, int i, int j)
+{
+    if (!is_inside(n, n->b.axis[j], n->a.half[i], n->b.norm) ||
+        !is_inside(n, n->a.axis[i], n->b.half[j], n->a.norm))
+        return false;
+    exact_dot(n->at, n->way, n->across);
+    mpz_mul(n->at, n->at, n->at);
+    mpz_mul(n->bound, n->limit, n->squared);
+    return mpz_cmp(n->at, n->bound) <= 0;
+}
+
+static bool any_edges_are_near(core_numbers *n)
+{
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            exact_cross(n->across, n->a.axis[i], n->b.axis[j]);
+            exact_dot(n->squared, n->across, n->across);
+            bool skew =
+                mpz_sgn(n->squared) > 0 && mpz_sgn(n->a.half[i]) > 0 && mpz_sgn(n->b.half[j]) > 0;
+            for (int bits = 0; skew && bits < 64; ++bits) {
+                if (!is_first(&n->a, bits & 7, i) || !is_first(&n->b, bits >> 3, j))
+                    continue;
+                begin_way(n);
+                add_halves(n, &n->a, n->b.norm, bits & 7, i, true);
+                add_halves(n, &n->b, n->a.norm, bits >> 3, j, false);
+                if (edges_are_near(n, i, j))
+                    return true;
+            }
+        }
+    return false;
+}
+
+bool rounded_exact(const duet_rounded_box *first, const duet_rounded_box *second, uint32_t dims)
+{
+    if (!rounded_is_sound(first, dims) || !rounded_is_sound(second, dims))
+        return false;
+    duet_rounded_box a = rounded_flat(first, dims), b = rounded_flat(second, dims);
+    if (narrow_exact(&a.pose, &b.pose, dims))
+        return true;
+    core_numbers n;
+    exact_open(&n, sizeof n);
+    set_core_numbers(&n, &a, &b);
+    bool near = any_corner_is_near(&n, &n.a, &n.b, false) ||
+                any_corner_is_near(&n, &n.b, &n.a, true) || any_edges_are_near(&n);
+    exact_close(&n, sizeof n);
+    return near;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Boxes in whole numbers: a float is an integer times a power of two. Of two boxes
-// runtime/narrowphase/narrow.h has the answer that is made so, narrow_exact.
+// Boxes in whole numbers: a float is an integer times a power of two. The
+// answers that are made so are narrow_exact (narrow.h) and rounded_exact (rounded.h).
 #ifndef RUNTIME_EXACT_H
 #define RUNTIME_EXACT_H
 

@@ -303,11 +303,6 @@ narrow_answer narrow_double(const duet_pose *a, const duet_pose *b, uint32_t dim
     return double_apart(a, b, narrow_here, dims);
 }
 
-double narrow_separation(const duet_pose *a, const duet_pose *b, uint32_t dims)
-{
-    return narrow_separation_apart(a, b, narrow_here, dims);
-}
-
 double narrow_separation_apart(const duet_pose *pose_a, const duet_pose *pose_b,
                                const double shift[3], uint32_t dims)
 {

@@ -22,11 +22,6 @@ typedef enum narrow_answer { NARROW_SEPARATED, NARROW_COLLIDING, NARROW_UNDECIDE
 // decided, and poses that hold a NaN, an infinity or a zero quaternion never.
 narrow_answer narrow_double(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
-// The greatest separation along the 15 (4) axes in double: above 0 it separates the
-// boxes, up to its error of NARROW_SLACK * 2^-53 * (|t|_1 + all extents). An
-// axis across two edges has the length of the sine between them.
-double narrow_separation(const duet_pose *a, const duet_pose *b, uint32_t dims);
-
 // The exact answer by integer arithmetic, some microseconds. A pose that is no
 // box (not finite, a negative extent, a zero quaternion) collides with nothing.
 bool narrow_exact(const duet_pose *a, const duet_pose *b, uint32_t dims);
@@ -40,10 +35,14 @@ bool narrow_decide(const duet_pose *a, const duet_pose *b, uint32_t dims);
 extern const double narrow_here[3];
 bool narrow_decide_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
                          uint32_t dims);
-double narrow_separation_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
-                               uint32_t dims);
 bool narrow_exact_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
                         uint32_t dims);
+
+// The greatest separation along the 15 (4) axes in double: above 0 it separates the
+// boxes, up to its error of NARROW_SLACK * 2^-53 * (|t|_1 + all extents). An
+// axis across two edges has the length of the sine between them.
+double narrow_separation_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
+                               uint32_t dims);
 
 // duet_poses_separation, likewise.
 double narrow_widest_separation(const duet_pose *a, const duet_pose *b, const double shift[3],

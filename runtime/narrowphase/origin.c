@@ -75,22 +75,6 @@ size_t origin_row_bytes(duet_shape shape, float edge)
     return edge > 0.0f ? sizeof(duet_large_pose) : bytes[shape];
 }
 
-static void set_shift(double shift[3], const duet_large_pose *a, const duet_large_pose *b,
-                      float edge)
-{
-    for (int k = 0; k < 3; ++k)
-        shift[k] = ((double)b->cell[k] - a->cell[k]) * edge;
-}
-
-void origin_shift(double shift[3], const void *rows, float edge, uint32_t a, uint32_t b)
-{
-    const duet_large_pose *large = rows;
-    if (edge > 0.0f)
-        set_shift(shift, &large[a], &large[b], edge);
-    else
-        shift[0] = shift[1] = shift[2] = 0.0;
-}
-
 // ---------------------------------------------------------------- for callers
 
 bool duet_large_pose_set(duet_large_pose *large, const double centre[3], float edge,
@@ -113,7 +97,7 @@ bool duet_large_pose_set(duet_large_pose *large, const double centre[3], float e
 static bool settle_both(duet_large_pose both[2], double shift[3], float edge)
 {
     bool ok = origin_settle(&both[0], edge) && origin_settle(&both[1], edge);
-    set_shift(shift, &both[0], &both[1], edge);
+    origin_shift(shift, both, edge, 0, 1);
     return ok;
 }
 

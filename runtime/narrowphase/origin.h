@@ -39,6 +39,12 @@ static inline void origin_corner(double corner[3], const void *rows, float edge,
 }
 
 // From the cell of a to that of b, exactly; 0 without an edge.
-void origin_shift(double shift[3], const void *rows, float edge, uint32_t a, uint32_t b);
+static inline void origin_shift(double shift[3], const void *rows, float edge, uint32_t a,
+                                uint32_t b)
+{
+    const duet_large_pose *large = rows;
+    for (int k = 0; k < 3; ++k)
+        shift[k] = edge > 0.0f ? ((double)large[b].cell[k] - large[a].cell[k]) * edge : 0.0;
+}
 
 #endif

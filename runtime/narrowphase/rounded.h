@@ -13,6 +13,9 @@ bool rounded_is_sound(const duet_rounded_box *box, uint32_t dims);
 
 duet_rounded_box rounded_of_sphere(const duet_sphere *sphere);
 
+// Without what 2D does not read (narrow_flat).
+duet_rounded_box rounded_flat(const duet_rounded_box *box, uint32_t dims);
+
 // Sound ones only. Spheres and boxes along the world's axes whose numbers have few digits, as
 // those of a lattice, are decided even where they touch.
 narrow_answer rounded_double(const duet_rounded_box *a, const duet_rounded_box *b, uint32_t dims);

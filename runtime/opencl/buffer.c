@@ -27,34 +27,16 @@ static void *allocate(size_t bytes)
     return memory;
 }
 
-static bool no_memory(duet_error *err, const device *d, size_t bytes)
-{
-    return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %zu bytes", d->info.selector,
-                     bytes);
-}
-
-static bool wrap(buffer *b, const device *d, duet_error *err)
-{
-    cl_int code = CL_SUCCESS;
-    b->mem = clCreateBuffer(d->context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, b->bytes, b->host,
-                            &code);
-    if (!b->mem)
-        return error_set_cl(err, code, "%s: wrapping %zu bytes of host memory", d->info.selector,
-                            b->bytes);
-    device_object_made();
-    return true;
-}
-
+// Of the device's own, or around the host memory that is there.
 static bool create(buffer *b, const device *d, duet_error *err)
 {
-    if (d->info.host_memory) {
-        b->host = allocate(b->bytes);
-        return b->host ? wrap(b, d, err) : no_memory(err, d, b->bytes);
-    }
     cl_int code = CL_SUCCESS;
-    b->mem = clCreateBuffer(d->context, CL_MEM_READ_WRITE, b->bytes, NULL, &code);
+    cl_mem_flags flags = CL_MEM_READ_WRITE | (b->host ? CL_MEM_USE_HOST_PTR : 0);
+    b->mem = clCreateBuffer(d->context, flags, b->bytes, b->host, &code);
     if (!b->mem)
-        return error_set_cl(err, code, "%s: a buffer of %zu bytes", d->info.selector, b->bytes);
+        return error_set_cl(err, code, "%s: %s%zu bytes%s", d->info.selector,
+                            b->host ? "wrapping " : "a buffer of ", b->bytes,
+                            b->host ? " of host memory" : "");
     device_object_made();
     return true;
 }
@@ -69,7 +51,11 @@ bool buffer_reserve(buffer *b, const device *d, size_t bytes, duet_error *err)
                          "%s: %zu bytes wanted, a buffer holds at most %llu", d->info.selector,
                          bytes, (unsigned long long)d->info.max_buffer_bytes);
     b->bytes = rounded(bytes < SMALLEST ? SMALLEST : bytes, ALIGNMENT);
-    bool ok = create(b, d, err);
+    bool ok = true;
+    if (d->info.host_memory && !(b->host = allocate(b->bytes)))
+        ok = error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %zu bytes", d->info.selector,
+                       b->bytes);
+    ok = ok && create(b, d, err);
     if (!ok)
         buffer_release(b);
     return ok;
@@ -81,7 +67,7 @@ bool buffer_borrow(buffer *b, const device *d, void *host, size_t bytes, duet_er
         return true;
     buffer_release(b);
     *b = (buffer){.host = host, .bytes = bytes, .borrowed = true};
-    bool ok = wrap(b, d, err);
+    bool ok = create(b, d, err);
     if (!ok)
         *b = (buffer){0};
     return ok;
@@ -95,10 +81,7 @@ bool buffer_hold(buffer *b, const device *d, void *host, size_t bytes, duet_erro
 
 void buffer_release(buffer *b)
 {
-    if (b->mem) {
-        clReleaseMemObject(b->mem);
-        device_object_gone();
-    }
+    DEVICE_RELEASE(b->mem);
     if (!b->borrowed)
         free(b->host);
     *b = (buffer){0};
@@ -147,15 +130,12 @@ bool host_block_reserve(host_block *h, const device devices[], int n_devices, si
 
 void host_block_release(host_block *h)
 {
-    if (h->mem) {
-        if (h->bytes) {
-            clEnqueueUnmapMemObject(h->owner->queue, h->mem, h->bytes, 0, NULL, NULL);
-            clFinish(h->owner->queue);
-        }
-        clReleaseMemObject(h->mem);
-        device_object_gone();
-    } else {
-        free(h->bytes);
+    if (h->mem && h->bytes) {
+        clEnqueueUnmapMemObject(h->owner->queue, h->mem, h->bytes, 0, NULL, NULL);
+        clFinish(h->owner->queue);
     }
+    if (!h->mem)
+        free(h->bytes);
+    DEVICE_RELEASE(h->mem);
     *h = (host_block){0};
 }

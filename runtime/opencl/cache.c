@@ -203,33 +203,10 @@ typedef struct entry_file {
     struct timespec used;
 } entry_file;
 
-typedef struct entry_list {
-    entry_file *files;
-    size_t n, capacity;
-    uint64_t bytes; // of all
-} entry_list;
-
 static bool ends_with(const char *name, const char *end)
 {
     size_t n = strlen(name), m = strlen(end);
     return n > m && strcmp(name + n - m, end) == 0;
-}
-
-static void note_entry(entry_list *list, const char *name, const struct stat *info)
-{
-    if (list->n == list->capacity) {
-        size_t capacity = list->capacity ? 2 * list->capacity : 64;
-        entry_file *files = realloc(list->files, capacity * sizeof *files);
-        if (!files)
-            return;
-        list->files = files;
-        list->capacity = capacity;
-    }
-    entry_file *file = &list->files[list->n++];
-    snprintf(file->name, sizeof file->name, "%s", name);
-    file->bytes = (uint64_t)info->st_size;
-    file->used = info->st_mtim;
-    list->bytes += file->bytes;
 }
 
 static int by_use(const void *a, const void *b)
@@ -240,42 +217,54 @@ static int by_use(const void *a, const void *b)
     return x->tv_nsec < y->tv_nsec ? -1 : x->tv_nsec > y->tv_nsec;
 }
 
-// Removes what killed processes left half-written, and notes the entries.
-static void look_through(int folder, entry_list *list)
+// Whether the name is an entry's. What a killed process left half-written goes.
+static bool note_entry(int folder, const char *name, entry_file *file)
 {
     enum { WRITTEN_BY_THEN_S = 3600 };
-    int again = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    DIR *names = again >= 0 ? fdopendir(again) : NULL;
-    if (!names) {
-        if (again >= 0)
-            close(again);
-        return;
+    struct stat info;
+    if (fstatat(folder, name, &info, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(info.st_mode))
+        return false;
+    if (ends_with(name, ".part") && time(NULL) - info.st_mtime > WRITTEN_BY_THEN_S)
+        unlinkat(folder, name, 0);
+    if (!ends_with(name, ".bin") || strlen(name) >= sizeof file->name)
+        return false;
+    snprintf(file->name, sizeof file->name, "%s", name);
+    file->bytes = (uint64_t)info.st_size;
+    file->used = info.st_mtim;
+    return true;
+}
+
+// How many entries there are; none without memory.
+static size_t look_through(int folder, entry_file **files)
+{
+    struct dirent **found = NULL;
+    int n_found = scandirat(folder, ".", &found, NULL, NULL);
+    size_t n = 0;
+    *files = n_found > 0 ? calloc((size_t)n_found, sizeof **files) : NULL;
+    for (int i = 0; i < n_found; ++i) {
+        n += *files && note_entry(folder, found[i]->d_name, &(*files)[n]);
+        free(found[i]);
     }
-    for (const struct dirent *e = readdir(names); e; e = readdir(names)) {
-        struct stat info;
-        if (fstatat(folder, e->d_name, &info, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(info.st_mode))
-            continue;
-        if (ends_with(e->d_name, ".part") && time(NULL) - info.st_mtime > WRITTEN_BY_THEN_S)
-            unlinkat(folder, e->d_name, 0);
-        else if (ends_with(e->d_name, ".bin") && strlen(e->d_name) < sizeof list->files->name)
-            note_entry(list, e->d_name, &info);
-    }
-    closedir(names);
+    free(found);
+    return n;
 }
 
 // A quarter goes at once, so that not every new entry has to look for another to go.
 static void sweep(int folder)
 {
-    entry_list list = {0};
-    look_through(folder, &list);
-    if (list.bytes > CACHE_MOST_BYTES) {
-        qsort(list.files, list.n, sizeof *list.files, by_use);
-        for (size_t i = 0; i < list.n && list.bytes > CACHE_MOST_BYTES / 4 * 3; ++i) {
-            unlinkat(folder, list.files[i].name, 0);
-            list.bytes -= list.files[i].bytes;
-        }
+    entry_file *files = NULL;
+    size_t n = look_through(folder, &files);
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < n; ++i)
+        bytes += files[i].bytes;
+    if (bytes > CACHE_MOST_BYTES)
+        qsort(files, n, sizeof *files, by_use);
+    uint64_t most = bytes > CACHE_MOST_BYTES ? CACHE_MOST_BYTES / 4 * 3 : CACHE_MOST_BYTES;
+    for (size_t i = 0; i < n && bytes > most; ++i) {
+        unlinkat(folder, files[i].name, 0);
+        bytes -= files[i].bytes;
     }
-    free(list.files);
+    free(files);
 }
 
 bool cache_put(const char *dir, const char key[65], const char *bytes, size_t n)

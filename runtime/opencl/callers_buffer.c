@@ -128,10 +128,8 @@ bool callers_events_wait(callers_events *events, const char *what, duet_error *e
 
 void callers_events_release(callers_events *events)
 {
-    for (cl_uint i = 0; i < events->n; ++i) {
-        clReleaseEvent(events->list[i]);
-        device_object_gone();
-    }
+    for (cl_uint i = 0; i < events->n; ++i)
+        DEVICE_RELEASE(events->list[i]);
     free(events->list);
     *events = (callers_events){0};
 }
@@ -147,9 +145,5 @@ cl_mem callers_buffer_hold(cl_mem mem)
 
 void callers_buffer_release(cl_mem *mem)
 {
-    if (*mem) {
-        clReleaseMemObject(*mem);
-        device_object_gone();
-    }
-    *mem = NULL;
+    DEVICE_RELEASE(*mem);
 }

@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "base/visible.h"
 #include "runtime/opencl/device_list.h"
-#include "runtime/opencl/driver.h"
+#include "runtime/opencl/program_build.h"
 
 #include <assert.h>
 #include <ctype.h>
@@ -185,7 +185,7 @@ static bool make_ready(device *d, bool has_context, duet_error *err)
 {
     if (has_context && make_queue(&d->queue, d, err) && make_queue(&d->beside, d, err)) {
         d->built = program_pool_open();
-        d->third_axis = driver_of(&d->info).third_axis;
+        d->driver = driver_of(&d->info);
         return true;
     }
     device_close(d);
@@ -275,27 +275,16 @@ static void wait_until_alone(cl_command_queue queue)
 void device_close(device *d)
 {
     program_pool_close(d->built);
-    cl_command_queue queues[] = {d->queue, d->beside};
+    cl_command_queue *queues[] = {&d->queue, &d->beside};
     for (int i = 0; i < 2; ++i) {
-        if (queues[i]) {
-            if (d->info.host_memory)
-                wait_until_alone(queues[i]);
-            clReleaseCommandQueue(queues[i]);
-            device_object_gone();
-        }
+        if (*queues[i] && d->info.host_memory)
+            wait_until_alone(*queues[i]);
+        DEVICE_RELEASE(*queues[i]);
     }
-    if (d->callers) {
-        clReleaseCommandQueue(d->callers);
-        device_object_gone();
-    }
-    if (d->context) {
-        clReleaseContext(d->context);
-        device_object_gone();
-    }
-    if (d->owns_part) {
-        clReleaseDevice(d->id);
-        device_object_gone();
-    }
+    DEVICE_RELEASE(d->callers);
+    DEVICE_RELEASE(d->context);
+    if (d->owns_part)
+        DEVICE_RELEASE(d->id);
     *d = (device){0};
 }
 

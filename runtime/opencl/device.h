@@ -8,10 +8,11 @@
 #ifndef RUNTIME_DEVICE_H
 #define RUNTIME_DEVICE_H
 
-#include "runtime/duet.h"
-#include "runtime/opencl/program_pool.h"
+#include "runtime/opencl/driver.h"
 
 #include <CL/cl.h>
+
+typedef struct program_pool program_pool; // runtime/opencl/program_build.h
 
 typedef struct device {
     cl_device_id id;
@@ -20,8 +21,8 @@ typedef struct device {
     cl_command_queue beside;  // the same, for what is sent while kernels run
     cl_command_queue callers; // whose context and device these are; NULL: our own
     duet_device_info info;
-    bool owns_part;         // id is a part that we cut off, or the caller's that we hold
-    const char *third_axis; // NULL: groups lie along the first (runtime/opencl/driver.h)
+    driver driver;
+    bool owns_part; // id is a part that we cut off, or the caller's that we hold
     program_pool *built;
 } device;
 
@@ -54,5 +55,22 @@ void device_info_read(cl_device_id id, duet_device_info *info);
 void device_object_made(void);
 void device_object_gone(void);
 int device_live_objects(void);
+
+// Lets go of one, a cl_mem, say, which is NULL then; NULL is passed over.
+#define DEVICE_RELEASE(object)                            \
+    do {                                                  \
+        if (object) {                                     \
+            _Generic((object), cl_mem                     \
+                     : clReleaseMemObject, cl_event       \
+                     : clReleaseEvent, cl_kernel          \
+                     : clReleaseKernel, cl_program        \
+                     : clReleaseProgram, cl_command_queue \
+                     : clReleaseCommandQueue, cl_context  \
+                     : clReleaseContext, cl_device_id     \
+                     : clReleaseDevice)(object);          \
+            device_object_gone();                         \
+            (object) = NULL;                              \
+        }                                                 \
+    } while (0)
 
 #endif

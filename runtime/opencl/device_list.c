@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "runtime/opencl/device.h"
-#include "runtime/opencl/pocl_cache.h"
+#include "runtime/opencl/driver.h"
 
 #include <ctype.h>
 #include <pthread.h>
@@ -132,7 +132,7 @@ static bool refuse_none(duet_error *err)
         return error_set(err, DUET_STATUS_NO_DEVICE,
                          "no OpenCL device is installed; to work on the CPU: apt install "
                          "pocl-opencl-icd");
-    return (strcmp(name, "pocl") != 0 || pocl_cache_check(err)) &&
+    return (strcmp(name, "pocl") != 0 || driver_check_pocl_folder(err)) &&
            error_set(err, DUET_STATUS_NO_DEVICE, "the OpenCL platform '%s' lists no device",
                      found.empty);
 }
@@ -188,10 +188,8 @@ duet_device_list *duet_device_list_create(duet_error *err)
     if (!look(err))
         return NULL;
     duet_device_list *list = calloc(1, sizeof *list);
-    if (!list) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "the list of devices: no memory");
-        return NULL;
-    }
+    if (!list)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "the list of devices: no memory");
     *list = (duet_device_list){found.roots, found.n};
     return list;
 }

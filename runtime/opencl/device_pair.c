@@ -142,16 +142,12 @@ static bool keep_folder(char **kept, const char *folder, duet_error *err)
 // All but the devices; NULL where that cannot be had.
 static duet_device_pair *make_pair(const duet_device_pair_def *def, duet_error *err)
 {
-    if (!def || def->cookie != COOKIE) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                  "the def of a device pair begins with duet_default_device_pair_def");
-        return NULL;
-    }
+    if (!def || def->cookie != COOKIE)
+        return error_null(err, DUET_STATUS_BAD_ARGUMENT,
+                          "the def of a device pair begins with duet_default_device_pair_def");
     duet_device_pair *pair = calloc(1, sizeof *pair);
-    if (!pair) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "a device pair: no memory");
-        return NULL;
-    }
+    if (!pair)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "a device pair: no memory");
     device_pair_hold(pair);
     bool ok = keep_folder(&pair->kernel_dir, def->kernel_dir, err);
     ok = ok && keep_folder(&pair->cache_dir, def->cache_dir, err);

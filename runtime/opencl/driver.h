@@ -37,4 +37,8 @@ typedef struct driver {
 
 driver driver_of(const duet_device_info *info);
 
+// Makes the folder that PoCL keeps built kernels in, as PoCL does: where it cannot, it lists no
+// device and does not say why. NO_DEVICE with the reason then.
+bool driver_check_pocl_folder(duet_error *err);
+
 #endif

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Kernels of one device: asked for one by one, built together, and kept.
+//
+// program.c: gen writes the text of a kernel that is asked for, and what its launches hand over is
+// found by the names of its arguments. program_build.c: the programs are taken from those that the
+// device has, from the folder of built ones, or else compiled; then the kernels are made.
 #ifndef RUNTIME_PROGRAM_H
 #define RUNTIME_PROGRAM_H
 

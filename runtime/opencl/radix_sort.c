@@ -41,7 +41,7 @@ static bool run_pass(radix_sort *r, timeline *t, const char *stage, const radix_
     r->ids_out = *lists->ids_spare;
     bool ok = buffer_reserve(&r->tiles, r->device, n_counts * sizeof(uint32_t), err) &&
               timeline_launch(t, stage, r->count, r->n, r, err) &&
-              scan_run(r->scan, t, stage, &r->tiles, n_counts, err) &&
+              scan_run(r->scan, t, stage, &r->tiles, &r->tiles, n_counts, err) &&
               timeline_launch(t, stage, r->move, r->n, r, err);
     buffer_swap(lists->keys, lists->keys_spare);
     buffer_swap(lists->ids, lists->ids_spare);

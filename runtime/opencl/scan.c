@@ -16,15 +16,13 @@ bool scan_open(scan *s, const device *d, program_set *programs, const gen_settin
                uint32_t n_settings, duet_error *err)
 {
     s->device = d;
-    s->block_sums =
-        program_set_kernel(programs, "scan", "scan_sums", settings, n_settings, scan_bindings, err);
-    s->top_sums = s->block_sums ? program_set_kernel(programs, "scan", "scan_tops", settings,
-                                                     n_settings, scan_bindings, err)
-                                : NULL;
-    s->blocks = s->top_sums ? program_set_kernel(programs, "scan", "scan_blocks", settings,
-                                                 n_settings, scan_bindings, err)
-                            : NULL;
-    return s->blocks;
+    const char *const entries[] = {"scan_sums", "scan_tops", "scan_blocks"};
+    kernel **const kernels[] = {&s->block_sums, &s->top_sums, &s->blocks};
+    bool ok = true;
+    for (int i = 0; ok && i < 3; ++i)
+        ok = (*kernels[i] = program_set_kernel(programs, "scan", entries[i], settings, n_settings,
+                                               scan_bindings, err));
+    return ok;
 }
 
 void scan_close(scan *s)
@@ -33,8 +31,8 @@ void scan_close(scan *s)
     *s = (scan){0};
 }
 
-bool scan_empty(scan *s, timeline *t, const char *stage, const buffer *values, const buffer *to,
-                uint32_t n, duet_error *err)
+bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, const buffer *to,
+              uint32_t n, duet_error *err)
 {
     uint32_t block = s->block_sums->group * s->block_sums->per_item;
     s->values = *values;
@@ -46,10 +44,4 @@ bool scan_empty(scan *s, timeline *t, const char *stage, const buffer *values, c
            timeline_launch(t, stage, s->block_sums, n, s, err) &&
            (!s->use_tops || timeline_launch(t, stage, s->top_sums, 1, s, err)) &&
            timeline_launch(t, stage, s->blocks, n, s, err);
-}
-
-bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, uint32_t n,
-              duet_error *err)
-{
-    return scan_empty(s, t, stage, values, values, n, err);
 }

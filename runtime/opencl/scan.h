@@ -18,13 +18,9 @@ bool scan_open(scan *s, const device *d, program_set *programs, const gen_settin
                uint32_t n_settings, duet_error *err);
 void scan_close(scan *s);
 
-// Replaces each of the n words by the sum of those before it.
-bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, uint32_t n,
-              duet_error *err);
-
-// Writes the sums of the words before each to another buffer, and makes the words zero. For a scan
-// whose kernels were built with EMPTIES.
-bool scan_empty(scan *s, timeline *t, const char *stage, const buffer *values, const buffer *to,
-                uint32_t n, duet_error *err);
+// Writes to each of n words the sum of the values before its own; `to` may be the values
+// themselves. Where the kernels were built with EMPTIES it may not, and the values become zero.
+bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, const buffer *to,
+              uint32_t n, duet_error *err);
 
 #endif

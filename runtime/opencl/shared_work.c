@@ -78,7 +78,5 @@ bool shared_work_run(shared_work *w, uint64_t n, bool (*part)(work_side *), duet
     }
     thread_pool_run_both(w->driver, run_side, cut > 0 ? &jobs[0] : NULL, cut < n ? &jobs[1] : NULL);
     const work_side *failed = w->sides[w->sides[0]->ok];
-    if (!failed->ok && err && err->status == DUET_STATUS_OK)
-        *err = failed->err;
-    return failed->ok;
+    return failed->ok || error_copy(err, &failed->err);
 }

@@ -55,10 +55,8 @@ uint32_t thread_pool_spare(uint32_t most)
 thread_pool *thread_pool_open(uint32_t n_threads, duet_error *err)
 {
     thread_pool *c = calloc(1, sizeof *c + n_threads * sizeof c->threads[0]);
-    if (!c) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u threads", n_threads);
-        return NULL;
-    }
+    if (!c)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for %u threads", n_threads);
     pthread_mutex_init(&c->lock, NULL);
     pthread_cond_init(&c->given, NULL);
     pthread_cond_init(&c->done, NULL);

@@ -40,12 +40,6 @@ static int stage_index(timeline *t, const char *name, bool transfer)
     return t->n_stages++;
 }
 
-static void release_event(cl_event event)
-{
-    clReleaseEvent(event);
-    device_object_gone();
-}
-
 // Waits for the queue once the list is full, so that any number fits.
 static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event event,
                        duet_error *err)
@@ -53,7 +47,7 @@ static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event e
     device_object_made();
     t->seen = false;
     if (t->n_events == TIMELINE_EVENTS && !timeline_finish(t, err)) {
-        release_event(event);
+        DEVICE_RELEASE(event);
         return false;
     }
     t->events[t->n_events].stage = t->untimed ? 0 : stage_index(t, stage, transfer);
@@ -102,8 +96,8 @@ bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint
     const size_t along_third[3] = {k->group, 1, n_groups};
     cl_event event = NULL;
     cl_int code = clEnqueueNDRangeKernel(
-        t->device->queue, k->cl, 3, NULL, t->device->third_axis ? along_third : along_first, group,
-        after ? 1 : 0, after ? &after : NULL, t->untimed ? NULL : &event);
+        t->device->queue, k->cl, 3, NULL, t->device->driver.third_axis ? along_third : along_first,
+        group, after ? 1 : 0, after ? &after : NULL, t->untimed ? NULL : &event);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s on %s: launch", k->name, t->device->info.selector);
     ++t->n_launches;
@@ -335,7 +329,7 @@ static cl_int collect(timeline *t, int n)
             code = state;
         else if (!t->untimed)
             add_event(t, &t->stages[t->events[i].stage], event);
-        release_event(event);
+        DEVICE_RELEASE(event);
     }
     t->n_events -= n;
     memmove(t->events, t->events + n, (size_t)t->n_events * sizeof t->events[0]);
@@ -396,7 +390,7 @@ void timeline_clear(timeline *t)
     if (t->n_events > 0 || t->unheard)
         finish_queues(t);
     for (int i = 0; i < t->n_events; ++i)
-        release_event(t->events[i].event);
+        DEVICE_RELEASE(t->events[i].event);
     t->n_events = 0;
     t->unheard = false;
     t->lost = CL_SUCCESS;

@@ -138,6 +138,20 @@ static void a_folder_is_refused(void **state)
     assert_int_equal(test_count_files(), 1);
 }
 
+static void a_check_leaves_everything_as_it_is(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    write_in("file", "old");
+    assert_int_equal(mkfifo("pipe", 0600), 0); // would wait for a reader
+    assert_true(output_check("file", &err) && output_check("fresh", &err));
+    assert_true(output_check("pipe", &err) && output_check("-", &err));
+    assert_false(output_check("no/such/file", &err));
+    assert_int_equal(err.status, DUET_STATUS_IO_FAILED);
+    assert_content("file", "old");
+    assert_int_equal(test_count_files(), 2);
+}
+
 static void a_pipe_is_written_to_and_stays(void **state)
 {
     (void)state;
@@ -338,6 +352,7 @@ int main(void)
         IN_A_FOLDER(a_link_stays_and_its_file_is_replaced),
         IN_A_FOLDER(links_in_a_ring_are_refused),
         IN_A_FOLDER(a_folder_is_refused),
+        IN_A_FOLDER(a_check_leaves_everything_as_it_is),
         IN_A_FOLDER(a_pipe_is_written_to_and_stays),
         IN_A_FOLDER(a_full_device_fails_and_stays),
         IN_A_FOLDER(stdout_is_written_to_whatever_it_is),

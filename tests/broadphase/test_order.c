@@ -438,7 +438,7 @@ static void a_device_that_takes_nothing_finds_nothing(void **state)
         set_share(world, DUET_SHARE_ONE - 1);
         for (int i = 0; i < 3; ++i) {
             step(world, &result);
-            assert_int_equal(world->parts[1].taken.n, 1);
+            assert_int_equal(world->strays.intakes[1].sent.n, 1);
             assert_int_equal(result.spans[1].n, 0);
             assert_int_equal(duet_result_get_hash(&result), truth);
         }
@@ -479,15 +479,16 @@ static void objects_in_origin_cells_are_found_in_any_order(void **state)
         for (int k = 0; k < 3; ++k) // so that a cell and an offset are the same number
             poses[i].centre[k] = rintf(poses[i].centre[k] * 1024.0f) / 1024.0f;
     assert_finds_all_in_any_order(world, &r, N);
-    assert_in_range(world->parts[0].taken.n, 1, STRETCHES);
+    assert_in_range(world->strays.intakes[0].sent.n, 1, STRETCHES);
     duet_world_destroy(world);
 }
 
-static uint32_t count_taken(const part *p)
+static uint32_t count_taken(const duet_world *world, int side)
 {
+    const stretches *taken = &world->strays.intakes[side].taken;
     uint32_t n = 0;
-    for (uint32_t i = 0; i < p->taken.n; ++i)
-        n += p->taken.list[i].to - p->taken.list[i].from;
+    for (uint32_t i = 0; i < taken->n; ++i)
+        n += taken->list[i].to - taken->list[i].from;
     return n;
 }
 
@@ -502,23 +503,22 @@ static void a_device_takes_its_own_half_and_the_blocks_with_strays(void **state)
         duet_world_def def = ordered_def(3, "simd");
         set_memory(host);
         duet_world *world = make_world(&def);
-        const part *a = &world->parts[0], *b = &world->parts[1];
         fill_poses(&r, N, 3);
         set_poses(world, N);
         step(world, &result);
-        assert_int_equal(count_taken(a), N); // in no order
-        assert_int_equal(count_taken(b), N);
+        assert_int_equal(count_taken(world, 0), N); // in no order
+        assert_int_equal(count_taken(world, 1), N);
         put_in_order(world, N);
         set_poses(world, N);
         step(world, &result); // as much as before, for that was wanted
         step(world, &result);
-        assert_in_range(count_taken(a), N * 4 / 10, N * 7 / 10);
-        assert_in_range(count_taken(b), N * 4 / 10, N * 6 / 10);
+        assert_in_range(count_taken(world, 0), N * 4 / 10, N * 7 / 10);
+        assert_in_range(count_taken(world, 1), N * 4 / 10, N * 6 / 10);
         swap(10, N - 10);
         set_poses(world, N);
         step(world, &result);
-        assert_in_range(count_taken(a), N * 4 / 10, N * 8 / 10);
-        assert_in_range(count_taken(b), N * 5 / 10, N * 7 / 10);
+        assert_in_range(count_taken(world, 0), N * 4 / 10, N * 8 / 10);
+        assert_in_range(count_taken(world, 1), N * 5 / 10, N * 7 / 10);
         duet_world_destroy(world);
     }
     set_memory(true);
@@ -571,10 +571,10 @@ static void begin_strays(strays *s, bool expected_new)
 
 static uint32_t taken_from_other(const strays *s, int side)
 {
-    stretches all = strays_taken(s, side);
+    const stretches *all = &s->intakes[side].sent;
     uint32_t n = 0;
-    for (uint32_t i = 0; i < all.n; ++i)
-        n += i == all.own ? 0 : all.list[i].to - all.list[i].from;
+    for (uint32_t i = 0; i < all->n; ++i)
+        n += i == all->own ? 0 : all->list[i].to - all->list[i].from;
     return n / STRAY_BLOCK;
 }
 

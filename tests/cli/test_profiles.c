@@ -144,6 +144,9 @@ static void a_stored_profile_is_compared_put_to_use_and_forgotten(void **state)
     assert_prints(&folder, arguments, "");
     assert_refused(&folder, arguments, 1, "no profile begins with");
     assert_prints(&folder, "list --dead", "another was put to use");
+    snprintf(arguments, sizeof arguments, "forget %s", uids[0]);
+    assert_prints(&folder, arguments, "");
+    assert_prints(&folder, "list", "no profile is in use; --dead shows the 1 that is not");
     assert_refused(&folder, "diff 1", 2, "PROFILE PROFILE is missing");
     test_folder_remove(&folder);
 }
@@ -171,6 +174,22 @@ static void what_one_device_does_alone_is_told_as_such(void **state)
     assert_prints(&folder, arguments, "undivided is 25.0 % faster (11.1 to 33.3): open it as one");
     assert_prints(&folder, "list", "B alone");
     assert_prints(&folder, "list", "undivided is 25.0 % faster");
+    cJSON_Delete(o);
+    test_folder_remove(&folder);
+}
+
+// The store tells two cards of one model not apart, but what shares is no single device.
+static void two_equal_devices_that_share_are_two(void **state)
+{
+    (void)state;
+    test_folder folder = make_store();
+    char arguments[64];
+    test_store_run(folder.store, "UPDATE pair SET env_b = env_a; UPDATE profile SET share = 32768");
+    cJSON *o = run_json(&folder, "list --json");
+    const cJSON *first = cJSON_GetArrayItem(json_array(o, "profiles", 2), 0);
+    snprintf(arguments, sizeof arguments, "show %s", json_string(first, "uid"));
+    assert_prints(&folder, arguments, "share 0.50000");
+    assert_prints(&folder, "list", "\nB: ");
     cJSON_Delete(o);
     test_folder_remove(&folder);
 }
@@ -309,6 +328,7 @@ int main(void)
         cmocka_unit_test(show_gives_a_profile_with_its_trials),
         cmocka_unit_test(a_stored_profile_is_compared_put_to_use_and_forgotten),
         cmocka_unit_test(what_one_device_does_alone_is_told_as_such),
+        cmocka_unit_test(two_equal_devices_that_share_are_two),
         cmocka_unit_test(rows_go_out_and_into_another_store),
         cmocka_unit_test(a_bad_line_is_named_and_the_store_untouched),
         cmocka_unit_test(prune_and_check_say_what_they_found),

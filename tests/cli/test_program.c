@@ -26,6 +26,18 @@ static void help_and_version_are_printed(void **state)
     program_free(&p);
 }
 
+static void without_a_subcommand_help_is_printed_and_that_is_wrong(void **state)
+{
+    (void)state;
+    program alone = program_run("%s", "");
+    program help = program_run("--help");
+    assert_int_equal(alone.exit_code, 2);
+    assert_string_equal(alone.err, "duet: a subcommand is missing\n");
+    assert_int_equal(strncmp(alone.out, help.out, strlen(help.out)), 0);
+    program_free(&help);
+    program_free(&alone);
+}
+
 // Every subcommand that --help names has a --help of its own.
 static void every_subcommand_has_help(void **state)
 {
@@ -56,13 +68,16 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
 {
     (void)state;
     static const char *const wrong[][2] = {
-        {"", "a subcommand is missing"},
         {"abacus", "there is no subcommand 'abacus'; 'duet --help' lists"},
         {"help devcies", "there is no subcommand 'devcies'; did you mean 'devices'?"},
         {"devcies", "there is no subcommand 'devcies'; did you mean 'devices'?"},
         {"dev", "there is no subcommand 'dev'; did you mean 'devices'?"},
+        {"run", "duet run: SCENE|FILE is missing; 'duet run --help' says what it is"},
+        {"tune", "give a scene, as 'duet tune paper', or a tune file with --config"},
         {"run x --chekc", "there is no option '--chekc'; did you mean '--check'?"},
         {"run x --check-all=1", "there is no option '--check-all=1'; 'duet run --help' lists"},
+        {"run x --JSON", "there is no option '--JSON'; did you mean '--json'?"},
+        {"Run x", "there is no subcommand 'Run'; did you mean 'run'?"},
         {"run x -json", "there is no option '-json'; did you mean '--json'?"},
         {"run x --n 3", "there is no option '--n'; did you mean '-n'?"},
         {"run x -p", "there is no option '-p'; 'duet run --help' lists"},
@@ -87,6 +102,21 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         program p = program_run("%s", wrong[i][0]);
         program_assert_refused(&p, 2, wrong[i][1]);
+    }
+}
+
+// Some of these would work for minutes first.
+static void what_cannot_be_written_is_refused_before_the_work(void **state)
+{
+    (void)state;
+    static const char *const commands[] = {"bench -o no/such/x.json",
+                                           "accuracy still -n 100 --csv no/such/x.csv",
+                                           "accuracy still -n 100 --plot no/such/x.svg",
+                                           "run falling -n 100 --steps 2 --record no/such/x",
+                                           "run still -n 100 --pairs no/such/x.csv"};
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; ++i) {
+        program p = program_run("%s", commands[i]);
+        program_assert_refused(&p, 1, "cannot be written: No such file or directory");
     }
 }
 
@@ -222,7 +252,8 @@ static void a_machine_without_opencl_is_told_what_to_install(void **state)
     (void)state;
     static const char *const commands[] = {"devices", "devices --json"};
     for (int i = 0; i < 2; ++i) {
-        program p = program_run_with("OCL_ICD_FILENAMES= OCL_ICD_VENDORS=no/such/folder", "%s", commands[i]);
+        program p = program_run_with("OCL_ICD_FILENAMES= OCL_ICD_VENDORS=no/such/folder", "%s",
+                                     commands[i]);
         program_assert_refused(&p, 1, "apt install pocl-opencl-icd");
     }
 }
@@ -314,8 +345,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(help_and_version_are_printed),
+        cmocka_unit_test(without_a_subcommand_help_is_printed_and_that_is_wrong),
         cmocka_unit_test(every_subcommand_has_help),
         cmocka_unit_test(wrong_usage_is_one_line_and_exit_2),
+        cmocka_unit_test(what_cannot_be_written_is_refused_before_the_work),
         cmocka_unit_test(numbers_are_written_as_people_write_them),
         cmocka_unit_test(scenes_are_known_by_name),
         cmocka_unit_test(a_name_is_a_scene_and_a_path_a_file),

@@ -108,6 +108,53 @@ static void the_page_shows_profile_search_stages_and_history(void **state)
     text_free(&page);
 }
 
+static void of_one_device_the_page_shows_no_share(void **state)
+{
+    (void)state;
+    static const char results[] =
+        "{\"type\":\"duet bench\",\"version\":1,\"duet\":\"1.0.0\",\"time\":\"then\","
+        "\"devices\":[{\"selector\":\"x:0\",\"name\":\"only\"},{\"selector\":\"x:0\","
+        "\"name\":\"only\"}],\"cases\":[{\"scene\":\"s\",\"objects\":9,\"share\":0,"
+        "\"mode\":\"own\",\"variant_a\":\"simd\",\"variant_b\":\"gpu\",\"hash\":\"0\","
+        "\"median_ms\":2,\"low_ms\":1,\"high_ms\":3,\"a_ms\":0,\"b_ms\":2,\"samples_ms\":[2],"
+        "\"stages\":[{\"name\":\"hash\",\"device\":\"B\",\"ms\":0.75}]}],\"accuracy\":["
+        "{\"type\":\"duet accuracy\",\"scene\":\"s\",\"objects\":9,\"pairs\":5,\"a\":\"x:0\","
+        "\"b\":\"x:0\",\"levels\":[{\"level\":\"certified\",\"device\":\"B\","
+        "\"step_ms\":1.5,\"relative\":1,\"missed\":0,\"false\":0,\"front\":true}]}]}";
+    static const char *const has[] = {"<p>On only (x:0).</p>",
+                                      "<p>x:0, only",
+                                      "s, 9 objects: the fastest step takes 2 ms.",
+                                      "the exact step takes 1.5 ms; no other",
+                                      "gpu: 2.000 ms",
+                                      "5 pairs; x:0"};
+    static const char *const lacks[] = {"no work", "Standard set: shares",  "A: x:0",
+                                        "B: x:0",  "Standard set: history", "What became of"};
+    text page = {0};
+    duet_error err = {0};
+    test_write_file(PAGE, results);
+    program p = program_run("report --profile %s -o " PAGE " " PAGE, folder.store);
+    assert_int_equal(p.exit_code, 0);
+    assert_ok(text_read_file(&page, PAGE, &err), err);
+    for (size_t i = 0; i < sizeof has / sizeof has[0]; ++i)
+        if (!strstr(page.chars, has[i]))
+            fail_msg("'%s' is not on the page", has[i]);
+    for (size_t i = 0; i < sizeof lacks / sizeof lacks[0]; ++i)
+        if (strstr(page.chars, lacks[i]))
+            fail_msg("'%s' is on the page", lacks[i]);
+    text_free(&page);
+    program_free(&p);
+}
+
+static void a_page_without_a_name_is_told_of(void **state)
+{
+    (void)state;
+    program p = program_run("report --profile %s", folder.store);
+    assert_int_equal(p.exit_code, 0);
+    assert_string_equal(p.out, "-> duet-report.html\n");
+    assert_int_equal(remove("duet-report.html"), 0);
+    program_free(&p);
+}
+
 static void one_slow_step_does_not_flatten_the_others(void **state)
 {
     (void)state;
@@ -207,6 +254,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_page_shows_profile_search_stages_and_history),
+        cmocka_unit_test(of_one_device_the_page_shows_no_share),
+        cmocka_unit_test(a_page_without_a_name_is_told_of),
         cmocka_unit_test(one_slow_step_does_not_flatten_the_others),
         cmocka_unit_test(the_page_loads_nothing),
         cmocka_unit_test(names_are_words_and_no_markup),

@@ -112,7 +112,7 @@ static void what_cannot_be_drawn_is_refused_before_the_steps(void **state)
     } wrong[] = {
         {"run --picture x.png " SCENE, 2, "--picture does nothing without --steps"},
         {"run --frames x " SCENE, 2, "--frames does nothing without --steps"},
-        {"run --steps 1000000000 --json --picture x.svg " SCENE, 2, "ends with .png"},
+        {"run --steps 1000000000 --picture x.svg " SCENE, 2, "ends with .png"},
         {"run --steps 1000000000 --json --picture no/such/x.png " SCENE, 1, "cannot be written"},
         {"run --steps 1000000000 --json --frames no/such/folder " SCENE, 1, "cannot be made"},
         {"run --steps 1000000000 --json --frames " SCENE " " SCENE, 1, SCENE "/00000.png"},

@@ -123,6 +123,22 @@ static void ctrl_c_ends_a_loop_of_commands_in_bash(void **state)
     remove("out.json"); // what was measured is kept
 }
 
+// What mpirun started is told of by mpirun; this rank is alone.
+static void a_single_rank_tells_that_it_was_stopped(void **state)
+{
+    (void)state;
+    char script[512];
+    snprintf(script, sizeof script, "%s-cluster", getenv("DUET_PROGRAM"));
+    if (access(script, X_OK) != 0)
+        skip(); // built without MPI
+    snprintf(script, sizeof script, "echo begins; exec %s cluster paper -n 8M",
+             getenv("DUET_PROGRAM"));
+    terminal t = run_at_terminal(100, script, "begins", 0.7);
+    if (!sees(&t, "duet: stopped"))
+        fail_msg("%s", text_chars(&t.seen));
+    text_free(&t.seen);
+}
+
 // ---------------------------------------------------------------- progress
 
 // The longest line that was drawn, without what moves the cursor.
@@ -189,19 +205,26 @@ static void a_line_of_progress_is_no_wider_than_the_terminal(void **state)
 {
     (void)state;
     enum { COLUMNS = 20 };
-    static const work falling = {"run orbit2d -n 300 --steps %d --json >out", 150, "step "};
-    terminal t = run_until_told(&falling, COLUMNS);
-    if (widest(text_chars(&t.seen)) >= COLUMNS)
-        fail_msg("%s", text_chars(&t.seen));
-    text_free(&t.seen);
+    static const work works[] = {
+        {"run orbit2d -n 300 --steps %d --json >out", 150, "step "},
+        {"tune still -n %d --variants simd --profile out.db --json >out", 300, "1/1 still"},
+    };
+    for (size_t i = 0; i < sizeof works / sizeof *works; ++i) {
+        terminal t = run_until_told(&works[i], COLUMNS);
+        if (widest(text_chars(&t.seen)) >= COLUMNS)
+            fail_msg("%s", text_chars(&t.seen));
+        text_free(&t.seen);
+    }
     remove("out");
+    remove("out.db");
 }
 
 static void tables_are_folded_to_the_terminal(void **state)
 {
     (void)state;
     enum { COLUMNS = 80 };
-    static const char *const commands[] = {"explain paper -n 100", "explain falling -n 100"};
+    static const char *const commands[] = {"explain paper -n 100", "explain falling -n 100",
+                                           "run --help", "tune --help", "cluster --help"};
     for (size_t i = 0; i < sizeof commands / sizeof *commands; ++i) {
         char script[512];
         snprintf(script, sizeof script, "%s %s", getenv("DUET_PROGRAM"), commands[i]);
@@ -216,6 +239,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ctrl_c_ends_a_loop_of_commands_in_bash),
+        cmocka_unit_test(a_single_rank_tells_that_it_was_stopped),
         cmocka_unit_test(long_work_tells_how_far_it_is),
         cmocka_unit_test(a_line_of_progress_is_no_wider_than_the_terminal),
         cmocka_unit_test(tables_are_folded_to_the_terminal),

@@ -283,6 +283,40 @@ static const char mixed_scene[] =
     "end)\n"
     "return { dims = 3, origin = 'cell' }\n";
 
+static duet_cluster_result step_of_scene(duet_cluster *cluster, const shipped *s)
+{
+    duet_error err = {0};
+    MUST_OK(duet_cluster_load_scene(cluster, s->name, s->settings, 3, &err), err);
+    MUST_OK(duet_cluster_set_level(cluster, s->level, &err), err);
+    return step(cluster);
+}
+
+// Memory of a step is used again in the next, but for rows of another size.
+static void scenes_of_other_rows_may_follow(void)
+{
+    static const shipped poses = {
+        "paper", {{"n", "900"}, {"world", "18"}, {"seed", "1"}}, DUET_LEVEL_DOUBLE};
+    static const shipped large = {
+        "cluster_ranks.lua", {{"n", "800"}, {"seed", "4"}, {"n", "800"}}, DUET_LEVEL_CERTIFIED};
+    MPI_Comm comm = group_of(2);
+    if (comm == MPI_COMM_NULL)
+        return;
+    for (uint32_t k = 1; k < 4; k += 2) {
+        n_parts = k;
+        duet_world_def world = duet_default_world_def();
+        duet_cluster *a = open_cluster(&comm, &world, 1), *b = open_cluster(&comm, &world, 1);
+        n_parts = 1;
+        step_of_scene(a, &poses);
+        duet_cluster_result follows = step_of_scene(a, &large), first = step_of_scene(b, &large);
+        MUST(follows.objects == 1602 && first.pairs > 100, "large poses");
+        MUST(follows.pairs == first.pairs && follows.hash == first.hash,
+             "the pairs of a first one");
+        duet_cluster_destroy(a);
+        duet_cluster_destroy(b);
+    }
+    MPI_Comm_free(&comm);
+}
+
 static void scenes_have_the_same_pairs(void)
 {
     duet_error err = {0};
@@ -310,6 +344,7 @@ static void scenes_have_the_same_pairs(void)
     };
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i)
         must_have_the_pairs_of(&scenes[i]);
+    scenes_of_other_rows_may_follow();
     MPI_Barrier(MPI_COMM_WORLD);
     if (rank == 0)
         remove("cluster_ranks.lua");
@@ -325,28 +360,33 @@ static void move(duet_pose *p, uint64_t id, uint32_t at)
         p->centre[0] = (float)rng_between(&r, -40, 40);
 }
 
+// Of each group: in place, in parts or not, and the last but one by ascending id.
 static void objects_that_move_have_the_references_pairs(uint64_t seed)
 {
+    static const uint32_t parts_of[N_GROUPS] = {16, 2, 5, 3, 1};
+    enum { BY_IDS = 3 };
     static crowd c;
     rng r = rng_seed(seed);
     make_crowd(&c, &r, 3); // poses in 3D
     duet_cluster *clusters[N_GROUPS] = {NULL};
     MPI_Comm comms[N_GROUPS];
-    for (int g = 1; g < N_GROUPS; ++g) {
+    for (int g = 0; g < N_GROUPS; ++g) {
+        duet_error err = {0};
         comms[g] = group_of(groups[g]);
         if (comms[g] == MPI_COMM_NULL)
             continue;
-        n_parts = g == 2 ? 3 : 1;
+        n_parts = g == 1 && rank == 0 ? 1 : parts_of[g];
         clusters[g] = open_cluster(&comms[g], &c.world, 1 + rank % 2);
         n_parts = 1;
         hand_over(clusters[g], &c, 0, 7);
+        MUST_OK(g != BY_IDS || duet_cluster_set_level(clusters[g], DUET_LEVEL_DOUBLE, &err), err);
     }
-    uint64_t left = 0, merged = 0;
+    uint64_t left = 0, merged = 0, strayed = 0;
     for (uint32_t at = 0; at < 200; ++at) {
         for (uint32_t id = 0; id < c.n; ++id)
             move(&c.poses[id], id, at);
         find_expected(&c);
-        for (int g = 1; g < N_GROUPS; ++g) {
+        for (int g = 0; g < N_GROUPS; ++g) {
             duet_error err = {0};
             const uint64_t *ids;
             uint32_t n;
@@ -361,14 +401,20 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
             const homes *h = &clusters[g]->homes;
             left += h->n_gone;
             MUST(homes_count(h) == 0 || h->renamed.n == 0, "a list that grows no further");
+            MUST(g == BY_IDS ||
+                     h->n_ranges == (clusters[g]->parts.n > 1 ? clusters[g]->parts.n : 0),
+                 "parts lie in place");
+            strayed += h->n_ranges > 0 ? clusters[g]->parts.n_strays : 0;
             merged += n > 0 && !clusters[g]->homes.holder && homes_count(&clusters[g]->homes) > 0 &&
                       clusters[g]->homes.rows.ids[0] != first;
         }
     }
     MPI_Allreduce(MPI_IN_PLACE, &left, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
     MPI_Allreduce(MPI_IN_PLACE, &merged, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+    MPI_Allreduce(MPI_IN_PLACE, &strayed, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
     MUST(left > 100 && merged > 0, "objects changed ranks, in place and by ascending id");
-    for (int g = 1; g < N_GROUPS; ++g) {
+    MUST(strayed > 1000, "and parts");
+    for (int g = 0; g < N_GROUPS; ++g) {
         duet_cluster_destroy(clusters[g]);
         if (comms[g] != MPI_COMM_NULL)
             MPI_Comm_free(&comms[g]);
@@ -523,6 +569,53 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
     MPI_Comm_free(&comm);
 }
 
+// On two ranks, of whose devices one have memory of their own, to which parts travel while others
+// are searched, and the others read parts where they lie. Pairs are counted by the first of these.
+static void devices_find_the_pairs_of_parts_in_place(uint64_t seed, uint32_t k)
+{
+    static crowd c;
+    rng r = rng_seed(seed);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(2);
+    duet_cluster *cluster = NULL;
+    duet_error err = {0};
+    duet_device_pair_def pair_def = duet_default_device_pair_def();
+    duet_cluster_def def = duet_default_cluster_def();
+    def.comm = &comm;
+    def.world = c.world;
+    def.world.plan.mode = DUET_MODE_OWN;
+    def.parts = k;
+    def.drops_pairs = true;
+    if (comm != MPI_COMM_NULL) {
+        def.world.pair = duet_device_pair_create(&pair_def, &err);
+        MUST_OK(def.world.pair, err);
+        for (int i = 0; i < 2; ++i)
+            def.world.pair->devices[i].info.host_memory = rank == 1;
+        cluster = duet_cluster_create(&def, &err);
+        MUST_OK(cluster, err);
+        hand_over(cluster, &c, 0, 7);
+    }
+    for (uint32_t at = 0; at < 12; ++at) {
+        for (uint32_t id = 0; id < c.n; ++id)
+            move(&c.poses[id], id, at);
+        find_expected(&c);
+        if (!cluster)
+            continue;
+        const uint64_t *ids;
+        uint32_t n;
+        duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
+        MUST_OK(own, err);
+        for (uint32_t i = 0; i < n; ++i)
+            move(&own[i], ids[i], at);
+        must_find(cluster, &c);
+        must_find(cluster, &c); // nothing moved
+    }
+    duet_cluster_destroy(cluster);
+    duet_device_pair_destroy(def.world.pair);
+    if (comm != MPI_COMM_NULL)
+        MPI_Comm_free(&comm);
+}
+
 // Any planes at all, the same on all ranks of the group.
 static void deal_homes_anew(duet_cluster *cluster, MPI_Comm comm, rng *r)
 {
@@ -597,6 +690,46 @@ static void homes_go_on_after_one_rank_had_no_memory(void)
     for (int at = 0; at < 5; ++at) {
         deal_homes_anew(cluster, comm, &r);
         cluster->changed = true;
+        must_find(cluster, &c);
+    }
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
+static bool (*find_in_truth)(worker *, worker_found *, duet_error *);
+static int finds_left;
+
+static bool find_some_times(worker *w, worker_found *found, duet_error *err)
+{
+    return finds_left-- > 0 ? find_in_truth(w, found, err)
+                            : error_set(err, DUET_STATUS_DEVICE_FAILED, "not in this test");
+}
+
+// Whichever part it fails in, ghosts leave the places of the homes behind it.
+static void a_search_that_fails_leaves_homes_as_they_were(void)
+{
+    static crowd c;
+    duet_error err = {0};
+    duet_cluster_result result;
+    rng r = rng_seed(18);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(2);
+    if (comm == MPI_COMM_NULL)
+        return;
+    n_parts = 5;
+    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+    n_parts = 1;
+    hand_over(cluster, &c, 0, 5);
+    find_in_truth = cluster->workers[0]->find;
+    for (int at = 0; at < 5; ++at) {
+        for (int i = 0; i < 2; ++i)
+            cluster->workers[i]->find = rank == 1 ? find_some_times : find_in_truth;
+        finds_left = at;
+        err = (duet_error){0};
+        MUST(!duet_cluster_step(cluster, &result, &err) && err.status == DUET_STATUS_DEVICE_FAILED,
+             "a device failed");
+        for (int i = 0; i < 2; ++i)
+            cluster->workers[i]->find = find_in_truth;
         must_find(cluster, &c);
     }
     duet_cluster_destroy(cluster);
@@ -1369,6 +1502,56 @@ static void what_is_skimmed_is_deep_inside(void)
     MUST(skimmed > 200, "some were");
 }
 
+static uint32_t range_of_bounds(const void *context, const void *object)
+{
+    (void)context;
+    return (uint32_t)((const duet_bounds *)object)->upper[0];
+}
+
+// Rows of random ranges, some empty: where each id belongs is known apart.
+static void rows_come_to_their_ranges(void)
+{
+    enum { ROWS = 60, RANGES = 7 };
+    const object_form form = {.dims = 3, .shape = DUET_SHAPE_BOUNDS, .bytes = sizeof(duet_bounds)};
+    rng r = rng_seed(16);
+    for (int round = 0; round < 400; ++round) {
+        uint64_t ids[ROWS];
+        duet_bounds bounds[ROWS];
+        stray strays[ROWS];
+        uint32_t belongs[ROWS], ends[RANGES], next[RANGES], n = rng_below(&r, ROWS + 1);
+        uint32_t n_ranges = 1 + rng_below(&r, RANGES), n_strays = 0;
+        duet_error err = {0};
+        object_rows rows = {.ids = ids, .objects = (unsigned char *)bounds, .n = n};
+        for (uint32_t i = 0, end = 0; i < n_ranges; ++i)
+            ends[i] = end += i + 1 < n_ranges ? rng_below(&r, n - end + 1) / 2 : n - end;
+        uint32_t few = rng_below(&r, 3) > 0 ? 20 : 2;
+        for (uint32_t i = 0, range = 0; i < n; ++i) {
+            while (i >= ends[range])
+                ++range;
+            belongs[i] = range;
+            if (rng_below(&r, few) == 0)
+                belongs[i] = rng_below(&r, n_ranges);
+            if (belongs[i] != range)
+                strays[n_strays++] = (stray){i, belongs[i]};
+            ids[i] = i;
+            bounds[i] = (duet_bounds){.lower = {(float)i}, .upper = {(float)belongs[i]}};
+        }
+        if (round % 4 == 0)
+            rows_sort(&rows, &form, n, ends, next, n_ranges, range_of_bounds, NULL);
+        else
+            MUST_OK(rows_arrange(&rows, &form, ends, n_ranges, strays, n_strays, &err), err);
+        uint64_t there = 0;
+        for (uint32_t i = 0, range = 0; i < n; ++i) {
+            while (range + 1 < n_ranges && i >= ends[range])
+                ++range;
+            MUST(belongs[ids[i]] == range, "each lies in its range");
+            MUST(bounds[i].lower[0] == (float)ids[i], "rows stay whole");
+            there |= UINT64_C(1) << ids[i];
+        }
+        MUST(there == (UINT64_C(1) << n) - 1, "all are there");
+    }
+}
+
 int main(int argc, char **argv)
 {
     const char *given = getenv("DUET_TEST_SEED");
@@ -1383,6 +1566,7 @@ int main(int argc, char **argv)
     levels_are_octaves_below_the_widest();
     a_part_is_its_box();
     what_is_skimmed_is_deep_inside();
+    rows_come_to_their_ranges();
     nothing_is_refused();
     a_failure_is_that_of_all_ranks();
     an_id_that_two_ranks_bring_is_refused(seed);
@@ -1393,8 +1577,11 @@ int main(int argc, char **argv)
     objects_that_move_have_the_references_pairs(seed);
     devices_that_count_have_the_references_pairs(seed, 1);
     devices_that_count_have_the_references_pairs(seed, 3);
+    devices_find_the_pairs_of_parts_in_place(seed, 2);
+    devices_find_the_pairs_of_parts_in_place(seed, 5);
     homes_that_are_dealt_anew_change_nothing(seed);
     homes_go_on_after_one_rank_had_no_memory();
+    a_search_that_fails_leaves_homes_as_they_were();
     a_cut_that_became_uneven_is_made_anew();
     grids_follow_objects_that_travel();
     parts_stay_while_they_are_even();

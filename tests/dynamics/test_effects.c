@@ -182,9 +182,8 @@ static uint32_t with_needs(uint32_t set)
     const uint32_t needs_response =
         DUET_EFFECT_FRICTION | DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP;
     set |= set & DUET_EFFECT_SENSORS ? DUET_EFFECT_EVENTS : 0;
-    const uint32_t needs_contact =
-        DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FILTER | DUET_EFFECT_SKIN | DUET_EFFECT_EVENTS |
-        DUET_EFFECT_RADIUS;
+    const uint32_t needs_contact = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FILTER |
+                                   DUET_EFFECT_SKIN | DUET_EFFECT_EVENTS | DUET_EFFECT_RADIUS;
     set |= set & needs_response ? DUET_EFFECT_CONTACT_RESPONSE : 0;
     return set | (set & needs_contact ? DUET_EFFECT_CONTACT : 0);
 }
@@ -468,19 +467,22 @@ static void stages_have_times_where_they_are_asked_for(void **state)
 static void explain_tells_effects_and_bytes(void **state)
 {
     (void)state;
-    mover *m = make_scene(with_needs(DUET_EFFECT_FRICTION));
-    mover_run(m, 1);
-    duet_effect_info info;
-    uint32_t active = 0;
-    for (uint32_t i = 0; duet_motion_explain(m->motion, i, &info); ++i) {
-        active += info.active;
-        assert_true(strlen(info.called_by) > 3 && strlen(info.kernels) > 3);
-        assert_true(info.active || info.bytes == 0);
-        if (strcmp(info.name, "friction") == 0)
-            assert_int_equal(info.bytes, 4);
+    static const uint32_t four_bytes[] = {DUET_EFFECT_FRICTION, DUET_EFFECT_SENSORS};
+    for (int k = 0; k < 2; ++k) {
+        mover *m = make_scene(with_needs(four_bytes[k]));
+        mover_run(m, 1);
+        duet_effect_info info;
+        uint32_t active = 0;
+        for (uint32_t i = 0; duet_motion_explain(m->motion, i, &info); ++i) {
+            active += info.active;
+            assert_true(strlen(info.called_by) > 3 && strlen(info.kernels) > 3);
+            assert_true(info.active || info.bytes == 0);
+            if (strcmp(info.name, duet_effect_name(four_bytes[k])) == 0)
+                assert_int_equal(info.bytes, 4);
+        }
+        assert_int_equal(active, __builtin_popcount(duet_motion_get_effects(m->motion)));
+        mover_free(m);
     }
-    assert_int_equal(active, __builtin_popcount(duet_motion_get_effects(m->motion)));
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- launches

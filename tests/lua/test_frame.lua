@@ -70,4 +70,20 @@ facts.holds("a title may have any characters", function()
   for _, ending in ipairs { "", ".svg", ".png" } do os.remove(base .. ending) end
 end)
 
+facts.holds("bars begin at 0, also those that go down", function()
+  local function ticks_of(values)
+    local base, ticks = os.tmpname(), {}
+    local points = {}
+    for i, value in ipairs(values) do points[i] = { "bar" .. i, value } end
+    local chart = { title = "t", x = "x", y = "y", kind = "bars", series = { { name = "s", points = points } } }
+    assert(plot.draw(base, chart))
+    local svg <close> = assert(io.open(base .. ".svg"))
+    for tick in svg:read("a"):gmatch "<text> *([-%d.]+)</text>" do ticks[tonumber(tick)] = true end
+    for _, ending in ipairs { "", ".svg", ".png" } do os.remove(base .. ending) end
+    return ticks
+  end
+  assert(ticks_of { 7.9, 2.3 }[0])
+  assert(ticks_of { -39, -41 }[0])
+end)
+
 facts.finish()

@@ -127,6 +127,9 @@ static void help_is_of_the_prompt(void **state)
     assert_non_null(strstr(p.out, "Tab completes names"));
     assert_non_null(strstr(p.out, "  duet.scene(from, settings?)  "));
     assert_non_null(strstr(p.out, "  duet.Bounds:each("));
+    assert_non_null(strstr(p.out, "rows of lower xyz, upper xyz. Made of a number of rows"));
+    assert_non_null(strstr(p.out, "\n  answers bodies bounds bounds_sweeps "));
+    assert_null(strstr(p.out, "  duet.answers(from)")); // arrays have no rows of their own
     assert_non_null(strstr(p.out, "  duet.DevicePair:world(scene?, def?)  "));
     assert_non_null(strstr(p.out, "there is no help on 'no'"));
     program_free(&p);

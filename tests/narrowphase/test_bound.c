@@ -32,7 +32,8 @@ static double error_of(const hard_pair *p, uint32_t dims)
     sat_frame m = sat_frame_of(&p->a, &p->b, narrow_here, dims);
     if (!m.trusted)
         return 0;
-    return fabs(separation_in_float(&m) - narrow_separation(&p->a, &p->b, dims)) /
+    return fabs(separation_in_float(&m) -
+                narrow_separation_apart(&p->a, &p->b, narrow_here, dims)) /
            (0x1p-24 * m.size);
 }
 

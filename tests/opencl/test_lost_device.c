@@ -371,6 +371,58 @@ static void kernels_that_were_not_made_are_made_again(void **state)
     assert_true(n_kernels > 0);
 }
 
+static duet_tree *tree;
+
+static bool into_tree(duet_motion *m, duet_error *err)
+{
+    return duet_tree_set_motion(tree, m, err);
+}
+
+static bool change_shape(duet_motion *m, duet_error *err)
+{
+    duet_pose flat = {.centre = {9, 9, 9}, .half_extents = {0.5f, 0.5f, 0.1f}, .rotation[3] = 1};
+    return duet_motion_set_poses(m, (duet_body_list){.n = 1}, &flat, err);
+}
+
+// What calls for kernels that a motion lacks leaves it as it was where one of these is not made.
+static void a_motion_goes_on_without_kernels_that_were_not_made(void **state)
+{
+    (void)state;
+    bool (*const calls[])(duet_motion *, duet_error *) = {into_tree, change_shape};
+    const scenario s = {
+        "pile", live_as_motion, DUET_MODE_OWN, "", NULL, 2, false, DUET_EFFECT_CONTACT_RESPONSE,
+        NULL};
+    duet_tree_def def = duet_default_tree_def();
+    duet_error err = {0};
+    def.pair = pair;
+    def.share = 0;
+    tree = duet_tree_create(&def, &err);
+    assert_ok(tree, err);
+    save_motion(&s);
+    for (int i = 0; i < 2; ++i) {
+        uint32_t n_kernels = 0;
+        for (uint32_t k = 7; k-- > 0;) {
+            duet_error why = {0};
+            uint64_t hash;
+            duet_motion *m = open_motion(&s, &err);
+            assert_ok(m, err);
+            lost_begin(LOST_ONCE, k == 6 ? UINT32_MAX : k);
+            bool ok = calls[i](m, &why);
+            lost_end();
+            if (!ok && strcmp(lost_call(), "clCreateKernel") == 0) {
+                ++n_kernels;
+                assert_true(i == 1 || into_tree(m, &err));
+                assert_ok(advance(m, 2 * STEPS, &err), err);
+                assert_ok(duet_motion_get_hash(m, &hash, &err), err);
+                assert_true(hash == moved_right);
+            }
+            duet_motion_destroy(m);
+        }
+        assert_true(n_kernels > 0);
+    }
+    duet_tree_destroy(tree);
+}
+
 // ------------------------------------------------------------ what runs
 
 static int open_devices(void **state)
@@ -419,6 +471,7 @@ int main(int argc, char **argv)
         only = argv[3];
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kernels_that_were_not_made_are_made_again),
+        cmocka_unit_test(a_motion_goes_on_without_kernels_that_were_not_made),
         cmocka_unit_test(nothing_crashes_hangs_or_leaks),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);

@@ -429,6 +429,12 @@ static void why_names_the_plan_and_run_uses_it(void **state)
                                                       "B auto sort=radix"
                                                     : "\nexact: kernels auto sort=radix"));
     program_free(&p);
+    p = program_run("profiles why %s --profile %s --level sat15", SCENE, folder.store);
+    assert_non_null(strstr(p.out, "\n  exact         no: "));
+    assert_non_null(strstr(p.out, "\n  other driver  no: "));
+    assert_non_null(strstr(p.out, "\n  stale         no: "));
+    assert_non_null(strstr(p.out, "of which nothing is known"));
+    program_free(&p);
     test_store_run(folder.store, "UPDATE profile SET share = 0, verdict = 'same'");
     p = program_run_with(variables, "run %s --repeat 1", SCENE);
     if (devices_are_two())

@@ -29,7 +29,7 @@ bool promise_allows(double missed, double added, const hard_pair *pair, uint32_t
     double size = promise_size(pair, dims);
     if (size < LEAST_SIZE || size > GREATEST_SIZE)
         return true;
-    double separation = narrow_separation(&pair->a, &pair->b, dims);
+    double separation = narrow_separation_apart(&pair->a, &pair->b, narrow_here, dims);
     double rounding = NARROW_SLACK * 0x1p-53 * size;
     return fabs(separation) <= bound * size + rounding;
 }

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT
+#include "cluster/arrange.h"
+
+#include "base/error.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int by_row(const void *left, const void *right)
+{
+    const stray *p = left, *q = right;
+    return (p->row > q->row) - (p->row < q->row);
+}
+
+// Rows [first, end).
+typedef struct span {
+    uint32_t first, end;
+} span;
+
+// A range before and after, and of both the rows that it keeps, unless they are strays.
+typedef struct change {
+    span before, after, kept;
+    uint64_t n_taken; // rows that come to it, and then where the next of them goes in the list
+} change;
+
+typedef struct arranging {
+    object_rows *rows;
+    const object_form *form;
+    const stray *strays; // [n] by ascending row
+    uint64_t n;
+    change *changes; // [n_ranges]
+    uint32_t n_ranges;
+    stray *taken; // [n_taken] all that move, and their ranges
+    uint64_t n_taken;
+} arranging;
+
+static uint64_t first_stray(const arranging *a, uint32_t row)
+{
+    uint64_t first = 0, end = a->n;
+    while (first < end) {
+        uint64_t middle = first + (end - first) / 2;
+        if (a->strays[middle].row < row)
+            first = middle + 1;
+        else
+            end = middle;
+    }
+    return first;
+}
+
+// What each range has before and after. Returns how many rows move at most.
+static uint64_t find_changes(arranging *a, const uint32_t *ends)
+{
+    uint64_t most = a->n;
+    uint32_t from = 0, to = 0;
+    for (uint32_t i = 0; i < a->n_ranges; ++i) {
+        change *c = &a->changes[i];
+        *c = (change){.before = {from, i + 1 < a->n_ranges ? ends[i] : a->rows->n}};
+        from = c->before.end;
+        c->n_taken = from - c->before.first;
+    }
+    for (uint64_t k = 0, i = 0; k < a->n; ++k) {
+        while (a->strays[k].row >= a->changes[i].before.end)
+            ++i;
+        --a->changes[i].n_taken;
+        ++a->changes[a->strays[k].to].n_taken;
+    }
+    for (uint32_t i = 0; i < a->n_ranges; ++i) {
+        change *c = &a->changes[i];
+        const span *b = &c->before;
+        c->after = (span){to, to + (uint32_t)c->n_taken};
+        to = c->after.end;
+        uint32_t first = b->first > c->after.first ? b->first : c->after.first;
+        uint32_t end = b->end < c->after.end ? b->end : c->after.end;
+        c->kept = first < end ? (span){first, end} : (span){b->end, b->end};
+        c->n_taken = 0;
+        most += (b->end - b->first) - (c->kept.end - c->kept.first);
+    }
+    return most;
+}
+
+// Those of a range's rows that are no strays and that it does not keep where they are.
+static void take_rows(arranging *a, uint32_t range, uint32_t first, uint32_t end)
+{
+    uint64_t k = first_stray(a, first);
+    for (uint32_t row = first; row < end; ++row) {
+        if (k < a->n && a->strays[k].row == row)
+            ++k;
+        else
+            a->taken[a->n_taken++] = (stray){row, range};
+    }
+}
+
+static void take_all(arranging *a)
+{
+    memcpy(a->taken, a->strays, a->n * sizeof *a->taken);
+    a->n_taken = a->n;
+    for (uint32_t i = 0; i < a->n_ranges; ++i) {
+        const change *c = &a->changes[i];
+        take_rows(a, i, c->before.first, c->kept.first);
+        take_rows(a, i, c->kept.end, c->before.end);
+    }
+}
+
+// What was taken, range after range.
+static void copy_taken(arranging *a, object_rows *copy)
+{
+    uint64_t all = 0;
+    for (uint64_t k = 0; k < a->n_taken; ++k)
+        ++a->changes[a->taken[k].to].n_taken;
+    for (uint32_t i = 0; i < a->n_ranges; ++i) {
+        uint64_t n = a->changes[i].n_taken;
+        a->changes[i].n_taken = all;
+        all += n;
+    }
+    for (uint64_t k = 0; k < a->n_taken; ++k) {
+        uint32_t row = a->taken[k].row, at = (uint32_t)a->changes[a->taken[k].to].n_taken++;
+        copy->ids[at] = a->rows->ids[row];
+        memcpy(object_row(copy, a->form, at), object_row(a->rows, a->form, row), a->form->bytes);
+    }
+}
+
+static void put_row(const arranging *a, uint32_t row, const object_rows *copy, uint32_t from)
+{
+    a->rows->ids[row] = copy->ids[from];
+    memcpy(object_row(a->rows, a->form, row), object_row(copy, a->form, from), a->form->bytes);
+}
+
+// Into the places of a range that it does not keep, and where its strays lay.
+static void put_all(const arranging *a, const object_rows *copy)
+{
+    uint32_t from = 0;
+    for (uint32_t i = 0; i < a->n_ranges; ++i) {
+        const change *c = &a->changes[i];
+        bool keeps = c->kept.first < c->kept.end;
+        uint32_t first = keeps ? c->kept.first : c->after.end;
+        for (uint32_t row = c->after.first; row < first; ++row)
+            put_row(a, row, copy, from++);
+        for (uint64_t k = first_stray(a, c->kept.first);
+             keeps && k < a->n && a->strays[k].row < c->kept.end; ++k)
+            put_row(a, a->strays[k].row, copy, from++);
+        for (uint32_t row = c->kept.end; keeps && row < c->after.end; ++row)
+            put_row(a, row, copy, from++);
+    }
+}
+
+bool rows_arrange(object_rows *rows, const object_form *form, uint32_t *ends, uint32_t n_ranges,
+                  stray *strays, uint64_t n, duet_error *err)
+{
+    arranging a = {.rows = rows, .form = form, .strays = strays, .n = n, .n_ranges = n_ranges};
+    object_rows copy = {0};
+    if (n == 0)
+        return true;
+    qsort(strays, n, sizeof *strays, by_row);
+    a.changes = malloc(n_ranges * sizeof *a.changes);
+    uint64_t most = a.changes ? find_changes(&a, ends) : 0;
+    a.taken = malloc((most + 1) * sizeof *a.taken);
+    bool ok = a.changes && a.taken && object_rows_begin(&copy, form, most, NULL);
+    if (ok) {
+        take_all(&a);
+        copy_taken(&a, &copy);
+        put_all(&a, &copy);
+        for (uint32_t i = 0; i + 1 < n_ranges; ++i)
+            ends[i] = a.changes[i].after.end;
+    }
+    object_rows_end(&copy);
+    free(a.taken);
+    free(a.changes);
+    return ok || error_set(err, DUET_STATUS_NO_MEMORY,
+                           "%" PRIu64 " objects that change parts: no memory", most);
+}
+
+// ---------------------------------------------------------------- all rows
+
+enum { MOST_ROW_BYTES = 64 };
+
+_Static_assert(sizeof(duet_large_pose) <= MOST_ROW_BYTES, "the largest row");
+
+void rows_exchange(object_rows *rows, const object_form *form, uint32_t a, uint32_t b)
+{
+    unsigned char object[MOST_ROW_BYTES];
+    uint64_t id = rows->ids[a];
+    rows->ids[a] = rows->ids[b];
+    rows->ids[b] = id;
+    memcpy(object, object_row(rows, form, a), form->bytes);
+    memcpy(object_row(rows, form, a), object_row(rows, form, b), form->bytes);
+    memcpy(object_row(rows, form, b), object, form->bytes);
+}
+
+// Each exchange brings a row to its range, whose rows are filled from the first one on.
+void rows_sort(object_rows *rows, const object_form *form, uint32_t n, uint32_t *ends,
+               uint32_t *next, uint32_t n_ranges, row_range *range_of, const void *context)
+{
+    uint32_t sum = 0;
+    memset(ends, 0, n_ranges * sizeof *ends);
+    for (uint32_t i = 0; i < n; ++i)
+        ++ends[range_of(context, object_row(rows, form, i))];
+    for (uint32_t i = 0; i < n_ranges; ++i) {
+        next[i] = sum;
+        sum = ends[i] += sum;
+    }
+    for (uint32_t i = 0; i < n_ranges; ++i)
+        while (next[i] < ends[i]) {
+            uint32_t to = range_of(context, object_row(rows, form, next[i]));
+            if (to == i)
+                ++next[i];
+            else
+                rows_exchange(rows, form, next[i], next[to]++);
+        }
+}

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/broadphase/grid_objects.h"
+
+#include "runtime/narrowphase/narrow.h"
+#include "runtime/narrowphase/origin.h"
+#include "runtime/narrowphase/rounded.h"
+
+#include <math.h>
+#include <string.h>
+
+size_t grid_object_bytes(const grid_objects *objects)
+{
+    return !objects->sizes    ? origin_row_bytes(objects->shape, objects->origin)
+           : objects->compact ? sizeof(duet_compact_transform)
+                              : sizeof(duet_transform);
+}
+
+duet_transform grid_transform_of(const duet_pose *pose)
+{
+    duet_transform t;
+    memcpy(t.centre, pose->centre, sizeof t.centre);
+    memcpy(t.rotation, pose->rotation, sizeof t.rotation);
+    return t;
+}
+
+const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch)
+{
+    if (objects->shape == DUET_SHAPE_ROUNDED_BOXES)
+        return &((const duet_rounded_box *)objects->array)[id].pose;
+    if (objects->shape == DUET_SHAPE_SPHERES) {
+        *scratch = rounded_of_sphere(&((const duet_sphere *)objects->array)[id]).pose;
+        return scratch;
+    }
+    if (!objects->sizes)
+        return origin_pose(objects->array, objects->origin, id);
+    memcpy(scratch->half_extents, objects->sizes[id].half_extents, sizeof scratch->half_extents);
+    if (objects->compact) {
+        const duet_compact_transform *c = &((const duet_compact_transform *)objects->array)[id];
+        memcpy(scratch->centre, c->centre, sizeof scratch->centre);
+        for (int k = 0; k < 4; ++k)
+            scratch->rotation[k] = c->rotation[k];
+        return scratch;
+    }
+    const duet_transform *t = &((const duet_transform *)objects->array)[id];
+    memcpy(scratch->centre, t->centre, sizeof scratch->centre);
+    memcpy(scratch->rotation, t->rotation, sizeof scratch->rotation);
+    return scratch;
+}
+
+float grid_radius_of(const grid_objects *objects, uint32_t id)
+{
+    return objects->shape == DUET_SHAPE_ROUNDED_BOXES
+               ? ((const duet_rounded_box *)objects->array)[id].radius
+           : objects->shape == DUET_SHAPE_SPHERES ? ((const duet_sphere *)objects->array)[id].radius
+                                                  : 0.0f;
+}
+
+duet_rounded_box grid_rounded_box_of(const grid_objects *objects, uint32_t id)
+{
+    return objects->shape == DUET_SHAPE_SPHERES
+               ? rounded_of_sphere(&((const duet_sphere *)objects->array)[id])
+               : ((const duet_rounded_box *)objects->array)[id];
+}
+
+void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)
+{
+    grid_point_of(centre, objects, id);
+    if (objects->shape != DUET_SHAPE_BOUNDS)
+        return;
+    const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
+    for (uint32_t k = 0; k < objects->dims; ++k)
+        centre[k] = 0.5 * (centre[k] + (double)b->upper[k]);
+}
+
+bool grid_objects_collide(const grid_objects *objects, uint32_t a, uint32_t b)
+{
+    if (grid_has_radii(objects)) {
+        const duet_rounded_box of_a = grid_rounded_box_of(objects, a);
+        const duet_rounded_box of_b = grid_rounded_box_of(objects, b);
+        return rounded_decide(&of_a, &of_b, objects->dims);
+    }
+    double shift[3];
+    duet_pose scratch[2];
+    const duet_pose *of_a = grid_pose_of(objects, a, &scratch[0]);
+    const duet_pose *of_b = grid_pose_of(objects, b, &scratch[1]);
+    origin_shift(shift, objects->array, objects->origin, a, b);
+    return narrow_decide_apart(of_a, of_b, shift, objects->dims);
+}
+
+// ---------------------------------------------------------------- needs
+
+// What the objects ask of a grid: where they are, and how wide.
+
+// Unlike fmin and fmax these are no calls, which would take longer than the rest.
+static inline double lesser(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double greater(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+// The octave of an extent, 2^-150 .. 2^149, as frexp counts; points share the
+// lowest.
+static uint32_t octave_of(double extent)
+{
+    enum { EXPONENT_AT = 52, EXPONENT_OF_HALF = 1022 };
+    uint64_t bits;
+    memcpy(&bits, &extent, sizeof bits);
+    int exponent = extent > 0.0 ? (int)(bits >> EXPONENT_AT) - EXPONENT_OF_HALF : -GRID_OCTAVES;
+    if (exponent < -GRID_OCTAVES / 2)
+        exponent = -GRID_OCTAVES / 2;
+    if (exponent >= GRID_OCTAVES / 2)
+        exponent = GRID_OCTAVES / 2 - 1;
+    return (uint32_t)(exponent + GRID_OCTAVES / 2);
+}
+
+static void add(grid_needs *needs, const double point[3], double widest, double rounding,
+                uint32_t id)
+{
+    for (int k = 0; k < 3; ++k) {
+        needs->lower[k] = lesser(needs->lower[k], point[k]);
+        needs->upper[k] = greater(needs->upper[k], point[k]);
+    }
+    if (widest > needs->widest) {
+        needs->widest = widest;
+        needs->widest_id = id;
+    }
+    double in_float = widest + rounding;
+    uint32_t octave = octave_of(in_float);
+    ++needs->octave_n[octave];
+    needs->octave_widest[octave] = greater(needs->octave_widest[octave], in_float);
+}
+
+// The widest extent of the rotated box: rows of |M(q)| / |q|^2 times the half
+// extents, twice.
+static double widest_of_pose(const duet_pose *p, uint32_t dims)
+{
+    double x = dims == 3 ? p->rotation[0] : 0.0;
+    double y = dims == 3 ? p->rotation[1] : 0.0;
+    double z = p->rotation[2];
+    double w = p->rotation[3];
+    double hx = p->half_extents[0];
+    double hy = p->half_extents[1];
+    double hz = dims == 3 ? p->half_extents[2] : 0.0;
+    double scale = 2.0 / (x * x + y * y + z * z + w * w);
+    double rx = fabs(w * w + x * x - y * y - z * z) * hx + 2.0 * fabs(x * y - w * z) * hy +
+                2.0 * fabs(x * z + w * y) * hz;
+    double ry = 2.0 * fabs(x * y + w * z) * hx + fabs(w * w - x * x + y * y - z * z) * hy +
+                2.0 * fabs(y * z - w * x) * hz;
+    double rz = 2.0 * fabs(x * z - w * y) * hx + 2.0 * fabs(y * z + w * x) * hy +
+                fabs(w * w - x * x - y * y + z * z) * hz;
+    double widest = greater(rx, ry);
+    return scale * (dims == 3 ? greater(widest, rz) : widest);
+}
+
+// Below 0 where a corner lies before the other: no box.
+static double widest_of_bounds(const duet_bounds *b, uint32_t dims)
+{
+    double widest = 0.0, narrowest = 0.0;
+    for (uint32_t k = 0; k < dims; ++k) {
+        double along = (double)b->upper[k] - (double)b->lower[k];
+        widest = greater(widest, along);
+        narrowest = lesser(narrowest, along);
+    }
+    return narrowest < 0.0 ? narrowest : widest;
+}
+
+// What the rounding of a device's bounds adds to an extent (kernels/narrowphase/object.clh,
+// object_extent): on either side three roundings of a corner and 2^-23 of it.
+static inline double rounding_of_pose(const duet_pose *p, const grid_objects *objects)
+{
+    double farthest = 0.0;
+    for (uint32_t k = 0; k < objects->dims; ++k)
+        farthest = greater(farthest, fabs((double)p->centre[k]));
+    return 0x1.8p-21 * farthest + 0x1p-23 * (double)objects->origin + 0x1p-123;
+}
+
+static double widest_of(const grid_objects *objects, uint32_t id, double *rounding)
+{
+    duet_pose scratch;
+    *rounding = 0.0;
+    if (objects->shape == DUET_SHAPE_BOUNDS)
+        return widest_of_bounds(&((const duet_bounds *)objects->array)[id], objects->dims);
+    const duet_pose *pose = grid_pose_of(objects, id, &scratch);
+    *rounding = rounding_of_pose(pose, objects);
+    double radius = grid_radius_of(objects, id);
+    double widest = widest_of_pose(pose, objects->dims) + 2.0 * radius;
+    return radius < 0.0 ? radius : widest;
+}
+
+void grid_needs_of(grid_needs *needs, const grid_objects *objects)
+{
+    memset(needs, 0, sizeof *needs);
+    for (int k = 0; k < 3; ++k) {
+        needs->lower[k] = INFINITY;
+        needs->upper[k] = -INFINITY;
+    }
+    for (uint32_t id = 0; id < objects->n; ++id) {
+        double point[3] = {0};
+        grid_point_of(point, objects, id);
+        double rounding;
+        double widest = widest_of(objects, id, &rounding);
+        if (isfinite(point[0] + point[1] + point[2] + widest) && widest >= 0.0)
+            add(needs, point, widest, rounding, id);
+    }
+}

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// The objects that a grid is for: rows of an array, whatever their shape.
+#ifndef RUNTIME_GRID_OBJECTS_H
+#define RUNTIME_GRID_OBJECTS_H
+
+#include "runtime/duet.h"
+#include "runtime/narrowphase/origin.h"
+
+// What objects a grid is for: as the shape says, with origin cells large poses, or
+// with sizes transforms.
+typedef struct grid_objects {
+    const void *array;
+    duet_shape shape;
+    float origin; // the edge of origin cells, or 0
+    uint32_t n;
+    uint32_t dims;
+    const duet_size *sizes; // that the objects are without, or NULL
+    bool compact;           // compact transforms then
+} grid_objects;
+
+size_t grid_object_bytes(const grid_objects *objects);
+
+// A pose without its size.
+duet_transform grid_transform_of(const duet_pose *pose);
+
+// The pose of an object that has one; *scratch holds it where its size lies apart, or for a
+// sphere. A rounded box's is that of its core.
+const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch);
+
+// 0 where objects have none.
+float grid_radius_of(const grid_objects *objects, uint32_t id);
+static inline bool grid_has_radii(const grid_objects *objects)
+{
+    return objects->shape == DUET_SHAPE_ROUNDED_BOXES || objects->shape == DUET_SHAPE_SPHERES;
+}
+
+// An object that has a radius.
+duet_rounded_box grid_rounded_box_of(const grid_objects *objects, uint32_t id);
+
+// The point that decides an object's cell; z is 0 in 2D.
+static inline void grid_point_of(double at[3], const grid_objects *objects, uint32_t id)
+{
+    at[2] = 0.0;
+    if (objects->shape == DUET_SHAPE_BOUNDS) {
+        const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
+        for (uint32_t k = 0; k < objects->dims; ++k)
+            at[k] = (double)b->lower[k];
+        return;
+    }
+    double corner[3];
+    duet_pose scratch;
+    const duet_pose *p = grid_pose_of(objects, id, &scratch);
+    origin_corner(corner, objects->array, objects->origin, id);
+    for (uint32_t k = 0; k < objects->dims; ++k)
+        at[k] = corner[k] + (double)p->centre[k];
+}
+
+// An object's centre; z is 0 in 2D.
+void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id);
+
+// Whether two boxes that the host sees collide, exactly.
+bool grid_objects_collide(const grid_objects *objects, uint32_t a, uint32_t b);
+
+enum { GRID_OCTAVES = 300 };
+
+// What the objects need. Bad ones are not counted.
+typedef struct grid_needs {
+    double lower[3]; // of the points that decide cells
+    double upper[3];
+    double widest;      // the largest extent of any object
+    uint32_t widest_id; // whose it is
+    // By octave of the extent of the bounds that devices compute, which are wider
+    // by their rounding: how many objects, and the largest extent.
+    uint32_t octave_n[GRID_OCTAVES];
+    double octave_widest[GRID_OCTAVES];
+} grid_needs;
+
+void grid_needs_of(grid_needs *needs, const grid_objects *objects);
+
+#endif

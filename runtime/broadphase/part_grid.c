@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: MIT
+// How a part gets its grid: it sorts the objects by their cells and puts them into that order, or
+// takes what the other part has sorted.
+#include "runtime/broadphase/part.h"
+
+static void set_args(part *p, const part_task *task, const part_range *range)
+{
+    bool paper = p->variant.search == SEARCH_PAPER;
+    uint32_t placed = range->last < range->expected ? range->last : range->expected;
+    p->args = (part_args){
+        .n = task->objects.n,
+        .n_levels = task->grid.n_levels,
+        .n_cells = task->grid.n_cells,
+        .key_from = range->key_from,
+        .key_home_to = range->home_to,
+        .key_to = range->key_to,
+        .n_home_cells = range->home_to - range->key_from,
+        .n_own_cells = range->key_to - range->key_from,
+        .n_counters = COUNTERS,
+        .n_homes = task->ids ? task->ids->n : 0,
+        .first = range->first,
+        .last = paper ? range->last : placed,
+        .cells = task->grid.levels[0].cells,
+        .objects = task->resident ? *task->resident : p->objects,
+    };
+}
+
+static uint32_t own_cells(const part_range *range)
+{
+    return range->key_to - range->key_from;
+}
+
+// A search reads so many words behind the last one: nothing begins there.
+enum { STARTS_BEHIND = 3 };
+
+// The first place of each cell, then how many objects have one.
+static uint32_t count_starts(const part_range *range)
+{
+    return own_cells(range) + 1 + STARTS_BEHIND;
+}
+
+// Zeroes the counters, and with them n_counts of the objects a cell. Mostly the step before has
+// done that: it left the counts at zero, and these counters.
+static bool clear(part *p, uint32_t n_counts, duet_error *err)
+{
+    uint32_t work = n_counts > COUNTERS ? n_counts : COUNTERS;
+    bool is_done = p->next_are_cleared && n_counts <= p->zero_counts;
+    buffer_swap(&p->counters, &p->next_counters);
+    p->next_are_cleared = false;
+    p->zero_counts = n_counts > p->zero_counts ? n_counts : p->zero_counts;
+    p->args.n_counts = n_counts;
+    return is_done || timeline_launch(&p->times, "clear", p->kernels.clear, work, p, err);
+}
+
+// ---------------------------------------------------------------- sorting
+
+// Hashes the objects up to `to`, once they were sent.
+static bool hash_chunk(part *p, uint32_t from, uint32_t to, cl_event sent, duet_error *err)
+{
+    p->args.n_hashed = from;
+    p->args.n = to;
+    return timeline_launch_after(&p->times, "hash", p->kernels.hash, to - from, sent, p, err);
+}
+
+// The only kernel that needs no more of the objects than have come so far.
+static bool run_hash(part *p, const part_task *task, duet_error *err)
+{
+    uint32_t from = 0;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < p->n_chunks; ++i) {
+        ok = hash_chunk(p, from, p->chunks[i].to, p->chunks[i].sent, err);
+        from = p->chunks[i].to;
+    }
+    return ok && hash_chunk(p, from, task->objects.n, NULL, err);
+}
+
+// Marks of steps before are other stamps.
+static bool reserve_marks(part *p, uint32_t n, duet_error *err)
+{
+    size_t words = n / STRAY_BLOCK + 1;
+    size_t before = p->marks.bytes;
+    ++p->stamp;
+    return buffer_reserve(&p->marks, p->device, words * sizeof(uint32_t), err) &&
+           (p->marks.bytes == before || timeline_fill(&p->times, "clear", &p->marks, 0, 0,
+                                                      p->marks.bytes / sizeof(uint32_t), err));
+}
+
+// On their way where the device has memory of its own; else the search shows them.
+static bool ask_for_marks(part *p, duet_error *err)
+{
+    return p->device->info.host_memory ||
+           (host_block_reserve(&p->marks_seen, p->device, 1, p->marks.bytes, err) &&
+            timeline_start_read(&p->times, "fetch marks", &p->marks, 0, p->marks_seen.bytes,
+                                p->marks.bytes, err));
+}
+
+// The part marks what the other one wants of its own stretch, which comes first; marks of others
+// that lie side by side with it are nobody's concern.
+static bool hash_stretches(part *p, const part_task *task, duet_error *err)
+{
+    const stretches *taken = &task->intake->taken;
+    const stretch *own = &taken->list[taken->own];
+    p->args.marked_from = task->intake->marked_from;
+    p->args.marked_to = task->intake->marked_to;
+    bool ok = hash_chunk(p, own->from, own->to, NULL, err) && ask_for_marks(p, err);
+    p->args.marked_from = p->args.marked_to = 0;
+    for (uint32_t i = 0; ok && i < taken->n; ++i)
+        ok = i == taken->own || hash_chunk(p, taken->list[i].from, taken->list[i].to, NULL, err);
+    p->args.n = task->objects.n;
+    return ok;
+}
+
+// Objects that were not taken are nowhere.
+static bool pass_over_rest(part *p, const part_task *task, duet_error *err)
+{
+    const stretches *taken = &task->intake->taken;
+    uint32_t from = 0;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < taken->n; from = taken->list[i++].to)
+        ok = timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, taken->list[i].from, err);
+    return ok && timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, task->objects.n, err);
+}
+
+// all: kernels follow that look at every object's key.
+static bool hash_objects(part *p, const part_task *task, bool all, duet_error *err)
+{
+    return task->intake ? hash_stretches(p, task, err) && (!all || pass_over_rest(p, task, err))
+                        : run_hash(p, task, err);
+}
+
+// Runs a kernel over the objects that were taken.
+static bool launch_over_taken(part *p, const part_task *task, const char *stage, const kernel *k,
+                              duet_error *err)
+{
+    const stretches all = {.list = {{0, task->objects.n}}, .n = 1};
+    const stretches *taken = task->intake ? &task->intake->taken : &all;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < taken->n; ++i) {
+        const stretch *s = &taken->list[i];
+        p->args.n_hashed = s->from;
+        p->args.n = s->to;
+        ok = timeline_launch(&p->times, stage, k, s->to - s->from, p, err);
+    }
+    p->args.n = task->objects.n;
+    return ok;
+}
+
+// The keys count into starts, and the ranks tell them apart.
+static bool counting_sort(part *p, const part_task *task, const part_range *range, duet_error *err)
+{
+    return hash_objects(p, task, false, err) &&
+           scan_run(&p->scan, &p->times, "sort", &p->counts, &p->starts, count_starts(range),
+                    err) &&
+           (!p->kernels.from_ids || launch_over_taken(p, task, "sort", p->kernels.scatter, err));
+}
+
+static bool find_starts(part *p, const part_task *task, const part_range *range, duet_error *err)
+{
+    bool paper = p->variant.search == SEARCH_PAPER;
+    uint64_t work = task->objects.n + (paper ? UINT64_C(0) : UINT64_C(1));
+    p->args.key_end = paper ? own_cells(range) : count_starts(range) - 1;
+    if (paper &&
+        !timeline_fill(&p->times, "cell start", &p->starts, UINT32_MAX, 0, p->args.key_end, err))
+        return false;
+    return timeline_launch(&p->times, "cell start", p->kernels.starts, work, p, err);
+}
+
+// Objects that are not in the grid have all bits set, so they come last.
+static bool radix_sort_keys(part *p, const part_task *task, const part_range *range,
+                            duet_error *err)
+{
+    const radix_lists lists = {&p->keys, &p->ids, &p->keys_spare, &p->ids_spare};
+    return hash_objects(p, task, true, err) &&
+           radix_sort_run(&p->radix, &p->times, "sort", &lists, task->objects.n,
+                          task->grid.key_bits, err) &&
+           find_starts(p, task, range, err);
+}
+
+// ---------------------------------------------------------------- placing
+
+// The paper's kernels read bounds by id; the others read objects in cell order.
+static bool place(part *p, const part_task *task, duet_error *err)
+{
+    uint32_t n = task->objects.n;
+    if (p->variant.search == SEARCH_PAPER)
+        return timeline_launch(&p->times, "bounds", p->kernels.place, n, p, err);
+    uint32_t work = n < p->place_capacity ? n : p->place_capacity;
+    uint32_t launches_before = p->times.n_launches;
+    bool ok = p->kernels.from_ids
+                  ? timeline_launch(&p->times, "reorder", p->kernels.place, work, p, err)
+                  : launch_over_taken(p, task, "reorder", p->kernels.place, err);
+    p->next_are_cleared = p->times.n_launches > launches_before; // none where no object was taken
+    return ok;
+}
+
+// Rotated boxes that have a radius: a quaternion and that, in 2D fewer
+// (kernels/narrowphase/sat.clh).
+enum { ROUNDED_MORE = 5 };
+
+typedef struct place_bytes {
+    size_t bounds;
+    size_t boxes;
+} place_bytes;
+
+// Bounds and boxes of n objects as the search reads them. Columns of lanes run
+// past n, for whole vectors are read and written there.
+static place_bytes bytes_of_places(const part *p, const part_task *task, size_t n)
+{
+    bool poses = task->objects.shape != DUET_SHAPE_BOUNDS;
+    bool turned = task->rotated && task->objects.shape != DUET_SHAPE_SPHERES;
+    bool has_origin = task->objects.origin > 0.0f;
+    if (p->variant.search == SEARCH_SIMD) {
+        size_t columns = BOUNDS_COLUMNS_OF(task->objects.dims, has_origin);
+        size_t more = MOST_MORE_OF(task->objects.dims, turned);
+        if (grid_has_radii(&task->objects) && turned)
+            more = ROUNDED_MORE;
+        size_t words = BOX_WORDS_OF(more, has_origin);
+        return (place_bytes){.bounds = COLUMN(n) * columns * sizeof(float),
+                             .boxes = poses ? COLUMN(n) * words * sizeof(float) : 0};
+    }
+    bool boxes = poses && p->variant.search == SEARCH_GPU && !p->kernels.unboxed;
+    return (place_bytes){.bounds = n * BOUNDS_QUADS_OF(has_origin) * sizeof(cl_float4),
+                         .boxes = boxes ? n * BOX_QUADS_OF(has_origin) * sizeof(cl_float4) : 0};
+}
+
+static bool reserve_places(part *p, const part_task *task, size_t n, duet_error *err)
+{
+    size_t places = p->variant.search == SEARCH_PAPER ? task->objects.n : n;
+    place_bytes bytes = bytes_of_places(p, task, places);
+    p->place_capacity = (uint32_t)places;
+    return buffer_reserve(&p->bounds, p->device, bytes.bounds, err) &&
+           (bytes.boxes == 0 || buffer_reserve(&p->boxes, p->device, bytes.boxes, err));
+}
+
+// Without a counting sort nothing is counted.
+static bool reserve_counts(part *p, const part_range *range, duet_error *err)
+{
+    size_t before = p->counts.bytes;
+    size_t words = p->variant.sort == SORT_COUNTING ? count_starts(range) : 1;
+    bool ok = buffer_reserve(&p->counts, p->device, words * sizeof(uint32_t), err);
+    if (p->counts.bytes != before)
+        p->zero_counts = 0;
+    return ok;
+}
+
+static bool reserve_grid(part *p, const part_task *task, const part_range *range, duet_error *err)
+{
+    size_t words = task->objects.n * sizeof(uint32_t);
+    return buffer_reserve(&p->keys, p->device, words, err) &&
+           buffer_reserve(&p->keys_spare, p->device, words, err) &&
+           (!p->kernels.from_ids || buffer_reserve(&p->ids, p->device, words, err)) &&
+           (p->variant.sort == SORT_COUNTING ||
+            buffer_reserve(&p->ids_spare, p->device, words, err)) &&
+           buffer_reserve(&p->starts, p->device, count_starts(range) * sizeof(uint32_t), err) &&
+           reserve_counts(p, range, err) && reserve_places(p, task, range->expected, err);
+}
+
+bool part_build_grid(part *p, const part_task *task, const part_range *range, duet_error *err)
+{
+    bool counting = p->variant.sort == SORT_COUNTING;
+    set_args(p, task, range);
+    bool ok = reserve_grid(p, task, range, err) &&
+              (!task->intake || reserve_marks(p, task->objects.n, err)) &&
+              clear(p, counting ? count_starts(range) : 0, err);
+    if (!ok)
+        return false;
+    ok = counting ? counting_sort(p, task, range, err) : radix_sort_keys(p, task, range, err);
+    return ok && place(p, task, err);
+}
+
+// ---------------------------------------------------------------- a grid for both
+
+// The state of the world that a search needs (section 4.1): the sorted hash
+// table and the cell start array. rows needs of the table only the ids.
+typedef struct grid_piece {
+    buffer *from;
+    buffer *to;
+    size_t bytes;
+} grid_piece;
+
+enum { PIECES = 3 };
+
+static int grid_pieces(part *from, part *to, const part_task *task, grid_piece pieces[PIECES])
+{
+    size_t words = task->objects.n * sizeof(uint32_t);
+    size_t starts = ((size_t)task->grid.n_cells + 1 + STARTS_BEHIND) * sizeof(uint32_t);
+    pieces[0] = (grid_piece){&from->ids, &to->ids, words};
+    pieces[1] = (grid_piece){&from->starts, &to->starts, starts};
+    pieces[2] = (grid_piece){&from->keys, &to->keys, words};
+    return from->variant.search == SEARCH_PAPER ? 3 : 2;
+}
+
+bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err)
+{
+    grid_piece pieces[PIECES];
+    int n = grid_pieces(from, to, task, pieces);
+    size_t total = 0;
+    for (int i = 0; i < n; ++i)
+        total += pieces[i].bytes;
+    if (!from->device->info.host_memory &&
+        !host_block_reserve(&from->sent, from->devices, 2, total, err))
+        return false;
+    char *at = from->sent.bytes;
+    for (int i = 0; i < n; ++i) {
+        void *host = pieces[i].from->host ? pieces[i].from->host : at;
+        if (!timeline_read(&from->times, "send grid", pieces[i].from, host, pieces[i].bytes, err))
+            return false;
+        at = pieces[i].from->host ? at : at + pieces[i].bytes;
+    }
+    return true;
+}
+
+static bool receive_piece(part *to, grid_piece piece, void *host, duet_error *err)
+{
+    return buffer_hold(piece.to, to->device, host, piece.bytes, err) &&
+           timeline_write(&to->times, "receive grid", piece.to, host, piece.bytes, err);
+}
+
+// Where both work on host memory the bounds and boxes are there already.
+static bool borrow_places(part *to, const part *from, const part_task *task, duet_error *err)
+{
+    place_bytes bytes = bytes_of_places(from, task, from->place_capacity);
+    to->place_capacity = from->place_capacity;
+    bool ok =
+        buffer_borrow(&to->bounds, to->device, from->bounds.host, bytes.bounds, err) &&
+        timeline_write(&to->times, "receive grid", &to->bounds, to->bounds.host, bytes.bounds, err);
+    if (ok && bytes.boxes)
+        ok = buffer_borrow(&to->boxes, to->device, from->boxes.host, bytes.boxes, err) &&
+             timeline_write(&to->times, "receive grid", &to->boxes, to->boxes.host, bytes.boxes,
+                            err);
+    return ok;
+}
+
+bool part_receive_grid(part *to, part *from, const part_task *task, const part_range *range,
+                       duet_error *err)
+{
+    grid_piece pieces[PIECES];
+    int n = grid_pieces(from, to, task, pieces);
+    char *at = from->sent.bytes;
+    set_args(to, task, range);
+    if (!clear(to, 0, err))
+        return false;
+    for (int i = 0; i < n; ++i) {
+        void *host = pieces[i].from->host ? pieces[i].from->host : at;
+        if (!receive_piece(to, pieces[i], host, err))
+            return false;
+        at = pieces[i].from->host ? at : at + pieces[i].bytes;
+    }
+    if (to->variant.search == from->variant.search && to->device->info.host_memory &&
+        from->device->info.host_memory)
+        return borrow_places(to, from, task, err);
+    return reserve_places(to, task, task->objects.n, err) && place(to, task, err);
+}
