@@ -100,7 +100,8 @@ static bool make_space(duet_motion *m, uint32_t n, duet_error *err)
     c->n_hidden += n - old_n;
     m->n = n;
     m->told.known = false; // walls have other numbers
-    return motion_keep_whole(m, motion_grow(m, old_n, err) && move_walls(m, old_n, err));
+    return motion_keep_whole(m, motion_grow(m, old_n, err) && timeline_finish(&m->times, err) &&
+                                    move_walls(m, old_n, err));
 }
 
 static bool settle(duet_motion *m, const motion_placed *p, uint64_t *ids, duet_error *err)

@@ -47,26 +47,26 @@ bool motion_needs(const duet_motion *m, uint32_t effect, const char *call, duet_
     return lacks(effect & ~m->effects, call, "it ", err);
 }
 
-// Effects that the motion lacks for some objects that join its own, and what is then known of all.
+// Adds some objects to what is known of all, and returns the effects that the motion then lacks.
 // How fast they are is not looked at: continuous is called for by what a motion begins with.
-static uint32_t missing_for(const duet_motion *m, const duet_pose *poses, const duet_body *bodies,
-                            uint32_t n, effect_facts *all)
+static uint32_t missing_with(const duet_motion *m, effect_facts *all, const duet_pose *poses,
+                             const duet_body *bodies, uint32_t n)
 {
-    *all = m->facts;
     effect_facts_add(all, &m->def, poses, bodies, n);
     all->reach = m->facts.reach;
     return effect_infer(&m->def, all) & ~m->effects;
 }
 
+// What one body alone does not call for, it may with those before it.
 static bool tell_who_lacks(const duet_motion *m, const motion_placed *p, const char *call,
                            duet_error *err)
 {
+    effect_facts all = m->facts;
     bool ok = true;
     for (uint32_t i = 0; ok && i < p->n; ++i) {
-        effect_facts all;
         char what[48];
         snprintf(what, sizeof what, "body %u of %u ", i, p->n);
-        ok = lacks(missing_for(m, &p->poses[i], &p->bodies[i], 1, &all), call, what, err);
+        ok = lacks(missing_with(m, &all, &p->poses[i], &p->bodies[i], 1), call, what, err);
     }
     return ok;
 }
@@ -74,8 +74,8 @@ static bool tell_who_lacks(const duet_motion *m, const motion_placed *p, const c
 bool motion_placed_admit(duet_motion *m, const motion_placed *p, const char *call, duet_error *err)
 {
     const effect_facts before = m->facts;
-    effect_facts all;
-    if (missing_for(m, p->poses, p->bodies, p->n, &all))
+    effect_facts all = before;
+    if (missing_with(m, &all, p->poses, p->bodies, p->n))
         return tell_who_lacks(m, p, call, err);
     m->facts = all;
     bool tumbles = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && all.uneven && !before.uneven;

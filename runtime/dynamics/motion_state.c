@@ -78,27 +78,33 @@ bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size
     return buffer_reserve(b, m->device, grows ? with_room(m, n * size) : (size_t)(n * size), err);
 }
 
-// A buffer of more rows that keeps what it has; new rows are 0.
+static bool copy(duet_motion *m, const buffer *from, const buffer *to, size_t bytes,
+                 duet_error *err)
+{
+    cl_command_queue queue = m->device->queue;
+    cl_int code = clEnqueueCopyBuffer(queue, from->mem, to->mem, 0, 0, bytes, 0, NULL, NULL);
+    if (code == CL_SUCCESS)
+        code = clFinish(queue);
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: copying %zu bytes", m->device->info.selector, bytes);
+}
+
+// A buffer of more rows that keeps what it has, and waits for nothing where that is nothing; new
+// rows are 0.
 static bool grow(duet_motion *m, motion_buffer which, uint32_t old_n, duet_error *err)
 {
     size_t words = motion_words(m, which), row = words * sizeof(uint32_t);
     size_t kept = old_n * row, bytes = ((size_t)m->n + MOTION_WALLS) * row;
     buffer *b = &m->buffers[which];
-    buffer fresh = {0};
     if (b->bytes < bytes) {
-        if (!buffer_reserve(&fresh, m->device, kept > 0 ? with_room(m, bytes) : bytes, err))
-            return false;
-        cl_int code = kept == 0 ? CL_SUCCESS
-                                : clEnqueueCopyBuffer(m->device->queue, b->mem, fresh.mem, 0, 0,
-                                                      kept, 0, NULL, NULL);
-        if (code == CL_SUCCESS)
-            code = clFinish(m->device->queue);
-        if (code != CL_SUCCESS) {
-            buffer_release(&fresh);
-            return error_set_cl(err, code, "%s: copying %zu bytes", m->device->info.selector, kept);
-        }
-        buffer_swap(b, &fresh);
+        buffer fresh = {0};
+        bool ok = buffer_reserve(&fresh, m->device, kept > 0 ? with_room(m, bytes) : bytes, err) &&
+                  (kept == 0 || copy(m, b, &fresh, kept, err));
+        if (ok)
+            buffer_swap(b, &fresh);
         buffer_release(&fresh);
+        if (!ok)
+            return false;
     }
     return timeline_fill(&m->times, "clear", b, 0, old_n * words, bytes / sizeof(uint32_t), err);
 }
@@ -109,7 +115,7 @@ bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err)
     for (int which = 0; ok && which < MOTION_BUFFERS; ++which)
         if (motion_words(m, (motion_buffer)which) > 0)
             ok = grow(m, (motion_buffer)which, old_n, err);
-    return ok && timeline_finish(&m->times, err);
+    return ok;
 }
 
 // ---------------------------------------------------------------- rows

@@ -105,6 +105,27 @@ static void wrong_commands_are_refused_by_name_and_change_nothing(void **state)
     mover_free(m);
 }
 
+// A weight alone pushes nothing, nor does a rough thing without one.
+static void what_two_bodies_call_for_together_is_asked_of_the_motion(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_CONTACT;
+    m->bodies[mover_add_cube(m, 0, 0, 0, 1)].mass = 0;
+    mover_run(m, 1);
+    duet_pose there[2] = {m->poses[0], m->poses[0]};
+    duet_body bodies[2] = {duet_default_body(), duet_default_body()};
+    bodies[1].mass = 0;
+    bodies[1].friction = 0.5f;
+    assert_refused(duet_motion_add_bodies(m->motion, there, bodies, 2, NULL, &err),
+                   "body 1 of 2 needs the effect contact_response");
+    assert_int_equal(duet_motion_get_count(m->motion), 1);
+    assert_done(duet_motion_add_bodies(m->motion, there, bodies, 1, NULL, &err));
+    assert_refused(duet_motion_add_bodies(m->motion, &there[1], &bodies[1], 1, NULL, &err),
+                   "body 0 of 1 needs the effect contact_response");
+    mover_free(m);
+}
+
 static void gravity_can_change_while_all_sleep(void **state)
 {
     (void)state;
@@ -671,6 +692,7 @@ int main(void)
         cmocka_unit_test(a_field_that_is_set_is_what_the_step_begins_with),
         cmocka_unit_test(a_pose_that_is_set_wakes_and_falls),
         cmocka_unit_test(wrong_commands_are_refused_by_name_and_change_nothing),
+        cmocka_unit_test(what_two_bodies_call_for_together_is_asked_of_the_motion),
         cmocka_unit_test(gravity_can_change_while_all_sleep),
         cmocka_unit_test(a_force_holds_for_one_step_and_can_carry_a_weight),
         cmocka_unit_test(an_impulse_beside_the_centre_turns),

@@ -8,7 +8,7 @@
 
 enum { FAILURE = CL_DEVICE_NOT_AVAILABLE };
 
-static atomic_uint n_calls, n_failures;
+static atomic_uint n_calls, n_failures, n_finishes;
 static atomic_uint first; // the call that fails; UINT32_MAX: none
 static atomic_int how;
 static _Atomic(const char *) failed; // the first call that did
@@ -29,6 +29,7 @@ void lost_begin(lost_way way, uint32_t k)
 {
     atomic_store(&n_calls, 0);
     atomic_store(&n_failures, 0);
+    atomic_store(&n_finishes, 0);
     atomic_store(&how, (int)way);
     atomic_store(&first, k);
 }
@@ -37,6 +38,11 @@ uint32_t lost_end(void)
 {
     atomic_store(&first, UINT32_MAX);
     return atomic_load(&n_calls);
+}
+
+uint32_t lost_finishes(void)
+{
+    return atomic_load(&n_finishes);
 }
 
 const char *lost_call(void)
@@ -168,6 +174,7 @@ cl_int clFinish(cl_command_queue q)
 {
     REAL(clFinish);
     cl_int code = real(q);
+    atomic_fetch_add(&n_finishes, 1);
     return fails(of_queue(q), __func__) ? FAILURE : code;
 }
 

@@ -31,6 +31,9 @@ void lost_begin(lost_way way, uint32_t k);
 // Lets all calls pass again. Returns how many were counted.
 uint32_t lost_end(void);
 
+// How often a queue was waited for to its end since lost_begin.
+uint32_t lost_finishes(void);
+
 // The first call that failed since lost_begin, or "none".
 const char *lost_call(void);
 

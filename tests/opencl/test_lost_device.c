@@ -423,6 +423,23 @@ static void a_motion_goes_on_without_kernels_that_were_not_made(void **state)
     duet_tree_destroy(tree);
 }
 
+// Buffers that are new have nothing to wait for: they are cleared and written in
+// one go.
+static void what_is_made_waits_no_more_for_more_buffers(void **state)
+{
+    (void)state;
+    const scenario s = {.share = 2, .wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP};
+    duet_error err = {0};
+    set_memory(false);
+    lost_begin(LOST_ONCE, UINT32_MAX);
+    duet_motion *m = open_motion(&s, &err);
+    uint32_t n_finishes = lost_finishes();
+    assert_ok(m, err);
+    lost_end();
+    duet_motion_destroy(m);
+    assert_true(!have_host_memory[1] || n_finishes <= 1);
+}
+
 // ------------------------------------------------------------ what runs
 
 static int open_devices(void **state)
@@ -472,6 +489,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kernels_that_were_not_made_are_made_again),
         cmocka_unit_test(a_motion_goes_on_without_kernels_that_were_not_made),
+        cmocka_unit_test(what_is_made_waits_no_more_for_more_buffers),
         cmocka_unit_test(nothing_crashes_hangs_or_leaks),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);
