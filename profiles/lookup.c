@@ -38,8 +38,8 @@ profile_request profile_default_request(void)
 // Of rows whose pair is one device twice, those that are looked for. Stores of earlier
 // versions keep with them what two equal devices share.
 typedef enum partnership {
-    PARTNERS_NONE,  // of the device alone: no share was best
-    PARTNERS_EQUAL, // a share was
+    PARTNERS_NONE,  // of the device alone
+    PARTNERS_EQUAL, // of it and another
     PARTNERS_OTHER, // there are none: the pair is two devices
 } partnership;
 
@@ -132,8 +132,11 @@ static const sql_column found_columns[] = {
     " <= " most "))"
 #define ACCURATE "AND " WITHIN("missed_rate", "?3") " AND " WITHIN("false_rate", "?4") " "
 
-// Whether the row's work was divided where that was best; of one device it never is.
-#define DIVIDED "(coalesce(p.best_share, p.share) BETWEEN 1 AND 65535)"
+// Whether the row is of two devices: its search divided the work, or found that best. With one
+// device no search does. Trials may be gone, and rows without a search have none.
+#define DIVIDED                                                                      \
+    "(coalesce(p.best_share, p.share) BETWEEN 1 AND 65535 OR EXISTS (SELECT 1 FROM " \
+    "trial WHERE session_id = p.session_id AND share BETWEEN 1 AND 65535))"
 #define PARTNERS "AND (?6 = 2 OR " DIVIDED " = ?6) "
 _Static_assert(PARTNERS_EQUAL == 1 && PARTNERS_OTHER == 2, "the queries' numbers");
 
@@ -280,7 +283,7 @@ static bool tell_what_is_missing(look *l)
     if (!tell_unused(l, &told) || told)
         return told;
 #define LIVE "SELECT 1 FROM workload w JOIN profile p ON p.workload_id = w.id AND p.live = 1 "
-    static const struct {
+    const struct {
         const char *query;
         const char *missing;
     } steps[] = {
@@ -296,7 +299,8 @@ static bool tell_what_is_missing(look *l)
          "it was measured for another objective"},
         {LIVE "WHERE w.key = ?4 AND p.pair_id = ?3 AND p.kernels = ?5 AND p.objective = ?6 "
               "AND (?7 = 2 OR " DIVIDED " = ?7)",
-         "it was measured on two such devices"},
+         l->partners == PARTNERS_NONE ? "it was measured on two such devices"
+                                      : "it was measured on one such device alone"},
     };
 #undef LIVE
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; ++i) {

@@ -115,7 +115,8 @@ static void a_device_twice_serves_whom_it_was_measured_for(void **state)
         {"UPDATE profile SET best_share = 8192, best_mode = 'own'", PROFILE_DEFAULT, PROFILE_EXACT},
         {"UPDATE profile SET share = 0", PROFILE_DEFAULT, PROFILE_EXACT}, // no gain, but two
         {"DELETE FROM fit; UPDATE profile SET kernels = 'other'", PROFILE_DEFAULT, PROFILE_STALE},
-        {"UPDATE profile SET best_share = 0", PROFILE_STALE, PROFILE_DEFAULT},
+        {"UPDATE profile SET best_share = 0", PROFILE_DEFAULT, PROFILE_STALE}, // shares were tried
+        {"DELETE FROM trial WHERE share BETWEEN 1 AND 65535", PROFILE_STALE, PROFILE_DEFAULT},
         {"UPDATE profile SET kernels = '" TEST_KERNELS "'", PROFILE_EXACT, PROFILE_DEFAULT},
         {"UPDATE profile SET share = 65536, best_share = 65536", PROFILE_EXACT, PROFILE_DEFAULT},
         {"UPDATE profile SET best_share = NULL, share = 0", PROFILE_EXACT, PROFILE_DEFAULT},
