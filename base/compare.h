@@ -11,6 +11,12 @@ static inline int compare_uint32(const void *left, const void *right)
     return (p > q) - (p < q);
 }
 
+static inline int compare_uint64(const void *left, const void *right)
+{
+    uint64_t p = *(const uint64_t *)left, q = *(const uint64_t *)right;
+    return (p > q) - (p < q);
+}
+
 // Rows that begin with two, by the first and then the second: pairs, hits of queries and of bodies.
 static inline int compare_uint32_pair(const void *left, const void *right)
 {

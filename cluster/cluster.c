@@ -4,6 +4,7 @@
 #include "cluster/cluster.h"
 
 #include "base/error.h"
+#include "cluster/ids.h"
 #include "cluster/own_pair.h"
 
 #include <math.h>
@@ -52,37 +53,46 @@ static bool check_def(const duet_cluster_def *def, duet_error *err)
                      def->imbalance);
 }
 
-static void close_workers(duet_cluster *c)
+void cluster_close_workers(worker *workers[2])
 {
     for (int i = 1; i >= 0; --i) { // what the first one holds is lent to the other one
-        if (c->workers[i])
-            c->workers[i]->close(c->workers[i]);
-        c->workers[i] = NULL;
+        if (workers[i])
+            workers[i]->close(workers[i]);
+        workers[i] = NULL;
     }
 }
 
-static worker *open_worker(const duet_cluster *c, duet_error *err)
+static worker *open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err)
 {
     const simulation *s = c->ranks.simulation;
-    return s && s->object_seconds ? worker_open_simulated(&c->def.world, &c->ranks, err)
-           : c->def.plain         ? worker_open_plain(&c->def.world, err)
-                                  : worker_open_pair(&c->def.world, err);
+    return s && s->object_seconds ? worker_open_simulated(world, &c->ranks, err)
+           : c->def.plain         ? worker_open_plain(world, err)
+                                  : worker_open_pair(world, err);
 }
 
-bool cluster_open_workers(duet_cluster *c, duet_error *err)
+bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
+                          duet_error *err)
+{
+    bool ok = true;
+    for (int i = 0; ok && i < cluster_workers(c); ++i) {
+        workers[i] = open_worker(c, world, err);
+        ok = workers[i];
+    }
+    if (!ok)
+        cluster_close_workers(workers);
+    return ok;
+}
+
+void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *workers[2])
 {
     object_rows none = {0};
-    bool ok = true;
     homes_take(&c->homes, &none);
-    close_workers(c);
-    for (int i = 0; ok && i < cluster_workers(c); ++i) {
-        c->workers[i] = open_worker(c, err);
-        ok = c->workers[i];
-    }
-    c->homes.form = object_form_of(&c->def.world);
+    cluster_close_workers(c->workers);
+    memcpy(c->workers, workers, sizeof c->workers);
+    c->def.world = *world;
+    c->homes.form = object_form_of(world);
     c->fitted = (reach){0};
     c->changed = c->is_cold = true;
-    return ok;
 }
 
 static bool open_pair(duet_cluster *c, duet_error *err)
@@ -107,6 +117,7 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
         return NULL;
     }
     duet_error own = {0};
+    worker *workers[2] = {NULL};
     duet_cluster *c = calloc(1, sizeof *c);
     if (!c) {
         error_set(err, DUET_STATUS_NO_MEMORY, "a cluster: no memory");
@@ -118,7 +129,9 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
         c->homes.threads = &c->threads;
         ok = ranks_reserve(&c->ranks, &own) && parallel_begin(&c->threads, c->ranks.n_here, &own) &&
              check_def(def, &own) && parts_begin(&c->parts, def->parts, &c->ranks, &own) &&
-             open_pair(c, &own) && cluster_open_workers(c, &own);
+             open_pair(c, &own) && cluster_open_workers(c, &c->def.world, workers, &own);
+        if (ok)
+            cluster_take_workers(c, &c->def.world, workers);
         ok = ranks_agree(&c->ranks, ok, &own) && cut_begin(&c->cut, &c->ranks, def->weight, &own);
         if (!ok)
             error_copy(err, &own);
@@ -135,7 +148,7 @@ void duet_cluster_destroy(duet_cluster *c)
     if (!c)
         return;
     ranks_await_end(&c->ranks, __func__);
-    close_workers(c);
+    cluster_close_workers(c->workers);
     duet_device_pair_destroy(c->own_pair);
     own_pairs_end(&c->own);
     for (int i = 0; i < 2; ++i)
@@ -202,11 +215,12 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
     ok = ok && (n == 0 || (error_given(ids, __func__, "ids", &own) &&
                            error_given(objects, __func__, "objects", &own)));
     ok = ok && object_rows_copy(&rows, &c->homes.form, ids, objects, n, &own);
-    ok = cluster_agree_on(c, __func__, ok, &own, err);
+    ok = ranks_agree_on(&c->ranks, __func__, ok, NULL, &own) &&
+         ids_are_distinct(&c->ranks, rows.ids, rows.n, &own);
     if (ok)
         cluster_take(c, &rows);
     object_rows_end(&rows);
-    return ok;
+    return ok || error_copy(err, &own);
 }
 
 // ---------------------------------------------------------------- a step

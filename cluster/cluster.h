@@ -54,8 +54,12 @@ static inline int cluster_workers(const duet_cluster *c)
 }
 
 bool cluster_check_shape(duet_shape shape, duet_error *err);
-// Anew, by def.world, and without objects.
-bool cluster_open_workers(duet_cluster *c, duet_error *err);
+// As many as it has, for such worlds: all or none.
+bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
+                          duet_error *err);
+void cluster_close_workers(worker *workers[2]);
+// These in the place of those that there were, and without objects.
+void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *workers[2]);
 // These objects, in the place of those that there were.
 void cluster_take(duet_cluster *c, object_rows *rows);
 // A call's failure on one rank, NULL arguments included, becomes that of all.

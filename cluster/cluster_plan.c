@@ -6,20 +6,38 @@
 
 enum { WEIGHINGS = 2 }; // the time of a step is no straight line
 
+// Each worker's; a profile may have given them others than the def has.
+static void read_plans(const duet_cluster *c, duet_plan plans[2])
+{
+    for (int i = 0; i < cluster_workers(c); ++i)
+        plans[i] = c->workers[i]->plan ? c->workers[i]->plan(c->workers[i]) : c->def.world.plan;
+}
+
+static bool give_plans(duet_cluster *c, const duet_plan plans[2], duet_error *err)
+{
+    bool ok = true;
+    for (int i = 0; ok && i < cluster_workers(c); ++i)
+        ok = c->workers[i]->set_plan(c->workers[i], &plans[i], err);
+    return ok;
+}
+
 bool duet_cluster_set_plan(duet_cluster *c, const duet_plan *plan, duet_error *err)
 {
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    bool ok = cluster_agree_on(c, __func__, error_given(plan, __func__, "plan", &own), &own, err);
-    if (!ok)
+    duet_plan before[2];
+    if (!cluster_agree_on(c, __func__, error_given(plan, __func__, "plan", &own), &own, err))
         return false;
-    for (int i = 0; ok && i < cluster_workers(c); ++i)
-        ok = c->workers[i]->set_plan(c->workers[i], plan, &own);
-    if (ok)
-        c->def.world.plan = *plan;
+    const duet_plan both[2] = {*plan, *plan};
+    read_plans(c, before);
+    if (!ranks_agree(&c->ranks, give_plans(c, both, &own), &own)) {
+        give_plans(c, before, NULL);
+        return error_copy(err, &own);
+    }
+    c->def.world.plan = *plan;
     c->is_cold = true;
-    return cluster_agree_on(c, __func__, ok, &own, err);
+    return true;
 }
 
 static bool give_level(duet_cluster *c, duet_level level, duet_error *err)

@@ -25,37 +25,35 @@ typedef struct told_scene {
     uint64_t name_bytes;
 } told_scene;
 
-static bool tell_scene(duet_cluster *c, const scene_part *part, duet_error *own)
+// *info and its name, which is to be freed, are those of rank 0.
+static bool tell_scene(duet_cluster *c, const scene_part *part, duet_scene_info *info, char **name,
+                       duet_error *own)
 {
     told_scene told = {0};
     uint64_t rotated = part->rotated;
     ranks_sum(&c->ranks, &rotated, 1);
     if (c->ranks.self == 0)
         told.info = part->scene->info;
-    const char *name = told.info.name;
-    told.name_bytes = name ? strlen(name) + 1 : 1;
+    const char *of_rank_0 = told.info.name;
+    told.name_bytes = of_rank_0 ? strlen(of_rank_0) + 1 : 1;
     ranks_tell(&c->ranks, &told, sizeof told);
-    char *copy = calloc(told.name_bytes, 1);
-    if (!ranks_agree(&c->ranks, copy || error_set(own, DUET_STATUS_NO_MEMORY, "a name: no memory"),
-                     own)) {
-        free(copy);
+    *name = calloc(told.name_bytes, 1);
+    if (!ranks_agree(&c->ranks, *name || error_set(own, DUET_STATUS_NO_MEMORY, "a name: no memory"),
+                     own))
         return false;
-    }
-    if (name)
-        memcpy(copy, name, told.name_bytes);
-    ranks_tell(&c->ranks, copy, told.name_bytes);
-    free(c->scene_name);
-    c->scene_name = copy;
-    c->scene = told.info;
-    c->scene.name = copy;
-    c->scene.n = part->n < UINT32_MAX ? (uint32_t)part->n : UINT32_MAX;
-    c->scene.rotated = rotated > 0;
+    if (of_rank_0)
+        memcpy(*name, of_rank_0, told.name_bytes);
+    ranks_tell(&c->ranks, *name, told.name_bytes);
+    *info = told.info;
+    info->name = *name;
+    info->n = part->n < UINT32_MAX ? (uint32_t)part->n : UINT32_MAX;
+    info->rotated = rotated > 0;
     return true;
 }
 
-static duet_world_def def_of_scene(const duet_cluster *c)
+static duet_world_def def_of_scene(const duet_cluster *c, const duet_scene_info *info)
 {
-    const duet_scene described = {.info = c->scene};
+    const duet_scene described = {.info = *info};
     duet_world_def def = duet_scene_world_def(&described, c->def.world.pair);
     def.plan = c->def.world.plan;
     def.max_pairs = c->def.world.max_pairs;
@@ -161,18 +159,32 @@ static bool read_part(duet_cluster *c, const char *path, const duet_setting *set
     return ranks_agree(&c->ranks, ok, own);
 }
 
+// All ranks have the scene then, or all what they had.
 static bool take_part(duet_cluster *c, scene_part *part, duet_error *own)
 {
-    if (!tell_scene(c, part, own))
+    duet_scene_info info;
+    char *name = NULL;
+    worker *workers[2] = {NULL};
+    if (!tell_scene(c, part, &info, &name, own)) {
+        free(name);
         return false;
-    c->def.world = def_of_scene(c);
-    bool ok = cluster_open_workers(c, own);
-    ok = ok && (part->scene || object_rows_begin(&part->rows, &c->homes.form, 0, own));
-    ok = ranks_agree(&c->ranks, ok, own);
-    if (ok)
-        cluster_take(c, &part->rows);
-    c->has_scene = c->has_scene || ok;
-    return ok;
+    }
+    duet_world_def world = def_of_scene(c, &info);
+    object_form form = object_form_of(&world);
+    bool ok = cluster_open_workers(c, &world, workers, own);
+    ok = ok && (part->scene || object_rows_begin(&part->rows, &form, 0, own));
+    if (!ranks_agree(&c->ranks, ok, own)) {
+        cluster_close_workers(workers);
+        free(name);
+        return false;
+    }
+    cluster_take_workers(c, &world, workers);
+    cluster_take(c, &part->rows);
+    free(c->scene_name);
+    c->scene_name = name;
+    c->scene = info;
+    c->has_scene = true;
+    return true;
 }
 
 bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,

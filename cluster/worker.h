@@ -55,6 +55,7 @@ struct worker {
     bool (*spares_host)(const worker *w);
     bool (*set_level)(worker *w, duet_level level, duet_error *err);
     bool (*set_plan)(worker *w, const duet_plan *plan, duet_error *err);
+    duet_plan (*plan)(const worker *w); // that it has; NULL: it needs none
     bool (*load_profile)(worker *w, const char *path, duet_profile *profile, duet_error *err);
     void (*close)(worker *w);
 };

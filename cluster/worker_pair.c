@@ -156,6 +156,11 @@ static bool set_plan(worker *w, const duet_plan *plan, duet_error *err)
     return duet_world_set_plan(((worker_pair *)w)->world, plan, err);
 }
 
+static duet_plan get_plan(const worker *w)
+{
+    return *duet_world_get_plan(((const worker_pair *)w)->world);
+}
+
 static bool load_profile(worker *w, const char *path, duet_profile *profile, duet_error *err)
 {
     forget_fits((worker_pair *)w);
@@ -202,6 +207,7 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
                        .spares_host = spares_host,
                        .set_level = set_level,
                        .set_plan = set_plan,
+                       .plan = get_plan,
                        .load_profile = load_profile,
                        .close = close_pair};
     p->kind = object_form_kind(&form);

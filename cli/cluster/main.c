@@ -2,10 +2,12 @@
 // The program duet-cluster: one rank of `duet cluster`.
 #include "cli/cluster/rank.h"
 #include "cli/interrupt.h"
+#include "cli/mpirun.h"
 #include "cli/say.h"
 
 #include <locale.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,7 +39,9 @@ int main(int argc, char **argv)
     interrupt_at_once(!cluster_job(&job_rank, &job_ranks));
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    const char *started = getenv(CLUSTER_STARTED);
+    const char *started = getenv(MPIRUN_STARTED);
+    if (rank == 0 && started)
+        fputs(MPIRUN_BEGUN, stderr);
     if (rank == 0 && started && strcmp(started, "terminal") == 0)
         say_on_terminal();
     int status = options_run(&cluster_line, argc, argv, &own, run);
@@ -45,5 +49,5 @@ int main(int argc, char **argv)
     MPI_Finalize();
     bool written = say_finish();
     status = status == EXIT_OK && !written ? EXIT_FAILED : status;
-    return started && status != EXIT_OK ? CLUSTER_TOLD + status : status;
+    return started && status != EXIT_OK ? MPIRUN_TOLD + status : status;
 }

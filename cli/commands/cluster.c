@@ -1,23 +1,20 @@
 // SPDX-License-Identifier: MIT
 // duet cluster: finds all pairs of a scene on the ranks of an MPI job. The program duet itself
 // knows nothing of MPI: each rank becomes duet-cluster, which lies beside it.
-#define _GNU_SOURCE
+#define _POSIX_C_SOURCE 200809L
 #include "cli/commands/cluster.h"
 
 #include "base/error.h"
 #include "base/text.h"
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "cli/mpirun.h"
 #include "cli/say.h"
 
 #include <errno.h>
-#include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 typedef cluster_arguments arguments;
@@ -50,12 +47,15 @@ static const option options[] = {
                 "find nothing, in the time that this profile or kept run of the store says"),
     OPTION_COUNT("stands-for", stands_for, "K", "each object stands for K of a larger scene (1)", 1,
                  1000000),
+    OPTION_FLAG("verbose", verbose,
+                "show what MPI itself says, too, as mpirun of a rank that fails"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
 
 static const option_rule rules[] = {
     {"hosts", OPTION_NEEDS, "ranks"},           {"sorted", OPTION_NEEDS, "pairs"},
+    {"verbose", OPTION_NEEDS, "ranks"},         {"simulate", OPTION_EXCLUDES, "verbose"},
     {"plain", OPTION_EXCLUDES, "pair"},         {"plain", OPTION_EXCLUDES, "share"},
     {"plain", OPTION_EXCLUDES, "mode"},         {"plain", OPTION_EXCLUDES, "variant"},
     {"plain", OPTION_EXCLUDES, "variant-a"},    {"plain", OPTION_EXCLUDES, "variant-b"},
@@ -73,6 +73,8 @@ static const char *refuse(const void *given, char **operands)
     const arguments *args = given;
     size_t length = args->pairs_path ? strlen(args->pairs_path) : 0;
     (void)operands;
+    if (args->hosts && !*args->hosts)
+        return "--hosts: expected names of machines, as one,two";
     return args->pairs_path && (length < 5 || strcmp(args->pairs_path + length - 4, ".npy") != 0)
                ? "--pairs: expected a file whose name ends in .npy"
                : NULL;
@@ -178,93 +180,19 @@ static bool become(launch *l, char *program, duet_error *err)
     return false;
 }
 
-// ---------------------------------------------------------------- starting ranks
-
-// Ranks share the machine: by itself mpirun gives each one core, and refuses more of them than
-// there are. It stays quiet where they fail, for they have told why. Under another MPI these
-// variables mean nothing.
-static void prepare_mpirun(void)
-{
-    setenv("OMPI_MCA_hwloc_base_binding_policy", "none", 0);
-    setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
-    setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
-    setenv("OMPI_MCA_orte_execute_quiet", "1", 0);
-    // Else mpirun lists OpenCL's devices, and a loader that it calls for that cuts
-    // OCL_ICD_FILENAMES in the environment, which the ranks inherit, after its first driver.
-    setenv("HWLOC_COMPONENTS", "-opencl", 0);
-    // A machine that is out of reach is missed within 3 s, and not within minutes.
-    setenv("OMPI_MCA_oob_tcp_keepalive_time", "1", 0);
-    setenv("OMPI_MCA_oob_tcp_keepalive_intvl", "1", 0);
-    setenv("OMPI_MCA_oob_tcp_keepalive_probes", "2", 0);
-    setenv(CLUSTER_STARTED, isatty(STDERR_FILENO) ? "terminal" : "pipe", 1);
-}
-
-static bool wait_for(pid_t job, int *status)
-{
-    const struct timespec pause = {.tv_nsec = 20000000};
-    bool told = false;
-    pid_t ended;
-    while ((ended = waitpid(job, status, WNOHANG)) == 0) {
-        if (interrupt_asked() && !told)
-            told = kill(job, SIGTERM) == 0;
-        nanosleep(&pause, NULL);
-    }
-    return ended == job;
-}
-
-// Open MPI refuses root unless both say 1.
-static bool is_refused_root(void)
-{
-    const char *allowed = getenv("OMPI_ALLOW_RUN_AS_ROOT");
-    const char *confirmed = getenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM");
-    return geteuid() == 0 && (!allowed || !confirmed);
-}
-
-static bool explain(launch *l, int status, duet_error *err)
-{
-    int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    if (interrupt_asked())
-        return interrupt_check(err);
-    if (code > 128 && code - 128 <= SIGRTMAX)
-        return error_set(err, DUET_STATUS_IO_FAILED,
-                         "a rank was ended by signal %d (%s), and with it the job", code - 128,
-                         strsignal(code - 128));
-    l->status = code == 0 ? EXIT_OK : code - CLUSTER_TOLD;
-    if (code == EXIT_FAILED && is_refused_root())
-        return error_set(err, DUET_STATUS_IO_FAILED,
-                         "mpirun ended with status 1: as root set OMPI_ALLOW_RUN_AS_ROOT and "
-                         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM to 1");
-    return code == 0 || l->status == EXIT_FAILED || l->status == EXIT_WRONG ||
-           error_set(err, DUET_STATUS_IO_FAILED,
-                     "mpirun ended with status %d%s; 'mpirun -np %llu duet cluster' says why", code,
-                     l->args.hosts ? ", a machine may be out of reach" : "",
-                     (unsigned long long)l->args.ranks);
-}
-
 static bool start_ranks(launch *l, char *program, duet_error *err)
 {
     char mpirun[] = "mpirun", flag[] = "-n", ranks[24];
     char host[] = "--host", map[] = "--map-by", node[] = "node", send[] = "-x";
-    char started[] = CLUSTER_STARTED, *hosts = (char *)l->args.hosts;
+    char started[] = MPIRUN_STARTED, *hosts = (char *)l->args.hosts;
     char *here[] = {mpirun, flag, ranks, program, NULL};
     char *there[] = {mpirun, flag, ranks, host, hosts, map, node, send, started, program, NULL};
     snprintf(ranks, sizeof ranks, "%llu", (unsigned long long)l->args.ranks);
-    char **argv = make_argv(l, hosts ? there : here, err);
-    if (!argv)
-        return false;
-    prepare_mpirun();
-    pid_t job = 0;
-    int status = 0;
-    interrupt_pass(true);
-    int code = posix_spawnp(&job, mpirun, NULL, NULL, argv, environ);
-    interrupt_pass(false);
-    free(argv);
-    if (code != 0)
-        return error_set(err, DUET_STATUS_NOT_FOUND, "mpirun: %s%s", strerror(code),
-                         code == ENOENT ? "; on Debian: apt install openmpi-bin" : "");
-    return (wait_for(job, &status) ||
-            error_set(err, DUET_STATUS_IO_FAILED, "mpirun is gone: %s", strerror(errno))) &&
-           explain(l, status, err);
+    mpirun_job job = {.hosts = hosts, .verbose = l->args.verbose};
+    job.argv = make_argv(l, hosts ? there : here, err);
+    bool ok = job.argv && mpirun_run(&job, &l->status, err);
+    free(job.argv);
+    return ok;
 }
 
 static bool start(launch *l, duet_error *err)

@@ -25,6 +25,7 @@ typedef struct cluster_arguments {
     bool sorted;
     bool check;
     bool keep;
+    bool verbose;
     bool json;
 } cluster_arguments;
 
@@ -35,12 +36,6 @@ typedef struct cluster_arguments {
     }
 
 extern const command_line cluster_line;
-
-// Set for ranks that `duet cluster --ranks` started: they end with CLUSTER_TOLD more than their
-// exit status, unless that is 0, so that it is known that a line was told. "terminal": lines go
-// to one, through a pipe.
-#define CLUSTER_STARTED "DUET_CLUSTER_STARTED"
-enum { CLUSTER_TOLD = 64 };
 
 // Which rank of an MPI job this process is, by what its launcher says; false for none.
 bool cluster_job(unsigned long *rank, unsigned long *n_ranks);

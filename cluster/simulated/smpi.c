@@ -69,9 +69,17 @@ static bool has_route(sg_host_t from, sg_host_t to)
     return sg_host_get_route_bandwidth(from, to) > 0;
 }
 
-enum { ROUTES_A_HOST = 16 }; // that are tried: every pair of hosts, where they are few
+// Routes are tried to this many others, and so between every pair of hosts where they are few. Of
+// many hosts to fewer, for some platforms search all of their links for each route.
+enum { ROUTES_A_HOST = 16, ROUTES_IN_ALL = 4096 };
 
 static size_t n_tried; // ranks whose hosts' routes are tried
+
+static size_t routes_a_host(size_t n)
+{
+    size_t most = ROUTES_IN_ALL / (n + 1) + 1;
+    return most < ROUTES_A_HOST ? most : ROUTES_A_HOST;
+}
 
 // An actor's, for a platform is complete only once it runs.
 static void try_routes(int argc, char **argv)
@@ -79,8 +87,9 @@ static void try_routes(int argc, char **argv)
     size_t n = 0;
     sg_host_t *hosts = list_hosts(&n);
     (void)argc, (void)argv;
-    for (size_t i = 0; i < n && i < n_tried; ++i)
-        for (size_t k = 0; k < i && k < ROUTES_A_HOST; ++k)
+    n = n < n_tried ? n : n_tried;
+    for (size_t i = 0; i < n; ++i)
+        for (size_t k = 0; k < i && k < routes_a_host(n); ++k)
             if (!has_route(hosts[i], hosts[k]) || !has_route(hosts[k], hosts[i])) {
                 fprintf(stderr, "no route leads from %s to %s and back\n",
                         sg_host_get_name(hosts[k]), sg_host_get_name(hosts[i]));

@@ -421,6 +421,12 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
     }
 }
 
+static void must_fail(bool ok, const duet_error *err, duet_status status, const char *says)
+{
+    MUST(!ok && err->status == status && strstr(err->text, says) && !strchr(err->text, '\n'),
+         err->text);
+}
+
 // By the pairs that each rank hands out, when it is asked.
 static void must_list(duet_cluster *cluster, const duet_cluster_result *result, MPI_Comm comm)
 {
@@ -459,6 +465,41 @@ static void give_share(duet_cluster *cluster, uint32_t share)
     duet_plan plan = cluster->def.world.plan;
     plan.share = share;
     MUST_OK(duet_cluster_set_plan(cluster, &plan, &err), err);
+}
+
+// The last rank's devices have no such variant, and another share is none that all take.
+static void must_keep_plans(duet_cluster *cluster, int n)
+{
+    duet_error err = {0};
+    worker *w = cluster->workers[0];
+    duet_plan before = w->plan(w), other = before;
+    char says[32];
+    other.share = before.share == 0 ? DUET_SHARE_ONE : 0;
+    if (rank == n - 1)
+        snprintf(other.variant_a, sizeof other.variant_a, "abacus");
+    snprintf(says, sizeof says, n > 1 ? "rank %d on " : "abacus", n - 1);
+    must_fail(duet_cluster_set_plan(cluster, &other, &err), &err, DUET_STATUS_BAD_ARGUMENT, says);
+    MUST(strstr(err.text, "abacus"), err.text);
+    duet_plan after = w->plan(w);
+    MUST(after.share == before.share && strcmp(after.variant_a, before.variant_a) == 0 &&
+             cluster->def.world.plan.share != other.share,
+         "all keep the plan they had");
+}
+
+// The last rank cannot open a world for it.
+static void must_keep_objects(duet_cluster *cluster, int n)
+{
+    duet_error err = {0};
+    duet_cluster_result before = step(cluster);
+    duet_plan *plan = &cluster->def.world.plan, right = *plan;
+    if (rank == n - 1)
+        snprintf(plan->variant_a, sizeof plan->variant_a, "abacus");
+    must_fail(duet_cluster_load_scene(cluster, "paper2d", NULL, 0, &err), &err,
+              DUET_STATUS_BAD_ARGUMENT, "abacus");
+    *plan = right;
+    MUST(!duet_cluster_get_scene_info(cluster), "there is no scene");
+    duet_cluster_result after = step(cluster);
+    MUST(after.pairs == before.pairs && after.hash == before.hash, "all objects are there");
 }
 
 // The CPU's parts are told that they have memory of their own, so they count the pairs of homes
@@ -518,6 +559,8 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
     MPI_Allreduce(MPI_IN_PLACE, &counted, 1, MPI_UINT64_T, MPI_SUM, comm);
     MPI_Allreduce(MPI_IN_PLACE, &gone, 1, MPI_UINT64_T, MPI_SUM, comm);
     MPI_Allreduce(MPI_IN_PLACE, &brought, 1, MPI_UINT64_T, MPI_SUM, comm);
+    must_keep_plans(cluster, n);
+    must_keep_objects(cluster, n);
     MUST(counted > 1000 && (gone > 20 || n == 1), "devices counted, while objects left");
     MUST(brought <= counted / 100,
          "of the pairs of homes only those that float cannot decide come");
@@ -1056,12 +1099,6 @@ static void sorted_pairs_are_the_same_bytes(void)
 
 // ---------------------------------------------------------------- failures
 
-static void must_fail(bool ok, const duet_error *err, duet_status status, const char *says)
-{
-    MUST(!ok && err->status == status && strstr(err->text, says) && !strchr(err->text, '\n'),
-         err->text);
-}
-
 static void a_failure_is_that_of_all_ranks(void)
 {
     duet_pose pose = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
@@ -1134,6 +1171,101 @@ static void a_failure_is_that_of_all_ranks(void)
     must_fail(duet_cluster_create(&def, &err), &err, DUET_STATUS_BAD_ARGUMENT,
               "weight is 0 on 1 of 3 ranks; expected numbers above 0, or 0 on all");
     MPI_Comm_free(&comm);
+}
+
+enum { MOST_IDS = 120 };
+
+// Ids of all ranks, [n], and whose they are; none is twice on one rank.
+typedef struct dealt_ids {
+    uint64_t ids[MOST_IDS];
+    int ranks[MOST_IDS];
+    uint32_t n;
+} dealt_ids;
+
+static bool has(const dealt_ids *d, uint64_t id, int of)
+{
+    for (uint32_t i = 0; i < d->n; ++i)
+        if (d->ids[i] == id && d->ranks[i] == of)
+            return true;
+    return false;
+}
+
+// Of few ids, of all that there are, or in a range for each rank, which the next one's may touch.
+static void deal_ids(dealt_ids *d, rng *r, uint32_t round, int n_ranks)
+{
+    uint32_t n = rng_below(r, MOST_IDS);
+    d->n = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        int of = (int)rng_below(r, (uint32_t)n_ranks);
+        uint64_t id = round % 3 == 0   ? rng_below(r, 2000)
+                      : round % 3 == 1 ? (uint64_t)rng_next(r) << 32 |
+                                             (rng_below(r, 30) == 0 ? UINT64_MAX : rng_next(r))
+                                       : (uint64_t)of * 300 + rng_below(r, 301);
+        if (has(d, id, of))
+            continue;
+        d->ids[d->n] = id;
+        d->ranks[d->n++] = of;
+    }
+}
+
+// The least id of two ranks, in the line that all of them get; "" where there is none.
+static void find_double(const dealt_ids *d, int n_ranks, char *line, size_t size)
+{
+    uint64_t least = UINT64_MAX;
+    *line = '\0';
+    for (uint32_t i = 0; i < d->n; ++i) {
+        int holders = 0, first = 0, last = 0;
+        for (int q = n_ranks - 1; q >= 0; --q)
+            if (has(d, d->ids[i], q)) {
+                last = holders++ == 0 ? q : last;
+                first = q;
+            }
+        if (holders < 2 || d->ids[i] > least)
+            continue;
+        least = d->ids[i];
+        snprintf(line, size, "object %" PRIu64 " is there twice: on rank %d and on rank %d", least,
+                 first, last);
+    }
+}
+
+// At the level at which nobody compares ids in a step, of objects far from each other.
+static void an_id_that_two_ranks_bring_is_refused(uint64_t seed)
+{
+    static const int some_groups[] = {2, 3, 8};
+    for (int g = 0; g < 3; ++g) {
+        rng r = rng_seed(seed + (uint64_t)g);
+        MPI_Comm comm = group_of(some_groups[g]);
+        if (comm == MPI_COMM_NULL)
+            continue;
+        duet_world_def world = duet_default_world_def();
+        duet_cluster *c = open_cluster(&comm, &world, 1);
+        uint64_t there = 0;
+        int refused = 0, taken = 0;
+        for (uint32_t round = 0; round < 36; ++round) {
+            dealt_ids d;
+            duet_error err = {0};
+            char says[100];
+            uint64_t ids[MOST_IDS];
+            duet_pose poses[MOST_IDS];
+            uint32_t n = 0;
+            deal_ids(&d, &r, round, some_groups[g]);
+            find_double(&d, some_groups[g], says, sizeof says);
+            for (uint32_t i = 0; i < d.n; ++i)
+                if (d.ranks[i] == rank) {
+                    poses[n] = (duet_pose){.centre = {(float)i * 9}, .rotation = {0, 0, 0, 1}};
+                    ids[n++] = d.ids[i];
+                }
+            bool ok = duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, poses, n, &err);
+            MUST(ok == !*says && strcmp(err.text, says) == 0, ok ? says : err.text);
+            there = ok ? d.n : there;
+            refused += !ok;
+            taken += ok;
+            MUST(round % 4 > 0 || step(c).objects == there, "all or none of them");
+        }
+        MUST(refused > 5 && taken > 5, "some of both");
+        duet_cluster_destroy(c);
+        MPI_Comm_free(&comm);
+    }
 }
 
 static void calls_in_another_order_are_refused(void)
@@ -1437,6 +1569,7 @@ int main(int argc, char **argv)
     rows_come_to_their_ranges();
     nothing_is_refused();
     a_failure_is_that_of_all_ranks();
+    an_id_that_two_ranks_bring_is_refused(seed);
     calls_in_another_order_are_refused();
     a_disk_that_is_full_is_told_of();
     random_crowds_have_the_same_pairs(seed);

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+// Open MPI is told by its variables, which mean nothing under another MPI, how ranks are started.
+#define _GNU_SOURCE // environ, pipe2
+#include "cli/mpirun.h"
+
+#include "base/clock.h"
+#include "base/error.h"
+#include "cli/interrupt.h"
+#include "cli/say.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { PAUSE_MS = 20, START_S = 60, LAST_SIGNAL = 31 };
+
+#define GRACE_NS 5000000000u // between a signal that asks and one that does not
+
+typedef struct job {
+    const mpirun_job *what;
+    mpirun_says says;
+    pid_t mpirun;
+    int err_pipe;      // its stderr; -1: closed
+    int status;        // that waitpid tells
+    uint64_t start_ns; // by when ranks are to have begun; 0: there is no limit
+    uint64_t asked_ns; // when it was asked to end; 0: not
+    unsigned long patience_s;
+} job;
+
+// ---------------------------------------------------------------- its variables
+
+// Ranks share the machine: by itself mpirun gives each one core, and refuses more of them than
+// there are.
+static void prepare(void)
+{
+    setenv("OMPI_MCA_hwloc_base_binding_policy", "none", 0);
+    setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
+    setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+    // Else mpirun lists OpenCL's devices, and a loader that it calls for that cuts
+    // OCL_ICD_FILENAMES in the environment, which the ranks inherit, after its first driver.
+    setenv("HWLOC_COMPONENTS", "-opencl", 0);
+    // A machine that is out of reach is missed within 3 s, and not within minutes.
+    setenv("OMPI_MCA_oob_tcp_keepalive_time", "1", 0);
+    setenv("OMPI_MCA_oob_tcp_keepalive_intvl", "1", 0);
+    setenv("OMPI_MCA_oob_tcp_keepalive_probes", "2", 0);
+    setenv(MPIRUN_STARTED, isatty(STDERR_FILENO) ? "terminal" : "pipe", 1);
+}
+
+// As Open MPI calls it, which itself waits for ever for a program such as ssh that hangs.
+static unsigned long patience_s(void)
+{
+    const char *given = getenv("OMPI_MCA_orte_startup_timeout");
+    return given && *given ? strtoul(given, NULL, 10) : START_S;
+}
+
+// ---------------------------------------------------------------- from begin to end
+
+static bool spawn(job *j, duet_error *err)
+{
+    posix_spawn_file_actions_t actions;
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0)
+        return error_set(err, DUET_STATUS_IO_FAILED, "mpirun: a pipe: %s", strerror(errno));
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+    interrupt_pass(true);
+    int code = posix_spawnp(&j->mpirun, j->what->argv[0], &actions, NULL, j->what->argv, environ);
+    interrupt_pass(false);
+    posix_spawn_file_actions_destroy(&actions);
+    close(ends[1]);
+    j->err_pipe = ends[0];
+    return code == 0 || error_set(err, DUET_STATUS_NOT_FOUND, "mpirun: %s%s", strerror(code),
+                                  code == ENOENT ? "; on Debian: apt install openmpi-bin" : "");
+}
+
+static void show(text *lines)
+{
+    if (lines->length > 0)
+        fwrite(lines->chars, 1, lines->length, stderr);
+    text_free(lines);
+}
+
+// Whether there was something within that time.
+static bool relay(job *j, int wait_ms)
+{
+    char bytes[4096];
+    text lines = {0};
+    struct pollfd from = {.fd = j->err_pipe, .events = POLLIN};
+    if (poll(&from, 1, wait_ms) <= 0)
+        return false;
+    ssize_t n = read(j->err_pipe, bytes, sizeof bytes);
+    if (n > 0)
+        mpirun_hear(&j->says, bytes, (size_t)n, &lines);
+    show(&lines);
+    if (n == 0) {
+        close(j->err_pipe);
+        j->err_pipe = -1;
+    }
+    return n > 0;
+}
+
+static void ask_to_end(job *j)
+{
+    uint64_t now = clock_steady_ns();
+    bool late = j->start_ns > 0 && !j->says.begun && now > j->start_ns;
+    if (j->asked_ns == 0 && (late || interrupt_asked())) {
+        kill(j->mpirun, SIGTERM);
+        j->asked_ns = now;
+    } else if (j->asked_ns > 0 && now - j->asked_ns > GRACE_NS) {
+        kill(j->mpirun, SIGKILL);
+    }
+}
+
+static bool wait_for(job *j)
+{
+    pid_t ended;
+    while ((ended = waitpid(j->mpirun, &j->status, WNOHANG)) == 0) {
+        relay(j, PAUSE_MS);
+        ask_to_end(j);
+    }
+    while (relay(j, 0))
+        continue;
+    text lines = {0};
+    mpirun_hear_end(&j->says, &lines);
+    show(&lines);
+    return ended == j->mpirun;
+}
+
+// What mpirun has left, as an ssh that hangs, is this process's since mpirun ended.
+static void end_rest(void)
+{
+    char path[64];
+    long child;
+    snprintf(path, sizeof path, "/proc/self/task/%ld/children", (long)getpid());
+    FILE *children = fopen(path, "r");
+    while (children && fscanf(children, "%ld", &child) == 1)
+        kill((pid_t)child, SIGTERM);
+    if (children)
+        fclose(children);
+}
+
+// ---------------------------------------------------------------- how it ended
+
+static bool fail_by_signal(const mpirun_says *says, int number, duet_error *err)
+{
+    char which[300] = "a rank";
+    if (says->names_rank)
+        snprintf(which, sizeof which, "rank %lu on %s", says->rank, says->host);
+    return error_set(err, DUET_STATUS_IO_FAILED,
+                     "%s was ended by signal %d (%s), and with it the job", which, number,
+                     strsignal(number));
+}
+
+// Open MPI refuses root unless both say 1.
+static bool is_refused_root(void)
+{
+    const char *allowed = getenv("OMPI_ALLOW_RUN_AS_ROOT");
+    const char *confirmed = getenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM");
+    return geteuid() == 0 && (!allowed || !confirmed);
+}
+
+static bool fail_by_status(const job *j, int code, duet_error *err)
+{
+    const mpirun_says *says = &j->says;
+    if (*says->host)
+        return error_set(err, DUET_STATUS_IO_FAILED,
+                         "%s is out of reach, and with it the job has ended", says->host);
+    if (!says->begun && code == EXIT_FAILED && is_refused_root())
+        return error_set(err, DUET_STATUS_IO_FAILED,
+                         "mpirun ended with status 1: as root set OMPI_ALLOW_RUN_AS_ROOT and "
+                         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM to 1");
+    if (!says->begun && *says->why)
+        return error_set(err, DUET_STATUS_IO_FAILED,
+                         "mpirun ended with status %d before all ranks had begun: %s", code,
+                         says->why);
+    return error_set(err, DUET_STATUS_IO_FAILED,
+                     "mpirun ended with status %d%s%s; with --verbose it says why", code,
+                     says->begun ? "" : " before all ranks had begun",
+                     j->what->hosts ? ", a machine may be out of reach" : "");
+}
+
+static bool explain(const job *j, int *status, duet_error *err)
+{
+    int code = WIFEXITED(j->status) ? WEXITSTATUS(j->status) : 0;
+    *status = code == 0 ? EXIT_OK : code - MPIRUN_TOLD;
+    if (interrupt_asked())
+        return interrupt_check(err);
+    if (j->asked_ns > 0)
+        return error_set(err, DUET_STATUS_IO_FAILED,
+                         "the ranks on %s have not begun within %lu s; expected machines that ssh "
+                         "reaches, and that reach this one",
+                         j->what->hosts, j->patience_s);
+    if (WIFSIGNALED(j->status))
+        return error_set(err, DUET_STATUS_IO_FAILED, "mpirun was ended by signal %d (%s)",
+                         WTERMSIG(j->status), strsignal(WTERMSIG(j->status)));
+    if (code > 128 && (j->says.names_rank || code <= 128 + LAST_SIGNAL))
+        return fail_by_signal(&j->says, code - 128, err);
+    return *status == EXIT_OK || *status == EXIT_FAILED || *status == EXIT_WRONG ||
+           fail_by_status(j, code, err);
+}
+
+bool mpirun_run(const mpirun_job *what, int *status, duet_error *err)
+{
+    job j = {.what = what, .says = {.passes_all = what->verbose}, .patience_s = patience_s()};
+    if (what->hosts && j.patience_s > 0)
+        j.start_ns = clock_steady_ns() + j.patience_s * 1000000000u;
+    prepare();
+    prctl(PR_SET_CHILD_SUBREAPER, 1);
+    if (!spawn(&j, err))
+        return false;
+    bool ok = wait_for(&j) ||
+              error_set(err, DUET_STATUS_IO_FAILED, "mpirun is gone: %s", strerror(errno));
+    end_rest();
+    if (j.err_pipe >= 0)
+        close(j.err_pipe);
+    return ok && explain(&j, status, err);
+}

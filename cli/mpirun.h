@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// Ranks of a job that the program mpirun starts, of which a person sees what the ranks say and,
+// where they fail, one line.
+#ifndef CLI_MPIRUN_H
+#define CLI_MPIRUN_H
+
+#include "cli/mpirun_says.h"
+
+// Set for these ranks: they end with MPIRUN_TOLD more than their exit status, unless that is 0, so
+// that it is known that a line was told. "terminal": lines go to one, through a pipe.
+#define MPIRUN_STARTED "DUET_CLUSTER_STARTED"
+enum { MPIRUN_TOLD = 64 };
+
+typedef struct mpirun_job {
+    char **argv;       // of mpirun, itself first, and NULL last
+    const char *hosts; // machines that it is to reach; NULL: this one
+    bool verbose;      // MPI's own lines are shown, too
+} mpirun_job;
+
+// *status becomes the ranks' exit status, where they have told why it is not 0. Otherwise false,
+// with the line that nobody has told.
+bool mpirun_run(const mpirun_job *job, int *status, duet_error *err);
+
+#endif
