@@ -216,6 +216,16 @@ static bool open_stdout(output *o, duet_error *err)
     return take_stream(o, fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0), err);
 }
 
+// Follows the links at a path's end to the place that is written, or to a descriptor.
+static int find_place(const char *path, text *place)
+{
+    text_add(place, "%s", path);
+    int own = own_descriptor(path);
+    for (int i = 0; own < 0 && i < MAX_LINKS && text_ok(place, NULL) && follow_link(place); ++i)
+        own = own_descriptor(place->chars);
+    return own;
+}
+
 bool output_open(output *o, const char *path, duet_error *err)
 {
     text place = {0};
@@ -224,10 +234,7 @@ bool output_open(output *o, const char *path, duet_error *err)
     text_add(&o->path, "%s", is_stdout ? "stdout" : path);
     if (is_stdout)
         return text_ok(&o->path, err) && open_stdout(o, err);
-    text_add(&place, "%s", path);
-    int own = own_descriptor(path);
-    for (int i = 0; own < 0 && i < MAX_LINKS && text_ok(&place, NULL) && follow_link(&place); ++i)
-        own = own_descriptor(place.chars);
+    int own = find_place(path, &place);
     bool ok = text_ok(&place, err) && text_ok(&o->path, err);
     ok = ok && (own >= 0 ? take_stream(o, fcntl(own, F_DUPFD_CLOEXEC, 0), err)
                          : open_place(o, place.chars, err));
@@ -313,12 +320,22 @@ bool output_make_folders(const char *path, mode_t mode, text *failed)
     return ok;
 }
 
+// A pipe or device that may be written. Opening one may wait for a reader, or wind a tape.
+static bool passes_unopened(const char *path)
+{
+    text place = {0};
+    struct stat there;
+    bool passes = find_place(path, &place) < 0 && stat(path, &there) == 0 &&
+                  (S_ISFIFO(there.st_mode) || S_ISCHR(there.st_mode) || S_ISBLK(there.st_mode)) &&
+                  faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) == 0;
+    text_free(&place);
+    return passes;
+}
+
 bool output_check(const char *path, duet_error *err)
 {
-    struct stat there;
     output o;
-    if (strcmp(path, "-") == 0 ||
-        (stat(path, &there) == 0 && !S_ISREG(there.st_mode) && !S_ISDIR(there.st_mode)))
+    if (strcmp(path, "-") == 0 || passes_unopened(path))
         return true;
     bool ok = output_open(&o, path, err);
     output_close(&o, false, NULL);

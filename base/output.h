@@ -38,7 +38,7 @@ bool output_open_in(output *o, int folder, const char *name, mode_t mode, duet_e
 bool output_close(output *o, bool keep, duet_error *err);
 
 // Whether a file can be written at that path, before the work that it is for; what is there stays
-// as it is. IO_FAILED else. Pipes and devices are not opened, and pass.
+// as it is. IO_FAILED else. Pipes and devices that may be written are not opened, and pass.
 bool output_check(const char *path, duet_error *err);
 
 // Makes the folders that a path lies in, those that are missing. false with errno, and the

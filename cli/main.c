@@ -56,7 +56,7 @@ static int refuse(const char *name)
     nearest n = nearest_begin(name);
     for (int i = 0; i < N_COMMANDS; ++i)
         nearest_try(&n, commands[i].name);
-    fprintf(stderr, "duet: there is no subcommand '%s'; ", name);
+    fprintf(stderr, "duet: there is no subcommand '%s'; ", say_name(name).chars);
     fprintf(stderr, n.name ? "did you mean '%s'?\n" : "'duet --help' lists those there are\n",
             n.name);
     return EXIT_WRONG;

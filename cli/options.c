@@ -213,7 +213,7 @@ static bool refuse_unknown(const command_line *line, const char *argument)
     nearest n = nearest_begin(typed);
     for (const option *o = line->options; o->name; ++o) {
         nearest_try(&n, o->name);
-        if (letter_of_name(o->name) == typed[0] && typed[1] == '\0') {
+        if (*typed && letter_of_name(o->name) == typed[0] && typed[1] == '\0') {
             n.name = typed;
             dashes = "-";
         }

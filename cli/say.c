@@ -32,12 +32,13 @@ int say_status(const duet_error *err)
 
 int say_wrong(const char *command, const char *format, ...)
 {
+    char line[4096];
     va_list args;
     va_start(args, format);
-    fprintf(stderr, "duet %s: ", command);
-    vfprintf(stderr, format, args);
-    fputc('\n', stderr);
+    vsnprintf(line, sizeof line, format, args);
     va_end(args);
+    visible_line(line, sizeof line);
+    fprintf(stderr, "duet %s: %s\n", command, line);
     return EXIT_WRONG;
 }
 

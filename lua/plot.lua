@@ -219,6 +219,7 @@ end
 
 -- true, or nil and a line that says why there is no picture.
 function plot.draw(path, chart)
+  if chart.kind ~= "map" and not (chart.series and chart.series[1]) then return nil, path .. ": there are no series" end
   for _, series in ipairs(chart.series or {}) do
     if #series.points == 0 then return nil, path .. ": series '" .. series.name .. "' has no points" end
   end

@@ -17,7 +17,7 @@ DUET_C_BEGIN
 
 typedef struct duet_stored_device {
     char name[256];
-    char part[24]; // "0-3" of a CPU; empty: the whole device
+    char part[24]; // "0-3" of a CPU, "second" of two equal devices; empty: the whole device
     char driver[128];
 } duet_stored_device;
 

@@ -35,6 +35,14 @@ profile_request profile_default_request(void)
     return request;
 }
 
+// Of rows whose pair is one device twice, those that are looked for. Stores of earlier
+// versions keep with them what two equal devices share.
+typedef enum partnership {
+    PARTNERS_NONE,  // of the device alone
+    PARTNERS_EQUAL, // of it and another
+    PARTNERS_OTHER, // there are none: the pair is two devices
+} partnership;
+
 // A request at one level, with its keys, on its way down.
 typedef struct look {
     store *s;
@@ -44,7 +52,8 @@ typedef struct look {
     char seat[2][PROFILE_SHA];
     char workload[PROFILE_SHA];
     int64_t pair_id; // 0 where these devices were never measured together
-    text family;     // of the workload
+    partnership partners;
+    text family; // of the workload
     profile_found *found;
     text *why; // NULL: nobody asks
     duet_error *err;
@@ -123,18 +132,26 @@ static const sql_column found_columns[] = {
     " <= " most "))"
 #define ACCURATE "AND " WITHIN("missed_rate", "?3") " AND " WITHIN("false_rate", "?4") " "
 
+// Whether the row is of two devices: its search divided the work, or found that best. With one
+// device no search does. Trials may be gone, and rows without a search have none.
+#define DIVIDED                                                                      \
+    "(coalesce(p.best_share, p.share) BETWEEN 1 AND 65535 OR EXISTS (SELECT 1 FROM " \
+    "trial WHERE session_id = p.session_id AND share BETWEEN 1 AND 65535))"
+#define PARTNERS "AND (?6 = 2 OR " DIVIDED " = ?6) "
+_Static_assert(PARTNERS_EQUAL == 1 && PARTNERS_OTHER == 2, "the queries' numbers");
+
 #define ROW                                                                          \
     ", p.origin, coalesce((SELECT host FROM session WHERE id = p.session_id), '') "  \
     "FROM profile p "                                                                \
     "WHERE p.live = 1 AND p.workload_id = (SELECT id FROM workload WHERE key = ?1) " \
-    "AND p.objective = ?2 " ACCURATE
+    "AND p.objective = ?2 " ACCURATE PARTNERS
 
 #define SAME_SEATS                                                                         \
     "AND p.pair_id IN (SELECT pair.id FROM env a JOIN pair ON env_a = a.id JOIN env b ON " \
-    "env_b = b.id WHERE a.seat = ?6 AND b.seat = ?7) ORDER BY p.created_ns DESC LIMIT 1"
+    "env_b = b.id WHERE a.seat = ?7 AND b.seat = ?8) ORDER BY p.created_ns DESC LIMIT 1"
 
 static const char exact_query[] =
-    ROW "AND p.kernels = ?5 AND p.pair_id = ?6 ORDER BY p.median_ns LIMIT 1";
+    ROW "AND p.kernels = ?5 AND p.pair_id = ?7 ORDER BY p.median_ns LIMIT 1";
 
 static const char other_driver_query[] = ROW "AND p.kernels = ?5 " SAME_SEATS;
 
@@ -174,6 +191,7 @@ static sql ask_rows(look *l, const char *query, const char *of)
     sql_real(&q, limit(l->request->max_missed_rate));
     sql_real(&q, limit(l->request->max_false_rate));
     sql_text(&q, l->request->kernels);
+    sql_int(&q, l->partners);
     return q;
 }
 
@@ -201,17 +219,17 @@ static bool refuse(look *l, const char *reason)
     return true;
 }
 
-// As many of the six as the query asks for.
+// As many of the seven as the query asks for.
 static void bind_question(const look *l, sql *q)
 {
     const char *const texts[] = {l->env[0],   l->env[1],           NULL,
                                  l->workload, l->request->kernels, l->request->objective};
     int n = sqlite3_bind_parameter_count(q->stmt);
     for (int i = 0; i < n; ++i) {
-        if (texts[i])
+        if (i < 6 && texts[i])
             sql_text(q, texts[i]);
         else
-            sql_int(q, l->pair_id);
+            sql_int(q, i < 6 ? l->pair_id : l->partners);
     }
 }
 
@@ -265,7 +283,7 @@ static bool tell_what_is_missing(look *l)
     if (!tell_unused(l, &told) || told)
         return told;
 #define LIVE "SELECT 1 FROM workload w JOIN profile p ON p.workload_id = w.id AND p.live = 1 "
-    static const struct {
+    const struct {
         const char *query;
         const char *missing;
     } steps[] = {
@@ -279,6 +297,10 @@ static bool tell_what_is_missing(look *l)
          "the kernels changed since it was measured"},
         {LIVE "WHERE w.key = ?4 AND p.pair_id = ?3 AND p.kernels = ?5 AND p.objective = ?6",
          "it was measured for another objective"},
+        {LIVE "WHERE w.key = ?4 AND p.pair_id = ?3 AND p.kernels = ?5 AND p.objective = ?6 "
+              "AND (?7 = 2 OR " DIVIDED " = ?7)",
+         l->partners == PARTNERS_NONE ? "it was measured on two such devices"
+                                      : "it was measured on one such device alone"},
     };
 #undef LIVE
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; ++i) {
@@ -344,10 +366,10 @@ typedef struct neighbour {
     profile_found found;
 } neighbour;
 
-#define NEIGHBOUR                                                                \
-    ", w.n, w.occ_mean FROM workload w CROSS JOIN profile p "                    \
-    "ON p.workload_id = w.id WHERE w.family = ?1 AND p.objective = ?2 " ACCURATE \
-    "AND p.kernels = ?5 AND p.pair_id = ?6 AND p.live = 1 "
+#define NEIGHBOUR                                                                         \
+    ", w.n, w.occ_mean FROM workload w CROSS JOIN profile p "                             \
+    "ON p.workload_id = w.id WHERE w.family = ?1 AND p.objective = ?2 " ACCURATE PARTNERS \
+    "AND p.kernels = ?5 AND p.pair_id = ?7 AND p.live = 1 "
 
 static bool find_one(look *l, const char *query, neighbour *near)
 {
@@ -370,8 +392,8 @@ static bool find_neighbours(look *l, neighbour near[2])
     near[0] = near[1] = (neighbour){0};
     if (l->pair_id == 0)
         return true;
-    if (!find_one(l, NEIGHBOUR "AND w.n < ?7 ORDER BY w.n DESC LIMIT 1", &near[0]) ||
-        !find_one(l, NEIGHBOUR "AND w.n >= ?7 ORDER BY w.n LIMIT 1", &near[1]))
+    if (!find_one(l, NEIGHBOUR "AND w.n < ?8 ORDER BY w.n DESC LIMIT 1", &near[0]) ||
+        !find_one(l, NEIGHBOUR "AND w.n >= ?8 ORDER BY w.n LIMIT 1", &near[1]))
         return false;
     if (near[1].n > 0 && (near[0].n <= 0 || near[1].n / n < n / near[0].n)) {
         neighbour below = near[0];
@@ -414,6 +436,9 @@ static bool use_neighbour(look *l, const neighbour *near)
 static bool forecast_best_of(look *l, const profile_plan *plan, double slack, forecast *f,
                              bool *found)
 {
+    *found = false;
+    if (l->partners == PARTNERS_NONE) // one device shares with none
+        return true;
     forecast_ask ask = {
         .env_a = l->env[0],
         .env_b = l->env[1],
@@ -514,7 +539,9 @@ static bool look_transferred(look *l, bool *held)
     if (!forecast_best_of(l, NULL, 0, &f, &found))
         return false;
     if (!found)
-        return refuse(l, "one of the devices was never measured on a like workload");
+        return refuse(l, l->partners == PARTNERS_NONE
+                             ? "one device has nobody to share with"
+                             : "one of the devices was never measured on a like workload");
     return use_forecast(l, &f, held);
 }
 
@@ -585,11 +612,13 @@ static bool try_levels(look *l, profile_found *best)
     return true;
 }
 
-bool profile_lookup(store *s, const profile_request *request, profile_found *found, text *why,
-                    duet_error *err)
+// As the request's pair is, or as two equal devices were in earlier versions.
+static bool look_for(store *s, const profile_request *request, partnership partners,
+                     profile_found *found, text *why, duet_error *err)
 {
     *found = (profile_found){.grade = PROFILE_DEFAULT};
-    look l = {.s = s, .request = request, .found = found, .why = why, .err = err};
+    look l = {
+        .s = s, .request = request, .partners = partners, .found = found, .why = why, .err = err};
     bool ok = prepare(&l);
     if (ok && request->n_levels > 0)
         ok = try_levels(&l, found);
@@ -599,6 +628,37 @@ bool profile_lookup(store *s, const profile_request *request, profile_found *fou
         *found = (profile_found){.grade = PROFILE_DEFAULT};
     text_free(&l.family);
     return ok && (!why || text_ok(why, err));
+}
+
+static bool look_for_alike(store *s, const profile_request *request, profile_found *best, text *why,
+                           duet_error *err)
+{
+    profile_pair twice = *request->pair;
+    profile_request earlier = *request;
+    profile_found found;
+    text told = {0};
+    twice.b = twice.a;
+    twice.alike = false;
+    earlier.pair = &twice;
+    bool ok = look_for(s, &earlier, PARTNERS_EQUAL, &found, why ? &told : NULL, err);
+    if (ok && is_better(&found, best)) {
+        *best = found;
+        text_add(why, " by an earlier version, for two such devices\n%s", text_chars(&told));
+    }
+    text_free(&told);
+    return ok && (!why || text_ok(why, err));
+}
+
+bool profile_lookup(store *s, const profile_request *request, profile_found *found, text *why,
+                    duet_error *err)
+{
+    char a[PROFILE_SHA], b[PROFILE_SHA];
+    profile_env_key(&request->pair->a, a);
+    profile_env_key(&request->pair->b, b);
+    partnership partners = strcmp(a, b) == 0 ? PARTNERS_NONE : PARTNERS_OTHER;
+    return look_for(s, request, partners, found, why, err) &&
+           (!request->pair->alike || found->grade == PROFILE_EXACT ||
+            look_for_alike(s, request, found, why, err));
 }
 
 bool profile_read(store *s, const char *uid, profile_found *found, duet_error *err)

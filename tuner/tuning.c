@@ -55,7 +55,7 @@ static bool check_budget(const tuning *t, const trial *first, duet_error *err)
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "a budget of %.3g s ends before a verdict: a step takes %.3g s; expected at "
                      "least %.3g s",
-                     def->budget_seconds, launch_s, ceil(least_s));
+                     def->budget_seconds, launch_s, ceil(10 * least_s) / 10);
 }
 
 bool tuning_stop(const tuning *t, duet_error *err)

@@ -33,7 +33,7 @@ static bool same_words(const char *a, const char *b)
 
 bool profile_report_is_one(const profile_entry *e)
 {
-    return e->row.plan.share == 0 && same_words(e->a.name, e->b.name) &&
+    return e->row.plan.share == 0 && e->row.best_share == 0 && same_words(e->a.name, e->b.name) &&
            same_words(e->a.part, e->b.part) && same_words(e->a.driver, e->b.driver);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Objects as text: a line an object, numbers apart by blanks or a comma.
+// Objects as text: a line an object, its numbers apart by blanks alone or by a comma each.
 //
 // Every wrong line is refused with its number; nothing is guessed, since a
 // column passed over in silence would turn sizes into places.
@@ -67,11 +67,25 @@ static bool refuse_field(const char *field, uint32_t column, scene_place place, 
                      place.path, (unsigned long long)place.line, column, shown);
 }
 
+// A decimal comma looks like the comma between two columns; among blanks it is told.
+static bool refuse_mixture(uint32_t column, bool comma, scene_place place, duet_error *err)
+{
+    return error_set(err, DUET_STATUS_BAD_INPUT,
+                     "%s:%llu: a %s after column %u, where %s separate those before it; expected "
+                     "only blanks, or a comma between any two, and decimal points",
+                     place.path, (unsigned long long)place.line, comma ? "comma" : "blank", column,
+                     comma ? "blanks" : "commas");
+}
+
 static bool read_numbers(const char *line, scene_place place, numbers *row, duet_error *err)
 {
     const char *at = skip_blanks(line);
-    bool after_comma = false;
+    bool after_comma = false, after_first = false;
     while (!ends_line(*at) || after_comma) {
+        if (row->n == 1)
+            after_first = after_comma;
+        if (row->n > 1 && after_comma != after_first)
+            return refuse_mixture(row->n, after_comma, place, err);
         double value = 0;
         if (ends_line(*at) || !read_number(at, &value))
             return refuse_field(at, row->n + 1, place, err);

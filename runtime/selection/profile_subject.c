@@ -47,11 +47,11 @@ static uint32_t whole_units(const device *d)
 }
 
 // "pocl:0[0-3]" is the part "0-3".
-static bool find_part(const char *selector, char name[24])
+static bool find_part(const char *selector, char name[PROFILE_PART])
 {
     const char *open = strchr(selector, '[');
     size_t length = open ? strcspn(open + 1, "]") : 0;
-    if (length == 0 || length >= 24)
+    if (length == 0 || length >= PROFILE_PART - sizeof " " PROFILE_SECOND)
         return false;
     memcpy(name, open + 1, length);
     name[length] = '\0';
@@ -60,7 +60,7 @@ static bool find_part(const char *selector, char name[24])
 
 // Of a part that the caller cut off OpenCL tells how many units it has and not which: A's are
 // taken to be the first ones, and B's the next.
-static bool name_part(const device devices[2], int side, char name[24])
+static bool name_part(const device devices[2], int side, char name[PROFILE_PART])
 {
     const device *a = &devices[0], *d = &devices[side];
     cl_device_id whole = whole_of(d);
@@ -70,11 +70,11 @@ static bool name_part(const device devices[2], int side, char name[24])
         return false;
     bool beside = a->id != d->id && a->id != whole && whole_of(a) == whole;
     uint32_t first = beside ? a->info.units : 0;
-    snprintf(name, 24, "%u-%u", first, first + d->info.units - 1);
+    snprintf(name, PROFILE_PART, "%u-%u", first, first + d->info.units - 1);
     return true;
 }
 
-static profile_env describe_device(const device devices[2], int side, char name[24])
+static profile_env describe_device(const device devices[2], int side, char name[PROFILE_PART])
 {
     const device *d = &devices[side];
     const duet_device_info *info = &d->info;
@@ -180,10 +180,26 @@ static profile_workload describe_workload(const duet_world *world)
     };
 }
 
+// Two devices are another pair than one of them alone, however alike they are.
+static void tell_apart(profile_pair *pair, char b_part[PROFILE_PART])
+{
+    char a[PROFILE_SHA], b[PROFILE_SHA];
+    profile_env_key(&pair->a, a);
+    profile_env_key(&pair->b, b);
+    pair->alike = strcmp(a, b) == 0;
+    if (!pair->alike)
+        return;
+    size_t length = pair->b.part ? strlen(b_part) : 0;
+    snprintf(b_part + length, PROFILE_PART - length, "%s%s", length ? " " : "", PROFILE_SECOND);
+    pair->b.part = b_part;
+}
+
 static void describe_pair(profile_subject *p, const duet_device_pair *pair)
 {
     p->pair.a = describe_device(pair->devices, 0, p->parts[0]);
     p->pair.b = describe_device(pair->devices, 1, p->parts[1]);
+    if (!duet_device_pair_is_one(pair))
+        tell_apart(&p->pair, p->parts[1]);
 }
 
 bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err)

@@ -8,10 +8,12 @@
 #include "runtime/duet.h"
 #include "runtime/queries/tree_share.h"
 
+#define PROFILE_PART 24 // with the NUL
+
 typedef struct profile_subject {
     profile_pair pair; // its strings are the device pair's, or lie in parts
     profile_workload workload;
-    char parts[2][24];               // "0-0" of a part of a CPU
+    char parts[2][PROFILE_PART];     // "0-0" of a part of a CPU, "second" of an equal device
     char query[QUERY_NAME];          // the workload's
     char kernels[PROFILE_SHA];       // of all kernel text
     const char *levels[DUET_LEVELS]; // that may be within the accuracy asked for

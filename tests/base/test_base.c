@@ -19,6 +19,29 @@ static void the_first_failure_is_kept(void **state)
     assert_false(error_set(NULL, DUET_STATUS_NOT_FOUND, "nobody listens"));
 }
 
+// Whatever a path's length, the line says what is wrong with it.
+static void what_is_too_long_loses_its_middle(void **state)
+{
+    (void)state;
+    enum { MOST = 1200 };
+    static const char *const letters[] = {"a", "\xc3\xa9", "\xe2\x82\xac"};
+    char path[3 * MOST + 1] = "";
+    for (int kind = 0; kind < 3; ++kind) {
+        *path = '\0';
+        for (int n = 0; n < MOST; ++n) {
+            duet_error err = {0};
+            error_set(&err, DUET_STATUS_NOT_FOUND, "in %s: no such file", path);
+            size_t length = strlen(err.text);
+            bool fits = strlen(path) + strlen("in : no such file") < sizeof err.text;
+            assert_int_equal(strncmp(err.text, "in ", 3), 0);
+            assert_string_equal(err.text + length - strlen(": no such file"), ": no such file");
+            assert_int_equal(!strstr(err.text, "..."), fits);
+            assert_null(strstr(err.text, "\\x")); // no character is cut
+            strcat(path, letters[kind]);
+        }
+    }
+}
+
 static void an_opencl_failure_names_its_code(void **state)
 {
     (void)state;
@@ -79,6 +102,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_first_failure_is_kept),
+        cmocka_unit_test(what_is_too_long_loses_its_middle),
         cmocka_unit_test(an_opencl_failure_names_its_code),
         cmocka_unit_test(a_text_grows_and_survives_a_file),
         cmocka_unit_test(a_missing_file_and_a_folder_are_named),

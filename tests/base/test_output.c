@@ -12,8 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -150,6 +152,32 @@ static void a_check_leaves_everything_as_it_is(void **state)
     assert_int_equal(err.status, DUET_STATUS_IO_FAILED);
     assert_content("file", "old");
     assert_int_equal(test_count_files(), 2);
+}
+
+static void a_check_refuses_what_only_reads(void **state)
+{
+    (void)state;
+    int ends[2];
+    char name[32];
+    duet_error err = {0};
+    assert_int_equal(pipe(ends), 0);
+    snprintf(name, sizeof name, "/dev/fd/%d", ends[0]);
+    assert_false(output_check(name, &err));
+    snprintf(name, sizeof name, "/dev/fd/%d", ends[1]);
+    assert_true(output_check(name, &err));
+    assert_int_equal(symlink(name, "link"), 0);
+    assert_true(output_check("link", &err));
+    close(ends[0]);
+    close(ends[1]);
+    assert_false(output_check(name, &err));
+    struct sockaddr_un at = {.sun_family = AF_UNIX, .sun_path = "socket"};
+    int socket_file = socket(AF_UNIX, SOCK_STREAM, 0);
+    assert_int_equal(bind(socket_file, (struct sockaddr *)&at, sizeof at), 0);
+    assert_false(output_check("socket", &err));
+    close(socket_file);
+    assert_int_equal(mkfifo("deaf", 0400), 0);
+    assert_int_equal(output_check("deaf", &err), geteuid() == 0); // root may write all
+    assert_int_equal(test_count_files(), 3);
 }
 
 static void a_pipe_is_written_to_and_stays(void **state)
@@ -352,6 +380,7 @@ int main(void)
         IN_A_FOLDER(a_link_stays_and_its_file_is_replaced),
         IN_A_FOLDER(links_in_a_ring_are_refused),
         IN_A_FOLDER(a_folder_is_refused),
+        IN_A_FOLDER(a_check_refuses_what_only_reads),
         IN_A_FOLDER(a_check_leaves_everything_as_it_is),
         IN_A_FOLDER(a_pipe_is_written_to_and_stays),
         IN_A_FOLDER(a_full_device_fails_and_stays),

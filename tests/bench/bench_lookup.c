@@ -27,7 +27,7 @@ static profile_pair invent_pair(void)
     profile_env gpu = cpu;
     gpu.device.kind = "gpu";
     gpu.device.name = "GPU";
-    return (profile_pair){cpu, gpu};
+    return (profile_pair){.a = cpu, .b = gpu};
 }
 
 static profile_workload invent_workload(uint64_t n)

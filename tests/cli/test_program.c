@@ -98,6 +98,9 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"devices --json=1", "--json takes no value"},
         {"devices scene.lua", "'scene.lua' is one argument too many"},
         {"devices -- --json", "'--json' is one argument too many"},
+        {"devices --=3", "there is no option '--=3'; 'duet devices --help' lists"},
+        {"\"$(printf 'a\\033b\\nc')\"", "there is no subcommand 'a\\x1bb\\x0ac'"},
+        {"devices \"$(printf -- '--a\\033b\\nc')\"", "there is no option '--a\\x1bb\\x0ac'"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         program p = program_run("%s", wrong[i][0]);

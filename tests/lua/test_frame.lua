@@ -51,6 +51,10 @@ facts.holds("a picture that cannot be drawn is a line that says why", function()
   chart.series[1].points = {}
   ok, why = plot.draw("picture", chart)
   assert(not ok and why:find "no points")
+  for _, series in ipairs { {}, false } do
+    ok, why = plot.draw("picture", { title = "t", x = "x", y = "y", kind = "bars", series = series or nil })
+    assert(not ok and why == "picture: there are no series")
+  end
 end)
 
 facts.holds("a title may have any characters", function()

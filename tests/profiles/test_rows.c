@@ -18,7 +18,7 @@ static void a_pair_and_a_workload_are_stored_once(void **state)
     store *s = test_store_open(folder.store, STORE_WRITE);
     duet_error err = {0};
     profile_pair pair = test_pair();
-    profile_pair swapped = {pair.b, pair.a};
+    profile_pair swapped = {.a = pair.b, .b = pair.a};
     profile_workload workload = test_workload(1000);
     int64_t ids[6] = {0};
     assert_ok(profile_pair_put(s, &pair, &ids[0], &err), err);

@@ -120,7 +120,7 @@ static void one_process_measures_a_workload_whatever_it_asks(void **state)
     test_folder folder = test_folder_make();
     store *s = test_store_open(folder.store, STORE_WRITE);
     duet_error err = {0};
-    profile_pair pair = test_pair(), swapped = {pair.b, pair.a};
+    profile_pair pair = test_pair(), swapped = {.a = pair.b, .b = pair.a};
     profile_workload workloads[2] = {test_workload(1000), test_workload(2000)};
     int64_t pairs[2], ids[2];
     assert_ok(profile_pair_put(s, &pair, &pairs[0], &err), err);

@@ -129,6 +129,11 @@ static void a_wrong_line_is_named(void **state)
         {"1.5.2,2,3,4", DUET_STATUS_BAD_INPUT, ":1: column 1: '1.5.2' is not a number"},
         {"1;2;3;4", DUET_STATUS_BAD_INPUT, ":1: column 1: '1;2;3;4' is not a number"},
         {"1,,3,4", DUET_STATUS_BAD_INPUT, ":1: column 2 is empty"},
+        {"0,5 0 0 1 1 1", DUET_STATUS_BAD_INPUT,
+         FILE_NAME ":1: a blank after column 2, where commas separate those before it; expected "
+                   "only blanks, or a comma between any two, and decimal points"},
+        {"1 2 3 4\n0 0 1,5 1", DUET_STATUS_BAD_INPUT, ":2: a comma after column 3, where blanks"},
+        {"0, 0, 1 1", DUET_STATUS_BAD_INPUT, ":1: a blank after column 3, where commas"},
         {"1,2,3,4,\n", DUET_STATUS_BAD_INPUT, ":1: column 5 is empty"},
         {",1,2,3", DUET_STATUS_BAD_INPUT, ":1: column 1 is empty"},
         {"1,2,\x01z,4", DUET_STATUS_BAD_INPUT, ":1: column 3: '?z' is not a number"},

@@ -7,6 +7,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
+#include "runtime/opencl/device_pair.h"
 #include "runtime/selection/profile_subject.h"
 
 #include <cjson/cJSON.h>
@@ -245,6 +246,44 @@ static void a_world_takes_its_profile_and_finds_the_same_pairs(void **state)
 }
 
 // Stored at sat6 with two false pairs in a hundred.
+// The parts of a CPU are shown as two devices that nothing but their places tells apart.
+static void two_equal_devices_are_another_pair_than_one(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    duet_error err = {0};
+    fixture f = make_world(300, 8, 0, "simd");
+    device *own = f.pair->devices;
+    if (duet_device_pair_is_one(f.pair)) {
+        drop_world(&f);
+        test_folder_remove(&folder);
+        print_message("the device pair is one device\n");
+        skip();
+    }
+    const device kept = own[1];
+    own[1].info = own[0].info;
+    strcpy(own[0].info.selector, "pocl:0");
+    strcpy(own[1].info.selector, "pocl:1");
+    profile_subject two, one;
+    assert_ok(profile_subject_read(f.world, &two, &err), err);
+    assert_true(two.pair.alike);
+    assert_string_equal(two.pair.b.part, PROFILE_SECOND);
+    put_subject(folder.store, &two, two.kernels);
+    own[1].id = own[0].id;
+    assert_ok(profile_subject_read(f.world, &one, &err), err);
+    assert_false(one.pair.alike);
+    const profile_subject *const asked[] = {&one, &two};
+    for (int i = 0; i < 2; ++i) {
+        profile_found found;
+        profile_request request = profile_subject_request(asked[i]);
+        assert_ok(profile_lookup_files(folder.store, NULL, &request, &found, NULL, &err), err);
+        assert_int_equal(found.grade, i == 0 ? PROFILE_DEFAULT : PROFILE_EXACT);
+    }
+    own[1] = kept;
+    drop_world(&f);
+    test_folder_remove(&folder);
+}
+
 static void a_world_gets_no_less_than_it_asked_for(void **state)
 {
     (void)state;
@@ -558,6 +597,7 @@ int main(void)
         cmocka_unit_test(a_world_without_objects_is_refused),
         cmocka_unit_test(a_plan_survives_being_stored),
         cmocka_unit_test(a_world_takes_its_profile_and_finds_the_same_pairs),
+        cmocka_unit_test(two_equal_devices_are_another_pair_than_one),
         cmocka_unit_test(a_world_gets_no_less_than_it_asked_for),
         cmocka_unit_test(an_accuracy_that_cannot_be_is_refused),
         cmocka_unit_test(without_a_profile_the_plan_stays),
