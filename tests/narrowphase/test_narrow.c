@@ -206,7 +206,7 @@ static void float_leaves_few_ordinary_pairs_undecided(void **state)
         undecided += narrow_float(&a, &b, 3, true) == NARROW_UNDECIDED;
     }
     print_message("%d of %d\n", undecided, N);
-    double some = figure("accuracy.md", "all but some # in 100 000 random boxes");
+    double some = figure("accuracy.md", "all but about # in 100 000 pairs of random boxes");
     assert_in_range(undecided, 0.5 * some * N / 100000, 1.5 * some * N / 100000);
 }
 
