@@ -160,13 +160,14 @@ static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet
 
 // ---------------------------------------------------------------- ranks
 
-static duet_cluster *open_cluster(MPI_Comm *comm, bool skims)
+static duet_cluster *open_cluster(MPI_Comm *comm, bool skims, uint32_t n_parts)
 {
     duet_error err = {0};
     duet_cluster_def def = duet_default_cluster_def();
     def.comm = comm;
     def.plain = !skims;
     def.weight = 1;
+    def.parts = n_parts;
     def.imbalance = 1.5;
     def.world.pair = skims ? devices : NULL;
     def.world.plan.share = 0;
@@ -257,7 +258,7 @@ static bool is_quiet(uint32_t at)
 
 static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
 {
-    duet_cluster *clusters[] = {open_cluster(comm, true), open_cluster(comm, false)};
+    duet_cluster *clusters[] = {open_cluster(comm, true, 1), open_cluster(comm, false, 1)};
     uint64_t left = 0;
     part *b = &worker_of(clusters[0])->world->parts[1];
     skim_in_truth = clusters[0]->workers[0]->skim;
@@ -289,15 +290,21 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
         duet_cluster_destroy(clusters[i]);
 }
 
+static void take_all_threads(duet_cluster *c)
+{
+    duet_error err = {0};
+    parallel_end(&c->threads);
+    MUST_OK(parallel_begin(&c->threads, 1, &err), err);
+}
+
 // Several threads look at each chunk, and then at the next.
 static void homes_leave_in_the_order_of_their_rows(MPI_Comm *comm, uint64_t seed)
 {
     duet_error err = {0};
     duet_cluster_result result;
-    duet_cluster *c = open_cluster(comm, true);
+    duet_cluster *c = open_cluster(comm, true, 1);
     const homes *h = &c->homes;
-    parallel_end(&c->threads);
-    MUST_OK(parallel_begin(&c->threads, 1, &err), err);
+    take_all_threads(c);
     hand_over(c, MANY, seed);
     for (uint32_t at = 1; at < 4; ++at) {
         MUST_OK(duet_cluster_step(c, &result, &err), err);
@@ -309,6 +316,36 @@ static void homes_leave_in_the_order_of_their_rows(MPI_Comm *comm, uint64_t seed
         move_homes(c, at);
     }
     duet_cluster_destroy(c);
+}
+
+// So many that several threads look at those at edges.
+static void large_parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
+{
+    enum { PARTS = 3, SEVERAL = 1 << 12 };
+    duet_cluster *clusters[] = {open_cluster(comm, true, PARTS), open_cluster(comm, true, 1)};
+    uint64_t strayed = 0;
+    for (int i = 0; i < 2; ++i) {
+        take_all_threads(clusters[i]);
+        hand_over(clusters[i], MANY, seed);
+    }
+    for (uint32_t at = 0; at < GROWS; ++at) {
+        duet_error err = {0};
+        duet_cluster_result results[2];
+        for (int i = 0; i < 2; ++i) {
+            if (at > 0)
+                move_homes(clusters[i], at);
+            MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
+        }
+        MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs &&
+                 results[0].pairs > 1000,
+             "the pairs are those of one part");
+        MUST(clusters[0]->homes.n_ranges == PARTS, "parts lie in place");
+        MUST(at == 0 || clusters[0]->homes.edges.n > SEVERAL, "many are at edges");
+        strayed += at > 0 ? clusters[0]->parts.n_strays : 0;
+    }
+    MUST(strayed > 100, "objects changed parts");
+    for (int i = 0; i < 2; ++i)
+        duet_cluster_destroy(clusters[i]);
 }
 
 int main(int argc, char **argv)
@@ -329,6 +366,7 @@ int main(int argc, char **argv)
         a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_BOUNDS, "simd");
         a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_BOUNDS, "simd skim.WG=128");
         ranks_that_skim_find_the_same_pairs(&self, seed);
+        large_parts_find_the_same_pairs(&self, seed);
     }
     MPI_Barrier(MPI_COMM_WORLD);
     ranks_that_skim_find_the_same_pairs(&world, seed);
