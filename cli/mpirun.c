@@ -37,20 +37,31 @@ typedef struct job {
 
 // ---------------------------------------------------------------- its variables
 
-// Ranks share the machine: by itself mpirun gives each one core, and refuses more of them than
-// there are.
-static void prepare(void)
-{
-    setenv("OMPI_MCA_hwloc_base_binding_policy", "none", 0);
-    setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
-    setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+// What mpirun is told unless the user says otherwise. Open MPI 5 has new names for all but one.
+static const char *const variables[][2] = {
+    // Ranks share the machine: by itself mpirun gives each one core, and refuses more of them than
+    // there are.
+    {"OMPI_MCA_hwloc_base_binding_policy", "none"},
+    {"PRTE_MCA_hwloc_default_binding_policy", "none"},
+    {"OMPI_MCA_rmaps_base_oversubscribe", "1"},
+    {"PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe"},
+    {"OMPI_MCA_mpi_yield_when_idle", "1"},
     // Else mpirun lists OpenCL's devices, and a loader that it calls for that cuts
     // OCL_ICD_FILENAMES in the environment, which the ranks inherit, after its first driver.
-    setenv("HWLOC_COMPONENTS", "-opencl", 0);
+    {"HWLOC_COMPONENTS", "-opencl"},
     // A machine that is out of reach is missed within 3 s, and not within minutes.
-    setenv("OMPI_MCA_oob_tcp_keepalive_time", "1", 0);
-    setenv("OMPI_MCA_oob_tcp_keepalive_intvl", "1", 0);
-    setenv("OMPI_MCA_oob_tcp_keepalive_probes", "2", 0);
+    {"OMPI_MCA_oob_tcp_keepalive_time", "1"},
+    {"OMPI_MCA_oob_tcp_keepalive_intvl", "1"},
+    {"OMPI_MCA_oob_tcp_keepalive_probes", "2"},
+    {"PRTE_MCA_oob_tcp_keepalive_time", "1"},
+    {"PRTE_MCA_oob_tcp_keepalive_intvl", "1"},
+    {"PRTE_MCA_oob_tcp_keepalive_probes", "2"},
+};
+
+static void prepare(void)
+{
+    for (size_t i = 0; i < sizeof variables / sizeof *variables; ++i)
+        setenv(variables[i][0], variables[i][1], 0);
     setenv(MPIRUN_STARTED, isatty(STDERR_FILENO) ? "terminal" : "pipe", 1);
 }
 

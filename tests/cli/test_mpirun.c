@@ -209,6 +209,38 @@ static void a_job_that_fails_is_one_line(void **state)
     rmdir("mpirun_of_test");
 }
 
+#define OLD_BINDING "OMPI_MCA_hwloc_base_binding_policy"
+#define OLD_SHARING "OMPI_MCA_rmaps_base_oversubscribe"
+#define NEW_BINDING "PRTE_MCA_hwloc_default_binding_policy"
+#define NEW_SHARING "PRTE_MCA_rmaps_default_mapping_policy"
+
+// Open MPI 4 and 5 have names of their own for it. What the user says goes before.
+static void ranks_share_the_machine_with_any_open_mpi(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    mkdir("mpirun_of_test", 0755);
+    be_mpirun(BEGUN, "echo $" OLD_BINDING " $" OLD_SHARING " $" NEW_BINDING " $" NEW_SHARING);
+    static const char *const given[][2] = {
+        {"-u " NEW_BINDING, "none 1 none :oversubscribe\n"},
+        {NEW_BINDING "=core", "none 1 core :oversubscribe\n"},
+    };
+    for (size_t i = 0; i < sizeof given / sizeof *given; ++i) {
+        char variables[400];
+        snprintf(variables, sizeof variables,
+                 "env -u " OLD_BINDING " -u " OLD_SHARING " -u " NEW_SHARING
+                 " %s PATH=\"$PWD/mpirun_of_test:$PATH\"",
+                 given[i][0]);
+        program p = program_run_with(variables, "cluster --ranks 9 still -n 3");
+        assert_int_equal(p.exit_code, 0);
+        assert_string_equal(p.out, given[i][1]);
+        program_free(&p);
+    }
+    unlink("mpirun_of_test/mpirun");
+    unlink("mpirun_of_test/says");
+    rmdir("mpirun_of_test");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -216,6 +248,7 @@ int main(void)
         cmocka_unit_test(what_mpi_tells_is_known),
         cmocka_unit_test(long_lines_are_lines),
         cmocka_unit_test(a_job_that_fails_is_one_line),
+        cmocka_unit_test(ranks_share_the_machine_with_any_open_mpi),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
