@@ -184,6 +184,9 @@ static bool fail_by_status(const job *j, int code, duet_error *err)
     if (*says->host)
         return error_set(err, DUET_STATUS_IO_FAILED,
                          "%s is out of reach, and with it the job has ended", says->host);
+    if (*says->peer)
+        return error_set(err, DUET_STATUS_IO_FAILED,
+                         "a rank on %s was lost, and with it the job has ended", says->peer);
     if (!says->begun && code == EXIT_FAILED && is_refused_root())
         return error_set(err, DUET_STATUS_IO_FAILED,
                          "mpirun ended with status 1: as root set OMPI_ALLOW_RUN_AS_ROOT and "

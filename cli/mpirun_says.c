@@ -82,6 +82,9 @@ static void learn(mpirun_says *s)
     else if (lost && node && !*s->host)
         sscanf(node, "] on node %255s", s->host);
     visible_line(s->host, sizeof s->host);
+    if (!*s->peer)
+        sscanf(s->line, " Peer host: %255s", s->peer);
+    visible_line(s->peer, sizeof s->peer);
     if (is_rule(s->line, n) == YES)
         s->in_block = !s->in_block;
     else if (!s->begun && n > 0 && is_mpis(s->line, n) != YES)
@@ -175,6 +178,8 @@ void mpirun_hear(mpirun_says *s, const char *bytes, size_t n, text *out)
             s->begun = true;
             continue;
         }
+        if (bytes[i] == '\0') // with which Open MPI 5 ends its blocks
+            continue;
         if (s->passes_all)
             text_add_bytes(out, &bytes[i], 1);
         hear_byte(s, bytes[i], out);

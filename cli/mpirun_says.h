@@ -19,6 +19,7 @@ typedef struct mpirun_says {
     bool names_rank;       // that a signal has ended
     unsigned long rank;    // this one
     char host[256];        // where it was, or the machine that was lost; "": neither was said
+    char peer[256];        // where a rank was that others no longer reach; "": was not said
     char why[MPIRUN_LINE]; // the first line before ranks began, fit to be shown
     // ---------------- of its own
     int state;

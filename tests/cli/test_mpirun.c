@@ -143,6 +143,27 @@ static void long_lines_are_lines(void **state)
         }
 }
 
+// A byte of zero follows each of its blocks.
+static void blocks_of_open_mpi_5_are_kept_back(void **state)
+{
+    (void)state;
+    static const char bytes[] = BEGUN HUNG_UP
+        "\0" RULE "prterun noticed that process rank 2 with PID 16503 on node three exited on\n"
+        "signal 9 (Killed).\n" RULE "\0duet: a line\n\0" HUNG_UP "\0another\n";
+    for (size_t most = 1; most < sizeof bytes; most = 2 * most + 1) {
+        mpirun_says says = {0};
+        text shown = {0};
+        for (size_t i = 0; i < sizeof bytes - 1; i += most)
+            mpirun_hear(&says, bytes + i, sizeof bytes - 1 - i < most ? sizeof bytes - 1 - i : most,
+                        &shown);
+        mpirun_hear_end(&says, &shown);
+        assert_string_equal(text_chars(&shown), "duet: a line\nanother\n");
+        assert_true(says.names_rank && says.rank == 2);
+        assert_string_equal(says.host, "three");
+        text_free(&shown);
+    }
+}
+
 // ---------------------------------------------------------------- the program
 
 // `duet cluster` finds this in the place of mpirun.
@@ -176,6 +197,8 @@ static void a_job_that_fails_is_one_line(void **state)
         {BEGUN RESET, "exit 139", "--ranks 4",
          "a rank was ended by signal 11 (Segmentation fault), and with it the job"},
         {BEGUN LOST, "exit 205", "--ranks 4", "three is out of reach, and with it the job has"},
+        {BEGUN RULE "  Local host: one\n  Peer host:  three\n" RULE, "exit 14", "--ranks 4",
+         "a rank on three was lost, and with it the job has ended"},
         {BEGUN RESET, "exit 3", "--ranks 4", "mpirun ended with status 3; with --verbose it says"},
         {"ssh: no route\n" HUNG_UP, "exit 255", "--ranks 4 --hosts a,b",
          "mpirun ended with status 255 before all ranks had begun: ssh: no route\n"},
@@ -247,6 +270,7 @@ int main(void)
         cmocka_unit_test(lines_of_mpi_are_kept_back),
         cmocka_unit_test(what_mpi_tells_is_known),
         cmocka_unit_test(long_lines_are_lines),
+        cmocka_unit_test(blocks_of_open_mpi_5_are_kept_back),
         cmocka_unit_test(a_job_that_fails_is_one_line),
         cmocka_unit_test(ranks_share_the_machine_with_any_open_mpi),
     };
