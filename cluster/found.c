@@ -153,7 +153,6 @@ typedef struct filling {
     seen *s;
     const homes *h;
     const sight *from;
-    duet_error errors[PARALLEL_MOST];
 } filling;
 
 static uint32_t row_at(const sight *from, uint64_t i)
@@ -204,34 +203,19 @@ static void fill_part(void *context, uint32_t part, uint64_t first, uint64_t end
 {
     filling *f = context;
     seen *s = f->s;
+    (void)part;
     uint64_t k = first == 0 ? 0 : ghosts_before(f, first), last = ghosts_before(f, end);
     uint64_t at = first + k;
     object_rows to = {.ids = s->rows.ids + at,
                       .objects = object_row(&s->rows, &f->h->form, (uint32_t)at)};
     for (;; ++k) {
         const ghost_row *next = k < last ? &f->from->ghosts[k] : NULL;
-        uint64_t after = add_homes(f, &to, first, end, next);
-        bool is_double =
-            next && ((to.n > 0 && to.ids[to.n - 1] == next->id) ||
-                     (after < end && f->h->rows.ids[row_at(f->from, after)] == next->id));
-        if (is_double)
-            error_set(&f->errors[part], DUET_STATUS_BAD_ARGUMENT,
-                      "object %" PRIu64 " is there twice", next->id);
-        if (is_double || !next)
+        first = add_homes(f, &to, first, end, next);
+        if (!next)
             return;
-        first = after;
         s->ghosts[k] = (seen_ghost){(uint32_t)at + to.n, next->key};
         object_rows_append(&to, &f->h->form, &next->id, next->object, 1);
     }
-}
-
-static bool fill_all(filling *f, duet_error *err)
-{
-    uint32_t parts = parallel_each(f->h->threads, f->from->n, fill_part, f);
-    for (uint32_t i = 0; i < parts; ++i)
-        if (f->errors[i].status != DUET_STATUS_OK)
-            return error_set(err, f->errors[i].status, "%s", f->errors[i].text);
-    return true;
 }
 
 bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error *err)
@@ -241,25 +225,21 @@ bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error
         return error_set(err, DUET_STATUS_TOO_MANY,
                          "%u objects and %" PRIu64 " ghosts on one rank; expected more ranks",
                          from->n, from->n_ghosts);
-    filling *f = calloc(1, sizeof *f);
-    bool ok = f || error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
-    ok = ok && reserve(s, n, from->n_ghosts, err) && reserve_ids(s, err);
-    if (ok) {
-        *f = (filling){.s = s, .h = h, .from = from};
-        s->homes = h;
-        s->home = from->home;
-        s->n_homes = from->n_homes;
-        s->rows.objects = w->map(w, (uint32_t)n, err);
-        ok = s->rows.objects && fill_all(f, err);
-    }
-    if (ok) {
-        s->rows.n = s->behind = (uint32_t)n;
-        s->ids_behind = NULL;
-        s->n_ghosts = from->n_ghosts;
-        mark_ghosts(s, s->n_ghosts);
-    }
-    free(f);
-    return ok;
+    if (!reserve(s, n, from->n_ghosts, err) || !reserve_ids(s, err))
+        return false;
+    s->homes = h;
+    s->home = from->home;
+    s->n_homes = from->n_homes;
+    s->rows.objects = w->map(w, (uint32_t)n, err);
+    if (!s->rows.objects)
+        return false;
+    filling f = {.s = s, .h = h, .from = from};
+    parallel_each(h->threads, from->n, fill_part, &f);
+    s->rows.n = s->behind = (uint32_t)n;
+    s->ids_behind = NULL;
+    s->n_ghosts = from->n_ghosts;
+    mark_ghosts(s, s->n_ghosts);
+    return true;
 }
 
 void seen_end(seen *s)
