@@ -343,11 +343,16 @@ static bool merge_arrivals(homes *h, ranks *r, const leavers *l, const parcels *
     return ok;
 }
 
+void level_boxes_add(level_boxes *boxes, const reach *e, double widest)
+{
+    reach_add(&boxes->upto[level_of(reach_widest(e), widest)], e);
+}
+
 // What comes is near the border, as what leaves is.
 static void add_arrival(homes *h, uint32_t row)
 {
     reach e = reach_of(&h->form, object_row(&h->rows, &h->form, row));
-    reach_add(&h->boxes.upto[level_of(reach_widest(&e), h->widest)], &e);
+    level_boxes_add(&h->boxes, &e, h->widest);
     row_list_add(&h->border, row);
     row_list_add(&h->renamed, row);
     if (h->n_ranges > 0)

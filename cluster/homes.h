@@ -13,6 +13,8 @@ typedef struct level_boxes {
     reach upto[LEVELS];
 } level_boxes;
 
+// An object to those of its level alone; the level is by the widest of all.
+void level_boxes_add(level_boxes *boxes, const reach *e, double widest);
 // Those of each level alone become those with all finer ones.
 void level_boxes_join(level_boxes *boxes);
 

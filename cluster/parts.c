@@ -88,7 +88,7 @@ static void mark_homes(void *context, uint32_t thread, uint64_t first, uint64_t 
         if (deep)
             continue;
         reach e = reach_of(&h->form, object);
-        reach_add(&own[part].boxes.upto[level_of(reach_widest(&e), h->widest)], &e);
+        level_boxes_add(&own[part].boxes, &e, h->widest);
         ++n_border;
     }
     p->n_border[thread] = n_border;

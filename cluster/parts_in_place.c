@@ -100,7 +100,7 @@ static void mark_edges(void *context, uint32_t thread, uint64_t first, uint64_t 
         uint32_t part = bisection_part(&p->cut, centre);
         bool is_stray = part != range_of(p, row);
         reach e = reach_of(&h->form, object);
-        reach_add(&own[part].boxes.upto[level_of(reach_widest(&e), h->widest)], &e);
+        level_boxes_add(&own[part].boxes, &e, h->widest);
         p->marks[i] = (uint16_t)(part | (is_stray ? PART_MARKED : 0));
         n_strays += is_stray;
     }
