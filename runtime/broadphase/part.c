@@ -316,53 +316,53 @@ static bool leaves_boxes(const part_task *task)
            task->objects.origin == 0.0f && !task->packed;
 }
 
-bool part_is_prepared(const part *p, const part_task *task)
+// The kernels of each way to search.
+static const struct {
+    const char *starts;
+    const char *place[2]; // kernel and its entry
+    const char *candidates;
+    const char *narrow;
+    bool in_cell_order;
+} searches[] = {
+    [SEARCH_GPU] = {"row_start", {"reorder", "reorder"}, "pair_search_gpu", "narrow", true},
+    [SEARCH_SIMD] =
+        {"row_start", {"reorder_simd", "reorder_simd"}, "pair_search_simd", "narrow_simd", true},
+    [SEARCH_PAPER] =
+        {"cell_start", {"bounds", "find_bounds"}, "pair_search_paper", "narrow", false},
+};
+
+// Whether the kernels test boxes, beyond their bounds.
+static bool tests_boxes(const part_task *task)
 {
-    const part_kernels *k = &p->kernels;
-    return k->packed == task->packed && k->stretched == (task->intake != NULL) &&
-           (k->gather || !gathers(p, task)) && (k->count_pairs || !task->ids);
+    return task->objects.shape != DUET_SHAPE_BOUNDS && level_of(task) != DUET_LEVEL_AABB;
 }
 
-bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err)
+static bool is_unboxed(const variant *v, const part_task *task)
 {
-    static const struct {
-        const char *starts;
-        const char *place[2]; // kernel and its entry
-        const char *candidates;
-        const char *narrow;
-        bool in_cell_order;
-    } searches[] = {
-        [SEARCH_GPU] = {"row_start", {"reorder", "reorder"}, "pair_search_gpu", "narrow", true},
-        [SEARCH_SIMD] = {"row_start",
-                         {"reorder_simd", "reorder_simd"},
-                         "pair_search_simd",
-                         "narrow_simd",
-                         true},
-        [SEARCH_PAPER] =
-            {"cell_start", {"bounds", "find_bounds"}, "pair_search_paper", "narrow", false},
-    };
-    p->variant = *asked;
-    const int search = p->variant.search;
-    bool counting = p->variant.sort == SORT_COUNTING;
-    bool poses = task->objects.shape != DUET_SHAPE_BOUNDS;
-    bool turned = poses && task->rotated && task->objects.shape != DUET_SHAPE_SPHERES;
-    duet_level level = level_of(task);
-    bool tested = poses && level != DUET_LEVEL_AABB;
+    return v->search == SEARCH_GPU && leaves_boxes(task);
+}
+
+static void choose(const part *p, const part_task *task, part_choice choices[PART_CHOICES])
+{
+    const variant *v = &p->variant;
+    bool counting = v->sort == SORT_COUNTING;
+    bool turned = task->objects.shape != DUET_SHAPE_BOUNDS && task->rotated &&
+                  task->objects.shape != DUET_SHAPE_SPHERES;
+    bool tested = tests_boxes(task), unboxed = is_unboxed(v, task);
     // Objects that are in order go to places side by side.
     bool to_places = counting && !task->shared && task->ordered;
-    bool unboxed = search == SEARCH_GPU && leaves_boxes(task);
     cl_int4 cells = compiled_cells(p, task);
-    const part_choice choices[PART_CHOICES] = {
+    const part_choice all[PART_CHOICES] = {
         {"DIMS", task->objects.dims, false},
         {"SHAPE", task->objects.shape, false},
         {"ORIGIN", origin_setting(task->objects.origin), false},
         {"APART", task->objects.sizes ? 1 + task->objects.compact : 0, false},
         {"ROTATED", turned, false},
         {"RANK", counting, false},
-        {"SORTED", searches[search].in_cell_order && !unboxed, false},
+        {"SORTED", searches[v->search].in_cell_order && !unboxed, false},
         {"UNBOXED", unboxed, false},
         {"IDS", !tested, false},
-        {"ACCURACY", level, false},
+        {"ACCURACY", level_of(task), false},
         {"GRID", task->grid.kind, false},
         {"LEVELS", task->grid.n_levels > 1, false},
         {"ROOMY", is_roomy(task), false},
@@ -374,8 +374,34 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {"STRETCH", task->intake && counting, false},
         {"GUARDED", task->slab, false},
         {"FROM_IDS", !to_places, counting && !task->shared},
-        {"FUSED", tested && p->variant.fused, tested},
+        {"FUSED", tested && v->fused, tested},
     };
+    memcpy(choices, all, sizeof all);
+}
+
+// Of two lists, which have the same names.
+static bool are_same(const part_choice a[PART_CHOICES], const part_choice b[PART_CHOICES])
+{
+    for (int i = 0; i < PART_CHOICES; ++i)
+        if (a[i].value != b[i].value || a[i].open != b[i].open)
+            return false;
+    return true;
+}
+
+bool part_is_prepared(const part *p, const part_task *task)
+{
+    const part_kernels *k = &p->kernels;
+    part_choice choices[PART_CHOICES];
+    choose(p, task, choices);
+    return are_same(choices, p->choices) && (k->gather || !gathers(p, task)) &&
+           (k->count_pairs || !task->ids);
+}
+
+bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err)
+{
+    p->variant = *asked;
+    const int search = p->variant.search;
+    bool counting = p->variant.sort == SORT_COUNTING, tested = tests_boxes(task);
     const struct {
         kernel **at;
         bool wanted;
@@ -390,7 +416,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {&p->kernels.candidates, true, searches[search].candidates, searches[search].candidates},
     };
     p->kernels = (part_kernels){0};
-    memcpy(p->choices, choices, sizeof choices);
+    choose(p, task, p->choices);
     if (!open_sorts(p, err))
         return false;
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
@@ -401,9 +427,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
             return false;
     }
     p->kernels.from_ids = search != SEARCH_GPU || kernel_param(p->kernels.place, "FROM_IDS") == 1;
-    p->kernels.unboxed = unboxed;
-    p->kernels.packed = task->packed;
-    p->kernels.stretched = task->intake;
+    p->kernels.unboxed = is_unboxed(&p->variant, task);
     p->kernels.guarded = task->slab && search != SEARCH_PAPER;
     p->kernels.listed = !tested;
     p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;

@@ -97,8 +97,6 @@ typedef struct part_kernels {
     bool listed;         // what overlaps is a pair, without a test
     bool unboxed;        // boxes are read by id, where the objects are
     bool from_ids;       // objects reach cell order by their sorted ids
-    bool packed;         // objects have names
-    bool stretched; // some objects are taken, and what the other device wants of them is marked
     bool guarded;   // the search finds nothing where the grid got more than it has space for
 } part_kernels;
 

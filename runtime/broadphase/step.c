@@ -449,14 +449,12 @@ bool duet_world_step_end(duet_world *world, duet_result *result, duet_error *err
 
 // ---------------------------------------------------------------- before a step
 
-// A device that is sent all objects, into memory of its own, by kernels that are there. Objects
-// that are lent take turns, each with a grid whose kernels may be others; in how many pieces they
-// travel is all that these decide.
+// A device that is sent all objects, into memory of its own. The kernels of the step may be others,
+// of another grid: in how many pieces objects travel is all that these decide.
 static bool can_send_ahead(const duet_world *world, int side)
 {
     uint32_t share = world->def.plan.share;
-    bool has_kernels = world->prepared[side] || (world->lent && world->parts[side].kernels.hash);
-    return has_kernels && world->def.plan.mode == DUET_MODE_OWN &&
+    return world->prepared[side] && world->def.plan.mode == DUET_MODE_OWN &&
            !world->parts[side].device->info.host_memory && !world->def.separate_sizes &&
            (side == 0 ? share > 0 : share < DUET_SHARE_ONE);
 }

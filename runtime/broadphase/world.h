@@ -59,7 +59,7 @@ struct duet_world {
     workload_stats stats; // of the objects that were set first
     bool alike;           // the devices: they do work in proportion to their units
     bool mode_open;       // the plan's mode is what the grid makes of the default
-    bool prepared[2];     // the part's kernels are those of the plan and the grid
+    bool prepared[2];     // the part has kernels of the plan
     bool fitted;          // the grid is that of these objects
     uint32_t fitted_n;
     grid_wish wish;      // of the plan
