@@ -203,6 +203,7 @@ typedef struct part {
     buffer next_counters;  // the next step's
     bool next_are_cleared; // they are zero
     buffer global_ids;
+    bool ids_ahead; // their list was sent ahead, and not which have none
     uint64_t ids_version; // of what was sent last; 0: nothing
     buffer id_changes;
     host_block changes; // on their way there

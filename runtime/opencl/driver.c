@@ -29,6 +29,7 @@ driver driver_of(const duet_device_info *info)
         .keeps_kernels = pocl,
         .compiles_one_by_one = pocl || oclgrind,
         .breaks = oclgrind,
+        .locks_memory = strcmp(info->platform, "NVIDIA CUDA") == 0,
     };
 }
 
