@@ -57,6 +57,7 @@ static void ranks_with_devices_find_the_pairs_of_run(void **state)
     skip_without_mpi();
     assert_same_pairs("paper -n 900 --set world=18", 2, 1);
     assert_same_pairs("paper2d -n 900 --set world=40", 3, 4);
+    assert_same_pairs("spheres -n 900 --set world=14", 2, 3);
 }
 
 // ---------------------------------------------------------------- simulated ranks
@@ -88,9 +89,9 @@ static void simulated_ranks_find_the_pairs_of_run(void **state)
 {
     (void)state;
     skip_without("duet-simulate", "SimGrid");
-    static const char *const scenes[] = {"paper -n 900 --set world=18", "clustered -n 900",
-                                         "mixed -n 900", "paper -n 5 --set world=1",
-                                         "paper -n 0 2>/dev/null"};
+    static const char *const scenes[] = {
+        "paper -n 900 --set world=18", "clustered -n 900",       "mixed -n 900",
+        "paper -n 5 --set world=1",    "paper -n 0 2>/dev/null", "rounded -n 64"};
     write_fabric();
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i)
         for (int ranks = 64; ranks <= (asks_all ? 256 : 64); ranks *= 4) {
@@ -608,7 +609,6 @@ static void a_failure_is_one_line(void **state)
         {"cluster --mode abacus still", 2, "--mode 'abacus': the modes are"},
         {"cluster --level abacus still", 2, "--level 'abacus': the levels are"},
         {"cluster --ranks 0 still", 2, "--ranks '0': give a whole number"},
-        {"cluster --ranks 2 --plain rounded -n 9", 2, "the cluster's shape is rounded boxes"},
         {"cluster --parts 1025 still", 2, "--parts '1025': give a whole number"},
         {"cluster", 2, "SCENE|FILE is missing"},
         {"lua -e 'duet.cluster()'", 1, "duet.cluster needs 'duet lua --trust'"},
