@@ -15,9 +15,11 @@
 #define MOST_OBJECTS 4294967294u
 
 // Beyond what the devices round: parts of a box's size, which they widen by less than 2^-17;
-// of its coordinates as floats; and of an origin cell, whose corners lie up to 2^30 edges from 0.
+// of its coordinates as floats, and what they add to 0; and of an origin cell, whose corners lie up
+// to 2^30 edges from 0.
 #define SIZE_SLACK 0x1p-12
 #define FLOAT_SLACK 0x1p-20
+#define LEAST_SLACK 0x1p-124
 #define ORIGIN_SLACK 0x1p-20
 
 // ---------------------------------------------------------------- one object
@@ -104,7 +106,7 @@ static reach reach_of_pose(const object_form *form, const void *object)
         r.lower[k] = corner[k] + (centre - to);
         r.upper[k] = corner[k] + (centre + to);
         slack[k] = SIZE_SLACK * (around + radius) + FLOAT_SLACK * fabs(centre) +
-                   ORIGIN_SLACK * (double)form->origin;
+                   ORIGIN_SLACK * (double)form->origin + LEAST_SLACK;
     }
     widen(&r, slack, form->dims);
     return r;
@@ -317,12 +319,14 @@ uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint
 
 double skim_widest(const skim *s, const object_form *form)
 {
-    double far = 0, half = sqrt(s->square);
+    double far = 0, half = sqrt(s->square), slack = 0;
     if (s->centres.lower[0] > s->centres.upper[0])
         return 0;
-    for (int k = 0; k < 3 && form->shape != DUET_SHAPE_BOUNDS; ++k)
+    for (int k = 0; k < 3; ++k)
         far = greater(far, greater(fabs(s->centres.lower[k]), fabs(s->centres.upper[k])));
-    return 2 * (1 + 0x1p-20) * (half * (1 + SIZE_SLACK) + FLOAT_SLACK * far);
+    if (form->shape != DUET_SHAPE_BOUNDS)
+        slack = SIZE_SLACK * half + FLOAT_SLACK * far + LEAST_SLACK;
+    return 2 * (1 + 0x1p-20) * (half + slack);
 }
 
 // ---------------------------------------------------------------- rows

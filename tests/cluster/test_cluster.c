@@ -91,7 +91,7 @@ static void simulated_ranks_find_the_pairs_of_run(void **state)
     skip_without("duet-simulate", "SimGrid");
     static const char *const scenes[] = {
         "paper -n 900 --set world=18", "clustered -n 900",       "mixed -n 900",
-        "paper -n 5 --set world=1",    "paper -n 0 2>/dev/null", "rounded -n 64"};
+        "paper -n 5 --set world=1",    "paper -n 0 2>/dev/null", "rounded -n 63"};
     write_fabric();
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i)
         for (int ranks = 64; ranks <= (asks_all ? 256 : 64); ranks *= 4) {
