@@ -161,6 +161,16 @@ void object_centre(const object_form *form, const void *object, double centre[3]
                       : corner[k] + (double)centre_of(object)[k];
 }
 
+// Of a reach around what has a radius, but for what is rounded.
+static double half_width(const object_form *form, const void *object)
+{
+    const duet_pose *core = pose_of(form, object);
+    double squares = 0;
+    for (uint32_t k = 0; core && k < form->dims; ++k)
+        squares += (double)core->half_extents[k] * (double)core->half_extents[k];
+    return sqrt(squares) + radius_of(form, object);
+}
+
 // Sound in 3D, found without a branch for each number; a flat box may be sound where that says no.
 static bool is_plainly_sound(const duet_pose *p)
 {
@@ -282,26 +292,48 @@ static uint32_t skim_poses(const duet_pose *poses, uint32_t dims, uint32_t first
     return i;
 }
 
-// Of any shape, each by itself.
-static uint32_t skim_rows(const object_rows *rows, const object_form *form, uint32_t first,
-                          uint32_t end, const reach *inside, skim *to)
+// An object of that half width, or nothing and false where it does not lie inside.
+static inline bool skim_add(skim *to, const reach *inside, const double at[3], double half)
+{
+    bool deep = true;
+    for (int k = 0; k < 3; ++k)
+        deep &= (at[k] > inside->lower[k]) & (at[k] < inside->upper[k]);
+    if (!deep)
+        return false;
+    to->square = greater(half * half, to->square);
+    for (int k = 0; k < 3; ++k) {
+        to->centres.lower[k] = lesser(at[k], to->centres.lower[k]);
+        to->centres.upper[k] = greater(at[k], to->centres.upper[k]);
+    }
+    return true;
+}
+
+static uint32_t skim_bounds(const object_rows *rows, uint32_t dims, uint32_t first, uint32_t end,
+                            const reach *inside, skim *to)
+{
+    const object_form form = {
+        .dims = dims, .shape = DUET_SHAPE_BOUNDS, .bytes = sizeof(duet_bounds)};
+    for (; first < end; ++first) {
+        const duet_bounds *b = object_row(rows, &form, first);
+        double at[3], widest = 0;
+        object_centre(&form, b, at);
+        for (uint32_t k = 0; k < dims; ++k)
+            widest = greater(widest, (double)b->upper[k] - (double)b->lower[k]);
+        if (!object_is_sound(&form, b) || !skim_add(to, inside, at, 0.5 * widest))
+            break;
+    }
+    return first;
+}
+
+static uint32_t skim_with_radii(const object_rows *rows, const object_form *form, uint32_t first,
+                                uint32_t end, const reach *inside, skim *to)
 {
     for (; first < end; ++first) {
         const void *object = object_row(rows, form, first);
         double at[3];
         object_centre(form, object, at);
-        bool deep = object_is_sound(form, object);
-        for (int k = 0; k < 3; ++k)
-            deep &= (at[k] > inside->lower[k]) & (at[k] < inside->upper[k]);
-        if (!deep)
+        if (!object_is_sound(form, object) || !skim_add(to, inside, at, half_width(form, object)))
             break;
-        reach around = reach_of(form, object);
-        double half = 0.5 * reach_widest(&around);
-        to->square = greater(half * half, to->square);
-        for (int k = 0; k < 3; ++k) {
-            to->centres.lower[k] = lesser(at[k], to->centres.lower[k]);
-            to->centres.upper[k] = greater(at[k], to->centres.upper[k]);
-        }
     }
     return first;
 }
@@ -309,8 +341,10 @@ static uint32_t skim_rows(const object_rows *rows, const object_form *form, uint
 uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint32_t first,
                           uint32_t end, const reach *inside, skim *s)
 {
+    if (form->shape == DUET_SHAPE_BOUNDS)
+        return skim_bounds(rows, form->dims, first, end, inside, s);
     if (form->shape != DUET_SHAPE_POSES)
-        return skim_rows(rows, form, first, end, inside, s);
+        return skim_with_radii(rows, form, first, end, inside, s);
     if (form->origin > 0.0f)
         return first;
     return skim_poses((const duet_pose *)(const void *)rows->objects, form->dims, first, end,
