@@ -135,7 +135,7 @@ static float some_radius(rng *r, bool on_lattice, float scale)
     return scale * (on_lattice ? ceilf(2 * radius) / 2 : radius);
 }
 
-enum { SPHERES = 43, ROUNDED = 45, N_CROWDS = 58 }; // of these on crowds have radii
+enum { SPHERES = 43, ROUNDED = 45, N_CROWDS = 55 }; // of these on crowds have radii
 
 static duet_world_def world_of_crowd(uint32_t i)
 {
@@ -836,7 +836,7 @@ static void radii_that_touch_across_ranks_collide(uint64_t seed)
                 cluster->def.imbalance = 1e9; // the cut stays as it is made here
                 hand_over(cluster, &c, 0, i);
             }
-            for (int at = 0; at < 6; ++at) {
+            for (int at = 0; at < 3; ++at) {
                 MUST(find_on_lattice(&c) > 100 && c.n_pairs > 400, "many touch");
                 if (cluster)
                     must_find(cluster, &c);
