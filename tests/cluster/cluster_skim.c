@@ -390,8 +390,18 @@ static uint64_t sum_of(MPI_Comm *comm, uint64_t own)
     return own;
 }
 
-// Which is what they hold that are sent and searched alone, and then at their edges; or, where one
-// leaps or swells, with ghosts.
+static void must_be_listed(MPI_Comm *comm, duet_cluster *c, uint64_t hash)
+{
+    duet_error err = {0};
+    const duet_pair64 *pairs;
+    uint64_t n, own = 0;
+    MUST_OK(duet_cluster_get_own_pairs(c, &pairs, &n, &err), err);
+    for (uint64_t k = 0; k < n; ++k)
+        own += pair64_hash(pairs[k]);
+    MUST(sum_of(comm, own) == hash, "they are listed");
+}
+
+// Parts are searched alone, and then their edges; or, where one leaps or swells, with ghosts.
 static void walks_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
 {
     enum { PARTS = 5 };
@@ -416,3 +426,61 @@ static void walks_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
             MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
         for (int i = 0; i < 2; ++i)
             ((worker_pair *)c->workers[i])->world->parts[1].least_chunk = 1;
+        MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs &&
+                 results[0].pairs > 1000,
+             "the pairs are the reference's");
+        bool is_plain = at > 0 && at != LEAPS && at != SWELLS && at != SPOILS + 1;
+        uint64_t all = sum_of(comm, c->walk.done);
+        MUST(!is_plain || all == (uint64_t)c->ranks.n, "all walk");
+        MUST(at != LEAPS || all < (uint64_t)c->ranks.n, "a leap is seen");
+        MUST(at != SWELLS || all == 0, "levels are known before");
+        if (c->walk.done && at % 3 == 0) { // and again, as they are
+            MUST_OK(duet_cluster_step(c, &results[0], &err), err);
+            MUST(results[0].hash == results[1].hash, "the same");
+        }
+        walks += all;
+        strayed += sum_of(comm, c->parts.n_strays);
+        gone += sum_of(comm, c->homes.n_gone);
+        if (!drops)
+            must_be_listed(comm, c, results[1].hash);
+    }
+    MUST(walks > 2 && strayed > 100 && (c->ranks.n == 1 || gone > 10), "objects changed parts");
+    for (int i = 0; i < 2; ++i)
+        duet_cluster_destroy(clusters[i]);
+}
+
+int main(int argc, char **argv)
+{
+    const char *given = getenv("DUET_TEST_SEED");
+    uint64_t seed = given ? strtoull(given, NULL, 10) : 20261123;
+    rng r = rng_seed(seed);
+    MPI_Comm self = MPI_COMM_SELF, world = MPI_COMM_WORLD;
+    IGNORE_LEAKS(MPI_Init(&argc, &argv));
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    if (rank == 0)
+        printf("DUET_TEST_SEED=%" PRIu64 "\n", seed);
+    open_devices();
+    if (rank == 0) { // with a group of one, as on a CPU, and of many
+        a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_POSES, "simd");
+        a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_POSES, "simd skim.WG=64");
+        a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_POSES, "simd skim.WG=256");
+        a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_BOUNDS, "simd");
+        a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_BOUNDS, "simd skim.WG=128");
+        ranks_that_skim_find_the_same_pairs(&self, seed);
+        large_parts_find_the_same_pairs(&self, seed);
+        walks_find_the_same_pairs(&self, seed, true);
+        walks_find_the_same_pairs(&self, seed, false);
+    }
+    MPI_Barrier(MPI_COMM_WORLD);
+    ranks_that_skim_find_the_same_pairs(&world, seed);
+    homes_leave_in_the_order_of_their_rows(&world, seed);
+    walks_find_the_same_pairs(&world, seed, true);
+    walks_find_the_same_pairs(&world, seed, false);
+    duet_device_pair_destroy(devices);
+    MUST(device_live_objects() == 0, "no OpenCL object is left");
+    if (rank == 0)
+        printf("all facts hold\n");
+    FIND_LEAKS(); // before MPI ends, which forgets some memory of its own
+    MPI_Finalize();
+    return 0;
+}
