@@ -322,7 +322,7 @@ static void whole_grids_of_ordered_objects_are_right(void **state)
 {
     (void)state;
     enum { N = 3000 };
-    static const char *const variants[] = {"gpu FUSED=1 JOINED=1", "gpu grid=hashed"};
+    static const char *const variants[] = {"gpu FUSED=1 JOINED=1", "gpu grid=hashed", "simd"};
     rng r = {test_seed()};
     for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
         duet_world_def def = ordered_def(3, variants[v]);
@@ -386,6 +386,9 @@ static void assert_counts_from_zero(duet_world *world, uint32_t n, const bool cl
         assert_true(p->zero_counts > 0 && p->next_are_cleared);
         assert_zero(&p->counts, p->zero_counts);
         assert_zero(&p->next_counters, COUNTERS);
+        assert_zero(&p->scan.sums, p->scan.n_blocks);
+        if (!clears[side])
+            assert_int_equal(p->times.n_launches, 4); // hash, scan_blocks, reorder, search
     }
 }
 
@@ -412,6 +415,32 @@ static void a_step_leaves_its_counts_at_zero_for_the_next_one(void **state)
     assert_int_equal(err.status, DUET_STATUS_TOO_MANY);
     assert_counts_from_zero(world, N, both);
     assert_counts_from_zero(world, N, none);
+    duet_world_destroy(world);
+}
+
+// Modes take other kernels, which leave other sums behind.
+static void a_world_may_change_its_mode_from_step_to_step(void **state)
+{
+    (void)state;
+    enum { N = CAPACITY };
+    static const duet_mode modes[] = {DUET_MODE_OWN,  DUET_MODE_SHARED, DUET_MODE_OWN,
+                                      DUET_MODE_SLAB, DUET_MODE_SHARED, DUET_MODE_SLAB};
+    rng r = {test_seed()};
+    duet_world_def def = ordered_def(3, "simd");
+    duet_world *world = make_world(&def);
+    fill_poses(&r, N, 3);
+    uint64_t truth = reference_hash(N, 3);
+    for (size_t i = 0; i < sizeof modes / sizeof *modes; ++i) {
+        duet_error err = {0};
+        duet_result result;
+        duet_plan plan = *duet_world_get_plan(world);
+        plan.mode = modes[i];
+        assert_ok(duet_world_set_plan(world, &plan, &err), err);
+        set_poses(world, N);
+        step(world, &result);
+        assert_int_equal(duet_result_get_hash(&result), truth);
+    }
+    assert_true(world->parts[1].scan.n_blocks > 1);
     duet_world_destroy(world);
 }
 
@@ -712,6 +741,7 @@ int main(void)
         cmocka_unit_test(whole_grids_of_ordered_objects_are_right),
         cmocka_unit_test(crowds_are_found_by_lanes_that_list_first),
         cmocka_unit_test(a_step_leaves_its_counts_at_zero_for_the_next_one),
+        cmocka_unit_test(a_world_may_change_its_mode_from_step_to_step),
         cmocka_unit_test(a_device_that_takes_nothing_finds_nothing),
         cmocka_unit_test(giants_and_crowds_are_found),
         cmocka_unit_test(objects_in_origin_cells_are_found_in_any_order),
