@@ -585,17 +585,22 @@ static void objects_that_move_are_found_in_every_step(void **state)
 
 enum { BLOCKS = 100, OWN = BLOCKS / 2 };
 
-// Slabs of 100 blocks in order, cut in the middle, with 3 blocks of ghosts.
-static void begin_strays(strays *s, bool expected_new)
+// Slabs of 100 blocks in order, cut behind so many objects, with 3 blocks of ghosts.
+static void begin_strays_behind(strays *s, uint32_t homes, bool expected_new)
 {
     duet_error err = {0};
     const part_task task = {.objects = {.n = BLOCKS * STRAY_BLOCK}, .grid_version = 1};
     const part_range ranges[2] = {
-        {.key_to = 530, .home_to = 500, .homes = OWN * STRAY_BLOCK, .expected_ghosts = 3000},
+        {.key_to = 530, .home_to = 500, .homes = homes, .expected_ghosts = 3000},
         {.key_from = 500, .key_to = 1000, .home_to = 1000}};
     const uint64_t before = s->version;
     assert_ok(strays_begin(s, &task, ranges, &err), err);
     assert_int_equal(s->version != before, expected_new);
+}
+
+static void begin_strays(strays *s, bool expected_new)
+{
+    begin_strays_behind(s, OWN * STRAY_BLOCK, expected_new);
 }
 
 static uint32_t taken_from_other(const strays *s, int side)
@@ -637,6 +642,21 @@ static void a_guess_follows_what_was_wanted(void **state)
     assert_true(guesses(&s, ghosts, 2)); // less than was guessed
     assert_true(taken_from_other(&s, 0) <= 5 && taken_from_other(&s, 1) == 0);
     strays_close(&s);
+}
+
+// What B takes of A is one more command for a device with memory of its own.
+static void b_takes_none_of_as_objects_where_all_are_in_order(void **state)
+{
+    (void)state;
+    static const uint32_t more[] = {0, 1, STRAY_BLOCK / 2, STRAY_BLOCK - 1};
+    for (size_t i = 0; i < sizeof more / sizeof *more; ++i) {
+        strays s = {0};
+        begin_strays_behind(&s, OWN * STRAY_BLOCK + more[i], true);
+        assert_int_equal(s.cut, OWN * STRAY_BLOCK);
+        assert_int_equal(taken_from_other(&s, 0), more[i] > 72 ? 4 : 3); // 72 short of 3 blocks
+        assert_int_equal(taken_from_other(&s, 1), 0);
+        strays_close(&s);
+    }
 }
 
 // One launch takes them, the part's own among them.
@@ -748,6 +768,7 @@ int main(void)
         cmocka_unit_test(a_device_takes_its_own_half_and_the_blocks_with_strays),
         cmocka_unit_test(objects_that_move_are_found_in_every_step),
         cmocka_unit_test(a_guess_follows_what_was_wanted),
+        cmocka_unit_test(b_takes_none_of_as_objects_where_all_are_in_order),
         cmocka_unit_test(stretches_side_by_side_are_one),
         cmocka_unit_test(the_same_guess_is_no_new_one),
         cmocka_unit_test(a_workload_tells_how_many_objects_stray),
