@@ -30,8 +30,8 @@ typedef struct driver {
     bool keeps_kernels;
 
     // Kernels work on wrapped host memory itself, so that a map only orders commands, which one
-    // queue does already. PoCL makes a command of each map and each unmap, and wakes all threads of
-    // the device for it, as for a kernel: on 16 cores ten of them took a fifth of a small step.
+    // queue does already. PoCL makes a command of each map and each unmap, and wakes all threads
+    // of the device for it, as for a kernel: up to ten in a step, beside six kernels.
     bool in_place;
 
     // Several threads are not to compile at once: PoCL compiles under one lock, and a thread more
