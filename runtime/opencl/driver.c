@@ -19,12 +19,16 @@ static const char third_axis[] =
     "#define get_global_size(axis) (get_num_groups(2) * get_local_size(0))\n"
     "#line 1\n";
 
-// Not one that PoCL reaches on another machine or through another driver: those have other names.
+// Not one that PoCL reaches through another driver or on another machine. What PoCL builds a
+// device's kernels with stands last in its version: "OpenCL 3.0 PoCL HSTR: pthread-x86_64-...".
 static bool is_pocls_own_cpu(const duet_device_info *info)
 {
-    static const char *const names[] = {"pthread", "cpu", "basic"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
-        if (strncmp(info->name, names[i], strlen(names[i])) == 0)
+    static const char *const own[] = {"pthread-", "cpu-", "basic-"};
+    const char *with = "", *next = info->cl_version;
+    while ((next = strstr(next, "HSTR: ")))
+        with = next += strlen("HSTR: ");
+    for (size_t i = 0; i < sizeof own / sizeof *own; ++i)
+        if (strncmp(with, own[i], strlen(own[i])) == 0)
             return info->kind == DUET_KIND_CPU;
     return false;
 }

@@ -342,22 +342,23 @@ static void pocls_cpus_are_known(void **state)
 {
     (void)state;
     static const struct {
-        const char *platform, *name;
+        const char *platform, *version;
         duet_device_kind kind;
         bool third, in_place;
         uint32_t n_quirks;
     } cases[] = {
-        {"Portable Computing Language", "pthread-x86", DUET_KIND_CPU, true, true, 4},
-        {"Portable Computing Language", "cpu-x86", DUET_KIND_CPU, true, true, 4},
-        {"Portable Computing Language", "another's CPU", DUET_KIND_CPU, true, false, 3},
-        {"Portable Computing Language", "cpu-like", DUET_KIND_GPU, false, false, 2},
-        {"NVIDIA CUDA", "H", DUET_KIND_GPU, false, false, 0},
-        {"Intel(R) OpenCL", "cpu", DUET_KIND_CPU, false, false, 0},
+        {"Portable Computing Language", "PoCL HSTR: pthread-x86", DUET_KIND_CPU, true, true, 4},
+        {"Portable Computing Language", "PoCL HSTR: cpu-x86", DUET_KIND_CPU, true, true, 4},
+        {"Portable Computing Language", "PoCL HSTR: cpu-x86 HSTR: pocl-remote", DUET_KIND_CPU, true,
+         false, 3},
+        {"Portable Computing Language", "PoCL HSTR: CUDA", DUET_KIND_GPU, false, false, 2},
+        {"NVIDIA CUDA", "OpenCL 3.0 CUDA", DUET_KIND_GPU, false, false, 0},
+        {"Intel(R) OpenCL", "HSTR: cpu-x86", DUET_KIND_CPU, false, false, 0},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         duet_device_info info = {.kind = cases[i].kind};
         strcpy(info.platform, cases[i].platform);
-        strcpy(info.name, cases[i].name);
+        strcpy(info.cl_version, cases[i].version);
         assert_int_equal(driver_of(&info).third_axis != NULL, cases[i].third);
         assert_int_equal(driver_of(&info).in_place, cases[i].in_place);
         uint32_t n = 0;
