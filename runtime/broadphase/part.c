@@ -56,6 +56,7 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BUFFER("counters", "uint *", counters),
                                         BUFFER("next_counters", "uint *", next_counters),
                                         BUFFER("marks", "uint *", marks),
+                                        BUFFER("sums", "uint *", scan.sums),
                                         BUFFER("blocks", "skim_block *", skimmed),
                                         BUFFER("global_ids", "uint2 *", global_ids),
                                         BUFFER("id_changes", "uint4 *", id_changes),
@@ -64,6 +65,7 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BIND_VALUE(part, "stamp", stamp),
                                         BIND_VALUE(part, "n_keys", args.n),
                                         BIND_VALUE(part, "place_capacity", place_capacity),
+                                        BIND_VALUE(part, "n_blocks", scan.n_blocks),
                                         VALUE(n),
                                         VALUE(n_levels),
                                         VALUE(n_cells),
@@ -342,6 +344,18 @@ static bool is_unboxed(const variant *v, const part_task *task)
     return v->search == SEARCH_GPU && leaves_boxes(task);
 }
 
+// Objects that are in order go to places side by side.
+static bool goes_to_places(const variant *v, const part_task *task)
+{
+    return v->sort == SORT_COUNTING && !task->shared && task->ordered;
+}
+
+static bool sums_blocks(const variant *v, const part_task *task)
+{
+    return goes_to_places(v, task) && v->search == SEARCH_SIMD &&
+           task->objects.shape != DUET_SHAPE_BOUNDS;
+}
+
 static void choose(const part *p, const part_task *task, part_choice choices[PART_CHOICES])
 {
     const variant *v = &p->variant;
@@ -349,8 +363,7 @@ static void choose(const part *p, const part_task *task, part_choice choices[PAR
     bool turned = task->objects.shape != DUET_SHAPE_BOUNDS && task->rotated &&
                   task->objects.shape != DUET_SHAPE_SPHERES;
     bool tested = tests_boxes(task), unboxed = is_unboxed(v, task);
-    // Objects that are in order go to places side by side.
-    bool to_places = counting && !task->shared && task->ordered;
+    bool to_places = goes_to_places(v, task), sums = sums_blocks(v, task);
     cl_int4 cells = compiled_cells(p, task);
     const part_choice all[PART_CHOICES] = {
         {"DIMS", task->objects.dims, false},
@@ -374,6 +387,8 @@ static void choose(const part *p, const part_task *task, part_choice choices[PAR
         {"STRETCH", task->intake && counting, false},
         {"GUARDED", task->slab, false},
         {"FROM_IDS", !to_places, counting && !task->shared},
+        {"TO_PLACES", sums, false},
+        {"SUM_BLOCK", sums ? scan_block(&p->scan) : 0, false},
         {"FUSED", tested && v->fused, tested},
     };
     memcpy(choices, all, sizeof all);
@@ -415,10 +430,11 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {&p->kernels.place, true, searches[search].place[0], searches[search].place[1]},
         {&p->kernels.candidates, true, searches[search].candidates, searches[search].candidates},
     };
+    const bool was_summed = p->kernels.summed;
     p->kernels = (part_kernels){0};
-    choose(p, task, p->choices);
     if (!open_sorts(p, err))
         return false;
+    choose(p, task, p->choices);
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
         if (!list[i].wanted)
             continue;
@@ -426,7 +442,11 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         if (!*list[i].at)
             return false;
     }
-    p->kernels.from_ids = search != SEARCH_GPU || kernel_param(p->kernels.place, "FROM_IDS") == 1;
+    p->kernels.summed = sums_blocks(&p->variant, task);
+    p->kernels.from_ids =
+        search == SEARCH_GPU ? kernel_param(p->kernels.place, "FROM_IDS") == 1 : !p->kernels.summed;
+    if (p->kernels.summed && !was_summed)
+        p->zero_counts = 0; // other kernels leave the scan's sums as they are
     p->kernels.unboxed = is_unboxed(&p->variant, task);
     p->kernels.guarded = task->slab && search != SEARCH_PAPER;
     p->kernels.listed = !tested;

@@ -97,7 +97,8 @@ typedef struct part_kernels {
     bool listed;         // what overlaps is a pair, without a test
     bool unboxed;        // boxes are read by id, where the objects are
     bool from_ids;       // objects reach cell order by their sorted ids
-    bool guarded;   // the search finds nothing where the grid got more than it has space for
+    bool summed;         // objects are counted by the scan's blocks, too
+    bool guarded;        // the search finds nothing where the grid got more than it has space for
 } part_kernels;
 
 // What the scene and the stage decide of the kernels. A choice that is open may be set
@@ -108,7 +109,7 @@ typedef struct part_choice {
     bool open;
 } part_choice;
 
-enum { PART_CHOICES = 22 };
+enum { PART_CHOICES = 24 };
 
 // What kernels are told besides the part's buffers, by the names that their cards use.
 typedef struct part_args {
@@ -203,7 +204,7 @@ typedef struct part {
     buffer next_counters;  // the next step's
     bool next_are_cleared; // they are zero
     buffer global_ids;
-    bool ids_ahead; // their list was sent ahead, and not which have none
+    bool ids_ahead;       // their list was sent ahead, and not which have none
     uint64_t ids_version; // of what was sent last; 0: nothing
     buffer id_changes;
     host_block changes; // on their way there
