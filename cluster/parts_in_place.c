@@ -44,7 +44,7 @@ static uint32_t part_of(const void *context, const void *object)
 
 bool parts_cut_in_place(parts *p, homes *h, duet_error *err)
 {
-    uint32_t *ends = malloc(2 * (size_t)p->n * sizeof *ends);
+    uint32_t *ends = malloc(p->n * sizeof *ends);
     p->homes = h;
     if (!ends || !parts_cut(p, err)) {
         free(ends);
@@ -54,7 +54,7 @@ bool parts_cut_in_place(parts *p, homes *h, duet_error *err)
         ghost_block_end(&p->block); // rows of another size, perhaps
     const asking a = {&h->form, &p->cut};
     homes_move_gone_last(h);
-    rows_sort(&h->rows, &h->form, homes_count(h), ends, ends + p->n, p->n, part_of, &a);
+    rows_sort(&h->rows, &h->form, homes_count(h), ends, p->n, part_of, &a, h->threads);
     for (uint32_t i = 0; i < p->n; ++i) {
         p->ranges[i].end = ends[i];
         bisection_box(&p->cut, i, p->ranges[i].box.lower, p->ranges[i].box.upper);
