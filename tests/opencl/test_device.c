@@ -357,8 +357,8 @@ static void launches_of_pocls_cpus_lie_along_the_third_axis(void **state)
         strcpy(info.platform, cases[i].platform);
         assert_int_equal(driver_of(&info).third_axis != NULL, cases[i].third);
         uint32_t n = 0;
-        while (duet_device_info_get_quirk(&info, n))
-            ++n;
+        for (const char *quirk; (quirk = duet_device_info_get_quirk(&info, n)); ++n)
+            assert_non_null(strstr(quirk, ": Duet"));
         assert_int_equal(n, cases[i].n_quirks);
     }
 }
