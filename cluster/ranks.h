@@ -15,10 +15,10 @@
 // What is otherwise where ranks are simulated.
 typedef struct simulation {
     uint32_t stands_for; // objects that each object stands for
-    // [n_paces] What a step takes of each object that a rank sees; those behind the last begin
+    // [n_seconds] What a step takes of each object that a rank sees; those behind the last begin
     // anew. NULL: the plain C reference, in no time.
     const double *object_seconds;
-    uint32_t n_paces;
+    uint32_t n_seconds;
     double ranks_a_host; // that these are of, and that share a host; 0: ranks share nothing
     void (*pass)(double seconds); // of this rank alone
     void *ballast;                // as much as any message that is left out; nobody reads it

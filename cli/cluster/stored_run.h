@@ -20,10 +20,10 @@ typedef struct stored_run {
     uint32_t ranks;
     double latency_ns; // of a message; 0: it had one rank
     double byte_ns;    // of each of its bytes
-    // [n_paces] What a step takes of each home and each ghost that a rank has, seconds, but for
+    // [n_seconds] What a step takes of each home and each ghost that a rank has, seconds, but for
     // the time that all ranks waited for messages. Those with homes, in order.
     double *object_seconds;
-    uint32_t n_paces;
+    uint32_t n_seconds;
 } stored_run;
 
 // Reads the one run of the user's store whose uid begins so; *found is false where there is none,

@@ -8,10 +8,10 @@ local p = parameters {
   n = 1000000,
   seed = 1,
   rotated = true, -- false: all boxes stay parallel to the axes
-  room = 8.0, -- volume of the world for each box
+  space = 8.0, -- volume of the world for each box
 }
 
-local edge = (p.n * p.room) ^ (1 / 3)
+local edge = (p.n * p.space) ^ (1 / 3)
 
 each(p.n, function(_, random)
   local x, y, z = random.uniform(0, edge), random.uniform(0, edge), random.uniform(0, edge)
