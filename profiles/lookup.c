@@ -279,12 +279,13 @@ static bool tell_inaccuracy(look *l)
                          "FROM workload w JOIN profile p ON p.workload_id = w.id AND p.live = 1 "
                          "WHERE w.key = ? AND p.pair_id = ? AND p.kernels = ? AND p.objective = ?");
     if (sql_row(&q) && sql_get_int(&q, 2) < 0)
-        refuse(l, "how many pairs it misses or invents was not measured");
+        refuse(l, "how many pairs it misses, or adds falsely, was not measured");
     else
-        text_add(l->why,
-                 "no: it misses %.3g and invents %.3g of the true pairs, above %.3g or %.3g",
-                 sql_get_real(&q, 0), sql_get_real(&q, 1), l->request->max_missed_rate,
-                 l->request->max_false_rate);
+        text_add(
+            l->why,
+            "no: for each true pair it misses %.3g and adds %.3g false ones, above %.3g or %.3g",
+            sql_get_real(&q, 0), sql_get_real(&q, 1), l->request->max_missed_rate,
+            l->request->max_false_rate);
     return sql_close(&q);
 }
 

@@ -156,9 +156,10 @@ static void print_text(const answer *a)
     if (found->whole_ns > 0)
         printf("%s\n", say_name(whole_text(a).chars).chars);
     if (found->true_pairs > 0)
-        printf("of %s pairs that collide, level %s misses %.3g %% and invents %.3g %%\n",
-               table_count((uint64_t)found->true_pairs).chars, say_name(plan->level).chars,
-               100 * found->missed_rate, 100 * found->false_rate);
+        printf(
+            "of %s pairs that collide, level %s misses %.3g %% and adds %.3g %% that are false\n",
+            table_count((uint64_t)found->true_pairs).chars, say_name(plan->level).chars,
+            100 * found->missed_rate, 100 * found->false_rate);
 }
 
 static void add_plan(cJSON *o, const answer *a)
