@@ -98,10 +98,10 @@ static void add_object(effect_facts *f, const duet_pose *p, const duet_body *b, 
                        double dt)
 {
     const float *h = p->half_extents;
-    bool spins = b->angular_velocity[2] != 0.0f || (dims == 3 && !is_zero(b->angular_velocity, 3));
+    bool turns = b->angular_velocity[2] != 0.0f || (dims == 3 && !is_zero(b->angular_velocity, 3));
     f->rotated |= is_turned(p, dims);
     f->moving |= !is_zero(b->velocity, dims);
-    f->turning |= spins;
+    f->turning |= turns;
     f->massive |= b->mass > 0.0f;
     f->turnable |= b->mass > 0.0f && !b->fixed_rotation;
     f->uneven |= dims == 3 && b->mass > 0.0f && (h[0] != h[1] || h[1] != h[2]);
