@@ -220,7 +220,6 @@ typedef struct part {
     uint64_t n_candidates, n_undecided;
     uint32_t runs; // searches, more than one where a buffer had to grow
     double wall_ms;
-    uint32_t extra_searches; // tests make the device slower with it
 } part;
 
 bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err);
