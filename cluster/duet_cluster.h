@@ -36,9 +36,9 @@ typedef struct duet_cluster_def {
                           // times that steps take, where these are so unequal that a cut pays
     uint32_t parts;   // in which this rank's devices see its homes, one after the other: they need
                       // memory for two of them. 1, up to 1024
-    bool drops_pairs; // pairs are counted and have a hash, and cannot be asked for. Where they can
-                      // be and nobody does, that costs nothing, but for several parts, whose pairs
-                      // are listed as each is searched
+    bool drops_pairs; // pairs are only counted and hashed. Without it they can be asked for, which
+                      // costs nothing until they are; but with several parts they are listed as
+                      // each part is searched
     double imbalance; // the cut is made anew where a rank has this many times the objects
                       // that are due to it; above 1
     duet_compile_callback *on_compile; // of a pair that is taken where world.pair is NULL

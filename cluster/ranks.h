@@ -84,7 +84,7 @@ void ranks_gather(ranks *r, const void *own, void *all, int bytes);
 void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes);
 
 // How long `n` bytes take from rank 0 to rank `to`, one way: the median of several, on rank 0
-// alone. Between two moments of which nobody else uses the network.
+// alone. Before and after it all ranks wait for each other, so that nothing else uses the network.
 double ranks_ping_ns(ranks *r, int to, void *bytes, int n);
 void ranks_library(char name[MPI_MAX_LIBRARY_VERSION_STRING]); // with its version
 

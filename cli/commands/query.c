@@ -71,11 +71,11 @@ typedef struct tested {
     double seconds;
 } tested;
 
-// So many at once that a line of progress and Ctrl-C cost nothing.
+// Pairs of a call: enough that progress and Ctrl-C between two calls cost nothing.
 #define SLICE ((uint64_t)1 << 22)
 
-// Drivers compile on when a kernel is launched first: that is not what is timed.
-// Of so many pairs each device that has a share gets one.
+// Drivers finish compiling at a kernel's first launch, which is not to be timed. There are enough
+// pairs that each device with a share gets one.
 static bool warm_up(tested *t, duet_pair_query *test, duet_error *err)
 {
     duet_pair_query_result result;

@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: MIT
 -- Boxes of many sizes at random in a cube that grows with their number.
 --
--- The density is one at any n, and each box draws from a source of its own: who wants a part
--- of the scene makes no more than that. For large worlds, and for work on several machines.
+-- The density is the same at any n. Each box has random numbers of its own, so a rank that needs
+-- a part of the scene makes only that part. For large worlds, and for several machines.
 
 local p = parameters {
   n = 1000000,

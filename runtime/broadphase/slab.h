@@ -90,7 +90,7 @@ bool pack_start(pack *p, const part parts[2], const part_task *task, const part_
                 const bool packed[2], duet_error *err);
 void pack_wait(pack *p);
 
-// Lets those who wait go, whatever they had to write.
+// Ends the waits of both parts, whether or not all is written.
 void pack_abandon(pack *p);
 
 // Sends the part the objects of its slab; task->n becomes their number. *placed
