@@ -583,7 +583,7 @@ static bool look_transferred(look *l, bool *held)
         return false;
     if (!found)
         return refuse(l, l->partners == PARTNERS_NONE
-                             ? "one device has nobody to share with"
+                             ? "one device alone has no other to share with"
                              : "one of the devices was never measured on a like workload");
     return use_forecast(l, &f, held);
 }

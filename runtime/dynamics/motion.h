@@ -111,8 +111,8 @@ typedef struct motion_args {
     cl_float dt;
     arg_real dt_real;
     cl_float h, per_h, drag; // of a substep
-    cl_float4 spring, hard_spring, pull;
-    cl_float kick, margin, least_speed;
+    cl_float4 spring, hard_spring, fall;
+    cl_float load_speed, margin, least_speed;
     arg_real skin;
     cl_float sleep_speed, sleep_after;
     cl_float hit_speed;
