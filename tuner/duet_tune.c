@@ -31,18 +31,6 @@ duet_tune_def duet_default_tune_def(void)
                            .cookie = COOKIE};
 }
 
-const char *duet_strategy_get_name(uint32_t i)
-{
-    const strategy *s = strategy_at(i);
-    return s ? s->name : NULL;
-}
-
-const char *duet_strategy_get_summary(uint32_t i)
-{
-    const strategy *s = strategy_at(i);
-    return s ? s->about : NULL;
-}
-
 // ---------------------------------------------------------------- checks
 
 static bool check_strategy(const char *name, duet_error *err)
