@@ -661,7 +661,7 @@ api.names = {
 
   { "duet.Plan.share", "number", "A's part of the work, 0 to 1, in steps of 1/65536" },
   { "duet.Plan.mode", "string", "how grids are built: one of duet.modes()" },
-  { "duet.Plan.variant_a", "string", "A's kernels: \"rows\", or with settings: \"auto sort=radix\"" },
+  { "duet.Plan.variant_a", "string", "A's kernels: \"auto\", \"simd\", \"gpu\" or \"paper\", or with settings: \"auto sort=radix\"" },
   { "duet.Plan.variant_b", "string", "B's kernels" },
 
   { "duet.Profile.grade", "string", "\"exact\", \"other driver\", \"interpolated\", \"transferred\", \"stale\", \"default\"" },

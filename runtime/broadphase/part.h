@@ -86,7 +86,7 @@ typedef struct part_kernels {
     kernel *hash;
     kernel *scatter;
     kernel *starts;
-    kernel *place; // bounds by id (paper), or everything into cell order (rows, lanes)
+    kernel *place; // bounds by id (paper), or everything into cell order (gpu, simd)
     kernel *candidates;
     kernel *narrow; // NULL where the candidates' kernel finds pairs
     kernel *gather; // NULL where the host sees objects that are to be decided
@@ -196,8 +196,8 @@ typedef struct part {
     buffer counts;                // objects a cell, until the scan makes starts of them
     uint32_t zero_counts;         // of them that are zero between steps
     buffer starts;                // first of each cell
-    buffer bounds;                // [n][2], by id or in cell order; lanes: by columns
-    buffer boxes;                 // [n][3], in cell order; lanes: rows of numbers
+    buffer bounds;                // [n][2], by id or in cell order; simd: by columns
+    buffer boxes;                 // [n][3], in cell order; simd: rows of numbers
     cl_uint place_capacity;       // objects that have a place in both
     buffer candidates, pairs, undecided;
     buffer gathered; // objects of the undecided pairs
