@@ -51,7 +51,7 @@
 //   each    contacts of a colour that a work-item takes
 //   spring  bias rate, mass scale, impulse scale, greatest speed of push-out;
 //           hard_spring: against bodies that never move
-//   load_speed    the speed that a load can add to a point in a substep: what asks for more
+//   load_speed  the speed that a load can add to a point in a substep: what asks for more
 //           than that, and twice the last impulse, is an impact
 
 // ------------------------------------------------------------ solving
