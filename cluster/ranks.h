@@ -15,10 +15,10 @@
 // What is otherwise where ranks are simulated.
 typedef struct simulation {
     uint32_t stands_for; // objects that each object stands for
-    // [n_paces] What a step takes of each object that a rank sees; those behind the last begin
+    // [n_seconds] What a step takes of each object that a rank sees; those behind the last begin
     // anew. NULL: the plain C reference, in no time.
     const double *object_seconds;
-    uint32_t n_paces;
+    uint32_t n_seconds;
     double ranks_a_host; // that these are of, and that share a host; 0: ranks share nothing
     void (*pass)(double seconds); // of this rank alone
     void *ballast;                // as much as any message that is left out; nobody reads it
@@ -84,7 +84,7 @@ void ranks_gather(ranks *r, const void *own, void *all, int bytes);
 void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes);
 
 // How long `n` bytes take from rank 0 to rank `to`, one way: the median of several, on rank 0
-// alone. Between two moments of which nobody else uses the network.
+// alone. Before and after it all ranks wait for each other, so that nothing else uses the network.
 double ranks_ping_ns(ranks *r, int to, void *bytes, int n);
 void ranks_library(char name[MPI_MAX_LIBRARY_VERSION_STRING]); // with its version
 

@@ -20,7 +20,7 @@ typedef struct worker_found {
 } worker_found;
 
 struct worker {
-    const char *name; // of its devices, "A,B"
+    const char *name; // of its devices, "A,B", or of the one
     // Space for n objects, which are to be written before the next find. Where there were as many
     // before they are still there.
     void *(*map)(worker *w, uint32_t n, duet_error *err);

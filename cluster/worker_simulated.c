@@ -24,7 +24,7 @@ static double object_seconds(const ranks *r)
 {
     const simulation *s = r->simulation;
     double share = s->ranks_a_host > 0 ? r->n_on_host / s->ranks_a_host : 1;
-    return s->object_seconds[(uint32_t)r->self % s->n_paces] * share * s->stands_for;
+    return s->object_seconds[(uint32_t)r->self % s->n_seconds] * share * s->stands_for;
 }
 
 worker *worker_open_simulated(const duet_world_def *def, const ranks *r, duet_error *err)

@@ -23,7 +23,7 @@
 typedef struct run_state {
     const cluster_arguments *args;
     const simulation *simulation; // NULL: the ranks are real
-    const stored_steps *like;     // whose times they take; NULL: none's
+    const stored_steps *like;     // what they take the times of; NULL: their own
     duet_cluster *cluster;
     duet_scene *scene; // rank 0's
     int rank;
@@ -128,7 +128,7 @@ static const stored_run *run_of(const stored_steps *like)
     return like ? like->run : NULL;
 }
 
-// A step of another kind takes other times.
+// The stored times hold only for the same dimensions, level, parts and residence.
 static bool check_like(const run_state *r, duet_error *err)
 {
     const stored_steps *like = r->like;
@@ -158,7 +158,7 @@ static bool check_like(const run_state *r, duet_error *err)
                      run->resident ? "" : "out");
 }
 
-// As duet run: a plan that was given is kept, else each rank gets what was measured.
+// As in duet run, a given plan is kept; else each rank loads its profile.
 static bool choose_plan(run_state *r, duet_error *err)
 {
     duet_profile profile;
@@ -230,13 +230,13 @@ static bool check(run_state *r, duet_error *err)
 
 // ---------------------------------------------------------------- what is told
 
-// Pairs are not searched: times alone are of interest.
+// Only times are computed; no pairs are searched.
 static bool is_forecast(const run_state *r)
 {
     return r->simulation && r->simulation->object_seconds;
 }
 
-// Of weak scaling: the part of all ranks' time that they have for their own objects.
+// Weak scaling: the part of all ranks' time that goes to their own objects, not to ghosts or waits.
 static double efficiency(const run_state *r)
 {
     double own_ms = 0;

@@ -17,7 +17,7 @@ enum { MOST_RANKS = 1 << 24 };
 typedef struct reading {
     store *s;
     stored_run *run;
-    uint64_t *seen;   // [n_paces] homes and ghosts
+    uint64_t *seen;   // [n_seconds] homes and ghosts
     double busiest;   // the greatest part of the last step that a rank was busy in
     double median_ns; // of all steps
     duet_error *err;
@@ -45,15 +45,16 @@ static bool refuse(reading *r, const char *what)
 
 static bool grow(reading *r)
 {
-    uint32_t n = r->run->n_paces;
+    uint32_t n = r->run->n_seconds;
     if (n & (n - 1)) // full only where it is a power of two, or 0
         return true;
     size_t most = n == 0 ? 1 : 2 * (size_t)n;
     uint64_t *seen = realloc(r->seen, most * sizeof *seen);
     r->seen = seen ? seen : r->seen;
-    double *paces = realloc(r->run->object_seconds, most * sizeof *paces);
-    r->run->object_seconds = paces ? paces : r->run->object_seconds;
-    r->ok = (seen && paces) || error_set(r->err, DUET_STATUS_NO_MEMORY, "a run's ranks: no memory");
+    double *seconds = realloc(r->run->object_seconds, most * sizeof *seconds);
+    r->run->object_seconds = seconds ? seconds : r->run->object_seconds;
+    r->ok =
+        (seen && seconds) || error_set(r->err, DUET_STATUS_NO_MEMORY, "a run's ranks: no memory");
     return r->ok;
 }
 
@@ -69,19 +70,19 @@ static bool read_rank(void *context, uint32_t number, const profile_cluster_rank
         return true;
     if (!grow(r))
         return false;
-    r->seen[r->run->n_paces++] = row->n + row->ghosts;
+    r->seen[r->run->n_seconds++] = row->n + row->ghosts;
     r->busiest = fmax(r->busiest, row->busy_ns / total_ns);
     return true;
 }
 
 // Where a rank waited longer than the busiest one it waited for that, so the step is as long for
 // its objects.
-static bool find_paces(reading *r)
+static bool find_seconds(reading *r)
 {
     stored_run *run = r->run;
-    if (run->n_paces == 0)
+    if (run->n_seconds == 0)
         return refuse(r, "ranks without objects and times");
-    for (uint32_t i = 0; i < run->n_paces; ++i) {
+    for (uint32_t i = 0; i < run->n_seconds; ++i) {
         run->object_seconds[i] = r->median_ns * 1e-9 * r->busiest / (double)r->seen[i];
         if (!stored_time_can_be(run->object_seconds[i]))
             return refuse(r, "time of a step");
@@ -112,7 +113,7 @@ static bool read_run(void *context, const cluster_run_entry *e)
     if (has_network && (!is_from(f->latency_ns, 1e-3, MOST_LATENCY_NS) ||
                         !is_from(f->byte_ns, 1e-6, MOST_BYTE_NS)))
         return refuse(r, "network's latency or bandwidth");
-    r->ok = cluster_rank_each(r->s, e->id, read_rank, r, r->err) && r->ok && find_paces(r);
+    r->ok = cluster_rank_each(r->s, e->id, read_rank, r, r->err) && r->ok && find_seconds(r);
     return false;
 }
 

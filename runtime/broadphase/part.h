@@ -86,7 +86,7 @@ typedef struct part_kernels {
     kernel *hash;
     kernel *scatter;
     kernel *starts;
-    kernel *place; // bounds by id (paper), or everything into cell order (rows, lanes)
+    kernel *place; // bounds by id (paper), or everything into cell order (gpu, simd)
     kernel *candidates;
     kernel *narrow; // NULL where the candidates' kernel finds pairs
     kernel *gather; // NULL where the host sees objects that are to be decided
@@ -197,8 +197,8 @@ typedef struct part {
     buffer counts;                // objects a cell, until the scan makes starts of them
     uint32_t zero_counts;         // of them that are zero between steps
     buffer starts;                // first of each cell
-    buffer bounds;                // [n][2], by id or in cell order; lanes: by columns
-    buffer boxes;                 // [n][3], in cell order; lanes: rows of numbers
+    buffer bounds;                // [n][2], by id or in cell order; simd: by columns
+    buffer boxes;                 // [n][3], in cell order; simd: rows of numbers
     cl_uint place_capacity;       // objects that have a place in both
     buffer candidates, pairs, undecided;
     buffer gathered; // objects of the undecided pairs
@@ -221,7 +221,6 @@ typedef struct part {
     uint64_t n_candidates, n_undecided;
     uint32_t runs; // searches, more than one where a buffer had to grow
     double wall_ms;
-    uint32_t extra_searches; // tests make the device slower with it
 } part;
 
 bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err);

@@ -97,8 +97,8 @@ static bool ask_for_marks(part *p, duet_error *err)
                                 p->marks.bytes, err));
 }
 
-// The part marks what the other one wants of its own stretch, which comes first; marks of others
-// that lie side by side with it are nobody's concern.
+// The part marks which objects of its own stretch, the first one, the other part needs. Marks of
+// other stretches behind it are not read.
 static bool hash_stretches(part *p, const part_task *task, duet_error *err)
 {
     const stretches *taken = &task->intake->taken;

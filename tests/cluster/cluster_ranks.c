@@ -412,8 +412,8 @@ static void scenes_have_the_same_pairs(void)
         {"paper",
          {{"n", "900"}, {"world", "20000"}, {"seed", "2"}},
          DUET_LEVEL_CERTIFIED}, // sparse
-        {"grains", {{"n", "900"}, {"room", ".5"}, {"seed", "2"}}, DUET_LEVEL_CERTIFIED},
-        {"grains", {{"n", "3"}, {"room", ".5"}, {"rotated", "false"}}, DUET_LEVEL_CERTIFIED},
+        {"grains", {{"n", "900"}, {"space", ".5"}, {"seed", "2"}}, DUET_LEVEL_CERTIFIED},
+        {"grains", {{"n", "3"}, {"space", ".5"}, {"rotated", "false"}}, DUET_LEVEL_CERTIFIED},
         {"cluster_ranks.lua", {{"n", "300"}, {"seed", "4"}, {"seed", "4"}}, DUET_LEVEL_SAT15},
         {"orbit2d", {{"n", "5"}, {"n", "5"}, {"n", "5"}}, DUET_LEVEL_CERTIFIED},
         {"paper", {{"n", "0"}, {"world", "20"}, {"seed", "2"}}, DUET_LEVEL_CERTIFIED},
@@ -1104,13 +1104,13 @@ static void ranks_are_weighed_by_their_stored_times(void)
     MUST_OK(duet_cluster_load_profile(cluster, NULL, &profile, NULL, &err), err);
     must_find(cluster, &c);
     MUST_OK(duet_cluster_get_ranks(cluster, rows, &err), err);
-    double most_ms = 0, paces = 0;
+    double most_ms = 0, speeds = 0;
     for (int q = 0; q < 3; ++q) {
         double ms = 1 + (q == 0 ? 0.3 : 0.1) * (double)rows[q].objects;
         most_ms = fmax(most_ms, ms);
-        paces += (double)rows[q].objects / ms;
+        speeds += (double)rows[q].objects / ms;
     }
-    MUST(most_ms < 1.05 * MOST_OBJECTS / paces, "the first step takes what their paces sum to");
+    MUST(most_ms < 1.05 * MOST_OBJECTS / speeds, "the first step takes what their speeds sum to");
     duet_cluster_destroy(cluster);
     MPI_Comm_free(&comm);
 }
@@ -1154,7 +1154,7 @@ static void ranks_that_prove_slow_get_fewer_objects(void)
         must_find(cluster, &c);
     n = homes_count(&cluster->homes);
     MPI_Bcast(&n, 1, MPI_UINT64_T, 0, comm);
-    MUST(n > 40 && n < 47, "3 : 1 : 1 in pace is 43 of 300 objects");
+    MUST(n > 40 && n < 47, "3 : 1 : 1 in speed is 43 of 300 objects");
     ranks_now_ns = now_ns;
     duet_cluster_destroy(cluster);
     MPI_Comm_free(&comm);
@@ -1183,7 +1183,7 @@ static void a_cut_must_pay(void)
         ++steps;
     MUST(steps == 32,
          "10 ms are lost a step, and a cut takes 100: the first 8 steps past 3 of them");
-    MUST(fabs(c.due - (rank == 0 ? 0.75 : 0.25)) < 1e-9, "by their paces");
+    MUST(fabs(c.due - (rank == 0 ? 0.75 : 0.25)) < 1e-9, "by their speeds");
     cut_end(&c);
     ranks_end(&of_two);
     MPI_Comm_free(&comm);

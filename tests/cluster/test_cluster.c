@@ -502,6 +502,7 @@ static void a_rank_that_is_bound_to_one_core_of_several_is_told_of(void **state)
     program p = program_run_with("DUET_PAIR=pocl:0 taskset -c 0", "cluster --repeat 1 still -n 3");
     assert_int_equal(p.exit_code, 0);
     assert_true((units > 1) == (strstr(p.err, "duet: rank 0 may use 1 of the ") != NULL));
+    assert_non_null(strstr(p.out, "  pocl:0  ")); // the device that does it all is named once
     cJSON_Delete(devices);
     program_free(&p);
 }
