@@ -3,6 +3,7 @@
 #include "cli/cluster/rank.h"
 
 #include "base/error.h"
+#include "base/output.h"
 #include "cli/cluster/keep.h"
 #include "cli/report/json.h"
 #include "cli/report/run_report.h"
@@ -91,6 +92,13 @@ static bool open_cluster(run_state *r, duet_error *err)
     if (r->cluster)
         tell_binding(r);
     return r->cluster;
+}
+
+// Rank 0 opens the file of pairs; what cannot be written is refused before the work.
+static bool check_output(const run_state *r, duet_error *err)
+{
+    const char *path = r->args->pairs_path;
+    return ranks_agree(&r->cluster->ranks, r->rank > 0 || !path || output_check(path, err), err);
 }
 
 static bool read_scene(run_state *r, const char *path, duet_error *err)
@@ -380,8 +388,8 @@ static bool keep(const run_state *r, duet_error *err)
 
 static bool run_all(run_state *r, const char *path, duet_error *err)
 {
-    bool ok = open_cluster(r, err) && load(r, path, err) && check_like(r, err) &&
-              choose_plan(r, err) && run_steps(r, err) && check(r, err);
+    bool ok = open_cluster(r, err) && check_output(r, err) && load(r, path, err) &&
+              check_like(r, err) && choose_plan(r, err) && run_steps(r, err) && check(r, err);
     if (ok && r->args->pairs_path)
         ok = duet_cluster_save_pairs(r->cluster, r->args->pairs_path, r->args->sorted, err);
     return ok && ranks_agree(&r->cluster->ranks, tell(r, err), err) && keep(r, err);

@@ -596,8 +596,7 @@ static void a_failure_is_one_line(void **state)
         {"cluster --ranks 2 --plain --weights 1,1,1 still", 2, "3 numbers for 2 ranks"},
         {"cluster --ranks 2 --plain --weights 1,0 still", 2, "give numbers above 0"},
         {"cluster --ranks 2 --plain --weights 1,inf still", 2, "give numbers above 0"},
-        {"cluster --ranks 2 --plain --pairs no/such/p.npy still -n 3", 1,
-         "p.npy: cannot be written"},
+        {"cluster --ranks 2 --plain --pairs no/such/p.npy papr", 1, "p.npy: cannot be written"},
         {"cluster --pairs p.csv still", 2, "expected a file whose name ends in .npy"},
         {"cluster --sorted still", 2, "--sorted does nothing without --pairs"},
         {"cluster --hosts one still", 2, "--hosts does nothing without --ranks"},
@@ -615,9 +614,6 @@ static void a_failure_is_one_line(void **state)
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         program p = program_run("%s", wrong[i].arguments);
-        // What was found is told before a file that cannot be written.
-        if (p.out && strstr(wrong[i].arguments, "no/such"))
-            *p.out = '\0';
         program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
     }
     program p = program_run_with("printf '0,0,0,1,1,1\\n0,0,0,1,1,inf\\n' |",
