@@ -65,9 +65,10 @@ void cluster_close_workers(worker *workers[2])
 static worker *open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err)
 {
     const simulation *s = c->ranks.simulation;
-    return s && s->object_seconds ? worker_open_simulated(world, &c->ranks, err)
-           : c->def.plain         ? worker_open_plain(world, err)
-                                  : worker_open_pair(world, err);
+    return s && s->object_seconds
+               ? worker_open_simulated(world, &c->ranks, &c->n_ghosts, c->def.parts, err)
+           : c->def.plain ? worker_open_plain(world, err)
+                          : worker_open_pair(world, err);
 }
 
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
@@ -106,10 +107,11 @@ static bool open_pair(duet_cluster *c, duet_error *err)
 
 duet_cluster *duet_cluster_create(const duet_cluster_def *def, duet_error *err)
 {
-    return cluster_create(def, NULL, err);
+    return cluster_create(def, NULL, false, err);
 }
 
-duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, duet_error *err)
+duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, bool apart,
+                             duet_error *err)
 {
     if (!def || def->cookie != COOKIE) {
         error_set(err, DUET_STATUS_BAD_ARGUMENT,
@@ -125,6 +127,8 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
     }
     c->def = *def;
     bool ok = ranks_begin(&c->ranks, def->comm, s, err);
+    if (ok && apart)
+        ranks_part(&c->ranks);
     if (ok) {
         c->homes.threads = &c->threads;
         ok = ranks_reserve(&c->ranks, &own) && parallel_begin(&c->threads, c->ranks.n_here, &own) &&

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L // nanosleep
 #include "cluster/ranks.h"
 
 #include "base/compare.h"
@@ -9,8 +10,10 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum { TAG_ROWS = 1, TAG_BALLAST, TAG_PING };
+enum { REST_NS = 500000 };
 
 // A statement in which this rank may have to wait.
 #define WAITING(r, statement)                       \
@@ -85,6 +88,33 @@ bool ranks_reserve(ranks *r, duet_error *err)
 {
     r->counts = calloc(2 * (size_t)r->n, sizeof *r->counts);
     return r->counts || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
+}
+
+static void replace(MPI_Comm *comm, MPI_Comm by)
+{
+    MPI_Comm_free(comm);
+    MPI_Comm_dup(by, comm);
+}
+
+void ranks_part(ranks *r)
+{
+    replace(&r->comm, MPI_COMM_SELF);
+    replace(&r->host, MPI_COMM_SELF);
+    r->self = 0;
+    r->n = 1;
+}
+
+bool ranks_choose(ranks *r, const ranks *all, bool takes_part, duet_error *err)
+{
+    MPI_Comm comm;
+    bool ok = true;
+    *r = (ranks){.comm = MPI_COMM_NULL, .host = MPI_COMM_NULL};
+    MPI_Comm_split(all->comm, takes_part ? 0 : MPI_UNDEFINED, all->self, &comm);
+    if (takes_part) {
+        ok = ranks_begin(r, &comm, NULL, err);
+        MPI_Comm_free(&comm);
+    }
+    return ok;
 }
 
 void ranks_end(ranks *r)
@@ -177,6 +207,15 @@ void ranks_await_end(ranks *r, const char *call)
 void ranks_wait(ranks *r)
 {
     WAITING(r, MPI_Barrier(r->comm));
+}
+
+void ranks_rest(ranks *r)
+{
+    MPI_Request all_are_here;
+    int here = 0;
+    MPI_Ibarrier(r->comm, &all_are_here);
+    while (MPI_Test(&all_are_here, &here, MPI_STATUS_IGNORE) == MPI_SUCCESS && !here)
+        nanosleep(&(struct timespec){.tv_nsec = REST_NS}, NULL);
 }
 
 void ranks_sum(ranks *r, uint64_t *values, int n)

@@ -20,11 +20,19 @@ typedef struct stored_run {
     uint32_t ranks;
     double latency_ns; // of a message; 0: it had one rank
     double byte_ns;    // of each of its bytes
-    // [n_paces] What a step takes of each home and each ghost that a rank has, seconds, but for
-    // the time that all ranks waited for messages. Those with homes, in order.
+    // [n_paces] What a step takes of each home that a rank has, seconds, but for the time that all
+    // ranks waited for messages. Those with homes, in order.
     double *object_seconds;
     uint32_t n_paces;
+    // [n_paces] Of ranks apart, which did not share the objects: how much longer a step takes each
+    // of k + 1 of them on a host than the first by itself, whose all times above are. NULL: no such
+    // run.
+    double *company;
 } stored_run;
+
+// What a ghost takes of a rank, in homes: others' owners are looked up for its pairs, and somebody
+// has to send it.
+#define STORED_RUN_GHOST 3.0
 
 // Reads the one run of the user's store whose uid begins so; *found is false where there is none,
 // or where a profile's begins so too. BAD_INPUT where a number of it cannot be.
