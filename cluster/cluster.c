@@ -131,7 +131,7 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, b
         ranks_part(&c->ranks);
     if (ok) {
         c->homes.threads = &c->threads;
-        ok = ranks_reserve(&c->ranks, &own) && parallel_begin(&c->threads, c->ranks.n_here, &own) &&
+        ok = ranks_reserve(&c->ranks, &own) && parallel_begin(&c->threads, c->ranks.processors, &own) &&
              check_def(def, &own) && parts_begin(&c->parts, def->parts, &c->ranks, &own) &&
              open_pair(c, &own) && cluster_open_workers(c, &c->def.world, workers, &own);
         if (ok)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#define _POSIX_C_SOURCE 200809L // nanosleep
+#define _GNU_SOURCE // sched_getaffinity
 #include "cluster/ranks.h"
 
 #include "base/compare.h"
@@ -8,6 +8,7 @@
 #include <inttypes.h>
 #include <limits.h>
 #include <math.h>
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -64,6 +65,25 @@ static bool begin_mpi(ranks *r, duet_error *err)
     return true;
 }
 
+// Simulated ranks are in one process.
+static double own_processors(const ranks *r)
+{
+    static const int most = CPU_SETSIZE;
+    cpu_set_t own;
+    int uses[CPU_SETSIZE];
+    double processors = 0;
+    CPU_ZERO(&own);
+    bool known = sched_getaffinity(0, sizeof own, &own) == 0;
+    if (r->simulation)
+        return (double)CPU_COUNT(&own) / r->n;
+    for (int i = 0; i < most; ++i)
+        uses[i] = CPU_ISSET(i, &own) != 0;
+    MPI_Allreduce(MPI_IN_PLACE, uses, most, MPI_INT, MPI_SUM, r->host);
+    for (int i = 0; known && i < most; ++i)
+        processors += CPU_ISSET(i, &own) ? 1.0 / uses[i] : 0;
+    return processors;
+}
+
 bool ranks_begin(ranks *r, const MPI_Comm *comm, const simulation *s, duet_error *err)
 {
     int length = 0;
@@ -80,7 +100,7 @@ bool ranks_begin(ranks *r, const MPI_Comm *comm, const simulation *s, duet_error
     MPI_Type_contiguous((int)sizeof(agreement), MPI_BYTE, &r->agreement);
     MPI_Type_commit(&r->agreement);
     MPI_Get_processor_name(r->host_name, &length);
-    r->n_here = s ? r->n : r->n_on_host;
+    r->processors = own_processors(r);
     return true;
 }
 

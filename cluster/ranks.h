@@ -38,7 +38,8 @@ typedef struct ranks {
     int n;
     int self_on_host; // from 0
     int n_on_host;
-    int n_here;                   // that share the processors of this one
+    double processors; // of the host, for this rank: those that it may use, each divided among the
+                       // ranks of the host that may use it, too
     const simulation *simulation; // NULL: they are real
     bool goes_first;              // on this host, where the others wait
     bool began_mpi;
