@@ -229,13 +229,20 @@ void ranks_wait(ranks *r)
     WAITING(r, MPI_Barrier(r->comm));
 }
 
-void ranks_rest(ranks *r)
+// Until all are here, leaving the processors to others: a rank that waits in MPI itself keeps one
+// busy.
+static void rest(MPI_Comm comm)
 {
     MPI_Request all_are_here;
     int here = 0;
-    MPI_Ibarrier(r->comm, &all_are_here);
+    MPI_Ibarrier(comm, &all_are_here);
     while (MPI_Test(&all_are_here, &here, MPI_STATUS_IGNORE) == MPI_SUCCESS && !here)
         nanosleep(&(struct timespec){.tv_nsec = REST_NS}, NULL);
+}
+
+void ranks_rest(ranks *r)
+{
+    WAITING(r, rest(r->comm));
 }
 
 void ranks_sum(ranks *r, uint64_t *values, int n)
@@ -318,14 +325,14 @@ void ranks_await_turn(ranks *r, bool has_work)
     int first = has_work ? r->self_on_host : r->n_on_host;
     WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, r->host));
     if (first != r->self_on_host)
-        WAITING(r, MPI_Barrier(r->host));
+        WAITING(r, rest(r->host));
     r->goes_first = first == r->self_on_host;
 }
 
 void ranks_end_turn(ranks *r)
 {
     if (r->goes_first)
-        WAITING(r, MPI_Barrier(r->host));
+        WAITING(r, rest(r->host));
     r->goes_first = false;
 }
 
