@@ -16,6 +16,8 @@ return {
     { "PACKED", values = { 0, 1 }, default = 0, about = "1: objects of one slab, with their ids" },
     { "STRAYS", min = 0, max = 65536, default = 0, silent = true,
       about = "objects in each block that is marked where the other device wants any of it" },
+    { "SUM_BLOCK", min = 0, max = 1048576, default = 0, silent = true,
+      about = "cells whose objects are counted together, too, for the scan of the counts" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "objects side by side in a work-item" },
     { "BATCH", values = { 1, 8, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,
@@ -44,6 +46,7 @@ return {
       uint *keys
       volatile uint *counts  if RANK == 1
       uint *ranks            if RANK == 1
+      volatile uint *sums    if SUM_BLOCK > 0
       uint marked_from       if STRAYS > 0
       uint marked_to         if STRAYS > 0
       uint stamp             if STRAYS > 0
