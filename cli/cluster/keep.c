@@ -87,10 +87,9 @@ static bool write_run(const profile_fabric *fabric, const profile_cluster_run *r
     return ok;
 }
 
-bool keep_run(duet_cluster *c, const profile_cluster_run *run, const duet_cluster_rank *rows,
+bool keep_run(ranks *r, const profile_cluster_run *run, const duet_cluster_rank *rows,
               duet_error *err)
 {
-    ranks *r = &c->ranks;
     machines m = {0};
     text times = {0};
     char mpi[MPI_MAX_LIBRARY_VERSION_STRING], place[PROFILE_SHA];

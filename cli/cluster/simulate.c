@@ -80,7 +80,8 @@ static bool read_times(simulated_job *job, duet_error *err)
 {
     bool found = false;
     simulation *s = &job->simulation;
-    *s = (simulation){.pass = smpi_pass, .stands_for = (uint32_t)job->args.stands_for};
+    *s = (simulation){
+        .pass = smpi_pass, .stands_for = (uint32_t)job->args.stands_for, .ghost_objects = 1};
     if (!job->args.profile)
         return true;
     if (!stored_run_read(&job->run, job->args.profile, &found, err))
@@ -90,6 +91,9 @@ static bool read_times(simulated_job *job, duet_error *err)
     s->object_seconds = job->run.object_seconds;
     s->n_seconds = job->run.n_seconds;
     s->ranks_a_host = (double)job->run.ranks / job->run.hosts;
+    s->ghost_objects = STORED_RUN_GHOST;
+    s->company = job->run.company;
+    s->n_company = job->run.n_paces;
     job->like = (stored_steps){.of = "run", .dims = job->run.dims, .run = &job->run};
     memcpy(job->like.level, job->run.level, sizeof job->run.level);
     return true;

@@ -20,11 +20,19 @@ typedef struct stored_run {
     uint32_t ranks;
     double latency_ns; // of a message; 0: it had one rank
     double byte_ns;    // of each of its bytes
-    // [n_seconds] For each rank that has homes, in order: seconds of a step for each home and
-    // ghost, without the time in which all ranks waited for messages.
+    // [n_seconds] What a step takes of each home that a rank has, seconds, but for the time that
+    // all ranks waited for messages. Those with homes, in order.
     double *object_seconds;
     uint32_t n_seconds;
+    // [n_seconds] Of ranks apart, which did not share the objects: how much longer a step takes
+    // each of k + 1 of them on a host than the first by itself, whose all times above are. NULL: no
+    // such run.
+    double *company;
 } stored_run;
+
+// What a ghost takes of a rank, in homes: others' owners are looked up for its pairs, and somebody
+// has to send it.
+#define STORED_RUN_GHOST 3.0
 
 // Reads the run of the user's store whose uid begins with `uid`. *found is false if there is none,
 // or if a profile's uid begins so too. BAD_INPUT if the run has an impossible number.

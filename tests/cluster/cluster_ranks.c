@@ -3,6 +3,7 @@
 // each a cluster of its own, and what these find is compared with the plain C reference.
 //
 // Every rank runs this; a fact that does not hold on one ends the job with a line.
+#define _GNU_SOURCE // sched_setaffinity
 #include "cluster/cluster.h"
 #include "cluster/must.h"
 
@@ -16,6 +17,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -1160,6 +1162,29 @@ static void ranks_that_prove_slow_get_fewer_objects(void)
     MPI_Comm_free(&comm);
 }
 
+// Processors that several ranks may use are divided among these.
+static void each_rank_has_its_part_of_the_processors(void)
+{
+    MPI_Comm comm = group_of(2);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_error err = {0};
+    cpu_set_t all, own;
+    CPU_ZERO(&own);
+    MUST(sched_getaffinity(0, sizeof all, &all) == 0, "affinity");
+    for (int i = 0; i < CPU_SETSIZE && CPU_COUNT(&own) <= rank; ++i)
+        if (CPU_ISSET(i, &all))
+            CPU_SET(i, &own); // the first for rank 0, and another one for rank 1
+    MUST(sched_setaffinity(0, sizeof own, &own) == 0, "affinity");
+    ranks of_two;
+    MUST_OK(ranks_begin(&of_two, &comm, NULL, &err), err);
+    double shared = 1.0 / of_two.n_on_host, expected = shared + CPU_COUNT(&own) - 1;
+    MUST(fabs(of_two.processors - expected) < 1e-9, "the first one is shared");
+    ranks_end(&of_two);
+    MUST(sched_setaffinity(0, sizeof all, &all) == 0, "affinity");
+    MPI_Comm_free(&comm);
+}
+
 // Small differences are no reason for a cut, nor are steps that were slow once; and weights that
 // were given stay.
 static void a_cut_must_pay(void)
@@ -1821,6 +1846,7 @@ int main(int argc, char **argv)
     ranks_get_objects_by_their_weights();
     ranks_are_weighed_by_their_stored_times();
     ranks_that_prove_slow_get_fewer_objects();
+    each_rank_has_its_part_of_the_processors();
     a_cut_must_pay();
     only_giants_travel_far();
     large_ids_have_one_hash();
