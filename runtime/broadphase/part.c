@@ -23,7 +23,8 @@ static const size_t buffers[] = {
     offsetof(part, next_counters), offsetof(part, candidates), offsetof(part, pairs),
     offsetof(part, undecided),     offsetof(part, levels),     offsetof(part, gathered),
     offsetof(part, marks),         offsetof(part, global_ids), offsetof(part, id_changes),
-    offsetof(part, pair_counts),   offsetof(part, left),       offsetof(part, skimmed)};
+    offsetof(part, pair_counts),   offsetof(part, left),       offsetof(part, skimmed),
+    offsetof(part, edges)};
 
 #define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
 #define VALUE(name) BIND_VALUE(part, #name, args.name)
@@ -38,6 +39,8 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BUFFER("ids", "uint *", ids),
                                         BUFFER("ranks", "uint *", keys_spare),
                                         BUFFER("counts", "uint *", counts),
+                                        BUFFER("edges", "uint *", edges),
+                                        BUFFER("others", "uint *", ids), // until they are sorted
                                         BUFFER("starts", "uint *", starts),
                                         BUFFER("key_starts", "uint *", starts),
                                         BUFFER("bounds", "float4 *", bounds),
@@ -316,6 +319,13 @@ static bool leaves_boxes(const part_task *task)
            task->objects.origin == 0.0f && !task->packed;
 }
 
+// A CPU's atomics take as long as all else that it does for a cell.
+static bool counts_own_cells(const part *p, const part_task *task)
+{
+    return task->ordered && p->device->info.kind == DUET_KIND_CPU && p->device->info.host_memory &&
+           p->variant.search == SEARCH_SIMD && p->variant.sort == SORT_COUNTING && is_roomy(task);
+}
+
 bool part_is_prepared(const part *p, const part_task *task)
 {
     const part_kernels *k = &p->kernels;
@@ -351,6 +361,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     // Objects that are in order go to places side by side.
     bool to_places = counting && !task->shared && task->ordered;
     bool unboxed = search == SEARCH_GPU && leaves_boxes(task);
+    bool own = counts_own_cells(p, task);
     cl_int4 cells = compiled_cells(p, task);
     const part_choice choices[PART_CHOICES] = {
         {"DIMS", task->objects.dims, false},
@@ -370,6 +381,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {"CELLS_Y", cells.s[1], false},
         {"CELLS_Z", cells.s[2], false},
         {"PACKED", task->packed, false},
+        {"OWN", own, false},
         {"STRAYS", task->intake ? STRAY_BLOCK : 0, false},
         {"STRETCH", task->intake && counting, false},
         {"GUARDED", task->slab, false},
@@ -384,6 +396,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     } list[] = {
         {&p->kernels.clear, true, "clear", "clear"},
         {&p->kernels.hash, true, "hash", "hash"},
+        {&p->kernels.own_cells, own, "hash", "own_cells"},
+        {&p->kernels.count_others, own, "hash", "count_others"},
         {&p->kernels.scatter, counting, "scatter", "scatter"},
         {&p->kernels.starts, !counting, "cell_start", searches[search].starts},
         {&p->kernels.place, true, searches[search].place[0], searches[search].place[1]},

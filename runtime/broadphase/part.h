@@ -84,6 +84,8 @@ enum { PART_CHUNKS = 8 };
 typedef struct part_kernels {
     kernel *clear;
     kernel *hash;
+    kernel *own_cells; // NULL where all counting is atomic, and with it
+    kernel *count_others;
     kernel *scatter;
     kernel *starts;
     kernel *place; // bounds by id (paper), or everything into cell order (rows, lanes)
@@ -110,7 +112,7 @@ typedef struct part_choice {
     bool open;
 } part_choice;
 
-enum { PART_CHOICES = 22 };
+enum { PART_CHOICES = 23 };
 
 // What kernels are told besides the part's buffers, by the names that their cards use.
 typedef struct part_args {
@@ -195,6 +197,7 @@ typedef struct part {
     buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
     buffer counts;                // objects a cell, until the scan makes starts of them
     uint32_t zero_counts;         // of them that are zero between steps
+    buffer edges;                 // first own cell of each work-item that counts
     buffer starts;                // first of each cell
     buffer bounds;                // [n][2], by id or in cell order; lanes: by columns
     buffer boxes;                 // [n][3], in cell order; lanes: rows of numbers
