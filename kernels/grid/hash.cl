@@ -170,30 +170,32 @@ __kernel void hash(HASH_ARGS)
     for (uint from = first; from < last; from += BATCH) {
         uint found[BATCH];
         uint size = min(last - from, (uint)BATCH);
+//@ if OWN == 0 then
 #if RANK && BATCH > 1
         uint picked[BATCH + LANES], n_picked = 0;
 #endif
+//@ end
         for (uint i = 0; i < size; i += LANES) {
             word key = keys_of(&h, from + i, last);
             spread(key, found + i);
+//@ if OWN == 0 then
 #if RANK && BATCH > 1
             n_picked = pick(key, size - i, i, n_picked, picked);
-//@ if OWN == 0 then
             for (uint k = i; k < i + LANES; ++k)
                 ask_for(counts + (found[k] == NOWHERE ? 0 : found[k]));
-//@ end
 #endif
+//@ end
         }
         for (uint k = 0; k < size; ++k)
             keys[from + k] = found[k];
 //@ if OWN == 1 then
         uint elsewhere[BATCH], n_elsewhere = 0;
-        for (uint k = 0; k < n_picked; ++k) {
-            uint key = found[picked[k]];
+        for (uint k = 0; k < size; ++k) {
+            uint key = found[k];
             if (key - own_from < n_own)
-                found[picked[k]] = counts[key]++;
-            else
-                elsewhere[n_elsewhere++] = from + picked[k];
+                found[k] = counts[key]++;
+            else if (key != NOWHERE)
+                elsewhere[n_elsewhere++] = from + k;
         }
         for (uint k = 0; k < size; ++k)
             ranks[from + k] = found[k];

@@ -74,7 +74,7 @@ return {
   },
   valid = function(p, limits)
     if p.BATCH % p.LANES ~= 0 then return false, "BATCH is not a multiple of LANES" end
-    if p.OWN == 1 and (p.RANK == 0 or p.BATCH == 1) then return false, "OWN is for counting in batches" end
+    if p.OWN == 1 and p.RANK == 0 then return false, "OWN is for counting" end
     if p.BATCH > p.LANES and not limits.cpu then return false, "BATCH above LANES is for CPUs" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
     if p.SHAPE == 3 and p.ROTATED == 1 then return false, "spheres have no rotation" end
