@@ -23,15 +23,6 @@ duet_cluster_def duet_default_cluster_def(void)
         .world = duet_default_world_def(), .parts = 1, .imbalance = 1.2, .cookie = COOKIE};
 }
 
-bool cluster_check_shape(duet_shape shape, duet_error *err)
-{
-    bool has_radii = shape == DUET_SHAPE_ROUNDED_BOXES || shape == DUET_SHAPE_SPHERES;
-    return !has_radii || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                   "the cluster's shape is %s, which are for one world; expected "
-                                   "poses or bounds",
-                                   shape == DUET_SHAPE_SPHERES ? "spheres" : "rounded boxes");
-}
-
 static bool check_def(const duet_cluster_def *def, duet_error *err)
 {
     if (def->world.has_accuracy)
@@ -43,8 +34,6 @@ static bool check_def(const duet_cluster_def *def, duet_error *err)
     if (def->world.separate_sizes || def->world.compact_transforms)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s is for one world; expected false",
                          def->world.separate_sizes ? "separate_sizes" : "compact_transforms");
-    if (!cluster_check_shape(def->world.shape, err))
-        return false;
     if (def->parts < 1 || def->parts > MOST_PARTS)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "parts is %u; expected 1 to %d", def->parts,
                          MOST_PARTS);
@@ -198,7 +187,11 @@ void cluster_take(duet_cluster *c, object_rows *rows)
 static bool check_kind(const duet_cluster *c, duet_object_kind kind, duet_error *err)
 {
     duet_object_kind right = object_form_kind(&c->homes.form);
-    static const char *const names[] = {"poses", "bounds", "large poses"};
+    static const char *const names[] = {[DUET_OBJECT_POSES] = "poses",
+                                        [DUET_OBJECT_BOUNDS] = "bounds",
+                                        [DUET_OBJECT_LARGE_POSES] = "large poses",
+                                        [DUET_OBJECT_ROUNDED_BOXES] = "rounded boxes",
+                                        [DUET_OBJECT_SPHERES] = "spheres"};
     return kind == right ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "objects of kind %d; this cluster was made for %s", (int)kind, names[right]);

@@ -53,7 +53,6 @@ static inline int cluster_workers(const duet_cluster *c)
     return c->parts.n > 1 ? 2 : 1;
 }
 
-bool cluster_check_shape(duet_shape shape, duet_error *err);
 // As many as it has, for such worlds: all or none.
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
                           duet_error *err);

@@ -15,8 +15,9 @@ enum { OBJECTS_AT_ONCE = 1 << 20 };
 typedef struct scene_part {
     duet_scene *scene; // NULL: nothing; else it, or its first objects
     object_rows rows;
-    bool rotated; // one of them
-    uint64_t n;   // of all ranks' parts
+    object_form form; // of its rows
+    bool rotated;     // one of them
+    uint64_t n;       // of all ranks' parts
 } scene_part;
 
 // What rank 0 tells the others of a scene.
@@ -25,13 +26,28 @@ typedef struct told_scene {
     uint64_t name_bytes;
 } told_scene;
 
-// *info and its name, which is to be freed, are those of rank 0.
+// Parts of one scene may have other shapes: boxes with radii beside boxes without, or spheres.
+static duet_shape shape_of_all(const uint64_t n_ranks[DUET_SHAPES], duet_shape of_none)
+{
+    duet_shape shape = of_none;
+    int n = 0;
+    for (int i = 0; i < DUET_SHAPES; ++i)
+        if (n_ranks[i] > 0) {
+            shape = (duet_shape)i;
+            ++n;
+        }
+    return n > 1 ? DUET_SHAPE_ROUNDED_BOXES : shape;
+}
+
+// *info and its name, which is to be freed, are those of rank 0, but what the parts are together.
 static bool tell_scene(duet_cluster *c, const scene_part *part, duet_scene_info *info, char **name,
                        duet_error *own)
 {
     told_scene told = {0};
-    uint64_t rotated = part->rotated;
-    ranks_sum(&c->ranks, &rotated, 1);
+    uint64_t with[DUET_SHAPES + 1] = {[DUET_SHAPES] = part->rotated}; // how many ranks
+    if (part->rows.n > 0)
+        with[part->form.shape] = 1;
+    ranks_sum(&c->ranks, with, DUET_SHAPES + 1);
     if (c->ranks.self == 0)
         told.info = part->scene->info;
     const char *of_rank_0 = told.info.name;
@@ -47,7 +63,8 @@ static bool tell_scene(duet_cluster *c, const scene_part *part, duet_scene_info 
     *info = told.info;
     info->name = *name;
     info->n = part->n < UINT32_MAX ? (uint32_t)part->n : UINT32_MAX;
-    info->rotated = rotated > 0;
+    info->shape = shape_of_all(with, told.info.shape);
+    info->rotated = with[DUET_SHAPES] > 0;
     return true;
 }
 
@@ -61,31 +78,48 @@ static duet_world_def def_of_scene(const duet_cluster *c, const duet_scene_info 
     return def;
 }
 
+static object_form form_of(const duet_scene *scene)
+{
+    duet_world_def def = duet_scene_world_def(scene, NULL);
+    return object_form_of(&def);
+}
+
+// As they are, or as rounded boxes.
+static bool can_join(const object_form *a, const object_form *b)
+{
+    return a->dims == b->dims && a->origin == b->origin &&
+           (a->shape == DUET_SHAPE_BOUNDS) == (b->shape == DUET_SHAPE_BOUNDS);
+}
+
 // Rows for n objects, whose ids count from `first` on; those of the scene are the first.
 static bool begin_rows(scene_part *part, uint64_t first, uint64_t n, duet_error *own)
 {
-    duet_world_def def = duet_scene_world_def(part->scene, NULL);
-    object_form form = object_form_of(&def);
-    bool ok = cluster_check_shape(def.shape, own) && object_rows_begin(&part->rows, &form, n, own);
+    part->form = form_of(part->scene);
+    bool ok = object_rows_begin(&part->rows, &part->form, n, own);
     for (uint64_t i = 0; ok && i < n; ++i)
         part->rows.ids[i] = first + i;
     part->rows.n = 0;
     return ok;
 }
 
-static void add_objects(scene_part *part, const duet_scene *from)
+static bool add_objects(scene_part *part, const duet_scene *from, duet_error *own)
 {
-    duet_world_def def = duet_scene_world_def(part->scene, NULL);
-    object_form form = object_form_of(&def);
+    object_form form = form_of(from);
+    object_rows *to = &part->rows, rounded = {0};
+    const uint64_t *ids = to->ids + to->n;
     const void *objects = duet_scene_get_objects(from, object_form_kind(&form));
-    object_rows_append(&part->rows, &form, part->rows.ids + part->rows.n, objects, from->info.n);
+    bool ok = true;
     part->rotated = part->rotated || from->info.rotated;
-}
-
-static bool are_of_one_kind(const duet_scene *a, const duet_scene *b)
-{
-    return a->info.dims == b->info.dims && a->info.shape == b->info.shape &&
-           a->info.origin_edge == b->info.origin_edge;
+    if (form.shape != part->form.shape) {
+        ok = object_rows_round(to, &part->form, own) &&
+             object_rows_copy(&rounded, &form, ids, objects, from->info.n, own) &&
+             object_rows_round(&rounded, &form, own);
+        objects = rounded.objects;
+    }
+    if (ok)
+        object_rows_append(to, &form, ids, objects, from->info.n);
+    object_rows_end(&rounded);
+    return ok;
 }
 
 // Some objects at a time, so that a part is not there twice.
@@ -98,14 +132,14 @@ static bool read_range(scene_part *part, const char *path, const duet_setting *s
         duet_scene *some = scene_load_range(path, settings, n_settings, at, to, &n, own);
         bool is_first = !part->scene;
         part->scene = is_first ? some : part->scene;
-        ok = some && ((n == part->n && are_of_one_kind(part->scene, some)) ||
-                      error_set(own, DUET_STATUS_BAD_INPUT,
-                                "%s: it has %llu objects here and %llu on rank 0, or others each "
-                                "time it is read",
-                                path, (unsigned long long)n, (unsigned long long)part->n));
-        ok = ok && (!is_first || begin_rows(part, first, end - first, own));
-        if (ok)
-            add_objects(part, some);
+        ok = some && (!is_first || begin_rows(part, first, end - first, own));
+        object_form form = ok ? form_of(some) : part->form;
+        ok = ok && ((n == part->n && can_join(&part->form, &form)) ||
+                    error_set(own, DUET_STATUS_BAD_INPUT,
+                              "%s: it has %llu objects here and %llu on rank 0, or others each "
+                              "time it is read",
+                              path, (unsigned long long)n, (unsigned long long)part->n));
+        ok = ok && add_objects(part, some, own);
         if (!is_first)
             duet_scene_destroy(some);
         at = to;
@@ -139,11 +173,8 @@ static bool read_part(duet_cluster *c, const char *path, const duet_setting *set
     ok = !reads || part->scene;
     if (ok && reads && whole)
         told[0] = part->scene->info.n;
-    if (ok && reads && told[1] == 0) {
-        ok = begin_rows(part, 0, told[0], own);
-        if (ok)
-            add_objects(part, part->scene);
-    }
+    if (ok && reads && told[1] == 0)
+        ok = begin_rows(part, 0, told[0], own) && add_objects(part, part->scene, own);
     if (!ranks_agree(&c->ranks, ok, own))
         return false;
     ranks_tell(&c->ranks, told, sizeof told);
@@ -159,6 +190,19 @@ static bool read_part(duet_cluster *c, const char *path, const duet_setting *set
     return ranks_agree(&c->ranks, ok, own);
 }
 
+// The part's rows become such as all ranks have.
+static bool fit_rows(scene_part *part, const object_form *form, const char *name, duet_error *own)
+{
+    if (part->rows.n == 0) {
+        object_rows_end(&part->rows);
+        return object_rows_begin(&part->rows, form, 0, own);
+    }
+    if (!can_join(&part->form, form))
+        return error_set(own, DUET_STATUS_BAD_INPUT,
+                         "%s: it has objects of another kind here than on other ranks", name);
+    return part->form.shape == form->shape || object_rows_round(&part->rows, &part->form, own);
+}
+
 // All ranks have the scene then, or all what they had.
 static bool take_part(duet_cluster *c, scene_part *part, duet_error *own)
 {
@@ -171,8 +215,8 @@ static bool take_part(duet_cluster *c, scene_part *part, duet_error *own)
     }
     duet_world_def world = def_of_scene(c, &info);
     object_form form = object_form_of(&world);
-    bool ok = cluster_open_workers(c, &world, workers, own);
-    ok = ok && (part->scene || object_rows_begin(&part->rows, &form, 0, own));
+    bool ok =
+        cluster_open_workers(c, &world, workers, own) && fit_rows(part, &form, info.name, own);
     if (!ranks_agree(&c->ranks, ok, own)) {
         cluster_close_workers(workers);
         free(name);

@@ -25,8 +25,8 @@ typedef struct duet_cluster_def {
     void *comm; // an MPI_Comm *, of which a copy is used. NULL: MPI_COMM_WORLD; where MPI was
                 // not begun, create begins it and destroy ends it
     duet_world_def world; // the same on all ranks, except pair and plan. has_accuracy, keep_bad,
-                          // separate_sizes, compact_transforms and shapes with radii are refused;
-                          // max_pairs is of each rank, ghosts' pairs included
+                          // separate_sizes and compact_transforms are refused; max_pairs is of
+                          // each rank, ghosts' pairs included
     const char *pair;     // where world.pair is NULL: a rank's devices, as duet_device_pair_def.a
                           // has them. NULL: DUET_PAIR, or else this rank's part of its host: a
                           // GPU, or of the CPU's units

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/origin.h"
+#include "runtime/narrowphase/rounded.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -14,9 +15,11 @@
 #define MOST_OBJECTS 4294967294u
 
 // Beyond what the devices round: parts of a box's size, which they widen by less than 2^-17;
-// of its coordinates as floats; and of an origin cell, whose corners lie up to 2^30 edges from 0.
+// of its coordinates as floats, and what they add to 0; and of an origin cell, whose corners lie up
+// to 2^30 edges from 0.
 #define SIZE_SLACK 0x1p-12
 #define FLOAT_SLACK 0x1p-20
+#define LEAST_SLACK 0x1p-124
 #define ORIGIN_SLACK 0x1p-20
 
 // ---------------------------------------------------------------- one object
@@ -34,9 +37,27 @@ object_form object_form_of(const duet_world_def *def)
 
 duet_object_kind object_form_kind(const object_form *form)
 {
-    if (form->shape == DUET_SHAPE_BOUNDS)
-        return DUET_OBJECT_BOUNDS;
-    return form->origin > 0.0f ? DUET_OBJECT_LARGE_POSES : DUET_OBJECT_POSES;
+    return origin_row_kind(form->shape, form->origin);
+}
+
+// Rows begin with a centre, unless they are bounds.
+static const float *centre_of(const void *object)
+{
+    return object;
+}
+
+// A pose, or the core of what has a radius. Spheres have none.
+static const duet_pose *pose_of(const object_form *form, const void *object)
+{
+    return form->shape == DUET_SHAPE_SPHERES ? NULL : object;
+}
+
+static double radius_of(const object_form *form, const void *object)
+{
+    return form->shape == DUET_SHAPE_ROUNDED_BOXES
+               ? (double)((const duet_rounded_box *)object)->radius
+           : form->shape == DUET_SHAPE_SPHERES ? (double)((const duet_sphere *)object)->radius
+                                               : 0;
 }
 
 const reach reach_none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
@@ -70,21 +91,22 @@ static void widen(reach *r, const double slack[3], uint32_t dims)
 // faster than its bounds are found.
 static reach reach_of_pose(const object_form *form, const void *object)
 {
-    const duet_pose *p = origin_pose(object, form->origin, 0);
-    double corner[3], half[3], slack[3], squares = 0;
+    const duet_pose *p = pose_of(form, object);
+    double corner[3], half[3], slack[3], squares = 0, radius = radius_of(form, object);
     reach r = {{0}, {0}};
     origin_corner(corner, object, form->origin, 0);
     for (uint32_t k = 0; k < form->dims; ++k) {
-        half[k] = (double)p->half_extents[k];
+        half[k] = p ? (double)p->half_extents[k] : 0;
         squares += half[k] * half[k];
     }
-    double radius = sqrt(squares);
+    double around = sqrt(squares);
     for (uint32_t k = 0; k < form->dims; ++k) {
-        double centre = (double)p->centre[k], to = form->rotated ? radius : half[k];
+        double centre = (double)centre_of(object)[k];
+        double to = (form->rotated ? around : half[k]) + radius;
         r.lower[k] = corner[k] + (centre - to);
         r.upper[k] = corner[k] + (centre + to);
-        slack[k] =
-            SIZE_SLACK * radius + FLOAT_SLACK * fabs(centre) + ORIGIN_SLACK * (double)form->origin;
+        slack[k] = SIZE_SLACK * (around + radius) + FLOAT_SLACK * fabs(centre) +
+                   ORIGIN_SLACK * (double)form->origin + LEAST_SLACK;
     }
     widen(&r, slack, form->dims);
     return r;
@@ -92,7 +114,7 @@ static reach reach_of_pose(const object_form *form, const void *object)
 
 reach reach_of(const object_form *form, const void *object)
 {
-    if (form->shape == DUET_SHAPE_POSES)
+    if (form->shape != DUET_SHAPE_BOUNDS)
         return reach_of_pose(form, object);
     const duet_bounds *b = object;
     reach r = {{0}, {0}};
@@ -131,16 +153,22 @@ bool reach_holds(const reach *r, const double point[3], double width)
 void object_centre(const object_form *form, const void *object, double centre[3])
 {
     double corner[3] = {0, 0, 0};
-    const duet_bounds *b = object;
-    const duet_pose *p = NULL;
-    if (form->shape == DUET_SHAPE_POSES) {
-        p = origin_pose(object, form->origin, 0);
-        origin_corner(corner, object, form->origin, 0);
-    }
+    const duet_bounds *b = form->shape == DUET_SHAPE_BOUNDS ? object : NULL;
+    origin_corner(corner, object, form->origin, 0);
     centre[2] = 0;
     for (uint32_t k = 0; k < form->dims; ++k)
-        centre[k] = p ? corner[k] + (double)p->centre[k]
-                      : 0.5 * ((double)b->lower[k] + (double)b->upper[k]);
+        centre[k] = b ? 0.5 * ((double)b->lower[k] + (double)b->upper[k])
+                      : corner[k] + (double)centre_of(object)[k];
+}
+
+// Of a reach around what has a radius, but for what is rounded.
+static double half_width(const object_form *form, const void *object)
+{
+    const duet_pose *core = pose_of(form, object);
+    double squares = 0;
+    for (uint32_t k = 0; core && k < form->dims; ++k)
+        squares += (double)core->half_extents[k] * (double)core->half_extents[k];
+    return sqrt(squares) + radius_of(form, object);
 }
 
 // Sound in 3D, found without a branch for each number; a flat box may be sound where that says no.
@@ -154,17 +182,31 @@ static bool is_plainly_sound(const duet_pose *p)
     return zero == 0.0f && least >= 0.0f && (q[2] != 0.0f || q[3] != 0.0f);
 }
 
-bool object_is_sound(const object_form *form, const void *object)
+static bool are_sound_bounds(const duet_bounds *b, uint32_t dims)
 {
-    if (form->shape == DUET_SHAPE_POSES) {
-        const duet_pose *p = origin_pose(object, form->origin, 0);
-        return is_plainly_sound(p) || narrow_is_box(p, form->dims);
-    }
-    const duet_bounds *b = object;
-    for (uint32_t k = 0; k < form->dims; ++k)
+    for (uint32_t k = 0; k < dims; ++k)
         if (!isfinite(b->lower[k]) || !isfinite(b->upper[k]) || b->lower[k] > b->upper[k])
             return false;
     return true;
+}
+
+static bool is_finite_point(const float *centre, uint32_t dims)
+{
+    float zero = 0.0f;
+    for (uint32_t k = 0; k < dims; ++k)
+        zero += 0.0f * centre[k];
+    return zero == 0.0f;
+}
+
+bool object_is_sound(const object_form *form, const void *object)
+{
+    if (form->shape == DUET_SHAPE_BOUNDS)
+        return are_sound_bounds(object, form->dims);
+    const duet_pose *p = pose_of(form, object);
+    double radius = radius_of(form, object);
+    return radius >= 0 && isfinite(radius) &&
+           (p ? is_plainly_sound(p) || narrow_is_box(p, form->dims)
+              : is_finite_point(centre_of(object), form->dims));
 }
 
 // ---------------------------------------------------------------- many at a glance
@@ -250,27 +292,48 @@ static uint32_t skim_poses(const duet_pose *poses, uint32_t dims, uint32_t first
     return i;
 }
 
-static uint32_t skim_bounds(const duet_bounds *bounds, uint32_t dims, uint32_t first, uint32_t end,
+// An object of that half width, or nothing and false where it does not lie inside.
+static inline bool skim_add(skim *to, const reach *inside, const double at[3], double half)
+{
+    bool deep = true;
+    for (int k = 0; k < 3; ++k)
+        deep &= (at[k] > inside->lower[k]) & (at[k] < inside->upper[k]);
+    if (!deep)
+        return false;
+    to->square = greater(half * half, to->square);
+    for (int k = 0; k < 3; ++k) {
+        to->centres.lower[k] = lesser(at[k], to->centres.lower[k]);
+        to->centres.upper[k] = greater(at[k], to->centres.upper[k]);
+    }
+    return true;
+}
+
+static uint32_t skim_bounds(const object_rows *rows, uint32_t dims, uint32_t first, uint32_t end,
                             const reach *inside, skim *to)
 {
-    const object_form form = {.dims = dims, .shape = DUET_SHAPE_BOUNDS};
+    const object_form form = {
+        .dims = dims, .shape = DUET_SHAPE_BOUNDS, .bytes = sizeof(duet_bounds)};
     for (; first < end; ++first) {
-        double at[3], most = to->square;
-        object_centre(&form, &bounds[first], at);
-        bool deep = object_is_sound(&form, &bounds[first]);
-        for (int k = 0; k < 3; ++k)
-            deep &= (at[k] > inside->lower[k]) & (at[k] < inside->upper[k]);
-        if (!deep)
+        const duet_bounds *b = object_row(rows, &form, first);
+        double at[3], widest = 0;
+        object_centre(&form, b, at);
+        for (uint32_t k = 0; k < dims; ++k)
+            widest = greater(widest, (double)b->upper[k] - (double)b->lower[k]);
+        if (!object_is_sound(&form, b) || !skim_add(to, inside, at, 0.5 * widest))
             break;
-        for (uint32_t k = 0; k < dims; ++k) {
-            double half = 0.5 * ((double)bounds[first].upper[k] - (double)bounds[first].lower[k]);
-            most = greater(half * half, most);
-        }
-        for (int k = 0; k < 3; ++k) {
-            to->centres.lower[k] = lesser(at[k], to->centres.lower[k]);
-            to->centres.upper[k] = greater(at[k], to->centres.upper[k]);
-        }
-        to->square = most;
+    }
+    return first;
+}
+
+static uint32_t skim_with_radii(const object_rows *rows, const object_form *form, uint32_t first,
+                                uint32_t end, const reach *inside, skim *to)
+{
+    for (; first < end; ++first) {
+        const void *object = object_row(rows, form, first);
+        double at[3];
+        object_centre(form, object, at);
+        if (!object_is_sound(form, object) || !skim_add(to, inside, at, half_width(form, object)))
+            break;
     }
     return first;
 }
@@ -279,8 +342,9 @@ uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint
                           uint32_t end, const reach *inside, skim *s)
 {
     if (form->shape == DUET_SHAPE_BOUNDS)
-        return skim_bounds((const duet_bounds *)(const void *)rows->objects, form->dims, first, end,
-                           inside, s);
+        return skim_bounds(rows, form->dims, first, end, inside, s);
+    if (form->shape != DUET_SHAPE_POSES)
+        return skim_with_radii(rows, form, first, end, inside, s);
     if (form->origin > 0.0f)
         return first;
     return skim_poses((const duet_pose *)(const void *)rows->objects, form->dims, first, end,
@@ -289,12 +353,14 @@ uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint
 
 double skim_widest(const skim *s, const object_form *form)
 {
-    double far = 0, half = sqrt(s->square);
+    double far = 0, half = sqrt(s->square), slack = 0;
     if (s->centres.lower[0] > s->centres.upper[0])
         return 0;
-    for (int k = 0; k < 3 && form->shape == DUET_SHAPE_POSES; ++k)
+    for (int k = 0; k < 3; ++k)
         far = greater(far, greater(fabs(s->centres.lower[k]), fabs(s->centres.upper[k])));
-    return 2 * (1 + 0x1p-20) * (half * (1 + SIZE_SLACK) + FLOAT_SLACK * far);
+    if (form->shape != DUET_SHAPE_BOUNDS)
+        slack = SIZE_SLACK * half + FLOAT_SLACK * far + LEAST_SLACK;
+    return 2 * (1 + 0x1p-20) * (half + slack);
 }
 
 // ---------------------------------------------------------------- rows
@@ -330,6 +396,31 @@ void object_rows_end(object_rows *rows)
     free(rows->ids);
     free(rows->objects);
     *rows = (object_rows){0};
+}
+
+static duet_rounded_box rounded_box_of(const object_form *form, const void *object)
+{
+    return form->shape == DUET_SHAPE_SPHERES ? rounded_of_sphere(object)
+                                             : (duet_rounded_box){.pose = *pose_of(form, object)};
+}
+
+// Where they lie, from the last one on, for none becomes smaller.
+bool object_rows_round(object_rows *rows, object_form *form, duet_error *err)
+{
+    if (form->shape == DUET_SHAPE_ROUNDED_BOXES)
+        return true;
+    size_t bytes = origin_row_bytes(DUET_SHAPE_ROUNDED_BOXES, 0);
+    unsigned char *objects = realloc(rows->objects, (rows->capacity + 1) * bytes);
+    if (!objects)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", rows->n);
+    rows->objects = objects;
+    for (uint32_t i = rows->n; i-- > 0;) {
+        duet_rounded_box box = rounded_box_of(form, object_row(rows, form, i));
+        memcpy(objects + i * bytes, &box, bytes);
+    }
+    form->shape = DUET_SHAPE_ROUNDED_BOXES;
+    form->bytes = (uint32_t)bytes;
+    return true;
 }
 
 uint32_t object_message_bytes(const object_form *form)

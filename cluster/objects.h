@@ -97,6 +97,9 @@ uint32_t object_rows_find(const object_rows *rows, uint32_t first, uint32_t end,
 bool object_rows_copy(object_rows *rows, const object_form *form, const uint64_t *ids,
                       const void *objects, uint32_t n, duet_error *err);
 
+// Poses or spheres become rounded boxes, and *form that of these.
+bool object_rows_round(object_rows *rows, object_form *form, duet_error *err);
+
 // Adds n rows, for which there is space.
 void object_rows_append(object_rows *to, const object_form *form, const uint64_t *ids,
                         const void *objects, uint32_t n);

@@ -189,7 +189,6 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
         return NULL;
     }
     duet_world_def own = *def;
-    object_form form = object_form_of(def);
     own.has_world = false;
     own.keep_bad = true; // so that it is the cluster that names a bad object
     p->base = (worker){.map = map,
@@ -210,13 +209,14 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
                        .plan = get_plan,
                        .load_profile = load_profile,
                        .close = close_pair};
-    p->kind = object_form_kind(&form);
-    p->bytes = form.bytes;
     p->world = duet_world_create(&own, err);
     if (!p->world) {
         free(p);
         return NULL;
     }
+    object_form form = object_form_of(def);
+    p->kind = object_form_kind(&form);
+    p->bytes = form.bytes;
     p->world->skims = true;
     name_pair(p, def->pair);
     return &p->base;

@@ -21,6 +21,8 @@ static bool find(worker *w, worker_found *found, duet_error *err)
         .n = p->host.n,
         .poses = worker_host_objects(&p->host),
         .bounds = worker_host_objects(&p->host),
+        .rounded_boxes = worker_host_objects(&p->host),
+        .spheres = worker_host_objects(&p->host),
         .level = p->host.level,
         .rotated = p->host.form.rotated,
         .origin = p->host.form.origin,

@@ -114,9 +114,9 @@ typedef struct cluster_box {
     lua_handle cluster;
     const cluster_library *calls;
     int64_t rank, rank_count;
-    duet_object_kind kind; // of its objects
-    uint64_t maps;         // views of homes hold until the next call
-    uint64_t steps;        // those of pairs until the next step, or other objects
+    array_kind rows; // of its objects
+    uint64_t maps;   // views of homes hold until the next call
+    uint64_t steps;  // those of pairs until the next step, or other objects
 } cluster_box;
 
 static const lua_class cluster_class;
@@ -205,12 +205,23 @@ static void hold(lua_State *L, bool held)
     lua_pop(L, 1);
 }
 
+static array_kind rows_of(duet_shape shape, float origin_edge)
+{
+    static const array_kind rows[DUET_SHAPES] = {
+        [DUET_SHAPE_POSES] = ARRAY_POSES,
+        [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS,
+        [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_BOXES,
+        [DUET_SHAPE_SPHERES] = ARRAY_SPHERES,
+    };
+    return origin_edge > 0 ? ARRAY_LARGE_POSES : rows[shape];
+}
+
 // Leaves its userdata on the stack.
 static bool push_cluster(lua_State *L, const cluster_library *calls, const duet_cluster_def *def,
                          duet_error *err)
 {
     cluster_box *box = class_push(L, &cluster_class, sizeof *box);
-    *box = (cluster_box){.calls = calls, .kind = (duet_object_kind)def->world.shape};
+    *box = (cluster_box){.calls = calls, .rows = rows_of(def->world.shape, 0)};
     hold(L, true);
     box->cluster.object = calls->create(def, err);
     box->rank = calls->get_rank(box->cluster.object);
@@ -274,11 +285,6 @@ static int cluster_close(lua_State *L)
 
 // ---------------------------------------------------------------- objects
 
-static array_kind rows_of(const cluster_box *box)
-{
-    return box->kind == DUET_OBJECT_BOUNDS ? ARRAY_BOUNDS : ARRAY_POSES;
-}
-
 static int cluster_load_scene(lua_State *L)
 {
     duet_error err = {0};
@@ -290,7 +296,7 @@ static int cluster_load_scene(lua_State *L)
     if (!box->calls->load_scene(box->cluster.object, path, settings, n, &err))
         return class_push_failure(L, &err);
     const duet_scene_info *info = box->calls->get_scene_info(box->cluster.object);
-    box->kind = info->origin_edge > 0 ? DUET_OBJECT_LARGE_POSES : (duet_object_kind)info->shape;
+    box->rows = rows_of(info->shape, info->origin_edge);
     scene_push_info(L, info);
     return 1;
 }
@@ -313,14 +319,12 @@ static int cluster_set_objects(lua_State *L)
     cluster_box *box = check(L);
     lua_settop(L, 3);
     const array *ids = array_check(L, 2, ARRAY_IDS);
-    const array *rows = array_check(L, 3, rows_of(box));
+    const array *rows = array_check(L, 3, box->rows);
     luaL_argcheck(L, ids->n == rows->n, 3, "as many objects as there are ids");
     luaL_argcheck(L, ids->n < UINT32_MAX, 2, "more than 2^32 - 2 objects");
     ++box->steps;
-    bool ok = box->calls->set_objects(box->cluster.object,
-                                      box->kind == DUET_OBJECT_BOUNDS ? DUET_OBJECT_BOUNDS
-                                                                      : DUET_OBJECT_POSES,
-                                      ids->rows, rows->rows, (uint32_t)ids->n, &err);
+    bool ok = box->calls->set_objects(box->cluster.object, array_object_kind(box->rows), ids->rows,
+                                      rows->rows, (uint32_t)ids->n, &err);
     return class_push_done(L, ok, &err);
 }
 
@@ -331,12 +335,11 @@ static int cluster_map_homes(lua_State *L)
     const uint64_t *ids = NULL;
     uint32_t n = 0;
     cluster_box *box = check(L);
-    duet_object_kind kind =
-        box->kind == DUET_OBJECT_BOUNDS ? DUET_OBJECT_BOUNDS : DUET_OBJECT_POSES;
-    void *homes = box->calls->map_homes(box->cluster.object, kind, &ids, &n, &err);
+    void *homes =
+        box->calls->map_homes(box->cluster.object, array_object_kind(box->rows), &ids, &n, &err);
     if (!homes)
         return class_push_failure(L, &err);
-    array_push_view(L, rows_of(box), homes, n, 1, &box->maps);
+    array_push_view(L, box->rows, homes, n, 1, &box->maps);
     array *names = array_push_view(L, ARRAY_IDS, (void *)ids, n, 1, &box->maps);
     names->fixed = true;
     return 2;

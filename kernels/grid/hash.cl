@@ -15,6 +15,9 @@
 //   keys     [n]  NOWHERE for an object that is bad or elsewhere
 //   counts   [key_to - key_from] zeroed before; objects a cell (RANK)
 //   ranks    [n]  (RANK)
+//@ if SUM_BLOCK > 0 then
+//   sums     [...] zeroed before; objects in SUM_BLOCK cells each, for the scan of the counts
+//@ end
 //@ if STRAYS > 0 then
 //   marks    [n / STRAYS]  the stamp where a block has a key from marked_from to marked_to
 //@ end
@@ -84,6 +87,28 @@ static inline word keys_of(const hashing *h, uint id, uint last)
     return select(key - h->key_from, (word)(NOWHERE), elsewhere);
 }
 
+//@ if SUM_BLOCK > 0 then
+// Objects that came to one block of cells, one after the other: those in order change blocks rarely.
+typedef struct {
+    uint block, n;
+} run;
+
+static inline void end_run(run *r, volatile __global uint *sums)
+{
+    if (r->n > 0)
+        atomic_add(sums + r->block, r->n);
+    r->n = 0;
+}
+
+static inline void add_to_run(run *r, volatile __global uint *sums, uint key)
+{
+    if (key / SUM_BLOCK != r->block)
+        end_run(r, sums);
+    r->block = key / SUM_BLOCK;
+    ++r->n;
+}
+
+//@ end
 #if BATCH > 1
 
 // Adds those of the first n keys from place on that are in this grid.
@@ -167,6 +192,9 @@ __kernel void hash(HASH_ARGS)
 //@ if OWN == 1 then
     uint own_from = edges[first / PER_ITEM], n_own = edges[first / PER_ITEM + 1] - own_from;
 //@ end
+//@ if SUM_BLOCK > 0 then
+    run counted = {0, 0};
+//@ end
     for (uint from = first; from < last; from += BATCH) {
         uint found[BATCH];
         uint size = min(last - from, (uint)BATCH);
@@ -206,15 +234,26 @@ __kernel void hash(HASH_ARGS)
         }
 //@ else
 #if RANK && BATCH > 1
+//@ if SUM_BLOCK > 0 then
+        for (uint k = 0; k < n_picked; ++k)
+            add_to_run(&counted, sums, found[picked[k]]);
+//@ end
         // Atomics wait for the stores before them, so the ranks are stored later.
         for (uint k = 0; k < n_picked; ++k)
             found[picked[k]] = atomic_inc(counts + found[picked[k]]);
         for (uint k = 0; k < size; ++k)
             ranks[from + k] = found[k];
 #elif RANK
+//@ if SUM_BLOCK > 0 then
+        if (found[0] != NOWHERE)
+            add_to_run(&counted, sums, found[0]);
+//@ end
         if (found[0] != NOWHERE)
             ranks[from] = atomic_inc(counts + found[0]);
 #endif
 //@ end
     }
+//@ if SUM_BLOCK > 0 then
+    end_run(&counted, sums);
+//@ end
 }

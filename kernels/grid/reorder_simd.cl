@@ -3,12 +3,67 @@
 // not in the grid comes last in that order and stays away.
 //
 //   sizes  [n + 1] of the objects, where those are transforms (APART)
+//@ if TO_PLACES == 1 then
+//   keys   [n]  cell, or NOWHERE
+//   ranks  [n]  place in the cell
+//@ else
 //   ids    [n]  sorted by cell
+//@ end
 //   starts [n_own_cells + 1] the last one: how many are in the grid
 //   next_counters [COUNTERS] become zero, for the next step
+//@ if TO_PLACES == 1 then
+//   sums   [n_blocks] of the scan; become zero, too
+//@ end
 //   bounds [2 DIMS + 1][COLUMN(place_capacity)], with ORIGIN DIMS more
 //   boxes  [COLUMN(place_capacity)][BOX_WORDS] (poses)
 
+//@ if TO_PLACES == 1 then
+// The next objects from *id on that have a place: eight, or those that are left, the last one
+// again. False where there are none.
+static inline bool next_eight(__global const uint *keys, __global const uint *ranks, __global const uint *starts,
+                              uint place_capacity, uint *id, uint last, uint ids[LANES], uint places[LANES])
+{
+    uint n = 0;
+    for (; *id < last && n < LANES; ++*id) {
+        uint key = keys[*id];
+        ids[n] = *id;
+        places[n] = key == NOWHERE ? place_capacity : starts[key] + ranks[*id];
+        n += places[n] < place_capacity;
+    }
+    for (uint k = n; k > 0 && k < LANES; ++k) {
+        ids[k] = ids[n - 1];
+        places[k] = places[n - 1];
+    }
+    return n > 0;
+}
+
+// Objects that are in the order of cells already have places side by side.
+static inline void store_column(__global float *column, const uint places[LANES], real numbers)
+{
+    uint gaps = 0;
+    for (uint k = 1; k < LANES; ++k)
+        gaps |= places[k] ^ (places[0] + k);
+    if (gaps == 0) {
+        vstore8(numbers, 0, column + places[0]);
+    } else {
+        float each[LANES];
+        vstore8(numbers, 0, each);
+        for (uint k = 0; k < LANES; ++k)
+            column[places[k]] = each[k];
+    }
+}
+
+static inline void store_bounds(__global float *columns, size_t column, const uint places[LANES], const bounds *b,
+                                word where)
+{
+#pragma unroll
+    for (int k = 0; k < DIMS; ++k) {
+        store_column(columns + k * column, places, b->lower[k]);
+        store_column(columns + (DIMS + k) * column, places, b->upper[k]);
+    }
+    store_column(columns + 2 * DIMS * column, places, as_real(where));
+}
+//@ else
 // Places past the end are the last one again.
 static inline void ids_from(__global const uint *ids, uint place, uint end, uint to[LANES])
 {
@@ -46,6 +101,7 @@ static inline void ask_for_rows(object_rows rows, const uint ids[LANES])
         ask_for(from + OBJECT_STRIDE - 1);
     }
 }
+//@ end
 
 __kernel void reorder_simd(REORDER_SIMD_ARGS)
 {
@@ -59,7 +115,20 @@ __kernel void reorder_simd(REORDER_SIMD_ARGS)
         counters[COUNT_PLACED] = placed;
         for (uint k = 0; k < COUNTERS; ++k)
             next_counters[k] = 0;
+//@ if TO_PLACES == 1 then
+        for (uint k = 0; k < n_blocks; ++k)
+            sums[k] = 0;
+//@ end
     }
+//@ if TO_PLACES == 1 then
+    uint id = get_global_id(0) * PER_ITEM;
+//@ if STRETCH == 1 then
+    id += n_hashed;
+//@ end
+    uint last = min(id + PER_ITEM, n);
+    uint sources[LANES], place[LANES];
+    while (next_eight(keys, ranks, starts, place_capacity, &id, last, sources, place)) {
+//@ else
     uint end = min(placed, place_capacity);
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, end);
@@ -70,6 +139,7 @@ __kernel void reorder_simd(REORDER_SIMD_ARGS)
         ask_for_rows(rows, sources);
 #endif
         ids_from(ids, place, end, sources);
+//@ end
         object o = object_at(rows, sources);
         bounds b = object_bounds(&o);
         check_extent(&o, levels, n_levels, counters);
@@ -82,7 +152,11 @@ __kernel void reorder_simd(REORDER_SIMD_ARGS)
 #if ORIGIN
 #pragma unroll
         for (int k = 0; k < DIMS; ++k)
+//@ if TO_PLACES == 1 then
+            store_column(sorted_bounds + (2 * DIMS + 1 + k) * COLUMN(place_capacity), place, as_real(o.cell[k]));
+//@ else
             vstore8(as_real(o.cell[k]), 0, sorted_bounds + (2 * DIMS + 1 + k) * COLUMN(place_capacity) + place);
+//@ end
 #endif
 #if SHAPE == SHAPE_POSES
         box stored = box_of(&o);

@@ -24,13 +24,19 @@ return {
     { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 64 or 0 end,
       about = "objects asked for before they are needed" },
     { "PER_ITEM", values = { 256, 1024, 4096 }, default = 1024, about = "objects a work-item" },
+    { "TO_PLACES", min = 0, max = 1, default = 0, silent = true,
+      about = "1: each object goes to its place by cell and rank, without sorted ids" },
+    { "STRETCH", min = 0, max = 1, default = 0, silent = true, about = "1: objects from n_hashed on, to their places" },
   },
   args = {
     reorder_simd = [[
       const float *objects
       const float *sizes   if APART > 0
-      const uint *ids
+      const uint *ids      if TO_PLACES == 0
+      const uint *keys     if TO_PLACES == 1
+      const uint *ranks    if TO_PLACES == 1
       uint n
+      uint n_hashed        if STRETCH == 1 and TO_PLACES == 1
       const uint *starts
       uint n_own_cells
       uint place_capacity
@@ -42,11 +48,14 @@ return {
       float *sorted_boxes  if SHAPE ~= 1
       volatile uint *counters
       uint *next_counters
+      uint *sums           if TO_PLACES == 1
+      uint n_blocks        if TO_PLACES == 1
     ]],
   },
   valid = function(p, limits)
     if p.AHEAD > 0 and not limits.cpu then return false, "AHEAD is for CPUs" end
     if p.ROOMY == 1 and (p.GRID == 1 or p.LEVELS == 1) then return false, "ROOMY is for dense grids of one size" end
+    if p.SHAPE == 1 and p.TO_PLACES == 1 then return false, "the search reads sorted ids of bounds" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
     if p.SHAPE == 3 and p.ROTATED == 1 then return false, "spheres have no rotation" end
     if p.SHAPE >= 2 and p.ORIGIN > 0 then return false, "what has a radius is not in origin cells" end

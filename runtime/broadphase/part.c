@@ -59,6 +59,7 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BUFFER("counters", "uint *", counters),
                                         BUFFER("next_counters", "uint *", next_counters),
                                         BUFFER("marks", "uint *", marks),
+                                        BUFFER("sums", "uint *", scan.sums),
                                         BUFFER("blocks", "skim_block *", skimmed),
                                         BUFFER("global_ids", "uint2 *", global_ids),
                                         BUFFER("id_changes", "uint4 *", id_changes),
@@ -67,6 +68,7 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BIND_VALUE(part, "stamp", stamp),
                                         BIND_VALUE(part, "n_keys", args.n),
                                         BIND_VALUE(part, "place_capacity", place_capacity),
+                                        BIND_VALUE(part, "n_blocks", scan.n_blocks),
                                         VALUE(n),
                                         VALUE(n_levels),
                                         VALUE(n_cells),
@@ -319,11 +321,23 @@ static bool leaves_boxes(const part_task *task)
            task->objects.origin == 0.0f && !task->packed;
 }
 
+static uint32_t count_taken(const part_task *task)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; task->intake && i < task->intake->taken.n; ++i)
+        n += task->intake->taken.list[i].to - task->intake->taken.list[i].from;
+    return task->intake ? n : task->objects.n;
+}
+
+// With fewer objects a unit, three launches more take longer than atomics and straight places.
+enum { LEAST_OWN = 16384 };
+
 // A CPU's atomics take as long as all else that it does for a cell.
 static bool counts_own_cells(const part *p, const part_task *task)
 {
     return task->ordered && p->device->info.kind == DUET_KIND_CPU && p->device->info.host_memory &&
-           p->variant.search == SEARCH_SIMD && p->variant.sort == SORT_COUNTING && is_roomy(task);
+           p->variant.search == SEARCH_SIMD && p->variant.sort == SORT_COUNTING && is_roomy(task) &&
+           count_taken(task) >= (uint64_t)LEAST_OWN * p->device->info.units;
 }
 
 bool part_is_prepared(const part *p, const part_task *task)
@@ -352,6 +366,10 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
             {"cell_start", {"bounds", "find_bounds"}, "pair_search_paper", "narrow", false},
     };
     p->variant = *asked;
+    const bool was_summed = p->kernels.summed;
+    p->kernels = (part_kernels){0};
+    if (!open_sorts(p, err))
+        return false;
     const int search = p->variant.search;
     bool counting = p->variant.sort == SORT_COUNTING;
     bool poses = task->objects.shape != DUET_SHAPE_BOUNDS;
@@ -360,8 +378,9 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     bool tested = poses && level != DUET_LEVEL_AABB;
     // Objects that are in order go to places side by side.
     bool to_places = counting && !task->shared && task->ordered;
-    bool unboxed = search == SEARCH_GPU && leaves_boxes(task);
     bool own = counts_own_cells(p, task);
+    bool simd_to_places = to_places && !own && search == SEARCH_SIMD && poses;
+    bool unboxed = search == SEARCH_GPU && leaves_boxes(task);
     cl_int4 cells = compiled_cells(p, task);
     const part_choice choices[PART_CHOICES] = {
         {"DIMS", task->objects.dims, false},
@@ -386,6 +405,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {"STRETCH", task->intake && counting, false},
         {"GUARDED", task->slab, false},
         {"FROM_IDS", !to_places, counting && !task->shared},
+        {"TO_PLACES", simd_to_places, false},
+        {"SUM_BLOCK", simd_to_places ? scan_block(&p->scan) : 0, false},
         {"FUSED", tested && p->variant.fused, tested},
     };
     const struct {
@@ -403,10 +424,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {&p->kernels.place, true, searches[search].place[0], searches[search].place[1]},
         {&p->kernels.candidates, true, searches[search].candidates, searches[search].candidates},
     };
-    p->kernels = (part_kernels){0};
     memcpy(p->choices, choices, sizeof choices);
-    if (!open_sorts(p, err))
-        return false;
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
         if (!list[i].wanted)
             continue;
@@ -414,7 +432,11 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         if (!*list[i].at)
             return false;
     }
-    p->kernels.from_ids = search != SEARCH_GPU || kernel_param(p->kernels.place, "FROM_IDS") == 1;
+    p->kernels.from_ids =
+        search == SEARCH_GPU ? kernel_param(p->kernels.place, "FROM_IDS") == 1 : !simd_to_places;
+    p->kernels.summed = simd_to_places;
+    if (simd_to_places && !was_summed)
+        p->zero_counts = 0; // other kernels leave the scan's sums as they are
     p->kernels.unboxed = unboxed;
     p->kernels.packed = task->packed;
     p->kernels.stretched = task->intake;

@@ -99,6 +99,7 @@ typedef struct part_kernels {
     bool listed;         // what overlaps is a pair, without a test
     bool unboxed;        // boxes are read by id, where the objects are
     bool from_ids;       // objects reach cell order by their sorted ids
+    bool summed;         // objects are counted by the scan's blocks, too
     bool packed;         // objects have names
     bool stretched; // some objects are taken, and what the other device wants of them is marked
     bool guarded;   // the search finds nothing where the grid got more than it has space for
@@ -112,7 +113,7 @@ typedef struct part_choice {
     bool open;
 } part_choice;
 
-enum { PART_CHOICES = 23 };
+enum { PART_CHOICES = 25 };
 
 // What kernels are told besides the part's buffers, by the names that their cards use.
 typedef struct part_args {

@@ -39,8 +39,8 @@ static uint32_t count_starts(const part_range *range)
     return own_cells(range) + 1 + STARTS_BEHIND;
 }
 
-// Zeroes the counters, and with them n_counts of the objects a cell. Mostly the step before has
-// done that: it left the counts at zero, and these counters.
+// Zeroes the counters, and with them n_counts of the objects a cell and all those of the scan's
+// blocks. Mostly the step before has done that: it left the counts at zero, and these counters.
 static bool clear(part *p, uint32_t n_counts, duet_error *err)
 {
     uint32_t work = n_counts > COUNTERS ? n_counts : COUNTERS;
@@ -49,7 +49,10 @@ static bool clear(part *p, uint32_t n_counts, duet_error *err)
     p->next_are_cleared = false;
     p->zero_counts = n_counts > p->zero_counts ? n_counts : p->zero_counts;
     p->args.n_counts = n_counts;
-    return is_done || timeline_launch(&p->times, "clear", p->kernels.clear, work, p, err);
+    return is_done ||
+           (timeline_launch(&p->times, "clear", p->kernels.clear, work, p, err) &&
+            (!p->kernels.summed || timeline_fill(&p->times, "clear", &p->scan.sums, 0, 0,
+                                                 p->scan.sums.bytes / sizeof(uint32_t), err)));
 }
 
 // ---------------------------------------------------------------- sorting
@@ -162,8 +165,8 @@ static bool launch_over_taken(part *p, const part_task *task, const char *stage,
 static bool counting_sort(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     return hash_objects(p, task, false, err) &&
-           scan_run(&p->scan, &p->times, "sort", &p->counts, &p->starts, count_starts(range),
-                    err) &&
+           (p->kernels.summed ? scan_run_summed : scan_run)(&p->scan, &p->times, "sort", &p->counts,
+                                                            &p->starts, count_starts(range), err) &&
            (!p->kernels.from_ids || launch_over_taken(p, task, "sort", p->kernels.scatter, err));
 }
 
@@ -248,10 +251,11 @@ static bool reserve_places(part *p, const part_task *task, size_t n, duet_error 
 // Without a counting sort nothing is counted.
 static bool reserve_counts(part *p, const part_range *range, duet_error *err)
 {
-    size_t before = p->counts.bytes;
+    size_t before = p->counts.bytes + p->scan.sums.bytes;
     size_t words = p->variant.sort == SORT_COUNTING ? count_starts(range) : 1;
-    bool ok = buffer_reserve(&p->counts, p->device, words * sizeof(uint32_t), err);
-    if (p->counts.bytes != before)
+    bool ok = buffer_reserve(&p->counts, p->device, words * sizeof(uint32_t), err) &&
+              (!p->kernels.summed || scan_reserve(&p->scan, count_starts(range), err));
+    if (p->counts.bytes + p->scan.sums.bytes != before)
         p->zero_counts = 0;
     return ok;
 }

@@ -107,17 +107,17 @@ static bool is_empty(const part_range *slab)
     return slab->key_from == slab->key_to;
 }
 
-// Where A's slab ends among objects that are in order. Beside an empty slab the other device
-// has all of them.
+// Where A's slab ends among objects that are in order, rounded down: A takes some of B's objects
+// anyway, its ghosts, and B then takes none of A's. Beside an empty slab the other device has all.
 static uint32_t cut_of(const part_range ranges[2], uint32_t n)
 {
-    uint64_t cut = ((uint64_t)ranges[0].homes + STRAY_BLOCK / 2) / STRAY_BLOCK * STRAY_BLOCK;
     if (is_empty(&ranges[0]) || is_empty(&ranges[1]))
         return is_empty(&ranges[0]) ? 0 : n;
-    return cut < n ? (uint32_t)cut : n;
+    uint32_t cut = ranges[0].homes / STRAY_BLOCK * STRAY_BLOCK;
+    return cut < n ? cut : n;
 }
 
-// A wants its ghosts, and each the objects that the cut, rounded to blocks, gave to the other.
+// A wants its ghosts, and the objects that the cut, rounded to blocks, gave to B.
 static void guess_border(strays *s)
 {
     const part_range *a = &s->ranges[0];
@@ -125,7 +125,7 @@ static void guess_border(strays *s)
     bool both = !is_empty(a) && !is_empty(&s->ranges[1]);
     for (uint32_t b = 0; b < blocks_of(s->n); ++b) {
         uint64_t from = (uint64_t)b * STRAY_BLOCK;
-        s->guessed[b] = both && (from < s->cut ? from + STRAY_BLOCK > a->homes : from < ghosts_to);
+        s->guessed[b] = both && from >= s->cut && from < ghosts_to;
     }
 }
 

@@ -110,7 +110,7 @@ static const char *why_not(const part *p, reason left_out)
     if (left_out == BY_SORT && p->variant.sort == SORT_RADIX)
         return "the sort is radix";
     if (left_out == BY_SORT && !p->kernels.from_ids)
-        return "FROM_IDS=0: objects go to their places without";
+        return "objects go to their places without sorted ids";
     if (left_out == BY_SORT)
         return "the sort is counting: its sums are where cells begin";
     if (left_out == BY_TEST && p->kernels.listed)

@@ -26,18 +26,11 @@ static const struct {
 // What a world is made for.
 static duet_object_kind kind_of(const duet_world_def *def)
 {
-    static const duet_object_kind of_shape[DUET_SHAPES] = {
-        [DUET_SHAPE_POSES] = DUET_OBJECT_POSES,
-        [DUET_SHAPE_BOUNDS] = DUET_OBJECT_BOUNDS,
-        [DUET_SHAPE_ROUNDED_BOXES] = DUET_OBJECT_ROUNDED_BOXES,
-        [DUET_SHAPE_SPHERES] = DUET_OBJECT_SPHERES,
-    };
-    if (def->shape != DUET_SHAPE_POSES)
-        return of_shape[def->shape];
-    return def->origin_edge > 0.0f   ? DUET_OBJECT_LARGE_POSES
-           : def->compact_transforms ? DUET_OBJECT_COMPACT_TRANSFORMS
-           : def->separate_sizes     ? DUET_OBJECT_TRANSFORMS
-                                     : DUET_OBJECT_POSES;
+    duet_object_kind whole = origin_row_kind(def->shape, def->origin_edge);
+    bool apart = whole == DUET_OBJECT_POSES;
+    return apart && def->compact_transforms ? DUET_OBJECT_COMPACT_TRANSFORMS
+           : apart && def->separate_sizes   ? DUET_OBJECT_TRANSFORMS
+                                            : whole;
 }
 
 const char *world_objects_name(const duet_world_def *def)

@@ -75,6 +75,17 @@ size_t origin_row_bytes(duet_shape shape, float edge)
     return edge > 0.0f ? sizeof(duet_large_pose) : bytes[shape];
 }
 
+duet_object_kind origin_row_kind(duet_shape shape, float edge)
+{
+    static const duet_object_kind kinds[DUET_SHAPES] = {
+        [DUET_SHAPE_POSES] = DUET_OBJECT_POSES,
+        [DUET_SHAPE_BOUNDS] = DUET_OBJECT_BOUNDS,
+        [DUET_SHAPE_ROUNDED_BOXES] = DUET_OBJECT_ROUNDED_BOXES,
+        [DUET_SHAPE_SPHERES] = DUET_OBJECT_SPHERES,
+    };
+    return shape == DUET_SHAPE_POSES && edge > 0.0f ? DUET_OBJECT_LARGE_POSES : kinds[shape];
+}
+
 // ---------------------------------------------------------------- for callers
 
 bool duet_large_pose_set(duet_large_pose *large, const double centre[3], float edge,

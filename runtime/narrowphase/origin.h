@@ -26,6 +26,7 @@ bool origin_place(duet_large_pose *large, const double centre[3], float edge);
 
 // Rows of objects of a shape, or with an edge above 0 large poses.
 size_t origin_row_bytes(duet_shape shape, float edge);
+duet_object_kind origin_row_kind(duet_shape shape, float edge);
 static inline const duet_pose *origin_pose(const void *rows, float edge, uint32_t id)
 {
     return edge > 0.0f ? &((const duet_large_pose *)rows)[id].pose : &((const duet_pose *)rows)[id];

@@ -19,6 +19,20 @@ static const char third_axis[] =
     "#define get_global_size(axis) (get_num_groups(2) * get_local_size(0))\n"
     "#line 1\n";
 
+// Not one that PoCL reaches through another driver or on another machine. What PoCL builds a
+// device's kernels with stands last in its version: "OpenCL 3.0 PoCL HSTR: pthread-x86_64-...".
+static bool is_pocls_own_cpu(const duet_device_info *info)
+{
+    static const char *const own[] = {"pthread-", "cpu-", "basic-"};
+    const char *with = "", *next = info->cl_version;
+    while ((next = strstr(next, "HSTR: ")))
+        with = next += strlen("HSTR: ");
+    for (size_t i = 0; i < sizeof own / sizeof *own; ++i)
+        if (strncmp(with, own[i], strlen(own[i])) == 0)
+            return info->kind == DUET_KIND_CPU;
+    return false;
+}
+
 driver driver_of(const duet_device_info *info)
 {
     bool pocl = strncmp(info->platform, "Portable Computing Language", 27) == 0;
@@ -27,6 +41,7 @@ driver driver_of(const duet_device_info *info)
         .third_axis = pocl && info->kind == DUET_KIND_CPU ? third_axis : NULL,
         .header_option = pocl ? "-D _OPENCL_H_" : NULL, // what guards Clang's opencl-c.h
         .keeps_kernels = pocl,
+        .in_place = pocl && is_pocls_own_cpu(info),
         .compiles_one_by_one = pocl || oclgrind,
         .breaks = oclgrind,
     };
@@ -43,6 +58,8 @@ const char *duet_device_info_get_quirk(const duet_device_info *info, uint32_t i)
          "compiles a kernel for each range, and mixes them up before 6.0: all launches look alike"},
         {d.keeps_kernels,
          "compiles twice when asked for binaries: what it built is left to its own cache"},
+        {d.in_place, "wakes all its threads to map memory that its kernels share with the host: "
+                     "none is mapped"},
         {d.breaks, "breaks when two threads compile at once: programs are compiled one by one"},
         {d.header_option,
          "reads 17,000 lines of declarations for each program: Duet's kernels have their own"},

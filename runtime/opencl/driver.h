@@ -29,6 +29,11 @@ typedef struct driver {
     // for the next.
     bool keeps_kernels;
 
+    // Kernels work on wrapped host memory itself, so that a map only orders commands, which one
+    // queue does already. PoCL makes a command of each map and each unmap, and wakes all threads
+    // of the device for it, as for a kernel: up to ten in a step, beside six kernels.
+    bool in_place;
+
     // Several threads are not to compile at once: PoCL compiles under one lock, and a thread more
     // would only wait; Oclgrind's programs share a state of LLVM that no lock guards.
     bool compiles_one_by_one;

@@ -31,17 +31,38 @@ void scan_close(scan *s)
     *s = (scan){0};
 }
 
-bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, const buffer *to,
-              uint32_t n, duet_error *err)
+uint32_t scan_block(const scan *s)
 {
-    uint32_t block = s->block_sums->group * s->block_sums->per_item;
+    return s->block_sums->group * s->block_sums->per_item;
+}
+
+static uint32_t count_blocks(const scan *s, uint32_t n)
+{
+    return (uint32_t)(((uint64_t)n + scan_block(s) - 1) / scan_block(s));
+}
+
+bool scan_reserve(scan *s, uint32_t n, duet_error *err)
+{
+    return buffer_reserve(&s->sums, s->device, count_blocks(s, n) * sizeof(uint32_t), err);
+}
+
+bool scan_run_summed(scan *s, timeline *t, const char *stage, const buffer *values,
+                     const buffer *to, uint32_t n, duet_error *err)
+{
     s->values = *values;
     s->to = *to;
     s->n = n;
-    s->n_blocks = (uint32_t)(((uint64_t)n + block - 1) / block);
+    s->n_blocks = count_blocks(s, n);
     s->use_tops = s->n_blocks > MOST_ADDED_BLOCKS;
-    return buffer_reserve(&s->sums, s->device, s->n_blocks * sizeof(uint32_t), err) &&
-           timeline_launch(t, stage, s->block_sums, n, s, err) &&
-           (!s->use_tops || timeline_launch(t, stage, s->top_sums, 1, s, err)) &&
+    return (!s->use_tops || timeline_launch(t, stage, s->top_sums, 1, s, err)) &&
            timeline_launch(t, stage, s->blocks, n, s, err);
+}
+
+bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, const buffer *to,
+              uint32_t n, duet_error *err)
+{
+    s->values = *values;
+    s->n = n;
+    return scan_reserve(s, n, err) && timeline_launch(t, stage, s->block_sums, n, s, err) &&
+           scan_run_summed(s, t, stage, values, to, n, err);
 }

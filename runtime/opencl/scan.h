@@ -18,9 +18,19 @@ bool scan_open(scan *s, const device *d, program_set *programs, const gen_settin
                uint32_t n_settings, duet_error *err);
 void scan_close(scan *s);
 
+// Values whose sum is one of `sums`.
+uint32_t scan_block(const scan *s);
+
+// Makes space for the sums of n values.
+bool scan_reserve(scan *s, uint32_t n, duet_error *err);
+
 // Writes to each of n words the sum of the values before its own; `to` may be the values
 // themselves. Where the kernels were built with EMPTIES it may not, and the values become zero.
 bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, const buffer *to,
               uint32_t n, duet_error *err);
+
+// The same where the sums of the blocks are there already: a launch less.
+bool scan_run_summed(scan *s, timeline *t, const char *stage, const buffer *values,
+                     const buffer *to, uint32_t n, duet_error *err);
 
 #endif

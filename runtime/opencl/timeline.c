@@ -118,12 +118,24 @@ bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, si
     return keep_command(t, stage, event, err);
 }
 
+// Where kernels work in place the host sees all once the queue is empty.
+static bool await_queue(timeline *t, duet_error *err)
+{
+    cl_int code = clFinish(t->device->queue);
+    t->unheard = code != CL_SUCCESS;
+    t->seen = code == CL_SUCCESS;
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: running the step", t->device->info.selector);
+}
+
 // Hands wrapped host memory from one side to the other without moving it. A wait here costs a
 // CPU's driver two wake-ups, a tenth of a millisecond.
 static bool hand_over(timeline *t, buffer *b, cl_map_flags flags, size_t bytes, cl_bool wait,
                       duet_error *err)
 {
     cl_int code = CL_SUCCESS;
+    if (t->device->driver.in_place)
+        return !wait || await_queue(t, err);
     t->seen = false;
     void *seen =
         clEnqueueMapBuffer(t->device->queue, b->mem, wait, flags, 0, bytes, 0, NULL, NULL, &code);
@@ -236,6 +248,9 @@ bool timeline_see(timeline *t, const char *stage, const buffer *const list[], in
     cl_int code = CL_SUCCESS;
     cl_event event = NULL;
     assert(n > 0 && n <= TIMELINE_SEEN);
+    ++t->n_waits;
+    if (t->device->driver.in_place)
+        return await_queue(t, err);
     for (int i = 0; i < n && code == CL_SUCCESS; ++i) {
         bool last = i + 1 == n;
         if (list[i]->mem)
@@ -248,7 +263,6 @@ bool timeline_see(timeline *t, const char *stage, const buffer *const list[], in
                   : CL_SUCCESS;
         code = code == CL_SUCCESS ? given : code;
     }
-    ++t->n_waits;
     bool kept = !event || keep_event(t, stage, true, event, err);
     if (code == CL_SUCCESS)
         code = clFlush(t->device->queue);

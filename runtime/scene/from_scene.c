@@ -9,13 +9,7 @@
 
 duet_object_kind scene_kind(const duet_scene_info *info)
 {
-    static const duet_object_kind of_shape[DUET_SHAPES] = {
-        [DUET_SHAPE_POSES] = DUET_OBJECT_POSES,
-        [DUET_SHAPE_BOUNDS] = DUET_OBJECT_BOUNDS,
-        [DUET_SHAPE_ROUNDED_BOXES] = DUET_OBJECT_ROUNDED_BOXES,
-        [DUET_SHAPE_SPHERES] = DUET_OBJECT_SPHERES,
-    };
-    return info->origin_edge > 0.0f ? DUET_OBJECT_LARGE_POSES : of_shape[info->shape];
+    return origin_row_kind(info->shape, info->origin_edge);
 }
 
 bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err)

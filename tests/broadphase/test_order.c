@@ -359,12 +359,17 @@ static void objects_in_order_are_in_their_work_item_s_own_cells(void **state)
 {
     (void)state;
     enum { N = 5003 };
+    const uint32_t units = devices->devices[1].info.units;
+    devices->devices[1].info.units = 0; // few objects are enough
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
-    def.plan.mode = DUET_MODE_OWN;
-    def.plan.share = 0;
     duet_world *world = make_world(&def);
     fill_poses(&r, N, 3);
+    assert_finds_all_in_any_order(world, &r, N);
+    duet_world_destroy(world);
+    def.plan.mode = DUET_MODE_OWN;
+    def.plan.share = 0;
+    world = make_world(&def);
     put_in_order(world, N);
     assert_in_range(count_others(world, N), 0, N / 100);
     for (uint32_t i = 0; i < N; i += 1024) // strays that come first
@@ -373,6 +378,7 @@ static void objects_in_order_are_in_their_work_item_s_own_cells(void **state)
     reverse(N);
     assert_in_range(count_others(world, N), N / 2, N);
     duet_world_destroy(world);
+    devices->devices[1].info.units = units;
 }
 
 // Each cell and those around it hold hundreds, many more than a lane lists at once.
@@ -421,6 +427,9 @@ static void assert_counts_from_zero(duet_world *world, uint32_t n, const bool cl
         assert_true(p->zero_counts > 0 && p->next_are_cleared);
         assert_zero(&p->counts, p->zero_counts);
         assert_zero(&p->next_counters, COUNTERS);
+        assert_zero(&p->scan.sums, p->scan.n_blocks);
+        if (!clears[side])
+            assert_int_equal(p->times.n_launches, 4); // hash, scan_blocks, reorder, search
     }
 }
 
@@ -447,6 +456,32 @@ static void a_step_leaves_its_counts_at_zero_for_the_next_one(void **state)
     assert_int_equal(err.status, DUET_STATUS_TOO_MANY);
     assert_counts_from_zero(world, N, both);
     assert_counts_from_zero(world, N, none);
+    duet_world_destroy(world);
+}
+
+// Modes take other kernels, which leave other sums behind.
+static void a_world_may_change_its_mode_from_step_to_step(void **state)
+{
+    (void)state;
+    enum { N = CAPACITY };
+    static const duet_mode modes[] = {DUET_MODE_OWN,  DUET_MODE_SHARED, DUET_MODE_OWN,
+                                      DUET_MODE_SLAB, DUET_MODE_SHARED, DUET_MODE_SLAB};
+    rng r = {test_seed()};
+    duet_world_def def = ordered_def(3, "simd");
+    duet_world *world = make_world(&def);
+    fill_poses(&r, N, 3);
+    uint64_t truth = reference_hash(N, 3);
+    for (size_t i = 0; i < sizeof modes / sizeof *modes; ++i) {
+        duet_error err = {0};
+        duet_result result;
+        duet_plan plan = *duet_world_get_plan(world);
+        plan.mode = modes[i];
+        assert_ok(duet_world_set_plan(world, &plan, &err), err);
+        set_poses(world, N);
+        step(world, &result);
+        assert_int_equal(duet_result_get_hash(&result), truth);
+    }
+    assert_true(world->parts[1].scan.n_blocks > 1);
     duet_world_destroy(world);
 }
 
@@ -591,17 +626,22 @@ static void objects_that_move_are_found_in_every_step(void **state)
 
 enum { BLOCKS = 100, OWN = BLOCKS / 2 };
 
-// Slabs of 100 blocks in order, cut in the middle, with 3 blocks of ghosts.
-static void begin_strays(strays *s, bool expected_new)
+// Slabs of 100 blocks in order, cut behind so many objects, with 3 blocks of ghosts.
+static void begin_strays_behind(strays *s, uint32_t homes, bool expected_new)
 {
     duet_error err = {0};
     const part_task task = {.objects = {.n = BLOCKS * STRAY_BLOCK}, .grid_version = 1};
     const part_range ranges[2] = {
-        {.key_to = 530, .home_to = 500, .homes = OWN * STRAY_BLOCK, .expected_ghosts = 3000},
+        {.key_to = 530, .home_to = 500, .homes = homes, .expected_ghosts = 3000},
         {.key_from = 500, .key_to = 1000, .home_to = 1000}};
     const uint64_t before = s->version;
     assert_ok(strays_begin(s, &task, ranges, &err), err);
     assert_int_equal(s->version != before, expected_new);
+}
+
+static void begin_strays(strays *s, bool expected_new)
+{
+    begin_strays_behind(s, OWN * STRAY_BLOCK, expected_new);
 }
 
 static uint32_t taken_from_other(const strays *s, int side)
@@ -643,6 +683,21 @@ static void a_guess_follows_what_was_wanted(void **state)
     assert_true(guesses(&s, ghosts, 2)); // less than was guessed
     assert_true(taken_from_other(&s, 0) <= 5 && taken_from_other(&s, 1) == 0);
     strays_close(&s);
+}
+
+// What B takes of A is one more command for a device with memory of its own.
+static void b_takes_none_of_as_objects_where_all_are_in_order(void **state)
+{
+    (void)state;
+    static const uint32_t more[] = {0, 1, STRAY_BLOCK / 2, STRAY_BLOCK - 1};
+    for (size_t i = 0; i < sizeof more / sizeof *more; ++i) {
+        strays s = {0};
+        begin_strays_behind(&s, OWN * STRAY_BLOCK + more[i], true);
+        assert_int_equal(s.cut, OWN * STRAY_BLOCK);
+        assert_int_equal(taken_from_other(&s, 0), more[i] > 72 ? 4 : 3); // 72 short of 3 blocks
+        assert_int_equal(taken_from_other(&s, 1), 0);
+        strays_close(&s);
+    }
 }
 
 // One launch takes them, the part's own among them.
@@ -748,12 +803,14 @@ int main(void)
         cmocka_unit_test(objects_in_order_are_in_their_work_item_s_own_cells),
         cmocka_unit_test(crowds_are_found_by_lanes_that_list_first),
         cmocka_unit_test(a_step_leaves_its_counts_at_zero_for_the_next_one),
+        cmocka_unit_test(a_world_may_change_its_mode_from_step_to_step),
         cmocka_unit_test(a_device_that_takes_nothing_finds_nothing),
         cmocka_unit_test(giants_and_crowds_are_found),
         cmocka_unit_test(objects_in_origin_cells_are_found_in_any_order),
         cmocka_unit_test(a_device_takes_its_own_half_and_the_blocks_with_strays),
         cmocka_unit_test(objects_that_move_are_found_in_every_step),
         cmocka_unit_test(a_guess_follows_what_was_wanted),
+        cmocka_unit_test(b_takes_none_of_as_objects_where_all_are_in_order),
         cmocka_unit_test(stretches_side_by_side_are_one),
         cmocka_unit_test(the_same_guess_is_no_new_one),
         cmocka_unit_test(a_workload_tells_how_many_objects_stray),

@@ -69,6 +69,49 @@ facts.holds("clusters come one after the other, and ids have 64 bits", function(
   facts.equal(all, #pairs)
 end)
 
+-- A sphere for each box, which is written anew at each step.
+facts.holds("spheres that the script moves have the reference's pairs at each step", function()
+  local cluster <close> = assert(duet.cluster { plain = true, shape = "spheres" })
+  local function sphere(i, step)
+    local x, y, z, radius = pose(i, step)
+    return x, y, z, radius
+  end
+  local ids, rows = {}, {}
+  for i = 1 + cluster.rank, n, cluster.rank_count do ids[#ids + 1], rows[#rows + 1] = i - 1, { sphere(i, 0) } end
+  assert(cluster:set_objects(ids, #rows > 0 and rows or duet.spheres(0)))
+  for step = 0, 9 do
+    local homes, own = assert(cluster:map_homes())
+    for place, id in own:each() do homes:set(place, sphere(id + 1, step)) end
+    local all = {}
+    for i = 1, n do all[i] = { sphere(i, step) } end
+    local scene <close> = assert(duet.scene(duet.spheres(all)))
+    local pairs <close> = assert(scene:reference())
+    assert(#pairs > 20)
+    facts.equal(assert(cluster:step()).hash, pairs:hash())
+  end
+  facts.raises("duet.spheres expected", cluster.set_objects, cluster, ids, duet.poses(#ids))
+end)
+
+facts.holds("homes are rows of the kind that the scene has", function()
+  local cluster <close> = assert(duet.cluster { plain = true })
+  local path = "cluster_lua_" .. cluster.rank_count .. ".lua"
+  if cluster.rank == 0 then
+    local file <close> = assert(io.open(path, "w"))
+    file:write("for i = 1, 9 do add(1e9 + i, 0, 0, 1, 1, 1, 0, 0, 0, 1) end return { dims = 3, origin = 'cell' }")
+  end
+  for _, of in ipairs { { "rounded", 44 }, { "spheres", 16 }, { "grains", 40 }, { path, 56 } } do
+    assert(cluster:load_scene(of[1], of[1] ~= path and { n = 9 } or nil))
+    local result = assert(cluster:step())
+    local homes, ids = assert(cluster:map_homes())
+    local rows, names = homes:bytes(), ids:bytes()
+    facts.equal(#rows, of[2] * #ids)
+    facts.equal(result.objects, 9)
+    assert(cluster:set_objects(names, rows))
+    facts.equal(assert(cluster:step()).hash, result.hash)
+  end
+  if cluster.rank == 0 then os.remove(path) end
+end)
+
 facts.holds("devices of a cluster and of the script find the same pairs", function()
   local settings = { n = 300, world = 12 }
   local cluster <close> = assert(duet.cluster())

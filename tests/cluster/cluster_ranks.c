@@ -10,6 +10,8 @@
 #include "base/rng.h"
 #include "base/text.h"
 #include "cluster/owner.h"
+#include "runtime/narrowphase/rounded.h"
+#include "runtime/narrowphase/sat_frame.h"
 #include "runtime/opencl/device_pair.h"
 
 #include <inttypes.h>
@@ -43,6 +45,8 @@ typedef struct crowd {
     duet_pose poses[MOST_OBJECTS];
     duet_bounds bounds[MOST_OBJECTS];
     duet_large_pose large[MOST_OBJECTS];
+    duet_rounded_box rounded[MOST_OBJECTS];
+    duet_sphere spheres[MOST_OBJECTS];
     duet_pair *pairs;
     uint64_t n_pairs;
 } crowd;
@@ -55,9 +59,19 @@ static duet_object_kind kind_of(const crowd *c)
 
 static const void *objects_of(const crowd *c)
 {
-    return kind_of(c) == DUET_OBJECT_BOUNDS        ? (const void *)c->bounds
-           : kind_of(c) == DUET_OBJECT_LARGE_POSES ? (const void *)c->large
-                                                   : (const void *)c->poses;
+    const void *const objects[] = {[DUET_OBJECT_POSES] = c->poses,
+                                   [DUET_OBJECT_BOUNDS] = c->bounds,
+                                   [DUET_OBJECT_LARGE_POSES] = c->large,
+                                   [DUET_OBJECT_ROUNDED_BOXES] = c->rounded,
+                                   [DUET_OBJECT_SPHERES] = c->spheres};
+    return objects[kind_of(c)];
+}
+
+// It begins with its centre, unless it is of bounds.
+static float *row_of(const crowd *c, uint64_t id)
+{
+    object_form form = object_form_of(&c->world);
+    return (float *)((uintptr_t)objects_of(c) + id * form.bytes);
 }
 
 static uint64_t hash_of(const crowd *c)
@@ -115,19 +129,44 @@ static void change_pose(duet_pose *p, bool on_lattice, float scale)
     }
 }
 
+static float some_radius(rng *r, bool on_lattice, float scale)
+{
+    float radius = (float)some_half(r, rng_below(r, 30) ? 0.25 : 4);
+    return scale * (on_lattice ? ceilf(2 * radius) / 2 : radius);
+}
+
+enum { SPHERES = 43, ROUNDED = 45, N_CROWDS = 55 }; // of these on crowds have radii
+
+static duet_world_def world_of_crowd(uint32_t i)
+{
+    duet_world_def world = duet_default_world_def();
+    world.dims = 2 + (i & 1);
+    world.shape = i % 3 == 2 ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES;
+    world.origin_edge = i % 3 == 1 ? 0.25f : 0.0f;
+    if (i >= SPHERES) {
+        world.shape = i & 2 ? DUET_SHAPE_SPHERES : DUET_SHAPE_ROUNDED_BOXES;
+        world.origin_edge = 0;
+        world.level = i % 3 == 2 ? DUET_LEVEL_AABB : DUET_LEVEL_CERTIFIED;
+    }
+    return world;
+}
+
 static void make_crowd(crowd *c, rng *r, uint32_t i)
 {
     static const uint32_t counts[] = {MOST_OBJECTS, 200, 40, 5, 1, 0};
-    c->world = duet_default_world_def();
-    c->world.dims = 2 + (i & 1);
-    c->world.shape = i % 3 == 2 ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES;
-    c->world.origin_edge = i % 3 == 1 ? 0.25f : 0.0f;
+    c->world = world_of_crowd(i);
     c->n = i % 5 == 4 ? counts[rng_below(r, 6)] : MOST_OBJECTS;
     double edge = i % 7 == 6 ? 0.0 : rng_between(r, 1, 8); // 0: all in one place
     for (uint32_t k = 0; k < c->n; ++k) {
         duet_pose p = some_pose(r, edge);
-        change_pose(&p, i % 8 > 5, i % 11 == 10 && i % 3 != 1 ? 0x1p40f : 1);
+        float scale = i % 11 == 10 && i % 3 != 1 ? 0x1p40f : 1;
+        change_pose(&p, i % 8 > 5, scale);
         c->poses[k] = p;
+        c->rounded[k] = (duet_rounded_box){.pose = p};
+        if (i >= SPHERES)
+            c->rounded[k].radius = some_radius(r, i % 8 > 5, scale);
+        c->spheres[k].radius = c->rounded[k].radius;
+        memcpy(c->spheres[k].centre, p.centre, sizeof p.centre);
         duet_large_pose *large = &c->large[k];
         double far = k % 2 ? 1e7 : -1e7;
         double centre[3] = {(double)p.centre[0] + far, (double)p.centre[1], (double)p.centre[2]};
@@ -202,13 +241,19 @@ static void must_find(duet_cluster *cluster, const crowd *c)
     }
 }
 
+static void must_fail(bool ok, const duet_error *err, duet_status status, const char *says)
+{
+    MUST(!ok && err->status == status && strstr(err->text, says) && !strchr(err->text, '\n'),
+         err->text);
+}
+
 // ---------------------------------------------------------------- facts
 
 static void random_crowds_have_the_same_pairs(uint64_t seed)
 {
     static crowd c;
     rng r = rng_seed(seed);
-    for (uint32_t i = 0; i < 42; ++i) {
+    for (uint32_t i = 0; i < N_CROWDS; ++i) {
         make_crowd(&c, &r, i);
         double weight = exp2(rng_between(&r, -2, 2) * (i % 2 ? rank : 0));
         for (int g = 0; g < N_GROUPS; ++g) {
@@ -283,6 +328,37 @@ static const char mixed_scene[] =
     "end)\n"
     "return { dims = 3, origin = 'cell' }\n";
 
+static const char other_scene[] =
+    "local p = parameters { n = 9, flat = false }\n"
+    "each(p.n, function(i)\n"
+    "  if p.flat then add(0, i, 1, 1, 0) else add(0, 0, i, 1, 1, i + 1) end\n"
+    "end)\n"
+    "return { dims = p.flat and 2 or 3 }\n";
+
+// Where the file of one rank is another one.
+static void objects_of_other_kinds_are_refused(void)
+{
+    static const duet_setting settings[] = {{"n", "90"}, {"flat", "true"}};
+    MPI_Comm comm = group_of(3);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_world_def world = duet_default_world_def();
+    duet_cluster *c = open_cluster(&comm, &world, 1);
+    duet_error err = {0};
+    if (rank == 1)
+        MUST_OK(text_write_file("other.lua", other_scene, sizeof other_scene - 1, &err), err);
+    for (uint32_t is_flat = 0; is_flat < 2; ++is_flat) {
+        const char *path = rank == 1 ? "other.lua" : "grains";
+        err = (duet_error){0};
+        must_fail(duet_cluster_load_scene(c, path, settings, 1 + (rank == 1 ? is_flat : 0), &err),
+                  &err, DUET_STATUS_BAD_INPUT, "objects of another kind here than on other ranks");
+    }
+    if (rank == 1)
+        remove("other.lua");
+    duet_cluster_destroy(c);
+    MPI_Comm_free(&comm);
+}
+
 static duet_cluster_result step_of_scene(duet_cluster *cluster, const shipped *s)
 {
     duet_error err = {0};
@@ -341,23 +417,46 @@ static void scenes_have_the_same_pairs(void)
         {"cluster_ranks.lua", {{"n", "300"}, {"seed", "4"}, {"seed", "4"}}, DUET_LEVEL_SAT15},
         {"orbit2d", {{"n", "5"}, {"n", "5"}, {"n", "5"}}, DUET_LEVEL_CERTIFIED},
         {"paper", {{"n", "0"}, {"world", "20"}, {"seed", "2"}}, DUET_LEVEL_CERTIFIED},
+        {"spheres", {{"n", "900"}, {"world", "14"}, {"seed", "2"}}, DUET_LEVEL_SPHERE},
+        {"rounded", {{"n", "900"}, {"seed", "2"}, {"seed", "2"}}, DUET_LEVEL_CERTIFIED},
+        {"rounded", {{"n", "7"}, {"seed", "2"}, {"seed", "2"}}, DUET_LEVEL_AABB}, // a shape a rank
     };
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i)
         must_have_the_pairs_of(&scenes[i]);
     scenes_of_other_rows_may_follow();
+    objects_of_other_kinds_are_refused();
     MPI_Barrier(MPI_COMM_WORLD);
     if (rank == 0)
         remove("cluster_ranks.lua");
 }
 
 // Where an object is at a step is known by its id alone.
-static void move(duet_pose *p, uint64_t id, uint32_t at)
+static void move(float centre[3], uint64_t id, uint32_t at)
 {
     rng r = rng_seed(id * 1000 + at);
     for (int k = 0; k < 3; ++k)
-        p->centre[k] += (float)rng_between(&r, -1, 1);
+        centre[k] += (float)rng_between(&r, -1, 1);
     if (id % 50 == at % 50) // far away, and out of all parts
-        p->centre[0] = (float)rng_between(&r, -40, 40);
+        centre[0] = (float)rng_between(&r, -40, 40);
+}
+
+static void move_crowd(crowd *c, uint32_t at)
+{
+    for (uint32_t id = 0; id < c->n; ++id)
+        move(row_of(c, id), id, at);
+}
+
+// Homes become as the crowd's objects are.
+static void move_homes(duet_cluster *cluster, const crowd *c)
+{
+    object_form form = object_form_of(&c->world);
+    duet_error err = {0};
+    const uint64_t *ids;
+    uint32_t n;
+    unsigned char *own = duet_cluster_map_homes(cluster, kind_of(c), &ids, &n, &err);
+    MUST_OK(own, err);
+    for (uint32_t i = 0; i < n; ++i)
+        memcpy(own + i * form.bytes, row_of(c, ids[i]), form.bytes);
 }
 
 // Of each group: in place, in parts or not, and the last but one by ascending id.
@@ -384,7 +483,7 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
     uint64_t left = 0, merged = 0, strayed = 0;
     for (uint32_t at = 0; at < 200; ++at) {
         for (uint32_t id = 0; id < c.n; ++id)
-            move(&c.poses[id], id, at);
+            move(c.poses[id].centre, id, at);
         find_expected(&c);
         for (int g = 0; g < N_GROUPS; ++g) {
             duet_error err = {0};
@@ -395,7 +494,7 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
             duet_pose *own = duet_cluster_map_homes(clusters[g], DUET_OBJECT_POSES, &ids, &n, &err);
             MUST_OK(own, err);
             for (uint32_t i = 0; i < n; ++i)
-                move(&own[i], ids[i], at);
+                move(own[i].centre, ids[i], at);
             uint64_t first = n > 0 ? ids[0] : 0;
             must_find(clusters[g], &c);
             const homes *h = &clusters[g]->homes;
@@ -419,12 +518,6 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
         if (comms[g] != MPI_COMM_NULL)
             MPI_Comm_free(&comms[g]);
     }
-}
-
-static void must_fail(bool ok, const duet_error *err, duet_status status, const char *says)
-{
-    MUST(!ok && err->status == status && strstr(err->text, says) && !strchr(err->text, '\n'),
-         err->text);
 }
 
 // By the pairs that each rank hands out, when it is asked.
@@ -536,10 +629,10 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
         duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n_homes, &err);
         MUST_OK(own, err);
         for (uint32_t id = at % 16; id < c.n; id += 16) // few, so that few ids change places
-            move(&c.poses[id], id, at);
+            move(c.poses[id].centre, id, at);
         for (uint32_t i = 0; i < n_homes; ++i)
             if ((ids[i] - first) % 16 == at % 16)
-                move(&own[i], ids[i] - first, at);
+                move(own[i].centre, ids[i] - first, at);
         find_expected(&c);
         uint64_t expected = 0;
         for (uint64_t i = 0; i < c.n_pairs; ++i)
@@ -571,11 +664,11 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
 
 // On two ranks, of whose devices one have memory of their own, to which parts travel while others
 // are searched, and the others read parts where they lie. Pairs are counted by the first of these.
-static void devices_find_the_pairs_of_parts_in_place(uint64_t seed, uint32_t k)
+static void devices_find_the_pairs_of_parts_in_place(uint64_t seed, uint32_t crowd_at, uint32_t k)
 {
     static crowd c;
     rng r = rng_seed(seed);
-    make_crowd(&c, &r, 3);
+    make_crowd(&c, &r, crowd_at);
     MPI_Comm comm = group_of(2);
     duet_cluster *cluster = NULL;
     duet_error err = {0};
@@ -596,17 +689,11 @@ static void devices_find_the_pairs_of_parts_in_place(uint64_t seed, uint32_t k)
         hand_over(cluster, &c, 0, 7);
     }
     for (uint32_t at = 0; at < 12; ++at) {
-        for (uint32_t id = 0; id < c.n; ++id)
-            move(&c.poses[id], id, at);
+        move_crowd(&c, at);
         find_expected(&c);
         if (!cluster)
             continue;
-        const uint64_t *ids;
-        uint32_t n;
-        duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
-        MUST_OK(own, err);
-        for (uint32_t i = 0; i < n; ++i)
-            move(&own[i], ids[i], at);
+        move_homes(cluster, &c);
         must_find(cluster, &c);
         must_find(cluster, &c); // nothing moved
     }
@@ -616,12 +703,14 @@ static void devices_find_the_pairs_of_parts_in_place(uint64_t seed, uint32_t k)
         MPI_Comm_free(&comm);
 }
 
-// Any planes at all, the same on all ranks of the group.
-static void deal_homes_anew(duet_cluster *cluster, MPI_Comm comm, rng *r)
+// Any planes at all, or some of a lattice, the same on all ranks of the group.
+static void deal_homes_anew(duet_cluster *cluster, MPI_Comm comm, bool on_lattice, rng *r)
 {
     bisection *b = &cluster->cut.parts;
-    for (uint32_t i = 1; i < b->n; ++i)
-        b->planes[i] = (bisection_plane){rng_between(r, -8, 8), rng_below(r, 3)};
+    for (uint32_t i = 1; i < b->n; ++i) {
+        double at = rng_between(r, -8, 8);
+        b->planes[i] = (bisection_plane){on_lattice ? rint(at) : at, rng_below(r, 3)};
+    }
     MPI_Bcast(b->planes, (int)(b->n * sizeof *b->planes), MPI_BYTE, 0, comm);
     bisection_box(b, (uint32_t)duet_cluster_get_rank(cluster), cluster->cut.lower,
                   cluster->cut.upper);
@@ -649,13 +738,123 @@ static void homes_that_are_dealt_anew_change_nothing(uint64_t seed)
             MUST_OK(duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err), err);
             least = n < least ? n : least;
             most = n > most ? n : most;
-            deal_homes_anew(cluster, comm, &r);
+            deal_homes_anew(cluster, comm, false, &r);
             must_find(cluster, &c);
         }
         MUST(most > least + 50, "homes went to and fro");
         duet_cluster_destroy(cluster);
         MPI_Comm_free(&comm);
     }
+}
+
+// ---------------------------------------------------------------- radii on a lattice
+
+enum { LATTICE = 4 }; // from 0 to its ends
+
+static float some_place(rng *r)
+{
+    return (float)rng_below(r, 2 * LATTICE + 1) - LATTICE;
+}
+
+// Many are points, and a few are as wide as all of it. What does not count in 2D is no number.
+static void put_on_lattice(crowd *c, uint32_t id, rng *r)
+{
+    static const float halves[] = {0, 0, 0.5f, 1}, radii[] = {0, 0.5f, 0.5f, 1, 1.5f};
+    bool is_flat = c->world.dims == 2;
+    duet_rounded_box *box = &c->rounded[id];
+    *box = (duet_rounded_box){.pose.rotation = {0, 0, 0, 1}};
+    for (int k = 0; k < 3; ++k) {
+        box->pose.centre[k] = some_place(r);
+        box->pose.half_extents[k] = halves[rng_below(r, 4)];
+    }
+    if (is_flat)
+        box->pose.centre[2] = box->pose.half_extents[2] = box->pose.rotation[0] = NAN;
+    box->radius = rng_below(r, 100) ? radii[rng_below(r, 5)] : LATTICE + 0.5f;
+    memcpy(c->spheres[id].centre, box->pose.centre, sizeof box->pose.centre);
+    c->spheres[id].radius = box->radius;
+}
+
+// Twice all numbers are integers.
+static int64_t twice(float x)
+{
+    return (int64_t)(2 * x);
+}
+
+// The square of the cores' distance, less that of what both radii are together.
+static int64_t distance_on_lattice(const crowd *c, uint32_t a, uint32_t b)
+{
+    bool spheres = c->world.shape == DUET_SHAPE_SPHERES;
+    const duet_rounded_box *p = &c->rounded[a], *q = &c->rounded[b];
+    int64_t square = 0, radii = twice(p->radius) + twice(q->radius);
+    for (uint32_t k = 0; k < c->world.dims; ++k) {
+        int64_t gap = llabs(twice(p->pose.centre[k]) - twice(q->pose.centre[k]));
+        if (!spheres)
+            gap -= twice(p->pose.half_extents[k]) + twice(q->pose.half_extents[k]);
+        square += gap > 0 ? gap * gap : 0;
+    }
+    return square - radii * radii;
+}
+
+// Each with each, in integers. Returns how many touch, and no more.
+static uint64_t find_on_lattice(crowd *c)
+{
+    uint64_t touching = 0;
+    duet_free(c->pairs);
+    c->pairs = malloc((size_t)c->n * c->n * sizeof *c->pairs);
+    MUST(c->pairs, "memory");
+    c->n_pairs = 0;
+    for (uint32_t a = 0; a < c->n; ++a)
+        for (uint32_t b = a + 1; b < c->n; ++b) {
+            int64_t distance = distance_on_lattice(c, a, b);
+            touching += distance == 0;
+            if (distance <= 0)
+                c->pairs[c->n_pairs++] = (duet_pair){a, b};
+        }
+    return touching;
+}
+
+// Wherever the cuts lie, also through centres and where spheres touch.
+static void radii_that_touch_across_ranks_collide(uint64_t seed)
+{
+    static crowd c;
+    rng r = rng_seed(seed + 2);
+    c.n = MOST_OBJECTS;
+    for (uint32_t i = 0; i < 4; ++i) {
+        c.world = duet_default_world_def();
+        c.world.dims = 2 + i % 2;
+        c.world.shape = i < 2 ? DUET_SHAPE_SPHERES : DUET_SHAPE_ROUNDED_BOXES;
+        snprintf(c.name, sizeof c.name, "lattice %u", i);
+        for (uint32_t id = 0; id < c.n; ++id)
+            put_on_lattice(&c, id, &r);
+        for (int g = 0; g < N_GROUPS; ++g) {
+            rng own = rng_seed(seed + i + (uint32_t)g);
+            MPI_Comm comm = group_of(groups[g]);
+            n_parts = 1 + (i + (uint32_t)g) % 3;
+            duet_cluster *cluster = comm == MPI_COMM_NULL ? NULL : open_cluster(&comm, &c.world, 1);
+            n_parts = 1;
+            if (cluster) {
+                cluster->def.imbalance = 1e9; // the cut stays as it is made here
+                hand_over(cluster, &c, 0, i);
+            }
+            for (int at = 0; at < 3; ++at) {
+                MUST(find_on_lattice(&c) > 100 && c.n_pairs > 400, "many touch");
+                if (cluster)
+                    must_find(cluster, &c);
+                for (uint32_t id = 0; id < c.n; ++id)
+                    if (rng_below(&r, 4) == 0)
+                        put_on_lattice(&c, id, &r);
+                if (!cluster)
+                    continue;
+                move_homes(cluster, &c);
+                deal_homes_anew(cluster, comm, true, &own);
+            }
+            duet_cluster_destroy(cluster);
+            if (comm != MPI_COMM_NULL)
+                MPI_Comm_free(&comm);
+        }
+    }
+    free(c.pairs);
+    c.pairs = NULL;
 }
 
 static void *(*extend_in_truth)(worker *, uint32_t, uint32_t, duet_error *);
@@ -688,7 +887,7 @@ static void homes_go_on_after_one_rank_had_no_memory(void)
          "no memory on rank 1");
     w->extend = extend_in_truth;
     for (int at = 0; at < 5; ++at) {
-        deal_homes_anew(cluster, comm, &r);
+        deal_homes_anew(cluster, comm, false, &r);
         cluster->changed = true;
         must_find(cluster, &c);
     }
@@ -1368,6 +1567,7 @@ static void nothing_is_refused(void)
     REFUSED(duet_cluster_map_homes(c, DUET_OBJECT_POSES, NULL, &n, &err));
     REFUSED(duet_cluster_map_homes(c, DUET_OBJECT_POSES, &ids, NULL, &err));
     REFUSED(duet_cluster_map_homes(c, DUET_OBJECT_SIZES, &ids, &n, &err));
+    REFUSED(duet_cluster_map_homes(c, DUET_OBJECT_SPHERES, &ids, &n, &err));
     REFUSED(duet_cluster_set_plan(c, NULL, &err));
     REFUSED(duet_cluster_set_level(c, (duet_level)99, &err));
     REFUSED(duet_cluster_load_profile(c, NULL, NULL, NULL, &err));
@@ -1387,7 +1587,7 @@ static void nothing_is_refused(void)
     wrong.world.compact_transforms = true; // else they would be taken for poses
     REFUSED(duet_cluster_create(&wrong, &err));
     wrong.world.compact_transforms = false;
-    wrong.world.shape = DUET_SHAPE_SPHERES;
+    wrong.world.shape = (duet_shape)99;
     REFUSED(duet_cluster_create(&wrong, &err));
     wrong.world.shape = DUET_SHAPE_POSES;
     wrong.world.dims = 7;
@@ -1477,7 +1677,7 @@ static void what_is_skimmed_is_deep_inside(void)
     const reach inside = {{-2.5, -2.25, -3}, {2.5, 3, 2.7}};
     uint32_t skimmed = 0;
     for (uint32_t i = 0; i < 12; ++i) {
-        make_crowd(&c, &r, i);
+        make_crowd(&c, &r, i < 8 ? i : SPHERES - 8 + i);
         object_form form = object_form_of(&c.world);
         if (form.origin == 0 && form.shape == DUET_SHAPE_POSES && c.n > 9)
             c.poses[7].rotation[1] = NAN;
@@ -1500,6 +1700,37 @@ static void what_is_skimmed_is_deep_inside(void)
         }
     }
     MUST(skimmed > 200, "some were");
+}
+
+// As the plain C reference rounds them, which the devices do in the same way.
+static duet_bounds bounds_in_float(const crowd *c, uint32_t id)
+{
+    duet_rounded_box box = rounded_of_sphere(&c->spheres[id]);
+    return c->world.shape == DUET_SHAPE_POSES
+               ? sat_bounds(&c->poses[id], c->world.dims, c->world.rotated)
+               : sat_rounded_bounds(c->world.shape == DUET_SHAPE_SPHERES ? &box : &c->rounded[id],
+                                    c->world.dims, c->world.rotated);
+}
+
+// Of boxes that turn and of those that do not, of all sizes, and of points at 0.
+static void reaches_hold_what_devices_take(void)
+{
+    static crowd c;
+    static const uint32_t crowds[] = {0, 3, 6, SPHERES, SPHERES + 1, ROUNDED, ROUNDED + 1, 54};
+    rng r = rng_seed(19);
+    for (uint32_t i = 0; i < 16; ++i) {
+        make_crowd(&c, &r, crowds[i / 2]);
+        c.world.rotated = i % 2;
+        object_form form = object_form_of(&c.world);
+        for (uint32_t id = 0; id < c.n; ++id) {
+            uint32_t numbers = c.world.shape == DUET_SHAPE_SPHERES ? 4 : 6;
+            memset(row_of(&c, id), 0, id == 0 ? numbers * sizeof(float) : 0);
+            reach e = reach_of(&form, row_of(&c, id));
+            duet_bounds b = bounds_in_float(&c, id);
+            for (uint32_t k = 0; k < c.world.dims; ++k)
+                MUST(e.lower[k] <= (double)b.lower[k] && e.upper[k] >= (double)b.upper[k], c.name);
+        }
+    }
 }
 
 static uint32_t range_of_bounds(const void *context, const void *object)
@@ -1566,6 +1797,7 @@ int main(int argc, char **argv)
     levels_are_octaves_below_the_widest();
     a_part_is_its_box();
     what_is_skimmed_is_deep_inside();
+    reaches_hold_what_devices_take();
     rows_come_to_their_ranges();
     nothing_is_refused();
     a_failure_is_that_of_all_ranks();
@@ -1577,9 +1809,10 @@ int main(int argc, char **argv)
     objects_that_move_have_the_references_pairs(seed);
     devices_that_count_have_the_references_pairs(seed, 1);
     devices_that_count_have_the_references_pairs(seed, 3);
-    devices_find_the_pairs_of_parts_in_place(seed, 2);
-    devices_find_the_pairs_of_parts_in_place(seed, 5);
+    devices_find_the_pairs_of_parts_in_place(seed, 3, 2);
+    devices_find_the_pairs_of_parts_in_place(seed, SPHERES, 5);
     homes_that_are_dealt_anew_change_nothing(seed);
+    radii_that_touch_across_ranks_collide(seed);
     homes_go_on_after_one_rank_had_no_memory();
     a_search_that_fails_leaves_homes_as_they_were();
     a_cut_that_became_uneven_is_made_anew();

@@ -338,24 +338,29 @@ static void threads_may_open_pairs_together(void **state)
 
 // ------------------------------------------------------------ one program on two devices
 
-static void launches_of_pocls_cpus_lie_along_the_third_axis(void **state)
+static void pocls_cpus_are_known(void **state)
 {
     (void)state;
     static const struct {
-        const char *platform;
+        const char *platform, *version;
         duet_device_kind kind;
-        bool third;
+        bool third, in_place;
         uint32_t n_quirks;
     } cases[] = {
-        {"Portable Computing Language", DUET_KIND_CPU, true, 3},
-        {"Portable Computing Language", DUET_KIND_GPU, false, 2},
-        {"NVIDIA CUDA", DUET_KIND_GPU, false, 0},
-        {"Intel(R) OpenCL", DUET_KIND_CPU, false, 0},
+        {"Portable Computing Language", "PoCL HSTR: pthread-x86", DUET_KIND_CPU, true, true, 4},
+        {"Portable Computing Language", "PoCL HSTR: cpu-x86", DUET_KIND_CPU, true, true, 4},
+        {"Portable Computing Language", "PoCL HSTR: cpu-x86 HSTR: pocl-remote", DUET_KIND_CPU, true,
+         false, 3},
+        {"Portable Computing Language", "PoCL HSTR: CUDA", DUET_KIND_GPU, false, false, 2},
+        {"NVIDIA CUDA", "OpenCL 3.0 CUDA", DUET_KIND_GPU, false, false, 0},
+        {"Intel(R) OpenCL", "HSTR: cpu-x86", DUET_KIND_CPU, false, false, 0},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         duet_device_info info = {.kind = cases[i].kind};
         strcpy(info.platform, cases[i].platform);
+        strcpy(info.cl_version, cases[i].version);
         assert_int_equal(driver_of(&info).third_axis != NULL, cases[i].third);
+        assert_int_equal(driver_of(&info).in_place, cases[i].in_place);
         uint32_t n = 0;
         while (duet_device_info_get_quirk(&info, n))
             ++n;
@@ -604,7 +609,7 @@ int main(void)
         FACT(a_failed_second_device_gives_the_first_back),
         FACT(half_a_pair_and_a_def_without_defaults_are_refused),
         FACT(folders_come_from_the_environment_and_are_copied),
-        FACT(launches_of_pocls_cpus_lie_along_the_third_axis),
+        FACT(pocls_cpus_are_known),
         FACT(two_devices_launch_one_program_over_any_ranges_at_once),
         FACT(what_is_not_timed_is_done_all_the_same),
         FACT(what_has_no_event_is_waited_for_when_it_is_forgotten),

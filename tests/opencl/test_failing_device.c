@@ -44,7 +44,7 @@ static const struct {
 
 static atomic_int left[CALLS]; // calls until one fails; below 0: none does
 static atomic_int wide; // launches of more than a group along the first two axes, or an offset
-static atomic_int launches;
+static atomic_int launches, maps;
 
 static bool fails(call c)
 {
@@ -90,6 +90,7 @@ void *clEnqueueMapBuffer(cl_command_queue q, cl_mem mem, cl_bool blocking, cl_ma
                          cl_int *code)
 {
     FIND_REAL(clEnqueueMapBuffer, MAP);
+    atomic_fetch_add(&maps, 1);
     if (!fails(MAP))
         return next(q, mem, blocking, flags, at, bytes, n, wait, event, code);
     *code = calls[MAP].code;
@@ -187,6 +188,15 @@ static int close_devices(void **state)
     return 0;
 }
 
+// Else the driver's own way.
+static void map_memory(bool always)
+{
+    for (int side = 0; side < 2; ++side) {
+        device *d = &devices->devices[side];
+        d->driver.in_place = !always && driver_of(&d->info).in_place;
+    }
+}
+
 // ------------------------------------------------------------ facts
 
 static void assert_clear(const duet_error *err, call c)
@@ -243,8 +253,20 @@ static void fail_each_command(duet_mode mode, call last)
 static void a_failing_command_is_told_and_the_next_step_is_right(void **state)
 {
     (void)state;
+    map_memory(true);
     for (duet_mode mode = DUET_MODE_SHARED; mode <= DUET_MODE_SLAB; ++mode)
         fail_each_command(mode, MAP);
+    map_memory(false);
+}
+
+static void where_kernels_work_in_place_nothing_is_mapped(void **state)
+{
+    (void)state;
+    int before = atomic_load(&maps);
+    fail_each_command(DUET_MODE_SHARED, MAP);
+    fail_each_command(DUET_MODE_SLAB, MAP);
+    const device *d = devices->devices;
+    assert_int_equal(atomic_load(&maps) > before, !d[0].driver.in_place || !d[1].driver.in_place);
 }
 
 // As if the CPU's parts had memory of their own, which all is copied to and from.
@@ -283,6 +305,7 @@ static void a_test_of_pairs_survives_as_well(void **state)
     uint8_t again[N / 2];
     duet_pair_query_result result;
     duet_error err = {0};
+    map_memory(true);
     duet_pair_query_def def = duet_default_pair_query_def();
     def.pair = devices;
     def.share = DUET_SHARE_ONE / 2;
@@ -299,6 +322,7 @@ static void a_test_of_pairs_survives_as_well(void **state)
             assert_memory_equal(again, verdicts, sizeof verdicts);
         }
     duet_pair_query_destroy(test);
+    map_memory(false);
 }
 
 // A kernel is then compiled once for all ranges (runtime/opencl/driver.h).
@@ -317,6 +341,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_failing_command_is_told_and_the_next_step_is_right),
+        cmocka_unit_test(where_kernels_work_in_place_nothing_is_mapped),
         cmocka_unit_test(so_it_is_where_everything_is_copied),
         cmocka_unit_test(a_failing_first_step_is_told_and_the_next_one_is_right),
         cmocka_unit_test(a_test_of_pairs_survives_as_well),
