@@ -93,7 +93,7 @@ static bool read_times(simulated_job *job, duet_error *err)
     s->ranks_a_host = (double)job->run.ranks / job->run.hosts;
     s->ghost_objects = STORED_RUN_GHOST;
     s->company = job->run.company;
-    s->n_company = job->run.n_paces;
+    s->n_company = job->run.n_seconds;
     job->like = (stored_steps){.of = "run", .dims = job->run.dims, .run = &job->run};
     memcpy(job->like.level, job->run.level, sizeof job->run.level);
     return true;

@@ -23,7 +23,8 @@ static const size_t buffers[] = {
     offsetof(part, next_counters), offsetof(part, candidates), offsetof(part, pairs),
     offsetof(part, undecided),     offsetof(part, levels),     offsetof(part, gathered),
     offsetof(part, marks),         offsetof(part, global_ids), offsetof(part, id_changes),
-    offsetof(part, pair_counts),   offsetof(part, left),       offsetof(part, skimmed)};
+    offsetof(part, pair_counts),   offsetof(part, left),       offsetof(part, skimmed),
+    offsetof(part, edges)};
 
 #define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
 #define VALUE(name) BIND_VALUE(part, #name, args.name)
@@ -38,6 +39,8 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BUFFER("ids", "uint *", ids),
                                         BUFFER("ranks", "uint *", keys_spare),
                                         BUFFER("counts", "uint *", counts),
+                                        BUFFER("edges", "uint *", edges),
+                                        BUFFER("others", "uint *", ids), // until they are sorted
                                         BUFFER("starts", "uint *", starts),
                                         BUFFER("key_starts", "uint *", starts),
                                         BUFFER("bounds", "float4 *", bounds),
@@ -318,6 +321,25 @@ static bool leaves_boxes(const part_task *task)
            task->objects.origin == 0.0f && !task->packed;
 }
 
+static uint32_t count_taken(const part_task *task)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; task->intake && i < task->intake->taken.n; ++i)
+        n += task->intake->taken.list[i].to - task->intake->taken.list[i].from;
+    return task->intake ? n : task->objects.n;
+}
+
+// With fewer objects a unit, three launches more take longer than atomics and straight places.
+enum { LEAST_OWN = 16384 };
+
+// A CPU's atomics take as long as all else that it does for a cell.
+static bool counts_own_cells(const part *p, const part_task *task)
+{
+    return task->ordered && p->device->info.kind == DUET_KIND_CPU && p->device->info.host_memory &&
+           p->variant.search == SEARCH_SIMD && p->variant.sort == SORT_COUNTING && is_roomy(task) &&
+           count_taken(task) >= (uint64_t)LEAST_OWN * p->device->info.units;
+}
+
 bool part_is_prepared(const part *p, const part_task *task)
 {
     const part_kernels *k = &p->kernels;
@@ -356,7 +378,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     bool tested = poses && level != DUET_LEVEL_AABB;
     // Objects that are in order go to places side by side.
     bool to_places = counting && !task->shared && task->ordered;
-    bool simd_to_places = to_places && search == SEARCH_SIMD && poses;
+    bool own = counts_own_cells(p, task);
+    bool simd_to_places = to_places && !own && search == SEARCH_SIMD && poses;
     bool unboxed = search == SEARCH_GPU && leaves_boxes(task);
     cl_int4 cells = compiled_cells(p, task);
     const part_choice choices[PART_CHOICES] = {
@@ -377,6 +400,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {"CELLS_Y", cells.s[1], false},
         {"CELLS_Z", cells.s[2], false},
         {"PACKED", task->packed, false},
+        {"OWN", own, false},
         {"STRAYS", task->intake ? STRAY_BLOCK : 0, false},
         {"STRETCH", task->intake && counting, false},
         {"GUARDED", task->slab, false},
@@ -393,6 +417,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     } list[] = {
         {&p->kernels.clear, true, "clear", "clear"},
         {&p->kernels.hash, true, "hash", "hash"},
+        {&p->kernels.own_cells, own, "hash", "own_cells"},
+        {&p->kernels.count_others, own, "hash", "count_others"},
         {&p->kernels.scatter, counting, "scatter", "scatter"},
         {&p->kernels.starts, !counting, "cell_start", searches[search].starts},
         {&p->kernels.place, true, searches[search].place[0], searches[search].place[1]},

@@ -84,6 +84,8 @@ enum { PART_CHUNKS = 8 };
 typedef struct part_kernels {
     kernel *clear;
     kernel *hash;
+    kernel *own_cells; // NULL where all counting is atomic, and with it
+    kernel *count_others;
     kernel *scatter;
     kernel *starts;
     kernel *place; // bounds by id (paper), or everything into cell order (gpu, simd)
@@ -111,7 +113,7 @@ typedef struct part_choice {
     bool open;
 } part_choice;
 
-enum { PART_CHOICES = 24 };
+enum { PART_CHOICES = 25 };
 
 // What kernels are told besides the part's buffers, by the names that their cards use.
 typedef struct part_args {
@@ -196,6 +198,7 @@ typedef struct part {
     buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
     buffer counts;                // objects a cell, until the scan makes starts of them
     uint32_t zero_counts;         // of them that are zero between steps
+    buffer edges;                 // first own cell of each work-item that counts
     buffer starts;                // first of each cell
     buffer bounds;                // [n][2], by id or in cell order; simd: by columns
     buffer boxes;                 // [n][3], in cell order; simd: rows of numbers
