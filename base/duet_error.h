@@ -52,7 +52,7 @@ typedef enum duet_status {
 typedef struct duet_error {
     int cl_code; // the OpenCL code where a device failed, else 0
     duet_status status;
-    char text[480]; // one English line: what, where, what would be right
+    char text[480]; // one English line: what, where, what was expected
 } duet_error;
 
 // "BUILD_FAILED" for DUET_STATUS_BUILD_FAILED; "UNKNOWN" outside the list.

@@ -73,7 +73,8 @@ static bool goes_on(char byte)
     return ((unsigned char)byte & 0xc0) == 0x80;
 }
 
-// What is too long for the line, as a path may be, loses its middle: the end says what is wrong.
+// A text that is too long for the line, as with a long path, loses its middle: the end says what
+// is wrong.
 static void write_line(char *line, size_t size, const char *format, va_list args)
 {
     va_list again;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How code of ours fills a duet_error: once, with one line.
+// How Duet's own code fills a duet_error: once, with one line.
 #ifndef BASE_ERROR_H
 #define BASE_ERROR_H
 
@@ -23,8 +23,8 @@ bool error_copy(duet_error *err, const duet_error *why);
 bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-// Whether what a public call needs is there: BAD_ARGUMENT names the call and its
-// argument where it is NULL.
+// False with BAD_ARGUMENT if a required argument of a public call is NULL: the line names the
+// call and the argument.
 bool error_given(const void *pointer, const char *call, const char *argument, duet_error *err);
 
 #endif

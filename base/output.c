@@ -147,7 +147,7 @@ static bool open_directly(output *o, const char *place, duet_error *err)
     return take_stream(o, open(place, O_WRONLY | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC), err);
 }
 
-// Cut, so that the longest name that a file may have still has space for the rest.
+// The name is cut so that, with what is added, it stays within the longest name of a file.
 static bool name_part(output *o)
 {
     uint64_t random = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The subcommands of `duet`: each is one file and one row of the table in
-// main.c. argv[0] is the subcommand's name; the exit status comes back.
+// main.c. argv[0] is the subcommand's name; each returns the exit status.
 #ifndef CLI_COMMANDS_H
 #define CLI_COMMANDS_H
 

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Steps of all subjects so far.
+// Steps done so far, of all motions.
 typedef struct tally {
     progress shown;
     uint64_t done;

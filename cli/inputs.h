@@ -74,8 +74,8 @@ typedef struct level_options {
                   "accept any level that misses at most this part of the pairs, as 0.001", 0, 1), \
         OPTION_NUMBER(                                                                            \
             "false-rate", member.false_rate, "R",                                                 \
-            "accept any level that invents at most so many pairs for each true one, as 0.02", 0,  \
-            0)
+            "accept any level that adds at most so many false pairs for each true one, as 0.02",  \
+            0, 0)
 #define SCENE_LEVEL_OPTION_ROWS(member)                                                       \
     OPTION_TEXT("level", member.level, "L",                                                   \
                 "of accuracy: certified, aabb, sphere, sat6, sat15 or double (the scene's)"), \

@@ -18,7 +18,7 @@
 void interrupt_watch(void);
 
 bool interrupt_asked(void);
-void interrupt_forget(void); // what was asked so far: for a person who goes on typing
+void interrupt_forget(void); // interrupt_asked is false again: a person goes on typing
 
 // false with INTERRUPTED once Ctrl-C was pressed.
 bool interrupt_check(duet_error *err);
@@ -27,12 +27,12 @@ bool interrupt_check(duet_error *err);
 // default they do not.
 void interrupt_pass(bool passes);
 
-// From here on a person types what to do: Ctrl-C ends what runs, a line says where that has
-// to be waited for, and only a second one meanwhile ends the program.
+// From here on a person types commands: Ctrl-C ends the one that runs. If it must be waited for, a
+// line says so, and a second Ctrl-C meanwhile ends the program.
 void interrupt_wait(void);
 
-// From here on a signal ends the program at once; without a line where it comes from who
-// started the program, and waits for it.
+// From here on a signal ends the program at once. Without tells there is no line: the process that
+// started this one sent the signal, and waits for it.
 void interrupt_at_once(bool tells);
 
 // A line has said that the program was stopped.

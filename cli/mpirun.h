@@ -17,8 +17,8 @@ typedef struct mpirun_job {
     bool verbose;      // MPI's own lines are shown, too
 } mpirun_job;
 
-// *status becomes the ranks' exit status, where they have told why it is not 0. Otherwise false,
-// with the line that nobody has told.
+// *status becomes the ranks' exit status; if it is not 0, a rank has printed why. False, with a
+// line that says why, if the ranks failed and none of them has.
 bool mpirun_run(const mpirun_job *job, int *status, duet_error *err);
 
 #endif

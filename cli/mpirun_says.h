@@ -26,7 +26,7 @@ typedef struct mpirun_says {
     bool in_block;
     bool why_is_of_block;
     char line[MPIRUN_LINE]; // what is held of this line
-    size_t n;               // of it; more where there was no room
+    size_t n;               // of it; more where there was no space
 } mpirun_says;
 
 // Adds those of the bytes to `out` that are to be seen; some are held until their line goes on.

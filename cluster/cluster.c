@@ -54,9 +54,10 @@ void cluster_close_workers(worker *workers[2])
 static worker *open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err)
 {
     const simulation *s = c->ranks.simulation;
-    return s && s->object_seconds ? worker_open_simulated(world, &c->ranks, err)
-           : c->def.plain         ? worker_open_plain(world, err)
-                                  : worker_open_pair(world, err);
+    return s && s->object_seconds
+               ? worker_open_simulated(world, &c->ranks, &c->n_ghosts, c->def.parts, err)
+           : c->def.plain ? worker_open_plain(world, err)
+                          : worker_open_pair(world, err);
 }
 
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
@@ -96,10 +97,11 @@ static bool open_pair(duet_cluster *c, duet_error *err)
 
 duet_cluster *duet_cluster_create(const duet_cluster_def *def, duet_error *err)
 {
-    return cluster_create(def, NULL, err);
+    return cluster_create(def, NULL, false, err);
 }
 
-duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, duet_error *err)
+duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, bool apart,
+                             duet_error *err)
 {
     if (!def || def->cookie != COOKIE) {
         error_set(err, DUET_STATUS_BAD_ARGUMENT,
@@ -115,13 +117,16 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
     }
     c->def = *def;
     bool ok = ranks_begin(&c->ranks, def->comm, s, err);
+    if (ok && apart)
+        ranks_part(&c->ranks);
     if (ok) {
         c->homes.threads = &c->threads;
         c->homes.walk = walk_parts;
         c->homes.walk_context = c;
-        ok = ranks_reserve(&c->ranks, &own) && parallel_begin(&c->threads, c->ranks.n_here, &own) &&
-             check_def(def, &own) && parts_begin(&c->parts, def->parts, &c->ranks, &own) &&
-             open_pair(c, &own) && cluster_open_workers(c, &c->def.world, workers, &own);
+        ok = ranks_reserve(&c->ranks, &own) &&
+             parallel_begin(&c->threads, c->ranks.processors, &own) && check_def(def, &own) &&
+             parts_begin(&c->parts, def->parts, &c->ranks, &own) && open_pair(c, &own) &&
+             cluster_open_workers(c, &c->def.world, workers, &own);
         if (ok)
             cluster_take_workers(c, &c->def.world, workers);
         ok = ranks_agree(&c->ranks, ok, &own) && cut_begin(&c->cut, &c->ranks, def->weight, &own);

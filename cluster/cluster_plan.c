@@ -91,9 +91,9 @@ static void load_profiles(duet_cluster *c, const char *path, duet_profile *profi
 // By the times that the store knows for what each rank has now.
 static bool weigh_ranks(duet_cluster *c, const duet_profile *profile)
 {
-    double pace =
+    double speed =
         profile->step_ms > 0 ? homes_count(&c->homes) / (c->parts.n * profile->step_ms) : 0;
-    if (c->def.weight > 0 || c->ranks.n == 1 || !cut_weigh(&c->cut, &c->ranks, pace))
+    if (c->def.weight > 0 || c->ranks.n == 1 || !cut_weigh(&c->cut, &c->ranks, speed))
         return false;
     c->homes.is_cut = false;
     c->changed = true;

@@ -44,13 +44,13 @@ static bool share_weights(cut *c, ranks *r, double weight, duet_error *err)
     return true;
 }
 
-bool cut_weigh(cut *c, ranks *r, double pace)
+bool cut_weigh(cut *c, ranks *r, double speed)
 {
-    double least = pace > 0 ? -pace : 0;
+    double least = speed > 0 ? -speed : 0;
     ranks_greatest(r, &least, 1);
     if (!(least < 0))
         return false;
-    ranks_gather(r, &pace, c->weights, sizeof pace);
+    ranks_gather(r, &speed, c->weights, sizeof speed);
     keep_weights(c, r);
     return true;
 }

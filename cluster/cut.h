@@ -25,7 +25,7 @@ void cut_end(cut *c);
 
 // Weights are from here on what this says: how much each rank does in a time. False, and as they
 // were, where a rank's is 0. The next cut is by them.
-bool cut_weigh(cut *c, ranks *r, double pace);
+bool cut_weigh(cut *c, ranks *r, double speed);
 
 // Cuts anew for the objects that the ranks hold, wherever these lie.
 bool cut_make(cut *c, ranks *r, const object_form *form, const object_rows *rows, duet_error *err);

@@ -36,9 +36,9 @@ typedef struct duet_cluster_def {
                           // times that steps take, where these are so unequal that a cut pays
     uint32_t parts;   // in which this rank's devices see its homes, one after the other: they need
                       // memory for two of them. 1, up to 1024
-    bool drops_pairs; // pairs are counted and have a hash, and cannot be asked for. Where they can
-                      // be and nobody does, that costs nothing, but for several parts, whose pairs
-                      // are listed as each is searched
+    bool drops_pairs; // pairs are only counted and hashed. Without it they can be asked for, which
+                      // costs nothing until they are; but with several parts they are listed as
+                      // each part is searched
     double imbalance; // the cut is made anew where a rank has this many times the objects
                       // that are due to it; above 1
     duet_compile_callback *on_compile; // of a pair that is taken where world.pair is NULL
@@ -65,8 +65,9 @@ DUET_API bool duet_cluster_load_scene(duet_cluster *cluster, const char *path,
 DUET_API const duet_scene_info *duet_cluster_get_scene_info(const duet_cluster *cluster);
 
 // Copies n objects of this rank's choice, with their global ids, of the kind that the worlds
-// were made for. All ranks' objects together replace those that there were; BAD_ARGUMENT where an id is
-// there twice, and the old ones stay. Where ranks' ids overlap as ranges each id travels once for that.
+// were made for. All ranks' objects together replace those that there were; BAD_ARGUMENT where an
+// id is there twice, and the old ones stay. Where ranks' ids overlap as ranges each id travels once
+// for that.
 DUET_API bool duet_cluster_set_objects(duet_cluster *cluster, duet_object_kind kind,
                                        const uint64_t *ids, const void *objects, uint32_t n,
                                        duet_error *err);
@@ -79,8 +80,8 @@ DUET_API bool duet_cluster_set_objects(duet_cluster *cluster, duet_object_kind k
 DUET_API void *duet_cluster_map_homes(duet_cluster *cluster, duet_object_kind kind,
                                       const uint64_t **ids, uint32_t *n, duet_error *err);
 
-// Of this rank's devices; they may differ from rank to rank. Where one rank's cannot have theirs, all
-// keep the one they had.
+// Of this rank's devices; they may differ from rank to rank. Where one rank's cannot have theirs,
+// all keep the one they had.
 DUET_API bool duet_cluster_set_plan(duet_cluster *cluster, const duet_plan *plan, duet_error *err);
 // Gives each rank the best plan known for its devices and its number of objects; profile is
 // this rank's. Where weights are 0 and the time of a step is known for all ranks, each gets as many
@@ -123,7 +124,7 @@ DUET_API bool duet_cluster_get_own_pairs(duet_cluster *cluster, const duet_pair6
 // What a rank did in the last step.
 typedef struct duet_cluster_rank {
     char host[64];
-    char pair[132];      // selectors of its devices, "A,B"; "plain" without devices
+    char pair[132];      // selectors of its devices, "A,B", or of the one; "plain": none
     uint64_t objects;    // its homes
     uint64_t ghosts;     // objects of other ranks that it received
     uint64_t pairs;      // that it found

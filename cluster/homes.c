@@ -485,7 +485,8 @@ static bool has_border(const homes *h, duet_error *err)
                      h->border.n + h->edges.n);
 }
 
-// Whose level changed is looked at again, and who leaves goes. Where any did, o is of before.
+// Objects whose level changed are looked at again, and those that leave are sent. Then o is of the
+// time before.
 static bool move(look *l, overview *o, homes *h, ranks *r, duet_error *err)
 {
     if (!keep_widest(h, o->widest))
@@ -520,8 +521,8 @@ static bool cut_anew(look *l, homes *h, ranks *r, cut *c, duet_error *err)
     return true;
 }
 
-// A look tells who leaves. Whoever has too much then makes for a new cut. *ok is false where
-// something failed on this rank alone.
+// A look tells which objects leave. If a rank then has too many, the world is cut anew. *ok is
+// false if something failed on this rank alone.
 static bool settle(look *l, bool *ok, homes *h, ranks *r, cut *c, double imbalance, duet_error *err)
 {
     overview o;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#define _GNU_SOURCE // sched_getaffinity
+#define _POSIX_C_SOURCE 200809L
 #include "cluster/parallel.h"
 
 #include "base/clock.h"
@@ -133,11 +133,12 @@ static team *open_team(uint32_t n, duet_error *err)
 
 // ---------------------------------------------------------------- loops
 
-bool parallel_begin(parallel *p, int n_on_host, duet_error *err)
+// Processors may be a sum of many parts, and a little less than whole.
+#define ROUNDING 1e-6
+
+bool parallel_begin(parallel *p, double processors, duet_error *err)
 {
-    cpu_set_t own;
-    int processors = sched_getaffinity(0, sizeof own, &own) == 0 ? CPU_COUNT(&own) : 1;
-    int threads = processors / n_on_host;
+    double threads = processors + ROUNDING;
     *p = (parallel){.n = threads < 1               ? 1
                          : threads > PARALLEL_MOST ? PARALLEL_MOST
                                                    : (uint32_t)threads};

@@ -19,8 +19,8 @@ typedef struct parallel {
     uint32_t n;        // threads with that
 } parallel;
 
-// Threads for one of n_on_host ranks: its part of the processors that the process may use.
-bool parallel_begin(parallel *p, int n_on_host, duet_error *err);
+// A thread for each whole one of that many processors, and one at least.
+bool parallel_begin(parallel *p, double processors, duet_error *err);
 void parallel_end(parallel *p);
 
 // Whether they look for loops rather than sleep: only where nothing else needs the processors.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#define _GNU_SOURCE // sched_getaffinity
 #include "cluster/ranks.h"
 
 #include "base/compare.h"
@@ -7,10 +8,13 @@
 #include <inttypes.h>
 #include <limits.h>
 #include <math.h>
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum { TAG_ROWS = 1, TAG_BALLAST, TAG_PING };
+enum { REST_NS = 500000 };
 
 // A statement in which this rank may have to wait.
 #define WAITING(r, statement)                       \
@@ -61,6 +65,25 @@ static bool begin_mpi(ranks *r, duet_error *err)
     return true;
 }
 
+// Simulated ranks are in one process.
+static double own_processors(const ranks *r)
+{
+    static const int most = CPU_SETSIZE;
+    cpu_set_t own;
+    int uses[CPU_SETSIZE];
+    double processors = 0;
+    CPU_ZERO(&own);
+    bool known = sched_getaffinity(0, sizeof own, &own) == 0;
+    if (r->simulation)
+        return (double)CPU_COUNT(&own) / r->n;
+    for (int i = 0; i < most; ++i)
+        uses[i] = CPU_ISSET(i, &own) != 0;
+    MPI_Allreduce(MPI_IN_PLACE, uses, most, MPI_INT, MPI_SUM, r->host);
+    for (int i = 0; known && i < most; ++i)
+        processors += CPU_ISSET(i, &own) ? 1.0 / uses[i] : 0;
+    return processors;
+}
+
 bool ranks_begin(ranks *r, const MPI_Comm *comm, const simulation *s, duet_error *err)
 {
     int length = 0;
@@ -77,7 +100,7 @@ bool ranks_begin(ranks *r, const MPI_Comm *comm, const simulation *s, duet_error
     MPI_Type_contiguous((int)sizeof(agreement), MPI_BYTE, &r->agreement);
     MPI_Type_commit(&r->agreement);
     MPI_Get_processor_name(r->host_name, &length);
-    r->n_here = s ? r->n : r->n_on_host;
+    r->processors = own_processors(r);
     return true;
 }
 
@@ -85,6 +108,33 @@ bool ranks_reserve(ranks *r, duet_error *err)
 {
     r->counts = calloc(2 * (size_t)r->n, sizeof *r->counts);
     return r->counts || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
+}
+
+static void replace(MPI_Comm *comm, MPI_Comm by)
+{
+    MPI_Comm_free(comm);
+    MPI_Comm_dup(by, comm);
+}
+
+void ranks_part(ranks *r)
+{
+    replace(&r->comm, MPI_COMM_SELF);
+    replace(&r->host, MPI_COMM_SELF);
+    r->self = 0;
+    r->n = 1;
+}
+
+bool ranks_choose(ranks *r, const ranks *all, bool takes_part, duet_error *err)
+{
+    MPI_Comm comm;
+    bool ok = true;
+    *r = (ranks){.comm = MPI_COMM_NULL, .host = MPI_COMM_NULL};
+    MPI_Comm_split(all->comm, takes_part ? 0 : MPI_UNDEFINED, all->self, &comm);
+    if (takes_part) {
+        ok = ranks_begin(r, &comm, NULL, err);
+        MPI_Comm_free(&comm);
+    }
+    return ok;
 }
 
 void ranks_end(ranks *r)
@@ -179,6 +229,22 @@ void ranks_wait(ranks *r)
     WAITING(r, MPI_Barrier(r->comm));
 }
 
+// Until all are here, leaving the processors to others: a rank that waits in MPI itself keeps one
+// busy.
+static void rest(MPI_Comm comm)
+{
+    MPI_Request all_are_here;
+    int here = 0;
+    MPI_Ibarrier(comm, &all_are_here);
+    while (MPI_Test(&all_are_here, &here, MPI_STATUS_IGNORE) == MPI_SUCCESS && !here)
+        nanosleep(&(struct timespec){.tv_nsec = REST_NS}, NULL);
+}
+
+void ranks_rest(ranks *r)
+{
+    WAITING(r, rest(r->comm));
+}
+
 void ranks_sum(ranks *r, uint64_t *values, int n)
 {
     WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_UINT64_T, MPI_SUM, r->comm));
@@ -259,14 +325,14 @@ void ranks_await_turn(ranks *r, bool has_work)
     int first = has_work ? r->self_on_host : r->n_on_host;
     WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, r->host));
     if (first != r->self_on_host)
-        WAITING(r, MPI_Barrier(r->host));
+        WAITING(r, rest(r->host));
     r->goes_first = first == r->self_on_host;
 }
 
 void ranks_end_turn(ranks *r)
 {
     if (r->goes_first)
-        WAITING(r, MPI_Barrier(r->host));
+        WAITING(r, rest(r->host));
     r->goes_first = false;
 }
 

@@ -20,7 +20,7 @@ typedef struct worker_found {
 } worker_found;
 
 struct worker {
-    const char *name; // of its devices, "A,B"
+    const char *name; // of its devices, "A,B", or of the one
     // Space for n objects, which are to be written before the next find. Where there were as many
     // before they are still there.
     void *(*map)(worker *w, uint32_t n, duet_error *err);
@@ -67,8 +67,10 @@ struct worker {
 worker *worker_open_pair(const duet_world_def *def, duet_error *err);
 worker *worker_open_plain(const duet_world_def *def, duet_error *err);
 
-// Finds nothing, in the time that the simulation of r says.
+// Finds nothing, in the time that the simulation of r says. *n_ghosts has to stay: those that the
+// rank has before each find, in all of its parts.
 struct ranks;
-worker *worker_open_simulated(const duet_world_def *def, const struct ranks *r, duet_error *err);
+worker *worker_open_simulated(const duet_world_def *def, const struct ranks *r,
+                              const uint64_t *n_ghosts, uint32_t n_parts, duet_error *err);
 
 #endif

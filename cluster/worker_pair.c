@@ -183,8 +183,10 @@ static void close_pair(worker *w)
 
 static void name_pair(worker_pair *p, const duet_device_pair *pair)
 {
-    snprintf(p->name, sizeof p->name, "%s,%s", duet_device_pair_get_info(pair, 0)->selector,
-             duet_device_pair_get_info(pair, 1)->selector);
+    const char *a = duet_device_pair_get_info(pair, 0)->selector;
+    const char *b = duet_device_pair_get_info(pair, 1)->selector;
+    bool one = duet_device_pair_is_one(pair);
+    snprintf(p->name, sizeof p->name, "%s%s%s", a, one ? "" : ",", one ? "" : b);
     p->base.name = p->name;
 }
 

@@ -12,6 +12,7 @@
 #define FIRST_BAD 9     // ~least id among them
 #define WIDEST 10       // bits of the largest extent above the coarsest cells
 #define COUNT_PLACED 11 // objects in this device's grid
+#define COUNT_OTHERS 12 // objects in cells that are not their work-item's own
 #define COUNTERS 16
 
 #endif

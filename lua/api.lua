@@ -187,7 +187,7 @@ api.names = {
   { "duet.Cluster:set_level", { "level: string" }, "true", "Of accuracy, on all ranks.", fails = true,
     c = "duet_cluster_set_level" },
   { "duet.Cluster:load_profile", { "path?: string" }, "duet.Profile, string?",
-    "Gives each rank the best plan that a store knows, and as many objects as suit its pace; also why the store could not be read.",
+    "Gives each rank the best plan that a store knows, and as many objects as suit its speed; also why the store could not be read.",
     fails = true, c = "duet_cluster_load_profile" },
   { "duet.Cluster:step", {}, "duet.ClusterResult", "Finds all pairs.", fails = true, c = "duet_cluster_step" },
   { "duet.Cluster:own_pairs", {}, "duet.Pairs64",
@@ -657,11 +657,11 @@ api.names = {
   { "duet.Device.host_memory", "boolean", "works on host memory without copies" },
   { "duet.Device.fp64", "boolean", "has double" },
   { "duet.Device.can_cut", "boolean", "its units can be cut into parts with [first-last]" },
-  { "duet.Device.quirks", "string[]", "what its driver does that Duet works round" },
+  { "duet.Device.quirks", "string[]", "flaws of its driver, and what Duet does about each" },
 
   { "duet.Plan.share", "number", "A's part of the work, 0 to 1, in steps of 1/65536" },
   { "duet.Plan.mode", "string", "how grids are built: one of duet.modes()" },
-  { "duet.Plan.variant_a", "string", "A's kernels: \"rows\", or with settings: \"auto sort=radix\"" },
+  { "duet.Plan.variant_a", "string", "A's kernels: \"auto\", \"simd\", \"gpu\" or \"paper\", or with settings: \"auto sort=radix\"" },
   { "duet.Plan.variant_b", "string", "B's kernels" },
 
   { "duet.Profile.grade", "string", "\"exact\", \"other driver\", \"interpolated\", \"transferred\", \"stale\", \"default\"" },

@@ -209,7 +209,7 @@ void class_check_limits(lua_State *L)
         luaL_error(L, "%s", why.text);
 }
 
-// What was refused because the time is over ends the script.
+// If a call was refused because the script's time is over, the script ends.
 int class_push_failure(lua_State *L, const duet_error *err)
 {
     class_check_limits(L);

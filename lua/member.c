@@ -25,7 +25,7 @@ int member_refuse(lua_State *L, const member *m, const char *wanted)
 
 // ---------------------------------------------------------------- texts
 
-// A number would become a string of the stack's alone, which does not last.
+// A number is not taken: lua_tostring would make a string that only the stack holds.
 static void read_string(lua_State *L, const member *m, void *at)
 {
     if (lua_type(L, -1) != LUA_TSTRING)

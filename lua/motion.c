@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-// The uservalue is its device pair or, where it has a script, { pair, script }.
+// The uservalue is its device pair, or { pair, script } if it has a script.
 typedef struct motion_box {
     duet_motion *motion;
     uint64_t steps;   // results of earlier ones no longer hold

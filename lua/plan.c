@@ -16,7 +16,7 @@ static const member plan_members[] = {
     {0},
 };
 
-// What is not in the table stays as the plan has it.
+// Members that the table does not name stay as they are in the plan.
 static void read_plan(lua_State *L, const member *m, void *at)
 {
     if (!lua_istable(L, -1))
@@ -65,7 +65,7 @@ static const member accuracy_members[] = {
     {0},
 };
 
-// What the table leaves out is 0.
+// Members that the table leaves out are 0.
 static void read_accuracy(lua_State *L, const member *m, void *at)
 {
     if (!lua_istable(L, -1))

@@ -80,7 +80,7 @@ static void on_count(lua_State *L, lua_Debug *ar)
 
 // ---------------------------------------------------------------- globals
 
-// What a script that nobody vouches for prints is not what a terminal obeys.
+// Control characters that an untrusted script prints do not reach the terminal.
 static void print_chars(const char *chars, size_t n)
 {
     text shown = {0};

@@ -35,7 +35,7 @@ typedef struct profile_cluster_run {
 
 // What a rank did in the last step.
 typedef struct profile_cluster_rank {
-    const char *devices; // "A,B"
+    const char *devices; // "A,B", or one
     uint64_t n;
     uint64_t ghosts;
     uint64_t pairs;

@@ -144,7 +144,7 @@ static bool bad_line(const import *in, duet_error *err, const char *what, const 
                      which);
 }
 
-// What a constraint that a line broke means to who wrote the line.
+// Says what is wrong with a line that breaks a constraint, in words of the line.
 static bool explain(const import *in, int code, duet_error *err)
 {
     static const char missing[] = "NOT NULL constraint failed: ";

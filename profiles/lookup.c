@@ -74,10 +74,10 @@ static bool find_pair(look *l)
 static bool prepare(look *l)
 {
     const profile_pair *pair = l->request->pair;
-    profile_env_key(&pair->a, l->env[0]);
-    profile_env_key(&pair->b, l->env[1]);
-    profile_env_seat(&pair->a, l->seat[0]);
-    profile_env_seat(&pair->b, l->seat[1]);
+    profile_env_keys(&pair->a, l->env[0], l->seat[0]);
+    profile_env_keys(&pair->b, l->env[1], l->seat[1]);
+    if (l->partners != PARTNERS_EQUAL)
+        l->partners = strcmp(l->env[0], l->env[1]) == 0 ? PARTNERS_NONE : PARTNERS_OTHER;
     return find_pair(l);
 }
 
@@ -137,25 +137,28 @@ static const sql_column found_columns[] = {
 #define DIVIDED                                                                      \
     "(coalesce(p.best_share, p.share) BETWEEN 1 AND 65535 OR EXISTS (SELECT 1 FROM " \
     "trial WHERE session_id = p.session_id AND share BETWEEN 1 AND 65535))"
-#define PARTNERS "AND (?6 = 2 OR " DIVIDED " = ?6) "
-_Static_assert(PARTNERS_EQUAL == 1 && PARTNERS_OTHER == 2, "the queries' numbers");
+#define PARTNERS "AND " DIVIDED " = ?6 "
+_Static_assert(PARTNERS_NONE == 0 && PARTNERS_EQUAL == 1 && PARTNERS_OTHER == 2,
+               "the queries' numbers");
 
-#define ROW                                                                          \
-    ", p.origin, coalesce((SELECT host FROM session WHERE id = p.session_id), '') "  \
-    "FROM profile p "                                                                \
-    "WHERE p.live = 1 AND p.workload_id = (SELECT id FROM workload WHERE key = ?1) " \
-    "AND p.objective = ?2 " ACCURATE PARTNERS
+#define OF_WORKLOAD "profile p WHERE p.workload_id = (SELECT id FROM workload WHERE key = ?1) "
 
 #define SAME_SEATS                                                                         \
     "AND p.pair_id IN (SELECT pair.id FROM env a JOIN pair ON env_a = a.id JOIN env b ON " \
     "env_b = b.id WHERE a.seat = ?7 AND b.seat = ?8) ORDER BY p.created_ns DESC LIMIT 1"
 
-static const char exact_query[] =
-    ROW "AND p.kernels = ?5 AND p.pair_id = ?7 ORDER BY p.median_ns LIMIT 1";
+// Where a query looks, and which of the rows there it takes.
+typedef struct rows_query {
+    const char *of;
+    const char *which;
+} rows_query;
 
-static const char other_driver_query[] = ROW "AND p.kernels = ?5 " SAME_SEATS;
+static const rows_query exact_query = {
+    OF_WORKLOAD, "AND p.kernels = ?5 AND p.pair_id = ?7 ORDER BY p.median_ns LIMIT 1"};
 
-static const char stale_query[] = ROW "AND p.kernels <> ?5 " SAME_SEATS;
+static const rows_query other_driver_query = {OF_WORKLOAD, "AND p.kernels = ?5 " SAME_SEATS};
+
+static const rows_query stale_query = {OF_WORKLOAD, "AND p.kernels <> ?5 " SAME_SEATS};
 
 // An accuracy without limit is above every rate that is stored.
 static double limit(double rate)
@@ -163,54 +166,79 @@ static double limit(double rate)
     return isfinite(rate) ? rate : 1e300;
 }
 
-// The row's origin and host follow the columns.
-static void tell_row(look *l, const sql *q, int column)
+// Where the profile that was found comes from, if anybody asks.
+static bool tell_origin(look *l, int64_t id)
 {
     if (!l->why)
-        return;
+        return true;
     char when[32] = "";
     time_t seconds = (time_t)(l->found->created_ns / 1000000000);
     struct tm parts;
     if (gmtime_r(&seconds, &parts))
         strftime(when, sizeof when, "%Y-%m-%d %H:%M UTC", &parts);
-    const char *host = sql_get_text(q, column + 1);
-    const char *where = strcmp(host, l->request->host) == 0 ? "this machine"
-                        : *host                             ? "another machine with such devices"
-                                                            : "an unknown machine";
-    text_add(l->why, "yes: %s %s on %s%s%s", sql_get_text(q, column), when, where,
-             l->found->session[0] ? ", session " : "", l->found->session);
+    sql q = sql_make(l->s,
+                     "SELECT p.origin, coalesce(s.host, '') FROM profile p "
+                     "LEFT JOIN session s ON s.id = p.session_id WHERE p.id = ?",
+                     l->err);
+    sql_int(&q, id);
+    if (sql_row(&q)) {
+        const char *host = sql_get_text(&q, 1);
+        const char *where = strcmp(host, l->request->host) == 0 ? "this machine"
+                            : *host ? "another machine with such devices"
+                                    : "an unknown machine";
+        text_add(l->why, "yes: %s %s on %s%s%s", sql_get_text(&q, 0), when, where,
+                 l->found->session[0] ? ", session " : "", l->found->session);
+    }
+    return sql_close(&q);
 }
 
-// A query on rows with what all of them ask for bound. of: the workload, or its
-// family.
-static sql ask_rows(look *l, const char *query, const char *of)
+// For the ids of rows, with what all queries ask for bound; `key` is of the workload, or of its
+// family. Only what limits the rows is in the statement, and the columns are read by another
+// where there is a row: an application's start pays for each word of SQL that is compiled.
+static sql ask_rows(look *l, const rows_query *query, const char *key)
 {
-    sql q = sql_select(l->s, found_columns, query, l->err);
-    sql_text(&q, of);
+    double missed = limit(l->request->max_missed_rate), added = limit(l->request->max_false_rate);
+    text statement = {0};
+    text_add(&statement, "SELECT p.id FROM %s%s%sAND p.objective = ?2 AND p.live = 1 %s", query->of,
+             missed < 1e299 || added < 1e299 ? ACCURATE : "",
+             l->partners == PARTNERS_OTHER ? "" : PARTNERS, query->which);
+    sql q = sql_make_text(l->s, &statement, l->err);
+    sql_text(&q, key);
     sql_text(&q, l->request->objective);
-    sql_real(&q, limit(l->request->max_missed_rate));
-    sql_real(&q, limit(l->request->max_false_rate));
+    sql_real(&q, missed);
+    sql_real(&q, added);
     sql_text(&q, l->request->kernels);
     sql_int(&q, l->partners);
     return q;
 }
 
-static bool close_row(look *l, sql *q, bool *held)
+// The first id; 0 where there is none.
+static bool close_rows(sql *q, int64_t *id)
 {
-    *held = sql_row(q);
-    if (*held) {
-        *l->found = (profile_found){0};
-        tell_row(l, q, sql_read(q, 0, found_columns, l->found));
-    }
+    *id = sql_row(q) ? sql_get_int(q, 0) : 0;
     return sql_close(q);
 }
 
-static bool find_by_seats(look *l, const char *query, bool *held)
+static bool take_row(look *l, int64_t id, bool *held)
 {
+    *held = id != 0;
+    if (!*held)
+        return true;
+    sql q = sql_select(l->s, found_columns, " FROM profile p WHERE p.id = ?", l->err);
+    sql_int(&q, id);
+    *l->found = (profile_found){0};
+    if (sql_row(&q))
+        sql_read(&q, 0, found_columns, l->found);
+    return sql_close(&q) && tell_origin(l, id);
+}
+
+static bool find_by_seats(look *l, const rows_query *query, bool *held)
+{
+    int64_t id;
     sql q = ask_rows(l, query, l->workload);
     sql_text(&q, l->seat[0]);
     sql_text(&q, l->seat[1]);
-    return close_row(l, &q, held);
+    return close_rows(&q, &id) && take_row(l, id, held);
 }
 
 static bool refuse(look *l, const char *reason)
@@ -251,12 +279,13 @@ static bool tell_inaccuracy(look *l)
                          "FROM workload w JOIN profile p ON p.workload_id = w.id AND p.live = 1 "
                          "WHERE w.key = ? AND p.pair_id = ? AND p.kernels = ? AND p.objective = ?");
     if (sql_row(&q) && sql_get_int(&q, 2) < 0)
-        refuse(l, "how many pairs it misses or invents was not measured");
+        refuse(l, "how many pairs it misses, or adds falsely, was not measured");
     else
-        text_add(l->why,
-                 "no: it misses %.3g and invents %.3g of the true pairs, above %.3g or %.3g",
-                 sql_get_real(&q, 0), sql_get_real(&q, 1), l->request->max_missed_rate,
-                 l->request->max_false_rate);
+        text_add(
+            l->why,
+            "no: for each true pair it misses %.3g and adds %.3g false ones, above %.3g or %.3g",
+            sql_get_real(&q, 0), sql_get_real(&q, 1), l->request->max_missed_rate,
+            l->request->max_false_rate);
     return sql_close(&q);
 }
 
@@ -318,9 +347,10 @@ static bool tell_what_is_missing(look *l)
 static bool look_exact(look *l, bool *held)
 {
     if (l->pair_id != 0) {
-        sql q = ask_rows(l, exact_query, l->workload);
+        int64_t id;
+        sql q = ask_rows(l, &exact_query, l->workload);
         sql_int(&q, l->pair_id);
-        if (!close_row(l, &q, held))
+        if (!close_rows(&q, &id) || !take_row(l, id, held))
             return false;
     }
     return *held || !l->why || tell_what_is_missing(l);
@@ -328,13 +358,13 @@ static bool look_exact(look *l, bool *held)
 
 static bool look_other_driver(look *l, bool *held)
 {
-    return find_by_seats(l, other_driver_query, held) &&
+    return find_by_seats(l, &other_driver_query, held) &&
            (*held || refuse(l, "nor under another version of a driver"));
 }
 
 static bool look_stale(look *l, bool *held)
 {
-    return find_by_seats(l, stale_query, held) && (*held || refuse(l, "nor with other kernels"));
+    return find_by_seats(l, &stale_query, held) && (*held || refuse(l, "nor with other kernels"));
 }
 
 // ---------------------------------------------------------- grades that are fits
@@ -366,23 +396,36 @@ typedef struct neighbour {
     profile_found found;
 } neighbour;
 
-#define NEIGHBOUR                                                                         \
-    ", w.n, w.occ_mean FROM workload w CROSS JOIN profile p "                             \
-    "ON p.workload_id = w.id WHERE w.family = ?1 AND p.objective = ?2 " ACCURATE PARTNERS \
-    "AND p.kernels = ?5 AND p.pair_id = ?7 AND p.live = 1 "
+// CROSS: by the family first, which has few sizes.
+#define OF_FAMILY "workload w CROSS JOIN profile p ON p.workload_id = w.id WHERE w.family = ?1 "
+#define SAME_PAIR "AND p.kernels = ?5 AND p.pair_id = ?7 "
 
-static bool find_one(look *l, const char *query, neighbour *near)
+static bool read_neighbour(look *l, int64_t id, neighbour *near)
 {
-    sql q = ask_rows(l, query, text_chars(&l->family));
-    sql_int(&q, l->pair_id);
-    sql_int(&q, (int64_t)l->at.n);
     *near = (neighbour){0};
+    if (id == 0)
+        return true;
+    sql q = sql_select(l->s, found_columns,
+                       ", w.n, w.occ_mean FROM profile p JOIN workload w ON w.id = p.workload_id "
+                       "WHERE p.id = ?",
+                       l->err);
+    sql_int(&q, id);
     if (sql_row(&q)) {
         int rest = sql_read(&q, 0, found_columns, &near->found);
         near->n = sql_get_real(&q, rest);
         near->occupancy = sql_get_real(&q, rest + 1);
     }
     return sql_close(&q);
+}
+
+static bool find_one(look *l, const char *which, neighbour *near)
+{
+    int64_t id;
+    const rows_query query = {OF_FAMILY, which};
+    sql q = ask_rows(l, &query, text_chars(&l->family));
+    sql_int(&q, l->pair_id);
+    sql_int(&q, (int64_t)l->at.n);
+    return close_rows(&q, &id) && read_neighbour(l, id, near);
 }
 
 // The nearest sizes below and above; the nearer of them, by ratio, comes first.
@@ -392,8 +435,8 @@ static bool find_neighbours(look *l, neighbour near[2])
     near[0] = near[1] = (neighbour){0};
     if (l->pair_id == 0)
         return true;
-    if (!find_one(l, NEIGHBOUR "AND w.n < ?8 ORDER BY w.n DESC LIMIT 1", &near[0]) ||
-        !find_one(l, NEIGHBOUR "AND w.n >= ?8 ORDER BY w.n LIMIT 1", &near[1]))
+    if (!find_one(l, SAME_PAIR "AND w.n < ?8 ORDER BY w.n DESC LIMIT 1", &near[0]) ||
+        !find_one(l, SAME_PAIR "AND w.n >= ?8 ORDER BY w.n LIMIT 1", &near[1]))
         return false;
     if (near[1].n > 0 && (near[0].n <= 0 || near[1].n / n < n / near[0].n)) {
         neighbour below = near[0];
@@ -540,7 +583,7 @@ static bool look_transferred(look *l, bool *held)
         return false;
     if (!found)
         return refuse(l, l->partners == PARTNERS_NONE
-                             ? "one device has nobody to share with"
+                             ? "one device alone has no other to share with"
                              : "one of the devices was never measured on a like workload");
     return use_forecast(l, &f, held);
 }
@@ -613,12 +656,12 @@ static bool try_levels(look *l, profile_found *best)
 }
 
 // As the request's pair is, or as two equal devices were in earlier versions.
-static bool look_for(store *s, const profile_request *request, partnership partners,
+static bool look_for(store *s, const profile_request *request, bool as_two_equal,
                      profile_found *found, text *why, duet_error *err)
 {
     *found = (profile_found){.grade = PROFILE_DEFAULT};
-    look l = {
-        .s = s, .request = request, .partners = partners, .found = found, .why = why, .err = err};
+    look l = {.s = s, .request = request, .found = found, .why = why, .err = err};
+    l.partners = as_two_equal ? PARTNERS_EQUAL : PARTNERS_NONE;
     bool ok = prepare(&l);
     if (ok && request->n_levels > 0)
         ok = try_levels(&l, found);
@@ -640,7 +683,7 @@ static bool look_for_alike(store *s, const profile_request *request, profile_fou
     twice.b = twice.a;
     twice.alike = false;
     earlier.pair = &twice;
-    bool ok = look_for(s, &earlier, PARTNERS_EQUAL, &found, why ? &told : NULL, err);
+    bool ok = look_for(s, &earlier, true, &found, why ? &told : NULL, err);
     if (ok && is_better(&found, best)) {
         *best = found;
         text_add(why, " by an earlier version, for two such devices\n%s", text_chars(&told));
@@ -652,11 +695,7 @@ static bool look_for_alike(store *s, const profile_request *request, profile_fou
 bool profile_lookup(store *s, const profile_request *request, profile_found *found, text *why,
                     duet_error *err)
 {
-    char a[PROFILE_SHA], b[PROFILE_SHA];
-    profile_env_key(&request->pair->a, a);
-    profile_env_key(&request->pair->b, b);
-    partnership partners = strcmp(a, b) == 0 ? PARTNERS_NONE : PARTNERS_OTHER;
-    return look_for(s, request, partners, found, why, err) &&
+    return look_for(s, request, false, found, why, err) &&
            (!request->pair->alike || found->grade == PROFILE_EXACT ||
             look_for_alike(s, request, found, why, err));
 }

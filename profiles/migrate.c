@@ -292,7 +292,7 @@ static bool identify(store *s, identity *is, int64_t *version, duet_error *err)
     if (!sql_script(s, "BEGIN", err) ||
         !sql_number(s, "PRAGMA application_id", &application, err) ||
         !sql_number(s, "PRAGMA user_version", version, err) ||
-        !sql_number(s, "SELECT count(*) FROM sqlite_schema", &objects, err) ||
+        (application == 0 && !sql_number(s, "SELECT count(*) FROM sqlite_schema", &objects, err)) ||
         !sql_script(s, "COMMIT", err))
         return false;
     if (application == STORE_APPLICATION && *version > 0)

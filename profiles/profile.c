@@ -253,9 +253,9 @@ bool profile_forget(store *s, const char *uid, duet_error *err)
 {
     char whole[PROFILE_ID];
     if (!*uid)
-        return error_set(err, DUET_STATUS_NOT_FOUND,
-                         "%s: an empty name is no profile's; 'duet profiles list --dead' shows them",
-                         s->path);
+        return error_set(
+            err, DUET_STATUS_NOT_FOUND,
+            "%s: an empty name is no profile's; 'duet profiles list --dead' shows them", s->path);
     if (!store_begin(s, err))
         return false;
     bool ok = profile_find(s, uid, whole, err) &&

@@ -169,8 +169,7 @@ void sql_add_names(text *t, const char *prefix, const sql_column *columns)
         text_add(t, "%s%s%s", c == columns ? "" : ", ", prefix, c->name);
 }
 
-// Gives the text back.
-static sql make_built(store *s, text *statement, duet_error *err)
+sql sql_make_text(store *s, text *statement, duet_error *err)
 {
     sql q = sql_make(s, text_chars(statement), err);
     q.failed = !text_ok(statement, err) || q.failed;
@@ -190,7 +189,7 @@ sql sql_insert(store *s, const char *table, const sql_column *columns, const cha
     for (const char *comma = strchr(more, ','); comma; comma = strchr(comma + 1, ','))
         text_add(&t, ", ?");
     text_add(&t, ") %s", end);
-    return make_built(s, &t, err);
+    return sql_make_text(s, &t, err);
 }
 
 sql sql_select(store *s, const sql_column *columns, const char *rest, duet_error *err)
@@ -199,7 +198,7 @@ sql sql_select(store *s, const sql_column *columns, const char *rest, duet_error
     text_add(&t, "SELECT ");
     sql_add_names(&t, "", columns);
     text_add(&t, "%s", rest);
-    return make_built(s, &t, err);
+    return sql_make_text(s, &t, err);
 }
 
 static void bind_column(sql *q, const sql_column *c, const void *member)

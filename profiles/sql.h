@@ -90,6 +90,9 @@ void sql_add_names(text *t, const char *prefix, const sql_column *columns);
 sql sql_insert(store *s, const char *table, const sql_column *columns, const char *more,
                const char *end, duet_error *err);
 
+// Of a text, which is freed.
+sql sql_make_text(store *s, text *statement, duet_error *err);
+
 // SELECT the columns, and what `rest` adds to them and says of where.
 sql sql_select(store *s, const sql_column *columns, const char *rest, duet_error *err);
 

@@ -61,7 +61,7 @@ void profile_device_key(const profile_device *device, char key[PROFILE_SHA])
     close_key(&t, key);
 }
 
-void profile_env_seat(const profile_env *env, char key[PROFILE_SHA])
+static void seat_of(const profile_env *env, char key[PROFILE_SHA])
 {
     text t = {0};
     char device[PROFILE_SHA];
@@ -74,16 +74,21 @@ void profile_env_seat(const profile_env *env, char key[PROFILE_SHA])
     close_key(&t, key);
 }
 
-void profile_env_key(const profile_env *env, char key[PROFILE_SHA])
+void profile_env_keys(const profile_env *env, char key[PROFILE_SHA], char seat[PROFILE_SHA])
 {
     text t = {0};
-    char seat[PROFILE_SHA];
-    profile_env_seat(env, seat);
+    seat_of(env, seat);
     add_field(&t, "seat", seat);
     add_field(&t, "platform_version", env->platform_version);
     add_field(&t, "driver", env->driver);
     add_field(&t, "cl_version", env->cl_version);
     close_key(&t, key);
+}
+
+void profile_env_key(const profile_env *env, char key[PROFILE_SHA])
+{
+    char seat[PROFILE_SHA];
+    profile_env_keys(env, key, seat);
 }
 
 static const sql_column device_columns[] = {
@@ -129,8 +134,7 @@ static bool put_env(store *s, const profile_env *env, int64_t *id, duet_error *e
         return false;
     char key[PROFILE_SHA];
     char seat[PROFILE_SHA];
-    profile_env_key(env, key);
-    profile_env_seat(env, seat);
+    profile_env_keys(env, key, seat);
     sql q = sql_insert(s, "env", env_columns, "key, seat, device_id", ONCE, err);
     sql_bind(&q, env_columns, env);
     sql_text(&q, key);
@@ -350,8 +354,7 @@ static bool env_is_right(const sql *q, duet_error *err)
     char seat[PROFILE_SHA];
     profile_env env = {0};
     int rest = sql_read(q, sql_read(q, 0, env_columns, &env), device_columns, &env.device);
-    profile_env_key(&env, key);
-    profile_env_seat(&env, seat);
+    profile_env_keys(&env, key, seat);
     return strcmp(key, sql_get_text(q, rest)) == 0 && strcmp(seat, sql_get_text(q, rest + 1)) == 0;
 }
 

@@ -48,7 +48,7 @@ typedef struct profile_pair {
 // The sha256 of the canonical fields; a seat leaves out the versions.
 void profile_device_key(const profile_device *device, char key[PROFILE_SHA]);
 void profile_env_key(const profile_env *env, char key[PROFILE_SHA]);
-void profile_env_seat(const profile_env *env, char key[PROFILE_SHA]);
+void profile_env_keys(const profile_env *env, char key[PROFILE_SHA], char seat[PROFILE_SHA]);
 
 // Finds or adds the pair with its devices.
 bool profile_pair_put(store *s, const profile_pair *pair, int64_t *pair_id, duet_error *err);

@@ -21,8 +21,8 @@ static bool file_bytes(store *s, int64_t *bytes, duet_error *err)
     return ok;
 }
 
-// Sample i of n stays where i * keep / n takes a value for the first time. An
-// unfinished search may still need its samples.
+// Keeps `keep` of n samples, evenly: sample i stays where i * keep / n takes a value for the first
+// time. An unfinished search keeps all.
 static bool thin_samples(store *s, const profile_prune_def *def, uint64_t *n, duet_error *err)
 {
     sql q = sql_make(

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Duet: collisions among boxes, found by two OpenCL devices together. "The paper" is
-// M. Tayyub and G. N. Khan, "Heterogeneous Design and Efficient CPU-GPU Implementation
-// of Collision Detection".
+// Mohid Tayyub and Gul N. Khan, "Heterogeneous Design and Efficient CPU-GPU Implementation
+// of Collision Detection", Ryerson University, not dated.
 //
 // Owners are opaque pointers with one _create and one _destroy. Makers return a
 // pointer or NULL and doers return bool; both take a duet_error last (NULL

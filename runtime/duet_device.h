@@ -46,7 +46,8 @@ DUET_API uint32_t duet_device_list_get_count(const duet_device_list *list);
 DUET_API const duet_device_info *duet_device_list_get_info(const duet_device_list *list,
                                                            uint32_t i);
 
-// What a driver does that Duet works round, a line each, from 0; NULL past the last.
+// Flaws of the device's driver that Duet works round, from 0; NULL past the last. Each is a line:
+// what the driver does, a colon, what Duet does about it.
 DUET_API const char *duet_device_info_get_quirk(const duet_device_info *info, uint32_t i);
 
 // An ordered device pair. A takes the share, B the rest. Where both are one device B does

@@ -8,6 +8,7 @@
 # MODULES has a line for each module, from the lowest up: its name, its include
 # folders and its objects, each list with commas.
 set -euo pipefail
+export LC_ALL=C # the compiler's words are looked at
 compiler=$1
 modules=$2
 shift 2

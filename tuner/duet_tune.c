@@ -10,8 +10,8 @@
 #include "runtime/selection/profile_subject.h"
 #include "tuner/level_costs.h"
 #include "tuner/measure_query.h"
-#include "tuner/pair_list.h"
 #include "tuner/record.h"
+#include "tuner/sorted_pairs.h"
 #include "tuner/strategy.h"
 #include "tuner/trial_budget.h"
 #include "tuner/tune.h"
@@ -29,18 +29,6 @@ duet_tune_def duet_default_tune_def(void)
                            .keep = DUET_KEEP_DEFAULT,
                            .repeats = REPEATS,
                            .cookie = COOKIE};
-}
-
-const char *duet_strategy_get_name(uint32_t i)
-{
-    const strategy *s = strategy_at(i);
-    return s ? s->name : NULL;
-}
-
-const char *duet_strategy_get_summary(uint32_t i)
-{
-    const strategy *s = strategy_at(i);
-    return s ? s->about : NULL;
 }
 
 // ---------------------------------------------------------------- checks
@@ -393,10 +381,10 @@ static bool measure_accuracy(const duet_scene *scene, const duet_pair *pairs, ui
                              duet_tune_outcome *outcome, duet_error *err)
 {
     duet_pair *truth;
-    pair_list_count wrong = {0};
+    sorted_pairs_count wrong = {0};
     if (!duet_reference(scene, DUET_LEVEL_CERTIFIED, &truth, &outcome->true_pairs, err))
         return false;
-    pair_list_compare(pairs, n, truth, outcome->true_pairs, pair_list_count_wrong, &wrong);
+    sorted_pairs_compare(pairs, n, truth, outcome->true_pairs, sorted_pairs_count_wrong, &wrong);
     duet_free(truth);
     double by = fmax((double)outcome->true_pairs, 1);
     outcome->accuracy = (duet_accuracy){(double)wrong.missed / by, (double)wrong.added / by};

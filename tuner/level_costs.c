@@ -4,7 +4,7 @@
 #include "base/budget.h"
 #include "base/error.h"
 #include "runtime/scene/scene.h"
-#include "tuner/pair_list.h"
+#include "tuner/sorted_pairs.h"
 #include "tuner/stats.h"
 
 #include <math.h>
@@ -60,11 +60,11 @@ static void add_wrong(void *context, duet_pair pair, bool missed)
 
 static bool compare(survey *s, level_cost *row, duet_error *err)
 {
-    duet_pair *found = pair_list_sorted(&s->result, err);
+    duet_pair *found = sorted_pairs_of(&s->result, err);
     if (!found)
         return false;
     s->row = row;
-    pair_list_compare(found, s->result.pairs, s->truth, s->costs->truth, add_wrong, s);
+    sorted_pairs_compare(found, s->result.pairs, s->truth, s->costs->truth, add_wrong, s);
     free(found);
     row->pairs = s->result.pairs;
     row->candidates = s->result.candidates;

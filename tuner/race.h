@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // A race between plans: measured in turn, round by round, until the interval
-// of the ratio to the leader says who is slower.
+// of the ratio to the leader says which is slower.
 //
 // Samples are only ever compared with those of the same round, so that a slow
-// minute falls on all rivals alike. Each round has an order of its own: what
-// one plan leaves in caches and clocks is then not always found by the same
-// other.
+// minute falls on all rivals alike. Each round has an order of its own, so
+// that what one plan leaves in caches and clocks does not always meet the same
+// other plan.
 #ifndef TUNER_RACE_H
 #define TUNER_RACE_H
 
@@ -14,16 +14,16 @@
 enum { RACE_RIVALS = 32, RACE_ROUNDS = 64 };
 
 typedef struct race_options {
-    uint32_t least_rounds; // before anyone drops out
+    uint32_t least_rounds; // before any plan drops out
     uint32_t most_rounds;  // up to RACE_ROUNDS
     double confidence;     // of the intervals
-    double dropped;        // who surely takes so many times the leader's time drops out
-    double margin;         // the race ends once all ratios are known to it; 0: none is
+    double dropped;        // a plan that surely takes so many times the leader's time drops out
+    double margin;         // the race ends once all ratios are known this well; 0: it does not
 } race_options;
 
-// 8 rounds are the fewest from which 99 % can be had: all on one side. What is
-// within 3 % is not worth more of them, and nobody drops out for less: of equal
-// plans one is ahead by a little sooner or later, if asked after every round.
+// 8 rounds, all won by one side, are the fewest that give 99 %. More rounds are not spent on
+// plans within 3 % of each other, and no plan drops out for less: asked after every round,
+// one of two equal plans is ahead by a little sooner or later.
 race_options race_default_options(void);
 
 typedef struct race {

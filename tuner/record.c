@@ -281,8 +281,8 @@ bool record_end(record *r, const char *how, const duet_tune_def *def, duet_tune_
     return profile_session_end(r->store, r->session, ok ? how : "failed", err) && ok;
 }
 
-// What sharing gains was not measured again: the profile before says it, or
-// nobody does.
+// What sharing gains was not measured again: it is taken from the profile before, if there
+// is one.
 bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error *err)
 {
     profile_found before;

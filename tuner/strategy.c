@@ -3,6 +3,7 @@
 // own.
 #include "tuner/strategy.h"
 
+#include "tuner/duet_tune.h"
 #include "tuner/stats.h"
 
 #include <lauxlib.h>
@@ -327,4 +328,16 @@ const strategy *strategy_find(const char *name)
             return strategies[i];
     }
     return NULL;
+}
+
+const char *duet_strategy_get_name(uint32_t i)
+{
+    const strategy *s = strategy_at(i);
+    return s ? s->name : NULL;
+}
+
+const char *duet_strategy_get_summary(uint32_t i)
+{
+    const strategy *s = strategy_at(i);
+    return s ? s->about : NULL;
 }

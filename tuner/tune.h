@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // One tuning: what is measured next, until it is known how to share the work.
 //
-// It is given what to choose from, a machine to measure plans on, and who keeps what was measured.
-// Of devices and the store it knows no more than these functions.
+// It is given what to choose from, a machine that measures plans, and functions that keep what was
+// measured; it knows nothing else of devices and the store.
 #ifndef TUNER_TUNE_H
 #define TUNER_TUNE_H
 

@@ -65,7 +65,7 @@ bool tuning_stop(const tuning *t, duet_error *err)
                      t->state->played, t->state->played == 1 ? "" : "s");
 }
 
-// Before the kernels are known that are searched, nobody knows; but a budget ends it.
+// Until it is known what the kernels' search takes, only the budget limits the trials.
 static uint32_t most_trials(const tuning *t)
 {
     bool known = t->search_known || !t->task->def->search;

@@ -15,11 +15,11 @@ static const int lengths[] = {8, 64, 512, 4096, 32768, 262144, 2097152};
 
 enum { N_LENGTHS = sizeof lengths / sizeof lengths[0] };
 
-// Where the ranks are, on all of them.
+// Which machine each rank is on; all ranks have the same list.
 typedef struct machines {
-    char (*of)[PROFILE_SHA]; // each rank's
-    int far;                 // the first that is not rank 0's, else rank 1; 0: there is none
-    uint32_t n;
+    char (*of)[PROFILE_SHA]; // [n_ranks] ids of machines
+    int far;                 // the first rank on another machine than rank 0, else 1; 0: one rank
+    uint32_t n;              // machines
 } machines;
 
 static bool find_machines(machines *m, ranks *r, duet_error *err)
@@ -43,7 +43,7 @@ static bool find_machines(machines *m, ranks *r, duet_error *err)
     return true;
 }
 
-// {"64": 812.5, ...}, and the numbers of the shortest message and the longest.
+// Writes times as {"64": 812.5, ...}, ns by bytes, and latency and time a byte into the fabric.
 static bool measure(profile_fabric *fabric, text *times, ranks *r, int to, duet_error *err)
 {
     void *bytes = calloc(1, (size_t)lengths[N_LENGTHS - 1]);
@@ -87,10 +87,9 @@ static bool write_run(const profile_fabric *fabric, const profile_cluster_run *r
     return ok;
 }
 
-bool keep_run(duet_cluster *c, const profile_cluster_run *run, const duet_cluster_rank *rows,
+bool keep_run(ranks *r, const profile_cluster_run *run, const duet_cluster_rank *rows,
               duet_error *err)
 {
-    ranks *r = &c->ranks;
     machines m = {0};
     text times = {0};
     char mpi[MPI_MAX_LIBRARY_VERSION_STRING], place[PROFILE_SHA];

@@ -3,6 +3,8 @@
 #include "cli/cluster/rank.h"
 
 #include "base/error.h"
+#include "base/output.h"
+#include "cli/cluster/apart.h"
 #include "cli/cluster/keep.h"
 #include "cli/report/json.h"
 #include "cli/report/run_report.h"
@@ -23,7 +25,7 @@
 typedef struct run_state {
     const cluster_arguments *args;
     const simulation *simulation; // NULL: the ranks are real
-    const stored_steps *like;     // whose times they take; NULL: none's
+    const stored_steps *like;     // what they take the times of; NULL: their own
     duet_cluster *cluster;
     duet_scene *scene; // rank 0's
     int rank;
@@ -31,8 +33,16 @@ typedef struct run_state {
     duet_cluster_result result;
     double *total_ms; // [args.repeat], ascending at the end
     duet_cluster_rank *ranks;
+    ranks job; // all ranks, where each has a cluster of its own
+    apart_times apart;
     reference_check check;
 } run_state;
+
+// Those that share the work.
+static ranks *job_of(run_state *r)
+{
+    return r->args->apart ? &r->job : &r->cluster->ranks;
+}
 
 // ---------------------------------------------------------------- the work
 
@@ -87,10 +97,17 @@ static bool open_cluster(run_state *r, duet_error *err)
     if (!read_weight(r, &def.weight, err) ||
         !inputs_change_plan(&r->args->plan, &def.world.plan, err))
         return false;
-    r->cluster = cluster_create(&def, r->simulation, err);
+    r->cluster = cluster_create(&def, r->simulation, r->args->apart, err);
     if (r->cluster)
         tell_binding(r);
     return r->cluster;
+}
+
+// Rank 0 opens the file of pairs; what cannot be written is refused before the work.
+static bool check_output(const run_state *r, duet_error *err)
+{
+    const char *path = r->args->pairs_path;
+    return ranks_agree(&r->cluster->ranks, r->rank > 0 || !path || output_check(path, err), err);
 }
 
 static bool read_scene(run_state *r, const char *path, duet_error *err)
@@ -128,7 +145,7 @@ static const stored_run *run_of(const stored_steps *like)
     return like ? like->run : NULL;
 }
 
-// A step of another kind takes other times.
+// The stored times hold only for the same dimensions, level, parts and residence.
 static bool check_like(const run_state *r, duet_error *err)
 {
     const stored_steps *like = r->like;
@@ -158,7 +175,7 @@ static bool check_like(const run_state *r, duet_error *err)
                      run->resident ? "" : "out");
 }
 
-// As duet run: a plan that was given is kept, else each rank gets what was measured.
+// As in duet run, a given plan is kept; else each rank loads its profile.
 static bool choose_plan(run_state *r, duet_error *err)
 {
     duet_profile profile;
@@ -186,15 +203,20 @@ static bool step(run_state *r, duet_error *err)
             error_set(err, DUET_STATUS_WRONG_RESULT, "a step found other pairs than the first"));
 }
 
-static bool run_steps(run_state *r, duet_error *err)
+static bool reserve(run_state *r, duet_error *err)
 {
     uint64_t repeat = r->args->repeat;
     r->total_ms = calloc(repeat, sizeof *r->total_ms);
     r->ranks = calloc((size_t)r->n_ranks, sizeof *r->ranks);
-    bool ok = r->total_ms && r->ranks;
-    if (!ok)
-        error_set(err, DUET_STATUS_NO_MEMORY, "the times of %" PRIu64 " steps: no memory", repeat);
-    ok = ranks_agree(&r->cluster->ranks, ok, err) && step(r, err);
+    return (r->total_ms && r->ranks) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "the times of %" PRIu64 " steps: no memory",
+                     repeat);
+}
+
+static bool run_steps(run_state *r, duet_error *err)
+{
+    uint64_t repeat = r->args->repeat;
+    bool ok = ranks_agree(&r->cluster->ranks, reserve(r, err), err) && step(r, err);
     progress p = progress_begin("step", repeat);
     for (uint64_t i = 0; ok && i < repeat; ++i) {
         ok = step(r, err);
@@ -206,6 +228,28 @@ static bool run_steps(run_state *r, duet_error *err)
     if (ok)
         stats_sort(r->total_ms, repeat);
     return ok && duet_cluster_get_ranks(r->cluster, r->ranks, err);
+}
+
+static bool step_apart(void *context, double *ms, duet_error *err)
+{
+    run_state *r = context;
+    bool ok = step(r, err);
+    *ms = r->result.total_ms;
+    return ok;
+}
+
+// What a rank does by itself is done, or has failed, on all of them.
+static bool run_apart(run_state *r, duet_error *err)
+{
+    duet_cluster_rank own;
+    r->apart.all_ms = r->total_ms;
+    if (!apart_measure(&r->apart, &r->job, r->args->repeat, step_apart, r, err) ||
+        !duet_cluster_get_ranks(r->cluster, &own, err))
+        return false;
+    own.busy_ms = r->apart.ms[apart_first_of(&r->apart, r->rank)];
+    own.wait_ms = 0;
+    ranks_gather(&r->job, &own, r->ranks, (int)sizeof own);
+    return true;
 }
 
 // Rank 0 has the scene. Pairs are not gathered: their number and hash are enough.
@@ -230,19 +274,20 @@ static bool check(run_state *r, duet_error *err)
 
 // ---------------------------------------------------------------- what is told
 
-// Pairs are not searched: times alone are of interest.
+// Only times are computed; no pairs are searched.
 static bool is_forecast(const run_state *r)
 {
     return r->simulation && r->simulation->object_seconds;
 }
 
-// Of weak scaling: the part of all ranks' time that they have for their own objects.
+// Weak scaling: the part of all ranks' time that goes to their own objects, not to ghosts or waits.
 static double efficiency(const run_state *r)
 {
     double own_ms = 0;
     for (int i = 0; i < r->n_ranks; ++i) {
         const duet_cluster_rank *rank = &r->ranks[i];
-        double own = (double)rank->objects, all = own + (double)rank->ghosts;
+        double own = (double)rank->objects;
+        double all = own + r->simulation->ghost_objects * (double)rank->ghosts;
         own_ms += all > 0 ? rank->busy_ms * own / all : 0;
     }
     return own_ms / (r->n_ranks * r->total_ms[(r->args->repeat - 1) / 2]);
@@ -252,16 +297,12 @@ static void print_run(const stored_run *run)
 {
     printf("\nranks as in run %.8s: %s, %s, ", say_name(run->uid).chars, say_name(run->scene).chars,
            table_things(run->n, "box", "boxes").chars);
-    printf("%s on %s\n", table_things(run->ranks, "rank", "ranks").chars,
-           table_things(run->hosts, "host", "hosts").chars);
+    printf("%s%s on %s\n", table_things(run->ranks, "rank", "ranks").chars,
+           run->company ? " apart" : "", table_things(run->hosts, "host", "hosts").chars);
 }
 
-static void print_text(const run_state *r)
+static void print_ranks(const run_state *r)
 {
-    const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
-    const duet_cluster_result *result = &r->result;
-    run_report_scene(info);
-    printf("%s\n\n", table_things((uint64_t)r->n_ranks, "rank", "ranks").chars);
     table t = table_begin("rllrrrrr");
     table_words(&t, "rank", "host", "devices", "objects", "ghosts", "pairs", "busy ms", "wait ms",
                 NULL);
@@ -274,10 +315,33 @@ static void print_text(const run_state *r)
         table_cell(&t, "%.3f", rank->wait_ms);
     }
     table_print(&t, stdout);
+}
+
+static void print_company(const run_state *r)
+{
+    const apart_times *apart = &r->apart;
+    table t = table_begin("rrr");
+    table_words(&t, "at work", "ms a step", "by one", NULL);
+    for (int i = 0; i < apart->n; ++i) {
+        table_cell(&t, "%d", apart->ranks[i]);
+        table_cell(&t, "%.3f", apart->ms[i]);
+        table_cell(&t, "%.3f", apart->ms[0] > 0 ? apart->ms[i] / apart->ms[0] : 1);
+    }
+    table_print(&t, stdout);
+}
+
+static void print_text(const run_state *r)
+{
+    const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
+    const duet_cluster_result *result = &r->result;
+    run_report_scene(info);
+    printf("%s%s\n\n", table_things((uint64_t)r->n_ranks, "rank", "ranks").chars,
+           r->args->apart ? " apart, each with all of them" : "");
+    (r->args->apart ? print_company : print_ranks)(r);
     uint64_t n = r->args->repeat;
     double median = r->total_ms[(n - 1) / 2];
     printf("\n");
-    t = table_begin("lrl");
+    table t = table_begin("lrl");
     if (!is_forecast(r)) {
         table_words(&t, "pairs", table_count(result->pairs).chars, NULL);
         table_cell(&t, "collide, at level %s; hash %016" PRIx64,
@@ -316,6 +380,16 @@ static void add_rank(cJSON *list, const run_state *r, int i)
     cJSON_AddNumberToObject(o, "sent_bytes", (double)rank->sent_bytes);
 }
 
+static void add_company(cJSON *o, const apart_times *apart)
+{
+    cJSON *rows = cJSON_AddArrayToObject(o, "company");
+    for (int i = 0; i < apart->n; ++i) {
+        cJSON *row = json_add_row(rows);
+        cJSON_AddNumberToObject(row, "ranks", apart->ranks[i]);
+        cJSON_AddNumberToObject(row, "ms", apart->ms[i]);
+    }
+}
+
 static bool print_json(const run_state *r, duet_error *err)
 {
     const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
@@ -338,6 +412,8 @@ static bool print_json(const run_state *r, duet_error *err)
         cJSON_AddStringToObject(o, "platform", r->args->simulate);
     if (is_forecast(r))
         cJSON_AddNumberToObject(o, "efficiency", efficiency(r));
+    if (r->args->apart)
+        add_company(o, &r->apart);
     cJSON *rows = cJSON_AddArrayToObject(o, "ranks");
     for (int i = 0; i < r->n_ranks; ++i)
         add_rank(rows, r, i);
@@ -359,7 +435,7 @@ static bool tell(const run_state *r, duet_error *err)
                      duet_cluster_get_scene_info(r->cluster)->name);
 }
 
-static bool keep(const run_state *r, duet_error *err)
+static bool keep(run_state *r, duet_error *err)
 {
     const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
     uint64_t n = r->args->repeat;
@@ -373,28 +449,52 @@ static bool keep(const run_state *r, duet_error *err)
                                .median_ns = r->total_ms[(n - 1) / 2] * 1e6,
                                .low_ns = r->total_ms[0] * 1e6,
                                .high_ns = r->total_ms[n - 1] * 1e6};
-    return !r->args->keep || keep_run(r->cluster, &run, r->ranks, err);
+    return !r->args->keep || keep_run(job_of(r), &run, r->ranks, err);
 }
 
 // ---------------------------------------------------------------- all of it
 
-static bool run_all(run_state *r, const char *path, duet_error *err)
+static bool open(run_state *r, const char *path, duet_error *err)
 {
-    bool ok = open_cluster(r, err) && load(r, path, err) && check_like(r, err) &&
-              choose_plan(r, err) && run_steps(r, err) && check(r, err);
+    return open_cluster(r, err) && check_output(r, err) && load(r, path, err) &&
+           check_like(r, err) && choose_plan(r, err);
+}
+
+static bool run_together(run_state *r, const char *path, duet_error *err)
+{
+    bool ok = open(r, path, err) && run_steps(r, err) && check(r, err);
     if (ok && r->args->pairs_path)
         ok = duet_cluster_save_pairs(r->cluster, r->args->pairs_path, r->args->sorted, err);
-    return ok && ranks_agree(&r->cluster->ranks, tell(r, err), err) && keep(r, err);
+    return ok;
+}
+
+// Ranks that open clusters of their own fail by themselves.
+static bool run_each(run_state *r, const char *path, duet_error *err)
+{
+    if (!ranks_begin(&r->job, NULL, NULL, err))
+        return false;
+    bool ok = open(r, path, err) && reserve(r, err);
+    return ranks_agree(&r->job, ok, err) && run_apart(r, err);
+}
+
+static bool run_all(run_state *r, const char *path, duet_error *err)
+{
+    bool ok = (r->args->apart ? run_each : run_together)(r, path, err);
+    return ok && ranks_agree(job_of(r), tell(r, err), err) && keep(r, err);
 }
 
 bool rank_run(const cluster_arguments *args, const char *scene, const simulation *s,
               const stored_steps *like, duet_error *err)
 {
-    run_state r = {.args = args, .simulation = s, .like = like};
+    run_state r = {.args = args,
+                   .simulation = s,
+                   .like = like,
+                   .job = {.comm = MPI_COMM_NULL, .host = MPI_COMM_NULL}};
     MPI_Comm_rank(MPI_COMM_WORLD, &r.rank);
     MPI_Comm_size(MPI_COMM_WORLD, &r.n_ranks);
     bool ok = run_all(&r, scene, err);
     duet_cluster_destroy(r.cluster);
+    ranks_end(&r.job);
     duet_scene_destroy(r.scene);
     free(r.total_ms);
     free(r.ranks);

@@ -71,7 +71,7 @@ static bool take_profile(simulated_job *job, duet_error *err)
                          "be; expected what 'duet tune' wrote",
                          p->uid));
     job->simulation.object_seconds = &job->object_seconds;
-    job->simulation.n_paces = 1;
+    job->simulation.n_seconds = 1;
     duet_profile_list_destroy(list);
     return ok;
 }
@@ -80,7 +80,8 @@ static bool read_times(simulated_job *job, duet_error *err)
 {
     bool found = false;
     simulation *s = &job->simulation;
-    *s = (simulation){.pass = smpi_pass, .stands_for = (uint32_t)job->args.stands_for};
+    *s = (simulation){
+        .pass = smpi_pass, .stands_for = (uint32_t)job->args.stands_for, .ghost_objects = 1};
     if (!job->args.profile)
         return true;
     if (!stored_run_read(&job->run, job->args.profile, &found, err))
@@ -88,8 +89,11 @@ static bool read_times(simulated_job *job, duet_error *err)
     if (!found)
         return take_profile(job, err);
     s->object_seconds = job->run.object_seconds;
-    s->n_paces = job->run.n_paces;
+    s->n_seconds = job->run.n_seconds;
     s->ranks_a_host = (double)job->run.ranks / job->run.hosts;
+    s->ghost_objects = STORED_RUN_GHOST;
+    s->company = job->run.company;
+    s->n_company = job->run.n_seconds;
     job->like = (stored_steps){.of = "run", .dims = job->run.dims, .run = &job->run};
     memcpy(job->like.level, job->run.level, sizeof job->run.level);
     return true;

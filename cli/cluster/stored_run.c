@@ -17,7 +17,9 @@ enum { MOST_RANKS = 1 << 24 };
 typedef struct reading {
     store *s;
     stored_run *run;
-    uint64_t *seen;   // [n_paces] homes and ghosts
+    double *seen;     // [n_seconds] homes, and what ghosts take in homes
+    double *busy_ns;  // [n_seconds]
+    bool are_apart;   // so far: each has all objects, which share no homes
     double busiest;   // the greatest part of the last step that a rank was busy in
     double median_ns; // of all steps
     duet_error *err;
@@ -45,15 +47,16 @@ static bool refuse(reading *r, const char *what)
 
 static bool grow(reading *r)
 {
-    uint32_t n = r->run->n_paces;
+    uint32_t n = r->run->n_seconds;
     if (n & (n - 1)) // full only where it is a power of two, or 0
         return true;
     size_t most = n == 0 ? 1 : 2 * (size_t)n;
-    uint64_t *seen = realloc(r->seen, most * sizeof *seen);
-    r->seen = seen ? seen : r->seen;
-    double *paces = realloc(r->run->object_seconds, most * sizeof *paces);
-    r->run->object_seconds = paces ? paces : r->run->object_seconds;
-    r->ok = (seen && paces) || error_set(r->err, DUET_STATUS_NO_MEMORY, "a run's ranks: no memory");
+    double **const lists[] = {&r->seen, &r->busy_ns, &r->run->object_seconds};
+    for (size_t i = 0; r->ok && i < sizeof lists / sizeof *lists; ++i) {
+        double *list = realloc(*lists[i], most * sizeof *list);
+        r->ok = list || error_set(r->err, DUET_STATUS_NO_MEMORY, "a run's ranks: no memory");
+        *lists[i] = list ? list : *lists[i];
+    }
     return r->ok;
 }
 
@@ -65,23 +68,59 @@ static bool read_rank(void *context, uint32_t number, const profile_cluster_rank
     if (row->n > INT64_MAX || row->ghosts > INT64_MAX || !is_from(row->busy_ns, 0, INFINITY) ||
         !is_from(row->wait_ns, 0, INFINITY) || !isfinite(total_ns))
         return refuse(r, "objects or times of a rank");
+    r->are_apart = r->are_apart && row->n == r->run->n && row->ghosts == 0;
     if (row->n == 0 || total_ns == 0)
         return true;
     if (!grow(r))
         return false;
-    r->seen[r->run->n_paces++] = row->n + row->ghosts;
+    r->busy_ns[r->run->n_seconds] = row->busy_ns;
+    r->seen[r->run->n_seconds++] = (double)row->n + STORED_RUN_GHOST * (double)row->ghosts;
     r->busiest = fmax(r->busiest, row->busy_ns / total_ns);
+    return true;
+}
+
+// Ranks apart were at work one, two, four and so on at a time, and each tells of the first time
+// that it was: the last of each such group tells of as many as there were. Between two numbers of
+// ranks what each takes is taken for a line.
+static void fill_company(const reading *r)
+{
+    double *company = r->run->company;
+    uint32_t n = r->run->n_seconds;
+    company[0] = 1;
+    for (uint32_t done = 1; done < n;) {
+        uint32_t to = 2 * done < n ? 2 * done : n;
+        double before = company[done - 1], step = r->busy_ns[to - 1] / r->busy_ns[0] - before;
+        for (uint32_t k = done + 1; k <= to; ++k)
+            company[k - 1] = before + step * (k - done) / (to - done);
+        done = to;
+    }
+}
+
+static bool find_company(reading *r)
+{
+    stored_run *run = r->run;
+    run->company = calloc(run->n_seconds, sizeof *run->company);
+    if (!run->company)
+        return r->ok = error_set(r->err, DUET_STATUS_NO_MEMORY, "a run's ranks: no memory");
+    fill_company(r);
+    for (uint32_t i = 0; i < run->n_seconds; ++i) {
+        run->object_seconds[i] = r->busy_ns[0] * 1e-9 / r->seen[0];
+        if (!stored_time_can_be(run->object_seconds[i] * run->company[i]))
+            return refuse(r, "time of a step");
+    }
     return true;
 }
 
 // Where a rank waited longer than the busiest one it waited for that, so the step is as long for
 // its objects.
-static bool find_paces(reading *r)
+static bool find_seconds(reading *r)
 {
     stored_run *run = r->run;
-    if (run->n_paces == 0)
+    if (run->n_seconds == 0)
         return refuse(r, "ranks without objects and times");
-    for (uint32_t i = 0; i < run->n_paces; ++i) {
+    if (r->are_apart && run->ranks > 1 && run->n_seconds == run->ranks && run->hosts == 1)
+        return find_company(r);
+    for (uint32_t i = 0; i < run->n_seconds; ++i) {
         run->object_seconds[i] = r->median_ns * 1e-9 * r->busiest / (double)r->seen[i];
         if (!stored_time_can_be(run->object_seconds[i]))
             return refuse(r, "time of a step");
@@ -112,7 +151,7 @@ static bool read_run(void *context, const cluster_run_entry *e)
     if (has_network && (!is_from(f->latency_ns, 1e-3, MOST_LATENCY_NS) ||
                         !is_from(f->byte_ns, 1e-6, MOST_BYTE_NS)))
         return refuse(r, "network's latency or bandwidth");
-    r->ok = cluster_rank_each(r->s, e->id, read_rank, r, r->err) && r->ok && find_paces(r);
+    r->ok = cluster_rank_each(r->s, e->id, read_rank, r, r->err) && r->ok && find_seconds(r);
     return false;
 }
 
@@ -121,7 +160,7 @@ bool stored_run_read(stored_run *run, const char *uid, bool *found, duet_error *
     char whole[PROFILE_ID];
     *run = (stored_run){0};
     *found = false;
-    reading r = {.run = run, .err = err, .ok = true};
+    reading r = {.run = run, .err = err, .are_apart = true, .ok = true};
     r.s = profiles_open(NULL, STORE_READ, err);
     bool ok = r.s && cluster_run_find(r.s, uid, whole, err);
     *found = ok && *whole;
@@ -130,11 +169,13 @@ bool stored_run_read(stored_run *run, const char *uid, bool *found, duet_error *
     ok = ok && store_check_read(r.s, err);
     store_close(r.s);
     free(r.seen);
+    free(r.busy_ns);
     return ok;
 }
 
 void stored_run_end(stored_run *run)
 {
     free(run->object_seconds);
+    free(run->company);
     *run = (stored_run){0};
 }

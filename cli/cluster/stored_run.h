@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A run that `duet cluster --keep` kept, as simulated ranks need it.
+// A run that `duet cluster --keep` stored, for simulated ranks.
 #ifndef CLI_CLUSTER_STORED_RUN_H
 #define CLI_CLUSTER_STORED_RUN_H
 
@@ -20,18 +20,26 @@ typedef struct stored_run {
     uint32_t ranks;
     double latency_ns; // of a message; 0: it had one rank
     double byte_ns;    // of each of its bytes
-    // [n_paces] What a step takes of each home and each ghost that a rank has, seconds, but for
-    // the time that all ranks waited for messages. Those with homes, in order.
+    // [n_seconds] What a step takes of each home that a rank has, seconds, but for the time that
+    // all ranks waited for messages. Those with homes, in order.
     double *object_seconds;
-    uint32_t n_paces;
+    uint32_t n_seconds;
+    // [n_seconds] Of ranks apart, which did not share the objects: how much longer a step takes
+    // each of k + 1 of them on a host than the first by itself, whose all times above are. NULL: no
+    // such run.
+    double *company;
 } stored_run;
 
-// Reads the one run of the user's store whose uid begins so; *found is false where there is none,
-// or where a profile's begins so too. BAD_INPUT where a number of it cannot be.
+// What a ghost takes of a rank, in homes: others' owners are looked up for its pairs, and somebody
+// has to send it.
+#define STORED_RUN_GHOST 3.0
+
+// Reads the run of the user's store whose uid begins with `uid`. *found is false if there is none,
+// or if a profile's uid begins so too. BAD_INPUT if the run has an impossible number.
 bool stored_run_read(stored_run *run, const char *uid, bool *found, duet_error *err);
 void stored_run_end(stored_run *run);
 
-// Whether a step may take so long of each object, whoever wrote the store.
+// Whether the time is possible: above 0, and no longer than a step can take.
 bool stored_time_can_be(double object_seconds);
 
 #endif

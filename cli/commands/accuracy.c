@@ -55,7 +55,7 @@ static const command_line line = {
     .rules = rules,
 };
 
-// Whether stdout is a file's.
+// Whether a file is to be written to stdout.
 static bool is_elsewhere(const arguments *args)
 {
     return options_is_stdout(args->csv) || options_is_stdout(args->plot);
@@ -93,7 +93,7 @@ static bool run_timesteps(const arguments *args, duet_device_pair *pair, const d
     return ok;
 }
 
-// A plot that cannot be is told of before minutes are spent on it.
+// A plot that cannot be drawn is refused before minutes of measuring.
 static bool check_plot(const char *path, duet_error *err)
 {
     canvas *c = path ? canvas_open(path, 1, 1, err) : NULL;

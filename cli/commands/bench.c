@@ -283,7 +283,7 @@ static bool measure_plans(bench *b, const bench_scene *which, const duet_scene *
     return ok;
 }
 
-// What was measured of the plans is told even where one failed.
+// Results of the other plans are printed even if one failed.
 static bool compare_plans(bench *b, const bench_scene *which, const duet_scene *scene,
                           duet_error *err)
 {
@@ -347,7 +347,7 @@ static bool measure_scene(bench *b, const bench_scene *which, duet_error *err)
     return ok;
 }
 
-// Also of a run that was stopped: what was measured is kept.
+// A run that was stopped writes what was measured until then.
 static bool finish(bench *b, duet_error *err)
 {
     bool ok = true;

@@ -41,6 +41,8 @@ static const option options[] = {
     OPTION_FLAG("sorted", sorted, "write them ascending: the same bytes for any number of ranks"),
     OPTION_FLAG("check", check, "compare the pairs' number and hash with the plain C reference"),
     OPTION_FLAG("keep", keep, "keep what the ranks and their network did in the profile store"),
+    OPTION_FLAG("apart", apart,
+                "each rank finds all pairs by itself, beside 0, 1, 3, ... others of its machine"),
     OPTION_TEXT("simulate", simulate, "P.xml|RUN",
                 "simulate the ranks, with the plain C reference, on SimGrid's platform or a run's"),
     OPTION_TEXT("profile", profile, "UID",
@@ -65,7 +67,9 @@ static const option_rule rules[] = {
     {"simulate", OPTION_EXCLUDES, "hosts"},     {"simulate", OPTION_EXCLUDES, "keep"},
     {"simulate", OPTION_NEEDS, "ranks"},        {"profile", OPTION_NEEDS, "simulate"},
     {"profile", OPTION_EXCLUDES, "check"},      {"profile", OPTION_EXCLUDES, "pairs"},
-    {"stands-for", OPTION_NEEDS, "profile"},    {0},
+    {"stands-for", OPTION_NEEDS, "profile"},    {"apart", OPTION_EXCLUDES, "weights"},
+    {"apart", OPTION_EXCLUDES, "pairs"},        {"apart", OPTION_EXCLUDES, "check"},
+    {"apart", OPTION_EXCLUDES, "simulate"},     {0},
 };
 
 static const char *refuse(const void *given, char **operands)

@@ -23,8 +23,8 @@ static const command_line line = {
     .about = "Lists the OpenCL devices here. A CPU can be cut into parts, which are devices\n"
              "too: pocl:0[2-3] is units 2 and 3 of pocl:0, pocl:0[1/4] the first quarter.\n"
              "--pair takes two selectors with a comma between them, one, or halves; cpu and\n"
-             "gpu are the strongest of their kind. Quirks are what Duet works round in a\n"
-             "driver.",
+             "gpu are the strongest of their kind. A quirk is a flaw of the driver, and what\n"
+             "Duet does about it.",
     .options = options,
 };
 

@@ -58,7 +58,7 @@ static bool is_terminal(void)
 
 enum { HISTORY_LINES = 1000 };
 
-// What completes names; libedit has no place for it in a call.
+// The session whose names Tab completes; libedit's calls cannot carry it.
 static session *completing;
 
 // The next name of the list, for libedit to free; NULL after the last.
@@ -82,12 +82,12 @@ static char **complete(const char *word, int start, int end)
 {
     (void)start;
     (void)end;
-    rl_attempted_completion_over = 1; // names of files are none
+    rl_attempted_completion_over = 1; // no names of files
     rl_completion_append_character = '\0';
     return rl_completion_matches(word, next_name);
 }
 
-// Where lines are kept between sessions; empty where there is no such place.
+// The file that keeps typed lines between sessions; empty if there is no place for one.
 static void find_history(text *path)
 {
     const char *state = getenv("XDG_STATE_HOME");
@@ -100,7 +100,7 @@ static void find_history(text *path)
         output_make_folders(path->chars, 0700, NULL);
 }
 
-// Without a place for it there is no history, and nothing is said: it is no part of the work.
+// If the history cannot be written, nothing is said: a person can work without it.
 static void begin_typing(session *s, text *history_path)
 {
     if (!is_terminal())

@@ -368,7 +368,7 @@ static void draw_links(const sketch *s, const view *v, canvas *c)
     }
 }
 
-// The whole scene, and in it the part that is drawn large.
+// The whole scene, small, with a frame around the part that is drawn large.
 static void draw_corner(const sketch *s, canvas *c, point least, point most)
 {
     const point paper[4] = {least, {most.x, least.y}, most, {least.x, most.y}};

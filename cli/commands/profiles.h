@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the profile store is opened by, and the verbs of `duet profiles` with a file
-// of their own. argv[0] is "why"; the exit status comes back.
+// How the profile store is opened, and the verbs of `duet profiles` that have a file of their
+// own. argv[0] is the verb, as "why"; they return the exit status.
 #ifndef CLI_PROFILES_H
 #define CLI_PROFILES_H
 
@@ -17,8 +17,8 @@ bool profiles_show(store *s, const char *uid, bool json, duet_error *err);
 // Two profiles, named by their first digits, and which is the quicker.
 bool profiles_diff(store *s, const char *first, const char *second, bool json, duet_error *err);
 
-// Opens the store at path, or the user's where that is NULL, and tells on
-// stderr what should be known of it.
+// Opens the store at path (NULL: the user's), and prints a note on stderr if there is one, as
+// that the store was upgraded.
 store *profiles_open(const char *path, store_access access, duet_error *err);
 
 #define PROFILE_OPTION_ROW(member) \

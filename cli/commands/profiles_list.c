@@ -29,7 +29,7 @@ static table begin_rows(void)
     return t;
 }
 
-// Certified needs no word: nothing of it is wrong.
+// Certified is exact and the default, and is not mentioned.
 static void add_workload(table *t, const profile_entry *e)
 {
     const char *scene = e->scene && *e->scene ? e->scene : "-";
@@ -73,7 +73,7 @@ static void add_row(table *t, const profile_entry *e)
                 NULL);
 }
 
-// Below the table, since it is said of few rows.
+// Below the table, because few rows have it.
 static void note_whole(text *notes, const profile_entry *e)
 {
     const profile_row *row = &e->row;

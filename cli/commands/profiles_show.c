@@ -128,8 +128,8 @@ static cJSON *read_entry(store *s, const char *uid, duet_error *err)
     return o;
 }
 
-// By which a step of the one is longer, and whether that is more than both medians'
-// intervals leave open.
+// By how much a step of one profile is longer, and whether the intervals of both medians leave no
+// doubt of it.
 static double longer(const cJSON *one, const cJSON *other, bool *sure)
 {
     *sure = json_number(one, "low_ms") > json_number(other, "high_ms");

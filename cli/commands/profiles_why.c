@@ -43,12 +43,12 @@ static const command_line line = {
 typedef struct answer {
     profile_subject asked;
     profile_found found;
-    text why; // a line for each rung
+    text why; // a line for each grade
     duet_plan fallback;
     bool one_device;
 } answer;
 
-// Of many millions of objects it takes seconds.
+// With many millions of objects it takes seconds.
 static bool read_subject(duet_world *world, const duet_scene *scene, profile_subject *asked,
                          duet_error *err)
 {
@@ -81,36 +81,36 @@ static void print_subject(const answer *a)
     table_print(&t, stdout);
 }
 
-// The length of the grade that a rung begins with, and of the blanks before it; or 0.
-static size_t grade_length(const char *rung)
+// How many characters of the row are blanks and the grade behind them; 0: it names no grade.
+static size_t grade_length(const char *row)
 {
-    size_t blanks = strspn(rung, " ");
+    size_t blanks = strspn(row, " ");
     for (int grade = 0; blanks > 0 && grade < PROFILE_DEFAULT; ++grade) {
         const char *name = profile_grade_name((profile_grade)grade);
-        if (strncmp(rung + blanks, name, strlen(name)) == 0)
+        if (strncmp(row + blanks, name, strlen(name)) == 0)
             return blanks + strlen(name);
     }
     return 0;
 }
 
-// A rung is "  exact        yes: ...": such lines become rows of a table, others stay.
-static void print_rungs(const char *why)
+// Lines as "  exact        yes: ..." become rows of a table; others are printed as they are.
+static void print_grades(const char *why)
 {
     table t = table_begin("ll");
     for (const char *at = why; *at;) {
-        char rung[512];
+        char row[512];
         int length = (int)strcspn(at, "\n");
-        snprintf(rung, sizeof rung, "%.*s", length, at);
+        snprintf(row, sizeof row, "%.*s", length, at);
         at += length + (at[length] == '\n');
-        size_t grade = grade_length(rung);
+        size_t grade = grade_length(row);
         if (grade > 0) {
-            table_cell(&t, "%.*s", (int)grade, rung);
-            table_words(&t, say_name(rung + grade + strspn(rung + grade, " ")).chars, NULL);
+            table_cell(&t, "%.*s", (int)grade, row);
+            table_words(&t, say_name(row + grade + strspn(row + grade, " ")).chars, NULL);
             continue;
         }
         table_print(&t, stdout);
         t = table_begin("ll");
-        say_lines(rung);
+        say_lines(row);
         putchar('\n');
     }
     table_print(&t, stdout);
@@ -129,7 +129,7 @@ static void print_text(const answer *a)
     const profile_plan *plan = &found->plan;
     print_subject(a);
     printf("\n");
-    print_rungs(text_chars(&a->why));
+    print_grades(text_chars(&a->why));
     printf("\n");
     printf("%s: ", profile_grade_name(found->grade));
     if (found->grade == PROFILE_DEFAULT) {
@@ -156,9 +156,10 @@ static void print_text(const answer *a)
     if (found->whole_ns > 0)
         printf("%s\n", say_name(whole_text(a).chars).chars);
     if (found->true_pairs > 0)
-        printf("of %s pairs that collide, level %s misses %.3g %% and invents %.3g %%\n",
-               table_count((uint64_t)found->true_pairs).chars, say_name(plan->level).chars,
-               100 * found->missed_rate, 100 * found->false_rate);
+        printf(
+            "of %s pairs that collide, level %s misses %.3g %% and adds %.3g %% that are false\n",
+            table_count((uint64_t)found->true_pairs).chars, say_name(plan->level).chars,
+            100 * found->missed_rate, 100 * found->false_rate);
 }
 
 static void add_plan(cJSON *o, const answer *a)

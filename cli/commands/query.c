@@ -71,26 +71,26 @@ typedef struct tested {
     double seconds;
 } tested;
 
-// So many at once that a line of progress and Ctrl-C cost nothing.
+// Pairs of a call: enough that progress and Ctrl-C between two calls cost nothing.
 #define SLICE ((uint64_t)1 << 22)
 
-// Drivers compile on when a kernel is launched first: that is not what is timed.
-// Of so many pairs each device that has a share gets one.
-static bool warm_up(tested *t, duet_pair_query *test, duet_error *err)
+// Drivers finish compiling at a kernel's first launch, which is not to be timed. There are enough
+// pairs that each device with a share gets one.
+static bool warm_up(tested *t, duet_pair_query *query, duet_error *err)
 {
     duet_pair_query_result result;
     uint64_t n = t->n < DUET_SHARE_ONE ? t->n : DUET_SHARE_ONE;
-    return duet_pair_query_run(test, t->poses, n, t->answers, NULL, &result, err);
+    return duet_pair_query_run(query, t->poses, n, t->answers, NULL, &result, err);
 }
 
-static bool test_slices(tested *t, duet_pair_query *test, duet_error *err)
+static bool run_slices(tested *t, duet_pair_query *query, duet_error *err)
 {
     progress shown = progress_begin("pair", t->n);
     bool ok = true;
     for (uint64_t done = 0; ok && done < t->n; done += SLICE) {
         duet_pair_query_result result;
         uint64_t left = t->n - done;
-        ok = duet_pair_query_run(test, t->poses + 2 * done, left < SLICE ? left : SLICE,
+        ok = duet_pair_query_run(query, t->poses + 2 * done, left < SLICE ? left : SLICE,
                                  t->answers + done, t->separations ? t->separations + done : NULL,
                                  &result, err) &&
              interrupt_check(err);
@@ -204,9 +204,9 @@ static uint32_t share_of(const arguments *args, const duet_device_pair *pair)
 
 static bool run_test(tested *t, const arguments *args, duet_error *err)
 {
-    duet_pair_query *test = duet_pair_query_create(&t->def, err);
-    bool ok = test && reserve(t, args->separations, err) && warm_up(t, test, err) &&
-              test_slices(t, test, err);
+    duet_pair_query *query = duet_pair_query_create(&t->def, err);
+    bool ok = query && reserve(t, args->separations, err) && warm_up(t, query, err) &&
+              run_slices(t, query, err);
     if (ok && args->out)
         ok = (is_npy(args->out) ? write_arrays : write_lines)(t, args->out, err);
     if (ok && args->json)
@@ -215,7 +215,7 @@ static bool run_test(tested *t, const arguments *args, duet_error *err)
         tell(t);
     free(t->separations);
     free(t->answers);
-    duet_pair_query_destroy(test);
+    duet_pair_query_destroy(query);
     return ok;
 }
 

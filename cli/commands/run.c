@@ -15,7 +15,7 @@
 #include "cli/report/run_report.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
-#include "tuner/pair_list.h"
+#include "tuner/sorted_pairs.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -133,8 +133,8 @@ static bool compare(const duet_scene *scene, duet_level level, const duet_pair *
     duet_pair *expected = NULL;
     if (!inputs_find_reference(scene, level, &expected, &check->reference, err))
         return false;
-    pair_list_count wrong = {0};
-    pair_list_compare(pairs, n, expected, check->reference, pair_list_count_wrong, &wrong);
+    sorted_pairs_count wrong = {0};
+    sorted_pairs_compare(pairs, n, expected, check->reference, sorted_pairs_count_wrong, &wrong);
     check->extra = wrong.added;
     check->missing = wrong.missed;
     duet_free(expected);
@@ -144,10 +144,10 @@ static bool compare(const duet_scene *scene, duet_level level, const duet_pair *
 // The pairs' ids are those that objects had before they were put in order.
 static bool find_own_hash(timed *t, const uint32_t *ids, duet_error *err)
 {
-    duet_pair *pairs = pair_list_sorted(&t->last, err);
+    duet_pair *pairs = sorted_pairs_of(&t->last, err);
     if (!pairs)
         return false;
-    pair_list_rename(pairs, t->last.pairs, ids);
+    sorted_pairs_rename(pairs, t->last.pairs, ids);
     t->hash = duet_pairs_hash(pairs, t->last.pairs);
     free(pairs);
     return true;
@@ -161,12 +161,12 @@ static bool use_pairs(const arguments *args, const duet_scene *scene, const uint
     check->asked = args->check;
     if (!args->check && !args->pairs_path)
         return true;
-    duet_pair *pairs = pair_list_sorted(result, err);
+    duet_pair *pairs = sorted_pairs_of(result, err);
     bool ok = pairs != NULL;
     if (ok && args->check)
         ok = compare(scene, level, pairs, result->pairs, check, err);
     if (ok && args->pairs_path && ids)
-        pair_list_rename(pairs, result->pairs, ids);
+        sorted_pairs_rename(pairs, result->pairs, ids);
     if (ok && args->pairs_path)
         ok = write_pairs(args->pairs_path, pairs, result->pairs, err);
     free(pairs);
@@ -393,18 +393,29 @@ static double mean_ms(const moved *r)
     return r->done > 1 ? r->total_ms / (double)(r->done - 1) : 0.0;
 }
 
+static void tell_stage(table *t, const char *name, double ms, double whole)
+{
+    double part = whole > 0 ? ms / whole : 0.0;
+    table_cell(t, "%s", name);
+    table_cell(t, "%.3f", ms);
+    table_cell(t, "%.1f", 100 * part);
+    table_cell(t, "%s", table_bar(part, 24).chars);
+}
+
+// What no stage has is the host's own work and waits. Stages of two devices may take more
+// together than the step does.
 static void tell_times(const moved *r)
 {
     table t = table_begin("lrrl");
-    double mean = mean_ms(r);
+    double mean = mean_ms(r), all = 0;
+    for (uint32_t i = 0; i < r->n_stages; ++i)
+        all += r->stages[i].ms / (double)r->staged_steps;
+    double whole = fmax(mean, all);
     table_words(&t, "", "ms a step", "%", "", NULL);
-    for (uint32_t i = 0; i < r->n_stages; ++i) {
-        double ms = r->stages[i].ms / (double)r->staged_steps;
-        table_cell(&t, "%s", r->stages[i].name);
-        table_cell(&t, "%.3f", ms);
-        table_cell(&t, "%.1f", mean > 0 ? 100 * ms / mean : 0.0);
-        table_cell(&t, "%s", table_bar(mean > 0 ? ms / mean : 0.0, 24).chars);
-    }
+    for (uint32_t i = 0; i < r->n_stages; ++i)
+        tell_stage(&t, r->stages[i].name, r->stages[i].ms / (double)r->staged_steps, whole);
+    if (all < mean)
+        tell_stage(&t, "host and waits", mean - all, whole);
     table_print(&t, stdout);
     if (r->timed_steps + 1 < r->done)
         printf("of %s\n", table_things(r->timed_steps, "timed step", "timed steps").chars);

@@ -72,7 +72,7 @@ void canvas_line(canvas *c, point from, point to, colour ink, double width)
 
 void canvas_polygon(canvas *c, const point *corners, int n, colour fill, colour edge)
 {
-    cairo_new_path(c->cairo); // words leave one begun
+    cairo_new_path(c->cairo); // text leaves a path begun
     for (int i = 0; i < n; ++i)
         cairo_line_to(c->cairo, corners[i].x, corners[i].y);
     cairo_close_path(c->cairo);

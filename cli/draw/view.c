@@ -183,7 +183,7 @@ void view_box(const view *v, canvas *c, const corners *box, const box_ink *ink)
     canvas_polygon(c, walk, 4, ink->fill, ink->edge);
 }
 
-// The greatest that is drawn at most so long, in units.
+// The greatest round length that is drawn at most so long, in units of the scene.
 static double bar_length(double pixels_a_unit, double most_px)
 {
     static const double times[] = {5, 2, 1};

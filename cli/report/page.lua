@@ -836,7 +836,7 @@ local legend <const> = {
   { "mode", "how grids are built: shared (B builds, A receives), own (each the whole), slab (each a part)" },
   { "kernels", "the variant that a device runs: auto chooses by device, simd, gpu or paper" },
   { "level", "of accuracy: certified is exact, the others are faster or simpler and can be wrong" },
-  { "wrong pairs", "pairs that a level misses and pairs that it invents" },
+  { "wrong pairs", "pairs that a level misses, and false ones that it adds" },
   { "profile", "what an application loads: kernels, mode and share for a scene on a device pair" },
   { "…, ▲", "a value that is too far above the others to be drawn to scale" },
 }

@@ -223,7 +223,7 @@ static void add_result(table *t, const profile_entry *e)
     if (row->true_pairs < 0)
         table_words(t, "was not measured", NULL);
     else
-        table_cell(t, "of %s pairs that collide, %.3g %% are missed and %.3g %% invented",
+        table_cell(t, "of %s pairs that collide, %.3g %% are missed and %.3g %% false ones added",
                    table_count((uint64_t)row->true_pairs).chars, 100 * row->missed_rate,
                    100 * row->false_rate);
     if (row->terms)

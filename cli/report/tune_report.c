@@ -163,7 +163,7 @@ static void print_accuracy(const cJSON *row)
 {
     if (strcmp(json_string(row, "level"), "certified") == 0)
         return;
-    printf("  of %s pairs that collide, '%s' misses %.3g %% and invents %.3g %%\n",
+    printf("  of %s pairs that collide, '%s' misses %.3g %% and adds %.3g %% that are false\n",
            table_count((uint64_t)json_number(row, "true_pairs")).chars, json_string(row, "level"),
            100 * json_number(row, "missed_rate"), 100 * json_number(row, "false_rate"));
 }

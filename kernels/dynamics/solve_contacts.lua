@@ -30,7 +30,7 @@ return {
       float per_h
       float4 spring
       float4 hard_spring
-      float kick
+      float load_speed
     ]],
     apply_restitution = [[
       const uint4 *spans
@@ -40,7 +40,7 @@ return {
       uint each
       float *blocks
       float4 *bodies
-      float4 pull
+      float4 fall
       float least_speed
     ]],
   },

@@ -22,6 +22,14 @@
 //   marks    [n / STRAYS]  the stamp where a block has a key from marked_from to marked_to
 //@ end
 //
+//@ if OWN == 1 then
+// Objects that are in about the order of cells need few atomics: the cells are divided between the
+// work-items, each counts those of its objects that are in its own, and lists the others.
+//
+//   edges    [n / PER_ITEM, rounded up, + 1] the first own cell of each work-item, ascending
+//   others   [n]  ids
+//
+//@ end
 // BATCH keys are known before the first is counted, so that a CPU can ask for
 // all their counts at once: they lie all over the grid. What is not in the grid
 // is passed over without a branch: in a slab that is any half of the objects.
@@ -121,6 +129,48 @@ static inline uint pick(word key, uint n, uint place, uint n_picked, uint picked
 
 #endif
 
+//@ if OWN == 1 then
+static inline uint middle_of(uint a, uint b, uint c)
+{
+    return max(min(a, b), min(max(a, b), c));
+}
+
+// A work-item's own cells begin where its first objects are. A stray among them does not count, and
+// cells are never two work-items' own, whatever the order. One work-item finds all edges.
+__kernel void own_cells(OWN_CELLS_ARGS)
+{
+#if APART
+    object_rows rows = {objects, sizes};
+#else
+    object_rows rows = objects;
+#endif
+    uint n_items = (n - 1) / PER_ITEM + 1;
+    uint edge = 0;
+    edges[0] = 0;
+    for (uint item = 1; item < n_items; ++item) {
+        uint ids[LANES], at[LANES];
+        for (uint k = 0; k < LANES; ++k)
+            ids[k] = min(item * PER_ITEM + k, n - 1);
+        object o = object_at(rows, ids);
+        spread(object_key(&o, levels, n_levels, n_cells), at);
+        uint key = middle_of(at[0], at[LANES / 2], at[LANES - 1]);
+        edge = max(edge, key < key_from ? 0 : key - key_from);
+        edges[item] = edge;
+    }
+    edges[n_items] = NOWHERE;
+}
+
+// Counts the others, once every work-item has counted its own.
+__kernel void count_others(COUNT_OTHERS_ARGS)
+{
+    uint n_others = counters[COUNT_OTHERS], n_items = (uint)get_global_size(0);
+    uint each = n_others / n_items + 1;
+    uint from = get_global_id(0) * each;
+    for (uint i = from; i < min(from + each, n_others); ++i)
+        ranks[others[i]] = atomic_inc(counts + keys[others[i]]);
+}
+
+//@ end
 __kernel void hash(HASH_ARGS)
 {
 #if APART
@@ -139,26 +189,50 @@ __kernel void hash(HASH_ARGS)
                  counters};
     uint first = n_hashed + get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
+//@ if OWN == 1 then
+    uint own_from = edges[first / PER_ITEM], n_own = edges[first / PER_ITEM + 1] - own_from;
+//@ end
 //@ if SUM_BLOCK > 0 then
     run counted = {0, 0};
 //@ end
     for (uint from = first; from < last; from += BATCH) {
         uint found[BATCH];
         uint size = min(last - from, (uint)BATCH);
+//@ if OWN == 0 then
 #if RANK && BATCH > 1
         uint picked[BATCH + LANES], n_picked = 0;
 #endif
+//@ end
         for (uint i = 0; i < size; i += LANES) {
             word key = keys_of(&h, from + i, last);
             spread(key, found + i);
+//@ if OWN == 0 then
 #if RANK && BATCH > 1
             n_picked = pick(key, size - i, i, n_picked, picked);
             for (uint k = i; k < i + LANES; ++k)
                 ask_for(counts + (found[k] == NOWHERE ? 0 : found[k]));
 #endif
+//@ end
         }
         for (uint k = 0; k < size; ++k)
             keys[from + k] = found[k];
+//@ if OWN == 1 then
+        uint elsewhere[BATCH], n_elsewhere = 0;
+        for (uint k = 0; k < size; ++k) {
+            uint key = found[k];
+            if (key - own_from < n_own)
+                found[k] = counts[key]++;
+            else if (key != NOWHERE)
+                elsewhere[n_elsewhere++] = from + k;
+        }
+        for (uint k = 0; k < size; ++k)
+            ranks[from + k] = found[k];
+        if (n_elsewhere > 0) {
+            uint to = atomic_add(counters + COUNT_OTHERS, n_elsewhere);
+            for (uint k = 0; k < n_elsewhere; ++k)
+                others[to + k] = elsewhere[k];
+        }
+//@ else
 #if RANK && BATCH > 1
 //@ if SUM_BLOCK > 0 then
         for (uint k = 0; k < n_picked; ++k)
@@ -177,6 +251,7 @@ __kernel void hash(HASH_ARGS)
         if (found[0] != NOWHERE)
             ranks[from] = atomic_inc(counts + found[0]);
 #endif
+//@ end
     }
 //@ if SUM_BLOCK > 0 then
     end_run(&counted, sums);

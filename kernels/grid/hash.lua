@@ -16,6 +16,8 @@ return {
     { "PACKED", values = { 0, 1 }, default = 0, about = "1: objects of one slab, with their ids" },
     { "STRAYS", min = 0, max = 65536, default = 0, silent = true,
       about = "objects in each block that is marked where the other device wants any of it" },
+    { "OWN", min = 0, max = 1, default = 0, silent = true,
+      about = "1: objects are in about the order of cells, of which each work-item has its own" },
     { "SUM_BLOCK", min = 0, max = 1048576, default = 0, silent = true,
       about = "cells whose objects are counted together, too, for the scan of the counts" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
@@ -46,6 +48,8 @@ return {
       uint *keys
       volatile uint *counts  if RANK == 1
       uint *ranks            if RANK == 1
+      const uint *edges      if OWN == 1
+      uint *others           if OWN == 1
       volatile uint *sums    if SUM_BLOCK > 0
       uint marked_from       if STRAYS > 0
       uint marked_to         if STRAYS > 0
@@ -53,9 +57,27 @@ return {
       volatile uint *marks   if STRAYS > 0
       volatile uint *counters
     ]],
+    own_cells = [[
+      const float *objects
+      const float *sizes     if APART > 0
+      uint n
+      constant grid_level *levels
+      uint n_levels
+      uint n_cells
+      uint key_from
+      uint *edges
+    ]],
+    count_others = [[
+      const uint *counters
+      const uint *others
+      const uint *keys
+      volatile uint *counts
+      uint *ranks
+    ]],
   },
   valid = function(p, limits)
     if p.BATCH % p.LANES ~= 0 then return false, "BATCH is not a multiple of LANES" end
+    if p.OWN == 1 and (p.RANK == 0 or p.SUM_BLOCK > 0) then return false, "OWN is for counting cells alone" end
     if p.BATCH > p.LANES and not limits.cpu then return false, "BATCH above LANES is for CPUs" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
     if p.SHAPE == 3 and p.ROTATED == 1 then return false, "spheres have no rotation" end

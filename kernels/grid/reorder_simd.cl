@@ -70,6 +70,7 @@ static inline void ids_from(__global const uint *ids, uint place, uint end, uint
     if (place + LANES <= end) {
         spread(vload8(0, ids + place), to);
     } else {
+#pragma unroll
         for (uint k = 0; k < LANES; ++k)
             to[k] = ids[min(place + k, end - 1)];
     }
@@ -88,6 +89,7 @@ static inline void store_bounds(__global float *columns, size_t column, uint pla
 // Asks for the rows of objects: half of them lie across two cache lines.
 static inline void ask_for_rows(object_rows rows, const uint ids[LANES])
 {
+#pragma unroll
     for (uint k = 0; k < LANES; ++k) {
 #if APART
         __global const float *from = rows.transforms + (size_t)ids[k] * OBJECT_STRIDE;
@@ -148,6 +150,7 @@ __kernel void reorder_simd(REORDER_SIMD_ARGS)
 #endif
         store_bounds(sorted_bounds, COLUMN(place_capacity), place, &b, where);
 #if ORIGIN
+#pragma unroll
         for (int k = 0; k < DIMS; ++k)
 //@ if TO_PLACES == 1 then
             store_column(sorted_bounds + (2 * DIMS + 1 + k) * COLUMN(place_capacity), place, as_real(o.cell[k]));

@@ -21,7 +21,7 @@ return {
     { "CELLS_Y", min = 0, max = 65536, default = 0, about = "along y" },
     { "CELLS_Z", min = 0, max = 65536, default = 0, about = "along z" },
     { "WG", values = { 1 }, default = 1, about = "work-items a group" },
-    { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 32 or 0 end,
+    { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 64 or 0 end,
       about = "objects asked for before they are needed" },
     { "PER_ITEM", values = { 256, 1024, 4096 }, default = 1024, about = "objects a work-item" },
     { "TO_PLACES", min = 0, max = 1, default = 0, silent = true,

@@ -12,6 +12,9 @@ __kernel void scatter(SCATTER_ARGS)
     first += n_hashed;
 //@ end
     uint last = min(first + PER_ITEM, n);
+#ifdef POCL_DEVICE_ADDRESS_BITS // its compiler would gather and scatter eight, which takes twice as long
+#pragma clang loop vectorize(disable)
+#endif
     for (uint id = first; id < last; ++id)
         if (keys[id] != NOWHERE)
             ids[starts[keys[id]] + ranks[id]] = id;

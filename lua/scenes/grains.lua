@@ -1,17 +1,17 @@
 -- SPDX-License-Identifier: MIT
 -- Boxes of many sizes at random in a cube that grows with their number.
 --
--- The density is one at any n, and each box draws from a source of its own: who wants a part
--- of the scene makes no more than that. For large worlds, and for work on several machines.
+-- The density is the same at any n. Each box has random numbers of its own, so a rank that needs
+-- a part of the scene makes only that part. For large worlds, and for several machines.
 
 local p = parameters {
   n = 1000000,
   seed = 1,
   rotated = true, -- false: all boxes stay parallel to the axes
-  room = 8.0, -- volume of the world for each box
+  space = 8.0, -- volume of the world for each box
 }
 
-local edge = (p.n * p.room) ^ (1 / 3)
+local edge = (p.n * p.space) ^ (1 / 3)
 
 each(p.n, function(_, random)
   local x, y, z = random.uniform(0, edge), random.uniform(0, edge), random.uniform(0, edge)

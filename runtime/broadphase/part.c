@@ -23,7 +23,8 @@ static const size_t buffers[] = {
     offsetof(part, next_counters), offsetof(part, candidates), offsetof(part, pairs),
     offsetof(part, undecided),     offsetof(part, levels),     offsetof(part, gathered),
     offsetof(part, marks),         offsetof(part, global_ids), offsetof(part, id_changes),
-    offsetof(part, pair_counts),   offsetof(part, left),       offsetof(part, skimmed)};
+    offsetof(part, pair_counts),   offsetof(part, left),       offsetof(part, skimmed),
+    offsetof(part, edges)};
 
 #define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
 #define VALUE(name) BIND_VALUE(part, #name, args.name)
@@ -38,6 +39,8 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BUFFER("ids", "uint *", ids),
                                         BUFFER("ranks", "uint *", keys_spare),
                                         BUFFER("counts", "uint *", counts),
+                                        BUFFER("edges", "uint *", edges),
+                                        BUFFER("others", "uint *", ids), // until they are sorted
                                         BUFFER("starts", "uint *", starts),
                                         BUFFER("key_starts", "uint *", starts),
                                         BUFFER("bounds", "float4 *", bounds),
@@ -333,6 +336,27 @@ static const struct {
         {"cell_start", {"bounds", "find_bounds"}, "pair_search_paper", "narrow", false},
 };
 
+static uint32_t count_taken(const part_task *task)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; task->intake && i < task->intake->taken.n; ++i)
+        n += task->intake->taken.list[i].to - task->intake->taken.list[i].from;
+    return task->intake ? n : task->objects.n;
+}
+
+// With fewer objects a unit, three launches more take longer than atomics and straight places.
+enum { LEAST_OWN = 16384 };
+
+// A CPU's atomics take as long as all else that it does for a cell.
+// Twice so few are left to those that count so already.
+static bool counts_own_cells(const part *p, const part_task *task)
+{
+    uint64_t least = p->kernels.own_cells ? LEAST_OWN / 2 : LEAST_OWN;
+    return task->ordered && p->device->info.kind == DUET_KIND_CPU && p->device->info.host_memory &&
+           p->variant.search == SEARCH_SIMD && p->variant.sort == SORT_COUNTING && is_roomy(task) &&
+           count_taken(task) >= least * p->device->info.units;
+}
+
 // Whether the kernels test boxes, beyond their bounds.
 static bool tests_boxes(const part_task *task)
 {
@@ -350,10 +374,10 @@ static bool goes_to_places(const variant *v, const part_task *task)
     return v->sort == SORT_COUNTING && !task->shared && task->ordered;
 }
 
-static bool sums_blocks(const variant *v, const part_task *task)
+static bool sums_blocks(const part *p, const part_task *task)
 {
-    return goes_to_places(v, task) && v->search == SEARCH_SIMD &&
-           task->objects.shape != DUET_SHAPE_BOUNDS;
+    return goes_to_places(&p->variant, task) && p->variant.search == SEARCH_SIMD &&
+           task->objects.shape != DUET_SHAPE_BOUNDS && !counts_own_cells(p, task);
 }
 
 static void choose(const part *p, const part_task *task, part_choice choices[PART_CHOICES])
@@ -363,7 +387,8 @@ static void choose(const part *p, const part_task *task, part_choice choices[PAR
     bool turned = task->objects.shape != DUET_SHAPE_BOUNDS && task->rotated &&
                   task->objects.shape != DUET_SHAPE_SPHERES;
     bool tested = tests_boxes(task), unboxed = is_unboxed(v, task);
-    bool to_places = goes_to_places(v, task), sums = sums_blocks(v, task);
+    bool to_places = goes_to_places(v, task), sums = sums_blocks(p, task);
+    bool own = counts_own_cells(p, task);
     cl_int4 cells = compiled_cells(p, task);
     const part_choice all[PART_CHOICES] = {
         {"DIMS", task->objects.dims, false},
@@ -383,6 +408,7 @@ static void choose(const part *p, const part_task *task, part_choice choices[PAR
         {"CELLS_Y", cells.s[1], false},
         {"CELLS_Z", cells.s[2], false},
         {"PACKED", task->packed, false},
+        {"OWN", own, false},
         {"STRAYS", task->intake ? STRAY_BLOCK : 0, false},
         {"STRETCH", task->intake && counting, false},
         {"GUARDED", task->slab, false},
@@ -417,6 +443,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     p->variant = *asked;
     const int search = p->variant.search;
     bool counting = p->variant.sort == SORT_COUNTING, tested = tests_boxes(task);
+    bool was_summed = p->kernels.summed, sums = sums_blocks(p, task);
+    bool own = counts_own_cells(p, task);
     const struct {
         kernel **at;
         bool wanted;
@@ -425,16 +453,17 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     } list[] = {
         {&p->kernels.clear, true, "clear", "clear"},
         {&p->kernels.hash, true, "hash", "hash"},
+        {&p->kernels.own_cells, own, "hash", "own_cells"},
+        {&p->kernels.count_others, own, "hash", "count_others"},
         {&p->kernels.scatter, counting, "scatter", "scatter"},
         {&p->kernels.starts, !counting, "cell_start", searches[search].starts},
         {&p->kernels.place, true, searches[search].place[0], searches[search].place[1]},
         {&p->kernels.candidates, true, searches[search].candidates, searches[search].candidates},
     };
-    const bool was_summed = p->kernels.summed;
-    p->kernels = (part_kernels){0};
     if (!open_sorts(p, err))
         return false;
     choose(p, task, p->choices);
+    p->kernels = (part_kernels){0};
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
         if (!list[i].wanted)
             continue;
@@ -442,7 +471,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         if (!*list[i].at)
             return false;
     }
-    p->kernels.summed = sums_blocks(&p->variant, task);
+    p->kernels.summed = sums;
     p->kernels.from_ids =
         search == SEARCH_GPU ? kernel_param(p->kernels.place, "FROM_IDS") == 1 : !p->kernels.summed;
     if (p->kernels.summed && !was_summed)

@@ -84,9 +84,11 @@ enum { PART_CHUNKS = 8 };
 typedef struct part_kernels {
     kernel *clear;
     kernel *hash;
+    kernel *own_cells; // NULL where all counting is atomic, and with it
+    kernel *count_others;
     kernel *scatter;
     kernel *starts;
-    kernel *place; // bounds by id (paper), or everything into cell order (rows, lanes)
+    kernel *place; // bounds by id (paper), or everything into cell order (gpu, simd)
     kernel *candidates;
     kernel *narrow; // NULL where the candidates' kernel finds pairs
     kernel *gather; // NULL where the host sees objects that are to be decided
@@ -109,7 +111,7 @@ typedef struct part_choice {
     bool open;
 } part_choice;
 
-enum { PART_CHOICES = 24 };
+enum { PART_CHOICES = 25 };
 
 // What kernels are told besides the part's buffers, by the names that their cards use.
 typedef struct part_args {
@@ -194,9 +196,10 @@ typedef struct part {
     buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
     buffer counts;                // objects a cell, until the scan makes starts of them
     uint32_t zero_counts;         // of them that are zero between steps
+    buffer edges;                 // first own cell of each work-item that counts
     buffer starts;                // first of each cell
-    buffer bounds;                // [n][2], by id or in cell order; lanes: by columns
-    buffer boxes;                 // [n][3], in cell order; lanes: rows of numbers
+    buffer bounds;                // [n][2], by id or in cell order; simd: by columns
+    buffer boxes;                 // [n][3], in cell order; simd: rows of numbers
     cl_uint place_capacity;       // objects that have a place in both
     buffer candidates, pairs, undecided;
     buffer gathered; // objects of the undecided pairs
@@ -220,7 +223,6 @@ typedef struct part {
     uint64_t n_candidates, n_undecided;
     uint32_t runs; // searches, more than one where a buffer had to grow
     double wall_ms;
-    uint32_t extra_searches; // tests make the device slower with it
 } part;
 
 bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err);

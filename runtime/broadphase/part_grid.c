@@ -97,8 +97,8 @@ static bool ask_for_marks(part *p, duet_error *err)
                                 p->marks.bytes, err));
 }
 
-// The part marks what the other one wants of its own stretch, which comes first; marks of others
-// that lie side by side with it are nobody's concern.
+// The part marks which objects of its own stretch, the first one, the other part needs. Marks of
+// other stretches behind it are not read.
 static bool hash_stretches(part *p, const part_task *task, duet_error *err)
 {
     const stretches *taken = &task->intake->taken;
@@ -124,11 +124,24 @@ static bool pass_over_rest(part *p, const part_task *task, duet_error *err)
     return ok && timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, task->objects.n, err);
 }
 
+static bool find_own_cells(part *p, const part_task *task, duet_error *err)
+{
+    size_t edges = task->objects.n / (size_t)p->kernels.hash->per_item + 2;
+    p->args.n = task->objects.n;
+    return buffer_reserve(&p->edges, p->device, edges * sizeof(uint32_t), err) &&
+           timeline_launch(&p->times, "hash", p->kernels.own_cells, 1, p, err);
+}
+
 // all: kernels follow that look at every object's key.
 static bool hash_objects(part *p, const part_task *task, bool all, duet_error *err)
 {
-    return task->intake ? hash_stretches(p, task, err) && (!all || pass_over_rest(p, task, err))
-                        : run_hash(p, task, err);
+    uint32_t n = task->objects.n;
+    bool ok = !p->kernels.own_cells || n == 0 || find_own_cells(p, task, err);
+    ok =
+        ok && (task->intake ? hash_stretches(p, task, err) && (!all || pass_over_rest(p, task, err))
+                            : run_hash(p, task, err));
+    return ok && (!p->kernels.count_others ||
+                  timeline_launch(&p->times, "hash", p->kernels.count_others, n, p, err));
 }
 
 // Runs a kernel over the objects that were taken.

@@ -438,8 +438,7 @@ bool part_search(part *p, const part_task *task, const part_range *range, bool *
     bool ok = check_placed(p, task, range, placed, err) &&
               reserve_first(p, task, search_work(task, range), err);
     bool fits = false;
-    uint32_t extra = p->extra_searches;
-    while (ok && *placed && (!fits || extra-- > 0)) {
+    while (ok && *placed && !fits) {
         ok = search_once(p, task, range, err) && under_limit(p, task, err) &&
              everything_fits(p, &fits, err);
         *placed = p->found.placed <= range->expected;

@@ -37,7 +37,7 @@ bool split_cut(split *s, const part_task *task, uint32_t share, part_range range
 //
 // Threads take blocks of objects as they come and put each object where its
 // slab is gathered, an object of a ghost row in both. What is gathered has no
-// separations and is sent chunk by chunk while later blocks are still sorted out, so
+// gaps and is sent chunk by chunk while later blocks are still sorted out, so
 // a step waits for the slower of the two and not for their sum. A chunk's memory
 // is written again once it was sent, so that it stays in the caches: memory is
 // then only read, and once.
@@ -90,7 +90,7 @@ bool pack_start(pack *p, const part parts[2], const part_task *task, const part_
                 const bool packed[2], duet_error *err);
 void pack_wait(pack *p);
 
-// Lets those who wait go, whatever they had to write.
+// Ends the waits of both parts, whether or not all is written.
 void pack_abandon(pack *p);
 
 // Sends the part the objects of its slab; task->n becomes their number. *placed

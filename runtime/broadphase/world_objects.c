@@ -226,9 +226,8 @@ bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n
     return to;
 }
 
-// The first objects are counted at once: who then asks for a profile need not
-// wait for that. An offset that is not a number is the step's to report. Of no
-// objects none need be there.
+// The first objects are counted while they are copied, so that loading a profile need not read
+// them again. A step reports an offset that is not a number. objects may be NULL if n is 0.
 bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void *objects,
                             uint32_t n, duet_error *err)
 {

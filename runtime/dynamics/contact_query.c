@@ -12,7 +12,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { COOKIE = 0x0d0e700b };
+enum { COOKIE = 0x0d0e700f };
 
 // Some 27 MB of contacts: launches cost nothing beside it, and few devices lack it.
 enum { CHUNK = 1 << 18 };

@@ -82,15 +82,15 @@ static bool is_turned(const duet_pose *p, uint32_t dims)
 static double reach_of(const duet_pose *p, const duet_body *b, uint32_t dims, double dt)
 {
     const float *h = p->half_extents, *v = b->velocity, *w = b->angular_velocity;
-    double speed = hypot(v[0], v[1]), least = fmin(h[0], h[1]), arm = hypot(h[0], h[1]);
+    double speed = hypot(v[0], v[1]), least = fmin(h[0], h[1]), reach = hypot(h[0], h[1]);
     double turning = fabs(w[2]);
     if (dims == 3) {
         speed = hypot(speed, v[2]);
         least = fmin(least, h[2]);
-        arm = hypot(arm, h[2]);
+        reach = hypot(reach, h[2]);
         turning = hypot(hypot(w[0], w[1]), w[2]);
     }
-    speed += turning * (arm - least);
+    speed += turning * (reach - least);
     return speed > 0.0 ? speed * dt / (least + b->radius) : 0.0;
 }
 
@@ -98,10 +98,10 @@ static void add_object(effect_facts *f, const duet_pose *p, const duet_body *b, 
                        double dt)
 {
     const float *h = p->half_extents;
-    bool spins = b->angular_velocity[2] != 0.0f || (dims == 3 && !is_zero(b->angular_velocity, 3));
+    bool turns = b->angular_velocity[2] != 0.0f || (dims == 3 && !is_zero(b->angular_velocity, 3));
     f->rotated |= is_turned(p, dims);
     f->moving |= !is_zero(b->velocity, dims);
-    f->turning |= spins;
+    f->turning |= turns;
     f->massive |= b->mass > 0.0f;
     f->turnable |= b->mass > 0.0f && !b->fixed_rotation;
     f->uneven |= dims == 3 && b->mass > 0.0f && (h[0] != h[1] || h[1] != h[2]);

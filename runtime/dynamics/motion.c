@@ -100,8 +100,8 @@ static bool check_origin(const duet_motion_def *def, duet_error *err)
                          "origin cells are for a state in float; expected doubles = false");
     return (def->boundary == DUET_BOUNDARY_NONE && def->attraction == 0.0) ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "walls, a periodic world and an attraction know no origin cells; right would "
-                     "be doubles without them");
+                     "walls, a periodic world and an attraction know no origin cells; expected "
+                     "doubles, and no origin cells");
 }
 
 bool motion_check_def(const duet_motion_def *def, duet_error *err)
@@ -135,8 +135,8 @@ static bool check_effects(const duet_motion *m, duet_error *err)
     bool contact = motion_has(m, DUET_EFFECT_CONTACT);
     if (contact && m->def.boundary == DUET_BOUNDARY_PERIODIC)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "contacts are not found across the seam of a periodic world; right would "
-                         "be walls, or no contact");
+                         "contacts are not found across the seam of a periodic world; expected "
+                         "walls, or no contact");
     if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) && m->def.integrator != DUET_INTEGRATOR_EULER)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "contacts are solved with the integrator euler; expected that, or "

@@ -111,8 +111,8 @@ typedef struct motion_args {
     cl_float dt;
     arg_real dt_real;
     cl_float h, per_h, drag; // of a substep
-    cl_float4 spring, hard_spring, pull;
-    cl_float kick, margin, least_speed;
+    cl_float4 spring, hard_spring, fall;
+    cl_float load_speed, margin, least_speed;
     arg_real skin;
     cl_float sleep_speed, sleep_after;
     cl_float hit_speed;
@@ -309,8 +309,8 @@ enum motion_part {
 bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t parts,
                         duet_error *err);
 
-// Space for the n objects that there are, of which old_n had it; the others' state is set to 0, and
-// nobody has waited for that.
+// Makes space for all n objects, of which the first old_n have it. The state of the others becomes
+// 0; the device may still be writing that on return.
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
 
 // Where objects may touch: bounds to pairs, pairs to the contacts of each.

@@ -118,8 +118,8 @@ static void turn(const double q[4], bool back, const double v[3], double to[3])
 
 // What an impulse changes the angular velocity by, for a body with this rotation and
 // inverse inertia along its own axes.
-static void spin_of(const duet_motion *m, const duet_impulse *impulse, const double q[4],
-                    const double inverse[3], double by[3])
+static void angular_change_of(const duet_motion *m, const duet_impulse *impulse, const double q[4],
+                              const double inverse[3], double by[3])
 {
     bool solid = m->def.dims == 3;
     const double anchor[3] = {impulse->anchor[0], impulse->anchor[1],
@@ -136,7 +136,7 @@ static void spin_of(const duet_motion *m, const duet_impulse *impulse, const dou
 
 // What impulses read and change. The last three are empty where nothing turns.
 typedef struct pushed {
-    motion_rows velocities, spins, rotations, inertias;
+    motion_rows velocities, angular_velocities, rotations, inertias;
 } pushed;
 
 static bool open_pushed(duet_motion *m, const uint32_t *places, uint32_t n, pushed *p,
@@ -146,25 +146,25 @@ static bool open_pushed(duet_motion *m, const uint32_t *places, uint32_t n, push
            (!motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) ||
             (motion_rows_at(m, ROTATIONS, places, n, &p->rotations, err) &&
              motion_rows_at(m, INERTIAS, places, n, &p->inertias, err) &&
-             motion_rows_at(m, ANGULAR_VELOCITIES, places, n, &p->spins, err)));
+             motion_rows_at(m, ANGULAR_VELOCITIES, places, n, &p->angular_velocities, err)));
 }
 
 // By how much an impulse changes the velocity and the angular velocity of a place.
 static void changes_of(const duet_motion *m, const pushed *p, uint32_t place,
-                       const duet_impulse *impulse, double velocity[3], double spin[3])
+                       const duet_impulse *impulse, double velocity[3], double angular_velocity[3])
 {
     double per_mass = motion_row_get(&p->velocities, place, 3), q[4], inverse[3];
     for (uint32_t k = 0; k < 3; ++k) {
         velocity[k] = k < m->def.dims ? per_mass * (double)impulse->impulse[k] : 0.0;
-        spin[k] = 0.0;
+        angular_velocity[k] = 0.0;
     }
-    if (!p->spins.of)
+    if (!p->angular_velocities.of)
         return;
     for (uint32_t k = 0; k < 4; ++k)
         q[k] = motion_row_get(&p->rotations, place, k);
     for (uint32_t k = 0; k < 3; ++k)
         inverse[k] = motion_row_get(&p->inertias, place, k);
-    spin_of(m, impulse, q, inverse, spin);
+    angular_change_of(m, impulse, q, inverse, angular_velocity);
 }
 
 static bool check_changes(const duet_motion *m, const pushed *p, const uint32_t *places,
@@ -172,12 +172,13 @@ static bool check_changes(const duet_motion *m, const pushed *p, const uint32_t 
                           duet_error *err)
 {
     for (uint32_t i = 0; i < n; ++i) {
-        double velocity[3], spin[3];
-        changes_of(m, p, places[i], &impulses[i], velocity, spin);
+        double velocity[3], angular_velocity[3];
+        changes_of(m, p, places[i], &impulses[i], velocity, angular_velocity);
         for (uint32_t k = 0; k < 3; ++k) {
             if (!stays_finite(&p->velocities, places[i], k, velocity[k], n))
                 return too_much(call, i, n, "its velocity", err);
-            if (p->spins.of && !stays_finite(&p->spins, places[i], k, spin[k], n))
+            if (p->angular_velocities.of &&
+                !stays_finite(&p->angular_velocities, places[i], k, angular_velocity[k], n))
                 return too_much(call, i, n, "its angular velocity", err);
         }
     }
@@ -194,14 +195,14 @@ static bool push(duet_motion *m, pushed *p, const uint32_t *places, const duet_i
                  uint32_t n, duet_error *err)
 {
     for (uint32_t i = 0; i < n; ++i) {
-        double velocity[3], spin[3];
-        changes_of(m, p, places[i], &impulses[i], velocity, spin);
+        double velocity[3], angular_velocity[3];
+        changes_of(m, p, places[i], &impulses[i], velocity, angular_velocity);
         add_to(&p->velocities, places[i], velocity);
-        if (p->spins.of)
-            add_to(&p->spins, places[i], spin);
+        if (p->angular_velocities.of)
+            add_to(&p->angular_velocities, places[i], angular_velocity);
     }
     return motion_rows_close(m, &p->velocities, err) &&
-           (!p->spins.of || motion_rows_close(m, &p->spins, err)) &&
+           (!p->angular_velocities.of || motion_rows_close(m, &p->angular_velocities, err)) &&
            motion_wake_places(m, places, n, err);
 }
 
@@ -215,7 +216,7 @@ static bool give_impulses(duet_motion *m, const uint32_t *places, const duet_imp
               check_changes(m, &p, places, impulses, n, call, err) &&
               motion_keep_whole(m, push(m, &p, places, impulses, n, err));
     motion_rows_drop(&p.velocities);
-    motion_rows_drop(&p.spins);
+    motion_rows_drop(&p.angular_velocities);
     motion_rows_drop(&p.rotations);
     motion_rows_drop(&p.inertias);
     return ok;

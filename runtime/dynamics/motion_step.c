@@ -97,12 +97,12 @@ static void set_solver(duet_motion *m, double h)
     // What a substep adds to the velocity of all that falls, and 1 / its time. An
     // attraction, which differs from place to place, is left out.
     double part = d->attraction != 0.0 ? 0.0 : h;
-    m->args.pull = float4_of(part * d->gravity[0], part * d->gravity[1],
+    m->args.fall = float4_of(part * d->gravity[0], part * d->gravity[1],
                              d->dims == 3 ? part * d->gravity[2] : 0.0, 1.0 / h);
     // What a load adds to a closing speed in a substep. Less than a slop in a step is rest.
-    const cl_float *pull = m->args.pull.s;
-    double fall = sqrt(pull[0] * pull[0] + pull[1] * pull[1] + pull[2] * pull[2]);
-    m->args.kick = (float)(fall + m->margin / MOTION_SLOPS / d->dt);
+    const cl_float *fall = m->args.fall.s;
+    double speed = sqrt(fall[0] * fall[0] + fall[1] * fall[1] + fall[2] * fall[2]);
+    m->args.load_speed = (float)(speed + m->margin / MOTION_SLOPS / d->dt);
 }
 
 // Where there are none, walls are far away.

@@ -7,7 +7,7 @@
 #include "runtime/duet.h"
 
 typedef enum recorded_kind {
-    RECORDED_STEPS, // so many one after the other
+    RECORDED_STEPS, // n steps, one after the other
     RECORDED_ADD,
     RECORDED_REMOVE,
     RECORDED_DISABLE,
@@ -33,7 +33,8 @@ typedef struct recording_head {
     uint64_t end_hash;
 } recording_head;
 
-// Of motions whose bodies may have radii, and of the others: rows of bodies then have none.
+// How a recording begins: the first, if bodies may have radii; the second, if rows of bodies have
+// no radius.
 extern const char recording_magic_radii[16], recording_magic[16];
 
 // Begins each record; n ids and n rows of the kind's size follow, or a def.
@@ -52,7 +53,7 @@ typedef struct recorded_body {
 
 enum { RECORDED_FIXED_ROTATION = 1, RECORDED_SENSOR = 2 }; // flags
 
-// What of a def a command can change.
+// The members of a def that a command can change.
 typedef struct recorded_def {
     double gravity[3], attraction, centre[3], drag, lower[3], upper[3];
     double max_push_speed, restitution_threshold, sleep_speed, sleep_after;
@@ -77,7 +78,7 @@ typedef struct motion_recording {
 
 void motion_forget_recording(duet_motion *m);
 
-// Each does nothing where the motion is not recorded. The commands are done by then.
+// Called after each command was carried out. They do nothing in a motion that is not recorded.
 void motion_note_def(duet_motion *m);
 void motion_note_arrivals(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
                           uint32_t n);

@@ -118,7 +118,8 @@ static bool list_colours(duet_motion *m, duet_error *err)
                              sizeof m->colours, err);
 }
 
-// Where colours changed in the last step they do mostly again, and nobody need ask.
+// A motion whose colours changed in the last step mostly changes them again: then the contacts are
+// sorted anew without waiting for the device to say so.
 static bool colour_contacts(duet_motion *m, duet_error *err)
 {
     const uint32_t none[KEYS + 1] = {0};

@@ -55,9 +55,9 @@ static bool check_def(const duet_pair_query_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the test's def does not come from duet_default_pair_query_def");
+                         "the query's def does not come from duet_default_pair_query_def");
     if (!def->pair)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the test's def has no device pair");
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no device pair");
     if (def->dims != 2 && def->dims != 3)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
     if (!duet_level_get_info(def->level))
@@ -83,28 +83,28 @@ duet_pair_query *duet_pair_query_create(const duet_pair_query_def *def, duet_err
 {
     if (!check_def(def, err))
         return NULL;
-    duet_pair_query *test = calloc(1, sizeof *test);
-    if (!test)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a test");
-    side *a = &test->sides[0], *b = &test->sides[1];
-    if (!shared_work_open(&test->work, def->pair, def->share, &a->work, &b->work, err) ||
+    duet_pair_query *query = calloc(1, sizeof *query);
+    if (!query)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a pair query");
+    side *a = &query->sides[0], *b = &query->sides[1];
+    if (!shared_work_open(&query->work, def->pair, def->share, &a->work, &b->work, err) ||
         !open_side(a, def, err) || !open_side(b, def, err)) {
-        duet_pair_query_destroy(test);
+        duet_pair_query_destroy(query);
         return NULL;
     }
-    return test;
+    return query;
 }
 
-void duet_pair_query_destroy(duet_pair_query *test)
+void duet_pair_query_destroy(duet_pair_query *query)
 {
-    if (!test)
+    if (!query)
         return;
     for (int which = 0; which < 2; ++which) {
-        buffer_release(&test->sides[which].poses);
-        buffer_release(&test->sides[which].found);
+        buffer_release(&query->sides[which].poses);
+        buffer_release(&query->sides[which].found);
     }
-    shared_work_close(&test->work);
-    free(test);
+    shared_work_close(&query->work);
+    free(query);
 }
 
 // ---------------------------------------------------------------- a chunk
@@ -175,28 +175,28 @@ static bool test_part(work_side *w)
     return ok;
 }
 
-bool duet_pair_query_run(duet_pair_query *test, const duet_pose *poses, uint64_t n,
+bool duet_pair_query_run(duet_pair_query *query, const duet_pose *poses, uint64_t n,
                          uint8_t *answers, double *separations, duet_pair_query_result *result,
                          duet_error *err)
 {
-    if (!error_given(test, __func__, "test", err) || !error_given(result, __func__, "result", err))
+    if (!error_given(query, __func__, "query", err) || !error_given(result, __func__, "result", err))
         return false;
     uint64_t begun = clock_steady_ns();
     if (n > 0 && (!poses || !answers))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu pairs, but no memory for their %s",
                          (unsigned long long)n, poses ? "answers" : "poses");
-    side *a = &test->sides[0], *b = &test->sides[1];
+    side *a = &query->sides[0], *b = &query->sides[1];
     for (int which = 0; which < 2; ++which) {
-        side *s = &test->sides[which];
+        side *s = &query->sides[which];
         s->all_poses = poses;
         s->answers = answers;
         s->separations = separations;
         s->colliding = s->undecided = 0;
     }
-    bool ok = shared_work_run(&test->work, n, test_part, err);
+    bool ok = shared_work_run(&query->work, n, test_part, err);
     for (int which = 0; which < 2; ++which)
-        if (test->sides[which].poses.borrowed) // the caller may free it
-            buffer_release(&test->sides[which].poses);
+        if (query->sides[which].poses.borrowed) // the caller may free it
+            buffer_release(&query->sides[which].poses);
     if (!ok)
         return false;
     *result = (duet_pair_query_result){.colliding = a->colliding + b->colliding,

@@ -168,8 +168,8 @@ static double separation_along(const cores *m, const double gap[3])
     return separation;
 }
 
-// How many times `part` an edge has space for from `at` on.
-static double room(double at, double part, double half)
+// How many times `part` can be added to `at` before it leaves the box.
+static double times_within(double at, double part, double half)
 {
     return part > 0 ? (half - at) / part : part < 0 ? (half + at) / -part : INFINITY;
 }
@@ -188,7 +188,8 @@ static void go_on(const cores *m, points *p, const points *last, const double ga
     double squared = dot(change, change);
     double times = squared > 0 ? fmax(-dot(change, gap) / squared, 0) : 0;
     for (int k = 0; k < 3; ++k)
-        times = fmin(times, fmin(room(p->x[k], dx[k], m->a[k]), room(p->y[k], dy[k], m->b[k])));
+        times = fmin(times, fmin(times_within(p->x[k], dx[k], m->a[k]),
+                                 times_within(p->y[k], dy[k], m->b[k])));
     for (int k = 0; k < 3; ++k)
         p->x[k] = held(p->x[k] + times * dx[k], m->a[k]);
 }

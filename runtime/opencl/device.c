@@ -200,7 +200,7 @@ bool device_open(device *d, const char *selector, duet_error *err)
 
 // ---------------------------------------------------------------- a caller's queue
 
-// Which units a part has only those know who cut it off.
+// OpenCL does not tell which units of its parent a caller's sub-device has.
 static void name_part(device *d)
 {
     cl_device_id root = d->id, parent = d->id;

@@ -55,15 +55,15 @@ const char *duet_device_info_get_quirk(const duet_device_info *info, uint32_t i)
         bool has;
         const char *quirk;
     } known[] = {
-        {d.third_axis,
-         "compiles a kernel for each range, and mixes them up before 6.0: all launches look alike"},
-        {d.keeps_kernels,
-         "compiles twice when asked for binaries: what it built is left to its own cache"},
-        {d.in_place, "wakes all its threads to map memory that its kernels share with the host: "
-                     "none is mapped"},
-        {d.breaks, "breaks when two threads compile at once: programs are compiled one by one"},
-        {d.header_option,
-         "reads 17,000 lines of declarations for each program: Duet's kernels have their own"},
+        {d.third_axis, "compiles a kernel again for large launches and, before 6.0, mixes the two "
+                       "up: Duet makes all launches alike"},
+        {d.keeps_kernels, "compiles a program again where its binary is asked for: Duet leaves "
+                          "caching to the driver"},
+        {d.in_place, "wakes all its threads for each map of shared memory: Duet maps none"},
+        {d.breaks,
+         "crashes where two threads compile at once: Duet compiles one program at a time"},
+        {d.header_option, "reads 17 000 lines of built-in declarations for each program: Duet's "
+                          "kernels declare what they call"},
     };
     for (size_t k = 0; k < sizeof known / sizeof *known; ++k)
         if (known[k].has && i-- == 0)

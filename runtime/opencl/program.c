@@ -70,7 +70,7 @@ bool kernel_is(const kernel *k, const char *name)
 
 // ---------------------------------------------------------------- arguments
 
-// other: the type that the name has where it is not the argument's.
+// other: the type under which the host knows the name, if that differs from the argument's.
 static const binding *find_binding(bindings from, const gen_arg *arg, const char **other)
 {
     for (; from->name; ++from) {
@@ -105,7 +105,7 @@ static bool bind_entry(launcher *l, const char *name, const gen_entry *entry, bi
     return true;
 }
 
-// All entries of the program are checked before it is compiled: a compiler says less of
+// All entries of the program are checked before it is compiled: a compiler would say less about
 // what is wrong with a card.
 static bool bind(const program_set *set, const gen_variant *variant, const char *entry,
                  bindings from, launcher *l, duet_error *err)

@@ -19,9 +19,12 @@ bool scan_open(scan *s, const device *d, program_set *programs, const gen_settin
     const char *const entries[] = {"scan_sums", "scan_tops", "scan_blocks"};
     kernel **const kernels[] = {&s->block_sums, &s->top_sums, &s->blocks};
     bool ok = true;
-    for (int i = 0; ok && i < 3; ++i)
-        ok = (*kernels[i] = program_set_kernel(programs, "scan", entries[i], settings, n_settings,
-                                               scan_bindings, err));
+    for (int i = 0; i < 3; ++i) {
+        *kernels[i] = ok ? program_set_kernel(programs, "scan", entries[i], settings, n_settings,
+                                              scan_bindings, err)
+                         : NULL;
+        ok = *kernels[i];
+    }
     return ok;
 }
 

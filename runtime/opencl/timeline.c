@@ -56,7 +56,7 @@ static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event e
     return true;
 }
 
-// Of a launch or a fill, whose event is NULL where nobody asks for it.
+// Keeps a launch or a fill; event is NULL in an untimed step.
 static bool keep_command(timeline *t, const char *stage, cl_event event, duet_error *err)
 {
     t->unheard = true;

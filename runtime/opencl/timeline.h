@@ -37,8 +37,8 @@ void timeline_begin(timeline *t, const device *d);
 // NVIDIA's driver 7 microseconds each.
 void timeline_begin_untimed(timeline *t, const device *d);
 
-// Whether a step has times though nobody asked: on a CPU each; elsewhere one in TIMED_EVERY, and
-// the first.
+// Whether a step is timed unless a def asks for all: on a CPU each is; elsewhere the first, and
+// then one in TIMED_EVERY.
 bool timeline_is_due(const timeline *t, const device *d, uint64_t step);
 
 // Sends a kernel over `work` objects, pairs or values; none for work = 0. values: the

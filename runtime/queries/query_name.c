@@ -11,6 +11,15 @@ static const char *const items[] = {"rays", "sweeps", "boxes", "points"};
 
 enum { N_ITEMS = sizeof items / sizeof *items };
 
+static const char *const wants_names[] = {"closest", "any", "every"};
+
+enum { N_WANTS = sizeof wants_names / sizeof *wants_names };
+
+const char *duet_query_wants_name(duet_query_wants wants)
+{
+    return (unsigned)wants < N_WANTS ? wants_names[wants] : NULL;
+}
+
 void query_name_write(const query_name *name, char text[QUERY_NAME])
 {
     const char *item = items[name->item];

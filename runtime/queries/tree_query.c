@@ -50,15 +50,6 @@ static const binding side_bindings[] = {BIND_BUFFER(query_side, "items", "float 
                                         BIND_VALUE(query_side, "each", each),
                                         {0}};
 
-static const char *const wants_names[] = {"closest", "any", "every"};
-
-enum { N_WANTS = sizeof wants_names / sizeof *wants_names };
-
-const char *duet_query_wants_name(duet_query_wants wants)
-{
-    return (unsigned)wants < N_WANTS ? wants_names[wants] : NULL;
-}
-
 bool tree_query_knows(duet_query_wants wants, duet_error *err)
 {
     return duet_query_wants_name(wants) ||

@@ -11,7 +11,7 @@
 
 _Static_assert((int)DUET_GRADE_EXACT == PROFILE_EXACT && (int)DUET_GRADE_STALE == PROFILE_STALE &&
                    (int)DUET_GRADE_DEFAULT == PROFILE_DEFAULT,
-               "the public ladder is the store's");
+               "the public grades are the store's");
 
 const char *duet_grade_name(duet_grade grade)
 {

@@ -5,6 +5,7 @@
 #include "base/rng.h"
 #include "runtime/duet.h"
 #include "support/devices.h"
+#include "tuner/duet_tune.h"
 
 #include <string.h>
 
@@ -83,11 +84,31 @@ static void a_plan_may_leave_things_to_the_world(void **state)
     duet_world_destroy(world);
 }
 
+// A def of another kind, or one that nobody filled in, is told by its cookie.
+static void no_two_defs_have_the_same_cookie(void **state)
+{
+    (void)state;
+    const int cookies[] = {
+        duet_default_device_pair_def().cookie,   duet_default_world_def().cookie,
+        duet_default_motion_def().cookie,        duet_default_pair_query_def().cookie,
+        duet_default_contact_query_def().cookie, duet_default_tree_def().cookie,
+        duet_default_ray_query_def().cookie,     duet_default_sweep_query_def().cookie,
+        duet_default_box_query_def().cookie,     duet_default_point_query_def().cookie,
+        duet_default_online_def().cookie,        duet_default_tune_def().cookie,
+    };
+    for (size_t i = 0; i < sizeof cookies / sizeof *cookies; ++i) {
+        assert_int_not_equal(cookies[i], 0);
+        for (size_t j = 0; j < i; ++j)
+            assert_int_not_equal(cookies[i], cookies[j]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_default_world_uses_both_devices),
         cmocka_unit_test(a_plan_may_leave_things_to_the_world),
+        cmocka_unit_test(no_two_defs_have_the_same_cookie),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);
 }

@@ -23,7 +23,7 @@ typedef struct subject {
     duet_stage least[MOST_STAGES]; // of the stages
 } subject;
 
-enum { SUBJECTS = 5 };
+enum { SUBJECTS = 6 };
 
 static bool put_in_order(const subject *s, duet_pose *mapped, const duet_pose *poses, uint32_t n,
                          duet_error *err)
@@ -95,6 +95,7 @@ bool bench_order(const bench_options *options, duet_error *err)
     subject subjects[SUBJECTS] = {
         {.name = "B alone, at random"},
         {.name = "B alone, in order", .in_order = true},
+        {.name = "B alone, in order, and ordered", .in_order = true, .ordered = true},
         {.name = "halves, at random", .share = DUET_SHARE_ONE / 2},
         {.name = "halves, in order", .share = DUET_SHARE_ONE / 2, .in_order = true},
         {.name = "halves, in order, and ordered",

@@ -340,6 +340,47 @@ static void whole_grids_of_ordered_objects_are_right(void **state)
     }
 }
 
+// No cell may be two work-items' own: they count without atomics.
+static uint32_t count_others(duet_world *world, uint32_t n)
+{
+    const part *p = &world->parts[1];
+    duet_result result;
+    set_poses(world, n);
+    step(world, &result);
+    assert_int_equal(duet_result_get_hash(&result), reference_hash(n, 3));
+    const uint32_t *edges = p->edges.host;
+    for (uint32_t i = 0; i * p->kernels.hash->per_item < n; ++i)
+        assert_true(edges[i] <= edges[i + 1]);
+    return ((const uint32_t *)p->counters.host)[COUNT_OTHERS];
+}
+
+// Of a work-item's 1 024 objects the first ones may be in cells that are another's.
+static void objects_in_order_are_in_their_work_item_s_own_cells(void **state)
+{
+    (void)state;
+    enum { N = 5003 };
+    const uint32_t units = devices->devices[1].info.units;
+    devices->devices[1].info.units = 0; // few objects are enough
+    rng r = {test_seed()};
+    duet_world_def def = ordered_def(3, "simd");
+    duet_world *world = make_world(&def);
+    fill_poses(&r, N, 3);
+    assert_finds_all_in_any_order(world, &r, N);
+    duet_world_destroy(world);
+    def.plan.mode = DUET_MODE_OWN;
+    def.plan.share = 0;
+    world = make_world(&def);
+    put_in_order(world, N);
+    assert_in_range(count_others(world, N), 0, N / 100);
+    for (uint32_t i = 0; i < N; i += 1024) // strays that come first
+        swap(i, (uint32_t)rng_between(&r, 0, N - 0.5));
+    assert_in_range(count_others(world, N), 1, N / 50);
+    reverse(N);
+    assert_in_range(count_others(world, N), N / 2, N);
+    duet_world_destroy(world);
+    devices->devices[1].info.units = units;
+}
+
 // Each cell and those around it hold hundreds, many more than a lane lists at once.
 static void crowds_are_found_by_lanes_that_list_first(void **state)
 {
@@ -759,6 +800,7 @@ int main(void)
         cmocka_unit_test(any_order_share_and_number_gives_the_reference_pairs),
         cmocka_unit_test(every_sort_takes_stretches),
         cmocka_unit_test(whole_grids_of_ordered_objects_are_right),
+        cmocka_unit_test(objects_in_order_are_in_their_work_item_s_own_cells),
         cmocka_unit_test(crowds_are_found_by_lanes_that_list_first),
         cmocka_unit_test(a_step_leaves_its_counts_at_zero_for_the_next_one),
         cmocka_unit_test(a_world_may_change_its_mode_from_step_to_step),

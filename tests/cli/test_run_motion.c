@@ -7,6 +7,7 @@
 #include "base/text.h"
 
 #include <cjson/cJSON.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -85,6 +86,46 @@ static void a_picture_and_frames_are_drawn(void **state)
     assert_non_null(strstr(p.out, "of the work, kernels '"));
     assert_non_null(strstr(p.out, "plan: the default"));
     assert_non_null(strstr(p.out, " contact_response"));
+    program_free(&p);
+}
+
+// The column of a table's row, from 0; NAN where there is none.
+static double column_of(const char *row, int column)
+{
+    double number = NAN;
+    row = strstr(row, "  "); // behind the name
+    for (int i = 0; row && i < column; ++i) {
+        row += strspn(row, " ");
+        row += strcspn(row, " \n");
+    }
+    if (!row)
+        return number;
+    sscanf(row, "%lf", &number);
+    return number;
+}
+
+static void the_parts_of_a_step_add_up_to_it(void **state)
+{
+    (void)state;
+    program p = program_run("run --steps 8 " SCENE);
+    assert_int_equal(p.exit_code, 0);
+    const char *table = strstr(p.out, "ms a step ");
+    assert_non_null(table);
+    double ms = 0, percent = 0, step = NAN;
+    int n = 0;
+    for (const char *row = strchr(table, '\n') + 1; *row != '\n'; row = strchr(row, '\n') + 1) {
+        ms += column_of(row, 0);
+        percent += column_of(row, 1);
+        ++n;
+    }
+    const char *end = strstr(table, " ms a step after the first");
+    assert_non_null(end);
+    while (end[-1] != '\n')
+        --end;
+    sscanf(end, "%lf", &step);
+    assert_true(n > 3);
+    assert_true(ms >= step - 0.0006 * (n + 1)); // each is rounded; devices overlap
+    assert_true(fabs(percent - 100) <= 0.06 * n);
     program_free(&p);
 }
 
@@ -227,6 +268,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_picture_and_frames_are_drawn),
+        cmocka_unit_test(the_parts_of_a_step_add_up_to_it),
         cmocka_unit_test(json_says_what_the_table_does),
         cmocka_unit_test(what_cannot_be_drawn_is_refused_before_the_steps),
         cmocka_unit_test(what_is_of_a_scene_at_rest_is_refused_with_steps),

@@ -224,7 +224,7 @@ static void an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more(void **s
         cJSON_Delete(o);
     }
     program why = program_run("profiles why --profile " STORE " --false-rate 0.001 " SCENE);
-    assert_non_null(strstr(why.out, "no: it misses 0 and invents "));
+    assert_non_null(strstr(why.out, "no: for each true pair it misses 0 and adds "));
     assert_non_null(strstr(why.out, "above 0 or 0.001"));
     program_free(&why);
 }

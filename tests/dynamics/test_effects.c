@@ -97,7 +97,7 @@ static mover *make_scene_in(medium in, uint32_t set)
     const int side = flat ? 5 : 3, n = flat ? 25 : 27;
     m->def.doubles = in.doubles;
     m->def.wants = set & (DUET_EFFECT_SENSORS | DUET_EFFECT_CONTACT | DUET_EFFECT_CONTACT_RESPONSE |
-                          DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS | DUET_EFFECT_SENSORS);
+                          DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS);
     m->def.gravity[1] = set & DUET_EFFECT_GRAVITY ? -3.0 : 0.0;
     m->def.drag = set & DUET_EFFECT_DRAG ? 0.3 : 0.0;
     m->def.skin = set & DUET_EFFECT_SKIN ? 0.1 : 0.0;

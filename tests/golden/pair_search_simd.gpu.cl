@@ -47,10 +47,11 @@
 // Objects in cell order to pairs, eight at a time.
 //
 // What is to be found, and from which of two objects, is as in
-// pair_search_gpu.cl.in. Ranges of places collect until there are several, for
-// most are shorter than a vector; the overlapping ones wait in private memory
-// until there are enough of them, and are tested there (FUSED) or listed.
-// Nothing is atomic but the taking of places for many pairs at once.
+// pair_search_gpu.cl.in. In a roomy grid eight objects that follow each other look
+// for neighbours together: for an object alone, most ranges of places are shorter
+// than a vector. Else ranges collect until there are several. Candidates wait in
+// private memory until there are enough of them, and are tested there (FUSED) or
+// listed. Nothing is atomic but the taking of places for many pairs at once.
 //
 //   bounds    as reorder_simd leaves them
 //   starts    [n_own_cells + 1] first of each cell from key_from on
@@ -59,15 +60,42 @@
 //                              places, or for bounds ids
 //   undecided [undecided_capacity] ids (FUSED)
 #if ROOMY
-#define RANGES 5
-#define USED_RANGES(r) RANGES
+#define BLOCKS 16
+#define ROUND (BLOCKS * LANES * LANES) // most candidates that come at once
+#define FAR 64 // places asked for before they are needed
 #else
 #define RANGES 8
-#define USED_RANGES(r) (r)->n
+#define ROUND (RANGES * LANES)
 #endif
 #define LISTS_PAIRS (SHAPE == SHAPE_BOUNDS || ACCURACY == AABB) // overlapping bounds are the answer
-#define ROUND (RANGES * LANES) // most candidates that come at once
 #define WAITING_CAPACITY (BUF + ROUND + AHEAD + LANES)
+
+// Bounds of eight objects.
+typedef struct {
+    real lower[DIMS];
+    real upper[DIMS];
+#if ORIGIN
+    whole cell[DIMS];
+#endif
+} corners;
+
+#if ROOMY
+
+// Whose neighbours are sought: up to eight places side by side.
+typedef struct {
+    uint place; // the first
+    uint n;
+} seekers;
+
+// Places that may hold neighbours, eight by eight. Bit 8 k + i of wanted: place k of them may be
+// a neighbour of seeker i.
+typedef struct {
+    uint n;
+    uint from[BLOCKS + 2];
+    ulong wanted[BLOCKS + 2];
+} blocks;
+
+#else
 
 // Cells side by side.
 typedef struct {
@@ -76,14 +104,10 @@ typedef struct {
     uint left, right;
 } row;
 
-// Whose neighbours are sought.
+// Whose neighbours are sought, in every lane.
 typedef struct {
     uint place;
-    float lower[DIMS];
-    float upper[DIMS];
-#if ORIGIN
-    int cell[DIMS];
-#endif
+    corners at;
 } seeker;
 
 // Places that may hold neighbours.
@@ -95,6 +119,8 @@ typedef struct {
     row cells[RANGES];
 #endif
 } ranges;
+
+#endif
 
 typedef struct {
     __global const float *bounds;
@@ -133,6 +159,8 @@ static inline void give_away(search *s, uint n)
 {
 #if FUSED
     uint2 found[BUF + ROUND + LANES];
+    for (uint k = 0; k < AHEAD + LANES; ++k)
+        s->waiting[s->n_waiting + k] = (uint2)(0, 0); // what lies behind the last one is read
     collide(&s->to, s->waiting, n, found);
     s->n_tested += n;
 #else
@@ -151,6 +179,205 @@ static inline void give_away_eights(search *s)
 }
 
 // ------------------------------------------------------------ candidates
+
+// The bounds of one place, the i-th from `from`, in every lane.
+static inline corners corners_of(const sorted *in, uint from, uint i)
+{
+    corners c;
+    __global const float *at = in->bounds + from;
+#pragma unroll
+    for (int k = 0; k < DIMS; ++k) {
+        c.lower[k] = ALL(at[k * in->column + i]);
+        c.upper[k] = ALL(at[(DIMS + k) * in->column + i]);
+#if ORIGIN
+        c.cell[k] = (whole)(as_int(at[(2 * DIMS + 1 + k) * in->column + i]));
+#endif
+    }
+    return c;
+}
+
+// The bounds of eight places.
+static inline corners corners_from(const sorted *in, uint place)
+{
+    corners c;
+#pragma unroll
+    for (int k = 0; k < DIMS; ++k) {
+        c.lower[k] = vload8(0, in->bounds + k * in->column + place);
+        c.upper[k] = vload8(0, in->bounds + (DIMS + k) * in->column + place);
+#if ORIGIN
+        c.cell[k] = as_whole(vload8(0, in->bounds + (2 * DIMS + 1 + k) * in->column + place));
+#endif
+    }
+    return c;
+}
+
+// The highest bit of a lane says that bounds are apart. With ORIGIN they are each from their own
+// cell; rounding keeps order, so that no overlap is lost. Else a difference has the sign of what it
+// is rounded from: only outer bounds can be infinite.
+static inline word apart(const corners *a, const corners *b)
+{
+    word m = (word)(0);
+#pragma unroll
+    for (int k = 0; k < DIMS; ++k) {
+#if ORIGIN
+        real shift = to_real(b->cell[k] - a->cell[k]) * ORIGIN_EDGE;
+        m |= as_word((a->lower[k] - b->upper[k] > shift) | (a->upper[k] - b->lower[k] < shift));
+#else
+        m |= as_word(a->upper[k] - b->lower[k]) | as_word(b->upper[k] - a->lower[k]);
+#endif
+    }
+    return m;
+}
+
+static inline uint2 candidate(const sorted *in, uint first, uint second)
+{
+#if SHAPE == SHAPE_POSES && ACCURACY != AABB
+    return (uint2)(first, second);
+#elif SHAPE == SHAPE_POSES
+    return ordered(id_at(in->boxes, first), id_at(in->boxes, second));
+#else
+    return ordered(in->ids[first], in->ids[second]);
+#endif
+}
+
+// ------------------------------------------------------------ neighbours
+
+#if ROOMY
+
+// Rows of cells around them must not meet: all are in fewer cells than a row has, less three.
+static inline seekers seekers_at(const sorted *in, uint place, uint end)
+{
+    word beyond = as_word(vload8(0, in->where + place)) - in->where[place];
+    ulong near = lane_bits(beyond <= (word)((uint)in->levels->cells.x - 3)) & first_lanes(end - place);
+    return (seekers){place, (uint)popcount(near)};
+}
+
+// Bit 8 k + i: the object k places after `from` overlaps seeker i.
+static inline ulong overlapping(const sorted *in, uint first, uint from)
+{
+    const corners theirs = corners_from(in, from);
+    word bits = (word)(0);
+#pragma unroll
+    for (uint i = 0; i < 8; ++i) {
+        corners mine = corners_of(in, first, i);
+        bits |= apart(&mine, &theirs) >> (31 - i) & (word)(1 << i);
+    }
+    return ~as_ulong(convert_uchar8(bits));
+}
+
+// No processor foresees how many bits a block has, so those of all blocks are taken in one loop. Each
+// word is read before it is known to be needed, and volatile, lest a compiler do so in a branch.
+static inline void search_blocks(search *s, const sorted *in, const seekers *me, blocks *b)
+{
+    uint n = 0, n_found = 0;
+    for (uint i = 0; i < b->n; ++i) {
+        uint from = b->from[i];
+        ulong bits = overlapping(in, me->place, from) & b->wanted[i];
+        b->from[n] = from;
+        b->wanted[n] = bits;
+        n += bits != 0;
+        n_found += (uint)popcount(bits);
+    }
+    uint2 *to = s->waiting + s->n_waiting;
+    s->n_waiting += n_found;
+    b->wanted[n] = 0;
+    volatile const ulong *left = b->wanted;
+    ulong bits = left[0], next = left[1];
+    uint at = 0;
+    for (uint i = 0; i < n_found; ++i) {
+        uint bit = 63 - (uint)clz(bits & -bits);
+        to[i] = candidate(in, me->place + bit % 8, b->from[at] + bit / 8);
+        bits &= bits - 1;
+        at += bits == 0;
+        bits = bits ? bits : next;
+        next = left[at + 1];
+    }
+    b->n = 0;
+    if (s->n_waiting > BUF)
+        give_away_eights(s);
+}
+
+static inline void add_block(blocks *b, ulong wanted, uint from, uint to)
+{
+    b->from[b->n] = from;
+    b->wanted[b->n] = wanted & ~0ul >> (64 - 8 * min(to - from, (uint)LANES)) % 64;
+    b->n += from < to;
+}
+
+// Mostly two blocks hold a row.
+static inline void add_places(search *s, const sorted *in, const seekers *me, blocks *b, ulong wanted, uint from,
+                              uint to)
+{
+    for (; from < to; from += 2 * LANES) {
+        if (b->n > BLOCKS - 2)
+            search_blocks(s, in, me, b);
+        add_block(b, wanted, from, to);
+        add_block(b, wanted, from + LANES, to);
+    }
+}
+
+#if AHEAD
+static inline void ask_for_places(const sorted *in, uint place)
+{
+    for (uint k = 0; k < BOUNDS_COLUMNS_OF(DIMS, ORIGIN); ++k)
+        ask_for(in->bounds + k * in->column + place);
+#if SHAPE == SHAPE_POSES
+    for (uint k = 0; k < LANES; ++k)
+        ask_for(in->boxes + ((size_t)place + k) * BOX_WORDS);
+#endif
+}
+#endif
+
+// What follows in the own row, and the rows after it, by their entries alone. Behind the
+// last entry of the grid there is nothing, and three more that say so.
+//
+// A roomy grid needs no border case: a row that leaves the grid goes on in one
+// so far away that nothing overlaps, and no cell comes twice.
+static inline void search_around(search *s, const sorted *in, const seekers *me)
+{
+    uint first = in->where[me->place], last = in->where[me->place + me->n - 1];
+    uint nx = (uint)in->levels->cells.x, ny = (uint)in->levels->cells.y;
+    ulong all = 0x0101010101010101ul * ((1u << me->n) - 1);
+    uint behind = in->n_own_cells + 1;
+    uint step, from, to = in->starts[last + 2];
+    blocks b = {.n = 0};
+    add_block(&b, all & 0xff7f3f1f0f070301ul, me->place + 1, to); // places that follow a seeker
+    add_places(s, in, me, &b, all, me->place + 1 + LANES, to);
+    const uint y = 0, z = 0; // relative to the own cell
+#line 303 "kernels/grid/pair_search_simd.cl.in"
+    step = ((z) * ny + (y + 1)) * nx;
+    from = in->starts[min(first + step, behind) - 1];
+    to = in->starts[min(last + step, behind) + 2];
+    add_places(s, in, me, &b, all, from, to);
+#line 303 "kernels/grid/pair_search_simd.cl.in"
+    step = ((z + 1) * ny + (y - 1)) * nx;
+    from = in->starts[min(first + step, behind) - 1];
+    to = in->starts[min(last + step, behind) + 2];
+    add_places(s, in, me, &b, all, from, to);
+#line 303 "kernels/grid/pair_search_simd.cl.in"
+    step = ((z + 1) * ny + (y)) * nx;
+    from = in->starts[min(first + step, behind) - 1];
+    to = in->starts[min(last + step, behind) + 2];
+    add_places(s, in, me, &b, all, from, to);
+#line 303 "kernels/grid/pair_search_simd.cl.in"
+    step = ((z + 1) * ny + (y + 1)) * nx;
+    from = in->starts[min(first + step, behind) - 1];
+    to = in->starts[min(last + step, behind) + 2];
+    add_places(s, in, me, &b, all, from, to);
+#line 308 "kernels/grid/pair_search_simd.cl.in"
+#if AHEAD
+    ask_for_places(in, to + FAR); // the last row is the first to come there
+#endif
+    search_blocks(s, in, me, &b);
+}
+
+// The entry that an object belongs to.
+static inline uint entry_of(const sorted *in, uint place)
+{
+    return in->where[place];
+}
+
+#else
 
 // The point that decides an object's cell, in every lane.
 static inline void set_point(const sorted *in, uint place, coord point[3])
@@ -192,34 +419,13 @@ static inline bool is_in(const sorted *in, uint place, const ranges *r, uint ran
 #endif
 }
 
-// Which of eight places overlap along an axis. With ORIGIN bounds are each from
-// their own cell; rounding keeps order, so that none is lost.
-static inline mask overlap_along(const sorted *in, const seeker *me, __global const float *at, int k)
-{
-    real lower = vload8(0, at + k * in->column), upper = vload8(0, at + (DIMS + k) * in->column);
-#if ORIGIN
-    whole cells = as_whole(vload8(0, at + (2 * DIMS + 1 + k) * in->column)) - me->cell[k];
-    real shift = to_real(cells) * ORIGIN_EDGE;
-    return ~((me->lower[k] - upper > shift) | (me->upper[k] - lower < shift));
-#else
-    return (lower <= me->upper[k]) & (upper >= me->lower[k]);
-#endif
-}
-
 // Bit 8 k + r: lane k of range r overlaps.
 static inline ulong overlapping(const sorted *in, const seeker *me, const ranges *r)
 {
     ulong bits = 0;
-#if ROOMY
-#pragma unroll
-#endif
-    for (uint range = 0; range < USED_RANGES(r); ++range) {
-        __global const float *at = in->bounds + r->from[range];
-        mask m = (mask)(-1);
-#pragma unroll
-        for (int k = 0; k < DIMS; ++k)
-            m &= overlap_along(in, me, at, k);
-        bits |= (lane_bits(m) & first_lanes(r->to[range] - r->from[range])) << range;
+    for (uint range = 0; range < r->n; ++range) {
+        corners at = corners_from(in, r->from[range]);
+        bits |= (lane_bits(!(as_whole(apart(&me->at, &at)) < 0)) & first_lanes(r->to[range] - r->from[range])) << range;
     }
     return bits;
 }
@@ -228,10 +434,7 @@ static inline ulong overlapping(const sorted *in, const seeker *me, const ranges
 static inline bool next_places(ranges *r)
 {
     bool more = false;
-#if ROOMY
-#pragma unroll
-#endif
-    for (uint range = 0; range < USED_RANGES(r); ++range) {
+    for (uint range = 0; range < r->n; ++range) {
         r->from[range] = min(r->from[range] + LANES, r->to[range]);
         more |= r->from[range] < r->to[range];
     }
@@ -248,63 +451,12 @@ static inline void search_ranges(search *s, const sorted *in, const seeker *me, 
             uint place = r->from[bit % 8] + bit / 8;
             if (!is_in(in, place, r, bit % 8))
                 continue;
-#if SHAPE == SHAPE_POSES && ACCURACY != AABB
-            s->waiting[s->n_waiting++] = (uint2)(me->place, place);
-#elif SHAPE == SHAPE_POSES
-            s->waiting[s->n_waiting++] = ordered(id_at(in->boxes, me->place), id_at(in->boxes, place));
-#else
-            s->waiting[s->n_waiting++] = ordered(in->ids[me->place], in->ids[place]);
-#endif
+            s->waiting[s->n_waiting++] = candidate(in, me->place, place);
         }
         if (s->n_waiting > BUF)
             give_away_eights(s);
     } while (next_places(r));
 }
-
-// ------------------------------------------------------------ neighbours
-
-#if ROOMY
-
-// The entry that an object belongs to.
-static inline uint entry_of(const sorted *in, uint place)
-{
-    return in->where[place];
-}
-
-// The places of three cells side by side, the middle one given. Behind the last
-// entry of the grid there is nothing, and three more that say so.
-static inline void set_range(const sorted *in, ranges *r, uint i, uint middle)
-{
-    uint4 begins = vload4(0, in->starts + min(middle, in->n_own_cells + 1) - 1);
-    r->from[i] = begins.s0;
-    r->to[i] = begins.s3;
-}
-
-// What follows in the own row, and the rows after it, by their entries alone.
-//
-// A roomy grid needs no border case: a row that leaves the grid goes on in one
-// so far away that nothing overlaps, and no cell comes twice.
-static inline void search_around(search *s, const sorted *in, const seeker *me)
-{
-    uint entry = in->where[me->place];
-    uint nx = (uint)in->levels->cells.x, ny = (uint)in->levels->cells.y;
-    ranges r = {.n = RANGES};
-    r.from[0] = me->place + 1;
-    r.to[0] = in->starts[entry + 2];
-    const uint y = 0, z = 0; // relative to the own cell
-#line 251 "kernels/grid/pair_search_simd.cl.in"
-    set_range(in, &r, 1, entry + ((z) * ny + (y + 1)) * nx);
-#line 251 "kernels/grid/pair_search_simd.cl.in"
-    set_range(in, &r, 2, entry + ((z + 1) * ny + (y - 1)) * nx);
-#line 251 "kernels/grid/pair_search_simd.cl.in"
-    set_range(in, &r, 3, entry + ((z + 1) * ny + (y)) * nx);
-#line 251 "kernels/grid/pair_search_simd.cl.in"
-    set_range(in, &r, 4, entry + ((z + 1) * ny + (y + 1)) * nx);
-#line 253 "kernels/grid/pair_search_simd.cl.in"
-    search_ranges(s, in, me, &r);
-}
-
-#else
 
 static inline uint entry_of(const sorted *in, uint place)
 {
@@ -379,31 +531,31 @@ static inline void add_level(search *s, const sorted *in, const seeker *me, rang
     row cells = {level, y, z, x, x + 1 < nx ? x + 1 : x};
     add_own_row(s, in, me, r, &cells);
     cells.left = x > 0 ? x - 1 : 0;
-#line 332 "kernels/grid/pair_search_simd.cl.in"
+#line 475 "kernels/grid/pair_search_simd.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = z;
         add_row(s, in, me, r, &cells);
     }
-#line 332 "kernels/grid/pair_search_simd.cl.in"
+#line 475 "kernels/grid/pair_search_simd.cl.in"
     if (y > 0 && z + 1 < nz) {
         cells.y = y - 1;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 332 "kernels/grid/pair_search_simd.cl.in"
+#line 475 "kernels/grid/pair_search_simd.cl.in"
     if (z + 1 < nz) {
         cells.y = y;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 332 "kernels/grid/pair_search_simd.cl.in"
+#line 475 "kernels/grid/pair_search_simd.cl.in"
     if (y + 1 < ny && z + 1 < nz) {
         cells.y = y + 1;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 338 "kernels/grid/pair_search_simd.cl.in"
+#line 481 "kernels/grid/pair_search_simd.cl.in"
 }
 
 #if LEVELS
@@ -414,16 +566,16 @@ static inline void set_corners(const sorted *in, const seeker *me, coord lower[3
     real from[3], to[3];
     whole cell[3];
     for (int k = 0; k < 3; ++k) {
-        from[k] = ALL(k < DIMS ? me->lower[k] : 0.0f);
-        to[k] = ALL(k < DIMS ? me->upper[k] : 0.0f);
-        cell[k] = (whole)(k < DIMS ? me->cell[k] : 0);
+        from[k] = k < DIMS ? me->at.lower[k] : ALL(0.0f);
+        to[k] = k < DIMS ? me->at.upper[k] : ALL(0.0f);
+        cell[k] = k < DIMS ? me->at.cell[k] : (whole)(0);
     }
     coords_of(from, cell, in->levels, lower);
     coords_of(to, cell, in->levels, upper);
 #else
     for (int k = 0; k < DIMS; ++k) {
-        lower[k] = ALL(me->lower[k]);
-        upper[k] = ALL(me->upper[k]);
+        lower[k] = me->at.lower[k];
+        upper[k] = me->at.upper[k];
     }
 #endif
 }
@@ -462,20 +614,6 @@ static inline void search_around(search *s, const sorted *in, const seeker *me)
 
 #endif
 
-static inline seeker seeker_at(const sorted *in, uint place)
-{
-    seeker me = {.place = place};
-#pragma unroll
-    for (int k = 0; k < DIMS; ++k) {
-        me.lower[k] = in->bounds[k * in->column + place];
-        me.upper[k] = in->bounds[(DIMS + k) * in->column + place];
-#if ORIGIN
-        me.cell[k] = as_int(in->bounds[(2 * DIMS + 1 + k) * in->column + place]);
-#endif
-    }
-    return me;
-}
-
 // Where the entry of a place begins: parts that each sorted for themselves
 // agree on it, though not on the order inside a cell.
 static inline uint entry_begin(const sorted *in, uint place, uint end)
@@ -496,8 +634,6 @@ __kernel void pair_search_simd(PAIR_SEARCH_SIMD_ARGS)
     if (starts[n_own_cells] > place_capacity)
         return; // objects without a place: the grid is built again with a larger buffer
     uint2 waiting[WAITING_CAPACITY];
-    for (uint k = 0; k < WAITING_CAPACITY; ++k)
-        waiting[k] = (uint2)(0, 0); // what lies behind the last one is read
 #if FUSED
     search s = {waiting, 0, 0, {boxes, found, found_capacity, undecided, undecided_capacity, counters}};
 #else
@@ -507,10 +643,19 @@ __kernel void pair_search_simd(PAIR_SEARCH_SIMD_ARGS)
     uint end = entry_begin(&in, last, home);
     uint tile = entry_begin(&in, first, home) + get_global_id(0) * PER_ITEM;
     for (; tile < end; tile += get_global_size(0) * PER_ITEM) {
+#if ROOMY
+        uint tile_end = min(tile + PER_ITEM, end);
+        for (uint place = tile; place < tile_end;) {
+            seekers me = seekers_at(&in, place, tile_end);
+            search_around(&s, &in, &me);
+            place += me.n;
+        }
+#else
         for (uint place = tile; place < min(tile + PER_ITEM, end); ++place) {
-            seeker me = seeker_at(&in, place);
+            seeker me = {place, corners_of(&in, place, 0)};
             search_around(&s, &in, &me);
         }
+#endif
     }
     give_away(&s, s.n_waiting);
 #if FUSED

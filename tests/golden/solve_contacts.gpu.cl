@@ -15,7 +15,7 @@
     uint each, \
     __global float *restrict blocks, \
     __global float4 *restrict bodies, \
-    float4 pull, \
+    float4 fall, \
     float least_speed
 #define SOLVE_CONTACTS_ARGS \
     __global const uint4 *restrict spans, \
@@ -29,7 +29,7 @@
     float per_h, \
     float4 spring, \
     float4 hard_spring, \
-    float kick
+    float load_speed
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
 #line 1 "kernels/dynamics/vector.clh"
@@ -51,8 +51,8 @@
 //   each    contacts of a colour that a work-item takes
 //   spring  bias rate, mass scale, impulse scale, greatest speed of push-out;
 //           hard_spring: against bodies that never move
-//   kick    the speed that a load can add to a point in a substep: what asks for more
-//           than that, and twice the last push, is an impact
+//   load_speed  the speed that a load can add to a point in a substep: what asks for more
+//           than that, and twice the last impulse, is an impact
 
 // ------------------------------------------------------------ solving
 
@@ -60,7 +60,7 @@
 typedef struct {
     real speed;  // along the normal, at least
     real weight; // part of the mass that answers
-    real decay;  // part of the push that is let go
+    real decay;  // part of the impulse that is let go
     real load;   // the most that the next substep may begin with
     mask impact; // asks for more
 } demand;
@@ -76,13 +76,13 @@ static inline real find_separation(const pair *p, point one, vec anchor)
 }
 
 static inline demand demand_of(const pair *p, point one, uint soft, float per_h, float4 spring,
-                               float4 hard_spring, float kick)
+                               float4 hard_spring, float load_speed)
 {
     vec anchor = get_vec_of(one, BY_ANCHOR);
-    real mass = get_of(one, BY_NORMAL_MASS), push = get_of(one, BY_NORMAL_IMPULSE);
+    real mass = get_of(one, BY_NORMAL_MASS), impulse = get_of(one, BY_NORMAL_IMPULSE);
     demand d;
-    d.load = soft ? fma(mass, (real)(kick), push + push) : get_of(one, BY_LOAD);
-    d.impact = fma(-mass, vec_dot(velocity_between(p, anchor), p->normal), push) > d.load;
+    d.load = soft ? fma(mass, (real)(load_speed), impulse + impulse) : get_of(one, BY_LOAD);
+    d.impact = fma(-mass, vec_dot(velocity_between(p, anchor), p->normal), impulse) > d.load;
     real separation = soft ? get_of(one, BY_CURRENT) : find_separation(p, one, anchor);
     d.speed = select((real)(0.0f), separation * per_h, separation > 0.0f);
     d.weight = 1.0f;
@@ -99,13 +99,13 @@ static inline demand demand_of(const pair *p, point one, uint soft, float per_h,
     return d;
 }
 
-static inline void add_impulse(pair *p, point one, vec anchor, real push, mask where)
+static inline void add_impulse(pair *p, point one, vec anchor, real impulse, mask where)
 {
     real old = get_of(one, BY_NORMAL_IMPULSE);
-    push = select(old, fmax(push, 0.0f), where);
-    put_of(one, BY_NORMAL_IMPULSE, push);
-    put_of(one, BY_MAX_IMPULSE, fmax(get_of(one, BY_MAX_IMPULSE), push));
-    apply_impulse(p, anchor, vec_times(push - old, p->normal));
+    impulse = select(old, fmax(impulse, 0.0f), where);
+    put_of(one, BY_NORMAL_IMPULSE, impulse);
+    put_of(one, BY_MAX_IMPULSE, fmax(get_of(one, BY_MAX_IMPULSE), impulse));
+    apply_impulse(p, anchor, vec_times(impulse - old, p->normal));
 }
 
 static inline void press(pair *p, point one, demand d, mask where)
@@ -117,19 +117,19 @@ static inline void press(pair *p, point one, demand d, mask where)
 }
 #line 200 "kernels/dynamics/solve_contacts.cl.in"
 
-// An impact is stopped once: the next substep begins with a load's part of the push.
+// An impact is stopped once: the next substep begins with a load's part of the impulse.
 static inline void forget_impact(point one, real load)
 {
-    real push = get_of(one, BY_NORMAL_IMPULSE);
-    mask over = push > load;
+    real impulse = get_of(one, BY_NORMAL_IMPULSE);
+    mask over = impulse > load;
     if (!any_lane(over))
         return;
-    put_of(one, BY_NORMAL_IMPULSE, select(push, load, over));
+    put_of(one, BY_NORMAL_IMPULSE, select(impulse, load, over));
 #line 216 "kernels/dynamics/solve_contacts.cl.in"
 }
 
 static inline void solve_slots(__global float *constraint, __global float4 *bodies, uint soft, float per_h,
-                               float4 spring, float4 hard_spring, float kick)
+                               float4 spring, float4 hard_spring, float load_speed)
 {
     pair p;
     load_pair(&p, constraint, bodies);
@@ -145,7 +145,7 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
     demand demands[POINTS];
     mask stiff = p.n > 1u, struck = 0;
     EACH_POINT(k, p.most) {
-        demands[k] = demand_of(&p, point_of(&all, k), soft, per_h, spring, hard_spring, kick);
+        demands[k] = demand_of(&p, point_of(&all, k), soft, per_h, spring, hard_spring, load_speed);
         stiff &= (demands[k].decay == 0.0f) | !has_point(&p, k);
         struck |= demands[k].impact & has_point(&p, k);
     }
@@ -207,14 +207,14 @@ __kernel void solve_contacts(SOLVE_CONTACTS_ARGS)
                               most_points(points_of(constraint_at(blocks, first_slot + k * apart))));
             if (next < to)
                 ask_for_bodies(constraint_at(blocks, first_slot + next * apart), bodies, soft);
-            solve_slots(constraint_at(blocks, first_slot + k * apart), bodies, soft, per_h, spring, hard_spring, kick);
+            solve_slots(constraint_at(blocks, first_slot + k * apart), bodies, soft, per_h, spring, hard_spring, load_speed);
 #else
             // A text for each pass, in which the points' order is known and registers hold them.
             __global float *constraint = constraint_at(blocks, first_slot + k * apart);
             if (soft)
-                solve_slots(constraint, bodies, 1, per_h, spring, hard_spring, kick);
+                solve_slots(constraint, bodies, 1, per_h, spring, hard_spring, load_speed);
             else
-                solve_slots(constraint, bodies, 0, per_h, spring, hard_spring, kick);
+                solve_slots(constraint, bodies, 0, per_h, spring, hard_spring, load_speed);
 #endif
         }
         END_COLOUR;
@@ -223,7 +223,7 @@ __kernel void solve_contacts(SOLVE_CONTACTS_ARGS)
 
 // ------------------------------------------------------------ restitution
 
-// A push at one point speeds up the others too. With one turn, and pushes that only
+// An impulse at one point speeds up the others too. With one turn, and impulses that only
 // add to what stopped the impact, they would leave faster than they came, and boxes
 // that tumble gain energy without end.
 #define RESTITUTION_ROUNDS 8
@@ -244,18 +244,18 @@ static inline real speed_after(real speed, real restitution, real gain, real way
 
 // What a substep pulls the two closer by, along the normal: nothing, where both
 // fall alike.
-static inline real gain_of(const pair *p, vec pull)
+static inline real gain_of(const pair *p, vec fall)
 {
     const real zero = 0.0f, one = 1.0f;
     real one_falls = select(zero, one, p->b.inverse_mass > 0.0f) - select(zero, one, p->a.inverse_mass > 0.0f);
-    return one_falls * vec_dot(pull, p->normal);
+    return one_falls * vec_dot(fall, p->normal);
 }
 
 // Gives back, once a step, what the impact had of speed along the normal. A point
 // that is faster already gives up of what it was stopped with.
 //
-//   pull  what a substep adds to the velocity of all that falls; w: 1 / its time
-static inline void restore_speeds(__global float *constraint, __global float4 *bodies, float4 pull, float least_speed)
+//   fall  what a substep adds to the velocity of all that falls; w: 1 / its time
+static inline void restore_speeds(__global float *constraint, __global float4 *bodies, float4 fall, float least_speed)
 {
     word n = points_of(constraint);
     real restitution = get(constraint, IN_RESTITUTION);
@@ -274,16 +274,16 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
         return;
     pair p;
     load_pair(&p, constraint, bodies);
-    real gain = gain_of(&p, (vec){(real)(pull.x), (real)(pull.y), (real)(pull.z)});
+    real gain = gain_of(&p, (vec){(real)(fall.x), (real)(fall.y), (real)(fall.z)});
     real wanted_speed[POINTS];
     for (int k = 0; k < p.most; ++k) {
         __global const float *point = point_at(constraint, k);
         real fallen = get(point, BY_SEPARATION) - get(point, BY_CURRENT);
         wanted_speed[k] =
-            speed_after(get(constraint, IN_SPEEDS + k), restitution, gain, -2.0f * pull.w * gain * fallen);
+            speed_after(get(constraint, IN_SPEEDS + k), restitution, gain, -2.0f * fall.w * gain * fallen);
     }
 #line 396 "kernels/dynamics/solve_contacts.cl.in"
-    real pushes[POINTS] = {0};
+    real impulses[POINTS] = {0};
     int turns = p.most > 1 ? RESTITUTION_ROUNDS : 1;
     for (int turn = 0; turn < turns; ++turn) {
         for (int k = 0; k < p.most; ++k) {
@@ -292,10 +292,10 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
             real speed = vec_dot(velocity_between(&p, anchor), p.normal);
             real more = -get(point, BY_NORMAL_MASS) * (speed - wanted_speed[k]);
             mask asked = wanted[k] & ((p.n > 1u) | (mask)(turn == 0 ? -1 : 0));
-            real push = select(pushes[k], fmax(pushes[k] + more, -get(point, BY_MAX_IMPULSE)), asked);
+            real impulse = select(impulses[k], fmax(impulses[k] + more, -get(point, BY_MAX_IMPULSE)), asked);
 #line 409 "kernels/dynamics/solve_contacts.cl.in"
-            apply_impulse(&p, anchor, vec_times(push - pushes[k], p.normal));
-            pushes[k] = push;
+            apply_impulse(&p, anchor, vec_times(impulse - impulses[k], p.normal));
+            impulses[k] = impulse;
         }
     }
     keep_velocity(bodies, p.owner, &p.a);
@@ -310,7 +310,7 @@ __kernel void apply_restitution(APPLY_RESTITUTION_ARGS)
         uint from = get_global_id(0) * each;
         uint to = min(from + each, where.y);
         for (uint k = from; k < to; k += STRIDE(apart))
-            restore_speeds(constraint_at(blocks, where.z + k * apart), bodies, pull, least_speed);
+            restore_speeds(constraint_at(blocks, where.z + k * apart), bodies, fall, least_speed);
         END_COLOUR;
     }
 }

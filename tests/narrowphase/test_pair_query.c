@@ -268,8 +268,8 @@ static void a_wrong_def_is_told(void **state)
     right.pair = devices;
     duet_pair_query_def wrong[5] = {right, right, right, right, right};
     static const char *const why[] = {
-        "the test's def does not come from duet_default_pair_query_def",
-        "the test's def has no device pair",
+        "the query's def does not come from duet_default_pair_query_def",
+        "the query's def has no device pair",
         "dims is 4; expected 2 or 3",
         "level is 6; expected a duet_level",
         "share is 65537 of 65536; expected at most all of it",

@@ -362,8 +362,8 @@ static void pocls_cpus_are_known(void **state)
         assert_int_equal(driver_of(&info).third_axis != NULL, cases[i].third);
         assert_int_equal(driver_of(&info).in_place, cases[i].in_place);
         uint32_t n = 0;
-        while (duet_device_info_get_quirk(&info, n))
-            ++n;
+        for (const char *quirk; (quirk = duet_device_info_get_quirk(&info, n)); ++n)
+            assert_non_null(strstr(quirk, ": Duet"));
         assert_int_equal(n, cases[i].n_quirks);
     }
 }

@@ -113,11 +113,27 @@ static void sums_go_elsewhere_and_leave_zeros(void **state)
     try_numbers(&r, true, true);
 }
 
+// Its caller closes it, or opens it again; nothing is left of what was there before.
+static void a_scan_that_cannot_be_opened_has_no_kernels(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    open_bench(false, false);
+    const gen_setting setting = {"NO_SUCH", 1};
+    assert_false(scan_open(&b.s, &b.d, b.set, &setting, 1, &err));
+    assert_int_not_equal(err.status, DUET_STATUS_OK);
+    assert_null(b.s.block_sums);
+    assert_null(b.s.top_sums);
+    assert_null(b.s.blocks);
+    close_bench();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_word_becomes_the_sum_of_those_before_it),
         cmocka_unit_test(sums_go_elsewhere_and_leave_zeros),
+        cmocka_unit_test(a_scan_that_cannot_be_opened_has_no_kernels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

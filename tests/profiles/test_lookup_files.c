@@ -163,7 +163,7 @@ static void why_says_what_is_missing(void **state)
     assert_why(f.s, &request, "measured for another objective");
     request.objective = "time";
     request.max_missed_rate = -1;
-    assert_why(f.s, &request, "no: it misses 0 and invents 0 of the true pairs, above -1 or inf");
+    assert_why(f.s, &request, "no: for each true pair it misses 0 and adds 0 false ones, above -1 or inf");
     request.max_missed_rate = INFINITY;
     workload = test_workload(300000);
     assert_why(f.s, &request, "exact        no: no such workload");

@@ -73,10 +73,8 @@ static void a_drivers_version_changes_the_key_and_not_the_seat(void **state)
     profile_env newer = env;
     newer.driver = "560.1";
     char keys[4][PROFILE_SHA];
-    profile_env_key(&env, keys[0]);
-    profile_env_key(&newer, keys[1]);
-    profile_env_seat(&env, keys[2]);
-    profile_env_seat(&newer, keys[3]);
+    profile_env_keys(&env, keys[0], keys[2]);
+    profile_env_keys(&newer, keys[1], keys[3]);
     assert_string_not_equal(keys[0], keys[1]);
     assert_string_equal(keys[2], keys[3]);
 }

@@ -2,6 +2,7 @@
 #include "support/test.h"
 
 #include "support/any_strategy.h"
+#include "support/program.h"
 #include "support/simulated_pair.h"
 #include "tuner/strategy.h"
 
@@ -379,6 +380,20 @@ static void a_resumed_search_ends_as_an_uninterrupted_one(void **state)
     }
 }
 
+static void each_strategy_is_in_the_help(void **state)
+{
+    (void)state;
+    program help = program_run("tune --help");
+    const char *row = strstr(help.out, "--strategy S "), *end = strstr(help.out, "--strategy-lua");
+    assert_true(row && end && row < end);
+    for (uint32_t i = 0; strategy_at(i); ++i) {
+        const char *name = strategy_at(i)->name, *at = strstr(row, name);
+        if (strcmp(name, "lua") != 0 && (!at || at > end))
+            fail_msg("'duet tune --help' does not name the strategy '%s'", name);
+    }
+    program_free(&help);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -395,6 +410,7 @@ int main(void)
         cmocka_unit_test(chunks_follow_a_device_that_slows_down),
         cmocka_unit_test(senseless_times_do_no_harm),
         cmocka_unit_test(a_resumed_search_ends_as_an_uninterrupted_one),
+        cmocka_unit_test(each_strategy_is_in_the_help),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

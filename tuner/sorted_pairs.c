@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/pair_list.h"
+#include "tuner/sorted_pairs.h"
 
 #include "base/compare.h"
 #include "base/error.h"
@@ -7,7 +7,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
-duet_pair *pair_list_sorted(const duet_result *result, duet_error *err)
+duet_pair *sorted_pairs_of(const duet_result *result, duet_error *err)
 {
     duet_pair *pairs = calloc(result->pairs + 1, sizeof *pairs);
     if (!pairs)
@@ -19,7 +19,7 @@ duet_pair *pair_list_sorted(const duet_result *result, duet_error *err)
     return pairs;
 }
 
-void pair_list_rename(duet_pair *pairs, uint64_t n, const uint32_t *ids)
+void sorted_pairs_rename(duet_pair *pairs, uint64_t n, const uint32_t *ids)
 {
     for (uint64_t i = 0; i < n; ++i) {
         uint32_t a = ids[pairs[i].a], b = ids[pairs[i].b];
@@ -28,8 +28,8 @@ void pair_list_rename(duet_pair *pairs, uint64_t n, const uint32_t *ids)
     qsort(pairs, n, sizeof *pairs, compare_uint32_pair);
 }
 
-void pair_list_compare(const duet_pair *found, uint64_t n_found, const duet_pair *truth,
-                       uint64_t n_truth, pair_list_visit *visit, void *context)
+void sorted_pairs_compare(const duet_pair *found, uint64_t n_found, const duet_pair *truth,
+                          uint64_t n_truth, sorted_pairs_visit *visit, void *context)
 {
     uint64_t i = 0, j = 0;
     while (i < n_found || j < n_truth) {
@@ -43,9 +43,9 @@ void pair_list_compare(const duet_pair *found, uint64_t n_found, const duet_pair
     }
 }
 
-void pair_list_count_wrong(void *count, duet_pair pair, bool missed)
+void sorted_pairs_count_wrong(void *count, duet_pair pair, bool missed)
 {
-    pair_list_count *c = count;
+    sorted_pairs_count *c = count;
     (void)pair;
     c->missed += missed;
     c->added += !missed;

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// What a tuning has to choose from.
+#include "tuner/tune.h"
+
+static const char *const default_variants[] = {"auto", "simd", "auto sort=radix", "paper"};
+
+const char *task_variant(const duet_tune_def *def, uint32_t i)
+{
+    enum { N_DEFAULT = sizeof default_variants / sizeof *default_variants };
+    if (def->n_variants > 0)
+        return i < def->n_variants ? def->variants[i] : NULL;
+    return i < N_DEFAULT ? default_variants[i] : NULL;
+}
+
+uint32_t task_count_variants(const duet_tune_def *def)
+{
+    uint32_t n = 0;
+    while (task_variant(def, n))
+        ++n;
+    return n;
+}
+
+uint32_t task_count_modes(const duet_tune_def *def)
+{
+    enum { EACH = DUET_MODE_DEFAULT };
+    return def->n_modes > 0 && def->n_modes < EACH ? def->n_modes : EACH;
+}
