@@ -347,8 +347,8 @@ static uint32_t count_taken(const part_task *task)
 // With fewer objects a unit, three launches more take longer than atomics and straight places.
 enum { LEAST_OWN = 16384 };
 
-// A CPU's atomics take as long as all else that it does for a cell.
-// Twice so few are left to those that count so already.
+// A CPU's atomics take as long as all else that it does for a cell. A part that counts without them
+// goes on so down to half as many objects.
 static bool counts_own_cells(const part *p, const part_task *task)
 {
     uint64_t least = p->kernels.own_cells ? LEAST_OWN / 2 : LEAST_OWN;
