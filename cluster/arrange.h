@@ -5,6 +5,7 @@
 #define CLUSTER_ARRANGE_H
 
 #include "cluster/objects.h"
+#include "cluster/parallel.h"
 
 // A row whose object belongs to another range than the one that it lies in.
 typedef struct stray {
@@ -18,11 +19,12 @@ typedef struct stray {
 bool rows_arrange(object_rows *rows, const object_form *form, uint32_t *ends, uint32_t n_ranges,
                   stray *strays, uint64_t n, duet_error *err);
 
-// Brings all of the first n rows to their ranges, in place, as range_of says, which is asked
-// several times; ends, and next, which is scratch, are [n_ranges].
 void rows_exchange(object_rows *rows, const object_form *form, uint32_t a, uint32_t b);
+
+// Brings all of the first n rows to their ranges, in place, as range_of says, which is asked
+// several times, also by several threads at once; ends becomes [n_ranges].
 typedef uint32_t row_range(const void *context, const void *object);
 void rows_sort(object_rows *rows, const object_form *form, uint32_t n, uint32_t *ends,
-               uint32_t *next, uint32_t n_ranges, row_range *range_of, const void *context);
+               uint32_t n_ranges, row_range *range_of, const void *context, parallel *threads);
 
 #endif

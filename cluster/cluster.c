@@ -78,6 +78,7 @@ void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *
     object_rows none = {0};
     homes_take(&c->homes, &none);
     cluster_close_workers(c->workers);
+    walk_free(&c->walk);
     memcpy(c->workers, workers, sizeof c->workers);
     c->def.world = *world;
     c->homes.form = object_form_of(world);
@@ -120,6 +121,8 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, b
         ranks_part(&c->ranks);
     if (ok) {
         c->homes.threads = &c->threads;
+        c->homes.walk = walk_parts;
+        c->homes.walk_context = c;
         ok = ranks_reserve(&c->ranks, &own) &&
              parallel_begin(&c->threads, c->ranks.processors, &own) && check_def(def, &own) &&
              parts_begin(&c->parts, def->parts, &c->ranks, &own) && open_pair(c, &own) &&
@@ -142,13 +145,14 @@ void duet_cluster_destroy(duet_cluster *c)
     if (!c)
         return;
     ranks_await_end(&c->ranks, __func__);
+    homes_end(&c->homes);
     cluster_close_workers(c->workers);
     duet_device_pair_destroy(c->own_pair);
     own_pairs_end(&c->own);
     for (int i = 0; i < 2; ++i)
         seen_end(&c->seen[i]);
     parts_end(&c->parts);
-    homes_end(&c->homes);
+    walk_free(&c->walk);
     ghosts_end(&c->ghosts);
     cut_end(&c->cut);
     parallel_end(&c->threads);
@@ -228,7 +232,7 @@ static double ms_since(uint64_t begun_ns)
     return (double)(ranks_now_ns() - begun_ns) * 1e-6;
 }
 
-static bool check_worker_result(const seen *s, const worker_found *found, duet_error *err)
+bool cluster_check_found(const seen *s, const worker_found *found, duet_error *err)
 {
     return !found->has_bad ||
            error_set(err, DUET_STATUS_BAD_OBJECT,
@@ -249,7 +253,7 @@ static bool have_moved(const duet_cluster *c)
     return moved;
 }
 
-static void follow(duet_cluster *c)
+void cluster_follow(duet_cluster *c)
 {
     if (!c->parts.is_cut_anew && !have_moved(c))
         return;
@@ -279,7 +283,7 @@ static void lend_part(duet_cluster *c, uint32_t turn)
     sight_in_place from = parts_sight_in_place(&c->parts, part_of_turn(c, turn));
     seen_in_place(s, &c->homes, &from);
     w->lend(w, s->rows.objects, s->rows.n);
-    w->begin(w, s->rows.n);
+    w->begin(w, s->rows.n, NULL);
 }
 
 // Parts take turns in the places that there are workers for.
@@ -305,7 +309,7 @@ static bool fill(duet_cluster *c, uint32_t turn, duet_error *own)
 static bool fill_by_ids(duet_cluster *c, duet_error *own)
 {
     bool ok = parts_divide(&c->parts, &c->homes, &c->cut, &c->ranks, &c->ghosts.in, own);
-    follow(c);
+    cluster_follow(c);
     for (int i = 0; ok && i < cluster_workers(c); ++i)
         ok = fill(c, (uint32_t)i, own);
     return ok;
@@ -326,7 +330,7 @@ static bool cut_parts(duet_cluster *c, duet_error *own)
 {
     if (!parts_cut_in_place(&c->parts, &c->homes, own))
         return false;
-    follow(c);
+    cluster_follow(c);
     for (uint32_t i = 0; i < c->parts.n; ++i) {
         worker *w = c->workers[i % 2];
         uint32_t part = part_of_turn(c, i);
@@ -338,19 +342,30 @@ static bool cut_parts(duet_cluster *c, duet_error *own)
     return homes_find_edges(&c->homes, &c->cut, own);
 }
 
+// So that each worker can be asked for its profile.
+static bool lend_largest(duet_cluster *c, duet_error *own)
+{
+    uint32_t largest = parts_largest(&c->parts);
+    return lend_homes(c, largest, c->workers[0], own) && lend_homes(c, largest, c->workers[1], own);
+}
+
 static bool fill_parts(duet_cluster *c, duet_error *own)
 {
     bool even = true, ok;
+    if (!walk_settle(c, own))
+        return false;
+    if (c->walk.done)
+        return true;
     c->parts.is_cut_anew = false;
     ok = parts_look(&c->parts, &c->homes, &even, own);
     if (ok && !even)
         ok = cut_parts(c, own) && parts_look(&c->parts, &c->homes, &even, own);
     else
-        follow(c);
+        cluster_follow(c);
     ok = ok && parts_settle(&c->parts, &c->homes, &c->ghosts.in, own);
-    for (int i = 0; ok && i < 2; ++i) // so that each can be asked for its profile
-        ok = lend_homes(c, parts_largest(&c->parts), c->workers[i], own);
-    return ok;
+    if (ok)
+        homes_lock_ids(&c->homes);
+    return ok && lend_largest(c, own);
 }
 
 static bool move_homes_in(duet_cluster *c, duet_error *own)
@@ -369,7 +384,7 @@ static bool fill_in_place(duet_cluster *c, duet_error *own)
         return false;
     if (c->parts.n > 1)
         return fill_parts(c, own);
-    follow(c);
+    cluster_follow(c);
     return seen_append(&c->seen[0], &c->homes, &c->ranks, &c->ghosts.in, own);
 }
 
@@ -382,6 +397,7 @@ static bool settle(duet_cluster *c, uint64_t n_in_place, bool *settled, duet_err
     bool in_place = seen_in_any_order(c->def.world.level);
     forget_found(c);
     memset(c->filled, 0, sizeof c->filled);
+    c->walk.done = false;
     bool stay = in_place && n_in_place == (uint64_t)c->ranks.n;
     *settled = stay || !c->homes.holder || homes_move_out(&c->homes, own);
     bool are_new = c->homes.widest == 0; // and all of them travel
@@ -397,11 +413,13 @@ static bool settle(duet_cluster *c, uint64_t n_in_place, bool *settled, duet_err
     return ok;
 }
 
-// A call that needs all objects where they belong: begins it, and settles them.
-static bool begin_settled(duet_cluster *c, const char *call, bool ok, bool *settled,
+// A call that needs all objects where they belong: begins it, and settles them. One that searches
+// them, and may do so on the way, needs more than a walk leaves.
+static bool begin_settled(duet_cluster *c, const char *call, bool searches, bool ok, bool *settled,
                           duet_error *own)
 {
-    tally t = {.sums = {c->changed, c->homes.holder != NULL}};
+    tally t = {.sums = {c->changed || (searches && c->walk.done), c->homes.holder != NULL}};
+    c->walk.wanted = searches;
     *settled = true;
     if (!ranks_agree_on(&c->ranks, call, ok, &t, own))
         return false;
@@ -415,7 +433,7 @@ bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *
                         duet_error *err)
 {
     bool settled;
-    ok = begin_settled(c, call, ok, &settled, own) && ranks_agree(&c->ranks, settled, own);
+    ok = begin_settled(c, call, false, ok, &settled, own) && ranks_agree(&c->ranks, settled, own);
     c->changed = c->changed && !ok;
     return ok || error_copy(err, own);
 }
@@ -483,7 +501,7 @@ static bool end_search(search *s, duet_error *own)
     s->is_apart = false;
     if (!s->ok)
         return error_copy(own, &s->err);
-    return check_worker_result(s->seen, &s->found, own);
+    return cluster_check_found(s->seen, &s->found, own);
 }
 
 // A search that has ended needs its ghosts no longer.
@@ -547,7 +565,7 @@ static bool find(duet_cluster *c, bool ok, tally *t, duet_error *own)
 {
     if (c->is_cold)
         ranks_await_turn(&c->ranks, homes_count(&c->homes) > 0);
-    ok = ok && find_own(c, own);
+    ok = ok && (c->walk.done ? walk_end(c, own) && lend_largest(c, own) : find_own(c, own));
     if (c->is_cold)
         ranks_end_turn(&c->ranks);
     c->is_cold = false;
@@ -595,7 +613,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
     parallel_be_keen(&c->threads,
                      c->workers[0]->spares_host && c->workers[0]->spares_host(c->workers[0]));
-    ok = begin_settled(c, __func__, ok, &settled, &own) && find(c, settled, &t, &own);
+    ok = begin_settled(c, __func__, true, ok, &settled, &own) && find(c, settled, &t, &own);
     c->changed = c->changed && !ok;
     if (!ok) {
         forget_found(c);

@@ -7,6 +7,7 @@
 #include "cluster/duet_cluster.h"
 #include "cluster/ghosts.h"
 #include "cluster/parts.h"
+#include "cluster/walk.h"
 
 struct duet_cluster {
     duet_cluster_def def;       // with this rank's pair
@@ -18,6 +19,7 @@ struct duet_cluster {
     balance balance;
     ghosts ghosts;
     parts parts;
+    walk walk;
     worker *workers[2]; // one is filled while the other finds; the second is of several parts
     seen seen[2];
     uint32_t filled[2]; // by which part, from 1; 0: it has to be
@@ -55,6 +57,10 @@ static inline int cluster_workers(const duet_cluster *c)
     return c->parts.n > 1 ? 2 : 1;
 }
 
+// Where objects lie elsewhere than before, workers are told.
+void cluster_follow(duet_cluster *c);
+// BAD_OBJECT names the first that a device refuses.
+bool cluster_check_found(const seen *s, const worker_found *found, duet_error *err);
 // As many as it has, for such worlds: all or none.
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
                           duet_error *err);

@@ -2,6 +2,7 @@
 // The objects of a scene come in: rank 0 reads it, or each rank a part.
 #include "cluster/cluster.h"
 
+#include "base/budget.h"
 #include "base/error.h"
 #include "runtime/scene/scene.h"
 
@@ -122,37 +123,78 @@ static bool add_objects(scene_part *part, const duet_scene *from, duet_error *ow
     return ok;
 }
 
-// Some objects at a time, so that a part is not there twice.
-static bool read_range(scene_part *part, const char *path, const duet_setting *settings,
-                       uint32_t n_settings, uint64_t first, uint64_t end, duet_error *own)
+// Objects that are read at one time, by several threads; so many that a part is not there twice.
+typedef struct reading {
+    const char *path;
+    const duet_setting *settings;
+    uint32_t n_settings;
+    uint64_t at, end;
+    duet_scene *some[PARALLEL_MOST];
+    uint64_t n[PARALLEL_MOST]; // of all objects, as each of the threads was told
+    duet_error errs[PARALLEL_MOST];
+} reading;
+
+static void read_some(void *context, uint32_t job, uint64_t unused_first, uint64_t unused_end)
 {
+    reading *r = context;
+    uint64_t from = r->at + (uint64_t)job * OBJECTS_AT_ONCE, to = from + OBJECTS_AT_ONCE;
+    (void)unused_first, (void)unused_end;
+    r->some[job] = scene_load_range(r->path, r->settings, r->n_settings, from,
+                                    to < r->end ? to : r->end, &r->n[job], &r->errs[job]);
+}
+
+// The first ones say what rows all have.
+static bool keep_some(scene_part *part, reading *r, uint32_t job, uint64_t first, duet_error *own)
+{
+    const duet_scene *some = r->some[job];
+    uint64_t n = r->n[job];
+    if (!some)
+        return error_copy(own, &r->errs[job]);
+    if (!part->scene) {
+        part->scene = r->some[job];
+        r->some[job] = NULL;
+        if (!begin_rows(part, first, r->end - first, own))
+            return false;
+    }
+    object_form form = form_of(some);
+    if (n != part->n || !can_join(&part->form, &form))
+        return error_set(own, DUET_STATUS_BAD_INPUT,
+                         "%s: it has %llu objects here and %llu on rank 0, or others each time it "
+                         "is read",
+                         r->path, (unsigned long long)n, (unsigned long long)part->n);
+    return add_objects(part, some, own);
+}
+
+static bool read_range(scene_part *part, reading *r, parallel *threads, duet_error *own)
+{
+    uint64_t first = r->at;
     bool ok = true;
-    for (uint64_t at = first; ok && (at < end || !part->scene);) {
-        uint64_t n = 0, to = end - at < OBJECTS_AT_ONCE ? end : at + OBJECTS_AT_ONCE;
-        duet_scene *some = scene_load_range(path, settings, n_settings, at, to, &n, own);
-        bool is_first = !part->scene;
-        part->scene = is_first ? some : part->scene;
-        ok = some && (!is_first || begin_rows(part, first, end - first, own));
-        object_form form = ok ? form_of(some) : part->form;
-        ok = ok && ((n == part->n && can_join(&part->form, &form)) ||
-                    error_set(own, DUET_STATUS_BAD_INPUT,
-                              "%s: it has %llu objects here and %llu on rank 0, or others each "
-                              "time it is read",
-                              path, (unsigned long long)n, (unsigned long long)part->n));
-        ok = ok && add_objects(part, some, own);
-        if (!is_first)
-            duet_scene_destroy(some);
-        at = to;
+    while (ok && (r->at < r->end || !part->scene)) {
+        uint64_t left = (r->end - r->at + OBJECTS_AT_ONCE - 1) / OBJECTS_AT_ONCE;
+        uint64_t most = threads ? threads->n : 1;
+        uint32_t n = left == 0 ? 1 : (uint32_t)(left < most ? left : most);
+        memset(r->errs, 0, sizeof r->errs);
+        parallel_jobs(threads, n, read_some, r);
+        for (uint32_t job = 0; job < n; ++job) {
+            ok = ok && keep_some(part, r, job, first, own);
+            duet_scene_destroy(r->some[job]);
+        }
+        r->at += (uint64_t)n * OBJECTS_AT_ONCE;
+        ok = ok && budget_check_stop(own);
     }
     return ok;
+}
+
+static bool is_array(const char *path)
+{
+    size_t length = strlen(path);
+    return length > 4 && strcmp(path + length - 4, ".npy") == 0;
 }
 
 // Stdin is rank 0's alone, and an array need not be on all hosts.
 static bool is_of_one_rank(duet_cluster *c, const char *path)
 {
-    size_t length = strlen(path);
-    bool is_array = length > 4 && strcmp(path + length - 4, ".npy") == 0;
-    uint64_t lacking = strcmp(path, "-") == 0 || (is_array && access(path, R_OK) != 0);
+    uint64_t lacking = strcmp(path, "-") == 0 || (is_array(path) && access(path, R_OK) != 0);
     ranks_sum(&c->ranks, &lacking, 1);
     return lacking > 0;
 }
@@ -185,8 +227,10 @@ static bool read_part(duet_cluster *c, const char *path, const duet_setting *set
     first = first < part->n ? first : part->n;
     duet_scene_destroy(part->scene);
     part->scene = NULL;
-    ok = read_range(part, path, settings, n_settings, first,
-                    part->n - first < each ? part->n : first + each, own);
+    reading r = {.path = path, .settings = settings, .n_settings = n_settings, .at = first};
+    r.end = part->n - first < each ? part->n : first + each;
+    // A script is watched by the thread that runs it: this one.
+    ok = read_range(part, &r, is_array(path) ? &c->threads : NULL, own);
     return ranks_agree(&c->ranks, ok, own);
 }
 

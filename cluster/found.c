@@ -52,7 +52,10 @@ ghost_row *ghosts_read(const homes *h, const ranks *r, uint32_t n_parts, const p
 static bool reserve(seen *s, uint64_t n, uint64_t n_ghosts, duet_error *err)
 {
     if (!s->is_ghost || n > s->capacity || n_ghosts > s->ghost_capacity) {
-        seen_end(s);
+        free(s->own_ids);
+        free(s->is_ghost);
+        free(s->ghosts);
+        s->own_ids = NULL;
         s->capacity = n + n / 16;
         s->ghost_capacity = n_ghosts + n_ghosts / 4;
         s->is_ghost = malloc(s->capacity / 8 + 1);
@@ -143,6 +146,35 @@ void seen_in_place(seen *s, const homes *h, const sight_in_place *from)
     s->behind = from->n;
     s->ids_behind = from->ghost_ids;
     s->keys_behind = from->ghost_keys;
+    s->ranges = NULL;
+    s->n_listed = 0;
+    s->n_ghosts = from->n_ghosts;
+}
+
+// The least key owns all pairs.
+bool seen_leave_out(seen *s, const uint32_t *places, uint32_t n, duet_error *err)
+{
+    if (n == 0)
+        return true;
+    if (!reserve(s, s->rows.n, n, err))
+        return false;
+    for (uint32_t i = 0; i < n; ++i)
+        s->ghosts[i] = (seen_ghost){places[i], 0};
+    mark_ghosts(s, n);
+    s->n_ghosts = n;
+    return true;
+}
+
+void seen_at_edges(seen *s, const homes *h, const sight_at_edges *from)
+{
+    s->homes = h;
+    s->home = from->home;
+    s->n_homes = from->n_homes;
+    s->rows = from->rows;
+    s->behind = from->rows.n - from->n_ghosts;
+    s->ids_behind = from->rows.ids + s->behind;
+    s->keys_behind = from->ghost_keys;
+    s->ranges = from->ranges;
     s->n_listed = 0;
     s->n_ghosts = from->n_ghosts;
 }
@@ -303,7 +335,9 @@ static bool owns_with_ghost(const seen *s, duet_pair pair)
 
 static inline bool is_own(const seen *s, duet_pair pair)
 {
-    return !(is_ghost(s, pair.a) | is_ghost(s, pair.b)) || owns_with_ghost(s, pair);
+    if (is_ghost(s, pair.a) | is_ghost(s, pair.b))
+        return owns_with_ghost(s, pair);
+    return !s->ranges || s->ranges[pair.a] != s->ranges[pair.b] || s->ranges[pair.a] == NO_RANGE;
 }
 
 typedef struct taking {

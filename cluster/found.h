@@ -44,6 +44,17 @@ typedef struct sight_in_place {
     uint32_t home, n_homes;
 } sight_in_place;
 
+// Copies of homes and of ghosts, n_ghosts of them the last rows.
+typedef struct sight_at_edges {
+    object_rows rows;
+    uint32_t n_ghosts;
+    const uint32_t *ghost_keys;
+    const uint16_t *ranges; // that homes lie in; NO_RANGE: in none
+    uint32_t home, n_homes;
+} sight_at_edges;
+
+enum { NO_RANGE = UINT16_MAX };
+
 // A ghost among what is seen.
 typedef struct seen_ghost {
     uint32_t place;
@@ -60,6 +71,8 @@ typedef struct seen {
     uint32_t *first_behind;     // [n_homes + 1] rank by rank, or
     const uint64_t *ids_behind; // each with its id and key, which the rows need not have; else NULL
     const uint32_t *keys_behind;
+    const uint16_t
+        *ranges;        // of homes: pairs of one range are found elsewhere; NULL: there are none
     uint8_t *is_ghost;  // a bit each, of those before; only where any is
     seen_ghost *ghosts; // [n_listed] these, ascending
     uint64_t n_listed;
@@ -77,6 +90,13 @@ bool seen_append(seen *s, homes *h, const ranks *r, const parcels *ghosts, duet_
 
 // Some homes where they lie, and ghosts that are written behind them before a worker sees these.
 void seen_in_place(seen *s, const homes *h, const sight_in_place *from);
+
+// Of homes that are seen in place without ghosts these, by ascending place, have left: no pair of
+// theirs is this rank's. Not collective.
+bool seen_leave_out(seen *s, const uint32_t *places, uint32_t n, duet_error *err);
+
+// Homes at edges of ranges, and ghosts behind them.
+void seen_at_edges(seen *s, const homes *h, const sight_at_edges *from);
 
 // Writes the homes and ghosts into the worker's memory. Not collective.
 bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error *err);

@@ -29,9 +29,25 @@ void row_list_add(row_list *l, uint32_t row)
     ++l->n; // so that all ranks know that there is one
 }
 
+static void unlock_ids(homes *h)
+{
+    if (h->ids_locked)
+        h->holder->lock(h->holder, NULL, 0);
+    h->ids_locked = false;
+}
+
+void homes_lock_ids(homes *h)
+{
+    if (h->ids_locked || !h->holder->lock)
+        return;
+    h->holder->lock(h->holder, h->rows.ids, h->rows.capacity * sizeof *h->rows.ids);
+    h->ids_locked = true;
+}
+
 // What a worker holds is its own.
 static void let_go(homes *h)
 {
+    unlock_ids(h);
     if (h->holder)
         h->rows.objects = NULL;
     object_rows_end(&h->rows);
@@ -62,17 +78,19 @@ void homes_end(homes *h)
         free(h->glances[i].leavers.rows);
         free(h->glances[i].border.rows);
         free(h->glances[i].edges.rows);
+        free(h->glances[i].outside.rows);
     }
     free(h->glances);
     free(h->all);
     free(h->arrived);
     free(h->border.rows);
     free(h->edges.rows);
+    free(h->outside.rows);
     free(h->renamed.rows);
     h->all = NULL;
     h->arrived = NULL;
     h->glances = NULL;
-    h->border = h->edges = h->renamed = (row_list){0};
+    h->border = h->edges = h->outside = h->renamed = (row_list){0};
 }
 
 void homes_tidy(homes *h)
@@ -201,6 +219,7 @@ static bool extend(homes *h, uint64_t n, duet_error *err)
                          "%" PRIu64 " objects and ghosts on one rank; expected more ranks", n);
     if (!h->rows.ids || n > h->rows.capacity) {
         uint64_t capacity = n + n / 16;
+        unlock_ids(h);
         uint64_t *ids = realloc(h->rows.ids, (capacity + 1) * sizeof *ids);
         if (!ids)
             return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
@@ -455,11 +474,13 @@ static void keep_border(homes *h, const look *l)
     h->boxes = l->all.boxes;
     keep_rows(&h->border, &l->all.border, l, offsetof(glance, border));
     keep_rows(&h->edges, &l->all.edges, l, offsetof(glance, edges));
+    keep_rows(&h->outside, &l->all.outside, l, offsetof(glance, outside));
+    h->leapt = l->all.leapt;
 }
 
 static bool has_border(const homes *h, duet_error *err)
 {
-    return (!h->border.failed && !h->edges.failed) ||
+    return (!h->border.failed && !h->edges.failed && !h->outside.failed) ||
            error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects at the border: no memory",
                      h->border.n + h->edges.n);
 }
@@ -544,7 +565,7 @@ static bool begin(homes *h, duet_error *err)
     if (objects) {
         h->rows.objects = objects;
         if (h->is_cut && h->n_ranges == 0)
-            h->holder->begin(h->holder, h->rows.n);
+            h->holder->begin(h->holder, h->rows.n, NULL);
     }
     return objects;
 }
@@ -581,7 +602,7 @@ bool homes_settle(homes *h, ranks *r, cut *c, double imbalance, bool *settled, d
 bool homes_find_edges(homes *h, const cut *c, duet_error *err)
 {
     look l = {.h = h, .c = c, .parts = h->glances};
-    look_at_all(&l);
+    look_at_rows(&l);
     keep_rows(&h->edges, &l.all.edges, &l, offsetof(glance, edges));
     return has_border(h, err);
 }

@@ -28,6 +28,8 @@ typedef struct row_list {
 
 void row_list_add(row_list *l, uint32_t row);
 
+struct look;
+
 // Homes that lie side by side, up to row `end`, and those of a box alone but for some that have
 // come there or left.
 typedef struct home_range {
@@ -57,13 +59,21 @@ typedef struct homes {
         *ranges; // [n_ranges] that homes lie in, side by side; 0: they lie in any order
     uint32_t n_ranges;
     row_list edges;    // of homes that do not lie deep in the box of their range, or in no range
+    row_list outside;  // of these, after a walk, those that do not lie in it, or at its surface
     reach around;      // all homes, or a little more
     level_boxes *all;  // [n of ranks] of each, for the ghosts
     double widest;     // of all ranks' objects, or a little more
     double unevenness; // what the last cut left: the most objects for those that are due
     uint64_t n_cuts;   // that were made
     bool is_cut;       // the objects are where the cut has them
+    bool ids_locked;   // by the holder
     parallel *threads;
+    // Looks at homes in ranges in another way than by reading them all; NULL, or false: that is
+    // done here. walked: the last look was that.
+    bool (*walk)(void *context, struct look *l);
+    void *walk_context;
+    bool walked;
+    bool leapt; // one of those outside lies farther from its range than any object is wide
     struct glance *glances; // [PARALLEL_MOST] of the last look, whose memory the next one uses
 } homes;
 
@@ -99,6 +109,9 @@ bool homes_reserve_behind(homes *h, uint64_t n, duet_error *err);
 
 // Finds the edges of ranges anew, of settled homes.
 bool homes_find_edges(homes *h, const cut *c, duet_error *err);
+
+// The holder's devices read ids where they lie.
+void homes_lock_ids(homes *h);
 
 // The holder knows the ids of all rows.
 void homes_forget_renamed(homes *h);

@@ -2,14 +2,17 @@
 #include "cluster/look.h"
 
 #include <math.h>
+#include <stdatomic.h>
+#include <string.h>
 
 static void forget(glance *g)
 {
-    row_list leavers = g->leavers, border = g->border, edges = g->edges;
+    row_list leavers = g->leavers, border = g->border, edges = g->edges, outside = g->outside;
     *g = (glance){.first_bad = UINT64_MAX, .deep = skim_none};
     g->leavers = (row_list){.rows = leavers.rows, .capacity = leavers.capacity};
     g->border = (row_list){.rows = border.rows, .capacity = border.capacity};
     g->edges = (row_list){.rows = edges.rows, .capacity = edges.capacity};
+    g->outside = (row_list){.rows = outside.rows, .capacity = outside.capacity};
     for (int l = 0; l < LEVELS; ++l)
         g->boxes.upto[l] = reach_none;
 }
@@ -20,6 +23,19 @@ static bool is_inside(const reach *inside, const double at[3])
     for (int k = 0; k < 3; ++k)
         deep &= (at[k] > inside->lower[k]) & (at[k] < inside->upper[k]);
     return deep;
+}
+
+// What has come a little way out of a range's box touches homes at edges only.
+static void look_where(const look *l, glance *g, uint32_t i, const double centre[3])
+{
+    const reach *box = &l->h->ranges[l->range].box;
+    double far = 0;
+    if (!l->copies || is_inside(box, centre))
+        return;
+    row_list_add(&g->outside, i);
+    for (int k = 0; k < 3; ++k)
+        far = fmax(far, fmax(box->lower[k] - centre[k], centre[k] - box->upper[k]));
+    g->leapt |= far > l->h->widest;
 }
 
 static void look_closely(const look *l, glance *g, uint32_t i)
@@ -42,6 +58,7 @@ static void look_closely(const look *l, glance *g, uint32_t i)
     }
     if (h->n_ranges > 0) {
         row_list_add(&g->edges, i);
+        look_where(l, g, i, centre);
         if (is_inside(&l->inside, centre)) {
             reach_add(&g->deep.centres, &(reach){{centre[0], centre[1], centre[2]},
                                                  {centre[0], centre[1], centre[2]}});
@@ -52,21 +69,37 @@ static void look_closely(const look *l, glance *g, uint32_t i)
     row_list_add(&g->border, i);
 }
 
-// Where homes lie so deep in the box of a range, too, that they touch none of another one.
-static reach inside_of_range(const look *l, uint32_t range)
+// Where homes lie so many times their width deep in a box.
+static reach deep_inside(const reach *box, double widths)
 {
-    reach inside = l->inside;
-    if (range == l->h->n_ranges)
-        return reach_none;
-    const reach *box = &l->h->ranges[range].box;
+    reach inside = *box;
     for (int k = 0; k < 3; ++k) {
-        inside.lower[k] = fmax(inside.lower[k], box->lower[k] + 1.01 * l->h->widest);
-        inside.upper[k] = fmin(inside.upper[k], box->upper[k] - 1.01 * l->h->widest);
+        inside.lower[k] += 1.01 * widths;
+        inside.upper[k] -= 1.01 * widths;
     }
     return inside;
 }
 
-static void look_at_rows(const look *l, glance *g, uint32_t i, uint32_t to, const reach *inside)
+static reach both(const reach *a, const reach *b)
+{
+    reach inside = *a;
+    for (int k = 0; k < 3; ++k) {
+        inside.lower[k] = fmax(inside.lower[k], b->lower[k]);
+        inside.upper[k] = fmin(inside.upper[k], b->upper[k]);
+    }
+    return inside;
+}
+
+// Where homes lie so deep in the box of a range, too, that they touch none of another one.
+static reach inside_of_range(const look *l, uint32_t range)
+{
+    if (range == l->h->n_ranges)
+        return reach_none;
+    reach inside = deep_inside(&l->h->ranges[range].box, l->h->widest);
+    return both(&inside, &l->inside);
+}
+
+static void look_along(const look *l, glance *g, uint32_t i, uint32_t to, const reach *inside)
 {
     const homes *h = l->h;
     while ((i = object_rows_skim(&h->rows, &h->form, i, to, inside, &g->deep)) < to)
@@ -82,7 +115,7 @@ static void look_at_ranges(const look *l, glance *g, uint32_t i, uint32_t to)
         if (end <= i)
             continue;
         reach inside = inside_of_range(l, range);
-        look_at_rows(l, g, i, end, &inside);
+        look_along(l, g, i, end, &inside);
         i = end;
     }
 }
@@ -95,24 +128,43 @@ static void look_at_part(void *context, uint32_t part, uint64_t first, uint64_t 
     if (h->n_ranges > 0)
         look_at_ranges(l, &g, (uint32_t)first, (uint32_t)end);
     else
-        look_at_rows(l, &g, (uint32_t)first, (uint32_t)end, &l->inside);
+        look_along(l, &g, (uint32_t)first, (uint32_t)end, &l->inside);
     g.widest = fmax(g.widest, skim_widest(&g.deep, &h->form));
     l->parts[part] = g;
 }
 
-// Of rows from l->first on those that the device found odd.
+// The edges that a thread has found since, while it has their rows at hand.
+static void copy_edges(const look *l, const row_list *edges, uint64_t since)
+{
+    const homes *h = l->h;
+    edge_rows *to = l->copies;
+    uint64_t n = edges->failed ? 0 : edges->n - since, at = atomic_fetch_add(&to->n, n);
+    if (at + n > to->rows.capacity)
+        return;
+    for (const uint32_t *row = edges->rows + since; n > 0; --n, ++row, ++at) {
+        to->rows.ids[at] = h->rows.ids[*row];
+        to->ranges[at] = (uint16_t)l->range;
+        memcpy(to->rows.objects + at * h->form.bytes, object_row(&h->rows, &h->form, *row),
+               h->form.bytes);
+    }
+}
+
+// Of objects from l->first on those that the device found odd.
 static void look_at_odd(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
     look *l = context;
     glance g = l->parts[part];
+    uint64_t since = g.edges.n;
     for (uint64_t i = l->first + first; i < l->first + end;) {
         const skim_block *b = &l->blocks[i / SKIM_ROWS];
         uint32_t odd = b->odd[i % SKIM_ROWS / 32] >> i % 32;
         if (odd & 1)
-            look_closely(l, &g, (uint32_t)i);
+            look_closely(l, &g, l->base + (uint32_t)i);
         uint32_t passed = b->n_odd == 0 ? SKIM_ROWS - 1 : odd > 1 ? 0 : 31;
         i = (i | passed) + 1;
     }
+    if (l->copies)
+        copy_edges(l, &g.edges, since);
     l->parts[part] = g;
 }
 
@@ -127,6 +179,9 @@ static void add_glance(glance *to, const glance *g)
     to->border.failed |= g->border.failed;
     to->edges.n += g->edges.n;
     to->edges.failed |= g->edges.failed;
+    to->outside.n += g->outside.n;
+    to->outside.failed |= g->outside.failed;
+    to->leapt |= g->leapt;
     reach_add(&to->deep.centres, &g->deep.centres);
     for (int k = 0; k < LEVELS; ++k)
         reach_add(&to->boxes.upto[k], &g->boxes.upto[k]);
@@ -134,39 +189,78 @@ static void add_glance(glance *to, const glance *g)
 
 // Homes that are on their way to a device are skimmed there, and the host looks at the odd ones of
 // those that have arrived while others travel. False where the device does not.
-static bool look_with_device(look *l)
+static bool look_with(look *l, worker *w, uint32_t n, const reach *inside)
 {
-    homes *h = l->h;
-    worker *w = h->holder;
     float lower[3], upper[3];
-    skim_box(&l->inside, lower, upper);
-    if (!w || !w->skim || h->rows.n == 0 || !w->skim(w, lower, upper))
+    skim_box(inside, lower, upper);
+    if (!w || !w->skim || n == 0 || !w->skim(w, lower, upper))
         return false;
-    for (uint32_t from = 0, to; from < h->rows.n; from = to) {
+    for (uint32_t from = 0, to; from < n; from = to) {
         to = w->await_skim(w, from, &l->blocks);
         l->first = from;
-        parallel_each(h->threads, to - from, look_at_odd, l);
+        parallel_each(l->h->threads, to - from, look_at_odd, l);
         for (uint32_t i = from; i < to; i += SKIM_ROWS)
             skim_add_block(&l->all.deep, &l->blocks[i / SKIM_ROWS]);
     }
-    l->all.widest = skim_widest(&l->all.deep, &h->form);
     return true;
 }
 
-void look_at_all(look *l)
+bool look_at_range(look *l, uint32_t range, worker *w, edge_rows *copies)
+{
+    const homes *h = l->h;
+    const reach rank = {{l->c->lower[0], l->c->lower[1], l->c->lower[2]},
+                        {l->c->upper[0], l->c->upper[1], l->c->upper[2]}};
+    reach inside = both(&rank, &h->ranges[range].box);
+    inside = deep_inside(&inside, 2 * h->widest);
+    l->base = range > 0 ? h->ranges[range - 1].end : 0;
+    l->range = range;
+    l->copies = copies;
+    uint32_t n = h->ranges[range].end - l->base;
+    return n == 0 || look_with(l, w, n, &inside);
+}
+
+static void begin(look *l)
 {
     homes *h = l->h;
     for (int i = 0; i < PARALLEL_MOST; ++i)
         forget(&l->parts[i]);
     forget(&l->all);
     l->blocks = NULL;
+    l->copies = NULL;
+    l->base = 0;
     l->inside = reach_none;
-    for (int k = 0; k < 3 && h->is_cut && h->widest > 0; ++k) {
-        l->inside.lower[k] = l->c->lower[k] + 1.01 * h->widest;
-        l->inside.upper[k] = l->c->upper[k] - 1.01 * h->widest;
+    if (h->is_cut && h->widest > 0) {
+        const reach rank = {{l->c->lower[0], l->c->lower[1], l->c->lower[2]},
+                            {l->c->upper[0], l->c->upper[1], l->c->upper[2]}};
+        l->inside = deep_inside(&rank, h->widest);
     }
-    if (!look_with_device(l))
-        parallel_each(h->threads, h->rows.n, look_at_part, l);
+}
+
+static void end(look *l)
+{
+    if (l->blocks)
+        l->all.widest = skim_widest(&l->all.deep, &l->h->form);
     for (int i = 0; i < PARALLEL_MOST; ++i)
         add_glance(&l->all, &l->parts[i]);
+}
+
+void look_at_rows(look *l)
+{
+    begin(l);
+    parallel_each(l->h->threads, l->h->rows.n, look_at_part, l);
+    end(l);
+}
+
+void look_at_all(look *l)
+{
+    homes *h = l->h;
+    h->walked = false;
+    begin(l);
+    bool done = h->n_ranges == 0 ? look_with(l, h->holder, h->rows.n, &l->inside)
+                                 : h->walk && h->walk(h->walk_context, l);
+    if (done)
+        end(l);
+    else
+        look_at_rows(l);
+    h->walked = done && h->n_ranges > 0;
 }

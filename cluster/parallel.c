@@ -159,21 +159,32 @@ void parallel_be_keen(parallel *p, bool keen)
         atomic_store(&p->team->keen, keen);
 }
 
-uint32_t parallel_each(parallel *p, uint64_t n, parallel_body *body, void *context)
+static void run_by(team *t, loop *l)
 {
-    loop l = {.body = body, .context = context, .n = n, .n_parts = 1};
-    team *t = n >= LEAST ? p->team : NULL;
     if (t) {
-        l.n_parts = PARALLEL_MOST;
-        atomic_store(&t->now, &l);
+        atomic_store(&t->now, l);
         atomic_fetch_add(&t->n_loops, 1);
         wake(t);
     }
-    run_parts(&l);
+    run_parts(l);
     if (t) {
         atomic_store(&t->now, NULL);
         while (atomic_load(&t->inside) > 0)
             sched_yield();
     }
+}
+
+uint32_t parallel_each(parallel *p, uint64_t n, parallel_body *body, void *context)
+{
+    team *t = n >= LEAST ? p->team : NULL;
+    loop l = {.body = body, .context = context, .n = n, .n_parts = t ? PARALLEL_MOST : 1};
+    run_by(t, &l);
     return l.n_parts;
+}
+
+void parallel_jobs(parallel *p, uint32_t n, parallel_body *body, void *context)
+{
+    loop l = {.body = body, .context = context, .n = n, .n_parts = n};
+    if (n > 0)
+        run_by(p && n > 1 ? p->team : NULL, &l);
 }

@@ -31,4 +31,8 @@ void parallel_be_keen(parallel *p, bool keen);
 typedef void parallel_body(void *context, uint32_t part, uint64_t first, uint64_t end);
 uint32_t parallel_each(parallel *p, uint64_t n, parallel_body *body, void *context);
 
+// The same of at most PARALLEL_MOST things, each of which is long work and a part of its own. p
+// may be NULL: then one after the other.
+void parallel_jobs(parallel *p, uint32_t n, parallel_body *body, void *context);
+
 #endif

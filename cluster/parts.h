@@ -86,6 +86,11 @@ bool parts_look(parts *p, homes *h, bool *even, duet_error *err);
 // The messages are the parts' from here on.
 bool parts_settle(parts *p, homes *h, parcels *messages, duet_error *err);
 
+// The same after a walk, without ghosts. Homes that arrived or lie outside of their range's box
+// are brought to their part; *even is false where parts_look and parts_settle are needed instead.
+bool parts_look_after_walk(parts *p, homes *h, bool *even, duet_error *err);
+bool parts_settle_after_walk(parts *p, homes *h, duet_error *err);
+
 sight_in_place parts_sight_in_place(const parts *p, uint32_t part);
 uint32_t parts_largest(const parts *p);
 

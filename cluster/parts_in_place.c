@@ -44,7 +44,7 @@ static uint32_t part_of(const void *context, const void *object)
 
 bool parts_cut_in_place(parts *p, homes *h, duet_error *err)
 {
-    uint32_t *ends = malloc(2 * (size_t)p->n * sizeof *ends);
+    uint32_t *ends = malloc(p->n * sizeof *ends);
     p->homes = h;
     if (!ends || !parts_cut(p, err)) {
         free(ends);
@@ -54,7 +54,7 @@ bool parts_cut_in_place(parts *p, homes *h, duet_error *err)
         ghost_block_end(&p->block); // rows of another size, perhaps
     const asking a = {&h->form, &p->cut};
     homes_move_gone_last(h);
-    rows_sort(&h->rows, &h->form, homes_count(h), ends, ends + p->n, p->n, part_of, &a);
+    rows_sort(&h->rows, &h->form, homes_count(h), ends, p->n, part_of, &a, h->threads);
     for (uint32_t i = 0; i < p->n; ++i) {
         p->ranges[i].end = ends[i];
         bisection_box(&p->cut, i, p->ranges[i].box.lower, p->ranges[i].box.upper);
@@ -107,24 +107,31 @@ static void mark_edges(void *context, uint32_t thread, uint64_t first, uint64_t 
     p->n_border[thread] = n_strays;
 }
 
-static void list_strays(parts *p)
+static void add_stray(parts *p, uint32_t row, uint32_t to)
 {
-    const homes *h = p->homes;
+    uint32_t from = range_of(p, row);
+    if (from == to)
+        return;
+    p->strays[p->n_strays++] = (stray){row, to};
+    if (from < p->n)
+        --p->list[from].n;
+    if (to < p->n)
+        ++p->list[to].n;
+}
+
+static void add_gone(parts *p)
+{
+    for (uint32_t k = 0; k < p->homes->n_gone; ++k)
+        add_stray(p, p->homes->gone[k], p->n);
+}
+
+static bool begin_strays(parts *p, uint64_t most, duet_error *err)
+{
+    free(p->strays);
     p->n_strays = 0;
-    for (uint64_t i = 0; i < h->edges.n; ++i)
-        if (p->marks[i] & PART_MARKED)
-            p->strays[p->n_strays++] = (stray){h->edges.rows[i], part_of_mark(p->marks[i])};
-    for (uint32_t k = 0; k < h->n_gone; ++k)
-        if (range_of(p, h->gone[k]) < p->n)
-            p->strays[p->n_strays++] = (stray){h->gone[k], p->n};
+    p->strays = malloc((most + 1) * sizeof *p->strays);
     count_homes(p);
-    for (uint64_t i = 0; i < p->n_strays; ++i) {
-        uint32_t from = range_of(p, p->strays[i].row), to = p->strays[i].to;
-        if (from < p->n)
-            --p->list[from].n;
-        if (to < p->n)
-            ++p->list[to].n;
-    }
+    return p->strays || no_memory(p, err);
 }
 
 // Where very many have strayed a cut is no more work, and needs no memory for them.
@@ -149,11 +156,34 @@ bool parts_look(parts *p, homes *h, bool *even, duet_error *err)
     parts_join_boxes(p, n_threads);
     for (uint32_t t = 0; t < n_threads; ++t)
         most += p->n_border[t];
-    free(p->strays);
-    p->strays = malloc((most + 1) * sizeof *p->strays);
-    if (!p->strays)
-        return no_memory(p, err);
-    list_strays(p);
+    if (!begin_strays(p, most, err))
+        return false;
+    for (uint64_t i = 0; i < h->edges.n; ++i)
+        if (p->marks[i] & PART_MARKED)
+            add_stray(p, h->edges.rows[i], part_of_mark(p->marks[i]));
+    add_gone(p);
+    *even = parts_are_even(p) && are_few(p);
+    return true;
+}
+
+static void add_if_stray(parts *p, uint32_t row)
+{
+    double centre[3];
+    object_centre(&p->homes->form, object_row(&p->homes->rows, &p->homes->form, row), centre);
+    add_stray(p, row, bisection_part(&p->cut, centre));
+}
+
+bool parts_look_after_walk(parts *p, homes *h, bool *even, duet_error *err)
+{
+    p->homes = h;
+    uint32_t first_new = p->ranges[p->n - 1].end;
+    if (!begin_strays(p, h->outside.n + (h->rows.n - first_new) + h->n_gone, err))
+        return false;
+    for (uint64_t i = 0; i < h->outside.n; ++i)
+        add_if_stray(p, h->outside.rows[i]);
+    for (uint32_t row = first_new; row < h->rows.n; ++row)
+        add_if_stray(p, row);
+    add_gone(p);
     *even = parts_are_even(p) && are_few(p);
     return true;
 }
@@ -248,6 +278,13 @@ bool parts_settle(parts *p, homes *h, parcels *messages, duet_error *err)
 }
 
 // ---------------------------------------------------------------- a part at a time
+
+bool parts_settle_after_walk(parts *p, homes *h, duet_error *err)
+{
+    bool ok = move_strays(p, h, err);
+    homes_forget_renamed(h);
+    return ok;
+}
 
 sight_in_place parts_sight_in_place(const parts *p, uint32_t part)
 {

@@ -25,8 +25,12 @@ struct worker {
     // before they are still there.
     void *(*map)(worker *w, uint32_t n, duet_error *err);
     // The first n that were mapped are written and stay so: they may be on their way to the
-    // devices while others are written behind them.
-    void (*begin)(worker *w, uint32_t n);
+    // devices while others are written behind them. So may ids, which tell_ids will name (NULL:
+    // none).
+    void (*begin)(worker *w, uint32_t n, const global_ids *ids);
+    // That memory of the caller's is read often, and stays where it is until other memory is named
+    // in its place, or none, of 0 bytes. NULL: that changes nothing.
+    void (*lock)(worker *w, const void *memory, size_t bytes);
     // Which of these lie deep inside of a box, found where they are on their way to: NULL, or
     // false, where the host must look at all. The other one waits for the blocks of objects from
     // `from` on, 0 at first, and returns up to which object they are there.

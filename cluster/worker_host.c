@@ -24,9 +24,9 @@ static void *map(worker *w, uint32_t n, duet_error *err)
     return p->objects;
 }
 
-static void begin(worker *w, uint32_t n)
+static void begin(worker *w, uint32_t n, const global_ids *ids)
 {
-    (void)w, (void)n;
+    (void)w, (void)n, (void)ids;
 }
 
 static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)

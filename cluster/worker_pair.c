@@ -18,9 +18,15 @@ static void *map(worker *w, uint32_t n, duet_error *err)
     return duet_world_map_objects(p->world, p->kind, n, err);
 }
 
-static void begin(worker *w, uint32_t n)
+static void begin(worker *w, uint32_t n, const global_ids *ids)
 {
-    world_send_ahead(((worker_pair *)w)->world, n);
+    world_send_ahead(((worker_pair *)w)->world, n, ids);
+}
+
+static void lock(worker *w, const void *memory, size_t bytes)
+{
+    worker_pair *p = (worker_pair *)w;
+    host_lock_take(&p->locked, p->world->def.pair->devices, 2, memory, bytes);
 }
 
 static bool skim_homes(worker *w, const float inside_lower[3], const float inside_upper[3])
@@ -169,6 +175,7 @@ static bool load_profile(worker *w, const char *path, duet_profile *profile, due
 
 static void close_pair(worker *w)
 {
+    host_lock_release(&((worker_pair *)w)->locked);
     duet_world_destroy(((worker_pair *)w)->world);
     free(((worker_pair *)w)->fits);
     free(w);
@@ -195,6 +202,7 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
     own.keep_bad = true; // so that it is the cluster that names a bad object
     p->base = (worker){.map = map,
                        .begin = begin,
+                       .lock = lock,
                        .skim = skim_homes,
                        .await_skim = await_skim,
                        .extend = extend,

@@ -321,6 +321,21 @@ static bool leaves_boxes(const part_task *task)
            task->objects.origin == 0.0f && !task->packed;
 }
 
+// The kernels of each way to search.
+static const struct {
+    const char *starts;
+    const char *place[2]; // kernel and its entry
+    const char *candidates;
+    const char *narrow;
+    bool in_cell_order;
+} searches[] = {
+    [SEARCH_GPU] = {"row_start", {"reorder", "reorder"}, "pair_search_gpu", "narrow", true},
+    [SEARCH_SIMD] =
+        {"row_start", {"reorder_simd", "reorder_simd"}, "pair_search_simd", "narrow_simd", true},
+    [SEARCH_PAPER] =
+        {"cell_start", {"bounds", "find_bounds"}, "pair_search_paper", "narrow", false},
+};
+
 static uint32_t count_taken(const part_task *task)
 {
     uint32_t n = 0;
@@ -332,67 +347,60 @@ static uint32_t count_taken(const part_task *task)
 // With fewer objects a unit, three launches more take longer than atomics and straight places.
 enum { LEAST_OWN = 16384 };
 
-// A CPU's atomics take as long as all else that it does for a cell.
+// A CPU's atomics take as long as all else that it does for a cell. A part that counts without them
+// goes on so down to half as many objects.
 static bool counts_own_cells(const part *p, const part_task *task)
 {
+    uint64_t least = p->kernels.own_cells ? LEAST_OWN / 2 : LEAST_OWN;
     return task->ordered && p->device->info.kind == DUET_KIND_CPU && p->device->info.host_memory &&
            p->variant.search == SEARCH_SIMD && p->variant.sort == SORT_COUNTING && is_roomy(task) &&
-           count_taken(task) >= (uint64_t)LEAST_OWN * p->device->info.units;
+           count_taken(task) >= least * p->device->info.units;
 }
 
-bool part_is_prepared(const part *p, const part_task *task)
+// Whether the kernels test boxes, beyond their bounds.
+static bool tests_boxes(const part_task *task)
 {
-    const part_kernels *k = &p->kernels;
-    return k->packed == task->packed && k->stretched == (task->intake != NULL) &&
-           (k->gather || !gathers(p, task)) && (k->count_pairs || !task->ids);
+    return task->objects.shape != DUET_SHAPE_BOUNDS && level_of(task) != DUET_LEVEL_AABB;
 }
 
-bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err)
+static bool is_unboxed(const variant *v, const part_task *task)
 {
-    static const struct {
-        const char *starts;
-        const char *place[2]; // kernel and its entry
-        const char *candidates;
-        const char *narrow;
-        bool in_cell_order;
-    } searches[] = {
-        [SEARCH_GPU] = {"row_start", {"reorder", "reorder"}, "pair_search_gpu", "narrow", true},
-        [SEARCH_SIMD] = {"row_start",
-                         {"reorder_simd", "reorder_simd"},
-                         "pair_search_simd",
-                         "narrow_simd",
-                         true},
-        [SEARCH_PAPER] =
-            {"cell_start", {"bounds", "find_bounds"}, "pair_search_paper", "narrow", false},
-    };
-    p->variant = *asked;
-    const bool was_summed = p->kernels.summed;
-    p->kernels = (part_kernels){0};
-    if (!open_sorts(p, err))
-        return false;
-    const int search = p->variant.search;
-    bool counting = p->variant.sort == SORT_COUNTING;
-    bool poses = task->objects.shape != DUET_SHAPE_BOUNDS;
-    bool turned = poses && task->rotated && task->objects.shape != DUET_SHAPE_SPHERES;
-    duet_level level = level_of(task);
-    bool tested = poses && level != DUET_LEVEL_AABB;
-    // Objects that are in order go to places side by side.
-    bool to_places = counting && !task->shared && task->ordered;
+    return v->search == SEARCH_GPU && leaves_boxes(task);
+}
+
+// Objects that are in order go to places side by side.
+static bool goes_to_places(const variant *v, const part_task *task)
+{
+    return v->sort == SORT_COUNTING && !task->shared && task->ordered;
+}
+
+static bool sums_blocks(const part *p, const part_task *task)
+{
+    return goes_to_places(&p->variant, task) && p->variant.search == SEARCH_SIMD &&
+           task->objects.shape != DUET_SHAPE_BOUNDS && !counts_own_cells(p, task);
+}
+
+static void choose(const part *p, const part_task *task, part_choice choices[PART_CHOICES])
+{
+    const variant *v = &p->variant;
+    bool counting = v->sort == SORT_COUNTING;
+    bool turned = task->objects.shape != DUET_SHAPE_BOUNDS && task->rotated &&
+                  task->objects.shape != DUET_SHAPE_SPHERES;
+    bool tested = tests_boxes(task), unboxed = is_unboxed(v, task);
+    bool to_places = goes_to_places(v, task), sums = sums_blocks(p, task);
     bool own = counts_own_cells(p, task);
-    bool simd_to_places = to_places && !own && search == SEARCH_SIMD && poses;
-    bool unboxed = search == SEARCH_GPU && leaves_boxes(task);
     cl_int4 cells = compiled_cells(p, task);
-    const part_choice choices[PART_CHOICES] = {
+    const part_choice all[PART_CHOICES] = {
         {"DIMS", task->objects.dims, false},
         {"SHAPE", task->objects.shape, false},
         {"ORIGIN", origin_setting(task->objects.origin), false},
         {"APART", task->objects.sizes ? 1 + task->objects.compact : 0, false},
         {"ROTATED", turned, false},
         {"RANK", counting, false},
-        {"SORTED", searches[search].in_cell_order && !unboxed, false},
+        {"SORTED", searches[v->search].in_cell_order && !unboxed, false},
         {"UNBOXED", unboxed, false},
         {"IDS", !tested, false},
-        {"ACCURACY", level, false},
+        {"ACCURACY", level_of(task), false},
         {"GRID", task->grid.kind, false},
         {"LEVELS", task->grid.n_levels > 1, false},
         {"ROOMY", is_roomy(task), false},
@@ -405,10 +413,38 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {"STRETCH", task->intake && counting, false},
         {"GUARDED", task->slab, false},
         {"FROM_IDS", !to_places, counting && !task->shared},
-        {"TO_PLACES", simd_to_places, false},
-        {"SUM_BLOCK", simd_to_places ? scan_block(&p->scan) : 0, false},
-        {"FUSED", tested && p->variant.fused, tested},
+        {"TO_PLACES", sums, false},
+        {"SUM_BLOCK", sums ? scan_block(&p->scan) : 0, false},
+        {"FUSED", tested && v->fused, tested},
     };
+    memcpy(choices, all, sizeof all);
+}
+
+// Of two lists, which have the same names.
+static bool are_same(const part_choice a[PART_CHOICES], const part_choice b[PART_CHOICES])
+{
+    for (int i = 0; i < PART_CHOICES; ++i)
+        if (a[i].value != b[i].value || a[i].open != b[i].open)
+            return false;
+    return true;
+}
+
+bool part_is_prepared(const part *p, const part_task *task)
+{
+    const part_kernels *k = &p->kernels;
+    part_choice choices[PART_CHOICES];
+    choose(p, task, choices);
+    return are_same(choices, p->choices) && (k->gather || !gathers(p, task)) &&
+           (k->count_pairs || !task->ids);
+}
+
+bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err)
+{
+    p->variant = *asked;
+    const int search = p->variant.search;
+    bool counting = p->variant.sort == SORT_COUNTING, tested = tests_boxes(task);
+    bool was_summed = p->kernels.summed, sums = sums_blocks(p, task);
+    bool own = counts_own_cells(p, task);
     const struct {
         kernel **at;
         bool wanted;
@@ -424,7 +460,10 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {&p->kernels.place, true, searches[search].place[0], searches[search].place[1]},
         {&p->kernels.candidates, true, searches[search].candidates, searches[search].candidates},
     };
-    memcpy(p->choices, choices, sizeof choices);
+    if (!open_sorts(p, err))
+        return false;
+    choose(p, task, p->choices);
+    p->kernels = (part_kernels){0};
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
         if (!list[i].wanted)
             continue;
@@ -432,14 +471,12 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         if (!*list[i].at)
             return false;
     }
+    p->kernels.summed = sums;
     p->kernels.from_ids =
-        search == SEARCH_GPU ? kernel_param(p->kernels.place, "FROM_IDS") == 1 : !simd_to_places;
-    p->kernels.summed = simd_to_places;
-    if (simd_to_places && !was_summed)
+        search == SEARCH_GPU ? kernel_param(p->kernels.place, "FROM_IDS") == 1 : !p->kernels.summed;
+    if (p->kernels.summed && !was_summed)
         p->zero_counts = 0; // other kernels leave the scan's sums as they are
-    p->kernels.unboxed = unboxed;
-    p->kernels.packed = task->packed;
-    p->kernels.stretched = task->intake;
+    p->kernels.unboxed = is_unboxed(&p->variant, task);
     p->kernels.guarded = task->slab && search != SEARCH_PAPER;
     p->kernels.listed = !tested;
     p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;

@@ -100,9 +100,7 @@ typedef struct part_kernels {
     bool unboxed;        // boxes are read by id, where the objects are
     bool from_ids;       // objects reach cell order by their sorted ids
     bool summed;         // objects are counted by the scan's blocks, too
-    bool packed;         // objects have names
-    bool stretched; // some objects are taken, and what the other device wants of them is marked
-    bool guarded;   // the search finds nothing where the grid got more than it has space for
+    bool guarded;        // the search finds nothing where the grid got more than it has space for
 } part_kernels;
 
 // What the scene and the stage decide of the kernels. A choice that is open may be set
@@ -209,6 +207,7 @@ typedef struct part {
     buffer next_counters;  // the next step's
     bool next_are_cleared; // they are zero
     buffer global_ids;
+    bool ids_ahead;       // their list was sent ahead, and not which have none
     uint64_t ids_version; // of what was sent last; 0: nothing
     buffer id_changes;
     host_block changes; // on their way there

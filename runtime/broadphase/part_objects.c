@@ -40,12 +40,35 @@ static bool send_chunks(part *p, const part_task *task, uint32_t from, duet_erro
 
 // ---------------------------------------------------------------- ahead of a step
 
+static bool reserve_ids(part *p, const global_ids *ids, duet_error *err)
+{
+    size_t bytes = ids->n * sizeof *ids->list;
+    return bytes <= p->global_ids.bytes ||
+           buffer_reserve(&p->global_ids, p->device, bytes + bytes / 16, err);
+}
+
+// Before the objects: what waits for one of their chunks needs not wait for these.
+static bool send_ids_ahead(part *p, const global_ids *ids, duet_error *err)
+{
+    p->ids_version = 0;
+    if (ids->n == 0)
+        return true;
+    if (!reserve_ids(p, ids, err) ||
+        !timeline_write_beside(&p->times, "send ids", &p->global_ids, 0, ids->list,
+                               ids->n * sizeof *ids->list, err))
+        return false;
+    p->ids_version = ids->version;
+    p->ids_ahead = true;
+    return true;
+}
+
 bool part_send_ahead(part *p, const part_task *task, size_t bytes, duet_error *err)
 {
     part_forget(p);
     p->n_chunks = 0;
     p->objects_version = p->packed.objects_version = p->stretched.objects_version = 0;
-    if (!buffer_reserve(&p->objects, p->device, bytes, err) || !send_chunks(p, task, 0, err))
+    if (!buffer_reserve(&p->objects, p->device, bytes, err) ||
+        (task->ids && !send_ids_ahead(p, task->ids, err)) || !send_chunks(p, task, 0, err))
         return false;
     p->ahead_version = task->objects_version;
     return true;
@@ -212,11 +235,9 @@ static uint32_t list_changes(id_change *to, const global_ids *ids, bool all_sent
 
 static bool send_all(part *p, const global_ids *ids, duet_error *err)
 {
-    size_t bytes = ids->n * sizeof *ids->list;
-    if (bytes > p->global_ids.bytes &&
-        !buffer_reserve(&p->global_ids, p->device, bytes + bytes / 16, err))
-        return false;
-    return timeline_write_at(&p->times, "send ids", &p->global_ids, 0, ids->list, bytes, err);
+    return reserve_ids(p, ids, err) &&
+           timeline_write_at(&p->times, "send ids", &p->global_ids, 0, ids->list,
+                             ids->n * sizeof *ids->list, err);
 }
 
 static bool send_changes(part *p, const global_ids *ids, bool all_sent, duet_error *err)
@@ -238,8 +259,12 @@ static bool send_changes(part *p, const global_ids *ids, bool all_sent, duet_err
 static bool send_ids(part *p, const global_ids *ids, duet_error *err)
 {
     bool has_some = p->ids_version > 0 && ids->n * sizeof *ids->list <= p->global_ids.bytes;
-    if (ids->n == 0 || (has_some && p->ids_version == ids->version))
+    bool has_list = p->ids_ahead;
+    p->ids_ahead = false;
+    if (ids->n == 0)
         return true;
+    if (has_some && p->ids_version == ids->version)
+        return !has_list || send_changes(p, ids, true, err);
     bool follows = has_some && p->ids_version == ids->before && !ids->all_changed &&
                    ids->n_changed < ids->n / 4;
     p->ids_version = 0;

@@ -353,7 +353,9 @@ bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *
 {
     global_ids own = *ids;
     own.before = world->ids_version;
-    world->ids_version += world->ids_version == 0 || ids->all_changed || ids->n_changed > 0;
+    if (!world->ids_ahead)
+        world->ids_version += world->ids_version == 0 || ids->all_changed || ids->n_changed > 0;
+    world->ids_ahead = false;
     own.version = world->ids_version;
     world->ids = &own;
     bool ok = duet_world_step(world, result, err);
@@ -449,25 +451,28 @@ bool duet_world_step_end(duet_world *world, duet_result *result, duet_error *err
 
 // ---------------------------------------------------------------- before a step
 
-// A device that is sent all objects, into memory of its own, by kernels that are there. Objects
-// that are lent take turns, each with a grid whose kernels may be others; in how many pieces they
-// travel is all that these decide.
+// A device that is sent all objects, into memory of its own. The kernels of the step may be others,
+// of another grid: in how many pieces objects travel is all that these decide.
 static bool can_send_ahead(const duet_world *world, int side)
 {
     uint32_t share = world->def.plan.share;
-    bool has_kernels = world->prepared[side] || (world->lent && world->parts[side].kernels.hash);
-    return has_kernels && world->def.plan.mode == DUET_MODE_OWN &&
+    return world->prepared[side] && world->def.plan.mode == DUET_MODE_OWN &&
            !world->parts[side].device->info.host_memory && !world->def.separate_sizes &&
            (side == 0 ? share > 0 : share < DUET_SHARE_ONE);
 }
 
-void world_send_ahead(duet_world *world, uint32_t n)
+void world_send_ahead(duet_world *world, uint32_t n, const global_ids *ids)
 {
+    global_ids own = ids ? *ids : (global_ids){0};
+    world->ids_ahead = ids;
+    if (ids)
+        own.version = ++world->ids_version;
     for (int side = 0; side < 2 && n > 0 && !world->resident.objects.mem; ++side) {
         part_task task = describe_task(world, side);
         size_t bytes =
             world->lent ? world->n * grid_object_bytes(&task.objects) : world->objects.size;
         task.objects.n = n;
+        task.ids = ids ? &own : NULL;
         if (can_send_ahead(world, side) &&
             !part_send_ahead(&world->parts[side], &task, bytes, NULL))
             part_distrust(&world->parts[side]);
@@ -495,4 +500,5 @@ void world_stop_ahead(duet_world *world)
     for (int side = 0; side < 2; ++side)
         if (world->parts[side].ahead_version > 0)
             part_distrust(&world->parts[side]);
+    world->ids_ahead = false;
 }

@@ -59,7 +59,7 @@ struct duet_world {
     workload_stats stats; // of the objects that were set first
     bool alike;           // the devices: they do work in proportion to their units
     bool mode_open;       // the plan's mode is what the grid makes of the default
-    bool prepared[2];     // the part's kernels are those of the plan and the grid
+    bool prepared[2];     // the part has kernels of the plan
     bool fitted;          // the grid is that of these objects
     uint32_t fitted_n;
     grid_wish wish;      // of the plan
@@ -72,6 +72,7 @@ struct duet_world {
     bool keeps_pairs[2];   // on that device in the last step
     const global_ids *ids; // of a step that counts pairs; else NULL
     uint64_t ids_version;
+    bool ids_ahead; // that version's are on their way
     bool skims;            // objects that are sent ahead may be skimmed
     pair_buffers left;     // where pairs are left
     background background; // of a step in two halves
@@ -89,8 +90,9 @@ const char *world_objects_name(const duet_world_def *def);
 
 // Begins to send the first n objects of those that were mapped, where that can be, while the
 // caller writes others behind them; the next step is of all of these. Until then the first n stay
-// as they are. What fails is sent again in the step.
-void world_send_ahead(duet_world *world, uint32_t n);
+// as they are. What fails is sent again in the step. ids, unless NULL, are those that the step
+// will count with, but for which have none; their list is sent too.
+void world_send_ahead(duet_world *world, uint32_t n, const global_ids *ids);
 void world_stop_ahead(duet_world *world); // waits for it, and forgets it
 
 // Skims what was sent ahead, by a device to which it goes anyway: which of the objects lie deep

@@ -28,13 +28,13 @@ static void take_grid(duet_world *world, const grid *before, uint32_t n)
     world_choose_mode(world);
     world->split.stale = true;
     ++world->grid_version;
-    world->prepared[0] = world->prepared[1] = false;
 }
 
 void world_swap_fit(duet_world *world, world_fit *fit)
 {
     world_fit before = {world->fitted, world->cell_widened, world->fitted_n, world->grid};
     world->fitted = fit->fitted;
+    world->cells_vary = true;
     if (fit->fitted) {
         world->grid = fit->grid;
         world->cell_widened = fit->cell_widened;

@@ -160,7 +160,7 @@ static void objects_may_be_sent_ahead_of_the_step(void **state)
             fill(&r, n, 34.0);
             duet_pose *to = duet_world_map_objects(world, DUET_OBJECT_POSES, ahead, &err);
             memcpy(to, poses, ahead * sizeof *to);
-            world_send_ahead(world, ahead);
+            world_send_ahead(world, ahead, NULL);
             assert_int_equal(world->parts[1].ahead_version > 0, cases[i].is_sent);
             if (round == 1) { // they change after all
                 world_stop_ahead(world);

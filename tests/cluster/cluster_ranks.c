@@ -1770,11 +1770,14 @@ static void rows_come_to_their_ranges(void)
     enum { ROWS = 60, RANGES = 7 };
     const object_form form = {.dims = 3, .shape = DUET_SHAPE_BOUNDS, .bytes = sizeof(duet_bounds)};
     rng r = rng_seed(16);
+    parallel threads;
+    duet_error none = {0};
+    MUST_OK(parallel_begin(&threads, 1, &none), none);
     for (int round = 0; round < 400; ++round) {
         uint64_t ids[ROWS];
         duet_bounds bounds[ROWS];
         stray strays[ROWS];
-        uint32_t belongs[ROWS], ends[RANGES], next[RANGES], n = rng_below(&r, ROWS + 1);
+        uint32_t belongs[ROWS], ends[RANGES], n = rng_below(&r, ROWS + 1);
         uint32_t n_ranges = 1 + rng_below(&r, RANGES), n_strays = 0;
         duet_error err = {0};
         object_rows rows = {.ids = ids, .objects = (unsigned char *)bounds, .n = n};
@@ -1793,7 +1796,7 @@ static void rows_come_to_their_ranges(void)
             bounds[i] = (duet_bounds){.lower = {(float)i}, .upper = {(float)belongs[i]}};
         }
         if (round % 4 == 0)
-            rows_sort(&rows, &form, n, ends, next, n_ranges, range_of_bounds, NULL);
+            rows_sort(&rows, &form, n, ends, n_ranges, range_of_bounds, NULL, &threads);
         else
             MUST_OK(rows_arrange(&rows, &form, ends, n_ranges, strays, n_strays, &err), err);
         uint64_t there = 0;
@@ -1806,6 +1809,7 @@ static void rows_come_to_their_ranges(void)
         }
         MUST(there == (UINT64_C(1) << n) - 1, "all are there");
     }
+    parallel_end(&threads);
 }
 
 int main(int argc, char **argv)

@@ -130,7 +130,7 @@ static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet
         make_row(r, &form, i / SKIM_ROWS == 1, rows + (size_t)i * words);
     skim_box(&inside, lower, upper);
     MUST(!world_skim(world, lower, upper), "nothing was sent ahead");
-    world_send_ahead(world, N);
+    world_send_ahead(world, N, NULL);
     for (int again = 0; again < 2; ++again) { // any number of times
         const skim_block *blocks = NULL;
         MUST(world_skim(world, lower, upper), "it skims");
@@ -201,6 +201,7 @@ static void hand_over(duet_cluster *c, uint32_t n, uint64_t seed)
     MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, poses, n, &err), err);
 }
 
+enum { WALKS = 12, LEAPS = 4, SWELLS = 6, SPOILS = 8 };
 enum { STEPS = 14, GROWS = 4, SHRINKS = 7, FAILS = 9, CROWDS = 11 };
 
 // Where an object is at a step is known by its id alone: some leap far, once one becomes wide, and
@@ -348,6 +349,106 @@ static void large_parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
         duet_cluster_destroy(clusters[i]);
 }
 
+// A little; some come through a border of parts or ranks, and one leaps at one step.
+static void drift(duet_pose *p, uint64_t id, uint32_t at)
+{
+    rng r = rng_seed(id * 1000 + at);
+    for (int k = 0; k < 3; ++k)
+        p->centre[k] += (float)rng_between(&r, -0.3, 0.3);
+    if (at == LEAPS && id == 4321)
+        p->centre[0] = -p->centre[0];
+    if (at == SWELLS && id == 77)
+        p->half_extents[1] = 0.55f;
+    if (id == 1234)
+        p->half_extents[2] = at == SPOILS ? NAN : 0.4f;
+}
+
+static void drift_homes(duet_cluster *c, uint32_t at)
+{
+    duet_error err = {0};
+    const uint64_t *ids;
+    uint32_t n;
+    duet_pose *own = duet_cluster_map_homes(c, DUET_OBJECT_POSES, &ids, &n, &err);
+    MUST_OK(own, err);
+    for (uint32_t i = 0; i < n; ++i)
+        drift(&own[i], ids[i], at);
+}
+
+static void spoil(duet_cluster *clusters[2])
+{
+    duet_error err = {0};
+    duet_cluster_result result;
+    for (int i = 0; i < 2; ++i)
+        MUST(!duet_cluster_step(clusters[i], &result, &err) &&
+                 err.status == DUET_STATUS_BAD_OBJECT && strstr(err.text, "object 1234 of"),
+             err.text);
+}
+
+static uint64_t sum_of(MPI_Comm *comm, uint64_t own)
+{
+    MPI_Allreduce(MPI_IN_PLACE, &own, 1, MPI_UINT64_T, MPI_SUM, *comm);
+    return own;
+}
+
+static void must_be_listed(MPI_Comm *comm, duet_cluster *c, uint64_t hash)
+{
+    duet_error err = {0};
+    const duet_pair64 *pairs;
+    uint64_t n, own = 0;
+    MUST_OK(duet_cluster_get_own_pairs(c, &pairs, &n, &err), err);
+    for (uint64_t k = 0; k < n; ++k)
+        own += pair64_hash(pairs[k]);
+    MUST(sum_of(comm, own) == hash, "they are listed");
+}
+
+// Parts are searched alone, and then their edges; or, where one leaps or swells, with ghosts.
+static void walks_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
+{
+    enum { PARTS = 5 };
+    duet_cluster *clusters[] = {open_cluster(comm, true, PARTS), open_cluster(comm, false, 1)};
+    duet_cluster *c = clusters[0];
+    uint64_t strayed = 0, walks = 0, gone = 0;
+    c->def.drops_pairs = drops;
+    take_all_threads(c);
+    for (int i = 0; i < 2; ++i)
+        hand_over(clusters[i], N, seed);
+    for (uint32_t at = 0; at < WALKS; ++at) {
+        duet_error err = {0};
+        duet_cluster_result results[2];
+        for (int i = 0; at > 0 && i < 2; ++i)
+            drift_homes(clusters[i], at);
+        c->walk.pauses = 0;
+        if (at == SPOILS) {
+            spoil(clusters);
+            continue;
+        }
+        for (int i = 0; i < 2; ++i)
+            MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
+        for (int i = 0; i < 2; ++i)
+            ((worker_pair *)c->workers[i])->world->parts[1].least_chunk = 1;
+        MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs &&
+                 results[0].pairs > 1000,
+             "the pairs are the reference's");
+        bool is_plain = at > 0 && at != LEAPS && at != SWELLS && at != SPOILS + 1;
+        uint64_t all = sum_of(comm, c->walk.done);
+        MUST(!is_plain || all == (uint64_t)c->ranks.n, "all walk");
+        MUST(at != LEAPS || all < (uint64_t)c->ranks.n, "a leap is seen");
+        MUST(at != SWELLS || all == 0, "levels are known before");
+        if (c->walk.done && at % 3 == 0) { // and again, as they are
+            MUST_OK(duet_cluster_step(c, &results[0], &err), err);
+            MUST(results[0].hash == results[1].hash, "the same");
+        }
+        walks += all;
+        strayed += sum_of(comm, c->parts.n_strays);
+        gone += sum_of(comm, c->homes.n_gone);
+        if (!drops)
+            must_be_listed(comm, c, results[1].hash);
+    }
+    MUST(walks > 2 && strayed > 100 && (c->ranks.n == 1 || gone > 10), "objects changed parts");
+    for (int i = 0; i < 2; ++i)
+        duet_cluster_destroy(clusters[i]);
+}
+
 int main(int argc, char **argv)
 {
     const char *given = getenv("DUET_TEST_SEED");
@@ -367,10 +468,14 @@ int main(int argc, char **argv)
         a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_BOUNDS, "simd skim.WG=128");
         ranks_that_skim_find_the_same_pairs(&self, seed);
         large_parts_find_the_same_pairs(&self, seed);
+        walks_find_the_same_pairs(&self, seed, true);
+        walks_find_the_same_pairs(&self, seed, false);
     }
     MPI_Barrier(MPI_COMM_WORLD);
     ranks_that_skim_find_the_same_pairs(&world, seed);
     homes_leave_in_the_order_of_their_rows(&world, seed);
+    walks_find_the_same_pairs(&world, seed, true);
+    walks_find_the_same_pairs(&world, seed, false);
     duet_device_pair_destroy(devices);
     MUST(device_live_objects() == 0, "no OpenCL object is left");
     if (rank == 0)
