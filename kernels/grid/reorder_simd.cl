@@ -142,6 +142,11 @@ __kernel void reorder_simd(REORDER_SIMD_ARGS)
 //@ end
         object o = object_at(rows, sources);
         bounds b = object_bounds(&o);
+#if SHAPE == SHAPE_BOUNDS
+#pragma unroll
+        for (int k = 0; k < DIMS; ++k)
+            b.upper[k] += 0.0f; // never -0, from which 0 is taken: the search looks at a difference's sign
+#endif
         check_extent(&o, levels, n_levels, counters);
 #if ROOMY
         word where = object_key(&o, levels, n_levels, n_cells) - key_from;

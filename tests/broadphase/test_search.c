@@ -170,6 +170,35 @@ static void try_search(const char *search)
     }
 }
 
+// Unit boxes side by side, `width` along each axis, that touch in the planes of zero.
+static void fill_around_zero(crowd *c, int width)
+{
+    c->n = 0;
+    for (int i = 0; i < width * width * width; ++i) {
+        const int at[] = {i % width, i / width % width, i / width / width};
+        duet_bounds *b = &c->bounds[c->n++];
+        for (int k = 0; k < 3; ++k) {
+            b->lower[k] = (float)(at[k] - width / 2);
+            b->upper[k] = at[k] + 1 == width / 2 ? -0.0f : b->lower[k] + 1;
+        }
+    }
+}
+
+static void boxes_touch_where_one_ends_at_minus_zero(void **state)
+{
+    (void)state;
+    static crowd c = {.dims = 3, .shape = DUET_SHAPE_BOUNDS};
+    duet_world *world = open_world(first_two, &c);
+    for (int width = 2; width <= 8;
+         width += 6) { // narrow grids, and those that eight are sought in
+        fill_around_zero(&c, width);
+        set_objects(world, &c);
+        assert_finds(world, &c, "gpu", "simd", 0, DUET_MODE_OWN);
+        assert_finds(world, &c, "gpu", "simd", DUET_SHARE_ONE, DUET_MODE_OWN);
+    }
+    duet_world_destroy(world);
+}
+
 static void lanes_find_the_references_pairs(void **state)
 {
     (void)state;
@@ -242,6 +271,7 @@ int main(int argc, char **argv)
     test_begin(argc, argv);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lanes_find_the_references_pairs),
+        cmocka_unit_test(boxes_touch_where_one_ends_at_minus_zero),
         cmocka_unit_test(listed_candidates_give_the_same_pairs),
         cmocka_unit_test(rows_find_the_references_pairs),
         cmocka_unit_test(the_papers_search_finds_the_references_pairs),

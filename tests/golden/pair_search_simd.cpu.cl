@@ -213,7 +213,7 @@ static inline corners corners_from(const sorted *in, uint place)
 
 // The highest bit of a lane says that bounds are apart. With ORIGIN they are each from their own
 // cell; rounding keeps order, so that no overlap is lost. Else a difference has the sign of what it
-// is rounded from: only outer bounds can be infinite.
+// is rounded from: only outer bounds can be infinite, and no upper one is -0.
 static inline word apart(const corners *a, const corners *b)
 {
     word m = (word)(0);
