@@ -109,17 +109,21 @@ static bool launch_all(duet_error *err)
 
 // ---------------------------------------------------------------- tests
 
+// Of the entry `hash` alone.
+#define BEHIND_CELLS "\n      uint key_from\n      uint key_home_to"
+
 static void a_card_that_the_host_does_not_know_is_refused(void **state)
 {
     (void)state;
     static const struct {
         const char *card, *from, *to, *wanted;
     } cases[] = {
-        {"grid/hash.lua", "uint n_cells", "float n_cells",
+        {"grid/hash.lua", "uint n_cells" BEHIND_CELLS, "float n_cells" BEHIND_CELLS,
          "argument 'n_cells' of hash is of type 'float'; expected 'uint'"},
-        {"grid/hash.lua", "uint *ranks", "uint2 *ranks",
+        {"grid/hash.lua", "uint *ranks            if", "uint2 *ranks            if",
          "argument 'ranks' of hash is of type 'uint2 *'; expected 'uint *'"},
-        {"grid/hash.lua", "uint n_levels", "const uint *n_levels",
+        {"grid/hash.lua", "uint n_levels\n      uint n_cells" BEHIND_CELLS,
+         "const uint *n_levels\n      uint n_cells" BEHIND_CELLS,
          "argument 'n_levels' of hash is of type 'uint *'; expected 'uint'"},
         {"grid/scatter.lua", "uint *ids", "uint *order",
          "scatter has an argument 'order' that its launcher does not know"},
@@ -167,8 +171,8 @@ static void the_order_is_the_card_s_own(void **state)
     assert_ok(step_world("gpu", &before, &err) && step_motion(&hash_before, &err), err);
     assert_true(before.pairs > 0);
     duet_device_pair_destroy(pair);
-    change("grid/hash.lua", "      uint n_levels\n      uint n_cells\n",
-           "      uint n_cells\n      uint n_levels\n");
+    change("grid/hash.lua", "uint n_levels\n      uint n_cells" BEHIND_CELLS,
+           "uint n_cells\n      uint n_levels" BEHIND_CELLS);
     change("grid/scatter.lua", "      const uint *keys\n      const uint *ranks\n",
            "      const uint *ranks\n      const uint *keys\n");
     change("dynamics/integrate_positions.lua", "      float4 *bodies\n      uint n\n",
