@@ -291,7 +291,7 @@ sight_in_place parts_sight_in_place(const parts *p, uint32_t part)
     const home_part *of = &p->list[part];
     return (sight_in_place){
         .first = first_row(p, part),
-        .n = of->n,
+        .n = p->ranges[part].end - first_row(p, part),
         .ghost_ids = p->block.rows.ids + of->first_ghost,
         .ghost_keys = p->block.keys + of->first_ghost,
         .n_ghosts = (uint32_t)of->n_ghosts,

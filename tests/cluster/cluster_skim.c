@@ -201,7 +201,7 @@ static void hand_over(duet_cluster *c, uint32_t n, uint64_t seed)
     MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, poses, n, &err), err);
 }
 
-enum { WALKS = 12, LEAPS = 4, SWELLS = 6, SPOILS = 8 };
+enum { WALKS = 12, FORGETS = 3, LEAPS = 4, SWELLS = 6, SPOILS = 8 };
 enum { STEPS = 14, GROWS = 4, SHRINKS = 7, FAILS = 9, CROWDS = 11 };
 
 // Where an object is at a step is known by its id alone: some leap far, once one becomes wide, and
@@ -418,6 +418,8 @@ static void walks_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
         for (int i = 0; at > 0 && i < 2; ++i)
             drift_homes(clusters[i], at);
         c->walk.pauses = 0;
+        if (at == FORGETS) // as a step leaves it that had counted and then lacked memory to move
+            c->parts.list[1].n /= 2;
         if (at == SPOILS) {
             spoil(clusters);
             continue;
