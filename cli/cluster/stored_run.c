@@ -116,8 +116,13 @@ static bool find_company(reading *r)
 static bool find_seconds(reading *r)
 {
     stored_run *run = r->run;
-    if (run->n_seconds == 0)
-        return refuse(r, "ranks without objects and times");
+    if (run->n_seconds == 0) {
+        r->ok = error_set(r->err, DUET_STATUS_BAD_INPUT,
+                          "run %.8s of the store: no rank had an object, so nothing was timed; "
+                          "expected a run with objects",
+                          run->uid);
+        return false;
+    }
     if (r->are_apart && run->ranks > 1 && run->n_seconds == run->ranks && run->hosts == 1)
         return find_company(r);
     for (uint32_t i = 0; i < run->n_seconds; ++i) {
