@@ -412,6 +412,7 @@ static void choose(const part *p, const part_task *task, part_choice choices[PAR
         {"STRAYS", task->intake ? STRAY_BLOCK : 0, false},
         {"STRETCH", task->intake && counting, false},
         {"GUARDED", task->slab, false},
+        {"SLAB", task->divided, false},
         {"FROM_IDS", !to_places, counting && !task->shared},
         {"TO_PLACES", sums, false},
         {"SUM_BLOCK", sums ? scan_block(&p->scan) : 0, false},

@@ -42,6 +42,7 @@ typedef struct part_task {
     bool shared;   // the grid is for both parts
     bool receives; // the grid comes from the other part
     bool slab;     // the part's grid has some of the cells, and space for about their objects
+    bool divided;  // so does the other part: many objects are in none of this one's
     bool packed;   // the part is sent the objects of its slab, with their ids
     bool ordered;  // the objects are in about the order of their cells
     bool rotated;
@@ -111,7 +112,7 @@ typedef struct part_choice {
     bool open;
 } part_choice;
 
-enum { PART_CHOICES = 25 };
+enum { PART_CHOICES = 26 };
 
 // What kernels are told besides the part's buffers, by the names that their cards use.
 typedef struct part_args {

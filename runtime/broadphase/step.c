@@ -202,6 +202,7 @@ static void describe_jobs(job jobs[2], duet_world *world, const part_range range
                    .range = ranges[side],
                    .placed = true};
         j->task.slab = world->def.plan.mode == DUET_MODE_SLAB;
+        j->task.divided = j->task.slab && has_work(&ranges[0]) && has_work(&ranges[1]);
         j->task.intake = stretched ? &world->strays.intakes[side] : NULL;
         j->task.packed = j->task.slab && !stretched && !j->task.resident &&
                          pack_pays(&j->task, ranges, side, j->part, &world->variants[side]);
