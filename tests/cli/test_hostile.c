@@ -208,6 +208,8 @@ static const struct {
 
 static bool is_wanted(const hostile *h, const char *said)
 {
+    if (strncmp(said, FILE_NAME ":", sizeof FILE_NAME) != 0)
+        return false;
     if (h->says)
         return strstr(said, h->says) != NULL;
     return strstr(said, STOPS) || strstr(said, STARVES) || strstr(said, "without --trust") ||
@@ -227,14 +229,20 @@ static double run_within(size_t reader, const hostile *h, bool *ok, duet_error *
     return (double)(clock_steady_ns() - begun) * 1e-9;
 }
 
+// On a busy machine the time may be over before the script begins, while its file is read:
+// where the line says so and another was wanted, it is tried again.
 static void check(size_t reader, const hostile *h)
 {
     bool ok = false;
     duet_error err = {0};
     double seconds = run_within(reader, h, &ok, &err);
+    for (int i = 0; i < 4 && strstr(err.text, STOPS) && !is_wanted(h, err.text); ++i) {
+        err = (duet_error){0};
+        seconds = run_within(reader, h, &ok, &err);
+    }
     if (ok)
         fail_msg("%s: %s: was not refused", readers[reader].name, h->script);
-    if (!is_wanted(h, err.text) || strncmp(err.text, FILE_NAME ":", sizeof FILE_NAME) != 0)
+    if (!is_wanted(h, err.text))
         fail_msg("%s: %s: said '%s', wanted '%s'", readers[reader].name, h->script, err.text,
                  h->says ? h->says : "a limit");
     if (seconds > SECONDS + SLACK)
