@@ -42,7 +42,10 @@ put_up() {
   "$work/enter" two true
 }
 
-if ! command -v ip >/dev/null || ! put_up >/dev/null 2>"$work/says"; then
+if ! command -v ip >/dev/null; then
+  echo "skipped: network namespaces need root, iproute2 and CAP_NET_ADMIN; there is no command ip"
+  exit 77
+elif ! put_up >/dev/null 2>"$work/says"; then
   echo "skipped: network namespaces need root, iproute2 and CAP_NET_ADMIN; $(head -n 1 "$work/says")"
   exit 77
 fi
