@@ -22,7 +22,6 @@ typedef struct walk {
     uint32_t *keys; // of the ghosts among them
     uint32_t n_ghosts;
     uint64_t needed; // of edges, when they were last counted
-    bool locked;
     seen seen;
     global_ids ids[2];
     uint32_t *without;             // of the part that is searched
