@@ -221,7 +221,9 @@ static void move(duet_pose *p, uint64_t id, uint32_t at)
         p->half_extents[2] = at == FAILS ? -1.0f : 0.4f;
 }
 
-static void move_homes(duet_cluster *c, uint32_t at)
+typedef void mover(duet_pose *p, uint64_t id, uint32_t at);
+
+static void move_homes(duet_cluster *c, mover *how, uint32_t at)
 {
     duet_error err = {0};
     const uint64_t *ids;
@@ -229,7 +231,7 @@ static void move_homes(duet_cluster *c, uint32_t at)
     duet_pose *own = duet_cluster_map_homes(c, DUET_OBJECT_POSES, &ids, &n, &err);
     MUST_OK(own, err);
     for (uint32_t i = 0; i < n; ++i)
-        move(&own[i], ids[i], at);
+        how(&own[i], ids[i], at);
 }
 
 static void must_name_the_bad(duet_cluster *c)
@@ -272,7 +274,7 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
         n_skims = 0;
         for (int i = 0; i < 2; ++i) {
             if (at > 0)
-                move_homes(clusters[i], at);
+                move_homes(clusters[i], move, at);
             if (at == FAILS)
                 must_name_the_bad(clusters[i]);
             else
@@ -314,7 +316,7 @@ static void homes_leave_in_the_order_of_their_rows(MPI_Comm *comm, uint64_t seed
             MUST(h->gone[i - 1] < h->gone[i], "ascending");
         MUST(at < 3 || (h->n_gone > 100 && worker_of(c)->world->parts[1].chunks[1].skimmed),
              "some left");
-        move_homes(c, at);
+        move_homes(c, move, at);
     }
     duet_cluster_destroy(c);
 }
@@ -334,7 +336,7 @@ static void large_parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
         duet_cluster_result results[2];
         for (int i = 0; i < 2; ++i) {
             if (at > 0)
-                move_homes(clusters[i], at);
+                move_homes(clusters[i], move, at);
             MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
         }
         MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs &&
@@ -361,17 +363,6 @@ static void drift(duet_pose *p, uint64_t id, uint32_t at)
         p->half_extents[1] = 0.55f;
     if (id == 1234)
         p->half_extents[2] = at == SPOILS ? NAN : 0.4f;
-}
-
-static void drift_homes(duet_cluster *c, uint32_t at)
-{
-    duet_error err = {0};
-    const uint64_t *ids;
-    uint32_t n;
-    duet_pose *own = duet_cluster_map_homes(c, DUET_OBJECT_POSES, &ids, &n, &err);
-    MUST_OK(own, err);
-    for (uint32_t i = 0; i < n; ++i)
-        drift(&own[i], ids[i], at);
 }
 
 static void spoil(duet_cluster *clusters[2])
@@ -416,7 +407,7 @@ static void walks_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
         duet_error err = {0};
         duet_cluster_result results[2];
         for (int i = 0; at > 0 && i < 2; ++i)
-            drift_homes(clusters[i], at);
+            move_homes(clusters[i], drift, at);
         c->walk.pauses = 0;
         if (at == FORGETS) // as a step leaves it that had counted and then lacked memory to move
             c->parts.list[1].n /= 2;
