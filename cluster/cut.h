@@ -40,6 +40,13 @@ static inline int cut_home(const cut *c, const double centre[3])
     return (int)bisection_part(&c->parts, centre);
 }
 
+// Where this rank's homes are.
+static inline reach cut_box(const cut *c)
+{
+    return (reach){{c->lower[0], c->lower[1], c->lower[2]},
+                   {c->upper[0], c->upper[1], c->upper[2]}};
+}
+
 // Whether that is this rank.
 static inline bool cut_keeps(const cut *c, const double centre[3])
 {

@@ -208,8 +208,7 @@ static bool look_with(look *l, worker *w, uint32_t n, const reach *inside)
 bool look_at_range(look *l, uint32_t range, worker *w, edge_rows *copies)
 {
     const homes *h = l->h;
-    const reach rank = {{l->c->lower[0], l->c->lower[1], l->c->lower[2]},
-                        {l->c->upper[0], l->c->upper[1], l->c->upper[2]}};
+    const reach rank = cut_box(l->c);
     reach inside = both(&rank, &h->ranges[range].box);
     inside = deep_inside(&inside, 2 * h->widest);
     l->base = range > 0 ? h->ranges[range - 1].end : 0;
@@ -230,8 +229,7 @@ static void begin(look *l)
     l->base = 0;
     l->inside = reach_none;
     if (h->is_cut && h->widest > 0) {
-        const reach rank = {{l->c->lower[0], l->c->lower[1], l->c->lower[2]},
-                            {l->c->upper[0], l->c->upper[1], l->c->upper[2]}};
+        const reach rank = cut_box(l->c);
         l->inside = deep_inside(&rank, h->widest);
     }
 }

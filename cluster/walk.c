@@ -237,10 +237,8 @@ bool walk_parts(void *cluster, look *l)
 static bool has_leapt(const duet_cluster *c, uint32_t row)
 {
     const homes *h = &c->homes;
-    reach own;
+    const reach own = cut_box(&c->cut);
     double centre[3];
-    memcpy(own.lower, c->cut.lower, sizeof own.lower);
-    memcpy(own.upper, c->cut.upper, sizeof own.upper);
     object_centre(&h->form, object_row(&h->rows, &h->form, row), centre);
     return reach_holds(&own, centre, h->widest);
 }
