@@ -208,7 +208,7 @@ static bool check_file(const duet_motion *m, const text *file, const char *path,
     uint64_t sum = 0;
     size_t end = file->length - sizeof sum, whole = kept_bytes(m, h);
     memcpy(&sum, file->chars + end, sizeof sum);
-    if (has_commands(h) && whole < end)
+    if (has_commands(h) && whole <= end)
         whole += motion_commands_size(file->chars + whole, end - whole, h->n);
     return (end == whole && sum == text_checksum(file->chars, end)) ||
            error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion is cut short or damaged",

@@ -81,7 +81,7 @@ size_t motion_commands_size(const char *bytes, size_t length, uint32_t n)
 {
     saved_head h;
     if (length < sizeof h)
-        return 0;
+        return sizeof h;
     memcpy(&h, bytes, sizeof h);
     return sizeof h + n * sizeof(saved_place) + h.n_targets * sizeof(motion_target) +
            (h.pushed ? (size_t)n * FORCE_WORDS * sizeof(float) : 0);

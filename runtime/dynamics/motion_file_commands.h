@@ -9,8 +9,8 @@
 // Adds the part to a file.
 bool motion_add_commands(duet_motion *m, text *file, duet_error *err);
 
-// How long the part is that begins at `bytes`, of which there are `length`; 0 where it is
-// cut short.
+// How long the part is that begins at `bytes`, of which there are `length`; more than these
+// where it is cut short.
 size_t motion_commands_size(const char *bytes, size_t length, uint32_t n);
 
 // A motion with the objects and commands of such a part, or as it was given to

@@ -311,6 +311,22 @@ static void two_contacts_of_an_object_have_two_colours(void **state)
     close_forger(&f, "pile");
 }
 
+// One word shorter, two, and so on, down to the header; the sum is right each time.
+static void a_file_that_ends_early_is_refused(void **state)
+{
+    (void)state;
+    static const kind of[] = {ONLY_CONTACTS, COMMANDED};
+    for (size_t i = 0; i < sizeof of / sizeof of[0]; ++i) {
+        forger f = open_forger(of[i]);
+        for (size_t n = f.right.length - 4; n >= HEADER + sizeof(uint64_t); n -= 4) {
+            begin_copy(&f);
+            f.n = n;
+            assert_refused(&f, kind_names[of[i]], "cut short or damaged");
+        }
+        close_forger(&f, kind_names[of[i]]);
+    }
+}
+
 // ------------------------------------------------------------ at random
 
 static uint32_t random_word(rng *r, const forger *f, uint32_t before)
@@ -447,6 +463,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_a_step_would_believe_is_refused),
         cmocka_unit_test(two_contacts_of_an_object_have_two_colours),
+        cmocka_unit_test(a_file_that_ends_early_is_refused),
         cmocka_unit_test(forged_files_are_refused_or_step),
     };
     return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
