@@ -20,6 +20,12 @@ void motion_free_events(motion_events *e)
     *e = (motion_events){0};
 }
 
+bool motion_tells_hits(const duet_motion *m)
+{
+    return (m->effects & DUET_EFFECT_EVENTS) && (m->effects & DUET_EFFECT_CONTACT_RESPONSE) &&
+           m->def.hit_speed > 0.0;
+}
+
 static bool is_told(const duet_motion *m, duet_pair p)
 {
     uint32_t groups = m->bodies[p.a].group | (p.b < m->n ? m->bodies[p.b].group : 0);

@@ -45,6 +45,11 @@ static cl_float4 float4_of(double x, double y, double z, double w)
     return (cl_float4){{(float)x, (float)y, (float)z, (float)w}};
 }
 
+static arg_real real_of(const duet_motion *m, double value)
+{
+    return m->def.doubles ? (arg_real){.d = value} : (arg_real){.f = (float)value};
+}
+
 static arg_real4 real4_of(const duet_motion *m, double x, double y, double z, double w)
 {
     return m->def.doubles ? (arg_real4){.d = {{x, y, z, w}}}
@@ -121,15 +126,19 @@ static void set_args(duet_motion *m)
 {
     const duet_motion_def *d = &m->def;
     double h = d->dt / d->substeps;
+    double skin = (m->effects & DUET_EFFECT_SKIN) ? d->skin : 0.0;
     m->args = (motion_args){
         .substeps = d->substeps,
         .dt = (float)d->dt,
-        .dt_real = motion_real(m, d->dt),
+        .dt_real = real_of(m, d->dt),
         .h = (float)h,
         .per_h = (float)(1.0 / h),
         .drag = (float)exp(-d->drag * h),
         .margin = (float)m->margin,
-        .skin = motion_real(m, d->skin),
+        .skin = real_of(m, d->skin),
+        // Separations up to the margin are contacts, so each object's bounds have half of it.
+        .aabb_margin = real_of(m, 0.5 * (m->margin + skin)),
+        .contact_margin = real_of(m, 0.5 * m->margin),
         .sleep_speed = (float)d->sleep_speed,
         .sleep_after = (float)d->sleep_after,
         .hit_speed = (float)d->hit_speed,
@@ -149,7 +158,7 @@ static bool respond(duet_motion *m, duet_error *err)
 {
     if (!motion_build_graph(m, err) || !motion_solve(m, err))
         return false;
-    if (!motion_has(m, DUET_EFFECT_SKIN))
+    if (!(m->effects & DUET_EFFECT_SKIN))
         return true;
     m->bounds_checked = motion_check_bounds(m, err);
     return m->bounds_checked;
@@ -171,21 +180,21 @@ static bool run_effects(duet_motion *m, duet_error *err)
 {
     set_args(m);
     return motion_recall_events(m, err) &&
-           (!motion_has(m, DUET_EFFECT_CONTACT) ||
+           (!(m->effects & DUET_EFFECT_CONTACT) ||
             timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, 0, FLAGS, err)) &&
-           (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? respond(m, err) : fly(m, err));
+           ((m->effects & DUET_EFFECT_CONTACT_RESPONSE) ? respond(m, err) : fly(m, err));
 }
 
 // What the step leaves to be known: whether bounds still hold, what sleeps, and events.
 static bool hear(duet_motion *m, duet_error *err)
 {
-    if (!m->bounds_checked && !motion_has(m, DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS))
+    if (!m->bounds_checked && !(m->effects & (DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS)))
         return true;
     if (!motion_read_flags(m, err))
         return false;
     m->at_rest =
-        motion_has(m, DUET_EFFECT_SLEEP) && !m->flags[FLAG_AWAKE] && !m->flags[FLAG_FELL_ASLEEP];
-    return !motion_has(m, DUET_EFFECT_EVENTS) || motion_fetch_events(m, err);
+        (m->effects & DUET_EFFECT_SLEEP) && !m->flags[FLAG_AWAKE] && !m->flags[FLAG_FELL_ASLEEP];
+    return !(m->effects & DUET_EFFECT_EVENTS) || motion_fetch_events(m, err);
 }
 
 // Nothing is sent to the device where nothing would change.
