@@ -27,12 +27,6 @@ static bool launch(duet_motion *m, const char *stage, const kernel *k, uint64_t 
     return timeline_launch(&m->times, stage, k, work, m, err);
 }
 
-// The first n words of a buffer.
-static bool clear(duet_motion *m, const char *stage, motion_buffer which, size_t n, duet_error *err)
-{
-    return timeline_fill(&m->times, stage, &m->buffers[which], 0, 0, n, err);
-}
-
 // ---------------------------------------------------------------- bounds
 
 bool motion_check_bounds(duet_motion *m, duet_error *err)
@@ -144,6 +138,11 @@ void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n)
         c->altered[c->n_altered++] = places[i];
 }
 
+static bool are_some_altered(const duet_motion *m)
+{
+    return m->commands && m->commands->n_altered > 0;
+}
+
 static void list_once(motion_commands *c)
 {
     uint32_t n = 0;
@@ -200,13 +199,14 @@ static bool reserve_table(duet_motion *m, duet_error *err)
 static bool send_altered(duet_motion *m, duet_error *err)
 {
     const motion_commands *c = m->commands;
-    buffer *b = m->buffers;
     const char *stage = "altered_pairs";
-    return clear(m, stage, IS_ALTERED, m->n, err) &&
-           clear(m, stage, ALTERED_HEADS, m->args.n_heads, err) &&
-           clear(m, stage, ALTERED_COUNT_WORDS, ALTERED_COUNTS, err) &&
-           timeline_write_at(&m->times, stage, &b[ALTERED], 0, c->altered,
-                             c->n_altered * sizeof *c->altered, err);
+    buffer *b = m->buffers;
+    timeline *t = &m->times;
+    return timeline_write_at(t, stage, &b[ALTERED], 0, c->altered,
+                             c->n_altered * sizeof *c->altered, err) &&
+           timeline_fill(t, stage, &b[IS_ALTERED], 0, 0, m->n, err) &&
+           timeline_fill(t, stage, &b[ALTERED_HEADS], 0, 0, m->args.n_heads, err) &&
+           timeline_fill(t, stage, &b[ALTERED_COUNT_WORDS], 0, 0, ALTERED_COUNTS, err);
 }
 
 static bool prepare(duet_motion *m, duet_error *err)
@@ -258,7 +258,7 @@ static bool find_altered_pairs(duet_motion *m, bool *found, duet_error *err)
 // Those of what commands altered, where the others' hold on; else all.
 static bool search(duet_motion *m, duet_error *err)
 {
-    bool some = !m->rows_stale && motion_rows_are_stale(m), found = false;
+    bool some = !m->rows_stale && are_some_altered(m), found = false;
     if (some && !find_altered_pairs(m, &found, err))
         return false;
     m->rows_stale = false;
@@ -269,9 +269,10 @@ static bool search(duet_motion *m, duet_error *err)
 
 static bool find_candidates(duet_motion *m, bool *hold, duet_error *err)
 {
-    bool skin = m->has_graph && !motion_rows_are_stale(m) && (m->effects & DUET_EFFECT_SKIN);
+    bool skin = m->has_graph && (m->effects & DUET_EFFECT_SKIN);
+    bool same = !m->rows_stale && !are_some_altered(m);
     *hold = false;
-    return (!skin || bounds_hold(m, hold, err)) && (*hold || search(m, err));
+    return (!skin || !same || bounds_hold(m, hold, err)) && (*hold || search(m, err));
 }
 
 // ---------------------------------------------------------------- rows
@@ -309,18 +310,18 @@ static bool scan_starts(duet_motion *m, motion_buffer starts, duet_error *err)
                     m->n + 1, err);
 }
 
-static bool count_rows(duet_motion *m, duet_error *err)
+// Bodies have no rows of a kind yet.
+static bool clear_starts(duet_motion *m, motion_buffer starts, duet_error *err)
 {
-    return motion_reserve(m, OTHERS, 1, sizeof(uint32_t), err) &&
-           clear(m, "contact_graph", STARTS, (size_t)m->n + 1, err) && put_all(m, 0, err) &&
-           scan_starts(m, STARTS, err);
+    return timeline_fill(&m->times, "contact_graph", &m->buffers[starts], 0, 0, (size_t)m->n + 1,
+                         err);
 }
 
-// The last of the starts says how many there are.
-static bool fill_rows(duet_motion *m, uint64_t most, duet_error *err)
+// The last of the starts says how many contacts there are.
+static bool fill_rows(duet_motion *m, duet_error *err)
 {
-    return motion_reserve(m, OTHERS, most + 1, sizeof(uint32_t), err) && put_all(m, 1, err) &&
-           sort_rows(m, STARTS, OTHERS, err) &&
+    return clear_starts(m, STARTS, err) && put_all(m, 0, err) && scan_starts(m, STARTS, err) &&
+           put_all(m, 1, err) && sort_rows(m, STARTS, OTHERS, err) &&
            timeline_read_at(&m->times, "contact_graph", &m->buffers[STARTS],
                             m->n * sizeof m->n_contacts, &m->n_contacts, sizeof m->n_contacts, err);
 }
@@ -344,8 +345,7 @@ static bool reserve_contacts(duet_motion *m, duet_error *err)
 
 static bool fill_returns(duet_motion *m, duet_error *err)
 {
-    return reserve_contacts(m, err) &&
-           clear(m, "contact_graph", RETURN_STARTS, (size_t)m->n + 1, err) &&
+    return reserve_contacts(m, err) && clear_starts(m, RETURN_STARTS, err) &&
            put_returns(m, 0, err) && scan_starts(m, RETURN_STARTS, err) && put_returns(m, 1, err) &&
            sort_rows(m, RETURN_STARTS, RETURNS, err);
 }
@@ -367,7 +367,8 @@ static bool build_rows(duet_motion *m, duet_error *err)
     buffer_swap(&b[COLOUR_OF], &b[OLD_COLOURS]);
     m->rebuilt = true;
     m->has_graph = true;
-    return check_capacity(m, &most, err) && count_rows(m, err) && fill_rows(m, most, err) &&
+    return check_capacity(m, &most, err) &&
+           motion_reserve(m, OTHERS, most + 1, sizeof(uint32_t), err) && fill_rows(m, err) &&
            fill_returns(m, err) && match_contacts(m, n_old, err);
 }
 

@@ -301,7 +301,7 @@ bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
 bool motion_check_bounds(duet_motion *m, duet_error *err); // sets FLAG_MOVED
 bool motion_build_graph(duet_motion *m, duet_error *err);
 
-// Manifolds, sleep, colours and substeps: what contacts do to bodies in a step.
+// Manifolds, and with response sleep, colours and substeps: what contacts do to bodies in a step.
 bool motion_solve(duet_motion *m, duet_error *err);
 
 // Space for n elements of `size` bytes in a buffer.

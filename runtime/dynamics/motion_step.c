@@ -153,39 +153,25 @@ static void set_args(duet_motion *m)
 
 // ---------------------------------------------------------------- a step
 
-// With response the contacts of the step's beginning are solved.
-static bool respond(duet_motion *m, duet_error *err)
-{
-    if (!motion_build_graph(m, err) || !motion_solve(m, err))
-        return false;
-    if (!(m->effects & DUET_EFFECT_SKIN))
-        return true;
-    m->bounds_checked = motion_check_bounds(m, err);
-    return m->bounds_checked;
-}
-
-// Without it each body flies free, and where it then touches is looked at afterwards.
-static bool fly(duet_motion *m, duet_error *err)
-{
-    const motion_kernels *k = &m->kernels;
-    return (!k->integrate_free_flight ||
-            timeline_launch(&m->times, "integrate", k->integrate_free_flight, m->n, m, err)) &&
-           (!k->build_manifolds ||
-            (motion_build_graph(m, err) &&
-             timeline_launch(&m->times, "manifolds", k->build_manifolds, m->n_contacts, m, err) &&
-             motion_note_events(m, err)));
-}
-
+// With response what touches when the step begins is solved; without it each body flies free, and
+// where it then touches is looked at afterwards.
 static bool run_effects(duet_motion *m, duet_error *err)
 {
+    const kernel *flight = m->kernels.integrate_free_flight;
+    bool contact = m->effects & DUET_EFFECT_CONTACT;
+    bool checks = (m->effects & DUET_EFFECT_CONTACT_RESPONSE) && (m->effects & DUET_EFFECT_SKIN);
     set_args(m);
-    return motion_recall_events(m, err) &&
-           (!(m->effects & DUET_EFFECT_CONTACT) ||
-            timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, 0, FLAGS, err)) &&
-           ((m->effects & DUET_EFFECT_CONTACT_RESPONSE) ? respond(m, err) : fly(m, err));
+    bool ok = motion_recall_events(m, err) &&
+              (!contact ||
+               timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, 0, FLAGS, err)) &&
+              (!flight || timeline_launch(&m->times, "integrate", flight, m->n, m, err)) &&
+              (!contact || (motion_build_graph(m, err) && motion_solve(m, err)));
+    if (checks)
+        m->bounds_checked = ok && motion_check_bounds(m, err);
+    return ok && (!checks || m->bounds_checked);
 }
 
-// What the step leaves to be known: whether bounds still hold, what sleeps, and events.
+// What the step leaves to be known: whether bounds still hold, what sleeps, and how many events.
 static bool hear(duet_motion *m, duet_error *err)
 {
     if (!m->bounds_checked && !(m->effects & (DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS)))
@@ -194,15 +180,16 @@ static bool hear(duet_motion *m, duet_error *err)
         return false;
     m->at_rest =
         (m->effects & DUET_EFFECT_SLEEP) && !m->flags[FLAG_AWAKE] && !m->flags[FLAG_FELL_ASLEEP];
-    return !(m->effects & DUET_EFFECT_EVENTS) || motion_fetch_events(m, err);
+    return true;
 }
 
 // Nothing is sent to the device where nothing would change.
 static bool run_step(duet_motion *m, duet_error *err)
 {
-    bool still = m->n == 0 || m->def.dt == 0.0 || m->effects == 0 || m->at_rest;
-    return still ? motion_keep_events(m, err)
-                 : run_effects(m, err) && hear(m, err) && timeline_finish(&m->times, err);
+    bool moves = m->n > 0 && m->def.dt != 0.0 && m->effects != 0 && !m->at_rest;
+    return (!moves || (run_effects(m, err) && hear(m, err))) &&
+           (!(m->effects & DUET_EFFECT_EVENTS) || motion_find_events(m, moves, err)) &&
+           (!moves || timeline_finish(&m->times, err));
 }
 
 static void fill_result(duet_motion *m, duet_motion_result *result)

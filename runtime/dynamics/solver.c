@@ -226,6 +226,8 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
 bool motion_solve(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
+    if (!(m->effects & DUET_EFFECT_CONTACT_RESPONSE))
+        return find_manifolds(m, 0, err) && motion_note_events(m, err);
     bool ok = update_contacts(m, err) && colour_contacts(m, err) &&
               for_colours(m, k->prepare_contacts, err);
     for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
