@@ -223,16 +223,20 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- all stages
 
-bool motion_solve(duet_motion *m, duet_error *err)
+static bool respond(duet_motion *m, duet_error *err)
 {
-    const motion_kernels *k = &m->kernels;
-    if (!(m->effects & DUET_EFFECT_CONTACT_RESPONSE))
-        return find_manifolds(m, 0, err) && motion_note_events(m, err);
     bool ok = update_contacts(m, err) && colour_contacts(m, err) &&
-              for_colours(m, k->prepare_contacts, err);
+              for_colours(m, m->kernels.prepare_contacts, err);
     for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
         ok = substep(m, err);
-    ok = ok && (!m->facts.elastic || for_colours(m, k->apply_restitution, err));
-    return ok && store_impulses(m, err) && motion_note_events(m, err) &&
-           launch(m, "integrate", k->finalize_bodies, m->n, err) && push_sleepers(m, err);
+    ok = ok && (!m->facts.elastic || for_colours(m, m->kernels.apply_restitution, err));
+    return ok && store_impulses(m, err);
+}
+
+bool motion_solve(duet_motion *m, duet_error *err)
+{
+    bool response = m->effects & DUET_EFFECT_CONTACT_RESPONSE;
+    return (response ? respond(m, err) : find_manifolds(m, 0, err)) && motion_note_events(m, err) &&
+           (!response || (launch(m, "integrate", m->kernels.finalize_bodies, m->n, err) &&
+                          push_sleepers(m, err)));
 }
