@@ -6,7 +6,7 @@
 #include "runtime/dynamics/recording.h"
 
 #include "base/error.h"
-#include "base/text.h"
+#include "base/text_file.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -2,6 +2,7 @@
 #include "runtime/dynamics/recording.h"
 
 #include "base/error.h"
+#include "base/text_file.h"
 #include "runtime/dynamics/motion_commands.h"
 
 #include <assert.h>

@@ -9,7 +9,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "base/text.h"
+#include "base/text_file.h"
 #include "runtime/dynamics/motion.h"
 
 #include <math.h>
