@@ -14,11 +14,28 @@
 // Contraction is off in the kernels' text; nothing here may loosen it.
 static const char BUILD_OPTIONS[] = "-cl-std=CL1.2 -w";
 
+static void release(cl_program *built)
+{
+    if (!*built)
+        return;
+    clReleaseProgram(*built);
+    device_object_gone();
+    *built = NULL;
+}
+
+static void release_kernel(cl_kernel k)
+{
+    if (!k)
+        return;
+    clReleaseKernel(k);
+    device_object_gone();
+}
+
 void program_close(program *p)
 {
     for (int i = 0; i < p->n_entries; ++i)
-        DEVICE_RELEASE(p->entries[i].k.cl);
-    DEVICE_RELEASE(p->cl);
+        release_kernel(p->entries[i].k.cl);
+    release(&p->cl);
     free(p->text);
     free(p);
 }
@@ -51,7 +68,7 @@ void program_pool_close(program_pool *pool)
     if (!pool)
         return;
     for (int i = 0; i < PLACES; ++i)
-        DEVICE_RELEASE(pool->places[i].cl);
+        release(&pool->places[i].cl);
     pthread_mutex_destroy(&pool->lock);
     free(pool);
 }
@@ -81,7 +98,7 @@ static void put_into_pool(program_pool *pool, const program *p)
         return;
     pthread_mutex_lock(&pool->lock);
     unsigned i = pool->next++ % PLACES;
-    DEVICE_RELEASE(pool->places[i].cl);
+    release(&pool->places[i].cl);
     memcpy(pool->places[i].sha256, p->sha256, sizeof p->sha256);
     pool->places[i].cl = retained(p->cl);
     pthread_mutex_unlock(&pool->lock);
@@ -181,7 +198,7 @@ bool program_compile(const program_set *set, program *p, duet_error *err)
 {
     if (set->built_ins && build_declared(set, p))
         return true;
-    DEVICE_RELEASE(p->cl);
+    release(&p->cl);
     const char *source = p->text;
     cl_int code = build_sources(set, p, 1, &source, BUILD_OPTIONS);
     if (!p->cl)

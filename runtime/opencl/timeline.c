@@ -40,6 +40,12 @@ static int stage_index(timeline *t, const char *name, bool transfer)
     return t->n_stages++;
 }
 
+static void release(cl_event event)
+{
+    clReleaseEvent(event);
+    device_object_gone();
+}
+
 // Waits for the queue once the list is full, so that any number fits.
 static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event event,
                        duet_error *err)
@@ -47,7 +53,7 @@ static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event e
     device_object_made();
     t->seen = false;
     if (t->n_events == TIMELINE_EVENTS && !timeline_finish(t, err)) {
-        DEVICE_RELEASE(event);
+        release(event);
         return false;
     }
     t->events[t->n_events].stage = t->untimed ? 0 : stage_index(t, stage, transfer);
@@ -343,7 +349,7 @@ static cl_int collect(timeline *t, int n)
             code = state;
         else if (!t->untimed)
             add_event(t, &t->stages[t->events[i].stage], event);
-        DEVICE_RELEASE(event);
+        release(event);
     }
     t->n_events -= n;
     memmove(t->events, t->events + n, (size_t)t->n_events * sizeof t->events[0]);
@@ -404,7 +410,7 @@ void timeline_clear(timeline *t)
     if (t->n_events > 0 || t->unheard)
         finish_queues(t);
     for (int i = 0; i < t->n_events; ++i)
-        DEVICE_RELEASE(t->events[i].event);
+        release(t->events[i].event);
     t->n_events = 0;
     t->unheard = false;
     t->lost = CL_SUCCESS;
