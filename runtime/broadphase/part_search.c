@@ -334,7 +334,7 @@ static void free_open_objects(open_objects *o)
 static bool gather(part *p, const part_task *task, const duet_pair *open, open_objects *o,
                    duet_error *err)
 {
-    size_t row = grid_object_bytes(&task->objects), n = 2 * (size_t)p->n_undecided;
+    size_t row = task->objects.row_bytes, n = 2 * (size_t)p->n_undecided;
     o->rows = malloc(n * row);
     o->sizes = malloc(n * sizeof *o->sizes);
     if (!o->rows || !o->sizes)

@@ -226,14 +226,11 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
 // *placed is false where a slab had more objects than it had space for.
 static bool run_parts(duet_world *world, bool *placed, duet_error *err)
 {
-    const duet_mode mode = world->def.plan.mode;
-    if (mode == DUET_MODE_SLAB && world->split.stale && !world_see_objects(world, err))
-        return false;
     part_range ranges[2];
     forget_last_step(world);
     if (!divide(world, ranges, err))
         return false;
-    const bool shared = mode == DUET_MODE_SHARED && has_work(&ranges[0]);
+    const bool shared = world->def.plan.mode == DUET_MODE_SHARED && has_work(&ranges[0]);
     const bool use[2] = {has_work(&ranges[0]), shared || has_work(&ranges[1])};
     if (needs_sight(world, use) && !world_see_objects(world, err))
         return false;
@@ -470,8 +467,7 @@ void world_send_ahead(duet_world *world, uint32_t n, const global_ids *ids)
         own.version = ++world->ids_version;
     for (int side = 0; side < 2 && n > 0 && !world->resident.objects.mem; ++side) {
         part_task task = describe_task(world, side);
-        size_t bytes =
-            world->lent ? world->n * grid_object_bytes(&task.objects) : world->objects.size;
+        size_t bytes = world->lent ? world->n * task.objects.row_bytes : world->objects.size;
         task.objects.n = n;
         task.ids = ids ? &own : NULL;
         if (can_send_ahead(world, side) &&

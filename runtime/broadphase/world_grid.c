@@ -53,8 +53,6 @@ void world_forget_grid(duet_world *world)
 static bool fit_grid(duet_world *world, duet_error *err)
 {
     const duet_world_def *def = &world->def;
-    if (!world_see_objects(world, err))
-        return false;
     grid_objects objects = world_objects(world);
     grid_needs needs;
     grid_needs_of(&needs, &objects);
@@ -88,5 +86,9 @@ static bool needs_fit(const duet_world *world)
 
 bool world_fit_grid(duet_world *world, duet_error *err)
 {
-    return !needs_fit(world) || fit_grid(world, err);
+    bool fits = !needs_fit(world);
+    bool is_cut_anew = world->def.plan.mode == DUET_MODE_SLAB && world->split.stale;
+    if (fits && !is_cut_anew)
+        return true;
+    return world_see_objects(world, err) && (fits || fit_grid(world, err));
 }
