@@ -173,15 +173,16 @@ static bool fail_with_log(const program_set *set, const program *p, duet_error *
                      length ? from : "the compiler is silent");
 }
 
-static cl_int build_sources(const program_set *set, program *p, cl_uint n, const char *sources[],
-                            const char *options)
+static bool build_sources(const program_set *set, program *p, cl_uint n, const char *sources[],
+                          const char *options, duet_error *err)
 {
     cl_int code = CL_SUCCESS;
     p->cl = clCreateProgramWithSource(set->device->context, n, sources, NULL, &code);
     if (!p->cl)
-        return code;
+        return error_set_cl(err, code, "%s on %s", p->name, set->device->info.selector);
     device_object_made();
-    return clBuildProgram(p->cl, 1, &set->device->id, options, NULL, NULL);
+    return clBuildProgram(p->cl, 1, &set->device->id, options, NULL, NULL) == CL_SUCCESS ||
+           fail_with_log(set, p, err);
 }
 
 // With declarations of ours in the place of the driver's header.
@@ -190,7 +191,7 @@ static bool build_declared(const program_set *set, program *p)
     const char *sources[] = {set->built_ins, p->text};
     char options[96];
     snprintf(options, sizeof options, "%s %s", BUILD_OPTIONS, set->device->driver.header_option);
-    return build_sources(set, p, 2, sources, options) == CL_SUCCESS;
+    return build_sources(set, p, 2, sources, options, NULL);
 }
 
 // What a driver refuses with our declarations is built with its own, and its messages count.
@@ -200,10 +201,7 @@ bool program_compile(const program_set *set, program *p, duet_error *err)
         return true;
     release(&p->cl);
     const char *source = p->text;
-    cl_int code = build_sources(set, p, 1, &source, BUILD_OPTIONS);
-    if (!p->cl)
-        return error_set_cl(err, code, "%s on %s", p->name, set->device->info.selector);
-    return code == CL_SUCCESS || fail_with_log(set, p, err);
+    return build_sources(set, p, 1, &source, BUILD_OPTIONS, err);
 }
 
 // ---------------------------------------------------------------- all of a set
@@ -257,8 +255,8 @@ static void compile_some(void *arg)
     duet_error why = {0};
     program *p;
     while (budget_check_stop(&why) && (p = take_next(c)) && program_compile(c->set, p, &why)) {
-        keep_binary(c->set, p);
         put_into_pool(c->set->device->built, p);
+        keep_binary(c->set, p);
     }
     pthread_mutex_lock(&c->lock);
     error_copy(&c->why, &why);
