@@ -415,7 +415,7 @@ static void choose(const part *p, const part_task *task, part_choice choices[PAR
         {"SLAB", task->divided, false},
         {"FROM_IDS", !to_places, counting && !task->shared},
         {"TO_PLACES", sums, false},
-        {"SUM_BLOCK", sums ? scan_block(&p->scan) : 0, false},
+        {"SUM_BLOCK", sums ? p->scan.block : 0, false},
         {"FUSED", tested && v->fused, tested},
     };
     memcpy(choices, all, sizeof all);
