@@ -154,10 +154,7 @@ void part_distrust(part *p)
 
 void part_forget(part *p)
 {
-    if (p->untimed)
-        timeline_begin_untimed(&p->times, p->device);
-    else
-        timeline_begin(&p->times, p->device);
+    timeline_begin(&p->times, p->device, !p->untimed);
     p->ahead_version = 0;
     p->span = (duet_span){0};
     p->counted = (part_counted){0};

@@ -90,7 +90,7 @@ static bool map_resident(resident *r, size_t bytes, const device *d, duet_error 
 static bool fetch_resident(duet_world *world, size_t bytes, part *from, duet_error *err)
 {
     resident *r = &world->resident;
-    timeline_begin(&from->times, from->device);
+    timeline_begin(&from->times, from->device, true);
     if (!host_block_reserve(&world->objects, world->def.pair->devices, 2, bytes, err) ||
         !timeline_read(&from->times, "fetch objects", &r->objects, world->objects.bytes, bytes,
                        err))

@@ -7,20 +7,16 @@
 #include <sched.h>
 #include <string.h>
 
-void timeline_begin_untimed(timeline *t, const device *d)
+void timeline_begin(timeline *t, const device *d, bool timed)
 {
     if (t->n_events > 0)
         timeline_clear(t);
     t->lost = CL_SUCCESS;
     t->device = d;
-    t->untimed = true;
+    t->untimed = !timed;
     t->n_launches = t->n_waits = 0;
-}
-
-void timeline_begin(timeline *t, const device *d)
-{
-    timeline_begin_untimed(t, d);
-    t->untimed = false;
+    if (!timed)
+        return;
     t->n_stages = 0;
     t->first_begin = t->last_end = 0;
 }
@@ -50,13 +46,14 @@ static void release(cl_event event)
 static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event event,
                        duet_error *err)
 {
+    int at = t->untimed ? 0 : stage_index(t, stage, transfer);
     device_object_made();
     t->seen = false;
     if (t->n_events == TIMELINE_EVENTS && !timeline_finish(t, err)) {
         release(event);
         return false;
     }
-    t->events[t->n_events].stage = t->untimed ? 0 : stage_index(t, stage, transfer);
+    t->events[t->n_events].stage = at;
     t->events[t->n_events].event = event;
     ++t->n_events;
     return true;
