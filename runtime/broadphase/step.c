@@ -92,13 +92,18 @@ static bool has_work(const part_range *range)
     return range->first < range->last;
 }
 
+// Either may be NULL.
+static bool run_both(duet_world *world, job *a, job *b)
+{
+    thread_pool_run_both(world->driver, run_job, a, b);
+    return (!a || a->ok) && (!b || b->ok);
+}
+
 // Own grids, whole ones or slabs.
 static bool run_own(duet_world *world, job jobs[2])
 {
-    bool use[2] = {has_work(&jobs[0].range), has_work(&jobs[1].range)};
-    thread_pool_run_both(world->driver, run_job, use[0] ? &jobs[0] : NULL,
-                         use[1] ? &jobs[1] : NULL);
-    return (!use[0] || jobs[0].ok) && (!use[1] || jobs[1].ok);
+    return run_both(world, has_work(&jobs[0].range) ? &jobs[0] : NULL,
+                    has_work(&jobs[1].range) ? &jobs[1] : NULL);
 }
 
 // Figure 11: B builds the grid and sends it; then both search.
@@ -114,10 +119,7 @@ static bool run_shared(duet_world *world, job jobs[2])
                   part_build_grid(b->part, &b->task, &b->range, &b->err) &&
                   part_send_grid(b->part, a->part, &b->task, &b->err);
     b->part->wall_ms = clock_ms_since(begun);
-    if (!b->has_grid)
-        return false;
-    thread_pool_run_both(world->driver, run_job, a, b);
-    return a->ok && b->ok;
+    return b->has_grid && run_both(world, a, b);
 }
 
 // An object's slab is known only once its row of cells is, so that each device's part of the
