@@ -114,16 +114,6 @@ duet_pair duet_result_get_pair(const duet_result *result, uint64_t i)
 
 // ---------------------------------------------------------------- its pairs on a device
 
-// A device keeps its pairs where it can hand them over without the host, and gains by it.
-void world_choose_keepers(duet_world *world)
-{
-    const device *to = world->left.device;
-    for (int side = 0; side < 2; ++side) {
-        const device *from = world->parts[side].device;
-        world->keeps_pairs[side] = to && !from->info.host_memory && from->context == to->context;
-    }
-}
-
 static bool check_space(const pair_buffers *b, uint64_t n, duet_error *err)
 {
     return !b->pairs || n <= b->capacity ||

@@ -13,6 +13,16 @@
 
 #include <math.h>
 
+// A device keeps its pairs where it can hand them over without the host, and gains by it.
+static void choose_keepers(duet_world *world)
+{
+    const device *to = world->left.device;
+    for (int side = 0; side < 2; ++side) {
+        const device *from = world->parts[side].device;
+        world->keeps_pairs[side] = to && !from->info.host_memory && from->context == to->context;
+    }
+}
+
 static void choose_timed(duet_world *world)
 {
     if (world->def.stage_times)
@@ -277,21 +287,21 @@ static bool find_all(duet_world *world, duet_error *err)
                              "an object's extent of %g does not fit a cell of %g", widest,
                              world->grid.edge);
     }
-    return world_check_bad(world, err);
+    return true;
 }
 
 static bool find_pairs(duet_world *world, duet_error *err)
 {
     bool ok = find_all(world, err);
     world_end_sight(world);
-    return ok;
+    return ok && world_check_bad(world, err);
 }
 
 static bool run_step(duet_world *world, duet_result *result, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
+    choose_keepers(world);
     choose_timed(world);
-    world_choose_keepers(world);
     if (!world_await_objects(world, err) || !find_pairs(world, err))
         return false;
     bool ok = !world->left.device || world_gather_pairs(world, err);

@@ -161,9 +161,8 @@ void resident_drop(resident *r);
 // Maps n transforms, of the kind that the world was made for, and fills them from poses.
 bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err);
 
-// Where pairs are left on a device: which devices keep what they find in the next step; after it,
-// all pairs in one buffer, TOO_MANY where the caller's has no space for them.
-void world_choose_keepers(duet_world *world);
+// Where pairs are left on a device: after the step all in one buffer, TOO_MANY where the caller's
+// has no space for them.
 bool world_gather_pairs(duet_world *world, duet_error *err);
 
 // After a step that failed: no pairs, so that kernels which read the number do nothing. False where
