@@ -253,7 +253,8 @@ static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet
     if (task->objects.shape != DUET_SHAPE_BOUNDS)
         ok = ok && (p->undecided.mem || reserve_pairs(p, &p->undecided, guess / 64, err));
     if (task->ids)
-        ok = ok && (p->left.mem || reserve_pairs(p, &p->left, guess / 64, err));
+        ok = ok && (p->left.mem || reserve_pairs(p, &p->left, guess / 64, err)) &&
+             buffer_reserve(&p->pair_counts, p->device, PAIR_COUNTS * sizeof(uint32_t), err);
     if (p->kernels.narrow)
         ok = ok &&
              (p->candidates.mem ||
