@@ -249,12 +249,15 @@ static program *take_next(compilation *c)
     return p;
 }
 
-static void compile_some(void *arg)
+// As many as from `from` to `to`.
+static void compile_some(void *arg, uint64_t from, uint64_t to)
 {
     compilation *c = arg;
     duet_error why = {0};
-    program *p;
-    while (budget_check_stop(&why) && (p = take_next(c)) && program_compile(c->set, p, &why)) {
+    for (; from < to && budget_check_stop(&why); ++from) {
+        program *p = take_next(c);
+        if (!p || !program_compile(c->set, p, &why))
+            break;
         put_into_pool(c->set->device->built, p);
         keep_binary(c->set, p);
     }
@@ -277,9 +280,7 @@ static bool compile_the_others(program_set *set, uint32_t n, duet_error *err)
     compilation c = {.set = set, .next = set->first, .n = n};
     thread_pool *helpers = n_helpers > 0 ? thread_pool_open(n_helpers, NULL) : NULL;
     pthread_mutex_init(&c.lock, NULL);
-    if (helpers)
-        thread_pool_start(helpers, compile_some, &c);
-    compile_some(&c);
+    thread_pool_share(helpers, compile_some, &c, n, 1);
     thread_pool_close(helpers);
     pthread_mutex_destroy(&c.lock);
     if (c.why.status == DUET_STATUS_OK)
