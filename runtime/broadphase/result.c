@@ -171,8 +171,6 @@ static bool gather(pair_buffers *b, const part parts[2], const bool kept[2], due
 static bool write_count(pair_buffers *b, duet_error *err)
 {
     cl_ulong n = b->last.n;
-    if (!b->count && !buffer_reserve(&b->own_count, b->device, sizeof n, err))
-        return false;
     b->last.count = b->count ? b->count : b->own_count.mem;
     cl_int code = clEnqueueWriteBuffer(b->device->queue, b->last.count, CL_TRUE, 0, sizeof n, &n, 0,
                                        NULL, NULL);
@@ -233,13 +231,13 @@ bool duet_world_leave_pairs(duet_world *world, int side, cl_mem pairs, cl_mem co
     size_t bytes = 0;
     if (pairs)
         clGetMemObjectInfo(pairs, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
-    callers_buffer_hold(pairs);
-    callers_buffer_hold(count);
+    pair_buffers left = {.device = &devices[side], .capacity = bytes / sizeof(duet_pair)};
+    if (!count && !buffer_reserve(&left.own_count, left.device, sizeof(cl_ulong), err))
+        return false;
+    left.pairs = callers_buffer_hold(pairs);
+    left.count = callers_buffer_hold(count);
     pair_buffers_drop(&world->left);
-    world->left = (pair_buffers){.device = &devices[side],
-                                 .pairs = pairs,
-                                 .count = count,
-                                 .capacity = bytes / sizeof(duet_pair)};
+    world->left = left;
     return true;
 }
 
