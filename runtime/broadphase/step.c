@@ -180,18 +180,6 @@ static bool divide(duet_world *world, part_range ranges[2], duet_error *err)
     return true;
 }
 
-// Whether the host must see objects that a device has: to send them to the other one, or to
-// decide in the device's memory what float leaves open.
-static bool needs_sight(const duet_world *world, const bool use[2])
-{
-    bool needs = false;
-    for (int side = 0; side < 2; ++side)
-        needs |= use[side] &&
-                 (!world->resident.on[side] || (world->def.shape == DUET_SHAPE_POSES &&
-                                                world->parts[side].device->info.host_memory));
-    return needs;
-}
-
 // The paper's kernels take every object by its id. Each device marks what the other one wants, so
 // that both take stretches or none does.
 static bool takes_stretches(const duet_world *world)
@@ -244,15 +232,15 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
         return false;
     const bool shared = world->def.plan.mode == DUET_MODE_SHARED && has_work(&ranges[0]);
     const bool use[2] = {has_work(&ranges[0]), shared || has_work(&ranges[1])};
-    if (needs_sight(world, use) && !world_see_objects(world, err))
+    if (!world_see_for_search(world, use, err))
         return false;
     job jobs[2];
     describe_jobs(jobs, world, ranges);
     if (!prepare(world, jobs, use, err))
         return false;
-    bool ok = shared                ? run_shared(world, jobs)
-              : jobs[0].task.intake ? run_stretched(world, jobs, err)
-                                    : run_packed(world, jobs, err);
+    bool ok = jobs[0].task.intake ? run_stretched(world, jobs, err)
+              : shared            ? run_shared(world, jobs)
+                                  : run_packed(world, jobs, err);
     for (int side = 0; side < 2 && !ok; ++side) {
         part_distrust(&world->parts[side]);
         if (jobs[side].err.status != DUET_STATUS_OK && err && err->status == DUET_STATUS_OK)

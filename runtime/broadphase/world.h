@@ -150,6 +150,10 @@ grid_objects world_objects(const duet_world *world);
 bool world_see_objects(duet_world *world, duet_error *err);
 void world_end_sight(duet_world *world);
 
+// The same where a search needs it by the devices that take part: to send objects that one has to
+// the other, or to decide in a device's memory what float leaves open.
+bool world_see_for_search(duet_world *world, const bool takes_part[2], duet_error *err);
+
 // Whether every object has a size, whichever of the two was set first; and what must be over
 // before they are read is over.
 bool world_check_sizes(const duet_world *world, duet_error *err);

@@ -129,6 +129,16 @@ bool world_see_objects(duet_world *world, duet_error *err)
                                                          : fetch_resident(world, bytes, p, err));
 }
 
+bool world_see_for_search(duet_world *world, const bool takes_part[2], duet_error *err)
+{
+    bool needs = false;
+    for (int side = 0; side < 2; ++side)
+        needs |= takes_part[side] &&
+                 (!world->resident.on[side] || (world->def.shape == DUET_SHAPE_POSES &&
+                                                world->parts[side].device->info.host_memory));
+    return !needs || world_see_objects(world, err);
+}
+
 void world_end_sight(duet_world *world)
 {
     resident *r = &world->resident;
