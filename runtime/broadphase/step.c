@@ -152,10 +152,9 @@ static void forget_last_step(duet_world *world)
 }
 
 // Once strays were missed they are known, and no second guess misses any.
-static bool run_stretched(duet_world *world, job jobs[2], duet_error *err)
+static bool run_stretched(duet_world *world, job jobs[2])
 {
-    const part_range ranges[2] = {jobs[0].range, jobs[1].range};
-    if (!strays_begin(&world->strays, &jobs[1].task, ranges, err) || !run_own(world, jobs))
+    if (!run_own(world, jobs))
         return false;
     const stray_marks marks[2] = {strays_marks_of(jobs[0].part), strays_marks_of(jobs[1].part)};
     if (!jobs[0].placed || !jobs[1].placed || strays_guessed_all(&world->strays, marks))
@@ -236,11 +235,13 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
         return false;
     job jobs[2];
     describe_jobs(jobs, world, ranges);
-    if (!prepare(world, jobs, use, err))
+    const bool stretched = jobs[0].task.intake;
+    if ((stretched && !strays_begin(&world->strays, &jobs[1].task, ranges, err)) ||
+        !prepare(world, jobs, use, err))
         return false;
-    bool ok = jobs[0].task.intake ? run_stretched(world, jobs, err)
-              : shared            ? run_shared(world, jobs)
-                                  : run_packed(world, jobs, err);
+    bool ok = stretched ? run_stretched(world, jobs)
+              : shared  ? run_shared(world, jobs)
+                        : run_packed(world, jobs, err);
     for (int side = 0; side < 2 && !ok; ++side) {
         part_distrust(&world->parts[side]);
         if (jobs[side].err.status != DUET_STATUS_OK && err && err->status == DUET_STATUS_OK)
