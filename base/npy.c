@@ -3,6 +3,8 @@
 // Python literal padded so that the values begin on 64 bytes, and the values.
 #include "base/npy.h"
 
+#include "base/text_file.h"
+
 #include <inttypes.h>
 
 enum { PREFIX = 10, ALIGNMENT = 64 };

@@ -21,23 +21,19 @@ typedef struct text {
 // Adds nothing where t is NULL.
 void text_add(text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void text_add_bytes(text *t, const char *bytes, size_t n);
+
+// Adds bytes as visible_show shows them.
+void text_add_visible(text *t, const char *chars, size_t n, const char *kept);
+
+// Adds JSON whose strings may hold what is no UTF-8, which becomes U+FFFD, and DEL and U+0080 to
+// U+009F, which become \u007f and so on and so stay what they are.
+void text_add_json(text *t, const char *json);
+
 const char *text_chars(const text *t); // never NULL
 bool text_ok(const text *t, duet_error *err);
 void text_free(text *t);
 
 // FNV-1a, by which a file of ours shows that it is whole.
 uint64_t text_checksum(const char *bytes, size_t n);
-
-// Reads a whole file, "-" for stdin; the bytes end with a NUL that length does not count.
-// false with NOT_FOUND or IO_FAILED, naming the path; the text is then empty.
-bool text_read_file(text *t, const char *path, duet_error *err);
-
-// The same of a text or a NumPy file. BAD_INPUT at once for what is neither, as a device
-// that never ends is: by a byte that is 0, or by the length of a line.
-enum { TEXT_LINE_MOST = 1 << 24 };
-bool text_read_lines(text *t, const char *path, duet_error *err);
-
-// Writes a whole file, by output.h: all of it is there or nothing changes.
-bool text_write_file(const char *path, const char *bytes, size_t n, duet_error *err);
 
 #endif

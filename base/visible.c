@@ -48,8 +48,8 @@ bool utf8_is_valid(const char *chars)
     return length > 0;
 }
 
-// U+0000 to U+001F, U+007F and U+0080 to U+009F.
-static bool is_control(const char *at, size_t length)
+// U+0000 to U+001F, U+007F, and U+0080 to U+009F.
+bool utf8_is_control(const char *at, size_t length)
 {
     unsigned char c = (unsigned char)*at;
     return length == 1 ? c < 0x20 || c == 0x7f
@@ -63,18 +63,18 @@ static size_t length_within(const char *at, size_t n)
     return utf8_length(end);
 }
 
-void visible_add(text *t, const char *chars, size_t n, const char *kept)
+size_t visible_show(const char *at, size_t n, const char *kept, char shown[VISIBLE_MOST])
 {
-    for (size_t i = 0; i < n;) {
-        size_t length = length_within(chars + i, n - i);
-        bool stays = length == 1 && chars[i] != '\0' && strchr(kept, chars[i]);
-        bool shown = stays || (length > 0 && !is_control(chars + i, length));
-        if (shown)
-            text_add_bytes(t, chars + i, length);
-        for (size_t k = 0; !shown && k < (length > 0 ? length : 1); ++k)
-            text_add(t, "\\x%02x", (unsigned)(unsigned char)chars[i + k]);
-        i += length > 0 ? length : 1;
+    size_t length = length_within(at, n), taken = length > 0 ? length : 1;
+    bool stays = length == 1 && *at != '\0' && strchr(kept, *at);
+    if (stays || (length > 0 && !utf8_is_control(at, length))) {
+        memcpy(shown, at, length);
+        shown[length] = '\0';
+        return length;
     }
+    for (size_t k = 0; k < taken; ++k)
+        snprintf(shown + 4 * k, 5, "\\x%02x", (unsigned)(unsigned char)at[k]);
+    return taken;
 }
 
 static void drop_cut_character(char *line)
@@ -89,38 +89,23 @@ static void drop_cut_character(char *line)
 
 void visible_line(char *line, size_t size)
 {
-    text shown = {0};
     drop_cut_character(line);
-    visible_add(&shown, line, strlen(line), "");
-    if (!shown.failed && shown.chars && strcmp(shown.chars, line) != 0)
-        snprintf(line, size, "%s", shown.chars);
-    text_free(&shown);
-}
-
-static void add_json_character(text *t, const char *at, size_t length)
-{
-    if (length == 0)
-        text_add(t, "\xef\xbf\xbd");
-    else if (is_control(at, length) && *at == 0x7f)
-        text_add(t, "\\u007f");
-    else if (is_control(at, length) && length == 2)
-        text_add(t, "\\u00%02x", (unsigned)(unsigned char)at[1]);
-    else
-        text_add_bytes(t, at, length);
-}
-
-// Beyond ASCII, and for DEL, there are only strings.
-void visible_add_json(text *t, const char *json)
-{
-    for (const char *at = json; *at;) {
-        const char *from = at;
-        while (*at && (unsigned char)*at < 0x7f)
-            ++at;
-        text_add_bytes(t, from, (size_t)(at - from));
-        if (!*at)
+    for (size_t at = 0, length = strlen(line); at < length;) {
+        char shown[VISIBLE_MOST];
+        size_t taken = visible_show(line + at, length - at, "", shown);
+        size_t n = strlen(shown), space = size - 1 - at, rest = length - at - taken;
+        bool all = n + rest <= space;
+        if (n > space) {
+            line[at] = '\0';
             return;
-        size_t length = utf8_length(at);
-        add_json_character(t, at, length);
-        at += length > 0 ? length : 1;
+        }
+        rest = all ? rest : space - n;
+        memmove(line + at + n, line + at + taken, rest);
+        memcpy(line + at, shown, n);
+        line[at + n + rest] = '\0';
+        if (!all)
+            drop_cut_character(line);
+        at += n;
+        length = at + strlen(line + at);
     }
 }

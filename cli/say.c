@@ -5,6 +5,7 @@
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/text_file.h"
 #include "base/visible.h"
 #include "cli/report/json.h"
 
@@ -57,7 +58,7 @@ said say_name(const char *name)
 {
     said shown = {{0}};
     text whole = {0};
-    visible_add(&whole, name ? name : "", name ? strlen(name) : 0, "");
+    text_add_visible(&whole, name ? name : "", name ? strlen(name) : 0, "");
     snprintf(shown.chars, sizeof shown.chars, "%s", text_chars(&whole));
     text_free(&whole);
     return shown;
@@ -66,7 +67,7 @@ said say_name(const char *name)
 void say_lines(const char *lines)
 {
     text shown = {0};
-    visible_add(&shown, lines, strlen(lines), "\n\t");
+    text_add_visible(&shown, lines, strlen(lines), "\n\t");
     fputs(text_chars(&shown), stdout);
     text_free(&shown);
 }

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "gen/kernel.h"
 #include "base/blob.h"
+#include "base/text_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 
 #include "base/blob.h"
 #include "base/budget.h"
-#include "base/visible.h"
+#include "base/text_file.h"
 #include "duet_lua.h"
 #include "gen/script.h"
 #include "lua/class.h"
@@ -85,7 +85,7 @@ static void print_chars(const char *chars, size_t n)
 {
     text shown = {0};
     if (isatty(STDOUT_FILENO))
-        visible_add(&shown, chars, n, "\n\t");
+        text_add_visible(&shown, chars, n, "\n\t");
     else
         text_add_bytes(&shown, chars, n);
     fwrite(text_chars(&shown), 1, shown.length, stdout);

@@ -7,6 +7,7 @@
 
 #include "base/blob.h"
 #include "base/output.h"
+#include "base/text_file.h"
 #include "base/visible.h"
 #include "profiles/fit.h"
 #include "profiles/sql.h"
@@ -65,7 +66,7 @@ typedef bool line_sink(void *context, const char *line, duet_error *err);
 static bool send_valid(const char *line, line_sink *sink, void *context, duet_error *err)
 {
     text valid = {0};
-    visible_add_json(&valid, line);
+    text_add_json(&valid, line);
     bool ok = text_ok(&valid, err) && sink(context, text_chars(&valid), err);
     text_free(&valid);
     return ok;

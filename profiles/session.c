@@ -7,6 +7,7 @@
 #include "profiles/session.h"
 
 #include "base/clock.h"
+#include "base/text_file.h"
 #include "profiles/fit.h"
 #include "profiles/sql.h"
 

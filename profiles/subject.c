@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/subject.h"
 
+#include "base/text_file.h"
 #include "profiles/cluster_run.h"
 #include "profiles/sql.h"
 

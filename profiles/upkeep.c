@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "profiles/upkeep.h"
 
-#include "base/visible.h"
+#include "base/text.h"
 #include "profiles/sql.h"
 #include "profiles/subject.h"
 
@@ -82,7 +82,7 @@ bool profile_prune(store *s, const profile_prune_def *def, profile_prune_counts 
 static void add_word(text *report, const char *word)
 {
     text_add(report, " ");
-    visible_add(report, word ? word : "-", word ? strlen(word) : 1, "");
+    text_add_visible(report, word ? word : "-", word ? strlen(word) : 1, "");
 }
 
 // One line for each row that the query gives; its columns are joined.

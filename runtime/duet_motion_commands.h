@@ -46,8 +46,8 @@ DUET_API bool duet_motion_remove_bodies(duet_motion *motion, duet_body_list list
 DUET_API bool duet_motion_disable_bodies(duet_motion *motion, duet_body_list list, duet_error *err);
 DUET_API bool duet_motion_enable_bodies(duet_motion *motion, duet_body_list list, duet_error *err);
 
-// With the effect sleep. What is sent to sleep stays asleep unless it touches something
-// that moves.
+// With the effect sleep. What is sent to sleep stops at once, and stays asleep unless it touches
+// something that moves.
 DUET_API bool duet_motion_wake_bodies(duet_motion *motion, duet_body_list list, duet_error *err);
 DUET_API bool duet_motion_sleep_bodies(duet_motion *motion, duet_body_list list, duet_error *err);
 

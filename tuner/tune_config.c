@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/tune_config.h"
 
+#include "base/text_file.h"
 #include "gen/field.h"
 #include "runtime/narrowphase/accuracy.h"
 #include "runtime/scene/shipped.h"

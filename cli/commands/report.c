@@ -2,6 +2,7 @@
 // duet report: one page with everything that was measured, to be read in a
 // browser, sent by mail or kept; it loads nothing.
 #include "base/error.h"
+#include "base/text_file.h"
 #include "cli/commands.h"
 #include "cli/commands/profiles.h"
 #include "cli/costs.h"

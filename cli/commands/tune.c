@@ -4,7 +4,7 @@
 // Each number of objects is a workload of its own. Ctrl-C keeps what was
 // measured, and the same command goes on from there.
 #include "base/error.h"
-#include "base/text.h"
+#include "base/text_file.h"
 #include "cli/commands.h"
 #include "cli/inputs.h"
 #include "cli/report/tune_report.h"

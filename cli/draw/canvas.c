@@ -4,8 +4,7 @@
 #include "cli/draw/canvas.h"
 
 #include "base/error.h"
-#include "base/text.h"
-#include "base/visible.h"
+#include "base/text_file.h"
 
 #include <cairo-svg.h>
 #include <math.h>
@@ -103,7 +102,7 @@ double canvas_words(canvas *c, point at, double size, colour ink, const char *wo
     cairo_set_font_size(c->cairo, size);
     cairo_move_to(c->cairo, at.x, at.y);
     text shown = {0}; // cairo draws nothing more after what is no UTF-8
-    visible_add(&shown, words, strlen(words), "");
+    text_add_visible(&shown, words, strlen(words), "");
     cairo_show_text(c->cairo, text_chars(&shown));
     text_free(&shown);
     cairo_get_current_point(c->cairo, &at.x, &at.y);

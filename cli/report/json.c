@@ -2,7 +2,7 @@
 #include "cli/report/json.h"
 
 #include "base/error.h"
-#include "base/visible.h"
+#include "base/text_file.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -33,7 +33,7 @@ bool json_write(const cJSON *o, text *t, duet_error *err)
     char *chars = cJSON_Print(o);
     if (!chars)
         return error_set(err, DUET_STATUS_NO_MEMORY, "the JSON object: no memory");
-    visible_add_json(t, chars);
+    text_add_json(t, chars);
     cJSON_free(chars);
     return text_ok(t, err);
 }

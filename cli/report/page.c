@@ -3,7 +3,7 @@
 
 #include "base/blob.h"
 #include "base/error.h"
-#include "base/visible.h"
+#include "base/text.h"
 #include "cli/report/profile_report.h"
 #include "gen/script.h"
 #include "runtime/duet.h"
@@ -69,7 +69,7 @@ typedef struct pushing {
 static void push_words(lua_State *L, pushing *p, const char *chars)
 {
     p->words.length = 0;
-    visible_add(&p->words, chars, strlen(chars), "\n\t");
+    text_add_visible(&p->words, chars, strlen(chars), "\n\t");
     lua_pushlstring(L, text_chars(&p->words), p->words.length);
 }
 

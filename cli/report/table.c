@@ -2,7 +2,7 @@
 #define _DEFAULT_SOURCE // TIOCGWINSZ
 #include "cli/report/table.h"
 
-#include "base/visible.h"
+#include "base/text.h"
 #include "runtime/duet.h"
 
 #include <ctype.h>
@@ -25,7 +25,7 @@ void table_cell(table *t, const char *format, ...)
     va_start(args, format);
     vsnprintf(cell, sizeof cell, format, args);
     va_end(args);
-    visible_add(&t->cells, cell, strlen(cell), "");
+    text_add_visible(&t->cells, cell, strlen(cell), "");
     text_add_bytes(&t->cells, "", 1);
     ++t->n_cells;
 }

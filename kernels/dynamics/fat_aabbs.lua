@@ -46,7 +46,7 @@ return {
       const real4 *angular_velocities  if CONTINUOUS == 1 and ANGULAR_VELOCITY == 1
       real dt                          if CONTINUOUS == 1
       const float4 *halves
-      real aabb_margin
+      real contact_margin
       uint n
       const float *boxes
       volatile uint *flags

@@ -20,20 +20,18 @@ enum { LEAST_PART = 8 };
 // Pairs that an altered body may have; with more, all are searched.
 enum { PAIRS_OF_ONE = 64 };
 
-// ---------------------------------------------------------------- bounds
-
-// Separations up to the margin are contacts, so each object's bounds have half of it.
-static bool compute_bounds(duet_motion *m, const kernel *k, uint32_t n, duet_error *err)
+// Over so many bodies, pairs or contacts.
+static bool launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work,
+                   duet_error *err)
 {
-    double skin = motion_has(m, DUET_EFFECT_SKIN) ? m->def.skin : 0.0;
-    m->args.aabb_margin = motion_real(m, 0.5 * (m->margin + skin));
-    return timeline_launch(&m->times, "grid", k, n, m, err);
+    return timeline_launch(&m->times, stage, k, work, m, err);
 }
+
+// ---------------------------------------------------------------- bounds
 
 bool motion_check_bounds(duet_motion *m, duet_error *err)
 {
-    m->args.aabb_margin = motion_real(m, 0.5 * m->margin);
-    return timeline_launch(&m->times, "fat_aabbs", m->kernels.check_fat_aabbs, m->n, m, err);
+    return launch(m, "fat_aabbs", m->kernels.check_fat_aabbs, m->n, err);
 }
 
 // Whether everything is still inside the bounds that the rows were made from. What a step
@@ -113,7 +111,7 @@ static bool find_all_pairs(duet_motion *m, duet_error *err)
 {
     return (!m->flags[FLAG_MOVED] || timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0,
                                                    FLAG_MOVED, FLAG_MOVED + 1, err)) &&
-           compute_bounds(m, m->kernels.compute_fat_aabbs, m->n, err) && find_pairs(m, err);
+           launch(m, "grid", m->kernels.compute_fat_aabbs, m->n, err) && find_pairs(m, err);
 }
 
 // ---------------------------------------------------------------- altered bodies
@@ -134,10 +132,15 @@ void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n)
 {
     motion_commands *c = m->commands;
     uint64_t all = (uint64_t)c->n_altered + n;
-    m->rows_stale = m->rows_stale || !m->has_graph || !motion_has(m, DUET_EFFECT_SKIN) ||
+    m->rows_stale = m->rows_stale || !m->has_graph || !(m->effects & DUET_EFFECT_SKIN) ||
                     all > m->n / LEAST_PART || !reserve(c, all);
     for (uint32_t i = 0; i < n && !m->rows_stale; ++i)
         c->altered[c->n_altered++] = places[i];
+}
+
+static bool are_some_altered(const duet_motion *m)
+{
+    return m->commands && m->commands->n_altered > 0;
 }
 
 static void list_once(motion_commands *c)
@@ -196,13 +199,14 @@ static bool reserve_table(duet_motion *m, duet_error *err)
 static bool send_altered(duet_motion *m, duet_error *err)
 {
     const motion_commands *c = m->commands;
+    const char *stage = "altered_pairs";
     buffer *b = m->buffers;
     timeline *t = &m->times;
-    return timeline_write_at(t, "altered_pairs", &b[ALTERED], 0, c->altered,
+    return timeline_write_at(t, stage, &b[ALTERED], 0, c->altered,
                              c->n_altered * sizeof *c->altered, err) &&
-           timeline_fill(t, "altered_pairs", &b[IS_ALTERED], 0, 0, m->n, err) &&
-           timeline_fill(t, "altered_pairs", &b[ALTERED_HEADS], 0, 0, m->args.n_heads, err) &&
-           timeline_fill(t, "altered_pairs", &b[ALTERED_COUNT_WORDS], 0, 0, ALTERED_COUNTS, err);
+           timeline_fill(t, stage, &b[IS_ALTERED], 0, 0, m->n, err) &&
+           timeline_fill(t, stage, &b[ALTERED_HEADS], 0, 0, m->args.n_heads, err) &&
+           timeline_fill(t, stage, &b[ALTERED_COUNT_WORDS], 0, 0, ALTERED_COUNTS, err);
 }
 
 static bool prepare(duet_motion *m, duet_error *err)
@@ -222,19 +226,17 @@ static bool place_altered(duet_motion *m, duet_error *err)
     list_once(m->commands);
     set_args(m);
     return prepare(m, err) && reserve_table(m, err) && send_altered(m, err) &&
-           compute_bounds(m, m->kernels.compute_altered_aabbs, m->args.n_altered, err) &&
-           timeline_launch(&m->times, "altered_pairs", m->kernels.place_altered, m->args.n_altered,
-                           m, err);
+           launch(m, "grid", m->kernels.compute_altered_aabbs, m->args.n_altered, err) &&
+           launch(m, "altered_pairs", m->kernels.place_altered, m->args.n_altered, err);
 }
 
 static bool search_altered(duet_motion *m, bool *found, duet_error *err)
 {
     uint32_t counts[ALTERED_COUNTS];
-    bool ok =
-        timeline_launch(&m->times, "altered_pairs", m->kernels.find_altered_pairs, m->n, m, err) &&
-        timeline_launch(&m->times, "altered_pairs", m->kernels.keep_pairs, m->n_contacts, m, err) &&
-        timeline_read(&m->times, "altered_pairs", &m->buffers[ALTERED_COUNT_WORDS], counts,
-                      sizeof counts, err);
+    bool ok = launch(m, "altered_pairs", m->kernels.find_altered_pairs, m->n, err) &&
+              launch(m, "altered_pairs", m->kernels.keep_pairs, m->n_contacts, err) &&
+              timeline_read(&m->times, "altered_pairs", &m->buffers[ALTERED_COUNT_WORDS], counts,
+                            sizeof counts, err);
     *found = ok && counts[ALTERED_PAIRS] <= m->args.pair_capacity;
     if (!*found)
         return ok;
@@ -256,7 +258,7 @@ static bool find_altered_pairs(duet_motion *m, bool *found, duet_error *err)
 // Those of what commands altered, where the others' hold on; else all.
 static bool search(duet_motion *m, duet_error *err)
 {
-    bool some = !m->rows_stale && motion_rows_are_stale(m), found = false;
+    bool some = !m->rows_stale && are_some_altered(m), found = false;
     if (some && !find_altered_pairs(m, &found, err))
         return false;
     m->rows_stale = false;
@@ -267,9 +269,10 @@ static bool search(duet_motion *m, duet_error *err)
 
 static bool find_candidates(duet_motion *m, bool *hold, duet_error *err)
 {
-    bool skin = m->has_graph && !motion_rows_are_stale(m) && motion_has(m, DUET_EFFECT_SKIN);
+    bool skin = m->has_graph && (m->effects & DUET_EFFECT_SKIN);
+    bool same = !m->rows_stale && !are_some_altered(m);
     *hold = false;
-    return (!skin || bounds_hold(m, hold, err)) && (*hold || search(m, err));
+    return (!skin || !same || bounds_hold(m, hold, err)) && (*hold || search(m, err));
 }
 
 // ---------------------------------------------------------------- rows
@@ -289,17 +292,16 @@ static bool put_all(duet_motion *m, uint32_t fill, duet_error *err)
     const motion_kernels *k = &m->kernels;
     m->args.n_pairs = (uint32_t)m->n_pairs;
     m->args.fill = fill;
-    return timeline_launch(&m->times, "contact_graph", k->contact_graph_pairs, m->n_pairs, m,
-                           err) &&
+    return launch(m, "contact_graph", k->contact_graph_pairs, m->n_pairs, err) &&
            (!k->contact_graph_walls ||
-            timeline_launch(&m->times, "contact_graph", k->contact_graph_walls, m->n, m, err));
+            launch(m, "contact_graph", k->contact_graph_walls, m->n, err));
 }
 
 static bool sort_rows(duet_motion *m, motion_buffer starts, motion_buffer values, duet_error *err)
 {
     m->args.row_starts = m->buffers[starts];
     m->args.row_values = m->buffers[values];
-    return timeline_launch(&m->times, "contact_graph", m->kernels.contact_graph_sort, m->n, m, err);
+    return launch(m, "contact_graph", m->kernels.contact_graph_sort, m->n, err);
 }
 
 static bool scan_starts(duet_motion *m, motion_buffer starts, duet_error *err)
@@ -308,19 +310,18 @@ static bool scan_starts(duet_motion *m, motion_buffer starts, duet_error *err)
                     m->n + 1, err);
 }
 
-static bool count_rows(duet_motion *m, duet_error *err)
+// Bodies have no rows of a kind yet.
+static bool clear_starts(duet_motion *m, motion_buffer starts, duet_error *err)
 {
-    size_t n_starts = (size_t)m->n + 1;
-    return timeline_fill(&m->times, "contact_graph", &m->buffers[STARTS], 0, 0, n_starts, err) &&
-           motion_reserve(m, OTHERS, 1, sizeof(uint32_t), err) && put_all(m, 0, err) &&
-           scan_starts(m, STARTS, err);
+    return timeline_fill(&m->times, "contact_graph", &m->buffers[starts], 0, 0, (size_t)m->n + 1,
+                         err);
 }
 
-// The last of the starts says how many there are.
-static bool fill_rows(duet_motion *m, uint64_t most, duet_error *err)
+// The last of the starts says how many contacts there are.
+static bool fill_rows(duet_motion *m, duet_error *err)
 {
-    return motion_reserve(m, OTHERS, most + 1, sizeof(uint32_t), err) && put_all(m, 1, err) &&
-           sort_rows(m, STARTS, OTHERS, err) &&
+    return clear_starts(m, STARTS, err) && put_all(m, 0, err) && scan_starts(m, STARTS, err) &&
+           put_all(m, 1, err) && sort_rows(m, STARTS, OTHERS, err) &&
            timeline_read_at(&m->times, "contact_graph", &m->buffers[STARTS],
                             m->n * sizeof m->n_contacts, &m->n_contacts, sizeof m->n_contacts, err);
 }
@@ -328,27 +329,23 @@ static bool fill_rows(duet_motion *m, uint64_t most, duet_error *err)
 static bool put_returns(duet_motion *m, uint32_t fill, duet_error *err)
 {
     m->args.fill = fill;
-    return timeline_launch(&m->times, "contact_graph", m->kernels.contact_graph_reverse, m->n, m,
-                           err);
+    return launch(m, "contact_graph", m->kernels.contact_graph_reverse, m->n, err);
 }
 
 static bool reserve_contacts(duet_motion *m, duet_error *err)
 {
     uint64_t n = (uint64_t)m->n_contacts + 1;
-    return motion_reserve(m, LINKS, n, 2 * sizeof(uint32_t), err) &&
+    return motion_reserve(m, RETURNS, n, sizeof(uint32_t), err) &&
+           motion_reserve(m, LINKS, n, 2 * sizeof(uint32_t), err) &&
            motion_reserve(m, CONTACTS, n * m->layout.record, sizeof(float), err) &&
            motion_reserve(m, TOUCHES, n, sizeof(uint32_t), err) &&
-           (!motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ||
+           (!(m->effects & DUET_EFFECT_CONTACT_RESPONSE) ||
             motion_reserve(m, COLOUR_OF, n, sizeof(uint32_t), err));
 }
 
 static bool fill_returns(duet_motion *m, duet_error *err)
 {
-    size_t n_starts = (size_t)m->n + 1;
-    uint64_t n = (uint64_t)m->n_contacts + 1;
-    return reserve_contacts(m, err) && motion_reserve(m, RETURNS, n, sizeof(uint32_t), err) &&
-           timeline_fill(&m->times, "contact_graph", &m->buffers[RETURN_STARTS], 0, 0, n_starts,
-                         err) &&
+    return reserve_contacts(m, err) && clear_starts(m, RETURN_STARTS, err) &&
            put_returns(m, 0, err) && scan_starts(m, RETURN_STARTS, err) && put_returns(m, 1, err) &&
            sort_rows(m, RETURN_STARTS, RETURNS, err);
 }
@@ -356,7 +353,7 @@ static bool fill_returns(duet_motion *m, duet_error *err)
 static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
 {
     m->args.n_old = n_old;
-    return timeline_launch(&m->times, "match_contacts", m->kernels.match_contacts, n_old, m, err);
+    return launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
 }
 
 static bool build_rows(duet_motion *m, duet_error *err)
@@ -370,7 +367,8 @@ static bool build_rows(duet_motion *m, duet_error *err)
     buffer_swap(&b[COLOUR_OF], &b[OLD_COLOURS]);
     m->rebuilt = true;
     m->has_graph = true;
-    return check_capacity(m, &most, err) && count_rows(m, err) && fill_rows(m, most, err) &&
+    return check_capacity(m, &most, err) &&
+           motion_reserve(m, OTHERS, most + 1, sizeof(uint32_t), err) && fill_rows(m, err) &&
            fill_returns(m, err) && match_contacts(m, n_old, err);
 }
 

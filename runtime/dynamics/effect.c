@@ -205,7 +205,7 @@ bool duet_motion_explain(const duet_motion *m, uint32_t i, duet_effect_info *inf
         return false;
     if (!row)
         return i > 0 && effect_at(i - 1) && explain_origin(m, info);
-    bool active = motion_has(m, row->effect);
+    bool active = (m->effects & row->effect);
     *info = (duet_effect_info){
         .name = row->name,
         .active = active,

@@ -132,12 +132,12 @@ bool motion_check_def(const duet_motion_def *def, duet_error *err)
 // Effects that cannot be had together.
 static bool check_effects(const duet_motion *m, duet_error *err)
 {
-    bool contact = motion_has(m, DUET_EFFECT_CONTACT);
+    bool contact = m->effects & DUET_EFFECT_CONTACT;
     if (contact && m->def.boundary == DUET_BOUNDARY_PERIODIC)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "contacts are not found across the seam of a periodic world; expected "
                          "walls, or no contact");
-    if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) && m->def.integrator != DUET_INTEGRATOR_EULER)
+    if ((m->effects & DUET_EFFECT_CONTACT_RESPONSE) && m->def.integrator != DUET_INTEGRATOR_EULER)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "contacts are solved with the integrator euler; expected that, or "
                          "no response");
@@ -247,7 +247,7 @@ static bool copy_objects(duet_motion *m, const duet_pose *poses, const duet_larg
 // Pairs are looked for among bounds, which the grid may place as it likes.
 static bool open_world(duet_motion *m, duet_error *err)
 {
-    if (!motion_has(m, DUET_EFFECT_CONTACT))
+    if (!(m->effects & DUET_EFFECT_CONTACT))
         return true;
     duet_world_def def = duet_default_world_def();
     def.stage_times = m->def.stage_times;

@@ -114,12 +114,12 @@ typedef struct motion_args {
     cl_float4 spring, hard_spring, fall;
     cl_float load_speed, margin, least_speed;
     arg_real skin;
+    arg_real aabb_margin, contact_margin; // bounds of objects: with half a skin, and without
     cl_float sleep_speed, sleep_after;
     cl_float hit_speed;
     cl_int4 base; // the cell that others are counted from
 
     // of a launch
-    arg_real aabb_margin;
     cl_uint n_pairs, n_old;
     cl_uint fill, woken, soft;
     cl_uint from_colour, to_colour, each;
@@ -209,22 +209,6 @@ struct duet_motion {
     motion_events told;
     motion_reading reading;
 };
-
-static inline bool motion_has(const duet_motion *m, uint32_t effect)
-{
-    return m->effects & effect;
-}
-
-static inline bool motion_tells_hits(const duet_motion *m)
-{
-    return motion_has(m, DUET_EFFECT_EVENTS) && motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) &&
-           m->def.hit_speed > 0.0;
-}
-
-static inline arg_real motion_real(const duet_motion *m, double value)
-{
-    return m->def.doubles ? (arg_real){.d = value} : (arg_real){.f = (float)value};
-}
 
 // Reads the flags, which waits for all that was launched.
 static inline bool motion_read_flags(duet_motion *m, duet_error *err)
@@ -317,7 +301,7 @@ bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
 bool motion_check_bounds(duet_motion *m, duet_error *err); // sets FLAG_MOVED
 bool motion_build_graph(duet_motion *m, duet_error *err);
 
-// Manifolds, sleep, colours and substeps: what contacts do to bodies in a step.
+// Manifolds, and with response sleep, colours and substeps: what contacts do to bodies in a step.
 bool motion_solve(duet_motion *m, duet_error *err);
 
 // Space for n elements of `size` bytes in a buffer.

@@ -127,7 +127,7 @@ static bool check_object(const duet_motion *m, const motion_saved *s, uint32_t i
 
 static bool check_counts(const duet_motion *m, const motion_saved *s, duet_error *err)
 {
-    bool contact = motion_has(m, DUET_EFFECT_CONTACT);
+    bool contact = m->effects & DUET_EFFECT_CONTACT;
     uint64_t most = s->n_pairs + (m->kernels.contact_graph_walls ? 6 * (uint64_t)m->n : 0);
     if (s->has_graph > contact || (!s->has_graph && (s->n_contacts > 0 || s->n_pairs > 0)))
         return error_set(err, DUET_STATUS_BAD_INPUT,
@@ -156,7 +156,7 @@ static bool check_starts(const duet_motion *m, const motion_saved *s, motion_buf
 static bool may_touch(const duet_motion *m, uint32_t a, uint32_t b)
 {
     const duet_body *x = &m->bodies[a], *y = &m->bodies[b];
-    return !motion_has(m, DUET_EFFECT_FILTER) || ((x->group & y->mask) && (y->group & x->mask));
+    return !(m->effects & DUET_EFFECT_FILTER) || ((x->group & y->mask) && (y->group & x->mask));
 }
 
 static bool is_sensor(const duet_motion *m, uint32_t id)
@@ -198,7 +198,7 @@ static bool check_row(const duet_motion *m, const motion_saved *s, uint32_t owne
 // are turned keep one.
 static uint32_t most_axis(const duet_motion *m)
 {
-    return !motion_has(m, DUET_EFFECT_ROTATION) ? 0 : m->def.dims == 3 ? 15 : 5;
+    return !(m->effects & DUET_EFFECT_ROTATION) ? 0 : m->def.dims == 3 ? 15 : 5;
 }
 
 static bool has_record(const duet_motion *m, const motion_saved *s, uint32_t i, uint32_t points)
@@ -316,5 +316,5 @@ bool motion_check(const duet_motion *m, const motion_saved *s, duet_error *err)
     bool ok = check_counts(m, s, err);
     for (uint32_t id = 0; ok && id < m->n; ++id)
         ok = check_object(m, s, id, err);
-    return ok && (!motion_has(m, DUET_EFFECT_CONTACT) || check_contacts(m, s, err));
+    return ok && (!(m->effects & DUET_EFFECT_CONTACT) || check_contacts(m, s, err));
 }

@@ -78,7 +78,7 @@ bool motion_placed_admit(duet_motion *m, const motion_placed *p, const char *cal
     if (missing_with(m, &all, p->poses, p->bodies, p->n))
         return tell_who_lacks(m, p, call, err);
     m->facts = all;
-    bool tumbles = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && all.uneven && !before.uneven;
+    bool tumbles = (m->effects & DUET_EFFECT_ANGULAR_VELOCITY) && all.uneven && !before.uneven;
     if (!tumbles || motion_prepare_again(m, err))
         return true;
     m->facts = before;
@@ -125,7 +125,7 @@ static uint32_t parts_of(uint32_t fields)
 static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
 {
     motion_rows links, colours;
-    if (m->n_contacts == 0 || !motion_has(m, DUET_EFFECT_CONTACT_RESPONSE))
+    if (m->n_contacts == 0 || !(m->effects & DUET_EFFECT_CONTACT_RESPONSE))
         return true;
     if (!motion_rows_of_contacts(m, LINKS, 2, &links, err))
         return false;

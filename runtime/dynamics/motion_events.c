@@ -20,6 +20,12 @@ void motion_free_events(motion_events *e)
     *e = (motion_events){0};
 }
 
+bool motion_tells_hits(const duet_motion *m)
+{
+    return (m->effects & DUET_EFFECT_EVENTS) && (m->effects & DUET_EFFECT_CONTACT_RESPONSE) &&
+           m->def.hit_speed > 0.0;
+}
+
 static bool is_told(const duet_motion *m, duet_pair p)
 {
     uint32_t groups = m->bodies[p.a].group | (p.b < m->n ? m->bodies[p.b].group : 0);
@@ -28,53 +34,44 @@ static bool is_told(const duet_motion *m, duet_pair p)
 
 // ---------------------------------------------------------------- what touches
 
-static bool list_touching(duet_motion *m, const uint32_t *words, duet_error *err)
+static void list_touching(duet_motion *m, const uint32_t *words)
 {
     motion_events *e = &m->told;
-    if (!pair_list_reserve(&e->touching, e->links.n, err))
-        return false;
     e->touching.n = 0;
-    for (size_t i = 0; i < e->links.n; ++i) {
-        if (!(words[i / 32] >> i % 32 & 1u))
-            continue;
-        duet_pair p = pair_ordered(e->links.pairs[i]);
-        if (is_told(m, p))
-            e->touching.pairs[e->touching.n++] = p;
-    }
-    return pair_list_sort(&e->touching, err);
+    for (size_t i = 0; i < e->links.n; ++i)
+        if ((words[i / 32] >> i % 32 & 1u) && is_told(m, e->links.pairs[i]))
+            e->touching.pairs[e->touching.n++] = e->links.pairs[i];
 }
 
-// Rows are those of the last step until pairs are searched again.
-static bool fetch_links(duet_motion *m, duet_error *err)
+// A bit for each contact, and the links where rows are not those of the last step.
+static bool fetch_bits(duet_motion *m, uint32_t *words, size_t n_words, duet_error *err)
 {
     motion_events *e = &m->told;
-    if (e->known && !m->rebuilt)
-        return true;
-    e->links.n = 0;
-    if (!pair_list_reserve(&e->links, m->n_contacts, err) ||
-        !timeline_read(&m->times, "events", &m->buffers[LINKS], e->links.pairs,
-                       m->n_contacts * sizeof *e->links.pairs, err))
-        return false;
+    bool same = e->known && !m->rebuilt;
     e->links.n = m->n_contacts;
-    return true;
+    return (same || timeline_read(&m->times, "events", &m->buffers[LINKS], e->links.pairs,
+                                  m->n_contacts * sizeof *e->links.pairs, err)) &&
+           timeline_read(&m->times, "events", &m->buffers[TOUCHING], words, n_words * sizeof *words,
+                         err);
 }
 
 static bool fetch_touching(duet_motion *m, duet_error *err)
 {
-    size_t n_words = ((size_t)m->n_contacts + 31) / 32;
-    if (n_words == 0) {
-        m->told.links.n = m->told.touching.n = 0;
+    motion_events *e = &m->told;
+    size_t n = m->n_contacts, n_words = (n + 31) / 32;
+    if (n == 0) {
+        e->links.n = e->touching.n = 0;
         return true;
     }
     uint32_t *words = malloc(n_words * sizeof *words);
     if (!words)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", m->n_contacts);
-    bool ok = fetch_links(m, err) &&
-              timeline_read(&m->times, "events", &m->buffers[TOUCHING], words,
-                            n_words * sizeof *words, err) &&
-              list_touching(m, words, err);
+    bool ok = pair_list_reserve(&e->links, n, err) && pair_list_reserve(&e->touching, n, err) &&
+              fetch_bits(m, words, n_words, err);
+    if (ok)
+        list_touching(m, words);
     free(words);
-    return ok;
+    return ok && pair_list_sort(&e->touching, err);
 }
 
 bool motion_note_events(duet_motion *m, duet_error *err)
@@ -132,12 +129,11 @@ static duet_hit_event hit_of(const duet_motion *m, const uint32_t words[HIT_WORD
 }
 
 // Devices write them in any order.
-static bool fetch_hits(duet_motion *m, duet_error *err)
+static bool fetch_hits(duet_motion *m, size_t n, duet_error *err)
 {
     motion_events *e = &m->told;
-    size_t n = motion_tells_hits(m) ? m->flags[FLAG_EVENTS] : 0;
     e->n_hits = 0;
-    if (n == 0)
+    if (n == 0 || !motion_tells_hits(m))
         return true;
     uint32_t(*words)[HIT_WORDS] = malloc(n * sizeof *words);
     if (!words)
@@ -164,18 +160,13 @@ static void swap(pair_list *a, pair_list *b)
     *b = kept;
 }
 
-bool motion_fetch_events(duet_motion *m, duet_error *err)
+// Where nothing moved, what touches stays.
+bool motion_find_events(duet_motion *m, bool moved, duet_error *err)
 {
     motion_events *e = &m->told;
-    swap(&e->before, &e->touching);
-    return fetch_touching(m, err) &&
-           pair_changes_find(&e->changes, &e->before, &e->touching, err) && fetch_hits(m, err);
-}
-
-// What touches stays.
-bool motion_keep_events(duet_motion *m, duet_error *err)
-{
-    motion_events *e = &m->told;
-    e->n_hits = 0;
-    return pair_changes_find(&e->changes, &e->touching, &e->touching, err);
+    if (moved)
+        swap(&e->before, &e->touching);
+    return (!moved || fetch_touching(m, err)) &&
+           pair_changes_find(&e->changes, moved ? &e->before : &e->touching, &e->touching, err) &&
+           fetch_hits(m, moved ? m->flags[FLAG_EVENTS] : 0, err);
 }

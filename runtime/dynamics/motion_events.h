@@ -18,17 +18,17 @@ typedef struct motion_events {
     size_t n_hits, hit_capacity;
 } motion_events;
 
+// Whether contacts are told that closed fast.
+bool motion_tells_hits(const duet_motion *m);
+
 // Before a step: what touches, where a state was loaded.
 bool motion_recall_events(duet_motion *m, duet_error *err);
 
 // In a step, before anything is moved: sends for what touches and hits.
 bool motion_note_events(duet_motion *m, duet_error *err);
 
-// At its end.
-bool motion_fetch_events(duet_motion *m, duet_error *err);
-
-// A step in which nothing moved.
-bool motion_keep_events(duet_motion *m, duet_error *err);
+// At its end, once the flags are read where anything moved.
+bool motion_find_events(duet_motion *m, bool moved, duet_error *err);
 
 void motion_free_events(motion_events *e);
 

@@ -6,7 +6,7 @@
 #include "runtime/dynamics/recording.h"
 
 #include "base/error.h"
-#include "base/text.h"
+#include "base/text_file.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -47,7 +47,7 @@ enum { N_KEPT = sizeof kept / sizeof kept[0] };
 // Bytes of a buffer that count; 0 where the motion has none.
 static size_t bytes_of(const duet_motion *m, motion_buffer which, uint32_t n_contacts)
 {
-    size_t rows = motion_has(m, DUET_EFFECT_CONTACT) ? n_contacts : 0;
+    size_t rows = (m->effects & DUET_EFFECT_CONTACT) ? n_contacts : 0;
     size_t word = sizeof(uint32_t);
     switch (which) {
     case RETURNS:
@@ -59,7 +59,7 @@ static size_t bytes_of(const duet_motion *m, motion_buffer which, uint32_t n_con
     case CONTACTS:
         return rows * m->layout.record * word;
     case COLOUR_OF:
-        return motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? rows * word : 0;
+        return (m->effects & DUET_EFFECT_CONTACT_RESPONSE) ? rows * word : 0;
     default:
         return ((size_t)m->n + 1) * motion_words(m, which) * word;
     }
@@ -240,7 +240,7 @@ static bool renew(const duet_motion *m, text *file, const char *path, header *h,
 {
     duet_motion as = *m;
     as.n = h->n;
-    if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE))
+    if (m->effects & DUET_EFFECT_CONTACT_RESPONSE)
         as.layout.record -= m->layout.head - OLD_HEAD;
     if (!check_file(&as, file, path, h, err))
         return false;

@@ -108,7 +108,7 @@ static bool take_head(duet_motion *as, const saved_head *h, const char *path, du
                          path, d->attraction);
     as->rows_stale = h->rows_stale;
     if (h->rows_stale > 1 || h->pushed > 1 || h->unused > 0 ||
-        (h->pushed && !motion_has(as, DUET_EFFECT_FORCES)))
+        (h->pushed && !(as->effects & DUET_EFFECT_FORCES)))
         return error_set(err, DUET_STATUS_BAD_INPUT,
                          "%s: the saved motion's commands have no such word", path);
     return true;
@@ -173,7 +173,7 @@ static bool take_facts(duet_motion *as, const char *path, duet_error *err)
                          "%s: the saved motion's bodies need effects that the motion lacks", path);
     bool tumbles = as->facts.uneven && !before.uneven;
     as->facts.uneven |= before.uneven;
-    return !tumbles || !motion_has(as, DUET_EFFECT_ANGULAR_VELOCITY) ||
+    return !tumbles || !(as->effects & DUET_EFFECT_ANGULAR_VELOCITY) ||
            motion_prepare_again(as, err);
 }
 

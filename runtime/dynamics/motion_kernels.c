@@ -98,6 +98,7 @@ static const binding motion_bindings[] = {
     VALUE(load_speed),
     VALUE(margin),
     VALUE(aabb_margin),
+    VALUE(contact_margin),
     VALUE(skin),
     VALUE(least_speed),
     VALUE(sleep_speed),
@@ -126,17 +127,21 @@ static const gen_param *find_param(const gen_param *params, uint32_t n, const ch
     return NULL;
 }
 
+// As kernels' settings are: 0 or 1.
+static bool has(const duet_motion *m, uint32_t effect)
+{
+    return m->effects & effect;
+}
+
 static int64_t gravity_kind(const duet_motion *m)
 {
-    return !motion_has(m, DUET_EFFECT_GRAVITY) ? 0 : m->def.attraction != 0.0 ? 2 : 1;
+    return !has(m, DUET_EFFECT_GRAVITY) ? 0 : m->def.attraction != 0.0 ? 2 : 1;
 }
 
 // With response, walls are contacts and nothing is left to a free flight.
 static int64_t boundary_kind(const duet_motion *m)
 {
-    return !motion_has(m, DUET_EFFECT_BOUNDARY)        ? 0
-           : m->def.boundary == DUET_BOUNDARY_PERIODIC ? 2
-                                                       : 1;
+    return !has(m, DUET_EFFECT_BOUNDARY) ? 0 : m->def.boundary == DUET_BOUNDARY_PERIODIC ? 2 : 1;
 }
 
 static int64_t order_of(duet_integrator integrator)
@@ -149,9 +154,7 @@ static int64_t order_of(duet_integrator integrator)
 // Kernels that know no difference take what turns far as what turns.
 static int64_t turning_kind(const duet_motion *m)
 {
-    return !motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) ? 0
-           : motion_has(m, DUET_EFFECT_CONTINUOUS)      ? 2
-                                                        : 1;
+    return !has(m, DUET_EFFECT_ANGULAR_VELOCITY) ? 0 : has(m, DUET_EFFECT_CONTINUOUS) ? 2 : 1;
 }
 
 static gen_setting setting_of(const gen_param *p, int64_t value)
@@ -164,27 +167,27 @@ static gen_setting setting_of(const gen_param *p, int64_t value)
 static bool gather(duet_motion *m, const char *name, bool altered,
                    gen_setting settings[MOST_PARAMS], uint32_t *n, duet_error *err)
 {
-    int64_t gyro = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven;
+    int64_t gyro = has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven;
     const gen_setting choices[] = {
         {"DIMS", m->def.dims},
         {"DOUBLE", m->def.doubles},
         {"ORIGIN", origin_setting(m->def.origin_edge)},
         {"ORDER", order_of(m->def.integrator)},
-        {"ROTATED", motion_has(m, DUET_EFFECT_ROTATION)},
+        {"ROTATED", has(m, DUET_EFFECT_ROTATION)},
         {"ANGULAR_VELOCITY", turning_kind(m)},
         {"GYRO", gyro},
         {"GRAVITY", gravity_kind(m)},
-        {"DRAG", motion_has(m, DUET_EFFECT_DRAG)},
-        {"FORCES", motion_has(m, DUET_EFFECT_FORCES)},
+        {"DRAG", has(m, DUET_EFFECT_DRAG)},
+        {"FORCES", has(m, DUET_EFFECT_FORCES)},
         {"BOUNDARY", boundary_kind(m)},
-        {"CONTACT_RESPONSE", motion_has(m, DUET_EFFECT_CONTACT_RESPONSE)},
-        {"FRICTION", motion_has(m, DUET_EFFECT_FRICTION)},
-        {"CONTINUOUS", motion_has(m, DUET_EFFECT_CONTINUOUS)},
-        {"FILTER", motion_has(m, DUET_EFFECT_FILTER)},
-        {"SLEEP", motion_has(m, DUET_EFFECT_SLEEP)},
-        {"SKIN", motion_has(m, DUET_EFFECT_SKIN)},
-        {"ROUNDED", motion_has(m, DUET_EFFECT_RADIUS)},
-        {"SENSORS", motion_has(m, DUET_EFFECT_SENSORS)},
+        {"CONTACT_RESPONSE", has(m, DUET_EFFECT_CONTACT_RESPONSE)},
+        {"FRICTION", has(m, DUET_EFFECT_FRICTION)},
+        {"CONTINUOUS", has(m, DUET_EFFECT_CONTINUOUS)},
+        {"FILTER", has(m, DUET_EFFECT_FILTER)},
+        {"SLEEP", has(m, DUET_EFFECT_SLEEP)},
+        {"SKIN", has(m, DUET_EFFECT_SKIN)},
+        {"ROUNDED", has(m, DUET_EFFECT_RADIUS)},
+        {"SENSORS", has(m, DUET_EFFECT_SENSORS)},
         {"HITS", motion_tells_hits(m)},
         {"ALTERED", altered},
     };
@@ -234,9 +237,9 @@ bool motion_build_kernels(duet_motion *m, const motion_choice *list, size_t n, d
 
 static motion_layout lay_out(const duet_motion *m)
 {
-    bool response = motion_has(m, DUET_EFFECT_CONTACT_RESPONSE);
-    bool turns = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY);
-    bool friction = motion_has(m, DUET_EFFECT_FRICTION);
+    bool response = has(m, DUET_EFFECT_CONTACT_RESPONSE);
+    bool turns = has(m, DUET_EFFECT_ANGULAR_VELOCITY);
+    bool friction = has(m, DUET_EFFECT_FRICTION);
     uint32_t dims = m->def.dims;
     uint32_t points = POINTS_OF(response, turns, dims);
     motion_layout l = {
@@ -253,12 +256,12 @@ static motion_layout lay_out(const duet_motion *m)
 static bool choose_kernels(duet_motion *m, duet_error *err)
 {
     motion_kernels *k = &m->kernels;
-    bool contact = motion_has(m, DUET_EFFECT_CONTACT);
-    bool response = motion_has(m, DUET_EFFECT_CONTACT_RESPONSE);
-    bool flight = motion_has(m, DUET_EFFECT_MOTION) && !response;
+    bool contact = has(m, DUET_EFFECT_CONTACT);
+    bool response = has(m, DUET_EFFECT_CONTACT_RESPONSE);
+    bool flight = has(m, DUET_EFFECT_MOTION) && !response;
     bool walls = contact && boundary_kind(m) == 1;
-    bool sleep = motion_has(m, DUET_EFFECT_SLEEP), skin = motion_has(m, DUET_EFFECT_SKIN);
-    bool events = motion_has(m, DUET_EFFECT_EVENTS);
+    bool sleep = has(m, DUET_EFFECT_SLEEP), skin = has(m, DUET_EFFECT_SKIN);
+    bool events = has(m, DUET_EFFECT_EVENTS);
     const motion_choice list[] = {
         {&k->integrate_free_flight, flight, "integrate_free_flight", "integrate_free_flight"},
         {&k->compute_fat_aabbs, contact, "fat_aabbs", "compute_fat_aabbs"},
@@ -297,8 +300,8 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
 
 bool motion_prepare(duet_motion *m, duet_error *err)
 {
-    bool contact = motion_has(m, DUET_EFFECT_CONTACT);
-    bool response = motion_has(m, DUET_EFFECT_CONTACT_RESPONSE);
+    bool contact = has(m, DUET_EFFECT_CONTACT);
+    bool response = has(m, DUET_EFFECT_CONTACT_RESPONSE);
     return choose_kernels(m, err) &&
            (!contact || scan_open(&m->scan, m->device, m->programs, NULL, 0, err)) &&
            (!response ||

@@ -101,7 +101,7 @@ uint32_t motion_count_hidden(const duet_motion *m)
 bool motion_has_poses(const duet_motion *m, bool radii)
 {
     return motion_words(m, HALVES) > 0 && !m->cells &&
-           (!radii || motion_has(m, DUET_EFFECT_RADIUS));
+           (!radii || (m->effects & DUET_EFFECT_RADIUS));
 }
 
 bool motion_write_poses(duet_motion *m, bool radii, const buffer *rows, duet_error *err)

@@ -143,7 +143,7 @@ static bool open_pushed(duet_motion *m, const uint32_t *places, uint32_t n, push
                         duet_error *err)
 {
     return motion_rows_at(m, VELOCITIES, places, n, &p->velocities, err) &&
-           (!motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) ||
+           (!(m->effects & DUET_EFFECT_ANGULAR_VELOCITY) ||
             (motion_rows_at(m, ROTATIONS, places, n, &p->rotations, err) &&
              motion_rows_at(m, INERTIAS, places, n, &p->inertias, err) &&
              motion_rows_at(m, ANGULAR_VELOCITIES, places, n, &p->angular_velocities, err)));

@@ -275,7 +275,7 @@ static duet_contact read_record(const duet_motion *m, const uint32_t link[2], ui
         memcpy(c.points[k].anchor, saved + OF_ANCHOR, sizeof c.points[k].anchor);
         c.points[k].separation = saved[OF_SEPARATION];
         c.points[k].normal_impulse =
-            motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? saved[OF_NORMAL_IMPULSE] : 0.0f;
+            (m->effects & DUET_EFFECT_CONTACT_RESPONSE) ? saved[OF_NORMAL_IMPULSE] : 0.0f;
     }
     return c;
 }

@@ -46,7 +46,7 @@ uint32_t motion_words(const duet_motion *m, motion_buffer which)
     if (which == CELLS)
         return m->cells ? 4 : 0;
     if (by_object[which].also != ALWAYS &&
-        !motion_has(m, by_object[which].effect | by_object[which].also))
+        !(m->effects & (by_object[which].effect | by_object[which].also)))
         return 0;
     return by_object[which].reals * (m->def.doubles ? 2 : 1) +
            by_object[which].words * (which == BODIES ? m->layout.body : 1);
@@ -368,7 +368,7 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
 
 bool motion_reset(duet_motion *m, duet_error *err)
 {
-    return (!motion_has(m, DUET_EFFECT_CONTACT) ||
+    return (!(m->effects & DUET_EFFECT_CONTACT) ||
             motion_reserve(m, FLAG_WORDS, FLAGS, sizeof(uint32_t), err)) &&
            motion_grow(m, 0, err) && motion_send_places(m, NULL, m->n, PART_ALL, err) &&
            timeline_finish(&m->times, err);
@@ -412,7 +412,7 @@ bool motion_set_asleep(duet_motion *m, const uint32_t *places, uint32_t n, bool 
     if (n == 0)
         return true;
     m->at_rest = false;
-    return !motion_has(m, DUET_EFFECT_SLEEP) ||
+    return !(m->effects & DUET_EFFECT_SLEEP) ||
            (mark_rests(m, places, n, asleep, err) && mark_awake(m, places, n, err));
 }
 
@@ -425,7 +425,7 @@ bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet
 bool motion_wake_all(duet_motion *m, duet_error *err)
 {
     m->at_rest = m->bounds_checked = false;
-    return !motion_has(m, DUET_EFFECT_SLEEP) ||
+    return !(m->effects & DUET_EFFECT_SLEEP) ||
            (timeline_fill(&m->times, "clear", &m->buffers[RESTS], 0, 0, m->n, err) &&
             timeline_fill(&m->times, "clear", &m->buffers[ASLEEP], 0, 0, m->n, err) &&
             timeline_finish(&m->times, err));

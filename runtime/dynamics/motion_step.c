@@ -45,6 +45,11 @@ static cl_float4 float4_of(double x, double y, double z, double w)
     return (cl_float4){{(float)x, (float)y, (float)z, (float)w}};
 }
 
+static arg_real real_of(const duet_motion *m, double value)
+{
+    return m->def.doubles ? (arg_real){.d = value} : (arg_real){.f = (float)value};
+}
+
 static arg_real4 real4_of(const duet_motion *m, double x, double y, double z, double w)
 {
     return m->def.doubles ? (arg_real4){.d = {{x, y, z, w}}}
@@ -121,15 +126,19 @@ static void set_args(duet_motion *m)
 {
     const duet_motion_def *d = &m->def;
     double h = d->dt / d->substeps;
+    double skin = (m->effects & DUET_EFFECT_SKIN) ? d->skin : 0.0;
     m->args = (motion_args){
         .substeps = d->substeps,
         .dt = (float)d->dt,
-        .dt_real = motion_real(m, d->dt),
+        .dt_real = real_of(m, d->dt),
         .h = (float)h,
         .per_h = (float)(1.0 / h),
         .drag = (float)exp(-d->drag * h),
         .margin = (float)m->margin,
-        .skin = motion_real(m, d->skin),
+        .skin = real_of(m, d->skin),
+        // Separations up to the margin are contacts, so each object's bounds have half of it.
+        .aabb_margin = real_of(m, 0.5 * (m->margin + skin)),
+        .contact_margin = real_of(m, 0.5 * m->margin),
         .sleep_speed = (float)d->sleep_speed,
         .sleep_after = (float)d->sleep_after,
         .hit_speed = (float)d->hit_speed,
@@ -144,56 +153,43 @@ static void set_args(duet_motion *m)
 
 // ---------------------------------------------------------------- a step
 
-// With response the contacts of the step's beginning are solved.
-static bool respond(duet_motion *m, duet_error *err)
-{
-    if (!motion_build_graph(m, err) || !motion_solve(m, err))
-        return false;
-    if (!motion_has(m, DUET_EFFECT_SKIN))
-        return true;
-    m->bounds_checked = motion_check_bounds(m, err);
-    return m->bounds_checked;
-}
-
-// Without it each body flies free, and where it then touches is looked at afterwards.
-static bool fly(duet_motion *m, duet_error *err)
-{
-    const motion_kernels *k = &m->kernels;
-    return (!k->integrate_free_flight ||
-            timeline_launch(&m->times, "integrate", k->integrate_free_flight, m->n, m, err)) &&
-           (!k->build_manifolds ||
-            (motion_build_graph(m, err) &&
-             timeline_launch(&m->times, "manifolds", k->build_manifolds, m->n_contacts, m, err) &&
-             motion_note_events(m, err)));
-}
-
+// With response what touches when the step begins is solved; without it each body flies free, and
+// where it then touches is looked at afterwards.
 static bool run_effects(duet_motion *m, duet_error *err)
 {
+    const kernel *flight = m->kernels.integrate_free_flight;
+    bool contact = m->effects & DUET_EFFECT_CONTACT;
+    bool checks = (m->effects & DUET_EFFECT_CONTACT_RESPONSE) && (m->effects & DUET_EFFECT_SKIN);
     set_args(m);
-    return motion_recall_events(m, err) &&
-           (!motion_has(m, DUET_EFFECT_CONTACT) ||
-            timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, 0, FLAGS, err)) &&
-           (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? respond(m, err) : fly(m, err));
+    bool ok = motion_recall_events(m, err) &&
+              (!contact ||
+               timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, 0, FLAGS, err)) &&
+              (!flight || timeline_launch(&m->times, "integrate", flight, m->n, m, err)) &&
+              (!contact || (motion_build_graph(m, err) && motion_solve(m, err)));
+    if (checks)
+        m->bounds_checked = ok && motion_check_bounds(m, err);
+    return ok && (!checks || m->bounds_checked);
 }
 
-// What the step leaves to be known: whether bounds still hold, what sleeps, and events.
+// What the step leaves to be known: whether bounds still hold, what sleeps, and how many events.
 static bool hear(duet_motion *m, duet_error *err)
 {
-    if (!m->bounds_checked && !motion_has(m, DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS))
+    if (!m->bounds_checked && !(m->effects & (DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS)))
         return true;
     if (!motion_read_flags(m, err))
         return false;
     m->at_rest =
-        motion_has(m, DUET_EFFECT_SLEEP) && !m->flags[FLAG_AWAKE] && !m->flags[FLAG_FELL_ASLEEP];
-    return !motion_has(m, DUET_EFFECT_EVENTS) || motion_fetch_events(m, err);
+        (m->effects & DUET_EFFECT_SLEEP) && !m->flags[FLAG_AWAKE] && !m->flags[FLAG_FELL_ASLEEP];
+    return true;
 }
 
 // Nothing is sent to the device where nothing would change.
 static bool run_step(duet_motion *m, duet_error *err)
 {
-    bool still = m->n == 0 || m->def.dt == 0.0 || m->effects == 0 || m->at_rest;
-    return still ? motion_keep_events(m, err)
-                 : run_effects(m, err) && hear(m, err) && timeline_finish(&m->times, err);
+    bool moves = m->n > 0 && m->def.dt != 0.0 && m->effects != 0 && !m->at_rest;
+    return (!moves || (run_effects(m, err) && hear(m, err))) &&
+           (!(m->effects & DUET_EFFECT_EVENTS) || motion_find_events(m, moves, err)) &&
+           (!moves || timeline_finish(&m->times, err));
 }
 
 static void fill_result(duet_motion *m, duet_motion_result *result)

@@ -67,7 +67,7 @@ static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, d
     motion_inverse_inertia(m, id, inverse);
     vector_cross(s->centre, s->velocity, swing);
     e->kinetic += 0.5 * mass * vector_dot(s->velocity, s->velocity, 3);
-    if (motion_has(m, DUET_EFFECT_GRAVITY))
+    if (m->effects & DUET_EFFECT_GRAVITY)
         e->potential += potential_of(&m->def, s, mass);
     for (int k = 0; k < 3; ++k) {
         e->momentum[k] += mass * s->velocity[k];

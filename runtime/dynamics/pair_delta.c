@@ -35,7 +35,7 @@ static bool join(pair_list *list, const duet_span spans[2], duet_error *err)
     list->n = 0;
     for (int k = 0; k < 2; ++k)
         for (uint64_t i = 0; i < spans[k].n; ++i)
-            list->pairs[list->n++] = pair_ordered(spans[k].pairs[i]);
+            list->pairs[list->n++] = spans[k].pairs[i];
     return pair_list_sort(list, err);
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/pair_list.h"
 
-#include "base/compare.h"
 #include "base/error.h"
 
 #include <stdlib.h>
@@ -33,9 +32,15 @@ void pair_list_free(pair_list *list)
 
 enum { DIGIT = 11, DIGITS = 1 << DIGIT };
 
+// Numbers that order like pairs. No pair has the greatest one: its ids differ.
+static uint64_t key_of(duet_pair p)
+{
+    return (uint64_t)p.a << 32 | p.b;
+}
+
 static uint32_t digit_of(duet_pair p, uint32_t shift)
 {
-    return (uint32_t)(((uint64_t)p.a << 32 | p.b) >> shift) & (DIGITS - 1);
+    return (uint32_t)(key_of(p) >> shift) & (DIGITS - 1);
 }
 
 // By one digit; false where all have the same, and nothing is moved.
@@ -57,12 +62,24 @@ static bool sort_by(const duet_pair *from, duet_pair *to, size_t n, uint32_t shi
     return true;
 }
 
+// Whether pairs ascend, once each has its lesser id first.
+static bool order_each(pair_list *list)
+{
+    uint64_t last = 0;
+    bool ascend = true;
+    for (size_t i = 0; i < list->n; ++i) {
+        duet_pair *p = &list->pairs[i];
+        if (p->b < p->a)
+            *p = (duet_pair){p->b, p->a};
+        ascend = ascend && last <= key_of(*p);
+        last = key_of(*p);
+    }
+    return ascend;
+}
+
 bool pair_list_sort(pair_list *list, duet_error *err)
 {
-    bool sorted = true;
-    for (size_t i = 1; sorted && i < list->n; ++i)
-        sorted = compare_uint32_pair(&list->pairs[i - 1], &list->pairs[i]) <= 0;
-    if (sorted)
+    if (order_each(list))
         return true;
     pair_list other = {0};
     if (!pair_list_reserve(&other, list->capacity, err))
@@ -90,16 +107,15 @@ bool pair_changes_find(pair_changes *c, const pair_list *before, const pair_list
         return false;
     c->n_events = c->stays.n = 0;
     for (size_t i = 0, k = 0; i < before->n || k < now->n;) {
-        int order = i == before->n ? 1
-                    : k == now->n  ? -1
-                                   : compare_uint32_pair(&before->pairs[i], &now->pairs[k]);
-        duet_pair p = order < 0 ? before->pairs[i] : now->pairs[k];
-        i += order <= 0;
-        k += order >= 0;
-        if (order == 0)
+        uint64_t was = i < before->n ? key_of(before->pairs[i]) : UINT64_MAX;
+        uint64_t is = k < now->n ? key_of(now->pairs[k]) : UINT64_MAX;
+        duet_pair p = was < is ? before->pairs[i] : now->pairs[k];
+        i += was <= is;
+        k += is <= was;
+        if (was == is)
             c->stays.pairs[c->stays.n++] = p;
         else
-            c->events[c->n_events++] = (duet_event){p.a, p.b, order > 0};
+            c->events[c->n_events++] = (duet_event){p.a, p.b, is < was};
     }
     return true;
 }

@@ -21,13 +21,7 @@ bool pair_list_grow(void **rows, size_t *capacity, size_t n, size_t size, duet_e
 bool pair_list_reserve(pair_list *list, size_t n, duet_error *err);
 void pair_list_free(pair_list *list);
 
-// The pair with its lesser id first.
-static inline duet_pair pair_ordered(duet_pair p)
-{
-    return p.a < p.b ? p : (duet_pair){p.b, p.a};
-}
-
-// Ascending by a and b.
+// Each pair with its lesser id first, and pairs ascending by a and b.
 bool pair_list_sort(pair_list *list, duet_error *err);
 
 // Of two lists in order.

@@ -2,6 +2,7 @@
 #include "runtime/dynamics/recording.h"
 
 #include "base/error.h"
+#include "base/text_file.h"
 #include "runtime/dynamics/motion_commands.h"
 
 #include <assert.h>
@@ -143,7 +144,7 @@ static void add_ids(duet_motion *m, text *to, recorded_kind kind, const uint32_t
 
 static void add_bodies(const duet_motion *m, text *to, const duet_body *bodies, uint32_t n)
 {
-    bool radii = motion_has(m, DUET_EFFECT_RADIUS);
+    bool radii = m->effects & DUET_EFFECT_RADIUS;
     for (uint32_t i = 0; i < n; ++i) {
         const recorded_body b = recorded_body_of(&bodies[i]);
         add(to, &b, sizeof b);
@@ -208,7 +209,7 @@ bool duet_motion_record(duet_motion *m, duet_error *err)
     if (!fresh)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a recording");
     fresh->head = (recording_head){.dims = m->def.dims, .n = m->n, .step = m->step, .hash = hash};
-    bool radii = motion_has(m, DUET_EFFECT_RADIUS);
+    bool radii = m->effects & DUET_EFFECT_RADIUS;
     memcpy(fresh->head.magic, radii ? recording_magic_radii : recording_magic,
            sizeof recording_magic);
     motion_forget_recording(m);

@@ -5,6 +5,7 @@
 #include "runtime/dynamics/recording.h"
 
 #include "base/error.h"
+#include "base/text_file.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

@@ -9,19 +9,24 @@
 
 // ---------------------------------------------------------------- manifolds
 
+// Over so many bodies, pairs or contacts.
+static bool launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work,
+                   duet_error *err)
+{
+    return timeline_launch(&m->times, stage, k, work, m, err);
+}
+
 // woken: only of what woke in this step, where anything did.
 static bool find_manifolds(duet_motion *m, uint32_t woken, duet_error *err)
 {
     m->args.woken = woken;
-    return timeline_launch(&m->times, "manifolds", m->kernels.build_manifolds, m->n_contacts, m,
-                           err);
+    return launch(m, "manifolds", m->kernels.build_manifolds, m->n_contacts, err);
 }
 
 static bool prepare_bodies(duet_motion *m, uint32_t woken, duet_error *err)
 {
     m->args.woken = woken;
-    return timeline_launch(&m->times, "integrate", m->kernels.prepare_bodies,
-                           (uint64_t)m->n + MOTION_WALLS, m, err);
+    return launch(m, "integrate", m->kernels.prepare_bodies, (uint64_t)m->n + MOTION_WALLS, err);
 }
 
 // Bodies and where they touch. What is woken by a touch has its mass again
@@ -29,9 +34,9 @@ static bool prepare_bodies(duet_motion *m, uint32_t woken, duet_error *err)
 static bool update_contacts(duet_motion *m, duet_error *err)
 {
     return prepare_bodies(m, 0, err) && find_manifolds(m, 0, err) &&
-           (!motion_has(m, DUET_EFFECT_SLEEP) ||
-            (timeline_launch(&m->times, "sleep", m->kernels.update_sleep, m->n, m, err) &&
-             prepare_bodies(m, 1, err) && find_manifolds(m, 1, err)));
+           (!(m->effects & DUET_EFFECT_SLEEP) ||
+            (launch(m, "sleep", m->kernels.update_sleep, m->n, err) && prepare_bodies(m, 1, err) &&
+             find_manifolds(m, 1, err)));
 }
 
 // ---------------------------------------------------------------- graph colouring
@@ -75,14 +80,12 @@ static bool sort_colours(duet_motion *m, duet_error *err)
     buffer *b = m->buffers;
     const radix_lists lists = {&b[LIST_KEYS], &b[LIST], &b[LIST_KEYS_SPARE], &b[LIST_SPARE]};
     const char *stage = "graph_colour";
-    bool ok =
-        timeline_launch(&m->times, stage, m->kernels.graph_colour_key, m->n_contacts, m, err) &&
-        radix_sort_run(&m->radix, &m->times, stage, &lists, m->n_contacts, KEY_BITS, err) &&
-        timeline_launch(&m->times, stage, m->kernels.row_start, (uint64_t)m->n_contacts + 1, m,
-                        err) &&
-        timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
-                            err) &&
-        timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, sizeof starts, err);
+    bool ok = launch(m, stage, m->kernels.graph_colour_key, m->n_contacts, err) &&
+              radix_sort_run(&m->radix, &m->times, stage, &lists, m->n_contacts, KEY_BITS, err) &&
+              launch(m, stage, m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
+              timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
+                                  err) &&
+              timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, sizeof starts, err);
     if (ok)
         lay_colours(m, starts);
     return ok;
@@ -92,9 +95,8 @@ static bool run_rounds(duet_motion *m, uint32_t from, uint32_t to, duet_error *e
 {
     bool ok = true;
     for (m->args.round = from + 1; ok && m->args.round <= to; ++m->args.round)
-        ok = timeline_launch(&m->times, "graph_colour", m->kernels.graph_colour_choose, m->n, m,
-                             err) &&
-             timeline_launch(&m->times, "graph_colour", m->kernels.graph_colour_take, m->n, m, err);
+        ok = launch(m, "graph_colour", m->kernels.graph_colour_choose, m->n, err) &&
+             launch(m, "graph_colour", m->kernels.graph_colour_take, m->n, err);
     return ok;
 }
 
@@ -127,8 +129,7 @@ static bool colour_contacts(duet_motion *m, duet_error *err)
         lay_colours(m, none);
         return true;
     }
-    if (!timeline_launch(&m->times, "graph_colour", m->kernels.graph_colour_mark, m->n_contacts, m,
-                         err) ||
+    if (!launch(m, "graph_colour", m->kernels.graph_colour_mark, m->n_contacts, err) ||
         (!m->recoloured && !motion_read_flags(m, err)))
         return false;
     m->list_stale = m->list_stale || m->rebuilt || m->recoloured || m->flags[FLAG_RECOLOURED];
@@ -158,7 +159,7 @@ static bool launch_colours(duet_motion *m, const kernel *k, uint32_t from, uint3
     m->args.from_colour = from;
     m->args.to_colour = to;
     m->args.each = each;
-    return timeline_launch(&m->times, "solve_contacts", k, work, m, err);
+    return launch(m, "solve_contacts", k, work, err);
 }
 
 // Colours that one work-group has space for are taken by the same one.
@@ -194,10 +195,8 @@ static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
 static bool substep(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
-    return budget_check(err) &&
-           timeline_launch(&m->times, "integrate", k->integrate_velocities, m->n, m, err) &&
-           solve(m, 1, err) &&
-           timeline_launch(&m->times, "integrate", k->integrate_positions, m->n, m, err) &&
+    return budget_check(err) && launch(m, "integrate", k->integrate_velocities, m->n, err) &&
+           solve(m, 1, err) && launch(m, "integrate", k->integrate_positions, m->n, err) &&
            solve(m, 0, err);
 }
 
@@ -215,24 +214,29 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
     bool ok = true;
-    if (!motion_has(m, DUET_EFFECT_SLEEP) || m->n_contacts == 0 || !m->flags[FLAG_PRESSED])
+    if (!(m->effects & DUET_EFFECT_SLEEP) || m->n_contacts == 0 || !m->flags[FLAG_PRESSED])
         return true;
     for (m->args.round = 0; ok && m->args.round < PRESSED_ROUNDS; ++m->args.round)
-        ok = timeline_launch(&m->times, "sleep", k->push_sleepers, m->n, m, err);
-    return ok && timeline_launch(&m->times, "sleep", k->move_sleepers, m->n, m, err);
+        ok = launch(m, "sleep", k->push_sleepers, m->n, err);
+    return ok && launch(m, "sleep", k->move_sleepers, m->n, err);
 }
 
 // ---------------------------------------------------------------- all stages
 
-bool motion_solve(duet_motion *m, duet_error *err)
+static bool respond(duet_motion *m, duet_error *err)
 {
-    const motion_kernels *k = &m->kernels;
     bool ok = update_contacts(m, err) && colour_contacts(m, err) &&
-              for_colours(m, k->prepare_contacts, err);
+              for_colours(m, m->kernels.prepare_contacts, err);
     for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
         ok = substep(m, err);
-    ok = ok && (!m->facts.elastic || for_colours(m, k->apply_restitution, err));
-    return ok && store_impulses(m, err) && motion_note_events(m, err) &&
-           timeline_launch(&m->times, "integrate", k->finalize_bodies, m->n, m, err) &&
-           push_sleepers(m, err);
+    ok = ok && (!m->facts.elastic || for_colours(m, m->kernels.apply_restitution, err));
+    return ok && store_impulses(m, err);
+}
+
+bool motion_solve(duet_motion *m, duet_error *err)
+{
+    bool response = m->effects & DUET_EFFECT_CONTACT_RESPONSE;
+    return (response ? respond(m, err) : find_manifolds(m, 0, err)) && motion_note_events(m, err) &&
+           (!response || (launch(m, "integrate", m->kernels.finalize_bodies, m->n, err) &&
+                          push_sleepers(m, err)));
 }

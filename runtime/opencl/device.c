@@ -4,7 +4,6 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "base/visible.h"
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/program_build.h"
 
@@ -306,7 +305,7 @@ void device_close(device *d)
 static void keep_visible(char *to, size_t capacity, const char *from)
 {
     text shown = {0};
-    visible_add(&shown, from, strlen(from), "");
+    text_add_visible(&shown, from, strlen(from), "");
     snprintf(to, capacity, "%s", text_chars(&shown));
     text_free(&shown);
 }

@@ -5,7 +5,7 @@
 
 #include "base/budget.h"
 #include "base/error.h"
-#include "base/visible.h"
+#include "base/text_file.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/scene/scene_row.h"
@@ -184,7 +184,7 @@ bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, d
 bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_error *err)
 {
     text shown = {0};
-    visible_add(&shown, name, length, "");
+    text_add_visible(&shown, name, length, "");
     text_add(&shown, "%s", ""); // a name of no characters has a place too
     if (!text_ok(&shown, err)) {
         text_free(&shown);

@@ -5,6 +5,7 @@
 
 #include "base/blob.h"
 #include "base/error.h"
+#include "base/text_file.h"
 #include "runtime/broadphase/workload_stats.h"
 
 #include <sha256.h>

@@ -8,7 +8,7 @@
 #include "runtime/duet_opencl.h"
 #include "tuner/duet_tune.h"
 
-#include "base/text.h"
+#include "base/text_file.h"
 #include "lua/duet_lua.h"
 #include "profiles/duet_profiles.h"
 #include "runtime/opencl/device.h"

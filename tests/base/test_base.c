@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/rng.h"
-#include "base/text.h"
+#include "base/text_file.h"
 
 #include <stdio.h>
 #include <string.h>

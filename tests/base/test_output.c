@@ -3,6 +3,7 @@
 #include "support/test.h"
 
 #include "base/output.h"
+#include "base/text_file.h"
 #include "support/program.h"
 #include "support/store.h"
 

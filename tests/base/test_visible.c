@@ -4,6 +4,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
+#include "base/text_file.h"
 #include "base/visible.h"
 #include "runtime/duet.h"
 #include "support/program.h"
@@ -64,9 +65,9 @@ static void nothing_that_a_terminal_obeys_comes_through(void **state)
         size_t n = 1 + rng_below(&r, sizeof bytes);
         for (size_t i = 0; i < n; ++i)
             bytes[i] = (char)rng_below(&r, 256);
-        visible_add(&shown, bytes, n, "");
+        text_add_visible(&shown, bytes, n, "");
         bytes[n - 1] = '\0';
-        visible_add_json(&valid, bytes);
+        text_add_json(&valid, bytes);
         const unsigned char *u = (const unsigned char *)shown.chars;
         for (size_t i = 0, length = 0; i < shown.length; i += length) {
             uint32_t point = 0;
@@ -90,14 +91,14 @@ static void what_is_harmless_stays_as_it_is(void **state)
     static const char plain[] = "a b\\x \"c\" \xc3\xa9\xe2\x82\xac\xf0\x9f\xa6\x86";
     static const char odd[] = "\x1b[2J\n\t\x7f\xc2\x9b\xff\xc3";
     text shown = {0};
-    visible_add(&shown, plain, strlen(plain), "");
+    text_add_visible(&shown, plain, strlen(plain), "");
     assert_string_equal(shown.chars, plain);
     assert_true(utf8_is_valid(plain) && !utf8_is_valid(odd));
     text_free(&shown);
-    visible_add(&shown, odd, strlen(odd), "\n\t");
+    text_add_visible(&shown, odd, strlen(odd), "\n\t");
     assert_string_equal(shown.chars, "\\x1b[2J\n\t\\x7f\\xc2\\x9b\\xff\\xc3");
     text_free(&shown);
-    visible_add_json(&shown, odd + 6);
+    text_add_json(&shown, odd + 6);
     assert_string_equal(shown.chars, "\\u007f\\u009b\xef\xbf\xbd\xef\xbf\xbd");
     text_free(&shown);
 }
@@ -127,7 +128,7 @@ static void an_error_line_is_visible_and_whole(void **state)
 static void assert_fit(const char *what, const char *chars)
 {
     text shown = {0};
-    visible_add(&shown, chars, strlen(chars), "\n\t");
+    text_add_visible(&shown, chars, strlen(chars), "\n\t");
     if (shown.chars && strcmp(shown.chars, chars) != 0)
         fail_msg("%s prints %s", what,
                  strstr(shown.chars, "\\x") ? strstr(shown.chars, "\\x") : shown.chars);

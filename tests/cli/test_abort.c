@@ -9,6 +9,7 @@
 #include "support/test.h"
 
 #include "base/output.h"
+#include "base/text_file.h"
 #include "profiles/exchange.h"
 #include "profiles/sql.h"
 #include "runtime/duet.h"

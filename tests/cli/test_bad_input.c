@@ -4,7 +4,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/test.h"
 
-#include "base/text.h"
+#include "base/text_file.h"
 #include "support/kernels.h"
 #include "support/program.h"
 

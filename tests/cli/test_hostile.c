@@ -6,7 +6,7 @@
 
 #include "base/budget.h"
 #include "base/clock.h"
-#include "base/text.h"
+#include "base/text_file.h"
 #include "gen/card.h"
 #include "lua/session.h"
 #include "runtime/duet.h"

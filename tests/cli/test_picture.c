@@ -3,7 +3,7 @@
 #include "support/program.h"
 #include "support/test.h"
 
-#include "base/text.h"
+#include "base/text_file.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -2,6 +2,8 @@
 // duet profiles, as a person calls it.
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/sql.h"
+
+#include "base/text_file.h"
 #include "support/json.h"
 #include "support/store.h"
 #include "support/test.h"

@@ -4,7 +4,7 @@
 #include "support/store.h"
 #include "support/test.h"
 
-#include "base/text.h"
+#include "base/text_file.h"
 #include "profiles/store.h"
 
 #include <stdio.h>

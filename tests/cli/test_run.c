@@ -5,7 +5,7 @@
 #include "support/json.h"
 #include "support/test.h"
 
-#include "base/text.h"
+#include "base/text_file.h"
 #include "runtime/duet.h"
 
 #include <inttypes.h>

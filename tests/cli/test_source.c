@@ -4,7 +4,7 @@
 #include "support/program.h"
 #include "support/test.h"
 
-#include "base/text.h"
+#include "base/text_file.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>

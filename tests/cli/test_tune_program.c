@@ -7,7 +7,7 @@
 #include "support/store.h"
 #include "support/test.h"
 
-#include "base/text.h"
+#include "base/text_file.h"
 #include "tuner/tune_config.h"
 
 #include <math.h>

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/rng.h"
-#include "base/text.h"
+#include "base/text_file.h"
 #include "cluster/owner.h"
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/narrowphase/sat_frame.h"

@@ -7,7 +7,7 @@
 #include "support/test.h"
 
 #include "base/npy.h"
-#include "base/text.h"
+#include "base/text_file.h"
 #include "profiles/cluster_run.h"
 #include "profiles/duet_profiles.h"
 #include "profiles/sql.h"

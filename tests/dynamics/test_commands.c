@@ -2,6 +2,8 @@
 // Commands to a motion: what is set, pushed or aimed at, and bodies that come and go.
 #include "support/commands.h"
 
+#include "base/rng.h"
+
 #include "runtime/dynamics/motion.h"
 
 #include <math.h>
@@ -431,6 +433,63 @@ static void what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin(void **s
     assert_true(hashes[0] == hashes[1]);
 }
 
+// How far a box reaches down from its centre.
+static double depth_of(const duet_pose *p)
+{
+    const float *q = p->rotation, *h = p->half_extents;
+    double norm = 0, x, y, z;
+    for (int k = 0; k < 4; ++k)
+        norm += (double)q[k] * q[k];
+    x = 2.0 * (q[0] * (double)q[2] - q[3] * (double)q[1]) / norm;
+    y = 2.0 * (q[1] * (double)q[2] + q[3] * (double)q[0]) / norm;
+    z = 1.0 - 2.0 * (q[0] * (double)q[0] + q[1] * (double)q[1]) / norm;
+    return fabs(x) * h[0] + fabs(y) * h[1] + fabs(z) * h[2];
+}
+
+// Boxes just above a floor or a wall turn and fly so fast that the next step would bring many of
+// them there, but they are sent to sleep where they are.
+static void what_is_sent_to_sleep_on_its_way_never_arrives(void **state)
+{
+    (void)state;
+    enum { N = 60 };
+    uint64_t ids[N];
+    for (int k = 0; k < 4; ++k) {
+        mover *m = mover_new(3);
+        rng r = rng_seed(5);
+        bool wall = k / 2;
+        m->def.wants = DUET_EFFECT_SLEEP | DUET_EFFECT_CONTINUOUS | DUET_EFFECT_EVENTS |
+                       DUET_EFFECT_ANGULAR_VELOCITY;
+        m->def.skin = 0.5 * (k % 2);
+        m->def.boundary = wall ? DUET_BOUNDARY_WALLS : DUET_BOUNDARY_NONE;
+        for (int axis = 0; axis < 3; ++axis) {
+            m->def.lower[axis] = axis < 2 ? -200 : 0;
+            m->def.upper[axis] = 200;
+        }
+        mover_add_floor(m, 200);
+        m->poses[0].centre[2] -= wall ? 10 : 0;
+        for (uint32_t i = 0; i < N; ++i) {
+            uint32_t box = mover_add(m, 3.0 * i - 90, 0, 0, 0.5, 0.1, 0.2);
+            duet_body *b = &m->bodies[box];
+            mover_turn(m, box, rng_between(&r, -1, 1), rng_between(&r, -1, 1), 1, 1.5);
+            m->poses[box].centre[2] =
+                (float)(depth_of(&m->poses[box]) + rng_between(&r, 0.001, 0.05));
+            b->velocity[2] = (float)rng_between(&r, -3, 3);
+            for (int axis = 0; axis < 3; ++axis)
+                b->angular_velocity[axis] = (float)rng_between(&r, -30, 30);
+            ids[i] = box;
+        }
+        mover_run(m, 0);
+        assert_done(duet_motion_sleep_bodies(m->motion, by_ids(ids, N), &err));
+        for (int step = 0; step < 3; ++step) {
+            mover_run(m, 1);
+            assert_close(mover_greatest_speed(m), 0, 0);
+            assert_int_equal(m->last.n_events, 0);
+            assert_int_equal(m->last.n_stays, 0);
+        }
+        mover_free(m);
+    }
+}
+
 // ------------------------------------------------------------ a search of some
 
 static bool has_stage(const mover *m, const char *name)
@@ -706,6 +765,7 @@ int main(void)
         cmocka_unit_test(a_motion_can_begin_empty),
         cmocka_unit_test(a_floor_can_get_a_mass),
         cmocka_unit_test(what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin),
+        cmocka_unit_test(what_is_sent_to_sleep_on_its_way_never_arrives),
         cmocka_unit_test(only_what_commands_altered_is_searched_within_a_skin),
         cmocka_unit_test(nothing_is_done_to_a_motion_between_the_halves_of_its_step),
         cmocka_unit_test(a_step_that_fails_is_told_in_its_second_half),

@@ -41,7 +41,7 @@ static touching *what_touches(duet_motion *m)
         for (uint32_t k = 0; k < (touches[i] & TOUCH_POINTS); ++k) {
             const float *point = records + (size_t)i * m->layout.record + m->layout.head +
                                  (size_t)k * m->layout.point;
-            bool pushes = motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) && point[OF_MAX_IMPULSE] > 0;
+            bool pushes = (m->effects & DUET_EFFECT_CONTACT_RESPONSE) && point[OF_MAX_IMPULSE] > 0;
             uint32_t a = links[i][0], b = links[i][1];
             if (point[OF_SEPARATION] <= 0 || pushes)
                 t->pair[a < b ? a : b][a < b ? b : a] = true;

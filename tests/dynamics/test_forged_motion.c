@@ -9,7 +9,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "base/text.h"
+#include "base/text_file.h"
 #include "runtime/dynamics/motion.h"
 
 #include <math.h>
@@ -142,8 +142,8 @@ static size_t words_of(const forger *f, int i)
     uint32_t each = sections[i].words == UINT32_MAX ? m->layout.record : sections[i].words;
     if (each == 0)
         return ((size_t)m->n + 1) * motion_words(m, sections[i].which);
-    if (!motion_has(m, DUET_EFFECT_CONTACT) ||
-        (sections[i].which == COLOUR_OF && !motion_has(m, DUET_EFFECT_CONTACT_RESPONSE)))
+    if (!(m->effects & DUET_EFFECT_CONTACT) ||
+        (sections[i].which == COLOUR_OF && !(m->effects & DUET_EFFECT_CONTACT_RESPONSE)))
         return 0;
     return (size_t)f->n_contacts * each;
 }

@@ -3,7 +3,7 @@
 #include "support/commands.h"
 
 #include "base/rng.h"
-#include "base/text.h"
+#include "base/text_file.h"
 #include "runtime/dynamics/motion_commands.h"
 
 #include <math.h>

@@ -4,6 +4,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/fuzz.h"
 
+#include "base/text_file.h"
 #include "profiles/exchange.h"
 #include "profiles/profile.h"
 #include "profiles/upkeep.h"

@@ -6,6 +6,8 @@
 // A folder for each target is made in FOLDER. DATA is tests/data.
 #define _POSIX_C_SOURCE 200809L
 #include "support/motions.h"
+
+#include "base/text_file.h"
 #include "support/store.h"
 #include "support/test.h"
 

@@ -4,7 +4,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "base/text.h"
+#include "base/text_file.h"
 #include "gen/gen.h"
 
 #include <inttypes.h>

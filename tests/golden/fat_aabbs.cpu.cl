@@ -12,7 +12,7 @@
 #define CHECK_FAT_AABBS_ARGS \
     __global const float4 *restrict centres, \
     __global const float4 *restrict halves, \
-    float aabb_margin, \
+    float contact_margin, \
     uint n, \
     __global const float *restrict boxes, \
     volatile __global uint *restrict flags

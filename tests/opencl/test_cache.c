@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
+#include "base/text_file.h"
 #include "runtime/opencl/buffer.h"
 #include "runtime/opencl/cache.h"
 #include "runtime/opencl/device.h"

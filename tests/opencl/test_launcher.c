@@ -2,7 +2,7 @@
 // Arguments reach kernels by their names: cards whose arguments the host does not know, or
 // knows otherwise, are refused when the kernel is built, and their order is the card's own.
 #include "base/rng.h"
-#include "base/text.h"
+#include "base/text_file.h"
 #include "runtime/duet.h"
 #include "support/kernels.h"
 #include "support/test.h"

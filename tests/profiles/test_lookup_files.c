@@ -4,6 +4,7 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
+#include "base/text_file.h"
 #include "profiles/sql.h"
 #include "support/look.h"
 
@@ -163,7 +164,8 @@ static void why_says_what_is_missing(void **state)
     assert_why(f.s, &request, "measured for another objective");
     request.objective = "time";
     request.max_missed_rate = -1;
-    assert_why(f.s, &request, "no: for each true pair it misses 0 and adds 0 false ones, above -1 or inf");
+    assert_why(f.s, &request,
+               "no: for each true pair it misses 0 and adds 0 false ones, above -1 or inf");
     request.max_missed_rate = INFINITY;
     workload = test_workload(300000);
     assert_why(f.s, &request, "exact        no: no such workload");

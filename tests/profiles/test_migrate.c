@@ -2,6 +2,7 @@
 // A store of an older or a newer Duet.
 #include "support/test.h"
 
+#include "base/text_file.h"
 #include "profiles/profile.h"
 #include "profiles/sql.h"
 #include "profiles/upkeep.h"

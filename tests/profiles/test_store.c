@@ -3,6 +3,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
+#include "base/text_file.h"
 #include "profiles/exchange.h"
 #include "profiles/sql.h"
 #include "support/store.h"

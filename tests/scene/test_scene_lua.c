@@ -3,7 +3,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "base/text.h"
+#include "base/text_file.h"
 #include "gen/script.h"
 #include "runtime/scene/scene.h"
 

@@ -7,6 +7,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
+#include "base/text_file.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/selection/profile_subject.h"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/any_strategy.h"
 
+#include "base/text_file.h"
 #include "tuner/strategy.h"
 
 const char *const any_strategies[] = {"balance", "fig12",  "bisect", "golden",

@@ -3,7 +3,7 @@
 
 #include "support/test.h"
 
-#include "base/text.h"
+#include "base/text_file.h"
 #include "runtime/duet.h"
 
 #include <ctype.h>

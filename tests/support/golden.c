@@ -2,7 +2,7 @@
 #include "support/golden.h"
 #include "support/test.h"
 
-#include "base/text.h"
+#include "base/text_file.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 
 #include "support/test.h"
 
-#include "base/text.h"
+#include "base/text_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
-#include "base/text.h"
+#include "base/text_file.h"
 
 #include <dirent.h>
 #include <inttypes.h>
