@@ -271,14 +271,12 @@ static grid make_hashed(const double lower[3], const double length[3], const siz
 static uint32_t cell_of(const grid_level *level, const grid_objects *objects, uint32_t id,
                         uint32_t axis)
 {
+    const bool has_origin = objects->origin > 0.0f;
+    double corner = has_origin ? grid_corner(level, objects->origin, axis) : 0.0;
     double point[3];
     grid_point_of(point, objects, id);
-    float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
-    cl_int cells = level->cells.s[axis];
-    if (objects->origin > 0.0f)
-        return grid_cell_along((float)(point[axis] - grid_corner(level, objects->origin, axis)), 0,
-                               per_cell, cells);
-    return grid_cell_along((float)point[axis], lower, per_cell, cells);
+    return grid_cell_along((float)(point[axis] - corner), has_origin ? 0 : level->lower.s[axis],
+                           level->per_cell.s[axis], level->cells.s[axis]);
 }
 
 void grid_cell_of(uint32_t cell[3], const grid *g, const grid_objects *objects, uint32_t id)

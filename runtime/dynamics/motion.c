@@ -119,7 +119,7 @@ static bool open_world(duet_motion *m, duet_error *err)
 static bool open_device(duet_motion *m, duet_error *err)
 {
     m->device = &m->def.pair->devices[1];
-    timeline_begin_untimed(&m->times, m->device);
+    timeline_begin(&m->times, m->device, false);
     m->gen = gen_open(m->def.pair->kernel_dir, err);
     m->programs = m->gen ? program_set_open(m->device, m->gen, &m->def.pair->builder, err) : NULL;
     return m->programs;
