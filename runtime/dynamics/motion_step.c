@@ -206,7 +206,6 @@ static bool complete_step(duet_motion *m, bool carried, double ms, duet_motion_r
         !carried || (m->commands && !(motion_end_commands(m, err) && motion_arrive(m, err)));
     if (m->broken) {
         timeline_clear(&m->times);
-        motion_forget_recording(m);
         return false;
     }
     ++m->step;

@@ -46,23 +46,32 @@ bool scan_reserve(scan *s, uint32_t n, duet_error *err)
     return buffer_reserve(&s->sums, s->device, count_blocks(s, n) * sizeof(uint32_t), err);
 }
 
-bool scan_run_summed(scan *s, timeline *t, const char *stage, const buffer *values,
-                     const buffer *to, uint32_t n, duet_error *err)
+static void set_args(scan *s, const buffer *values, const buffer *to, uint32_t n)
 {
     s->values = *values;
     s->to = *to;
     s->n = n;
     s->n_blocks = count_blocks(s, n);
     s->use_tops = s->n_blocks > MOST_ADDED_BLOCKS;
-    return (!s->use_tops || timeline_launch(t, stage, s->top_sums, 1, s, err)) &&
-           timeline_launch(t, stage, s->blocks, n, s, err);
+}
+
+static bool run(scan *s, timeline *t, const char *stage, bool summed, duet_error *err)
+{
+    return (summed || timeline_launch(t, stage, s->block_sums, s->n, s, err)) &&
+           (!s->use_tops || timeline_launch(t, stage, s->top_sums, 1, s, err)) &&
+           timeline_launch(t, stage, s->blocks, s->n, s, err);
+}
+
+bool scan_run_summed(scan *s, timeline *t, const char *stage, const buffer *values,
+                     const buffer *to, uint32_t n, duet_error *err)
+{
+    set_args(s, values, to, n);
+    return run(s, t, stage, true, err);
 }
 
 bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, const buffer *to,
               uint32_t n, duet_error *err)
 {
-    s->values = *values;
-    s->n = n;
-    return scan_reserve(s, n, err) && timeline_launch(t, stage, s->block_sums, n, s, err) &&
-           scan_run_summed(s, t, stage, values, to, n, err);
+    set_args(s, values, to, n);
+    return scan_reserve(s, n, err) && run(s, t, stage, false, err);
 }
