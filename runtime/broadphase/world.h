@@ -72,7 +72,7 @@ struct duet_world {
     bool keeps_pairs[2];   // on that device in the last step
     const global_ids *ids; // of a step that counts pairs; else NULL
     uint64_t ids_version;
-    bool ids_ahead; // that version's are on their way
+    bool ids_ahead;        // that version's are on their way
     bool skims;            // objects that are sent ahead may be skimmed
     pair_buffers left;     // where pairs are left
     background background; // of a step in two halves
@@ -130,8 +130,9 @@ typedef struct world_fit {
 // a grid of their own.
 void world_swap_fit(duet_world *world, world_fit *fit);
 
-// Fits a grid to the objects where the last one does not suit them.
-bool world_fit_grid(duet_world *world, duet_error *err);
+// Fits a grid to the objects where the last one does not suit them, by these threads and the
+// caller's; NULL: by that alone.
+bool world_fit_grid(duet_world *world, thread_pool *threads, duet_error *err);
 
 // All of a def but its device pair and its plan.
 bool world_check_def(const duet_world_def *def, duet_error *err);

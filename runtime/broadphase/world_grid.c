@@ -50,14 +50,14 @@ void world_forget_grid(duet_world *world)
     world->grid = (grid){0};
 }
 
-static bool fit_grid(duet_world *world, duet_error *err)
+static bool fit_grid(duet_world *world, thread_pool *threads, duet_error *err)
 {
     const duet_world_def *def = &world->def;
     if (!world_see_objects(world, err))
         return false;
     grid_objects objects = world_objects(world);
     grid_needs needs;
-    grid_needs_of(&needs, &objects);
+    grid_needs_of(&needs, &objects, threads);
     bool too_small = def->cell > 0.0f && needs.widest > def->cell;
     if (too_small && def->cell_fixed)
         return error_set(err, DUET_STATUS_CELL_TOO_SMALL,
@@ -86,7 +86,7 @@ static bool needs_fit(const duet_world *world)
            REFIT_FACTOR * n < world->fitted_n;
 }
 
-bool world_fit_grid(duet_world *world, duet_error *err)
+bool world_fit_grid(duet_world *world, thread_pool *threads, duet_error *err)
 {
-    return !needs_fit(world) || fit_grid(world, err);
+    return !needs_fit(world) || fit_grid(world, threads, err);
 }
