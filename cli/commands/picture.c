@@ -82,6 +82,7 @@ static grid_objects objects_of(const duet_scene *scene)
 {
     const duet_scene_info *info = duet_scene_get_info(scene);
     return (grid_objects){.array = duet_scene_get_objects(scene, scene_kind(info)),
+                          .row_bytes = origin_row_bytes(info->shape, info->origin_edge),
                           .shape = info->shape,
                           .origin = info->origin_edge,
                           .n = info->n,

@@ -270,12 +270,10 @@ static grid make_hashed(const double lower[3], const double length[3], const siz
 static inline uint32_t cell_along(const grid_level *level, float origin, const double point[3],
                                   uint32_t axis)
 {
-    float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
-    cl_int cells = level->cells.s[axis];
-    if (origin > 0.0f)
-        return grid_cell_along((float)(point[axis] - grid_corner(level, origin, axis)), 0, per_cell,
-                               cells);
-    return grid_cell_along((float)point[axis], lower, per_cell, cells);
+    bool has_origin = origin > 0.0f;
+    double corner = has_origin ? grid_corner(level, origin, axis) : 0.0;
+    return grid_cell_along((float)(point[axis] - corner), has_origin ? 0 : level->lower.s[axis],
+                           level->per_cell.s[axis], level->cells.s[axis]);
 }
 
 void grid_cell_of(uint32_t cell[3], const grid *g, const grid_objects *objects, uint32_t id)

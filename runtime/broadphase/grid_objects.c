@@ -9,13 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-size_t grid_object_bytes(const grid_objects *objects)
-{
-    return !objects->sizes    ? origin_row_bytes(objects->shape, objects->origin)
-           : objects->compact ? sizeof(duet_compact_transform)
-                              : sizeof(duet_transform);
-}
-
 duet_transform grid_transform_of(const duet_pose *pose)
 {
     duet_transform t;
@@ -61,6 +54,23 @@ duet_rounded_box grid_rounded_box_of(const grid_objects *objects, uint32_t id)
     return objects->shape == DUET_SHAPE_SPHERES
                ? rounded_of_sphere(&((const duet_sphere *)objects->array)[id])
                : ((const duet_rounded_box *)objects->array)[id];
+}
+
+void grid_point_of(double at[3], const grid_objects *objects, uint32_t id)
+{
+    at[2] = 0.0;
+    if (objects->shape == DUET_SHAPE_BOUNDS) {
+        const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
+        for (uint32_t k = 0; k < objects->dims; ++k)
+            at[k] = (double)b->lower[k];
+        return;
+    }
+    double corner[3];
+    duet_pose scratch;
+    const duet_pose *p = grid_pose_of(objects, id, &scratch);
+    origin_corner(corner, objects->array, objects->origin, id);
+    for (uint32_t k = 0; k < objects->dims; ++k)
+        at[k] = corner[k] + (double)p->centre[k];
 }
 
 void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)

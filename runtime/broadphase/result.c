@@ -114,16 +114,6 @@ duet_pair duet_result_get_pair(const duet_result *result, uint64_t i)
 
 // ---------------------------------------------------------------- its pairs on a device
 
-// A device keeps its pairs where it can hand them over without the host, and gains by it.
-void world_choose_keepers(duet_world *world)
-{
-    const device *to = world->left.device;
-    for (int side = 0; side < 2; ++side) {
-        const device *from = world->parts[side].device;
-        world->keeps_pairs[side] = to && !from->info.host_memory && from->context == to->context;
-    }
-}
-
 static bool check_space(const pair_buffers *b, uint64_t n, duet_error *err)
 {
     return !b->pairs || n <= b->capacity ||
@@ -181,8 +171,6 @@ static bool gather(pair_buffers *b, const part parts[2], const bool kept[2], due
 static bool write_count(pair_buffers *b, duet_error *err)
 {
     cl_ulong n = b->last.n;
-    if (!b->count && !buffer_reserve(&b->own_count, b->device, sizeof n, err))
-        return false;
     b->last.count = b->count ? b->count : b->own_count.mem;
     cl_int code = clEnqueueWriteBuffer(b->device->queue, b->last.count, CL_TRUE, 0, sizeof n, &n, 0,
                                        NULL, NULL);
@@ -243,13 +231,13 @@ bool duet_world_leave_pairs(duet_world *world, int side, cl_mem pairs, cl_mem co
     size_t bytes = 0;
     if (pairs)
         clGetMemObjectInfo(pairs, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
-    callers_buffer_hold(pairs);
-    callers_buffer_hold(count);
+    pair_buffers left = {.device = &devices[side], .capacity = bytes / sizeof(duet_pair)};
+    if (!count && !buffer_reserve(&left.own_count, left.device, sizeof(cl_ulong), err))
+        return false;
+    left.pairs = callers_buffer_hold(pairs);
+    left.count = callers_buffer_hold(count);
     pair_buffers_drop(&world->left);
-    world->left = (pair_buffers){.device = &devices[side],
-                                 .pairs = pairs,
-                                 .count = count,
-                                 .capacity = bytes / sizeof(duet_pair)};
+    world->left = left;
     return true;
 }
 

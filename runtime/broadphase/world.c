@@ -236,6 +236,7 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
         return NULL;
     }
     world->def = own;
+    world->kind = world_objects_kind(&own);
     world->alike = are_alike(def->pair);
     take_plan(world, &plan, &wish, variants);
     world_hold(world);

@@ -42,9 +42,10 @@ typedef struct step_half {
 
 struct duet_world {
     duet_world_def def;
-    uint32_t users;      // who created it, and shares that are kept on line
-    part parts[2];       // A, B
-    thread_pool *driver; // drives A while the caller's thread drives B
+    duet_object_kind kind; // of the objects, by the def
+    uint32_t users;        // who created it, and shares that are kept on line
+    part parts[2];         // A, B
+    thread_pool *driver;   // drives A while the caller's thread drives B
     pack pack;
     strays strays;
     host_block objects; // [n] poses or bounds, or transforms
@@ -85,7 +86,8 @@ struct duet_world {
 bool world_is_under_way(const duet_world *world);
 bool world_is_idle(const duet_world *world, const char *call, duet_error *err);
 
-// What objects of a world are called: "poses".
+// Of which kind the objects of such a world are, and what they are called: "poses".
+duet_object_kind world_objects_kind(const duet_world_def *def);
 const char *world_objects_name(const duet_world_def *def);
 
 // Begins to send the first n objects of those that were mapped, where that can be, while the
@@ -131,7 +133,8 @@ typedef struct world_fit {
 void world_swap_fit(duet_world *world, world_fit *fit);
 
 // Fits a grid to the objects where the last one does not suit them, by these threads and the
-// caller's; NULL: by that alone.
+// caller's; NULL: by that alone. The host sees the objects then, and where slabs of the grid are to
+// be cut anew.
 bool world_fit_grid(duet_world *world, thread_pool *threads, duet_error *err);
 
 // All of a def but its device pair and its plan.
@@ -148,6 +151,10 @@ grid_objects world_objects(const duet_world *world);
 bool world_see_objects(duet_world *world, duet_error *err);
 void world_end_sight(duet_world *world);
 
+// The same where a search needs it by the devices that take part: to send objects that one has to
+// the other, or to decide in a device's memory what float leaves open.
+bool world_see_for_search(duet_world *world, const bool takes_part[2], duet_error *err);
+
 // Whether every object has a size, whichever of the two was set first; and what must be over
 // before they are read is over.
 bool world_check_sizes(const duet_world *world, duet_error *err);
@@ -159,9 +166,8 @@ void resident_drop(resident *r);
 // Maps n transforms, of the kind that the world was made for, and fills them from poses.
 bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err);
 
-// Where pairs are left on a device: which devices keep what they find in the next step; after it,
-// all pairs in one buffer, TOO_MANY where the caller's has no space for them.
-void world_choose_keepers(duet_world *world);
+// Where pairs are left on a device: after the step all in one buffer, TOO_MANY where the caller's
+// has no space for them.
 bool world_gather_pairs(duet_world *world, duet_error *err);
 
 // After a step that failed: no pairs, so that kernels which read the number do nothing. False where

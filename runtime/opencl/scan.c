@@ -25,6 +25,8 @@ bool scan_open(scan *s, const device *d, program_set *programs, const gen_settin
                          : NULL;
         ok = *kernels[i];
     }
+    if (ok)
+        s->block = s->block_sums->group * s->block_sums->per_item;
     return ok;
 }
 
@@ -34,14 +36,9 @@ void scan_close(scan *s)
     *s = (scan){0};
 }
 
-uint32_t scan_block(const scan *s)
-{
-    return s->block_sums->group * s->block_sums->per_item;
-}
-
 static uint32_t count_blocks(const scan *s, uint32_t n)
 {
-    return (uint32_t)(((uint64_t)n + scan_block(s) - 1) / scan_block(s));
+    return (uint32_t)(((uint64_t)n + s->block - 1) / s->block);
 }
 
 bool scan_reserve(scan *s, uint32_t n, duet_error *err)
