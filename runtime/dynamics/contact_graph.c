@@ -91,26 +91,38 @@ static bool search_on_b(duet_motion *m, duet_result *result, duet_error *err)
     return ok;
 }
 
-// What is hidden is left out, and nothing else may be. The error is of its state, where that says
-// what is wrong.
-static bool check_left_out(duet_motion *m, const duet_result *result, duet_error *err)
+static bool are_right(const duet_bounds *b, uint32_t dims)
 {
-    uint32_t hidden = m->commands ? m->commands->n_hidden : 0;
-    if (result->bad == hidden)
-        return true;
-    free(motion_read_states(m, err));
-    return error_set(err, DUET_STATUS_BAD_OBJECT,
-                     "the bounds of %u objects of %u are not finite after step %llu",
-                     result->bad - hidden, m->n - hidden, (unsigned long long)m->step);
+    for (uint32_t k = 0; k < dims; ++k)
+        if (!isfinite(b->lower[k]) || !isfinite(b->upper[k]) || b->lower[k] > b->upper[k])
+            return false;
+    return true;
+}
+
+static bool tell_left_out(duet_motion *m, duet_error *err)
+{
+    duet_bounds *bounds = malloc(m->n * sizeof *bounds);
+    uint32_t id = 0;
+    if (!bounds)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bounds", m->n);
+    bool ok = fetch(m, "grid", BOXES, 0, bounds, m->n * sizeof *bounds, err);
+    while (ok && id + 1 < m->n &&
+           (m->commands->states[id] != PLACE_ENABLED || are_right(&bounds[id], m->def.dims)))
+        ++id;
+    free(bounds);
+    return ok && error_set(err, DUET_STATUS_BAD_OBJECT,
+                           "object %u of %u: its bounds are not finite after step %llu", id, m->n,
+                           (unsigned long long)m->step);
 }
 
 static bool find_pairs(duet_motion *m, duet_error *err)
 {
     duet_result result;
-    m->world->def.keep_bad = m->commands && m->commands->n_hidden > 0;
+    uint32_t hidden = m->commands ? m->commands->n_hidden : 0; // these are left out
+    m->world->def.keep_bad = hidden > 0;
     bool ok =
         world_is_b_alone(m->world) ? search_on_b(m, &result, err) : search_on_both(m, &result, err);
-    ok = ok && check_left_out(m, &result, err);
+    ok = ok && (result.bad == hidden || tell_left_out(m, err));
     if (ok)
         timeline_add_host(&m->times, "pairs", result.total_ms);
     m->n_pairs = ok ? result.pairs : 0;
