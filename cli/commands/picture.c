@@ -160,7 +160,7 @@ static bool lay_grid(sketch *s, const duet_scene *scene, duet_error *err)
         wish.upper[k] = info->upper[k];
     }
     grid_objects objects = objects_of(scene);
-    grid_needs_of(&needs, &objects);
+    grid_needs_of(&needs, &objects, NULL);
     return grid_fit(&s->grid, &needs, &wish, &objects, err);
 }
 

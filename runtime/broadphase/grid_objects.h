@@ -4,6 +4,7 @@
 #define RUNTIME_GRID_OBJECTS_H
 
 #include "runtime/duet.h"
+#include "runtime/opencl/thread_pool.h"
 
 // What objects a grid is for: as the shape says, with origin cells large poses, or
 // with sizes transforms.
@@ -58,6 +59,7 @@ typedef struct grid_needs {
     double octave_widest[GRID_OCTAVES];
 } grid_needs;
 
-void grid_needs_of(grid_needs *needs, const grid_objects *objects);
+// By these threads and the caller's; NULL: by that alone.
+void grid_needs_of(grid_needs *needs, const grid_objects *objects, thread_pool *threads);
 
 #endif

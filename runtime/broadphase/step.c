@@ -262,7 +262,7 @@ static bool find_all(duet_world *world, duet_error *err)
     if (fits)
         forget_last_step(world);
     for (int fit = 0; !fits; ++fit) {
-        if (!budget_check(err) || !world_fit_grid(world, err))
+        if (!budget_check(err) || !world_fit_grid(world, NULL, err))
             return false;
         bool placed = true;
         if (!run_parts(world, &placed, err))

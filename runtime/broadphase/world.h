@@ -132,9 +132,10 @@ typedef struct world_fit {
 // a grid of their own.
 void world_swap_fit(duet_world *world, world_fit *fit);
 
-// Fits a grid to the objects where the last one does not suit them. The host sees the objects then,
-// and where slabs of the grid are to be cut anew.
-bool world_fit_grid(duet_world *world, duet_error *err);
+// Fits a grid to the objects where the last one does not suit them, by these threads and the
+// caller's; NULL: by that alone. The host sees the objects then, and where slabs of the grid are to
+// be cut anew.
+bool world_fit_grid(duet_world *world, thread_pool *threads, duet_error *err);
 
 // All of a def but its device pair and its plan.
 bool world_check_def(const duet_world_def *def, duet_error *err);

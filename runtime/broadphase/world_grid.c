@@ -70,7 +70,7 @@ static grid_wish wish_of(const duet_world *world)
     return wish;
 }
 
-bool world_fit_grid(duet_world *world, duet_error *err)
+bool world_fit_grid(duet_world *world, thread_pool *threads, duet_error *err)
 {
     const duet_world_def *def = &world->def;
     const bool fitted = is_fitted(world);
@@ -84,7 +84,7 @@ bool world_fit_grid(duet_world *world, duet_error *err)
     const grid before = world->grid;
     const grid_objects objects = world_objects(world);
     grid_needs needs;
-    grid_needs_of(&needs, &objects);
+    grid_needs_of(&needs, &objects, threads);
     bool too_small = def->cell > 0.0f && needs.widest > def->cell;
     if (too_small && def->cell_fixed)
         return error_set(err, DUET_STATUS_CELL_TOO_SMALL,
