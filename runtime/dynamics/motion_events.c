@@ -32,6 +32,11 @@ static bool is_told(const duet_motion *m, duet_pair p)
     return groups & m->def.event_mask;
 }
 
+static bool fetch(duet_motion *m, motion_buffer which, void *to, size_t bytes, duet_error *err)
+{
+    return timeline_read(&m->times, "events", &m->buffers[which], to, bytes, err);
+}
+
 // ---------------------------------------------------------------- what touches
 
 static void list_touching(duet_motion *m, const uint32_t *words)
@@ -49,10 +54,8 @@ static bool fetch_bits(duet_motion *m, uint32_t *words, size_t n_words, duet_err
     motion_events *e = &m->told;
     bool same = e->known && !m->rebuilt;
     e->links.n = m->n_contacts;
-    return (same || timeline_read(&m->times, "events", &m->buffers[LINKS], e->links.pairs,
-                                  m->n_contacts * sizeof *e->links.pairs, err)) &&
-           timeline_read(&m->times, "events", &m->buffers[TOUCHING], words, n_words * sizeof *words,
-                         err);
+    return (same || fetch(m, LINKS, e->links.pairs, m->n_contacts * sizeof *e->links.pairs, err)) &&
+           fetch(m, TOUCHING, words, n_words * sizeof *words, err);
 }
 
 static bool fetch_touching(duet_motion *m, duet_error *err)
@@ -139,7 +142,7 @@ static bool fetch_hits(duet_motion *m, size_t n, duet_error *err)
     if (!words)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu events", n);
     bool ok = pair_list_grow((void **)&e->hits, &e->hit_capacity, n, sizeof *e->hits, err) &&
-              timeline_read(&m->times, "events", &m->buffers[HITS], words, n * sizeof *words, err);
+              fetch(m, HITS, words, n * sizeof *words, err);
     for (size_t i = 0; ok && i < n; ++i) {
         duet_hit_event hit = hit_of(m, words[i]);
         if (is_told(m, (duet_pair){hit.a, hit.b}))
