@@ -266,23 +266,19 @@ static grid make_hashed(const double lower[3], const double length[3], const siz
 
 // ---------------------------------------------------------------- crowds
 
-// A point's cell along an axis, as the kernels have it but for rounding with origin cells.
-static inline uint32_t cell_along(const grid_level *level, float origin, const double point[3],
-                                  uint32_t axis)
-{
-    bool has_origin = origin > 0.0f;
-    double corner = has_origin ? grid_corner(level, origin, axis) : 0.0;
-    return grid_cell_along((float)(point[axis] - corner), has_origin ? 0 : level->lower.s[axis],
-                           level->per_cell.s[axis], level->cells.s[axis]);
-}
-
+// As the kernels have it, but for rounding with origin cells.
 void grid_cell_of(uint32_t cell[3], const grid *g, const grid_objects *objects, uint32_t id)
 {
-    double point[3];
+    const grid_level *level = &g->levels[0];
+    const bool has_origin = objects->origin > 0.0f;
+    double corner[3] = {0}, point[3];
+    for (uint32_t k = 0; has_origin && k < objects->dims; ++k)
+        corner[k] = grid_corner(level, objects->origin, k);
     grid_point_of(point, objects, id);
     cell[2] = 0;
     for (uint32_t k = 0; k < objects->dims; ++k)
-        cell[k] = cell_along(&g->levels[0], objects->origin, point, k);
+        cell[k] = grid_cell_along((float)(point[k] - corner[k]), has_origin ? 0 : level->lower.s[k],
+                                  level->per_cell.s[k], level->cells.s[k]);
 }
 
 uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t id)
@@ -305,17 +301,18 @@ static bool is_left_out(const grid_objects *objects, uint32_t id)
 // The mean number of others in an object's cell of the finest level.
 static bool count_crowd(double *others, const grid *g, const grid_objects *objects, duet_error *err)
 {
-    const cl_int *along = g->levels[0].cells.s;
-    size_t nx = (uint32_t)along[0], ny = (uint32_t)along[1];
-    size_t cells = nx * ny * (uint32_t)along[2];
+    const grid_level *level = &g->levels[0];
+    uint32_t nx = (uint32_t)level->cells.s[0], ny = (uint32_t)level->cells.s[1];
+    size_t cells = (size_t)nx * ny * (uint32_t)level->cells.s[2];
     uint32_t *counts = calloc(cells, sizeof *counts);
     if (!counts)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %zu cells", cells);
     for (uint32_t id = 0; id < objects->n; ++id) {
         uint32_t cell[3];
+        if (is_left_out(objects, id))
+            continue;
         grid_cell_of(cell, g, objects, id);
-        if (!is_left_out(objects, id))
-            ++counts[(cell[2] * ny + cell[1]) * nx + cell[0]];
+        ++counts[((size_t)cell[2] * ny + cell[1]) * nx + cell[0]];
     }
     double pairs = 0.0;
     for (size_t c = 0; c < cells; ++c)
