@@ -178,21 +178,24 @@ static bool write_count(pair_buffers *b, duet_error *err)
            error_set_cl(err, code, "%s: leaving the number of pairs", b->device->info.selector);
 }
 
-bool world_gather_pairs(duet_world *world, duet_error *err)
+const buffer *world_join_pairs(duet_world *world, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     pair_buffers *b = &world->left;
     part *parts = world->parts;
-    uint64_t n = parts[0].span.n + parts[1].span.n;
-    if (!check_space(b, n, err))
-        return false;
-    b->last = (duet_pair_buffers){.n = n};
+    b->last = (duet_pair_buffers){.n = parts[0].span.n + parts[1].span.n};
     part *sole = sole_finder(b, parts);
-    bool ok = (sole ? show(b, sole, err) : gather(b, parts, world->keeps_pairs, err)) &&
-              write_count(b, err);
+    bool ok = sole ? show(b, sole, err) : gather(b, parts, world->keeps_pairs, err);
     timeline_add_host(&parts[b->device == parts[1].device].times, "leave pairs",
                       clock_ms_since(begun));
-    return ok;
+    return !ok ? NULL : sole ? &sole->pairs : &b->own_pairs;
+}
+
+bool world_gather_pairs(duet_world *world, duet_error *err)
+{
+    const part *parts = world->parts;
+    return check_space(&world->left, parts[0].span.n + parts[1].span.n, err) &&
+           world_join_pairs(world, err) && write_count(&world->left, err);
 }
 
 bool world_clear_pairs(duet_world *world)

@@ -44,7 +44,7 @@ static part_task describe_task(const duet_world *world, int side)
         .ordered = world->def.ordered,
         .level = world->def.level,
         .objects = world_objects(world),
-        .resident = r->on[side] ? &r->objects : NULL,
+        .resident = r->on[side] && !r->only_seen ? &r->objects : NULL,
         .keeps_pairs = world->keeps_pairs[side],
         .skims = world->skims,
         .ids = world->parts[side].device->info.host_memory ? NULL : world->ids,
@@ -185,7 +185,8 @@ static bool takes_stretches(const duet_world *world)
 {
     bool takes = world->def.ordered && world->def.plan.mode == DUET_MODE_SLAB;
     for (int side = 0; side < 2; ++side)
-        takes &= !world->resident.on[side] && world->variants[side].search != SEARCH_PAPER;
+        takes &= (!world->resident.on[side] || world->resident.only_seen) &&
+                 world->variants[side].search != SEARCH_PAPER;
     return takes;
 }
 
@@ -328,24 +329,39 @@ bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
            step_and_tell(world, result, &told, err);
 }
 
-bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, duet_result *result,
-                         const buffer **pairs, duet_error *err)
+// ---------------------------------------------------------------- of what B has
+
+// Whether B searches around all objects and needs nothing of A or the host for it.
+static bool is_b_alone(const duet_world *world)
+{
+    const duet_plan *plan = &world->def.plan;
+    bool slabs = plan->mode == DUET_MODE_SLAB || (world->mode_open && world->alike);
+    return plan->share == 0 && !slabs;
+}
+
+bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, bool untimed,
+                         duet_result *result, const buffer **pairs, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
-    world->resident = (resident){.objects = *bounds, .on = {false, true}};
-    world->keeps_pairs[0] = false;
-    world->keeps_pairs[1] = true;
+    world->resident =
+        (resident){.objects = *bounds, .on = {false, true}, .only_seen = !is_b_alone(world)};
+    world->left.device = world->parts[1].device;
     world->n = n;
     ++world->objects_version;
-    bool ok = find_pairs(world, err);
+    for (int side = 0; side < 2; ++side) {
+        world->keeps_pairs[side] = side == 1;
+        world->parts[side].untimed = untimed;
+    }
+    *pairs = find_pairs(world, err) ? world_join_pairs(world, err) : NULL;
     world->resident = (resident){0};
-    *pairs = &world->parts[1].pairs;
-    if (!ok)
+    if (!*pairs)
         return false;
     world_tell_result(world, result);
     result->total_ms = clock_ms_since(begun);
     return true;
 }
+
+// ---------------------------------------------------------------- counted
 
 bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *result,
                          part_counted counted[2], duet_error *err)

@@ -18,6 +18,7 @@
 typedef struct resident {
     buffer objects;       // empty: the objects are the host's
     bool on[2];           // the devices that have them
+    bool only_seen;       // and are sent them nevertheless, from where the host sees them
     bool callers;         // the buffer is held
     callers_events ready; // what must be over first; none once it is
     const void *seen;     // by the host; NULL: not yet
@@ -170,6 +171,9 @@ bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n
 // has no space for them.
 bool world_gather_pairs(duet_world *world, duet_error *err);
 
+// The same without the number, which the result has; NULL after a failure.
+const buffer *world_join_pairs(duet_world *world, duet_error *err);
+
 // After a step that failed: no pairs, so that kernels which read the number do nothing. False where
 // that is not written.
 bool world_clear_pairs(duet_world *world);
@@ -182,13 +186,10 @@ bool world_check_bad(const duet_world *world, duet_error *err);
 // All that a step tells but the time that it took in all.
 void world_tell_result(duet_world *world, duet_result *result);
 
-// Whether B searches around all objects and needs nothing of A or the host for it.
-bool world_is_b_alone(const duet_world *world);
-
-// A step of such a world over n bounds in B's memory. *pairs has as many as the result
-// says, in B's memory until the next step; its spans have none.
-bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, duet_result *result,
-                         const buffer **pairs, duet_error *err);
+// A step over n bounds in B's memory. *pairs has as many as the result says, in B's memory until
+// the next step; its spans have none. Where B searches alone, nothing of both comes to the host.
+bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, bool untimed,
+                         duet_result *result, const buffer **pairs, duet_error *err);
 
 // A step in which a device with memory of its own counts the pairs of objects that have global ids,
 // and adds up their hash, in counted[side]. The result's pairs and spans have only the others, and

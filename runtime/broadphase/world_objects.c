@@ -133,9 +133,10 @@ bool world_see_for_search(duet_world *world, const bool takes_part[2], duet_erro
 {
     bool needs = false;
     for (int side = 0; side < 2; ++side)
-        needs |= takes_part[side] &&
-                 (!world->resident.on[side] || (world->def.shape == DUET_SHAPE_POSES &&
-                                                world->parts[side].device->info.host_memory));
+        needs |=
+            takes_part[side] &&
+            (!world->resident.on[side] || world->resident.only_seen ||
+             (world->def.shape == DUET_SHAPE_POSES && world->parts[side].device->info.host_memory));
     return !needs || world_see_objects(world, err);
 }
 

@@ -58,39 +58,6 @@ static bool bounds_hold(duet_motion *m, bool *hold, duet_error *err)
 
 // ---------------------------------------------------------------- pairs of all bodies
 
-// What A and what B found, one behind the other.
-static bool send_pairs(duet_motion *m, const duet_result *result, duet_error *err)
-{
-    const size_t size = sizeof *result->spans[0].pairs;
-    bool ok = motion_reserve(m, PAIRS, result->pairs + 1, size, err);
-    size_t at = 0;
-    for (int i = 0; ok && i < 2; ++i) {
-        size_t bytes = (size_t)result->spans[i].n * size;
-        ok = timeline_write_at(&m->times, "contact_graph", &m->buffers[PAIRS], at,
-                               result->spans[i].pairs, bytes, err);
-        at += bytes;
-    }
-    m->args.pairs = m->buffers[PAIRS];
-    return ok;
-}
-
-// Where both devices search, bounds and pairs go through the host.
-static bool search_on_both(duet_motion *m, duet_result *result, duet_error *err)
-{
-    duet_bounds *bounds = duet_world_map_objects(m->world, DUET_OBJECT_BOUNDS, m->n, err);
-    return bounds && fetch(m, "grid", BOXES, 0, bounds, m->n * sizeof *bounds, err) &&
-           duet_world_step(m->world, result, err) && send_pairs(m, result, err);
-}
-
-static bool search_on_b(duet_motion *m, duet_result *result, duet_error *err)
-{
-    const buffer *pairs = NULL;
-    m->world->parts[1].untimed = m->times.untimed;
-    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, result, &pairs, err);
-    m->args.pairs = *pairs;
-    return ok;
-}
-
 static bool are_right(const duet_bounds *b, uint32_t dims)
 {
     for (uint32_t k = 0; k < dims; ++k)
@@ -118,14 +85,16 @@ static bool tell_left_out(duet_motion *m, duet_error *err)
 static bool find_pairs(duet_motion *m, duet_error *err)
 {
     duet_result result;
+    const buffer *pairs;
     uint32_t hidden = m->commands ? m->commands->n_hidden : 0; // these are left out
     m->world->def.keep_bad = hidden > 0;
-    bool ok =
-        world_is_b_alone(m->world) ? search_on_b(m, &result, err) : search_on_both(m, &result, err);
-    ok = ok && (result.bad == hidden || tell_left_out(m, err));
+    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, m->times.untimed, &result,
+                                  &pairs, err) &&
+              (result.bad == hidden || tell_left_out(m, err));
     if (ok)
         timeline_add_host(&m->times, "pairs", result.total_ms);
     m->n_pairs = ok ? result.pairs : 0;
+    m->args.pairs = ok ? *pairs : (buffer){0};
     return ok;
 }
 

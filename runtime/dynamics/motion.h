@@ -45,7 +45,7 @@ typedef enum motion_buffer {
     RETURN_STARTS,
     USED,
     CHOICES,
-    PAIRS,  // of both devices, while rows are made
+    PAIRS,  // of bodies that commands altered, and of all that hold on
     OTHERS, // by contact
     LINKS,
     RETURNS,
