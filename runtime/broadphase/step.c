@@ -308,20 +308,6 @@ static bool step_and_tell(duet_world *world, duet_result *result, bool *told, du
     return ok;
 }
 
-bool world_is_under_way(const duet_world *world)
-{
-    return world->background.under_way;
-}
-
-bool world_is_idle(const duet_world *world, const char *call, duet_error *err)
-{
-    return error_given(world, call, "world", err) &&
-           (!world_is_under_way(world) ||
-            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                      "%s: a step of the world is under way; expected duet_world_step_end first",
-                      call));
-}
-
 bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
 {
     bool told;

@@ -87,7 +87,10 @@ struct duet_world {
 bool world_is_under_way(const duet_world *world);
 bool world_is_idle(const duet_world *world, const char *call, duet_error *err);
 
-// Of which kind the objects of such a world are, and what they are called: "poses".
+// What a kind of objects is called, "poses", and how long a row of it is; of which kind the objects
+// of such a world are, and what they are called.
+const char *world_kind_name(duet_object_kind kind);
+size_t world_kind_bytes(duet_object_kind kind);
 duet_object_kind world_objects_kind(const duet_world_def *def);
 const char *world_objects_name(const duet_world_def *def);
 

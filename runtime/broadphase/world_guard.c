@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// What a public call asks of a world first: that no step is under way.
+#include "runtime/broadphase/world.h"
+
+#include "base/error.h"
+
+bool world_is_under_way(const duet_world *world)
+{
+    return world->background.under_way;
+}
+
+bool world_is_idle(const duet_world *world, const char *call, duet_error *err)
+{
+    return error_given(world, call, "world", err) &&
+           (!world_is_under_way(world) ||
+            error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                      "%s: a step of the world is under way; expected duet_world_step_end first",
+                      call));
+}
