@@ -42,37 +42,6 @@ static bool check_def(const duet_cluster_def *def, duet_error *err)
                      def->imbalance);
 }
 
-void cluster_close_workers(worker *workers[2])
-{
-    for (int i = 1; i >= 0; --i) { // what the first one holds is lent to the other one
-        if (workers[i])
-            workers[i]->close(workers[i]);
-        workers[i] = NULL;
-    }
-}
-
-static worker *open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err)
-{
-    const simulation *s = c->ranks.simulation;
-    return s && s->object_seconds
-               ? worker_open_simulated(world, &c->ranks, &c->n_ghosts, c->def.parts, err)
-           : c->def.plain ? worker_open_plain(world, err)
-                          : worker_open_pair(world, err);
-}
-
-bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
-                          duet_error *err)
-{
-    bool ok = true;
-    for (int i = 0; ok && i < cluster_workers(c); ++i) {
-        workers[i] = open_worker(c, world, err);
-        ok = workers[i];
-    }
-    if (!ok)
-        cluster_close_workers(workers);
-    return ok;
-}
-
 void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *workers[2])
 {
     object_rows none = {0};
@@ -230,36 +199,6 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
 static double ms_since(uint64_t begun_ns)
 {
     return (double)(ranks_now_ns() - begun_ns) * 1e-6;
-}
-
-bool cluster_check_found(const seen *s, const worker_found *found, duet_error *err)
-{
-    return !found->has_bad ||
-           error_set(err, DUET_STATUS_BAD_OBJECT,
-                     "object %llu is not a number, infinite, negative or without rotation",
-                     (unsigned long long)seen_id(s, found->first_bad));
-}
-
-// Far enough for a grid of its own: by a quarter of the width that they take, on any side.
-static bool have_moved(const duet_cluster *c)
-{
-    const reach *now = &c->homes.around;
-    bool moved = false;
-    for (int k = 0; k < 3; ++k) {
-        double far = 0.25 * (c->fitted.upper[k] - c->fitted.lower[k]);
-        moved = moved || fabs(now->lower[k] - c->fitted.lower[k]) > far ||
-                fabs(now->upper[k] - c->fitted.upper[k]) > far;
-    }
-    return moved;
-}
-
-void cluster_follow(duet_cluster *c)
-{
-    if (!c->parts.is_cut_anew && !have_moved(c))
-        return;
-    for (int i = 0; i < cluster_workers(c); ++i)
-        c->workers[i]->move(c->workers[i]);
-    c->fitted = c->homes.around;
 }
 
 // The part that comes i-th: first every other one, so that two that follow each other are seldom
@@ -507,7 +446,7 @@ static bool end_search(search *s, duet_error *own)
     s->is_apart = false;
     if (!s->ok)
         return error_copy(own, &s->err);
-    return cluster_check_found(s->seen, &s->found, own);
+    return seen_check_found(s->seen, &s->found, own);
 }
 
 // A search that has ended needs its ghosts no longer.

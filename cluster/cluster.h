@@ -59,8 +59,6 @@ static inline int cluster_workers(const duet_cluster *c)
 
 // Where objects lie elsewhere than before, workers are told.
 void cluster_follow(duet_cluster *c);
-// BAD_OBJECT names the first that a device refuses.
-bool cluster_check_found(const seen *s, const worker_found *found, duet_error *err);
 // As many as it has, for such worlds: all or none.
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
                           duet_error *err);

@@ -432,3 +432,11 @@ void own_pairs_end(own_pairs *own)
     free(own->pairs);
     *own = (own_pairs){0};
 }
+
+bool seen_check_found(const seen *s, const worker_found *found, duet_error *err)
+{
+    return !found->has_bad ||
+           error_set(err, DUET_STATUS_BAD_OBJECT,
+                     "object %llu is not a number, infinite, negative or without rotation",
+                     (unsigned long long)seen_id(s, found->first_bad));
+}

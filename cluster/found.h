@@ -138,4 +138,7 @@ static inline uint64_t pair64_hash(duet_pair64 pair)
     return pair_hash(high ? low ^ pair_hash(high) : low); // that of 0 is 0
 }
 
+// BAD_OBJECT names the first of these that a device refuses.
+bool seen_check_found(const seen *s, const worker_found *found, duet_error *err);
+
 #endif

@@ -6,6 +6,7 @@
 #include "cluster/cut.h"
 #include "cluster/owner.h"
 #include "cluster/parallel.h"
+#include "cluster/row_list.h"
 #include "cluster/worker.h"
 
 // Around the objects of each level and of all finer ones.
@@ -17,16 +18,6 @@ typedef struct level_boxes {
 void level_boxes_add(level_boxes *boxes, const reach *e, double widest);
 // Those of each level alone become those with all finer ones.
 void level_boxes_join(level_boxes *boxes);
-
-// Places in the rows, as many as there are.
-typedef struct row_list {
-    uint32_t *rows;
-    uint64_t n;
-    uint64_t capacity;
-    bool failed; // no memory; n counts on
-} row_list;
-
-void row_list_add(row_list *l, uint32_t row);
 
 struct look;
 

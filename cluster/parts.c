@@ -29,6 +29,13 @@ void parts_forget_ghosts(parts *p)
     parcels_end(&p->messages);
 }
 
+void ghost_block_end(ghost_block *b)
+{
+    object_rows_end(&b->rows);
+    free(b->keys);
+    *b = (ghost_block){0};
+}
+
 void parts_end(parts *p)
 {
     parts_forget_ghosts(p);

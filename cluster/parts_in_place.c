@@ -190,13 +190,6 @@ bool parts_look_after_walk(parts *p, homes *h, bool *even, duet_error *err)
 
 // ---------------------------------------------------------------- ghosts
 
-void ghost_block_end(ghost_block *b)
-{
-    object_rows_end(&b->rows);
-    free(b->keys);
-    *b = (ghost_block){0};
-}
-
 static void copy_ghosts(void *context, uint32_t thread, uint64_t first, uint64_t end)
 {
     const parts *p = context;

@@ -290,7 +290,7 @@ bool walk_end(duet_cluster *c, duet_error *err)
         return false;
     by->lend(by, from.rows.objects, from.rows.n);
     bool ok = seen_homes(&w->seen) == 0 ||
-              (by->find(by, &found, err) && cluster_check_found(&w->seen, &found, err) &&
+              (by->find(by, &found, err) && seen_check_found(&w->seen, &found, err) &&
                own_pairs_add(&c->own, &w->seen, &found, err));
     by->lend(by, NULL, 0);
     return ok;

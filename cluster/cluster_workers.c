@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// The one or two workers that search for a rank.
+#include "cluster/cluster.h"
+
+#include <math.h>
+
+void cluster_close_workers(worker *workers[2])
+{
+    for (int i = 1; i >= 0; --i) { // what the first one holds is lent to the other one
+        if (workers[i])
+            workers[i]->close(workers[i]);
+        workers[i] = NULL;
+    }
+}
+
+static worker *open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err)
+{
+    const simulation *s = c->ranks.simulation;
+    return s && s->object_seconds
+               ? worker_open_simulated(world, &c->ranks, &c->n_ghosts, c->def.parts, err)
+           : c->def.plain ? worker_open_plain(world, err)
+                          : worker_open_pair(world, err);
+}
+
+bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
+                          duet_error *err)
+{
+    bool ok = true;
+    for (int i = 0; ok && i < cluster_workers(c); ++i) {
+        workers[i] = open_worker(c, world, err);
+        ok = workers[i];
+    }
+    if (!ok)
+        cluster_close_workers(workers);
+    return ok;
+}
+
+// Far enough for a grid of its own: by a quarter of the width that they take, on any side.
+static bool have_moved(const duet_cluster *c)
+{
+    const reach *now = &c->homes.around;
+    bool moved = false;
+    for (int k = 0; k < 3; ++k) {
+        double far = 0.25 * (c->fitted.upper[k] - c->fitted.lower[k]);
+        moved = moved || fabs(now->lower[k] - c->fitted.lower[k]) > far ||
+                fabs(now->upper[k] - c->fitted.upper[k]) > far;
+    }
+    return moved;
+}
+
+void cluster_follow(duet_cluster *c)
+{
+    if (!c->parts.is_cut_anew && !have_moved(c))
+        return;
+    for (int i = 0; i < cluster_workers(c); ++i)
+        c->workers[i]->move(c->workers[i]);
+    c->fitted = c->homes.around;
+}
