@@ -9,6 +9,7 @@
 #include "gen/field.h"
 #include "gen/script.h"
 #include "runtime/narrowphase/accuracy.h"
+#include "runtime/scene/scene_source.h"
 
 #include <lauxlib.h>
 #include <math.h>
