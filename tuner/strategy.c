@@ -3,6 +3,7 @@
 // own.
 #include "tuner/strategy.h"
 
+#include "gen/sandbox.h"
 #include "tuner/duet_tune.h"
 #include "tuner/stats.h"
 
@@ -233,7 +234,7 @@ static int find_function(lua_State *L)
 
 script *strategy_lua_open(const char *name, const char *chars, duet_error *err)
 {
-    script *s = script_open(NULL, err);
+    script *s = sandbox_open(NULL, err);
     if (!s)
         return NULL;
     lua_State *L = script_lua(s);
