@@ -187,6 +187,18 @@ void rows_exchange(object_rows *rows, const object_form *form, uint32_t a, uint3
     memcpy(object_row(rows, form, b), object, form->bytes);
 }
 
+// A piece of a span, which one thread halves: rows from `middle` on belong to the span's upper
+// half.
+typedef struct piece {
+    uint32_t first, middle, end;
+} piece;
+
+// A span of ranges, which rows are in by now, and its halves. Spans are alike but for one range.
+typedef struct halving {
+    uint32_t first, middle, end; // ranges
+    uint32_t first_row, end_row;
+} halving;
+
 typedef struct sorting {
     object_rows *rows;
     const object_form *form;
@@ -194,48 +206,139 @@ typedef struct sorting {
     uint32_t *ends;
     row_range *range_of;
     const void *context;
-    uint32_t n_spans; // of ranges, alike but for one range, that rows are in by now
-    uint32_t from;    // of these, that are halved at once
+    uint32_t n_spans;
+    uint32_t from;     // of these, that are halved at once
+    uint32_t n_pieces; // of each of them
+    piece pieces[PARALLEL_MOST];
+    const piece *joined; // those of the span whose pieces are brought together,
+    uint32_t middle;     // the first row of its upper half,
+    uint32_t n_wrong;    // and the rows before it that belong behind it, as many as the reverse
 } sorting;
+
+static halving halving_at(const sorting *s, uint64_t at)
+{
+    halving x = {.first = (uint32_t)(s->n_ranges * at / s->n_spans),
+                 .middle = (uint32_t)(s->n_ranges * (2 * at + 1) / (2 * s->n_spans)),
+                 .end = (uint32_t)(s->n_ranges * (at + 1) / s->n_spans)};
+    x.first_row = x.first > 0 ? s->ends[x.first - 1] : 0;
+    x.end_row = x.end > 0 ? s->ends[x.end - 1] : 0;
+    return x;
+}
+
+static bool has_halves(const halving *x)
+{
+    return x->first < x->middle && x->middle < x->end;
+}
 
 static bool is_below(const sorting *s, uint32_t row, uint32_t range)
 {
     return s->range_of(s->context, object_row(s->rows, s->form, row)) < range;
 }
 
-static uint32_t first_range(const sorting *s, uint64_t at, uint32_t n_spans)
-{
-    return (uint32_t)(s->n_ranges * at / n_spans);
-}
-
-// Rows of a span are read and written from both ends on.
+// Rows of a piece are read and written from both ends on.
 static void halve(void *context, uint32_t job, uint64_t unused_first, uint64_t unused_end)
 {
-    const sorting *s = context;
-    uint64_t at = s->from + job;
-    uint32_t first = first_range(s, at, s->n_spans), end = first_range(s, at + 1, s->n_spans);
-    uint32_t middle = first_range(s, 2 * at + 1, 2 * s->n_spans);
+    sorting *s = context;
+    halving x = halving_at(s, s->from + job / s->n_pieces);
+    piece *p = &s->pieces[job];
+    uint64_t n = x.end_row - x.first_row, k = job % s->n_pieces;
     (void)unused_first, (void)unused_end;
-    if (first == middle || middle == end)
+    if (!has_halves(&x))
         return;
-    uint32_t i = first > 0 ? s->ends[first - 1] : 0, j = s->ends[end - 1];
+    p->first = x.first_row + (uint32_t)(n * k / s->n_pieces);
+    p->end = x.first_row + (uint32_t)(n * (k + 1) / s->n_pieces);
+    uint32_t i = p->first, j = p->end;
     for (;;) {
-        while (i < j && is_below(s, i, middle))
+        while (i < j && is_below(s, i, x.middle))
             ++i;
-        while (i < j && !is_below(s, j - 1, middle))
+        while (i < j && !is_below(s, j - 1, x.middle))
             --j;
         if (i == j)
             break;
         rows_exchange(s->rows, s->form, i++, --j);
     }
-    s->ends[middle - 1] = i;
+    p->middle = i;
 }
 
+// Rows of one half that lie where the other one belongs, piece after piece.
+typedef struct wrong_rows {
+    bool are_below;
+    const piece *next;
+    uint32_t row, end; // in the piece before that
+} wrong_rows;
+
+static void turn_to_next_piece(const sorting *s, wrong_rows *w)
+{
+    const piece *p = w->next++;
+    w->row = p->middle;
+    w->end = p->end < s->middle ? p->end : s->middle;
+    if (w->are_below) {
+        w->row = p->first > s->middle ? p->first : s->middle;
+        w->end = p->middle;
+    }
+    w->end = w->end > w->row ? w->end : w->row;
+}
+
+static wrong_rows wrong_rows_from(const sorting *s, bool are_below, uint32_t n)
+{
+    wrong_rows w = {.are_below = are_below, .next = s->joined};
+    while (n >= w.end - w.row) {
+        n -= w.end - w.row;
+        turn_to_next_piece(s, &w);
+    }
+    w.row += n;
+    return w;
+}
+
+static uint32_t next_wrong_row(const sorting *s, wrong_rows *w)
+{
+    while (w->row == w->end)
+        turn_to_next_piece(s, w);
+    return w->row++;
+}
+
+static void exchange_wrong(void *context, uint32_t job, uint64_t unused_first, uint64_t unused_end)
+{
+    const sorting *s = context;
+    uint64_t n = s->n_wrong;
+    uint32_t i = (uint32_t)(n * job / s->n_pieces), end = (uint32_t)(n * (job + 1) / s->n_pieces);
+    (void)unused_first, (void)unused_end;
+    if (i == end)
+        return;
+    wrong_rows above = wrong_rows_from(s, false, i), below = wrong_rows_from(s, true, i);
+    for (; i < end; ++i)
+        rows_exchange(s->rows, s->form, next_wrong_row(s, &above), next_wrong_row(s, &below));
+}
+
+// The pieces are halved, and the span comes to be.
+static void join_pieces(sorting *s, const halving *x, const piece *pieces, parallel *threads)
+{
+    s->joined = pieces;
+    s->middle = x->first_row;
+    s->n_wrong = 0;
+    for (uint32_t k = 0; k < s->n_pieces; ++k)
+        s->middle += pieces[k].middle - pieces[k].first;
+    for (wrong_rows w = {.are_below = true, .next = pieces}; w.next < pieces + s->n_pieces;) {
+        turn_to_next_piece(s, &w);
+        s->n_wrong += w.end - w.row;
+    }
+    parallel_jobs(threads, s->n_pieces, exchange_wrong, s);
+    s->ends[x->middle - 1] = s->middle;
+}
+
+// By all threads, also where there are fewer spans.
 static void halve_all(sorting *s, parallel *threads)
 {
-    for (s->from = 0; s->from < s->n_spans; s->from += PARALLEL_MOST) {
-        uint32_t left = s->n_spans - s->from;
-        parallel_jobs(threads, left < PARALLEL_MOST ? left : PARALLEL_MOST, halve, s);
+    s->n_pieces = s->n_spans < threads->n ? threads->n / s->n_spans : 1;
+    uint32_t at_once = PARALLEL_MOST / s->n_pieces;
+    for (s->from = 0; s->from < s->n_spans; s->from += at_once) {
+        uint32_t left = s->n_spans - s->from, n = left < at_once ? left : at_once;
+        parallel_jobs(threads, n * s->n_pieces, halve, s);
+        for (uint32_t i = 0; i < n; ++i) {
+            halving x = halving_at(s, s->from + i);
+            if (has_halves(&x))
+                join_pieces(s, &x, &s->pieces[i * s->n_pieces], threads);
+        }
     }
 }
 

@@ -331,15 +331,17 @@ static bool cut_parts(duet_cluster *c, duet_error *own)
     if (!parts_cut_in_place(&c->parts, &c->homes, own))
         return false;
     cluster_follow(c);
-    for (uint32_t i = 0; i < c->parts.n; ++i) {
+    reordering memory = {0};
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < c->parts.n; ++i) {
         worker *w = c->workers[i % 2];
         uint32_t part = part_of_turn(c, i);
         sight_in_place from = parts_sight_in_place(&c->parts, part);
-        if (!lend_homes(c, part, w, own) ||
-            !homes_put_in_order(&c->homes, from.first, from.n, w, own))
-            return false;
+        ok = lend_homes(c, part, w, own) &&
+             homes_put_in_order(&c->homes, from.first, from.n, w, &memory, own);
     }
-    return homes_find_edges(&c->homes, &c->cut, own);
+    reordering_end(&memory);
+    return ok && homes_find_edges(&c->homes, &c->cut, own);
 }
 
 // So that each worker can be asked for its profile.
@@ -373,8 +375,12 @@ static bool move_homes_in(duet_cluster *c, duet_error *own)
     worker *w = c->workers[0];
     if (!homes_move_in(&c->homes, w, own))
         return false;
-    return c->parts.n > 1 || (homes_put_in_order(&c->homes, 0, c->homes.rows.n, w, own) &&
-                              w->map(w, c->homes.rows.n, own));
+    if (c->parts.n > 1)
+        return true;
+    reordering memory = {0};
+    bool ok = homes_put_in_order(&c->homes, 0, c->homes.rows.n, w, &memory, own);
+    reordering_end(&memory);
+    return ok && w->map(w, c->homes.rows.n, own);
 }
 
 // Homes are where their worker has them.

@@ -17,6 +17,7 @@ enum { OBJECTS_AT_ONCE = 1 << 20 };
 typedef struct scene_part {
     duet_scene *scene; // NULL: nothing; else it, or its first objects
     object_rows rows;
+    uint64_t first_id;
     object_form form; // of its rows
     bool rotated;     // one of them
     uint64_t n;       // of all ranks' parts
@@ -93,18 +94,30 @@ static bool can_join(const object_form *a, const object_form *b)
            (a->shape == DUET_SHAPE_BOUNDS) == (b->shape == DUET_SHAPE_BOUNDS);
 }
 
+static void number_part(void *context, uint32_t unused, uint64_t first, uint64_t end)
+{
+    const scene_part *part = context;
+    (void)unused;
+    for (uint64_t i = first; i < end; ++i)
+        part->rows.ids[i] = part->first_id + i;
+}
+
 // Rows for n objects, whose ids count from `first` on; those of the scene are the first.
-static bool begin_rows(scene_part *part, uint64_t first, uint64_t n, duet_error *own)
+static bool begin_rows(scene_part *part, uint64_t first, uint64_t n, parallel *threads,
+                       duet_error *own)
 {
     part->form = form_of(part->scene);
+    part->first_id = first;
     bool ok = object_rows_begin(&part->rows, &part->form, n, own);
-    for (uint64_t i = 0; ok && i < n; ++i)
-        part->rows.ids[i] = first + i;
+    if (ok)
+        parallel_each(threads, n, number_part, part);
     part->rows.n = 0;
     return ok;
 }
 
-static bool add_objects(scene_part *part, const duet_scene *from, duet_error *own)
+// Memory that is new is filled by all threads, for the system gives it page by page.
+static bool add_objects(scene_part *part, const duet_scene *from, parallel *threads,
+                        duet_error *own)
 {
     object_form form = form_of(from);
     object_rows *to = &part->rows, rounded = {0};
@@ -118,8 +131,10 @@ static bool add_objects(scene_part *part, const duet_scene *from, duet_error *ow
              object_rows_round(&rounded, &form, own);
         objects = rounded.objects;
     }
-    if (ok)
-        object_rows_append(to, &form, ids, objects, from->info.n);
+    if (ok) {
+        parallel_copy(threads, object_row(to, &form, to->n), objects, from->info.n, form.bytes);
+        to->n += from->info.n;
+    }
     object_rows_end(&rounded);
     return ok;
 }
@@ -145,7 +160,8 @@ static void read_some(void *context, uint32_t job, uint64_t unused_first, uint64
 }
 
 // The first ones say what rows all have.
-static bool keep_some(scene_part *part, reading *r, uint32_t job, uint64_t first, duet_error *own)
+static bool keep_some(scene_part *part, reading *r, uint32_t job, uint64_t first, parallel *threads,
+                      duet_error *own)
 {
     const duet_scene *some = r->some[job];
     uint64_t n = r->n[job];
@@ -154,7 +170,7 @@ static bool keep_some(scene_part *part, reading *r, uint32_t job, uint64_t first
     if (!part->scene) {
         part->scene = r->some[job];
         r->some[job] = NULL;
-        if (!begin_rows(part, first, r->end - first, own))
+        if (!begin_rows(part, first, r->end - first, threads, own))
             return false;
     }
     object_form form = form_of(some);
@@ -163,21 +179,22 @@ static bool keep_some(scene_part *part, reading *r, uint32_t job, uint64_t first
                          "%s: it has %llu objects here and %llu on rank 0, or others each time it "
                          "is read",
                          r->path, (unsigned long long)n, (unsigned long long)part->n);
-    return add_objects(part, some, own);
+    return add_objects(part, some, threads, own);
 }
 
-static bool read_range(scene_part *part, reading *r, parallel *threads, duet_error *own)
+static bool read_range(scene_part *part, reading *r, bool at_once, parallel *threads,
+                       duet_error *own)
 {
     uint64_t first = r->at;
     bool ok = true;
     while (ok && (r->at < r->end || !part->scene)) {
         uint64_t left = (r->end - r->at + OBJECTS_AT_ONCE - 1) / OBJECTS_AT_ONCE;
-        uint64_t most = threads ? threads->n : 1;
+        uint64_t most = at_once ? threads->n : 1;
         uint32_t n = left == 0 ? 1 : (uint32_t)(left < most ? left : most);
         memset(r->errs, 0, sizeof r->errs);
         parallel_jobs(threads, n, read_some, r);
         for (uint32_t job = 0; job < n; ++job) {
-            ok = ok && keep_some(part, r, job, first, own);
+            ok = ok && keep_some(part, r, job, first, threads, own);
             duet_scene_destroy(r->some[job]);
         }
         r->at += (uint64_t)n * OBJECTS_AT_ONCE;
@@ -217,7 +234,8 @@ static bool read_part(duet_cluster *c, const char *path, const duet_setting *set
     if (ok && reads && whole)
         told[0] = part->scene->info.n;
     if (ok && reads && told[1] == 0)
-        ok = begin_rows(part, 0, told[0], own) && add_objects(part, part->scene, own);
+        ok = begin_rows(part, 0, told[0], &c->threads, own) &&
+             add_objects(part, part->scene, &c->threads, own);
     if (!ranks_agree(&c->ranks, ok, own))
         return false;
     ranks_tell(&c->ranks, told, sizeof told);
@@ -231,7 +249,7 @@ static bool read_part(duet_cluster *c, const char *path, const duet_setting *set
     reading r = {.path = path, .settings = settings, .n_settings = n_settings, .at = first};
     r.end = part->n - first < each ? part->n : first + each;
     // A script is watched by the thread that runs it: this one.
-    ok = read_range(part, &r, is_array(path) ? &c->threads : NULL, own);
+    ok = read_range(part, &r, is_array(path), &c->threads, own);
     return ranks_agree(&c->ranks, ok, own);
 }
 

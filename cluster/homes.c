@@ -129,75 +129,83 @@ uint32_t homes_open(homes *h)
     return h->rows.n;
 }
 
-typedef struct copying {
-    const object_form *form;
-    const object_rows *from;
-    const uint32_t *order; // NULL: as they are, and without ids
-    uint64_t *ids;
-    unsigned char *to;
-    uint32_t first; // of the rows
-} copying;
-
-static void copy_part(void *context, uint32_t part, uint64_t first, uint64_t end)
-{
-    const copying *c = context;
-    uint32_t bytes = c->form->bytes;
-    (void)part;
-    if (!c->order && first < end)
-        memcpy(c->to + (c->first + first) * bytes,
-               object_row(c->from, c->form, c->first + (uint32_t)first), (end - first) * bytes);
-    for (uint64_t i = first; c->order && i < end; ++i) {
-        uint32_t row = c->first + c->order[i];
-        c->ids[i] = c->from->ids[row];
-        memcpy(c->to + i * bytes, object_row(c->from, c->form, row), bytes);
-    }
-}
-
 enum { ROWS_AT_ONCE = 1 << 20 };
 
 // The last rows come first, and the memory that they leave is given back.
 bool homes_move_in(homes *h, worker *w, duet_error *err)
 {
-    copying c = {.form = &h->form, .from = &h->rows};
-    c.to = w->extend(w, h->rows.n, 0, err);
-    if (!c.to)
+    unsigned char *objects = w->extend(w, h->rows.n, 0, err);
+    if (!objects)
         return false;
-    for (uint32_t end = h->rows.n; end > 0; end = c.first) {
-        c.first = end > ROWS_AT_ONCE ? end - ROWS_AT_ONCE : 0;
-        parallel_each(h->threads, end - c.first, copy_part, &c);
-        void *rest = realloc(h->rows.objects, (size_t)c.first * h->form.bytes + 1);
+    for (uint32_t first, end = h->rows.n; end > 0; end = first) {
+        first = end > ROWS_AT_ONCE ? end - ROWS_AT_ONCE : 0;
+        size_t before = (size_t)first * h->form.bytes;
+        parallel_copy(h->threads, objects + before, h->rows.objects + before, end - first,
+                      h->form.bytes);
+        void *rest = realloc(h->rows.objects, before + 1);
         h->rows.objects = rest ? rest : h->rows.objects;
     }
     free(h->rows.objects);
     object_rows_end(&h->spare);
-    h->rows.objects = c.to;
+    h->rows.objects = objects;
     h->holder = w;
     h->all_renamed = true;
     return true;
 }
 
-bool homes_put_in_order(homes *h, uint32_t first, uint32_t n, worker *w, duet_error *err)
+void reordering_end(reordering *o)
 {
-    uint32_t *order = NULL;
-    object_rows copy = {0};
-    if (n > 0 && w->order && !w->order(w, &order, err))
+    object_rows_end(&o->copy);
+    free(o->order);
+    *o = (reordering){0};
+}
+
+static bool reserve_order(reordering *o, const object_form *form, uint32_t n, duet_error *err)
+{
+    uint64_t capacity = o->copy.capacity;
+    if (!object_rows_reserve(&o->copy, form, n, err))
         return false;
-    if (!order)
-        return true;
-    bool ok = object_rows_begin(&copy, &h->form, n, err);
-    if (ok) {
-        copying c = {.form = &h->form, .from = &h->rows, .order = order, .first = first};
-        c.ids = copy.ids;
-        c.to = copy.objects;
-        parallel_each(h->threads, n, copy_part, &c);
-        memcpy(h->rows.ids + first, copy.ids, n * sizeof *copy.ids);
-        c = (copying){.form = &h->form, .from = &copy};
-        c.to = object_row(&h->rows, &h->form, first);
-        parallel_each(h->threads, n, copy_part, &c);
+    if (o->copy.capacity != capacity) {
+        free(o->order);
+        o->order = malloc((o->copy.capacity + 1) * sizeof *o->order);
     }
-    duet_free(order);
-    object_rows_end(&copy);
-    return ok;
+    return o->order || error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu32 " objects: no memory", n);
+}
+
+typedef struct gathering {
+    const homes *h;
+    const reordering *to;
+    uint32_t first; // of the rows
+} gathering;
+
+static void gather_part(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    const gathering *g = context;
+    const object_form *form = &g->h->form;
+    (void)part;
+    for (uint64_t i = first; i < end; ++i) {
+        uint32_t row = g->first + g->to->order[i];
+        g->to->copy.ids[i] = g->h->rows.ids[row];
+        memcpy(object_row(&g->to->copy, form, (uint32_t)i), object_row(&g->h->rows, form, row),
+               form->bytes);
+    }
+}
+
+// The memory for the copies is the order's before.
+bool homes_put_in_order(homes *h, uint32_t first, uint32_t n, worker *w, reordering *o,
+                        duet_error *err)
+{
+    if (n == 0 || !w->order)
+        return true;
+    if (!reserve_order(o, &h->form, n, err) ||
+        !w->order(w, h->threads->n, o->order, o->copy.objects, err))
+        return false;
+    gathering g = {h, o, first};
+    parallel_each(h->threads, n, gather_part, &g);
+    parallel_copy(h->threads, h->rows.ids + first, o->copy.ids, n, sizeof *o->copy.ids);
+    parallel_copy(h->threads, object_row(&h->rows, &h->form, first), o->copy.objects, n,
+                  h->form.bytes);
+    return true;
 }
 
 bool homes_move_out(homes *h, duet_error *err)

@@ -101,8 +101,18 @@ uint32_t homes_open(homes *h);
 bool homes_move_in(homes *h, worker *w, duet_error *err);
 bool homes_move_out(homes *h, duet_error *err);
 
+// Memory for rows while they are put in order, all zero at first: ranges one after the other use
+// the same, for to have it fresh from the system takes as long as to fill it.
+typedef struct reordering {
+    object_rows copy;
+    uint32_t *order; // [copy.capacity]
+} reordering;
+
+void reordering_end(reordering *o);
+
 // Rows [first, first + n) come to lie in the order that suits a worker which sees just these.
-bool homes_put_in_order(homes *h, uint32_t first, uint32_t n, worker *w, duet_error *err);
+bool homes_put_in_order(homes *h, uint32_t first, uint32_t n, worker *w, reordering *o,
+                        duet_error *err);
 
 // Space for n rows behind the homes, in the holder's memory, where rows keep what they are.
 bool homes_reserve_behind(homes *h, uint64_t n, duet_error *err);

@@ -9,6 +9,7 @@
 #include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 // Objects below which waking a thread costs more than it brings; how long a keen one looks for a
 // loop, which is longer than the devices of a step take; and how often before others may run.
@@ -187,4 +188,26 @@ void parallel_jobs(parallel *p, uint32_t n, parallel_body *body, void *context)
     loop l = {.body = body, .context = context, .n = n, .n_parts = n};
     if (n > 0)
         run_by(p && n > 1 ? p->team : NULL, &l);
+}
+
+// ---------------------------------------------------------------- rows
+
+typedef struct copying {
+    unsigned char *to;
+    const unsigned char *from;
+    size_t bytes;
+} copying;
+
+static void copy_part(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    const copying *c = context;
+    (void)part;
+    if (first < end)
+        memcpy(c->to + first * c->bytes, c->from + first * c->bytes, (end - first) * c->bytes);
+}
+
+void parallel_copy(parallel *p, void *to, const void *from, uint64_t n, size_t bytes)
+{
+    copying c = {to, from, bytes};
+    parallel_each(p, n, copy_part, &c);
 }

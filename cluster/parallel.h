@@ -10,6 +10,7 @@
 #include "duet_error.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 enum { PARALLEL_MOST = 64 }; // parts of a loop
@@ -34,5 +35,8 @@ uint32_t parallel_each(parallel *p, uint64_t n, parallel_body *body, void *conte
 // The same of at most PARALLEL_MOST things, each of which is long work and a part of its own. p
 // may be NULL: then one after the other.
 void parallel_jobs(parallel *p, uint32_t n, parallel_body *body, void *context);
+
+// Copies n rows of so many bytes to memory that they do not lie in.
+void parallel_copy(parallel *p, void *to, const void *from, uint64_t n, size_t bytes);
 
 #endif

@@ -42,8 +42,9 @@ struct worker {
     // as they are while the worker finds, from the next `begin` on.
     void (*lend)(worker *w, const void *objects, uint32_t n);
     // Of the objects that were mapped and written, or lent, the order in which they are best kept:
-    // which comes i-th, to be freed with duet_free. NULL, or *order NULL: any.
-    bool (*order)(worker *w, uint32_t **order, duet_error *err);
+    // order[i] becomes the one that comes i-th, by so many threads, with the caller's. scratch is
+    // memory of as many bytes as the objects have. NULL: any.
+    bool (*order)(worker *w, uint32_t n_threads, uint32_t *order, void *scratch, duet_error *err);
     // The objects lie elsewhere than those before: a grid that was fitted to these is of no use.
     void (*move)(worker *w);
     // From here on the objects are those of another place, numbered from 0, where the grid that was

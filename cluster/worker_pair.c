@@ -5,8 +5,10 @@
 
 #include "base/error.h"
 #include "cluster/objects.h"
+#include "runtime/broadphase/order.h"
 #include "runtime/broadphase/world.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,10 +76,10 @@ static void lend(worker *w, const void *objects, uint32_t n)
 }
 
 // Pairs are then of objects that lie near each other.
-static bool order(worker *w, uint32_t **order_of, duet_error *err)
+static bool order(worker *w, uint32_t n_threads, uint32_t *order_of, void *scratch, duet_error *err)
 {
-    uint32_t n = 0;
-    return duet_world_order(((worker_pair *)w)->world, order_of, &n, err);
+    static_assert(ORDER_SCRATCH <= sizeof(duet_sphere), "the smallest object has space for it");
+    return world_order(((worker_pair *)w)->world, n_threads, order_of, scratch, err);
 }
 
 static void forget_fits(worker_pair *p)

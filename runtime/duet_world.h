@@ -119,7 +119,8 @@ DUET_API duet_level duet_world_get_level(const duet_world *world); // certified 
 // after row of cells; objects of one cell come by id. *n is the number of the world's objects.
 // The caller frees *order with duet_free, and may move its objects into this order now and then:
 // objects that are near each other in the world are then near each other in memory. Where sizes
-// are apart they must be there too.
+// are apart they must be there too. The processors that the host has to spare find it, in 16 bytes
+// of memory for each object besides *order.
 DUET_API bool duet_world_order(duet_world *world, uint32_t **order, uint32_t *n, duet_error *err);
 
 // ---------------------------------------------------------------- results

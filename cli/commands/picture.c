@@ -82,6 +82,7 @@ static grid_objects objects_of(const duet_scene *scene)
 {
     const duet_scene_info *info = duet_scene_get_info(scene);
     return (grid_objects){.array = duet_scene_get_objects(scene, scene_kind(info)),
+                          .row_bytes = origin_row_bytes(info->shape, info->origin_edge),
                           .shape = info->shape,
                           .origin = info->origin_edge,
                           .n = info->n,
@@ -159,7 +160,7 @@ static bool lay_grid(sketch *s, const duet_scene *scene, duet_error *err)
         wish.upper[k] = info->upper[k];
     }
     grid_objects objects = objects_of(scene);
-    grid_needs_of(&needs, &objects);
+    grid_needs_of(&needs, &objects, NULL);
     return grid_fit(&s->grid, &needs, &wish, &objects, err);
 }
 

@@ -266,33 +266,26 @@ static grid make_hashed(const double lower[3], const double length[3], const siz
 
 // ---------------------------------------------------------------- crowds
 
-// An object's cell along an axis, as the kernels have it but for rounding with
-// origin cells.
-static uint32_t cell_of(const grid_level *level, const grid_objects *objects, uint32_t id,
-                        uint32_t axis)
-{
-    double point[3];
-    grid_point_of(point, objects, id);
-    float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
-    cl_int cells = level->cells.s[axis];
-    if (objects->origin > 0.0f)
-        return grid_cell_along((float)(point[axis] - grid_corner(level, objects->origin, axis)), 0,
-                               per_cell, cells);
-    return grid_cell_along((float)point[axis], lower, per_cell, cells);
-}
-
+// As the kernels have it, but for rounding with origin cells.
 void grid_cell_of(uint32_t cell[3], const grid *g, const grid_objects *objects, uint32_t id)
 {
+    const grid_level *level = &g->levels[0];
+    const bool has_origin = objects->origin > 0.0f;
+    double corner[3] = {0}, point[3];
+    for (uint32_t k = 0; has_origin && k < objects->dims; ++k)
+        corner[k] = grid_corner(level, objects->origin, k);
+    grid_point_of(point, objects, id);
     cell[2] = 0;
     for (uint32_t k = 0; k < objects->dims; ++k)
-        cell[k] = cell_of(&g->levels[0], objects, id, k);
+        cell[k] = grid_cell_along((float)(point[k] - corner[k]), has_origin ? 0 : level->lower.s[k],
+                                  level->per_cell.s[k], level->cells.s[k]);
 }
 
 uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t id)
 {
-    const grid_level *level = &g->levels[0];
-    uint32_t z = objects->dims == 3 ? cell_of(level, objects, id, 2) : 0;
-    return z * (uint32_t)level->cells.s[1] + cell_of(level, objects, id, 1);
+    uint32_t cell[3];
+    grid_cell_of(cell, g, objects, id);
+    return cell[2] * (uint32_t)g->levels[0].cells.s[1] + cell[1];
 }
 
 // Bounds that end before they begin: bad ones, which no search takes.
@@ -309,15 +302,18 @@ static bool is_left_out(const grid_objects *objects, uint32_t id)
 static bool count_crowd(double *others, const grid *g, const grid_objects *objects, duet_error *err)
 {
     const grid_level *level = &g->levels[0];
-    uint32_t nx = (uint32_t)level->cells.s[0];
-    size_t cells = (size_t)nx * (uint32_t)level->cells.s[1] * (uint32_t)level->cells.s[2];
+    uint32_t nx = (uint32_t)level->cells.s[0], ny = (uint32_t)level->cells.s[1];
+    size_t cells = (size_t)nx * ny * (uint32_t)level->cells.s[2];
     uint32_t *counts = calloc(cells, sizeof *counts);
     if (!counts)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %zu cells", cells);
-    for (uint32_t id = 0; id < objects->n; ++id)
-        if (!is_left_out(objects, id))
-            ++counts[(size_t)grid_cell_row_of(g, objects, id) * nx +
-                     cell_of(level, objects, id, 0)];
+    for (uint32_t id = 0; id < objects->n; ++id) {
+        uint32_t cell[3];
+        if (is_left_out(objects, id))
+            continue;
+        grid_cell_of(cell, g, objects, id);
+        ++counts[((size_t)cell[2] * ny + cell[1]) * nx + cell[0]];
+    }
     double pairs = 0.0;
     for (size_t c = 0; c < cells; ++c)
         pairs += (double)counts[c] * ((double)counts[c] - 1.0);

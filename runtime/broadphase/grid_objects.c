@@ -6,14 +6,8 @@
 #include "runtime/narrowphase/rounded.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
-
-size_t grid_object_bytes(const grid_objects *objects)
-{
-    return !objects->sizes    ? origin_row_bytes(objects->shape, objects->origin)
-           : objects->compact ? sizeof(duet_compact_transform)
-                              : sizeof(duet_transform);
-}
 
 duet_transform grid_transform_of(const duet_pose *pose)
 {
@@ -60,6 +54,23 @@ duet_rounded_box grid_rounded_box_of(const grid_objects *objects, uint32_t id)
     return objects->shape == DUET_SHAPE_SPHERES
                ? rounded_of_sphere(&((const duet_sphere *)objects->array)[id])
                : ((const duet_rounded_box *)objects->array)[id];
+}
+
+void grid_point_of(double at[3], const grid_objects *objects, uint32_t id)
+{
+    at[2] = 0.0;
+    if (objects->shape == DUET_SHAPE_BOUNDS) {
+        const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
+        for (uint32_t k = 0; k < objects->dims; ++k)
+            at[k] = (double)b->lower[k];
+        return;
+    }
+    double corner[3];
+    duet_pose scratch;
+    const duet_pose *p = grid_pose_of(objects, id, &scratch);
+    origin_corner(corner, objects->array, objects->origin, id);
+    for (uint32_t k = 0; k < objects->dims; ++k)
+        at[k] = corner[k] + (double)p->centre[k];
 }
 
 void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)
@@ -191,14 +202,11 @@ static double widest_of(const grid_objects *objects, uint32_t id, double *roundi
     return radius < 0.0 ? radius : widest;
 }
 
-void grid_needs_of(grid_needs *needs, const grid_objects *objects)
+static void add_some(grid_needs *needs, const grid_objects *objects, uint32_t first, uint32_t last)
 {
-    memset(needs, 0, sizeof *needs);
-    for (int k = 0; k < 3; ++k) {
-        needs->lower[k] = INFINITY;
-        needs->upper[k] = -INFINITY;
-    }
-    for (uint32_t id = 0; id < objects->n; ++id) {
+    *needs = (grid_needs){.lower = {INFINITY, INFINITY, INFINITY},
+                          .upper = {-INFINITY, -INFINITY, -INFINITY}};
+    for (uint32_t id = first; id < last; ++id) {
         double point[3] = {0};
         grid_point_of(point, objects, id);
         double rounding;
@@ -206,4 +214,52 @@ void grid_needs_of(grid_needs *needs, const grid_objects *objects)
         if (isfinite(point[0] + point[1] + point[2] + widest) && widest >= 0.0)
             add(needs, point, widest, rounding, id);
     }
+}
+
+// Of objects behind all that there are.
+static void join(grid_needs *needs, const grid_needs *more)
+{
+    for (int k = 0; k < 3; ++k) {
+        needs->lower[k] = lesser(needs->lower[k], more->lower[k]);
+        needs->upper[k] = greater(needs->upper[k], more->upper[k]);
+    }
+    if (more->widest > needs->widest) {
+        needs->widest = more->widest;
+        needs->widest_id = more->widest_id;
+    }
+    for (uint32_t k = 0; k < GRID_OCTAVES; ++k) {
+        needs->octave_n[k] += more->octave_n[k];
+        needs->octave_widest[k] = greater(needs->octave_widest[k], more->octave_widest[k]);
+    }
+}
+
+// Pieces of many objects, which threads take one after the other.
+enum { PIECES = 128 };
+
+typedef struct pieces {
+    const grid_objects *objects;
+    grid_needs needs[PIECES];
+} pieces;
+
+static void add_pieces(void *arg, uint64_t first, uint64_t last)
+{
+    pieces *p = arg;
+    for (uint64_t i = first; i < last; ++i)
+        add_some(&p->needs[i], p->objects, (uint32_t)(p->objects->n * i / PIECES),
+                 (uint32_t)(p->objects->n * (i + 1) / PIECES));
+}
+
+void grid_needs_of(grid_needs *needs, const grid_objects *objects, thread_pool *threads)
+{
+    pieces *p = threads ? malloc(sizeof *p) : NULL;
+    if (!p) {
+        add_some(needs, objects, 0, objects->n);
+        return;
+    }
+    p->objects = objects;
+    thread_pool_share(threads, add_pieces, p, PIECES, 1);
+    *needs = p->needs[0];
+    for (uint32_t i = 1; i < PIECES; ++i)
+        join(needs, &p->needs[i]);
+    free(p);
 }

@@ -4,12 +4,13 @@
 #define RUNTIME_GRID_OBJECTS_H
 
 #include "runtime/duet.h"
-#include "runtime/narrowphase/origin.h"
+#include "runtime/opencl/thread_pool.h"
 
 // What objects a grid is for: as the shape says, with origin cells large poses, or
 // with sizes transforms.
 typedef struct grid_objects {
     const void *array;
+    size_t row_bytes; // of an object in it
     duet_shape shape;
     float origin; // the edge of origin cells, or 0
     uint32_t n;
@@ -17,8 +18,6 @@ typedef struct grid_objects {
     const duet_size *sizes; // that the objects are without, or NULL
     bool compact;           // compact transforms then
 } grid_objects;
-
-size_t grid_object_bytes(const grid_objects *objects);
 
 // A pose without its size.
 duet_transform grid_transform_of(const duet_pose *pose);
@@ -38,22 +37,7 @@ static inline bool grid_has_radii(const grid_objects *objects)
 duet_rounded_box grid_rounded_box_of(const grid_objects *objects, uint32_t id);
 
 // The point that decides an object's cell; z is 0 in 2D.
-static inline void grid_point_of(double at[3], const grid_objects *objects, uint32_t id)
-{
-    at[2] = 0.0;
-    if (objects->shape == DUET_SHAPE_BOUNDS) {
-        const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
-        for (uint32_t k = 0; k < objects->dims; ++k)
-            at[k] = (double)b->lower[k];
-        return;
-    }
-    double corner[3];
-    duet_pose scratch;
-    const duet_pose *p = grid_pose_of(objects, id, &scratch);
-    origin_corner(corner, objects->array, objects->origin, id);
-    for (uint32_t k = 0; k < objects->dims; ++k)
-        at[k] = corner[k] + (double)p->centre[k];
-}
+void grid_point_of(double at[3], const grid_objects *objects, uint32_t id);
 
 // An object's centre; z is 0 in 2D.
 void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id);
@@ -75,6 +59,7 @@ typedef struct grid_needs {
     double octave_widest[GRID_OCTAVES];
 } grid_needs;
 
-void grid_needs_of(grid_needs *needs, const grid_objects *objects);
+// By these threads and the caller's; NULL: by that alone.
+void grid_needs_of(grid_needs *needs, const grid_objects *objects, thread_pool *threads);
 
 #endif

@@ -41,18 +41,10 @@ static const part_choice *find_choice(const part *p, const char *param)
     return NULL;
 }
 
-static bool set_by_variant(const part *p, const char *kernel_name, const char *param)
-{
-    bool set = false;
-    for (uint32_t i = 0; i < p->variant.n_settings && !set; ++i)
-        set = variant_sets(&p->variant, i, kernel_name, param);
-    return set;
-}
-
 static bool is_free(const part *p, const char *kernel_name, const gen_param *param)
 {
     return param->n_values > 1 && param->n_values <= KERNEL_SPACE_VALUES &&
-           !find_choice(p, param->name) && !set_by_variant(p, kernel_name, param->name);
+           !find_choice(p, param->name) && !variant_sets(&p->variant, kernel_name, param->name);
 }
 
 // The value that ran; a range and a single value are not in the variant's name.
@@ -87,8 +79,7 @@ static bool list_params(const part *p, const kernel *k, kernel_space *space, set
 {
     const gen_param *params;
     uint32_t n_params;
-    gen_limits limits = program_set_limits(p->programs);
-    if (!gen_params(p->gen, space->kernel, &limits, &params, &n_params, err))
+    if (!gen_params(p->gen, space->kernel, &p->limits, &params, &n_params, err))
         return false;
     for (uint32_t i = 0; i < n_params && s->n < MAX_SETTINGS; ++i) {
         if (is_free(p, space->kernel, &params[i]) && space->n_params < KERNEL_SPACE_PARAMS)
@@ -104,8 +95,7 @@ static bool check_config(const part *p, const kernel_space *space, const setting
 {
     gen_variant made;
     duet_error why = {0};
-    gen_limits limits = program_set_limits(p->programs);
-    *valid = gen_make(p->gen, space->kernel, s->at, s->n, &limits, &made, &why);
+    *valid = gen_make(p->gen, space->kernel, s->at, s->n, &p->limits, &made, &why);
     gen_variant_free(&made);
     return *valid || why.status == DUET_STATUS_BAD_ARGUMENT || error_copy(err, &why);
 }

@@ -3,7 +3,6 @@
 #include "runtime/broadphase/part.h"
 
 #include "base/error.h"
-#include "kernels/grid/pair_counts.h"
 #include "runtime/narrowphase/level.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/opencl/device_pair.h"
@@ -116,6 +115,7 @@ bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
         .device = &pair->devices[side], .devices = pair->devices, .least_chunk = LEAST_CHUNK};
     p->gen = gen_open(pair->kernel_dir, err);
     p->programs = p->gen ? program_set_open(p->device, p->gen, &pair->builder, err) : NULL;
+    p->limits = program_limits(&p->device->info);
     bool ok = p->programs &&
               buffer_reserve(&p->counters, p->device, COUNTERS * sizeof(uint32_t), err) &&
               buffer_reserve(&p->next_counters, p->device, COUNTERS * sizeof(uint32_t), err) &&
@@ -154,10 +154,7 @@ void part_distrust(part *p)
 
 void part_forget(part *p)
 {
-    if (p->untimed)
-        timeline_begin_untimed(&p->times, p->device);
-    else
-        timeline_begin(&p->times, p->device);
+    timeline_begin(&p->times, p->device, !p->untimed);
     p->ahead_version = 0;
     p->span = (duet_span){0};
     p->counted = (part_counted){0};
@@ -171,23 +168,6 @@ void part_forget(part *p)
 
 enum { MAX_SETTINGS = 24 };
 
-static bool set_by_variant(part *p, const char *kernel_name, const part_choice *choices,
-                           uint32_t n_choices, gen_setting *setting, duet_error *err)
-{
-    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
-        if (!variant_sets(&p->variant, i, kernel_name, setting->name))
-            continue;
-        for (uint32_t k = 0; k < n_choices; ++k)
-            if (strcmp(choices[k].name, setting->name) == 0 && !choices[k].open)
-                return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                 "variant: %s is what the scene decides, and cannot be set",
-                                 setting->name);
-        setting->value = p->variant.settings[i].value;
-        p->variant.settings[i].used = true;
-    }
-    return true;
-}
-
 // Every parameter of the kernel's card that the scene, the stage or the variant
 // sets; the others keep the card's own value.
 static bool gather_settings(part *p, const char *name, const part_choice *choices,
@@ -196,28 +176,32 @@ static bool gather_settings(part *p, const char *name, const part_choice *choice
 {
     const gen_param *params = NULL;
     uint32_t n_params = 0;
-    gen_limits limits = program_set_limits(p->programs);
-    if (!gen_params(p->gen, name, &limits, &params, &n_params, err))
+    if (!gen_params(p->gen, name, &p->limits, &params, &n_params, err))
         return false;
     *n_settings = n_params < MAX_SETTINGS ? n_params : MAX_SETTINGS;
     for (uint32_t i = 0; i < *n_settings; ++i) {
-        settings[i] = (gen_setting){params[i].name, params[i].fallback};
+        const part_choice *choice = NULL;
         for (uint32_t k = 0; k < n_choices; ++k)
             if (strcmp(choices[k].name, params[i].name) == 0)
-                settings[i].value = choices[k].value;
-        if (!set_by_variant(p, name, choices, n_choices, &settings[i], err))
-            return false;
+                choice = &choices[k];
+        settings[i] = (gen_setting){params[i].name, choice ? choice->value : params[i].fallback};
+        if (variant_take(&p->variant, name, params[i].name, &settings[i].value) && choice &&
+            !choice->open)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "variant: %s is what the scene decides, and cannot be set",
+                             params[i].name);
     }
     return true;
 }
 
-static kernel *get_kernel(part *p, const char *name, const char *entry, duet_error *err)
+static kernel *get_kernel(part *p, const char *name, const char *entry, bindings from,
+                          duet_error *err)
 {
     gen_setting settings[MAX_SETTINGS];
     uint32_t n = 0;
     if (!gather_settings(p, name, p->choices, PART_CHOICES, settings, &n, err))
         return NULL;
-    return program_set_kernel(p->programs, name, entry, settings, n, part_bindings, err);
+    return program_set_kernel(p->programs, name, entry, settings, n, from, err);
 }
 
 // Whether the device alone has objects that the host may have to decide.
@@ -229,13 +213,9 @@ static bool gathers(const part *p, const part_task *task)
 
 static bool ask_gather(part *p, const part_task *task, duet_error *err)
 {
-    gen_setting settings[MAX_SETTINGS];
-    uint32_t n = 0;
     if (!gathers(p, task))
         return true;
-    if (gather_settings(p, "read_rows", NULL, 0, settings, &n, err))
-        p->kernels.gather = program_set_kernel(p->programs, "read_rows", "gather_rows", settings, n,
-                                               gather_bindings, err);
+    p->kernels.gather = get_kernel(p, "read_rows", "gather_rows", gather_bindings, err);
     return p->kernels.gather;
 }
 
@@ -246,7 +226,7 @@ static bool ask_skim(part *p, const part_task *task, duet_error *err)
     bool skims = task->skims && !p->device->info.host_memory && !o->sizes && o->origin == 0.0f &&
                  !grid_has_radii(o);
     if (skims)
-        p->kernels.skim = get_kernel(p, "skim", "skim", err);
+        p->kernels.skim = get_kernel(p, "skim", "skim", part_bindings, err);
     return !skims || p->kernels.skim;
 }
 
@@ -254,25 +234,26 @@ static bool ask_count(part *p, const part_task *task, duet_error *err)
 {
     if (!task->ids)
         return true;
-    p->kernels.change_ids = get_kernel(p, "count_pairs", "change_ids", err);
-    p->kernels.count_pairs = get_kernel(p, "count_pairs", "count_pairs", err);
-    return p->kernels.change_ids && p->kernels.count_pairs &&
-           buffer_reserve(&p->pair_counts, p->device, PAIR_COUNTS * sizeof(uint32_t), err);
+    p->kernels.change_ids = get_kernel(p, "count_pairs", "change_ids", part_bindings, err);
+    p->kernels.count_pairs = get_kernel(p, "count_pairs", "count_pairs", part_bindings, err);
+    return p->kernels.change_ids && p->kernels.count_pairs;
 }
 
 // The primitives, with what the variant sets of them.
 static bool open_sorts(part *p, duet_error *err)
 {
-    gen_setting settings[MAX_SETTINGS];
-    uint32_t n = 0;
-    const part_choice empties = {"EMPTIES", p->variant.sort == SORT_COUNTING, false};
+    const char *const names[] = {"scan", "radix"};
+    const bool sorts = p->variant.sort == SORT_RADIX;
+    const part_choice empties = {"EMPTIES", !sorts, false}; // the scan's
+    gen_setting settings[2][MAX_SETTINGS];
+    uint32_t n[2] = {0};
     p->radix.count = p->radix.move = NULL; // of a variant before
-    if (!gather_settings(p, "scan", &empties, 1, settings, &n, err) ||
-        !scan_open(&p->scan, p->device, p->programs, settings, n, err))
-        return false;
-    return p->variant.sort == SORT_COUNTING ||
-           (gather_settings(p, "radix", NULL, 0, settings, &n, err) &&
-            radix_sort_open(&p->radix, p->device, p->programs, &p->scan, settings, n, err));
+    for (int i = 0; i < (sorts ? 2 : 1); ++i)
+        if (!gather_settings(p, names[i], &empties, 1, settings[i], &n[i], err))
+            return false;
+    return scan_open(&p->scan, p->device, p->programs, settings[0], n[0], err) &&
+           (!sorts ||
+            radix_sort_open(&p->radix, p->device, p->programs, &p->scan, settings[1], n[1], err));
 }
 
 static bool all_settings_used(const part *p, duet_error *err)
@@ -415,7 +396,7 @@ static void choose(const part *p, const part_task *task, part_choice choices[PAR
         {"SLAB", task->divided, false},
         {"FROM_IDS", !to_places, counting && !task->shared},
         {"TO_PLACES", sums, false},
-        {"SUM_BLOCK", sums ? scan_block(&p->scan) : 0, false},
+        {"SUM_BLOCK", sums ? p->scan.block : 0, false},
         {"FUSED", tested && v->fused, tested},
     };
     memcpy(choices, all, sizeof all);
@@ -464,27 +445,28 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     if (!open_sorts(p, err))
         return false;
     choose(p, task, p->choices);
-    p->kernels = (part_kernels){0};
+    p->kernels = (part_kernels){
+        .summed = sums,
+        .unboxed = is_unboxed(&p->variant, task),
+        .guarded = task->slab && search != SEARCH_PAPER,
+        .listed = !tested,
+    };
+    if (sums && !was_summed)
+        p->zero_counts = 0; // other kernels leave the scan's sums as they are
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
         if (!list[i].wanted)
             continue;
-        *list[i].at = get_kernel(p, list[i].name, list[i].entry, err);
+        *list[i].at = get_kernel(p, list[i].name, list[i].entry, part_bindings, err);
         if (!*list[i].at)
             return false;
     }
-    p->kernels.summed = sums;
     p->kernels.from_ids =
-        search == SEARCH_GPU ? kernel_param(p->kernels.place, "FROM_IDS") == 1 : !p->kernels.summed;
-    if (p->kernels.summed && !was_summed)
-        p->zero_counts = 0; // other kernels leave the scan's sums as they are
-    p->kernels.unboxed = is_unboxed(&p->variant, task);
-    p->kernels.guarded = task->slab && search != SEARCH_PAPER;
-    p->kernels.listed = !tested;
+        search == SEARCH_GPU ? kernel_param(p->kernels.place, "FROM_IDS") == 1 : !sums;
     p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
     // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
     if (tested && !(p->kernels.fused && search == SEARCH_SIMD)) {
         const char *narrow = searches[search].narrow;
-        p->kernels.narrow = get_kernel(p, narrow, narrow, err);
+        p->kernels.narrow = get_kernel(p, narrow, narrow, part_bindings, err);
         if (!p->kernels.narrow)
             return false;
     }

@@ -158,6 +158,7 @@ typedef struct part {
     const device *devices; // the device pair, for host memory
     gen *gen;
     program_set *programs;
+    gen_limits limits; // the device's
     variant variant;
     part_choice choices[PART_CHOICES];
     part_kernels kernels;

@@ -24,7 +24,7 @@ static uint32_t chunk_size(const part *p, uint32_t n)
 // All chunks of those from `from` on are on their way at once, beside the kernels.
 static bool send_chunks(part *p, const part_task *task, uint32_t from, duet_error *err)
 {
-    size_t bytes = grid_object_bytes(&task->objects);
+    size_t bytes = task->objects.row_bytes;
     uint32_t size = chunk_size(p, task->objects.n - from);
     for (; from < task->objects.n; from = p->chunks[p->n_chunks - 1].to) {
         uint32_t n = task->objects.n - from < size ? task->objects.n - from : size;
@@ -130,7 +130,7 @@ static void take_ahead(part *p, const part_task *task, size_t bytes)
 
 static bool send_stretch(part *p, const part_task *task, stretch s, duet_error *err)
 {
-    size_t bytes = grid_object_bytes(&task->objects);
+    size_t bytes = task->objects.row_bytes;
     const char *rows = (const char *)task->objects.array + s.from * bytes;
     return timeline_write_at(&p->times, "send objects", &p->objects, s.from * bytes, rows,
                              (s.to - s.from) * bytes, err);
@@ -275,7 +275,7 @@ static bool send_ids(part *p, const global_ids *ids, duet_error *err)
 
 bool part_send_objects(part *p, const part_task *task, duet_error *err)
 {
-    size_t bytes = task->objects.n * grid_object_bytes(&task->objects);
+    size_t bytes = task->objects.n * task->objects.row_bytes;
     take_ahead(p, task, bytes);
     if (bytes == 0)
         return true;

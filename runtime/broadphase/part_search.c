@@ -253,7 +253,8 @@ static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet
     if (task->objects.shape != DUET_SHAPE_BOUNDS)
         ok = ok && (p->undecided.mem || reserve_pairs(p, &p->undecided, guess / 64, err));
     if (task->ids)
-        ok = ok && (p->left.mem || reserve_pairs(p, &p->left, guess / 64, err));
+        ok = ok && (p->left.mem || reserve_pairs(p, &p->left, guess / 64, err)) &&
+             buffer_reserve(&p->pair_counts, p->device, PAIR_COUNTS * sizeof(uint32_t), err);
     if (p->kernels.narrow)
         ok = ok &&
              (p->candidates.mem ||
@@ -334,7 +335,7 @@ static void free_open_objects(open_objects *o)
 static bool gather(part *p, const part_task *task, const duet_pair *open, open_objects *o,
                    duet_error *err)
 {
-    size_t row = grid_object_bytes(&task->objects), n = 2 * (size_t)p->n_undecided;
+    size_t row = task->objects.row_bytes, n = 2 * (size_t)p->n_undecided;
     o->rows = malloc(n * row);
     o->sizes = malloc(n * sizeof *o->sizes);
     if (!o->rows || !o->sizes)

@@ -114,16 +114,6 @@ duet_pair duet_result_get_pair(const duet_result *result, uint64_t i)
 
 // ---------------------------------------------------------------- its pairs on a device
 
-// A device keeps its pairs where it can hand them over without the host, and gains by it.
-void world_choose_keepers(duet_world *world)
-{
-    const device *to = world->left.device;
-    for (int side = 0; side < 2; ++side) {
-        const device *from = world->parts[side].device;
-        world->keeps_pairs[side] = to && !from->info.host_memory && from->context == to->context;
-    }
-}
-
 static bool check_space(const pair_buffers *b, uint64_t n, duet_error *err)
 {
     return !b->pairs || n <= b->capacity ||
@@ -181,8 +171,6 @@ static bool gather(pair_buffers *b, const part parts[2], const bool kept[2], due
 static bool write_count(pair_buffers *b, duet_error *err)
 {
     cl_ulong n = b->last.n;
-    if (!b->count && !buffer_reserve(&b->own_count, b->device, sizeof n, err))
-        return false;
     b->last.count = b->count ? b->count : b->own_count.mem;
     cl_int code = clEnqueueWriteBuffer(b->device->queue, b->last.count, CL_TRUE, 0, sizeof n, &n, 0,
                                        NULL, NULL);
@@ -190,21 +178,24 @@ static bool write_count(pair_buffers *b, duet_error *err)
            error_set_cl(err, code, "%s: leaving the number of pairs", b->device->info.selector);
 }
 
-bool world_gather_pairs(duet_world *world, duet_error *err)
+const buffer *world_join_pairs(duet_world *world, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     pair_buffers *b = &world->left;
     part *parts = world->parts;
-    uint64_t n = parts[0].span.n + parts[1].span.n;
-    if (!check_space(b, n, err))
-        return false;
-    b->last = (duet_pair_buffers){.n = n};
+    b->last = (duet_pair_buffers){.n = parts[0].span.n + parts[1].span.n};
     part *sole = sole_finder(b, parts);
-    bool ok = (sole ? show(b, sole, err) : gather(b, parts, world->keeps_pairs, err)) &&
-              write_count(b, err);
+    bool ok = sole ? show(b, sole, err) : gather(b, parts, world->keeps_pairs, err);
     timeline_add_host(&parts[b->device == parts[1].device].times, "leave pairs",
                       clock_ms_since(begun));
-    return ok;
+    return !ok ? NULL : sole ? &sole->pairs : &b->own_pairs;
+}
+
+bool world_gather_pairs(duet_world *world, duet_error *err)
+{
+    const part *parts = world->parts;
+    return check_space(&world->left, parts[0].span.n + parts[1].span.n, err) &&
+           world_join_pairs(world, err) && write_count(&world->left, err);
 }
 
 bool world_clear_pairs(duet_world *world)
@@ -243,13 +234,13 @@ bool duet_world_leave_pairs(duet_world *world, int side, cl_mem pairs, cl_mem co
     size_t bytes = 0;
     if (pairs)
         clGetMemObjectInfo(pairs, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
-    callers_buffer_hold(pairs);
-    callers_buffer_hold(count);
+    pair_buffers left = {.device = &devices[side], .capacity = bytes / sizeof(duet_pair)};
+    if (!count && !buffer_reserve(&left.own_count, left.device, sizeof(cl_ulong), err))
+        return false;
+    left.pairs = callers_buffer_hold(pairs);
+    left.count = callers_buffer_hold(count);
     pair_buffers_drop(&world->left);
-    world->left = (pair_buffers){.device = &devices[side],
-                                 .pairs = pairs,
-                                 .count = count,
-                                 .capacity = bytes / sizeof(duet_pair)};
+    world->left = left;
     return true;
 }
 

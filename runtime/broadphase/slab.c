@@ -167,7 +167,7 @@ static bool begin_stream(pack_stream *s, uint32_t capacity, uint32_t least_chunk
 static bool begin_slab(pack *p, pack_slab *slab, const part_range *range, const device *to,
                        duet_error *err)
 {
-    size_t bytes = grid_object_bytes(&p->task.objects);
+    size_t bytes = p->task.objects.row_bytes;
     return begin_stream(&slab->homes, range->expected_homes, p->least_chunk, SLOTS, bytes, to,
                         err) &&
            begin_stream(&slab->ghosts, range->expected_ghosts, p->least_chunk, PACK_CHUNKS, bytes,
@@ -196,7 +196,7 @@ static_assert(offsetof(duet_pose, centre) == 0 && offsetof(duet_bounds, lower) =
 static void find_cells_along(uint32_t *cells, const grid_level *level, const grid_objects *objects,
                              uint32_t first, uint32_t n, uint32_t axis)
 {
-    size_t row = grid_object_bytes(objects);
+    size_t row = objects->row_bytes;
     const char *at = (const char *)objects->array + first * row + axis * sizeof(float);
     float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
     cl_int along = level->cells.s[axis];
@@ -359,10 +359,12 @@ bool pack_pays(const part_task *task, const part_range ranges[2], int side, cons
                const variant *v)
 {
     uint32_t n = task->objects.n;
-    return task->objects.origin == 0.0f && !task->objects.sizes &&
-           !grid_has_radii(&task->objects) && !p->device->info.host_memory && ranges[0].last > 0 &&
-           ranges[1].last > 0 && ranges[side].expected <= n - n / LEAST_LEFT_OUT &&
-           v->search == SEARCH_GPU && v->send == SEND_PACKED;
+    bool plain =
+        task->objects.shape == DUET_SHAPE_POSES || task->objects.shape == DUET_SHAPE_BOUNDS;
+    return plain && task->objects.origin == 0.0f && !task->objects.sizes &&
+           !p->device->info.host_memory && ranges[0].last > 0 && ranges[1].last > 0 &&
+           ranges[side].expected <= n - n / LEAST_LEFT_OUT && v->search == SEARCH_GPU &&
+           v->send == SEND_PACKED;
 }
 
 static bool start_threads(pack *p, duet_error *err)
@@ -452,7 +454,7 @@ static bool send_while_packing(part *p, pack *from, pack_stream *homes, uint32_t
                                duet_error *err)
 {
     cl_event travels[PACK_CHUNKS];
-    size_t bytes = grid_object_bytes(&from->task.objects);
+    size_t bytes = from->task.objects.row_bytes;
     uint32_t chunk = 0;
     bool done = false;
     bool ok = true;
@@ -503,7 +505,7 @@ static bool send_slab(part *p, pack *from, pack_slab *slab, bool *placed, duet_e
         !is_abandoned(from) && n_homes <= slab->homes.capacity && n_ghosts <= slab->ghosts.capacity;
     p->packed.n = n_homes + n_ghosts;
     p->packed.n_homes = n_homes;
-    return !*placed || send_rest(p, slab, n_chunks, grid_object_bytes(&from->task.objects), err);
+    return !*placed || send_rest(p, slab, n_chunks, from->task.objects.row_bytes, err);
 }
 
 bool part_receive_slab(part *p, pack *from, int side, part_task *task, const part_range *range,
@@ -514,8 +516,7 @@ bool part_receive_slab(part *p, pack *from, int side, part_task *task, const par
     if (slab->wanted) {
         size_t capacity = (size_t)slab->homes.capacity + slab->ghosts.capacity;
         p->objects_version = p->packed.objects_version = p->stretched.objects_version = 0;
-        if (!buffer_reserve(&p->objects, p->device, capacity * grid_object_bytes(&task->objects),
-                            err) ||
+        if (!buffer_reserve(&p->objects, p->device, capacity * task->objects.row_bytes, err) ||
             !buffer_reserve(&p->names, p->device, capacity * sizeof(uint32_t), err) ||
             !send_slab(p, from, slab, placed, err))
             return false;

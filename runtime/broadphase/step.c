@@ -13,6 +13,16 @@
 
 #include <math.h>
 
+// A device keeps its pairs where it can hand them over without the host, and gains by it.
+static void choose_keepers(duet_world *world)
+{
+    const device *to = world->left.device;
+    for (int side = 0; side < 2; ++side) {
+        const device *from = world->parts[side].device;
+        world->keeps_pairs[side] = to && !from->info.host_memory && from->context == to->context;
+    }
+}
+
 static void choose_timed(duet_world *world)
 {
     if (world->def.stage_times)
@@ -34,7 +44,7 @@ static part_task describe_task(const duet_world *world, int side)
         .ordered = world->def.ordered,
         .level = world->def.level,
         .objects = world_objects(world),
-        .resident = r->on[side] ? &r->objects : NULL,
+        .resident = r->on[side] && !r->only_seen ? &r->objects : NULL,
         .keeps_pairs = world->keeps_pairs[side],
         .skims = world->skims,
         .ids = world->parts[side].device->info.host_memory ? NULL : world->ids,
@@ -92,13 +102,18 @@ static bool has_work(const part_range *range)
     return range->first < range->last;
 }
 
+// Either may be NULL.
+static bool run_both(duet_world *world, job *a, job *b)
+{
+    thread_pool_run_both(world->driver, run_job, a, b);
+    return (!a || a->ok) && (!b || b->ok);
+}
+
 // Own grids, whole ones or slabs.
 static bool run_own(duet_world *world, job jobs[2])
 {
-    bool use[2] = {has_work(&jobs[0].range), has_work(&jobs[1].range)};
-    thread_pool_run_both(world->driver, run_job, use[0] ? &jobs[0] : NULL,
-                         use[1] ? &jobs[1] : NULL);
-    return (!use[0] || jobs[0].ok) && (!use[1] || jobs[1].ok);
+    return run_both(world, has_work(&jobs[0].range) ? &jobs[0] : NULL,
+                    has_work(&jobs[1].range) ? &jobs[1] : NULL);
 }
 
 // Figure 11: B builds the grid and sends it; then both search.
@@ -114,10 +129,7 @@ static bool run_shared(duet_world *world, job jobs[2])
                   part_build_grid(b->part, &b->task, &b->range, &b->err) &&
                   part_send_grid(b->part, a->part, &b->task, &b->err);
     b->part->wall_ms = clock_ms_since(begun);
-    if (!b->has_grid)
-        return false;
-    thread_pool_run_both(world->driver, run_job, a, b);
-    return a->ok && b->ok;
+    return b->has_grid && run_both(world, a, b);
 }
 
 // An object's slab is known only once its row of cells is, so that each device's part of the
@@ -140,10 +152,9 @@ static void forget_last_step(duet_world *world)
 }
 
 // Once strays were missed they are known, and no second guess misses any.
-static bool run_stretched(duet_world *world, job jobs[2], duet_error *err)
+static bool run_stretched(duet_world *world, job jobs[2])
 {
-    const part_range ranges[2] = {jobs[0].range, jobs[1].range};
-    if (!strays_begin(&world->strays, &jobs[1].task, ranges, err) || !run_own(world, jobs))
+    if (!run_own(world, jobs))
         return false;
     const stray_marks marks[2] = {strays_marks_of(jobs[0].part), strays_marks_of(jobs[1].part)};
     if (!jobs[0].placed || !jobs[1].placed || strays_guessed_all(&world->strays, marks))
@@ -168,25 +179,14 @@ static bool divide(duet_world *world, part_range ranges[2], duet_error *err)
     return true;
 }
 
-// Whether the host must see objects that a device has: to send them to the other one, or to
-// decide in the device's memory what float leaves open.
-static bool needs_sight(const duet_world *world, const bool use[2])
-{
-    bool needs = false;
-    for (int side = 0; side < 2; ++side)
-        needs |= use[side] &&
-                 (!world->resident.on[side] || (world->def.shape == DUET_SHAPE_POSES &&
-                                                world->parts[side].device->info.host_memory));
-    return needs;
-}
-
 // The paper's kernels take every object by its id. Each device marks what the other one wants, so
 // that both take stretches or none does.
 static bool takes_stretches(const duet_world *world)
 {
     bool takes = world->def.ordered && world->def.plan.mode == DUET_MODE_SLAB;
     for (int side = 0; side < 2; ++side)
-        takes &= !world->resident.on[side] && world->variants[side].search != SEARCH_PAPER;
+        takes &= (!world->resident.on[side] || world->resident.only_seen) &&
+                 world->variants[side].search != SEARCH_PAPER;
     return takes;
 }
 
@@ -226,24 +226,23 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
 // *placed is false where a slab had more objects than it had space for.
 static bool run_parts(duet_world *world, bool *placed, duet_error *err)
 {
-    const duet_mode mode = world->def.plan.mode;
-    if (mode == DUET_MODE_SLAB && world->split.stale && !world_see_objects(world, err))
-        return false;
     part_range ranges[2];
     forget_last_step(world);
     if (!divide(world, ranges, err))
         return false;
-    const bool shared = mode == DUET_MODE_SHARED && has_work(&ranges[0]);
+    const bool shared = world->def.plan.mode == DUET_MODE_SHARED && has_work(&ranges[0]);
     const bool use[2] = {has_work(&ranges[0]), shared || has_work(&ranges[1])};
-    if (needs_sight(world, use) && !world_see_objects(world, err))
+    if (!world_see_for_search(world, use, err))
         return false;
     job jobs[2];
     describe_jobs(jobs, world, ranges);
-    if (!prepare(world, jobs, use, err))
+    const bool stretched = jobs[0].task.intake;
+    if ((stretched && !strays_begin(&world->strays, &jobs[1].task, ranges, err)) ||
+        !prepare(world, jobs, use, err))
         return false;
-    bool ok = shared                ? run_shared(world, jobs)
-              : jobs[0].task.intake ? run_stretched(world, jobs, err)
-                                    : run_packed(world, jobs, err);
+    bool ok = stretched ? run_stretched(world, jobs)
+              : shared  ? run_shared(world, jobs)
+                        : run_packed(world, jobs, err);
     for (int side = 0; side < 2 && !ok; ++side) {
         part_distrust(&world->parts[side]);
         if (jobs[side].err.status != DUET_STATUS_OK && err && err->status == DUET_STATUS_OK)
@@ -264,7 +263,7 @@ static bool find_all(duet_world *world, duet_error *err)
     if (fits)
         forget_last_step(world);
     for (int fit = 0; !fits; ++fit) {
-        if (!budget_check(err) || !world_fit_grid(world, err))
+        if (!budget_check(err) || !world_fit_grid(world, NULL, err))
             return false;
         bool placed = true;
         if (!run_parts(world, &placed, err))
@@ -278,21 +277,21 @@ static bool find_all(duet_world *world, duet_error *err)
                              "an object's extent of %g does not fit a cell of %g", widest,
                              world->grid.edge);
     }
-    return world_check_bad(world, err);
+    return true;
 }
 
 static bool find_pairs(duet_world *world, duet_error *err)
 {
     bool ok = find_all(world, err);
     world_end_sight(world);
-    return ok;
+    return ok && world_check_bad(world, err);
 }
 
 static bool run_step(duet_world *world, duet_result *result, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
+    choose_keepers(world);
     choose_timed(world);
-    world_choose_keepers(world);
     if (!world_await_objects(world, err) || !find_pairs(world, err))
         return false;
     bool ok = !world->left.device || world_gather_pairs(world, err);
@@ -330,24 +329,39 @@ bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
            step_and_tell(world, result, &told, err);
 }
 
-bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, duet_result *result,
-                         const buffer **pairs, duet_error *err)
+// ---------------------------------------------------------------- of what B has
+
+// Whether B searches around all objects and needs nothing of A or the host for it.
+static bool is_b_alone(const duet_world *world)
+{
+    const duet_plan *plan = &world->def.plan;
+    bool slabs = plan->mode == DUET_MODE_SLAB || (world->mode_open && world->alike);
+    return plan->share == 0 && !slabs;
+}
+
+bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, bool untimed,
+                         duet_result *result, const buffer **pairs, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
-    world->resident = (resident){.objects = *bounds, .on = {false, true}};
-    world->keeps_pairs[0] = false;
-    world->keeps_pairs[1] = true;
+    world->resident =
+        (resident){.objects = *bounds, .on = {false, true}, .only_seen = !is_b_alone(world)};
+    world->left.device = world->parts[1].device;
     world->n = n;
     ++world->objects_version;
-    bool ok = find_pairs(world, err);
+    for (int side = 0; side < 2; ++side) {
+        world->keeps_pairs[side] = side == 1;
+        world->parts[side].untimed = untimed;
+    }
+    *pairs = find_pairs(world, err) ? world_join_pairs(world, err) : NULL;
     world->resident = (resident){0};
-    *pairs = &world->parts[1].pairs;
-    if (!ok)
+    if (!*pairs)
         return false;
     world_tell_result(world, result);
     result->total_ms = clock_ms_since(begun);
     return true;
 }
+
+// ---------------------------------------------------------------- counted
 
 bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *result,
                          part_counted counted[2], duet_error *err)
@@ -470,8 +484,7 @@ void world_send_ahead(duet_world *world, uint32_t n, const global_ids *ids)
         own.version = ++world->ids_version;
     for (int side = 0; side < 2 && n > 0 && !world->resident.objects.mem; ++side) {
         part_task task = describe_task(world, side);
-        size_t bytes =
-            world->lent ? world->n * grid_object_bytes(&task.objects) : world->objects.size;
+        size_t bytes = world->lent ? world->n * task.objects.row_bytes : world->objects.size;
         task.objects.n = n;
         task.ids = ids ? &own : NULL;
         if (can_send_ahead(world, side) &&

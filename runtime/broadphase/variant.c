@@ -135,8 +135,28 @@ bool variant_parse(variant *v, const char *text, const duet_device_info *device,
     return ok;
 }
 
-bool variant_sets(const variant *v, uint32_t i, const char *kernel, const char *param)
+static bool is_of(const variant *v, uint32_t i, const char *kernel, const char *param)
 {
     const char *whose = v->settings[i].kernel;
     return strcmp(v->settings[i].name, param) == 0 && (!*whose || strcmp(whose, kernel) == 0);
+}
+
+bool variant_sets(const variant *v, const char *kernel, const char *param)
+{
+    bool sets = false;
+    for (uint32_t i = 0; i < v->n_settings && !sets; ++i)
+        sets = is_of(v, i, kernel, param);
+    return sets;
+}
+
+bool variant_take(variant *v, const char *kernel, const char *param, int64_t *value)
+{
+    bool taken = false;
+    for (uint32_t i = 0; i < v->n_settings; ++i) {
+        if (!is_of(v, i, kernel, param))
+            continue;
+        *value = v->settings[i].value;
+        v->settings[i].used = taken = true;
+    }
+    return taken;
 }

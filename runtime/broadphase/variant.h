@@ -52,7 +52,10 @@ typedef struct variant {
 // BAD_ARGUMENT names the word that is wrong and what would be right.
 bool variant_parse(variant *v, const char *text, const duet_device_info *device, duet_error *err);
 
-// Whether setting i is one of that parameter of that kernel.
-bool variant_sets(const variant *v, uint32_t i, const char *kernel, const char *param);
+// Whether some setting is one of that parameter of that kernel.
+bool variant_sets(const variant *v, const char *kernel, const char *param);
+
+// Takes what the variant sets of a kernel's parameter; false where it leaves the value as it is.
+bool variant_take(variant *v, const char *kernel, const char *param, int64_t *value);
 
 #endif

@@ -201,13 +201,6 @@ static bool read_plan(grid_wish *wish, variant variants[2], const duet_plan *pla
 
 // ---------------------------------------------------------------- owner
 
-bool world_is_b_alone(const duet_world *world)
-{
-    const duet_plan *plan = &world->def.plan;
-    bool slabs = plan->mode == DUET_MODE_SLAB || (world->mode_open && world->alike);
-    return plan->share == 0 && !slabs;
-}
-
 static void take_plan(duet_world *world, const duet_plan *plan, const grid_wish *wish,
                       const variant variants[2])
 {
@@ -236,6 +229,7 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
         return NULL;
     }
     world->def = own;
+    world->kind = world_objects_kind(&own);
     world->alike = are_alike(def->pair);
     take_plan(world, &plan, &wish, variants);
     world_hold(world);

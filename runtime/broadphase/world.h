@@ -18,6 +18,7 @@
 typedef struct resident {
     buffer objects;       // empty: the objects are the host's
     bool on[2];           // the devices that have them
+    bool only_seen;       // and are sent them nevertheless, from where the host sees them
     bool callers;         // the buffer is held
     callers_events ready; // what must be over first; none once it is
     const void *seen;     // by the host; NULL: not yet
@@ -42,9 +43,10 @@ typedef struct step_half {
 
 struct duet_world {
     duet_world_def def;
-    uint32_t users;      // who created it, and shares that are kept on line
-    part parts[2];       // A, B
-    thread_pool *driver; // drives A while the caller's thread drives B
+    duet_object_kind kind; // of the objects, by the def
+    uint32_t users;        // who created it, and shares that are kept on line
+    part parts[2];         // A, B
+    thread_pool *driver;   // drives A while the caller's thread drives B
     pack pack;
     strays strays;
     host_block objects; // [n] poses or bounds, or transforms
@@ -72,7 +74,7 @@ struct duet_world {
     bool keeps_pairs[2];   // on that device in the last step
     const global_ids *ids; // of a step that counts pairs; else NULL
     uint64_t ids_version;
-    bool ids_ahead; // that version's are on their way
+    bool ids_ahead;        // that version's are on their way
     bool skims;            // objects that are sent ahead may be skimmed
     pair_buffers left;     // where pairs are left
     background background; // of a step in two halves
@@ -85,7 +87,8 @@ struct duet_world {
 bool world_is_under_way(const duet_world *world);
 bool world_is_idle(const duet_world *world, const char *call, duet_error *err);
 
-// What objects of a world are called: "poses".
+// Of which kind the objects of such a world are, and what they are called: "poses".
+duet_object_kind world_objects_kind(const duet_world_def *def);
 const char *world_objects_name(const duet_world_def *def);
 
 // Begins to send the first n objects of those that were mapped, where that can be, while the
@@ -130,8 +133,10 @@ typedef struct world_fit {
 // a grid of their own.
 void world_swap_fit(duet_world *world, world_fit *fit);
 
-// Fits a grid to the objects where the last one does not suit them.
-bool world_fit_grid(duet_world *world, duet_error *err);
+// Fits a grid to the objects where the last one does not suit them, by these threads and the
+// caller's; NULL: by that alone. The host sees the objects then, and where slabs of the grid are to
+// be cut anew.
+bool world_fit_grid(duet_world *world, thread_pool *threads, duet_error *err);
 
 // All of a def but its device pair and its plan.
 bool world_check_def(const duet_world_def *def, duet_error *err);
@@ -147,6 +152,10 @@ grid_objects world_objects(const duet_world *world);
 bool world_see_objects(duet_world *world, duet_error *err);
 void world_end_sight(duet_world *world);
 
+// The same where a search needs it by the devices that take part: to send objects that one has to
+// the other, or to decide in a device's memory what float leaves open.
+bool world_see_for_search(duet_world *world, const bool takes_part[2], duet_error *err);
+
 // Whether every object has a size, whichever of the two was set first; and what must be over
 // before they are read is over.
 bool world_check_sizes(const duet_world *world, duet_error *err);
@@ -158,10 +167,12 @@ void resident_drop(resident *r);
 // Maps n transforms, of the kind that the world was made for, and fills them from poses.
 bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err);
 
-// Where pairs are left on a device: which devices keep what they find in the next step; after it,
-// all pairs in one buffer, TOO_MANY where the caller's has no space for them.
-void world_choose_keepers(duet_world *world);
+// Where pairs are left on a device: after the step all in one buffer, TOO_MANY where the caller's
+// has no space for them.
 bool world_gather_pairs(duet_world *world, duet_error *err);
+
+// The same without the number, which the result has; NULL after a failure.
+const buffer *world_join_pairs(duet_world *world, duet_error *err);
 
 // After a step that failed: no pairs, so that kernels which read the number do nothing. False where
 // that is not written.
@@ -175,13 +186,10 @@ bool world_check_bad(const duet_world *world, duet_error *err);
 // All that a step tells but the time that it took in all.
 void world_tell_result(duet_world *world, duet_result *result);
 
-// Whether B searches around all objects and needs nothing of A or the host for it.
-bool world_is_b_alone(const duet_world *world);
-
-// A step of such a world over n bounds in B's memory. *pairs has as many as the result
-// says, in B's memory until the next step; its spans have none.
-bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, duet_result *result,
-                         const buffer **pairs, duet_error *err);
+// A step over n bounds in B's memory. *pairs has as many as the result says, in B's memory until
+// the next step; its spans have none. Where B searches alone, nothing of both comes to the host.
+bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, bool untimed,
+                         duet_result *result, const buffer **pairs, duet_error *err);
 
 // A step in which a device with memory of its own counts the pairs of objects that have global ids,
 // and adds up their hash, in counted[side]. The result's pairs and spans have only the others, and

@@ -50,20 +50,16 @@ void world_forget_grid(duet_world *world)
     world->grid = (grid){0};
 }
 
-static bool fit_grid(duet_world *world, duet_error *err)
+static bool is_fitted(const duet_world *world)
+{
+    uint64_t n = world->n;
+    return world->fitted && n <= REFIT_FACTOR * (uint64_t)world->fitted_n &&
+           REFIT_FACTOR * n >= world->fitted_n;
+}
+
+static grid_wish wish_of(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
-    if (!world_see_objects(world, err))
-        return false;
-    grid_objects objects = world_objects(world);
-    grid_needs needs;
-    grid_needs_of(&needs, &objects);
-    bool too_small = def->cell > 0.0f && needs.widest > def->cell;
-    if (too_small && def->cell_fixed)
-        return error_set(err, DUET_STATUS_CELL_TOO_SMALL,
-                         "the cell edge %g is below the extent %.9g of object %u; expected a "
-                         "cell at least that wide",
-                         def->cell, needs.widest, needs.widest_id);
     grid_wish wish = world->wish;
     wish.has_world = def->has_world;
     wish.edge = def->cell;
@@ -71,22 +67,33 @@ static bool fit_grid(duet_world *world, duet_error *err)
         wish.lower[k] = def->lower[k];
         wish.upper[k] = def->upper[k];
     }
+    return wish;
+}
+
+bool world_fit_grid(duet_world *world, thread_pool *threads, duet_error *err)
+{
+    const duet_world_def *def = &world->def;
+    const bool fitted = is_fitted(world);
+    if (fitted && !(def->plan.mode == DUET_MODE_SLAB && world->split.stale))
+        return true;
+    const grid_wish wish = wish_of(world);
+    if (!world_see_objects(world, err))
+        return false;
+    if (fitted)
+        return true;
     const grid before = world->grid;
+    const grid_objects objects = world_objects(world);
+    grid_needs needs;
+    grid_needs_of(&needs, &objects, threads);
+    bool too_small = def->cell > 0.0f && needs.widest > def->cell;
+    if (too_small && def->cell_fixed)
+        return error_set(err, DUET_STATUS_CELL_TOO_SMALL,
+                         "the cell edge %g is below the extent %.9g of object %u; expected a "
+                         "cell at least that wide",
+                         def->cell, needs.widest, needs.widest_id);
     if (!grid_fit(&world->grid, &needs, &wish, &objects, err))
         return false;
     world->cell_widened = too_small;
     take_grid(world, &before, world->n);
     return true;
-}
-
-static bool needs_fit(const duet_world *world)
-{
-    uint64_t n = world->n;
-    return !world->fitted || n > REFIT_FACTOR * (uint64_t)world->fitted_n ||
-           REFIT_FACTOR * n < world->fitted_n;
-}
-
-bool world_fit_grid(duet_world *world, duet_error *err)
-{
-    return !needs_fit(world) || fit_grid(world, err);
 }

@@ -23,8 +23,7 @@ static const struct {
     [DUET_OBJECT_SPHERES] = {"spheres", sizeof(duet_sphere)},
 };
 
-// What a world is made for.
-static duet_object_kind kind_of(const duet_world_def *def)
+duet_object_kind world_objects_kind(const duet_world_def *def)
 {
     duet_object_kind whole = origin_row_kind(def->shape, def->origin_edge);
     bool apart = whole == DUET_OBJECT_POSES;
@@ -35,7 +34,7 @@ static duet_object_kind kind_of(const duet_world_def *def)
 
 const char *world_objects_name(const duet_world_def *def)
 {
-    return kinds[kind_of(def)].name;
+    return kinds[world_objects_kind(def)].name;
 }
 
 static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n, const char *call,
@@ -46,11 +45,10 @@ static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n,
     if (kind < DUET_OBJECT_POSES || kind > DUET_OBJECT_SPHERES)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "kind is %d; expected a duet_object_kind",
                          (int)kind);
-    duet_object_kind right = kind_of(&world->def);
     bool size = kind == DUET_OBJECT_SIZES && world->def.separate_sizes;
-    if (kind != right && !size)
+    if (kind != world->kind && !size)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world was made for %s, not for %s",
-                         kinds[right].name, kinds[kind].name);
+                         kinds[world->kind].name, kinds[kind].name);
     return n <= UINT32_MAX - 2 ||
            error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a world holds at most %u", n,
                      UINT32_MAX - 2);
@@ -92,7 +90,7 @@ static bool map_resident(resident *r, size_t bytes, const device *d, duet_error 
 static bool fetch_resident(duet_world *world, size_t bytes, part *from, duet_error *err)
 {
     resident *r = &world->resident;
-    timeline_begin(&from->times, from->device);
+    timeline_begin(&from->times, from->device, true);
     if (!host_block_reserve(&world->objects, world->def.pair->devices, 2, bytes, err) ||
         !timeline_read(&from->times, "fetch objects", &r->objects, world->objects.bytes, bytes,
                        err))
@@ -110,6 +108,7 @@ grid_objects world_objects(const duet_world *world)
         .array = world->resident.objects.mem ? world->resident.seen
                  : world->lent               ? world->lent
                                              : world->objects.bytes,
+        .row_bytes = kinds[world->kind].bytes,
         .shape = def->shape,
         .origin = def->origin_edge,
         .n = world->n,
@@ -122,13 +121,23 @@ grid_objects world_objects(const duet_world *world)
 bool world_see_objects(duet_world *world, duet_error *err)
 {
     resident *r = &world->resident;
-    grid_objects objects = world_objects(world);
-    size_t bytes = objects.n * grid_object_bytes(&objects);
+    size_t bytes = world->n * kinds[world->kind].bytes;
     if (!r->objects.mem || r->seen || bytes == 0)
         return true;
     part *p = &world->parts[side_of(r, world->def.pair->devices)];
     return await(r, err) && (p->device->info.host_memory ? map_resident(r, bytes, p->device, err)
                                                          : fetch_resident(world, bytes, p, err));
+}
+
+bool world_see_for_search(duet_world *world, const bool takes_part[2], duet_error *err)
+{
+    bool needs = false;
+    for (int side = 0; side < 2; ++side)
+        needs |=
+            takes_part[side] &&
+            (!world->resident.on[side] || world->resident.only_seen ||
+             (world->def.shape == DUET_SHAPE_POSES && world->parts[side].device->info.host_memory));
+    return !needs || world_see_objects(world, err);
 }
 
 void world_end_sight(duet_world *world)
@@ -213,7 +222,7 @@ static bool take_sizes(duet_world *world, const duet_pose *poses, uint32_t n, du
 
 bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
 {
-    void *to = duet_world_map_objects(world, kind_of(&world->def), n, err);
+    void *to = duet_world_map_objects(world, world->kind, n, err);
     for (uint32_t i = 0; to && i < n; ++i) {
         duet_transform t = grid_transform_of(&poses[i]);
         if (world->def.dims == 2)

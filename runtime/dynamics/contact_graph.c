@@ -27,6 +27,19 @@ static bool launch(duet_motion *m, const char *stage, const kernel *k, uint64_t 
     return timeline_launch(&m->times, stage, k, work, m, err);
 }
 
+// Words [from, to) of a buffer become 0; and bytes of one, from byte `at`, are waited for.
+static bool clear(duet_motion *m, const char *stage, motion_buffer which, size_t from, size_t to,
+                  duet_error *err)
+{
+    return timeline_fill(&m->times, stage, &m->buffers[which], 0, from, to, err);
+}
+
+static bool fetch(duet_motion *m, const char *stage, motion_buffer which, size_t at, void *to,
+                  size_t bytes, duet_error *err)
+{
+    return timeline_read_at(&m->times, stage, &m->buffers[which], at, to, bytes, err);
+}
+
 // ---------------------------------------------------------------- bounds
 
 bool motion_check_bounds(duet_motion *m, duet_error *err)
@@ -45,72 +58,51 @@ static bool bounds_hold(duet_motion *m, bool *hold, duet_error *err)
 
 // ---------------------------------------------------------------- pairs of all bodies
 
-// What A and what B found, one behind the other.
-static bool send_pairs(duet_motion *m, const duet_result *result, duet_error *err)
+static bool are_right(const duet_bounds *b, uint32_t dims)
 {
-    const size_t size = sizeof *result->spans[0].pairs;
-    bool ok = motion_reserve(m, PAIRS, result->pairs + 1, size, err);
-    size_t at = 0;
-    for (int i = 0; ok && i < 2; ++i) {
-        size_t bytes = (size_t)result->spans[i].n * size;
-        ok = timeline_write_at(&m->times, "contact_graph", &m->buffers[PAIRS], at,
-                               result->spans[i].pairs, bytes, err);
-        at += bytes;
-    }
-    m->args.pairs = m->buffers[PAIRS];
-    return ok;
+    for (uint32_t k = 0; k < dims; ++k)
+        if (!isfinite(b->lower[k]) || !isfinite(b->upper[k]) || b->lower[k] > b->upper[k])
+            return false;
+    return true;
 }
 
-// Where both devices search, bounds and pairs go through the host.
-static bool search_on_both(duet_motion *m, duet_result *result, duet_error *err)
+static bool tell_left_out(duet_motion *m, duet_error *err)
 {
-    duet_bounds *bounds = duet_world_map_objects(m->world, DUET_OBJECT_BOUNDS, m->n, err);
-    return bounds &&
-           timeline_read(&m->times, "grid", &m->buffers[BOXES], bounds, m->n * sizeof *bounds,
-                         err) &&
-           duet_world_step(m->world, result, err) && send_pairs(m, result, err);
-}
-
-static bool search_on_b(duet_motion *m, duet_result *result, duet_error *err)
-{
-    const buffer *pairs = NULL;
-    m->world->parts[1].untimed = m->times.untimed;
-    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, result, &pairs, err);
-    m->args.pairs = *pairs;
-    return ok;
-}
-
-// What is hidden is left out, and nothing else may be. The error is of its state, where that says
-// what is wrong.
-static bool check_left_out(duet_motion *m, const duet_result *result, duet_error *err)
-{
-    uint32_t hidden = m->commands ? m->commands->n_hidden : 0;
-    if (result->bad == hidden)
-        return true;
-    free(motion_read_states(m, err));
-    return error_set(err, DUET_STATUS_BAD_OBJECT,
-                     "the bounds of %u objects of %u are not finite after step %llu",
-                     result->bad - hidden, m->n - hidden, (unsigned long long)m->step);
+    duet_bounds *bounds = malloc(m->n * sizeof *bounds);
+    uint32_t id = 0;
+    if (!bounds)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bounds", m->n);
+    bool ok = fetch(m, "grid", BOXES, 0, bounds, m->n * sizeof *bounds, err);
+    while (ok && id + 1 < m->n &&
+           (m->commands->states[id] != PLACE_ENABLED || are_right(&bounds[id], m->def.dims)))
+        ++id;
+    free(bounds);
+    return ok && error_set(err, DUET_STATUS_BAD_OBJECT,
+                           "object %u of %u: its bounds are not finite after step %llu", id, m->n,
+                           (unsigned long long)m->step);
 }
 
 static bool find_pairs(duet_motion *m, duet_error *err)
 {
     duet_result result;
-    m->world->def.keep_bad = m->commands && m->commands->n_hidden > 0;
-    bool ok =
-        world_is_b_alone(m->world) ? search_on_b(m, &result, err) : search_on_both(m, &result, err);
-    ok = ok && check_left_out(m, &result, err);
+    const buffer *pairs;
+    uint32_t hidden = m->commands ? m->commands->n_hidden : 0; // these are left out
+    m->world->def.keep_bad = hidden > 0;
+    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, m->times.untimed, &result,
+                                  &pairs, err) &&
+              (result.bad == hidden || tell_left_out(m, err));
     if (ok)
         timeline_add_host(&m->times, "pairs", result.total_ms);
     m->n_pairs = ok ? result.pairs : 0;
+    m->args.pairs = ok ? *pairs : (buffer){0};
     return ok;
 }
 
 // What had left its bounds has new ones.
 static bool find_all_pairs(duet_motion *m, duet_error *err)
 {
-    return (!m->flags[FLAG_MOVED] || timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0,
-                                                   FLAG_MOVED, FLAG_MOVED + 1, err)) &&
+    return (!m->flags[FLAG_MOVED] ||
+            clear(m, "clear", FLAG_WORDS, FLAG_MOVED, FLAG_MOVED + 1, err)) &&
            launch(m, "grid", m->kernels.compute_fat_aabbs, m->n, err) && find_pairs(m, err);
 }
 
@@ -200,13 +192,11 @@ static bool send_altered(duet_motion *m, duet_error *err)
 {
     const motion_commands *c = m->commands;
     const char *stage = "altered_pairs";
-    buffer *b = m->buffers;
-    timeline *t = &m->times;
-    return timeline_write_at(t, stage, &b[ALTERED], 0, c->altered,
-                             c->n_altered * sizeof *c->altered, err) &&
-           timeline_fill(t, stage, &b[IS_ALTERED], 0, 0, m->n, err) &&
-           timeline_fill(t, stage, &b[ALTERED_HEADS], 0, 0, m->args.n_heads, err) &&
-           timeline_fill(t, stage, &b[ALTERED_COUNT_WORDS], 0, 0, ALTERED_COUNTS, err);
+    return clear(m, stage, IS_ALTERED, 0, m->n, err) &&
+           clear(m, stage, ALTERED_HEADS, 0, m->args.n_heads, err) &&
+           clear(m, stage, ALTERED_COUNT_WORDS, 0, ALTERED_COUNTS, err) &&
+           timeline_write_at(&m->times, stage, &m->buffers[ALTERED], 0, c->altered,
+                             c->n_altered * sizeof *c->altered, err);
 }
 
 static bool prepare(duet_motion *m, duet_error *err)
@@ -235,8 +225,7 @@ static bool search_altered(duet_motion *m, bool *found, duet_error *err)
     uint32_t counts[ALTERED_COUNTS];
     bool ok = launch(m, "altered_pairs", m->kernels.find_altered_pairs, m->n, err) &&
               launch(m, "altered_pairs", m->kernels.keep_pairs, m->n_contacts, err) &&
-              timeline_read(&m->times, "altered_pairs", &m->buffers[ALTERED_COUNT_WORDS], counts,
-                            sizeof counts, err);
+              fetch(m, "altered_pairs", ALTERED_COUNT_WORDS, 0, counts, sizeof counts, err);
     *found = ok && counts[ALTERED_PAIRS] <= m->args.pair_capacity;
     if (!*found)
         return ok;
@@ -313,8 +302,7 @@ static bool scan_starts(duet_motion *m, motion_buffer starts, duet_error *err)
 // Bodies have no rows of a kind yet.
 static bool clear_starts(duet_motion *m, motion_buffer starts, duet_error *err)
 {
-    return timeline_fill(&m->times, "contact_graph", &m->buffers[starts], 0, 0, (size_t)m->n + 1,
-                         err);
+    return clear(m, "contact_graph", starts, 0, (size_t)m->n + 1, err);
 }
 
 // The last of the starts says how many contacts there are.
@@ -322,8 +310,8 @@ static bool fill_rows(duet_motion *m, duet_error *err)
 {
     return clear_starts(m, STARTS, err) && put_all(m, 0, err) && scan_starts(m, STARTS, err) &&
            put_all(m, 1, err) && sort_rows(m, STARTS, OTHERS, err) &&
-           timeline_read_at(&m->times, "contact_graph", &m->buffers[STARTS],
-                            m->n * sizeof m->n_contacts, &m->n_contacts, sizeof m->n_contacts, err);
+           fetch(m, "contact_graph", STARTS, m->n * sizeof m->n_contacts, &m->n_contacts,
+                 sizeof m->n_contacts, err);
 }
 
 static bool put_returns(duet_motion *m, uint32_t fill, duet_error *err)

@@ -45,7 +45,7 @@ typedef enum motion_buffer {
     RETURN_STARTS,
     USED,
     CHOICES,
-    PAIRS,  // of both devices, while rows are made
+    PAIRS,  // of bodies that commands altered, and of all that hold on
     OTHERS, // by contact
     LINKS,
     RETURNS,
@@ -184,6 +184,7 @@ struct duet_motion {
     motion_commands *commands;   // NULL before the first
     motion_recording *recording; // NULL where nothing is recorded
     struct motion_map *maps;     // [parts of the state], likewise (motion_map.c)
+    uint32_t mapped;             // those that are: a bit for each
     background background;       // of a step in two halves, and what that took
     double background_ms;
     buffer buffers[MOTION_BUFFERS];

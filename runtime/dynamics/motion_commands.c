@@ -6,7 +6,6 @@
 #include "runtime/dynamics/motion_rows.h"
 #include "runtime/dynamics/recording.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,67 +21,6 @@ const char *duet_body_field_name(uint32_t field)
         if (field == 1u << i)
             return field_names[i];
     return NULL;
-}
-
-bool motion_keep_whole(duet_motion *m, bool made)
-{
-    m->broken = m->broken || !made;
-    return made;
-}
-
-// ---------------------------------------------------------------- effects
-
-static bool lacks(uint32_t missing, const char *call, const char *what, duet_error *err)
-{
-    for (uint32_t i = 0; effect_at(i); ++i)
-        if (missing & effect_at(i)->effect)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "%s: %sneeds the effect %s; expected the motion's wants to ask for it",
-                             call, what, effect_at(i)->name);
-    return true;
-}
-
-bool motion_needs(const duet_motion *m, uint32_t effect, const char *call, duet_error *err)
-{
-    return lacks(effect & ~m->effects, call, "it ", err);
-}
-
-// Adds some objects to what is known of all, and returns the effects that the motion then lacks.
-// How fast they are is not looked at: continuous is called for by what a motion begins with.
-static uint32_t missing_with(const duet_motion *m, effect_facts *all, const duet_pose *poses,
-                             const duet_body *bodies, uint32_t n)
-{
-    effect_facts_add(all, &m->def, poses, bodies, n);
-    all->reach = m->facts.reach;
-    return effect_infer(&m->def, all) & ~m->effects;
-}
-
-// What one body alone does not call for, it may with those before it.
-static bool tell_who_lacks(const duet_motion *m, const motion_placed *p, const char *call,
-                           duet_error *err)
-{
-    effect_facts all = m->facts;
-    bool ok = true;
-    for (uint32_t i = 0; ok && i < p->n; ++i) {
-        char what[48];
-        snprintf(what, sizeof what, "body %u of %u ", i, p->n);
-        ok = lacks(missing_with(m, &all, &p->poses[i], &p->bodies[i], 1), call, what, err);
-    }
-    return ok;
-}
-
-bool motion_placed_admit(duet_motion *m, const motion_placed *p, const char *call, duet_error *err)
-{
-    const effect_facts before = m->facts;
-    effect_facts all = before;
-    if (missing_with(m, &all, p->poses, p->bodies, p->n))
-        return tell_who_lacks(m, p, call, err);
-    m->facts = all;
-    bool tumbles = (m->effects & DUET_EFFECT_ANGULAR_VELOCITY) && all.uneven && !before.uneven;
-    if (!tumbles || motion_prepare_again(m, err))
-        return true;
-    m->facts = before;
-    return false;
 }
 
 // ---------------------------------------------------------------- fields
@@ -203,6 +141,47 @@ bool duet_motion_set_bodies(duet_motion *m, duet_body_list list, uint32_t fields
     return ok;
 }
 
+// ---------------------------------------------------------------- sleep
+
+// What has no mass moves on, as it never sleeps. The places that have some come first then.
+static bool stop_all(duet_motion *m, uint32_t *places, uint32_t n, duet_error *err)
+{
+    uint32_t n_stopped = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        uint32_t place = places[i];
+        if (!(m->bodies[place].mass > 0.0f))
+            continue;
+        motion_stop(m, place);
+        places[i] = places[n_stopped];
+        places[n_stopped++] = place;
+    }
+    return motion_send_places(m, places, n_stopped, PART_VELOCITY | PART_ANGULAR_VELOCITY, err);
+}
+
+// What is sent to sleep stands still from then on: what it would have met is not met.
+static bool put_to(duet_motion *m, duet_body_list list, bool sleeps, const char *call,
+                   duet_error *err)
+{
+    uint32_t *places = motion_places_of(m, list, true, call, err);
+    bool ok = places && motion_needs(m, DUET_EFFECT_SLEEP, call, err) &&
+              motion_keep_whole(m, (!sleeps || stop_all(m, places, list.n, err)) &&
+                                       motion_set_asleep(m, places, list.n, sleeps, err));
+    if (ok)
+        motion_note(m, sleeps ? RECORDED_SLEEP : RECORDED_WAKE, places, list.n, NULL);
+    free(places);
+    return ok;
+}
+
+bool duet_motion_wake_bodies(duet_motion *m, duet_body_list list, duet_error *err)
+{
+    return put_to(m, list, false, __func__, err);
+}
+
+bool duet_motion_sleep_bodies(duet_motion *m, duet_body_list list, duet_error *err)
+{
+    return put_to(m, list, true, __func__, err);
+}
+
 // ---------------------------------------------------------------- the world
 
 const duet_motion_def *duet_motion_get_def(const duet_motion *m)
@@ -262,7 +241,7 @@ bool duet_motion_set_def(duet_motion *m, const duet_motion_def *def, duet_error 
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: pair is another; expected the motion's, which cannot change",
                          __func__);
-    bool ok = lacks(effect_infer(def, &m->facts) & ~m->effects, __func__, "it ", err) &&
+    bool ok = motion_needs(m, effect_infer(def, &m->facts), __func__, err) &&
               timeline_finish(&m->times, err) && motion_begin_commands(m, err) &&
               motion_keep_whole(m, change_world(m, def, err));
     if (ok)

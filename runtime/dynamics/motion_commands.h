@@ -119,11 +119,10 @@ bool motion_wake_all(duet_motion *m, duet_error *err);
 // Forgets the targets of some places, whose bodies then stand still.
 bool motion_forget_targets(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err);
 
-// Puts bodies exactly where their targets are.
+// What a step leaves of targets: bodies are exactly there.
 bool motion_arrive(duet_motion *m, duet_error *err);
 
-// What a step leaves of commands: what was removed is forgotten, forces are over, and targets are
-// reached.
+// What it leaves of other commands: what was removed is forgotten, and forces are over.
 bool motion_end_commands(duet_motion *m, duet_error *err);
 
 #endif

@@ -32,6 +32,11 @@ static bool is_told(const duet_motion *m, duet_pair p)
     return groups & m->def.event_mask;
 }
 
+static bool fetch(duet_motion *m, motion_buffer which, void *to, size_t bytes, duet_error *err)
+{
+    return timeline_read(&m->times, "events", &m->buffers[which], to, bytes, err);
+}
+
 // ---------------------------------------------------------------- what touches
 
 static void list_touching(duet_motion *m, const uint32_t *words)
@@ -49,10 +54,8 @@ static bool fetch_bits(duet_motion *m, uint32_t *words, size_t n_words, duet_err
     motion_events *e = &m->told;
     bool same = e->known && !m->rebuilt;
     e->links.n = m->n_contacts;
-    return (same || timeline_read(&m->times, "events", &m->buffers[LINKS], e->links.pairs,
-                                  m->n_contacts * sizeof *e->links.pairs, err)) &&
-           timeline_read(&m->times, "events", &m->buffers[TOUCHING], words, n_words * sizeof *words,
-                         err);
+    return (same || fetch(m, LINKS, e->links.pairs, m->n_contacts * sizeof *e->links.pairs, err)) &&
+           fetch(m, TOUCHING, words, n_words * sizeof *words, err);
 }
 
 static bool fetch_touching(duet_motion *m, duet_error *err)
@@ -133,13 +136,12 @@ static bool fetch_hits(duet_motion *m, size_t n, duet_error *err)
 {
     motion_events *e = &m->told;
     e->n_hits = 0;
-    if (n == 0 || !motion_tells_hits(m))
+    if (n == 0)
         return true;
     uint32_t(*words)[HIT_WORDS] = malloc(n * sizeof *words);
     if (!words)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu events", n);
-    bool ok = pair_list_grow((void **)&e->hits, &e->hit_capacity, n, sizeof *e->hits, err) &&
-              timeline_read(&m->times, "events", &m->buffers[HITS], words, n * sizeof *words, err);
+    bool ok = fetch(m, HITS, words, n * sizeof *words, err);
     for (size_t i = 0; ok && i < n; ++i) {
         duet_hit_event hit = hit_of(m, words[i]);
         if (is_told(m, (duet_pair){hit.a, hit.b}))
@@ -164,9 +166,11 @@ static void swap(pair_list *a, pair_list *b)
 bool motion_find_events(duet_motion *m, bool moved, duet_error *err)
 {
     motion_events *e = &m->told;
+    size_t n_hits = moved && motion_tells_hits(m) ? m->flags[FLAG_EVENTS] : 0;
     if (moved)
         swap(&e->before, &e->touching);
     return (!moved || fetch_touching(m, err)) &&
            pair_changes_find(&e->changes, moved ? &e->before : &e->touching, &e->touching, err) &&
-           fetch_hits(m, moved ? m->flags[FLAG_EVENTS] : 0, err);
+           pair_list_grow((void **)&e->hits, &e->hit_capacity, n_hits, sizeof *e->hits, err) &&
+           fetch_hits(m, n_hits, err);
 }

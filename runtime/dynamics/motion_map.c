@@ -15,28 +15,20 @@ enum { PARTS = 4 };
 
 struct motion_map {
     motion_rows rows;
-    bool mapped;
     bool written;
     uint32_t n;
 };
 
 static const struct {
-    const char *name;
     motion_buffer which;
     uint32_t effect; // that the part needs
     uint32_t writes; // and that writing it does
 } parts[PARTS] = {
-    [DUET_STATE_CENTRES] = {"centres", CENTRES, 0, 0},
-    [DUET_STATE_ROTATIONS] = {"rotations", ROTATIONS, DUET_EFFECT_ROTATION, 0},
-    [DUET_STATE_VELOCITIES] = {"velocities", VELOCITIES, 0, DUET_EFFECT_MOTION},
-    [DUET_STATE_ANGULAR_VELOCITIES] = {"angular_velocities", ANGULAR_VELOCITIES,
-                                       DUET_EFFECT_ANGULAR_VELOCITY, 0},
+    [DUET_STATE_CENTRES] = {CENTRES, 0, 0},
+    [DUET_STATE_ROTATIONS] = {ROTATIONS, DUET_EFFECT_ROTATION, 0},
+    [DUET_STATE_VELOCITIES] = {VELOCITIES, 0, DUET_EFFECT_MOTION},
+    [DUET_STATE_ANGULAR_VELOCITIES] = {ANGULAR_VELOCITIES, DUET_EFFECT_ANGULAR_VELOCITY, 0},
 };
-
-const char *duet_state_part_name(duet_state_part part)
-{
-    return (int)part >= 0 && (int)part < PARTS ? parts[part].name : NULL;
-}
 
 static bool check_part(const duet_motion *m, duet_state_part part, const char *call,
                        duet_error *err)
@@ -52,22 +44,13 @@ static bool check_part(const duet_motion *m, duet_state_part part, const char *c
     return motion_needs(m, parts[part].effect, call, err);
 }
 
-bool motion_is_unmapped(const duet_motion *m, const char *call, duet_error *err)
-{
-    for (int part = 0; m->maps && part < PARTS; ++part)
-        if (m->maps[part].mapped)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "%s: %s are mapped; expected duet_motion_unmap_states first", call,
-                             parts[part].name);
-    return true;
-}
-
 void motion_forget_maps(duet_motion *m)
 {
     for (int part = 0; m->maps && part < PARTS; ++part)
         motion_rows_drop(&m->maps[part].rows);
     free(m->maps);
     m->maps = NULL;
+    m->mapped = 0;
 }
 
 // ---------------------------------------------------------------- begin
@@ -97,9 +80,9 @@ static bool can_map(duet_motion *m, duet_state_part part, duet_map_access access
     if (access != DUET_MAP_READ && access != DUET_MAP_WRITE)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: access is %d; expected a duet_map_access", call, (int)access);
-    if (m->maps && m->maps[part].mapped)
+    if (m->mapped & 1u << part)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: %s are mapped already", call,
-                         parts[part].name);
+                         duet_state_part_name(part));
     if (access == DUET_MAP_WRITE && m->recording)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: what is written in place is not recorded; expected "
@@ -135,7 +118,7 @@ void *duet_motion_map_states(duet_motion *m, duet_state_part part, duet_map_acce
     struct motion_map *map = &m->maps[part];
     if (!motion_rows_open(m, parts[part].which, first, first + n, &map->rows, err))
         return NULL;
-    map->mapped = true;
+    m->mapped |= 1u << part;
     map->written = access == DUET_MAP_WRITE;
     map->n = n;
     return map->rows.bytes;
@@ -166,7 +149,7 @@ static bool check_rows(const duet_motion *m, duet_state_part part, const struct 
         const char *fault = fault_of(m, part, &map->rows, map->rows.first + i);
         if (fault)
             return error_set(err, DUET_STATUS_BAD_OBJECT, "%s: row %u of %u of the %s: %s", call, i,
-                             map->n, parts[part].name, fault);
+                             map->n, duet_state_part_name(part), fault);
     }
     return true;
 }
@@ -234,16 +217,17 @@ bool duet_motion_unmap_states(duet_motion *m, duet_state_part part, duet_error *
 {
     if (!motion_is_steady(m, __func__, err))
         return false;
-    struct motion_map *map = m->maps && duet_state_part_name(part) ? &m->maps[part] : NULL;
-    if (!map || !map->mapped)
+    if (!duet_state_part_name(part) || !(m->mapped & 1u << part))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: %s are not mapped; expected duet_motion_map_states first", __func__,
-                         duet_state_part_name(part) ? parts[part].name : "states");
+                         duet_state_part_name(part) ? duet_state_part_name(part) : "states");
+    struct motion_map *map = &m->maps[part];
     bool ok = !map->written || write_back(m, part, map, __func__, err);
     if (!ok && !m->broken)
         return false;
     motion_rows_drop(&map->rows);
     *map = (struct motion_map){0};
+    m->mapped &= ~(1u << part);
     return ok;
 }
 

@@ -210,47 +210,6 @@ bool duet_motion_get_user_data(duet_motion *m, duet_body_list list, uint64_t *da
     return places;
 }
 
-// ---------------------------------------------------------------- sleep
-
-// What has no mass moves on, as it never sleeps. The places that have some come first then.
-static bool stop_all(duet_motion *m, uint32_t *places, uint32_t n, duet_error *err)
-{
-    uint32_t n_stopped = 0;
-    for (uint32_t i = 0; i < n; ++i) {
-        uint32_t place = places[i];
-        if (!(m->bodies[place].mass > 0.0f))
-            continue;
-        motion_stop(m, place);
-        places[i] = places[n_stopped];
-        places[n_stopped++] = place;
-    }
-    return motion_send_places(m, places, n_stopped, PART_VELOCITY | PART_ANGULAR_VELOCITY, err);
-}
-
-// What is sent to sleep stands still from then on: what it would have met is not met.
-static bool put_to(duet_motion *m, duet_body_list list, bool sleeps, const char *call,
-                   duet_error *err)
-{
-    uint32_t *places = motion_places_of(m, list, true, call, err);
-    bool ok = places && motion_needs(m, DUET_EFFECT_SLEEP, call, err) &&
-              motion_keep_whole(m, (!sleeps || stop_all(m, places, list.n, err)) &&
-                                       motion_set_asleep(m, places, list.n, sleeps, err));
-    if (ok)
-        motion_note(m, sleeps ? RECORDED_SLEEP : RECORDED_WAKE, places, list.n, NULL);
-    free(places);
-    return ok;
-}
-
-bool duet_motion_wake_bodies(duet_motion *m, duet_body_list list, duet_error *err)
-{
-    return put_to(m, list, false, __func__, err);
-}
-
-bool duet_motion_sleep_bodies(duet_motion *m, duet_body_list list, duet_error *err)
-{
-    return put_to(m, list, true, __func__, err);
-}
-
 // ---------------------------------------------------------------- after a step
 
 static bool forget_forces(duet_motion *m, duet_error *err)
@@ -278,5 +237,5 @@ bool motion_end_commands(duet_motion *m, duet_error *err)
     if (c->any_left &&
         ((!m->rows_stale && c->n_altered == 0) || !(m->effects & DUET_EFFECT_CONTACT)))
         empty_places(m);
-    return (!c->pushed || forget_forces(m, err)) && (c->n_targets == 0 || motion_arrive(m, err));
+    return !c->pushed || forget_forces(m, err);
 }

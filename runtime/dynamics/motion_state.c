@@ -5,6 +5,7 @@
 #include "runtime/dynamics/motion_rows.h"
 
 #include "base/error.h"
+#include "runtime/duet_motion_map.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -40,6 +41,18 @@ static const struct {
     [USED] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 0, 1},
     [CHOICES] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 0, 1},
 };
+
+const char *duet_state_part_name(duet_state_part part)
+{
+    static const char *const names[] = {
+        [DUET_STATE_CENTRES] = "centres",
+        [DUET_STATE_ROTATIONS] = "rotations",
+        [DUET_STATE_VELOCITIES] = "velocities",
+        [DUET_STATE_ANGULAR_VELOCITIES] = "angular_velocities",
+    };
+    const int n = sizeof names / sizeof names[0];
+    return (int)part >= 0 && (int)part < n ? names[part] : NULL;
+}
 
 uint32_t motion_words(const duet_motion *m, motion_buffer which)
 {

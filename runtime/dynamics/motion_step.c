@@ -12,32 +12,6 @@
 
 #include <math.h>
 
-// ---------------------------------------------------------------- between steps
-
-bool motion_is_idle(const duet_motion *m, const char *call, duet_error *err)
-{
-    return !m->background.under_way ||
-           error_set(
-               err, DUET_STATUS_BAD_ARGUMENT,
-               "%s: a step of the motion is under way; expected duet_motion_advance_end first",
-               call);
-}
-
-bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err)
-{
-    return error_given(m, call, "motion", err) && motion_is_idle(m, call, err) &&
-           (!m->broken ||
-            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                      "the motion failed in its step %llu; expected a saved one to be loaded, or a "
-                      "new motion",
-                      (unsigned long long)m->step + 1));
-}
-
-bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)
-{
-    return motion_is_steady(m, call, err) && motion_is_unmapped(m, call, err);
-}
-
 // ---------------------------------------------------------------- arguments
 
 static cl_float4 float4_of(double x, double y, double z, double w)
@@ -216,10 +190,8 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
 static bool carry_step(duet_motion *m, double *ms, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
-    if (m->def.stage_times || timeline_is_due(&m->times, m->device, m->step))
-        timeline_begin(&m->times, m->device);
-    else
-        timeline_begin_untimed(&m->times, m->device);
+    timeline_begin(&m->times, m->device,
+                   m->def.stage_times || timeline_is_due(&m->times, m->device, m->step));
     m->rebuilt = false;
     bool ok = run_step(m, err);
     *ms = clock_ms_since(begun);
@@ -230,10 +202,10 @@ static bool complete_step(duet_motion *m, bool carried, double ms, duet_motion_r
                           duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
-    m->broken = !carried || (m->commands && !motion_end_commands(m, err));
+    m->broken =
+        !carried || (m->commands && !(motion_end_commands(m, err) && motion_arrive(m, err)));
     if (m->broken) {
         timeline_clear(&m->times);
-        motion_forget_recording(m);
         return false;
     }
     ++m->step;

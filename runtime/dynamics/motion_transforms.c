@@ -226,6 +226,8 @@ bool motion_arrive(duet_motion *m, duet_error *err)
 {
     motion_commands *c = m->commands;
     size_t n = c->n_targets;
+    if (n == 0)
+        return true;
     motion_placed p = {.n = c->n_targets,
                        .places = malloc(n * sizeof *p.places + 1),
                        .poses = malloc(n * sizeof *p.poses + 1)};

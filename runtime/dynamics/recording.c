@@ -224,7 +224,7 @@ bool duet_motion_save_recording(duet_motion *m, const char *path, duet_error *er
     if (!m->recording)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: nothing is recorded; expected duet_motion_record before, and no load "
-                         "or failed step since",
+                         "since",
                          __func__);
     if (!motion_is_whole(m, __func__, err))
         return false;

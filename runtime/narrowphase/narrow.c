@@ -17,8 +17,6 @@
 #define SLACK (NARROW_SLACK * 0x1p-53)
 #define PARALLEL 0.5 // edges with a smaller tilt count as nearly parallel
 
-const double narrow_here[3] = {0, 0, 0};
-
 static const int next[3] = {1, 2, 0};
 static const int last[3] = {2, 0, 1};
 
@@ -27,24 +25,6 @@ typedef struct box {
     double axis[3][3]; // axis[i]: the direction of edge i
     double norm;       // |q|^2
 } box;
-
-double narrow_axes(double axis[3][3], const float q[4])
-{
-    double x = q[0], y = q[1], z = q[2], w = q[3];
-    double norm = (w * w + x * x) + (y * y + z * z);
-    double scale = 1.0 / norm;
-    double twice = 2.0 * scale;
-    axis[0][0] = scale * ((w * w + x * x) - (y * y + z * z));
-    axis[0][1] = twice * (x * y + w * z);
-    axis[0][2] = twice * (x * z - w * y);
-    axis[1][0] = twice * (x * y - w * z);
-    axis[1][1] = scale * ((w * w + y * y) - (x * x + z * z));
-    axis[1][2] = twice * (y * z + w * x);
-    axis[2][0] = twice * (x * z + w * y);
-    axis[2][1] = twice * (y * z - w * x);
-    axis[2][2] = scale * ((w * w + z * z) - (x * x + y * y));
-    return norm;
-}
 
 static box box_of_pose(const duet_pose *pose)
 {
@@ -261,29 +241,6 @@ static narrow_answer test_axes(const approach *p, int dims)
     if (dims == 3 && g.greatest <= g.slack)
         add_cross_axes(&g, &v);
     return answer_of(&g, &v);
-}
-
-duet_pose narrow_flat(const duet_pose *pose, uint32_t dims)
-{
-    duet_pose flat = *pose;
-    if (dims == 2)
-        flat.centre[2] = flat.half_extents[2] = flat.rotation[0] = flat.rotation[1] = 0;
-    return flat;
-}
-
-bool narrow_is_box(const duet_pose *pose, uint32_t dims)
-{
-    duet_pose p = narrow_flat(pose, dims);
-    bool turned = false;
-    for (int i = 0; i < 4; ++i) {
-        if (!isfinite(p.rotation[i]))
-            return false;
-        turned = turned || p.rotation[i] != 0;
-    }
-    for (int i = 0; i < 3; ++i)
-        if (!isfinite(p.centre[i]) || !isfinite(p.half_extents[i]) || p.half_extents[i] < 0)
-            return false;
-    return turned;
 }
 
 static narrow_answer double_apart(const duet_pose *pose_a, const duet_pose *pose_b,

@@ -179,7 +179,8 @@ bool duet_pair_query_run(duet_pair_query *query, const duet_pose *poses, uint64_
                          uint8_t *answers, double *separations, duet_pair_query_result *result,
                          duet_error *err)
 {
-    if (!error_given(query, __func__, "query", err) || !error_given(result, __func__, "result", err))
+    if (!error_given(query, __func__, "query", err) ||
+        !error_given(result, __func__, "result", err))
         return false;
     uint64_t begun = clock_steady_ns();
     if (n > 0 && (!poses || !answers))

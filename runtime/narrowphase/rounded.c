@@ -12,24 +12,6 @@
 #define SLACK (NARROW_SLACK * 0x1p-53)
 #define STEPS 64
 
-duet_rounded_box rounded_flat(const duet_rounded_box *box, uint32_t dims)
-{
-    return (duet_rounded_box){narrow_flat(&box->pose, dims), box->radius};
-}
-
-bool rounded_is_sound(const duet_rounded_box *box, uint32_t dims)
-{
-    return narrow_is_box(&box->pose, dims) && isfinite(box->radius) && box->radius >= 0;
-}
-
-duet_rounded_box rounded_of_sphere(const duet_sphere *sphere)
-{
-    return (duet_rounded_box){
-        .pose = {.centre = {sphere->centre[0], sphere->centre[1], sphere->centre[2]},
-                 .rotation = {0, 0, 0, 1}},
-        .radius = sphere->radius};
-}
-
 static bool is_point(const duet_pose *core)
 {
     const float *h = core->half_extents;

@@ -27,6 +27,15 @@ static void *allocate(size_t bytes)
     return memory;
 }
 
+static void release(cl_mem *mem)
+{
+    if (!*mem)
+        return;
+    clReleaseMemObject(*mem);
+    device_object_gone();
+    *mem = NULL;
+}
+
 // Of the device's own, or around the host memory that is there.
 static bool create(buffer *b, const device *d, duet_error *err)
 {
@@ -81,7 +90,7 @@ bool buffer_hold(buffer *b, const device *d, void *host, size_t bytes, duet_erro
 
 void buffer_release(buffer *b)
 {
-    DEVICE_RELEASE(b->mem);
+    release(&b->mem);
     if (!b->borrowed)
         free(b->host);
     *b = (buffer){0};
@@ -136,16 +145,15 @@ void host_lock_take(host_lock *l, const device devices[], int n_devices, const v
     host_lock_release(l);
     for (int i = n_devices - 1; i >= 0 && size > 0 && !l->mem; --i)
         if (!devices[i].info.host_memory && devices[i].driver.locks_memory)
-            l->mem =
-                clCreateBuffer(devices[i].context, CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR, size,
-                               (void *)(uintptr_t)memory, &code);
+            l->mem = clCreateBuffer(devices[i].context, CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR,
+                                    size, (void *)(uintptr_t)memory, &code);
     if (l->mem)
         device_object_made();
 }
 
 void host_lock_release(host_lock *l)
 {
-    DEVICE_RELEASE(l->mem);
+    release(&l->mem);
 }
 
 void host_block_release(host_block *h)
@@ -156,6 +164,6 @@ void host_block_release(host_block *h)
     }
     if (!h->mem)
         free(h->bytes);
-    DEVICE_RELEASE(h->mem);
+    release(&h->mem);
     *h = (host_block){0};
 }

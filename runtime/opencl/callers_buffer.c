@@ -128,8 +128,10 @@ bool callers_events_wait(callers_events *events, const char *what, duet_error *e
 
 void callers_events_release(callers_events *events)
 {
-    for (cl_uint i = 0; i < events->n; ++i)
-        DEVICE_RELEASE(events->list[i]);
+    for (cl_uint i = 0; i < events->n; ++i) {
+        clReleaseEvent(events->list[i]);
+        device_object_gone();
+    }
     free(events->list);
     *events = (callers_events){0};
 }
@@ -145,5 +147,9 @@ cl_mem callers_buffer_hold(cl_mem mem)
 
 void callers_buffer_release(cl_mem *mem)
 {
-    DEVICE_RELEASE(*mem);
+    if (!*mem)
+        return;
+    clReleaseMemObject(*mem);
+    device_object_gone();
+    *mem = NULL;
 }

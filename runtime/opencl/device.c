@@ -271,19 +271,32 @@ static void wait_until_alone(cl_command_queue queue)
     }
 }
 
+static void release_queue(cl_command_queue queue)
+{
+    if (!queue)
+        return;
+    clReleaseCommandQueue(queue);
+    device_object_gone();
+}
+
 void device_close(device *d)
 {
     program_pool_close(d->built);
-    cl_command_queue *queues[] = {&d->queue, &d->beside};
+    const cl_command_queue queues[] = {d->queue, d->beside};
     for (int i = 0; i < 2; ++i) {
-        if (*queues[i] && d->info.host_memory)
-            wait_until_alone(*queues[i]);
-        DEVICE_RELEASE(*queues[i]);
+        if (queues[i] && d->info.host_memory)
+            wait_until_alone(queues[i]);
+        release_queue(queues[i]);
     }
-    DEVICE_RELEASE(d->callers);
-    DEVICE_RELEASE(d->context);
-    if (d->owns_part)
-        DEVICE_RELEASE(d->id);
+    release_queue(d->callers);
+    if (d->context) {
+        clReleaseContext(d->context);
+        device_object_gone();
+    }
+    if (d->owns_part) {
+        clReleaseDevice(d->id);
+        device_object_gone();
+    }
     *d = (device){0};
 }
 

@@ -50,27 +50,10 @@ void device_close(device *d); // an empty one is passed over
 void device_info_read(cl_device_id id, duet_device_info *info);
 
 // OpenCL objects of ours that are alive. Drivers hide a forgotten release from
-// leak checkers, so each object is counted where it is made, and tests assert 0 at
-// their end.
+// leak checkers, so each object is counted where it is made and where it is released, and tests
+// assert 0 at their end.
 void device_object_made(void);
 void device_object_gone(void);
 int device_live_objects(void);
-
-// Lets go of one, a cl_mem, say, which is NULL then; NULL is passed over.
-#define DEVICE_RELEASE(object)                            \
-    do {                                                  \
-        if (object) {                                     \
-            _Generic((object), cl_mem                     \
-                     : clReleaseMemObject, cl_event       \
-                     : clReleaseEvent, cl_kernel          \
-                     : clReleaseKernel, cl_program        \
-                     : clReleaseProgram, cl_command_queue \
-                     : clReleaseCommandQueue, cl_context  \
-                     : clReleaseContext, cl_device_id     \
-                     : clReleaseDevice)(object);          \
-            device_object_gone();                         \
-            (object) = NULL;                              \
-        }                                                 \
-    } while (0)
 
 #endif

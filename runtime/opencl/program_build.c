@@ -14,11 +14,28 @@
 // Contraction is off in the kernels' text; nothing here may loosen it.
 static const char BUILD_OPTIONS[] = "-cl-std=CL1.2 -w";
 
+static void release(cl_program *built)
+{
+    if (!*built)
+        return;
+    clReleaseProgram(*built);
+    device_object_gone();
+    *built = NULL;
+}
+
+static void release_kernel(cl_kernel k)
+{
+    if (!k)
+        return;
+    clReleaseKernel(k);
+    device_object_gone();
+}
+
 void program_close(program *p)
 {
     for (int i = 0; i < p->n_entries; ++i)
-        DEVICE_RELEASE(p->entries[i].k.cl);
-    DEVICE_RELEASE(p->cl);
+        release_kernel(p->entries[i].k.cl);
+    release(&p->cl);
     free(p->text);
     free(p);
 }
@@ -51,7 +68,7 @@ void program_pool_close(program_pool *pool)
     if (!pool)
         return;
     for (int i = 0; i < PLACES; ++i)
-        DEVICE_RELEASE(pool->places[i].cl);
+        release(&pool->places[i].cl);
     pthread_mutex_destroy(&pool->lock);
     free(pool);
 }
@@ -81,7 +98,7 @@ static void put_into_pool(program_pool *pool, const program *p)
         return;
     pthread_mutex_lock(&pool->lock);
     unsigned i = pool->next++ % PLACES;
-    DEVICE_RELEASE(pool->places[i].cl);
+    release(&pool->places[i].cl);
     memcpy(pool->places[i].sha256, p->sha256, sizeof p->sha256);
     pool->places[i].cl = retained(p->cl);
     pthread_mutex_unlock(&pool->lock);
@@ -156,15 +173,16 @@ static bool fail_with_log(const program_set *set, const program *p, duet_error *
                      length ? from : "the compiler is silent");
 }
 
-static cl_int build_sources(const program_set *set, program *p, cl_uint n, const char *sources[],
-                            const char *options)
+static bool build_sources(const program_set *set, program *p, cl_uint n, const char *sources[],
+                          const char *options, duet_error *err)
 {
     cl_int code = CL_SUCCESS;
     p->cl = clCreateProgramWithSource(set->device->context, n, sources, NULL, &code);
     if (!p->cl)
-        return code;
+        return error_set_cl(err, code, "%s on %s", p->name, set->device->info.selector);
     device_object_made();
-    return clBuildProgram(p->cl, 1, &set->device->id, options, NULL, NULL);
+    return clBuildProgram(p->cl, 1, &set->device->id, options, NULL, NULL) == CL_SUCCESS ||
+           fail_with_log(set, p, err);
 }
 
 // With declarations of ours in the place of the driver's header.
@@ -173,7 +191,7 @@ static bool build_declared(const program_set *set, program *p)
     const char *sources[] = {set->built_ins, p->text};
     char options[96];
     snprintf(options, sizeof options, "%s %s", BUILD_OPTIONS, set->device->driver.header_option);
-    return build_sources(set, p, 2, sources, options) == CL_SUCCESS;
+    return build_sources(set, p, 2, sources, options, NULL);
 }
 
 // What a driver refuses with our declarations is built with its own, and its messages count.
@@ -181,12 +199,9 @@ bool program_compile(const program_set *set, program *p, duet_error *err)
 {
     if (set->built_ins && build_declared(set, p))
         return true;
-    DEVICE_RELEASE(p->cl);
+    release(&p->cl);
     const char *source = p->text;
-    cl_int code = build_sources(set, p, 1, &source, BUILD_OPTIONS);
-    if (!p->cl)
-        return error_set_cl(err, code, "%s on %s", p->name, set->device->info.selector);
-    return code == CL_SUCCESS || fail_with_log(set, p, err);
+    return build_sources(set, p, 1, &source, BUILD_OPTIONS, err);
 }
 
 // ---------------------------------------------------------------- all of a set
@@ -234,14 +249,17 @@ static program *take_next(compilation *c)
     return p;
 }
 
-static void compile_some(void *arg)
+// As many as from `from` to `to`.
+static void compile_some(void *arg, uint64_t from, uint64_t to)
 {
     compilation *c = arg;
     duet_error why = {0};
-    program *p;
-    while (budget_check_stop(&why) && (p = take_next(c)) && program_compile(c->set, p, &why)) {
-        keep_binary(c->set, p);
+    for (; from < to && budget_check_stop(&why); ++from) {
+        program *p = take_next(c);
+        if (!p || !program_compile(c->set, p, &why))
+            break;
         put_into_pool(c->set->device->built, p);
+        keep_binary(c->set, p);
     }
     pthread_mutex_lock(&c->lock);
     error_copy(&c->why, &why);
@@ -262,9 +280,7 @@ static bool compile_the_others(program_set *set, uint32_t n, duet_error *err)
     compilation c = {.set = set, .next = set->first, .n = n};
     thread_pool *helpers = n_helpers > 0 ? thread_pool_open(n_helpers, NULL) : NULL;
     pthread_mutex_init(&c.lock, NULL);
-    if (helpers)
-        thread_pool_start(helpers, compile_some, &c);
-    compile_some(&c);
+    thread_pool_share(helpers, compile_some, &c, n, 1);
     thread_pool_close(helpers);
     pthread_mutex_destroy(&c.lock);
     if (c.why.status == DUET_STATUS_OK)

@@ -25,6 +25,8 @@ bool scan_open(scan *s, const device *d, program_set *programs, const gen_settin
                          : NULL;
         ok = *kernels[i];
     }
+    if (ok)
+        s->block = s->block_sums->group * s->block_sums->per_item;
     return ok;
 }
 
@@ -34,14 +36,9 @@ void scan_close(scan *s)
     *s = (scan){0};
 }
 
-uint32_t scan_block(const scan *s)
-{
-    return s->block_sums->group * s->block_sums->per_item;
-}
-
 static uint32_t count_blocks(const scan *s, uint32_t n)
 {
-    return (uint32_t)(((uint64_t)n + scan_block(s) - 1) / scan_block(s));
+    return (uint32_t)(((uint64_t)n + s->block - 1) / s->block);
 }
 
 bool scan_reserve(scan *s, uint32_t n, duet_error *err)
@@ -49,23 +46,32 @@ bool scan_reserve(scan *s, uint32_t n, duet_error *err)
     return buffer_reserve(&s->sums, s->device, count_blocks(s, n) * sizeof(uint32_t), err);
 }
 
-bool scan_run_summed(scan *s, timeline *t, const char *stage, const buffer *values,
-                     const buffer *to, uint32_t n, duet_error *err)
+static void set_args(scan *s, const buffer *values, const buffer *to, uint32_t n)
 {
     s->values = *values;
     s->to = *to;
     s->n = n;
     s->n_blocks = count_blocks(s, n);
     s->use_tops = s->n_blocks > MOST_ADDED_BLOCKS;
-    return (!s->use_tops || timeline_launch(t, stage, s->top_sums, 1, s, err)) &&
-           timeline_launch(t, stage, s->blocks, n, s, err);
+}
+
+static bool run(scan *s, timeline *t, const char *stage, bool summed, duet_error *err)
+{
+    return (summed || timeline_launch(t, stage, s->block_sums, s->n, s, err)) &&
+           (!s->use_tops || timeline_launch(t, stage, s->top_sums, 1, s, err)) &&
+           timeline_launch(t, stage, s->blocks, s->n, s, err);
+}
+
+bool scan_run_summed(scan *s, timeline *t, const char *stage, const buffer *values,
+                     const buffer *to, uint32_t n, duet_error *err)
+{
+    set_args(s, values, to, n);
+    return run(s, t, stage, true, err);
 }
 
 bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, const buffer *to,
               uint32_t n, duet_error *err)
 {
-    s->values = *values;
-    s->n = n;
-    return scan_reserve(s, n, err) && timeline_launch(t, stage, s->block_sums, n, s, err) &&
-           scan_run_summed(s, t, stage, values, to, n, err);
+    set_args(s, values, to, n);
+    return scan_reserve(s, n, err) && run(s, t, stage, false, err);
 }

@@ -8,7 +8,8 @@
 typedef struct scan {
     const device *device;
     kernel *block_sums, *top_sums, *blocks;
-    buffer sums; // [n_blocks]
+    uint32_t block; // values whose sum is one of `sums`
+    buffer sums;    // [n_blocks]
     buffer values, to;
     cl_uint n, n_blocks, use_tops;
 } scan;
@@ -17,9 +18,6 @@ typedef struct scan {
 bool scan_open(scan *s, const device *d, program_set *programs, const gen_setting *settings,
                uint32_t n_settings, duet_error *err);
 void scan_close(scan *s);
-
-// Values whose sum is one of `sums`.
-uint32_t scan_block(const scan *s);
 
 // Makes space for the sums of n values.
 bool scan_reserve(scan *s, uint32_t n, duet_error *err);

@@ -51,7 +51,7 @@ static void run_side(void *arg)
     const job *j = arg;
     work_side *s = j->side;
     uint64_t begun = clock_steady_ns();
-    timeline_begin(&s->times, s->device);
+    timeline_begin(&s->times, s->device, true);
     s->ok = j->part(s) && timeline_finish(&s->times, &s->err);
     timeline_clear(&s->times);
     s->wall_ms = clock_ms_since(begun);

@@ -7,20 +7,16 @@
 #include <sched.h>
 #include <string.h>
 
-void timeline_begin_untimed(timeline *t, const device *d)
+void timeline_begin(timeline *t, const device *d, bool timed)
 {
     if (t->n_events > 0)
         timeline_clear(t);
     t->lost = CL_SUCCESS;
     t->device = d;
-    t->untimed = true;
+    t->untimed = !timed;
     t->n_launches = t->n_waits = 0;
-}
-
-void timeline_begin(timeline *t, const device *d)
-{
-    timeline_begin_untimed(t, d);
-    t->untimed = false;
+    if (!timed)
+        return;
     t->n_stages = 0;
     t->first_begin = t->last_end = 0;
 }
@@ -40,17 +36,24 @@ static int stage_index(timeline *t, const char *name, bool transfer)
     return t->n_stages++;
 }
 
+static void release(cl_event event)
+{
+    clReleaseEvent(event);
+    device_object_gone();
+}
+
 // Waits for the queue once the list is full, so that any number fits.
 static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event event,
                        duet_error *err)
 {
+    int at = t->untimed ? 0 : stage_index(t, stage, transfer);
     device_object_made();
     t->seen = false;
     if (t->n_events == TIMELINE_EVENTS && !timeline_finish(t, err)) {
-        DEVICE_RELEASE(event);
+        release(event);
         return false;
     }
-    t->events[t->n_events].stage = t->untimed ? 0 : stage_index(t, stage, transfer);
+    t->events[t->n_events].stage = at;
     t->events[t->n_events].event = event;
     ++t->n_events;
     return true;
@@ -343,7 +346,7 @@ static cl_int collect(timeline *t, int n)
             code = state;
         else if (!t->untimed)
             add_event(t, &t->stages[t->events[i].stage], event);
-        DEVICE_RELEASE(event);
+        release(event);
     }
     t->n_events -= n;
     memmove(t->events, t->events + n, (size_t)t->n_events * sizeof t->events[0]);
@@ -404,7 +407,7 @@ void timeline_clear(timeline *t)
     if (t->n_events > 0 || t->unheard)
         finish_queues(t);
     for (int i = 0; i < t->n_events; ++i)
-        DEVICE_RELEASE(t->events[i].event);
+        release(t->events[i].event);
     t->n_events = 0;
     t->unheard = false;
     t->lost = CL_SUCCESS;

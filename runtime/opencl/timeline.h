@@ -29,13 +29,10 @@ typedef struct timeline {
     cl_int lost; // the device did not say how a command stands; the step has failed
 } timeline;
 
-// Forgets the last step. side is 0 for A, 1 for B.
-void timeline_begin(timeline *t, const device *d);
-
-// The same without times: stages, and the kernels' first begin and last end, stay those of the
-// last step that had them. Launches and fills have no events then, which were measured to cost
-// NVIDIA's driver 7 microseconds each.
-void timeline_begin_untimed(timeline *t, const device *d);
+// Forgets the last step. Without times the stages, and the kernels' first begin and last end, stay
+// those of the last step that had them; launches and fills have no events then, which were
+// measured to cost NVIDIA's driver 7 microseconds each.
+void timeline_begin(timeline *t, const device *d, bool timed);
 
 // Whether a step is timed unless a def asks for all: on a CPU each is; elsewhere the first, and
 // then one in TIMED_EVERY.

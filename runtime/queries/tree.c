@@ -96,7 +96,7 @@ static void build(void *arg)
 {
     building *b = arg;
     tree_side *s = b->side;
-    timeline_begin(&s->times, s->device);
+    timeline_begin(&s->times, s->device, true);
     s->ok = (b->sent || send_objects(b->tree, s)) &&
             box_tree_build(&s->boxes, &s->times, b->tree->n, b->n_hidden, &s->err) &&
             timeline_finish(&s->times, &s->err);
@@ -259,7 +259,7 @@ bool tree_fetch_objects(duet_tree *tree, duet_error *err)
     timeline times = {0};
     if (tree->fetched || tree->n == 0)
         return true;
-    timeline_begin(&times, &tree->def.pair->devices[1]);
+    timeline_begin(&times, &tree->def.pair->devices[1], true);
     tree->fetched = timeline_read(&times, "fetch objects", &tree->sides[1].boxes.objects,
                                   tree->objects, objects_bytes(tree), err) &&
                     timeline_finish(&times, err);

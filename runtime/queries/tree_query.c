@@ -602,7 +602,7 @@ static void run_side(void *arg)
     uint64_t items = flows(s) ? flow_items(s) : CHUNK;
     uint64_t chunk = s->each > 1 ? items / s->each + 1 : items;
     uint64_t n_hits = (s->last - s->first) * s->each;
-    timeline_begin(&t->times, t->device);
+    timeline_begin(&t->times, t->device, true);
     t->ok = (!s->query->itself || send_filters(s)) &&
             reserve_hits(s->query, &s->found, t->device, n_hits, &t->err) &&
             (flows(s) ? run_flows(s, chunk) : run_chunks(s, chunk));

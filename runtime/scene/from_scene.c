@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
+#include "runtime/narrowphase/origin.h"
 #include "runtime/scene/scene.h"
 
 #include <stdlib.h>

@@ -28,6 +28,7 @@ static const struct {
     {"generate", bench_generate, "the text of each kernel, and its number of configs"},
     {"lookup", bench_lookup, "opening the profile store and looking up, with --n profiles in it"},
     {"join", bench_join, "a hundredth of the paper's scene against all of it, and a step of both"},
+    {"cells", bench_cells, "the order of the paper's scene by cell alone"},
     {"order", bench_order, "objects at random and in order, on one device and two"},
     {"rays", bench_rays, "a tree over the paper's scene, and as many rays through it"},
     {"spheres", bench_spheres,

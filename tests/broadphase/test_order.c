@@ -5,16 +5,19 @@
 #include "support/devices.h"
 
 #include "base/rng.h"
+#include "runtime/broadphase/order.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/selection/profile_subject.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { CAPACITY = 20000 };
+// So many are ordered by several threads.
+enum { CAPACITY = 20000, MANY = 65537 };
 
-static duet_pose poses[CAPACITY];
+static duet_pose poses[MANY];
 
 // ------------------------------------------------------------ scenes
 
@@ -89,13 +92,46 @@ static void assert_is_permutation(const uint32_t *order, uint32_t n)
     free(seen);
 }
 
+static double number_of_cells(const duet_world *world)
+{
+    const cl_int *cells = world->grid.levels[0].cells.s;
+    return (double)cells[0] * cells[1] * cells[2];
+}
+
+// Of more cells than there are keys two are one along each axis, or four.
 static uint64_t key_of(const duet_world *world, uint32_t id)
 {
     const grid_objects objects = world_objects(world);
     const cl_int *cells = world->grid.levels[0].cells.s;
+    uint64_t along[3] = {(uint64_t)cells[0], (uint64_t)cells[1], (uint64_t)cells[2]};
     uint32_t cell[3];
     grid_cell_of(cell, &world->grid, &objects, id);
-    return ((uint64_t)cell[2] * (uint32_t)cells[1] + cell[1]) * (uint32_t)cells[0] + cell[0];
+    while ((double)along[0] * (double)along[1] * (double)along[2] > 0x1p63)
+        for (int k = 0; k < 3; ++k) {
+            along[k] = (along[k] + 1) / 2;
+            cell[k] /= 2;
+        }
+    return (cell[2] * along[1] + cell[1]) * along[0] + cell[0];
+}
+
+// The grid, too, is fitted by them.
+static void assert_any_threads_give(const uint32_t *order, duet_world *world, uint32_t n)
+{
+    static const uint32_t n_threads[] = {1, 2, 3, 5, 1000};
+    const grid fitted = world->grid;
+    uint32_t *again = malloc(n * sizeof *again + 1);
+    void *scratch = malloc((size_t)n * ORDER_SCRATCH + 1);
+    for (size_t i = 0; i < sizeof n_threads / sizeof *n_threads; ++i) {
+        duet_error err = {0};
+        world_forget_grid(world);
+        memset(again, 0xff, n * sizeof *again);
+        assert_ok(world_order(world, n_threads[i], again, scratch, &err), err);
+        assert_memory_equal(again, order, n * sizeof *again);
+        if (n > 0)
+            assert_memory_equal(world->grid.levels, fitted.levels, sizeof fitted.levels);
+    }
+    free(scratch);
+    free(again);
 }
 
 static void assert_is_by_cell(duet_world *world, uint32_t n)
@@ -106,13 +142,14 @@ static void assert_is_by_cell(duet_world *world, uint32_t n)
         uint64_t before = key_of(world, order[i - 1]), key = key_of(world, order[i]);
         assert_true(before < key || (before == key && order[i - 1] < order[i]));
     }
+    assert_any_threads_give(order, world, n);
     duet_free(order);
 }
 
 static void the_order_is_a_permutation_by_cell_then_id(void **state)
 {
     (void)state;
-    static const uint32_t numbers[] = {0, 1, 2, 5, 997, 6000};
+    static const uint32_t numbers[] = {0, 1, 2, 5, 997, 6000, (1 << 15) - 1, 1 << 15, MANY};
     rng r = {test_seed()};
     for (uint32_t dims = 2; dims <= 3; ++dims)
         for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
@@ -125,6 +162,17 @@ static void the_order_is_a_permutation_by_cell_then_id(void **state)
             assert_is_by_cell(world, numbers[i]);
             duet_world_destroy(world);
         }
+}
+
+static duet_world *make_hashed_world(duet_shape shape)
+{
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    def.shape = shape;
+    def.plan.mode = DUET_MODE_OWN;
+    strcpy(def.plan.variant_a, "simd grid=hashed");
+    strcpy(def.plan.variant_b, "simd grid=hashed");
+    return make_world(&def);
 }
 
 // Mixed sizes have several levels, far crowds a hashed grid, and what is no number a cell too.
@@ -148,10 +196,7 @@ static void any_grid_has_an_order(void **state)
     for (uint32_t i = N / 2; i < N; ++i)
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] += 1e6f;
-    strcpy(def.plan.variant_a, "simd grid=hashed");
-    strcpy(def.plan.variant_b, "simd grid=hashed");
-    def.plan.mode = DUET_MODE_OWN;
-    world = make_world(&def);
+    world = make_hashed_world(DUET_SHAPE_POSES);
     set_poses(world, N);
     uint32_t *order = order_of(world, N);
     assert_int_equal(world->grid.kind, GRID_HASHED);
@@ -160,6 +205,81 @@ static void any_grid_has_an_order(void **state)
         assert_int_equal(order[i] >= N / 2, i >= N / 2);
     duet_free(order);
     duet_world_destroy(world);
+}
+
+// Cubes of edge 1 that take turns to be in one of two crowds. Bounds, for those of poses are
+// widened by so much, far from 0, that they do not have so many cells.
+static void order_crowds(rng *r, float apart, double least_cells, double most_cells)
+{
+    enum { N = 33001 };
+    static duet_bounds bounds[N];
+    duet_error err = {0};
+    duet_world *world = make_hashed_world(DUET_SHAPE_BOUNDS);
+    for (uint32_t i = 0; i < N; ++i)
+        for (int k = 0; k < 3; ++k) {
+            bounds[i].lower[k] = (float)rng_below(r, 40) + (i % 2 ? apart : 0.0f);
+            bounds[i].upper[k] = bounds[i].lower[k] + 1.0f;
+        }
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, bounds, N, &err), err);
+    assert_is_by_cell(world, N);
+    assert_true(number_of_cells(world) > least_cells && number_of_cells(world) < most_cells);
+    duet_world_destroy(world);
+}
+
+static void cells_beyond_32_and_beyond_63_bits_are_in_order(void **state)
+{
+    (void)state;
+    rng r = {test_seed()};
+    order_crowds(&r, 1e4f, 0x1p32, 0x1p63);
+    order_crowds(&r, 8e6f, 0x1p63, INFINITY);
+}
+
+static void objects_of_one_cell_are_in_the_order_of_their_ids(void **state)
+{
+    (void)state;
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    duet_world *world = make_world(&def);
+    rng r = {test_seed()};
+    for (uint32_t i = 0; i < MANY; ++i)
+        poses[i] = random_pose(&r, 0.0);
+    set_poses(world, MANY);
+    assert_is_by_cell(world, MANY);
+    assert_true(number_of_cells(world) == 1.0);
+    for (uint32_t i = 1; i < MANY; i += 2)
+        poses[i].centre[1] = 30.0f;
+    set_poses(world, MANY);
+    world_forget_grid(world);
+    assert_is_by_cell(world, MANY);
+    duet_world_destroy(world);
+}
+
+// Boxes of two sizes, of which several are the widest, and some that are bad.
+static void threads_find_what_one_finds_of_a_grid_s_needs(void **state)
+{
+    (void)state;
+    static const uint32_t numbers[] = {0, 1, 127, 128, 129, CAPACITY};
+    rng r = {test_seed()};
+    duet_error err = {0};
+    thread_pool *threads = thread_pool_open(3, &err);
+    assert_ok(threads != NULL, err);
+    fill_poses(&r, CAPACITY, 3);
+    for (uint32_t i = 0; i < CAPACITY; i += 30) {
+        poses[i].half_extents[i % 3] = i % 4 ? 7.0f : -1.0f;
+        memcpy(poses[i].rotation, (const float[]){0, 0, 0, 1}, sizeof poses[i].rotation);
+    }
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
+        grid_objects objects = {
+            .array = poses, .shape = DUET_SHAPE_POSES, .n = numbers[i], .dims = 3};
+        grid_needs one = {0}, all = {0};
+        grid_needs_of(&one, &objects, NULL);
+        grid_needs_of(&all, &objects, threads);
+        assert_memory_equal(&all, &one, offsetof(grid_needs, widest_id));
+        assert_int_equal(all.widest_id, one.widest_id);
+        assert_memory_equal(all.octave_n, one.octave_n, sizeof one.octave_n);
+        assert_memory_equal(all.octave_widest, one.octave_widest, sizeof one.octave_widest);
+    }
+    thread_pool_close(threads);
 }
 
 // ------------------------------------------------------------ worlds that are kept in order
@@ -797,6 +917,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_order_is_a_permutation_by_cell_then_id),
         cmocka_unit_test(any_grid_has_an_order),
+        cmocka_unit_test(cells_beyond_32_and_beyond_63_bits_are_in_order),
+        cmocka_unit_test(objects_of_one_cell_are_in_the_order_of_their_ids),
+        cmocka_unit_test(threads_find_what_one_finds_of_a_grid_s_needs),
         cmocka_unit_test(any_order_share_and_number_gives_the_reference_pairs),
         cmocka_unit_test(every_sort_takes_stretches),
         cmocka_unit_test(whole_grids_of_ordered_objects_are_right),

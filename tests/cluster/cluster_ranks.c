@@ -1770,9 +1770,12 @@ static void rows_come_to_their_ranges(void)
     enum { ROWS = 60, RANGES = 7 };
     const object_form form = {.dims = 3, .shape = DUET_SHAPE_BOUNDS, .bytes = sizeof(duet_bounds)};
     rng r = rng_seed(16);
-    parallel threads;
+    static const uint32_t n_threads[] = {1, 2, 3, 7};
+    enum { TEAMS = sizeof n_threads / sizeof *n_threads };
+    parallel teams[TEAMS];
     duet_error none = {0};
-    MUST_OK(parallel_begin(&threads, 1, &none), none);
+    for (int i = 0; i < TEAMS; ++i)
+        MUST_OK(parallel_begin(&teams[i], n_threads[i], &none), none);
     for (int round = 0; round < 400; ++round) {
         uint64_t ids[ROWS];
         duet_bounds bounds[ROWS];
@@ -1796,7 +1799,8 @@ static void rows_come_to_their_ranges(void)
             bounds[i] = (duet_bounds){.lower = {(float)i}, .upper = {(float)belongs[i]}};
         }
         if (round % 4 == 0)
-            rows_sort(&rows, &form, n, ends, n_ranges, range_of_bounds, NULL, &threads);
+            rows_sort(&rows, &form, n, ends, n_ranges, range_of_bounds, NULL,
+                      &teams[round / 4 % TEAMS]);
         else
             MUST_OK(rows_arrange(&rows, &form, ends, n_ranges, strays, n_strays, &err), err);
         uint64_t there = 0;
@@ -1809,7 +1813,8 @@ static void rows_come_to_their_ranges(void)
         }
         MUST(there == (UINT64_C(1) << n) - 1, "all are there");
     }
-    parallel_end(&threads);
+    for (int i = 0; i < TEAMS; ++i)
+        parallel_end(&teams[i]);
 }
 
 int main(int argc, char **argv)

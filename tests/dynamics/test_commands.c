@@ -645,7 +645,7 @@ static void nothing_is_done_to_a_motion_between_the_halves_of_its_step(void **st
     mover_free(twin);
 }
 
-// Where a body is disabled, the state is looked at for what is wrong while the step is under way.
+// Where a body is disabled, bounds are looked at for what is wrong while the step is under way.
 static void a_step_that_fails_is_told_in_its_second_half(void **state)
 {
     (void)state;
@@ -659,7 +659,7 @@ static void a_step_that_fails_is_told_in_its_second_half(void **state)
             assert_done(duet_motion_disable_bodies(m->motion, one(2), &err));
         assert_done(duet_motion_advance_begin(m->motion, &err));
         assert_refused(duet_motion_advance_end(m->motion, &result, &err),
-                       disabled ? "the bounds of 1 objects of 3 are not finite"
+                       disabled ? "object 1 of 4: its bounds are not finite after step 0"
                                 : "is not a number");
         assert_refused(duet_motion_advance_begin(m->motion, &err), "the motion failed in its step");
         mover_free(m);

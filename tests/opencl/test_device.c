@@ -422,7 +422,7 @@ static void *clear_ranges(void *arg)
     for (int i = 0; c->ok && i < CLEARINGS; ++i) {
         uint32_t most = i % 2 ? CLEARED_MOST : 1000;
         cl_uint n = c->args.n_counts = 1 + rng_below(&c->random, most);
-        timeline_begin(&times, &c->d);
+        timeline_begin(&times, &c->d, true);
         c->ok = timeline_fill(&times, "fill", &c->args.counts, 7, 0, n + 1, &c->err) &&
                 timeline_launch(&times, "clear", c->k, n, &c->args, &c->err) &&
                 timeline_read(&times, "read", &c->args.counts, words, (n + 1) * sizeof *words,
@@ -468,11 +468,11 @@ static void what_is_not_timed_is_done_all_the_same(void **state)
     assert_ok(g != NULL, c.err);
     open_clearing(&c, g, cpu->selector);
     timeline times = {0};
-    timeline_begin(&times, &c.d);
+    timeline_begin(&times, &c.d, true);
     assert_ok(timeline_fill(&times, "fill", &c.args.counts, 7, 0, 1001, &c.err), c.err);
     assert_ok(timeline_finish(&times, &c.err), c.err);
     const duet_stage filled = times.stages[0];
-    timeline_begin_untimed(&times, &c.d);
+    timeline_begin(&times, &c.d, false);
     c.args.n_counts = 1000;
     assert_ok(timeline_launch(&times, "clear", c.k, 1000, &c.args, &c.err), c.err);
     assert_int_equal(times.n_launches, 1);
@@ -503,7 +503,7 @@ static void what_has_no_event_is_waited_for_when_it_is_forgotten(void **state)
     assert_non_null(words);
     c.args.n_counts = CLEARED_MOST;
     for (int i = 0; i < 10; ++i) {
-        timeline_begin_untimed(&times, &c.d);
+        timeline_begin(&times, &c.d, false);
         for (cl_uint value = 1; value < 8; ++value)
             assert_ok(timeline_fill(&times, "fill", &c.args.counts, value, 0, CLEARED_MOST, &c.err),
                       c.err);

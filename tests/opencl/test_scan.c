@@ -66,7 +66,7 @@ static void try_scan(rng *r, uint32_t n, bool emptying)
     buffer *const to = emptying ? &b.sums : &b.words;
     for (uint32_t i = 0; i <= n; ++i)
         b.from[i] = rng_below(r, 5);
-    timeline_begin(&t, &b.d);
+    timeline_begin(&t, &b.d, true);
     assert_ok(timeline_write_at(&t, "send", &b.words, 0, b.from, bytes, &err), err);
     assert_ok(timeline_fill(&t, "fill", &b.sums, 7, 0, n + (size_t)1, &err), err);
     assert_ok(scan_run(&b.s, &t, "scan", &b.words, to, n, &err), err);
