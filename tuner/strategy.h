@@ -22,8 +22,7 @@ typedef struct strategy {
     uint32_t launches; // at most, where the options name no number; 0: no end of its own
     bool (*ask)(const search_history *h, search_next *next, duet_error *err);
     uint32_t (*pick)(const search_history *h);
-    void (*bracket)(const search_history *h, uint32_t *low,
-                    uint32_t *high); // NULL: the whole range
+    void (*bracket)(const search_history *h, uint32_t *low, uint32_t *high); // NULL: all
 } strategy;
 
 extern const strategy *const strategies[]; // ends with NULL; the first is the default
