@@ -5,6 +5,7 @@
 #include "base/budget.h"
 #include "base/error.h"
 #include "runtime/scene/scene.h"
+#include "runtime/scene/scene_load.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 // table with a field for each parameter.
 #include "gen/card.h"
 #include "gen/field.h"
-#include "gen/script.h"
+#include "gen/sandbox.h"
 
 #include <inttypes.h>
 #include <lauxlib.h>
@@ -213,7 +213,7 @@ bool card_open(card *c, const char *kernel, const char *path, const text *chars,
     script_limits limits = script_default_limits();
     limits.failure = DUET_STATUS_BUILD_FAILED;
     *c = (card){.kernel = kernel};
-    c->script = script_open(&limits, err);
+    c->script = sandbox_open(&limits, err);
     bool ok = c->script && script_run(c->script, path, chars->chars, chars->length, 1, err);
     if (ok) {
         lua_State *L = script_lua(c->script);

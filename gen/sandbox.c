@@ -12,7 +12,6 @@
 #include "gen/sandbox.h"
 #include "base/blob.h"
 #include "gen/pattern.h"
-#include "gen/script.h"
 
 #include <lauxlib.h>
 #include <lualib.h>
@@ -283,18 +282,30 @@ static int key_before(lua_State *L)
 // The part of the sandbox that is written in Lua itself.
 static void open_lua_part(lua_State *L)
 {
-    const blob *part = blob_find(SANDBOX_PART);
-    if (luaL_loadbufferx(L, part->bytes, part->length, "@" SANDBOX_PART, "t") != LUA_OK)
+    const blob *part = blob_find("gen/sandbox.lua");
+    if (luaL_loadbufferx(L, part->bytes, part->length, "=gen/sandbox.lua", "t") != LUA_OK)
         lua_error(L);
     lua_pushcfunction(L, key_before);
     lua_call(L, 1, 0);
 }
 
-int sandbox_open(lua_State *L)
+static int open_globals(lua_State *L)
 {
     open_base(L);
     open_libraries(L);
     open_guards(L);
     open_lua_part(L);
     return 0;
+}
+
+script *sandbox_open(const script_limits *limits, duet_error *err)
+{
+    script *s = script_open(limits, err);
+    if (!s)
+        return NULL;
+    lua_pushcfunction(script_lua(s), open_globals);
+    if (script_call(s, 0, 0, err))
+        return s;
+    script_close(s);
+    return NULL;
 }

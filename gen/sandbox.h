@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
-// What a script finds in its state.
+// What a script finds in its state: cards, templates, scene files and tune files
+// can compute and nothing else. There are no files, no processes, no clock, no
+// bytecode, no metatables, no coroutines, no pcall, and the result is the same on
+// every run.
 #ifndef GEN_SANDBOX_H
 #define GEN_SANDBOX_H
 
-#include <lua.h>
+#include "gen/script.h"
 
-// What messages call the part of the sandbox that is written in Lua.
-#define SANDBOX_PART "gen/sandbox.lua"
-
-// A lua_CFunction: fills the globals of a fresh state of script.c.
-int sandbox_open(lua_State *L);
+// A script with these globals, closed by script_close. limits may be NULL for the
+// default ones. NULL with NO_MEMORY, or limits.failure where they are too tight.
+script *sandbox_open(const script_limits *limits, duet_error *err);
 
 #endif

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The limits and the errors of a private Lua state. What a script finds in it
-// is sandbox.c's.
+// The limits and the errors of a private Lua state.
 //
 // The limits are looked at in four places, so that nothing a script can do
 // lasts long between two of them: between instructions, the more often the
@@ -14,7 +13,6 @@
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/text.h"
-#include "gen/sandbox.h"
 
 #include <inttypes.h>
 #include <lauxlib.h>
@@ -73,10 +71,11 @@ static script *script_of(lua_State *L)
     return *(script **)lua_getextraspace(L);
 }
 
-// Whether a frame is a script's, and no part of the sandbox.
+// Whether a frame is a script's: what the state was given to serve scripts has a name
+// with "=".
 static bool is_scripts(const lua_Debug *ar)
 {
-    return ar->currentline > 0 && strcmp(ar->source, "@" SANDBOX_PART) != 0;
+    return ar->currentline > 0 && *ar->source != '=';
 }
 
 // The innermost line of the chunk loaded last, or else of any. Lua tells none
@@ -343,15 +342,12 @@ script *script_open(const script_limits *limits, duet_error *err)
         s->limits.failure = DUET_STATUS_BAD_INPUT;
     text_add(&s->name, "the sandbox");
     s->lua = text_ok(&s->name, err) ? lua_newstate(allocate, s) : NULL;
-    bool ok = s->lua || error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state in %zu bytes: no memory",
-                                  s->limits.memory_bytes);
-    if (ok) {
+    if (s->lua) {
         *(script **)lua_getextraspace(s->lua) = s;
-        lua_pushcfunction(s->lua, sandbox_open);
-        ok = script_call(s, 0, 0, err);
-    }
-    if (ok)
         return s;
+    }
+    error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state in %zu bytes: no memory",
+              s->limits.memory_bytes);
     script_close(s);
     return NULL;
 }

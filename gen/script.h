@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A private Lua state for text that a person wrote: cards, templates, scene
-// files, tune files. It can compute and nothing else: no files, no processes,
-// no clock, no bytecode, no metatables, no coroutines, no pcall; bounded
-// memory, instructions and time; the same result on every run.
+// A private Lua state for text that a person wrote, with bounded memory,
+// instructions and time. What a script finds in it is sandbox.h's.
 #ifndef GEN_SCRIPT_H
 #define GEN_SCRIPT_H
 
@@ -25,7 +23,8 @@ typedef struct script_limits {
 
 script_limits script_default_limits(void); // 64 MiB, 100 million, 10 s
 
-// limits may be NULL for the default ones. NULL with NO_MEMORY.
+// A state without any globals. limits may be NULL for the default ones. NULL with
+// NO_MEMORY.
 script *script_open(const script_limits *limits, duet_error *err);
 void script_close(script *s);
 

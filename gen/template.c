@@ -2,7 +2,7 @@
 // Lends template.lua a state; the work is done there.
 #include "gen/template.h"
 #include "base/blob.h"
-#include "gen/script.h"
+#include "gen/sandbox.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -118,7 +118,7 @@ template *template_open(const text *chars, const char *path, const char *line_na
         return error_null(err, DUET_STATUS_NO_MEMORY, "%s: no memory", path);
     script_limits limits = script_default_limits();
     limits.failure = DUET_STATUS_BUILD_FAILED;
-    t->script = script_open(&limits, err);
+    t->script = sandbox_open(&limits, err);
     job j = {.chars = chars, .path = path, .line_name = line_name};
     bool ok = t->script && run_carried(t, "gen/template.lua", err);
     ok = ok && open_modules(t, emit, err);

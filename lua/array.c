@@ -529,52 +529,48 @@ static const luaL_Reg rounded_boxes_methods[] = {
     {"collide", rounded_boxes_collide}, {"separation", rounded_boxes_separation}, {NULL, NULL}};
 static const luaL_Reg pairs_methods[] = {{"hash", pairs_hash}, {NULL, NULL}};
 
-#define ROWS(name_, more, columns, bytes)                                                  \
-    {                                                                                      \
-        {.name = "duet." name_, .methods = methods, .more_methods = more, .metas = metas}, \
-            columns, bytes                                                                 \
+#define ROWS(name_, columns, bytes)                                                 \
+    {                                                                               \
+        {.name = "duet." name_, .methods = methods, .metas = metas}, columns, bytes \
     }
 
 static const kind_info kinds[] = {
-    [ARRAY_POSES] = ROWS("poses", poses_methods, "ffffffffff", sizeof(duet_pose)),
-    [ARRAY_BOUNDS] = ROWS("bounds", NULL, "ffffff", sizeof(duet_bounds)),
-    [ARRAY_TRANSFORMS] = ROWS("transforms", NULL, "fffffff", sizeof(duet_transform)),
+    [ARRAY_POSES] = ROWS("poses", "ffffffffff", sizeof(duet_pose)),
+    [ARRAY_BOUNDS] = ROWS("bounds", "ffffff", sizeof(duet_bounds)),
+    [ARRAY_TRANSFORMS] = ROWS("transforms", "fffffff", sizeof(duet_transform)),
     [ARRAY_COMPACT_TRANSFORMS] =
-        ROWS("compact_transforms", NULL, "fffhhhh", sizeof(duet_compact_transform)),
-    [ARRAY_SIZES] = ROWS("sizes", NULL, "fff", sizeof(duet_size)),
-    [ARRAY_ROUNDED_BOXES] =
-        ROWS("rounded_boxes", rounded_boxes_methods, "fffffffffff", sizeof(duet_rounded_box)),
-    [ARRAY_SPHERES] = ROWS("spheres", NULL, "ffff", sizeof(duet_sphere)),
-    [ARRAY_LARGE_POSES] = ROWS("large_poses", NULL, "ffffffffffiii", sizeof(duet_large_pose)),
-    [ARRAY_PAIRS] = ROWS("pairs", pairs_methods, "II", sizeof(duet_pair)),
-    [ARRAY_PAIRS64] = ROWS("pairs64", NULL, "QQ", 2 * sizeof(uint64_t)),
-    [ARRAY_BODIES] = ROWS("bodies", NULL, "fffffffffIIfBB", sizeof(duet_body)),
-    [ARRAY_STATES] = ROWS("states", NULL, "ddddddddddddd", sizeof(duet_state)),
-    [ARRAY_CONTACTS] = ROWS("contacts", NULL, "IIfffIffffffffffffffffffff", sizeof(duet_contact)),
-    [ARRAY_ANSWERS] = ROWS("answers", NULL, "C", sizeof(uint8_t)),
-    [ARRAY_SEPARATIONS] = ROWS("separations", NULL, "d", sizeof(double)),
-    [ARRAY_RAYS] = ROWS("rays", NULL, "fffffff", sizeof(duet_ray)),
-    [ARRAY_LARGE_RAYS] = ROWS("large_rays", NULL, "fffffffiii", sizeof(duet_large_ray)),
-    [ARRAY_HITS] = ROWS("hits", NULL, "IIf", sizeof(duet_ray_hit)),
-    [ARRAY_PLACES] = ROWS("places", NULL, "I", sizeof(uint32_t)),
-    [ARRAY_BOX_HITS] = ROWS("box_hits", NULL, "II", sizeof(duet_box_hit)),
-    [ARRAY_FILTERS] = ROWS("filters", NULL, "II", sizeof(duet_filter)),
-    [ARRAY_POINTS] = ROWS("points", NULL, "fff", sizeof(duet_point)),
-    [ARRAY_LARGE_POINTS] = ROWS("large_points", NULL, "fffiii", sizeof(duet_large_point)),
-    [ARRAY_POINT_HITS] = ROWS("point_hits", NULL, "IIf", sizeof(duet_point_hit)),
-    [ARRAY_SWEEPS] = ROWS("sweeps", NULL, "ffffffffffffff", sizeof(duet_sweep)),
-    [ARRAY_BOUNDS_SWEEPS] = ROWS("bounds_sweeps", NULL, "ffffffffff", sizeof(duet_bounds_sweep)),
-    [ARRAY_LARGE_SWEEPS] =
-        ROWS("large_sweeps", NULL, "ffffffffffiiiffff", sizeof(duet_large_sweep)),
-    [ARRAY_ROUNDED_SWEEPS] =
-        ROWS("rounded_sweeps", NULL, "fffffffffffffff", sizeof(duet_rounded_sweep)),
-    [ARRAY_SPHERE_SWEEPS] = ROWS("sphere_sweeps", NULL, "ffffffff", sizeof(duet_sphere_sweep)),
-    [ARRAY_SWEEP_HITS] = ROWS("sweep_hits", NULL, "IIffff", sizeof(duet_sweep_hit)),
-    [ARRAY_IDS] = ROWS("ids", NULL, "Q", sizeof(uint64_t)),
-    [ARRAY_FORCES] = ROWS("forces", NULL, "ffffff", sizeof(duet_force)),
-    [ARRAY_IMPULSES] = ROWS("impulses", NULL, "ffffff", sizeof(duet_impulse)),
-    [ARRAY_STATE_ROWS] = ROWS("state_rows", NULL, "ffff", 4 * sizeof(float)),
-    [ARRAY_DOUBLE_STATE_ROWS] = ROWS("double_state_rows", NULL, "dddd", 4 * sizeof(double)),
+        ROWS("compact_transforms", "fffhhhh", sizeof(duet_compact_transform)),
+    [ARRAY_SIZES] = ROWS("sizes", "fff", sizeof(duet_size)),
+    [ARRAY_ROUNDED_BOXES] = ROWS("rounded_boxes", "fffffffffff", sizeof(duet_rounded_box)),
+    [ARRAY_SPHERES] = ROWS("spheres", "ffff", sizeof(duet_sphere)),
+    [ARRAY_LARGE_POSES] = ROWS("large_poses", "ffffffffffiii", sizeof(duet_large_pose)),
+    [ARRAY_PAIRS] = ROWS("pairs", "II", sizeof(duet_pair)),
+    [ARRAY_PAIRS64] = ROWS("pairs64", "QQ", 2 * sizeof(uint64_t)),
+    [ARRAY_BODIES] = ROWS("bodies", "fffffffffIIfBB", sizeof(duet_body)),
+    [ARRAY_STATES] = ROWS("states", "ddddddddddddd", sizeof(duet_state)),
+    [ARRAY_CONTACTS] = ROWS("contacts", "IIfffIffffffffffffffffffff", sizeof(duet_contact)),
+    [ARRAY_ANSWERS] = ROWS("answers", "C", sizeof(uint8_t)),
+    [ARRAY_SEPARATIONS] = ROWS("separations", "d", sizeof(double)),
+    [ARRAY_RAYS] = ROWS("rays", "fffffff", sizeof(duet_ray)),
+    [ARRAY_LARGE_RAYS] = ROWS("large_rays", "fffffffiii", sizeof(duet_large_ray)),
+    [ARRAY_HITS] = ROWS("hits", "IIf", sizeof(duet_ray_hit)),
+    [ARRAY_PLACES] = ROWS("places", "I", sizeof(uint32_t)),
+    [ARRAY_BOX_HITS] = ROWS("box_hits", "II", sizeof(duet_box_hit)),
+    [ARRAY_FILTERS] = ROWS("filters", "II", sizeof(duet_filter)),
+    [ARRAY_POINTS] = ROWS("points", "fff", sizeof(duet_point)),
+    [ARRAY_LARGE_POINTS] = ROWS("large_points", "fffiii", sizeof(duet_large_point)),
+    [ARRAY_POINT_HITS] = ROWS("point_hits", "IIf", sizeof(duet_point_hit)),
+    [ARRAY_SWEEPS] = ROWS("sweeps", "ffffffffffffff", sizeof(duet_sweep)),
+    [ARRAY_BOUNDS_SWEEPS] = ROWS("bounds_sweeps", "ffffffffff", sizeof(duet_bounds_sweep)),
+    [ARRAY_LARGE_SWEEPS] = ROWS("large_sweeps", "ffffffffffiiiffff", sizeof(duet_large_sweep)),
+    [ARRAY_ROUNDED_SWEEPS] = ROWS("rounded_sweeps", "fffffffffffffff", sizeof(duet_rounded_sweep)),
+    [ARRAY_SPHERE_SWEEPS] = ROWS("sphere_sweeps", "ffffffff", sizeof(duet_sphere_sweep)),
+    [ARRAY_SWEEP_HITS] = ROWS("sweep_hits", "IIffff", sizeof(duet_sweep_hit)),
+    [ARRAY_IDS] = ROWS("ids", "Q", sizeof(uint64_t)),
+    [ARRAY_FORCES] = ROWS("forces", "ffffff", sizeof(duet_force)),
+    [ARRAY_IMPULSES] = ROWS("impulses", "ffffff", sizeof(duet_impulse)),
+    [ARRAY_STATE_ROWS] = ROWS("state_rows", "ffff", 4 * sizeof(float)),
+    [ARRAY_DOUBLE_STATE_ROWS] = ROWS("double_state_rows", "dddd", 4 * sizeof(double)),
 };
 
 void array_open(lua_State *L)
@@ -585,4 +581,7 @@ void array_open(lua_State *L)
         lua_pushcclosure(L, make, 1);
         lua_setfield(L, -2, kinds[kind].class.name + sizeof "duet." - 1);
     }
+    class_add_methods(L, "duet.poses", poses_methods, NULL);
+    class_add_methods(L, "duet.rounded_boxes", rounded_boxes_methods, NULL);
+    class_add_methods(L, "duet.pairs", pairs_methods, NULL);
 }

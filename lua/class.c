@@ -129,18 +129,23 @@ static int close_handle(lua_State *L)
     return 0;
 }
 
-// Pushes a table of them.
-static void push_methods(lua_State *L, const lua_class *c)
+// Into the table on top.
+static void set_methods(lua_State *L, const luaL_Reg *methods, const lua_shared *shared)
 {
-    lua_newtable(L);
-    luaL_setfuncs(L, c->methods, 0);
-    if (c->more_methods)
-        luaL_setfuncs(L, c->more_methods, 0);
-    for (const lua_shared *m = c->shared; m && m->name; ++m) {
+    if (methods)
+        luaL_setfuncs(L, methods, 0);
+    for (const lua_shared *m = shared; m && m->name; ++m) {
         lua_pushinteger(L, m->which);
         lua_pushcclosure(L, m->call, 1);
         lua_setfield(L, -2, m->name);
     }
+}
+
+// Pushes a table of them.
+static void push_methods(lua_State *L, const lua_class *c)
+{
+    lua_newtable(L);
+    set_methods(L, c->methods, c->shared);
     if (c->destroy) {
         lua_pushlightuserdata(L, (void *)c);
         lua_pushcclosure(L, close_handle, 1);
@@ -170,6 +175,16 @@ void class_open(lua_State *L, const lua_class *c)
     lua_pushstring(L, c->name); // what getmetatable gives: scripts see no more of it
     lua_setfield(L, -2, "__metatable");
     lua_pop(L, 1);
+}
+
+void class_add_methods(lua_State *L, const char *name, const luaL_Reg *methods,
+                       const lua_shared *shared)
+{
+    luaL_getmetatable(L, name);
+    lua_getfield(L, -1, "__index");
+    lua_getupvalue(L, -1, 2); // find_member's
+    set_methods(L, methods, shared);
+    lua_pop(L, 3);
 }
 
 void *class_push(lua_State *L, const lua_class *c, size_t bytes)

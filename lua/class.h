@@ -22,7 +22,6 @@ typedef struct lua_shared {
 typedef struct lua_class {
     const char *name;                       // "duet.scene"
     const luaL_Reg *methods;                // "close" is __gc and __close too
-    const luaL_Reg *more_methods;           // of another file; NULL: none
     const lua_shared *shared;               // methods too; NULL: none
     const luaL_Reg *metas;                  // __len ...; NULL: none
     const member *members;                  // NULL: none
@@ -39,6 +38,11 @@ typedef struct lua_handle {
 
 // Makes the metatable, once a state.
 void class_open(lua_State *L, const lua_class *c);
+
+// Adds methods to an open class, by its name, as they are in a lua_class: for the files
+// whose objects are made of that class's. NULL: none.
+void class_add_methods(lua_State *L, const char *name, const luaL_Reg *methods,
+                       const lua_shared *shared);
 
 // A Lua function: of an object of ours its class's name, then the names of its fields
 // in order and those of its methods, as two lists; of anything else nothing.

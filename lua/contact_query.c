@@ -25,7 +25,7 @@ static const member result_members[] = {
 };
 
 // device_pair:contact_query(def)
-int contact_query_create_lua(lua_State *L)
+static int query_create(lua_State *L)
 {
     duet_error err = {0};
     duet_contact_query_def def = duet_default_contact_query_def();
@@ -67,5 +67,7 @@ static const lua_class query_class = {
 
 void contact_query_open_lua(lua_State *L)
 {
+    static const luaL_Reg of_pair[] = {{"contact_query", query_create}, {NULL, NULL}};
     class_open(L, &query_class);
+    class_add_methods(L, "duet.device_pair", of_pair, NULL);
 }

@@ -75,16 +75,8 @@ static int pair_plan(lua_State *L);
 static int pair_check_cache(lua_State *L);
 static int pair_about(lua_State *L);
 
-static const luaL_Reg methods[] = {{"device", pair_device},
-                                   {"plan", pair_plan},
-                                   {"check_cache", pair_check_cache},
-                                   {"tune", device_pair_tune_lua},
-                                   {"motion", motion_create_lua},
-                                   {"query", pair_query_create_lua},
-                                   {"contact_query", contact_query_create_lua},
-                                   {"tree", tree_create_lua},
-                                   {"world", world_create_lua},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {
+    {"device", pair_device}, {"plan", pair_plan}, {"check_cache", pair_check_cache}, {NULL, NULL}};
 
 // What was made on the pair holds it open.
 static void destroy_pair(void *pair)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The module's table: one line a noun; and the parts that are written in Lua:
-// require "duet.frame", "duet.plot" and "duet.lab" find them inside the library.
+// The module's table: one line a noun, after those whose classes it adds to; and the parts that are
+// written in Lua: require "duet.frame", "duet.plot" and "duet.lab" find them inside the library.
 #include "duet_lua.h"
 
 #include "base/blob.h"
@@ -62,11 +62,12 @@ int luaopen_duet(lua_State *L)
     search_open_lua(L);
     tune_open_lua(L);
     motion_open_lua(L);
+    motion_commands_open_lua(L);
     source_open_lua(L);
-    profiles_open_lua(L);
     pair_query_open_lua(L);
     tree_open_lua(L);
     tree_query_open_lua(L);
+    profiles_open_lua(L);
     contact_query_open_lua(L);
     pair_delta_open_lua(L);
     replay_open_lua(L);

@@ -162,7 +162,7 @@ static void keep_owners(lua_State *L, int def)
 
 // device_pair:motion(scene, def), or (poses, bodies, def); without bodies all
 // are at rest.
-int motion_create_lua(lua_State *L)
+static int motion_create(lua_State *L)
 {
     duet_error err = {0};
     lua_settop(L, 4);
@@ -640,8 +640,6 @@ static int motion_about(lua_State *L)
 static const lua_class motion_class = {
     .name = "duet.motion",
     .methods = methods,
-    .more_methods = motion_command_methods,
-    .shared = motion_list_methods,
     .metas = metas,
     .about = motion_about,
 };
@@ -650,7 +648,9 @@ void motion_open_lua(lua_State *L)
 {
     static const luaL_Reg functions[] = {
         {"effects", list_effects}, {"states_between", states_between}, {NULL, NULL}};
+    static const luaL_Reg of_pair[] = {{"motion", motion_create}, {NULL, NULL}};
     class_open(L, &motion_class);
+    class_add_methods(L, "duet.device_pair", of_pair, NULL);
     class_open(L, &step_class);
     luaL_setfuncs(L, functions, 0);
     lua_pushinteger(L, (lua_Integer)DUET_NO_BODY);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Commands to a motion between its steps, and its states in place; with the motion's other
-// methods.
+// Commands to a motion between its steps, and its states in place.
 #include "lua/nouns.h"
 
 #include <string.h>
@@ -72,11 +71,6 @@ static int call_with_list(lua_State *L)
     list_call *call = list_calls[lua_tointeger(L, lua_upvalueindex(1))];
     return class_push_done(L, call(motion, check_list(L, 2), &err), &err);
 }
-
-const lua_shared motion_list_methods[] = {
-    {"remove_bodies", call_with_list, 0}, {"disable_bodies", call_with_list, 1},
-    {"enable_bodies", call_with_list, 2}, {"wake_bodies", call_with_list, 3},
-    {"sleep_bodies", call_with_list, 4},  {NULL, NULL, 0}};
 
 // motion:ids() or, of some places, motion:ids(first, n)
 static int get_ids(lua_State *L)
@@ -270,18 +264,28 @@ static int unmap_states(lua_State *L)
     return class_push_done(L, ok, &err);
 }
 
-const luaL_Reg motion_command_methods[] = {{"add_bodies", add_bodies},
-                                           {"ids", get_ids},
-                                           {"has_body", has_body},
-                                           {"set_user_data", set_user_data},
-                                           {"user_data", get_user_data},
-                                           {"set_bodies", set_bodies},
-                                           {"set_poses", set_poses},
-                                           {"set_targets", set_targets},
-                                           {"set_def", set_def},
-                                           {"def", get_def},
-                                           {"apply_forces", apply_forces},
-                                           {"apply_impulses", apply_impulses},
-                                           {"map_states", map_states},
-                                           {"unmap_states", unmap_states},
-                                           {NULL, NULL}};
+static const luaL_Reg methods[] = {{"add_bodies", add_bodies},
+                                   {"ids", get_ids},
+                                   {"has_body", has_body},
+                                   {"set_user_data", set_user_data},
+                                   {"user_data", get_user_data},
+                                   {"set_bodies", set_bodies},
+                                   {"set_poses", set_poses},
+                                   {"set_targets", set_targets},
+                                   {"set_def", set_def},
+                                   {"def", get_def},
+                                   {"apply_forces", apply_forces},
+                                   {"apply_impulses", apply_impulses},
+                                   {"map_states", map_states},
+                                   {"unmap_states", unmap_states},
+                                   {NULL, NULL}};
+
+static const lua_shared shared[] = {
+    {"remove_bodies", call_with_list, 0}, {"disable_bodies", call_with_list, 1},
+    {"enable_bodies", call_with_list, 2}, {"wake_bodies", call_with_list, 3},
+    {"sleep_bodies", call_with_list, 4},  {NULL, NULL, 0}};
+
+void motion_commands_open_lua(lua_State *L)
+{
+    class_add_methods(L, "duet.motion", methods, shared);
+}

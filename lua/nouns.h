@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The files of this module to each other: each adds its functions to the
-// module's table, which is at -1, and lends what others need of its objects.
+// module's table, which is at -1, and its methods to the classes of what its
+// objects are made of; and it lends what others need of its objects.
 #ifndef LUA_NOUNS_H
 #define LUA_NOUNS_H
 
@@ -18,6 +19,7 @@ void plan_open_lua(lua_State *L);
 void search_open_lua(lua_State *L);
 void tune_open_lua(lua_State *L);
 void motion_open_lua(lua_State *L);
+void motion_commands_open_lua(lua_State *L);
 void source_open_lua(lua_State *L);
 void profiles_open_lua(lua_State *L);
 void pair_query_open_lua(lua_State *L);
@@ -37,17 +39,10 @@ extern const member_type member_accuracy; // a duet_accuracy as a table
 
 duet_device_pair *device_pair_check(lua_State *L, int index);
 
-// The methods device_pair:world, :tune and :motion; with the pair's other methods.
-int world_create_lua(lua_State *L);
-int device_pair_tune_lua(lua_State *L);
-int motion_create_lua(lua_State *L);
-
 // Advances the motion at the index in this way, and pushes the result, or the failure.
 typedef bool advance_call(void *by, duet_motion *motion, duet_motion_result *result,
                           duet_error *err);
 int motion_advance_by(lua_State *L, int index, advance_call *advance, void *by);
-int pair_query_create_lua(lua_State *L);
-int tree_create_lua(lua_State *L);
 
 duet_tree *tree_check(lua_State *L, int index);
 enum { TREE_LARGE_POSES = DUET_SHAPES };
@@ -55,13 +50,8 @@ int tree_shape(lua_State *L, int index); // of its objects, a duet_shape, or TRE
 
 array_kind shape_array_kind(duet_shape shape);
 
-extern const lua_shared tree_query_methods[]; // lua/tree_query.c
-int contact_query_create_lua(lua_State *L);
-
 duet_motion *motion_check_lua(lua_State *L); // the one at 1
 duet_motion *motion_check_at(lua_State *L, int index);
-extern const luaL_Reg motion_command_methods[]; // lua/motion_commands.c
-extern const lua_shared motion_list_methods[];  // lua/motion_commands.c
 uint64_t *motion_maps_lua(lua_State *L); // of the one at 1, by part: views of others no longer hold
 
 typedef struct world_box {
@@ -75,12 +65,6 @@ typedef struct world_box {
 world_box *world_check(lua_State *L, int index);
 void world_forget_views(world_box *box); // objects mapped before are not sent again
 
-// The methods world:load_profile, :explain_profile and :online; with the world's other methods.
-int world_load_profile_lua(lua_State *L);
-int tree_load_profile_lua(lua_State *L);
-int world_explain_profile_lua(lua_State *L);
-int world_online_lua(lua_State *L);
-
 duet_scene *scene_check(lua_State *L, int index);
 // { n = 1000, rotated = false } -> names and values as text, kept by a table
 // that is left on the stack.
@@ -92,7 +76,7 @@ void profile_push_known(lua_State *L, const duet_profile *profile); // as a tabl
 // Pushes a list of tables, one a stage.
 void stages_push(lua_State *L, const duet_stage *stages, uint32_t n);
 
-// Pushes the result of the world at index.
+// Pushes the result of the world at index, which is open.
 void result_push(lua_State *L, int world_index, const duet_result *result);
 
 #endif

@@ -20,7 +20,7 @@ static const member result_members[] = {
 };
 
 // device_pair:query(def); the share is that of the pair's default plan.
-int pair_query_create_lua(lua_State *L)
+static int query_create(lua_State *L)
 {
     duet_error err = {0};
     duet_device_pair *pair = device_pair_check(L, 1);
@@ -67,5 +67,7 @@ static const lua_class query_class = {
 
 void pair_query_open_lua(lua_State *L)
 {
+    static const luaL_Reg of_pair[] = {{"query", query_create}, {NULL, NULL}};
     class_open(L, &query_class);
+    class_add_methods(L, "duet.device_pair", of_pair, NULL);
 }

@@ -195,7 +195,8 @@ void profile_push_known(lua_State *L, const duet_profile *profile)
     member_push_table(L, known_members, profile);
 }
 
-int world_load_profile_lua(lua_State *L)
+// world:load_profile(path)
+static int world_load_profile(lua_State *L)
 {
     duet_error err = {0};
     duet_profile profile;
@@ -208,7 +209,7 @@ int world_load_profile_lua(lua_State *L)
 }
 
 // tree:load_profile(query, n, path)
-int tree_load_profile_lua(lua_State *L)
+static int tree_load_profile(lua_State *L)
 {
     duet_error err = {0};
     duet_profile profile;
@@ -224,7 +225,7 @@ int tree_load_profile_lua(lua_State *L)
 }
 
 // world:explain_profile(path)
-int world_explain_profile_lua(lua_State *L)
+static int world_explain_profile(lua_State *L)
 {
     duet_error err = {0};
     char *why = NULL;
@@ -248,6 +249,12 @@ void profiles_open_lua(lua_State *L)
                                          {"import_profiles", import_profiles},
                                          {NULL, NULL}};
     class_open(L, &list_class);
+    static const luaL_Reg of_world[] = {{"load_profile", world_load_profile},
+                                        {"explain_profile", world_explain_profile},
+                                        {NULL, NULL}};
+    static const luaL_Reg of_tree[] = {{"load_profile", tree_load_profile}, {NULL, NULL}};
     class_open(L, &memory_class);
+    class_add_methods(L, "duet.world", of_world, NULL);
+    class_add_methods(L, "duet.tree", of_tree, NULL);
     luaL_setfuncs(L, functions, 0);
 }

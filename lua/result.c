@@ -50,7 +50,7 @@ void result_push(lua_State *L, int world_index, const duet_result *result)
     world_index = lua_absindex(L, world_index);
     result_box *box = class_push_of(L, &result_class, sizeof *box, world_index);
     box->result = *result;
-    box->world = world_check(L, world_index);
+    box->world = lua_touserdata(L, world_index);
     box->step = box->world->steps;
 }
 

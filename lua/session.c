@@ -6,7 +6,7 @@
 #include "base/budget.h"
 #include "base/text_file.h"
 #include "duet_lua.h"
-#include "gen/script.h"
+#include "gen/sandbox.h"
 #include "lua/class.h"
 #include "lua/policy.h"
 
@@ -211,7 +211,7 @@ static bool open_state(session *s, duet_error *err)
     limits.memory_bytes = limits.host_bytes = s->def.memory_bytes;
     limits.seconds = s->def.seconds;
     limits.instructions = UINT64_MAX / 2; // the seconds count
-    s->script = script_open(&limits, err);
+    s->script = sandbox_open(&limits, err);
     s->lua = s->script ? script_lua(s->script) : NULL;
     return s->script != NULL;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A Lua state with the module `duet` in it, for `duet lua`.
 //
-// One that is not trusted is a private state of gen/script.h: it computes,
+// One that is not trusted is a private state of gen/sandbox.h: it computes,
 // prints, and uses devices; it changes no file (policy.h) and ends at its
 // limits. A trusted one has the whole language.
 #ifndef LUA_SESSION_H

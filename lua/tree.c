@@ -25,7 +25,7 @@ static const member def_members[] = {
 };
 
 // device_pair:tree(def)
-int tree_create_lua(lua_State *L)
+static int tree_create(lua_State *L)
 {
     duet_error err = {0};
     duet_tree_def def = duet_default_tree_def();
@@ -105,17 +105,15 @@ static void destroy(void *tree)
 static const luaL_Reg methods[] = {{"set_objects", tree_set_objects},
                                    {"set_motion", tree_set_motion},
                                    {"set_share", tree_set_share},
-                                   {"load_profile", tree_load_profile_lua},
                                    {NULL, NULL}};
-static const lua_class tree_class = {.name = "duet.tree",
-                                     .methods = methods,
-                                     .shared = tree_query_methods,
-                                     .destroy = destroy,
-                                     .noun = "tree"};
+static const lua_class tree_class = {
+    .name = "duet.tree", .methods = methods, .destroy = destroy, .noun = "tree"};
 
 void tree_open_lua(lua_State *L)
 {
+    static const luaL_Reg of_pair[] = {{"tree", tree_create}, {NULL, NULL}};
     class_open(L, &tree_class);
+    class_add_methods(L, "duet.device_pair", of_pair, NULL);
     lua_pushinteger(L, DUET_NO_OBJECT);
     lua_setfield(L, -2, "NO_OBJECT");
 }

@@ -113,12 +113,6 @@ static int create(lua_State *L)
     return box->query.object ? 1 : class_push_failure(L, &err);
 }
 
-const lua_shared tree_query_methods[] = {{"ray_query", create, QUERY_RAYS},
-                                         {"sweep_query", create, QUERY_SWEEPS},
-                                         {"box_query", create, QUERY_BOXES},
-                                         {"point_query", create, QUERY_POINTS},
-                                         {NULL, NULL, 0}};
-
 static int push_found(lua_State *L, query_item item, const query_result *found)
 {
     array_push_copy(L, kinds[item].gives, found->hits, found->n_hits);
@@ -156,6 +150,12 @@ static const luaL_Reg box_methods[3] = {{"run", run}, {"run_itself", run_itself}
 
 void tree_query_open_lua(lua_State *L)
 {
+    static const lua_shared of_tree[] = {{"ray_query", create, QUERY_RAYS},
+                                         {"sweep_query", create, QUERY_SWEEPS},
+                                         {"box_query", create, QUERY_BOXES},
+                                         {"point_query", create, QUERY_POINTS},
+                                         {NULL, NULL, 0}};
     for (int i = 0; i < N_KINDS; ++i)
         class_open(L, &kinds[i].class);
+    class_add_methods(L, "duet.tree", NULL, of_tree);
 }

@@ -254,7 +254,7 @@ static void check_policy(lua_State *L, const duet_tune_def *def)
 }
 
 // device_pair:tune(scene, def)
-int device_pair_tune_lua(lua_State *L)
+static int pair_tune(lua_State *L)
 {
     duet_error err = {0};
     duet_tune_outcome outcome = {0};
@@ -330,7 +330,8 @@ static online_box *check_online(lua_State *L)
     return box;
 }
 
-int world_online_lua(lua_State *L)
+// world:online(def)
+static int world_online(lua_State *L)
 {
     duet_error err = {0};
     world_box *world = world_check(L, 1);
@@ -388,6 +389,10 @@ static const lua_class online_class = {.name = "duet.online", .methods = online_
 void tune_open_lua(lua_State *L)
 {
     static const luaL_Reg functions[] = {{"strategies", list_strategies}, {NULL, NULL}};
+    static const luaL_Reg of_pair[] = {{"tune", pair_tune}, {NULL, NULL}};
+    static const luaL_Reg of_world[] = {{"online", world_online}, {NULL, NULL}};
     class_open(L, &online_class);
+    class_add_methods(L, "duet.device_pair", of_pair, NULL);
+    class_add_methods(L, "duet.world", of_world, NULL);
     luaL_setfuncs(L, functions, 0);
 }

@@ -68,7 +68,7 @@ static duet_world_def read_def(lua_State *L, duet_device_pair *pair, const duet_
 
 // device_pair:world(def), or device_pair:world(scene, def): with the scene's
 // objects, and its settings where def says nothing else.
-int world_create_lua(lua_State *L)
+static int world_create(lua_State *L)
 {
     duet_error err = {0};
     duet_device_pair *pair = device_pair_check(L, 1);
@@ -236,9 +236,6 @@ static const luaL_Reg methods[] = {{"close", world_close},
                                    {"order", world_order},
                                    {"plan", world_plan},
                                    {"set_plan", world_set_plan},
-                                   {"load_profile", world_load_profile_lua},
-                                   {"explain_profile", world_explain_profile_lua},
-                                   {"online", world_online_lua},
                                    {"set_level", world_set_level},
                                    {"level", world_level},
                                    {"step", world_step},
@@ -279,5 +276,7 @@ static const lua_class world_class = {
 
 void world_open_lua(lua_State *L)
 {
+    static const luaL_Reg of_pair[] = {{"world", world_create}, {NULL, NULL}};
     class_open(L, &world_class);
+    class_add_methods(L, "duet.device_pair", of_pair, NULL);
 }

@@ -9,17 +9,6 @@
 
 // ---------------------------------------------------------------- in
 
-bool profile_fabric_key(const profile_fabric *fabric, char key[PROFILE_SHA], duet_error *err)
-{
-    text t = {0};
-    text_add(&t, "fabric\n%s\n%s\n%" PRIu32 "\n%" PRIu32 "\n", fabric->mpi, fabric->place,
-             fabric->hosts, fabric->ranks);
-    bool ok = text_ok(&t, err);
-    profile_sha(text_chars(&t), t.length, key);
-    text_free(&t);
-    return ok;
-}
-
 static const sql_column fabric_columns[] = {
     SQL_COLUMN("mpi", profile_fabric, mpi),     SQL_COLUMN("place", profile_fabric, place),
     SQL_COLUMN("hosts", profile_fabric, hosts), SQL_COLUMN("ranks", profile_fabric, ranks),

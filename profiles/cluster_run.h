@@ -3,22 +3,7 @@
 #ifndef PROFILES_CLUSTER_RUN_H
 #define PROFILES_CLUSTER_RUN_H
 
-#include "profiles/session.h"
 #include "profiles/subject.h"
-
-// The network between the ranks of a job, as it was measured. The same ranks on the same machines,
-// with the same library, are one fabric.
-typedef struct profile_fabric {
-    const char *mpi;   // the library, with its version
-    const char *place; // sha256 of the ranks' machines in order
-    uint32_t hosts;
-    uint32_t ranks;
-    double latency_ns; // of 8 bytes, one way; 0: there is one rank
-    double byte_ns;    // of each byte of a long message
-    const char *times; // a JSON object: ns by bytes; NULL: there is one rank
-} profile_fabric;
-
-bool profile_fabric_key(const profile_fabric *fabric, char key[PROFILE_SHA], duet_error *err);
 
 typedef struct profile_cluster_run {
     const char *scene;

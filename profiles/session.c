@@ -17,20 +17,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 #include <unistd.h>
 
 #define SILENT_NS 600000000000 // ten minutes without a heartbeat: another machine's owner has gone
-
-bool profile_new_id(char id[PROFILE_ID], duet_error *err)
-{
-    uint8_t bytes[16];
-    if (getentropy(bytes, sizeof bytes) != 0)
-        return error_set(err, DUET_STATUS_IO_FAILED, "random bytes: %s", strerror(errno));
-    for (size_t i = 0; i < sizeof bytes; ++i)
-        snprintf(id + 2 * i, 3, "%02x", bytes[i]);
-    return true;
-}
 
 // When the process was started, in the kernel's ticks; 0 where it is not known,
 // or where it ended and only waits for its parent.

@@ -10,7 +10,6 @@
 
 #include "profiles/subject.h"
 
-#define PROFILE_ID 33 // 32 hex digits and a NUL
 #define PROFILE_VARIANT 192
 
 typedef struct profile_session {
@@ -40,9 +39,6 @@ typedef struct profile_resumed {
     uint32_t trials;
     int64_t pid; // whose it is, where BUSY
 } profile_resumed;
-
-// 128 random bits as hex: the same row in every store.
-bool profile_new_id(char id[PROFILE_ID], duet_error *err);
 
 // Starts a session, this process being its owner.
 bool profile_session_begin(store *s, const profile_session *session, char id[PROFILE_ID],

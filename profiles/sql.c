@@ -20,7 +20,7 @@ static bool disk_is_full(int code, int system_code)
 static bool is_left_half_done(const store *s, int code)
 {
     return !s->writable && ((code & 0xff) == SQLITE_READONLY || (code & 0xff) == SQLITE_CANTOPEN) &&
-           s->file && store_has_side_file(s->file);
+           s->file && unlocked_read_has_side_file(s->file);
 }
 
 bool sql_fail(const store *s, int code, duet_error *err)
@@ -28,7 +28,7 @@ bool sql_fail(const store *s, int code, duet_error *err)
     // SQLite keeps the system's code for most failures, and not for those of a COMMIT.
     int last = errno;
     int system_code = sqlite3_system_errno(s->db) ? sqlite3_system_errno(s->db) : last;
-    if (!store_check_read(s, err))
+    if (!unlocked_read_check(s->file, &s->reading, err))
         return false;
     if (is_left_half_done(s, code))
         return error_set(err, DUET_STATUS_STORE_FAILED,

@@ -132,8 +132,6 @@ bool sql_check_object(const char *what, const char *chars, duet_error *err);
 // whether dead ones are wanted too.
 extern const char profile_entry_from[];
 
-void profile_sha(const char *chars, size_t n, char key[65]);
-
 // One row in the audit table.
 bool store_audit(store *s, const char *what, const char *detail, duet_error *err);
 

@@ -4,13 +4,11 @@
 #include "profiles/subject.h"
 
 #include "base/text_file.h"
-#include "profiles/cluster_run.h"
 #include "profiles/sql.h"
 
 #include <assert.h>
 #include <inttypes.h>
 #include <math.h>
-#include <sha256.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -28,11 +26,6 @@ static void add_field(text *t, const char *name, const char *value)
 static void add_number(text *t, const char *name, uint64_t value)
 {
     text_add(t, "%s=%" PRIu64 "\n", name, value);
-}
-
-void profile_sha(const char *chars, size_t n, char key[PROFILE_SHA])
-{
-    SHA256Data((const uint8_t *)chars, n, key);
 }
 
 // Gives the text back.
@@ -332,6 +325,19 @@ bool profile_workload_put(store *s, const profile_workload *w, int64_t *workload
         ok = false;
     text_free(&family);
     text_free(&effects);
+    return ok;
+}
+
+// ---------------------------------------------------------------- networks
+
+bool profile_fabric_key(const profile_fabric *fabric, char key[PROFILE_SHA], duet_error *err)
+{
+    text t = {0};
+    text_add(&t, "fabric\n%s\n%s\n%" PRIu32 "\n%" PRIu32 "\n", fabric->mpi, fabric->place,
+             fabric->hosts, fabric->ranks);
+    bool ok = text_ok(&t, err);
+    profile_sha(text_chars(&t), t.length, key);
+    text_free(&t);
     return ok;
 }
 

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
-// What a row is of: a pair of devices, with what drives them, and a workload, the
-// class of scenes, or of queries, that one profile serves.
+// What a row is of: a pair of devices, with what drives them; a workload, the class of
+// scenes, or of queries, that one profile serves; or the network of a cluster.
 //
 // A device is known by what it is and not by which specimen: two cards of one
 // model are one device. Strings are whole, never cut; NULL is unknown.
 #ifndef PROFILES_SUBJECT_H
 #define PROFILES_SUBJECT_H
 
+#include "profiles/key.h"
 #include "profiles/store.h"
-
-#define PROFILE_SHA 65 // 64 hex digits and a NUL
 
 // Nothing here changes with a driver.
 typedef struct profile_device {
@@ -89,6 +88,22 @@ bool profile_workload_key(const profile_workload *w, char key[PROFILE_SHA], duet
 // Finds or adds it. BAD_ARGUMENT names a field that cannot be.
 bool profile_workload_put(store *s, const profile_workload *w, int64_t *workload_id,
                           duet_error *err);
+
+// ---------------------------------------------------------------- networks
+
+// The network between the ranks of a job, as it was measured. The same ranks on the same machines,
+// with the same library, are one fabric.
+typedef struct profile_fabric {
+    const char *mpi;   // the library, with its version
+    const char *place; // sha256 of the ranks' machines in order
+    uint32_t hosts;
+    uint32_t ranks;
+    double latency_ns; // of 8 bytes, one way; 0: there is one rank
+    double byte_ns;    // of each byte of a long message
+    const char *times; // a JSON object: ns by bytes; NULL: there is one rank
+} profile_fabric;
+
+bool profile_fabric_key(const profile_fabric *fabric, char key[PROFILE_SHA], duet_error *err);
 
 // ---------------------------------------------------------------- keys
 

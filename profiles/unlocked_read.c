@@ -37,7 +37,7 @@ static bool is_same(const struct stat *a, const struct stat *b)
 static unlocked_read unlocked_read_look(const char *path)
 {
     unlocked_read q = {0};
-    q.holds = stat(path, &q.seen) == 0 && !store_has_side_file(path) &&
+    q.holds = stat(path, &q.seen) == 0 && !unlocked_read_has_side_file(path) &&
               llabs(clock_calendar_ns() - changed_ns(&q.seen)) > SETTLED_NS;
     return q;
 }
@@ -48,7 +48,7 @@ bool unlocked_read_holds(const char *path, const unlocked_read *before)
     return before->holds && after.holds && is_same(&before->seen, &after.seen);
 }
 
-bool store_has_side_file(const char *path)
+bool unlocked_read_has_side_file(const char *path)
 {
     return has_side_file(path, "-wal") || has_side_file(path, "-journal");
 }
@@ -59,17 +59,21 @@ unlocked_read unlocked_read_begin(const char *path)
     unlocked_read q = unlocked_read_look(path);
     struct stat info;
     for (int i = 0;
-         !q.holds && i < MAX_WAITS && stat(path, &info) == 0 && !store_has_side_file(path); ++i) {
+         !q.holds && i < MAX_WAITS && stat(path, &info) == 0 && !unlocked_read_has_side_file(path);
+         ++i) {
         nanosleep(&(struct timespec){.tv_nsec = WAIT_MS * 1000000}, NULL);
         q = unlocked_read_look(path);
     }
     return q;
 }
 
-bool unlocked_read_same_file(const char *path, const unlocked_read *before)
+bool unlocked_read_check(const char *path, const unlocked_read *before, duet_error *err)
 {
     unlocked_read after = {0};
-    return !before->holds || (stat(path, &after.seen) == 0 && is_same(&before->seen, &after.seen));
+    return !before->holds ||
+           (stat(path, &after.seen) == 0 && is_same(&before->seen, &after.seen)) ||
+           error_set(err, DUET_STATUS_STORE_FAILED,
+                     "%s: was written while it was read; run the command again", path);
 }
 
 void unlocked_read_uri(const char *path, text *uri)

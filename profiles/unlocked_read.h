@@ -4,6 +4,7 @@
 #ifndef PROFILES_UNLOCKED_READ_H
 #define PROFILES_UNLOCKED_READ_H
 
+#include "base/error.h"
 #include "base/text.h"
 
 #include <sys/stat.h>
@@ -20,12 +21,12 @@ bool unlocked_read_holds(const char *path, const unlocked_read *before);
 // count as one that rests.
 unlocked_read unlocked_read_begin(const char *path);
 
-// Whether the file itself is as it was. What a writer has only in its side file
-// is no part of it.
-bool unlocked_read_same_file(const char *path, const unlocked_read *before);
+// Whether the file itself is as it was; false with a line where not. What a writer
+// has only in its side file is no part of it.
+bool unlocked_read_check(const char *path, const unlocked_read *before, duet_error *err);
 
 // Whether a writer is at work, or was killed: a side file holds something.
-bool store_has_side_file(const char *path);
+bool unlocked_read_has_side_file(const char *path);
 
 // The name by which SQLite reads the file as one that does not change.
 void unlocked_read_uri(const char *path, text *uri);

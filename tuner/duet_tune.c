@@ -12,7 +12,7 @@
 #include "tuner/measure_query.h"
 #include "tuner/record.h"
 #include "tuner/sorted_pairs.h"
-#include "tuner/strategy.h"
+#include "tuner/search.h"
 #include "tuner/trial_budget.h"
 #include "tuner/tune.h"
 #include "tuner/tuning.h"

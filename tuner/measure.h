@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "profiles/session.h"
 #include "tuner/duet_tune.h"
-#include "tuner/search.h"
+#include "tuner/search_history.h"
 
 #include <cjson/cJSON.h>
 

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/mode_search.h"
 
+#include "tuner/search.h"
 #include "tuner/trial_budget.h"
 
 #include <math.h>
 #include <string.h>
 
 // A's time for all the work, from the least and the largest part that it did.
-static double expect_a_alone(const search *s)
+static double expect_a_alone(const search_history *h)
 {
     const search_sample *small = NULL, *large = NULL;
-    for (uint32_t i = 0; i < s->n; ++i) {
-        const search_sample *at = &s->samples[i];
+    for (uint32_t i = 0; i < h->n; ++i) {
+        const search_sample *at = &h->samples[i];
         if (at->a_ns == 0)
             continue;
         if (!small || at->share < small->share)
@@ -60,16 +61,17 @@ static bool search_mode(tuning *t, duet_mode mode, const uint32_t *near, mode_fo
     options.start = near ? *near : 0;
     if (!search_begin(&s, t->task->def->strategy, &options, err))
         return false;
-    s.script = t->task->script;
+    s.history.script = t->task->script;
     bool ok = run_search(t, &s, mode, &out->usable, err);
     out->mode = mode;
-    out->usable = out->usable && s.n > 0;
+    out->usable = out->usable && s.history.n > 0;
     out->share = search_pick(&s);
     // Of a search that was cut short one device alone may only seem the best.
     if (t->cut && (out->share == 0 || out->share == DUET_SHARE_ONE))
-        out->share = search_first_share(&s);
-    out->a_alone_ns = expect_a_alone(&s);
-    out->b_alone_ns = s.n > 0 && search_at(&s, 0) ? (double)search_at(&s, 0)->total_ns : INFINITY;
+        out->share = search_history_first_share(&s.history);
+    out->a_alone_ns = expect_a_alone(&s.history);
+    const search_sample *b_alone = search_history_at(&s.history, 0);
+    out->b_alone_ns = b_alone ? (double)b_alone->total_ns : INFINITY;
     search_end(&s);
     return ok;
 }

@@ -153,7 +153,7 @@ bool online_share(const online *o, uint32_t *share, duet_error *err)
     search_next next;
     if (!search_ask(&o->search, &next, err))
         return false;
-    const search_sample *last = &o->search.samples[o->search.n - 1];
+    const search_sample *last = &o->search.history.samples[o->search.history.n - 1];
     double most = (1 + o->most_extra) * expect_total(last, last->share);
     while (next.share != last->share && expect_total(last, next.share) > most)
         next.share = (next.share + last->share) / 2;

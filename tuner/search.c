@@ -1,16 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/search.h"
 
-#include "base/budget.h"
-#include "tuner/strategy.h"
-
-#include <inttypes.h>
-#include <stdlib.h>
-
-search_options search_default_options(void)
-{
-    return (search_options){.quantum = 8, .points = 32, .rounds = 3, .probe_cost = 3.0};
-}
+#include "base/text.h"
 
 static bool fail_unknown(const char *name, duet_error *err)
 {
@@ -28,52 +19,41 @@ bool search_begin(search *s, const char *name, const search_options *options, du
     *s = (search){.strategy = strategy_find(name)};
     if (!s->strategy)
         return fail_unknown(name, err);
-    s->options = options ? *options : search_default_options();
-    if (s->options.quantum == 0)
-        s->options.quantum = 1;
+    search_options *own = &s->history.options;
+    *own = options ? *options : search_default_options();
+    if (own->quantum == 0)
+        own->quantum = 1;
     return true;
 }
 
 void search_end(search *s)
 {
-    free(s->samples);
+    search_history_free(&s->history);
     *s = (search){0};
 }
 
 static uint32_t most_launches(const search *s)
 {
-    return s->options.launches ? s->options.launches : s->strategy->launches;
+    return s->history.options.launches ? s->history.options.launches : s->strategy->launches;
 }
 
 bool search_ask(const search *s, search_next *next, duet_error *err)
 {
     *next = (search_next){.done = true};
     uint32_t most = most_launches(s);
-    if (most && s->n >= most)
+    if (most && s->history.n >= most)
         return true;
-    return s->strategy->ask(s, next, err);
+    return s->strategy->ask(&s->history, next, err);
 }
 
 bool search_tell(search *s, const search_sample *sample, duet_error *err)
 {
-    if (s->n == s->capacity) {
-        uint32_t capacity = s->capacity ? 2 * s->capacity : 32;
-        if (!budget_space(capacity * sizeof *s->samples, err))
-            return false;
-        search_sample *grown = realloc(s->samples, capacity * sizeof *grown);
-        if (!grown)
-            return error_set(err, DUET_STATUS_NO_MEMORY,
-                             "a search of %" PRIu32 " launches: no memory", s->n + 1);
-        s->samples = grown;
-        s->capacity = capacity;
-    }
-    s->samples[s->n++] = *sample;
-    return true;
+    return search_history_add(&s->history, sample, err);
 }
 
 uint32_t search_pick(const search *s)
 {
-    return s->n ? s->strategy->pick(s) : 0;
+    return s->history.n ? s->strategy->pick(&s->history) : 0;
 }
 
 void search_bracket(const search *s, uint32_t *low, uint32_t *high)
@@ -81,20 +61,5 @@ void search_bracket(const search *s, uint32_t *low, uint32_t *high)
     *low = 0;
     *high = SEARCH_ONE;
     if (s->strategy->bracket)
-        s->strategy->bracket(s, low, high);
-}
-
-const search_sample *search_at(const search *s, uint32_t share)
-{
-    for (uint32_t i = 0; i < s->n; ++i) {
-        if (s->samples[i].share == share)
-            return &s->samples[i];
-    }
-    return NULL;
-}
-
-uint32_t search_first_share(const search *s)
-{
-    bool near = s->options.has_start && s->options.start > 0 && s->options.start < SEARCH_ONE;
-    return near ? s->options.start : SEARCH_ONE / 16;
+        s->strategy->bracket(&s->history, low, high);
 }

@@ -3,6 +3,7 @@
 // own.
 #include "tuner/strategy.h"
 
+#include "gen/sandbox.h"
 #include "tuner/duet_tune.h"
 #include "tuner/stats.h"
 
@@ -10,12 +11,12 @@
 #include <string.h>
 
 // The pick of strategies that trust single samples.
-static uint32_t pick_fastest(const search *s)
+static uint32_t pick_fastest(const search_history *h)
 {
-    const search_sample *fastest = &s->samples[0];
-    for (uint32_t i = 1; i < s->n; ++i) {
-        if (s->samples[i].total_ns < fastest->total_ns)
-            fastest = &s->samples[i];
+    const search_sample *fastest = &h->samples[0];
+    for (uint32_t i = 1; i < h->n; ++i) {
+        if (h->samples[i].total_ns < fastest->total_ns)
+            fastest = &h->samples[i];
     }
     return fastest->share;
 }
@@ -52,31 +53,31 @@ static void move_end(ends *e, const search_sample *middle)
         e->down = *middle;
 }
 
-static ends play(const search *s)
+static ends play(const search_history *h)
 {
-    ends e = {.up = s->samples[0], .down = s->samples[1]};
-    for (uint32_t i = 2; i < s->n && !e.stopped; ++i)
-        move_end(&e, &s->samples[i]);
+    ends e = {.up = h->samples[0], .down = h->samples[1]};
+    for (uint32_t i = 2; i < h->n && !e.stopped; ++i)
+        move_end(&e, &h->samples[i]);
     return e;
 }
 
-static bool fig12_ask(const search *s, search_next *next, duet_error *err)
+static bool fig12_ask(const search_history *h, search_next *next, duet_error *err)
 {
     (void)err;
-    *next = (search_next){.share = s->n == 0 ? SEARCH_ONE : 0};
-    if (s->n < 2)
+    *next = (search_next){.share = h->n == 0 ? SEARCH_ONE : 0};
+    if (h->n < 2)
         return true;
-    ends e = play(s);
+    ends e = play(h);
     next->done = e.stopped;
     next->share = (e.up.share + e.down.share) / 2;
     return true;
 }
 
-static void fig12_bracket(const search *s, uint32_t *low, uint32_t *high)
+static void fig12_bracket(const search_history *h, uint32_t *low, uint32_t *high)
 {
-    if (s->n < 2)
+    if (h->n < 2)
         return;
-    ends e = play(s);
+    ends e = play(h);
     *low = e.down.share;
     *high = e.up.share;
 }
@@ -98,40 +99,40 @@ static const strategy strategy_fig12 = {
 //
 // Rounds are interleaved, so that a slow minute falls on all shares alike.
 
-static uint32_t share_of(const search *s, uint32_t point)
+static uint32_t share_of(const search_history *h, uint32_t point)
 {
-    return (uint32_t)((uint64_t)SEARCH_ONE * point / s->options.points);
+    return (uint32_t)((uint64_t)SEARCH_ONE * point / h->options.points);
 }
 
-static bool grid_ask(const search *s, search_next *next, duet_error *err)
+static bool grid_ask(const search_history *h, search_next *next, duet_error *err)
 {
     (void)err;
-    uint32_t points = s->options.points + 1;
-    next->done = s->n >= points * s->options.rounds;
-    next->share = share_of(s, s->n % points);
+    uint32_t points = h->options.points + 1;
+    next->done = h->n >= points * h->options.rounds;
+    next->share = share_of(h, h->n % points);
     return true;
 }
 
-static double median_at(const search *s, uint32_t share)
+static double median_at(const search_history *h, uint32_t share)
 {
     double totals[STATS_MOST];
     uint32_t n = 0;
-    for (uint32_t i = 0; i < s->n && n < STATS_MOST; ++i) {
-        if (s->samples[i].share == share)
-            totals[n++] = (double)s->samples[i].total_ns;
+    for (uint32_t i = 0; i < h->n && n < STATS_MOST; ++i) {
+        if (h->samples[i].share == share)
+            totals[n++] = (double)h->samples[i].total_ns;
     }
     return n ? stats_median(totals, n) : 0;
 }
 
-static uint32_t grid_pick(const search *s)
+static uint32_t grid_pick(const search_history *h)
 {
     uint32_t best = 0;
     double least = 0;
-    for (uint32_t point = 0; point <= s->options.points; ++point) {
-        double median = median_at(s, share_of(s, point));
+    for (uint32_t point = 0; point <= h->options.points; ++point) {
+        double median = median_at(h, share_of(h, point));
         if (median > 0 && (least == 0 || median < least)) {
             least = median;
-            best = share_of(s, point);
+            best = share_of(h, point);
         }
     }
     return best;
@@ -179,35 +180,35 @@ static uint32_t limit_move(uint32_t wanted, uint32_t last, uint32_t quantum)
     return wanted < low ? low : wanted > high ? high : wanted;
 }
 
-static uint32_t next_share(const search *s)
+static uint32_t next_share(const search_history *h)
 {
     double a = 0, b = 0;
-    for (uint32_t i = 1; i < s->n; ++i) {
-        follow(&a, s->samples[i].share, s->samples[i].a_ns);
-        follow(&b, SEARCH_ONE - s->samples[i].share, s->samples[i].b_ns);
+    for (uint32_t i = 1; i < h->n; ++i) {
+        follow(&a, h->samples[i].share, h->samples[i].a_ns);
+        follow(&b, SEARCH_ONE - h->samples[i].share, h->samples[i].b_ns);
     }
     if (!(a > 0 && b > 0))
-        return search_first_share(s);
+        return search_history_first_share(h);
     uint32_t wanted = (uint32_t)(SEARCH_ONE * (a / (a + b)) + 0.5);
-    return limit_move(wanted, s->samples[s->n - 1].share, s->options.quantum);
+    return limit_move(wanted, h->samples[h->n - 1].share, h->options.quantum);
 }
 
-static bool chunks_ask(const search *s, search_next *next, duet_error *err)
+static bool chunks_ask(const search_history *h, search_next *next, duet_error *err)
 {
     (void)err;
-    *next = (search_next){.share = s->n == 0 ? 0 : next_share(s)};
+    *next = (search_next){.share = h->n == 0 ? 0 : next_share(h)};
     return true;
 }
 
-static uint32_t chunks_pick(const search *s)
+static uint32_t chunks_pick(const search_history *h)
 {
     enum { LAST = 5 };
     double totals[LAST];
-    uint32_t n = s->n > LAST ? LAST : s->n - 1;
+    uint32_t n = h->n > LAST ? LAST : h->n - 1;
     for (uint32_t i = 0; i < n; ++i)
-        totals[i] = (double)s->samples[s->n - 1 - i].total_ns;
-    bool worth_it = n > 0 && stats_median(totals, n) < (double)s->samples[0].total_ns;
-    return worth_it ? next_share(s) : s->samples[0].share;
+        totals[i] = (double)h->samples[h->n - 1 - i].total_ns;
+    bool worth_it = n > 0 && stats_median(totals, n) < (double)h->samples[0].total_ns;
+    return worth_it ? next_share(h) : h->samples[0].share;
 }
 
 static const strategy strategy_chunks = {
@@ -233,7 +234,7 @@ static int find_function(lua_State *L)
 
 script *strategy_lua_open(const char *name, const char *chars, duet_error *err)
 {
-    script *s = script_open(NULL, err);
+    script *s = sandbox_open(NULL, err);
     if (!s)
         return NULL;
     lua_State *L = script_lua(s);
@@ -256,11 +257,11 @@ static void set_number(lua_State *L, const char *name, double value)
     lua_setfield(L, -2, name);
 }
 
-static void push_history(lua_State *L, const search *s)
+static void push_history(lua_State *L, const search_history *h)
 {
-    lua_createtable(L, (int)s->n, 0);
-    for (uint32_t i = 0; i < s->n; ++i) {
-        const search_sample *at = &s->samples[i];
+    lua_createtable(L, (int)h->n, 0);
+    for (uint32_t i = 0; i < h->n; ++i) {
+        const search_sample *at = &h->samples[i];
         lua_createtable(L, 0, 4);
         set_number(L, "share", at->share / (double)SEARCH_ONE);
         set_number(L, "total", (double)at->total_ns * 1e-6);
@@ -270,13 +271,13 @@ static void push_history(lua_State *L, const search *s)
     }
 }
 
-// function, search, next ->
+// function, history, next ->
 static int call_function(lua_State *L)
 {
-    const search *s = lua_touserdata(L, 2);
+    const search_history *h = lua_touserdata(L, 2);
     search_next *next = lua_touserdata(L, 3);
     lua_pushvalue(L, 1);
-    push_history(L, s);
+    push_history(L, h);
     lua_call(L, 1, 1);
     next->done = lua_isnil(L, -1);
     if (next->done)
@@ -289,17 +290,17 @@ static int call_function(lua_State *L)
     return 0;
 }
 
-static bool lua_ask(const search *s, search_next *next, duet_error *err)
+static bool lua_ask(const search_history *h, search_next *next, duet_error *err)
 {
-    if (!s->script)
+    if (!h->script)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "strategy 'lua': there is no script; expected a function in tune.lua");
-    lua_State *L = script_lua(s->script);
+    lua_State *L = script_lua(h->script);
     lua_pushcfunction(L, call_function);
     lua_pushvalue(L, FUNCTION);
-    lua_pushlightuserdata(L, (void *)s);
+    lua_pushlightuserdata(L, (void *)h);
     lua_pushlightuserdata(L, next);
-    return script_call(s->script, 3, 0, err);
+    return script_call(h->script, 3, 0, err);
 }
 
 const strategy strategy_lua = {

@@ -1,23 +1,29 @@
 // SPDX-License-Identifier: MIT
 // How the next share is chosen: the table of strategies.
 //
-// Each function sees the search as it is and keeps nothing: what it decides
-// follows from the samples alone, replayed from the first.
+// Each function sees the history and keeps nothing: what it decides follows
+// from the samples alone, replayed from the first.
 #ifndef TUNER_STRATEGY_H
 #define TUNER_STRATEGY_H
 
 #include "gen/script.h"
-#include "tuner/search.h"
+#include "tuner/search_history.h"
 
-struct strategy {
+// What a strategy wants: another launch, or none.
+typedef struct search_next {
+    bool done;
+    uint32_t share;
+} search_next;
+
+typedef struct strategy {
     const char *name;
     const char *about;
     bool evened;       // its share is evened out by what both devices take in the verdict
     uint32_t launches; // at most, where the options name no number; 0: no end of its own
-    bool (*ask)(const search *s, search_next *next, duet_error *err);
-    uint32_t (*pick)(const search *s);
-    void (*bracket)(const search *s, uint32_t *low, uint32_t *high); // NULL: the whole range
-};
+    bool (*ask)(const search_history *h, search_next *next, duet_error *err);
+    uint32_t (*pick)(const search_history *h);
+    void (*bracket)(const search_history *h, uint32_t *low, uint32_t *high); // NULL: all
+} strategy;
 
 extern const strategy *const strategies[]; // ends with NULL; the first is the default
 
@@ -41,7 +47,7 @@ extern const strategy strategy_lua;
 // nil ends the search; the pick is the share of the least total. It must decide
 // from the history alone, or a resumed search goes another way.
 //
-// NULL with BAD_INPUT and name:line. Goes into search.script; closed by
+// NULL with BAD_INPUT and name:line. Goes into search_history.script; closed by
 // script_close.
 script *strategy_lua_open(const char *name, const char *chars, duet_error *err);
 

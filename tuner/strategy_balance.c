@@ -56,15 +56,15 @@ static double part_of(uint32_t share, int device)
     return (device == 0 ? share : SEARCH_ONE - share) / (double)SEARCH_ONE;
 }
 
-static double unit_ns(const search *s)
+static double unit_ns(const search_history *h)
 {
-    return fmax((double)s->samples[0].total_ns, 1);
+    return fmax((double)h->samples[0].total_ns, 1);
 }
 
-static double time_of(const search *s, uint32_t i, int device)
+static double time_of(const search_history *h, uint32_t i, int device)
 {
-    const search_sample *at = &s->samples[i];
-    return (double)(device == 0 ? at->a_ns : at->b_ns) / unit_ns(s);
+    const search_sample *at = &h->samples[i];
+    return (double)(device == 0 ? at->a_ns : at->b_ns) / unit_ns(h);
 }
 
 static double line_at(const line *l, double part)
@@ -97,11 +97,11 @@ static double nearness(const search_sample *at)
 // Weighted least squares with relative errors. The assumption that no work
 // takes no time, give or take an overhead, counts as one sample: it is what
 // makes a line of a single probe.
-static line fit_weighted(const search *s, uint32_t n, int device, const double *weights)
+static line fit_weighted(const search_history *h, uint32_t n, int device, const double *weights)
 {
     double w = 1 / (OVERHEAD * OVERHEAD), wx = 0, wxx = 0, wy = 0, wxy = 0;
     for (uint32_t i = 0; i < n; ++i) {
-        double x = part_of(s->samples[i].share, device), y = time_of(s, i, device);
+        double x = part_of(h->samples[i].share, device), y = time_of(h, i, device);
         w += weights[i];
         wx += weights[i] * x;
         wxx += weights[i] * x * x;
@@ -119,35 +119,35 @@ static line fit_weighted(const search *s, uint32_t n, int device, const double *
 
 // Huber's weights, iterated: a disturbed launch pulls no harder than one that
 // is 1.5 deviations off.
-static line fit_line(const search *s, uint32_t n, int device)
+static line fit_line(const search_history *h, uint32_t n, int device)
 {
     double weights[MOST_REPEATS];
     line l = {0};
     for (int pass = 0; pass < 6; ++pass) {
         for (uint32_t i = 0; i < n; ++i) {
-            double time = time_of(s, i, device);
-            double expected = line_at(&l, part_of(s->samples[i].share, device));
+            double time = time_of(h, i, device);
+            double expected = line_at(&l, part_of(h->samples[i].share, device));
             double off = pass ? fabs(time / expected - 1) / NOISE : 0;
-            weights[i] = time > 0 ? nearness(&s->samples[i]) / pow(NOISE * time, 2) : 0;
+            weights[i] = time > 0 ? nearness(&h->samples[i]) / pow(NOISE * time, 2) : 0;
             weights[i] *= off > 1.5 ? 1.5 / off : 1;
         }
-        l = fit_weighted(s, n, device, weights);
+        l = fit_weighted(h, n, device, weights);
     }
     return l;
 }
 
 // From the residuals, with the assumed noise as one of them; a spike counts
 // as 20 %, so that one does not hide everything else.
-static double find_noise(const search *s, uint32_t n, const line lines[2])
+static double find_noise(const search_history *h, uint32_t n, const line lines[2])
 {
     double sum = NOISE * NOISE, count = 1;
     for (uint32_t i = 0; i < n; ++i) {
-        double near = nearness(&s->samples[i]);
+        double near = nearness(&h->samples[i]);
         for (int device = 0; device < 2; ++device) {
-            double time = time_of(s, i, device);
+            double time = time_of(h, i, device);
             if (time == 0)
                 continue;
-            double off = log(time / line_at(&lines[device], part_of(s->samples[i].share, device)));
+            double off = log(time / line_at(&lines[device], part_of(h->samples[i].share, device)));
             sum += near * fmin(off * off, 0.2 * 0.2);
             count += near;
         }
@@ -158,25 +158,25 @@ static double find_noise(const search *s, uint32_t n, const line lines[2])
 // ---------------------------------------------------------------- bracket
 
 // The sign of A's time minus B's at a share, by all its samples; 0: not sure.
-static int sign_at(const search *s, uint32_t n, uint32_t share, double noise)
+static int sign_at(const search_history *h, uint32_t n, uint32_t share, double noise)
 {
     double differences[MOST_REPEATS];
     uint32_t count = 0;
     for (uint32_t i = 0; i < n; ++i) {
-        const search_sample *at = &s->samples[i];
+        const search_sample *at = &h->samples[i];
         if (at->share == share && both_took_part(at))
             differences[count++] = log((double)at->a_ns / (double)at->b_ns);
     }
     return count ? stats_sign(differences, count, noise * sqrt(2), SURE) : 0;
 }
 
-static void find_bracket(const search *s, uint32_t n, model *m)
+static void find_bracket(const search_history *h, uint32_t n, model *m)
 {
     m->low = 0;
     m->high = SEARCH_ONE;
     for (uint32_t i = 0; i < n; ++i) {
-        uint32_t share = s->samples[i].share;
-        int sign = sign_at(s, n, share, m->noise);
+        uint32_t share = h->samples[i].share;
+        int sign = sign_at(h, n, share, m->noise);
         if (sign < 0 && share > m->low)
             m->low = share;
         if (sign > 0 && share < m->high)
@@ -185,39 +185,39 @@ static void find_bracket(const search *s, uint32_t n, model *m)
 }
 
 // A multiple of the quantum that leaves both devices some work.
-static uint32_t to_share(const search *s, double part)
+static uint32_t to_share(const search_history *h, double part)
 {
-    double quanta = floor(part * SEARCH_ONE / s->options.quantum + 0.5);
-    uint32_t most = (SEARCH_ONE - 1) / s->options.quantum;
-    return s->options.quantum * (uint32_t)fmin(fmax(quanta, 1), most);
+    double quanta = floor(part * SEARCH_ONE / h->options.quantum + 0.5);
+    uint32_t most = (SEARCH_ONE - 1) / h->options.quantum;
+    return h->options.quantum * (uint32_t)fmin(fmax(quanta, 1), most);
 }
 
 // Where A is expected to take no longer than the dearest launch allowed.
-static double affordable(const search *s, const model *m, double part)
+static double affordable(const search_history *h, const model *m, double part)
 {
     const line *a = &m->lines[0];
-    return fmin(part, fmax(0, (s->options.probe_cost - a->at_zero) / a->slope));
+    return fmin(part, fmax(0, (h->options.probe_cost - a->at_zero) / a->slope));
 }
 
-static uint32_t find_crossing(const search *s, const model *m)
+static uint32_t find_crossing(const search_history *h, const model *m)
 {
     const line *a = &m->lines[0], *b = &m->lines[1];
     double part = (b->at_zero + b->slope - a->at_zero) / (a->slope + b->slope);
     double low = part_of(m->low, 0), high = part_of(m->high, 0);
     if (part < low || part > high)
         part = (low + high) / 2;
-    return to_share(s, affordable(s, m, part));
+    return to_share(h, affordable(h, m, part));
 }
 
-static model look(const search *s, uint32_t n)
+static model look(const search_history *h, uint32_t n)
 {
     model m;
     n = n < MOST_REPEATS ? n : MOST_REPEATS;
     for (int device = 0; device < 2; ++device)
-        m.lines[device] = fit_line(s, n, device);
-    m.noise = find_noise(s, n, m.lines);
-    find_bracket(s, n, &m);
-    m.crossing = find_crossing(s, &m);
+        m.lines[device] = fit_line(h, n, device);
+    m.noise = find_noise(h, n, m.lines);
+    find_bracket(h, n, &m);
+    m.crossing = find_crossing(h, &m);
     return m;
 }
 
@@ -233,13 +233,13 @@ typedef struct field {
 
 // A share that both had a part in, that the lines call as good as the
 // crossing, and that took what they say.
-static bool came_true(const search *s, uint32_t i, const model *m)
+static bool came_true(const search_history *h, uint32_t i, const model *m)
 {
-    const search_sample *at = &s->samples[i];
+    const search_sample *at = &h->samples[i];
     if (!both_took_part(at))
         return false;
     double expected = expected_total(m, at->share);
-    double off = fabs((double)at->total_ns / unit_ns(s) / expected - 1);
+    double off = fabs((double)at->total_ns / unit_ns(h) / expected - 1);
     return at->share == m->crossing ||
            (expected < (1 + CLOSE) * expected_total(m, m->crossing) && off < CLOSE + 2 * m->noise);
 }
@@ -260,37 +260,37 @@ static void enter_alone(const model *m, field *f)
         enter(f, SEARCH_ONE);
 }
 
-static void enter_neighbours(const search *s, const model *m, uint32_t best, field *f)
+static void enter_neighbours(const search_history *h, const model *m, uint32_t best, field *f)
 {
     double part = part_of(best, 0), step = NEIGHBOUR * expected_total(m, best);
     enter(f, best);
     enter_alone(m, f);
-    enter(f, to_share(s, part - step / m->lines[1].slope));
-    enter(f, to_share(s, part + step / m->lines[0].slope));
+    enter(f, to_share(h, part - step / m->lines[1].slope));
+    enter(f, to_share(h, part + step / m->lines[0].slope));
 }
 
-static void enter_grid(const search *s, const model *m, field *f)
+static void enter_grid(const search_history *h, const model *m, field *f)
 {
     f->surveyed = true;
     enter_alone(m, f);
     for (uint32_t k = 1; k < SURVEY; ++k) {
         double part = k / (double)SURVEY;
-        if (affordable(s, m, part) == part)
-            enter(f, to_share(s, part));
+        if (affordable(h, m, part) == part)
+            enter(f, to_share(h, part));
     }
 }
 
 // False while shares are still being refined; next is then the one to try.
-static bool find_field(const search *s, field *f, uint32_t *next)
+static bool find_field(const search_history *h, field *f, uint32_t *next)
 {
     model m = {0};
     *f = (field){0};
-    for (uint32_t n = 2; n <= s->n; ++n) {
-        m = look(s, n);
+    for (uint32_t n = 2; n <= h->n; ++n) {
+        m = look(h, n);
         f->refined = n;
         for (uint32_t i = n; i-- > 0;) {
-            if (came_true(s, i, &m)) {
-                enter_neighbours(s, &m, s->samples[i].share, f);
+            if (came_true(h, i, &m)) {
+                enter_neighbours(h, &m, h->samples[i].share, f);
                 return true;
             }
         }
@@ -299,7 +299,7 @@ static bool find_field(const search *s, field *f, uint32_t *next)
             return true;
         }
         if (n == MOST_REFINED) {
-            enter_grid(s, &m, f);
+            enter_grid(h, &m, f);
             return true;
         }
     }
@@ -307,12 +307,12 @@ static bool find_field(const search *s, field *f, uint32_t *next)
     return false;
 }
 
-static uint32_t gather(const search *s, uint32_t from, uint32_t share, double *totals)
+static uint32_t gather(const search_history *h, uint32_t from, uint32_t share, double *totals)
 {
     uint32_t n = 0;
-    for (uint32_t i = from; i < s->n && n < MOST_REPEATS; ++i) {
-        if (s->samples[i].share == share)
-            totals[n++] = (double)s->samples[i].total_ns / unit_ns(s);
+    for (uint32_t i = from; i < h->n && n < MOST_REPEATS; ++i) {
+        if (h->samples[i].share == share)
+            totals[n++] = (double)h->samples[i].total_ns / unit_ns(h);
     }
     return n;
 }
@@ -325,10 +325,11 @@ typedef struct estimate {
 // The median, drawn to the lines as if they were a few samples more: the least
 // of several noisy medians is too good to be true. A device alone is another
 // path, and after a survey the lines are known to be wrong.
-static estimate estimate_total(const search *s, const model *m, uint32_t share, bool surveyed)
+static estimate estimate_total(const search_history *h, const model *m, uint32_t share,
+                               bool surveyed)
 {
     double totals[MOST_REPEATS];
-    estimate e = {.n = gather(s, 0, share, totals)};
+    estimate e = {.n = gather(h, 0, share, totals)};
     double median = e.n ? stats_median(totals, e.n) : 0;
     bool alone = share == 0 || share == SEARCH_ONE;
     double drawn = alone || surveyed ? 0 : LINE_SAMPLES;
@@ -338,30 +339,30 @@ static estimate estimate_total(const search *s, const model *m, uint32_t share, 
 }
 
 // All repeats agree: one time of each rival is all there is to know.
-static bool is_quiet(const search *s)
+static bool is_quiet(const search_history *h)
 {
     uint32_t repeats = 0;
-    for (uint32_t i = 1; i < s->n; ++i) {
-        const search_sample *first = search_at(s, s->samples[i].share);
-        double off = (double)s->samples[i].total_ns / (double)first->total_ns - 1;
+    for (uint32_t i = 1; i < h->n; ++i) {
+        const search_sample *first = search_history_at(h, h->samples[i].share);
+        double off = (double)h->samples[i].total_ns / (double)first->total_ns - 1;
         if (fabs(off) > EQUAL)
             return false;
-        repeats += first != &s->samples[i];
+        repeats += first != &h->samples[i];
     }
     return repeats >= 2;
 }
 
 // The rival to measure next: of those that may still win, the one measured
 // least in the race. None where only the leader is left.
-static search_next race(const search *s, const field *f)
+static search_next race(const search_history *h, const field *f)
 {
-    model m = look(s, s->n);
-    bool quiet = is_quiet(s);
+    model m = look(h, h->n);
+    bool quiet = is_quiet(h);
     double noise = quiet ? EQUAL / 2 : m.noise;
     estimate seen[SURVEY + 1];
     uint32_t leader = f->n;
     for (uint32_t i = 0; i < f->n; ++i) {
-        seen[i] = estimate_total(s, &m, f->rivals[i], f->surveyed);
+        seen[i] = estimate_total(h, &m, f->rivals[i], f->surveyed);
         if (seen[i].n && (leader == f->n || seen[i].total < seen[leader].total))
             leader = i;
     }
@@ -372,56 +373,56 @@ static search_next race(const search *s, const field *f)
         double width = 2 * noise * sqrt(1.0 / fmax(seen[i].n, 1) + 1.0 / seen[leader].n);
         if (i != leader && seen[i].total > seen[leader].total * (1 + width))
             continue;
-        uint32_t raced = gather(s, f->refined, f->rivals[i], totals);
+        uint32_t raced = gather(h, f->refined, f->rivals[i], totals);
         ++alive;
         if (raced < fewest) {
             fewest = raced;
             next.share = f->rivals[i];
         }
     }
-    next.done = s->n > f->refined && (alive <= 1 || (quiet && fewest > 0));
+    next.done = h->n > f->refined && (alive <= 1 || (quiet && fewest > 0));
     return next;
 }
 
 // ---------------------------------------------------------------- strategy
 
-static bool ask(const search *s, search_next *next, duet_error *err)
+static bool ask(const search_history *h, search_next *next, duet_error *err)
 {
     (void)err;
-    *next = (search_next){.share = s->n == 0 ? 0 : search_first_share(s)};
+    *next = (search_next){.share = h->n == 0 ? 0 : search_history_first_share(h)};
     field f;
-    if (s->n < 2 || !find_field(s, &f, &next->share))
+    if (h->n < 2 || !find_field(h, &f, &next->share))
         return true;
-    *next = race(s, &f);
-    next->done = next->done || (!f.surveyed && s->n >= MOST_RACED);
+    *next = race(h, &f);
+    next->done = next->done || (!f.surveyed && h->n >= MOST_RACED);
     return true;
 }
 
-static uint32_t pick(const search *s)
+static uint32_t pick(const search_history *h)
 {
     field f;
     uint32_t next;
-    if (s->n < 2)
+    if (h->n < 2)
         return 0;
-    find_field(s, &f, &next);
-    model m = look(s, s->n);
+    find_field(h, &f, &next);
+    model m = look(h, h->n);
     uint32_t best = 0;
     double least = INFINITY;
-    for (uint32_t i = 0; i < s->n; ++i) {
-        estimate e = estimate_total(s, &m, s->samples[i].share, f.surveyed);
+    for (uint32_t i = 0; i < h->n; ++i) {
+        estimate e = estimate_total(h, &m, h->samples[i].share, f.surveyed);
         if (e.total < least) {
             least = e.total;
-            best = s->samples[i].share;
+            best = h->samples[i].share;
         }
     }
     return best;
 }
 
-static void bracket(const search *s, uint32_t *low, uint32_t *high)
+static void bracket(const search_history *h, uint32_t *low, uint32_t *high)
 {
-    if (s->n < 2)
+    if (h->n < 2)
         return;
-    model m = look(s, s->n);
+    model m = look(h, h->n);
     *low = m.low;
     *high = m.high;
 }

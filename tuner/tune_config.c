@@ -3,6 +3,7 @@
 
 #include "base/text_file.h"
 #include "gen/field.h"
+#include "gen/sandbox.h"
 #include "runtime/narrowphase/accuracy.h"
 #include "runtime/scene/shipped.h"
 #include "tuner/strategy.h"
@@ -255,7 +256,7 @@ static int read_config(lua_State *L)
 bool tune_config_load(tune_config *c, const char *path, duet_error *err)
 {
     *c = (tune_config){0};
-    c->script = script_open(NULL, err);
+    c->script = sandbox_open(NULL, err);
     bool ok = c->script && text_read_lines(&c->text, path, err) &&
               script_run(c->script, path, text_chars(&c->text), c->text.length, 1, err);
     if (ok) {

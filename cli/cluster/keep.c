@@ -5,7 +5,7 @@
 #include "base/text.h"
 #include "cli/commands/profiles.h"
 #include "profiles/cluster_run.h"
-#include "profiles/sql.h"
+#include "profiles/key.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "cli/report/profile_report.h"
-#include "gen/script.h"
+#include "gen/sandbox.h"
 #include "runtime/duet.h"
 
 #include <lauxlib.h>
@@ -128,7 +128,7 @@ bool page_make(text *page, const cJSON *shown, duet_error *err)
                                   .seconds = 3600,
                                   .failure = DUET_STATUS_BAD_INPUT};
     pushing p = {.shown = shown};
-    script *s = script_open(&limits, err);
+    script *s = sandbox_open(&limits, err);
     bool ok = s && call_page(s, &p, page, err);
     text_free(&p.words);
     script_close(s);

@@ -38,6 +38,11 @@ struct duet_scene {
     duet_body *bodies; // [n], or NULL where nothing is said of any
 };
 
+// An empty scene, which is 3D poses until rows say otherwise.
+duet_scene *scene_new(duet_error *err);
+
+bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_error *err);
+
 // Decides what a row is, before the first one (docs/formats.md). False with
 // BAD_INPUT for a count of numbers that no row has, or for one that differs from
 // an earlier call's.
@@ -54,22 +59,9 @@ const char *scene_columns_right(const duet_scene *scene);
 // BAD_OBJECT, naming place, object and number.
 bool scene_add_row(duet_scene *scene, const double *row, scene_place place, duet_error *err);
 
-// Poses become placed ones in origin cells of that edge, by the centres that were
-// kept; to be called once, after the last object.
-bool scene_set_origin(duet_scene *scene, double edge, duet_error *err);
-void scene_forget_centres(duet_scene *scene);
-
-// duet_scene_load that keeps the objects [first, end) of all that the scene has, whose number
-// it writes to *n. Objects that `each` makes are made only where they are kept, and rows of a
-// .npy file are read only there; others are read and passed over.
-duet_scene *scene_load_range(const char *path, const duet_setting *settings, uint32_t n_settings,
-                             uint64_t first, uint64_t end, uint64_t *n, duet_error *err);
-
-// duet_scene_load in which `each` makes only its first object, and of a .npy file no other is
-// read: *deferred are left out of all *n. Where there are any, parts of the scene are better read
-// by their ranges.
-duet_scene *scene_load_deferred(const char *path, const duet_setting *settings, uint32_t n_settings,
-                                uint64_t *n, uint64_t *deferred, duet_error *err);
+// Adds the next object of that layout, unless it is among those that are passed over.
+bool scene_add_object(duet_scene *scene, const scene_layout *l, const double *row,
+                      scene_place place, duet_error *err);
 
 // Passes over the next objects, at most n, up to one that is kept. Returns how many.
 uint64_t scene_pass_over(duet_scene *scene, uint64_t n);
@@ -80,38 +72,36 @@ bool scene_reorder(duet_scene *scene, const uint32_t *order, duet_error *err);
 // Of which kind a scene's objects are.
 duet_object_kind scene_kind(const duet_scene_info *info);
 
+// ---------------------------------------------------------------- scene_radii.c
+
+// Before the first object that has a radius: those before it have none.
+bool scene_begin_radii(duet_scene *scene, duet_error *err);
+bool scene_reserve_radii(duet_scene *scene, uint64_t n, duet_error *err);
+
+// Makes poses and their radii into objects of that shape.
+bool scene_join_radii(duet_scene *scene, duet_shape shape, duet_error *err);
+
+// The same into the shape that costs least, after the last object; poses stay poses where none
+// has a radius.
+bool scene_settle_radii(duet_scene *scene, duet_error *err);
+
 // An object of a scene whose objects have radii.
 duet_rounded_box scene_rounded_box(const duet_scene *scene, uint32_t id);
 
-// duet_scene_create of objects of that shape, or of large poses.
-duet_scene *scene_from_objects(duet_shape shape, const void *objects, uint32_t n, uint32_t dims,
-                               duet_error *err);
-duet_scene *scene_from_large_poses(const duet_large_pose *placed, uint32_t n, uint32_t dims,
-                                   float origin, duet_error *err);
+// ---------------------------------------------------------------- scene_origin.c
+
+// Poses become placed ones in origin cells of that edge: in the cells of the given ones, or where
+// that is NULL by the centres that were kept. To be called once, after the last object.
+bool scene_set_origin(duet_scene *scene, const duet_large_pose *given, double edge,
+                      duet_error *err);
+void scene_forget_centres(duet_scene *scene);
+
+// ---------------------------------------------------------------- scene_motion.c
 
 // "euler", "verlet" ...; NULL beyond the last.
 const char *scene_integrator_name(int integrator);
 
 // The bit of duet_effect_name; 0 where no effect is called that.
 uint32_t scene_effect_named(const char *name);
-
-bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_error *err);
-
-// What a scene is read from: a file, stdin, or what the library carries.
-typedef struct scene_source {
-    const char *name;  // what messages call it: the path
-    const char *bytes; // followed by a NUL; NULL: they are in the file
-    size_t length;
-    int file; // open, where bytes is NULL
-} scene_source;
-
-// Whether its first line that is no comment and no header begins with a number.
-bool scene_is_text(const scene_source *source);
-
-// The readers: each adds its objects to an empty scene.
-bool scene_read_text(duet_scene *scene, const scene_source *source, duet_error *err);
-bool scene_read_npy(duet_scene *scene, const scene_source *source, duet_error *err);
-bool scene_read_lua(duet_scene *scene, const scene_source *source, const duet_setting *settings,
-                    uint32_t n_settings, duet_error *err);
 
 #endif

@@ -7,8 +7,9 @@
 #include "base/error.h"
 #include "base/rng.h"
 #include "gen/field.h"
-#include "gen/script.h"
+#include "gen/sandbox.h"
 #include "runtime/narrowphase/accuracy.h"
+#include "runtime/scene/scene_source.h"
 
 #include <lauxlib.h>
 #include <math.h>
@@ -760,7 +761,7 @@ bool scene_read_lua(duet_scene *scene, const scene_source *source, const duet_se
                              .err = err};
     script_limits given = limits_for(settings, n_settings);
     scene->mixes = true;
-    script *s = script_open(&given, err);
+    script *s = sandbox_open(&given, err);
     if (!s)
         return false;
     lua_State *L = script_lua(s);

@@ -193,7 +193,8 @@ void scene_read_origin(lua_State *L, scene_reading *reading)
     if (!named)
         read_corner(L, reading, "origin", reading->scene->motion.origin);
     duet_error err = {0};
-    if (cells && !scene_set_origin(reading->scene, field_number(L, 1, "origin_edge", 1), &err)) {
+    if (cells &&
+        !scene_set_origin(reading->scene, NULL, field_number(L, 1, "origin_edge", 1), &err)) {
         error_copy(reading->err, &err);
         luaL_error(L, "%s", err.text);
     }

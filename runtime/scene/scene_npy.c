@@ -6,7 +6,7 @@
 // taken from it, so that a wrong header never leads past the end. Of a large file only the
 // rows that a scene keeps are read.
 #define _POSIX_C_SOURCE 200809L // pread
-#include "runtime/scene/scene.h"
+#include "runtime/scene/scene_source.h"
 
 #include "base/budget.h"
 #include "base/error.h"

@@ -30,8 +30,7 @@ static bool refuse_far(const duet_scene *scene, uint32_t id, double edge, duet_e
                      edge);
 }
 
-// Placed poses of the scene's poses: by the centres that were kept, or in given cells.
-static bool place_all(duet_scene *scene, const duet_large_pose *given, double edge, duet_error *err)
+bool scene_set_origin(duet_scene *scene, const duet_large_pose *given, double edge, duet_error *err)
 {
     uint32_t n = scene->info.n;
     if (!check_edge(scene, edge, err))
@@ -58,33 +57,10 @@ static bool place_all(duet_scene *scene, const duet_large_pose *given, double ed
     return ok;
 }
 
-bool scene_set_origin(duet_scene *scene, double edge, duet_error *err)
-{
-    return place_all(scene, NULL, edge, err);
-}
-
 // Centres are of use only while a scene is made.
 void scene_forget_centres(duet_scene *scene)
 {
     free(scene->centres);
     scene->centres = NULL;
     scene->keep_centres = false;
-}
-
-duet_scene *scene_from_large_poses(const duet_large_pose *placed, uint32_t n, uint32_t dims,
-                                   float origin, duet_error *err)
-{
-    if (n > 0 && !error_given(placed, "duet_scene_create", "objects", err))
-        return NULL;
-    duet_pose *poses = calloc(n > 0 ? n : 1, sizeof *poses);
-    if (!poses)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "%u poses: no memory", n);
-    for (uint32_t i = 0; i < n; ++i)
-        poses[i] = placed[i].pose;
-    duet_scene *scene = scene_from_objects(DUET_SHAPE_POSES, placed ? poses : NULL, n, dims, err);
-    free(poses);
-    if (scene && place_all(scene, placed, origin, err))
-        return scene;
-    duet_scene_destroy(scene);
-    return NULL;
 }

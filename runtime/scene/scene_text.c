@@ -3,7 +3,7 @@
 //
 // Every wrong line is refused with its number; nothing is guessed, since a
 // column passed over in silence would turn sizes into places.
-#include "runtime/scene/scene.h"
+#include "runtime/scene/scene_source.h"
 
 #include "base/budget.h"
 #include "base/error.h"

@@ -4,7 +4,7 @@
 
 #include "base/rng.h"
 #include "base/text_file.h"
-#include "runtime/scene/scene.h"
+#include "runtime/scene/scene_load.h"
 
 #include <inttypes.h>
 #include <stdio.h>

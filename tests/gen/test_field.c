@@ -2,7 +2,7 @@
 #include "support/test.h"
 
 #include "gen/field.h"
-#include "gen/script.h"
+#include "gen/sandbox.h"
 
 #include <string.h>
 
@@ -44,7 +44,7 @@ static void a_table_is_read_with_fallbacks(void **state)
 {
     (void)state;
     duet_error err = {0};
-    script *s = script_open(NULL, &err);
+    script *s = sandbox_open(NULL, &err);
     assert_ok(s, err);
     settings found = {0};
     assert_ok(read(s, "return { n = 3.0, fixed = false, world = {} }", &found, &err), err);
@@ -77,7 +77,7 @@ static void what_is_wrong_is_told_with_its_line(void **state)
         {"return {\n world = 12 }", "scene.lua:2: world must be a table, is 12"},
     };
     duet_error err = {0};
-    script *s = script_open(NULL, &err);
+    script *s = sandbox_open(NULL, &err);
     assert_ok(s, err);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         settings found;

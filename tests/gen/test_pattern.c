@@ -4,7 +4,7 @@
 
 #include "base/rng.h"
 #include "base/text.h"
-#include "gen/script.h"
+#include "gen/sandbox.h"
 
 #include <lauxlib.h>
 #include <lualib.h>
@@ -80,7 +80,7 @@ static void patterns_match_what_lua_matches(void **state)
     print_message("DUET_TEST_SEED=%u\n", seed);
     rng r = rng_seed(seed);
     duet_error err = {0};
-    script *s = script_open(NULL, &err);
+    script *s = sandbox_open(NULL, &err);
     lua_State *stock = luaL_newstate();
     luaL_openlibs(stock);
     assert_ok(s && script_run(s, "asked", asked, sizeof asked - 1, 1, &err), err);
@@ -118,7 +118,7 @@ static void patterns_match_what_lua_matches(void **state)
 static void assert_says(const char *chunk, const char *wanted)
 {
     duet_error err = {0};
-    script *s = script_open(NULL, &err);
+    script *s = sandbox_open(NULL, &err);
     assert_ok(s && script_run(s, "card.lua", chunk, strlen(chunk), 1, &err), err);
     assert_string_equal(lua_tostring(script_lua(s), -1), wanted);
     script_close(s);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
-#include "gen/script.h"
+#include "gen/sandbox.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -34,7 +34,7 @@ static void refuse_each(const script_limits *limits, const char *const *chunks, 
 {
     for (size_t i = 0; i < n; ++i) {
         duet_error err = {0};
-        script *s = script_open(limits, &err);
+        script *s = sandbox_open(limits, &err);
         assert_ok(s, err);
         refuse(s, chunks[i], why);
         script_close(s);
@@ -48,7 +48,7 @@ static void results_are_left_on_the_stack(void **state)
 {
     (void)state;
     duet_error err = {0};
-    script *s = script_open(NULL, &err);
+    script *s = sandbox_open(NULL, &err);
     assert_ok(s, err);
     assert_ok(run(s, "return 'a', math.maxinteger", 2, &err), err);
     assert_string_equal(lua_tostring(script_lua(s), 1), "a");
@@ -106,7 +106,7 @@ static void ordinary_patterns_pass(void **state)
 {
     (void)state;
     duet_error err = {0};
-    script *s = script_open(NULL, &err);
+    script *s = sandbox_open(NULL, &err);
     assert_ok(s, err);
     assert_ok(run(s,
                   "local n = 0\n"
@@ -125,7 +125,7 @@ static void a_search_takes_what_it_looks_at(void **state)
 {
     (void)state;
     duet_error err = {0};
-    script *s = script_open(&tight, &err);
+    script *s = sandbox_open(&tight, &err);
     assert_ok(s, err);
     assert_ok(run(s,
                   "local s, at, n = (('x'):rep(99) .. '\\n'):rep(2000), 1, 0\n"
@@ -164,7 +164,7 @@ static void an_error_of_any_kind_is_one_line_with_a_place(void **state)
 {
     (void)state;
     duet_error err = {0};
-    script *s = script_open(&tight, &err);
+    script *s = sandbox_open(&tight, &err);
     assert_ok(s, err);
     refuse(s, "\n\nerror('wrong')", "card.lua:3: wrong");
     refuse(s, "\n\nerror('two\\nlines')", "card.lua:3: two lines");
@@ -187,7 +187,7 @@ static void a_long_path_is_named_whole(void **state)
 {
     (void)state;
     duet_error err = {0};
-    script *s = script_open(NULL, &err);
+    script *s = sandbox_open(NULL, &err);
     assert_ok(s, err);
     const char *path = "some/folder/whose/name/goes/on/and/on/until/it/is/longer/than/sixty/x.lua";
     assert_false(script_run(s, path, "\nerror('here')", 14, 0, &err));
@@ -206,7 +206,7 @@ static void nothing_dangerous_is_within_reach(void **state)
         "xpcall",   "setmetatable", "getmetatable", "rawget", "rawset",  "rawequal",       "rawlen",
         "next",     "_G",           "string.dump"};
     duet_error err = {0};
-    script *s = script_open(NULL, &err);
+    script *s = sandbox_open(NULL, &err);
     assert_ok(s, err);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         char chunk[100];
@@ -230,8 +230,8 @@ static void every_run_gives_the_same(void **state)
         "for k, v in pairs(t) do out[#out + 1] = tostring(k) .. '=' .. v end\n"
         "return table.concat(out, ',')";
     duet_error err = {0};
-    script *a = script_open(NULL, &err);
-    script *b = script_open(NULL, &err);
+    script *a = sandbox_open(NULL, &err);
+    script *b = sandbox_open(NULL, &err);
     assert_ok(a && b, err);
     assert_ok(run(a, chunk, 1, &err) && run(b, chunk, 1, &err), err);
     const char *said = lua_tostring(script_lua(a), -1);
@@ -247,7 +247,7 @@ static void limits_begin_again_with_each_call(void **state)
 {
     (void)state;
     duet_error err = {0};
-    script *s = script_open(&tight, &err);
+    script *s = sandbox_open(&tight, &err);
     assert_ok(s, err);
     for (int i = 0; i < 5; ++i)
         assert_ok(run(s, "for i = 1, 900000 do end", 0, &err), err);
@@ -261,7 +261,7 @@ static void few_instructions_that_move_many_bytes_end_in_time(void **state)
     script_limits limits = {
         .memory_bytes = 64 << 20, .instructions = (uint64_t)1 << 60, .seconds = 0.2};
     duet_error err = {0};
-    script *s = script_open(&limits, &err);
+    script *s = sandbox_open(&limits, &err);
     assert_ok(s, err);
     refuse(s, "local s = ('x'):rep(1e6) for i = 1, 1e9 do local t = s:reverse() end",
            "card.lua:1: runs for more than the 0.2 seconds");
@@ -274,7 +274,7 @@ static void too_little_memory_for_a_state_is_an_error(void **state)
     for (size_t bytes = 0; bytes < 40000; bytes += 1000) {
         script_limits limits = {.memory_bytes = bytes, .instructions = 1000000, .seconds = 5};
         duet_error err = {0};
-        script *s = script_open(&limits, &err);
+        script *s = sandbox_open(&limits, &err);
         assert_true(s || err.status != DUET_STATUS_OK);
         script_close(s);
     }
@@ -287,7 +287,7 @@ static void memory_that_ends_while_the_stack_grows_is_told_with_a_line(void **st
     for (size_t bytes = 100000; bytes < 600000; bytes += 20000) {
         script_limits limits = {.memory_bytes = bytes, .instructions = 10000000, .seconds = 5};
         duet_error err = {0};
-        script *s = script_open(&limits, &err);
+        script *s = sandbox_open(&limits, &err);
         assert_ok(s, err);
         refuse(s, "\nlocal function f(n) return 1 + f(n + 1) end\nf(1)",
                "card.lua:2: needs more than the");

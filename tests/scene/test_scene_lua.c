@@ -5,7 +5,7 @@
 #include "base/rng.h"
 #include "base/text_file.h"
 #include "gen/script.h"
-#include "runtime/scene/scene.h"
+#include "runtime/scene/scene_load.h"
 
 #include <inttypes.h>
 #include <math.h>

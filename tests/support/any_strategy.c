@@ -2,7 +2,6 @@
 #include "support/any_strategy.h"
 
 #include "base/text_file.h"
-#include "tuner/strategy.h"
 
 const char *const any_strategies[] = {"balance", "fig12",  "bisect", "golden",
                                       "grid",    "chunks", NULL};
@@ -24,12 +23,12 @@ bool any_strategy_begin(search *s, const char *name, duet_error *err)
         return search_begin(s, name, NULL, err);
     if (!search_begin(s, "lua", NULL, err))
         return false;
-    s->script = open_experiment(name, err);
-    return s->script;
+    s->history.script = open_experiment(name, err);
+    return s->history.script;
 }
 
 void any_strategy_end(search *s)
 {
-    script_close(s->script);
+    script_close(s->history.script);
     search_end(s);
 }

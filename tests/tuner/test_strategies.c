@@ -4,7 +4,6 @@
 #include "support/any_strategy.h"
 #include "support/program.h"
 #include "support/simulated_pair.h"
-#include "tuner/strategy.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -21,7 +20,7 @@ static uint32_t pick_of(const char *name, const simulated_pair *model, rng *r, u
     assert_ok(simulated_run(&s, model, r, &cost_ns, &err), err);
     uint32_t share = search_pick(&s);
     if (launches)
-        *launches = s.n;
+        *launches = s.history.n;
     if (cost)
         *cost = (double)cost_ns / (double)simulated_best(model).total_ns;
     any_strategy_end(&s);
@@ -241,9 +240,9 @@ static void balance_never_launches_at_a_share_that_is_dear(void **state)
         duet_error err = {0};
         assert_ok(search_begin(&s, "balance", NULL, &err), err);
         assert_ok(simulated_run(&s, &model, NULL, &cost, &err), err);
-        for (uint32_t k = 0; k < s.n; ++k) {
-            assert_true((double)s.samples[k].total_ns <= most * alone);
-            assert_true(s.samples[k].share < SEARCH_ONE || model.ratio < 1.5);
+        for (uint32_t k = 0; k < s.history.n; ++k) {
+            assert_true((double)s.history.samples[k].total_ns <= most * alone);
+            assert_true(s.history.samples[k].share < SEARCH_ONE || model.ratio < 1.5);
         }
         assert_true((double)cost <= (16 + model.ratio / 16) * alone);
         search_end(&s);
@@ -280,8 +279,8 @@ static void a_neighbours_share_is_the_first_probe(void **state)
     uint64_t cost;
     assert_ok(search_begin(&s, "balance", &options, &err), err);
     assert_ok(simulated_run(&s, &model, NULL, &cost, &err), err);
-    assert_int_equal(s.samples[1].share, options.start);
-    assert_true(s.n <= 6);
+    assert_int_equal(s.history.samples[1].share, options.start);
+    assert_true(s.history.n <= 6);
     assert_true(simulated_excess(&model, search_pick(&s)) < 0.005);
     search_end(&s);
 }
@@ -326,7 +325,7 @@ static void senseless_times_do_no_harm(void **state)
             search_sample sample = {next.share, ns[0], ns[1], ns[2]};
             assert_ok(search_tell(&s, &sample, &err), err);
             search_bracket(&s, &low, &high);
-            assert_true(s.n < 1000 && search_pick(&s) <= SEARCH_ONE);
+            assert_true(s.history.n < 1000 && search_pick(&s) <= SEARCH_ONE);
         }
         assert_int_equal(err.status, DUET_STATUS_OK);
         any_strategy_end(&s);
@@ -339,9 +338,9 @@ static void begin_again(search *s)
     duet_error err = {0};
     search told;
     assert_ok(search_begin(&told, s->strategy->name, NULL, &err), err);
-    for (uint32_t i = 0; i < s->n; ++i)
-        assert_ok(search_tell(&told, &s->samples[i], &err), err);
-    told.script = s->script;
+    for (uint32_t i = 0; i < s->history.n; ++i)
+        assert_ok(search_tell(&told, &s->history.samples[i], &err), err);
+    told.history.script = s->history.script;
     search_end(s);
     *s = told;
 }
@@ -361,7 +360,7 @@ static uint32_t run_with_stops(const char *name, const simulated_pair *model, bo
             begin_again(&s);
     }
     uint32_t share = search_pick(&s);
-    *launches = s.n;
+    *launches = s.history.n;
     any_strategy_end(&s);
     return share;
 }

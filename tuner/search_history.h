@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// What a search for the share has to decide from: its options, and the samples
+// that it was told, in order.
+#ifndef TUNER_SEARCH_HISTORY_H
+#define TUNER_SEARCH_HISTORY_H
+
+#include "base/error.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define SEARCH_ONE 65536u // the whole work; shares are out of it
+
+// One launch: the share that A took and the wall-clock times.
+typedef struct search_sample {
+    uint32_t share;
+    uint64_t total_ns;
+    uint64_t a_ns; // 0 where the device took no part
+    uint64_t b_ns;
+} search_sample;
+
+typedef struct search_options {
+    uint32_t launches; // at most so many; 0: the strategy's own number
+    uint32_t quantum;  // shares nearer than this are the same; a work-group's part
+    uint32_t points;   // grid: intervals between 0 and 1
+    uint32_t rounds;   // grid: how often it goes over all of them
+    bool has_start;    // start is a neighbouring workload's share: begin near it
+    uint32_t start;
+    double probe_cost; // balance: no launch that is expected to take longer than
+                       // this many times share 0
+} search_options;
+
+search_options search_default_options(void);
+
+typedef struct search_history {
+    search_options options;
+    struct script *script;  // of strategy lua only; borrowed
+    search_sample *samples; // in the order they were measured
+    uint32_t n;
+    uint32_t capacity;
+} search_history;
+
+bool search_history_add(search_history *h, const search_sample *sample, duet_error *err);
+void search_history_free(search_history *h);
+
+// The first sample of that share; NULL where there is none.
+const search_sample *search_history_at(const search_history *h, uint32_t share);
+
+// The first share that both take part in: the neighbour's, or 1/16, which is
+// large against overheads and 16 times cheaper than all.
+uint32_t search_history_first_share(const search_history *h);
+
+#endif
