@@ -102,6 +102,8 @@ bool callers_events_hold(callers_events *to, cl_uint n, const cl_event *events, 
 bool callers_events_mark(callers_events *to, const device *d, duet_error *err)
 {
     cl_command_queue_properties properties = 0;
+    if (!d->callers) // Duet opened the device
+        return true;
     clGetCommandQueueInfo(d->callers, CL_QUEUE_PROPERTIES, sizeof properties, &properties, NULL);
     if (to->n > 0 && (properties & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE))
         return true;

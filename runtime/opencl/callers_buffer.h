@@ -36,7 +36,8 @@ typedef struct callers_events {
 bool callers_events_hold(callers_events *to, cl_uint n, const cl_event *events, duet_error *err);
 
 // Adds a marker behind what the caller has enqueued in the device's queue, and sends it on its way:
-// none where the queue is out of order and there are events already.
+// none where the device has no queue of the caller's, or that is out of order and there are events
+// already.
 bool callers_events_mark(callers_events *to, const device *d, duet_error *err);
 
 // Waits, and lets go of what is over. `what` waits for them, in the line that says they failed.

@@ -608,6 +608,36 @@ static void pairs_are_left_in_buffers(void **state)
     }
 }
 
+// Of a pair that Duet opened the caller knows the context by a buffer that a step left, and there
+// is no queue of the caller's to wait for.
+static void buffers_come_from_the_context_of_a_pair_without_queues(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    duet_device_pair *pair = duet_device_pair_create(&def, &err);
+    assert_ok(pair != NULL, err);
+    duet_world *world = make_world(pair, duet_default_world_def());
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+    const uint64_t hash = hash_of(world);
+    duet_pair_buffers left;
+    assert_ok(duet_world_leave_pairs(world, 1, NULL, NULL, &err), err);
+    step(world);
+    assert_ok(duet_world_get_pair_buffers(world, &left, &err), err);
+    cl_context context = NULL;
+    clGetMemObjectInfo(left.pairs, CL_MEM_CONTEXT, sizeof context, &context, NULL);
+    cl_int code = CL_SUCCESS;
+    cl_mem mem = clCreateBuffer(context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, sizeof poses,
+                                poses, &code);
+    assert_int_equal(code, CL_SUCCESS);
+    assert_ok(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, &err), err);
+    clReleaseMemObject(mem);
+    assert_ok(duet_world_bring_pairs(world, &err), err);
+    assert_true(hash_of(world) == hash);
+    duet_world_destroy(world);
+    duet_device_pair_destroy(pair);
+}
+
 static void a_buffer_too_small_for_the_pairs_is_left_as_it_was(void **state)
 {
     (void)state;
@@ -876,6 +906,7 @@ int main(void)
         FACT(a_step_reads_objects_once_what_it_waits_for_is_over),
         FACT(what_was_waited_for_in_vain_is_told),
         FACT(pairs_are_left_in_buffers),
+        FACT(buffers_come_from_the_context_of_a_pair_without_queues),
         FACT(a_buffer_too_small_for_the_pairs_is_left_as_it_was),
         FACT(commands_that_wait_for_a_step_see_its_pairs),
         FACT(between_the_halves_of_a_step_nothing_else_is_taken),
