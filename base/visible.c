@@ -95,6 +95,10 @@ void visible_line(char *line, size_t size)
         size_t taken = visible_show(line + at, length - at, "", shown);
         size_t n = strlen(shown), space = size - 1 - at, rest = length - at - taken;
         bool all = n + rest <= space;
+        if (n == taken) { // shown as it is
+            at += n;
+            continue;
+        }
         if (n > space) {
             line[at] = '\0';
             return;

@@ -209,8 +209,8 @@ bool world_clear_pairs(duet_world *world)
 
 void pair_buffers_drop(pair_buffers *b)
 {
-    callers_buffer_release(&b->pairs);
-    callers_buffer_release(&b->count);
+    mem_release(&b->pairs);
+    mem_release(&b->count);
     buffer_release(&b->own_pairs);
     buffer_release(&b->own_count);
     *b = (pair_buffers){0};

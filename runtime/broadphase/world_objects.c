@@ -52,7 +52,7 @@ const char *world_objects_name(const duet_world_def *def)
 void resident_drop(resident *r)
 {
     if (r->callers)
-        callers_buffer_release(&r->objects.mem);
+        mem_release(&r->objects.mem);
     callers_events_release(&r->ready);
     *r = (resident){0};
 }

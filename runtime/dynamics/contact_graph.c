@@ -130,9 +130,9 @@ void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n)
         c->altered[c->n_altered++] = places[i];
 }
 
-static bool are_some_altered(const duet_motion *m)
+bool motion_rows_are_stale(const duet_motion *m)
 {
-    return m->commands && m->commands->n_altered > 0;
+    return m->rows_stale || (m->commands && m->commands->n_altered > 0);
 }
 
 static void list_once(motion_commands *c)
@@ -247,7 +247,7 @@ static bool find_altered_pairs(duet_motion *m, bool *found, duet_error *err)
 // Those of what commands altered, where the others' hold on; else all.
 static bool search(duet_motion *m, duet_error *err)
 {
-    bool some = !m->rows_stale && are_some_altered(m), found = false;
+    bool some = !m->rows_stale && motion_rows_are_stale(m), found = false;
     if (some && !find_altered_pairs(m, &found, err))
         return false;
     m->rows_stale = false;
@@ -258,10 +258,9 @@ static bool search(duet_motion *m, duet_error *err)
 
 static bool find_candidates(duet_motion *m, bool *hold, duet_error *err)
 {
-    bool skin = m->has_graph && (m->effects & DUET_EFFECT_SKIN);
-    bool same = !m->rows_stale && !are_some_altered(m);
+    bool skin = m->has_graph && !motion_rows_are_stale(m) && (m->effects & DUET_EFFECT_SKIN);
     *hold = false;
-    return (!skin || !same || bounds_hold(m, hold, err)) && (*hold || search(m, err));
+    return (!skin || bounds_hold(m, hold, err)) && (*hold || search(m, err));
 }
 
 // ---------------------------------------------------------------- rows

@@ -59,10 +59,7 @@ static inline bool motion_is_hidden(const duet_motion *m, uint32_t place)
 // Rows are to be searched about these places, or as a whole where that is no more work.
 void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n);
 
-static inline bool motion_rows_are_stale(const duet_motion *m)
-{
-    return m->rows_stale || (m->commands && m->commands->n_altered > 0);
-}
+bool motion_rows_are_stale(const duet_motion *m);
 
 // At rest, as far as bodies say; to be sent.
 void motion_stop(duet_motion *m, uint32_t place);

@@ -234,8 +234,7 @@ static void empty_places(duet_motion *m)
 bool motion_end_commands(duet_motion *m, duet_error *err)
 {
     motion_commands *c = m->commands;
-    if (c->any_left &&
-        ((!m->rows_stale && c->n_altered == 0) || !(m->effects & DUET_EFFECT_CONTACT)))
+    if (c->any_left && (!motion_rows_are_stale(m) || !(m->effects & DUET_EFFECT_CONTACT)))
         empty_places(m);
     return !c->pushed || forget_forces(m, err);
 }

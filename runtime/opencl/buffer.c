@@ -27,7 +27,7 @@ static void *allocate(size_t bytes)
     return memory;
 }
 
-static void release(cl_mem *mem)
+void mem_release(cl_mem *mem)
 {
     if (!*mem)
         return;
@@ -90,7 +90,7 @@ bool buffer_hold(buffer *b, const device *d, void *host, size_t bytes, duet_erro
 
 void buffer_release(buffer *b)
 {
-    release(&b->mem);
+    mem_release(&b->mem);
     if (!b->borrowed)
         free(b->host);
     *b = (buffer){0};
@@ -153,7 +153,7 @@ void host_lock_take(host_lock *l, const device devices[], int n_devices, const v
 
 void host_lock_release(host_lock *l)
 {
-    release(&l->mem);
+    mem_release(&l->mem);
 }
 
 void host_block_release(host_block *h)
@@ -164,6 +164,6 @@ void host_block_release(host_block *h)
     }
     if (!h->mem)
         free(h->bytes);
-    release(&h->mem);
+    mem_release(&h->mem);
     *h = (host_block){0};
 }

@@ -27,6 +27,9 @@ bool buffer_hold(buffer *b, const device *d, void *host, size_t bytes, duet_erro
 
 void buffer_release(buffer *b);
 
+// Lets go of one that was made or held; it is NULL then, and NULL is passed over.
+void mem_release(cl_mem *mem);
+
 // Each has the other's memory afterwards; nothing is moved.
 void buffer_swap(buffer *a, buffer *b);
 

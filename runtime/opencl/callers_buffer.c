@@ -146,12 +146,3 @@ cl_mem callers_buffer_hold(cl_mem mem)
     }
     return mem;
 }
-
-void callers_buffer_release(cl_mem *mem)
-{
-    if (!*mem)
-        return;
-    clReleaseMemObject(*mem);
-    device_object_gone();
-    *mem = NULL;
-}

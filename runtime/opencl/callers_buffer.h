@@ -44,8 +44,7 @@ bool callers_events_mark(callers_events *to, const device *d, duet_error *err);
 bool callers_events_wait(callers_events *events, const char *what, duet_error *err);
 void callers_events_release(callers_events *events);
 
-// Counted, like what is made.
+// Counted, like what is made, until mem_release (runtime/opencl/buffer.h).
 cl_mem callers_buffer_hold(cl_mem mem);
-void callers_buffer_release(cl_mem *mem);
 
 #endif
