@@ -148,6 +148,13 @@ static bool make_queue(cl_command_queue *queue, const device *d, duet_error *err
     return true;
 }
 
+static void share_context(device *d, cl_context context)
+{
+    clRetainContext(context);
+    d->context = context;
+    device_object_made();
+}
+
 static bool make_context(device *d, duet_error *err)
 {
     cl_int code = CL_SUCCESS;
@@ -174,6 +181,17 @@ bool device_open(device *d, const char *selector, duet_error *err)
 {
     *d = (device){0};
     return make_ready(d, choose_id(d, selector, err) && make_context(d, err), err);
+}
+
+bool device_open_beside(device *d, const char *selector, const device *first, duet_error *err)
+{
+    *d = (device){0};
+    bool ok = choose_id(d, selector, err);
+    if (ok && d->id == first->id)
+        share_context(d, first->context);
+    else
+        ok = ok && make_context(d, err);
+    return make_ready(d, ok, err);
 }
 
 // ---------------------------------------------------------------- a caller's queue
@@ -217,9 +235,7 @@ static bool hold_context(device *d, cl_command_queue queue, duet_error *err)
         return error_set_cl(err, code, "a queue of the caller's: asking for its device");
     d->callers = queue;
     device_object_made();
-    clRetainContext(context);
-    d->context = context;
-    device_object_made();
+    share_context(d, context);
     clRetainDevice(d->id);
     d->owns_part = true;
     device_object_made();

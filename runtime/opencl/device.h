@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // One OpenCL device that we work on.
 //
-// Each has a context and a queue of its own, also where two are parts of one
+// Each has queues of its own, and a context of its own, also where two are parts of one
 // CPU: all pairs of devices, of one platform or of two, then work alike, and
-// parts of a CPU were measured to run truly side by side this way. One that is
-// opened on a queue of the caller's has that queue's context, and queues of its own.
+// parts of a CPU were measured to run truly side by side this way. A device that is both A and B
+// has one context: a GPU's driver takes a tenth of a second and more to make another one, and a
+// second where eight processes ask at once. One that is opened on a queue of the caller's has that
+// queue's context.
 #ifndef RUNTIME_DEVICE_H
 #define RUNTIME_DEVICE_H
 
@@ -41,6 +43,8 @@ bool program_builder_keeps(const program_builder *b, const duet_device_info *inf
 // NO_DEVICE where there is none at all, NOT_FOUND for an unknown one,
 // BAD_ARGUMENT for a part that cannot be had; *d is then empty.
 bool device_open(device *d, const char *selector, duet_error *err);
+// The same, in the context of first where that is the same device.
+bool device_open_beside(device *d, const char *selector, const device *first, duet_error *err);
 // Opens the device of a queue of the caller's in the queue's context.
 bool device_open_on_queue(device *d, cl_command_queue queue, duet_error *err);
 void device_close(device *d); // an empty one is passed over

@@ -105,7 +105,8 @@ static bool open_devices(duet_device_pair *pair, const duet_device_pair_def *def
                                                         : cut_list(&chosen, def->a, err)))
         return false;
     return device_open(&pair->devices[0], *chosen.a ? chosen.a : def->a, err) &&
-           device_open(&pair->devices[1], *chosen.b ? chosen.b : def->b, err);
+           device_open_beside(&pair->devices[1], *chosen.b ? chosen.b : def->b, &pair->devices[0],
+                              err);
 }
 
 bool duet_device_pair_is_one(const duet_device_pair *pair)

@@ -105,18 +105,29 @@ static void a_part_has_the_units_it_names(void **state)
     }
 }
 
-static void devices_of_a_pair_have_contexts_and_queues_of_their_own(void **state)
+static void check_contexts(const char *a, const char *b, bool is_one)
+{
+    duet_error err = {0};
+    duet_device_pair *pair = open_pair(a, b, &err);
+    assert_ok(pair, err);
+    const device *devices = pair->devices;
+    assert_true((devices[0].context == devices[1].context) == is_one);
+    assert_ptr_not_equal(devices[0].queue, devices[1].queue);
+    assert_ptr_not_equal(devices[0].queue, devices[0].beside);
+    assert_int_equal(device_live_objects(), 2 * 3 + devices[0].owns_part + devices[1].owns_part);
+    duet_device_pair_destroy(pair);
+}
+
+static void devices_have_contexts_of_their_own_and_one_that_is_both_has_one(void **state)
 {
     (void)state;
-    duet_error err = {0};
-    duet_device_pair *pair = open_pair(NULL, NULL, &err);
-    assert_ok(pair, err);
-    assert_ptr_not_equal(pair->devices[0].context, pair->devices[1].context);
-    assert_ptr_not_equal(pair->devices[0].queue, pair->devices[1].queue);
-    assert_ptr_not_equal(pair->devices[0].queue, pair->devices[0].beside);
-    assert_int_equal(device_live_objects(),
-                     2 * 3 + pair->devices[0].owns_part + pair->devices[1].owns_part);
-    duet_device_pair_destroy(pair);
+    const duet_device_info *cpu = cuttable_cpu();
+    char first[96], last[96];
+    snprintf(first, sizeof first, "%s[1/2]", cpu->selector);
+    snprintf(last, sizeof last, "%s[2/2]", cpu->selector);
+    check_contexts(first, last, false);
+    check_contexts(first, first, false);
+    check_contexts(cpu->selector, cpu->selector, true);
 }
 
 // A folder that nobody named holds what drivers do not keep themselves, as PoCL does.
@@ -597,7 +608,7 @@ int main(void)
         FACT(every_listed_device_can_be_opened_by_its_selector),
         FACT(selectors_are_unique),
         FACT(a_part_has_the_units_it_names),
-        FACT(devices_of_a_pair_have_contexts_and_queues_of_their_own),
+        FACT(devices_have_contexts_of_their_own_and_one_that_is_both_has_one),
         FACT(without_selectors_a_whole_machine_is_chosen),
         FACT(halves_hold_all_units_between_them),
         FACT(one_selector_is_a_pair_of_one),
