@@ -8,7 +8,6 @@
 #include "cluster/own_pair.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,6 +47,7 @@ void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *
     homes_take(&c->homes, &none);
     cluster_close_workers(c->workers);
     walk_free(&c->walk);
+    border_close(&c->border);
     memcpy(c->workers, workers, sizeof c->workers);
     c->def.world = *world;
     c->homes.form = object_form_of(world);
@@ -114,6 +114,7 @@ void duet_cluster_destroy(duet_cluster *c)
     if (!c)
         return;
     ranks_await_end(&c->ranks, __func__);
+    border_close(&c->border);
     homes_end(&c->homes);
     cluster_close_workers(c->workers);
     duet_device_pair_destroy(c->own_pair);
@@ -329,6 +330,8 @@ static bool fill_in_place(duet_cluster *c, duet_error *own)
         return false;
     if (c->parts.n > 1)
         return fill_parts(c, own);
+    if (c->border.is_searching)
+        return border_take_ghosts(c, own);
     cluster_follow(c);
     return seen_append(&c->seen[0], &c->homes, &c->ranks, &c->ghosts.in, own);
 }
@@ -342,7 +345,7 @@ static bool settle(duet_cluster *c, uint64_t n_in_place, bool *settled, duet_err
     bool in_place = seen_in_any_order(c->def.world.level);
     forget_found(c);
     memset(c->filled, 0, sizeof c->filled);
-    c->walk.done = false;
+    c->walk.done = c->border.done = false;
     bool stay = in_place && n_in_place == (uint64_t)c->ranks.n;
     *settled = stay || !c->homes.holder || homes_move_out(&c->homes, own);
     bool are_new = c->homes.widest == 0; // and all of them travel
@@ -350,6 +353,8 @@ static bool settle(duet_cluster *c, uint64_t n_in_place, bool *settled, duet_err
     bool ok = homes_settle(&c->homes, &c->ranks, &c->cut, c->def.imbalance, settled, own);
     if (c->homes.n_cuts > n_cuts)
         balance_begin(&c->balance, are_new ? 0 : ms_since(begun_ns));
+    if (ok && *settled && stay && c->walk.wanted)
+        border_begin(c);
     ok = ok && ghosts_exchange(&c->ghosts, &c->homes, &c->ranks, *settled, own);
     if (ok) {
         c->n_ghosts = c->ghosts.in.n + c->homes.n_gone;
@@ -359,11 +364,12 @@ static bool settle(duet_cluster *c, uint64_t n_in_place, bool *settled, duet_err
 }
 
 // A call that needs all objects where they belong: begins it, and settles them. One that searches
-// them, and may do so on the way, needs more than a walk leaves.
+// them, and may do so on the way, needs more than a step leaves that did.
 static bool begin_settled(duet_cluster *c, const char *call, bool searches, bool ok, bool *settled,
                           duet_error *own)
 {
-    tally t = {.sums = {c->changed || (searches && c->walk.done), c->homes.holder != NULL}};
+    bool is_apart = c->walk.done || c->border.done;
+    tally t = {.sums = {c->changed || (searches && is_apart), c->homes.holder != NULL}};
     c->walk.wanted = searches;
     *settled = true;
     if (!ranks_agree_on(&c->ranks, call, ok, &t, own))
@@ -383,21 +389,9 @@ bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *
     return ok || error_copy(err, own);
 }
 
-// A worker that finds the pairs of a part.
-typedef struct search {
-    worker *worker;
-    const seen *seen;
-    global_ids ids;
-    bool tells_ids; // of homes that lie where the worker reads them
-    worker_found found;
-    duet_error err;
-    bool ok;
-    bool is_apart; // on a thread of its own
-    pthread_t thread;
-} search;
-
-static global_ids ids_of_homes(const homes *h)
+global_ids cluster_ids_of_homes(const duet_cluster *c)
 {
+    const homes *h = &c->homes;
     return (global_ids){
         .list = h->rows.ids,
         .n = h->rows.n,
@@ -409,50 +403,24 @@ static global_ids ids_of_homes(const homes *h)
     };
 }
 
-// Without homes there are no pairs of this rank's, and nothing is built.
-static void *run_search(void *arg)
-{
-    search *s = arg;
-    s->ok = true;
-    if (seen_homes(s->seen) == 0)
-        return NULL;
-    if (s->tells_ids && s->worker->tell_ids)
-        s->worker->tell_ids(s->worker, &s->ids);
-    s->ok = s->worker->find(s->worker, &s->found, &s->err);
-    return NULL;
-}
-
 // The ids of a part are told anew each time, and not where its pairs are listed.
-static void begin_search(duet_cluster *c, uint32_t turn, search *s)
+static void begin_search(duet_cluster *c, uint32_t turn, worker_search *s)
 {
     const seen *what = &c->seen[turn % 2];
     bool is_only = c->parts.n == 1;
-    *s = (search){.worker = c->workers[turn % 2], .seen = what};
+    *s = (worker_search){.worker = c->workers[turn % 2], .seen = what};
     s->tells_ids = c->homes.holder && !c->own.lists;
-    s->ids = is_only ? ids_of_homes(&c->homes)
+    s->ids = is_only ? cluster_ids_of_homes(c)
                      : (global_ids){.list = what->rows.ids, .n = what->behind, .all_changed = true};
-    s->is_apart =
-        !is_only && !c->ranks.simulation && pthread_create(&s->thread, NULL, run_search, s) == 0;
-    if (!s->is_apart)
-        run_search(s);
+    worker_search_begin(s, !is_only && !c->ranks.simulation);
     if (is_only && s->ok && seen_homes(what) > 0 && s->tells_ids)
         homes_forget_renamed(&c->homes);
 }
 
-static bool end_search(search *s, duet_error *own)
-{
-    if (s->is_apart)
-        pthread_join(s->thread, NULL);
-    s->is_apart = false;
-    if (!s->ok)
-        return error_copy(own, &s->err);
-    return seen_check_found(s->seen, &s->found, own);
-}
-
 // A search that has ended needs its ghosts no longer.
-static bool leave(duet_cluster *c, uint32_t turn, search *s, duet_error *own)
+static bool leave(duet_cluster *c, uint32_t turn, worker_search *s, duet_error *own)
 {
-    bool ok = end_search(s, own);
+    bool ok = worker_search_end(s, own);
     if (c->homes.n_ranges > 0)
         parts_close(&c->parts, &c->homes, part_of_turn(c, turn));
     return ok;
@@ -479,11 +447,11 @@ static bool must_wait(const duet_cluster *c, uint32_t turn)
 static bool find_own(duet_cluster *c, duet_error *own)
 {
     uint32_t n = c->parts.n;
-    search searches[2] = {{0}};
+    worker_search searches[2] = {{0}};
     bool ok = true;
     own_pairs_begin(&c->own, n > 1 && !c->def.drops_pairs);
     for (uint32_t i = 0; ok && i <= n; ++i) {
-        search *now = &searches[i % 2], *before = &searches[(i + 1) % 2];
+        worker_search *now = &searches[i % 2], *before = &searches[(i + 1) % 2];
         bool has_next = i < n, waits = has_next && i > 0 && must_wait(c, i);
         ok = !has_next || n == 1 || waits || fill(c, i, own);
         if (i > 0)
@@ -495,7 +463,7 @@ static bool find_own(duet_cluster *c, duet_error *own)
         if (ok && i > 0 && !waits)
             ok = own_pairs_add(&c->own, before->seen, &before->found, own);
         if (!ok)
-            end_search(now, NULL);
+            worker_search_end(now, NULL);
     }
     if (!ok)
         give_up(c);
@@ -510,7 +478,10 @@ static bool find(duet_cluster *c, bool ok, tally *t, duet_error *own)
 {
     if (c->is_cold)
         ranks_await_turn(&c->ranks, homes_count(&c->homes) > 0);
-    ok = ok && (c->walk.done ? walk_end(c, own) && lend_largest(c, own) : find_own(c, own));
+    if (c->border.is_searching)
+        ok = border_end(c, ok, own);
+    else
+        ok = ok && (c->walk.done ? walk_end(c, own) && lend_largest(c, own) : find_own(c, own));
     if (c->is_cold)
         ranks_end_turn(&c->ranks);
     c->is_cold = false;
@@ -556,11 +527,17 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     bool was_cold = c->is_cold;
     uint64_t begun_ns = ranks_now_ns(), n_cuts = c->homes.n_cuts;
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
+    if (was_cold) { // the plan or the level may be another
+        c->changed |= c->border.done;
+        border_close(&c->border);
+    }
     parallel_be_keen(&c->threads,
                      c->workers[0]->spares_host && c->workers[0]->spares_host(c->workers[0]));
     ok = begin_settled(c, __func__, true, ok, &settled, &own) && find(c, settled, &t, &own);
     c->changed = c->changed && !ok;
     if (!ok) {
+        if (c->border.is_searching)
+            border_end(c, false, NULL);
         forget_found(c);
         own_pairs_end(&c->own);
         return error_copy(err, &own);
@@ -572,6 +549,15 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     *result = (duet_cluster_result){
         .objects = t.sums[0], .pairs = t.sums[1], .hash = t.sums[2], .total_ms = total_ms};
     return true;
+}
+
+bool cluster_take_found(duet_cluster *c, bool lists, duet_error *err)
+{
+    const border *b = &c->border;
+    own_pairs_begin(&c->own, lists);
+    c->is_found = own_pairs_add(&c->own, &c->seen[0], &c->found, err) &&
+                  (!b->done || own_pairs_add(&c->own, &b->seen, &b->found, err));
+    return c->is_found;
 }
 
 // Of one part, what its worker found is still there.
@@ -589,8 +575,7 @@ bool cluster_list_pairs(duet_cluster *c, duet_error *err)
     c->is_found = c->found.n_counted == 0 || w->bring(w, &c->found, err);
     if (!c->is_found)
         return false;
-    own_pairs_begin(&c->own, true);
-    c->own.lists = own_pairs_add(&c->own, &c->seen[0], &c->found, err);
+    c->own.lists = cluster_take_found(c, true, err);
     return c->own.lists;
 }
 

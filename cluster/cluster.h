@@ -4,6 +4,7 @@
 #define CLUSTER_CLUSTER_H
 
 #include "cluster/balance.h"
+#include "cluster/border.h"
 #include "cluster/duet_cluster.h"
 #include "cluster/ghosts.h"
 #include "cluster/parts.h"
@@ -20,12 +21,13 @@ struct duet_cluster {
     ghosts ghosts;
     parts parts;
     walk walk;
+    border border;
     worker *workers[2]; // one is filled while the other finds; the second is of several parts
     seen seen[2];
     uint32_t filled[2]; // by which part, from 1; 0: it has to be
     reach fitted;       // around the homes, when workers were last told that they moved
     own_pairs own;
-    worker_found found; // by the only worker, where is_found
+    worker_found found; // in the only part, where is_found; without what border found
     bool is_found;      // it is of the objects as they are
     uint64_t n_ghosts;
     bool changed; // objects, since the worker got them
@@ -59,6 +61,7 @@ static inline int cluster_workers(const duet_cluster *c)
 
 // Where objects lie elsewhere than before, workers are told.
 void cluster_follow(duet_cluster *c);
+worker *cluster_open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err);
 // As many as it has, for such worlds: all or none.
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
                           duet_error *err);
@@ -69,6 +72,10 @@ void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *
 void cluster_take(duet_cluster *c, object_rows *rows);
 // A call's failure on one rank, NULL arguments included, becomes that of all.
 bool cluster_agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err);
+// What a worker is told of homes in any order.
+global_ids cluster_ids_of_homes(const duet_cluster *c);
+// This rank's pairs become those of what was found in its only part, and at its border.
+bool cluster_take_found(duet_cluster *c, bool lists, duet_error *err);
 // All objects are where they belong: on all ranks, or on none.
 bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *own,
                         duet_error *err);

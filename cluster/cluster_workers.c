@@ -13,7 +13,7 @@ void cluster_close_workers(worker *workers[2])
     }
 }
 
-static worker *open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err)
+worker *cluster_open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err)
 {
     const simulation *s = c->ranks.simulation;
     return s && s->object_seconds
@@ -27,7 +27,7 @@ bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, wo
 {
     bool ok = true;
     for (int i = 0; ok && i < cluster_workers(c); ++i) {
-        workers[i] = open_worker(c, world, err);
+        workers[i] = cluster_open_worker(c, world, err);
         ok = workers[i];
     }
     if (!ok)
@@ -54,5 +54,7 @@ void cluster_follow(duet_cluster *c)
         return;
     for (int i = 0; i < cluster_workers(c); ++i)
         c->workers[i]->move(c->workers[i]);
+    if (c->border.worker)
+        c->border.worker->move(c->border.worker);
     c->fitted = c->homes.around;
 }

@@ -96,12 +96,12 @@ bool seen_in_any_order(duet_level level)
     return level == DUET_LEVEL_CERTIFIED || level == DUET_LEVEL_AABB;
 }
 
-// Homes that are gone, each a ghost of another rank.
-static void mark_gone(seen *s, const homes *h)
+// Homes that are gone, each a ghost of another rank, at these places; NULL: before those behind.
+static void mark_gone(seen *s, const homes *h, const uint32_t *places)
 {
     for (uint32_t i = 0; i < h->n_gone; ++i) {
         const void *object = object_row(&h->rows, &h->form, h->gone[i]);
-        s->ghosts[i].place = h->gone[i];
+        s->ghosts[i].place = places ? places[i] : s->behind - h->n_gone + i;
         s->ghosts[i].key = ghost_key(h, object, (uint32_t)h->gone_to[i], s->n_homes);
     }
     mark_ghosts(s, h->n_gone);
@@ -119,20 +119,37 @@ static bool count_behind(seen *s, const ranks *r, const parcels *ghosts, duet_er
     return true;
 }
 
-bool seen_append(seen *s, homes *h, const ranks *r, const parcels *ghosts, duet_error *err)
+// The last of the rows are the ghosts in the messages.
+static bool see_rows(seen *s, const homes *h, const ranks *r, const object_rows *rows,
+                     const uint32_t *gone, const parcels *ghosts, duet_error *err)
 {
-    if (!homes_write_behind(h, ghosts, err) || !reserve(s, h->rows.n + ghosts->n, h->n_gone, err))
+    if (!reserve(s, rows->n, h->n_gone, err))
         return false;
     s->homes = h;
     s->home = (uint32_t)r->self;
     s->n_homes = (uint32_t)r->n;
-    s->rows = (object_rows){.ids = h->rows.ids, .objects = h->rows.objects};
-    s->rows.n = h->rows.n + (uint32_t)ghosts->n;
+    s->rows = *rows;
     s->ids_behind = NULL;
-    s->behind = h->rows.n;
+    s->behind = rows->n - (uint32_t)ghosts->n;
     s->n_ghosts = h->n_gone + ghosts->n;
-    mark_gone(s, h);
+    mark_gone(s, h, gone);
     return count_behind(s, r, ghosts, err);
+}
+
+bool seen_append(seen *s, homes *h, const ranks *r, const parcels *ghosts, duet_error *err)
+{
+    if (!homes_write_behind(h, ghosts, err))
+        return false;
+    object_rows rows = {.ids = h->rows.ids, .objects = h->rows.objects};
+    rows.n = h->rows.n + (uint32_t)ghosts->n;
+    return see_rows(s, h, r, &rows, h->gone, ghosts, err);
+}
+
+bool seen_at_border(seen *s, const homes *h, const ranks *r, const object_rows *rows,
+                    const parcels *ghosts, duet_error *err)
+{
+    s->is_border = true;
+    return see_rows(s, h, r, rows, NULL, ghosts, err);
 }
 
 void seen_in_place(seen *s, const homes *h, const sight_in_place *from)
@@ -337,7 +354,9 @@ static inline bool is_own(const seen *s, duet_pair pair)
 {
     if (is_ghost(s, pair.a) | is_ghost(s, pair.b))
         return owns_with_ghost(s, pair);
-    return !s->ranges || s->ranges[pair.a] != s->ranges[pair.b] || s->ranges[pair.a] == NO_RANGE;
+    if (!s->ranges)
+        return !s->is_border;
+    return s->ranges[pair.a] != s->ranges[pair.b] || s->ranges[pair.a] == NO_RANGE;
 }
 
 typedef struct taking {

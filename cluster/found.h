@@ -73,6 +73,7 @@ typedef struct seen {
     const uint32_t *keys_behind;
     const uint16_t
         *ranges;        // of homes: pairs of one range are found elsewhere; NULL: there are none
+    bool is_border;     // pairs of two homes are found elsewhere
     uint8_t *is_ghost;  // a bit each, of those before; only where any is
     seen_ghost *ghosts; // [n_listed] these, ascending
     uint64_t n_listed;
@@ -94,6 +95,11 @@ void seen_in_place(seen *s, const homes *h, const sight_in_place *from);
 // Of homes that are seen in place without ghosts these, by ascending place, have left: no pair of
 // theirs is this rank's. Not collective.
 bool seen_leave_out(seen *s, const uint32_t *places, uint32_t n, duet_error *err);
+
+// Copies of homes that ghosts may touch, of those that are gone, and behind them the ghosts in the
+// messages. Not collective.
+bool seen_at_border(seen *s, const homes *h, const ranks *r, const object_rows *rows,
+                    const parcels *ghosts, duet_error *err);
 
 // Homes at edges of ranges, and ghosts behind them.
 void seen_at_edges(seen *s, const homes *h, const sight_at_edges *from);

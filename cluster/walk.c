@@ -172,7 +172,7 @@ static bool leave_out(walk *w, const look *l, global_ids *ids)
     return ids->n_without == n;
 }
 
-static bool search(duet_cluster *c, const look *l, uint32_t part, duet_error *err)
+static bool search_alone(duet_cluster *c, const look *l, uint32_t part, duet_error *err)
 {
     worker *w = c->workers[part % 2];
     seen *s = &c->seen[part % 2];
@@ -201,7 +201,7 @@ static bool walk_all(duet_cluster *c, look *l)
     for (uint32_t i = 0; ok && i < n; ++i)
         ok = (i + 1 == n || send(c, i + 1, &unheard)) &&
              look_at_range(l, i, c->workers[i % 2], &c->walk.edges) &&
-             atomic_load(&c->walk.edges.n) <= most_edges(c) && search(c, l, i, &unheard);
+             atomic_load(&c->walk.edges.n) <= most_edges(c) && search_alone(c, l, i, &unheard);
     return ok;
 }
 

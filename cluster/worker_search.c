@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#include "cluster/worker_search.h"
+
+#include "base/error.h"
+
+// Without homes there are no pairs of this rank's, and nothing is built.
+static void *run(void *arg)
+{
+    worker_search *s = arg;
+    s->ok = true;
+    if (seen_homes(s->seen) == 0)
+        return NULL;
+    if (s->tells_ids && s->worker->tell_ids)
+        s->worker->tell_ids(s->worker, &s->ids);
+    s->ok = s->worker->find(s->worker, &s->found, &s->err);
+    return NULL;
+}
+
+void worker_search_begin(worker_search *s, bool apart)
+{
+    s->is_apart = apart && pthread_create(&s->thread, NULL, run, s) == 0;
+    if (!s->is_apart)
+        run(s);
+}
+
+bool worker_search_end(worker_search *s, duet_error *err)
+{
+    if (s->is_apart)
+        pthread_join(s->thread, NULL);
+    s->is_apart = false;
+    if (!s->ok)
+        return error_copy(err, &s->err);
+    return seen_check_found(s->seen, &s->found, err);
+}
