@@ -397,8 +397,8 @@ static void drift(duet_pose *p, uint64_t id, uint32_t at)
     rng r = rng_seed(id * 1000 + at);
     for (int k = 0; k < 3; ++k)
         p->centre[k] += (float)rng_between(&r, -0.3, 0.3);
-    if (at == LEAPS && id == 4321)
-        p->centre[0] = p->centre[0] < 0 ? 11 : -11;
+    for (int k = 0; k < 3 && at == LEAPS && id == 4321; ++k)
+        p->centre[k] = p->centre[k] < 0 ? 11 : -11;
     if (at == SWELLS && id == 77)
         p->half_extents[1] = 0.55f;
     if (id == 1234)
