@@ -76,7 +76,7 @@ static uint32_t bits_of_keys(const numbering *n, const grid *g)
 {
     uint32_t last[3], bits = 0;
     for (int k = 0; k < 3; ++k)
-        last[k] = grid_cell_along(INFINITY, 0, 1, g->levels[0].cells.s[k]);
+        last[k] = (uint32_t)(float)(g->levels[0].cells.s[k] - 1);
     for (uint64_t greatest = key_of(n, last); greatest > 0; greatest >>= 1)
         ++bits;
     return bits;
