@@ -77,12 +77,12 @@ bool world_fit_grid(duet_world *world, grid_objects *objects, bool seen, thread_
     const bool fitted = is_fitted(world);
     const bool cuts = def->plan.mode == DUET_MODE_SLAB && world->split.stale;
     const grid_wish wish = wish_of(world);
-    const grid before = world->grid;
     if (!world_take_objects(world, seen || !fitted || cuts, err))
         return false;
     *objects = world_objects(world);
     if (fitted)
         return true;
+    const grid before = world->grid;
     grid_needs needs;
     grid_needs_of(&needs, objects, threads);
     bool too_small = def->cell > 0.0f && needs.widest > def->cell;
