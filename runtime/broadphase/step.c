@@ -85,6 +85,7 @@ static bool get_grid(job *j)
            (!j->placed || part_build_grid(j->part, &j->task, &j->range, &j->err));
 }
 
+// A part that failed may lack what it was sent.
 static void run_job(void *arg)
 {
     job *j = arg;
@@ -94,6 +95,8 @@ static void run_job(void *arg)
         pack_abandon(j->pack);
     else if (j->placed)
         j->ok = part_search(j->part, &j->task, &j->range, &j->placed, &j->err);
+    if (!j->ok)
+        part_distrust(j->part);
     j->part->wall_ms += clock_ms_since(begun);
 }
 
@@ -102,25 +105,9 @@ static bool has_work(const part_range *range)
     return range->first < range->last;
 }
 
-// Either may be NULL.
-static bool run_both(duet_world *world, job *a, job *b)
-{
-    thread_pool_run_both(world->driver, run_job, a, b);
-    return (!a || a->ok) && (!b || b->ok);
-}
-
-// Own grids, whole ones or slabs.
-static bool run_own(duet_world *world, job jobs[2])
-{
-    return run_both(world, has_work(&jobs[0].range) ? &jobs[0] : NULL,
-                    has_work(&jobs[1].range) ? &jobs[1] : NULL);
-}
-
 // Figure 11: B builds the grid and sends it; then both search.
-static bool run_shared(duet_world *world, job jobs[2])
+static bool lend_grid(job *a, job *b)
 {
-    job *a = &jobs[0];
-    job *b = &jobs[1];
     uint64_t begun = clock_steady_ns();
     a->task.receives = true;
     a->grid_from = b->part;
@@ -129,19 +116,26 @@ static bool run_shared(duet_world *world, job jobs[2])
                   part_build_grid(b->part, &b->task, &b->range, &b->err) &&
                   part_send_grid(b->part, a->part, &b->task, &b->err);
     b->part->wall_ms = clock_ms_since(begun);
-    return b->has_grid && run_both(world, a, b);
+    if (!b->has_grid) {
+        part_distrust(a->part);
+        part_distrust(b->part);
+    }
+    return b->has_grid;
 }
 
-// An object's slab is known only once its row of cells is, so that each device's part of the
-// objects is packed by all threads that there are.
-static bool run_packed(duet_world *world, job jobs[2], duet_error *err)
+// The jobs of the parts in use. An object's slab is known only once its row of cells is, so that
+// each device's part of the objects is packed by all threads that there are, while the jobs run.
+static bool run_jobs(duet_world *world, job jobs[2], const bool use[2], duet_error *err)
 {
     const part_range ranges[2] = {jobs[0].range, jobs[1].range};
     const bool packed[2] = {jobs[0].task.packed, jobs[1].task.packed};
-    bool ok = pack_start(&world->pack, world->parts, &jobs[0].task, ranges, packed, err) &&
-              run_own(world, jobs);
-    pack_wait(&world->pack);
-    return ok;
+    thread_pool *packers = NULL;
+    if (!pack_start(&world->pack, world->parts, &jobs[0].task, ranges, packed, &packers, err))
+        return false;
+    thread_pool_run_both(world->driver, run_job, use[0] ? &jobs[0] : NULL,
+                         use[1] ? &jobs[1] : NULL);
+    thread_pool_wait(packers);
+    return jobs[0].ok && jobs[1].ok;
 }
 
 static void forget_last_step(duet_world *world)
@@ -149,18 +143,6 @@ static void forget_last_step(duet_world *world)
     for (int side = 0; side < 2; ++side)
         if (world->parts[side].ahead_version != world->objects_version || world->n == 0)
             part_forget(&world->parts[side]);
-}
-
-// Once strays were missed they are known, and no second guess misses any.
-static bool run_stretched(duet_world *world, job jobs[2])
-{
-    if (!run_own(world, jobs))
-        return false;
-    const stray_marks marks[2] = {strays_marks_of(jobs[0].part), strays_marks_of(jobs[1].part)};
-    if (!jobs[0].placed || !jobs[1].placed || strays_guessed_all(&world->strays, marks))
-        return true;
-    forget_last_step(world);
-    return run_own(world, jobs);
 }
 
 // Which objects each part searches around: parts of one sorted order, or slabs.
@@ -200,7 +182,8 @@ static void describe_jobs(job jobs[2], duet_world *world, const part_range range
                    .side = side,
                    .task = describe_task(world, side),
                    .range = ranges[side],
-                   .placed = true};
+                   .placed = true,
+                   .ok = true};
         j->task.slab = world->def.plan.mode == DUET_MODE_SLAB;
         j->task.divided = j->task.slab && has_work(&ranges[0]) && has_work(&ranges[1]);
         j->task.intake = stretched ? &world->strays.intakes[side] : NULL;
@@ -223,8 +206,9 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
     return true;
 }
 
-// *placed is false where a slab had more objects than it had space for.
-static bool run_parts(duet_world *world, bool *placed, duet_error *err)
+// *found_all is false where a slab had more objects than it had space for, or strays were missed:
+// both are known then, and the parts are to be run again.
+static bool run_parts(duet_world *world, bool *found_all, duet_error *err)
 {
     part_range ranges[2];
     forget_last_step(world);
@@ -240,22 +224,22 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
     if ((stretched && !strays_begin(&world->strays, &jobs[1].task, ranges, err)) ||
         !prepare(world, jobs, use, err))
         return false;
-    bool ok = stretched ? run_stretched(world, jobs)
-              : shared  ? run_shared(world, jobs)
-                        : run_packed(world, jobs, err);
-    for (int side = 0; side < 2 && !ok; ++side) {
-        part_distrust(&world->parts[side]);
-        if (jobs[side].err.status != DUET_STATUS_OK && err && err->status == DUET_STATUS_OK)
-            *err = jobs[side].err;
+    if ((shared && !lend_grid(&jobs[0], &jobs[1])) || !run_jobs(world, jobs, use, err)) {
+        error_copy(err, &jobs[0].err);
+        return error_copy(err, &jobs[1].err);
     }
-    *placed = jobs[0].placed && jobs[1].placed;
-    return ok;
+    const bool placed = jobs[0].placed && jobs[1].placed;
+    const stray_marks marks[2] = {strays_marks_of(jobs[0].part), strays_marks_of(jobs[1].part)};
+    world->split.stale |= !placed;
+    *found_all = placed && (!stretched || strays_guessed_all(&world->strays, marks));
+    return true;
 }
 
 // ---------------------------------------------------------------- a step
 
-// A second widening would mean that objects grew while the step ran.
-enum { MOST_FITS = 3 };
+// Cells that are too small, a slab without space, strays. A second widening would mean that
+// objects grew while the step ran.
+enum { MOST_FITS = 4 };
 
 static bool find_all(duet_world *world, duet_error *err)
 {
@@ -265,13 +249,12 @@ static bool find_all(duet_world *world, duet_error *err)
     for (int fit = 0; !fits; ++fit) {
         if (!budget_check(err) || !world_fit_grid(world, NULL, err))
             return false;
-        bool placed = true;
-        if (!run_parts(world, &placed, err))
+        bool found_all = false;
+        if (!run_parts(world, &found_all, err))
             return false;
         float widest = fmaxf(world->parts[0].found.widest, world->parts[1].found.widest);
         world->fitted = !(widest > 0.0f);
-        world->split.stale |= !placed;
-        fits = world->fitted && placed;
+        fits = world->fitted && found_all;
         if (!fits && fit == MOST_FITS)
             return error_set(err, DUET_STATUS_CELL_TOO_SMALL,
                              "an object's extent of %g does not fit a cell of %g", widest,
