@@ -97,6 +97,7 @@ static void run_job(void *arg)
         j->ok = part_search(j->part, &j->task, &j->range, &j->placed, &j->err);
     if (!j->ok)
         part_distrust(j->part);
+    j->part->bytes = part_bytes(j->part);
     j->part->wall_ms += clock_ms_since(begun);
 }
 
@@ -267,7 +268,7 @@ static bool find_pairs(duet_world *world, duet_error *err)
 {
     bool ok = find_all(world, err);
     world_end_sight(world);
-    return ok && world_check_bad(world, err);
+    return ok;
 }
 
 static bool run_step(duet_world *world, duet_result *result, duet_error *err)
@@ -275,27 +276,14 @@ static bool run_step(duet_world *world, duet_result *result, duet_error *err)
     uint64_t begun = clock_steady_ns();
     choose_keepers(world);
     choose_timed(world);
-    if (!world_await_objects(world, err) || !find_pairs(world, err))
-        return false;
-    bool ok = !world->left.device || world_gather_pairs(world, err);
-    world_tell_result(world, result);
-    result->total_ms = clock_ms_since(begun);
-    return ok;
-}
-
-// *told: where pairs are left on a device their number is there, 0 after a failure.
-static bool step_and_tell(duet_world *world, duet_result *result, bool *told, duet_error *err)
-{
-    bool ok = run_step(world, result, err);
-    *told = ok || world_clear_pairs(world);
-    return ok;
+    bool found = world_await_objects(world, err) && find_pairs(world, err);
+    return world_hand_out(world, found, begun, result, err);
 }
 
 bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
 {
-    bool told;
     return world_is_idle(world, __func__, err) && error_given(result, __func__, "result", err) &&
-           step_and_tell(world, result, &told, err);
+           run_step(world, result, err);
 }
 
 // ---------------------------------------------------------------- of what B has
@@ -321,13 +309,10 @@ bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, bo
         world->keeps_pairs[side] = side == 1;
         world->parts[side].untimed = untimed;
     }
-    *pairs = find_pairs(world, err) ? world_join_pairs(world, err) : NULL;
+    bool ok = world_hand_out(world, find_pairs(world, err), begun, result, err);
     world->resident = (resident){0};
-    if (!*pairs)
-        return false;
-    world_tell_result(world, result);
-    result->total_ms = clock_ms_since(begun);
-    return true;
+    *pairs = world->left.joined;
+    return ok;
 }
 
 // ---------------------------------------------------------------- counted
@@ -365,11 +350,11 @@ bool world_bring_counted(duet_world *world, duet_span spans[2], duet_error *err)
 
 // What waits for a failed event hangs under PoCL 3.1, or ends the process: a step that failed has
 // rather left 0 pairs.
-static void tell(step_half *h)
+static void tell(step_half *h, bool told)
 {
     if (!h->done)
         return;
-    clSetUserEventStatus(h->done, h->told ? CL_COMPLETE : -1);
+    clSetUserEventStatus(h->done, told ? CL_COMPLETE : -1);
     clReleaseEvent(h->done);
     device_object_gone();
     h->done = NULL;
@@ -378,9 +363,8 @@ static void tell(step_half *h)
 static void run(void *arg)
 {
     duet_world *world = arg;
-    step_half *h = &world->half;
-    world->background.ok = step_and_tell(world, &h->result, &h->told, &world->background.err);
-    tell(h);
+    world->background.ok = run_step(world, &world->half.result, &world->background.err);
+    tell(&world->half, world->left.told);
 }
 
 static void start(duet_world *world)
