@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Devices that fail in the middle of a frame: each call to OpenCL in turn is
 // made to fail, as a lost device, a driver out of resources or a compiler would
-// have it, and each write not to arrive. Each time the failure is one clear line, the world can be stepped
-// again, and the other device alone finds the same pairs.
+// have it, and each write not to arrive. Each time the failure is one clear line, the world can be
+// stepped again, and the other device alone finds the same pairs.
 #define _GNU_SOURCE
 #include "support/test.h"
 
