@@ -223,7 +223,8 @@ typedef struct part {
     host_block sent;      // grid on its way to the other part
     duet_span span;
     uint64_t n_candidates, n_undecided;
-    uint32_t runs; // searches, more than one where a buffer had to grow
+    uint32_t runs;  // searches, more than one where a buffer had to grow
+    uint64_t bytes; // held on the device once the last job was over
     double wall_ms;
 } part;
 

@@ -7,7 +7,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 
-// ---------------------------------------------------------------- the result
+// ---------------------------------------------------------------- what was found
 
 static uint32_t largest(uint32_t a, uint32_t b)
 {
@@ -28,41 +28,25 @@ static uint32_t count_bad(const duet_world *world)
     return world->def.plan.mode == DUET_MODE_SLAB ? a + b : largest(a, b);
 }
 
-bool world_check_bad(const duet_world *world, duet_error *err)
+// All but the times.
+static duet_result tell_found(const duet_world *world)
 {
     const part *a = &world->parts[0];
     const part *b = &world->parts[1];
-    uint32_t bad = count_bad(world);
-    if (bad == 0 || world->def.keep_bad)
-        return true;
-    return error_set(err, DUET_STATUS_BAD_OBJECT,
-                     "object %u of %u is not a number, infinite, negative or without rotation "
-                     "(%u such objects)",
-                     smallest(a->found.first_bad, b->found.first_bad), world->n, bad);
-}
-
-static double kernel_ms(const part *p)
-{
-    return (double)(p->times.last_end - p->times.first_begin) * 1e-6;
-}
-
-void world_tell_result(duet_world *world, duet_result *result)
-{
-    const part *a = &world->parts[0];
-    const part *b = &world->parts[1];
-    uint32_t bad = count_bad(world);
     const grid_level *finest = &world->grid.levels[0];
-    *result = (duet_result){
+    uint32_t bad = count_bad(world);
+    bool left = world->left.device;
+    return (duet_result){
         .objects = world->n,
         .bad = bad,
         .first_bad = bad ? smallest(a->found.first_bad, b->found.first_bad) : 0,
         .candidates = a->n_candidates + b->n_candidates,
         .pairs = a->span.n + b->span.n,
-        .spans = {a->span, b->span},
+        .spans = {{left ? NULL : a->span.pairs, a->span.n},
+                  {left ? NULL : b->span.pairs, b->span.n}},
         .undecided = a->n_undecided + b->n_undecided,
         .device_ms = {a->wall_ms, b->wall_ms},
-        .kernel_ms = {kernel_ms(a), kernel_ms(b)},
-        .bytes = {part_bytes(a), part_bytes(b)},
+        .bytes = {a->bytes, b->bytes},
         .cells = {(uint32_t)finest->cells.s[0], (uint32_t)finest->cells.s[1],
                   (uint32_t)finest->cells.s[2]},
         .grid_levels = world->grid.n_levels,
@@ -73,18 +57,124 @@ void world_tell_result(duet_world *world, duet_result *result)
         .stages = world->stages,
         .timed = !a->times.untimed && !b->times.untimed,
     };
-    if (world->left.device)
-        result->spans[0].pairs = result->spans[1].pairs = NULL;
-    for (int side = 0; side < 2; ++side) {
-        const timeline *t = &world->parts[side].times;
-        for (int i = 0; i < t->n_stages; ++i) {
-            world->stages[result->n_stages] = t->stages[i];
-            world->stages[result->n_stages++].device = side;
-        }
-    }
 }
 
-// ---------------------------------------------------------------- its pairs on the host
+static bool check_bad(const duet_world *world, const duet_result *found, duet_error *err)
+{
+    return found->bad == 0 || world->def.keep_bad ||
+           error_set(err, DUET_STATUS_BAD_OBJECT,
+                     "object %u of %u is not a number, infinite, negative or without rotation "
+                     "(%u such objects)",
+                     found->first_bad, world->n, found->bad);
+}
+
+// ---------------------------------------------------------------- its pairs on a device
+
+static bool check_space(const pair_buffers *b, duet_error *err)
+{
+    uint64_t n = b->last.n;
+    return !b->pairs || n <= b->capacity ||
+           error_set(err, DUET_STATUS_TOO_MANY,
+                     "%llu pairs, and the caller's buffer holds %llu; expected one of %llu bytes",
+                     (unsigned long long)n, (unsigned long long)b->capacity,
+                     (unsigned long long)(n * sizeof(duet_pair)));
+}
+
+// The part whose own buffer can be shown as it is, because it has all pairs; or NULL.
+static part *sole_finder(const pair_buffers *b, part parts[2])
+{
+    for (int i = 0; i < 2; ++i)
+        if (!b->pairs && parts[i].device == b->device && parts[i].pairs.mem &&
+            parts[1 - i].span.n == 0)
+            return &parts[i];
+    return NULL;
+}
+
+// Into the caller's buffer or our own, A's first.
+static bool gather(pair_buffers *b, const part parts[2], const bool kept[2], duet_error *err)
+{
+    if (!b->pairs &&
+        !buffer_reserve(&b->own_pairs, b->device, (size_t)b->last.n * sizeof(duet_pair), err))
+        return false;
+    cl_mem to = b->pairs ? b->pairs : b->own_pairs.mem;
+    cl_int code = CL_SUCCESS;
+    size_t at = 0, bytes = 0;
+    for (int side = 0; side < 2 && code == CL_SUCCESS; ++side, at += bytes) {
+        const part *p = &parts[side];
+        bytes = (size_t)p->span.n * sizeof(duet_pair);
+        if (bytes == 0)
+            continue;
+        cl_command_queue queue = kept[side] ? p->device->queue : b->device->queue;
+        code = kept[side]
+                   ? clEnqueueCopyBuffer(queue, p->pairs.mem, to, 0, at, bytes, 0, NULL, NULL)
+                   : clEnqueueWriteBuffer(queue, to, CL_FALSE, at, bytes, p->span.pairs, 0, NULL,
+                                          NULL);
+        cl_int finished = clFinish(queue);
+        code = code != CL_SUCCESS ? code : finished;
+    }
+    return code == CL_SUCCESS || error_set_cl(err, code, "%s: leaving %zu bytes of pairs",
+                                              b->device->info.selector, bytes);
+}
+
+// The buffer that has them all, a part's own if that can be.
+static bool join_pairs(duet_world *world, duet_error *err)
+{
+    uint64_t begun = clock_steady_ns();
+    pair_buffers *b = &world->left;
+    part *parts = world->parts;
+    part *sole = sole_finder(b, parts);
+    bool ok = sole || gather(b, parts, world->keeps_pairs, err);
+    b->joined = sole ? &sole->pairs : &b->own_pairs;
+    if (sole && sole->pairs.host) // the device sees those that were decided there
+        ok = timeline_write(&sole->times, "leave pairs", &sole->pairs, sole->pairs.host,
+                            (size_t)b->last.n * sizeof(duet_pair), err);
+    timeline_add_host(&parts[b->device == parts[1].device].times, "leave pairs",
+                      clock_ms_since(begun));
+    return ok;
+}
+
+// All in one buffer, and how many, 0 after a failure, where somebody wants the number.
+static bool leave_pairs(duet_world *world, bool found, duet_error *err)
+{
+    pair_buffers *b = &world->left;
+    b->last = (duet_pair_buffers){.count = b->count ? b->count : b->own_count.mem,
+                                  .n = world->parts[0].span.n + world->parts[1].span.n};
+    bool ok = found && check_space(b, err) && join_pairs(world, err);
+    cl_ulong n = ok ? b->last.n : 0;
+    cl_int code = b->last.count ? clEnqueueWriteBuffer(b->device->queue, b->last.count, CL_TRUE, 0,
+                                                       sizeof n, &n, 0, NULL, NULL)
+                                : CL_SUCCESS;
+    b->told = code == CL_SUCCESS;
+    if (ok && !b->told)
+        ok = error_set_cl(err, code, "%s: leaving the number of pairs", b->device->info.selector);
+    if (ok)
+        b->last.pairs = b->pairs ? b->pairs : b->joined->mem;
+    else
+        b->last = (duet_pair_buffers){0};
+    return ok;
+}
+
+// ---------------------------------------------------------------- the result
+
+bool world_hand_out(duet_world *world, bool found, uint64_t begun, duet_result *result,
+                    duet_error *err)
+{
+    duet_result handed = tell_found(world);
+    found = found && check_bad(world, &handed, err);
+    bool ok = world->left.device ? leave_pairs(world, found, err) : found;
+    if (!found)
+        return false;
+    for (int side = 0; side < 2; ++side) {
+        const timeline *t = &world->parts[side].times;
+        handed.kernel_ms[side] = timeline_kernel_ms(t);
+        handed.n_stages = timeline_list_stages(t, side, world->stages, handed.n_stages);
+    }
+    handed.total_ms = clock_ms_since(begun);
+    *result = handed;
+    return ok;
+}
+
+// ---------------------------------------------------------------- of pairs on the host
 
 // Pairs as a set, whoever found them and in whatever order.
 uint64_t duet_pairs_hash(const duet_pair *pairs, uint64_t n)
@@ -112,100 +202,7 @@ duet_pair duet_result_get_pair(const duet_result *result, uint64_t i)
     return pairs ? pairs[of_a ? i : i - result->spans[0].n] : (duet_pair){0, 0};
 }
 
-// ---------------------------------------------------------------- its pairs on a device
-
-static bool check_space(const pair_buffers *b, uint64_t n, duet_error *err)
-{
-    return !b->pairs || n <= b->capacity ||
-           error_set(err, DUET_STATUS_TOO_MANY,
-                     "%llu pairs, and the caller's buffer holds %llu; expected one of %llu bytes",
-                     (unsigned long long)n, (unsigned long long)b->capacity,
-                     (unsigned long long)(n * sizeof(duet_pair)));
-}
-
-// The part whose own buffer can be shown as it is, because it has all pairs; or NULL.
-static part *sole_finder(const pair_buffers *b, part parts[2])
-{
-    for (int i = 0; i < 2; ++i)
-        if (!b->pairs && parts[i].device == b->device && parts[i].pairs.mem &&
-            parts[1 - i].span.n == 0)
-            return &parts[i];
-    return NULL;
-}
-
-// What was decided on the host lies behind what the device found.
-static bool show(pair_buffers *b, part *p, duet_error *err)
-{
-    b->last.pairs = p->pairs.mem;
-    return !p->pairs.host || timeline_write(&p->times, "leave pairs", &p->pairs, p->pairs.host,
-                                            (size_t)p->span.n * sizeof(duet_pair), err);
-}
-
-static bool copy_span(const pair_buffers *b, const part *p, bool kept, uint64_t before,
-                      duet_error *err)
-{
-    size_t at = (size_t)before * sizeof(duet_pair), bytes = (size_t)p->span.n * sizeof(duet_pair);
-    if (bytes == 0)
-        return true;
-    cl_command_queue queue = kept ? p->device->queue : b->device->queue;
-    cl_int code =
-        kept ? clEnqueueCopyBuffer(queue, p->pairs.mem, b->last.pairs, 0, at, bytes, 0, NULL, NULL)
-             : clEnqueueWriteBuffer(queue, b->last.pairs, CL_FALSE, at, bytes, p->span.pairs, 0,
-                                    NULL, NULL);
-    cl_int finished = clFinish(queue);
-    code = code != CL_SUCCESS ? code : finished;
-    return code == CL_SUCCESS || error_set_cl(err, code, "%s: leaving %zu bytes of pairs",
-                                              b->device->info.selector, bytes);
-}
-
-static bool gather(pair_buffers *b, const part parts[2], const bool kept[2], duet_error *err)
-{
-    if (!b->pairs &&
-        !buffer_reserve(&b->own_pairs, b->device, (size_t)b->last.n * sizeof(duet_pair), err))
-        return false;
-    b->last.pairs = b->pairs ? b->pairs : b->own_pairs.mem;
-    return copy_span(b, &parts[0], kept[0], 0, err) &&
-           copy_span(b, &parts[1], kept[1], parts[0].span.n, err);
-}
-
-static bool write_count(pair_buffers *b, duet_error *err)
-{
-    cl_ulong n = b->last.n;
-    b->last.count = b->count ? b->count : b->own_count.mem;
-    cl_int code = clEnqueueWriteBuffer(b->device->queue, b->last.count, CL_TRUE, 0, sizeof n, &n, 0,
-                                       NULL, NULL);
-    return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: leaving the number of pairs", b->device->info.selector);
-}
-
-const buffer *world_join_pairs(duet_world *world, duet_error *err)
-{
-    uint64_t begun = clock_steady_ns();
-    pair_buffers *b = &world->left;
-    part *parts = world->parts;
-    b->last = (duet_pair_buffers){.n = parts[0].span.n + parts[1].span.n};
-    part *sole = sole_finder(b, parts);
-    bool ok = sole ? show(b, sole, err) : gather(b, parts, world->keeps_pairs, err);
-    timeline_add_host(&parts[b->device == parts[1].device].times, "leave pairs",
-                      clock_ms_since(begun));
-    return !ok ? NULL : sole ? &sole->pairs : &b->own_pairs;
-}
-
-bool world_gather_pairs(duet_world *world, duet_error *err)
-{
-    const part *parts = world->parts;
-    return check_space(&world->left, parts[0].span.n + parts[1].span.n, err) &&
-           world_join_pairs(world, err) && write_count(&world->left, err);
-}
-
-bool world_clear_pairs(duet_world *world)
-{
-    pair_buffers *b = &world->left;
-    b->last = (duet_pair_buffers){0};
-    bool cleared = b->device && write_count(b, NULL);
-    b->last = (duet_pair_buffers){0};
-    return cleared;
-}
+// ---------------------------------------------------------------- where pairs are left
 
 void pair_buffers_drop(pair_buffers *b)
 {

@@ -151,8 +151,8 @@ static uint32_t divide_up(uint32_t n, uint32_t by)
     return n / by + (n % by > 0);
 }
 
-static bool begin_stream(pack_stream *s, uint32_t capacity, uint32_t least_chunk,
-                         uint32_t most_slots, size_t bytes, const device *to, duet_error *err)
+static void begin_stream(pack_stream *s, uint32_t capacity, uint32_t least_chunk,
+                         uint32_t most_slots)
 {
     s->capacity = capacity;
     s->chunk = divide_up(capacity, PACK_CHUNKS);
@@ -163,19 +163,6 @@ static bool begin_stream(pack_stream *s, uint32_t capacity, uint32_t least_chunk
     atomic_init(&s->sent, 0);
     for (int i = 0; i < PACK_CHUNKS; ++i)
         atomic_init(&s->filled[i], 0);
-    return host_block_reserve(&s->objects, to, 1, (size_t)s->n_slots * s->chunk * bytes, err) &&
-           host_block_reserve(&s->names, to, 1, capacity * sizeof(uint32_t), err);
-}
-
-// Ghosts are sent last, behind the homes, and all have their place until then.
-static bool begin_slab(pack *p, pack_slab *slab, const part_range *range, const device *to,
-                       duet_error *err)
-{
-    size_t bytes = p->task.objects.row_bytes;
-    return begin_stream(&slab->homes, range->expected_homes, p->least_chunk, SLOTS, bytes, to,
-                        err) &&
-           begin_stream(&slab->ghosts, range->expected_ghosts, p->least_chunk, PACK_CHUNKS, bytes,
-                        to, err);
 }
 
 void pack_close(pack *p)
@@ -290,9 +277,9 @@ static bool is_full(pack_stream *s, uint32_t chunk)
            atomic_load_explicit(&s->filled[chunk], memory_order_acquire) == s->chunk;
 }
 
-// Makes space for the slabs that are wanted.
-static bool begin_pack(pack *p, const part_task *task, const part_range ranges[2],
-                       const bool wanted[2], const device devices[2], duet_error *err)
+// Ghosts are sent last, behind the homes, and all have their place until then.
+static void begin_pack(pack *p, const part_task *task, const part_range ranges[2],
+                       const bool wanted[2])
 {
     uint32_t nx = (uint32_t)task->grid.levels[0].cells.s[0];
     p->task = *task;
@@ -307,10 +294,23 @@ static bool begin_pack(pack *p, const part_task *task, const part_range ranges[2
         slab->row_from = range->key_from / nx;
         slab->row_home_to = range->home_to / nx;
         slab->row_to = range->key_to / nx;
-        if (wanted[side] && !begin_slab(p, slab, range, &devices[side], err))
-            return false;
+        if (!slab->wanted)
+            continue;
+        begin_stream(&slab->homes, range->expected_homes, p->least_chunk, SLOTS);
+        begin_stream(&slab->ghosts, range->expected_ghosts, p->least_chunk, PACK_CHUNKS);
     }
-    return true;
+}
+
+static bool reserve_slab(pack_slab *slab, size_t bytes, const device *to, duet_error *err)
+{
+    pack_stream *streams[] = {&slab->homes, &slab->ghosts};
+    bool ok = true;
+    for (int i = 0; ok && slab->wanted && i < 2; ++i) {
+        pack_stream *s = streams[i];
+        ok = host_block_reserve(&s->objects, to, 1, (size_t)s->n_slots * s->chunk * bytes, err) &&
+             host_block_reserve(&s->names, to, 1, s->capacity * sizeof(uint32_t), err);
+    }
+    return ok;
 }
 
 static void pack_blocks(void *arg)
@@ -341,32 +341,24 @@ bool pack_pays(const part_task *task, const part_range ranges[2], int side, cons
            v->send == SEND_PACKED;
 }
 
-static bool start_threads(pack *p, duet_error *err)
-{
-    if (!p->threads)
-        p->threads = thread_pool_open(thread_pool_spare(MOST_THREADS), err);
-    p->under_way = p->threads;
-    if (p->threads)
-        thread_pool_start(p->threads, pack_blocks, p);
-    return p->threads;
-}
-
 bool pack_start(pack *p, const part parts[2], const part_task *task, const part_range ranges[2],
-                const bool packed[2], duet_error *err)
+                const bool packed[2], thread_pool **packers, duet_error *err)
 {
     bool wanted[2];
     for (int side = 0; side < 2; ++side)
         wanted[side] = packed[side] && !has_slab(&parts[side], task, &ranges[side]);
-    if (!begin_pack(p, task, ranges, wanted, parts[0].devices, err))
+    begin_pack(p, task, ranges, wanted);
+    for (int side = 0; side < 2; ++side)
+        if (!reserve_slab(&p->slabs[side], task->objects.row_bytes, parts[side].device, err))
+            return false;
+    *packers = NULL;
+    if (!wanted[0] && !wanted[1])
+        return true;
+    if (!p->threads && !(p->threads = thread_pool_open(thread_pool_spare(MOST_THREADS), err)))
         return false;
-    return (!wanted[0] && !wanted[1]) || start_threads(p, err);
-}
-
-void pack_wait(pack *p)
-{
-    if (p->under_way)
-        thread_pool_wait(p->threads);
-    p->under_way = false;
+    thread_pool_start(p->threads, pack_blocks, p);
+    *packers = p->threads;
+    return true;
 }
 
 void pack_abandon(pack *p)
@@ -479,7 +471,8 @@ static bool send_slab(part *p, pack *from, pack_slab *slab, bool *placed, duet_e
         !is_abandoned(from) && n_homes <= slab->homes.capacity && n_ghosts <= slab->ghosts.capacity;
     p->packed.n = n_homes + n_ghosts;
     p->packed.n_homes = n_homes;
-    return !*placed || send_rest(p, slab, n_chunks, from->task.objects.row_bytes, err);
+    return *placed ? send_rest(p, slab, n_chunks, from->task.objects.row_bytes, err)
+                   : timeline_finish(&p->times, err);
 }
 
 bool part_receive_slab(part *p, pack *from, int side, part_task *task, const part_range *range,

@@ -72,7 +72,6 @@ typedef struct pack {
     atomic_bool abandoned; // a device sends no more; what is packed is lost
     pack_slab slabs[2];
     thread_pool *threads; // pack while the drivers send; NULL before the first time
-    bool under_way;
 } pack;
 
 void pack_open(pack *p);
@@ -85,10 +84,9 @@ bool pack_pays(const part_task *task, const part_range ranges[2], int side, cons
                const variant *v);
 
 // Starts to pack for each part whose objects are to be packed and that does not have them
-// yet. pack_wait ends what was started.
+// yet. *packers do it and are to be waited for; NULL where nothing is to be packed.
 bool pack_start(pack *p, const part parts[2], const part_task *task, const part_range ranges[2],
-                const bool packed[2], duet_error *err);
-void pack_wait(pack *p);
+                const bool packed[2], thread_pool **packers, duet_error *err);
 
 // Ends the waits of both parts, whether or not all is written.
 void pack_abandon(pack *p);

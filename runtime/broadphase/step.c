@@ -74,6 +74,7 @@ static bool get_grid(job *j)
            (!j->placed || part_build_grid(j->part, &j->task, &j->range, &j->err));
 }
 
+// A part that failed may lack what it was sent.
 static void run_job(void *arg)
 {
     job *j = arg;
@@ -83,6 +84,9 @@ static void run_job(void *arg)
         pack_abandon(j->pack);
     else if (j->placed)
         j->ok = part_search(j->part, &j->task, &j->range, &j->placed, &j->err);
+    if (!j->ok)
+        part_distrust(j->part);
+    j->part->bytes = part_bytes(j->part);
     j->part->wall_ms += clock_ms_since(begun);
 }
 
@@ -91,25 +95,9 @@ static bool has_work(const part_range *range)
     return range->first < range->last;
 }
 
-// Either may be NULL.
-static bool run_both(duet_world *world, job *a, job *b)
-{
-    thread_pool_run_both(world->driver, run_job, a, b);
-    return (!a || a->ok) && (!b || b->ok);
-}
-
-// Own grids, whole ones or slabs.
-static bool run_own(duet_world *world, job jobs[2])
-{
-    return run_both(world, has_work(&jobs[0].range) ? &jobs[0] : NULL,
-                    has_work(&jobs[1].range) ? &jobs[1] : NULL);
-}
-
 // Figure 11: B builds the grid and sends it; then both search.
-static bool run_shared(duet_world *world, job jobs[2])
+static bool lend_grid(job *a, job *b)
 {
-    job *a = &jobs[0];
-    job *b = &jobs[1];
     uint64_t begun = clock_steady_ns();
     a->task.receives = true;
     a->grid_from = b->part;
@@ -118,38 +106,33 @@ static bool run_shared(duet_world *world, job jobs[2])
                   part_build_grid(b->part, &b->task, &b->range, &b->err) &&
                   part_send_grid(b->part, a->part, &b->task, &b->err);
     b->part->wall_ms = clock_ms_since(begun);
-    return b->has_grid && run_both(world, a, b);
+    if (!b->has_grid) {
+        part_distrust(a->part);
+        part_distrust(b->part);
+    }
+    return b->has_grid;
 }
 
-// An object's slab is known only once its row of cells is, so that each device's part of the
-// objects is packed by all threads that there are.
-static bool run_packed(duet_world *world, job jobs[2], duet_error *err)
+// The jobs of the parts in use. An object's slab is known only once its row of cells is, so that
+// each device's part of the objects is packed by all threads that there are, while the jobs run.
+static bool run_jobs(duet_world *world, job jobs[2], const bool use[2], duet_error *err)
 {
     const part_range ranges[2] = {jobs[0].range, jobs[1].range};
     const bool packed[2] = {jobs[0].task.packed, jobs[1].task.packed};
-    bool ok = pack_start(&world->pack, world->parts, &jobs[0].task, ranges, packed, err) &&
-              run_own(world, jobs);
-    pack_wait(&world->pack);
-    return ok;
+    thread_pool *packers = NULL;
+    if (!pack_start(&world->pack, world->parts, &jobs[0].task, ranges, packed, &packers, err))
+        return false;
+    thread_pool_run_both(world->driver, run_job, use[0] ? &jobs[0] : NULL,
+                         use[1] ? &jobs[1] : NULL);
+    thread_pool_wait(packers);
+    return jobs[0].ok && jobs[1].ok;
 }
 
-static void forget_last_step(duet_world *world)
+static void begin_parts(duet_world *world)
 {
     for (int side = 0; side < 2; ++side)
         if (world->parts[side].ahead_version != world->objects_version || world->n == 0)
             part_begin(&world->parts[side], world->steps);
-}
-
-// Once strays were missed they are known, and no second guess misses any.
-static bool run_stretched(duet_world *world, job jobs[2])
-{
-    if (!run_own(world, jobs))
-        return false;
-    const stray_marks marks[2] = {strays_marks_of(jobs[0].part), strays_marks_of(jobs[1].part)};
-    if (!jobs[0].placed || !jobs[1].placed || strays_guessed_all(&world->strays, marks))
-        return true;
-    forget_last_step(world);
-    return run_own(world, jobs);
 }
 
 // Which objects each part searches around: parts of one sorted order, or slabs.
@@ -187,7 +170,8 @@ static bool describe_jobs(job jobs[2], duet_world *world, const grid_objects *ob
                            .pack = &world->pack,
                            .side = side,
                            .task = describe_task(world, objects, side),
-                           .placed = true};
+                           .placed = true,
+                           .ok = true};
     part_range ranges[2];
     if (!divide(world, &jobs[1].task, ranges, err))
         return false;
@@ -216,8 +200,10 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
     return true;
 }
 
-// *placed is false where a slab had more objects than it had space for.
-static bool run_parts(duet_world *world, const grid_objects *objects, bool *placed, duet_error *err)
+// *found_all is false where a slab had more objects than it had space for, or strays were missed:
+// both are known then, and the parts are to be run again.
+static bool run_parts(duet_world *world, const grid_objects *objects, bool *found_all,
+                      duet_error *err)
 {
     job jobs[2];
     if (!describe_jobs(jobs, world, objects, err))
@@ -227,40 +213,39 @@ static bool run_parts(duet_world *world, const grid_objects *objects, bool *plac
     const bool stretched = jobs[0].task.intake;
     if (!prepare(world, jobs, use, err))
         return false;
-    bool ok = stretched ? run_stretched(world, jobs)
-              : shared  ? run_shared(world, jobs)
-                        : run_packed(world, jobs, err);
-    for (int side = 0; side < 2 && !ok; ++side) {
-        part_distrust(&world->parts[side]);
-        if (jobs[side].err.status != DUET_STATUS_OK && err && err->status == DUET_STATUS_OK)
-            *err = jobs[side].err;
+    if ((shared && !lend_grid(&jobs[0], &jobs[1])) || !run_jobs(world, jobs, use, err)) {
+        error_copy(err, &jobs[0].err);
+        return error_copy(err, &jobs[1].err);
     }
-    *placed = jobs[0].placed && jobs[1].placed;
-    return ok;
+    const bool placed = jobs[0].placed && jobs[1].placed;
+    const stray_marks marks[2] = {strays_marks_of(jobs[0].part), strays_marks_of(jobs[1].part)};
+    world->split.stale |= !placed;
+    *found_all = placed && (!stretched || strays_guessed_all(&world->strays, marks));
+    return true;
 }
 
 // ---------------------------------------------------------------- a step
 
-// A second widening would mean that objects grew while the step ran.
-enum { MOST_FITS = 3 };
+// Cells that are too small, a slab without space, strays. A second widening would mean that
+// objects grew while the step ran.
+enum { MOST_FITS = 4 };
 
 static bool find_all(duet_world *world, duet_error *err)
 {
     bool fits = false;
     for (int fit = 0; !fits; ++fit) {
         grid_objects objects;
-        forget_last_step(world);
+        begin_parts(world);
         if (!budget_check(err) || !world_fit_grid(world, &objects, false, NULL, err))
             return false;
         if (world->n == 0)
             return true;
-        bool placed = true;
-        if (!run_parts(world, &objects, &placed, err))
+        bool found_all = false;
+        if (!run_parts(world, &objects, &found_all, err))
             return false;
         float widest = fmaxf(world->parts[0].found.widest, world->parts[1].found.widest);
         world->fitted = !(widest > 0.0f);
-        world->split.stale |= !placed;
-        fits = world->fitted && placed;
+        fits = world->fitted && found_all;
         if (!fits && fit == MOST_FITS)
             return error_set(err, DUET_STATUS_CELL_TOO_SMALL,
                              "an object's extent of %g does not fit a cell of %g", widest,
@@ -274,7 +259,7 @@ static bool find_pairs(duet_world *world, duet_error *err)
     bool ok = find_all(world, err);
     ++world->steps;
     world_end_sight(world);
-    return ok && world_check_bad(world, err);
+    return ok;
 }
 
 static bool run_step(duet_world *world, duet_result *result, duet_error *err)
@@ -283,27 +268,14 @@ static bool run_step(duet_world *world, duet_result *result, duet_error *err)
     choose_keepers(world);
     if (world->def.stage_times)
         world->steps = 0;
-    if (!find_pairs(world, err))
-        return false;
-    bool ok = !world->left.device || world_gather_pairs(world, err);
-    world_tell_result(world, result);
-    result->total_ms = clock_ms_since(begun);
-    return ok;
-}
-
-// *told: where pairs are left on a device their number is there, 0 after a failure.
-static bool step_and_tell(duet_world *world, duet_result *result, bool *told, duet_error *err)
-{
-    bool ok = run_step(world, result, err);
-    *told = ok || world_clear_pairs(world);
-    return ok;
+    bool found = find_pairs(world, err);
+    return world_hand_out(world, found, begun, result, err);
 }
 
 bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
 {
-    bool told;
     return world_is_idle(world, __func__, err) && error_given(result, __func__, "result", err) &&
-           step_and_tell(world, result, &told, err);
+           run_step(world, result, err);
 }
 
 // ---------------------------------------------------------------- of what B has
@@ -328,13 +300,10 @@ bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, bo
     world->steps = untimed ? 1 : 0;
     for (int side = 0; side < 2; ++side)
         world->keeps_pairs[side] = side == 1;
-    *pairs = find_pairs(world, err) ? world_join_pairs(world, err) : NULL;
+    bool ok = world_hand_out(world, find_pairs(world, err), begun, result, err);
     world->resident = (resident){0};
-    if (!*pairs)
-        return false;
-    world_tell_result(world, result);
-    result->total_ms = clock_ms_since(begun);
-    return true;
+    *pairs = world->left.joined;
+    return ok;
 }
 
 // ---------------------------------------------------------------- counted
@@ -372,11 +341,11 @@ bool world_bring_counted(duet_world *world, duet_span spans[2], duet_error *err)
 
 // What waits for a failed event hangs under PoCL 3.1, or ends the process: a step that failed has
 // rather left 0 pairs.
-static void tell(step_half *h)
+static void tell(step_half *h, bool told)
 {
     if (!h->done)
         return;
-    clSetUserEventStatus(h->done, h->told ? CL_COMPLETE : -1);
+    clSetUserEventStatus(h->done, told ? CL_COMPLETE : -1);
     clReleaseEvent(h->done);
     device_object_gone();
     h->done = NULL;
@@ -385,9 +354,8 @@ static void tell(step_half *h)
 static void run(void *arg)
 {
     duet_world *world = arg;
-    step_half *h = &world->half;
-    world->background.ok = step_and_tell(world, &h->result, &h->told, &world->background.err);
-    tell(h);
+    world->background.ok = run_step(world, &world->half.result, &world->background.err);
+    tell(&world->half, world->left.told);
 }
 
 static void start(duet_world *world)

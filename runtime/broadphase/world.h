@@ -31,13 +31,14 @@ typedef struct pair_buffers {
     cl_mem pairs, count;  // the caller's, held; NULL: own
     uint64_t capacity;    // of the caller's
     buffer own_pairs, own_count;
+    const buffer *joined;   // of ours that has all of them: own_pairs or a part's
+    bool told;              // their number is on the device, 0 after a failure
     duet_pair_buffers last; // of the last step; its mems may be a part's
 } pair_buffers;
 
 // What a step in two halves leaves for the second.
 typedef struct step_half {
     cl_event done; // the caller's commands may wait for it; NULL: none do
-    bool told;     // the number of pairs is on the device
     duet_result result;
 } step_half;
 
@@ -164,24 +165,14 @@ void resident_drop(resident *r);
 // Maps n transforms, of the kind that the world was made for, and fills them from poses.
 bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err);
 
-// Where pairs are left on a device: after the step all in one buffer, TOO_MANY where the caller's
-// has no space for them.
-bool world_gather_pairs(duet_world *world, duet_error *err);
-
-// The same without the number, which the result has; NULL after a failure.
-const buffer *world_join_pairs(duet_world *world, duet_error *err);
-
-// After a step that failed: no pairs, so that kernels which read the number do nothing. False where
-// that is not written.
-bool world_clear_pairs(duet_world *world);
-
 void pair_buffers_drop(pair_buffers *b);
 
-// BAD_OBJECT where the parts found bad ones, unless the world keeps them.
-bool world_check_bad(const duet_world *world, duet_error *err);
-
-// All that a step tells but the time that it took in all.
-void world_tell_result(duet_world *world, duet_result *result);
+// What a step that began at `begun` hands out once its parts have `found` their pairs: its result,
+// unless it failed until then or, BAD_OBJECT, found bad objects that the world does not keep; and
+// where pairs are left on a device all in one buffer, TOO_MANY where the caller's has no space for
+// them. After a failure their number there is 0, so that kernels which read it do nothing.
+bool world_hand_out(duet_world *world, bool found, uint64_t begun, duet_result *result,
+                    duet_error *err);
 
 // A step over n bounds in B's memory. *pairs has as many as the result says, in B's memory until
 // the next step; its spans have none. Where B searches alone, nothing of both comes to the host.

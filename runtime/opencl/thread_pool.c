@@ -100,6 +100,8 @@ void thread_pool_start(thread_pool *c, void (*job)(void *), void *arg)
 
 void thread_pool_wait(thread_pool *c)
 {
+    if (!c)
+        return;
     pthread_mutex_lock(&c->lock);
     while (c->n_busy > 0)
         pthread_cond_wait(&c->done, &c->lock);

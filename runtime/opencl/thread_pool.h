@@ -15,7 +15,7 @@ void thread_pool_close(thread_pool *c); // waits for the job under way
 
 // Starts job(arg) in every thread; the last job must have been waited for.
 void thread_pool_start(thread_pool *c, void (*job)(void *), void *arg);
-void thread_pool_wait(thread_pool *c);
+void thread_pool_wait(thread_pool *c); // NULL: for nothing
 
 // job(a) in the pool's only thread and job(b) in the caller's, at the same time. NULL: that one
 // has nothing to do; with one of them the pool is not needed.

@@ -403,6 +403,20 @@ void timeline_add_host(timeline *t, const char *stage, double ms)
         t->stages[stage_index(t, stage, false)].ms += ms;
 }
 
+double timeline_kernel_ms(const timeline *t)
+{
+    return (double)(t->last_end - t->first_begin) * 1e-6;
+}
+
+int timeline_list_stages(const timeline *t, int side, duet_stage *list, int n)
+{
+    for (int i = 0; i < t->n_stages; ++i) {
+        list[n] = t->stages[i];
+        list[n++].device = side;
+    }
+    return n;
+}
+
 void timeline_clear(timeline *t)
 {
     if (t->n_events > 0 || t->unheard)

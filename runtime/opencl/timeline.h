@@ -108,6 +108,13 @@ bool timeline_finish(timeline *t, duet_error *err); // waits and reads the times
 // Adds time that the host spent on a stage of this device.
 void timeline_add_host(timeline *t, const char *stage, double ms);
 
+// From the begin of the first kernel to the end of the last one.
+double timeline_kernel_ms(const timeline *t);
+
+// Writes the stages behind the n of a list, as those of device A or B; returns how many it has
+// then.
+int timeline_list_stages(const timeline *t, int side, duet_stage *list, int n);
+
 // Waits for what a failed step left under way, and releases it.
 void timeline_clear(timeline *t);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Devices that fail in the middle of a frame: each call to OpenCL in turn is
 // made to fail, as a lost device, a driver out of resources or a compiler would
-// have it. Each time the failure is one clear line, the world can be stepped
-// again, and the other device alone finds the same pairs.
+// have it, and each write not to arrive. Each time the failure is one clear line, the world can be
+// stepped again, and the other device alone finds the same pairs.
 #define _GNU_SOURCE
 #include "support/test.h"
 
@@ -25,6 +25,7 @@ typedef enum call {
     FILL,
     CREATE, // of a buffer
     BUILD,
+    ARRIVE, // of what was written
     CALLS
 } call;
 
@@ -40,11 +41,13 @@ static const struct {
     [FILL] = {"clEnqueueFillBuffer", CL_OUT_OF_HOST_MEMORY, DUET_STATUS_NO_MEMORY},
     [CREATE] = {"clCreateBuffer", CL_MEM_OBJECT_ALLOCATION_FAILURE, DUET_STATUS_NO_MEMORY},
     [BUILD] = {"clBuildProgram", CL_BUILD_PROGRAM_FAILURE, DUET_STATUS_BUILD_FAILED},
+    [ARRIVE] = {"a write under way", CL_OUT_OF_RESOURCES, DUET_STATUS_DEVICE_FAILED},
 };
 
 static atomic_int left[CALLS]; // calls until one fails; below 0: none does
 static atomic_int wide; // launches of more than a group along the first two axes, or an offset
 static atomic_int launches, maps;
+static _Atomic(cl_event) lost; // of a write in whose place zeros arrive
 
 static bool fails(call c)
 {
@@ -52,9 +55,9 @@ static bool fails(call c)
 }
 
 // C has no cast from the pointer that dlsym gives to one to a function.
-#define FIND_REAL(function, c)                            \
-    __typeof__(&(function)) next;                         \
-    void *const found_ = dlsym(RTLD_NEXT, calls[c].name); \
+#define FIND_REAL(function)                           \
+    __typeof__(&(function)) next;                     \
+    void *const found_ = dlsym(RTLD_NEXT, #function); \
     memcpy(&next, &found_, sizeof next)
 
 // The program's own definitions go before the loader's.
@@ -62,7 +65,7 @@ cl_int clEnqueueNDRangeKernel(cl_command_queue q, cl_kernel k, cl_uint dims, con
                               const size_t *global, const size_t *local, cl_uint n,
                               const cl_event *wait, cl_event *event)
 {
-    FIND_REAL(clEnqueueNDRangeKernel, LAUNCH);
+    FIND_REAL(clEnqueueNDRangeKernel);
     atomic_fetch_add(&launches, 1);
     atomic_fetch_add(&wide, dims < 3 || global[0] > local[0] || global[1] > 1 || offset);
     return fails(LAUNCH) ? calls[LAUNCH].code
@@ -73,7 +76,13 @@ cl_int clEnqueueWriteBuffer(cl_command_queue q, cl_mem mem, cl_bool blocking, si
                             size_t bytes, const void *from, cl_uint n, const cl_event *wait,
                             cl_event *event)
 {
-    FIND_REAL(clEnqueueWriteBuffer, WRITE);
+    FIND_REAL(clEnqueueWriteBuffer);
+    if (event && fails(ARRIVE)) {
+        const cl_uint zero = 0;
+        cl_int code = clEnqueueFillBuffer(q, mem, &zero, sizeof zero, at, bytes, n, wait, event);
+        atomic_store(&lost, *event);
+        return code;
+    }
     return fails(WRITE) ? calls[WRITE].code
                         : next(q, mem, blocking, at, bytes, from, n, wait, event);
 }
@@ -81,7 +90,7 @@ cl_int clEnqueueWriteBuffer(cl_command_queue q, cl_mem mem, cl_bool blocking, si
 cl_int clEnqueueReadBuffer(cl_command_queue q, cl_mem mem, cl_bool blocking, size_t at,
                            size_t bytes, void *to, cl_uint n, const cl_event *wait, cl_event *event)
 {
-    FIND_REAL(clEnqueueReadBuffer, READ);
+    FIND_REAL(clEnqueueReadBuffer);
     return fails(READ) ? calls[READ].code : next(q, mem, blocking, at, bytes, to, n, wait, event);
 }
 
@@ -89,7 +98,7 @@ void *clEnqueueMapBuffer(cl_command_queue q, cl_mem mem, cl_bool blocking, cl_ma
                          size_t at, size_t bytes, cl_uint n, const cl_event *wait, cl_event *event,
                          cl_int *code)
 {
-    FIND_REAL(clEnqueueMapBuffer, MAP);
+    FIND_REAL(clEnqueueMapBuffer);
     atomic_fetch_add(&maps, 1);
     if (!fails(MAP))
         return next(q, mem, blocking, flags, at, bytes, n, wait, event, code);
@@ -101,14 +110,14 @@ cl_int clEnqueueFillBuffer(cl_command_queue q, cl_mem mem, const void *pattern, 
                            size_t at, size_t bytes, cl_uint n, const cl_event *wait,
                            cl_event *event)
 {
-    FIND_REAL(clEnqueueFillBuffer, FILL);
+    FIND_REAL(clEnqueueFillBuffer);
     return fails(FILL) ? calls[FILL].code : next(q, mem, pattern, size, at, bytes, n, wait, event);
 }
 
 cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t bytes, void *host,
                       cl_int *code)
 {
-    FIND_REAL(clCreateBuffer, CREATE);
+    FIND_REAL(clCreateBuffer);
     if (!fails(CREATE))
         return next(context, flags, bytes, host, code);
     *code = calls[CREATE].code;
@@ -119,12 +128,29 @@ cl_int clBuildProgram(cl_program program, cl_uint n, const cl_device_id *devices
                       const char *options, void(CL_CALLBACK *notify)(cl_program, void *),
                       void *data)
 {
-    FIND_REAL(clBuildProgram, BUILD);
+    FIND_REAL(clBuildProgram);
     if (!fails(BUILD))
         return next(program, n, devices, options, notify, data);
     if (strstr(options, "_OPENCL_H_")) // and so does the build with the driver's header
         atomic_store(&left[BUILD], 0);
     return calls[BUILD].code;
+}
+
+cl_int clGetEventInfo(cl_event event, cl_event_info what, size_t size, void *value, size_t *bytes)
+{
+    FIND_REAL(clGetEventInfo);
+    cl_int code = next(event, what, size, value, bytes);
+    if (event == atomic_load(&lost) && what == CL_EVENT_COMMAND_EXECUTION_STATUS)
+        memcpy(value, &calls[ARRIVE].code, sizeof calls[ARRIVE].code);
+    return code;
+}
+
+cl_int clReleaseEvent(cl_event event)
+{
+    FIND_REAL(clReleaseEvent);
+    if (event == atomic_load(&lost))
+        atomic_store(&lost, NULL);
+    return next(event);
 }
 
 // ------------------------------------------------------------ a world
@@ -237,11 +263,11 @@ static bool survives(duet_world *world, call c, int k)
     return true;
 }
 
-static void fail_each_command(duet_mode mode, call last)
+static void fail_each(duet_mode mode, call first, call last)
 {
     duet_world *world = open_world(devices, mode);
     assert_right(world, DUET_SHARE_ONE / 2);
-    for (int c = LAUNCH; c <= (int)last; ++c) {
+    for (int c = first; c <= (int)last; ++c) {
         int k = 0;
         while (survives(world, (call)c, k))
             ++k;
@@ -255,7 +281,7 @@ static void a_failing_command_is_told_and_the_next_step_is_right(void **state)
     (void)state;
     map_memory(true);
     for (duet_mode mode = DUET_MODE_SHARED; mode <= DUET_MODE_SLAB; ++mode)
-        fail_each_command(mode, MAP);
+        fail_each(mode, LAUNCH, MAP);
     map_memory(false);
 }
 
@@ -263,8 +289,8 @@ static void where_kernels_work_in_place_nothing_is_mapped(void **state)
 {
     (void)state;
     int before = atomic_load(&maps);
-    fail_each_command(DUET_MODE_SHARED, MAP);
-    fail_each_command(DUET_MODE_SLAB, MAP);
+    fail_each(DUET_MODE_SHARED, LAUNCH, MAP);
+    fail_each(DUET_MODE_SLAB, LAUNCH, MAP);
     const device *d = devices->devices;
     assert_int_equal(atomic_load(&maps) > before, !d[0].driver.in_place || !d[1].driver.in_place);
 }
@@ -275,8 +301,10 @@ static void so_it_is_where_everything_is_copied(void **state)
     (void)state;
     for (int side = 0; side < 2; ++side)
         devices->devices[side].info.host_memory = false;
-    fail_each_command(DUET_MODE_OWN, WRITE);
-    fail_each_command(DUET_MODE_SLAB, WRITE);
+    fail_each(DUET_MODE_OWN, LAUNCH, WRITE);
+    fail_each(DUET_MODE_SLAB, LAUNCH, WRITE);
+    for (duet_mode mode = DUET_MODE_SHARED; mode <= DUET_MODE_SLAB; ++mode)
+        fail_each(mode, ARRIVE, ARRIVE); // and is sent again
     for (int side = 0; side < 2; ++side)
         devices->devices[side].info.host_memory = true;
 }
