@@ -124,6 +124,9 @@ bool border_take_ghosts(duet_cluster *c, duet_error *err)
     for (uint32_t k = 0; k < h->n_gone; ++k)
         copy_row(c, h->border.n + k, h->gone[k]);
     parallel_each(h->threads, in->n, copy_ghosts, c);
+    b->worker->lend(b->worker, b->rows.objects, b->rows.n);
+    if (h->n_gone + in->n > 0)
+        b->worker->begin(b->worker, b->rows.n, NULL);
     return seen_at_border(&b->seen, h, &c->ranks, &b->rows, in, err);
 }
 
@@ -131,12 +134,9 @@ bool border_take_ghosts(duet_cluster *c, duet_error *err)
 
 static bool search_border(border *b, duet_error *err)
 {
-    worker *w = b->worker;
     b->found = (worker_found){0};
-    if (b->seen.n_ghosts == 0)
-        return true;
-    w->lend(w, b->rows.objects, b->rows.n);
-    return w->find(w, &b->found, err) && seen_check_found(&b->seen, &b->found, err);
+    return b->seen.n_ghosts == 0 || (b->worker->find(b->worker, &b->found, err) &&
+                                     seen_check_found(&b->seen, &b->found, err));
 }
 
 bool border_end(duet_cluster *c, bool ok, duet_error *err)
@@ -144,6 +144,7 @@ bool border_end(duet_cluster *c, bool ok, duet_error *err)
     border *b = &c->border;
     ok = ok && search_border(b, err);
     ok = worker_search_end(&b->homes, ok ? err : NULL) && ok;
+    b->worker->lend(b->worker, NULL, 0); // rows may be elsewhere when it is lent them again
     b->is_searching = false;
     if (ok)
         homes_forget_renamed(&c->homes);

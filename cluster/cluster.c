@@ -64,6 +64,13 @@ static bool open_pair(duet_cluster *c, duet_error *err)
     return c->own_pair;
 }
 
+// A device that leaves the processors to others is waited for by a thread which looks all the time.
+static bool begin_threads(duet_cluster *c, const worker *w, duet_error *err)
+{
+    double waiting = w->spares_host && w->spares_host(w) ? 1 : 0;
+    return parallel_begin(&c->threads, c->ranks.processors - waiting, err);
+}
+
 duet_cluster *duet_cluster_create(const duet_cluster_def *def, duet_error *err)
 {
     return cluster_create(def, NULL, false, err);
@@ -92,12 +99,12 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, b
         c->homes.threads = &c->threads;
         c->homes.walk = walk_parts;
         c->homes.walk_context = c;
-        ok = ranks_reserve(&c->ranks, &own) &&
-             parallel_begin(&c->threads, c->ranks.processors, &own) && check_def(def, &own) &&
+        ok = ranks_reserve(&c->ranks, &own) && check_def(def, &own) &&
              parts_begin(&c->parts, def->parts, &c->ranks, &own) && open_pair(c, &own) &&
              cluster_open_workers(c, &c->def.world, workers, &own);
         if (ok)
             cluster_take_workers(c, &c->def.world, workers);
+        ok = ok && begin_threads(c, workers[0], &own);
         ok = ranks_agree(&c->ranks, ok, &own) && cut_begin(&c->cut, &c->ranks, def->weight, &own);
         if (!ok)
             error_copy(err, &own);

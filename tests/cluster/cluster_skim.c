@@ -465,6 +465,56 @@ static void walks_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
         duet_cluster_destroy(clusters[i]);
 }
 
+static void change(duet_cluster *c, uint32_t what)
+{
+    duet_error err = {0};
+    if (what == 0)
+        MUST_OK(duet_cluster_set_plan(c, &c->def.world.plan, &err), err);
+    if (what == 1)
+        MUST_OK(duet_cluster_set_level(c, DUET_LEVEL_AABB, &err), err);
+    if (what == 2)
+        MUST_OK(duet_cluster_set_level(c, DUET_LEVEL_CERTIFIED, &err), err);
+    if (what == 3) // homes lie in the order of their ids, and go back
+        MUST_OK(duet_cluster_set_level(c, DUET_LEVEL_SPHERE, &err) &&
+                    duet_cluster_set_level(c, DUET_LEVEL_CERTIFIED, &err),
+                err);
+}
+
+// Whatever was called between two steps.
+static void any_order_of_calls_finds_the_same_pairs(MPI_Comm *comm, uint64_t seed)
+{
+    enum { CALLS = 60, CHANGES = 4, MOVES = 5, FEW = 3000 };
+    duet_cluster *clusters[] = {open_cluster(comm, true, 1), open_cluster(comm, false, 1)};
+    rng r = rng_seed(seed + 1);
+    uint64_t apart = 0, steps = 0;
+    duet_cluster_result results[2] = {{0}};
+    for (int i = 0; i < 2; ++i)
+        hand_over(clusters[i], FEW, seed);
+    for (uint32_t at = 0; at < CALLS; ++at) {
+        uint32_t what = rng_below(&r, 16);
+        duet_error err = {0};
+        bool steps_now = what > MOVES + 2;
+        for (int i = 0; i < 2; ++i) {
+            if (what > MOVES && what <= MOVES + 5)
+                move_homes(clusters[i], drift, WALKS + at);
+            else if (what < CHANGES)
+                change(clusters[i], what);
+            if (steps_now)
+                MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
+        }
+        steps += steps_now;
+        apart += steps_now && clusters[0]->border.done;
+        MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs,
+             "the pairs are the reference's");
+        if (steps_now && what % 2)
+            must_be_listed(comm, clusters[0], results[0].hash);
+    }
+    MUST(steps > 20 && (clusters[0]->ranks.n == 1 || sum_of(comm, apart) > 10),
+         "homes were searched while ghosts travelled");
+    for (int i = 0; i < 2; ++i)
+        duet_cluster_destroy(clusters[i]);
+}
+
 int main(int argc, char **argv)
 {
     const char *given = getenv("DUET_TEST_SEED");
@@ -489,6 +539,7 @@ int main(int argc, char **argv)
     }
     MPI_Barrier(MPI_COMM_WORLD);
     ranks_that_skim_find_the_same_pairs(&world, seed);
+    any_order_of_calls_finds_the_same_pairs(&world, seed);
     homes_leave_in_the_order_of_their_rows(&world, seed);
     walks_find_the_same_pairs(&world, seed, true);
     walks_find_the_same_pairs(&world, seed, false);
