@@ -30,7 +30,7 @@ static bool is_param_name(const char *name)
     return begins && strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") == strlen(name);
 }
 
-static gen_param *find_param(card *c, const char *name)
+static const gen_param *find_param(const card *c, const char *name)
 {
     for (uint32_t i = 0; i < c->n_params; ++i)
         if (strcmp(c->params[i].name, name) == 0)
@@ -348,17 +348,64 @@ static int resolve(lua_State *L)
     return 0;
 }
 
-bool card_entries(card *c, const gen_setting *config, gen_entry **entries, duet_error *err)
+static bool find_entries(card *c, const gen_setting *config, gen_variant *v, duet_error *err)
 {
-    *entries = calloc(c->n_signatures + 1, sizeof **entries);
-    question q = {.card = c, .config = config, .entries = *entries};
-    if (!*entries)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", c->kernel);
-    if (ask(resolve, &q, err))
-        return true;
-    free(*entries);
-    *entries = NULL;
-    return false;
+    v->n_entries = c->n_signatures;
+    v->entries = calloc(c->n_signatures + 1, sizeof *v->entries);
+    question q = {.card = c, .config = config, .entries = v->entries};
+    return v->entries ? ask(resolve, &q, err)
+                      : error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", c->kernel);
+}
+
+static bool is_said(const gen_param *param, const gen_setting *setting)
+{
+    return !param->silent || setting->value != 0;
+}
+
+// What varies, in the card's order; a range is the scene's and not named.
+static bool name_variant(const card *c, const gen_setting *config, gen_variant *v, duet_error *err)
+{
+    text name = {0};
+    text_add(&name, "%s", c->kernel);
+    for (uint32_t i = 0; i < c->n_params; ++i)
+        if (c->params[i].n_values > 1 && is_said(&c->params[i], &config[i]))
+            text_add(&name, ".%s%" PRId64, config[i].name, config[i].value);
+    bool ok = text_ok(&name, err);
+    if (ok && name.length >= sizeof v->name)
+        ok =
+            error_set(err, DUET_STATUS_BUILD_FAILED, "%s: a variant's name has at most %zu letters",
+                      name.chars, sizeof v->name - 1);
+    if (ok)
+        memcpy(v->name, name.chars, name.length + 1);
+    text_free(&name);
+    return ok;
+}
+
+static void add_prelude(const card *c, const gen_setting *config, const gen_variant *v, text *out)
+{
+    text_add(out, "// %s\n", v->name);
+    for (uint32_t i = 0; i < c->n_params; ++i) {
+        bool negative = config[i].value < 0;
+        if (!is_said(&c->params[i], &config[i]))
+            continue;
+        text_add(out, negative ? "#define %s (%" PRId64 ")\n" : "#define %s %" PRId64 "\n",
+                 config[i].name, config[i].value);
+    }
+    for (uint32_t i = 0; i < v->n_entries; ++i)
+        signature_write(&v->entries[i], out);
+}
+
+bool card_resolve(card *c, const gen_limits *limits, const gen_setting *config,
+                  gen_variant *variant, text *out, duet_error *err)
+{
+    card_launch launch;
+    if (!card_check(c, limits, config, &launch, err) || !find_entries(c, config, variant, err) ||
+        !name_variant(c, config, variant, err))
+        return false;
+    variant->group = launch.group;
+    variant->per_item = launch.per_item;
+    add_prelude(c, config, variant, out);
+    return true;
 }
 
 // The parameter's default(limits), where it is a function. Its table is on top.
@@ -415,32 +462,41 @@ static bool check_value(const card *c, const gen_param *param, int64_t value, du
     return false;
 }
 
-static bool set_param(const card *c, const gen_setting *setting, gen_setting *config,
-                      duet_error *err)
+static bool refuse_name(const card *c, const char *name, duet_error *err)
 {
-    for (uint32_t i = 0; i < c->n_params; ++i) {
-        if (strcmp(c->params[i].name, setting->name) != 0)
-            continue;
-        config[i].value = setting->value;
-        return check_value(c, &c->params[i], setting->value, err);
-    }
     text all = {0};
     for (uint32_t i = 0; i < c->n_params; ++i)
         text_add(&all, "%s%s", i > 0 ? ", " : "", c->params[i].name);
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: no parameter '%s': there are %s", c->kernel,
-              setting->name, text_chars(&all));
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: no parameter '%s': there are %s", c->kernel, name,
+              text_chars(&all));
     text_free(&all);
     return false;
 }
 
-bool card_fill(card *c, const gen_setting *settings, uint32_t n, const gen_limits *limits,
+static bool take(const card *c, const gen_offer *offer, gen_setting *config, duet_error *err)
+{
+    const gen_param *param = find_param(c, offer->name);
+    if (offer->kernel && *offer->kernel && strcmp(offer->kernel, c->kernel) != 0)
+        return true;
+    if (!param)
+        return offer->manner != GEN_REQUIRED || refuse_name(c, offer->name, err);
+    int64_t greatest = param->is_range ? param->most : param->values[param->n_values - 1];
+    bool above = offer->manner == GEN_CAPPED && offer->value > greatest;
+    int64_t *value = &config[param - c->params].value;
+    *value = above ? greatest : offer->value;
+    if (offer->taken)
+        *offer->taken = true;
+    return check_value(c, param, *value, err);
+}
+
+bool card_fill(card *c, const gen_offer *offers, uint32_t n, const gen_limits *limits,
                gen_setting *config, duet_error *err)
 {
     bool ok = card_set_fallbacks(c, limits, err);
     for (uint32_t i = 0; ok && i < c->n_params; ++i)
         config[i] = (gen_setting){c->params[i].name, c->params[i].fallback};
     for (uint32_t i = 0; ok && i < n; ++i)
-        ok = set_param(c, &settings[i], config, err);
+        ok = take(c, &offers[i], config, err);
     return ok;
 }
 

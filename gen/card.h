@@ -44,17 +44,18 @@ void card_close(card *c);
 // Fills in what each parameter is where it is not set; it may depend on limits.
 bool card_set_fallbacks(card *c, const gen_limits *limits, duet_error *err);
 
-// Fills in a config: what n settings say, and what the other parameters are where they are not
-// set. BAD_ARGUMENT where there is no such parameter, or it has no such value.
-bool card_fill(card *c, const gen_setting *settings, uint32_t n, const gen_limits *limits,
+// Fills in a config: what n offers say, and what the other parameters are where they are not
+// set. BAD_ARGUMENT where a parameter that must be there is not, or has no such value.
+bool card_fill(card *c, const gen_offer *offers, uint32_t n, const gen_limits *limits,
                gen_setting *config, duet_error *err);
 
 // BAD_ARGUMENT with the card's reason where the config is not valid.
 bool card_check(card *c, const gen_limits *limits, const gen_setting *config, card_launch *launch,
                 duet_error *err);
 
-// The entries under a config, to be freed by the caller.
-bool card_entries(card *c, const gen_setting *config, gen_entry **entries, duet_error *err);
+// Checks a config, tells its variant's name, launch and entries, and begins its text.
+bool card_resolve(card *c, const gen_limits *limits, const gen_setting *config,
+                  gen_variant *variant, text *out, duet_error *err);
 
 // All configs, valid or not, in mixed radix: the last parameter fastest.
 uint64_t card_size(const card *c);

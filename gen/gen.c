@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A variant's text is its config as #defines, the headers its card asks for,
-// and the kernel itself. A kernel's files are read when it is first asked for,
-// so that a broken one does not stop the others.
+// Which kernels there are, what varies in them, and which configs are valid.
 #define _POSIX_C_SOURCE 200809L
 #include "gen/gen.h"
 #include "base/blob.h"
@@ -10,15 +8,8 @@
 #include <dirent.h>
 #include <errno.h>
 #include <inttypes.h>
-#include <sha256.h>
 #include <stdlib.h>
 #include <string.h>
-
-struct gen {
-    char *dir; // NULL: what is carried
-    kernel *kernels;
-    uint32_t n_kernels;
-};
 
 // ---------------------------------------------------------------- the list
 
@@ -152,141 +143,11 @@ const char *gen_built_ins(const gen *g)
     return g->dir ? NULL : blob_find("kernels/built_ins.clh")->bytes;
 }
 
-static kernel *find_kernel(gen *g, const char *name, duet_error *err)
-{
-    for (uint32_t i = 0; i < g->n_kernels; ++i) {
-        kernel *k = &g->kernels[i];
-        if (strcmp(k->name, name) == 0)
-            return k->is_read || kernel_read(k, g->dir, err) ? k : NULL;
-    }
-    text all = {0};
-    for (uint32_t i = 0; i < g->n_kernels; ++i)
-        text_add(&all, "%s%s", i > 0 ? ", " : "", g->kernels[i].name);
-    error_set(err, DUET_STATUS_NOT_FOUND, "no kernel '%s': there are %s", name, text_chars(&all));
-    text_free(&all);
-    return NULL;
-}
-
-// ---------------------------------------------------------------- variants
-
-static bool is_said(const gen_param *param, const gen_setting *setting)
-{
-    return !param->silent || setting->value != 0;
-}
-
-// What varies, in the card's order; a range is the scene's and not named.
-static bool name_variant(const card *c, const gen_setting *config, gen_variant *v, duet_error *err)
-{
-    text name = {0};
-    text_add(&name, "%s", c->kernel);
-    for (uint32_t i = 0; i < c->n_params; ++i)
-        if (c->params[i].n_values > 1 && is_said(&c->params[i], &config[i]))
-            text_add(&name, ".%s%" PRId64, config[i].name, config[i].value);
-    bool ok = text_ok(&name, err);
-    if (ok && name.length >= sizeof v->name)
-        ok =
-            error_set(err, DUET_STATUS_BUILD_FAILED, "%s: a variant's name has at most %zu letters",
-                      name.chars, sizeof v->name - 1);
-    if (ok)
-        memcpy(v->name, name.chars, name.length + 1);
-    text_free(&name);
-    return ok;
-}
-
-// "__global const double4 *restrict rotations" of "real4 *".
-static void add_argument(const gen_arg *a, text *out)
-{
-    bool is_buffer = a->bytes == 0, is_real = strncmp(a->type, "real", 4) == 0;
-    const char *memory = a->is_constant ? "__constant " : "__global ";
-    const char *alone = a->is_constant ? "" : "restrict ";
-    const char *real = a->is_double ? "double" : "float";
-    text_add(out, " \\\n    %s%s%s", a->is_volatile ? "volatile " : "", is_buffer ? memory : "",
-             a->is_const ? "const " : "");
-    text_add(out, "%s%s%s%s", is_real ? real : "", a->type + (is_real ? 4 : 0),
-             is_buffer ? alone : " ", a->name);
-}
-
-// "#define ENTRY_ARGS ...", the parameters as the kernel's text names them.
-static void add_entry(const gen_entry *entry, text *out)
-{
-    text_add(out, "#define ");
-    for (const char *c = entry->name; *c; ++c)
-        text_add(out, "%c", *c >= 'a' && *c <= 'z' ? *c - 'a' + 'A' : *c);
-    text_add(out, "_ARGS");
-    for (uint32_t i = 0; i < entry->n_args; ++i) {
-        add_argument(&entry->args[i], out);
-        text_add(out, i + 1 < entry->n_args ? "," : "");
-    }
-    text_add(out, "\n");
-}
-
-static void add_prelude(const card *c, const gen_setting *config, const gen_variant *v, text *out)
-{
-    text_add(out, "// %s\n", v->name);
-    for (uint32_t i = 0; i < c->n_params; ++i) {
-        bool negative = config[i].value < 0;
-        if (!is_said(&c->params[i], &config[i]))
-            continue;
-        text_add(out, negative ? "#define %s (%" PRId64 ")\n" : "#define %s %" PRId64 "\n",
-                 config[i].name, config[i].value);
-    }
-    for (uint32_t i = 0; i < v->n_entries; ++i)
-        add_entry(&v->entries[i], out);
-}
-
-static bool add_kernel_text(const kernel *k, const gen_setting *config, text *out, duet_error *err)
-{
-    if (!k->choices)
-        text_add_bytes(out, k->plain.chars, k->plain.length);
-    else if (!template_expand(k->choices, config, k->card.n_params, out, err))
-        return false;
-    return k->template ? template_expand(k->template, config, k->card.n_params, out, err)
-                       : text_ok(out, err);
-}
-
-bool gen_make(gen *g, const char *name, const gen_setting *settings, uint32_t n_settings,
-              const gen_limits *limits, gen_variant *variant, duet_error *err)
-{
-    *variant = (gen_variant){0};
-    kernel *k = find_kernel(g, name, err);
-    if (!k)
-        return false;
-    gen_setting config[CARD_MAX_PARAMS] = {{NULL, 0}};
-    card_launch launch = {0};
-    text out = {0};
-    bool ok = card_fill(&k->card, settings, n_settings, limits, config, err);
-    ok = ok && card_check(&k->card, limits, config, &launch, err);
-    ok = ok && card_entries(&k->card, config, &variant->entries, err);
-    ok = ok && name_variant(&k->card, config, variant, err);
-    if (ok) {
-        variant->n_entries = k->card.n_signatures;
-        add_prelude(&k->card, config, variant, &out);
-        ok = add_kernel_text(k, config, &out, err);
-    }
-    if (!ok) {
-        text_free(&out);
-        gen_variant_free(variant);
-        return false;
-    }
-    SHA256Data((const uint8_t *)out.chars, out.length, variant->sha256);
-    variant->text = out.chars;
-    variant->group = launch.group;
-    variant->per_item = launch.per_item;
-    return true;
-}
-
-void gen_variant_free(gen_variant *variant)
-{
-    free(variant->text);
-    free(variant->entries);
-    *variant = (gen_variant){0};
-}
-
 // ---------------------------------------------------------------- what varies
 
 bool gen_about(gen *g, const char *name, const char **about, duet_error *err)
 {
-    const kernel *k = find_kernel(g, name, err);
+    const kernel *k = kernel_find(g, name, err);
     if (k)
         *about = k->card.about;
     return k;
@@ -295,7 +156,7 @@ bool gen_about(gen *g, const char *name, const char **about, duet_error *err)
 bool gen_params(gen *g, const char *name, const gen_limits *limits, const gen_param **params,
                 uint32_t *n_params, duet_error *err)
 {
-    kernel *k = find_kernel(g, name, err);
+    kernel *k = kernel_find(g, name, err);
     if (!k || !card_set_fallbacks(&k->card, limits, err))
         return false;
     *params = k->card.params;
@@ -364,7 +225,7 @@ static bool count_valid(kernel *k, const gen_limits *limits, duet_error *err)
 
 bool gen_count(gen *g, const char *name, const gen_limits *limits, uint64_t *count, duet_error *err)
 {
-    kernel *k = find_kernel(g, name, err);
+    kernel *k = kernel_find(g, name, err);
     if (!k || !count_valid(k, limits, err))
         return false;
     *count = k->valid.before[k->valid.n_blocks];
@@ -388,7 +249,7 @@ static uint64_t block_of(const valid_configs *valid, uint64_t index)
 bool gen_config(gen *g, const char *name, const gen_limits *limits, uint64_t index,
                 gen_setting *config, duet_error *err)
 {
-    kernel *k = find_kernel(g, name, err);
+    kernel *k = kernel_find(g, name, err);
     if (!k || !count_valid(k, limits, err))
         return false;
     const valid_configs *valid = &k->valid;

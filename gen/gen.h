@@ -35,6 +35,22 @@ typedef struct gen_setting {
     int64_t value;
 } gen_setting;
 
+// What somebody who makes several kernels says of a parameter. Of several such offers the last
+// counts.
+typedef enum gen_manner {
+    GEN_REQUIRED, // the kernel must have the parameter
+    GEN_OFFERED,  // a kernel that has it not is made without
+    GEN_CAPPED,   // likewise; one whose greatest value is less takes that
+} gen_manner;
+
+typedef struct gen_offer {
+    const char *kernel; // the one that it is for; NULL or empty: all of them
+    const char *name;
+    int64_t value;
+    gen_manner manner;
+    bool *taken; // becomes true where a kernel has the parameter; NULL: nobody asks
+} gen_offer;
+
 enum { GEN_NAME = 48, GEN_MAX_ARGS = 28 };
 
 // An argument of a kernel.
@@ -68,6 +84,9 @@ typedef struct gen_variant {
 // not valid: the line says what would be.
 bool gen_make(gen *g, const char *kernel, const gen_setting *settings, uint32_t n_settings,
               const gen_limits *limits, gen_variant *variant, duet_error *err);
+// The same with what the offers say of this kernel.
+bool gen_make_offered(gen *g, const char *kernel, const gen_offer *offers, uint32_t n_offers,
+                      const gen_limits *limits, gen_variant *variant, duet_error *err);
 void gen_variant_free(gen_variant *variant);
 
 // The kernels there are: NULL past the end.

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
+// A variant's text is its config as #defines, the headers its card asks for,
+// and the kernel itself. A kernel's files are read when it is first asked for,
+// so that a broken one does not stop the others.
 #define _POSIX_C_SOURCE 200809L
 #include "gen/kernel.h"
 #include "base/blob.h"
 #include "base/text_file.h"
 
+#include <sha256.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -119,7 +123,7 @@ static bool read_choices(kernel *k, duet_error *err)
     return k->choices;
 }
 
-bool kernel_read(kernel *k, const char *dir, duet_error *err)
+static bool read_kernel(kernel *k, const char *dir, duet_error *err)
 {
     bool ok = read_card(dir, k, err);
     ok = ok && read_headers(dir, k, err);
@@ -128,4 +132,71 @@ bool kernel_read(kernel *k, const char *dir, duet_error *err)
     if (!ok)
         kernel_forget(k);
     return ok;
+}
+
+kernel *kernel_find(gen *g, const char *name, duet_error *err)
+{
+    for (uint32_t i = 0; i < g->n_kernels; ++i) {
+        kernel *k = &g->kernels[i];
+        if (strcmp(k->name, name) == 0)
+            return k->is_read || read_kernel(k, g->dir, err) ? k : NULL;
+    }
+    text all = {0};
+    for (uint32_t i = 0; i < g->n_kernels; ++i)
+        text_add(&all, "%s%s", i > 0 ? ", " : "", g->kernels[i].name);
+    error_set(err, DUET_STATUS_NOT_FOUND, "no kernel '%s': there are %s", name, text_chars(&all));
+    text_free(&all);
+    return NULL;
+}
+
+// ---------------------------------------------------------------- variants
+
+bool gen_make(gen *g, const char *name, const gen_setting *settings, uint32_t n_settings,
+              const gen_limits *limits, gen_variant *variant, duet_error *err)
+{
+    gen_offer *offers = calloc(n_settings + 1, sizeof *offers);
+    *variant = (gen_variant){0};
+    if (!offers)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", name);
+    for (uint32_t i = 0; i < n_settings; ++i)
+        offers[i] = (gen_offer){NULL, settings[i].name, settings[i].value, GEN_REQUIRED, NULL};
+    bool ok = gen_make_offered(g, name, offers, n_settings, limits, variant, err);
+    free(offers);
+    return ok;
+}
+
+static bool add_text(const kernel *k, const gen_setting *config, text *out, duet_error *err)
+{
+    if (!k->choices)
+        text_add_bytes(out, k->plain.chars, k->plain.length);
+    else if (!template_expand(k->choices, config, k->card.n_params, out, err))
+        return false;
+    return k->template ? template_expand(k->template, config, k->card.n_params, out, err)
+                       : text_ok(out, err);
+}
+
+bool gen_make_offered(gen *g, const char *name, const gen_offer *offers, uint32_t n_offers,
+                      const gen_limits *limits, gen_variant *variant, duet_error *err)
+{
+    gen_setting config[CARD_MAX_PARAMS] = {{NULL, 0}};
+    text out = {0};
+    *variant = (gen_variant){0};
+    kernel *k = kernel_find(g, name, err);
+    if (!k || !card_fill(&k->card, offers, n_offers, limits, config, err) ||
+        !card_resolve(&k->card, limits, config, variant, &out, err) ||
+        !add_text(k, config, &out, err)) {
+        text_free(&out);
+        gen_variant_free(variant);
+        return false;
+    }
+    SHA256Data((const uint8_t *)out.chars, out.length, variant->sha256);
+    variant->text = out.chars;
+    return true;
+}
+
+void gen_variant_free(gen_variant *variant)
+{
+    free(variant->text);
+    free(variant->entries);
+    *variant = (gen_variant){0};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What is read of a kernel: its card, the headers that it uses, and its text
-// or template. From the carried files, or from a folder and nowhere else.
+// or template. From the carried files, or from a folder and nowhere else. And what is
+// made of it: the text of a variant.
 #ifndef GEN_KERNEL_H
 #define GEN_KERNEL_H
 
@@ -25,9 +26,15 @@ typedef struct kernel {
     template *template; // of a .cl.in, else NULL
 } kernel;
 
-// Reads the folder's NAME.lua, common.clh, NAME.cl or NAME.cl.in; dir NULL: carried ones.
-// Every file that is missing is NOT_FOUND with its path.
-bool kernel_read(kernel *k, const char *dir, duet_error *err);
+struct gen {
+    char *dir; // NULL: what is carried
+    kernel *kernels;
+    uint32_t n_kernels;
+};
+
+// The kernel of that name. At first its files are read, NAME.lua, common.clh, NAME.cl or
+// NAME.cl.in; every one that is missing is NOT_FOUND with its path.
+kernel *kernel_find(gen *g, const char *name, duet_error *err);
 void kernel_forget(kernel *k);
 
 #endif

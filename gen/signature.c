@@ -221,3 +221,31 @@ void signature_resolve(lua_State *L, const signature *s, const gen_setting *conf
     }
     lua_pop(L, 1);
 }
+
+// ---------------------------------------------------------------- as text
+
+// "__global const double4 *restrict rotations" of "real4 *".
+static void add_argument(const gen_arg *a, text *out)
+{
+    bool is_buffer = a->bytes == 0, is_real = strncmp(a->type, "real", 4) == 0;
+    const char *memory = a->is_constant ? "__constant " : "__global ";
+    const char *alone = a->is_constant ? "" : "restrict ";
+    const char *real = a->is_double ? "double" : "float";
+    text_add(out, " \\\n    %s%s%s", a->is_volatile ? "volatile " : "", is_buffer ? memory : "",
+             a->is_const ? "const " : "");
+    text_add(out, "%s%s%s%s", is_real ? real : "", a->type + (is_real ? 4 : 0),
+             is_buffer ? alone : " ", a->name);
+}
+
+void signature_write(const gen_entry *entry, text *out)
+{
+    text_add(out, "#define ");
+    for (const char *c = entry->name; *c; ++c)
+        text_add(out, "%c", *c >= 'a' && *c <= 'z' ? *c - 'a' + 'A' : *c);
+    text_add(out, "_ARGS");
+    for (uint32_t i = 0; i < entry->n_args; ++i) {
+        add_argument(&entry->args[i], out);
+        text_add(out, i + 1 < entry->n_args ? "," : "");
+    }
+    text_add(out, "\n");
+}

@@ -11,6 +11,7 @@
 #ifndef GEN_SIGNATURE_H
 #define GEN_SIGNATURE_H
 
+#include "base/text.h"
 #include "gen/gen.h"
 
 #include <lua.h>
@@ -36,5 +37,8 @@ void signature_read(lua_State *L, int table, signature **list, uint32_t *n);
 // The entry's arguments under a config. Raises where a condition is no comparison.
 void signature_resolve(lua_State *L, const signature *s, const gen_setting *config, uint32_t n,
                        gen_entry *entry);
+
+// Adds "#define ENTRY_ARGS ...", the parameters as the kernel's text names them.
+void signature_write(const gen_entry *entry, text *out);
 
 #endif

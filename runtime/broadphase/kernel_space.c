@@ -29,63 +29,52 @@ static const struct {
     {"clear", {"clear"}},
 };
 
-enum { N_KERNELS = sizeof kernels / sizeof kernels[0], MAX_SETTINGS = 24 };
+enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
 
 // ---------------------------------------------------------------- what is free
 
-static const part_choice *find_choice(const part *p, const char *param)
+static bool is_decided(const part *p, const char *param)
 {
-    for (uint32_t i = 0; i < PART_CHOICES; ++i)
-        if (strcmp(p->choices[i].name, param) == 0)
-            return &p->choices[i];
-    return NULL;
+    bool is = false;
+    for (uint32_t i = 0; i < PART_CHOICES && !is; ++i)
+        is = strcmp(p->choices[i].name, param) == 0;
+    return is;
 }
 
 static bool is_free(const part *p, const char *kernel_name, const gen_param *param)
 {
     return param->n_values > 1 && param->n_values <= KERNEL_SPACE_VALUES &&
-           !find_choice(p, param->name) && !variant_sets(&p->variant, kernel_name, param->name);
-}
-
-// The value that ran; a range and a single value are not in the variant's name.
-static int64_t value_of(const part *p, const kernel *k, const gen_param *param)
-{
-    const part_choice *decided = find_choice(p, param->name);
-    if (param->n_values > 1)
-        return kernel_param(k, param->name);
-    return decided ? decided->value : param->fallback;
+           !is_decided(p, param->name) && !variant_sets(&p->variant, kernel_name, param->name);
 }
 
 // ---------------------------------------------------------------- configs
 
-// A kernel's parameters, and which of them are the space's.
+// What the part offers its kernels, and then the space's parameters.
 typedef struct settings {
-    gen_setting at[MAX_SETTINGS];
-    uint32_t n;
-    uint32_t free[KERNEL_SPACE_PARAMS];
+    gen_offer at[PART_OFFERS + KERNEL_SPACE_PARAMS];
+    gen_offer *free;
 } settings;
 
 static void add_param(kernel_space *space, settings *s, const gen_param *param)
 {
-    s->free[space->n_params] = s->n;
+    s->free[space->n_params] = (gen_offer){NULL, param->name, 0, GEN_REQUIRED, NULL};
     snprintf(space->params[space->n_params].name, sizeof space->params[0].name, "%s", param->name);
     memcpy(space->params[space->n_params].values, param->values,
            param->n_values * sizeof *param->values);
     space->params[space->n_params++].n_values = param->n_values;
 }
 
-static bool list_params(const part *p, const kernel *k, kernel_space *space, settings *s,
-                        duet_error *err)
+static bool list_params(const part *p, kernel_space *space, settings *s, duet_error *err)
 {
     const gen_param *params;
     uint32_t n_params;
     if (!gen_params(p->gen, space->kernel, &p->limits, &params, &n_params, err))
         return false;
-    for (uint32_t i = 0; i < n_params && s->n < MAX_SETTINGS; ++i) {
-        if (is_free(p, space->kernel, &params[i]) && space->n_params < KERNEL_SPACE_PARAMS)
+    memcpy(s->at, p->offers, p->n_offers * sizeof *s->at);
+    s->free = s->at + p->n_offers;
+    for (uint32_t i = 0; i < n_params && space->n_params < KERNEL_SPACE_PARAMS; ++i)
+        if (is_free(p, space->kernel, &params[i]))
             add_param(space, s, &params[i]);
-        s->at[s->n++] = (gen_setting){params[i].name, value_of(p, k, &params[i])};
-    }
     return true;
 }
 
@@ -95,7 +84,8 @@ static bool check_config(const part *p, const kernel_space *space, const setting
 {
     gen_variant made;
     duet_error why = {0};
-    *valid = gen_make(p->gen, space->kernel, s->at, s->n, &p->limits, &made, &why);
+    *valid = gen_make_offered(p->gen, space->kernel, s->at, p->n_offers + space->n_params,
+                              &p->limits, &made, &why);
     gen_variant_free(&made);
     return *valid || why.status == DUET_STATUS_BAD_ARGUMENT || error_copy(err, &why);
 }
@@ -118,7 +108,7 @@ static bool list_configs(const part *p, const kernel *k, kernel_space *space, se
     do {
         bool valid, now = true;
         for (uint32_t i = 0; i < space->n_params; ++i) {
-            gen_setting *setting = &s->at[s->free[i]];
+            gen_offer *setting = &s->free[i];
             setting->value = space->params[i].values[config[i]];
             now = now && setting->value == kernel_param(k, setting->name);
         }
@@ -138,11 +128,11 @@ static bool list_configs(const part *p, const kernel *k, kernel_space *space, se
 static bool read_kernel(const part *p, uint32_t i, const kernel *k, kernel_space *space,
                         duet_error *err)
 {
-    settings s = {.n = 0};
+    settings s;
     *space = (kernel_space){.n_configs = 0};
     snprintf(space->kernel, sizeof space->kernel, "%s", kernels[i].name);
     memcpy(space->stages, kernels[i].stages, sizeof space->stages);
-    return list_params(p, k, space, &s, err) && list_configs(p, k, space, &s, err);
+    return list_params(p, space, &s, err) && list_configs(p, k, space, &s, err);
 }
 
 static bool make_ready(duet_world *world, int side, duet_error *err)

@@ -111,8 +111,12 @@ static const binding gather_bindings[] = {BUFFER("rows", "uint *", args.objects)
 
 bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
 {
-    *p = (part){
-        .device = &pair->devices[side], .devices = pair->devices, .least_chunk = LEAST_CHUNK};
+    const device *d = &pair->devices[side];
+    *p = (part){.device = d,
+                .devices = pair->devices,
+                .scan = {.device = d},
+                .radix = {.device = d, .scan = &p->scan},
+                .least_chunk = LEAST_CHUNK};
     p->gen = gen_open(pair->kernel_dir, err);
     p->programs = p->gen ? program_set_open(p->device, p->gen, &pair->builder, err) : NULL;
     p->limits = program_limits(&p->device->info);
@@ -168,44 +172,6 @@ void part_begin(part *p, uint64_t step)
 
 // ---------------------------------------------------------------- kernels
 
-enum { MAX_SETTINGS = 24 };
-
-// Every parameter of the kernel's card that the scene, the stage or the variant
-// sets; the others keep the card's own value.
-static bool gather_settings(part *p, const char *name, const part_choice *choices,
-                            uint32_t n_choices, gen_setting settings[MAX_SETTINGS],
-                            uint32_t *n_settings, duet_error *err)
-{
-    const gen_param *params = NULL;
-    uint32_t n_params = 0;
-    if (!gen_params(p->gen, name, &p->limits, &params, &n_params, err))
-        return false;
-    *n_settings = n_params < MAX_SETTINGS ? n_params : MAX_SETTINGS;
-    for (uint32_t i = 0; i < *n_settings; ++i) {
-        const part_choice *choice = NULL;
-        for (uint32_t k = 0; k < n_choices; ++k)
-            if (strcmp(choices[k].name, params[i].name) == 0)
-                choice = &choices[k];
-        settings[i] = (gen_setting){params[i].name, choice ? choice->value : params[i].fallback};
-        if (variant_take(&p->variant, name, params[i].name, &settings[i].value) && choice &&
-            !choice->open)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "variant: %s is what the scene decides, and cannot be set",
-                             params[i].name);
-    }
-    return true;
-}
-
-static kernel *get_kernel(part *p, const char *name, const char *entry, bindings from,
-                          duet_error *err)
-{
-    gen_setting settings[MAX_SETTINGS];
-    uint32_t n = 0;
-    if (!gather_settings(p, name, p->choices, PART_CHOICES, settings, &n, err))
-        return NULL;
-    return program_set_kernel(p->programs, name, entry, settings, n, from, err);
-}
-
 // Whether the device alone has objects that the host may have to decide.
 static bool gathers(const part *p, const part_task *task)
 {
@@ -213,61 +179,12 @@ static bool gathers(const part *p, const part_task *task)
            task->objects.shape == DUET_SHAPE_POSES;
 }
 
-static bool ask_gather(part *p, const part_task *task, duet_error *err)
-{
-    if (!gathers(p, task))
-        return true;
-    p->kernels.gather = get_kernel(p, "read_rows", "gather_rows", gather_bindings, err);
-    return p->kernels.gather;
-}
-
 // Objects in origin cells, or whose sizes are apart, are not skimmed.
-static bool ask_skim(part *p, const part_task *task, duet_error *err)
+static bool skims(const part *p, const part_task *task)
 {
     const grid_objects *o = &task->objects;
-    bool skims = task->skims && !p->device->info.host_memory && !o->sizes && o->origin == 0.0f &&
-                 !grid_has_radii(o);
-    if (skims)
-        p->kernels.skim = get_kernel(p, "skim", "skim", part_bindings, err);
-    return !skims || p->kernels.skim;
-}
-
-static bool ask_count(part *p, const part_task *task, duet_error *err)
-{
-    if (!task->ids)
-        return true;
-    p->kernels.change_ids = get_kernel(p, "count_pairs", "change_ids", part_bindings, err);
-    p->kernels.count_pairs = get_kernel(p, "count_pairs", "count_pairs", part_bindings, err);
-    return p->kernels.change_ids && p->kernels.count_pairs;
-}
-
-// The primitives, with what the variant sets of them.
-static bool open_sorts(part *p, duet_error *err)
-{
-    const char *const names[] = {"scan", "radix"};
-    const bool sorts = p->variant.sort == SORT_RADIX;
-    const part_choice empties = {"EMPTIES", !sorts, false}; // the scan's
-    gen_setting settings[2][MAX_SETTINGS];
-    uint32_t n[2] = {0};
-    p->radix.count = p->radix.move = NULL; // of a variant before
-    for (int i = 0; i < (sorts ? 2 : 1); ++i)
-        if (!gather_settings(p, names[i], &empties, 1, settings[i], &n[i], err))
-            return false;
-    return scan_open(&p->scan, p->device, p->programs, settings[0], n[0], err) &&
-           (!sorts ||
-            radix_sort_open(&p->radix, p->device, p->programs, &p->scan, settings[1], n[1], err));
-}
-
-static bool all_settings_used(const part *p, duet_error *err)
-{
-    for (uint32_t i = 0; i < p->variant.n_settings; ++i)
-        if (!p->variant.settings[i].used)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "variant: no kernel that it runs has a parameter '%s%s%s'",
-                             p->variant.settings[i].kernel,
-                             p->variant.settings[i].kernel[0] ? "." : "",
-                             p->variant.settings[i].name);
-    return true;
+    return task->skims && !p->device->info.host_memory && !o->sizes && o->origin == 0.0f &&
+           !grid_has_radii(o);
 }
 
 // Where nothing is rotated, or objects have radii, most levels are one.
@@ -398,7 +315,8 @@ static void choose(const part *p, const part_task *task, part_choice choices[PAR
         {"SLAB", task->divided, false},
         {"FROM_IDS", !to_places, counting && !task->shared},
         {"TO_PLACES", sums, false},
-        {"SUM_BLOCK", sums ? p->scan.block : 0, false},
+        {"SUM_BLOCK", 0, false}, // the scan's, once its kernels are there
+        {"EMPTIES", counting, false},
         {"FUSED", tested && v->fused, tested},
     };
     memcpy(choices, all, sizeof all);
@@ -422,58 +340,93 @@ bool part_is_prepared(const part *p, const part_task *task)
            (k->count_pairs || !task->ids);
 }
 
+// What the scene and the stage decide, and then what the variant sets, which counts where both do.
+static bool list_offers(part *p, duet_error *err)
+{
+    p->n_offers = 0;
+    for (int i = 0; i < PART_CHOICES; ++i)
+        p->offers[p->n_offers++] =
+            (gen_offer){NULL, p->choices[i].name, p->choices[i].value, GEN_OFFERED, NULL};
+    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
+        variant_setting *s = &p->variant.settings[i];
+        for (int k = 0; k < PART_CHOICES; ++k)
+            if (!p->choices[k].open && strcmp(p->choices[k].name, s->name) == 0)
+                return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                 "variant: %s is what the scene decides, and cannot be set",
+                                 s->name);
+        p->offers[p->n_offers++] = (gen_offer){s->kernel, s->name, s->value, GEN_OFFERED, &s->used};
+    }
+    return true;
+}
+
+// First those whose settings the others need: the scan's block, and whether candidates are tested
+// where they are found.
+static bool ask_kernels(part *p, const part_task *task, bool own, duet_error *err)
+{
+    enum { SORTS = 5, MAIN = 8, REST = 5 };
+    part_kernels *k = &p->kernels;
+    program_set *set = p->programs;
+    const int search = p->variant.search;
+    const bool counting = p->variant.sort == SORT_COUNTING;
+    const char *const *place = searches[search].place, *starts = searches[search].starts;
+    const char *candidates = searches[search].candidates, *narrow = searches[search].narrow;
+    const kernel_request list[MAIN] = {
+        {&k->clear, true, "clear", "clear", part_bindings},
+        {&k->hash, true, "hash", "hash", part_bindings},
+        {&k->own_cells, own, "hash", "own_cells", part_bindings},
+        {&k->count_others, own, "hash", "count_others", part_bindings},
+        {&k->scatter, counting, "scatter", "scatter", part_bindings},
+        {&k->starts, !counting, "cell_start", starts, part_bindings},
+        {&k->place, true, place[0], place[1], part_bindings},
+        {&k->candidates, true, candidates, candidates, part_bindings},
+    };
+    kernel_request rest[REST] = {
+        {&k->narrow, !k->listed, narrow, narrow, part_bindings},
+        {&k->gather, gathers(p, task), "read_rows", "gather_rows", gather_bindings},
+        {&k->skim, skims(p, task), "skim", "skim", part_bindings},
+        {&k->change_ids, task->ids, "count_pairs", "change_ids", part_bindings},
+        {&k->count_pairs, task->ids, "count_pairs", "count_pairs", part_bindings},
+    };
+    const kernel_request sorts[SORTS] = {SCAN_KERNELS(&p->scan, true),
+                                         RADIX_SORT_KERNELS(&p->radix, !counting)};
+    if (!program_set_kernels(set, sorts, SORTS, p->offers, p->n_offers, err))
+        return false;
+    if (k->summed)
+        p->offers[p->n_offers++] =
+            (gen_offer){"hash", "SUM_BLOCK", SCAN_BLOCK(&p->scan), GEN_OFFERED, NULL};
+    if (!program_set_kernels(set, list, MAIN, p->offers, p->n_offers, err))
+        return false;
+    k->from_ids = search == SEARCH_GPU ? kernel_param(k->place, "FROM_IDS") == 1 : !k->summed;
+    k->fused = kernel_param(k->candidates, "FUSED") == 1;
+    // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
+    rest[0].wanted = !k->listed && !(k->fused && search == SEARCH_SIMD);
+    return program_set_kernels(set, rest, REST, p->offers, p->n_offers, err);
+}
+
 bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err)
 {
     p->variant = *asked;
-    const int search = p->variant.search;
-    bool counting = p->variant.sort == SORT_COUNTING, tested = tests_boxes(task);
     bool was_summed = p->kernels.summed, sums = sums_blocks(p, task);
     bool own = counts_own_cells(p, task);
-    const struct {
-        kernel **at;
-        bool wanted;
-        const char *name;
-        const char *entry;
-    } list[] = {
-        {&p->kernels.clear, true, "clear", "clear"},
-        {&p->kernels.hash, true, "hash", "hash"},
-        {&p->kernels.own_cells, own, "hash", "own_cells"},
-        {&p->kernels.count_others, own, "hash", "count_others"},
-        {&p->kernels.scatter, counting, "scatter", "scatter"},
-        {&p->kernels.starts, !counting, "cell_start", searches[search].starts},
-        {&p->kernels.place, true, searches[search].place[0], searches[search].place[1]},
-        {&p->kernels.candidates, true, searches[search].candidates, searches[search].candidates},
-    };
-    if (!open_sorts(p, err))
-        return false;
     choose(p, task, p->choices);
     p->kernels = (part_kernels){
         .summed = sums,
         .unboxed = is_unboxed(&p->variant, task),
-        .guarded = task->slab && search != SEARCH_PAPER,
-        .listed = !tested,
+        .guarded = task->slab && p->variant.search != SEARCH_PAPER,
+        .listed = !tests_boxes(task),
     };
     if (sums && !was_summed)
         p->zero_counts = 0; // other kernels leave the scan's sums as they are
-    for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
-        if (!list[i].wanted)
-            continue;
-        *list[i].at = get_kernel(p, list[i].name, list[i].entry, part_bindings, err);
-        if (!*list[i].at)
-            return false;
+    if (!list_offers(p, err) || !ask_kernels(p, task, own, err))
+        return false;
+    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
+        const variant_setting *s = &p->variant.settings[i];
+        if (!s->used)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "variant: no kernel that it runs has a parameter '%s%s%s'", s->kernel,
+                             s->kernel[0] ? "." : "", s->name);
     }
-    p->kernels.from_ids =
-        search == SEARCH_GPU ? kernel_param(p->kernels.place, "FROM_IDS") == 1 : !sums;
-    p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
-    // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
-    if (tested && !(p->kernels.fused && search == SEARCH_SIMD)) {
-        const char *narrow = searches[search].narrow;
-        p->kernels.narrow = get_kernel(p, narrow, narrow, part_bindings, err);
-        if (!p->kernels.narrow)
-            return false;
-    }
-    return ask_gather(p, task, err) && ask_skim(p, task, err) && ask_count(p, task, err) &&
-           all_settings_used(p, err) && program_set_build(p->programs, err);
+    return program_set_build(p->programs, err);
 }
 
 const kernel *part_kernel(const part *p, const char *name)

@@ -112,7 +112,7 @@ typedef struct part_choice {
     bool open;
 } part_choice;
 
-enum { PART_CHOICES = 26 };
+enum { PART_CHOICES = 27, PART_OFFERS = PART_CHOICES + VARIANT_SETTINGS + 1 };
 
 // What kernels are told besides the part's buffers, by the names that their cards use.
 typedef struct part_args {
@@ -161,6 +161,8 @@ typedef struct part {
     gen_limits limits; // the device's
     variant variant;
     part_choice choices[PART_CHOICES];
+    gen_offer offers[PART_OFFERS]; // the choices, and what the variant sets
+    uint32_t n_offers;
     part_kernels kernels;
     part_args args;
     scan scan;

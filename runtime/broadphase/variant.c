@@ -135,28 +135,12 @@ bool variant_parse(variant *v, const char *text, const duet_device_info *device,
     return ok;
 }
 
-static bool is_of(const variant *v, uint32_t i, const char *kernel, const char *param)
-{
-    const char *whose = v->settings[i].kernel;
-    return strcmp(v->settings[i].name, param) == 0 && (!*whose || strcmp(whose, kernel) == 0);
-}
-
 bool variant_sets(const variant *v, const char *kernel, const char *param)
 {
-    bool sets = false;
-    for (uint32_t i = 0; i < v->n_settings && !sets; ++i)
-        sets = is_of(v, i, kernel, param);
-    return sets;
-}
-
-bool variant_take(variant *v, const char *kernel, const char *param, int64_t *value)
-{
-    bool taken = false;
     for (uint32_t i = 0; i < v->n_settings; ++i) {
-        if (!is_of(v, i, kernel, param))
-            continue;
-        *value = v->settings[i].value;
-        v->settings[i].used = taken = true;
+        const char *whose = v->settings[i].kernel;
+        if (strcmp(v->settings[i].name, param) == 0 && (!*whose || strcmp(whose, kernel) == 0))
+            return true;
     }
-    return taken;
+    return false;
 }

@@ -33,6 +33,13 @@ typedef enum variant_send { SEND_ALL, SEND_CHUNKS, SEND_PACKED } variant_send;
 
 enum { VARIANT_SETTINGS = 16 };
 
+typedef struct variant_setting {
+    char kernel[32]; // empty: every kernel that has the parameter
+    char name[24];
+    int64_t value;
+    bool used; // some kernel had it
+} variant_setting;
+
 typedef struct variant {
     variant_search search;
     variant_sort sort;
@@ -40,12 +47,7 @@ typedef struct variant {
     variant_send send;
     bool fixed; // the grid's cells are compiled in
     bool fused; // candidates are tested where they are found, unless it is set otherwise
-    struct {
-        char kernel[32]; // empty: every kernel that has the parameter
-        char name[24];
-        int64_t value;
-        bool used; // some kernel had it
-    } settings[VARIANT_SETTINGS];
+    variant_setting settings[VARIANT_SETTINGS];
     uint32_t n_settings;
 } variant;
 
@@ -54,8 +56,5 @@ bool variant_parse(variant *v, const char *text, const duet_device_info *device,
 
 // Whether some setting is one of that parameter of that kernel.
 bool variant_sets(const variant *v, const char *kernel, const char *param);
-
-// Takes what the variant sets of a kernel's parameter; false where it leaves the value as it is.
-bool variant_take(variant *v, const char *kernel, const char *param, int64_t *value);
 
 #endif

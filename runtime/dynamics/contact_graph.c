@@ -202,13 +202,14 @@ static bool send_altered(duet_motion *m, duet_error *err)
 static bool prepare(duet_motion *m, duet_error *err)
 {
     motion_kernels *k = &m->kernels;
-    const motion_choice list[] = {
-        {&k->compute_altered_aabbs, MOTION_ALTERED, "fat_aabbs", "compute_fat_aabbs"},
-        {&k->place_altered, MOTION_ALL, "altered_pairs", "place_altered"},
-        {&k->find_altered_pairs, MOTION_ALL, "altered_pairs", "find_altered_pairs"},
-        {&k->keep_pairs, MOTION_ALL, "altered_pairs", "keep_pairs"},
+    const bindings from = motion_bindings;
+    const kernel_request list[] = {
+        {&k->compute_altered_aabbs, true, "fat_aabbs", "compute_fat_aabbs", from},
+        {&k->place_altered, true, "altered_pairs", "place_altered", from},
+        {&k->find_altered_pairs, true, "altered_pairs", "find_altered_pairs", from},
+        {&k->keep_pairs, true, "altered_pairs", "keep_pairs", from},
     };
-    return motion_build_kernels(m, list, sizeof list / sizeof *list, err);
+    return motion_build_kernels(m, list, sizeof list / sizeof *list, true, err);
 }
 
 static bool place_altered(duet_motion *m, duet_error *err)

@@ -235,16 +235,11 @@ bool motion_is_unmapped(const duet_motion *m, const char *call, duet_error *err)
 void motion_forget_maps(duet_motion *m);
 void motion_forget_moved(motion_reading *r);
 
-// A kernel with what the scene says of its parameters, for all bodies or for those that commands
-// altered; and such kernels as are built when they are first asked for.
-typedef enum motion_wanted { MOTION_NONE, MOTION_ALL, MOTION_ALTERED } motion_wanted;
-typedef struct motion_choice {
-    kernel **at;
-    motion_wanted wanted;
-    const char *name;
-    const char *entry;
-} motion_choice;
-bool motion_build_kernels(duet_motion *m, const motion_choice *list, size_t n, duet_error *err);
+// Kernels with what the scene says of their parameters, for all bodies or for those that commands
+// altered, which are built when they are first asked for. After a failure none is there.
+bool motion_build_kernels(duet_motion *m, const kernel_request *list, size_t n, bool altered,
+                          duet_error *err);
+extern const binding motion_bindings[];
 
 // What is wrong with a pose, a body or a def; a def's fault is told by err.
 const char *motion_pose_fault(const duet_pose *pose, uint32_t dims);

@@ -4,15 +4,12 @@
 
 #include "runtime/narrowphase/origin.h"
 
-#include <assert.h>
-#include <string.h>
-
 // ---------------------------------------------------------------- arguments
 
 #define BUFFER(which, name, type) BIND_BUFFER(duet_motion, name, type, buffers[which])
 #define VALUE(name) BIND_VALUE(duet_motion, #name, args.name)
 
-static const binding motion_bindings[] = {
+const binding motion_bindings[] = {
     BUFFER(CENTRES, "centres", "real4 *"),
     BUFFER(CELLS, "cells", "int4 *"),
     BUFFER(VELOCITIES, "velocities", "real4 *"),
@@ -117,16 +114,6 @@ static const binding motion_bindings[] = {
 
 // ---------------------------------------------------------------- parameters
 
-enum { MOST_PARAMS = 32 };
-
-static const gen_param *find_param(const gen_param *params, uint32_t n, const char *name)
-{
-    for (uint32_t i = 0; i < n; ++i)
-        if (strcmp(params[i].name, name) == 0)
-            return &params[i];
-    return NULL;
-}
-
 // As kernels' settings are: 0 or 1.
 static bool has(const duet_motion *m, uint32_t effect)
 {
@@ -151,83 +138,51 @@ static int64_t order_of(duet_integrator integrator)
     return orders[integrator];
 }
 
-// Kernels that know no difference take what turns far as what turns.
 static int64_t turning_kind(const duet_motion *m)
 {
     return !has(m, DUET_EFFECT_ANGULAR_VELOCITY) ? 0 : has(m, DUET_EFFECT_CONTINUOUS) ? 2 : 1;
 }
 
-static gen_setting setting_of(const gen_param *p, int64_t value)
-{
-    int64_t most = p->is_range ? p->most : p->values[p->n_values - 1];
-    return (gen_setting){p->name, value < most ? value : most};
-}
+#define OFFER(name, value)                  \
+    {                                       \
+        NULL, name, value, GEN_CAPPED, NULL \
+    }
 
-// What the scene says of the parameters that the kernel's card has.
-static bool gather(duet_motion *m, const char *name, bool altered,
-                   gen_setting settings[MOST_PARAMS], uint32_t *n, duet_error *err)
+// With what the scene says of their parameters. Kernels that know no difference take what turns far
+// as what turns: the greatest value that they have.
+static bool ask(duet_motion *m, const kernel_request *list, size_t n, bool altered, duet_error *err)
 {
     int64_t gyro = has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven;
-    const gen_setting choices[] = {
-        {"DIMS", m->def.dims},
-        {"DOUBLE", m->def.doubles},
-        {"ORIGIN", origin_setting(m->def.origin_edge)},
-        {"ORDER", order_of(m->def.integrator)},
-        {"ROTATED", has(m, DUET_EFFECT_ROTATION)},
-        {"ANGULAR_VELOCITY", turning_kind(m)},
-        {"GYRO", gyro},
-        {"GRAVITY", gravity_kind(m)},
-        {"DRAG", has(m, DUET_EFFECT_DRAG)},
-        {"FORCES", has(m, DUET_EFFECT_FORCES)},
-        {"BOUNDARY", boundary_kind(m)},
-        {"CONTACT_RESPONSE", has(m, DUET_EFFECT_CONTACT_RESPONSE)},
-        {"FRICTION", has(m, DUET_EFFECT_FRICTION)},
-        {"CONTINUOUS", has(m, DUET_EFFECT_CONTINUOUS)},
-        {"FILTER", has(m, DUET_EFFECT_FILTER)},
-        {"SLEEP", has(m, DUET_EFFECT_SLEEP)},
-        {"SKIN", has(m, DUET_EFFECT_SKIN)},
-        {"ROUNDED", has(m, DUET_EFFECT_RADIUS)},
-        {"SENSORS", has(m, DUET_EFFECT_SENSORS)},
-        {"HITS", motion_tells_hits(m)},
-        {"ALTERED", altered},
+    const gen_offer offers[] = {
+        OFFER("DIMS", m->def.dims),
+        OFFER("DOUBLE", m->def.doubles),
+        OFFER("ORIGIN", origin_setting(m->def.origin_edge)),
+        OFFER("ORDER", order_of(m->def.integrator)),
+        OFFER("ROTATED", has(m, DUET_EFFECT_ROTATION)),
+        OFFER("ANGULAR_VELOCITY", turning_kind(m)),
+        OFFER("GYRO", gyro),
+        OFFER("GRAVITY", gravity_kind(m)),
+        OFFER("DRAG", has(m, DUET_EFFECT_DRAG)),
+        OFFER("FORCES", has(m, DUET_EFFECT_FORCES)),
+        OFFER("BOUNDARY", boundary_kind(m)),
+        OFFER("CONTACT_RESPONSE", has(m, DUET_EFFECT_CONTACT_RESPONSE)),
+        OFFER("FRICTION", has(m, DUET_EFFECT_FRICTION)),
+        OFFER("CONTINUOUS", has(m, DUET_EFFECT_CONTINUOUS)),
+        OFFER("FILTER", has(m, DUET_EFFECT_FILTER)),
+        OFFER("SLEEP", has(m, DUET_EFFECT_SLEEP)),
+        OFFER("SKIN", has(m, DUET_EFFECT_SKIN)),
+        OFFER("ROUNDED", has(m, DUET_EFFECT_RADIUS)),
+        OFFER("SENSORS", has(m, DUET_EFFECT_SENSORS)),
+        OFFER("HITS", motion_tells_hits(m)),
+        OFFER("ALTERED", altered),
     };
-    const gen_param *params = NULL;
-    uint32_t n_params = 0;
-    gen_limits limits = program_set_limits(m->programs);
-    if (!gen_params(m->gen, name, &limits, &params, &n_params, err))
-        return false;
-    *n = 0;
-    static_assert(sizeof choices / sizeof choices[0] <= MOST_PARAMS, "settings");
-    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; ++i) {
-        const gen_param *p = find_param(params, n_params, choices[i].name);
-        if (p)
-            settings[(*n)++] = setting_of(p, choices[i].value);
-    }
-    return true;
+    return program_set_kernels(m->programs, list, n, offers, sizeof offers / sizeof *offers, err);
 }
 
-static bool ask(duet_motion *m, const motion_choice *list, size_t n, duet_error *err)
+bool motion_build_kernels(duet_motion *m, const kernel_request *list, size_t n, bool altered,
+                          duet_error *err)
 {
-    for (size_t i = 0; i < n; ++i) {
-        const motion_choice *c = &list[i];
-        gen_setting settings[MOST_PARAMS];
-        uint32_t n_settings = 0;
-        if (!c->wanted)
-            continue;
-        if (!gather(m, c->name, c->wanted == MOTION_ALTERED, settings, &n_settings, err))
-            return false;
-        *c->at = program_set_kernel(m->programs, c->name, c->entry, settings, n_settings,
-                                    motion_bindings, err);
-        if (!*c->at)
-            return false;
-    }
-    return true;
-}
-
-// After a failure none is there.
-bool motion_build_kernels(duet_motion *m, const motion_choice *list, size_t n, duet_error *err)
-{
-    bool ok = *list->at || (ask(m, list, n, err) && program_set_build(m->programs, err));
+    bool ok = *list->at || (ask(m, list, n, altered, err) && program_set_build(m->programs, err));
     for (size_t i = 0; !ok && i < n; ++i)
         *list[i].at = NULL;
     return ok;
@@ -253,6 +208,12 @@ static motion_layout lay_out(const duet_motion *m)
     return l;
 }
 
+// An entry, and whether it is wanted, of a kernel.
+#define KERNEL(entry, wanted, name)                      \
+    {                                                    \
+        &k->entry, wanted, name, #entry, motion_bindings \
+    }
+
 static bool choose_kernels(duet_motion *m, duet_error *err)
 {
     motion_kernels *k = &m->kernels;
@@ -262,36 +223,36 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
     bool walls = contact && boundary_kind(m) == 1;
     bool sleep = has(m, DUET_EFFECT_SLEEP), skin = has(m, DUET_EFFECT_SKIN);
     bool events = has(m, DUET_EFFECT_EVENTS);
-    const motion_choice list[] = {
-        {&k->integrate_free_flight, flight, "integrate_free_flight", "integrate_free_flight"},
-        {&k->compute_fat_aabbs, contact, "fat_aabbs", "compute_fat_aabbs"},
-        {&k->check_fat_aabbs, skin, "fat_aabbs", "check_fat_aabbs"},
-        {&k->contact_graph_pairs, contact, "contact_graph", "contact_graph_pairs"},
-        {&k->contact_graph_walls, walls, "contact_graph", "contact_graph_walls"},
-        {&k->contact_graph_sort, contact, "contact_graph", "contact_graph_sort"},
-        {&k->contact_graph_reverse, contact, "contact_graph", "contact_graph_reverse"},
-        {&k->match_contacts, contact, "match_contacts", "match_contacts"},
-        {&k->build_manifolds, contact, "build_manifolds", "build_manifolds"},
-        {&k->update_sleep, sleep, "update_sleep", "update_sleep"},
-        {&k->push_sleepers, sleep, "update_sleep", "push_sleepers"},
-        {&k->move_sleepers, sleep, "update_sleep", "move_sleepers"},
-        {&k->contact_events, events, "contact_events", "contact_events"},
-        {&k->prepare_bodies, response, "bodies", "prepare_bodies"},
-        {&k->integrate_velocities, response, "bodies", "integrate_velocities"},
-        {&k->integrate_positions, response, "integrate_positions", "integrate_positions"},
-        {&k->finalize_bodies, response, "bodies", "finalize_bodies"},
-        {&k->graph_colour_mark, response, "graph_colour", "graph_colour_mark"},
-        {&k->graph_colour_choose, response, "graph_colour", "graph_colour_choose"},
-        {&k->graph_colour_take, response, "graph_colour", "graph_colour_take"},
-        {&k->graph_colour_key, response, "graph_colour", "graph_colour_key"},
-        {&k->prepare_contacts, response, "prepare_contacts", "prepare_contacts"},
-        {&k->store_impulses, response, "prepare_contacts", "store_impulses"},
-        {&k->solve_contacts, response, "solve_contacts", "solve_contacts"},
-        {&k->apply_restitution, response, "solve_contacts", "apply_restitution"},
-        {&k->row_start, response, "cell_start", "row_start"},
+    const kernel_request list[] = {
+        KERNEL(integrate_free_flight, flight, "integrate_free_flight"),
+        KERNEL(compute_fat_aabbs, contact, "fat_aabbs"),
+        KERNEL(check_fat_aabbs, skin, "fat_aabbs"),
+        KERNEL(contact_graph_pairs, contact, "contact_graph"),
+        KERNEL(contact_graph_walls, walls, "contact_graph"),
+        KERNEL(contact_graph_sort, contact, "contact_graph"),
+        KERNEL(contact_graph_reverse, contact, "contact_graph"),
+        KERNEL(match_contacts, contact, "match_contacts"),
+        KERNEL(build_manifolds, contact, "build_manifolds"),
+        KERNEL(update_sleep, sleep, "update_sleep"),
+        KERNEL(push_sleepers, sleep, "update_sleep"),
+        KERNEL(move_sleepers, sleep, "update_sleep"),
+        KERNEL(contact_events, events, "contact_events"),
+        KERNEL(prepare_bodies, response, "bodies"),
+        KERNEL(integrate_velocities, response, "bodies"),
+        KERNEL(integrate_positions, response, "integrate_positions"),
+        KERNEL(finalize_bodies, response, "bodies"),
+        KERNEL(graph_colour_mark, response, "graph_colour"),
+        KERNEL(graph_colour_choose, response, "graph_colour"),
+        KERNEL(graph_colour_take, response, "graph_colour"),
+        KERNEL(graph_colour_key, response, "graph_colour"),
+        KERNEL(prepare_contacts, response, "prepare_contacts"),
+        KERNEL(store_impulses, response, "prepare_contacts"),
+        KERNEL(solve_contacts, response, "solve_contacts"),
+        KERNEL(apply_restitution, response, "solve_contacts"),
+        KERNEL(row_start, response, "cell_start"),
     };
     m->layout = lay_out(m);
-    if (!ask(m, list, sizeof list / sizeof *list, err))
+    if (!ask(m, list, sizeof list / sizeof *list, false, err))
         return false;
     if (response)
         m->layout.block = (uint32_t)kernel_param(k->solve_contacts, "BLOCK");
@@ -300,12 +261,14 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
 
 bool motion_prepare(duet_motion *m, duet_error *err)
 {
-    bool contact = has(m, DUET_EFFECT_CONTACT);
-    bool response = has(m, DUET_EFFECT_CONTACT_RESPONSE);
+    const kernel_request sorts[] = {
+        SCAN_KERNELS(&m->scan, has(m, DUET_EFFECT_CONTACT)),
+        RADIX_SORT_KERNELS(&m->radix, has(m, DUET_EFFECT_CONTACT_RESPONSE)),
+    };
+    m->scan.device = m->radix.device = m->device;
+    m->radix.scan = &m->scan;
     return choose_kernels(m, err) &&
-           (!contact || scan_open(&m->scan, m->device, m->programs, NULL, 0, err)) &&
-           (!response ||
-            radix_sort_open(&m->radix, m->device, m->programs, &m->scan, NULL, 0, err)) &&
+           program_set_kernels(m->programs, sorts, sizeof sorts / sizeof *sorts, NULL, 0, err) &&
            program_set_build(m->programs, err);
 }
 

@@ -106,10 +106,11 @@ bool motion_has_poses(const duet_motion *m, bool radii)
 
 bool motion_write_poses(duet_motion *m, bool radii, const buffer *rows, duet_error *err)
 {
-    const motion_choice write = {&m->kernels.write_poses, MOTION_ALL, "write_poses", "write_poses"};
+    const kernel_request write = {&m->kernels.write_poses, true, "write_poses", "write_poses",
+                                  motion_bindings};
     m->args.poses = *rows;
     m->args.row_words = (radii ? sizeof(duet_rounded_box) : sizeof(duet_pose)) / sizeof(cl_float);
-    return motion_build_kernels(m, &write, 1, err) &&
+    return motion_build_kernels(m, &write, 1, false, err) &&
            timeline_launch(&m->times, "fetch", *write.at, m->n, m, err) &&
            timeline_finish(&m->times, err);
 }

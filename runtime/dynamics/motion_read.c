@@ -12,11 +12,11 @@
 
 static bool prepare(duet_motion *m, duet_error *err)
 {
-    const motion_choice list[] = {
-        {&m->reading.gather_rows, MOTION_ALL, "read_rows", "gather_rows"},
-        {&m->reading.changed_rows, MOTION_ALL, "read_rows", "changed_rows"},
+    const kernel_request list[] = {
+        {&m->reading.gather_rows, true, "read_rows", "gather_rows", motion_bindings},
+        {&m->reading.changed_rows, true, "read_rows", "changed_rows", motion_bindings},
     };
-    return motion_build_kernels(m, list, sizeof list / sizeof *list, err);
+    return motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
 }
 
 // ---------------------------------------------------------------- rows

@@ -3,10 +3,106 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "runtime/opencl/cache.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static void release(cl_program *built)
+{
+    if (!*built)
+        return;
+    clReleaseProgram(*built);
+    device_object_gone();
+    *built = NULL;
+}
+
+static void release_kernel(cl_kernel k)
+{
+    if (!k)
+        return;
+    clReleaseKernel(k);
+    device_object_gone();
+}
+
+static void close_program(program *p)
+{
+    for (int i = 0; i < p->n_entries; ++i)
+        release_kernel(p->entries[i].k.cl);
+    release(&p->cl);
+    free(p->text);
+    free(p->binary);
+    free(p);
+}
+
+// ---------------------------------------------------------------- what the device has
+
+// Three times what a world and a motion with every effect have together: a search among variants
+// comes back to those it tried. PoCL holds 1.3 MB a program.
+enum { PLACES = 128 };
+
+struct program_pool {
+    pthread_mutex_t lock;
+    unsigned next; // whose turn it is to be replaced
+    struct {
+        char sha256[65];
+        cl_program cl;
+    } places[PLACES];
+};
+
+program_pool *program_pool_open(void)
+{
+    program_pool *pool = calloc(1, sizeof *pool);
+    if (pool)
+        pthread_mutex_init(&pool->lock, NULL);
+    return pool;
+}
+
+void program_pool_close(program_pool *pool)
+{
+    if (!pool)
+        return;
+    for (int i = 0; i < PLACES; ++i)
+        release(&pool->places[i].cl);
+    pthread_mutex_destroy(&pool->lock);
+    free(pool);
+}
+
+static cl_program retained(cl_program built)
+{
+    clRetainProgram(built);
+    device_object_made();
+    return built;
+}
+
+static bool take_from_pool(program_pool *pool, program *p)
+{
+    if (!pool)
+        return false;
+    pthread_mutex_lock(&pool->lock);
+    for (int i = 0; i < PLACES && !p->cl; ++i)
+        if (pool->places[i].cl && strcmp(pool->places[i].sha256, p->sha256) == 0)
+            p->cl = retained(pool->places[i].cl);
+    pthread_mutex_unlock(&pool->lock);
+    return p->cl;
+}
+
+static void put_into_pool(program_pool *pool, program *p)
+{
+    p->is_new = false;
+    if (!pool)
+        return;
+    pthread_mutex_lock(&pool->lock);
+    unsigned i = pool->next++ % PLACES;
+    release(&pool->places[i].cl);
+    memcpy(pool->places[i].sha256, p->sha256, sizeof p->sha256);
+    pool->places[i].cl = retained(p->cl);
+    pthread_mutex_unlock(&pool->lock);
+}
+
+// ---------------------------------------------------------------- the set
 
 gen_limits program_limits(const duet_device_info *info)
 {
@@ -42,7 +138,7 @@ void program_set_close(program_set *set)
     while (set && set->first) {
         program *p = set->first;
         set->first = p->next;
-        program_close(p);
+        close_program(p);
     }
     free(set);
 }
@@ -174,19 +270,50 @@ static kernel *find_or_add_entry(const program_set *set, program *p, const char 
     return k;
 }
 
+static kernel *add_kernel(program_set *set, const gen_variant *variant, const char *entry,
+                          bindings from, duet_error *err)
+{
+    launcher l;
+    bool bound = bind(set, variant, entry, from, &l, err);
+    program *p = bound ? find_or_add(set, variant, err) : NULL;
+    return p ? find_or_add_entry(set, p, entry, variant, &l, err) : NULL;
+}
+
 kernel *program_set_kernel(program_set *set, const char *kernel_name, const char *entry,
                            const gen_setting *settings, uint32_t n_settings, bindings from,
                            duet_error *err)
 {
     gen_variant variant = {0};
-    launcher l;
     if (!gen_make(set->gen, kernel_name, settings, n_settings, &set->limits, &variant, err))
         return NULL;
-    bool bound = bind(set, &variant, entry, from, &l, err);
-    program *p = bound ? find_or_add(set, &variant, err) : NULL;
-    kernel *k = p ? find_or_add_entry(set, p, entry, &variant, &l, err) : NULL;
+    kernel *k = add_kernel(set, &variant, entry, from, err);
     gen_variant_free(&variant);
     return k;
+}
+
+static kernel *make_kernel(program_set *set, const kernel_request *r, const gen_offer *offers,
+                           uint32_t n_offers, duet_error *err)
+{
+    gen_variant variant;
+    if (!gen_make_offered(set->gen, r->name, offers, n_offers, &set->limits, &variant, err))
+        return NULL;
+    kernel *k = add_kernel(set, &variant, r->entry, r->from, err);
+    gen_variant_free(&variant);
+    return k;
+}
+
+bool program_set_kernels(program_set *set, const kernel_request *list, size_t n,
+                         const gen_offer *offers, uint32_t n_offers, duet_error *err)
+{
+    bool ok = true;
+    for (size_t i = 0; i < n; ++i) {
+        bool asks = ok && list[i].wanted;
+        *list[i].at = asks ? make_kernel(set, &list[i], offers, n_offers, err) : NULL;
+        ok = ok && (*list[i].at || !asks);
+    }
+    for (size_t i = 0; !ok && i < n; ++i)
+        *list[i].at = NULL;
+    return ok;
 }
 
 bool program_set_check(program_set *set, const char *kernel_name, const gen_setting *settings,
@@ -198,7 +325,81 @@ bool program_set_check(program_set *set, const char *kernel_name, const gen_sett
     program *p = new_program(set, &variant, err);
     bool ok = p && program_compile(set, p, err);
     if (p)
-        program_close(p);
+        close_program(p);
     gen_variant_free(&variant);
+    return ok;
+}
+
+// ---------------------------------------------------------------- building
+
+// Unless a folder was named, a driver that keeps its kernels itself is left to do so.
+bool program_builder_keeps(const program_builder *b, const duet_device_info *info)
+{
+    return b->cache_dir && !(b->is_default && driver_of(info).keeps_kernels);
+}
+
+static void look_in_folder(const program_set *set, program *p)
+{
+    text binary = {0};
+    cache_key(p->text, PROGRAM_OPTIONS, &set->device->info, p->key);
+    if (cache_get(set->cache_dir, p->key, &binary)) {
+        p->binary = binary.chars;
+        p->binary_bytes = binary.length;
+    }
+}
+
+// What another world has on the device, or the folder.
+static void look_up(program_set *set)
+{
+    for (program *p = set->first; p; p = p->next)
+        if (!p->cl && !take_from_pool(set->device->built, p) && set->cache_dir)
+            look_in_folder(set, p);
+}
+
+static bool create_kernels(const program_set *set, program *p, duet_error *err)
+{
+    for (int i = 0; i < p->n_entries; ++i) {
+        if (p->entries[i].k.cl)
+            continue;
+        cl_int code = CL_SUCCESS;
+        p->entries[i].k.cl = clCreateKernel(p->cl, p->entries[i].entry, &code);
+        if (!p->entries[i].k.cl)
+            return error_set(err, DUET_STATUS_BUILD_FAILED, "%s on %s: has no kernel '%s'", p->name,
+                             set->device->info.selector, p->entries[i].entry);
+        device_object_made();
+    }
+    free(p->text);
+    p->text = NULL;
+    return true;
+}
+
+// A failure must not come back when other kernels are asked for.
+static void forget_unbuilt(program_set *set)
+{
+    for (program **at = &set->first; *at;) {
+        program *p = *at;
+        bool built = p->cl && !p->text;
+        while (built && p->n_entries > 0 && !p->entries[p->n_entries - 1].k.cl)
+            --p->n_entries;
+        if (built) {
+            at = &p->next;
+            continue;
+        }
+        *at = p->next;
+        close_program(p);
+    }
+}
+
+bool program_set_build(program_set *set, duet_error *err)
+{
+    look_up(set);
+    bool ok = programs_build(set, err);
+    for (program *p = set->first; p; p = p->next)
+        if (p->is_new)
+            put_into_pool(set->device->built, p);
+    for (program *p = set->first; ok && p; p = p->next)
+        ok = create_kernels(set, p, err);
+    if (!ok)
+        forget_unbuilt(set);
     return ok;
 }

@@ -2,8 +2,8 @@
 // Kernels of one device: asked for one by one, built together, and kept.
 //
 // program.c: gen writes the text of a kernel that is asked for, and what its launches hand over is
-// found by the names of its arguments. program_build.c: the programs are taken from those that the
-// device has, from the folder of built ones, or else compiled; then the kernels are made.
+// found by the names of its arguments. Programs are taken from those that the device has, or else
+// looked up in the folder of built ones; what is in neither is compiled by program_build.c.
 #ifndef RUNTIME_PROGRAM_H
 #define RUNTIME_PROGRAM_H
 
@@ -46,6 +46,20 @@ gen_limits program_set_limits(const program_set *set);
 kernel *program_set_kernel(program_set *set, const char *kernel_name, const char *entry,
                            const gen_setting *settings, uint32_t n_settings, bindings from,
                            duet_error *err);
+
+// A kernel that somebody wants, in a list of those that are asked for together.
+typedef struct kernel_request {
+    kernel **at; // where it is to be; NULL there where it is not wanted
+    bool wanted;
+    const char *name;
+    const char *entry;
+    bindings from;
+} kernel_request;
+
+// All that the list wants, each with what the offers say of its parameters. After a failure none of
+// the list is there.
+bool program_set_kernels(program_set *set, const kernel_request *list, size_t n,
+                         const gen_offer *offers, uint32_t n_offers, duet_error *err);
 
 // Builds what was asked for and is not built. BUILD_FAILED names the variant, the device
 // and the compiler's first line; INTERRUPTED where the program is to stop. After a failure

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How a program gets from its text to the device: from those that were built last there, from the
-// folder of built programs, or by the driver's compiler.
+// How a program gets to the device: from what the folder of built programs had, or by the driver's
+// compiler.
 #ifndef RUNTIME_PROGRAM_BUILD_H
 #define RUNTIME_PROGRAM_BUILD_H
 
@@ -8,13 +8,19 @@
 
 enum { PROGRAM_MOST_ENTRIES = 5 };
 
+// Contraction is off in the kernels' text; nothing here may loosen it.
+#define PROGRAM_OPTIONS "-cl-std=CL1.2 -w"
+
 typedef struct program {
     struct program *next;
     char sha256[65]; // of the variant's text
     char key[65];    // in the folder of built programs
     char name[160];
-    char *text;    // NULL once everything that was asked for is there
+    char *text;   // NULL once everything that was asked for is there
+    char *binary; // what the folder has of it, until it is built; or NULL
+    size_t binary_bytes;
     cl_program cl; // NULL: asked for, and not yet built
+    bool is_new;   // it was built, and no other set knows of it
     struct {
         char entry[48];
         kernel k;
@@ -35,7 +41,9 @@ struct program_set {
 // Compiles the program's text.
 bool program_compile(const program_set *set, program *p, duet_error *err);
 
-void program_close(program *p);
+// Builds all that is not built: of its binary, or else of its text, which is then kept in the
+// folder. After a failure some may be built.
+bool programs_build(program_set *set, duet_error *err);
 
 // The programs that were built last on a device. A world or a motion more on it then builds
 // nothing: even where a driver keeps what it built, it reads the whole text again to find it.

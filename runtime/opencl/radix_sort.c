@@ -1,28 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/opencl/radix_sort.h"
 
-static const binding radix_bindings[] = {BIND_BUFFER(radix_sort, "keys_in", "uint *", keys_in),
-                                         BIND_BUFFER(radix_sort, "ids_in", "uint *", ids_in),
-                                         BIND_BUFFER(radix_sort, "keys_out", "uint *", keys_out),
-                                         BIND_BUFFER(radix_sort, "ids_out", "uint *", ids_out),
-                                         BIND_BUFFER(radix_sort, "tiles", "uint *", tiles),
-                                         BIND_VALUE(radix_sort, "n", n),
-                                         BIND_VALUE(radix_sort, "shift", shift),
-                                         BIND_VALUE(radix_sort, "first_pass", first_pass),
-                                         {0}};
-
-bool radix_sort_open(radix_sort *r, const device *d, program_set *programs, scan *sums,
-                     const gen_setting *settings, uint32_t n_settings, duet_error *err)
-{
-    r->device = d;
-    r->scan = sums;
-    r->count = program_set_kernel(programs, "radix", "radix_count", settings, n_settings,
-                                  radix_bindings, err);
-    r->move = r->count ? program_set_kernel(programs, "radix", "radix_move", settings, n_settings,
-                                            radix_bindings, err)
-                       : NULL;
-    return r->move;
-}
+const binding radix_bindings[] = {BIND_BUFFER(radix_sort, "keys_in", "uint *", keys_in),
+                                  BIND_BUFFER(radix_sort, "ids_in", "uint *", ids_in),
+                                  BIND_BUFFER(radix_sort, "keys_out", "uint *", keys_out),
+                                  BIND_BUFFER(radix_sort, "ids_out", "uint *", ids_out),
+                                  BIND_BUFFER(radix_sort, "tiles", "uint *", tiles),
+                                  BIND_VALUE(radix_sort, "n", n),
+                                  BIND_VALUE(radix_sort, "shift", shift),
+                                  BIND_VALUE(radix_sort, "first_pass", first_pass),
+                                  {0}};
 
 void radix_sort_close(radix_sort *r)
 {

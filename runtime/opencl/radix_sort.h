@@ -21,9 +21,15 @@ typedef struct radix_lists {
     buffer *keys_spare, *ids_spare;
 } radix_lists;
 
-// Builds the kernels with these settings. All that is handed over outlives the sort.
-bool radix_sort_open(radix_sort *r, const device *d, program_set *programs, scan *sums,
-                     const gen_setting *settings, uint32_t n_settings, duet_error *err);
+// The rows of its kernels in its owner's list; the owner also names the device and the scan, which
+// outlive it.
+#define RADIX_SORT_KERNELS(sort, wanted)                              \
+    {&(sort)->count, wanted, "radix", "radix_count", radix_bindings}, \
+    {                                                                 \
+        &(sort)->move, wanted, "radix", "radix_move", radix_bindings  \
+    }
+extern const binding radix_bindings[];
+
 void radix_sort_close(radix_sort *r);
 
 // Sorts the keys by their lowest bits, and writes to ids where each was. The result is in

@@ -4,31 +4,13 @@
 // Up to so many blocks each adds up those before it by itself, which spares a launch.
 enum { MOST_ADDED_BLOCKS = 2048 };
 
-static const binding scan_bindings[] = {BIND_BUFFER(scan, "values", "uint *", values),
-                                        BIND_BUFFER(scan, "to", "uint *", to),
-                                        BIND_BUFFER(scan, "sums", "uint *", sums),
-                                        BIND_VALUE(scan, "n", n),
-                                        BIND_VALUE(scan, "n_blocks", n_blocks),
-                                        BIND_VALUE(scan, "use_tops", use_tops),
-                                        {0}};
-
-bool scan_open(scan *s, const device *d, program_set *programs, const gen_setting *settings,
-               uint32_t n_settings, duet_error *err)
-{
-    s->device = d;
-    const char *const entries[] = {"scan_sums", "scan_tops", "scan_blocks"};
-    kernel **const kernels[] = {&s->block_sums, &s->top_sums, &s->blocks};
-    bool ok = true;
-    for (int i = 0; i < 3; ++i) {
-        *kernels[i] = ok ? program_set_kernel(programs, "scan", entries[i], settings, n_settings,
-                                              scan_bindings, err)
-                         : NULL;
-        ok = *kernels[i];
-    }
-    if (ok)
-        s->block = s->block_sums->group * s->block_sums->per_item;
-    return ok;
-}
+const binding scan_bindings[] = {BIND_BUFFER(scan, "values", "uint *", values),
+                                 BIND_BUFFER(scan, "to", "uint *", to),
+                                 BIND_BUFFER(scan, "sums", "uint *", sums),
+                                 BIND_VALUE(scan, "n", n),
+                                 BIND_VALUE(scan, "n_blocks", n_blocks),
+                                 BIND_VALUE(scan, "use_tops", use_tops),
+                                 {0}};
 
 void scan_close(scan *s)
 {
@@ -38,7 +20,8 @@ void scan_close(scan *s)
 
 static uint32_t count_blocks(const scan *s, uint32_t n)
 {
-    return (uint32_t)(((uint64_t)n + s->block - 1) / s->block);
+    uint32_t block = SCAN_BLOCK(s);
+    return (uint32_t)(((uint64_t)n + block - 1) / block);
 }
 
 bool scan_reserve(scan *s, uint32_t n, duet_error *err)

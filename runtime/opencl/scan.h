@@ -8,15 +8,23 @@
 typedef struct scan {
     const device *device;
     kernel *block_sums, *top_sums, *blocks;
-    uint32_t block; // values whose sum is one of `sums`
-    buffer sums;    // [n_blocks]
+    buffer sums; // [n_blocks]
     buffer values, to;
     cl_uint n, n_blocks, use_tops;
 } scan;
 
-// Builds the kernels with these settings. The set's device runs them; both outlive the scan.
-bool scan_open(scan *s, const device *d, program_set *programs, const gen_setting *settings,
-               uint32_t n_settings, duet_error *err);
+// The rows of its kernels in its owner's list; the owner also names the device, which outlives it.
+#define SCAN_KERNELS(scan, wanted)                                       \
+    {&(scan)->block_sums, wanted, "scan", "scan_sums", scan_bindings},   \
+        {&(scan)->top_sums, wanted, "scan", "scan_tops", scan_bindings}, \
+    {                                                                    \
+        &(scan)->blocks, wanted, "scan", "scan_blocks", scan_bindings    \
+    }
+extern const binding scan_bindings[];
+
+// Values whose sum is one of `sums`, as its kernels have it.
+#define SCAN_BLOCK(scan) ((scan)->block_sums->group * (scan)->block_sums->per_item)
+
 void scan_close(scan *s);
 
 // Makes space for the sums of n values.

@@ -34,25 +34,27 @@ size_t box_tree_width(duet_shape shape, float origin)
     return origin_row_bytes(box_tree_shape(shape), origin);
 }
 
-static kernel *ask(box_tree *t, program_set *programs, const char *entry, duet_error *err)
-{
-    const gen_setting settings[] = {{"DIMS", t->dims},
-                                    {"SHAPE", box_tree_shape(t->shape)},
-                                    {"ORIGIN", origin_setting(t->origin)}};
-    return program_set_kernel(programs, "box_tree", entry, settings, 3, tree_bindings, err);
-}
-
 bool box_tree_open(box_tree *t, const device *d, program_set *programs, uint32_t dims,
                    duet_shape shape, float origin, duet_error *err)
 {
-    *t = (box_tree){.device = d, .dims = dims, .shape = shape, .origin = origin};
-    t->measure = ask(t, programs, "tree_extent", err);
-    t->key = t->measure ? ask(t, programs, "tree_keys", err) : NULL;
-    t->leaves = t->key ? ask(t, programs, "tree_leaves", err) : NULL;
-    t->level = t->leaves ? ask(t, programs, "tree_level", err) : NULL;
-    t->item_key = t->level ? ask(t, programs, "item_keys", err) : NULL;
-    return t->item_key && scan_open(&t->scan, d, programs, NULL, 0, err) &&
-           radix_sort_open(&t->radix, d, programs, &t->scan, NULL, 0, err);
+    *t = (box_tree){.device = d,
+                    .dims = dims,
+                    .shape = shape,
+                    .origin = origin,
+                    .scan = {.device = d},
+                    .radix = {.device = d, .scan = &t->scan}};
+    const gen_offer offers[] = {{"box_tree", "DIMS", dims, GEN_REQUIRED, NULL},
+                                {"box_tree", "SHAPE", box_tree_shape(shape), GEN_REQUIRED, NULL},
+                                {"box_tree", "ORIGIN", origin_setting(origin), GEN_REQUIRED, NULL}};
+    const kernel_request list[] = {{&t->measure, true, "box_tree", "tree_extent", tree_bindings},
+                                   {&t->key, true, "box_tree", "tree_keys", tree_bindings},
+                                   {&t->leaves, true, "box_tree", "tree_leaves", tree_bindings},
+                                   {&t->level, true, "box_tree", "tree_level", tree_bindings},
+                                   {&t->item_key, true, "box_tree", "item_keys", tree_bindings},
+                                   SCAN_KERNELS(&t->scan, true),
+                                   RADIX_SORT_KERNELS(&t->radix, true)};
+    return program_set_kernels(programs, list, sizeof list / sizeof *list, offers,
+                               sizeof offers / sizeof *offers, err);
 }
 
 void box_tree_close(box_tree *t)

@@ -15,7 +15,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { STEPS = 6, MOST_PARAMS = 32 };
+enum { STEPS = 6, MOST_OFFERS = 64 };
 
 static bool take_all;
 static bool are_round; // every other body, a sphere
@@ -37,12 +37,10 @@ typedef struct launch {
 static launch launches[KERNELS];
 static gen *generator;
 
-kernel *__wrap_program_set_kernel(program_set *set, const char *name, const char *entry,
-                                  const gen_setting *settings, uint32_t n, bindings from,
-                                  duet_error *err);
-kernel *__real_program_set_kernel(program_set *set, const char *name, const char *entry,
-                                  const gen_setting *settings, uint32_t n, bindings from,
-                                  duet_error *err);
+bool __wrap_program_set_kernels(program_set *set, const kernel_request *list, size_t n,
+                                const gen_offer *offers, uint32_t n_offers, duet_error *err);
+bool __real_program_set_kernels(program_set *set, const kernel_request *list, size_t n,
+                                const gen_offer *offers, uint32_t n_offers, duet_error *err);
 
 static launch *launch_of(const char *name)
 {
@@ -52,22 +50,23 @@ static launch *launch_of(const char *name)
     return NULL;
 }
 
-kernel *__wrap_program_set_kernel(program_set *set, const char *name, const char *entry,
-                                  const gen_setting *settings, uint32_t n, bindings from,
-                                  duet_error *err)
+bool __wrap_program_set_kernels(program_set *set, const kernel_request *list, size_t n,
+                                const gen_offer *offers, uint32_t n_offers, duet_error *err)
 {
-    const launch *l = launch_of(name);
-    gen_setting all[MOST_PARAMS];
-    if (!l)
-        return __real_program_set_kernel(set, name, entry, settings, n, from, err);
-    assert_true(n + 3 <= MOST_PARAMS);
-    if (n > 0)
-        memcpy(all, settings, n * sizeof *all);
-    all[n++] = (gen_setting){"WG", l->group};
-    all[n++] = (gen_setting){"PER_ITEM", l->per_item};
-    if (l->lanes)
-        all[n++] = (gen_setting){"LANES", l->lanes};
-    return __real_program_set_kernel(set, name, entry, all, n, from, err);
+    gen_offer all[MOST_OFFERS + 3 * KERNELS];
+    assert_true(n_offers <= MOST_OFFERS);
+    if (n_offers > 0)
+        memcpy(all, offers, n_offers * sizeof *all);
+    for (int i = 0; i < KERNELS; ++i) {
+        const launch *l = &launches[i];
+        if (l->group == 0)
+            continue;
+        all[n_offers++] = (gen_offer){names[i], "WG", l->group, GEN_REQUIRED, NULL};
+        all[n_offers++] = (gen_offer){names[i], "PER_ITEM", l->per_item, GEN_REQUIRED, NULL};
+        if (l->lanes)
+            all[n_offers++] = (gen_offer){names[i], "LANES", l->lanes, GEN_REQUIRED, NULL};
+    }
+    return __real_program_set_kernels(set, list, n, all, n_offers, err);
 }
 
 // B holds the state.

@@ -190,6 +190,52 @@ static void settings_that_do_not_fit_are_refused(void **state)
     gen_close(g);
 }
 
+static void a_kernel_takes_the_offers_that_are_for_it(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    bool taken[5] = {false};
+    const gen_offer offers[] = {
+        {NULL, "SHIFT", 5, GEN_OFFERED, &taken[0]},   {"", "SHIFT", 3, GEN_OFFERED, &taken[1]},
+        {NULL, "DIMS", 2, GEN_OFFERED, &taken[2]},    {"plain", "WG", 1000, GEN_CAPPED, &taken[3]},
+        {"shaped", "WG", 1, GEN_REQUIRED, &taken[4]},
+    };
+    const bool meant[5] = {true, true, false, true, false};
+    const gen_setting settings[] = {{"SHIFT", 3}, {"WG", 256}};
+    gen *g = open_test_kernels();
+    gen_variant offered, set;
+    assert_ok(gen_make_offered(g, "plain", offers, 5, &gpu, &offered, &err), err);
+    assert_ok(gen_make(g, "plain", settings, 2, &gpu, &set, &err), err);
+    assert_string_equal(offered.text, set.text);
+    assert_string_equal(offered.name, set.name);
+    assert_memory_equal(taken, meant, sizeof taken);
+    gen_variant_free(&offered);
+    gen_variant_free(&set);
+    gen_close(g);
+}
+
+static void offers_that_do_not_fit_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        gen_offer offer;
+        const char *wanted;
+    } cases[] = {
+        {{NULL, "DIMS", 2, GEN_REQUIRED, NULL}, "plain: no parameter 'DIMS': there are FACTOR"},
+        {{NULL, "SHIFT", 9, GEN_OFFERED, NULL}, "plain: SHIFT=9 is not in -8 .. 8"},
+        {{"plain", "WG", 7, GEN_CAPPED, NULL}, "plain: WG=7 is not one of 1, 64, 256"},
+    };
+    gen *g = open_test_kernels();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        duet_error err = {0};
+        gen_variant v;
+        assert_false(gen_make_offered(g, "plain", &cases[i].offer, 1, &gpu, &v, &err));
+        expect(err, DUET_STATUS_BAD_ARGUMENT, cases[i].wanted);
+        assert_null(v.text);
+    }
+    gen_close(g);
+}
+
 static void a_group_above_the_device_is_never_valid(void **state)
 {
     (void)state;
@@ -518,6 +564,8 @@ int main(void)
         cmocka_unit_test(texts_are_as_expected),
         cmocka_unit_test(a_variant_is_named_by_what_varies),
         cmocka_unit_test(settings_that_do_not_fit_are_refused),
+        cmocka_unit_test(a_kernel_takes_the_offers_that_are_for_it),
+        cmocka_unit_test(offers_that_do_not_fit_are_refused),
         cmocka_unit_test(a_group_above_the_device_is_never_valid),
         cmocka_unit_test(defaults_follow_the_limits),
         cmocka_unit_test(configs_are_counted_and_found_by_number),

@@ -22,6 +22,12 @@ typedef struct bench {
 
 static bench b;
 
+static bool ask_for_scan(const gen_offer *offers, uint32_t n, duet_error *err)
+{
+    const kernel_request list[] = {SCAN_KERNELS(&b.s, true)};
+    return program_set_kernels(b.set, list, 3, offers, n, err);
+}
+
 // Groups of one work-item, as a CPU has them, or of several.
 static void open_bench(bool emptying, bool grouped)
 {
@@ -33,14 +39,16 @@ static void open_bench(bool emptying, bool grouped)
         ++cpu;
     if (cpu == n)
         skip();
-    const gen_setting settings[] = {
-        {"EMPTIES", emptying}, {"WG", grouped ? 64 : 1}, {"PER_ITEM", grouped ? 4 : 8192}};
+    const gen_offer offers[] = {{NULL, "EMPTIES", emptying, GEN_REQUIRED, NULL},
+                                {NULL, "WG", grouped ? 64 : 1, GEN_REQUIRED, NULL},
+                                {NULL, "PER_ITEM", grouped ? 4 : 8192, GEN_REQUIRED, NULL}};
     assert_ok(device_open(&b.d, roots[cpu].info.selector, &err), err);
     b.g = gen_open(NULL, &err);
     assert_ok(b.g != NULL, err);
     b.set = program_set_open(&b.d, b.g, NULL, &err);
     assert_ok(b.set != NULL, err);
-    assert_ok(scan_open(&b.s, &b.d, b.set, settings, 3, &err), err);
+    b.s.device = &b.d;
+    assert_ok(ask_for_scan(offers, 3, &err), err);
     assert_ok(program_set_build(b.set, &err), err);
     assert_ok(buffer_reserve(&b.words, &b.d, sizeof b.from, &err), err);
     assert_ok(buffer_reserve(&b.sums, &b.d, sizeof b.from, &err), err);
@@ -119,8 +127,8 @@ static void a_scan_that_cannot_be_opened_has_no_kernels(void **state)
     (void)state;
     duet_error err = {0};
     open_bench(false, false);
-    const gen_setting setting = {"NO_SUCH", 1};
-    assert_false(scan_open(&b.s, &b.d, b.set, &setting, 1, &err));
+    const gen_offer offer = {NULL, "NO_SUCH", 1, GEN_REQUIRED, NULL};
+    assert_false(ask_for_scan(&offer, 1, &err));
     assert_int_not_equal(err.status, DUET_STATUS_OK);
     assert_null(b.s.block_sums);
     assert_null(b.s.top_sums);
