@@ -52,20 +52,15 @@ typedef struct grid_wish {
 bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const grid_objects *objects,
               duet_error *err);
 
-// A coordinate's cell along one axis of a dense grid, in the kernels' own float
-// arithmetic: what is not a number lies in the first.
-static inline uint32_t grid_cell_along(float at, float lower, float per_cell, cl_int cells)
-{
-    float last = (float)(cells - 1);
-    float cell = (at - lower) * per_cell;
-    cell = cell > 0.0f ? cell : 0.0f;
-    return (uint32_t)(int32_t)(cell < last ? cell : last);
-}
-
 // An object's cell of the finest level, about as the kernels have it; z is 0 in 2D.
 void grid_cell_of(uint32_t cell[3], const grid *g, const grid_objects *objects, uint32_t id);
 
-// The row of an object, in a dense grid of one level; in key order each row is cells[0] keys long.
-uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t id);
+// Objects whose cells are found at once: with their rows they stay in a processor's cache.
+enum { GRID_BLOCK = 1024 };
+
+// The rows of cells of the finest level that n objects from `first` on are in, at most a block of
+// them; in the key order of a dense grid of one level each row is cells[0] keys long.
+void grid_cell_rows(uint32_t *rows, const grid *g, const grid_objects *objects, uint32_t first,
+                    uint32_t n);
 
 #endif

@@ -17,27 +17,26 @@ duet_transform grid_transform_of(const duet_pose *pose)
     return t;
 }
 
+static const void *row_of(const grid_objects *objects, uint32_t id)
+{
+    return (const char *)objects->array + id * objects->row_bytes;
+}
+
 const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch)
 {
-    if (objects->shape == DUET_SHAPE_ROUNDED_BOXES)
-        return &((const duet_rounded_box *)objects->array)[id].pose;
-    if (objects->shape == DUET_SHAPE_SPHERES) {
-        *scratch = rounded_of_sphere(&((const duet_sphere *)objects->array)[id]).pose;
+    const void *row = row_of(objects, id);
+    if (objects->shape != DUET_SHAPE_SPHERES && !objects->sizes)
+        return row;
+    *scratch = (duet_pose){.rotation = {0, 0, 0, 1}};
+    memcpy(scratch->centre, row, sizeof scratch->centre);
+    if (objects->shape == DUET_SHAPE_SPHERES)
         return scratch;
-    }
-    if (!objects->sizes)
-        return origin_pose(objects->array, objects->origin, id);
     memcpy(scratch->half_extents, objects->sizes[id].half_extents, sizeof scratch->half_extents);
-    if (objects->compact) {
-        const duet_compact_transform *c = &((const duet_compact_transform *)objects->array)[id];
-        memcpy(scratch->centre, c->centre, sizeof scratch->centre);
-        for (int k = 0; k < 4; ++k)
-            scratch->rotation[k] = c->rotation[k];
-        return scratch;
-    }
-    const duet_transform *t = &((const duet_transform *)objects->array)[id];
-    memcpy(scratch->centre, t->centre, sizeof scratch->centre);
-    memcpy(scratch->rotation, t->rotation, sizeof scratch->rotation);
+    if (!objects->compact)
+        memcpy(scratch->rotation, ((const duet_transform *)row)->rotation,
+               sizeof scratch->rotation);
+    for (int k = 0; objects->compact && k < 4; ++k)
+        scratch->rotation[k] = ((const duet_compact_transform *)row)->rotation[k];
     return scratch;
 }
 
@@ -58,19 +57,12 @@ duet_rounded_box grid_rounded_box_of(const grid_objects *objects, uint32_t id)
 
 void grid_point_of(double at[3], const grid_objects *objects, uint32_t id)
 {
+    const void *row = row_of(objects, id);
     at[2] = 0.0;
-    if (objects->shape == DUET_SHAPE_BOUNDS) {
-        const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
-        for (uint32_t k = 0; k < objects->dims; ++k)
-            at[k] = (double)b->lower[k];
-        return;
-    }
-    double corner[3];
-    duet_pose scratch;
-    const duet_pose *p = grid_pose_of(objects, id, &scratch);
-    origin_corner(corner, objects->array, objects->origin, id);
     for (uint32_t k = 0; k < objects->dims; ++k)
-        at[k] = corner[k] + (double)p->centre[k];
+        at[k] = (double)((const float *)row)[k];
+    for (uint32_t k = 0; objects->origin > 0.0f && k < objects->dims; ++k)
+        at[k] += (double)((const duet_large_pose *)row)->cell[k] * objects->origin;
 }
 
 void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)

@@ -6,8 +6,12 @@
 #include "runtime/duet.h"
 #include "runtime/opencl/thread_pool.h"
 
+#include <assert.h>
+#include <stddef.h>
+
 // What objects a grid is for: as the shape says, with origin cells large poses, or
-// with sizes transforms.
+// with sizes transforms. A row begins with the point that decides its cell, and with its pose
+// where it has one whole.
 typedef struct grid_objects {
     const void *array;
     size_t row_bytes; // of an object in it
@@ -18,6 +22,12 @@ typedef struct grid_objects {
     const duet_size *sizes; // that the objects are without, or NULL
     bool compact;           // compact transforms then
 } grid_objects;
+
+static_assert(offsetof(duet_pose, centre) == 0 && offsetof(duet_bounds, lower) == 0 &&
+                  offsetof(duet_transform, centre) == 0 && offsetof(duet_sphere, centre) == 0 &&
+                  offsetof(duet_compact_transform, centre) == 0 &&
+                  offsetof(duet_large_pose, pose) == 0 && offsetof(duet_rounded_box, pose) == 0,
+              "a row begins with its point");
 
 // A pose without its size.
 duet_transform grid_transform_of(const duet_pose *pose);

@@ -76,7 +76,7 @@ static uint32_t bits_of_keys(const numbering *n, const grid *g)
 {
     uint32_t last[3], bits = 0;
     for (int k = 0; k < 3; ++k)
-        last[k] = grid_cell_along(INFINITY, 0, 1, g->levels[0].cells.s[k]);
+        last[k] = (uint32_t)(float)(g->levels[0].cells.s[k] - 1);
     for (uint64_t greatest = key_of(n, last); greatest > 0; greatest >>= 1)
         ++bits;
     return bits;
@@ -177,10 +177,10 @@ static uint32_t at_most(uint32_t n, uint32_t most)
 }
 
 // Longer keys than a row has are sorted by their low bits first.
-static bool sort_objects(const duet_world *world, uint32_t n_threads, thread_pool *threads,
-                         uint32_t *order, void *scratch, duet_error *err)
+static bool sort_objects(const grid *g, const grid_objects *objects, uint32_t n_threads,
+                         thread_pool *threads, uint32_t *order, void *scratch, duet_error *err)
 {
-    sorting s = {.grid = &world->grid, .objects = world_objects(world), .order = order};
+    sorting s = {.grid = g, .objects = *objects, .order = order};
     s.n_chunks = n_threads > 1 ? n_threads * CHUNKS_A_THREAD : 1;
     s.places = malloc(s.n_chunks * sizeof *s.places);
     if (!s.places)
@@ -203,8 +203,9 @@ bool world_order(duet_world *world, uint32_t n_threads, uint32_t *order, void *s
         return true;
     uint32_t n = at_most(at_most(n_threads, MOST_THREADS), world->n / LEAST_OBJECTS);
     thread_pool *threads = n > 1 ? thread_pool_open(n - 1, NULL) : NULL; // or it takes longer
-    bool ok = world_fit_grid(world, threads, err) && world_see_objects(world, err) &&
-              sort_objects(world, n, threads, order, scratch, err);
+    grid_objects objects;
+    bool ok = world_fit_grid(world, &objects, true, threads, err) &&
+              sort_objects(&world->grid, &objects, n, threads, order, scratch, err);
     world_end_sight(world);
     thread_pool_close(threads);
     return ok;
@@ -213,7 +214,7 @@ bool world_order(duet_world *world, uint32_t n_threads, uint32_t *order, void *s
 bool duet_world_order(duet_world *world, uint32_t **order, uint32_t *n, duet_error *err)
 {
     if (!world_is_idle(world, __func__, err) || !error_given(order, __func__, "order", err) ||
-        !error_given(n, __func__, "n", err) || !world_check_sizes(world, err))
+        !error_given(n, __func__, "n", err))
         return false;
     uint32_t *list = malloc((size_t)world->n * sizeof *list + 1);
     void *scratch = malloc((size_t)world->n * ORDER_SCRATCH + 1);

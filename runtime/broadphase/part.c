@@ -157,9 +157,10 @@ void part_distrust(part *p)
     p->next_are_cleared = false;
 }
 
-void part_forget(part *p)
+void part_begin(part *p, uint64_t step)
 {
-    timeline_begin(&p->times, p->device, !p->untimed);
+    p->step = step;
+    timeline_begin_step(&p->times, p->device, step);
     p->ahead_version = 0;
     p->span = (duet_span){0};
     p->counted = (part_counted){0};

@@ -168,7 +168,7 @@ typedef struct part {
     scan scan;
     radix_sort radix;
     timeline times;
-    bool untimed; // steps have no times of stages
+    uint64_t step; // since one whose stages were asked for
 
     buffer objects;
     uint64_t objects_version; // of what was sent last
@@ -257,10 +257,11 @@ bool part_skim(part *p, const float inside_lower[3], const float inside_upper[3]
 // The blocks are those of all objects. What failed on the device fails in the step.
 uint32_t part_await_skim(part *p, uint32_t from, const skim_block **blocks);
 
-// Forgets what the last step found, counted and took, and what was sent ahead of one.
-void part_forget(part *p);
+// Begins a step, so many after one whose stages were asked for: forgets what the last one found,
+// counted and took, and what was sent ahead of one.
+void part_begin(part *p, uint64_t step);
 
-// First in a step: sends the objects, unless they are packed or there, and what belongs to them:
+// Then sends the objects, unless they are packed or there, and what belongs to them:
 // sizes, the grid's levels, ids.
 bool part_send_objects(part *p, const part_task *task, duet_error *err);
 

@@ -7,7 +7,6 @@
 
 #include <assert.h>
 #include <sched.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,8 +22,13 @@ static bool count_objects(split *s, const part_task *task, duet_error *err)
     if (!rows)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %u rows of cells",
                          n_rows);
-    for (uint32_t id = 0; id < task->objects.n; ++id)
-        ++rows[grid_cell_row_of(&task->grid, &task->objects, id)];
+    for (uint32_t first = 0, n; first < task->objects.n; first += n) {
+        uint32_t of[GRID_BLOCK], left = task->objects.n - first;
+        n = left < GRID_BLOCK ? left : GRID_BLOCK;
+        grid_cell_rows(of, &task->grid, &task->objects, first, n);
+        for (uint32_t k = 0; k < n; ++k)
+            ++rows[of[k]];
+    }
     free(s->cell_rows);
     *s = (split){.cell_rows = rows, .n_rows = n_rows};
     return true;
@@ -122,8 +126,8 @@ bool split_cut(split *s, const part_task *task, uint32_t share, part_range range
 
 // ---------------------------------------------------------------- packing
 
-// Objects that a thread takes at once: with their rows they stay in its cache.
-enum { BLOCK = 1024 };
+// Objects that a thread takes at once.
+enum { BLOCK = GRID_BLOCK };
 
 // Of 1.3 MB: it travels for 24 microseconds, a launch takes some two.
 enum { LEAST_CHUNK = 32 * BLOCK };
@@ -174,36 +178,6 @@ void pack_close(pack *p)
 }
 
 // ---------------------------------------------------------------- gathering
-
-static_assert(offsetof(duet_pose, centre) == 0 && offsetof(duet_bounds, lower) == 0 &&
-                  offsetof(duet_transform, centre) == 0 && offsetof(duet_sphere, centre) == 0 &&
-                  offsetof(duet_compact_transform, centre) == 0,
-              "a row begins with the point that decides its cell");
-
-static void find_cells_along(uint32_t *cells, const grid_level *level, const grid_objects *objects,
-                             uint32_t first, uint32_t n, uint32_t axis)
-{
-    size_t row = objects->row_bytes;
-    const char *at = (const char *)objects->array + first * row + axis * sizeof(float);
-    float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
-    cl_int along = level->cells.s[axis];
-    for (uint32_t k = 0; k < n; ++k)
-        cells[k] = grid_cell_along(*(const float *)(at + k * row), lower, per_cell, along);
-}
-
-// The rows of cells of n objects without an origin, as fast as they are read.
-static void find_cell_rows(uint32_t *rows, const grid *g, const grid_objects *objects,
-                           uint32_t first, uint32_t n)
-{
-    const grid_level *level = &g->levels[0];
-    uint32_t layers[BLOCK];
-    find_cells_along(rows, level, objects, first, n, 1);
-    if (objects->dims == 2)
-        return;
-    find_cells_along(layers, level, objects, first, n, 2);
-    for (uint32_t k = 0; k < n; ++k)
-        rows[k] += layers[k] * (uint32_t)level->cells.s[1];
-}
 
 // Objects of rows [from, to). Without a branch, for half of them are.
 static uint32_t pick(uint16_t picked[BLOCK], const uint32_t *rows, uint32_t n, uint32_t from,
@@ -279,7 +253,7 @@ static void pack_block(pack *p, uint32_t block)
     uint16_t picked[BLOCK];
     uint32_t first = block * BLOCK;
     uint32_t n = p->task.objects.n - first < BLOCK ? p->task.objects.n - first : BLOCK;
-    find_cell_rows(rows, &p->task.grid, &p->task.objects, first, n);
+    grid_cell_rows(rows, &p->task.grid, &p->task.objects, first, n);
     for (int side = 0; side < 2; ++side) {
         pack_slab *slab = &p->slabs[side];
         if (!slab->wanted)

@@ -23,27 +23,16 @@ static void choose_keepers(duet_world *world)
     }
 }
 
-static void choose_timed(duet_world *world)
-{
-    if (world->def.stage_times)
-        world->steps = 0;
-    for (int side = 0; side < 2; ++side) {
-        part *p = &world->parts[side];
-        p->untimed =
-            !world->def.stage_times && !timeline_is_due(&p->times, p->device, world->steps);
-    }
-    ++world->steps;
-}
-
-static part_task describe_task(const duet_world *world, int side)
+static part_task describe_task(const duet_world *world, const grid_objects *objects, int side)
 {
     const resident *r = &world->resident;
     return (part_task){
         .shared = world->def.plan.mode == DUET_MODE_SHARED,
+        .slab = world->def.plan.mode == DUET_MODE_SLAB,
         .rotated = world->def.rotated,
         .ordered = world->def.ordered,
         .level = world->def.level,
-        .objects = world_objects(world),
+        .objects = *objects,
         .resident = r->on[side] && !r->only_seen ? &r->objects : NULL,
         .keeps_pairs = world->keeps_pairs[side],
         .skims = world->skims,
@@ -139,26 +128,25 @@ static bool run_jobs(duet_world *world, job jobs[2], const bool use[2], duet_err
     return jobs[0].ok && jobs[1].ok;
 }
 
-static void forget_last_step(duet_world *world)
+static void begin_parts(duet_world *world)
 {
     for (int side = 0; side < 2; ++side)
         if (world->parts[side].ahead_version != world->objects_version || world->n == 0)
-            part_forget(&world->parts[side]);
+            part_begin(&world->parts[side], world->steps);
 }
 
 // Which objects each part searches around: parts of one sorted order, or slabs.
-static bool divide(duet_world *world, part_range ranges[2], duet_error *err)
+static bool divide(duet_world *world, const part_task *task, part_range ranges[2], duet_error *err)
 {
-    const part_task task = describe_task(world, 1);
     uint32_t share = world->def.plan.share;
     if (world->def.plan.mode == DUET_MODE_SLAB)
-        return split_cut(&world->split, &task, share, ranges, err);
-    uint32_t n_cells = task.grid.n_cells;
-    uint32_t cut = (uint32_t)((uint64_t)task.objects.n * share / DUET_SHARE_ONE);
-    part_range whole = {.home_to = n_cells, .key_to = n_cells, .expected = task.objects.n};
+        return split_cut(&world->split, task, share, ranges, err);
+    uint32_t n_cells = task->grid.n_cells;
+    uint32_t cut = (uint32_t)((uint64_t)task->objects.n * share / DUET_SHARE_ONE);
+    part_range whole = {.home_to = n_cells, .key_to = n_cells, .expected = task->objects.n};
     ranges[0] = ranges[1] = whole;
     ranges[0].last = ranges[1].first = cut;
-    ranges[1].last = task.objects.n;
+    ranges[1].last = task->objects.n;
     return true;
 }
 
@@ -173,24 +161,29 @@ static bool takes_stretches(const duet_world *world)
     return takes;
 }
 
-static void describe_jobs(job jobs[2], duet_world *world, const part_range ranges[2])
+static bool describe_jobs(job jobs[2], duet_world *world, const grid_objects *objects,
+                          duet_error *err)
 {
     const bool stretched = takes_stretches(world);
+    for (int side = 0; side < 2; ++side)
+        jobs[side] = (job){.part = &world->parts[side],
+                           .pack = &world->pack,
+                           .side = side,
+                           .task = describe_task(world, objects, side),
+                           .placed = true,
+                           .ok = true};
+    part_range ranges[2];
+    if (!divide(world, &jobs[1].task, ranges, err))
+        return false;
     for (int side = 0; side < 2; ++side) {
         job *j = &jobs[side];
-        *j = (job){.part = &world->parts[side],
-                   .pack = &world->pack,
-                   .side = side,
-                   .task = describe_task(world, side),
-                   .range = ranges[side],
-                   .placed = true,
-                   .ok = true};
-        j->task.slab = world->def.plan.mode == DUET_MODE_SLAB;
+        j->range = ranges[side];
         j->task.divided = j->task.slab && has_work(&ranges[0]) && has_work(&ranges[1]);
         j->task.intake = stretched ? &world->strays.intakes[side] : NULL;
         j->task.packed = j->task.slab && !stretched && !j->task.resident &&
                          pack_pays(&j->task, ranges, side, j->part, &world->variants[side]);
     }
+    return !stretched || strays_begin(&world->strays, &jobs[1].task, ranges, err);
 }
 
 static bool prepare(duet_world *world, const job jobs[2], const bool use[2], duet_error *err)
@@ -209,21 +202,16 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
 
 // *found_all is false where a slab had more objects than it had space for, or strays were missed:
 // both are known then, and the parts are to be run again.
-static bool run_parts(duet_world *world, bool *found_all, duet_error *err)
+static bool run_parts(duet_world *world, const grid_objects *objects, bool *found_all,
+                      duet_error *err)
 {
-    part_range ranges[2];
-    forget_last_step(world);
-    if (!divide(world, ranges, err))
-        return false;
-    const bool shared = world->def.plan.mode == DUET_MODE_SHARED && has_work(&ranges[0]);
-    const bool use[2] = {has_work(&ranges[0]), shared || has_work(&ranges[1])};
-    if (!world_see_for_search(world, use, err))
-        return false;
     job jobs[2];
-    describe_jobs(jobs, world, ranges);
+    if (!describe_jobs(jobs, world, objects, err))
+        return false;
+    const bool shared = jobs[0].task.shared && has_work(&jobs[0].range);
+    const bool use[2] = {has_work(&jobs[0].range), shared || has_work(&jobs[1].range)};
     const bool stretched = jobs[0].task.intake;
-    if ((stretched && !strays_begin(&world->strays, &jobs[1].task, ranges, err)) ||
-        !prepare(world, jobs, use, err))
+    if (!prepare(world, jobs, use, err))
         return false;
     if ((shared && !lend_grid(&jobs[0], &jobs[1])) || !run_jobs(world, jobs, use, err)) {
         error_copy(err, &jobs[0].err);
@@ -244,14 +232,16 @@ enum { MOST_FITS = 4 };
 
 static bool find_all(duet_world *world, duet_error *err)
 {
-    bool fits = world->n == 0;
-    if (fits)
-        forget_last_step(world);
+    bool fits = false;
     for (int fit = 0; !fits; ++fit) {
-        if (!budget_check(err) || !world_fit_grid(world, NULL, err))
+        grid_objects objects;
+        begin_parts(world);
+        if (!budget_check(err) || !world_fit_grid(world, &objects, false, NULL, err))
             return false;
+        if (world->n == 0)
+            return true;
         bool found_all = false;
-        if (!run_parts(world, &found_all, err))
+        if (!run_parts(world, &objects, &found_all, err))
             return false;
         float widest = fmaxf(world->parts[0].found.widest, world->parts[1].found.widest);
         world->fitted = !(widest > 0.0f);
@@ -267,6 +257,7 @@ static bool find_all(duet_world *world, duet_error *err)
 static bool find_pairs(duet_world *world, duet_error *err)
 {
     bool ok = find_all(world, err);
+    ++world->steps;
     world_end_sight(world);
     return ok;
 }
@@ -275,8 +266,9 @@ static bool run_step(duet_world *world, duet_result *result, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     choose_keepers(world);
-    choose_timed(world);
-    bool found = world_await_objects(world, err) && find_pairs(world, err);
+    if (world->def.stage_times)
+        world->steps = 0;
+    bool found = find_pairs(world, err);
     return world_hand_out(world, found, begun, result, err);
 }
 
@@ -305,10 +297,9 @@ bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, bo
     world->left.device = world->parts[1].device;
     world->n = n;
     ++world->objects_version;
-    for (int side = 0; side < 2; ++side) {
+    world->steps = untimed ? 1 : 0;
+    for (int side = 0; side < 2; ++side)
         world->keeps_pairs[side] = side == 1;
-        world->parts[side].untimed = untimed;
-    }
     bool ok = world_hand_out(world, find_pairs(world, err), begun, result, err);
     world->resident = (resident){0};
     *pairs = world->left.joined;
@@ -436,7 +427,8 @@ void world_send_ahead(duet_world *world, uint32_t n, const global_ids *ids)
     if (ids)
         own.version = ++world->ids_version;
     for (int side = 0; side < 2 && n > 0 && !world->resident.objects.mem; ++side) {
-        part_task task = describe_task(world, side);
+        const grid_objects objects = world_objects(world);
+        part_task task = describe_task(world, &objects, side);
         size_t bytes = world->lent ? world->n * task.objects.row_bytes : world->objects.size;
         task.objects.n = n;
         task.ids = ids ? &own : NULL;

@@ -137,10 +137,11 @@ typedef struct world_fit {
 // a grid of their own.
 void world_swap_fit(duet_world *world, world_fit *fit);
 
-// Fits a grid to the objects where the last one does not suit them, by these threads and the
-// caller's; NULL: by that alone. The host sees the objects then, and where slabs of the grid are to
-// be cut anew.
-bool world_fit_grid(duet_world *world, thread_pool *threads, duet_error *err);
+// Takes *objects, and fits a grid to them where the last one does not suit them, by these
+// threads and the caller's; NULL: by that alone. The host sees the objects where that is asked
+// for, where a grid is fitted or slabs of it are to be cut anew, and where a search needs it.
+bool world_fit_grid(duet_world *world, grid_objects *objects, bool seen, thread_pool *threads,
+                    duet_error *err);
 
 // All of a def but its device pair and its plan.
 bool world_check_def(const duet_world_def *def, duet_error *err);
@@ -151,19 +152,12 @@ void world_choose_mode(duet_world *world);
 // The array is NULL where the host does not see the objects.
 grid_objects world_objects(const duet_world *world);
 
-// Makes them visible, in place or in the world's own memory, once what they wait for is over;
-// returns at once where they are. What is in place is so until world_end_sight, for a step at most.
-bool world_see_objects(duet_world *world, duet_error *err);
+// Waits for what must be over before they are read. BAD_ARGUMENT unless each has a size, whichever
+// of the two was set first. The host then sees them, in place or in the world's own memory, where
+// that is asked for or a search by the plan needs it. What is in place is so until
+// world_end_sight, for a step at most.
+bool world_take_objects(duet_world *world, bool seen, duet_error *err);
 void world_end_sight(duet_world *world);
-
-// The same where a search needs it by the devices that take part: to send objects that one has to
-// the other, or to decide in a device's memory what float leaves open.
-bool world_see_for_search(duet_world *world, const bool takes_part[2], duet_error *err);
-
-// Whether every object has a size, whichever of the two was set first; and what must be over
-// before they are read is over.
-bool world_check_sizes(const duet_world *world, duet_error *err);
-bool world_await_objects(duet_world *world, duet_error *err);
 
 // Lets go of the buffer.
 void resident_drop(resident *r);

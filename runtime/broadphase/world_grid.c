@@ -53,8 +53,8 @@ void world_forget_grid(duet_world *world)
 static bool is_fitted(const duet_world *world)
 {
     uint64_t n = world->n;
-    return world->fitted && n <= REFIT_FACTOR * (uint64_t)world->fitted_n &&
-           REFIT_FACTOR * n >= world->fitted_n;
+    return n == 0 || (world->fitted && n <= REFIT_FACTOR * (uint64_t)world->fitted_n &&
+                      REFIT_FACTOR * n >= world->fitted_n);
 }
 
 static grid_wish wish_of(const duet_world *world)
@@ -70,28 +70,28 @@ static grid_wish wish_of(const duet_world *world)
     return wish;
 }
 
-bool world_fit_grid(duet_world *world, thread_pool *threads, duet_error *err)
+bool world_fit_grid(duet_world *world, grid_objects *objects, bool seen, thread_pool *threads,
+                    duet_error *err)
 {
     const duet_world_def *def = &world->def;
     const bool fitted = is_fitted(world);
-    if (fitted && !(def->plan.mode == DUET_MODE_SLAB && world->split.stale))
-        return true;
+    const bool cuts = def->plan.mode == DUET_MODE_SLAB && world->split.stale;
     const grid_wish wish = wish_of(world);
-    if (!world_see_objects(world, err))
+    if (!world_take_objects(world, seen || !fitted || cuts, err))
         return false;
+    *objects = world_objects(world);
     if (fitted)
         return true;
     const grid before = world->grid;
-    const grid_objects objects = world_objects(world);
     grid_needs needs;
-    grid_needs_of(&needs, &objects, threads);
+    grid_needs_of(&needs, objects, threads);
     bool too_small = def->cell > 0.0f && needs.widest > def->cell;
     if (too_small && def->cell_fixed)
         return error_set(err, DUET_STATUS_CELL_TOO_SMALL,
                          "the cell edge %g is below the extent %.9g of object %u; expected a "
                          "cell at least that wide",
                          def->cell, needs.widest, needs.widest_id);
-    if (!grid_fit(&world->grid, &needs, &wish, &objects, err))
+    if (!grid_fit(&world->grid, &needs, &wish, objects, err))
         return false;
     world->cell_widened = too_small;
     take_grid(world, &before, world->n);

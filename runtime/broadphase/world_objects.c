@@ -64,11 +64,6 @@ static int side_of(const resident *r, const device devices[2])
     return r->on[1] && !in_place ? 1 : 0;
 }
 
-static bool await(resident *r, duet_error *err)
-{
-    return callers_events_wait(&r->ready, "the objects", err);
-}
-
 static bool map_resident(resident *r, size_t bytes, const device *d, duet_error *err)
 {
     cl_int code = CL_SUCCESS;
@@ -111,26 +106,47 @@ grid_objects world_objects(const duet_world *world)
     };
 }
 
-bool world_see_objects(duet_world *world, duet_error *err)
+static bool see(duet_world *world, duet_error *err)
 {
     resident *r = &world->resident;
     size_t bytes = world->n * kinds[world->kind].bytes;
     if (!r->objects.mem || r->seen || bytes == 0)
         return true;
     part *p = &world->parts[side_of(r, world->def.pair->devices)];
-    return await(r, err) && (p->device->info.host_memory ? map_resident(r, bytes, p->device, err)
-                                                         : fetch_resident(world, bytes, p, err));
+    return p->device->info.host_memory ? map_resident(r, bytes, p->device, err)
+                                       : fetch_resident(world, bytes, p, err);
 }
 
-bool world_see_for_search(duet_world *world, const bool takes_part[2], duet_error *err)
+// To send objects that one device has to the other, or to decide in a device's memory what float
+// leaves open.
+static bool search_sees(const duet_world *world)
 {
-    bool needs = false;
+    const duet_plan *plan = &world->def.plan;
+    const resident *r = &world->resident;
+    const bool searches[2] = {plan->share > 0,
+                              plan->share < DUET_SHARE_ONE || plan->mode == DUET_MODE_SHARED};
+    bool sees = false;
     for (int side = 0; side < 2; ++side)
-        needs |=
-            takes_part[side] &&
-            (!world->resident.on[side] || world->resident.only_seen ||
+        sees |=
+            searches[side] &&
+            (!r->on[side] || r->only_seen ||
              (world->def.shape == DUET_SHAPE_POSES && world->parts[side].device->info.host_memory));
-    return !needs || world_see_objects(world, err);
+    return sees;
+}
+
+static bool has_sizes(const duet_world *world, duet_error *err)
+{
+    return !world->def.separate_sizes || world->n_sizes == world->n ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "%u objects have a transform and %u a size; expected as many of each",
+                     world->n, world->n_sizes);
+}
+
+bool world_take_objects(duet_world *world, bool seen, duet_error *err)
+{
+    return has_sizes(world, err) &&
+           callers_events_wait(&world->resident.ready, "the objects", err) &&
+           (!(seen || search_sees(world)) || see(world, err));
 }
 
 void world_end_sight(duet_world *world)
@@ -142,17 +158,4 @@ void world_end_sight(duet_world *world)
     clEnqueueUnmapMemObject(d->queue, r->objects.mem, r->mapped, 0, NULL, NULL);
     clFinish(d->queue);
     r->seen = r->mapped = NULL;
-}
-
-bool world_check_sizes(const duet_world *world, duet_error *err)
-{
-    return !world->def.separate_sizes || world->n_sizes == world->n ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%u objects have a transform and %u a size; expected as many of each",
-                     world->n, world->n_sizes);
-}
-
-bool world_await_objects(duet_world *world, duet_error *err)
-{
-    return world_check_sizes(world, err) && await(&world->resident, err);
 }

@@ -190,8 +190,7 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
 static bool carry_step(duet_motion *m, double *ms, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
-    timeline_begin(&m->times, m->device,
-                   m->def.stage_times || timeline_is_due(&m->times, m->device, m->step));
+    timeline_begin_step(&m->times, m->device, m->def.stage_times ? 0 : m->step);
     m->rebuilt = false;
     bool ok = run_step(m, err);
     *ms = clock_ms_since(begun);

@@ -21,9 +21,10 @@ void timeline_begin(timeline *t, const device *d, bool timed)
     t->first_begin = t->last_end = 0;
 }
 
-bool timeline_is_due(const timeline *t, const device *d, uint64_t step)
+void timeline_begin_step(timeline *t, const device *d, uint64_t step)
 {
-    return d->info.host_memory || t->n_stages == 0 || step % TIMELINE_TIMED_EVERY == 0;
+    timeline_begin(t, d,
+                   d->info.host_memory || t->n_stages == 0 || step % TIMELINE_TIMED_EVERY == 0);
 }
 
 static int stage_index(timeline *t, const char *name, bool transfer)

@@ -34,9 +34,9 @@ typedef struct timeline {
 // measured to cost NVIDIA's driver 7 microseconds each.
 void timeline_begin(timeline *t, const device *d, bool timed);
 
-// Whether a step is timed unless a def asks for all: on a CPU each is; elsewhere the first, and
-// then one in TIMED_EVERY.
-bool timeline_is_due(const timeline *t, const device *d, uint64_t step);
+// The same for a step, so many after one whose times were asked for: that one is timed, on a CPU
+// each is; elsewhere the first, and then one in TIMED_EVERY.
+void timeline_begin_step(timeline *t, const device *d, uint64_t step);
 
 // Sends a kernel over `work` objects, pairs or values; none for work = 0. values: the
 // struct with its arguments, of the kind that its bindings describe.

@@ -210,11 +210,9 @@ bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err
         return error_set(
             err, DUET_STATUS_BAD_ARGUMENT,
             "a world without objects has no profile; expected objects to be set first");
-    if (!world_check_sizes(world, err))
+    if (!world_take_objects(world, true, err))
         return false;
     describe_pair(p, world->def.pair);
-    if (!world_see_objects(world, err))
-        return false;
     p->workload = describe_workload(world);
     world_end_sight(world);
     if (world->def.has_accuracy)

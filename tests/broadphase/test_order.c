@@ -269,8 +269,11 @@ static void threads_find_what_one_finds_of_a_grid_s_needs(void **state)
         memcpy(poses[i].rotation, (const float[]){0, 0, 0, 1}, sizeof poses[i].rotation);
     }
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
-        grid_objects objects = {
-            .array = poses, .shape = DUET_SHAPE_POSES, .n = numbers[i], .dims = 3};
+        grid_objects objects = {.array = poses,
+                                .row_bytes = sizeof *poses,
+                                .shape = DUET_SHAPE_POSES,
+                                .n = numbers[i],
+                                .dims = 3};
         grid_needs one = {0}, all = {0};
         grid_needs_of(&one, &objects, NULL);
         grid_needs_of(&all, &objects, threads);
