@@ -44,13 +44,14 @@ static bool reserve(border *b, const object_form *form, uint64_t n, duet_error *
 
 // ---------------------------------------------------------------- homes
 
-// Homes lie where devices with memory of their own read them, and few at the border.
+// Homes lie where devices with memory of their own read them, and few at the border. One thread
+// has nothing to do meanwhile.
 static bool is_worth_it(const duet_cluster *c)
 {
     const homes *h = &c->homes;
     const worker *w = c->workers[0];
-    return c->parts.n == 1 && c->ranks.n > 1 && !c->is_cold && h->holder && w->tell_ids &&
-           w->spares_host && w->spares_host(w) && h->border.n < h->rows.n / 4;
+    return c->parts.n == 1 && c->ranks.n > 1 && c->threads.n > 1 && !c->is_cold && h->holder &&
+           w->tell_ids && w->spares_host && w->spares_host(w) && h->border.n < h->rows.n / 4;
 }
 
 void border_begin(duet_cluster *c)
@@ -70,7 +71,7 @@ void border_begin(duet_cluster *c)
     b->homes = (worker_search){
         .worker = c->workers[0], .seen = s, .ids = cluster_ids_of_homes(c), .tells_ids = true};
     b->is_searching = true;
-    worker_search_begin(&b->homes, true);
+    worker_search_begin(&b->homes, &c->threads);
 }
 
 // ---------------------------------------------------------------- ghosts

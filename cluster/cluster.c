@@ -64,11 +64,11 @@ static bool open_pair(duet_cluster *c, duet_error *err)
     return c->own_pair;
 }
 
-// A device that leaves the processors to others is waited for by a thread which looks all the time.
+// Where a device leaves the processors to others, one thread waits for it and one does the rest.
 static bool begin_threads(duet_cluster *c, const worker *w, duet_error *err)
 {
-    double waiting = w->spares_host && w->spares_host(w) ? 1 : 0;
-    return parallel_begin(&c->threads, c->ranks.processors - waiting, err);
+    double least = w->spares_host && w->spares_host(w) ? 2 : 1;
+    return parallel_begin(&c->threads, fmax(c->ranks.processors, least), err);
 }
 
 duet_cluster *duet_cluster_create(const duet_cluster_def *def, duet_error *err)
@@ -419,7 +419,7 @@ static void begin_search(duet_cluster *c, uint32_t turn, worker_search *s)
     s->tells_ids = c->homes.holder && !c->own.lists;
     s->ids = is_only ? cluster_ids_of_homes(c)
                      : (global_ids){.list = what->rows.ids, .n = what->behind, .all_changed = true};
-    worker_search_begin(s, !is_only && !c->ranks.simulation);
+    worker_search_begin(s, is_only || c->ranks.simulation ? NULL : &c->threads);
     if (is_only && s->ok && seen_homes(what) > 0 && s->tells_ids)
         homes_forget_renamed(&c->homes);
 }

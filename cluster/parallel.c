@@ -23,12 +23,18 @@ typedef struct loop {
     atomic_uint next; // part
 } loop;
 
+typedef enum call_state { CALL_NONE, CALL_GIVEN, CALL_TAKEN, CALL_OVER } call_state;
+
 typedef struct team team;
 
 struct team {
     pthread_mutex_t lock;
-    pthread_cond_t given; // a loop, or closing; for sleepers
+    pthread_cond_t given; // a loop, a call, or closing; for sleepers
+    pthread_cond_t over;  // a call
     atomic_uint sleepers;
+    parallel_call *call;
+    void *call_context;
+    atomic_int call_state;
     _Atomic uint64_t n_loops;   // given so far
     _Atomic(struct loop *) now; // NULL: none that may still be joined
     atomic_uint inside;         // threads that may have joined it
@@ -50,7 +56,20 @@ static void run_parts(loop *l)
 
 static bool has_news(team *t, uint64_t seen)
 {
-    return atomic_load(&t->n_loops) != seen || atomic_load(&t->closing);
+    return atomic_load(&t->n_loops) != seen || atomic_load(&t->call_state) == CALL_GIVEN ||
+           atomic_load(&t->closing);
+}
+
+static void make_call(team *t)
+{
+    int given = CALL_GIVEN;
+    if (!atomic_compare_exchange_strong(&t->call_state, &given, CALL_TAKEN))
+        return;
+    t->call(t->call_context);
+    pthread_mutex_lock(&t->lock);
+    atomic_store(&t->call_state, CALL_OVER);
+    pthread_cond_signal(&t->over);
+    pthread_mutex_unlock(&t->lock);
 }
 
 static void look_out(team *t, uint64_t seen)
@@ -88,6 +107,7 @@ static void *work(void *arg)
 {
     team *t = arg;
     for (uint64_t seen = 0; !atomic_load(&t->closing); seen = atomic_load(&t->n_loops)) {
+        make_call(t);
         atomic_fetch_add(&t->inside, 1);
         loop *now = atomic_load(&t->now);
         if (now)
@@ -110,6 +130,7 @@ static void close_team(team *t)
     for (uint32_t i = 0; i < t->n_threads; ++i)
         pthread_join(t->threads[i], NULL);
     pthread_cond_destroy(&t->given);
+    pthread_cond_destroy(&t->over);
     pthread_mutex_destroy(&t->lock);
     free(t);
 }
@@ -123,6 +144,7 @@ static team *open_team(uint32_t n, duet_error *err)
     }
     pthread_mutex_init(&t->lock, NULL);
     pthread_cond_init(&t->given, NULL);
+    pthread_cond_init(&t->over, NULL);
     while (t->n_threads < n && pthread_create(&t->threads[t->n_threads], NULL, work, t) == 0)
         ++t->n_threads;
     if (t->n_threads == n)
@@ -188,6 +210,46 @@ void parallel_jobs(parallel *p, uint32_t n, parallel_body *body, void *context)
     loop l = {.body = body, .context = context, .n = n, .n_parts = n};
     if (n > 0)
         run_by(p && n > 1 ? p->team : NULL, &l);
+}
+
+// ---------------------------------------------------------------- a call
+
+void parallel_call_begin(parallel *p, parallel_call *call, void *context)
+{
+    team *t = p->team;
+    if (!t) {
+        call(context);
+        return;
+    }
+    t->call = call;
+    t->call_context = context;
+    atomic_store(&t->call_state, CALL_GIVEN);
+    wake(t);
+}
+
+static void look_for_end(team *t)
+{
+    uint64_t begun = clock_steady_ns();
+    while (atomic_load(&t->keen) && clock_ms_since(begun) < KEEN_MS) {
+        for (int i = 0; i < LOOKS; ++i)
+            if (atomic_load(&t->call_state) == CALL_OVER)
+                return;
+        sched_yield();
+    }
+}
+
+void parallel_call_end(parallel *p)
+{
+    team *t = p->team;
+    if (!t)
+        return;
+    make_call(t);
+    look_for_end(t);
+    pthread_mutex_lock(&t->lock);
+    while (atomic_load(&t->call_state) != CALL_OVER)
+        pthread_cond_wait(&t->over, &t->lock);
+    pthread_mutex_unlock(&t->lock);
+    atomic_store(&t->call_state, CALL_NONE);
 }
 
 // ---------------------------------------------------------------- rows

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
-// A worker that finds the pairs of what a rank sees, on a thread of its own where that is asked
-// for and there is one.
+// A worker that finds the pairs of what a rank sees, at once or beside what its caller does.
 #ifndef CLUSTER_WORKER_SEARCH_H
 #define CLUSTER_WORKER_SEARCH_H
 
 #include "cluster/found.h"
-
-#include <pthread.h>
 
 typedef struct worker_search {
     worker *worker;
@@ -16,12 +13,11 @@ typedef struct worker_search {
     worker_found found;
     duet_error err;
     bool ok;
-    bool is_apart; // on a thread of its own
-    pthread_t thread;
+    parallel *beside; // the threads of which one makes it; NULL: it is over
 } worker_search;
 
-// Of what the first four say, which stay until the end.
-void worker_search_begin(worker_search *s, bool apart);
+// Of what the first four say, which stay until the end. beside: NULL for at once.
+void worker_search_begin(worker_search *s, parallel *beside);
 // Waits for it; false where it failed, or where the worker refuses an object.
 bool worker_search_end(worker_search *s, duet_error *err);
 

@@ -19,6 +19,7 @@
 #include <math.h>
 #include <sched.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -1817,6 +1818,41 @@ static void rows_come_to_their_ranges(void)
         parallel_end(&teams[i]);
 }
 
+static void count_call(void *context)
+{
+    ++*(uint32_t *)context;
+}
+
+static void count_things(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    (void)part;
+    atomic_fetch_add((_Atomic uint64_t *)context, end - first);
+}
+
+// Begun, and waited for, before, between and after loops, by threads that look for work or sleep.
+static void calls_are_made_beside_loops(void)
+{
+    enum { CALLS = 100, MANY = 1 << 13 };
+    static const uint32_t n_threads[] = {1, 2, 5};
+    for (uint32_t i = 0; i < sizeof n_threads / sizeof *n_threads; ++i) {
+        parallel team;
+        duet_error err = {0};
+        _Atomic uint64_t things = 0;
+        uint32_t calls = 0, loops = 0;
+        MUST_OK(parallel_begin(&team, n_threads[i], &err), err);
+        for (uint32_t k = 0; k < CALLS; ++k) {
+            parallel_be_keen(&team, k % 3 == 0);
+            parallel_call_begin(&team, count_call, &calls);
+            for (uint32_t loop = 0; loop < k % 4; ++loop, ++loops)
+                parallel_each(&team, MANY, count_things, &things);
+            parallel_call_end(&team);
+            MUST(calls == k + 1, "each call is made once");
+            MUST(things == (uint64_t)loops * MANY, "and loops whole");
+        }
+        parallel_end(&team);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const char *given = getenv("DUET_TEST_SEED");
@@ -1833,6 +1869,8 @@ int main(int argc, char **argv)
     what_is_skimmed_is_deep_inside();
     reaches_hold_what_devices_take();
     rows_come_to_their_ranges();
+    if (rank == 0)
+        calls_are_made_beside_loops();
     nothing_is_refused();
     a_failure_is_that_of_all_ranks();
     an_id_that_two_ranks_bring_is_refused(seed);
