@@ -159,7 +159,6 @@ void part_distrust(part *p)
 
 void part_begin(part *p, uint64_t step)
 {
-    p->step = step;
     timeline_begin_step(&p->times, p->device, step);
     p->ahead_version = 0;
     p->span = (duet_span){0};

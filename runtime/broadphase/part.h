@@ -168,7 +168,6 @@ typedef struct part {
     scan scan;
     radix_sort radix;
     timeline times;
-    uint64_t step; // since one whose stages were asked for
 
     buffer objects;
     uint64_t objects_version; // of what was sent last
@@ -247,8 +246,9 @@ const kernel *part_kernel(const part *p, const char *name);
 void part_distrust(part *p);
 
 // Begins to send the task's objects before a step that has these and perhaps more; there is
-// space for `bytes` of them all. Only for a device with memory of its own.
-bool part_send_ahead(part *p, const part_task *task, size_t bytes, duet_error *err);
+// space for `bytes` of them all. Only for a device with memory of its own. step: as part_begin has
+// it.
+bool part_send_ahead(part *p, const part_task *task, size_t bytes, uint64_t step, duet_error *err);
 
 // Skims the objects that were sent ahead, chunk after chunk as they come: which lie deep inside of
 // the box (kernels/grid/skim.h). False where the device does not; nothing is lost then.

@@ -62,9 +62,9 @@ static bool send_ids_ahead(part *p, const global_ids *ids, duet_error *err)
     return true;
 }
 
-bool part_send_ahead(part *p, const part_task *task, size_t bytes, duet_error *err)
+bool part_send_ahead(part *p, const part_task *task, size_t bytes, uint64_t step, duet_error *err)
 {
-    part_begin(p, p->step);
+    part_begin(p, step);
     p->n_chunks = 0;
     p->objects_version = p->packed.objects_version = p->stretched.objects_version = 0;
     if (!buffer_reserve(&p->objects, p->device, bytes, err) ||

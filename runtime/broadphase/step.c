@@ -128,11 +128,18 @@ static bool run_jobs(duet_world *world, job jobs[2], const bool use[2], duet_err
     return jobs[0].ok && jobs[1].ok;
 }
 
+// Stages are timed in some steps, or in all.
+static uint64_t number_of_step(const duet_world *world)
+{
+    return world->def.stage_times ? 0 : world->steps;
+}
+
+// But for those that objects were sent ahead to, which began then.
 static void begin_parts(duet_world *world)
 {
     for (int side = 0; side < 2; ++side)
         if (world->parts[side].ahead_version != world->objects_version || world->n == 0)
-            part_begin(&world->parts[side], world->steps);
+            part_begin(&world->parts[side], number_of_step(world));
 }
 
 // Which objects each part searches around: parts of one sorted order, or slabs.
@@ -266,8 +273,6 @@ static bool run_step(duet_world *world, duet_result *result, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     choose_keepers(world);
-    if (world->def.stage_times)
-        world->steps = 0;
     bool found = find_pairs(world, err);
     return world_hand_out(world, found, begun, result, err);
 }
@@ -433,7 +438,7 @@ void world_send_ahead(duet_world *world, uint32_t n, const global_ids *ids)
         task.objects.n = n;
         task.ids = ids ? &own : NULL;
         if (can_send_ahead(world, side) &&
-            !part_send_ahead(&world->parts[side], &task, bytes, NULL))
+            !part_send_ahead(&world->parts[side], &task, bytes, number_of_step(world), NULL))
             part_distrust(&world->parts[side]);
     }
 }
