@@ -264,7 +264,7 @@ static bool find_all(duet_world *world, duet_error *err)
 static bool find_pairs(duet_world *world, duet_error *err)
 {
     bool ok = find_all(world, err);
-    ++world->steps;
+    world->steps = number_of_step(world) + 1;
     world_end_sight(world);
     return ok;
 }
