@@ -128,18 +128,12 @@ static bool run_jobs(duet_world *world, job jobs[2], const bool use[2], duet_err
     return jobs[0].ok && jobs[1].ok;
 }
 
-// Stages are timed in some steps, or in all.
-static uint64_t number_of_step(const duet_world *world)
-{
-    return world->def.stage_times ? 0 : world->steps;
-}
-
 // But for those that objects were sent ahead to, which began then.
 static void begin_parts(duet_world *world)
 {
     for (int side = 0; side < 2; ++side)
         if (world->parts[side].ahead_version != world->objects_version || world->n == 0)
-            part_begin(&world->parts[side], number_of_step(world));
+            part_begin(&world->parts[side], world->steps);
 }
 
 // Which objects each part searches around: parts of one sorted order, or slabs.
@@ -264,7 +258,7 @@ static bool find_all(duet_world *world, duet_error *err)
 static bool find_pairs(duet_world *world, duet_error *err)
 {
     bool ok = find_all(world, err);
-    world->steps = number_of_step(world) + 1;
+    ++world->steps;
     world_end_sight(world);
     return ok;
 }
@@ -273,6 +267,8 @@ static bool run_step(duet_world *world, duet_result *result, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     choose_keepers(world);
+    if (world->def.stage_times)
+        world->steps = 0;
     bool found = find_pairs(world, err);
     return world_hand_out(world, found, begun, result, err);
 }
@@ -428,6 +424,7 @@ static bool can_send_ahead(const duet_world *world, int side)
 void world_send_ahead(duet_world *world, uint32_t n, const global_ids *ids)
 {
     global_ids own = ids ? *ids : (global_ids){0};
+    uint64_t step = world->def.stage_times ? 0 : world->steps;
     world->ids_ahead = ids;
     if (ids)
         own.version = ++world->ids_version;
@@ -438,7 +435,7 @@ void world_send_ahead(duet_world *world, uint32_t n, const global_ids *ids)
         task.objects.n = n;
         task.ids = ids ? &own : NULL;
         if (can_send_ahead(world, side) &&
-            !part_send_ahead(&world->parts[side], &task, bytes, number_of_step(world), NULL))
+            !part_send_ahead(&world->parts[side], &task, bytes, step, NULL))
             part_distrust(&world->parts[side]);
     }
 }
