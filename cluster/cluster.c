@@ -67,8 +67,8 @@ static bool open_pair(duet_cluster *c, duet_error *err)
 // Where a device leaves the processors to others, one thread waits for it and one does the rest.
 static bool begin_threads(duet_cluster *c, const worker *w, duet_error *err)
 {
-    double least = w->spares_host && w->spares_host(w) ? 2 : 1;
-    return parallel_begin(&c->threads, fmax(c->ranks.processors, least), err);
+    uint32_t least = w->spares_host && w->spares_host(w) ? 2 : 1;
+    return parallel_begin(&c->threads, c->ranks.processors, least, err);
 }
 
 duet_cluster *duet_cluster_create(const duet_cluster_def *def, duet_error *err)

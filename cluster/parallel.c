@@ -5,6 +5,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
@@ -159,12 +160,11 @@ static team *open_team(uint32_t n, duet_error *err)
 // Processors may be a sum of many parts, and a little less than whole.
 #define ROUNDING 1e-6
 
-bool parallel_begin(parallel *p, double processors, duet_error *err)
+bool parallel_begin(parallel *p, double processors, uint32_t least, duet_error *err)
 {
-    double threads = processors + ROUNDING;
-    *p = (parallel){.n = threads < 1               ? 1
-                         : threads > PARALLEL_MOST ? PARALLEL_MOST
-                                                   : (uint32_t)threads};
+    double whole = floor(processors + ROUNDING);
+    *p = (parallel){.n = (uint32_t)fmin(fmax(whole, least), PARALLEL_MOST),
+                    .is_crowded = whole < least};
     if (p->n > 1)
         p->team = open_team(p->n - 1, err);
     return p->n == 1 || p->team;
@@ -179,7 +179,7 @@ void parallel_end(parallel *p)
 void parallel_be_keen(parallel *p, bool keen)
 {
     if (p->team)
-        atomic_store(&p->team->keen, keen);
+        atomic_store(&p->team->keen, keen && !p->is_crowded);
 }
 
 static void run_by(team *t, loop *l)

@@ -18,13 +18,15 @@ enum { PARALLEL_MOST = 64 }; // parts of a loop
 typedef struct parallel {
     struct team *team; // besides the caller's thread; NULL: that alone
     uint32_t n;        // threads with that
+    bool is_crowded;   // they are more than there are processors for them
 } parallel;
 
-// A thread for each whole one of that many processors, and one at least.
-bool parallel_begin(parallel *p, double processors, duet_error *err);
+// A thread for each whole one of that many processors, and so many at least.
+bool parallel_begin(parallel *p, double processors, uint32_t least, duet_error *err);
 void parallel_end(parallel *p);
 
-// Whether they look for loops rather than sleep: only where nothing else needs the processors.
+// Whether they look for loops rather than sleep: only where nothing else needs the processors, and
+// never where they are crowded.
 void parallel_be_keen(parallel *p, bool keen);
 
 // Calls body for each part [first, end) of [0, n), several at the same time. Parts are

@@ -1776,7 +1776,7 @@ static void rows_come_to_their_ranges(void)
     parallel teams[TEAMS];
     duet_error none = {0};
     for (int i = 0; i < TEAMS; ++i)
-        MUST_OK(parallel_begin(&teams[i], n_threads[i], &none), none);
+        MUST_OK(parallel_begin(&teams[i], n_threads[i], 1, &none), none);
     for (int round = 0; round < 400; ++round) {
         uint64_t ids[ROWS];
         duet_bounds bounds[ROWS];
@@ -1839,7 +1839,7 @@ static void calls_are_made_beside_loops(void)
         duet_error err = {0};
         _Atomic uint64_t things = 0;
         uint32_t calls = 0, loops = 0;
-        MUST_OK(parallel_begin(&team, n_threads[i], &err), err);
+        MUST_OK(parallel_begin(&team, n_threads[i], 1, &err), err);
         for (uint32_t k = 0; k < CALLS; ++k) {
             parallel_be_keen(&team, k % 3 == 0);
             parallel_call_begin(&team, count_call, &calls);

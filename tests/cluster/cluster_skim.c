@@ -340,7 +340,7 @@ static void take_all_threads(duet_cluster *c)
 {
     duet_error err = {0};
     parallel_end(&c->threads);
-    MUST_OK(parallel_begin(&c->threads, c->ranks.processors * c->ranks.n_on_host, &err), err);
+    MUST_OK(parallel_begin(&c->threads, c->ranks.processors * c->ranks.n_on_host, 1, &err), err);
 }
 
 // Several threads look at each chunk, and then at the next.
