@@ -3,8 +3,6 @@
 
 #include "cluster/cluster.h"
 
-#include <string.h>
-
 // ---------------------------------------------------------------- the second worker
 
 void border_close(border *b)
@@ -76,42 +74,13 @@ void border_begin(duet_cluster *c)
 
 // ---------------------------------------------------------------- ghosts
 
-enum { ROWS_AHEAD = 8 }; // that are asked for; they lie anywhere
-
-static void copy_row(duet_cluster *c, uint64_t to, uint32_t row)
-{
-    const homes *h = &c->homes;
-    object_rows *rows = &c->border.rows;
-    rows->ids[to] = h->rows.ids[row];
-    memcpy(object_row(rows, &h->form, (uint32_t)to), object_row(&h->rows, &h->form, row),
-           h->form.bytes);
-}
-
 static void copy_homes(void *cluster, uint32_t part, uint64_t first, uint64_t end)
 {
     duet_cluster *c = cluster;
     const homes *h = &c->homes;
     (void)part;
-    for (uint64_t i = first; i < end; ++i) {
-        if (i + ROWS_AHEAD < end)
-            __builtin_prefetch(object_row(&h->rows, &h->form, h->border.rows[i + ROWS_AHEAD]));
-        copy_row(c, i, h->border.rows[i]);
-    }
-}
-
-static void copy_ghosts(void *cluster, uint32_t part, uint64_t first, uint64_t end)
-{
-    duet_cluster *c = cluster;
-    const parcels *in = &c->ghosts.in;
-    object_rows *rows = &c->border.rows;
-    const unsigned char *message = (const unsigned char *)in->rows + first * in->row_bytes;
-    uint64_t before = rows->n - in->n;
-    (void)part;
-    for (uint64_t i = first; i < end; ++i, message += in->row_bytes) {
-        memcpy(&rows->ids[before + i], message, sizeof *rows->ids);
-        memcpy(object_row(rows, &c->homes.form, (uint32_t)(before + i)),
-               message + sizeof *rows->ids, c->homes.form.bytes);
-    }
+    object_rows_gather(&c->border.rows, &h->form, first, &h->rows, h->border.rows + first,
+                       end - first);
 }
 
 bool border_take_ghosts(duet_cluster *c, duet_error *err)
@@ -122,9 +91,8 @@ bool border_take_ghosts(duet_cluster *c, duet_error *err)
     if (!reserve(b, &h->form, h->border.n + h->n_gone + in->n, err))
         return false;
     parallel_each(h->threads, h->border.n, copy_homes, c);
-    for (uint32_t k = 0; k < h->n_gone; ++k)
-        copy_row(c, h->border.n + k, h->gone[k]);
-    parallel_each(h->threads, in->n, copy_ghosts, c);
+    object_rows_gather(&b->rows, &h->form, h->border.n, &h->rows, h->gone, h->n_gone);
+    homes_write_messages(h, &b->rows, h->border.n + h->n_gone, in);
     b->worker->lend(b->worker, b->rows.objects, b->rows.n);
     if (h->n_gone + in->n > 0)
         b->worker->begin(b->worker, b->rows.n, NULL);

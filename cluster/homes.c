@@ -160,21 +160,16 @@ static bool reserve_order(reordering *o, const object_form *form, uint32_t n, du
 
 typedef struct gathering {
     const homes *h;
-    const reordering *to;
-    uint32_t first; // of the rows
+    reordering *to;
+    object_rows from; // the first of the range and those behind it
 } gathering;
 
 static void gather_part(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
-    const gathering *g = context;
-    const object_form *form = &g->h->form;
+    gathering *g = context;
     (void)part;
-    for (uint64_t i = first; i < end; ++i) {
-        uint32_t row = g->first + g->to->order[i];
-        g->to->copy.ids[i] = g->h->rows.ids[row];
-        memcpy(object_row(&g->to->copy, form, (uint32_t)i), object_row(&g->h->rows, form, row),
-               form->bytes);
-    }
+    object_rows_gather(&g->to->copy, &g->h->form, first, &g->from, g->to->order + first,
+                       end - first);
 }
 
 // The memory for the copies is the order's before.
@@ -186,7 +181,8 @@ bool homes_put_in_order(homes *h, uint32_t first, uint32_t n, worker *w, reorder
     if (!reserve_order(o, &h->form, n, err) ||
         !w->order(w, h->threads->n, o->order, o->copy.objects, err))
         return false;
-    gathering g = {h, o, first};
+    gathering g = {h, o, {.ids = h->rows.ids + first}};
+    g.from.objects = object_row(&h->rows, &h->form, first);
     parallel_each(h->threads, n, gather_part, &g);
     parallel_copy(h->threads, h->rows.ids + first, o->copy.ids, n, sizeof *o->copy.ids);
     parallel_copy(h->threads, object_row(&h->rows, &h->form, first), o->copy.objects, n,
@@ -232,31 +228,37 @@ bool homes_reserve_behind(homes *h, uint64_t n, duet_error *err)
 }
 
 typedef struct writing {
-    homes *h;
+    object_rows *rows;
+    const object_form *form;
+    uint64_t at;
     const parcels *messages;
 } writing;
 
 static void write_part(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
     const writing *w = context;
-    homes *h = w->h;
     const unsigned char *message =
         (const unsigned char *)w->messages->rows + first * w->messages->row_bytes;
     (void)part;
-    for (uint64_t i = first; i < end; ++i, message += w->messages->row_bytes) {
-        uint32_t row = h->rows.n + (uint32_t)i;
-        memcpy(&h->rows.ids[row], message, sizeof h->rows.ids[row]);
-        memcpy(object_row(&h->rows, &h->form, row), message + sizeof h->rows.ids[row],
-               h->form.bytes);
+    for (uint64_t row = w->at + first; row < w->at + end;
+         ++row, message += w->messages->row_bytes) {
+        memcpy(&w->rows->ids[row], message, sizeof *w->rows->ids);
+        memcpy(object_row(w->rows, w->form, (uint32_t)row), message + sizeof *w->rows->ids,
+               w->form->bytes);
     }
+}
+
+void homes_write_messages(const homes *h, object_rows *rows, uint64_t at, const parcels *messages)
+{
+    writing w = {rows, &h->form, at, messages};
+    parallel_each(h->threads, messages->n, write_part, &w);
 }
 
 bool homes_write_behind(homes *h, const parcels *messages, duet_error *err)
 {
-    writing w = {h, messages};
     if (!extend(h, (uint64_t)h->rows.n + messages->n, err))
         return false;
-    parallel_each(h->threads, messages->n, write_part, &w);
+    homes_write_messages(h, &h->rows, h->rows.n, messages);
     return true;
 }
 

@@ -123,6 +123,9 @@ static inline bool homes_came_from(const homes *h, uint32_t row, int rank)
     return h->holder && row >= h->arrived[rank] && row < h->arrived[rank + 1];
 }
 
+// Writes the objects of messages to these rows from `at` on, by all threads.
+void homes_write_messages(const homes *h, object_rows *rows, uint64_t at, const parcels *messages);
+
 // Writes the objects of messages behind the rows, in the holder's memory.
 bool homes_write_behind(homes *h, const parcels *messages, duet_error *err);
 

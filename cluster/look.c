@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdatomic.h>
-#include <string.h>
 
 static void forget(glance *g)
 {
@@ -141,12 +140,9 @@ static void copy_edges(const look *l, const row_list *edges, uint64_t since)
     uint64_t n = edges->failed ? 0 : edges->n - since, at = atomic_fetch_add(&to->n, n);
     if (at + n > to->rows.capacity)
         return;
-    for (const uint32_t *row = edges->rows + since; n > 0; --n, ++row, ++at) {
-        to->rows.ids[at] = h->rows.ids[*row];
-        to->ranges[at] = (uint16_t)l->range;
-        memcpy(to->rows.objects + at * h->form.bytes, object_row(&h->rows, &h->form, *row),
-               h->form.bytes);
-    }
+    object_rows_gather(&to->rows, &h->form, at, &h->rows, edges->rows + since, n);
+    for (uint64_t i = at; i < at + n; ++i)
+        to->ranges[i] = (uint16_t)l->range;
 }
 
 // Of objects from l->first on those that the device found odd.

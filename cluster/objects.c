@@ -398,6 +398,19 @@ void object_rows_end(object_rows *rows)
     *rows = (object_rows){0};
 }
 
+enum { ROWS_AHEAD = 8 }; // that are asked for; they lie anywhere
+
+void object_rows_gather(object_rows *to, const object_form *form, uint64_t at,
+                        const object_rows *from, const uint32_t *list, uint64_t n)
+{
+    for (uint64_t i = 0; i < n; ++i, ++at) {
+        if (i + ROWS_AHEAD < n)
+            __builtin_prefetch(object_row(from, form, list[i + ROWS_AHEAD]));
+        to->ids[at] = from->ids[list[i]];
+        memcpy(object_row(to, form, (uint32_t)at), object_row(from, form, list[i]), form->bytes);
+    }
+}
+
 static duet_rounded_box rounded_box_of(const object_form *form, const void *object)
 {
     return form->shape == DUET_SHAPE_SPHERES ? rounded_of_sphere(object)

@@ -100,6 +100,10 @@ bool object_rows_copy(object_rows *rows, const object_form *form, const uint64_t
 // Poses or spheres become rounded boxes, and *form that of these.
 bool object_rows_round(object_rows *rows, object_form *form, duet_error *err);
 
+// The n rows of that list become the rows of `to` from `at` on, for which there is space.
+void object_rows_gather(object_rows *to, const object_form *form, uint64_t at,
+                        const object_rows *from, const uint32_t *list, uint64_t n);
+
 // Adds n rows, for which there is space.
 void object_rows_append(object_rows *to, const object_form *form, const uint64_t *ids,
                         const void *objects, uint32_t n);

@@ -73,12 +73,18 @@ static void make_call(team *t)
     pthread_mutex_unlock(&t->lock);
 }
 
-static void look_out(team *t, uint64_t seen)
+static bool is_over(team *t, uint64_t unused)
+{
+    (void)unused;
+    return atomic_load(&t->call_state) == CALL_OVER;
+}
+
+static void look_out(team *t, bool (*comes)(team *t, uint64_t seen), uint64_t seen)
 {
     uint64_t begun = clock_steady_ns();
     while (atomic_load(&t->keen) && clock_ms_since(begun) < KEEN_MS) {
         for (int i = 0; i < LOOKS; ++i)
-            if (has_news(t, seen))
+            if (comes(t, seen))
                 return;
         sched_yield();
     }
@@ -115,7 +121,7 @@ static void *work(void *arg)
             run_parts(now);
         atomic_fetch_sub(&t->inside, 1);
         if (!has_news(t, seen))
-            look_out(t, seen);
+            look_out(t, has_news, seen);
         if (!has_news(t, seen))
             sleep_until_news(t, seen);
     }
@@ -227,26 +233,15 @@ void parallel_call_begin(parallel *p, parallel_call *call, void *context)
     wake(t);
 }
 
-static void look_for_end(team *t)
-{
-    uint64_t begun = clock_steady_ns();
-    while (atomic_load(&t->keen) && clock_ms_since(begun) < KEEN_MS) {
-        for (int i = 0; i < LOOKS; ++i)
-            if (atomic_load(&t->call_state) == CALL_OVER)
-                return;
-        sched_yield();
-    }
-}
-
 void parallel_call_end(parallel *p)
 {
     team *t = p->team;
     if (!t)
         return;
     make_call(t);
-    look_for_end(t);
+    look_out(t, is_over, 0);
     pthread_mutex_lock(&t->lock);
-    while (atomic_load(&t->call_state) != CALL_OVER)
+    while (!is_over(t, 0))
         pthread_cond_wait(&t->over, &t->lock);
     pthread_mutex_unlock(&t->lock);
     atomic_store(&t->call_state, CALL_NONE);

@@ -367,6 +367,7 @@ static bool ask_kernels(part *p, const part_task *task, bool own, duet_error *er
     program_set *set = p->programs;
     const int search = p->variant.search;
     const bool counting = p->variant.sort == SORT_COUNTING;
+    const bool gathered = gathers(p, task), skimmed = skims(p, task);
     const char *const *place = searches[search].place, *starts = searches[search].starts;
     const char *candidates = searches[search].candidates, *narrow = searches[search].narrow;
     const kernel_request list[MAIN] = {
@@ -378,13 +379,6 @@ static bool ask_kernels(part *p, const part_task *task, bool own, duet_error *er
         {&k->starts, !counting, "cell_start", starts, part_bindings},
         {&k->place, true, place[0], place[1], part_bindings},
         {&k->candidates, true, candidates, candidates, part_bindings},
-    };
-    kernel_request rest[REST] = {
-        {&k->narrow, !k->listed, narrow, narrow, part_bindings},
-        {&k->gather, gathers(p, task), "read_rows", "gather_rows", gather_bindings},
-        {&k->skim, skims(p, task), "skim", "skim", part_bindings},
-        {&k->change_ids, task->ids, "count_pairs", "change_ids", part_bindings},
-        {&k->count_pairs, task->ids, "count_pairs", "count_pairs", part_bindings},
     };
     const kernel_request sorts[SORTS] = {SCAN_KERNELS(&p->scan, true),
                                          RADIX_SORT_KERNELS(&p->radix, !counting)};
@@ -398,7 +392,14 @@ static bool ask_kernels(part *p, const part_task *task, bool own, duet_error *er
     k->from_ids = search == SEARCH_GPU ? kernel_param(k->place, "FROM_IDS") == 1 : !k->summed;
     k->fused = kernel_param(k->candidates, "FUSED") == 1;
     // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
-    rest[0].wanted = !k->listed && !(k->fused && search == SEARCH_SIMD);
+    const bool narrows = !k->listed && !(k->fused && search == SEARCH_SIMD);
+    const kernel_request rest[REST] = {
+        {&k->narrow, narrows, narrow, narrow, part_bindings},
+        {&k->gather, gathered, "read_rows", "gather_rows", gather_bindings},
+        {&k->skim, skimmed, "skim", "skim", part_bindings},
+        {&k->change_ids, task->ids, "count_pairs", "change_ids", part_bindings},
+        {&k->count_pairs, task->ids, "count_pairs", "count_pairs", part_bindings},
+    };
     return program_set_kernels(set, rest, REST, p->offers, p->n_offers, err);
 }
 

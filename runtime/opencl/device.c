@@ -179,15 +179,14 @@ static bool make_ready(device *d, bool has_context, duet_error *err)
 
 bool device_open(device *d, const char *selector, duet_error *err)
 {
-    *d = (device){0};
-    return make_ready(d, choose_id(d, selector, err) && make_context(d, err), err);
+    return device_open_beside(d, selector, NULL, err);
 }
 
 bool device_open_beside(device *d, const char *selector, const device *first, duet_error *err)
 {
     *d = (device){0};
     bool ok = choose_id(d, selector, err);
-    if (ok && d->id == first->id)
+    if (ok && first && d->id == first->id)
         share_context(d, first->context);
     else
         ok = ok && make_context(d, err);

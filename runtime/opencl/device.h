@@ -43,7 +43,7 @@ bool program_builder_keeps(const program_builder *b, const duet_device_info *inf
 // NO_DEVICE where there is none at all, NOT_FOUND for an unknown one,
 // BAD_ARGUMENT for a part that cannot be had; *d is then empty.
 bool device_open(device *d, const char *selector, duet_error *err);
-// The same, in the context of first where that is the same device.
+// The same, in the context of first, unless NULL, where that is the same device.
 bool device_open_beside(device *d, const char *selector, const device *first, duet_error *err);
 // Opens the device of a queue of the caller's in the queue's context.
 bool device_open_on_queue(device *d, cl_command_queue queue, duet_error *err);
