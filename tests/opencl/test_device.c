@@ -135,6 +135,7 @@ static void without_a_folder_the_users_cache_is_taken(void **state)
 {
     (void)state;
     duet_error err = {0};
+    unsetenv("DUET_CACHE");
     setenv("XDG_CACHE_HOME", "/proc/nowhere", 1);
     duet_device_pair *pair = open_pair("pocl:0", "pocl:0", &err);
     unsetenv("XDG_CACHE_HOME");
