@@ -48,12 +48,10 @@ static uint32_t capacity_of(const buffer *b)
 
 static bool reserve_pairs(part *p, buffer *b, uint64_t pairs, duet_error *err)
 {
-    if (pairs > UINT32_MAX)
-        return error_set(err, DUET_STATUS_TOO_MANY,
-                         "%s: %llu pairs, more than the %u that one device can list",
-                         p->device->info.selector, (unsigned long long)pairs, UINT32_MAX);
     if (pairs < LEAST_CAPACITY)
         pairs = LEAST_CAPACITY;
+    if (pairs > UINT32_MAX)
+        pairs = UINT32_MAX;
     return buffer_reserve(b, p->device, (size_t)pairs * sizeof(duet_pair), err);
 }
 
@@ -103,12 +101,13 @@ static bool everything_fits(part *p, bool *fits, duet_error *err)
     struct {
         buffer *list;
         uint64_t found;
+        const char *what;
     } lists[] = {
-        {&p->candidates, p->found.candidates},
-        {&p->undecided, p->found.undecided},
-        {&p->left, p->counted.left},
+        {&p->candidates, p->found.candidates, "pairs whose bounds overlap"},
+        {&p->undecided, p->found.undecided, "undecided pairs"},
+        {&p->left, p->counted.left, "pairs"},
         // undecided pairs may join the pairs
-        {&p->pairs, p->found.pairs + p->found.undecided},
+        {&p->pairs, p->found.pairs + p->found.undecided, "pairs"},
     };
     *fits = true;
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; ++i) {
@@ -116,6 +115,10 @@ static bool everything_fits(part *p, bool *fits, duet_error *err)
         if (found == 0 || found <= capacity_of(lists[i].list))
             continue;
         *fits = false;
+        if (found > UINT32_MAX)
+            return error_set(
+                err, DUET_STATUS_TOO_MANY, "%s: %llu %s, more than the %u that one device can list",
+                p->device->info.selector, (unsigned long long)found, lists[i].what, UINT32_MAX);
         if (!reserve_pairs(p, lists[i].list, found + found / 16, err))
             return false;
     }

@@ -62,6 +62,32 @@ static void keep_binary(const program_set *set, const program *p)
 
 // ---------------------------------------------------------------- of its text
 
+// NVIDIA's compiler counts the lines of the whole text, "<kernel>:1014:1: error: ...", and says
+// nothing of the files that #line names.
+const char *program_place_message(const char *source, const char *message,
+                                  char place[PROGRAM_PLACE])
+{
+    static const char own[] = "<kernel>:", directive[] = "#line ";
+    char *rest = NULL, *name = NULL;
+    unsigned long left = 0, line = 1;
+    place[0] = '\0';
+    if (strncmp(message, own, strlen(own)) == 0)
+        left = strtoul(message + strlen(own), &rest, 10);
+    const char *file = NULL;
+    for (const char *at = source; at && left > 1; --left, ++line) {
+        if (strncmp(at, directive, strlen(directive)) == 0) {
+            line = strtoul(at + strlen(directive), &name, 10) - 1;
+            file = strncmp(name, " \"", 2) == 0 ? name + 2 : file;
+        }
+        at = strchr(at, '\n');
+        at = at ? at + 1 : NULL;
+    }
+    if (!file || left != 1)
+        return message;
+    snprintf(place, PROGRAM_PLACE, "%.*s:%lu", (int)strcspn(file, "\"\n"), file, line);
+    return rest;
+}
+
 // The compiler's first error, or else its first line.
 static bool fail_with_log(const program_set *set, const program *p, cl_program cl, duet_error *err)
 {
@@ -72,9 +98,11 @@ static bool fail_with_log(const program_set *set, const program *p, cl_program c
         --from;
     if (!from)
         from = log;
+    char place[PROGRAM_PLACE];
+    from = program_place_message(p->text, from, place);
     int length = (int)strcspn(from, "\n");
-    return error_set(err, DUET_STATUS_BUILD_FAILED, "%s on %s: %.*s", p->name,
-                     set->device->info.selector, length ? length : 22,
+    return error_set(err, DUET_STATUS_BUILD_FAILED, "%s on %s: %s%.*s", p->name,
+                     set->device->info.selector, place, length ? length : 22,
                      length ? from : "the compiler is silent");
 }
 

@@ -38,6 +38,13 @@ struct program_set {
     program *first;
 };
 
+enum { PROGRAM_PLACE = 128 };
+
+// Writes the file and line of a compiler's message, where that names but a line of the text, and
+// returns the rest of the message; else place is empty and the message is returned.
+const char *program_place_message(const char *source, const char *message,
+                                  char place[PROGRAM_PLACE]);
+
 // Compiles the program's text.
 bool program_compile(const program_set *set, program *p, duet_error *err);
 

@@ -544,6 +544,7 @@ static void only_what_commands_altered_is_searched_within_a_skin(void **state)
         twins[k] = make_rows(ROWS, HIGH);
         twins[k]->def.skin = 0.2;
         twins[k]->def.wants |= DUET_EFFECT_FILTER;
+        twins[k]->def.stage_times = true;
         mover_run(twins[k], 60);
         assert_int_equal(n_asleep(twins[k]), ROWS * HIGH + 1);
     }

@@ -101,8 +101,8 @@ static void more_pairs_than_31_bits_count_are_counted(void **state)
 static void more_pairs_than_32_bits_count_are_counted(void **state)
 {
     (void)state;
-    expect_too_many(92683, 1000000, "4295022903 pairs on "); // 92683 * 92682 / 2
-    expect_too_many(92683, 0, "pairs, more than the 4294967295 that one device can list");
+    expect_too_many(92683, 1000000, "4295022903 pairs"); // 92683 * 92682 / 2
+    expect_too_many(92683, 0, ", more than the 4294967295 that one device can list");
 }
 
 int main(void)

@@ -261,8 +261,9 @@ static void ask_level(const device *d, duet_level level, bool contracted, duet_p
     gen_variant_free(&made);
 }
 
-// Level double has plain sums of products, whose last bits may differ.
-static void contraction_changes_no_answer_at_any_level(void **state)
+// A level is defined operation by operation, so contraction may change what it says of a pair, and
+// does on NVIDIA's devices; but not beyond what the level promises.
+static void contraction_breaks_no_promise_of_any_level(void **state)
 {
     (void)state;
     static duet_pose poses[OBJECTS];
@@ -275,9 +276,8 @@ static void contraction_changes_no_answer_at_any_level(void **state)
         ask_level(d, (duet_level)l, true, poses, contracted);
         for (int i = 0; i < PAIRS; ++i) {
             hard_pair pair = {poses[2 * i], poses[2 * i + 1]};
-            if (plain[i] == contracted[i] ||
-                (l == DUET_LEVEL_DOUBLE &&
-                 promise_allows(info->missed, info->added, &pair, 3, contracted[i])))
+            if (plain[i] == contracted[i] || contracted[i] == NARROW_UNDECIDED ||
+                promise_allows(info->missed, info->added, &pair, 3, contracted[i]))
                 continue;
             hard_pair_print(&pair, 3);
             fail_msg("level %s: %d, contracted %d", info->name, plain[i], contracted[i]);
@@ -304,7 +304,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_device_says_what_the_specification_says),
         cmocka_unit_test(fusing_products_and_sums_changes_no_answer),
-        cmocka_unit_test(contraction_changes_no_answer_at_any_level),
+        cmocka_unit_test(contraction_breaks_no_promise_of_any_level),
         cmocka_unit_test(relaxed_arithmetic_is_refused_by_every_kernel),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);

@@ -8,6 +8,7 @@
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/driver.h"
 #include "runtime/opencl/program.h"
+#include "runtime/opencl/program_build.h"
 #include "runtime/opencl/thread_pool.h"
 #include "runtime/opencl/timeline.h"
 
@@ -37,6 +38,29 @@ static duet_device_pair *open_pair(const char *a, const char *b, duet_error *err
     def.a = a;
     def.b = b;
     return duet_device_pair_create(&def, err);
+}
+
+static void expect_place(const char *message, const char *place, const char *rest)
+{
+    static const char source[] = "#line 1 \"kernels/common.clh\"\nfirst\n#line 7 \"kernels/a.cl\"\n"
+                                 "seventh\neighth\n#line 1\nfirst again\n";
+    char to[PROGRAM_PLACE];
+    assert_string_equal(program_place_message(source, message, to), rest);
+    assert_string_equal(to, place);
+}
+
+static void a_message_that_counts_all_lines_is_one_of_a_file(void **state)
+{
+    (void)state;
+    expect_place("<kernel>:2:5: error: x", "kernels/common.clh:1", ":5: error: x");
+    expect_place("<kernel>:4:1: error: x", "kernels/a.cl:7", ":1: error: x");
+    expect_place("<kernel>:5:1: error: x", "kernels/a.cl:8", ":1: error: x");
+    expect_place("<kernel>:7:1: error: x", "kernels/a.cl:1", ":1: error: x");
+    expect_place("<kernel>:1:1: error: x", "", "<kernel>:1:1: error: x"); // of no file yet
+    expect_place("<kernel>:0: error: x", "", "<kernel>:0: error: x");
+    expect_place("<kernel>:99:1: error: x", "", "<kernel>:99:1: error: x");
+    expect_place("kernels/a.cl:7:1: error: x", "", "kernels/a.cl:7:1: error: x");
+    expect_place("", "", "");
 }
 
 static void refused(const char *selector, duet_status status, const char *says)
@@ -614,6 +638,7 @@ int main(void)
         FACT(halves_hold_all_units_between_them),
         FACT(one_selector_is_a_pair_of_one),
         FACT(equal_parts_are_cut_one_after_the_other),
+        FACT(a_message_that_counts_all_lines_is_one_of_a_file),
         FACT(without_a_folder_the_users_cache_is_taken),
         FACT(an_unknown_selector_is_answered_with_those_there_are),
         FACT(a_part_out_of_range_is_refused_with_the_range),

@@ -299,14 +299,17 @@ static void where_kernels_work_in_place_nothing_is_mapped(void **state)
 static void so_it_is_where_everything_is_copied(void **state)
 {
     (void)state;
-    for (int side = 0; side < 2; ++side)
+    bool host[2];
+    for (int side = 0; side < 2; ++side) {
+        host[side] = devices->devices[side].info.host_memory;
         devices->devices[side].info.host_memory = false;
+    }
     fail_each(DUET_MODE_OWN, LAUNCH, WRITE);
     fail_each(DUET_MODE_SLAB, LAUNCH, WRITE);
     for (duet_mode mode = DUET_MODE_SHARED; mode <= DUET_MODE_SLAB; ++mode)
         fail_each(mode, ARRIVE, ARRIVE); // and is sent again
     for (int side = 0; side < 2; ++side)
-        devices->devices[side].info.host_memory = true;
+        devices->devices[side].info.host_memory = host[side];
 }
 
 // Of the many buffers and kernels a sample.

@@ -21,6 +21,7 @@ static int begin(void **state)
     static fixture f;
     duet_error err = {0};
     duet_device_pair_def devices = duet_default_device_pair_def();
+    devices.a = devices.b = "cpu";
     duet_world_def def = duet_default_world_def();
     assert_ok((f.pair = duet_device_pair_create(&devices, &err)), err);
     def.pair = f.pair;
