@@ -244,6 +244,12 @@ static void assert_right(duet_world *world, uint32_t share)
     assert_true(duet_result_get_hash(&result) == right);
 }
 
+// Memory that a driver does not lock is plain memory, which is no failure.
+static bool is_borne(call c)
+{
+    return c == CREATE && devices->devices[1].driver.locks_memory;
+}
+
 // Lets the k-th call of a step fail; false where the step has no such call.
 static bool survives(duet_world *world, call c, int k)
 {
@@ -253,10 +259,11 @@ static bool survives(duet_world *world, call c, int k)
     atomic_store(&left[c], k);
     bool ok = duet_world_step(world, &result, &err);
     bool reached = atomic_exchange(&left[c], -1) < 0;
-    assert_int_equal(ok, !reached);
+    assert_true(ok == !reached || is_borne(c));
     if (!reached)
         return false;
-    assert_clear(&err, c);
+    if (!ok)
+        assert_clear(&err, c);
     assert_right(world, 0);                  // B alone
     assert_right(world, DUET_SHARE_ONE);     // A alone
     assert_right(world, DUET_SHARE_ONE / 2); // as if nothing had been
@@ -346,8 +353,12 @@ static void a_test_of_pairs_survives_as_well(void **state)
     for (size_t i = 0; i < sizeof used / sizeof *used; ++i)
         for (int k = 0; k < 2; ++k) {
             atomic_store(&left[used[i]], k);
-            assert_false(duet_pair_query_run(test, poses, N / 2, again, NULL, &result, &err));
-            assert_clear(&err, used[i]);
+            bool ok = duet_pair_query_run(test, poses, N / 2, again, NULL, &result, &err);
+            bool reached = atomic_exchange(&left[used[i]], -1) < 0;
+            assert_true(reached || used[i] == MAP); // which only those that share memory do
+            assert_true(ok == !reached || is_borne(used[i]));
+            if (!ok)
+                assert_clear(&err, used[i]);
             err = (duet_error){0};
             assert_ok(duet_pair_query_run(test, poses, N / 2, again, NULL, &result, &err), err);
             assert_memory_equal(again, verdicts, sizeof verdicts);
