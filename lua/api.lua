@@ -118,9 +118,12 @@ api.others = {
 
 api.names = {
   { "duet.version", "string", "\"1.0.0\"", c = "duet_version" },
-  { "duet.devices", {}, "duet.Device[]", "All root devices of all platforms.", fails = true,
+  { "duet.devices", {}, "duet.Device[]",
+    "All root devices of all platforms; in its absent is for each platform without one why, as a line.",
+    fails = true,
     c = { "duet_device_list_create", "duet_device_list_destroy", "duet_device_list_get_count",
-          "duet_device_list_get_info", "duet_device_info_get_quirk" } },
+          "duet_device_list_get_info", "duet_device_list_get_absent",
+          "duet_device_info_get_quirk" } },
   { "duet.device_pair", { "def?: string|{ a?: string, b?: string, kernel_dir?: string, cache_dir?: string }" },
     "duet.DevicePair", "Opens two devices, as \"cpu,gpu\", \"halves\" or by their selectors; the default pair without.",
     fails = true, c = { "duet_device_pair_create", "duet_device_pair_open" } },

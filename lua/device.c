@@ -65,6 +65,13 @@ static int devices(lua_State *L)
         push_device(L, duet_device_list_get_info(list->object, i));
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
+    lua_newtable(L);
+    const char *why;
+    for (uint32_t i = 0; (why = duet_device_list_get_absent(list->object, i)); ++i) {
+        lua_pushstring(L, why);
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
+    lua_setfield(L, -2, "absent");
     return 1;
 }
 

@@ -46,6 +46,10 @@ DUET_API uint32_t duet_device_list_get_count(const duet_device_list *list);
 DUET_API const duet_device_info *duet_device_list_get_info(const duet_device_list *list,
                                                            uint32_t i);
 
+// Why an OpenCL platform that is installed has no device in the list, from 0, each a line; NULL
+// past the last. It lasts as long as the process.
+DUET_API const char *duet_device_list_get_absent(const duet_device_list *list, uint32_t i);
+
 // Flaws of the device's driver that Duet works round, from 0; NULL past the last. Each is a line:
 // what the driver does, a colon, what Duet does about it.
 DUET_API const char *duet_device_info_get_quirk(const duet_device_info *info, uint32_t i);

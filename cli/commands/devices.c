@@ -60,6 +60,13 @@ static void print_device(const duet_device_info *d)
     putchar('\n');
 }
 
+static void print_absent(const duet_device_list *list)
+{
+    const char *why;
+    for (uint32_t i = 0; (why = duet_device_list_get_absent(list, i)); ++i)
+        printf("%s\n\n", why);
+}
+
 static void print_default(const duet_device_pair *pair)
 {
     const duet_device_info *a = duet_device_pair_get_info(pair, 0);
@@ -100,6 +107,10 @@ static bool print_json(const duet_device_list *list, const duet_device_pair *pai
     cJSON *devices = cJSON_AddArrayToObject(o, "devices");
     for (uint32_t i = 0; i < duet_device_list_get_count(list); ++i)
         add_device(devices, duet_device_list_get_info(list, i));
+    cJSON *absent = cJSON_AddArrayToObject(o, "absent");
+    const char *why;
+    for (uint32_t i = 0; (why = duet_device_list_get_absent(list, i)); ++i)
+        cJSON_AddItemToArray(absent, cJSON_CreateString(why));
     json_add_pair(o, "default_pair", pair);
     return say_json(o, err);
 }
@@ -115,8 +126,10 @@ static bool run(void *given, char **operands, duet_error *err)
         print_device(duet_device_list_get_info(list, i));
     if (ok && args->json)
         ok = print_json(list, pair, err);
-    else if (ok)
+    else if (ok) {
+        print_absent(list);
         print_default(pair);
+    }
     duet_device_pair_destroy(pair);
     duet_device_list_destroy(list);
     return ok;

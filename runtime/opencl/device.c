@@ -18,13 +18,17 @@ static bool fail_unknown(const char *selector, const device_root *roots, uint32_
 {
     text there = {0};
     bool has_cpu = false;
+    const char *absent;
     for (uint32_t i = 0; i < n; ++i) {
         has_cpu = has_cpu || roots[i].info.kind == DUET_KIND_CPU;
         text_add(&there, "%s%s", i ? ", " : "", roots[i].info.selector);
     }
-    error_set(err, DUET_STATUS_NOT_FOUND, "no device '%s'; there is %s%s", selector,
-              text_chars(&there),
-              has_cpu ? "" : "; to work on the CPU too: apt install pocl-opencl-icd");
+    for (uint32_t i = 0; (absent = device_list_absent(i)); ++i)
+        text_add(&there, "; %s", absent);
+    if (!has_cpu && !device_list_absent(0))
+        text_add(&there, "; to work on the CPU too: apt install pocl-opencl-icd");
+    error_set(err, DUET_STATUS_NOT_FOUND, "no device '%s'; there is %s", selector,
+              text_chars(&there));
     text_free(&there);
     return false;
 }

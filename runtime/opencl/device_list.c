@@ -15,8 +15,9 @@ static struct {
     pthread_once_t once;
     device_root *roots;
     uint32_t n;
-    bool failed;     // memory ran out
-    char empty[128]; // the name of a platform that lists no usable device
+    bool failed;        // memory ran out
+    duet_error *absent; // [n_absent] of each platform that lists no usable device, why
+    uint32_t n_absent;
 } found = {.once = PTHREAD_ONCE_INIT};
 
 // "pocl" for "Portable Computing Language"; a platform that is not in the list
@@ -94,6 +95,20 @@ static bool add_devices(cl_platform_id platform, const char *name, uint32_t name
     return ok;
 }
 
+// PoCL tells nobody why it lists none.
+static bool add_absent(const char *platform, const char *name)
+{
+    duet_error *absent = realloc(found.absent, (found.n_absent + 1) * sizeof *absent);
+    if (!absent)
+        return false;
+    found.absent = absent;
+    duet_error *why = &absent[found.n_absent++];
+    *why = (duet_error){0};
+    if (strcmp(name, "pocl") != 0 || driver_check_pocl_folder(why))
+        error_set(why, DUET_STATUS_NO_DEVICE, "the OpenCL platform '%s' lists no device", platform);
+    return true;
+}
+
 static void find_roots(void)
 {
     cl_uint n = 0;
@@ -109,8 +124,8 @@ static void find_roots(void)
             short_name(whole, names[p]);
             uint32_t before = found.n;
             ok = add_devices(platforms[p], names[p], namesakes(names, p));
-            if (found.n == before)
-                snprintf(found.empty, sizeof found.empty, "%s", whole);
+            if (ok && found.n == before)
+                ok = add_absent(whole, names[p]);
         }
     }
     found.failed = !ok;
@@ -126,15 +141,10 @@ static bool look(duet_error *err)
 
 static bool refuse_none(duet_error *err)
 {
-    char name[32];
-    short_name(found.empty, name);
-    if (!*found.empty)
-        return error_set(err, DUET_STATUS_NO_DEVICE,
-                         "no OpenCL device is installed; to work on the CPU: apt install "
-                         "pocl-opencl-icd");
-    return (strcmp(name, "pocl") != 0 || driver_check_pocl_folder(err)) &&
-           error_set(err, DUET_STATUS_NO_DEVICE, "the OpenCL platform '%s' lists no device",
-                     found.empty);
+    return error_set(err, DUET_STATUS_NO_DEVICE, "%s",
+                     found.n_absent ? found.absent[0].text
+                                    : "no OpenCL device is installed; to work on the CPU: apt "
+                                      "install pocl-opencl-icd");
 }
 
 bool device_list_roots(const device_root **roots, uint32_t *n, duet_error *err)
@@ -178,6 +188,11 @@ const device_root *device_list_strongest(device_group group, const device_root *
     return best;
 }
 
+const char *device_list_absent(uint32_t i)
+{
+    return i < found.n_absent ? found.absent[i].text : NULL;
+}
+
 struct duet_device_list {
     const device_root *roots;
     uint32_t n;
@@ -207,4 +222,9 @@ uint32_t duet_device_list_get_count(const duet_device_list *list)
 const duet_device_info *duet_device_list_get_info(const duet_device_list *list, uint32_t i)
 {
     return list && i < list->n ? &list->roots[i].info : NULL;
+}
+
+const char *duet_device_list_get_absent(const duet_device_list *list, uint32_t i)
+{
+    return list ? device_list_absent(i) : NULL;
 }

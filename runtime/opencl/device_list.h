@@ -19,6 +19,10 @@ typedef struct device_root {
 // NO_DEVICE where there is none.
 bool device_list_roots(const device_root **roots, uint32_t *n, duet_error *err);
 
+// Why the i-th of the platforms without a device has none, as a line; NULL past the last. Only to
+// be called after device_list_roots.
+const char *device_list_absent(uint32_t i);
+
 // The one with that id; NULL where there is none.
 const device_root *device_list_find(cl_device_id id);
 

@@ -203,6 +203,8 @@ static void device_lists(void)
     assert_null(duet_device_list_get_info(list, UINT32_MAX));
     assert_int_equal(duet_device_list_get_count(NULL), 0);
     assert_null(duet_device_info_get_quirk(NULL, 0));
+    assert_null(duet_device_list_get_absent(NULL, 0));
+    assert_null(duet_device_list_get_absent(list, UINT32_MAX));
     duet_device_list_destroy(list);
     duet_device_list_destroy(NULL);
 }
@@ -845,7 +847,7 @@ static const struct {
     {"duet_pairs_hash duet_result_get_hash duet_result_get_pair", results},
     {"duet_free", memory},
     {"duet_device_list_create duet_device_list_destroy duet_device_list_get_count "
-     "duet_device_list_get_info duet_device_info_get_quirk",
+     "duet_device_list_get_info duet_device_list_get_absent duet_device_info_get_quirk",
      device_lists},
     {"duet_device_pair_create duet_device_pair_destroy duet_device_pair_get_info "
      "duet_device_pair_check_cache duet_device_pair_is_one duet_device_pair_open",

@@ -9,6 +9,7 @@
 #include <cjson/cJSON.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -269,6 +270,39 @@ static void a_cache_folder_that_cannot_be_made_is_told_of(void **state)
     program_assert_refused(&p, 1, "its cache folder /proc/x cannot be written: No such file");
 }
 
+// A driver whose devices are elsewhere, or may not be opened.
+static void a_platform_without_a_device_is_told_of(void **state)
+{
+    (void)state;
+    static const char here[] = "OCL_ICD_VENDORS=test_program.icds";
+    static const char says[] = "the OpenCL platform 'Abacus' lists no device";
+    assert_int_equal(system("rm -rf test_program.icds; mkdir test_program.icds && "
+                            "cp ${OCL_ICD_VENDORS:-/etc/OpenCL/vendors}/*.icd test_program.icds && "
+                            "echo " TEST_ABSENT " >test_program.icds/absent.icd"),
+                     0);
+    program p = program_run_with(here, "devices");
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "pocl:0  "));
+    assert_non_null(strstr(p.out, says));
+    program_free(&p);
+    p = program_run_with(here, "devices --json");
+    cJSON *o = cJSON_Parse(p.out);
+    const cJSON *absent = cJSON_GetObjectItemCaseSensitive(o, "absent");
+    assert_int_equal(cJSON_GetArraySize(absent), 1);
+    assert_string_equal(cJSON_GetArrayItem(absent, 0)->valuestring, says);
+    cJSON_Delete(o);
+    program_free(&p);
+    p = program_run_with(here, "lua -e 'print(#duet.devices().absent, duet.devices().absent[1])'");
+    assert_int_equal(strcmp(p.out, "1\tthe OpenCL platform 'Abacus' lists no device\n"), 0);
+    program_free(&p);
+    p = program_run_with(here, "run paper -n 10 --pair abacus:0");
+    program_assert_refused(&p, 1, "; the OpenCL platform 'Abacus' lists no device");
+    program_free(&p);
+    p = program_run_with(
+        "HOME=/nonexistent POCL_CACHE_DIR=/proc/x OCL_ICD_VENDORS=test_program.icds", "devices");
+    program_assert_refused(&p, 1, "lists no device");
+}
+
 static void a_full_disk_is_a_failure(void **state)
 {
     (void)state;
@@ -360,6 +394,7 @@ int main(void)
         cmocka_unit_test(devices_are_listed_as_one_json_object),
         cmocka_unit_test(a_machine_without_opencl_is_told_what_to_install),
         cmocka_unit_test(a_cache_folder_that_cannot_be_made_is_told_of),
+        cmocka_unit_test(a_platform_without_a_device_is_told_of),
         cmocka_unit_test(a_full_disk_is_a_failure),
         cmocka_unit_test(outputs_are_written_through_links),
         cmocka_unit_test(a_reader_that_went_away_ends_the_program),
