@@ -72,6 +72,8 @@ void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *
 void cluster_take(duet_cluster *c, object_rows *rows);
 // A call's failure on one rank, NULL arguments included, becomes that of all.
 bool cluster_agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err);
+// Rows that change places are no longer those that pairs were found of.
+void cluster_forget_found(duet_cluster *c);
 // What a worker is told of homes in any order.
 global_ids cluster_ids_of_homes(const duet_cluster *c);
 // This rank's pairs become those of what was found in its only part, and at its border.
