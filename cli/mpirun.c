@@ -82,6 +82,8 @@ static bool spawn(job *j, duet_error *err)
         return error_set(err, DUET_STATUS_IO_FAILED, "mpirun: a pipe: %s", strerror(errno));
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+    if (!j->what->reads_stdin)
+        posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     interrupt_pass(true);
     int code = posix_spawnp(&j->mpirun, j->what->argv[0], &actions, NULL, j->what->argv, environ);
     interrupt_pass(false);

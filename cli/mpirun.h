@@ -14,6 +14,7 @@ enum { MPIRUN_TOLD = 64 };
 typedef struct mpirun_job {
     char **argv;       // of mpirun, itself first, and NULL last
     const char *hosts; // machines that it is to reach; NULL: this one
+    bool reads_stdin;  // which is else left to who called
     bool verbose;      // MPI's own lines are shown, too
 } mpirun_job;
 

@@ -232,6 +232,26 @@ static void a_job_that_fails_is_one_line(void **state)
     rmdir("mpirun_of_test");
 }
 
+// What a shell's loop reads stays there. A scene may come from there, by any of its names.
+static void ranks_get_stdin_only_where_they_read_the_scene_from_it(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    mkdir("mpirun_of_test", 0755);
+    be_mpirun(BEGUN, "cat");
+    static const char *const jobs[][2] = {{"still", ""}, {"-", "next\n"}, {"/dev/stdin", "next\n"}};
+    for (size_t i = 0; i < sizeof jobs / sizeof *jobs; ++i) {
+        program p = program_run_with("echo next | PATH=\"$PWD/mpirun_of_test:$PATH\"",
+                                     "cluster --ranks 2 %s", jobs[i][0]);
+        assert_int_equal(p.exit_code, 0);
+        assert_string_equal(p.out, jobs[i][1]);
+        program_free(&p);
+    }
+    unlink("mpirun_of_test/mpirun");
+    unlink("mpirun_of_test/says");
+    rmdir("mpirun_of_test");
+}
+
 #define OLD_BINDING "OMPI_MCA_hwloc_base_binding_policy"
 #define OLD_SHARING "OMPI_MCA_rmaps_base_oversubscribe"
 #define NEW_BINDING "PRTE_MCA_hwloc_default_binding_policy"
@@ -272,6 +292,7 @@ int main(void)
         cmocka_unit_test(long_lines_are_lines),
         cmocka_unit_test(blocks_of_open_mpi_5_are_kept_back),
         cmocka_unit_test(a_job_that_fails_is_one_line),
+        cmocka_unit_test(ranks_get_stdin_only_where_they_read_the_scene_from_it),
         cmocka_unit_test(ranks_share_the_machine_with_any_open_mpi),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
