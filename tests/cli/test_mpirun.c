@@ -48,6 +48,9 @@ static const struct {
     {BEGUN "\r\033[Kstep 3 of 9[one:12] noise\nnext\n", "\r\033[Kstep 3 of 9next\n"},
     {BEGUN "pocl:0[0-1] a[1] [x:y] [] [:1] [a:] [a:1]! [[b:2]. [c] [d][ [e][f\n",
      "pocl:0[0-1] a[1] [x:y] [] [:1] [a:] [a:1]! [[b:2]. [c] [d][ [e][f\n"},
+    {BEGUN "mpirun: Forwarding signal 12 to job\nmpirun: no\nmm\n", "mpirun: no\nmm\n"},
+    {BEGUN "\r\033[Kstep 3 of 9mpirun: Forwarding signal 12 to job\n\r\033[Kmpi\nm",
+     "\r\033[Kstep 3 of 9\r\033[Kmpi\nm"},
     {BEGUN "duet: [one:12] is a name\n", "duet: [one:12] is a name\n"},
     {BEGUN "--- a few dashes ---\n-\nd\ndu\ndue\nduel\n[",
      "--- a few dashes ---\n-\nd\ndu\ndue\nduel\n["},
@@ -218,6 +221,9 @@ static void a_job_that_fails_is_one_line(void **state)
         program p = program_run_with(variables, "cluster %s still -n 3", jobs[i].arguments);
         program_assert_refused(&p, 1, jobs[i].told);
     }
+    be_mpirun(BEGUN MPIRUN_STOPPED, "exit 0");
+    program stopped = program_run_with(variables, "cluster --ranks 2 still");
+    program_assert_refused(&stopped, 130, "duet: stopped");
     be_mpirun(BEGUN RESET "driver: a warning\n", "echo found");
     for (int verbose = 0; verbose < 2; ++verbose) {
         program p =
