@@ -34,7 +34,7 @@ typedef struct plan_options {
 #define SCENE_OPTION_ROWS(member)                                                            \
     OPTION_COUNT("objects", member.n, "N",                                                   \
                  "number of objects, as 1000 or 250k, where the scene lets it be chosen", 0, \
-                 UINT32_MAX),                                                                \
+                 DUET_MOST_OBJECTS),                                                         \
         OPTION_COUNT("seed", member.seed, "S", "seed of the scene's random numbers", 0,      \
                      UINT32_MAX),                                                            \
         OPTION_SETTINGS("set", member.settings, "K=V",                                       \

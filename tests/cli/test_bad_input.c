@@ -181,6 +181,8 @@ static void a_wrong_option_is_wrong_usage(void **state)
     assert_run_refused(2, "test_bad_input.csv --share 1.5", "--share '1.5'");
     assert_run_refused(2, "test_bad_input.csv --share -0.1", "--share '-0.1'");
     assert_run_refused(2, "test_bad_input.csv --share half", "--share 'half'");
+    assert_run_refused(2, "paper -n 4294967294",
+                       "--objects '4294967294': give a whole number from 0 to 4294967293");
     assert_run_refused(2, "test_bad_input.csv -n 1",
                        "'n' is set, but only a .lua scene has parameters");
     remove("test_bad_input.csv");
