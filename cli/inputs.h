@@ -122,7 +122,9 @@ duet_scene *inputs_load_pairs(const char *path, duet_error *err);
 bool inputs_find_reference(const duet_scene *scene, duet_level level, duet_pair **pairs,
                            uint64_t *n, duet_error *err);
 bool inputs_plan_given(const plan_options *options); // anything of a plan
-// Puts what was given into the plan. BAD_ARGUMENT for an unknown mode.
-bool inputs_change_plan(const plan_options *options, duet_plan *plan, duet_error *err);
+// Puts what was given into the plan. BAD_ARGUMENT for an unknown mode, and for what does nothing
+// with the pair, which inputs_open_pair opened with these selectors. NULL: it is not known yet.
+bool inputs_change_plan(const plan_options *options, const duet_device_pair *pair,
+                        const char *selectors, duet_plan *plan, duet_error *err);
 
 #endif

@@ -98,7 +98,7 @@ static bool open_cluster(run_state *r, duet_error *err)
     def.drops_pairs = !r->args->pairs_path;
     def.on_compile = inputs_show_compiling;
     if (!read_weight(r, &def.weight, err) ||
-        !inputs_change_plan(&r->args->plan, &def.world.plan, err))
+        !inputs_change_plan(&r->args->plan, NULL, NULL, &def.world.plan, err))
         return false;
     r->cluster = cluster_create(&def, r->simulation, r->args->apart, err);
     if (r->cluster)

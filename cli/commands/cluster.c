@@ -233,7 +233,7 @@ static bool run(void *given, char **operands, duet_error *err)
                          "--ranks: this is rank %lu of %lu of an MPI job already; expected one of "
                          "mpirun and --ranks",
                          rank, n_ranks);
-    return inputs_change_plan(&l->args.plan, &plan, err) &&
+    return inputs_change_plan(&l->args.plan, NULL, NULL, &plan, err) &&
            inputs_read_level(l->args.level, &level, err) && start(l, err);
 }
 

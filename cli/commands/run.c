@@ -178,7 +178,7 @@ static duet_world *make_world(const arguments *args, const duet_scene *scene,
 {
     duet_world_def def = duet_scene_world_def(scene, pair);
     if (!inputs_change_level(&args->level, &def, err) ||
-        !inputs_change_plan(&args->plan, &def.plan, err))
+        !inputs_change_plan(&args->plan, pair, args->pair, &def.plan, err))
         return NULL;
     def.separate_sizes = args->transforms;
     def.compact_transforms = args->compact;
@@ -465,7 +465,7 @@ static bool open_motion(moved *r, duet_device_pair *pair, duet_error *err)
 {
     r->def = duet_scene_motion_def(r->scene, pair);
     r->def.stage_times = r->args->steps <= FEW_STEPS;
-    if (!inputs_change_plan(&r->args->plan, &r->def.plan, err))
+    if (!inputs_change_plan(&r->args->plan, pair, r->args->pair, &r->def.plan, err))
         return false;
     r->motion = duet_motion_create_from_scene(&r->def, r->scene, NULL, err);
     return r->motion && snapshot_begin(&r->look, &r->def, r->scene, r->motion, err);
