@@ -397,7 +397,7 @@ static void tune_at(look_fixture *f, const char *level, double ms, double missed
     snprintf(row.plan.level, sizeof row.plan.level, "%s", level);
     assert_ok(profile_pair_put(f->s, &f->pair, &row.pair_id, &err), err);
     assert_ok(profile_workload_put(f->s, &workload, &row.workload_id, &err), err);
-    assert_ok(profile_put(f->s, &row, NULL, "tuned again", NULL, &err), err);
+    assert_ok(profile_put(f->s, &row, NULL, "replaced by a later tuning", NULL, &err), err);
 }
 
 static void more_accuracy_than_was_given_is_not_served(void **state)

@@ -215,7 +215,7 @@ static void a_replaced_profile_stays_dead_with_its_reason(void **state)
     test_tune(s, &pair, &workload);
     assert_int_equal(test_count(s, "profile"), 2);
     assert_int_equal(test_count(s, "profile WHERE live = 1"), 1);
-    assert_int_equal(test_count(s, "profile WHERE dead_reason = 'tuned again'"), 1);
+    assert_int_equal(test_count(s, "profile WHERE dead_reason = 'replaced by a later tuning'"), 1);
     store_close(s);
     test_folder_remove(&folder);
 }
@@ -249,7 +249,7 @@ static profile_placed put(store *s, const profile_row *row, const char *unused)
 {
     profile_placed placed;
     duet_error err = {0};
-    assert_ok(profile_put(s, row, unused, "tuned again", &placed, &err), err);
+    assert_ok(profile_put(s, row, unused, "replaced by a later tuning", &placed, &err), err);
     assert_int_equal(test_count(s, "profile WHERE live = 1 AND verdict = 'ambiguous'"), 0);
     return placed;
 }
