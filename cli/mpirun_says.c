@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Open MPI's own lines begin with "[host:pid] ", "[host][[job,rank],..." or "mpirun: Forwarding
-// signal", or stand between two lines of dashes. They come in between those of ranks, and behind
-// progress that has no line's end. Lines that begin with "duet" are of ranks, wherever they come.
+// Open MPI's own lines begin with "[host:pid] ", "[host][[job,rank],..." or "mpirun: ", or stand
+// between two lines of dashes. They come in between those of ranks, and behind progress that has no
+// line's end. Lines that begin with "duet" are of ranks, wherever they come.
 #include "cli/mpirun_says.h"
 
 #include "base/visible.h"
@@ -17,7 +17,7 @@ typedef enum verdict { NO, MAYBE, YES } verdict;
 
 // How lines of ranks begin, and what clears a line of progress: of one length.
 static const char ours[] = "duet", clear[] = "\r\033[K";
-static const char forwarding[] = "mpirun: Forwarding signal ";
+static const char own_name[] = "mpirun: ";
 
 enum { MARK = sizeof ours - 1, RULE = 40 }; // dashes; Open MPI's lines have more
 
@@ -54,18 +54,18 @@ static verdict is_tagged(const char *line, size_t n)
     return strncmp(end, "] ", left < 2 ? left : 2) != 0 ? NO : left < 2 ? MAYBE : YES;
 }
 
-// As mpirun says of MPIRUN_STOPS, and of what others send it.
-static verdict is_forwarding(const char *line, size_t n)
+// As mpirun tells of signals.
+static verdict is_named(const char *line, size_t n)
 {
-    size_t all = sizeof forwarding - 1;
-    return strncmp(line, forwarding, n < all ? n : all) != 0 ? NO : n < all ? MAYBE : YES;
+    size_t all = sizeof own_name - 1;
+    return strncmp(line, own_name, n < all ? n : all) != 0 ? NO : n < all ? MAYBE : YES;
 }
 
 static verdict is_mpis(const char *line, size_t n)
 {
     if (n == MPIRUN_LINE)
         return NO;
-    return (*line == '[' ? is_tagged : *line == '-' ? is_rule : is_forwarding)(line, n);
+    return (*line == '[' ? is_tagged : *line == '-' ? is_rule : is_named)(line, n);
 }
 
 // ---------------------------------------------------------------- what a line tells
@@ -131,7 +131,7 @@ static void judge_inside(mpirun_says *s, text *out)
     if (v != NO)
         return;
     char last = s->line[s->n - 1];
-    size_t opens = last == '[' || last == *forwarding;
+    size_t opens = last == '[' || last == *own_name;
     let_out(s, s->n - opens, out);
     s->state = opens ? MAY_BE_MPIS : PASSES;
 }
@@ -146,7 +146,7 @@ static void judge_begin(mpirun_says *s, text *out)
     } else if (is_for_nobody(s) && *s->line != '\r') {
         s->state = IS_MPIS;
     } else {
-        s->state = *s->line == '-' || *s->line == *forwarding ? MAY_BE_MPIS : PASSES;
+        s->state = *s->line == '-' || *s->line == *own_name ? MAY_BE_MPIS : PASSES;
         judge_inside(s, out);
     }
 }

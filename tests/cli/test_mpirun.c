@@ -48,7 +48,7 @@ static const struct {
     {BEGUN "\r\033[Kstep 3 of 9[one:12] noise\nnext\n", "\r\033[Kstep 3 of 9next\n"},
     {BEGUN "pocl:0[0-1] a[1] [x:y] [] [:1] [a:] [a:1]! [[b:2]. [c] [d][ [e][f\n",
      "pocl:0[0-1] a[1] [x:y] [] [:1] [a:] [a:1]! [[b:2]. [c] [d][ [e][f\n"},
-    {BEGUN "mpirun: Forwarding signal 12 to job\nmpirun: no\nmm\n", "mpirun: no\nmm\n"},
+    {BEGUN "mpirun: Forwarding signal 12 to job\nmpirun no\nmm\n", "mpirun no\nmm\n"},
     {BEGUN "\r\033[Kstep 3 of 9mpirun: Forwarding signal 12 to job\n\r\033[Kmpi\nm",
      "\r\033[Kstep 3 of 9\r\033[Kmpi\nm"},
     {BEGUN "duet: [one:12] is a name\n", "duet: [one:12] is a name\n"},
