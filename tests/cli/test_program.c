@@ -22,6 +22,8 @@ static void help_and_version_are_printed(void **state)
     assert_string_equal(p.out, "duet 1.0.0\n");
     program_free(&p);
     p = program_run("--help");
+    assert_non_null(strstr(p.out, "\nexit status: 0 done, 1 failed (or 'bench --against': slower), "
+                                  "2 wrong usage, 130 interrupted\n"));
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "devices"));
     program_free(&p);
