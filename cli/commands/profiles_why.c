@@ -214,7 +214,7 @@ static bool run(void *given, char **operands, duet_error *err)
     answer a = {0};
     duet_world *world = NULL;
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
-    duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
+    duet_scene *scene = pair ? inputs_load_objects(operands[0], &args->scene, err) : NULL;
     bool ok = scene;
     if (ok) {
         duet_world_def def = duet_scene_world_def(scene, pair);

@@ -263,7 +263,7 @@ static duet_scene *load_scene(const arguments *args, const config_workload *w, d
     scene.n = w->n < 0 ? UINT64_MAX : (uint64_t)w->n;
     for (uint32_t i = 0; i < w->n_settings && scene.settings.n < OPTION_LIST_MOST; ++i)
         scene.settings.items[scene.settings.n++] = w->settings[i];
-    return inputs_load_scene(w->scene, &scene, err);
+    return inputs_load_objects(w->scene, &scene, err);
 }
 
 static bool put_in_order(const duet_tune_def *def, duet_scene *scene, duet_error *err)

@@ -282,14 +282,20 @@ void run_report_add_check(cJSON *o, const reference_check *check)
 
 // ---------------------------------------------------------------- the whole
 
-void run_report_text(const run_report *r)
+static void print_step(const run_report *r)
 {
-    run_report_scene(r->scene);
     print_grid(r->scene, &r->timed->last);
     run_report_devices(r->pair, r->plan);
     print_profile(r);
     print_stages(timed_staged(r->timed), is_one(r->pair, r->plan));
     print_totals(r->timed, r->level, is_one(r->pair, r->plan));
+}
+
+void run_report_text(const run_report *r)
+{
+    run_report_scene(r->scene);
+    if (r->scene->n > 0)
+        print_step(r);
     if (r->check.asked)
         run_report_check(&r->check);
 }

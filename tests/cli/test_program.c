@@ -227,11 +227,21 @@ static void an_empty_input_is_told_of(void **state)
     program p = program_run_with(": |", "run - --pairs -");
     assert_int_equal(p.exit_code, 0);
     assert_string_equal(p.out, "");
-    assert_string_equal(p.err, "duet: stdin: there are no objects\n");
+    assert_string_equal(p.err, "duet: note: stdin: there are no objects\n");
     program_free(&p);
+    p = program_run("run paper -n 0"); // nothing was done that a table could tell of
+    assert_int_equal(p.exit_code, 0);
+    assert_string_equal(p.out, "paper: 0 boxes, 3D\n");
+    program_free(&p);
+    static const char *const measuring[] = {"tune paper -n 0", "profiles why paper -n 0"};
+    for (size_t i = 0; i < sizeof measuring / sizeof *measuring; ++i) {
+        p = program_run("%s", measuring[i]);
+        assert_string_equal(p.err, "duet: paper: there are no objects to measure\n");
+        program_assert_refused(&p, 2, "there are no objects to measure");
+    }
     p = program_run_with(": |", "query - -o -");
     assert_string_equal(p.out, "");
-    assert_string_equal(p.err, "duet: stdin: there are no pairs\n");
+    assert_string_equal(p.err, "duet: note: stdin: there are no pairs\n");
     program_free(&p);
 }
 
