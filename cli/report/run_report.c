@@ -200,11 +200,12 @@ static void print_totals(const timed *m, const char *level, bool one)
 void run_report_check(const reference_check *check)
 {
     if (reference_check_is_right(check))
-        printf("check: the same %s pairs as the plain C reference\n",
-               table_count(check->reference).chars);
+        printf("check: the same %s as the plain C reference\n",
+               table_things(check->reference, "pair", "pairs").chars);
     else
-        printf("check: WRONG: of the reference's %s pairs %s are missing, and %s are too many\n",
-               table_count(check->reference).chars, table_count(check->missing).chars,
+        printf("check: WRONG: %s of the reference's %s missing, and %s too many\n",
+               table_count(check->missing).chars,
+               table_things(check->reference, "pair", "pairs").chars,
                table_count(check->extra).chars);
 }
 

@@ -132,6 +132,15 @@ static void any_number_of_objects_gives_the_references_pairs(void **state)
     }
 }
 
+static void one_pair_is_no_pairs(void **state)
+{
+    (void)state;
+    program p =
+        program_run_with("printf '0,0,0,1,1,1\\n1,1,1,2,2,2\\n' |", "run - --repeat 1 --check");
+    assert_non_null(strstr(p.out, "check: the same 1 pair as the plain C reference\n"));
+    program_free(&p);
+}
+
 static void the_pairs_file_holds_each_pair_once_ascending(void **state)
 {
     (void)state;
@@ -316,6 +325,7 @@ int main(void)
         cmocka_unit_test(share_is_a_decimal_or_a_fraction),
         cmocka_unit_test(n_and_seed_choose_the_scene),
         cmocka_unit_test(any_number_of_objects_gives_the_references_pairs),
+        cmocka_unit_test(one_pair_is_no_pairs),
         cmocka_unit_test(the_pairs_file_holds_each_pair_once_ascending),
         cmocka_unit_test(objects_in_order_keep_the_ids_of_the_scene),
         cmocka_unit_test(text_names_devices_stages_and_pairs),

@@ -415,6 +415,7 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
         {"tune " QUICK " no/such.lua", 1, "no/such.lua"},
         {"tune --profile " SCENE " " SCENE, 1, SCENE},
         {"tune " QUICK SCENE " --trials 12", 2, "a budget of 12 trials ends before a verdict"},
+        {"tune " QUICK SCENE " --trials 1", 2, "a budget of 1 trial ends before a verdict"},
         {"tune " SCENE " --items 9", 2, "--items: give --query"},
         {"tune " SCENE " --query rays --pair cpu", 2, "is one device and has no share"},
         {"tune --config " CONFIG " --query rays", 2, "with --config the file says"},
