@@ -222,7 +222,8 @@ static bool open_script(tuning_resources *h, duet_error *err)
 {
     if (!h->def.strategy_lua)
         return true;
-    h->script = strategy_lua_open("strategy", h->def.strategy_lua, err);
+    h->script = strategy_lua_open(h->def.strategy_name ? h->def.strategy_name : "strategy",
+                                  h->def.strategy_lua, err);
     return h->script;
 }
 

@@ -284,6 +284,8 @@ static void a_hostile_script_ends_with_its_line(void **state)
         {"setmetatable({}, { __gc = function() while true do end end })", ":1: attempt to call"},
         {"getmetatable('').__index = nil", ":1: attempt to call"},
         {"string.rep = nil\nprint(('x'):dump())", ":2: attempt to call"},
+        {"os.exit(3)",
+         ":1: attempt to index a nil value (global 'os'); 'duet lua --trust' gives 'os'"},
         {"require 'os'", ":1: require 'os': without --trust"},
         {"duet.poses(1 << 40)", ":1: needs more than the 16 MiB"},
         {"duet.poses(1 << 62)", ":1: duet.poses of"},
