@@ -82,6 +82,15 @@ static void print_profile(const run_report *r)
                    .chars);
 }
 
+// Only a profile knows which level is accurate enough.
+static void print_level(const run_report *r)
+{
+    if (r->accuracy_given && (r->plan_given || r->profile.grade >= DUET_GRADE_STALE))
+        printf("level: %s, since no profile says that a cheaper one is accurate enough;\n"
+               "'duet tune' with the same --missed and --false-rate measures that\n",
+               r->level);
+}
+
 enum { STAGES_MOST = 64 };
 
 // Stages of one name, and the time that each device spent on them.
@@ -287,6 +296,7 @@ static void print_step(const run_report *r)
 {
     print_grid(r->scene, &r->timed->last);
     run_report_devices(r->pair, r->plan);
+    print_level(r);
     print_profile(r);
     print_stages(timed_staged(r->timed), is_one(r->pair, r->plan));
     print_totals(r->timed, r->level, is_one(r->pair, r->plan));
