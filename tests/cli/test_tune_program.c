@@ -400,6 +400,20 @@ static void a_tune_file_sweeps_with_a_strategy_of_its_own(void **state)
     cJSON_Delete(root);
 }
 
+// No share, and so no column about one.
+static void one_device_is_told_its_kernels(void **state)
+{
+    (void)state;
+    program p = program_run("tune " QUICK SCENE " --pair cpu");
+    assert_int_equal(p.exit_code, 0);
+    assert_int_equal(strncmp(p.out, "workload  ", 10), 0);
+    assert_non_null(strstr(p.out, "  kernels  "));
+    assert_non_null(strstr(p.out, "  auto  "));
+    assert_null(strstr(p.out, "gain"));
+    assert_null(strstr(p.out, "verdict"));
+    program_free(&p);
+}
+
 static void what_is_wrong_on_the_command_line_is_one_line(void **state)
 {
     (void)state;
@@ -505,6 +519,7 @@ int main(void)
         cmocka_unit_test_setup(a_budget_of_trials_is_kept, begin_afresh),
         cmocka_unit_test_setup(kernels_are_searched_once_and_runs_follow, begin_afresh),
         cmocka_unit_test_setup(a_tune_file_sweeps_with_a_strategy_of_its_own, begin_afresh),
+        cmocka_unit_test_setup(one_device_is_told_its_kernels, begin_afresh),
         cmocka_unit_test_setup(what_is_wrong_on_the_command_line_is_one_line, begin_afresh),
         cmocka_unit_test_setup(a_strategy_or_query_that_there_is_not_is_one_line, begin_afresh),
         cmocka_unit_test_setup(what_is_wrong_in_a_tune_file_is_said_with_its_line, begin_afresh),
