@@ -83,6 +83,9 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"Run x", "there is no subcommand 'Run'; did you mean 'run'?"},
         {"run x -json", "there is no option '-json'; did you mean '--json'?"},
         {"run x --n 3", "there is no option '--n'; did you mean '-n'?"},
+        {"run x -objects 3", "there is no option '-objects'; did you mean '--objects'?"},
+        {"run x -nine", "--objects 'ine': give a whole number"},
+        {"lua -ix", "there is no option '-ix'"},
         {"run x -p", "there is no option '-p'; 'duet run --help' lists"},
         {"run x --resident --transforms", "--resident and --transforms do not go together"},
         {"run x --json --pairs -", "--pairs and --json would both write to stdout"},
@@ -188,6 +191,7 @@ static void a_name_is_a_scene_and_a_path_a_file(void **state)
     test_write_file("still", "0,0,0,1,1,1\n");
     test_write_file("unlike", "0,0,0,1,1,1\n");
     assert_int_equal(objects_of("still -n 20"), 20);
+    assert_int_equal(objects_of("still -n20"), 20);
     assert_int_equal(objects_of("./still"), 1);
     assert_int_equal(objects_of("unlike"), 1);
     remove("still");
