@@ -451,27 +451,36 @@ static bool is_about(double a, double b, double slack)
     return a <= b * slack && b <= a * slack;
 }
 
-// The neighbour's plan, and its times for so many objects.
-static void take_neighbour(look *l, const neighbour *near)
+// A time of so many objects, on the line through both neighbours', or in proportion to the only one.
+static double time_between(const neighbour near[2], double n, double ns, double other_ns)
+{
+    if (near[1].n <= 0 || ns <= 0 || other_ns <= 0)
+        return ns * n / near[0].n;
+    return ns + (other_ns - ns) * (n - near[0].n) / (near[1].n - near[0].n);
+}
+
+// The nearer neighbour's plan, and the times of both for so many objects.
+static void take_neighbour(look *l, const neighbour near[2])
 {
     profile_found *found = l->found;
+    const profile_found *other = &near[1].found;
     double n = (double)l->at.n;
-    *found = near->found;
-    found->median_ns *= n / near->n;
-    found->low_ns *= n / near->n;
-    found->high_ns *= n / near->n;
-    found->single_ns *= n / near->n;
-    found->whole_ns *= n / near->n;
+    *found = near[0].found;
+    found->median_ns = time_between(near, n, found->median_ns, other->median_ns);
+    found->low_ns = time_between(near, n, found->low_ns, other->low_ns);
+    found->high_ns = time_between(near, n, found->high_ns, other->high_ns);
+    found->single_ns = time_between(near, n, found->single_ns, other->single_ns);
+    found->whole_ns = time_between(near, n, found->whole_ns, other->whole_ns);
     found->share_low = (uint32_t)(found->plan.share / SIZE_SLACK);
     found->share_high = (uint32_t)fmin(found->plan.share * SIZE_SLACK, PROFILE_SHARE_ONE);
 }
 
 // What was measured for almost such a workload is better than what fits say.
-static bool use_neighbour(look *l, const neighbour *near)
+static bool use_neighbour(look *l, const neighbour near[2])
 {
-    const profile_found *found = &near->found;
+    const profile_found *found = &near[0].found;
     take_neighbour(l, near);
-    text_add(l->why, "yes: %.0f objects were measured, which is next to it%s%s", near->n,
+    text_add(l->why, "yes: %.0f objects were measured, which is next to it%s%s", near[0].n,
              found->session[0] ? ", session " : "", found->session);
     return true;
 }
@@ -531,7 +540,7 @@ static bool is_alone_at_both(const neighbour near[2])
 static bool use_both(look *l, const neighbour near[2], bool *held)
 {
     *held = true;
-    take_neighbour(l, &near[0]);
+    take_neighbour(l, near);
     text_add(l->why, "yes: one device did it best at %.0f and at %.0f objects, alike",
              fmin(near[0].n, near[1].n), fmax(near[0].n, near[1].n));
     return true;
@@ -563,7 +572,7 @@ static bool look_interpolated(look *l, bool *held)
     *held = is_about(near[0].n, (double)l->at.n, SIZE_SLACK) &&
             is_about(near[0].occupancy, l->at.occ_mean, CROWD_SLACK);
     if (*held)
-        return use_neighbour(l, &near[0]);
+        return use_neighbour(l, near);
     if (!is_accurate_anywhere(l))
         return refuse(l, "accuracy is asked for, which times of other sizes say nothing about");
     if (!forecast_between(l, near, &f, &found))

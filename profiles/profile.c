@@ -103,7 +103,8 @@ typedef struct grounds {
     double gain_low;
     double gain_high;
     uint32_t rounds;
-    double high_ns;   // of a step
+    double low_ns; // of a step
+    double high_ns;
     bool asked_alike; // by the session of the row that is compared
 } grounds;
 
@@ -113,6 +114,7 @@ static const sql_column grounds_columns[] = {
     SQL_COLUMN("gain_low", grounds, gain_low),
     SQL_COLUMN("gain_high", grounds, gain_high),
     SQL_COLUMN("rounds", grounds, rounds),
+    SQL_COLUMN("low_ns", grounds, low_ns),
     SQL_COLUMN("high_ns", grounds, high_ns),
     SQL_COLUMN("coalesce((SELECT a.strategy = b.strategy AND a.options = b.options "
                "FROM session a JOIN session b WHERE a.id = session_id AND b.id = ?6), 1)",
@@ -131,13 +133,21 @@ static bool find_live(store *s, const profile_row *row, grounds *live, duet_erro
     return sql_close(&q);
 }
 
+// One device has no race: what is known of its step is as wide as the step's interval. The same
+// search again says that the machine has changed.
+static bool is_timed_as_well(const profile_row *row, const grounds *live)
+{
+    return strcmp(row->origin, "measured") != 0 || live->asked_alike || live->low_ns <= 0 ||
+           row->high_ns * live->low_ns <= live->high_ns * row->low_ns;
+}
+
 // `same` is what a noisy race says of anything, unless its interval is narrow.
 static bool is_founded_as_well(const profile_row *row, const grounds *live)
 {
     double width = (1 + row->gain_high) / (1 + row->gain_low);
     bool narrow = width <= (1 + live->gain_high) / (1 + live->gain_low);
-    if (row->rounds == 0 && live->rounds > 0)
-        return false;
+    if (row->rounds == 0)
+        return live->rounds == 0 && is_timed_as_well(row, live);
     if (strcmp(row->verdict, "same") == 0 && strcmp(live->verdict, "same") != 0)
         return narrow;
     return narrow || row->rounds >= live->rounds;

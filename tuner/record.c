@@ -265,7 +265,7 @@ static bool put_profile(record *r, const duet_tune_def *def, duet_tune_outcome *
     bool ok =
         text_ok(&terms, err) &&
         profile_trial_find(r->store, r->session, &row.plan, &row.trial_number, err) &&
-        profile_put(r->store, &row, unused_because(def, because), "tuned again", &placed, err);
+        profile_put(r->store, &row, unused_because(def, because), "replaced by a later tuning", &placed, err);
     if (ok) {
         memcpy(o->uid, placed.uid, sizeof placed.uid);
         memcpy(o->unused, placed.unused, sizeof placed.unused);

@@ -197,7 +197,7 @@ static int by_distance(const void *a, const void *b)
 // Puts the s->n nearest to the focus first, those farthest from the eye leading.
 static void choose(const sketch *s, const duet_scene *scene, uint32_t focus, near *all)
 {
-    const view v = {.look = &isometric, .dims = s->info->dims};
+    const view v = {.look = &oblique, .dims = s->info->dims};
     double middle[3];
     centre_of(s, scene, focus, middle);
     for (uint32_t id = 0; id < s->info->n; ++id) {
@@ -375,8 +375,7 @@ static void draw_corner(const sketch *s, canvas *c, point least, point most)
     const point paper[4] = {least, {most.x, least.y}, most, {least.x, most.y}};
     canvas_polygon(c, paper, 4, white, canvas_grey);
     point inner = {least.x + 10, least.y + 10};
-    view v =
-        view_fit(&isometric, s->info->dims, &s->whole, inner, (point){most.x - 10, most.y - 26});
+    view v = view_fit(&oblique, s->info->dims, &s->whole, inner, (point){most.x - 10, most.y - 26});
     view_frame(&v, c, &s->whole, cell_ink);
     for (uint32_t i = 0; i < s->n_crowd; ++i)
         canvas_dot(c, view_point(&v, s->crowd[i]), 0.8, alone.edge);
@@ -432,7 +431,7 @@ static void sketch_draw(const sketch *s, canvas *c, double width, double height)
     double below = all ? 116 : corner + 16;
     const extent *shown = all ? &s->whole : &s->part;
     if (s->n > 0) {
-        view v = view_fit(&isometric, s->info->dims, shown, (point){margin, margin},
+        view v = view_fit(&oblique, s->info->dims, shown, (point){margin, margin},
                           (point){width - margin, height - below});
         draw_cells(&v, c, s);
         view_frame(&v, c, shown, canvas_grey);

@@ -5,10 +5,11 @@
 #include <stdio.h>
 #include <string.h>
 
-const look isometric = {
-    .right = {-1, 1, 0},
-    .up = {-0.577350269189625764, -0.577350269189625764, 1.154700538379251529},
-    .near = {1, 1, 1},
+// Not along a diagonal: boxes on one would lie behind each other.
+const look oblique = {
+    .right = {-8 / 17.0, 15 / 17.0, 0},
+    .up = {-120 / 289.0, -64 / 289.0, 15 / 17.0},
+    .near = {225 / 289.0, 120 / 289.0, 8 / 17.0},
     .light = {0.30, 0.55, 0.78},
     .dark = 0.72,
     .bright = 0.28,

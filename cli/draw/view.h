@@ -26,7 +26,7 @@ typedef struct look {
     double bright; // what light adds to it
 } look;
 
-extern const look isometric; // from (1, 1, 1)
+extern const look oblique; // from above, with x nearer than y
 
 typedef struct view {
     const look *look;

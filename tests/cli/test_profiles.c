@@ -80,7 +80,7 @@ static void list_shows_what_an_application_would_load(void **state)
     cJSON_Delete(o);
     assert_prints(&folder, "list", "A: pthread-AMD EPYC 7763 64-Core Processor [0-0], driver 3.1");
     assert_prints(&folder, "list", "250 000");
-    assert_prints(&folder, "list --dead", "tuned again");
+    assert_prints(&folder, "list --dead", "replaced by a later tuning");
     program p = run_on(&folder, "list");
     for (const char *line = p.out; *line; line += strcspn(line, "\n") + 1)
         assert_in_range(strcspn(line, "\n"), 0, 80);
@@ -127,7 +127,7 @@ static void a_stored_profile_is_compared_put_to_use_and_forgotten(void **state)
                  json_string(cJSON_GetArrayItem(json_array(o, "profiles", 3), i), "uid"));
     cJSON_Delete(o);
     snprintf(arguments, sizeof arguments, "diff %s %s", uids[1], uids[2]);
-    assert_prints(&folder, arguments, "tuned again");
+    assert_prints(&folder, arguments, "replaced by a later tuning");
     assert_prints(&folder, arguments, "0.0 % longer than one of");
     snprintf(arguments, sizeof arguments, "diff %s %s", uids[0], uids[2]);
     assert_prints(&folder, arguments, "Their workloads differ");

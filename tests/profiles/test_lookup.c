@@ -260,6 +260,13 @@ static void a_size_between_two_of_one_device_has_its_plan(void **state)
     assert_int_equal(found.grade, PROFILE_INTERPOLATED);
     assert_int_equal(found.plan.share, 0);
     assert_why(&f, 200000, "yes: one device did it best at 100000 and at 400000 objects, alike");
+    double low_ms = look_for(&f, &f.pair, 100000).median_ns * 1e-6;
+    double high_ms = look_for(&f, &f.pair, 400000).median_ns * 1e-6;
+    for (uint64_t n = 105000; n <= 400000; n += 59000) {
+        found = look_for(&f, &f.pair, n);
+        double ms = low_ms + (high_ms - low_ms) * ((double)n - 100000) / 300000;
+        assert_true(fabs(found.median_ns * 1e-6 / ms - 1) < 1e-9);
+    }
     look_change(&f, "UPDATE profile SET variant_b = 'simd' WHERE workload_id = "
                     "(SELECT id FROM workload WHERE n = 400000)");
     assert_int_equal(look_for(&f, &f.pair, 200000).grade, PROFILE_DEFAULT);
@@ -390,7 +397,7 @@ static void tune_at(look_fixture *f, const char *level, double ms, double missed
     snprintf(row.plan.level, sizeof row.plan.level, "%s", level);
     assert_ok(profile_pair_put(f->s, &f->pair, &row.pair_id, &err), err);
     assert_ok(profile_workload_put(f->s, &workload, &row.workload_id, &err), err);
-    assert_ok(profile_put(f->s, &row, NULL, "tuned again", NULL, &err), err);
+    assert_ok(profile_put(f->s, &row, NULL, "replaced by a later tuning", NULL, &err), err);
 }
 
 static void more_accuracy_than_was_given_is_not_served(void **state)

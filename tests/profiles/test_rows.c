@@ -215,7 +215,7 @@ static void a_replaced_profile_stays_dead_with_its_reason(void **state)
     test_tune(s, &pair, &workload);
     assert_int_equal(test_count(s, "profile"), 2);
     assert_int_equal(test_count(s, "profile WHERE live = 1"), 1);
-    assert_int_equal(test_count(s, "profile WHERE dead_reason = 'tuned again'"), 1);
+    assert_int_equal(test_count(s, "profile WHERE dead_reason = 'replaced by a later tuning'"), 1);
     store_close(s);
     test_folder_remove(&folder);
 }
@@ -249,7 +249,7 @@ static profile_placed put(store *s, const profile_row *row, const char *unused)
 {
     profile_placed placed;
     duet_error err = {0};
-    assert_ok(profile_put(s, row, unused, "tuned again", &placed, &err), err);
+    assert_ok(profile_put(s, row, unused, "replaced by a later tuning", &placed, &err), err);
     assert_int_equal(test_count(s, "profile WHERE live = 1 AND verdict = 'ambiguous'"), 0);
     return placed;
 }
@@ -324,6 +324,43 @@ static void another_search_replaces_no_faster_plan(void **state)
         assert_string_equal(put(s, &row, NULL).unused, "");
         row.session = ids[1];
         row.median_ns = row.low_ns = row.high_ns = cases[i].ns;
+        profile_placed placed = put(s, &row, NULL);
+        assert_int_equal(*placed.unused == '\0', cases[i].replaced);
+        store_close(s);
+        test_folder_remove(&folder);
+    }
+}
+
+// One device has nothing to race against.
+static void another_search_of_one_device_replaces_no_better_measured_step(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options;
+        double low_ns, high_ns;
+        bool replaced;
+    } cases[] = {{"{\"launches\":16}", 2e6, 5e6, true},
+                 {"{\"launches\":17}", 2e6, 5e6, false},
+                 {"{\"launches\":17}", 2.95e6, 3.05e6, true}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        test_folder folder = test_folder_make();
+        store *s = test_store_open(folder.store, STORE_WRITE);
+        duet_error err = {0};
+        char ids[2][PROFILE_ID];
+        profile_row row = gained(s, "same", 0, 0, 0);
+        profile_session session = test_session(row.pair_id, row.workload_id);
+        assert_ok(profile_session_begin(s, &session, ids[0], &err), err);
+        session.options = cases[i].options;
+        assert_ok(profile_session_begin(s, &session, ids[1], &err), err);
+        row.origin = "measured";
+        row.session = ids[0];
+        row.median_ns = 3e6;
+        row.low_ns = 2.9e6;
+        row.high_ns = 3.1e6;
+        assert_string_equal(put(s, &row, NULL).unused, "");
+        row.session = ids[1];
+        row.low_ns = cases[i].low_ns;
+        row.high_ns = cases[i].high_ns;
         profile_placed placed = put(s, &row, NULL);
         assert_int_equal(*placed.unused == '\0', cases[i].replaced);
         store_close(s);
@@ -409,6 +446,7 @@ int main(void)
         cmocka_unit_test(a_replaced_profile_stays_dead_with_its_reason),
         cmocka_unit_test(a_live_profile_gives_way_only_to_one_that_is_founded_as_well),
         cmocka_unit_test(another_search_replaces_no_faster_plan),
+        cmocka_unit_test(another_search_of_one_device_replaces_no_better_measured_step),
         cmocka_unit_test(a_stored_profile_is_put_to_use_and_forgotten),
         cmocka_unit_test(what_is_not_json_is_refused),
     };

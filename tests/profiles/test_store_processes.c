@@ -105,7 +105,8 @@ static void put_profile(store *s, const profile_session *session, const char *id
         .session = id,
         .trial_number = 1,
     };
-    must(profile_put(s, &row, NULL, "tuned again", NULL, &err), "the profile is put", &err);
+    must(profile_put(s, &row, NULL, "replaced by a later tuning", NULL, &err), "the profile is put",
+         &err);
     must(profile_session_end(s, id, "complete", &err), "the session ends", &err);
 }
 

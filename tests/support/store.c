@@ -217,7 +217,7 @@ void test_tune(store *s, const profile_pair *pair, const profile_workload *workl
     };
     row.low_ns = row.median_ns * 0.99;
     row.high_ns = row.median_ns * 1.01;
-    assert_ok(profile_put(s, &row, NULL, "tuned again", NULL, &err), err);
+    assert_ok(profile_put(s, &row, NULL, "replaced by a later tuning", NULL, &err), err);
     assert_ok(profile_session_end(s, id, "complete", &err), err);
 }
 
