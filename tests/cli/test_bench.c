@@ -164,7 +164,7 @@ static void a_stopped_run_says_what_its_file_holds(void **state)
     (void)state;
     char says[128];
     program p = program_run_with("timeout --foreground --preserve-status -s INT 1",
-                                 "bench --scene paper --repeat 512 -o " OLD);
+                                 "bench --quick --repeat 512 -o " OLD);
     assert_int_equal(p.exit_code, 130);
     cJSON *o = read_json(OLD);
     int n = cJSON_GetArraySize(cJSON_GetObjectItem(o, "cases")) +
