@@ -3,6 +3,8 @@
 
 #include "base/clock.h"
 
+#include <stdio.h>
+
 static _Thread_local budget *current;
 static _Thread_local budget_watch *watcher;
 
@@ -63,7 +65,7 @@ bool budget_check(duet_error *err)
         return false;
     if (!current || current->deadline_ns == UINT64_MAX || clock_steady_ns() <= current->deadline_ns)
         return true;
-    return error_set(err, DUET_STATUS_BAD_INPUT, "runs for more than the %g seconds it may take",
+    return error_set(err, DUET_STATUS_BAD_INPUT, "runs for more than the %g s it may take",
                      current->seconds);
 }
 
@@ -72,9 +74,18 @@ bool budget_space(size_t bytes, duet_error *err)
     for (const budget *b = current; b; b = b->outer)
         if (b->held_bytes > b->host_bytes || bytes > b->host_bytes - b->held_bytes)
             return error_set(err, DUET_STATUS_NO_MEMORY,
-                             "needs more than the %zu KiB of the host's memory it may take",
-                             b->host_bytes >> 10);
+                             "needs more than the %s of the host's memory it may take",
+                             budget_memory(b->host_bytes).chars);
     return true;
+}
+
+budget_words budget_memory(size_t bytes)
+{
+    budget_words words;
+    bool whole = bytes % ((size_t)1 << 20) == 0;
+    snprintf(words.chars, sizeof words.chars, "%zu %s", bytes >> (whole ? 20 : 10),
+             whole ? "MiB" : "KiB");
+    return words;
 }
 
 void budget_hold(size_t bytes)

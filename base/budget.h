@@ -57,6 +57,13 @@ bool budget_check_stop(duet_error *err);
 // Whether the host may take so many more bytes; false with NO_MEMORY.
 bool budget_space(size_t bytes, duet_error *err);
 
+// "20 MiB", or "100 KiB" where it is no whole number of those.
+typedef struct budget_words {
+    char chars[32];
+} budget_words;
+
+budget_words budget_memory(size_t bytes);
+
 // What the running script holds of the host's memory, as long as it does.
 void budget_hold(size_t bytes);
 void budget_release(size_t bytes);

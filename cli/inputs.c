@@ -105,19 +105,36 @@ void inputs_free_settings(scene_settings *s)
 void inputs_tell_empty(const duet_scene_info *info)
 {
     if (info->n == 0)
-        fprintf(stderr, "duet: %s: there are no objects\n", info->name);
+        say_note("%s: there are no objects", info->name);
 }
 
-duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err)
+static duet_scene *load_with(const char *path, const scene_options *options, duet_error *err)
 {
     scene_settings settings;
     duet_scene *scene = NULL;
     if (inputs_make_settings(&settings, options, err))
         scene = load(path, settings.list, settings.n, err);
-    if (scene)
-        inputs_tell_empty(duet_scene_get_info(scene));
     inputs_free_settings(&settings);
     return scene;
+}
+
+duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err)
+{
+    duet_scene *scene = load_with(path, options, err);
+    if (scene)
+        inputs_tell_empty(duet_scene_get_info(scene));
+    return scene;
+}
+
+duet_scene *inputs_load_objects(const char *path, const scene_options *options, duet_error *err)
+{
+    duet_scene *scene = load_with(path, options, err);
+    const duet_scene_info *info = scene ? duet_scene_get_info(scene) : NULL;
+    if (!info || info->n > 0)
+        return scene;
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: there are no objects to measure", info->name);
+    duet_scene_destroy(scene);
+    return NULL;
 }
 
 bool inputs_put_in_order(duet_scene *scene, duet_device_pair *pair, uint32_t **ids, duet_error *err)
@@ -139,7 +156,7 @@ duet_scene *inputs_load_pairs(const char *path, duet_error *err)
     duet_scene *pairs = duet_scene_load_pairs(path, err);
     progress_end(&p);
     if (pairs && duet_scene_get_info(pairs)->n == 0)
-        fprintf(stderr, "duet: %s: there are no pairs\n", duet_scene_get_info(pairs)->name);
+        say_note("%s: there are no pairs", duet_scene_get_info(pairs)->name);
     return pairs;
 }
 

@@ -48,7 +48,9 @@ static void print_help(void)
            "DUET_PAIR        the devices without --pair, as that takes them\n"
            "DUET_PROFILE     the profile file\n"
            "DUET_KERNEL_DIR  a folder to read kernels from instead of the carried ones\n"
-           "DUET_CACHE       a folder to keep built kernels in, or off\n");
+           "DUET_CACHE       a folder to keep built kernels in, or off\n\n"
+           "exit status: 0 done, 1 failed (or 'bench --against': slower), 2 wrong usage, "
+           "130 interrupted\n");
 }
 
 static int refuse(const char *name)

@@ -61,8 +61,8 @@ local function read_page(command)
       table.insert(page.variables, variable)
     elseif not page.usage and line:match "^duet " and not line:match "^duet %d" then
       page.usage = line
-    elseif line ~= "" and not line:match "^duet %d" then
-      table.insert(page.about, line)
+    elseif line ~= "" and not line:match "^duet %d" and not line:match "^exit status:" then
+      table.insert(page.about, line) -- the exit status has a section of its own
     end
   end
   return page
@@ -202,7 +202,7 @@ local function man_page(page, pages, main, examples)
   for _, file in ipairs(own_files) do add(entry(italic(file[1]), file[2])) end
   section "EXIT STATUS"
   add(entry(bold "0", "It did what was asked."))
-  add(entry(bold "1", "It failed; one line on stderr says what, where and why."))
+  add(entry(bold "1", "It failed, and one line on stderr says what, where and why; or duet bench --against found something slower."))
   add(entry(bold "2", "The command line is wrong."))
   add(entry(bold "130", "Ctrl-C stopped it; what was measured until then is kept."))
   section "SEE ALSO"

@@ -229,17 +229,33 @@ static bool refuse_unknown(const command_line *line, const char *argument)
     return false;
 }
 
+// "--objects", "--objects=9"
+static void recognise_word(const command_line *line, const char *name, asked *a)
+{
+    size_t length = strcspn(name, "=");
+    a->option = find_name(line, name, length);
+    a->value = name[length] == '=' ? name + length + 1 : NULL;
+}
+
+// "-n", "-n9", "-n=9"; not "-objects", which lacks a dash.
+static void recognise_letter(const command_line *line, const char *name, asked *a)
+{
+    const char *known = name_of_letter(*name);
+    const option *o = find_name(line, known, strlen(known));
+    bool attached = o && name[1] != '\0' && name[1] != '=';
+    if (attached && (o->kind == KIND_FLAG || find_name(line, name, strcspn(name, "="))))
+        return;
+    a->option = o;
+    a->value = attached ? name + 1 : o && name[1] ? name + 2 : NULL;
+}
+
 static bool recognise(const command_line *line, const char *argument, asked *a)
 {
     *a = (asked){0};
-    bool word = argument[1] == '-';
-    const char *name = argument + (word ? 2 : 1);
-    size_t length = strcspn(name, "=");
-    if (word)
-        a->option = find_name(line, name, length);
-    else if (length == 1)
-        a->option = find_name(line, name_of_letter(*name), strlen(name_of_letter(*name)));
-    a->value = name[length] == '=' ? name + length + 1 : NULL;
+    if (argument[1] == '-')
+        recognise_word(line, argument + 2, a);
+    else
+        recognise_letter(line, argument + 1, a);
     a->help = !a->option && (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0);
     return a->option || a->help || refuse_unknown(line, argument);
 }

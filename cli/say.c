@@ -31,16 +31,31 @@ int say_status(const duet_error *err)
                                                     : EXIT_FAILED;
 }
 
-int say_wrong(const char *command, const char *format, ...)
+static void print_line(const char *before, const char *format, va_list args)
 {
     char line[4096];
+    vsnprintf(line, sizeof line, format, args);
+    visible_line(line, sizeof line);
+    fprintf(stderr, "duet%s: %s\n", before, line);
+}
+
+int say_wrong(const char *command, const char *format, ...)
+{
+    char before[64];
+    va_list args;
+    snprintf(before, sizeof before, " %s", command);
+    va_start(args, format);
+    print_line(before, format, args);
+    va_end(args);
+    return EXIT_WRONG;
+}
+
+void say_note(const char *format, ...)
+{
     va_list args;
     va_start(args, format);
-    vsnprintf(line, sizeof line, format, args);
+    print_line(": note", format, args);
     va_end(args);
-    visible_line(line, sizeof line);
-    fprintf(stderr, "duet %s: %s\n", command, line);
-    return EXIT_WRONG;
 }
 
 bool say_json(cJSON *object, duet_error *err)

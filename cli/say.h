@@ -25,6 +25,9 @@ int say_status(const duet_error *err);
 // "duet COMMAND: LINE" on stderr. Returns EXIT_WRONG.
 int say_wrong(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+// "duet: note: LINE" on stderr: something that a person should know, and no failure.
+void say_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
 // Prints the object on stdout and deletes it. false where memory ran out.
 bool say_json(struct cJSON *object, duet_error *err);
 

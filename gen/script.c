@@ -301,10 +301,10 @@ static bool report_limit(script *s, duet_status status, duet_error *err)
                          "%s: runs for more than the %" PRIu64 " instructions it may take", place,
                          s->limits.instructions);
     if (s->passed == TIME)
-        return error_set(err, status, "%s: runs for more than the %g seconds it may take", place,
+        return error_set(err, status, "%s: runs for more than the %g s it may take", place,
                          s->budget.seconds);
-    return error_set(err, status, "%s: needs more than the %zu KiB of memory it may take", place,
-                     s->limits.memory_bytes >> 10);
+    return error_set(err, status, "%s: needs more than the %s of memory it may take", place,
+                     budget_memory(s->limits.memory_bytes).chars);
 }
 
 // Takes the error value off the stack and makes a line of it.

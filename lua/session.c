@@ -59,10 +59,37 @@ static bool load(session *s, const char *name, const char *chars, size_t n, duet
     return ok;
 }
 
+// The global of the whole language whose lack a message tells of; NULL: none.
+static const char *find_missing(const char *says)
+{
+    static const char *const names[] = {
+        "collectgarbage", "coroutine", "debug",        "dofile",  "getmetatable", "io",
+        "load",           "loadfile",  "os",           "package", "rawequal",     "rawget",
+        "rawlen",         "rawset",    "setmetatable", "warn",    "pcall",        "xpcall"};
+    char lack[64];
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        snprintf(lack, sizeof lack, "a nil value (global '%s')", names[i]);
+        if (strstr(says, lack))
+            return names[i];
+    }
+    return NULL;
+}
+
+static bool call_untrusted(session *s, int n_arguments, int n_results, duet_error *err)
+{
+    duet_error why = {0};
+    if (script_call(s->script, n_arguments, n_results, &why))
+        return true;
+    const char *missing = find_missing(why.text);
+    return missing
+               ? error_set(err, why.status, "%s; 'duet lua --trust' gives '%s'", why.text, missing)
+               : error_copy(err, &why);
+}
+
 static bool call(session *s, int n_arguments, int n_results, duet_error *err)
 {
     if (s->script)
-        return script_call(s->script, n_arguments, n_results, err);
+        return call_untrusted(s, n_arguments, n_results, err);
     budget none = {.deadline_ns = UINT64_MAX, .host_bytes = SIZE_MAX};
     budget_enter(&none);
     int status = lua_pcall(s->lua, n_arguments, n_results, 0);

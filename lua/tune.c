@@ -87,6 +87,7 @@ static const member def_members[] = {
     OPTION(member_bool, fresh),
     OPTION(member_string, strategy),
     OPTION(member_string, strategy_lua),
+    OPTION(member_string, strategy_name),
     OPTION(member_string, search),
     OPTION(member_string, query),
     OPTION(member_count, items),

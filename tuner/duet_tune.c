@@ -11,8 +11,8 @@
 #include "tuner/level_costs.h"
 #include "tuner/measure_query.h"
 #include "tuner/record.h"
-#include "tuner/sorted_pairs.h"
 #include "tuner/search.h"
+#include "tuner/sorted_pairs.h"
 #include "tuner/trial_budget.h"
 #include "tuner/tune.h"
 #include "tuner/tuning.h"
@@ -74,9 +74,9 @@ static bool check_budget(const duet_tune_def *def, duet_error *err)
     uint32_t least = trial_budget_least(def);
     return def->budget_trials == 0 || def->budget_trials >= least ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "a budget of %u trials ends before a verdict; expected at least %u, or fewer "
+                     "a budget of %u %s ends before a verdict; expected at least %u, or fewer "
                      "variants or modes",
-                     def->budget_trials, least);
+                     def->budget_trials, def->budget_trials == 1 ? "trial" : "trials", least);
 }
 
 // "kernels", or the name of one that there is.
@@ -222,7 +222,8 @@ static bool open_script(tuning_resources *h, duet_error *err)
 {
     if (!h->def.strategy_lua)
         return true;
-    h->script = strategy_lua_open("strategy", h->def.strategy_lua, err);
+    h->script = strategy_lua_open(h->def.strategy_name ? h->def.strategy_name : "strategy",
+                                  h->def.strategy_lua, err);
     return h->script;
 }
 

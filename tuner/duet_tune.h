@@ -38,10 +38,11 @@ typedef struct duet_tune_def {
     uint64_t items;    // of the query, drawn among the objects by the seed; 0: as many as objects
     const char *store; // profile file; NULL: the user's (DUET_PROFILE)
     duet_keep keep;
-    bool ordered;             // the scene's objects are in about duet_world_order's order
-    bool fresh;               // measures again what is finished
-    const char *strategy;     // "balance"; duet_strategy lists them
-    const char *strategy_lua; // of "lua": text of a script that returns a function
+    bool ordered;              // the scene's objects are in about duet_world_order's order
+    bool fresh;                // measures again what is finished
+    const char *strategy;      // "balance"; duet_strategy lists them
+    const char *strategy_lua;  // of "lua": text of a script that returns a function
+    const char *strategy_name; // what messages call that text, as its file; NULL: "strategy"
     const char *search; // "kernels": their parameters too, or one kernel's by its name; NULL: none
     const char *const *variants; // to choose from, for each device
     uint32_t n_variants;         // 0: the default list

@@ -210,6 +210,7 @@ typedef struct bench {
     cJSON *results;
     cJSON *before; // NULL: nothing to compare with
     bool tells;    // tables on stdout
+    bool told;     // one of them is there
     uint32_t failed;
     progress shown;
     uint64_t done; // cases
@@ -283,6 +284,14 @@ static bool measure_plans(bench *b, const bench_scene *which, const duet_scene *
     return ok;
 }
 
+// An empty line between two tables.
+static void begin_block(bench *b)
+{
+    if (b->told)
+        putchar('\n');
+    b->told = true;
+}
+
 // Results of the other plans are printed even if one failed.
 static bool compare_plans(bench *b, const bench_scene *which, const duet_scene *scene,
                           duet_error *err)
@@ -290,8 +299,10 @@ static bool compare_plans(bench *b, const bench_scene *which, const duet_scene *
     bool ok = measure_plans(b, which, scene, err);
     bench_compare(b->results, b->before);
     progress_hide(&b->shown);
-    if (b->tells)
+    if (b->tells) {
+        begin_block(b);
         bench_print_scene(b->results, duet_scene_get_info(scene)->name, b->before);
+    }
     return ok;
 }
 
@@ -307,8 +318,8 @@ static bool measure_levels(bench *b, const duet_scene *scene, duet_error *err)
     level_costs_report r = {duet_scene_get_info(scene), b->pair, &p};
     cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "accuracy"), level_costs_report_json(&r));
     if (b->tells) {
+        begin_block(b);
         level_costs_report_text(&r);
-        putchar('\n');
     }
     return true;
 }
@@ -326,9 +337,9 @@ static bool measure_effects(bench *b, const duet_scene *scene, duet_error *err)
                          costs_report_json(&c, info, b->pair));
     progress_hide(&b->shown);
     if (b->tells) {
+        begin_block(b);
         printf("%s, %s that move\n", info->name, table_things(info->n, "object", "objects").chars);
         costs_report_text(&c);
-        putchar('\n');
     }
     return true;
 }
@@ -359,7 +370,8 @@ static bool finish(bench *b, duet_error *err)
     if (b->args->json) {
         ok = say_json(b->results, err) && ok;
         b->results = NULL;
-    } else if (b->tells) {
+    } else if (b->tells && b->before) {
+        begin_block(b);
         bench_print_verdicts(b->results, b->before);
     }
     return ok;
@@ -399,14 +411,37 @@ static bool measure_scenes(bench *b, duet_error *err)
                                    b->args->scene));
 }
 
+static uint32_t count_results(const bench *b)
+{
+    static const char *const lists[] = {"cases", "accuracy", "effects"};
+    int n = 0;
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i)
+        n += cJSON_GetArraySize(cJSON_GetObjectItem(b->results, lists[i]));
+    return (uint32_t)n;
+}
+
+// The last line of a run that was stopped says what its file holds.
+static void tell_stopped(const bench *b, uint32_t n, duet_error *err)
+{
+    if (err->status != DUET_STATUS_INTERRUPTED || !b->args->out || options_is_stdout(b->args->out))
+        return;
+    *err = (duet_error){0};
+    error_set(err, DUET_STATUS_INTERRUPTED, "stopped; %s holds %s", b->args->out,
+              table_things(n, "case", "cases").chars);
+}
+
 static bool measure_all(bench *b, duet_error *err)
 {
     b->results = bench_begin(b->pair, b->args->quick);
     bool ok = measure_scenes(b, err);
     char slower[BENCH_NAME];
     uint32_t n_slower = 0;
+    uint32_t n_results = count_results(b);
     bool any_slower = bench_first_slower(b->results, slower, &n_slower);
-    ok = finish(b, ok ? err : NULL) && ok;
+    bool written = finish(b, ok ? err : NULL);
+    if (written && !ok)
+        tell_stopped(b, n_results, err);
+    ok = written && ok;
     if (ok && b->failed > 0)
         ok = error_set(err, DUET_STATUS_DEVICE_FAILED, "%u plans failed", b->failed);
     if (ok && any_slower)

@@ -81,12 +81,12 @@ static void print(const duet_world *world, const duet_device_pair *pair)
     for (int side = 0; side < 2; ++side) {
         if (!world->prepared[side])
             continue;
-        printf("%s%s%s, kernels '%s'\n\n", one ? "" : sides[side], one ? "" : "  ",
+        printf("%s%s%s%s, kernels '%s'\n\n", side == 1 && world->prepared[0] ? "\n" : "",
+               one ? "" : sides[side], one ? "" : "  ",
                duet_device_pair_get_info(pair, side)->selector, variants[side]);
         print_facts(world, side);
         printf("\n");
         print_kernels(world, side);
-        printf("\n");
     }
 }
 

@@ -78,9 +78,10 @@ static void note_whole(text *notes, const profile_entry *e)
 {
     const profile_row *row = &e->row;
     if (row->whole_ns > 0 && row->whole_gain_high < 0)
-        text_add(notes, "%.*s: %s\n", UID_SHOWN, e->uid,
-                 table_whole(e->a.name, row->whole_gain, row->whole_gain_low, row->whole_gain_high)
-                     .chars);
+        text_add(
+            notes, "%.*s: %s\n", UID_SHOWN, e->uid,
+            table_whole(e->a.name, NULL, row->whole_gain, row->whole_gain_low, row->whole_gain_high)
+                .chars);
 }
 
 static void print_rows(listing *l)

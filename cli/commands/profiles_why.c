@@ -46,6 +46,7 @@ typedef struct answer {
     text why; // a line for each grade
     duet_plan fallback;
     bool one_device;
+    char whole[80]; // the selector of the device that A is a part of, or is
 } answer;
 
 // With many millions of objects it takes seconds.
@@ -119,8 +120,8 @@ static void print_grades(const char *why)
 static table_text whole_text(const answer *a)
 {
     const profile_found *found = &a->found;
-    return table_whole(a->asked.pair.a.device.name, found->whole_gain, found->whole_gain_low,
-                       found->whole_gain_high);
+    return table_whole(a->asked.pair.a.device.name, a->whole, found->whole_gain,
+                       found->whole_gain_low, found->whole_gain_high);
 }
 
 static void print_text(const answer *a)
@@ -214,12 +215,14 @@ static bool run(void *given, char **operands, duet_error *err)
     answer a = {0};
     duet_world *world = NULL;
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
-    duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
+    duet_scene *scene = pair ? inputs_load_objects(operands[0], &args->scene, err) : NULL;
     bool ok = scene;
     if (ok) {
         duet_world_def def = duet_scene_world_def(scene, pair);
         a.fallback = duet_default_plan(pair);
         a.one_device = duet_device_pair_is_one(pair);
+        const char *selector = duet_device_pair_get_info(pair, 0)->selector;
+        snprintf(a.whole, sizeof a.whole, "%.*s", (int)strcspn(selector, "["), selector);
         world = inputs_change_level(&args->level, &def, err) ? duet_world_create(&def, err) : NULL;
         ok = world && read_subject(world, scene, &a.asked, err);
     }

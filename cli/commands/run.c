@@ -232,7 +232,9 @@ static bool run_world(const arguments *args, const duet_scene *scene, const uint
                     .ordered = args->ordered};
     bool ok = choose_plan(args, scene, world, &r, err);
     duet_level level = duet_world_get_level(world);
+    duet_accuracy accuracy;
     r.level = duet_level_get_info(level)->name;
+    r.accuracy_given = inputs_accuracy_given(&args->level, &accuracy);
     ok = ok && timed_run(&t, world, scene, (uint32_t)args->repeat, sends(args), err);
     ok = ok && (!ids || find_own_hash(&t, ids, err));
     ok = ok && use_pairs(args, scene, ids, level, &t.last, &r.check, err);

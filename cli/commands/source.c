@@ -3,6 +3,7 @@
 // device's compiler takes all of it.
 #define _POSIX_C_SOURCE 200809L
 #include "base/error.h"
+#include "base/nearest.h"
 #include "base/rng.h"
 #include "cli/commands.h"
 #include "cli/inputs.h"
@@ -397,6 +398,21 @@ static bool open_device(const char *selector, device *d, duet_error *err)
     return ok;
 }
 
+static bool check_name(gen *g, const char *name, duet_error *err)
+{
+    nearest n = nearest_begin(name);
+    for (uint32_t i = 0; gen_kernel(g, i); ++i) {
+        if (strcmp(gen_kernel(g, i), name) == 0)
+            return true;
+        nearest_try(&n, gen_kernel(g, i));
+    }
+    if (n.name)
+        return error_set(err, DUET_STATUS_NOT_FOUND, "no kernel '%s'; did you mean '%s'?", name,
+                         n.name);
+    return error_set(err, DUET_STATUS_NOT_FOUND,
+                     "no kernel '%s'; 'duet source --list' lists those there are", name);
+}
+
 static bool run(void *given, char **operands, duet_error *err)
 {
     const arguments *args = given;
@@ -404,7 +420,7 @@ static bool run(void *given, char **operands, duet_error *err)
     device d = {0};
     gen_limits limits = small_gpu;
     gen *g = gen_open(duet_default_device_pair_def().kernel_dir, err);
-    bool ok = g;
+    bool ok = g && (!only || check_name(g, only, err));
     if (ok && (args->device || args->check)) {
         ok = open_device(args->device, &d, err);
         limits = program_limits(&d.info);

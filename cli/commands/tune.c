@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "cli/inputs.h"
 #include "cli/report/tune_report.h"
+#include "tuner/search.h"
 #include "tuner/tune_config.h"
 
 #include <stdio.h>
@@ -238,6 +239,7 @@ static duet_tune_def make_def(const arguments *args, const tune_config *config, 
     def.keep = args->keep ? DUET_KEEP_ALWAYS : DUET_KEEP_DEFAULT;
     def.strategy = config->strategy ? config->strategy : def.strategy;
     def.strategy_lua = config->strategy_lua;
+    def.strategy_name = args->strategy_path ? args->strategy_path : args->config;
     def.script = args->config ? text_chars(&config->text) : NULL;
     def.search = config->search;
     def.variants = config->variants;
@@ -263,7 +265,7 @@ static duet_scene *load_scene(const arguments *args, const config_workload *w, d
     scene.n = w->n < 0 ? UINT64_MAX : (uint64_t)w->n;
     for (uint32_t i = 0; i < w->n_settings && scene.settings.n < OPTION_LIST_MOST; ++i)
         scene.settings.items[scene.settings.n++] = w->settings[i];
-    return inputs_load_scene(w->scene, &scene, err);
+    return inputs_load_objects(w->scene, &scene, err);
 }
 
 static bool put_in_order(const duet_tune_def *def, duet_scene *scene, duet_error *err)
@@ -311,6 +313,11 @@ static bool check_query(const config_workload *w, const duet_device_pair *pair, 
 
 static bool check_strategy(const arguments *args, const duet_device_pair *pair, duet_error *err)
 {
+    search s;
+    if (args->strategy && !search_begin(&s, args->strategy, NULL, err))
+        return false;
+    if (args->strategy)
+        search_end(&s);
     return !duet_device_pair_is_one(pair) || (!args->strategy && !args->strategy_path) ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "--strategy%s: %s is one device and has no share to search; expected --pair "

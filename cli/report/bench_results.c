@@ -356,7 +356,6 @@ void bench_print_scene(const cJSON *results, const char *scene, const cJSON *bef
         case_row(&t, one, shared, before != NULL);
     }
     table_print(&t, stdout);
-    putchar('\n');
     fflush(stdout);
 }
 

@@ -214,8 +214,8 @@ static void add_result(table *t, const profile_entry *e)
         table_cell(t, "%u", row->rounds);
     }
     if (row->whole_ns > 0) {
-        table_text whole =
-            table_whole(e->a.name, row->whole_gain, row->whole_gain_low, row->whole_gain_high);
+        table_text whole = table_whole(e->a.name, NULL, row->whole_gain, row->whole_gain_low,
+                                       row->whole_gain_high);
         table_words(t, "whole", NULL);
         table_cell(t, "%.4f ms; %s", row->whole_ns * 1e-6, say_name(whole.chars).chars);
     }

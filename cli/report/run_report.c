@@ -82,6 +82,15 @@ static void print_profile(const run_report *r)
                    .chars);
 }
 
+// Only a profile knows which level is accurate enough.
+static void print_level(const run_report *r)
+{
+    if (r->accuracy_given && (r->plan_given || r->profile.grade >= DUET_GRADE_STALE))
+        printf("level: %s, since no profile says that a cheaper one is accurate enough;\n"
+               "'duet tune' with the same --missed and --false-rate measures that\n",
+               r->level);
+}
+
 enum { STAGES_MOST = 64 };
 
 // Stages of one name, and the time that each device spent on them.
@@ -200,11 +209,12 @@ static void print_totals(const timed *m, const char *level, bool one)
 void run_report_check(const reference_check *check)
 {
     if (reference_check_is_right(check))
-        printf("check: the same %s pairs as the plain C reference\n",
-               table_count(check->reference).chars);
+        printf("check: the same %s as the plain C reference\n",
+               table_things(check->reference, "pair", "pairs").chars);
     else
-        printf("check: WRONG: of the reference's %s pairs %s are missing, and %s are too many\n",
-               table_count(check->reference).chars, table_count(check->missing).chars,
+        printf("check: WRONG: %s of the reference's %s missing, and %s too many\n",
+               table_count(check->missing).chars,
+               table_things(check->reference, "pair", "pairs").chars,
                table_count(check->extra).chars);
 }
 
@@ -282,14 +292,21 @@ void run_report_add_check(cJSON *o, const reference_check *check)
 
 // ---------------------------------------------------------------- the whole
 
-void run_report_text(const run_report *r)
+static void print_step(const run_report *r)
 {
-    run_report_scene(r->scene);
     print_grid(r->scene, &r->timed->last);
     run_report_devices(r->pair, r->plan);
+    print_level(r);
     print_profile(r);
     print_stages(timed_staged(r->timed), is_one(r->pair, r->plan));
     print_totals(r->timed, r->level, is_one(r->pair, r->plan));
+}
+
+void run_report_text(const run_report *r)
+{
+    run_report_scene(r->scene);
+    if (r->scene->n > 0)
+        print_step(r);
     if (r->check.asked)
         run_report_check(&r->check);
 }

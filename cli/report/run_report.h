@@ -21,6 +21,7 @@ typedef struct run_report {
     const duet_plan *plan;
     const char *level;    // of accuracy
     bool plan_given;      // on the command line
+    bool accuracy_given;  // there, too: a profile may have chosen a level by it
     duet_profile profile; // what the plan comes from, unless it was given
     const timed *timed;
     bool resident;

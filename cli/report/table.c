@@ -283,13 +283,14 @@ static double lead_of_other(double gain)
     return 100 * (1 / (1 + gain) - 1);
 }
 
-table_text table_whole(const char *name, double gain, double low, double high)
+table_text table_whole(const char *name, const char *selector, double gain, double low, double high)
 {
     table_text t;
     if (high < 0)
         snprintf(t.chars, sizeof t.chars,
-                 "%.40s undivided is %.1f %% faster (%.1f to %.1f): open it as one device", name,
-                 lead_of_other(gain), lead_of_other(high), lead_of_other(low));
+                 "%.40s undivided is %.1f %% faster (%.1f to %.1f): use --pair %.30s", name,
+                 lead_of_other(gain), lead_of_other(high), lead_of_other(low),
+                 selector ? selector : "with it alone");
     else if (low > 0)
         snprintf(t.chars, sizeof t.chars, "%.1f %% faster than %.40s undivided (%.1f to %.1f)",
                  100 * gain, name, 100 * low, 100 * high);

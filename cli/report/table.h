@@ -46,8 +46,10 @@ table_text table_bytes(uint64_t bytes);
 // what sharing would gain, which is why it does.
 table_text table_gain(uint32_t share, double gain, double low, double high, const char *verdict);
 
-// How the undivided device compares with a plan that gains so much over it.
-table_text table_whole(const char *name, double gain, double low, double high);
+// How the undivided device compares with a plan that gains so much over it. selector: what
+// --pair takes for it; NULL: not known here.
+table_text table_whole(const char *name, const char *selector, double gain, double low,
+                       double high);
 
 // A bar of at most width (<= 40) characters, as long as part (0..1) of it.
 table_text table_bar(double part, int width);

@@ -206,11 +206,7 @@ static void add_table_row(table *t, const cJSON *row)
     if (is_shared(row))
         table_cell(t, "A %.2f %%", 100 * json_number(row, "share"));
     else
-        table_words(t,
-                    json_true(row, "one_device") ? "one device"
-                    : share_of(row) == 0         ? "B alone"
-                                                 : "A alone",
-                    NULL);
+        table_words(t, share_of(row) == 0 ? "B alone" : "A alone", NULL);
     table_cell(t, "%.3f", json_number(row, "step_ms"));
     if (is_shared(row)) {
         table_cell(t, "%+.1f", 100 * json_number(row, "gain"));
@@ -276,8 +272,9 @@ static void print_details(const cJSON *row)
                    .chars);
     if (json_number(row, "whole_ms") > 0)
         printf("  %s\n",
-               table_whole(json_string(row, "whole"), json_number(row, "whole_gain"),
-                           json_number(row, "whole_gain_low"), json_number(row, "whole_gain_high"))
+               table_whole(json_string(row, "whole"), json_string(row, "whole"),
+                           json_number(row, "whole_gain"), json_number(row, "whole_gain_low"),
+                           json_number(row, "whole_gain_high"))
                    .chars);
     if (!*query)
         print_accuracy(row);
@@ -287,7 +284,7 @@ static void print_details(const cJSON *row)
     print_kernels(row);
 }
 
-static void print_table(const cJSON *workloads)
+static void print_shares(const cJSON *workloads)
 {
     table t = table_begin("llrrrrlr");
     table_words(&t, "workload", "plan", "ms", "gain %", "from", "to", "verdict", "seconds", NULL);
@@ -297,7 +294,35 @@ static void print_table(const cJSON *workloads)
     printf("plan: A's part of the work; B does the rest. ms: a step by this plan.\n"
            "gain: by how much it is faster than the better device alone; it lies between\n"
            "'from' and 'to' with 99 %% confidence.\n");
-    cJSON_ArrayForEach(row, workloads) print_details(row);
+}
+
+// One device has no share, and nothing to gain over: its kernels were chosen.
+static void print_choices(const cJSON *workloads)
+{
+    table t = table_begin("llrr");
+    table_words(&t, "workload", "kernels", "ms", "seconds", NULL);
+    const cJSON *row;
+    cJSON_ArrayForEach(row, workloads)
+    {
+        table_cell(&t, "%.22s", json_string(row, "workload"));
+        table_cell(&t, "%.40s", json_string(row, "variant_b"));
+        table_cell(&t, "%.3f", json_number(row, "step_ms"));
+        table_cell(&t, "%.1f", json_number(row, "seconds"));
+    }
+    table_print(&t, stdout);
+    printf(
+        "kernels: the usual ones of the device, or others that are faster with 99 %% confidence.\n"
+        "ms: a step with them.\n");
+}
+
+static void print_workloads(const tune_report *r)
+{
+    if (r->one)
+        print_choices(r->workloads);
+    else
+        print_shares(r->workloads);
+    const cJSON *row;
+    cJSON_ArrayForEach(row, r->workloads) print_details(row);
 }
 
 bool tune_report_end(tune_report *r, bool ok, duet_error *err)
@@ -309,7 +334,7 @@ bool tune_report_end(tune_report *r, bool ok, duet_error *err)
         return say_json(o, err);
     }
     if (!r->json && cJSON_GetArraySize(r->workloads) > 0)
-        print_table(r->workloads);
+        print_workloads(r);
     cJSON_Delete(r->workloads);
     return true;
 }

@@ -48,8 +48,8 @@ static bool read_origin(const char *path, const duet_setting *settings, uint32_t
             given = strtod(s->value, NULL);
         else
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "%s: '%s' is set, but only a .lua scene has parameters; of data "
-                             "origin=cell and origin_edge can be set",
+                             "%s: '%s' cannot be chosen, since this is data and no .lua scene; "
+                             "only origin=cell and origin_edge can be set",
                              path, s->name);
     }
     *edge = wanted ? given : 0.0;

@@ -184,7 +184,7 @@ static void a_wrong_option_is_wrong_usage(void **state)
     assert_run_refused(2, "paper -n 4294967294",
                        "--objects '4294967294': give a whole number from 0 to 4294967293");
     assert_run_refused(2, "test_bad_input.csv -n 1",
-                       "'n' is set, but only a .lua scene has parameters");
+                       "'n' cannot be chosen, since this is data and no .lua scene");
     remove("test_bad_input.csv");
 }
 
@@ -249,7 +249,8 @@ static void none_and_one_and_two_objects_are_no_error(void **state)
         write_text("test_bad_input.csv", rows[n]);
         program p = program_run("run test_bad_input.csv --repeat 1 --json --pairs " OUT);
         assert_int_equal(p.exit_code, 0);
-        assert_string_equal(p.err, n == 0 ? "duet: test_bad_input: there are no objects\n" : "");
+        assert_string_equal(p.err,
+                            n == 0 ? "duet: note: test_bad_input: there are no objects\n" : "");
         cJSON *report = cJSON_Parse(p.out);
         assert_int_equal(number_in(report, "objects"), n);
         assert_int_equal(number_in(report, "pairs"), n == 2);

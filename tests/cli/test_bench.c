@@ -154,6 +154,24 @@ static void text_says_what_it_was_compared_with(void **state)
     for (size_t i = 0; i < sizeof says / sizeof says[0]; ++i)
         if (!strstr(p.out, says[i]))
             fail_msg("'%s' is missing in\n%s", says[i], p.out);
+    assert_null(strstr(p.out, "\n\n\n"));
+    assert_int_not_equal(strncmp(p.out + strlen(p.out) - 2, "\n\n", 2), 0);
+    program_free(&p);
+}
+
+static void a_stopped_run_says_what_its_file_holds(void **state)
+{
+    (void)state;
+    char says[128];
+    program p = program_run_with("timeout --foreground --preserve-status -s INT 1",
+                                 "bench --quick --repeat 512 -o " OLD);
+    assert_int_equal(p.exit_code, 130);
+    cJSON *o = read_json(OLD);
+    int n = cJSON_GetArraySize(cJSON_GetObjectItem(o, "cases")) +
+            cJSON_GetArraySize(cJSON_GetObjectItem(o, "accuracy"));
+    snprintf(says, sizeof says, "duet: stopped; " OLD " holds %d case%s\n", n, n == 1 ? "" : "s");
+    assert_string_equal(p.err, says);
+    cJSON_Delete(o);
     program_free(&p);
 }
 
@@ -202,6 +220,7 @@ int main(void)
         cmocka_unit_test(an_only_device_has_no_share),
         cmocka_unit_test(the_whole_set_costs_levels_and_effects),
         cmocka_unit_test(text_says_what_it_was_compared_with),
+        cmocka_unit_test(a_stopped_run_says_what_its_file_holds),
         cmocka_unit_test(what_is_no_result_is_refused_in_one_line),
     };
     return cmocka_run_group_tests(tests, measure, remove_files);

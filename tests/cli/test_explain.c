@@ -147,6 +147,7 @@ static void a_still_scene_is_told_as_text(void **state)
     assert_non_null(strstr(p.out, "ROTATED=1"));
     assert_non_null(strstr(p.out, "\nruns "));
     assert_non_null(strstr(p.out, "\nleft out  "));
+    assert_string_not_equal(p.out + strlen(p.out) - 2, "\n\n");
     program_free(&p);
 }
 

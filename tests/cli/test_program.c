@@ -22,6 +22,8 @@ static void help_and_version_are_printed(void **state)
     assert_string_equal(p.out, "duet 1.0.0\n");
     program_free(&p);
     p = program_run("--help");
+    assert_non_null(strstr(p.out, "\nexit status: 0 done, 1 failed (or 'bench --against': slower), "
+                                  "2 wrong usage, 130 interrupted\n"));
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "devices"));
     program_free(&p);
@@ -81,6 +83,9 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"Run x", "there is no subcommand 'Run'; did you mean 'run'?"},
         {"run x -json", "there is no option '-json'; did you mean '--json'?"},
         {"run x --n 3", "there is no option '--n'; did you mean '-n'?"},
+        {"run x -objects 3", "there is no option '-objects'; did you mean '--objects'?"},
+        {"run x -nine", "--objects 'ine': give a whole number"},
+        {"lua -ix", "there is no option '-ix'"},
         {"run x -p", "there is no option '-p'; 'duet run --help' lists"},
         {"run x --resident --transforms", "--resident and --transforms do not go together"},
         {"run x --json --pairs -", "--pairs and --json would both write to stdout"},
@@ -186,6 +191,7 @@ static void a_name_is_a_scene_and_a_path_a_file(void **state)
     test_write_file("still", "0,0,0,1,1,1\n");
     test_write_file("unlike", "0,0,0,1,1,1\n");
     assert_int_equal(objects_of("still -n 20"), 20);
+    assert_int_equal(objects_of("still -n20"), 20);
     assert_int_equal(objects_of("./still"), 1);
     assert_int_equal(objects_of("unlike"), 1);
     remove("still");
@@ -225,11 +231,21 @@ static void an_empty_input_is_told_of(void **state)
     program p = program_run_with(": |", "run - --pairs -");
     assert_int_equal(p.exit_code, 0);
     assert_string_equal(p.out, "");
-    assert_string_equal(p.err, "duet: stdin: there are no objects\n");
+    assert_string_equal(p.err, "duet: note: stdin: there are no objects\n");
     program_free(&p);
+    p = program_run("run paper -n 0"); // nothing was done that a table could tell of
+    assert_int_equal(p.exit_code, 0);
+    assert_string_equal(p.out, "paper: 0 boxes, 3D\n");
+    program_free(&p);
+    static const char *const measuring[] = {"tune paper -n 0", "profiles why paper -n 0"};
+    for (size_t i = 0; i < sizeof measuring / sizeof *measuring; ++i) {
+        p = program_run("%s", measuring[i]);
+        assert_string_equal(p.err, "duet: paper: there are no objects to measure\n");
+        program_assert_refused(&p, 2, "there are no objects to measure");
+    }
     p = program_run_with(": |", "query - -o -");
     assert_string_equal(p.out, "");
-    assert_string_equal(p.err, "duet: stdin: there are no pairs\n");
+    assert_string_equal(p.err, "duet: note: stdin: there are no pairs\n");
     program_free(&p);
 }
 

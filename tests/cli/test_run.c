@@ -132,6 +132,29 @@ static void any_number_of_objects_gives_the_references_pairs(void **state)
     }
 }
 
+static void one_pair_is_no_pairs(void **state)
+{
+    (void)state;
+    program p =
+        program_run_with("printf '0,0,0,1,1,1\\n1,1,1,2,2,2\\n' |", "run - --repeat 1 --check");
+    assert_non_null(strstr(p.out, "check: the same 1 pair as the plain C reference\n"));
+    program_free(&p);
+}
+
+static void an_accuracy_that_no_profile_knows_is_told_of(void **state)
+{
+    (void)state;
+    static const char *const plans[] = {"", "--share 0"};
+    for (size_t i = 0; i < sizeof plans / sizeof *plans; ++i) {
+        program p = program_run("run " SCENE " --repeat 1 --missed 1 %s", plans[i]);
+        assert_non_null(strstr(p.out, "\nlevel: certified, since no profile says that a cheaper"));
+        program_free(&p);
+    }
+    program p = program_run("run " SCENE " --repeat 1");
+    assert_null(strstr(p.out, "level: certified, since"));
+    program_free(&p);
+}
+
 static void the_pairs_file_holds_each_pair_once_ascending(void **state)
 {
     (void)state;
@@ -320,6 +343,8 @@ int main(void)
         cmocka_unit_test(share_is_a_decimal_or_a_fraction),
         cmocka_unit_test(n_and_seed_choose_the_scene),
         cmocka_unit_test(any_number_of_objects_gives_the_references_pairs),
+        cmocka_unit_test(one_pair_is_no_pairs),
+        cmocka_unit_test(an_accuracy_that_no_profile_knows_is_told_of),
         cmocka_unit_test(the_pairs_file_holds_each_pair_once_ascending),
         cmocka_unit_test(objects_in_order_keep_the_ids_of_the_scene),
         cmocka_unit_test(text_names_devices_stages_and_pairs),

@@ -400,6 +400,20 @@ static void a_tune_file_sweeps_with_a_strategy_of_its_own(void **state)
     cJSON_Delete(root);
 }
 
+// No share, and so no column about one.
+static void one_device_is_told_its_kernels(void **state)
+{
+    (void)state;
+    program p = program_run("tune " QUICK SCENE " --pair cpu");
+    assert_int_equal(p.exit_code, 0);
+    assert_int_equal(strncmp(p.out, "workload  ", 10), 0);
+    assert_non_null(strstr(p.out, "  kernels  "));
+    assert_non_null(strstr(p.out, "  auto  "));
+    assert_null(strstr(p.out, "gain"));
+    assert_null(strstr(p.out, "verdict"));
+    program_free(&p);
+}
+
 static void what_is_wrong_on_the_command_line_is_one_line(void **state)
 {
     (void)state;
@@ -411,10 +425,12 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
         {"tune", 2, "give a scene"},
         {"tune " QUICK SCENE " -n 10,x", 2, "--objects '10,x'"},
         {"tune " QUICK SCENE " --pair cpu --strategy grid", 2, "is one device and has no share"},
+        {"tune " QUICK SCENE " --pair cpu --strategy foo", 1, "strategy 'foo': there is none"},
         {"tune --variants nonsense --profile " STORE " " SCENE, 2, "nonsense"},
         {"tune " QUICK " no/such.lua", 1, "no/such.lua"},
         {"tune --profile " SCENE " " SCENE, 1, SCENE},
         {"tune " QUICK SCENE " --trials 12", 2, "a budget of 12 trials ends before a verdict"},
+        {"tune " QUICK SCENE " --trials 1", 2, "a budget of 1 trial ends before a verdict"},
         {"tune " SCENE " --items 9", 2, "--items: give --query"},
         {"tune " SCENE " --query rays --pair cpu", 2, "is one device and has no share"},
         {"tune --config " CONFIG " --query rays", 2, "with --config the file says"},
@@ -441,6 +457,9 @@ static void a_strategy_or_query_that_there_is_not_is_one_line(void **state)
     skip_on_one_device();
     program p = program_run("tune " QUICK SCENE " --strategy guess");
     program_assert_refused(&p, 1, "there are balance, fig12");
+    test_write_file(STRATEGY, "\nreturn function(history) x.y = 1 end\n");
+    p = program_run("tune " QUICK SCENE " --strategy-lua " STRATEGY);
+    program_assert_refused(&p, 1, "duet: " STRATEGY ":2: attempt to index");
     p = program_run("tune " SCENE " --query 'rays both'");
     program_assert_refused(&p, 2, "query 'rays both': expected 'rays closest'");
 }
@@ -500,6 +519,7 @@ int main(void)
         cmocka_unit_test_setup(a_budget_of_trials_is_kept, begin_afresh),
         cmocka_unit_test_setup(kernels_are_searched_once_and_runs_follow, begin_afresh),
         cmocka_unit_test_setup(a_tune_file_sweeps_with_a_strategy_of_its_own, begin_afresh),
+        cmocka_unit_test_setup(one_device_is_told_its_kernels, begin_afresh),
         cmocka_unit_test_setup(what_is_wrong_on_the_command_line_is_one_line, begin_afresh),
         cmocka_unit_test_setup(a_strategy_or_query_that_there_is_not_is_one_line, begin_afresh),
         cmocka_unit_test_setup(what_is_wrong_in_a_tune_file_is_said_with_its_line, begin_afresh),

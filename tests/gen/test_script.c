@@ -86,7 +86,7 @@ static void a_greedy_script_ends_at_its_memory(void **state)
         "return string.pack('!16 c1000000000', '')",
         "local s = ('f(){}'):rep(1e6)",
     };
-    REFUSE_EACH(&tight, chunks, "card.lua:1: needs more than the 4096 KiB of memory");
+    REFUSE_EACH(&tight, chunks, "card.lua:1: needs more than the 4 MiB of memory");
 }
 
 static void a_pattern_that_would_never_end_ends_with_its_line(void **state)
@@ -264,7 +264,7 @@ static void few_instructions_that_move_many_bytes_end_in_time(void **state)
     script *s = sandbox_open(&limits, &err);
     assert_ok(s, err);
     refuse(s, "local s = ('x'):rep(1e6) for i = 1, 1e9 do local t = s:reverse() end",
-           "card.lua:1: runs for more than the 0.2 seconds");
+           "card.lua:1: runs for more than the 0.2 s");
     script_close(s);
 }
 

@@ -177,7 +177,7 @@ static void data_have_no_parameters(void **state)
     duet_error err = {0};
     assert_null(scene_from_bytes(FILE_NAME, "0 0 1 1", 7, &setting, 1, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_non_null(strstr(err.text, "'n' is set, but only a .lua scene has parameters"));
+    assert_non_null(strstr(err.text, "'n' cannot be chosen, since this is data and no .lua scene"));
 }
 
 // Another language's decimal comma must not reach the numbers.
