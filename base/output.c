@@ -320,6 +320,44 @@ bool output_make_folders(const char *path, mode_t mode, text *failed)
     return ok;
 }
 
+static bool is_same(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+// Of two names that no file has.
+static bool is_same_new_place(const char *a, const char *b)
+{
+    text places[2] = {{0}}, folders[2] = {{0}};
+    const char *paths[2] = {a, b};
+    struct stat info[2];
+    bool ok = true;
+    for (int i = 0; i < 2; ++i) {
+        ok = find_place(paths[i], &places[i]) < 0 && text_ok(&places[i], NULL) && ok;
+        add_folder(&folders[i], text_chars(&places[i]));
+        ok = ok && text_ok(&folders[i], NULL) && stat(folders[i].chars, &info[i]) == 0;
+    }
+    ok = ok && is_same(&info[0], &info[1]) &&
+         strcmp(last_name(places[0].chars), last_name(places[1].chars)) == 0;
+    for (int i = 0; i < 2; ++i) {
+        text_free(&places[i]);
+        text_free(&folders[i]);
+    }
+    return ok;
+}
+
+bool output_replaces(const char *read_or_written, const char *path)
+{
+    struct stat first, second;
+    if (strcmp(path, "-") == 0)
+        return false;
+    bool is_stdin = strcmp(read_or_written, "-") == 0;
+    bool is_there = (is_stdin ? fstat(STDIN_FILENO, &first) : stat(read_or_written, &first)) == 0;
+    if (is_there)
+        return S_ISREG(first.st_mode) && stat(path, &second) == 0 && is_same(&first, &second);
+    return !is_stdin && stat(path, &second) != 0 && is_same_new_place(read_or_written, path);
+}
+
 // A pipe or device that may be written. Opening one may wait for a reader, or wind a tape.
 static bool passes_unopened(const char *path)
 {

@@ -41,6 +41,10 @@ bool output_close(output *o, bool keep, duet_error *err);
 // as it is. IO_FAILED else. Pipes and devices that may be written are not opened, and pass.
 bool output_check(const char *path, duet_error *err);
 
+// Whether both paths lead to one plain file, or would if it were made: what is written to the one
+// takes the place of the other. "-" is stdin as the first, and as the second no file.
+bool output_replaces(const char *read_or_written, const char *path);
+
 // Makes the folders that a path lies in, those that are missing. false with errno, and the
 // path of the one that cannot be made in `failed`, an empty text or NULL.
 bool output_make_folders(const char *path, mode_t mode, text *failed);

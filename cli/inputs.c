@@ -245,7 +245,34 @@ bool inputs_plan_given(const plan_options *options)
            options->variants[0] || options->variants[1];
 }
 
-bool inputs_change_plan(const plan_options *options, duet_plan *plan, duet_error *err)
+// Whoever names a device twice, or halves of one that has a single unit, means to share.
+static bool is_one_chosen(const duet_device_pair *pair, const char *selectors)
+{
+    const char *chosen = selectors ? selectors : duet_default_device_pair_def().a;
+    return duet_device_pair_is_one(pair) &&
+           (!chosen || (!strchr(chosen, ',') && strcmp(chosen, "halves") != 0));
+}
+
+static bool refuse_on_one(const char *name, const duet_device_pair *pair, duet_error *err)
+{
+    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "--%s: %s is one device; expected --pair with two, or halves", name,
+                     duet_device_pair_get_info(pair, 0)->selector);
+}
+
+// A mode goes with a share that is given, as 'duet tune' prints plans, also where that is 0.
+static bool check_plan(const plan_options *options, const duet_device_pair *pair,
+                       const char *selectors, duet_error *err)
+{
+    bool is_given = options->share != UINT32_MAX;
+    bool shares = is_given && options->share > 0 && options->share < DUET_SHARE_ONE;
+    if ((!shares && (is_given || !options->mode)) || !is_one_chosen(pair, selectors))
+        return true;
+    return refuse_on_one(shares ? "share" : "mode", pair, err);
+}
+
+bool inputs_change_plan(const plan_options *options, const duet_device_pair *pair,
+                        const char *selectors, duet_plan *plan, duet_error *err)
 {
     if (options->share != UINT32_MAX)
         plan->share = options->share;
@@ -254,5 +281,5 @@ bool inputs_change_plan(const plan_options *options, duet_plan *plan, duet_error
     ok = ok && change_variant(options->variant, plan->variant_b, err);
     ok = ok && change_variant(options->variants[0], plan->variant_a, err);
     ok = ok && change_variant(options->variants[1], plan->variant_b, err);
-    return ok;
+    return ok && check_plan(options, pair, selectors, err);
 }

@@ -34,7 +34,7 @@ typedef struct plan_options {
 #define SCENE_OPTION_ROWS(member)                                                            \
     OPTION_COUNT("objects", member.n, "N",                                                   \
                  "number of objects, as 1000 or 250k, where the scene lets it be chosen", 0, \
-                 UINT32_MAX),                                                                \
+                 DUET_MOST_OBJECTS),                                                         \
         OPTION_COUNT("seed", member.seed, "S", "seed of the scene's random numbers", 0,      \
                      UINT32_MAX),                                                            \
         OPTION_SETTINGS("set", member.settings, "K=V",                                       \
@@ -124,7 +124,9 @@ duet_scene *inputs_load_pairs(const char *path, duet_error *err);
 bool inputs_find_reference(const duet_scene *scene, duet_level level, duet_pair **pairs,
                            uint64_t *n, duet_error *err);
 bool inputs_plan_given(const plan_options *options); // anything of a plan
-// Puts what was given into the plan. BAD_ARGUMENT for an unknown mode.
-bool inputs_change_plan(const plan_options *options, duet_plan *plan, duet_error *err);
+// Puts what was given into the plan. BAD_ARGUMENT for an unknown mode, and for what does nothing
+// with the pair, which inputs_open_pair opened with these selectors. NULL: it is not known yet.
+bool inputs_change_plan(const plan_options *options, const duet_device_pair *pair,
+                        const char *selectors, duet_plan *plan, duet_error *err);
 
 #endif

@@ -30,6 +30,7 @@ static _Atomic bool at_once;
 static _Atomic bool told;
 static _Atomic bool told_waiting;
 static sigset_t heard; // by the guard
+static int also_heard; // 0: no other signal
 
 static void note(int number)
 {
@@ -85,6 +86,16 @@ void interrupt_at_once(bool tells)
 {
     atomic_store(&told, !tells);
     atomic_store(&at_once, true);
+}
+
+void interrupt_note(void)
+{
+    atomic_store(&at_once, false);
+}
+
+void interrupt_hear(int number)
+{
+    also_heard = number;
 }
 
 // ---------------------------------------------------------------- the end
@@ -205,8 +216,10 @@ void interrupt_watch(void)
     struct sigaction before;
     sigemptyset(&action.sa_mask);
     sigemptyset(&heard);
-    const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    const int numbers[] = {SIGINT, SIGTERM, SIGHUP, also_heard};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
+        if (numbers[i] == 0)
+            continue;
         if (numbers[i] == SIGHUP &&
             (sigaction(SIGHUP, NULL, &before) != 0 || before.sa_handler == SIG_IGN))
             continue;

@@ -27,6 +27,9 @@ bool interrupt_check(duet_error *err);
 // default they do not.
 void interrupt_pass(bool passes);
 
+// Has a signal of this number mean the same. Before interrupt_watch.
+void interrupt_hear(int number);
+
 // From here on a person types commands: Ctrl-C ends the one that runs. If it must be waited for, a
 // line says so, and a second Ctrl-C meanwhile ends the program.
 void interrupt_wait(void);
@@ -34,6 +37,9 @@ void interrupt_wait(void);
 // From here on a signal ends the program at once. Without tells there is no line: the process that
 // started this one sent the signal, and waits for it.
 void interrupt_at_once(bool tells);
+
+// From here on it is noted again, as it is at first.
+void interrupt_note(void);
 
 // A line has said that the program was stopped.
 void interrupt_told(void);

@@ -22,6 +22,7 @@
 
 enum { PAUSE_MS = 20, START_S = 60, LAST_SIGNAL = 31 };
 
+#define STOP_NS 1000000000u  // for ranks that are asked to stop
 #define GRACE_NS 5000000000u // between a signal that asks and one that does not
 
 typedef struct job {
@@ -31,6 +32,7 @@ typedef struct job {
     int err_pipe;      // its stderr; -1: closed
     int status;        // that waitpid tells
     uint64_t start_ns; // by when ranks are to have begun; 0: there is no limit
+    uint64_t stop_ns;  // when ranks were asked to stop; 0: not
     uint64_t asked_ns; // when it was asked to end; 0: not
     unsigned long patience_s;
 } job;
@@ -82,6 +84,8 @@ static bool spawn(job *j, duet_error *err)
         return error_set(err, DUET_STATUS_IO_FAILED, "mpirun: a pipe: %s", strerror(errno));
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+    if (!j->what->reads_stdin)
+        posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     interrupt_pass(true);
     int code = posix_spawnp(&j->mpirun, j->what->argv[0], &actions, NULL, j->what->argv, environ);
     interrupt_pass(false);
@@ -118,11 +122,21 @@ static bool relay(job *j, int wait_ms)
     return n > 0;
 }
 
+// Ranks that are at work tell what they have done; others end.
+static void ask_to_stop(job *j)
+{
+    if (j->stop_ns > 0 || !interrupt_asked())
+        return;
+    kill(j->mpirun, MPIRUN_STOPS);
+    j->stop_ns = clock_steady_ns();
+}
+
 static void ask_to_end(job *j)
 {
     uint64_t now = clock_steady_ns();
-    bool late = j->start_ns > 0 && !j->says.begun && now > j->start_ns;
-    if (j->asked_ns == 0 && (late || interrupt_asked())) {
+    bool late = (j->start_ns > 0 && !j->says.begun && now > j->start_ns) ||
+                (j->stop_ns > 0 && now - j->stop_ns > STOP_NS);
+    if (j->asked_ns == 0 && late) {
         kill(j->mpirun, SIGTERM);
         j->asked_ns = now;
     } else if (j->asked_ns > 0 && now - j->asked_ns > GRACE_NS) {
@@ -135,6 +149,7 @@ static bool wait_for(job *j)
     pid_t ended;
     while ((ended = waitpid(j->mpirun, &j->status, WNOHANG)) == 0) {
         relay(j, PAUSE_MS);
+        ask_to_stop(j);
         ask_to_end(j);
     }
     while (relay(j, 0))
@@ -205,8 +220,8 @@ static bool explain(const job *j, int *status, duet_error *err)
 {
     int code = WIFEXITED(j->status) ? WEXITSTATUS(j->status) : 0;
     *status = code == 0 ? EXIT_OK : code - MPIRUN_TOLD;
-    if (interrupt_asked())
-        return interrupt_check(err);
+    if (interrupt_asked() || j->says.stopped)
+        return error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
     if (j->asked_ns > 0)
         return error_set(err, DUET_STATUS_IO_FAILED,
                          "the ranks on %s have not begun within %lu s; expected machines that ssh "

@@ -6,14 +6,20 @@
 
 #include "cli/mpirun_says.h"
 
+#include <signal.h>
+
 // Set for these ranks: they end with MPIRUN_TOLD more than their exit status, unless that is 0, so
 // that it is known that a line was told. "terminal": lines go to one, through a pipe.
 #define MPIRUN_STARTED "DUET_CLUSTER_STARTED"
 enum { MPIRUN_TOLD = 64 };
 
+// Asks a rank to stop where it is best, and any mpirun passes it on.
+#define MPIRUN_STOPS SIGUSR2
+
 typedef struct mpirun_job {
     char **argv;       // of mpirun, itself first, and NULL last
     const char *hosts; // machines that it is to reach; NULL: this one
+    bool reads_stdin;  // which is else left to who called
     bool verbose;      // MPI's own lines are shown, too
 } mpirun_job;
 

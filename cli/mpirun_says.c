@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Open MPI's own lines begin with "[host:pid] " or "[host][[job,rank],..." or stand between two
-// lines of dashes. They come in between those of ranks, and behind progress that has no line's end.
-// Lines that begin with "duet" are of ranks, wherever they come.
+// Open MPI's own lines begin with "[host:pid] ", "[host][[job,rank],..." or "mpirun: ", or stand
+// between two lines of dashes. They come in between those of ranks, and behind progress that has no
+// line's end. Lines that begin with "duet" are of ranks, wherever they come.
 #include "cli/mpirun_says.h"
 
 #include "base/visible.h"
@@ -17,6 +17,7 @@ typedef enum verdict { NO, MAYBE, YES } verdict;
 
 // How lines of ranks begin, and what clears a line of progress: of one length.
 static const char ours[] = "duet", clear[] = "\r\033[K";
+static const char own_name[] = "mpirun: ";
 
 enum { MARK = sizeof ours - 1, RULE = 40 }; // dashes; Open MPI's lines have more
 
@@ -53,9 +54,18 @@ static verdict is_tagged(const char *line, size_t n)
     return strncmp(end, "] ", left < 2 ? left : 2) != 0 ? NO : left < 2 ? MAYBE : YES;
 }
 
+// As mpirun tells of signals.
+static verdict is_named(const char *line, size_t n)
+{
+    size_t all = sizeof own_name - 1;
+    return strncmp(line, own_name, n < all ? n : all) != 0 ? NO : n < all ? MAYBE : YES;
+}
+
 static verdict is_mpis(const char *line, size_t n)
 {
-    return n == MPIRUN_LINE ? NO : (*line == '[' ? is_tagged : is_rule)(line, n);
+    if (n == MPIRUN_LINE)
+        return NO;
+    return (*line == '[' ? is_tagged : *line == '-' ? is_rule : is_named)(line, n);
 }
 
 // ---------------------------------------------------------------- what a line tells
@@ -112,7 +122,7 @@ static bool is_for_nobody(const mpirun_says *s)
     return s->in_block || !s->begun;
 }
 
-// A line that is no rule goes out up to the next '['.
+// A line that is no rule goes out up to the next '[' or 'm'.
 static void judge_inside(mpirun_says *s, text *out)
 {
     verdict v = s->state == MAY_BE_MPIS ? is_mpis(s->line, s->n) : NO;
@@ -120,7 +130,8 @@ static void judge_inside(mpirun_says *s, text *out)
         s->state = IS_MPIS;
     if (v != NO)
         return;
-    size_t opens = s->line[s->n - 1] == '[';
+    char last = s->line[s->n - 1];
+    size_t opens = last == '[' || last == *own_name;
     let_out(s, s->n - opens, out);
     s->state = opens ? MAY_BE_MPIS : PASSES;
 }
@@ -135,7 +146,7 @@ static void judge_begin(mpirun_says *s, text *out)
     } else if (is_for_nobody(s) && *s->line != '\r') {
         s->state = IS_MPIS;
     } else {
-        s->state = *s->line == '-' ? MAY_BE_MPIS : PASSES;
+        s->state = *s->line == '-' || *s->line == *own_name ? MAY_BE_MPIS : PASSES;
         judge_inside(s, out);
     }
 }
@@ -176,6 +187,10 @@ void mpirun_hear(mpirun_says *s, const char *bytes, size_t n, text *out)
     for (size_t i = 0; i < n; ++i) {
         if (bytes[i] == *MPIRUN_BEGUN) {
             s->begun = true;
+            continue;
+        }
+        if (bytes[i] == *MPIRUN_STOPPED) {
+            s->stopped = true;
             continue;
         }
         if (bytes[i] == '\0') // with which Open MPI 5 ends its blocks

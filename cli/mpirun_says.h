@@ -9,6 +9,9 @@
 // Rank 0 writes this byte once all ranks are there. What comes before it is of those that start
 // them.
 #define MPIRUN_BEGUN "\x06"
+// And this one where all ranks have stopped because one was asked to. They then end as if all were
+// well: mpirun is slow to end a job that failed.
+#define MPIRUN_STOPPED "\x18"
 
 enum { MPIRUN_LINE = 512 };
 
@@ -16,6 +19,7 @@ enum { MPIRUN_LINE = 512 };
 typedef struct mpirun_says {
     bool passes_all; // MPI's lines, too
     bool begun;
+    bool stopped;
     bool names_rank;       // that a signal has ended
     unsigned long rank;    // this one
     char host[256];        // where it was, or the machine that was lost; "": neither was said

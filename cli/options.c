@@ -151,7 +151,9 @@ static bool set_value(const command_line *line, const option *o, const char *wri
         *(bool *)at = true;
         return true;
     case KIND_TEXT:
+    case KIND_INPUT:
     case KIND_OUTPUT:
+    case KIND_LATER:
         *(const char **)at = written;
         return true;
     case KIND_SETTINGS:
@@ -315,6 +317,46 @@ static bool check_stdout(const command_line *line, const given_options *given, c
     return true;
 }
 
+// The file that an option of the kind, or of `or_kind`, names; NULL: it is of another or not given.
+static const char *file_of(const option *o, const void *args, option_kind kind, option_kind or_kind)
+{
+    const char *at = (const char *)args + o->at;
+    return o->kind == kind || o->kind == or_kind ? *(const char *const *)at : NULL;
+}
+
+// One output against what is read and the outputs of rows before it.
+static bool check_place(const command_line *line, const option *out, const char *path,
+                        const void *args, char **operands)
+{
+    bool is_read = false;
+    const option *also = NULL;
+    for (char **operand = operands; *operand; ++operand)
+        is_read = is_read || output_replaces(*operand, path);
+    for (const option *o = line->options; o->name; ++o) {
+        const char *input = file_of(o, args, KIND_INPUT, KIND_INPUT);
+        const char *before = o < out ? file_of(o, args, KIND_OUTPUT, KIND_LATER) : NULL;
+        is_read = is_read || (input && output_replaces(input, path));
+        also = before && output_replaces(before, path) ? o : also;
+    }
+    if (is_read)
+        say_wrong(line->name, "--%s %s would overwrite what is read", out->name,
+                  say_name(path).chars);
+    else if (also)
+        say_wrong(line->name, "--%s and --%s would both write %s", also->name, out->name,
+                  say_name(path).chars);
+    return !is_read && !also;
+}
+
+static bool check_places(const command_line *line, const void *args, char **operands)
+{
+    for (const option *o = line->options; o->name; ++o) {
+        const char *path = file_of(o, args, KIND_OUTPUT, KIND_LATER);
+        if (path && !check_place(line, o, path, args, operands))
+            return false;
+    }
+    return true;
+}
+
 static bool check_rules(const command_line *line, const given_options *given)
 {
     for (const option_rule *r = line->rules; r && r->option; ++r) {
@@ -384,14 +426,13 @@ static bool parse(const command_line *line, int argc, char **argv, void *args, p
     }
     p->operands[p->n] = NULL;
     return check_operands(line, p->n, p->operands) && check_rules(line, &given) &&
-           check_stdout(line, &given, args);
+           check_stdout(line, &given, args) && check_places(line, args, p->operands);
 }
 
 static bool check_outputs(const command_line *line, const void *args, duet_error *err)
 {
     for (const option *o = line->options; o->name; ++o) {
-        const char *at = (const char *)args + o->at;
-        const char *path = o->kind == KIND_OUTPUT ? *(const char *const *)at : NULL;
+        const char *path = file_of(o, args, KIND_OUTPUT, KIND_OUTPUT);
         if (path && !output_check(path, err))
             return false;
     }

@@ -17,7 +17,9 @@
 typedef enum option_kind {
     KIND_FLAG,     // bool
     KIND_TEXT,     // const char *
+    KIND_INPUT,    // const char *, a file to read, as the operands are
     KIND_OUTPUT,   // const char *, a file to write; "-" is stdout
+    KIND_LATER,    // const char *, a file that the subcommand checks before it writes it
     KIND_SETTINGS, // option_list of "name=value"; may be given again and again
     KIND_COUNT,    // uint64_t, a whole number from least to most
     KIND_NUMBER,   // double, from least to most
@@ -52,6 +54,8 @@ typedef struct command_option { // getopt.h has an option too
 #define OPTION_TEXT(name, member, as, about) OPTION_ROW(name, KIND_TEXT, member, as, about, 0, 0)
 #define OPTION_OUTPUT(name, member, as, about) \
     OPTION_ROW(name, KIND_OUTPUT, member, as, about, 0, 0)
+#define OPTION_INPUT(name, member, as, about) OPTION_ROW(name, KIND_INPUT, member, as, about, 0, 0)
+#define OPTION_LATER(name, member, as, about) OPTION_ROW(name, KIND_LATER, member, as, about, 0, 0)
 #define OPTION_SETTINGS(name, member, as, about) \
     OPTION_ROW(name, KIND_SETTINGS, member, as, about, 0, 0)
 #define OPTION_SHARE(name, member, as, about) OPTION_ROW(name, KIND_SHARE, member, as, about, 0, 0)

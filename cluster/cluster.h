@@ -30,8 +30,9 @@ struct duet_cluster {
     worker_found found; // in the only part, where is_found; without what border found
     bool is_found;      // it is of the objects as they are
     uint64_t n_ghosts;
-    bool changed; // objects, since the worker got them
-    bool is_cold; // kernels may have to be built
+    bool changed;    // objects, since the worker got them
+    bool is_stopped; // a rank was asked to stop before the last step ended, which is known to all
+    bool is_cold;    // kernels may have to be built
     bool has_scene;
     duet_scene_info scene;
     char *scene_name;

@@ -204,7 +204,7 @@ bool homes_move_out(homes *h, duet_error *err)
 // Space for n rows in the holder's memory, which keeps those that there are.
 static bool extend(homes *h, uint64_t n, duet_error *err)
 {
-    if (n > UINT32_MAX - 2)
+    if (n > DUET_MOST_OBJECTS)
         return error_set(err, DUET_STATUS_TOO_MANY,
                          "%" PRIu64 " objects and ghosts on one rank; expected more ranks", n);
     if (!h->rows.ids || n > h->rows.capacity) {

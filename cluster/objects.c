@@ -11,9 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A world holds as many.
-#define MOST_OBJECTS 4294967294u
-
 // Beyond what the devices round: parts of a box's size, which they widen by less than 2^-17;
 // of its coordinates as floats, and what they add to 0; and of an origin cell, whose corners lie up
 // to 2^30 edges from 0.
@@ -367,10 +364,10 @@ double skim_widest(const skim *s, const object_form *form)
 
 bool object_rows_reserve(object_rows *rows, const object_form *form, uint64_t n, duet_error *err)
 {
-    if (n > MOST_OBJECTS)
+    if (n > DUET_MOST_OBJECTS)
         return error_set(err, DUET_STATUS_TOO_MANY,
                          "%" PRIu64 " objects on one rank; a rank holds at most %u", n,
-                         MOST_OBJECTS);
+                         DUET_MOST_OBJECTS);
     if (!rows->ids || n > rows->capacity) {
         object_rows_end(rows);
         rows->capacity = n + n / 16;

@@ -3,6 +3,7 @@
 // is done by all or by none.
 #include "cluster/cluster.h"
 
+#include "base/budget.h"
 #include "base/error.h"
 
 #include <math.h>
@@ -291,7 +292,7 @@ static bool find_own(duet_cluster *c, duet_error *own)
 }
 
 // The first time one rank of a host builds kernels, which the others then find in the cache. t
-// becomes the sums that a result has.
+// becomes the sums that a result has, and how many ranks are asked to stop.
 static bool find(duet_cluster *c, bool ok, tally *t, duet_error *own)
 {
     if (c->is_cold)
@@ -303,8 +304,8 @@ static bool find(duet_cluster *c, bool ok, tally *t, duet_error *own)
     if (c->is_cold)
         ranks_end_turn(&c->ranks);
     c->is_cold = false;
-    *t = (tally){
-        .sums = {ranks_stand_for(&c->ranks) * homes_count(&c->homes), c->own.n, c->own.hash}};
+    *t = (tally){.sums = {ranks_stand_for(&c->ranks) * homes_count(&c->homes), c->own.n,
+                          c->own.hash, !budget_check_stop(NULL)}};
     return ranks_agree_and(&c->ranks, ok, t, own);
 }
 
@@ -362,6 +363,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
         own_pairs_end(&c->own);
         return error_copy(err, &own);
     }
+    c->is_stopped = t.sums[3] > 0;
     keep_times(c, begun_ns);
     double total_ms = ms_since(begun_ns);
     ranks_greatest(&c->ranks, &total_ms, 1);

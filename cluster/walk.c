@@ -105,7 +105,7 @@ static bool add_others(duet_cluster *c, duet_error *err)
     free(w->keys);
     w->n_ghosts = 0;
     w->keys = malloc((n_ghosts + 1) * sizeof *w->keys);
-    if (all > UINT32_MAX - 2 || !w->keys || !reserve(c, all))
+    if (all > DUET_MOST_OBJECTS || !w->keys || !reserve(c, all))
         return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects at edges: no memory",
                          all);
     add_arrivals(c);

@@ -46,7 +46,7 @@ static void *grow(worker_pair *p, uint32_t n, uint32_t kept, duet_error *err)
 {
     size_t bytes = (size_t)kept * p->bytes;
     uint64_t wanted = (uint64_t)n + n / 16;
-    uint32_t most = wanted < UINT32_MAX - 2 ? (uint32_t)wanted : n;
+    uint32_t most = wanted < DUET_MOST_OBJECTS ? (uint32_t)wanted : n;
     void *copy = malloc(bytes + 1);
     if (!copy) {
         error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", kept);

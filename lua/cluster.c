@@ -321,7 +321,7 @@ static int cluster_set_objects(lua_State *L)
     const array *ids = array_check(L, 2, ARRAY_IDS);
     const array *rows = array_check(L, 3, box->rows);
     luaL_argcheck(L, ids->n == rows->n, 3, "as many objects as there are ids");
-    luaL_argcheck(L, ids->n < UINT32_MAX, 2, "more than 2^32 - 2 objects");
+    luaL_argcheck(L, ids->n <= DUET_MOST_OBJECTS, 2, "more than 2^32 - 3 objects");
     ++box->steps;
     bool ok = box->calls->set_objects(box->cluster.object, array_object_kind(box->rows), ids->rows,
                                       rows->rows, (uint32_t)ids->n, &err);

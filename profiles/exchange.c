@@ -18,7 +18,6 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <string.h>
-#include <sys/stat.h>
 
 // In the order in which they point at each other.
 typedef struct line_type {
@@ -125,6 +124,9 @@ bool profile_export(store *s, FILE *out, const char *name, duet_error *err)
 bool profile_export_file(store *s, const char *path, duet_error *err)
 {
     output o;
+    if (output_replaces(s->path, path))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: is the store itself; name another one",
+                         path);
     bool ok = output_open(&o, path, err) && profile_export(s, o.stream, path, err);
     return output_close(&o, ok, err);
 }
@@ -360,10 +362,7 @@ import in = {.s = s, .name = name, .counts = counts };
 bool profile_merge(store *s, const char *other_path, profile_import_counts *counts, duet_error *err)
 {
     *counts = (profile_import_counts){0};
-    struct stat own;
-    struct stat theirs;
-    if (stat(s->path, &own) == 0 && stat(other_path, &theirs) == 0 && own.st_ino == theirs.st_ino &&
-        own.st_dev == theirs.st_dev)
+    if (output_replaces(s->path, other_path))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: is the store itself; name another one",
                          other_path);
     store *other = store_open(other_path, STORE_READ, err);

@@ -19,6 +19,7 @@ typedef struct profile_import_counts {
 // The whole store; docs/store.md describes the lines. `name` is what messages
 // call the file.
 bool profile_export(store *s, FILE *out, const char *name, duet_error *err);
+// BAD_ARGUMENT where that file is the store.
 bool profile_export_file(store *s, const char *path, duet_error *err);
 
 // All rows or none. `name` is what messages call the file: BAD_INPUT with

@@ -97,6 +97,9 @@ typedef enum duet_object_kind {
     DUET_OBJECT_SPHERES             // duet_sphere
 } duet_object_kind;
 
+// The most objects of a scene, of a world and of a cluster's rank: 2^32 - 3.
+#define DUET_MOST_OBJECTS 4294967293u
+
 typedef enum duet_shape {
     DUET_SHAPE_POSES,         // oriented boxes
     DUET_SHAPE_BOUNDS,        // axis-aligned boxes, given by their corners

@@ -72,7 +72,7 @@ has duet '.TP DUET_PROFILE the profile file'
 has duet '.BR duet-tune (1)'
 has duet-run '.SH SYNOPSIS duet run SCENE|FILE [options]'
 has duet-run '.TP --share R'
-has duet-run 'duet run lua/scenes/mixed.lua --share 1/4 --check'
+has duet-run 'duet run lua/scenes/mixed.lua --pair halves --share 1/4 --check'
 has duet-profiles-why '.BR duet-profiles (1)'
 has duet-lua 'lua_history'
 exit $wrong

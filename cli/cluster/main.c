@@ -13,7 +13,7 @@
 
 typedef struct rank_arguments {
     cluster_arguments args; // first: the table of options fills it
-    int quiet_status;       // of a rank whose failure rank 0 tells
+    int quiet_status;       // of a rank whose failure another process tells
 } rank_arguments;
 
 static bool run(void *given, char **operands, duet_error *err)
@@ -22,9 +22,14 @@ static bool run(void *given, char **operands, duet_error *err)
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     bool ok = rank_run(&own->args, operands[0], NULL, NULL, err);
-    if (ok || rank == 0)
+    bool is_stopped = !ok && err->status == DUET_STATUS_INTERRUPTED;
+    bool starter_tells = is_stopped && getenv(MPIRUN_STARTED);
+    if (ok || (rank == 0 && !starter_tells))
         return ok;
-    own->quiet_status = say_status(err);
+    if (rank == 0)
+        fputs(MPIRUN_STOPPED, stderr);
+    own->quiet_status = starter_tells ? EXIT_OK : say_status(err);
+    interrupt_forget();
     return true;
 }
 
@@ -35,8 +40,10 @@ int main(int argc, char **argv)
     unsigned long job_rank = 0, job_ranks = 0;
     setlocale(LC_CTYPE, "");
     signal(SIGXFSZ, SIG_IGN);
+    interrupt_hear(MPIRUN_STOPS);
     interrupt_watch(); // before MPI's threads, so that the guard alone hears signals
-    interrupt_at_once(!cluster_job(&job_rank, &job_ranks));
+    bool is_alone = !cluster_job(&job_rank, &job_ranks);
+    interrupt_at_once(is_alone);
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     const char *started = getenv(MPIRUN_STARTED);
@@ -49,5 +56,7 @@ int main(int argc, char **argv)
     MPI_Finalize();
     bool written = say_finish();
     status = status == EXIT_OK && !written ? EXIT_FAILED : status;
+    if (is_alone && status == EXIT_INTERRUPTED)
+        interrupt_end();
     return started && status != EXIT_OK ? MPIRUN_TOLD + status : status;
 }

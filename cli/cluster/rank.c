@@ -6,6 +6,7 @@
 #include "base/output.h"
 #include "cli/cluster/apart.h"
 #include "cli/cluster/keep.h"
+#include "cli/interrupt.h"
 #include "cli/report/json.h"
 #include "cli/report/run_report.h"
 #include "cli/report/table.h"
@@ -31,7 +32,9 @@ typedef struct run_state {
     int rank;
     int n_ranks;
     duet_cluster_result result;
-    double *total_ms; // [args.repeat], ascending at the end
+    double *total_ms; // [args.repeat], of which n_steps were taken; ascending at the end
+    uint64_t n_steps;
+    bool is_stopped; // a rank was asked to stop, so all did
     duet_cluster_rank *ranks;
     ranks job; // all ranks, where each has a cluster of its own
     apart_times apart;
@@ -95,7 +98,7 @@ static bool open_cluster(run_state *r, duet_error *err)
     def.drops_pairs = !r->args->pairs_path;
     def.on_compile = inputs_show_compiling;
     if (!read_weight(r, &def.weight, err) ||
-        !inputs_change_plan(&r->args->plan, &def.world.plan, err))
+        !inputs_change_plan(&r->args->plan, NULL, NULL, &def.world.plan, err))
         return false;
     r->cluster = cluster_create(&def, r->simulation, r->args->apart, err);
     if (r->cluster)
@@ -213,20 +216,32 @@ static bool reserve(run_state *r, duet_error *err)
                      repeat);
 }
 
+// All ranks know it, and a launcher waits for each of them.
+static bool tell_stop(const run_state *r, duet_error *err)
+{
+    return !r->is_stopped || error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
+}
+
+// A signal ends it with what was timed until then.
 static bool run_steps(run_state *r, duet_error *err)
 {
     uint64_t repeat = r->args->repeat;
-    bool ok = ranks_agree(&r->cluster->ranks, reserve(r, err), err) && step(r, err);
+    bool ok = ranks_agree(&r->cluster->ranks, reserve(r, err), err);
+    interrupt_note();
+    ok = ok && step(r, err);
     progress p = progress_begin("step", repeat);
-    for (uint64_t i = 0; ok && i < repeat; ++i) {
+    while (ok && r->n_steps < repeat && !r->cluster->is_stopped) {
         ok = step(r, err);
-        r->total_ms[i] = r->result.total_ms;
+        r->total_ms[r->n_steps++] = r->result.total_ms;
         if (r->rank == 0)
-            progress_show(&p, i + 1);
+            progress_show(&p, r->n_steps);
     }
     progress_end(&p);
+    r->is_stopped = ok && r->cluster->is_stopped;
+    if (ok && r->n_steps == 0)
+        return tell_stop(r, err);
     if (ok)
-        stats_sort(r->total_ms, repeat);
+        stats_sort(r->total_ms, r->n_steps);
     return ok && duet_cluster_get_ranks(r->cluster, r->ranks, err);
 }
 
@@ -243,6 +258,7 @@ static bool run_apart(run_state *r, duet_error *err)
 {
     duet_cluster_rank own;
     r->apart.all_ms = r->total_ms;
+    r->n_steps = r->args->repeat;
     if (!apart_measure(&r->apart, &r->job, r->args->repeat, step_apart, r, err) ||
         !duet_cluster_get_ranks(r->cluster, &own, err))
         return false;
@@ -256,7 +272,7 @@ static bool run_apart(run_state *r, duet_error *err)
 static bool check(run_state *r, duet_error *err)
 {
     bool ok = true;
-    if (!r->args->check)
+    if (!r->args->check || r->is_stopped)
         return true;
     if (r->rank == 0) {
         duet_pair *expected = NULL;
@@ -290,7 +306,7 @@ static double efficiency(const run_state *r)
         double all = own + r->simulation->ghost_objects * (double)rank->ghosts;
         own_ms += all > 0 ? rank->busy_ms * own / all : 0;
     }
-    return own_ms / (r->n_ranks * r->total_ms[(r->args->repeat - 1) / 2]);
+    return own_ms / (r->n_ranks * r->total_ms[(r->n_steps - 1) / 2]);
 }
 
 static void print_run(const stored_run *run)
@@ -338,7 +354,7 @@ static void print_text(const run_state *r)
     printf("%s%s\n\n", table_things((uint64_t)r->n_ranks, "rank", "ranks").chars,
            r->args->apart ? " apart, each with all of them" : "");
     (r->args->apart ? print_company : print_ranks)(r);
-    uint64_t n = r->args->repeat;
+    uint64_t n = r->n_steps;
     double median = r->total_ms[(n - 1) / 2];
     printf("\n");
     table t = table_begin("lrl");
@@ -393,7 +409,7 @@ static void add_company(cJSON *o, const apart_times *apart)
 static bool print_json(const run_state *r, duet_error *err)
 {
     const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
-    uint64_t n = r->args->repeat;
+    uint64_t n = r->n_steps;
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "scene", info->name);
     cJSON_AddNumberToObject(o, "dims", info->dims);
@@ -430,6 +446,7 @@ static bool tell(const run_state *r, duet_error *err)
         print_text(r);
     else if (!print_json(r, err))
         return false;
+    fflush(stdout); // a launcher that was asked to stop, too, may end this rank
     return reference_check_is_right(&r->check) ||
            error_set(err, DUET_STATUS_WRONG_RESULT, "%s: the pairs differ from the reference's",
                      duet_cluster_get_scene_info(r->cluster)->name);
@@ -438,7 +455,7 @@ static bool tell(const run_state *r, duet_error *err)
 static bool keep(run_state *r, duet_error *err)
 {
     const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
-    uint64_t n = r->args->repeat;
+    uint64_t n = r->n_steps;
     profile_cluster_run run = {.scene = info->name,
                                .dims = info->dims,
                                .n = r->result.objects,
@@ -480,7 +497,7 @@ static bool run_each(run_state *r, const char *path, duet_error *err)
 static bool run_all(run_state *r, const char *path, duet_error *err)
 {
     bool ok = (r->args->apart ? run_each : run_together)(r, path, err);
-    return ok && ranks_agree(job_of(r), tell(r, err), err) && keep(r, err);
+    return ok && ranks_agree(job_of(r), tell(r, err), err) && keep(r, err) && tell_stop(r, err);
 }
 
 bool rank_run(const cluster_arguments *args, const char *scene, const simulation *s,

@@ -37,7 +37,7 @@ static const option options[] = {
     OPTION_TEXT("scene", scene, "NAME",
                 "only this one: paper, paper2d, clustered, mixed, planes, falling"),
     OPTION_OUTPUT("output", out, "FILE.json", "keep the results, with all samples"),
-    OPTION_TEXT("against", against, "OLD.json", "compare with results that were kept"),
+    OPTION_INPUT("against", against, "OLD.json", "compare with results that were kept"),
     OPTION_COUNT("repeat", repeat, "K", "steps of each plan, after one to warm up (9)", 1,
                  BENCH_SAMPLES_MOST),
     OPTION_FLAG("quick", quick, "small scenes: does it all work, in seconds"),

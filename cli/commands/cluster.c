@@ -15,6 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 typedef cluster_arguments arguments;
@@ -37,14 +38,15 @@ static const option options[] = {
     OPTION_COUNT("repeat", repeat, "K", "steps that are timed, after one to warm up (5)", 1,
                  100000),
     OPTION_FLAG("resident", resident, "leave the objects where they are between the steps"),
-    OPTION_TEXT("pairs", pairs_path, "P.npy", "write the pairs, by all ranks into one file"),
+    OPTION_LATER("pairs", pairs_path, "P.npy", "write the pairs, by all ranks into one file"),
     OPTION_FLAG("sorted", sorted, "write them ascending: the same bytes for any number of ranks"),
     OPTION_FLAG("check", check, "compare the pairs' number and hash with the plain C reference"),
     OPTION_FLAG("keep", keep, "keep what the ranks and their network did in the profile store"),
     OPTION_FLAG("apart", apart,
                 "each rank finds all pairs by itself, beside 0, 1, 3, ... others of its machine"),
-    OPTION_TEXT("simulate", simulate, "P.xml|RUN",
-                "simulate the ranks, with the plain C reference, on SimGrid's platform or a run's"),
+    OPTION_INPUT(
+        "simulate", simulate, "P.xml|RUN",
+        "simulate the ranks, with the plain C reference, on SimGrid's platform or a run's"),
     OPTION_TEXT("profile", profile, "UID",
                 "find nothing, in the time that this profile or kept run of the store says"),
     OPTION_COUNT("stands-for", stands_for, "K", "each object stands for K of a larger scene (1)", 1,
@@ -148,6 +150,7 @@ static bool find_beside(text *path, const beside *program, duet_error *err)
 
 typedef struct launch {
     arguments args; // first: the table of options fills it
+    const char *scene;
     char **argv;
     int argc;
     int status; // of ranks that have told why
@@ -184,6 +187,14 @@ static bool become(launch *l, char *program, duet_error *err)
     return false;
 }
 
+// Also as /dev/stdin.
+static bool is_stdin(const char *path)
+{
+    struct stat named, own;
+    return strcmp(path, "-") == 0 || (stat(path, &named) == 0 && fstat(STDIN_FILENO, &own) == 0 &&
+                                      named.st_dev == own.st_dev && named.st_ino == own.st_ino);
+}
+
 static bool start_ranks(launch *l, char *program, duet_error *err)
 {
     char mpirun[] = "mpirun", flag[] = "-n", ranks[24];
@@ -193,6 +204,7 @@ static bool start_ranks(launch *l, char *program, duet_error *err)
     char *there[] = {mpirun, flag, ranks, host, hosts, map, node, send, started, program, NULL};
     snprintf(ranks, sizeof ranks, "%llu", (unsigned long long)l->args.ranks);
     mpirun_job job = {.hosts = hosts, .verbose = l->args.verbose};
+    job.reads_stdin = is_stdin(l->scene);
     job.argv = make_argv(l, hosts ? there : here, err);
     bool ok = job.argv && mpirun_run(&job, &l->status, err);
     free(job.argv);
@@ -215,13 +227,13 @@ static bool run(void *given, char **operands, duet_error *err)
     duet_plan plan = duet_default_plan(NULL);
     duet_level level;
     unsigned long rank = 0, n_ranks = 0;
-    (void)operands;
+    l->scene = operands[0];
     if (l->args.ranks > 0 && cluster_job(&rank, &n_ranks))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "--ranks: this is rank %lu of %lu of an MPI job already; expected one of "
                          "mpirun and --ranks",
                          rank, n_ranks);
-    return inputs_change_plan(&l->args.plan, &plan, err) &&
+    return inputs_change_plan(&l->args.plan, NULL, NULL, &plan, err) &&
            inputs_read_level(l->args.level, &level, err) && start(l, err);
 }
 

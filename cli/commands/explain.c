@@ -157,7 +157,7 @@ static bool tell_effects(costs *c, const arguments *args, duet_device_pair *pair
     *c = (costs){.n = 0};
     duet_motion_def def = duet_scene_motion_def(scene, pair);
     return !duet_scene_get_objects(scene, DUET_OBJECT_POSES) ||
-           (inputs_change_plan(&args->plan, &def.plan, err) &&
+           (inputs_change_plan(&args->plan, pair, args->pair, &def.plan, err) &&
             costs_measure(c, &def, scene, args->measure ? args->steps : 0, err));
 }
 
@@ -184,7 +184,8 @@ static bool tell_search(const arguments *args, duet_device_pair *pair, const due
 {
     duet_world_def def = duet_scene_world_def(scene, pair);
     return inputs_read_level(args->level, &def.level, err) &&
-           inputs_change_plan(&args->plan, &def.plan, err) && explain_search(&def, scene, o, err);
+           inputs_change_plan(&args->plan, pair, args->pair, &def.plan, err) &&
+           explain_search(&def, scene, o, err);
 }
 
 static bool run(void *given, char **operands, duet_error *err)

@@ -22,6 +22,6 @@ bool profiles_diff(store *s, const char *first, const char *second, bool json, d
 store *profiles_open(const char *path, store_access access, duet_error *err);
 
 #define PROFILE_OPTION_ROW(member) \
-    OPTION_TEXT("profile", member, "FILE", "the store (DUET_PROFILE, or the user's own)")
+    OPTION_INPUT("profile", member, "FILE", "the store (DUET_PROFILE, or the user's own)")
 
 #endif

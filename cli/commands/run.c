@@ -58,11 +58,11 @@ static const option options[] = {
     OPTION_FLAG("compact", compact, "the same, with rotations rounded to 16 bits: 20 bytes a box"),
     OPTION_FLAG("ordered", ordered, "put the objects into the order of their cells beforehand"),
     OPTION_COUNT("steps", steps, "K", "let a scene that moves go on by K steps", 1, 1000000000),
-    OPTION_TEXT("picture", picture, "F.png", "draw the scene after the last step"),
+    OPTION_OUTPUT("picture", picture, "F.png", "draw the scene after the last step"),
     OPTION_TEXT("frames", frames, "DIR", "draw 30 pictures a second of the scene"),
     OPTION_OUTPUT("record", record, "F.replay", "record commands, steps and the state's hash"),
-    OPTION_TEXT("replay", replay, "F.replay",
-                "give the scene recorded commands, and compare the hash"),
+    OPTION_INPUT("replay", replay, "F.replay",
+                 "give the scene recorded commands, and compare the hash"),
     OPTION_OUTPUT("pairs", pairs_path, "OUT.csv",
                   "write the pairs, a line each, ascending; - is stdout"),
     OPTION_FLAG("check", check, "compare the pairs with the plain C reference"),
@@ -178,7 +178,7 @@ static duet_world *make_world(const arguments *args, const duet_scene *scene,
 {
     duet_world_def def = duet_scene_world_def(scene, pair);
     if (!inputs_change_level(&args->level, &def, err) ||
-        !inputs_change_plan(&args->plan, &def.plan, err))
+        !inputs_change_plan(&args->plan, pair, args->pair, &def.plan, err))
         return NULL;
     def.separate_sizes = args->transforms;
     def.compact_transforms = args->compact;
@@ -467,7 +467,7 @@ static bool open_motion(moved *r, duet_device_pair *pair, duet_error *err)
 {
     r->def = duet_scene_motion_def(r->scene, pair);
     r->def.stage_times = r->args->steps <= FEW_STEPS;
-    if (!inputs_change_plan(&r->args->plan, &r->def.plan, err))
+    if (!inputs_change_plan(&r->args->plan, pair, r->args->pair, &r->def.plan, err))
         return false;
     r->motion = duet_motion_create_from_scene(&r->def, r->scene, NULL, err);
     return r->motion && snapshot_begin(&r->look, &r->def, r->scene, r->motion, err);

@@ -19,9 +19,9 @@ static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n,
     if (kind != world->kind && !size)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world was made for %s, not for %s",
                          world_kind_name(world->kind), world_kind_name(kind));
-    return n <= UINT32_MAX - 2 ||
+    return n <= DUET_MOST_OBJECTS ||
            error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a world holds at most %u", n,
-                     UINT32_MAX - 2);
+                     DUET_MOST_OBJECTS);
 }
 
 // The row behind the last belongs to none: a device may read four numbers at once.

@@ -15,7 +15,7 @@
 
 enum { MOTION_WALLS = 6 };
 
-#define MOTION_MOST (UINT32_MAX - 2 - MOTION_WALLS) // objects
+#define MOTION_MOST (DUET_MOST_OBJECTS - MOTION_WALLS) // objects
 
 // Contacts are kept while a separation is below this many slops.
 enum { MOTION_SLOPS = 4 };

@@ -61,9 +61,9 @@ bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err)
 {
     if (n <= scene->capacity)
         return true;
-    if (n > SCENE_MAX_OBJECTS)
+    if (n > DUET_MOST_OBJECTS)
         return error_set(err, DUET_STATUS_TOO_MANY, "%llu objects; a scene holds at most %u",
-                         (unsigned long long)n, SCENE_MAX_OBJECTS);
+                         (unsigned long long)n, DUET_MOST_OBJECTS);
     if (!budget_space(n * object_size(scene), err))
         return false;
     void *objects = realloc(scene->objects, n * object_size(scene));
@@ -83,8 +83,8 @@ static bool reserve_one_more(duet_scene *scene, duet_error *err)
     if (n <= scene->capacity)
         return true;
     uint64_t doubled = 2 * scene->capacity;
-    if (doubled > SCENE_MAX_OBJECTS)
-        doubled = SCENE_MAX_OBJECTS;
+    if (doubled > DUET_MOST_OBJECTS)
+        doubled = DUET_MOST_OBJECTS;
     return scene_reserve(scene, n > doubled ? n : doubled, err);
 }
 

@@ -10,8 +10,6 @@
 #include "runtime/duet.h"
 #include "runtime/scene/scene_row.h"
 
-#define SCENE_MAX_OBJECTS 4294967294u // 2^32-2
-
 struct duet_scene {
     duet_scene_info info;
     char *name;           // info.name

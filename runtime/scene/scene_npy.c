@@ -238,9 +238,9 @@ static bool check_size(const npy *file, const duet_scene *scene, duet_error *err
                          "%s: the shape is (%llu, %llu); the second number must be %s", file->path,
                          (unsigned long long)n, (unsigned long long)columns,
                          scene_columns_right(scene));
-    if (n > SCENE_MAX_OBJECTS / scene->per_row)
+    if (n > DUET_MOST_OBJECTS / scene->per_row)
         return error_set(err, DUET_STATUS_TOO_MANY, "%s: %llu objects; a scene holds at most %u",
-                         file->path, (unsigned long long)n * scene->per_row, SCENE_MAX_OBJECTS);
+                         file->path, (unsigned long long)n * scene->per_row, DUET_MOST_OBJECTS);
     uint64_t wanted = n * columns * file->item_bytes;
     if (file->data_length != wanted)
         return error_set(err, DUET_STATUS_BAD_INPUT,

@@ -155,6 +155,30 @@ static void a_check_leaves_everything_as_it_is(void **state)
     assert_int_equal(test_count_files(), 2);
 }
 
+static void one_file_is_known_by_all_its_names(void **state)
+{
+    (void)state;
+    write_in("file", "old");
+    assert_int_equal(mkdir("here", 0755), 0);
+    assert_int_equal(symlink("file", "link"), 0);
+    assert_int_equal(symlink("here/new", "to_new"), 0);
+    assert_int_equal(link("file", "hard"), 0);
+    static const char *const same[][2] = {
+        {"file", "file"},       {"./file", "here/../file"}, {"file", "link"},
+        {"link", "file"},       {"hard", "file"},           {"new", "./new"},
+        {"new", "here/../new"}, {"here/new", "to_new"},
+    };
+    static const char *const other[][2] = {
+        {"file", "new"},  {"new", "file"}, {"new", "here/new"},        {"new", "newer"},
+        {"here", "here"}, {"file", "-"},   {"/dev/null", "/dev/null"}, {"no/new", "no/new"},
+    };
+    for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)
+        assert_true(output_replaces(same[i][0], same[i][1]));
+    for (size_t i = 0; i < sizeof other / sizeof other[0]; ++i)
+        assert_false(output_replaces(other[i][0], other[i][1]));
+    assert_content("file", "old");
+}
+
 static void a_check_refuses_what_only_reads(void **state)
 {
     (void)state;
@@ -381,6 +405,7 @@ int main(void)
         IN_A_FOLDER(a_link_stays_and_its_file_is_replaced),
         IN_A_FOLDER(links_in_a_ring_are_refused),
         IN_A_FOLDER(a_folder_is_refused),
+        IN_A_FOLDER(one_file_is_known_by_all_its_names),
         IN_A_FOLDER(a_check_refuses_what_only_reads),
         IN_A_FOLDER(a_check_leaves_everything_as_it_is),
         IN_A_FOLDER(a_pipe_is_written_to_and_stays),

@@ -181,9 +181,47 @@ static void a_wrong_option_is_wrong_usage(void **state)
     assert_run_refused(2, "test_bad_input.csv --share 1.5", "--share '1.5'");
     assert_run_refused(2, "test_bad_input.csv --share -0.1", "--share '-0.1'");
     assert_run_refused(2, "test_bad_input.csv --share half", "--share 'half'");
+    assert_run_refused(2, "paper -n 4294967294",
+                       "--objects '4294967294': give a whole number from 0 to 4294967293");
     assert_run_refused(2, "test_bad_input.csv -n 1",
                        "'n' cannot be chosen, since this is data and no .lua scene");
     remove("test_bad_input.csv");
+}
+
+// By whatever name it is called, and before it is read: it is no scene.
+static void an_output_that_would_replace_what_is_read_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *arguments;
+        const char *says;
+    } wrong[] = {
+        {"run in.csv --pairs in.csv", "duet run: --pairs in.csv would overwrite what is read"},
+        {"run in.csv --pairs ./in.csv", "--pairs ./in.csv would overwrite what is read"},
+        {"run link.csv --pairs in.csv", "--pairs in.csv would overwrite what is read"},
+        {"run in.csv --pairs link.csv", "--pairs link.csv would overwrite what is read"},
+        {"run - --pairs in.csv <in.csv", "--pairs in.csv would overwrite what is read"},
+        {"query in.csv -o in.csv", "duet query: --output in.csv would overwrite"},
+        {"accuracy in.csv --csv in.csv", "duet accuracy: --csv in.csv would overwrite"},
+        {"picture in.csv -o in.csv", "duet picture: --output in.csv would overwrite"},
+        {"run falling --steps 1 --replay in.csv --record in.csv",
+         "duet run: --record in.csv would overwrite what is read"},
+        {"bench --against in.csv -o in.csv", "duet bench: --output in.csv would overwrite"},
+        {"report in.csv -o in.csv", "duet report: --output in.csv would overwrite"},
+        {"report --profile in.csv -o in.csv", "duet report: --output in.csv would overwrite"},
+        {"run in.npy --pairs ./in.npy", "--pairs ./in.npy would overwrite what is read"},
+        {"accuracy in.csv --csv out --plot ./out", "--csv and --plot would both write ./out"},
+    };
+    write_text("in.csv", "no scene");
+    assert_int_equal(symlink("in.csv", "link.csv"), 0);
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        program p = program_run("%s", wrong[i].arguments);
+        program_assert_refused(&p, 2, wrong[i].says);
+        assert_file_holds("in.csv", "no scene");
+        assert_int_not_equal(access("out", F_OK), 0);
+    }
+    remove("link.csv");
+    remove("in.csv");
 }
 
 static void a_parameter_that_the_scene_lacks_is_named(void **state)
@@ -284,6 +322,7 @@ int main(void)
         cmocka_unit_test(what_is_no_text_is_refused_at_once),
         cmocka_unit_test(a_wrong_scene_is_named_by_line),
         cmocka_unit_test(a_wrong_option_is_wrong_usage),
+        cmocka_unit_test(an_output_that_would_replace_what_is_read_is_refused),
         cmocka_unit_test(a_parameter_that_the_scene_lacks_is_named),
         cmocka_unit_test(none_and_one_and_two_objects_are_no_error),
         cmocka_unit_test(a_kernel_that_does_not_compile_is_named),

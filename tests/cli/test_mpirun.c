@@ -48,6 +48,9 @@ static const struct {
     {BEGUN "\r\033[Kstep 3 of 9[one:12] noise\nnext\n", "\r\033[Kstep 3 of 9next\n"},
     {BEGUN "pocl:0[0-1] a[1] [x:y] [] [:1] [a:] [a:1]! [[b:2]. [c] [d][ [e][f\n",
      "pocl:0[0-1] a[1] [x:y] [] [:1] [a:] [a:1]! [[b:2]. [c] [d][ [e][f\n"},
+    {BEGUN "mpirun: Forwarding signal 12 to job\nmpirun no\nmm\n", "mpirun no\nmm\n"},
+    {BEGUN "\r\033[Kstep 3 of 9mpirun: Forwarding signal 12 to job\n\r\033[Kmpi\nm",
+     "\r\033[Kstep 3 of 9\r\033[Kmpi\nm"},
     {BEGUN "duet: [one:12] is a name\n", "duet: [one:12] is a name\n"},
     {BEGUN "--- a few dashes ---\n-\nd\ndu\ndue\nduel\n[",
      "--- a few dashes ---\n-\nd\ndu\ndue\nduel\n["},
@@ -218,6 +221,9 @@ static void a_job_that_fails_is_one_line(void **state)
         program p = program_run_with(variables, "cluster %s still -n 3", jobs[i].arguments);
         program_assert_refused(&p, 1, jobs[i].told);
     }
+    be_mpirun(BEGUN MPIRUN_STOPPED, "exit 0");
+    program stopped = program_run_with(variables, "cluster --ranks 2 still");
+    program_assert_refused(&stopped, 130, "duet: stopped");
     be_mpirun(BEGUN RESET "driver: a warning\n", "echo found");
     for (int verbose = 0; verbose < 2; ++verbose) {
         program p =
@@ -225,6 +231,26 @@ static void a_job_that_fails_is_one_line(void **state)
         assert_int_equal(p.exit_code, 0);
         assert_string_equal(p.out, "found\n");
         assert_string_equal(p.err, verbose ? RESET "driver: a warning\n" : "driver: a warning\n");
+        program_free(&p);
+    }
+    unlink("mpirun_of_test/mpirun");
+    unlink("mpirun_of_test/says");
+    rmdir("mpirun_of_test");
+}
+
+// What a shell's loop reads stays there. A scene may come from there, by any of its names.
+static void ranks_get_stdin_only_where_they_read_the_scene_from_it(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    mkdir("mpirun_of_test", 0755);
+    be_mpirun(BEGUN, "cat");
+    static const char *const jobs[][2] = {{"still", ""}, {"-", "next\n"}, {"/dev/stdin", "next\n"}};
+    for (size_t i = 0; i < sizeof jobs / sizeof *jobs; ++i) {
+        program p = program_run_with("echo next | PATH=\"$PWD/mpirun_of_test:$PATH\"",
+                                     "cluster --ranks 2 %s", jobs[i][0]);
+        assert_int_equal(p.exit_code, 0);
+        assert_string_equal(p.out, jobs[i][1]);
         program_free(&p);
     }
     unlink("mpirun_of_test/mpirun");
@@ -272,6 +298,7 @@ int main(void)
         cmocka_unit_test(long_lines_are_lines),
         cmocka_unit_test(blocks_of_open_mpi_5_are_kept_back),
         cmocka_unit_test(a_job_that_fails_is_one_line),
+        cmocka_unit_test(ranks_get_stdin_only_where_they_read_the_scene_from_it),
         cmocka_unit_test(ranks_share_the_machine_with_any_open_mpi),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -221,6 +221,12 @@ static void rows_go_out_and_into_another_store(void **state)
     p = run_on(&other, arguments);
     assert_int_equal(p.exit_code, 0);
     program_free(&p);
+    snprintf(arguments, sizeof arguments, "export %s", folder.store);
+    p = run_on(&folder, arguments);
+    program_assert_refused(&p, 2, ": is the store itself; name another one");
+    p = run_on(&folder, "export");
+    assert_int_equal(p.exit_code, 0);
+    program_free(&p);
     test_folder_remove(&folder);
     test_folder_remove(&other);
 }

@@ -240,6 +240,10 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"run " SCENE " --mode both", "--mode 'both': the modes are "},
         {"run " SCENE " --variant abacus", "abacus"},
         {"run " SCENE " --pair cpu --variant-a gpu", "--variant-a: A and B are one device"},
+        {"run " SCENE " --pair cpu --share 0.5",
+         " is one device; expected --pair with two, or halves"},
+        {"run " SCENE " --pair cpu --mode own", "--mode: "},
+        {"run " SCENE " --pair cpu --steps 1 --share 0.5", "--share: "},
         {"run " SCENE " --pair pocl:0,", "device pair 'pocl:0,': expected two selectors"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {

@@ -777,6 +777,36 @@ static void a_rank_that_is_killed_ends_the_job_and_leaves_no_file(void **state)
     assert_int_equal(system("ls killed.npy* >/dev/null 2>&1") == 0, 0);
 }
 
+// On a slow machine nothing may have been timed yet. In the foreground timeout(1) sends its signal
+// to the program alone, else to mpirun, too, as a terminal does, which then ends the ranks soon.
+static void ctrl_c_shows_what_was_timed(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    static const struct {
+        const char *how, *arguments;
+        bool shows;
+    } runs[] = {
+        {"--foreground", "", true}, {"--foreground", "--ranks 2", true}, {"", "--ranks 2", false}};
+    for (size_t i = 0; i < sizeof runs / sizeof *runs; ++i) {
+        char variables[80];
+        snprintf(variables, sizeof variables, "timeout %s --preserve-status -s INT 2", runs[i].how);
+        program p =
+            program_run_with(variables, "cluster %s --plain still -n 3000 --repeat 100000 --json",
+                             runs[i].arguments);
+        assert_int_equal(p.exit_code, 130);
+        assert_string_equal(p.err, "duet: stopped\n");
+        assert_true(*p.out || !runs[i].shows);
+        cJSON *o = *p.out ? cJSON_Parse(p.out) : NULL;
+        if (o) {
+            double n = json_number(o, "repeat");
+            assert_true(n > 0 && n < 100000 && json_number(o, "total_ms") > 0);
+        }
+        cJSON_Delete(o);
+        program_free(&p);
+    }
+}
+
 int main(int argc, char **argv)
 {
     asks_all = argc > 1 && strcmp(argv[1], "--all") == 0;
@@ -798,6 +828,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(ranks_apart_show_what_company_costs),
         cmocka_unit_test(a_failure_is_one_line),
         cmocka_unit_test(run_is_refused_in_a_job),
+        cmocka_unit_test(ctrl_c_shows_what_was_timed),
         cmocka_unit_test(a_rank_that_is_killed_ends_the_job_and_leaves_no_file),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

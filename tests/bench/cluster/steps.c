@@ -147,7 +147,7 @@ int main(int argc, char **argv)
     duet_cluster_def def = duet_default_cluster_def();
     uint64_t n = argc > 2 ? strtoull(argv[1], NULL, 10) : 0;
     int steps = argc > 3 ? atoi(argv[3]) : 5;
-    if (n == 0 || n > UINT32_MAX - 2 || steps < 1 || steps > MOST_STEPS) {
+    if (n == 0 || n > DUET_MOST_OBJECTS || steps < 1 || steps > MOST_STEPS) {
         fprintf(stderr, "usage: duet_bench_cluster OBJECTS PARTS [STEPS [PAIR]]\n");
         return 2;
     }
