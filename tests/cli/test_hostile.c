@@ -28,6 +28,7 @@ static const double SLACK = 2;
 
 #define STOPS "runs for more than the"
 #define STARVES "needs more than the"
+#define OVERFLOWS "stack overflow" // unless another limit comes first
 #define NO_CALL "attempt to call a nil value"
 
 typedef struct hostile {
@@ -119,7 +120,7 @@ static const hostile greedy[] = {
 };
 
 static const hostile deep[] = {
-    {"local function f() return 1 + f() end f()", NULL},
+    {"local function f() return 1 + f() end f()", OVERFLOWS},
     {"local function f(s) return (s:gsub('.', f)) end f('x')", "overflow"},
     {"('x'):rep(1e5):match(('(x'):rep(30) .. (')'):rep(30) .. ('x?'):rep(400))", "too complex"},
     {"('x'):find(('('):rep(40))", "too many captures"},
@@ -210,8 +211,10 @@ static bool is_wanted(const hostile *h, const char *said)
 {
     if (strncmp(said, FILE_NAME ":", sizeof FILE_NAME) != 0)
         return false;
-    if (h->says)
-        return strstr(said, h->says) != NULL;
+    if (h->says && strstr(said, h->says))
+        return true;
+    if (h->says && strcmp(h->says, OVERFLOWS) != 0)
+        return false;
     return strstr(said, STOPS) || strstr(said, STARVES) || strstr(said, "without --trust") ||
            strstr(said, NO_CALL);
 }

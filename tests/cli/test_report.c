@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#define RESULTS "test_report.json"
 #define PAGE "test_report.html"
 #define RESULTS "test_report.json"
 #define LEVELS "test_report.levels.json"
@@ -131,8 +132,8 @@ static void of_one_device_the_page_shows_no_share(void **state)
                                         "B: x:0",  "Standard set: history", "What became of"};
     text page = {0};
     duet_error err = {0};
-    test_write_file(PAGE, results);
-    program p = program_run("report --profile %s -o " PAGE " " PAGE, folder.store);
+    test_write_file(RESULTS, results);
+    program p = program_run("report --profile %s -o " PAGE " " RESULTS, folder.store);
     assert_int_equal(p.exit_code, 0);
     assert_ok(text_read_file(&page, PAGE, &err), err);
     for (size_t i = 0; i < sizeof has / sizeof has[0]; ++i)
@@ -171,8 +172,8 @@ static void one_slow_step_does_not_flatten_the_others(void **state)
                  "\"samples_ms\":[2],\"stages\":[]}",
                  i ? "," : "", i / 4.0, i == 2 ? 700 : 2);
     text_add(&results, "]}");
-    test_write_file(PAGE, text_chars(&results));
-    program p = program_run("report --profile %s -o " PAGE " " PAGE, folder.store);
+    test_write_file(RESULTS, text_chars(&results));
+    program p = program_run("report --profile %s -o " PAGE " " RESULTS, folder.store);
     assert_int_equal(p.exit_code, 0);
     assert_ok(text_read_file(&page, PAGE, &err), err);
     assert_non_null(strstr(page.chars, "1 above, up to 700 ms"));

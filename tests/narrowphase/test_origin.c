@@ -407,7 +407,7 @@ static void a_scene_says_what_is_wrong_with_its_origin(void **state)
     refuse_scene("a.lua", "return {origin = 'cell', origin_edge = 3}", NULL, "power of two");
     refuse_scene("a.lua", "add(0, 0, 1, 1) return {origin = 'cell'}", NULL, "not by corners");
     refuse_scene("a.lua", "add(0, 3e9, 1, 1, 0) return {origin = 'cell'}", NULL, "object 0");
-    refuse_scene("a.csv", "0 0 1 1 0\n", "yes", "of data origin=cell and origin_edge can be set");
+    refuse_scene("a.csv", "0 0 1 1 0\n", "yes", "only origin=cell and origin_edge can be set");
 }
 
 static void data_are_placed_where_that_is_asked_for(void **state)
