@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define RESULTS "test_report.json"
 #define PAGE "test_report.html"
 #define RESULTS "test_report.json"
 #define LEVELS "test_report.levels.json"
