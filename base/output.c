@@ -35,6 +35,11 @@ static void add_folder(text *folder, const char *path)
     text_add(folder, "%.*s", n > 0 ? (int)n : 2, n > 0 ? path : "./");
 }
 
+static bool is_same(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
 // The number of /dev/fd/3 or /proc/self/fd/3; -1 for every other path. Such a
 // descriptor is used itself: opened anew it would begin at the file's start.
 static int own_descriptor(const char *path)
@@ -46,7 +51,7 @@ static int own_descriptor(const char *path)
     add_folder(&folder, path);
     bool is_own = end > last_name(path) && *end == '\0' && text_ok(&folder, NULL) &&
                   stat("/proc/self/fd", &own) == 0 && stat(folder.chars, &here) == 0 &&
-                  own.st_dev == here.st_dev && own.st_ino == here.st_ino;
+                  is_same(&own, &here);
     text_free(&folder);
     return is_own ? (int)number : -1;
 }
@@ -318,11 +323,6 @@ bool output_make_folders(const char *path, mode_t mode, text *failed)
     text_free(&folder);
     errno = code;
     return ok;
-}
-
-static bool is_same(const struct stat *a, const struct stat *b)
-{
-    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
 }
 
 // Of two names that no file has.

@@ -13,7 +13,8 @@
 #define MPIRUN_STARTED "DUET_CLUSTER_STARTED"
 enum { MPIRUN_TOLD = 64 };
 
-// Asks a rank to stop where it is best, and any mpirun passes it on.
+// Asks a rank to stop where it is best. Open MPI's mpirun passes it on, and MPICH's does not: its
+// ranks then end with it, unless a terminal tells them, too.
 #define MPIRUN_STOPS SIGUSR2
 
 typedef struct mpirun_job {

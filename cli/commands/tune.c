@@ -314,10 +314,11 @@ static bool check_query(const config_workload *w, const duet_device_pair *pair, 
 static bool check_strategy(const arguments *args, const duet_device_pair *pair, duet_error *err)
 {
     search s;
-    if (args->strategy && !search_begin(&s, args->strategy, NULL, err))
-        return false;
-    if (args->strategy)
+    if (args->strategy) {
+        if (!search_begin(&s, args->strategy, NULL, err))
+            return false;
         search_end(&s);
+    }
     return !duet_device_pair_is_one(pair) || (!args->strategy && !args->strategy_path) ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "--strategy%s: %s is one device and has no share to search; expected --pair "

@@ -297,75 +297,56 @@ static void a_live_profile_gives_way_only_to_one_that_is_founded_as_well(void **
     }
 }
 
+// Whether a search takes the place of one with 16 launches, by the times of their steps, least and
+// greatest; both are as sure of what is gained.
+static bool replaces(const char *options, const profile_row *gain, const double before_ns[2],
+                     const double ns[2])
+{
+    test_folder folder = test_folder_make();
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    duet_error err = {0};
+    char ids[2][PROFILE_ID];
+    profile_row row = gained(s, gain->verdict, gain->gain_low, gain->gain_high, gain->rounds);
+    profile_session session = test_session(row.pair_id, row.workload_id);
+    assert_ok(profile_session_begin(s, &session, ids[0], &err), err);
+    session.options = options;
+    assert_ok(profile_session_begin(s, &session, ids[1], &err), err);
+    row.origin = "measured";
+    row.session = ids[0];
+    row.low_ns = before_ns[0];
+    row.median_ns = row.high_ns = before_ns[1];
+    assert_string_equal(put(s, &row, NULL).unused, "");
+    row.session = ids[1];
+    row.low_ns = ns[0];
+    row.median_ns = row.high_ns = ns[1];
+    bool replaced = *put(s, &row, NULL).unused == '\0';
+    store_close(s);
+    test_folder_remove(&folder);
+    return replaced;
+}
+
 // What a search among fewer kernels finds is as sure, and a worse plan.
 static void another_search_replaces_no_faster_plan(void **state)
 {
     (void)state;
-    static const struct {
-        const char *options;
-        double ns;
-        bool replaced;
-    } cases[] = {{"{\"launches\":16}", 9e6, true}, // the machine has changed
-                 {"{\"launches\":17}", 9e6, false},
-                 {"{\"launches\":17}", 2e6, true}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        test_folder folder = test_folder_make();
-        store *s = test_store_open(folder.store, STORE_WRITE);
-        duet_error err = {0};
-        char ids[2][PROFILE_ID];
-        profile_row row = gained(s, "faster", 0.1, 0.2, 20);
-        profile_session session = test_session(row.pair_id, row.workload_id);
-        assert_ok(profile_session_begin(s, &session, ids[0], &err), err);
-        session.options = cases[i].options;
-        assert_ok(profile_session_begin(s, &session, ids[1], &err), err);
-        row.origin = "measured";
-        row.session = ids[0];
-        row.median_ns = row.low_ns = row.high_ns = 3e6;
-        assert_string_equal(put(s, &row, NULL).unused, "");
-        row.session = ids[1];
-        row.median_ns = row.low_ns = row.high_ns = cases[i].ns;
-        profile_placed placed = put(s, &row, NULL);
-        assert_int_equal(*placed.unused == '\0', cases[i].replaced);
-        store_close(s);
-        test_folder_remove(&folder);
-    }
+    static const profile_row gain = {
+        .verdict = "faster", .gain_low = 0.1, .gain_high = 0.2, .rounds = 20};
+    static const double before[] = {3e6, 3e6}, slower[] = {9e6, 9e6}, faster[] = {2e6, 2e6};
+    assert_true(replaces("{\"launches\":16}", &gain, before, slower)); // the machine has changed
+    assert_false(replaces("{\"launches\":17}", &gain, before, slower));
+    assert_true(replaces("{\"launches\":17}", &gain, before, faster));
 }
 
 // One device has nothing to race against.
 static void another_search_of_one_device_replaces_no_better_measured_step(void **state)
 {
     (void)state;
-    static const struct {
-        const char *options;
-        double low_ns, high_ns;
-        bool replaced;
-    } cases[] = {{"{\"launches\":16}", 2e6, 5e6, true},
-                 {"{\"launches\":17}", 2e6, 5e6, false},
-                 {"{\"launches\":17}", 2.95e6, 3.05e6, true}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        test_folder folder = test_folder_make();
-        store *s = test_store_open(folder.store, STORE_WRITE);
-        duet_error err = {0};
-        char ids[2][PROFILE_ID];
-        profile_row row = gained(s, "same", 0, 0, 0);
-        profile_session session = test_session(row.pair_id, row.workload_id);
-        assert_ok(profile_session_begin(s, &session, ids[0], &err), err);
-        session.options = cases[i].options;
-        assert_ok(profile_session_begin(s, &session, ids[1], &err), err);
-        row.origin = "measured";
-        row.session = ids[0];
-        row.median_ns = 3e6;
-        row.low_ns = 2.9e6;
-        row.high_ns = 3.1e6;
-        assert_string_equal(put(s, &row, NULL).unused, "");
-        row.session = ids[1];
-        row.low_ns = cases[i].low_ns;
-        row.high_ns = cases[i].high_ns;
-        profile_placed placed = put(s, &row, NULL);
-        assert_int_equal(*placed.unused == '\0', cases[i].replaced);
-        store_close(s);
-        test_folder_remove(&folder);
-    }
+    static const profile_row gain = {.verdict = "same"};
+    static const double before[] = {2.9e6, 3.1e6}, wider[] = {2e6, 5e6},
+                        narrower[] = {2.95e6, 3.05e6};
+    assert_true(replaces("{\"launches\":16}", &gain, before, wider));
+    assert_false(replaces("{\"launches\":17}", &gain, before, wider));
+    assert_true(replaces("{\"launches\":17}", &gain, before, narrower));
 }
 
 static int64_t is_live(store *s, const profile_placed *placed)
