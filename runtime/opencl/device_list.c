@@ -18,6 +18,7 @@ static struct {
     bool failed;        // memory ran out
     duet_error *absent; // [n_absent] of each platform that lists no usable device, why
     uint32_t n_absent;
+    bool has_pocl; // it is installed
 } found = {.once = PTHREAD_ONCE_INIT};
 
 // "pocl" for "Portable Computing Language"; a platform that is not in the list
@@ -122,6 +123,7 @@ static void find_roots(void)
             char whole[128] = "";
             clGetPlatformInfo(platforms[p], CL_PLATFORM_NAME, sizeof whole - 1, whole, NULL);
             short_name(whole, names[p]);
+            found.has_pocl = found.has_pocl || strcmp(names[p], "pocl") == 0;
             uint32_t before = found.n;
             ok = add_devices(platforms[p], names[p], namesakes(names, p));
             if (ok && found.n == before)
@@ -191,6 +193,11 @@ const device_root *device_list_strongest(device_group group, const device_root *
 const char *device_list_absent(uint32_t i)
 {
     return i < found.n_absent ? found.absent[i].text : NULL;
+}
+
+bool device_list_has_pocl(void)
+{
+    return found.has_pocl;
 }
 
 struct duet_device_list {

@@ -23,6 +23,9 @@ bool device_list_roots(const device_root **roots, uint32_t *n, duet_error *err);
 // be called after device_list_roots.
 const char *device_list_absent(uint32_t i);
 
+// Whether PoCL is installed, with devices or without. Only to be called after device_list_roots.
+bool device_list_has_pocl(void);
+
 // The one with that id; NULL where there is none.
 const device_root *device_list_find(cl_device_id id);
 
