@@ -25,3 +25,9 @@ int64_t clock_calendar_ns(void)
 {
     return read_ns(CLOCK_REALTIME);
 }
+
+void clock_sleep_ns(uint64_t ns)
+{
+    struct timespec t = {.tv_sec = (time_t)(ns / 1000000000), .tv_nsec = (long)(ns % 1000000000)};
+    nanosleep(&t, NULL);
+}

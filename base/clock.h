@@ -8,5 +8,6 @@
 uint64_t clock_steady_ns(void);           // since some fixed moment; never goes back
 double clock_ms_since(uint64_t begun_ns); // of the steady clock
 int64_t clock_calendar_ns(void);          // since 1970-01-01 UTC
+void clock_sleep_ns(uint64_t ns);
 
 #endif

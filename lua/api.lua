@@ -226,8 +226,8 @@ api.names = {
     fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
   { "duet.DevicePair:tune", { "scene: duet.Scene", "def?: table" }, "duet.Tuning",
     "Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, ordered, " ..
-    "strategy, strategy_lua, strategy_name, search, query, items, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, repeats, seed, script, watch }; " ..
-    "watch(progress) is called after each trial and stops the tuning with false. keep = false uses no store; " ..
+    "strategy, strategy_lua, strategy_name, search, query, items, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, wait_seconds, repeats, seed, script, watch }; " ..
+    "watch(progress) is called after each trial, and while the tuning waits for other programs (progress.waiting says why), and stops the tuning with false. keep = false uses no store; " ..
     "keep = true lets applications load what a strategy other than the default one finds, too. " ..
     "With search = \"kernels\", or a kernel's name, it searches the kernels' parameters too. " ..
     "With query = \"rays closest\" it looks for the share of what a tree of the objects is asked, for so many items.",

@@ -43,6 +43,8 @@ static const member profile_members[] = {
     MEMBER(member_double, duet_stored_profile, gain_high),
     MEMBER(member_chars, duet_stored_profile, verdict),
     MEMBER(member_count, duet_stored_profile, rounds),
+    MEMBER(member_count, duet_stored_profile, watched),
+    MEMBER(member_count, duet_stored_profile, disturbed),
     MEMBER(member_double, duet_stored_profile, whole_ms),
     MEMBER(member_double, duet_stored_profile, whole_gain),
     MEMBER(member_double, duet_stored_profile, whole_gain_low),

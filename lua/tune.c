@@ -95,6 +95,7 @@ static const member def_members[] = {
     MEMBER(member_names, tune_def, modes),
     OPTION(member_double, budget_seconds),
     OPTION(member_count, budget_trials),
+    OPTION(member_double, wait_seconds),
     OPTION(member_count, repeats),
     OPTION(member_count, seed),
     OPTION(member_string, script),
@@ -161,6 +162,8 @@ static const member outcome_members[] = {
     MEMBER(member_double, duet_tune_outcome, gain_high),
     MEMBER(member_chars, duet_tune_outcome, verdict),
     MEMBER(member_count, duet_tune_outcome, rounds),
+    MEMBER(member_count, duet_tune_outcome, watched),
+    MEMBER(member_count, duet_tune_outcome, disturbed),
     MEMBER(member_double, duet_tune_outcome, step_ms),
     MEMBER(member_double, duet_tune_outcome, step_low_ms),
     MEMBER(member_double, duet_tune_outcome, step_high_ms),
@@ -189,6 +192,7 @@ static const member progress_members[] = {
     MEMBER(member_count, duet_tune_progress, launches),
     MEMBER(member_double, duet_tune_progress, seconds),
     MEMBER(member_bool, duet_tune_progress, remembered),
+    MEMBER(member_string, duet_tune_progress, waiting),
     {0},
 };
 

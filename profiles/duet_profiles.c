@@ -43,6 +43,8 @@ static const sql_column profile_columns[] = {
     SQL_COLUMN("p.gain_high", duet_stored_profile, gain_high),
     SQL_COLUMN("p.verdict", duet_stored_profile, verdict),
     SQL_COLUMN("p.rounds", duet_stored_profile, rounds),
+    SQL_COLUMN("p.watched", duet_stored_profile, watched),
+    SQL_COLUMN("p.disturbed", duet_stored_profile, disturbed),
     SQL_COLUMN("p.whole_ns * 1e-6", duet_stored_profile, whole_ms),
     SQL_COLUMN("p.whole_gain", duet_stored_profile, whole_gain),
     SQL_COLUMN("p.whole_gain_low", duet_stored_profile, whole_gain_low),

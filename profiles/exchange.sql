@@ -139,7 +139,7 @@ SELECT ?1 ->> 'id', ?1 ->> 'state',
 
 --@trial fields
 type session number timestamp created_ns configuration times invalidity reason launches outliers
-measurements objectives terms samples
+measurements objectives terms samples disturbed
 
 --@trial out
 SELECT json_object(
@@ -150,7 +150,7 @@ SELECT json_object(
                                       'variant_a', variant_a, 'variant_b', variant_b),
          'times', json_object('compilation', build_ms,
                               'runtimes', (SELECT json_group_array(total_ns * 1e-6) FROM sample
-                                            WHERE trial_id = trial.id AND flags & 1 = 0)),
+                                            WHERE trial_id = trial.id AND flags & 5 = 0)),
          'invalidity', CASE outcome WHEN 'ok' THEN 'correct' WHEN 'build' THEN 'compile'
                                     WHEN 'launch' THEN 'runtime' WHEN 'wrong' THEN 'correctness'
                                     WHEN 'timeout' THEN 'timeout' ELSE 'constraints' END,
@@ -165,14 +165,15 @@ SELECT json_object(
          'objectives', json_array('median'), 'terms', CASE WHEN json_valid(terms) THEN CASE json_type(terms) WHEN 'object' THEN json(terms)
                                     END END,
          'samples', (SELECT json_group_array(json_array(number, total_ns, a_ns, b_ns, transfer_ns,
-                                                        merge_ns, flags, at_ns))
-                       FROM sample WHERE trial_id = trial.id))
+                                                        merge_ns, flags, at_ns, cpu_ns, wait_ns))
+                       FROM sample WHERE trial_id = trial.id),
+         'disturbed', disturbed)
   FROM trial ORDER BY session_id, number
 
 --@trial in
 INSERT INTO trial (session_id, number, share, mode, level, variant_a, variant_b, outcome, reason,
                    build_ms, launches, outliers, median_ns, mad_ns, low_ns, high_ns, a_ns, b_ns,
-                   terms, created_ns)
+                   terms, created_ns, disturbed)
   WITH measured (name, value) AS (SELECT value ->> 'name', value ->> 'value'
                                     FROM json_each(?1, '$.measurements'))
 SELECT ?1 ->> 'session', ?1 ->> 'number',
@@ -189,20 +190,21 @@ SELECT ?1 ->> 'session', ?1 ->> 'number',
        (SELECT value FROM measured WHERE name = 'high'),
        (SELECT value FROM measured WHERE name = 'a'),
        (SELECT value FROM measured WHERE name = 'b'),
-       ?1 ->> 'terms', ?1 ->> 'created_ns'
+       ?1 ->> 'terms', ?1 ->> 'created_ns', coalesce(?1 ->> 'disturbed', 0)
     ON CONFLICT DO NOTHING
 
 --@trial parts
-INSERT INTO sample (trial_id, number, total_ns, a_ns, b_ns, transfer_ns, merge_ns, flags, at_ns)
+INSERT INTO sample (trial_id, number, total_ns, a_ns, b_ns, transfer_ns, merge_ns, flags, at_ns,
+                    cpu_ns, wait_ns)
 SELECT ?2, value ->> 0, value ->> 1, value ->> 2, value ->> 3, value ->> 4, value ->> 5,
-       value ->> 6, value ->> 7
+       value ->> 6, value ->> 7, coalesce(value ->> 8, 0), coalesce(value ->> 9, 0)
   FROM json_each(?1, '$.samples')
 
 --@profile fields
 type uid a b workload kernels objective level share mode variant_a variant_b median_ns low_ns
 high_ns gain gain_low gain_high verdict missed_rate false_rate true_pairs single_ns best_share
 best_mode terms rounds whole_ns whole_gain whole_gain_low whole_gain_high origin session trial
-created_ns live dead_reason
+created_ns live dead_reason watched disturbed
 
 --@profile out
 SELECT json_object('type', 'profile', 'uid', uid, 'a', a.key, 'b', b.key,
@@ -218,7 +220,7 @@ SELECT json_object('type', 'profile', 'uid', uid, 'a', a.key, 'b', b.key,
                    'whole_gain', whole_gain, 'whole_gain_low', whole_gain_low,
                    'whole_gain_high', whole_gain_high, 'origin', origin, 'session', session_id,
                    'trial', trial, 'created_ns', created_ns, 'live', live,
-                   'dead_reason', dead_reason)
+                   'dead_reason', dead_reason, 'watched', watched, 'disturbed', disturbed)
   FROM profile p JOIN workload ON workload.id = workload_id JOIN pair ON pair.id = pair_id
   JOIN env a ON a.id = env_a JOIN env b ON b.id = env_b ORDER BY created_ns, uid
 
@@ -229,7 +231,8 @@ SELECT json_object('type', 'profile', 'uid', uid, 'a', a.key, 'b', b.key,
 INSERT INTO profile (uid, pair_id, workload_id, kernels, objective, level, share, mode, variant_a,
                      variant_b, median_ns, low_ns, high_ns, gain, gain_low, gain_high, verdict,
                      missed_rate, false_rate, true_pairs, single_ns, best_share, best_mode, terms,
-                     rounds, whole_ns, whole_gain, whole_gain_low, whole_gain_high, origin, session_id, trial, created_ns, live, dead_reason)
+                     rounds, whole_ns, whole_gain, whole_gain_low, whole_gain_high, origin, session_id, trial, created_ns, live, dead_reason,
+                     watched, disturbed)
   WITH place (pair_id, workload_id) AS (SELECT
          (SELECT id FROM pair WHERE env_a = (SELECT id FROM env WHERE key = ?1 ->> 'a')
                                 AND env_b = (SELECT id FROM env WHERE key = ?1 ->> 'b')),
@@ -249,7 +252,8 @@ SELECT ?1 ->> 'uid', place.pair_id, place.workload_id, ?1 ->> 'kernels', ?1 ->> 
        iif(own.there OR unfounded.yes, 0, ?1 ->> 'live'),
        iif(NOT ?1 ->> 'live', ?1 ->> 'dead_reason',
            iif(unfounded.yes, 'too few rounds for a verdict',
-               iif(own.there, 'the store had one of its own', ?1 ->> 'dead_reason')))
+               iif(own.there, 'the store had one of its own', ?1 ->> 'dead_reason'))),
+       coalesce(?1 ->> 'watched', 0), coalesce(?1 ->> 'disturbed', 0)
   FROM place, own, unfounded WHERE true
     ON CONFLICT DO NOTHING
 

@@ -109,6 +109,8 @@ static const sql_column found_columns[] = {
     SQL_COLUMN("p.gain_high", profile_found, gain_high),
     SQL_COLUMN("p.verdict", profile_found, verdict),
     SQL_COLUMN("p.rounds", profile_found, rounds),
+    SQL_COLUMN("p.watched", profile_found, watched),
+    SQL_COLUMN("p.disturbed", profile_found, disturbed),
     SQL_COLUMN("coalesce(p.best_share, p.share)", profile_found, best_share),
     SQL_COLUMN("coalesce(p.best_mode, p.mode)", profile_found, best_mode),
     SQL_COLUMN("p.terms", profile_found, terms),

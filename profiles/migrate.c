@@ -161,6 +161,37 @@ const char *const migrate_upgrades[] = {
     "  wait_ns REAL NOT NULL CHECK (wait_ns >= 0),"
     "  PRIMARY KEY (run_id, number)"
     ") STRICT, WITHOUT ROWID;",
+    // 7: what other programs did meanwhile.
+    "DROP VIEW part;"
+    "ALTER TABLE sample ADD COLUMN cpu_ns INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE sample ADD COLUMN wait_ns INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE trial ADD COLUMN disturbed INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE profile ADD COLUMN watched INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE profile ADD COLUMN disturbed INTEGER NOT NULL DEFAULT 0 CHECK (disturbed <= "
+    "watched);"
+    "CREATE VIEW part AS\n"
+    "  SELECT pair.env_a AS env_id, w.family, s.kernels, s.host,\n"
+    "         CASE t.mode WHEN 'shared' THEN 'a' ELSE 'part' END AS role,\n"
+    "         t.mode, t.level, t.variant_a AS variant,\n"
+    "         w.n, w.n * (t.share / 65536.0) AS own, w.occ_mean AS occupancy, t.a_ns AS time_ns\n"
+    "    FROM workload w JOIN session s ON s.workload_id = w.id\n"
+    "    JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id\n"
+    "   WHERE t.outcome = 'ok' AND t.disturbed = 0 AND t.share BETWEEN 1 AND 65535 AND t.a_ns > 0\n"
+    "  UNION ALL\n"
+    "  SELECT pair.env_b, w.family, s.kernels, s.host,\n"
+    "         CASE t.mode WHEN 'shared' THEN 'b' ELSE 'part' END,\n"
+    "         t.mode, t.level, t.variant_b,\n"
+    "         w.n, w.n * (1 - t.share / 65536.0), w.occ_mean, t.b_ns\n"
+    "    FROM workload w JOIN session s ON s.workload_id = w.id\n"
+    "    JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id\n"
+    "   WHERE t.outcome = 'ok' AND t.disturbed = 0 AND t.share BETWEEN 1 AND 65535 AND t.b_ns > 0\n"
+    "  UNION ALL\n"
+    "  SELECT iif(t.share = 0, pair.env_b, pair.env_a), w.family, s.kernels, s.host, 'alone',\n"
+    "         '', t.level, iif(t.share = 0, t.variant_b, t.variant_a),\n"
+    "         w.n, w.n, w.occ_mean, t.median_ns\n"
+    "    FROM workload w JOIN session s ON s.workload_id = w.id\n"
+    "    JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id\n"
+    "   WHERE t.outcome = 'ok' AND t.disturbed = 0 AND t.share IN (0, 65536);",
     NULL,
 };
 
@@ -305,15 +336,19 @@ static bool identify(store *s, identity *is, int64_t *version, duet_error *err)
 // Views, triggers and virtual tables have no pages. They run what their text says,
 // for ever if it says so, so that only those which Duet's own schema makes are let
 // in.
-static bool check_code(store *s, duet_error *err)
+//
+// An older version's view is another; its upgrade drops it, and nothing reads it before.
+static bool check_code(store *s, bool is_older, duet_error *err)
 {
     const blob *schema = blob_find("profiles/schema.sql");
     assert(schema);
     text unknown = {0};
     sql q = sql_make(s,
                      "SELECT type, name, coalesce(sql, '') FROM sqlite_schema "
-                     "WHERE coalesce(rootpage, 0) = 0",
+                     "WHERE coalesce(rootpage, 0) = 0 "
+                     "AND NOT (?1 AND type = 'view' AND name = 'part')",
                      err);
+    sql_int(&q, is_older);
     while (!unknown.chars && sql_row(&q))
         if (!strstr(schema->bytes, sql_get_text(&q, 2)))
             text_add(&unknown, "%s '%s'", sql_get_text(&q, 0), sql_get_text(&q, 1));
@@ -343,7 +378,7 @@ bool store_validate(store *s, duet_error *err)
     int64_t version = 0;
     if (!identify(s, &is, &version, err))
         return false;
-    if (is != IS_EMPTY && is != IS_FOREIGN && !check_code(s, err))
+    if (is != IS_EMPTY && is != IS_FOREIGN && !check_code(s, is == IS_OLDER, err))
         return false;
     switch (is) {
     case IS_OURS:

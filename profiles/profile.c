@@ -48,6 +48,8 @@ static const sql_column row_columns[] = {
     SQL_COLUMN("false_rate", profile_row, false_rate),
     SQL_COLUMN("terms", profile_row, terms),
     SQL_COLUMN("rounds", profile_row, rounds),
+    SQL_COLUMN("watched", profile_row, watched),
+    SQL_COLUMN("disturbed", profile_row, disturbed),
     SQL_COLUMN("origin", profile_row, origin),
     {0},
 };
@@ -103,6 +105,8 @@ typedef struct grounds {
     double gain_low;
     double gain_high;
     uint32_t rounds;
+    uint32_t watched; // launches
+    uint32_t disturbed;
     double low_ns; // of a step
     double high_ns;
     bool asked_alike; // by the session of the row that is compared
@@ -114,6 +118,8 @@ static const sql_column grounds_columns[] = {
     SQL_COLUMN("gain_low", grounds, gain_low),
     SQL_COLUMN("gain_high", grounds, gain_high),
     SQL_COLUMN("rounds", grounds, rounds),
+    SQL_COLUMN("watched", grounds, watched),
+    SQL_COLUMN("disturbed", grounds, disturbed),
     SQL_COLUMN("low_ns", grounds, low_ns),
     SQL_COLUMN("high_ns", grounds, high_ns),
     SQL_COLUMN("coalesce((SELECT a.strategy = b.strategy AND a.options = b.options "
@@ -131,6 +137,20 @@ static bool find_live(store *s, const profile_row *row, grounds *live, duet_erro
     if (sql_row(&q))
         sql_read(&q, 0, grounds_columns, live);
     return sql_close(&q);
+}
+
+// How far other programs can have falsified a plan and its times, which no interval shows.
+typedef enum quietness {
+    QUIETNESS_DISTURBED, // most launches were disturbed
+    QUIETNESS_UNKNOWN,   // nobody looked
+    QUIETNESS_QUIET
+} quietness;
+
+static quietness quietness_of(uint32_t watched, uint32_t disturbed)
+{
+    if (watched == 0)
+        return QUIETNESS_UNKNOWN;
+    return 2 * (uint64_t)disturbed > watched ? QUIETNESS_DISTURBED : QUIETNESS_QUIET;
 }
 
 // One device has no race: what is known of its step is as wide as the step's interval. The same
@@ -161,6 +181,18 @@ static bool is_worse(const profile_row *row, const grounds *live)
            row->low_ns > live->high_ns;
 }
 
+// Why a row does not take the live one's place; NULL: it does.
+static const char *kept_because(const profile_row *row, const grounds *live)
+{
+    quietness own = quietness_of(row->watched, row->disturbed);
+    quietness others = quietness_of(live->watched, live->disturbed);
+    if (own != others)
+        return own > others ? NULL : "was measured beside fewer other programs";
+    if (!is_founded_as_well(row, live))
+        return "is better measured";
+    return is_worse(row, live) ? "has the faster plan" : NULL;
+}
+
 static bool place(store *s, const profile_row *row, const char *unused, profile_placed *placed,
                   duet_error *err)
 {
@@ -169,12 +201,11 @@ static bool place(store *s, const profile_row *row, const char *unused, profile_
         return false;
     if (strcmp(row->verdict, "ambiguous") == 0)
         unused = PROFILE_UNFOUNDED;
+    const char *kept = *live.uid ? kept_because(row, &live) : NULL;
     if (unused)
         snprintf(placed->unused, sizeof placed->unused, "%s", unused);
-    else if (*live.uid && !is_founded_as_well(row, &live))
-        snprintf(placed->unused, sizeof placed->unused, "%.8s is better measured", live.uid);
-    else if (*live.uid && is_worse(row, &live))
-        snprintf(placed->unused, sizeof placed->unused, "%.8s has the faster plan", live.uid);
+    else if (kept)
+        snprintf(placed->unused, sizeof placed->unused, "%.8s %s", live.uid, kept);
     return true;
 }
 

@@ -31,6 +31,8 @@ typedef struct profile_row {
     double whole_gain;     // of the plan over it
     double whole_gain_low;
     double whole_gain_high;
+    uint32_t watched;     // launches that were watched for other programs; 0: not known
+    uint32_t disturbed;   // and those of them that other programs disturbed
     const char *origin;   // "measured", "online" or "manual"
     const char *session;  // NULL only for "manual"
     int64_t trial_number; // of that session, the plan's trial; -1: none
@@ -47,10 +49,11 @@ typedef struct profile_placed {
 
 // Stores it. It becomes the live profile of its pair, workload, kernels,
 // objective and level, unless `unused` (else NULL) says why not, or one that
-// is live is better founded (it has a verdict, as `faster` says more than `same`,
-// more rounds, a narrower interval), or was searched with other options and has
-// the faster step for sure. One that was live stays in the store, dead for
-// `reason`. placed may be NULL.
+// is live is better founded (it was measured beside fewer other programs, it has a
+// verdict, as `faster` says more than `same`, more rounds, a narrower interval), or
+// was searched with other options and has the faster step for sure. A profile that was
+// measured in quiet always replaces one that was not. One that was live stays in the store, dead
+// for `reason`. placed may be NULL.
 bool profile_put(store *s, const profile_row *row, const char *unused, const char *reason,
                  profile_placed *placed, duet_error *err);
 

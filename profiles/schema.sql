@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- The profile store, schema 6. Needs SQLite 3.37 for STRICT.
+-- The profile store, schema 7. Needs SQLite 3.37 for STRICT.
 -- Times end in _ns and are nanoseconds: INTEGER for moments since 1970 and for
 -- single launches, REAL for statistics. Shares are integers out of 65536.
 
@@ -136,6 +136,7 @@ CREATE TABLE trial (
   b_ns       REAL,
   terms      TEXT CHECK (terms GLOB '{*}'),
   created_ns INTEGER NOT NULL,
+  disturbed  INTEGER NOT NULL DEFAULT 0, -- launches that count although other programs disturbed them
   UNIQUE (session_id, number),
   CHECK (outcome <> 'ok' OR (launches > 0 AND low_ns <= median_ns AND median_ns <= high_ns))
 ) STRICT;
@@ -149,8 +150,10 @@ CREATE TABLE sample (
   b_ns        INTEGER NOT NULL,
   transfer_ns INTEGER NOT NULL,
   merge_ns    INTEGER NOT NULL,
-  flags       INTEGER NOT NULL,          -- 1: warm-up, 2: outlier
+  flags       INTEGER NOT NULL,          -- 1: warm-up, 2: outlier, 4: disturbed, and repeated
   at_ns       INTEGER NOT NULL,
+  cpu_ns      INTEGER NOT NULL DEFAULT 0, -- processor time of the calling thread and the busiest other
+  wait_ns     INTEGER NOT NULL DEFAULT 0, -- the longest that a thread waited for a core
   PRIMARY KEY (trial_id, number)
 ) STRICT, WITHOUT ROWID;
 
@@ -194,13 +197,17 @@ CREATE TABLE profile (
   whole_gain  REAL,                      -- NULL: they are of none, or it was not raced.
   whole_gain_low  REAL,                  -- What the plan gains over it
   whole_gain_high REAL,
+  watched     INTEGER NOT NULL DEFAULT 0, -- launches that were watched for other programs
+  disturbed   INTEGER NOT NULL DEFAULT 0, -- and those of them that other programs disturbed
+  CHECK (disturbed <= watched),
   CHECK (origin = 'manual' OR session_id IS NOT NULL),
   CHECK ((live = 1) = (dead_reason IS NULL))
 ) STRICT;
 CREATE UNIQUE INDEX profile_live ON profile (workload_id, pair_id, objective, kernels, level)
   WHERE live = 1;
 
--- Every measured time of one device's part, or of a device that did it all.
+-- Every measured time of one device's part, or of a device that did it all, unless other programs
+-- disturbed it.
 CREATE VIEW part AS
   SELECT pair.env_a AS env_id, w.family, s.kernels, s.host,
          CASE t.mode WHEN 'shared' THEN 'a' ELSE 'part' END AS role,
@@ -208,7 +215,7 @@ CREATE VIEW part AS
          w.n, w.n * (t.share / 65536.0) AS own, w.occ_mean AS occupancy, t.a_ns AS time_ns
     FROM workload w JOIN session s ON s.workload_id = w.id
     JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id
-   WHERE t.outcome = 'ok' AND t.share BETWEEN 1 AND 65535 AND t.a_ns > 0
+   WHERE t.outcome = 'ok' AND t.disturbed = 0 AND t.share BETWEEN 1 AND 65535 AND t.a_ns > 0
   UNION ALL
   SELECT pair.env_b, w.family, s.kernels, s.host,
          CASE t.mode WHEN 'shared' THEN 'b' ELSE 'part' END,
@@ -216,14 +223,14 @@ CREATE VIEW part AS
          w.n, w.n * (1 - t.share / 65536.0), w.occ_mean, t.b_ns
     FROM workload w JOIN session s ON s.workload_id = w.id
     JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id
-   WHERE t.outcome = 'ok' AND t.share BETWEEN 1 AND 65535 AND t.b_ns > 0
+   WHERE t.outcome = 'ok' AND t.disturbed = 0 AND t.share BETWEEN 1 AND 65535 AND t.b_ns > 0
   UNION ALL
   SELECT iif(t.share = 0, pair.env_b, pair.env_a), w.family, s.kernels, s.host, 'alone',
          '', t.level, iif(t.share = 0, t.variant_b, t.variant_a),
          w.n, w.n, w.occ_mean, t.median_ns
     FROM workload w JOIN session s ON s.workload_id = w.id
     JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id
-   WHERE t.outcome = 'ok' AND t.share IN (0, 65536);
+   WHERE t.outcome = 'ok' AND t.disturbed = 0 AND t.share IN (0, 65536);
 
 -- What the parts' times follow, so that sizes never measured can be told:
 -- time = base + each * n + own * w + crowd * w * occupancy, in ns, for a device

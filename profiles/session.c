@@ -303,6 +303,7 @@ static const sql_column trial_columns[] = {
     SQL_COLUMN("reason", profile_trial, reason),
     SQL_COLUMN("build_ms", profile_trial, build_ms),
     SQL_COLUMN("outliers", profile_trial, outliers),
+    SQL_COLUMN("disturbed", profile_trial, disturbed),
     SQL_COLUMN("terms", profile_trial, terms),
     {0},
 };
@@ -326,6 +327,8 @@ static const sql_column sample_columns[] = {
     SQL_COLUMN("b_ns", profile_sample, b_ns),
     SQL_COLUMN("transfer_ns", profile_sample, transfer_ns),
     SQL_COLUMN("merge_ns", profile_sample, merge_ns),
+    SQL_COLUMN("cpu_ns", profile_sample, cpu_ns),
+    SQL_COLUMN("wait_ns", profile_sample, wait_ns),
     SQL_COLUMN("flags", profile_sample, flags),
     SQL_COLUMN("at_ns", profile_sample, at_ns),
     {0},
@@ -335,7 +338,7 @@ static uint32_t count_launches(const profile_trial *trial)
 {
     uint32_t n = 0;
     for (uint32_t i = 0; i < trial->n_samples; ++i)
-        n += (trial->samples[i].flags & PROFILE_SAMPLE_WARM_UP) == 0;
+        n += (trial->samples[i].flags & (PROFILE_SAMPLE_WARM_UP | PROFILE_SAMPLE_DISTURBED)) == 0;
     return n;
 }
 

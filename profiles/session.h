@@ -89,8 +89,9 @@ typedef struct profile_plan {
 } profile_plan;
 
 typedef enum profile_sample_flag {
-    PROFILE_SAMPLE_WARM_UP = 1, // before the clock counts
-    PROFILE_SAMPLE_OUTLIER = 2  // marked, and kept
+    PROFILE_SAMPLE_WARM_UP = 1,  // before the clock counts
+    PROFILE_SAMPLE_OUTLIER = 2,  // marked, and kept
+    PROFILE_SAMPLE_DISTURBED = 4 // other programs disturbed it, so that it does not count
 } profile_sample_flag;
 
 // One launch. What was not measured is 0.
@@ -100,6 +101,8 @@ typedef struct profile_sample {
     int64_t b_ns;
     int64_t transfer_ns;
     int64_t merge_ns;
+    int64_t cpu_ns;  // processor time of the calling thread and of the busiest other one
+    int64_t wait_ns; // the longest that a thread waited for a core
     uint32_t flags;
     int64_t at_ns; // when, by the calendar
 } profile_sample;
@@ -110,9 +113,10 @@ typedef struct profile_trial {
     const char *reason;  // one line where not ok; else NULL
     double build_ms;     // 0: nothing was built
     uint32_t outliers;
-    double median_ns; // of the total, as all below; 0 unless ok
-    double mad_ns;    // median absolute deviation
-    double low_ns;    // the median's interval
+    uint32_t disturbed; // launches that count although other programs disturbed them
+    double median_ns;   // of the total, as all below; 0 unless ok
+    double mad_ns;      // median absolute deviation
+    double low_ns;      // the median's interval
     double high_ns;
     double a_ns;       // median of A's part; 0: A had none
     double b_ns;       // and of B's

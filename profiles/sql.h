@@ -158,7 +158,7 @@ const char *store_journal(unsigned long file_system);
 
 // The store's version, and what makes each older version the next: upgrades
 // end with NULL, and the first is for a file of version 1.
-#define STORE_VERSION 6
+#define STORE_VERSION 7
 #define STORE_APPLICATION 0x44554554 // "DUET"
 
 bool migrate_create(store *s, duet_error *err);

@@ -8,6 +8,7 @@
 #include "runtime/narrowphase/accuracy.h"
 #include "runtime/scene/scene.h"
 #include "runtime/selection/profile_subject.h"
+#include "tuner/device_lock.h"
 #include "tuner/level_costs.h"
 #include "tuner/measure_query.h"
 #include "tuner/record.h"
@@ -19,15 +20,17 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-enum { COOKIE = 0x0d0e7005, REPEATS = 3, GROUP = 128, CHOICE_ROUNDS = 7 };
+enum { COOKIE = 0x0d0e7006, REPEATS = 3, GROUP = 128, CHOICE_ROUNDS = 7, WAIT_SECONDS = 60 };
 
 duet_tune_def duet_default_tune_def(void)
 {
     return (duet_tune_def){.strategy = strategies[0]->name,
                            .keep = DUET_KEEP_DEFAULT,
                            .repeats = REPEATS,
+                           .wait_seconds = -1,
                            .cookie = COOKIE};
 }
 
@@ -101,12 +104,21 @@ static bool check_search(const char *what, duet_error *err)
 static const duet_mode query_modes[] = {DUET_MODE_OWN};
 static const char *const query_variants[] = {"auto"};
 
+static double default_wait(void)
+{
+    const char *seconds = getenv("DUET_WAIT");
+    char *end = NULL;
+    double wait = seconds ? strtod(seconds, &end) : WAIT_SECONDS;
+    return wait >= 0 && (!end || (end != seconds && !*end)) ? wait : WAIT_SECONDS;
+}
+
 // What is asked for in the def, or else by the scene.
 static duet_tune_def complete_def(const duet_tune_def *def)
 {
     duet_tune_def whole = *def;
     const duet_scene_info *scene = duet_scene_get_info(def->scene);
     whole.repeats = def->repeats ? def->repeats : REPEATS;
+    whole.wait_seconds = def->wait_seconds < 0 ? default_wait() : def->wait_seconds;
     if (def->query) {
         whole.variants = query_variants;
         whole.n_variants = sizeof query_variants / sizeof *query_variants;
@@ -173,6 +185,8 @@ typedef struct tuning_resources {
     duet_world *world; // NULL: a query is tuned
     measure_query query;
     script *script;
+    core_watch *cores; // NULL: the system does not tell
+    device_lock lock;
     profile_subject subject;
     record record; // without a store where nothing is kept
     trial_log state;
@@ -194,6 +208,8 @@ static void let_go(tuning_resources *h)
     duet_device_pair_destroy(h->whole_pair);
     duet_world_destroy(h->world);
     measure_query_close(&h->query);
+    core_watch_close(h->cores);
+    device_lock_release(&h->lock);
 }
 
 static bool open_query(const tuning_resources *h, duet_device_pair *pair, measure_query *query,
@@ -201,8 +217,10 @@ static bool open_query(const tuning_resources *h, duet_device_pair *pair, measur
 {
     query_name name;
     uint64_t n = h->def.items ? h->def.items : duet_scene_get_info(h->def.scene)->n;
-    return query_name_read(h->def.query, &name, err) &&
-           measure_query_open(query, pair, h->def.scene, &name, n, h->def.seed, err);
+    bool ok = query_name_read(h->def.query, &name, err) &&
+              measure_query_open(query, pair, h->def.scene, &name, n, h->def.seed, err);
+    query->cores = h->cores;
+    return ok;
 }
 
 // The level is settled before anything is measured but levels.
@@ -246,7 +264,9 @@ static bool describe_subject(tuning_resources *h, duet_error *err)
 static bool prepare(tuning_resources *h, const duet_tune_def *def, duet_error *err)
 {
     h->def = complete_def(def);
-    return make_subject(h, err) && open_script(h, err) && describe_subject(h, err) &&
+    h->cores = core_watch_open();
+    return device_lock_take(&h->lock, &h->def, err) && make_subject(h, err) &&
+           open_script(h, err) && describe_subject(h, err) &&
            (def->keep == DUET_KEEP_NOTHING || record_open(&h->record, def->store, err));
 }
 
@@ -357,6 +377,8 @@ static bool tell_known(const profile_found *found, duet_tune_outcome *outcome, d
         .step_low_ms = found->low_ns * 1e-6,
         .step_high_ms = found->high_ns * 1e-6,
         .rounds = found->rounds,
+        .watched = found->watched,
+        .disturbed = found->disturbed,
         .single_ms = found->single_ns * 1e-6,
         .whole_ms = found->whole_ns * 1e-6,
         .whole_gain = found->whole_gain,
@@ -420,7 +442,8 @@ static uint32_t least_share(uint64_t n)
 static measure_world measured(const tuning_resources *h, duet_world *world)
 {
     const duet_scene_info *info = duet_scene_get_info(h->def.scene);
-    return (measure_world){.world = world, .kind = scene_kind(info), .n = info->n};
+    return (measure_world){
+        .world = world, .kind = scene_kind(info), .n = info->n, .cores = h->cores};
 }
 
 // "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false where A and B are not parts of
@@ -477,6 +500,11 @@ static duet_plan query_plan(void)
     return plan;
 }
 
+static core_others look_at_others(void *cores)
+{
+    return core_watch_others(cores);
+}
+
 static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcome *outcome,
                 duet_error *err)
 {
@@ -492,6 +520,7 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         .def = &h->def,
         .machine = h->def.query ? measure_query_machine(query, h->hash)
                                 : measure_world_machine(&world, h->hash),
+        .others = {h->cores, look_at_others},
         .kernels = {.context = h->world, .read = read_kernels},
         .plan = h->def.query ? query_plan() : *duet_world_get_plan(h->world),
         .has_start = guessed,
@@ -524,7 +553,8 @@ static bool run_recorded(tuning_resources *h, const profile_found *near, duet_tu
         return false;
     bool ok = run(h, near, outcome, &why);
     outcome->resumed = resumed;
-    const char *how = ok                                      ? "complete"
+    const char *how = ok && tune_gave_up(outcome)             ? "stopped"
+                      : ok                                    ? "complete"
                       : why.status == DUET_STATUS_INTERRUPTED ? "stopped"
                                                               : "failed";
     ok = record_end(&h->record, how, &h->def, outcome, ok ? err : NULL) && ok;

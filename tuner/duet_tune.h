@@ -17,7 +17,9 @@ typedef struct duet_tune_progress {
                           // not known
     uint32_t launches;
     double seconds;
-    bool remembered; // from an interrupted session, not measured again
+    bool remembered;     // from an interrupted session, not measured again
+    const char *waiting; // why nothing is measured now, as "other programs have 1.4 of 2 cores";
+                         // NULL: a trial was measured
 } duet_tune_progress;
 
 // false stops the tuning: INTERRUPTED, and the same call resumes it.
@@ -53,6 +55,9 @@ typedef struct duet_tune_def {
     bool has_accuracy;        // chooses the quickest level that is within accuracy
     duet_accuracy accuracy;
     double budget_seconds;  // 0: no limit
+    double wait_seconds;    // how long it waits in all while other programs take the cores; 0: it
+                            // takes disturbed launches as they are. Below 0: as DUET_WAIT says, or
+                            // else 60. Waiting is part of the budget
     uint32_t budget_trials; // 0: no limit; BAD_ARGUMENT where a verdict takes more
     uint32_t repeats;       // launches of a trial, after one to warm up; 0: 3
     uint64_t seed;
@@ -107,7 +112,9 @@ typedef struct duet_tune_outcome {
     double gain_high;
     char verdict[16];   // of the best plan: "faster", "same", "slower" or "ambiguous"
     uint32_t rounds;    // of the race that the verdict is of
-    double step_ms;     // by the plan to use, the median
+    uint32_t watched;   // launches that were watched for other programs; 0: the system cannot
+    uint32_t disturbed; // and those of them that other programs disturbed
+    double step_ms;     // by the plan to use, the median; 0: the tuning gave up
     double step_low_ms; // and its interval
     double step_high_ms;
     double single_ms;  // by the better single device
@@ -132,6 +139,11 @@ typedef struct duet_tune_outcome {
 // is replaced only by one that is founded at least as well (docs/store.md). NOT_FOUND
 // for an unknown strategy, or where no level is within the accuracy; WRONG_RESULT
 // where a plan of the default variant does not give the reference's pairs.
+//
+// A launch that other programs disturbed is repeated. Where most are, the tuning waits and its
+// watch is told why. After wait_seconds it gives up: the verdict is "ambiguous", `unused` says
+// why, step_ms is 0, the plan is the default one and no profile is kept; the same call goes on from
+// there. While another process tunes on one of the devices, the call waits for its end.
 //
 // With a query only the share is looked for, and raced in the same way. A query has no modes,
 // variants, levels and accuracy to choose from: BAD_ARGUMENT. step_ms is then the time of a run,

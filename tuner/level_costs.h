@@ -11,9 +11,9 @@ enum { LEVEL_COSTS_ROUNDS = 100, LEVEL_COSTS_BOTH = 2 };
 
 typedef struct level_cost {
     duet_level level;
-    int device;      // 0: A, 1: B, or the only one, each alone; LEVEL_COSTS_BOTH: by the default plan
-    double step_ms;  // the median
-    double relative; // to sat15 there, the median by round
+    int device; // 0: A, 1: B, or the only one, each alone; LEVEL_COSTS_BOTH: by the default plan
+    double step_ms;                     // the median
+    double relative;                    // to sat15 there, the median by round
     double relative_low, relative_high; // its 95 % interval; 0 and infinity for few rounds
     bool same; // as sat15 there, as far as these rounds show: the interval holds 1
     uint64_t pairs;

@@ -145,15 +145,19 @@ static bool step_world(void *context, const duet_plan *plan, bool staged, measur
     const measure_world *at = context;
     duet_result result;
     at->world->def.stage_times = staged;
-    if (!duet_world_set_plan(at->world, plan, err) || !hand_over_objects(at, err) ||
-        !duet_world_step(at->world, &result, err))
+    if (!duet_world_set_plan(at->world, plan, err) || !hand_over_objects(at, err))
         return false;
+    core_watch_start(at->cores);
+    if (!duet_world_step(at->world, &result, err))
+        return false;
+    core_use use = core_watch_stop(at->cores);
     search_sample sample = measure_sample(&result, plan);
     *launch = (measure_launch){
         .total_ns = (int64_t)sample.total_ns,
         .a_ns = (int64_t)sample.a_ns,
         .b_ns = (int64_t)sample.b_ns,
         .hash = duet_result_get_hash(&result),
+        .use = use,
         .terms = terms_of(&result, plan),
     };
     for (uint32_t i = 0; i < result.n_stages; ++i)
@@ -211,6 +215,8 @@ static bool launch_once(const measure_machine *machine, const duet_plan *plan, b
         .a_ns = launch->a_ns,
         .b_ns = launch->b_ns,
         .transfer_ns = launch->transfer_ns,
+        .cpu_ns = (int64_t)launch->use.cpu_ns,
+        .wait_ns = (int64_t)launch->use.wait_ns,
         .flags = flags,
         .at_ns = clock_calendar_ns(),
     };
@@ -241,14 +247,31 @@ static void take_least_stages(measure_launch *launch, const measure_launch *laun
     }
 }
 
-// Statistics over all counted launches; outliers are marked and stay in.
-static void summarize(measurement *m, const measure_launch *launches, uint32_t first)
+static bool counts(const profile_sample *sample)
 {
-    double totals[MEASURE_REPEATS];
-    bool marks[MEASURE_REPEATS];
-    uint32_t n = m->n_samples - first;
-    for (uint32_t i = 0; i < n; ++i)
-        totals[i] = (double)m->samples[first + i].total_ns;
+    return !(sample->flags & (PROFILE_SAMPLE_WARM_UP | PROFILE_SAMPLE_DISTURBED));
+}
+
+// The times of the launches that count, and which samples they are.
+static uint32_t list_counted(const measurement *m, double *totals, uint32_t *samples)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < m->n_samples; ++i) {
+        if (!counts(&m->samples[i]))
+            continue;
+        totals[n] = (double)m->samples[i].total_ns;
+        samples[n++] = i;
+    }
+    return n;
+}
+
+// Statistics over all counted launches; outliers are marked and stay in.
+static void summarize(measurement *m, const measure_launch *launches)
+{
+    double totals[MEASURE_LAUNCHES];
+    uint32_t samples[MEASURE_LAUNCHES];
+    bool marks[MEASURE_LAUNCHES];
+    uint32_t n = list_counted(m, totals, samples);
     m->outliers = stats_mark_outliers(totals, n, marks);
     m->median_ns = stats_median(totals, n);
     m->mad_ns = stats_mad(totals, n);
@@ -258,36 +281,59 @@ static void summarize(measurement *m, const measure_launch *launches, uint32_t f
     uint32_t typical = 0;
     for (uint32_t i = 0; i < n; ++i) {
         if (marks[i])
-            m->samples[first + i].flags |= PROFILE_SAMPLE_OUTLIER;
+            m->samples[samples[i]].flags |= PROFILE_SAMPLE_OUTLIER;
         bool nearer = totals[i] <= m->median_ns && totals[i] > totals[typical];
         if (nearer || totals[typical] > m->median_ns)
             typical = i;
     }
-    m->typical = first + typical;
+    m->typical = samples[typical];
     m->launch = launches[m->typical];
     take_least_stages(&m->launch, launches, m->n_samples);
+}
+
+static bool is_finished(const measurement *m, measure_way way)
+{
+    uint32_t warm_ups = way.warm ? 0 : 1;
+    return m->counted == way.repeats || m->n_samples == warm_ups + 2 * way.repeats + 4;
+}
+
+// Adds a launch and its sample.
+static bool add_launch(measurement *m, const measure_machine *machine, const duet_plan *plan,
+                       measure_way way, measure_launch *launches)
+{
+    uint32_t at = m->n_samples;
+    bool warms_up = at == 0 && !way.warm;
+    profile_sample *sample = &m->samples[at];
+    if (!launch_once(machine, plan, way.staged || warms_up, warms_up ? PROFILE_SAMPLE_WARM_UP : 0,
+                     &launches[at], sample, &m->failure))
+        return false;
+    bool disturbed = !warms_up && launches[at].use.disturbed;
+    if (disturbed && way.quiet)
+        sample->flags |= PROFILE_SAMPLE_DISTURBED;
+    m->watched += !warms_up && launches[at].use.cpu_ns > 0;
+    m->disturbed += disturbed;
+    m->repeated += disturbed && way.quiet;
+    m->counted += counts(sample);
+    ++m->n_samples;
+    return true;
 }
 
 measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way)
 {
     assert(way.repeats > 0 && way.repeats <= MEASURE_REPEATS && (way.staged || !way.warm));
     measurement m = {0};
-    measure_launch launches[1 + MEASURE_REPEATS];
+    measure_launch launches[MEASURE_LAUNCHES];
     duet_error *err = &m.failure;
-    uint32_t first = way.warm ? 0 : 1;
     uint64_t begun = clock_steady_ns();
-    for (bool ok = true; ok && m.n_samples < first + way.repeats; m.n_samples += ok) {
-        bool warms_up = m.n_samples < first;
-        ok = launch_once(machine, plan, way.staged || warms_up,
-                         warms_up ? PROFILE_SAMPLE_WARM_UP : 0, &launches[m.n_samples],
-                         &m.samples[m.n_samples], err);
-    }
+    bool ok = true;
+    while (ok && !is_finished(&m, way))
+        ok = add_launch(&m, machine, plan, way, launches);
     // Ctrl-C reaches a driver's compiler as well, whose complaint is none of the plan's.
-    if (m.n_samples < first + way.repeats && !budget_check_stop(NULL))
+    if (!ok && !budget_check_stop(NULL))
         *err = (duet_error){.status = DUET_STATUS_INTERRUPTED, .text = "stopped"};
     m.spent_ns = clock_steady_ns() - begun;
     m.outcome = outcome_of(err);
-    if (err->status == DUET_STATUS_OK)
-        summarize(&m, launches, first);
+    if (err->status == DUET_STATUS_OK && m.counted > 0)
+        summarize(&m, launches);
     return m;
 }

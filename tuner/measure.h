@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Measures a plan: verified before any time counts, warmed up, every launch
-// kept, with the terms of the paper's equations 4 to 6.
+// kept, with the terms of the paper's equations 4 to 6. A launch that other programs
+// disturbed is repeated.
 #ifndef TUNER_MEASURE_H
 #define TUNER_MEASURE_H
 
+#include "base/core_watch.h"
 #include "base/text.h"
 #include "profiles/session.h"
 #include "tuner/duet_tune.h"
@@ -11,7 +13,11 @@
 
 #include <cjson/cJSON.h>
 
-enum { MEASURE_REPEATS = 32, MEASURE_STAGES = 48 };
+enum {
+    MEASURE_REPEATS = 32,
+    MEASURE_STAGES = 48,
+    MEASURE_LAUNCHES = 2 * MEASURE_REPEATS + 5 // one to warm up, and those that are repeated
+};
 
 // What one step of a machine took and found.
 typedef struct measure_launch {
@@ -20,6 +26,7 @@ typedef struct measure_launch {
     int64_t b_ns;
     int64_t transfer_ns;
     uint64_t hash; // of its pairs
+    core_use use;  // all zero: nothing is known of it
     duet_tune_terms terms;
     duet_stage stages[MEASURE_STAGES];
     uint32_t n_stages;
@@ -41,6 +48,7 @@ typedef struct measure_world {
     duet_world *world;
     duet_object_kind kind;
     uint32_t n;
+    core_watch *cores; // NULL: nobody looks at other programs
 } measure_world;
 
 // The machine that steps a world, which must live as long as the machine.
@@ -50,10 +58,15 @@ measure_machine measure_world_machine(measure_world *world, uint64_t hash);
 search_sample measure_sample(const duet_result *result, const duet_plan *plan);
 
 typedef struct measurement {
-    const char *outcome;                         // as a profile_trial's
-    duet_error failure;                          // why the outcome is not "ok"
-    profile_sample samples[1 + MEASURE_REPEATS]; // the first is the warm-up, if there is one
+    const char *outcome;                      // as a profile_trial's
+    duet_error failure;                       // why the outcome is not "ok"
+    profile_sample samples[MEASURE_LAUNCHES]; // the first is the warm-up, if there is one
     uint32_t n_samples;
+    uint32_t counted;   // samples that the statistics are of; fewer than asked for: the others
+                        // were disturbed, however often they were repeated
+    uint32_t watched;   // launches that were watched for other programs
+    uint32_t disturbed; // and those of them that other programs disturbed
+    uint32_t repeated;  // and those of these that therefore do not count
     uint32_t outliers;
     double median_ns;
     double mad_ns;
@@ -70,11 +83,13 @@ typedef struct measure_way {
     uint32_t repeats; // launches that count, at most MEASURE_REPEATS
     bool warm;        // the plan ran before, and no launch warms it up
     bool staged;      // what counts is the time of stages
+    bool quiet;       // a launch that other programs disturbed is repeated and does not count
 } measure_way;
 
 // One launch to warm up, unless the plan is warm, then `repeats`; all are verified. A
 // plan that does not build, run or find the right pairs is a measurement whose outcome
-// says so.
+// says so. Where disturbed launches are repeated, there are at most twice as many and
+// four more.
 measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way);
 
 // What the launch took on a device in stages of these names; names end with NULL or

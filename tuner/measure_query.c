@@ -236,14 +236,18 @@ static int64_t to_ns(double ms)
 static bool launch_query(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
                          duet_error *err)
 {
+    measure_query *q = context;
     query_result found;
     (void)staged;
-    if (!ask(context, plan->share, &found, err))
+    core_watch_start(q->cores);
+    if (!ask(q, plan->share, &found, err))
         return false;
+    core_use use = core_watch_stop(q->cores);
     *launch = (measure_launch){.total_ns = to_ns(found.total_ms),
                                .a_ns = to_ns(found.device_ms[0]),
                                .b_ns = to_ns(found.device_ms[1]),
-                               .hash = hash_of(context, &found)};
+                               .hash = hash_of(q, &found),
+                               .use = use};
     return true;
 }
 

@@ -13,6 +13,7 @@ typedef struct measure_query {
     void *items; // drawn among the objects
     uint64_t n;
     any_query *query;
+    core_watch *cores; // NULL: nobody looks at other programs
 } measure_query;
 
 // n items, drawn by the seed. All is to be closed, also after a failure.

@@ -189,6 +189,7 @@ static bool keep_trial(void *context, const duet_plan *plan, const measurement *
         .outcome = m->outcome,
         .reason = ran ? NULL : m->failure.text,
         .outliers = m->outliers,
+        .disturbed = m->disturbed - m->repeated,
         .median_ns = m->median_ns,
         .mad_ns = m->mad_ns,
         .low_ns = m->low_ns,
@@ -254,6 +255,8 @@ static bool put_profile(record *r, const duet_tune_def *def, duet_tune_outcome *
     row.false_rate = o->accuracy.false_rate;
     row.true_pairs = (int64_t)o->true_pairs;
     row.rounds = o->rounds;
+    row.watched = o->watched;
+    row.disturbed = o->disturbed;
     row.single_ns = o->single_ms * 1e6;
     row.whole_ns = o->whole_ms * 1e6;
     row.whole_gain = o->whole_gain;
@@ -262,10 +265,10 @@ static bool put_profile(record *r, const duet_tune_def *def, duet_tune_outcome *
     row.best_share = o->best.share;
     row.best_mode = duet_mode_name(o->best.mode);
     row.terms = text_chars(&terms);
-    bool ok =
-        text_ok(&terms, err) &&
-        profile_trial_find(r->store, r->session, &row.plan, &row.trial_number, err) &&
-        profile_put(r->store, &row, unused_because(def, because), "replaced by a later tuning", &placed, err);
+    bool ok = text_ok(&terms, err) &&
+              profile_trial_find(r->store, r->session, &row.plan, &row.trial_number, err) &&
+              profile_put(r->store, &row, unused_because(def, because),
+                          "replaced by a later tuning", &placed, err);
     if (ok) {
         memcpy(o->uid, placed.uid, sizeof placed.uid);
         memcpy(o->unused, placed.unused, sizeof placed.unused);
@@ -300,6 +303,8 @@ bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error 
         row.gain_high = before.gain_high;
         row.verdict = before.verdict;
         row.rounds = before.rounds;
+        row.watched = before.watched;
+        row.disturbed = before.disturbed;
         row.missed_rate = before.missed_rate;
         row.false_rate = before.false_rate;
         row.true_pairs = before.true_pairs;

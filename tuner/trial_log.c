@@ -62,9 +62,8 @@ void trial_log_to_json(const trial_log *t, text *json)
                  e->sample.a_ns, e->sample.b_ns);
         text_add(json, "%" PRIu32 ",%" PRIu64 ",", e->launches, e->spent_ns);
         terms_to_json(&e->terms, json);
-        if (e->focus_ns > 0)
-            text_add(json, ",%" PRIu64, e->focus_ns);
-        text_add(json, "]");
+        text_add(json, ",%" PRIu64 ",%" PRIu32 ",%" PRIu32 "]", e->focus_ns, e->watched,
+                 e->disturbed);
     }
     text_add(json, "]}");
 }
@@ -89,7 +88,7 @@ static bool next_variant(const cJSON **at, char variant[DUET_VARIANT])
 
 static bool read_entry(const cJSON *row, trial_log_entry *e)
 {
-    uint64_t share = 0, mode = 0, usable = 0, launches = 0;
+    uint64_t share = 0, mode = 0, usable = 0, launches = 0, watched = 0, disturbed = 0;
     const cJSON *at = row->child;
     bool ok = next_number(&at, DUET_SHARE_ONE, &share) && next_number(&at, 255, &mode) &&
               next_variant(&at, e->plan.variant_a) && next_variant(&at, e->plan.variant_b) &&
@@ -103,7 +102,12 @@ static bool read_entry(const cJSON *row, trial_log_entry *e)
     e->launches = (uint32_t)launches;
     terms_from_json(at, &e->terms); // a log of the store's first version has none
     at = at ? at->next : NULL;
+    // Logs of older versions of the store end before one of these.
     ok = ok && (!at || next_number(&at, 0x1p53, &e->focus_ns));
+    ok = ok && (!at || (next_number(&at, UINT32_MAX, &watched) &&
+                        next_number(&at, (double)watched, &disturbed)));
+    e->watched = (uint32_t)watched;
+    e->disturbed = (uint32_t)disturbed;
     return ok && !at;
 }
 

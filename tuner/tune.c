@@ -1,9 +1,26 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/tune.h"
 
+#include "base/error.h"
 #include "tuner/kernel_tuning.h"
+#include "tuner/race.h"
 #include "tuner/variants.h"
 #include "tuner/verdict.h"
+
+#include <stdio.h>
+
+bool tune_gave_up(const duet_tune_outcome *outcome)
+{
+    return outcome->step_ms == 0;
+}
+
+// The default plan, of which nothing is known.
+static void give_up(const tuning *t, duet_tune_outcome *outcome)
+{
+    *outcome = (duet_tune_outcome){.plan = t->task->plan, .best = t->task->plan};
+    snprintf(outcome->verdict, sizeof outcome->verdict, "%s", race_verdict_name(RACE_AMBIGUOUS));
+    snprintf(outcome->unused, sizeof outcome->unused, "%s", tuning_describe_others(t, "had").chars);
+}
 
 bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err)
 {
@@ -12,11 +29,20 @@ bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcom
     uint32_t n = 0;
     state->played = 0;
     *outcome = (duet_tune_outcome){0};
-    bool ok = variants_choose(&t, err) && kernel_tuning_run(&t, outcome->kernels, err) &&
-              mode_search_run(&t, founds, &n, err) && verdict_reach(&t, founds, n, outcome, err) &&
-              verdict_race_whole(&t, outcome, err);
+    duet_error why = {0};
+    bool ok = variants_choose(&t, &why) && kernel_tuning_run(&t, outcome->kernels, &why) &&
+              mode_search_run(&t, founds, &n, &why) &&
+              verdict_reach(&t, founds, n, outcome, &why) && verdict_race_whole(&t, outcome, &why);
+    if (!ok && tuning_is_out_of_patience(&t)) {
+        give_up(&t, outcome);
+        ok = true;
+    } else if (!ok) {
+        error_copy(err, &why);
+    }
+    outcome->watched = t.watched;
+    outcome->disturbed = t.disturbed;
     outcome->trials = state->played + t.unlogged;
     outcome->launches = t.launches;
-    outcome->seconds = (double)t.spent_ns * 1e-9;
+    outcome->seconds = (double)(t.spent_ns + t.waited_ns) * 1e-9;
     return ok;
 }

@@ -31,9 +31,16 @@ typedef struct tune_kernels {
                  uint32_t *n, duet_error *err);
 } tune_kernels;
 
+// How many cores other programs have. look NULL: none.
+typedef struct tune_others {
+    void *context;
+    core_others (*look)(void *context);
+} tune_others;
+
 typedef struct tune_task {
     const duet_tune_def *def; // what to choose from, budget, strategy, watch
     measure_machine machine;
+    tune_others others;
     tune_recorder recorder;
     tune_whole whole;               // open NULL: there is none
     tune_kernels kernels;           // asked only where def->search is given
@@ -54,8 +61,12 @@ uint32_t task_count_variants(const duet_tune_def *def);
 // Modes that may be searched; some fit no pair of variants.
 uint32_t task_count_modes(const duet_tune_def *def);
 
-// state is empty, or an interrupted tuning's. After INTERRUPTED it can be
-// handed in again. Fills all of outcome but known, resumed and objects.
+// state is empty, or an interrupted tuning's. After INTERRUPTED, and where the tuning
+// gave up because of other programs, it can be handed in again. Fills all of outcome but
+// known, resumed and objects.
 bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err);
+
+// Whether the tuning gave up: nothing is known of its plan.
+bool tune_gave_up(const duet_tune_outcome *outcome);
 
 #endif

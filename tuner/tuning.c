@@ -2,6 +2,7 @@
 #include "tuner/tuning.h"
 
 #include "base/budget.h"
+#include "base/clock.h"
 #include "base/error.h"
 #include "tuner/trial_budget.h"
 
@@ -37,8 +38,8 @@ duet_plan tuning_plan(const tuning *t, uint32_t share, duet_mode mode)
 bool tuning_within_budget(const tuning *t)
 {
     const duet_tune_def *def = t->task->def;
-    bool in_time =
-        def->budget_seconds <= 0 || (double)t->spent_ns * 1e-9 < t->stage_end * def->budget_seconds;
+    double spent_s = (double)(t->spent_ns + t->waited_ns) * 1e-9;
+    bool in_time = def->budget_seconds <= 0 || spent_s < t->stage_end * def->budget_seconds;
     return in_time && (def->budget_trials == 0 ||
                        t->state->played + t->unlogged < trial_budget_end(t->task, t->stage_end));
 }
@@ -89,6 +90,89 @@ static bool tell_watcher(const tuning *t, const trial_log_entry *entry, bool rem
     return !def->watch || def->watch(def->watch_context, &progress) || tuning_stop(t, err);
 }
 
+// ---------------------------------------------------------------- other programs
+
+// A look at other programs before the next try, which may succeed beside them too.
+#define LOOK_NS UINT64_C(100000000)
+#define NEXT_TRY_NS UINT64_C(2000000000)
+
+static core_others look_at_others(const tuning *t)
+{
+    const tune_others *others = &t->task->others;
+    return others->look ? others->look(others->context) : (core_others){0};
+}
+
+tuning_others tuning_describe_others(const tuning *t, const char *have)
+{
+    core_others others = look_at_others(t);
+    tuning_others words;
+    snprintf(words.chars, sizeof words.chars, "other programs %s %.1f of %u core%s", have,
+             others.cores, others.of, others.of == 1 ? "" : "s");
+    return words;
+}
+
+// The budget may end before the patience.
+bool tuning_is_out_of_patience(const tuning *t)
+{
+    const duet_tune_def *def = t->task->def;
+    double most = def->wait_seconds;
+    if (def->budget_seconds > 0)
+        most = fmin(most, def->budget_seconds - (double)t->spent_ns * 1e-9);
+    return t->waited_ns > 0 && (double)t->waited_ns * 1e-9 >= most;
+}
+
+static bool tell_waiting(const tuning *t, const duet_plan *plan, duet_error *err)
+{
+    const duet_tune_def *def = t->task->def;
+    tuning_others others = tuning_describe_others(t, "have");
+    duet_tune_progress progress = {
+        .stage = t->stage,
+        .plan = plan,
+        .trials = t->state->played + t->unlogged,
+        .launches = t->launches,
+        .seconds = (double)(t->spent_ns + t->waited_ns) * 1e-9,
+        .waiting = others.chars,
+    };
+    bool goes_on = budget_check_stop(NULL) && !tuning_is_out_of_patience(t) &&
+                   (!def->watch || def->watch(def->watch_context, &progress));
+    return goes_on || tuning_stop(t, err);
+}
+
+// Until other programs leave the cores, or for a while.
+static bool wait_for_quiet(tuning *t, const duet_plan *plan, duet_error *err)
+{
+    uint64_t waited_ns = 0;
+    do {
+        if (!tell_waiting(t, plan, err))
+            return false;
+        clock_sleep_ns(LOOK_NS);
+        waited_ns += LOOK_NS;
+        t->waited_ns += LOOK_NS;
+    } while (look_at_others(t).is_crowded && waited_ns < NEXT_TRY_NS);
+    return true;
+}
+
+// Measures until enough launches of the trial were undisturbed. While no other program has a core
+// the machine is as quiet as it can be, and the launches count as they are.
+static bool measure_in_quiet(tuning *t, const measure_machine *machine, const duet_plan *plan,
+                             measure_way way, measurement *m, duet_error *err)
+{
+    way.quiet = t->task->def->wait_seconds > 0;
+    *m = measure_plan(machine, plan, way);
+    while (m->failure.status == DUET_STATUS_OK && m->counted < way.repeats) {
+        t->watched += m->watched;
+        t->disturbed += m->disturbed;
+        way.quiet = look_at_others(t).is_crowded;
+        *(way.quiet ? &t->waited_ns : &t->spent_ns) += m->spent_ns;
+        if (way.quiet && !wait_for_quiet(t, plan, err))
+            return false;
+        *m = measure_plan(machine, plan, way);
+    }
+    return m->failure.status != DUET_STATUS_INTERRUPTED || tuning_stop(t, err);
+}
+
+// ---------------------------------------------------------------- trials
+
 static trial_log_entry entry_of(const tuning *t, const duet_plan *plan, const measurement *m)
 {
     const profile_sample *typical = &m->samples[m->typical];
@@ -97,6 +181,8 @@ static trial_log_entry entry_of(const tuning *t, const duet_plan *plan, const me
         .usable = strcmp(m->outcome, "ok") == 0,
         .sample = {.share = plan->share},
         .launches = m->n_samples,
+        .watched = m->watched,
+        .disturbed = m->disturbed,
         .spent_ns = m->spent_ns,
     };
     if (entry.usable) {
@@ -150,9 +236,9 @@ static bool measure_live(tuning *t, const duet_plan *plan, trial_log_entry *entr
     const tune_task *task = t->task;
     if (!budget_check(err))
         return false;
-    measurement m = measure_plan(&task->machine, plan, way_of(t, plan));
-    if (m.failure.status == DUET_STATUS_INTERRUPTED)
-        return tuning_stop(t, err);
+    measurement m;
+    if (!measure_in_quiet(t, &task->machine, plan, way_of(t, plan), &m, err))
+        return false;
     *entry = entry_of(t, plan, &m);
     if (!trial_log_add(t->state, entry, err))
         return false;
@@ -160,6 +246,14 @@ static bool measure_live(tuning *t, const duet_plan *plan, trial_log_entry *entr
     const tune_recorder *recorder = &task->recorder;
     return (!recorder->trial || recorder->trial(recorder->context, plan, &m, t->state, err)) &&
            check_measured(t, plan, &m, err);
+}
+
+static void count_entry(tuning *t, const trial_log_entry *entry)
+{
+    t->launches += entry->launches;
+    t->watched += entry->watched;
+    t->disturbed += entry->disturbed;
+    t->spent_ns += entry->spent_ns;
 }
 
 bool tuning_run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *err)
@@ -172,8 +266,7 @@ bool tuning_run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *
     else if (!measure_live(t, plan, &entry, err))
         return false;
     t->first = kept ? t->state->played : t->first;
-    t->launches += entry.launches;
-    t->spent_ns += entry.spent_ns;
+    count_entry(t, &entry);
     out->usable = entry.usable;
     out->sample = entry.sample;
     out->focus_ns = entry.focus_ns;
@@ -185,13 +278,12 @@ bool tuning_run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *
 bool tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan,
                          double *ns, duet_error *err)
 {
-    measurement m = measure_plan(machine, plan, (measure_way){.repeats = t->repeats});
-    if (m.failure.status == DUET_STATUS_INTERRUPTED)
-        return tuning_stop(t, err);
+    measurement m;
+    if (!measure_in_quiet(t, machine, plan, (measure_way){.repeats = t->repeats}, &m, err))
+        return false;
     trial_log_entry entry = entry_of(t, plan, &m);
     ++t->unlogged;
-    t->launches += entry.launches;
-    t->spent_ns += entry.spent_ns;
+    count_entry(t, &entry);
     *ns = entry.usable ? (double)entry.sample.total_ns : 0;
     return tell_watcher(t, &entry, false, err);
 }

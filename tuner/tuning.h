@@ -29,6 +29,9 @@ typedef struct tuning {
     uint32_t launches;
     uint32_t unlogged; // trials of the whole device, which the log has no plan for
     uint64_t spent_ns;
+    uint32_t watched; // launches that were watched for other programs
+    uint32_t disturbed;
+    uint64_t waited_ns; // for other programs, trials that were disturbed included
     bool found;         // a kernel to be searched
     bool cut;           // the budget ended a search
     duet_error failure; // of the first plan that did not run
@@ -54,6 +57,17 @@ bool tuning_run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *
 // where the plan does not run.
 bool tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan,
                          double *ns, duet_error *err);
+
+// The tuning has waited for other programs as long as it may, and a trial failed with
+// INTERRUPTED because of that.
+bool tuning_is_out_of_patience(const tuning *t);
+
+// "other programs have 1.4 of 2 cores"; have: or "had".
+typedef struct tuning_others {
+    char chars[96];
+} tuning_others;
+
+tuning_others tuning_describe_others(const tuning *t, const char *have);
 
 // INTERRUPTED; always false.
 bool tuning_stop(const tuning *t, duet_error *err);

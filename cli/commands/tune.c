@@ -32,6 +32,7 @@ typedef struct arguments {
     double budget_seconds;
     uint64_t budget_trials;
     uint64_t repeats;
+    double wait_seconds;
     const char *store;
     bool ordered;
     bool fresh;
@@ -69,6 +70,10 @@ static const option options[] = {
     OPTION_COUNT("trials", budget_trials, "K", "trials for each workload (no limit)", 1,
                  UINT32_MAX),
     OPTION_COUNT("repeat", repeats, "K", "launches of a trial, after one to warm up (3)", 1, 32),
+    OPTION_NUMBER("wait", wait_seconds, "SECONDS",
+                  "how long to wait while other programs take the cores; 0: measure beside them "
+                  "(DUET_WAIT, or 60)",
+                  0, 0),
     OPTION_TEXT("profile", store, "FILE", "the profile file (DUET_PROFILE, or the user's own)"),
     OPTION_FLAG("ordered", ordered, "put the objects into the order of their cells beforehand"),
     OPTION_FLAG("fresh", fresh, "measure again what an earlier run has finished"),
@@ -87,7 +92,8 @@ static const command_line line = {
              "work best, and keeps them in the profile file for 'duet run' and for\n"
              "applications. With --config a file names the scenes and fills the fields that\n"
              "no option gives. A profile that applications load is replaced only by one that\n"
-             "is as well measured.",
+             "is as well measured. Launches that other programs disturb are repeated; where\n"
+             "most are, the tuning waits.",
     .options = options,
 };
 
@@ -254,6 +260,7 @@ static duet_tune_def make_def(const arguments *args, const tune_config *config, 
     def.budget_trials = config->budget_trials;
     def.repeats = config->repeats;
     def.seed = config->seed;
+    def.wait_seconds = args->wait_seconds;
     def.watch = tune_report_watch;
     def.watch_context = report;
     return def;
@@ -362,6 +369,7 @@ static bool run(void *given, char **operands, duet_error *err)
 
 int command_tune(int argc, char **argv)
 {
-    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .level = LEVEL_OPTIONS_DEFAULT};
+    arguments args = {
+        .scene = SCENE_OPTIONS_DEFAULT, .level = LEVEL_OPTIONS_DEFAULT, .wait_seconds = -1};
     return options_run(&line, argc, argv, &args, run);
 }

@@ -79,6 +79,8 @@ cJSON *profile_report_json(const profile_entry *e)
     json_add_interval(o, "gain", e->row.gain, e->row.gain_low, e->row.gain_high);
     cJSON_AddStringToObject(o, "verdict", e->row.verdict);
     cJSON_AddNumberToObject(o, "rounds", e->row.rounds);
+    cJSON_AddNumberToObject(o, "watched", e->row.watched);
+    cJSON_AddNumberToObject(o, "disturbed", e->row.disturbed);
     cJSON_AddNumberToObject(o, "single_ms", e->row.single_ns * 1e-6);
     if (e->row.whole_ns > 0) {
         cJSON_AddNumberToObject(o, "whole_ms", e->row.whole_ns * 1e-6);
@@ -213,6 +215,11 @@ static void add_result(table *t, const profile_entry *e)
         table_words(t, "rounds", NULL);
         table_cell(t, "%u", row->rounds);
     }
+    table_words(t, "quiet", NULL);
+    if (row->watched > 0)
+        table_cell(t, "other programs disturbed %u of %u launches", row->disturbed, row->watched);
+    else
+        table_words(t, "was not looked at", NULL);
     if (row->whole_ns > 0) {
         table_text whole = table_whole(e->a.name, NULL, row->whole_gain, row->whole_gain_low,
                                        row->whole_gain_high);

@@ -56,7 +56,12 @@ static double seconds_left(const tune_report *r, const duet_tune_progress *p)
 static void write_progress(const tune_report *r, const duet_tune_progress *p, text *shown)
 {
     double left = seconds_left(r, p);
-    text_add(shown, "%u/%u %.22s: %s", r->number, r->n_workloads, r->name, p->stage);
+    text_add(shown, "%u/%u %.22s: %s", r->number, r->n_workloads, r->name,
+             p->waiting ? p->waiting : p->stage);
+    if (p->waiting) {
+        text_add(shown, "; waiting, Ctrl-C keeps what was measured");
+        return;
+    }
     if (p->trials == 0) {
         text_add(shown, ", step %u, %.1f s", p->launches, p->seconds);
         return;
@@ -72,10 +77,20 @@ static void write_progress(const tune_report *r, const duet_tune_progress *p, te
     text_add(shown, "%s", p->remembered ? " (measured before)" : "");
 }
 
+// Without a terminal a line when the tuning begins to wait.
+static void log_waiting(tune_report *r, const duet_tune_progress *p)
+{
+    if (p->waiting && !r->waits)
+        fprintf(stderr, "%.22s: %s; waiting\n", r->name, p->waiting);
+    r->waits = p->waiting;
+}
+
 bool tune_report_watch(void *report, const duet_tune_progress *p)
 {
-    const tune_report *r = report;
-    if (r->on_terminal) {
+    tune_report *r = report;
+    if (!r->on_terminal)
+        log_waiting(r, p);
+    else {
         text shown = {0};
         write_progress(r, p, &shown);
         progress_line(text_chars(&shown));
@@ -138,8 +153,13 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o)
     cJSON_AddNumberToObject(row, "best_share", o->best.share / (double)DUET_SHARE_ONE);
     json_add_interval(row, "gain", o->gain, o->gain_low, o->gain_high);
     cJSON_AddStringToObject(row, "verdict", o->verdict);
-    cJSON_AddNumberToObject(row, "step_ms", o->step_ms);
+    if (o->step_ms > 0)
+        cJSON_AddNumberToObject(row, "step_ms", o->step_ms);
+    else
+        cJSON_AddNullToObject(row, "step_ms");
     cJSON_AddNumberToObject(row, "rounds", o->rounds);
+    cJSON_AddNumberToObject(row, "watched", o->watched);
+    cJSON_AddNumberToObject(row, "disturbed", o->disturbed);
     cJSON_AddNumberToObject(row, "single_ms", o->single_ms);
     if (o->whole_ms > 0) {
         cJSON_AddStringToObject(row, "whole", r->whole);
@@ -195,26 +215,42 @@ static uint32_t share_of(const cJSON *row)
     return (uint32_t)lround(json_number(row, "share") * DUET_SHARE_ONE);
 }
 
+// A tuning that gave up knows no time.
+static bool gave_up(const cJSON *row)
+{
+    return json_number(row, "step_ms") == 0;
+}
+
 static bool is_shared(const cJSON *row)
 {
-    return share_of(row) > 0 && share_of(row) < DUET_SHARE_ONE;
+    return !gave_up(row) && share_of(row) > 0 && share_of(row) < DUET_SHARE_ONE;
+}
+
+static void add_step(table *t, const cJSON *row)
+{
+    if (gave_up(row))
+        table_words(t, "-", NULL);
+    else
+        table_cell(t, "%.3f", json_number(row, "step_ms"));
 }
 
 static void add_table_row(table *t, const cJSON *row)
 {
     table_cell(t, "%.22s", json_string(row, "workload"));
-    if (is_shared(row))
+    if (gave_up(row))
+        table_words(t, "the default", NULL);
+    else if (is_shared(row))
         table_cell(t, "A %.2f %%", 100 * json_number(row, "share"));
     else
         table_words(t, share_of(row) == 0 ? "B alone" : "A alone", NULL);
-    table_cell(t, "%.3f", json_number(row, "step_ms"));
+    add_step(t, row);
     if (is_shared(row)) {
         table_cell(t, "%+.1f", 100 * json_number(row, "gain"));
         table_cell(t, "%+.1f", 100 * json_number(row, "gain_low"));
         table_cell(t, "%+.1f", 100 * json_number(row, "gain_high"));
         table_words(t, json_string(row, "verdict"), NULL);
     } else {
-        table_words(t, "-", "", "", "-", NULL);
+        table_words(t, "-", "", "", gave_up(row) ? json_string(row, "verdict") : "-", NULL);
     }
     table_cell(t, "%.1f", json_number(row, "seconds"));
 }
@@ -246,7 +282,11 @@ static void print_use(const cJSON *row)
     if (!*unused)
         return;
     printf("  not used by applications: %s\n", unused);
-    if (strcmp(json_string(row, "verdict"), "ambiguous") == 0)
+    if (gave_up(row))
+        printf(
+            "  the same command goes on from here; --wait SECONDS waits longer, --wait 0 measures "
+            "beside them\n");
+    else if (strcmp(json_string(row, "verdict"), "ambiguous") == 0)
         printf("  a larger --trials or --budget reaches a verdict\n");
     else
         printf("  'duet profiles use %.8s' makes them use it\n", json_string(row, "uid"));
@@ -262,7 +302,15 @@ static void print_details(const cJSON *row)
                say_name(query).chars);
     else
         printf("level %s", json_string(row, "level"));
-    printf(", %.0f launches\n", json_number(row, "launches"));
+    printf(", %.0f launches", json_number(row, "launches"));
+    if (json_number(row, "disturbed") > 0)
+        printf(", %.0f of %.0f disturbed by other programs", json_number(row, "disturbed"),
+               json_number(row, "watched"));
+    printf("\n");
+    if (gave_up(row)) {
+        print_use(row);
+        return;
+    }
     if (!*query)
         print_plan(row);
     if (!is_shared(row) && !json_true(row, "one_device"))
@@ -306,7 +354,7 @@ static void print_choices(const cJSON *workloads)
     {
         table_cell(&t, "%.22s", json_string(row, "workload"));
         table_cell(&t, "%.40s", json_string(row, "variant_b"));
-        table_cell(&t, "%.3f", json_number(row, "step_ms"));
+        add_step(&t, row);
         table_cell(&t, "%.1f", json_number(row, "seconds"));
     }
     table_print(&t, stdout);

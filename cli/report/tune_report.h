@@ -20,6 +20,7 @@ typedef struct tune_report {
     double budget_seconds;
     bool json;
     bool on_terminal;
+    bool waits; // told so last
 } tune_report;
 
 tune_report tune_report_begin(bool json);

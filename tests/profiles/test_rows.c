@@ -297,6 +297,41 @@ static void a_live_profile_gives_way_only_to_one_that_is_founded_as_well(void **
     }
 }
 
+// Times that other programs disturbed are narrow and wrong.
+static void quiet_comes_before_all_other_grounds(void **state)
+{
+    (void)state;
+    enum { UNKNOWN, DISTURBED, QUIET, N };
+    static const struct {
+        uint32_t watched, disturbed;
+    } launches[N] = {{0, 0}, {100, 51}, {100, 50}};
+    static const bool replaces[N][N] = {
+        // by the live one's quietness; one that is as quiet has the narrower interval here
+        [UNKNOWN] = {true, true, false},
+        [DISTURBED] = {false, true, false},
+        [QUIET] = {true, true, true},
+    };
+    for (int next = 0; next < N; ++next)
+        for (int live = 0; live < N; ++live) {
+            test_folder folder = test_folder_make();
+            store *s = test_store_open(folder.store, STORE_WRITE);
+            bool narrow = next == live || !replaces[next][live];
+            profile_row rows[2] = {gained(s, "faster", 0.16, 0.31, 20),
+                                   gained(s, narrow ? "slower" : "same", narrow ? -0.30 : -0.5,
+                                          narrow ? -0.29 : 0.9, narrow ? 40 : 8)};
+            rows[0].watched = launches[live].watched;
+            rows[0].disturbed = launches[live].disturbed;
+            rows[1].watched = launches[next].watched;
+            rows[1].disturbed = launches[next].disturbed;
+            assert_string_equal(put(s, &rows[0], NULL).unused, "");
+            profile_placed placed = put(s, &rows[1], NULL);
+            if ((*placed.unused == '\0') != replaces[next][live])
+                fail_msg("next %d, live %d: '%s'", next, live, placed.unused);
+            store_close(s);
+            test_folder_remove(&folder);
+        }
+}
+
 // Whether a search takes the place of one with 16 launches, by the times of their steps, least and
 // greatest; both are as sure of what is gained.
 static bool replaces(const char *options, const profile_row *gain, const double before_ns[2],
@@ -426,6 +461,7 @@ int main(void)
         cmocka_unit_test(a_trial_without_measurements_needs_a_reason_and_no_times),
         cmocka_unit_test(a_replaced_profile_stays_dead_with_its_reason),
         cmocka_unit_test(a_live_profile_gives_way_only_to_one_that_is_founded_as_well),
+        cmocka_unit_test(quiet_comes_before_all_other_grounds),
         cmocka_unit_test(another_search_replaces_no_faster_plan),
         cmocka_unit_test(another_search_of_one_device_replaces_no_better_measured_step),
         cmocka_unit_test(a_stored_profile_is_put_to_use_and_forgotten),

@@ -28,6 +28,9 @@ typedef struct fake {
     uint32_t staged;     // of them
     uint32_t stop_after; // trials; 0: never
     uint32_t recorded;
+    double disturbed; // part of the launches that another program disturbs, of the first ones
+    uint32_t looks;   // at other programs, after which these are gone
+    uint32_t waits;   // that the watch was told of
 } fake;
 
 // Slow for some 20 launches, fast for some 30, and each device by itself.
@@ -36,6 +39,25 @@ static double slowed(fake *f, int device, double ns)
     if (f->slowness > 0 && rng_unit(&f->random) < (f->slow[device] ? 1.0 / 20 : 1.0 / 30))
         f->slow[device] = !f->slow[device];
     return f->slow[device] ? f->slowness * ns : ns;
+}
+
+// Both parts on one core take as long as one after the other, and no two such launches differ.
+static void disturb(fake *f, const duet_plan *plan, measure_launch *launch)
+{
+    bool shared = plan->share > 0 && plan->share < DUET_SHARE_ONE;
+    launch->use.cpu_ns = (uint64_t)launch->total_ns;
+    if (f->looks == 0 || !shared || rng_unit(&f->random) >= f->disturbed)
+        return;
+    launch->total_ns = launch->a_ns + launch->b_ns;
+    launch->use.lost_ns = launch->use.wait_ns = (uint64_t)launch->total_ns / 2;
+    launch->use.disturbed = true;
+}
+
+static core_others look_fake(void *context)
+{
+    fake *f = context;
+    f->looks -= f->looks > 0;
+    return (core_others){.cores = f->looks > 0 ? 1 : 0, .of = 2, .is_crowded = f->looks > 0};
 }
 
 static bool launch_fake(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
@@ -66,6 +88,7 @@ static bool launch_fake(void *context, const duet_plan *plan, bool staged, measu
     launch->a_ns = (int64_t)((double)launch->a_ns * factor);
     launch->b_ns = (int64_t)((double)launch->b_ns * factor);
     launch->total_ns = launch->a_ns > launch->b_ns ? launch->a_ns : launch->b_ns;
+    disturb(f, plan, launch);
     bool wrong = (a && strcmp(plan->variant_a, "wrong") == 0) ||
                  (b && strcmp(plan->variant_b, "wrong") == 0);
     launch->terms.cpu1 = round(1e3 * (double)launch->total_ns * 1e-6) / 1e3;
@@ -75,8 +98,10 @@ static bool launch_fake(void *context, const duet_plan *plan, bool staged, measu
 
 static bool watch_fake(void *context, const duet_tune_progress *progress)
 {
-    const fake *f = context;
-    return f->stop_after == 0 || progress->remembered || progress->trials % f->stop_after != 0;
+    fake *f = context;
+    f->waits += progress->waiting != NULL;
+    return f->stop_after == 0 || progress->waiting || progress->remembered ||
+           progress->trials % f->stop_after != 0;
 }
 
 static duet_tune_def fake_def(fake *f)
@@ -99,6 +124,7 @@ static tune_task fake_task(fake *f, const duet_tune_def *def)
         .machine = {.context = f, .launch = launch_fake, .hash = RIGHT},
         .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
         .least_share = 8,
+        .others = {f, look_fake},
     };
 }
 
@@ -590,6 +616,92 @@ static void a_log_of_another_tuning_is_forgotten_where_it_differs(void **state)
     trial_log_free(&kept);
 }
 
+static fake halves(uint64_t seed)
+{
+    return (fake){.model = {.ratio = 1, .sigma = 0.01}, .random = rng_seed(seed)};
+}
+
+// Times of a disturbed launch are narrow and wrong: repeated ones must not count.
+static void launches_that_other_programs_disturb_do_not_count(void **state)
+{
+    (void)state;
+    uint64_t seed = test_seed();
+    fake f = halves(seed);
+    f.disturbed = 0.6;
+    f.looks = UINT32_MAX;
+    duet_tune_def def = fake_def(&f);
+    def.wait_seconds = 1e6;
+    duet_tune_outcome outcome = tune_fake(&f, &def);
+    assert_string_equal(outcome.verdict, "faster");
+    assert_in_range(outcome.plan.share, DUET_SHARE_ONE * 47 / 100, DUET_SHARE_ONE * 53 / 100);
+    assert_true(outcome.disturbed > 0 && outcome.disturbed < outcome.watched);
+    // As they are, they hide what sharing gains.
+    f = halves(seed);
+    f.disturbed = 1;
+    f.looks = UINT32_MAX;
+    def.wait_seconds = 0;
+    assert_string_not_equal(tune_fake(&f, &def).verdict, "faster");
+}
+
+static void a_tuning_waits_until_other_programs_are_gone(void **state)
+{
+    (void)state;
+    fake f = halves(test_seed());
+    f.disturbed = 1;
+    f.looks = 4;
+    duet_tune_def def = fake_def(&f);
+    def.wait_seconds = 1e6;
+    duet_tune_outcome outcome = tune_fake(&f, &def);
+    assert_string_equal(outcome.verdict, "faster");
+    assert_in_range(f.waits, 1, 4);
+    assert_true(outcome.disturbed > 0);
+}
+
+static void a_tuning_that_waited_in_vain_is_ambiguous_and_goes_on_later(void **state)
+{
+    (void)state;
+    uint64_t seed = test_seed();
+    fake f = halves(seed);
+    f.disturbed = 1;
+    f.looks = UINT32_MAX;
+    duet_tune_def def = fake_def(&f);
+    def.wait_seconds = 0.25;
+    tune_task task = fake_task(&f, &def);
+    trial_log log = {0};
+    duet_error err = {0};
+    duet_tune_outcome outcome;
+    assert_ok(tune_run(&task, &log, &outcome, &err), err);
+    assert_true(tune_gave_up(&outcome));
+    assert_string_equal(outcome.verdict, "ambiguous");
+    assert_string_equal(outcome.unused, "other programs had 1.0 of 2 cores");
+    assert_true(f.waits > 0);
+    uint32_t kept = log.n;
+    for (uint32_t i = 0; i < kept; ++i)
+        assert_true(log.entries[i].plan.share == 0 || log.entries[i].plan.share == DUET_SHARE_ONE);
+    f.looks = 0;
+    assert_ok(tune_run(&task, &log, &outcome, &err), err);
+    assert_string_equal(outcome.verdict, "faster");
+    assert_true(log.n > kept);
+    trial_log_free(&log);
+}
+
+// The machine is then as quiet as it can be: its threads are in each other's way.
+static void launches_that_no_other_program_disturbs_count_in_the_end(void **state)
+{
+    (void)state;
+    fake f = halves(test_seed());
+    f.disturbed = 1;
+    f.looks = UINT32_MAX;
+    duet_tune_def def = fake_def(&f);
+    def.wait_seconds = 1e6;
+    tune_task task = fake_task(&f, &def);
+    task.others = (tune_others){0};
+    duet_tune_outcome outcome = tune_task_fake(&task);
+    assert_string_not_equal(outcome.verdict, "faster");
+    assert_false(tune_gave_up(&outcome));
+    assert_int_equal(f.waits, 0);
+}
+
 static void a_measurement_keeps_the_warm_up_and_marks_outliers(void **state)
 {
     (void)state;
@@ -633,6 +745,10 @@ int main(void)
         cmocka_unit_test(a_stop_while_a_kernel_is_built_is_no_trial),
         cmocka_unit_test(a_start_from_a_neighbour_saves_trials),
         cmocka_unit_test(a_log_of_another_tuning_is_forgotten_where_it_differs),
+        cmocka_unit_test(launches_that_other_programs_disturb_do_not_count),
+        cmocka_unit_test(a_tuning_waits_until_other_programs_are_gone),
+        cmocka_unit_test(a_tuning_that_waited_in_vain_is_ambiguous_and_goes_on_later),
+        cmocka_unit_test(launches_that_no_other_program_disturbs_count_in_the_end),
         cmocka_unit_test(a_measurement_keeps_the_warm_up_and_marks_outliers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

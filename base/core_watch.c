@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: MIT
+#define _GNU_SOURCE
+#include "base/core_watch.h"
+
+#include "base/clock.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <sched.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+// The system counts a core's time in hundredths of a second: a shorter window says too little.
+#define WINDOW_NS UINT64_C(300000000)
+
+static const double LOST = 0.05;      // part of a launch that may be lost
+static const double STARVED = 0.25;   // and where other programs had no core
+static const double FEW_CORES = 0.15; // what a system's own programs take at rest
+
+typedef struct thread_row {
+    int id;
+    uint64_t ran_ns;
+    uint64_t waited_ns;
+} thread_row;
+
+typedef struct thread_table {
+    thread_row *rows; // by id
+    uint32_t n;
+    uint32_t capacity;
+} thread_table;
+
+struct core_watch {
+    thread_table before;
+    thread_table after;
+    uint64_t begun_ns;
+    uint64_t caller_ns; // processor time of the calling thread when the launch began
+    cpu_set_t cores;    // that this process may use
+    core_others others;
+    uint64_t looked_ns; // when the two below were read
+    double busy_s;      // of these cores, by all programs
+    double own_s;       // processor time of this process
+};
+
+// ---------------------------------------------------------------- threads
+
+static bool read_row(int folder, const char *id, thread_row *row)
+{
+    char path[300], line[64] = {0};
+    snprintf(path, sizeof path, "%s/schedstat", id);
+    int file = openat(folder, path, O_RDONLY | O_CLOEXEC);
+    if (file < 0)
+        return false;
+    ssize_t n = read(file, line, sizeof line - 1);
+    close(file);
+    row->id = atoi(id);
+    return n > 0 && sscanf(line, "%" SCNu64 " %" SCNu64, &row->ran_ns, &row->waited_ns) == 2;
+}
+
+static bool add_row(thread_table *t, const thread_row *row)
+{
+    if (t->n == t->capacity) {
+        uint32_t capacity = t->capacity ? 2 * t->capacity : 32;
+        thread_row *grown = realloc(t->rows, capacity * sizeof *grown);
+        if (!grown)
+            return false;
+        t->rows = grown;
+        t->capacity = capacity;
+    }
+    t->rows[t->n++] = *row;
+    return true;
+}
+
+static int by_id(const void *a, const void *b)
+{
+    return ((const thread_row *)a)->id - ((const thread_row *)b)->id;
+}
+
+// A thread that ends meanwhile is left out.
+static bool read_threads(thread_table *t)
+{
+    t->n = 0;
+    DIR *folder = opendir("/proc/self/task");
+    struct dirent *entry;
+    bool ok = folder;
+    while (ok && (entry = readdir(folder))) {
+        thread_row row;
+        if (*entry->d_name != '.' && read_row(dirfd(folder), entry->d_name, &row))
+            ok = add_row(t, &row);
+    }
+    if (folder)
+        closedir(folder);
+    if (ok && t->n > 1)
+        qsort(t->rows, t->n, sizeof *t->rows, by_id);
+    return ok && t->n > 0;
+}
+
+// What a thread did since the launch began; one that began with the launch did all of it.
+static thread_row difference(const thread_table *before, const thread_row *after)
+{
+    thread_row row = *after;
+    const thread_row *old =
+        before->n ? bsearch(after, before->rows, before->n, sizeof *before->rows, by_id) : NULL;
+    if (old) {
+        row.ran_ns -= old->ran_ns;
+        row.waited_ns -= old->waited_ns;
+    }
+    return row;
+}
+
+// ---------------------------------------------------------------- other programs
+
+// Seconds that the cores of this process were busy, since the system began.
+static double read_busy_s(const cpu_set_t *cores)
+{
+    FILE *file = fopen("/proc/stat", "re");
+    char line[512];
+    double ticks = 0;
+    while (file && fgets(line, sizeof line, file)) {
+        int core;
+        uint64_t user, nice, kernel, irq, softirq, steal;
+        if (sscanf(line,
+                   "cpu%d %" SCNu64 " %" SCNu64 " %" SCNu64 " %*u %*u %" SCNu64 " %" SCNu64
+                   " %" SCNu64,
+                   &core, &user, &nice, &kernel, &irq, &softirq, &steal) == 7 &&
+            core >= 0 && core < CPU_SETSIZE && CPU_ISSET(core, cores))
+            ticks += (double)(user + nice + kernel + irq + softirq + steal);
+    }
+    if (file)
+        fclose(file);
+    return ticks / (double)sysconf(_SC_CLK_TCK);
+}
+
+static uint64_t cpu_ns(clockid_t of)
+{
+    struct timespec t = {0};
+    clock_gettime(of, &t);
+    return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
+}
+
+static void look_at_others(core_watch *w)
+{
+    uint64_t now_ns = clock_steady_ns();
+    if (w->looked_ns > 0 && now_ns - w->looked_ns < WINDOW_NS)
+        return;
+    double busy_s = read_busy_s(&w->cores), own_s = (double)cpu_ns(CLOCK_PROCESS_CPUTIME_ID) * 1e-9;
+    double cores =
+        (busy_s - w->busy_s - (own_s - w->own_s)) / ((double)(now_ns - w->looked_ns) * 1e-9);
+    if (w->looked_ns > 0)
+        w->others.cores = cores > 0 ? cores : 0;
+    w->others.is_crowded = w->others.cores > FEW_CORES;
+    w->looked_ns = now_ns;
+    w->busy_s = busy_s;
+    w->own_s = own_s;
+}
+
+// ---------------------------------------------------------------- watching
+
+core_watch *core_watch_open(void)
+{
+    core_watch *w = calloc(1, sizeof *w);
+    if (!w || !read_threads(&w->before) || sched_getaffinity(0, sizeof w->cores, &w->cores) != 0) {
+        core_watch_close(w);
+        return NULL;
+    }
+    w->others.of = (uint32_t)CPU_COUNT(&w->cores);
+    look_at_others(w);
+    return w;
+}
+
+void core_watch_close(core_watch *w)
+{
+    if (!w)
+        return;
+    free(w->before.rows);
+    free(w->after.rows);
+    free(w);
+}
+
+void core_watch_start(core_watch *w)
+{
+    if (!w)
+        return;
+    look_at_others(w);
+    if (!read_threads(&w->before))
+        w->before.n = 0;
+    w->caller_ns = cpu_ns(CLOCK_THREAD_CPUTIME_ID);
+    w->begun_ns = clock_steady_ns();
+}
+
+static uint64_t least(uint64_t a, uint64_t b)
+{
+    return a < b ? a : b;
+}
+
+core_use core_watch_stop(core_watch *w)
+{
+    core_use use = {0};
+    if (!w)
+        return use;
+    uint64_t ns = clock_steady_ns() - w->begun_ns, busiest_ns = 0;
+    // The system's table is behind for a thread that runs, as this one does.
+    uint64_t caller_ns = cpu_ns(CLOCK_THREAD_CPUTIME_ID) - w->caller_ns;
+    int caller = gettid();
+    if (w->before.n == 0 || !read_threads(&w->after))
+        return use;
+    for (uint32_t i = 0; i < w->after.n; ++i) {
+        thread_row row = difference(&w->before, &w->after.rows[i]);
+        use.wait_ns = row.waited_ns > use.wait_ns ? row.waited_ns : use.wait_ns;
+        if (row.id != caller && row.ran_ns > busiest_ns)
+            busiest_ns = row.ran_ns;
+    }
+    use.cpu_ns = caller_ns + busiest_ns;
+    use.lost_ns = least(use.wait_ns, ns - least(use.cpu_ns, ns));
+    look_at_others(w);
+    double lost = (double)use.lost_ns / (double)ns;
+    use.disturbed = lost > (w->others.is_crowded ? LOST : STARVED);
+    return use;
+}
+
+core_others core_watch_others(core_watch *w)
+{
+    if (!w)
+        return (core_others){0};
+    look_at_others(w);
+    return w->others;
+}

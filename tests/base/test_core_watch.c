@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// What a launch loses to another program, told from what its own threads do.
+#define _GNU_SOURCE
+#include "support/test.h"
+
+#include "base/clock.h"
+#include "base/core_watch.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+static uint64_t own_cpu_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
+}
+
+// Works until the thread has had so much processor time.
+static void *work(void *ns)
+{
+    uint64_t end = own_cpu_ns() + *(const uint64_t *)ns;
+    while (own_cpu_ns() < end) {
+    }
+    return NULL;
+}
+
+// This process and what it starts from here on share one core.
+static cpu_set_t keep_one_core(void)
+{
+    cpu_set_t all, one;
+    assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
+    CPU_ZERO(&one);
+    CPU_SET((unsigned)sched_getcpu(), &one);
+    assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+    return all;
+}
+
+static pid_t burn(void)
+{
+    pid_t burner = fork();
+    if (burner == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
+        for (;;) {
+        }
+    }
+    assert_true(burner > 0);
+    return burner;
+}
+
+static void a_program_on_the_same_core_disturbs_a_launch(void **state)
+{
+    (void)state;
+    cpu_set_t all = keep_one_core();
+    core_watch *w = core_watch_open();
+    if (!w)
+        skip();
+    pid_t burner = burn();
+    uint64_t ns = 400000000;
+    work(&ns); // others are looked at over a while
+    core_watch_start(w);
+    uint64_t begun = clock_steady_ns(), worked = 200000000;
+    work(&worked);
+    uint64_t took = clock_steady_ns() - begun;
+    core_use use = core_watch_stop(w);
+    kill(burner, SIGKILL);
+    waitpid(burner, NULL, 0);
+    core_others others = core_watch_others(w);
+    assert_true(use.disturbed);
+    assert_int_equal(others.of, 1);
+    assert_true(others.is_crowded && others.cores > 0.15 && others.cores < 1.1);
+    // What is left is what the thread worked, whatever else the core did.
+    assert_true(use.cpu_ns >= worked && use.cpu_ns < worked + worked / 10);
+    assert_true(use.lost_ns <= took - worked && use.lost_ns >= (took - worked) / 2);
+    core_watch_close(w);
+    sched_setaffinity(0, sizeof all, &all);
+}
+
+// It is not on the way of the launch.
+static void a_thread_that_waits_while_another_works_loses_nothing(void **state)
+{
+    (void)state;
+    core_watch *w = core_watch_open();
+    if (!w)
+        skip();
+    cpu_set_t all = keep_one_core();
+    pthread_t other;
+    uint64_t little = 1000, much = 100000000;
+    core_watch_start(w);
+    assert_int_equal(pthread_create(&other, NULL, work, &little), 0);
+    uint64_t begun = clock_steady_ns();
+    work(&much);
+    uint64_t took = clock_steady_ns() - begun;
+    core_use use = core_watch_stop(w);
+    pthread_join(other, NULL);
+    assert_true(use.lost_ns <= took - much + 1000000);
+    core_watch_close(w);
+    sched_setaffinity(0, sizeof all, &all);
+}
+
+static void nobody_watching_sees_nothing(void **state)
+{
+    (void)state;
+    core_watch_start(NULL);
+    core_use use = core_watch_stop(NULL);
+    assert_false(use.disturbed);
+    assert_int_equal(use.cpu_ns, 0);
+    assert_int_equal(core_watch_others(NULL).of, 0);
+    core_watch_close(NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_program_on_the_same_core_disturbs_a_launch),
+        cmocka_unit_test(a_thread_that_waits_while_another_works_loses_nothing),
+        cmocka_unit_test(nobody_watching_sees_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

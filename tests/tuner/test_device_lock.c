@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+// One tuning at a time on a device.
+#define _GNU_SOURCE
+#include "support/test.h"
+
+#include "tuner/device_lock.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static duet_device_pair *open_pair(void)
+{
+    duet_error err = {0};
+    duet_device_pair *pair = duet_device_pair_open(NULL, &err);
+    assert_ok(pair, err);
+    return pair;
+}
+
+// A process that holds the pair's devices until it is killed, and has them when this returns.
+static pid_t hold(const duet_tune_def *def)
+{
+    int ready[2];
+    char byte;
+    assert_int_equal(pipe(ready), 0);
+    pid_t holder = fork();
+    if (holder == 0) {
+        device_lock lock;
+        bool ok = device_lock_take(&lock, def, NULL) && write(ready[1], "x", 1) == 1;
+        while (ok)
+            pause();
+        _exit(1);
+    }
+    assert_int_equal(read(ready[0], &byte, 1), 1);
+    close(ready[0]);
+    close(ready[1]);
+    return holder;
+}
+
+typedef struct waiting {
+    pid_t holder;
+    uint32_t told;
+    bool names_holder;
+    bool stops;
+} waiting;
+
+// Ends the holder, or stops the wait, once it was told of.
+static bool watch(void *context, const duet_tune_progress *progress)
+{
+    waiting *w = context;
+    char process[64];
+    snprintf(process, sizeof process, "process %d is tuning on ", (int)w->holder);
+    w->names_holder = strncmp(progress->waiting, process, strlen(process)) == 0;
+    if (w->told++ == 0 && !w->stops) {
+        kill(w->holder, SIGKILL);
+        waitpid(w->holder, NULL, 0);
+    }
+    return !w->stops;
+}
+
+static void a_second_tuning_waits_for_the_end_of_the_first(void **state)
+{
+    (void)state;
+    waiting w = {0};
+    duet_error err = {0};
+    duet_tune_def def = duet_default_tune_def();
+    def.pair = open_pair();
+    def.wait_seconds = 60;
+    def.watch = watch;
+    def.watch_context = &w;
+    w.holder = hold(&def);
+    device_lock lock;
+    assert_ok(device_lock_take(&lock, &def, &err), err);
+    assert_int_equal(w.told, 1);
+    assert_true(w.names_holder);
+    device_lock_release(&lock);
+    w.told = 0;
+    assert_ok(device_lock_take(&lock, &def, &err), err); // it was given back
+    assert_int_equal(w.told, 0);
+    device_lock_release(&lock);
+    duet_device_pair_destroy(def.pair);
+}
+
+static void a_wait_is_stopped_by_the_watch(void **state)
+{
+    (void)state;
+    waiting w = {.stops = true};
+    duet_error err = {0};
+    duet_tune_def def = duet_default_tune_def();
+    def.pair = open_pair();
+    def.wait_seconds = 60;
+    def.watch = watch;
+    def.watch_context = &w;
+    w.holder = hold(&def);
+    device_lock lock;
+    assert_false(device_lock_take(&lock, &def, &err));
+    assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
+    device_lock_release(&lock);
+    kill(w.holder, SIGKILL);
+    waitpid(w.holder, NULL, 0);
+    duet_device_pair_destroy(def.pair);
+}
+
+static void a_tuning_that_does_not_wait_runs_beside_others(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_tune_def def = duet_default_tune_def();
+    def.pair = open_pair();
+    def.wait_seconds = 60;
+    pid_t holder = hold(&def);
+    def.wait_seconds = 0;
+    device_lock lock;
+    assert_ok(device_lock_take(&lock, &def, &err), err);
+    device_lock_release(&lock);
+    kill(holder, SIGKILL);
+    waitpid(holder, NULL, 0);
+    duet_device_pair_destroy(def.pair);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_second_tuning_waits_for_the_end_of_the_first),
+        cmocka_unit_test(a_wait_is_stopped_by_the_watch),
+        cmocka_unit_test(a_tuning_that_does_not_wait_runs_beside_others),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
