@@ -33,6 +33,13 @@ typedef struct thread_table {
     uint32_t capacity;
 } thread_table;
 
+// What the clocks said at a moment.
+typedef struct look {
+    uint64_t at_ns;
+    double busy_s; // of the cores of this process, by all programs
+    double own_s;  // processor time of this process
+} look;
+
 struct core_watch {
     thread_table before;
     thread_table after;
@@ -40,9 +47,9 @@ struct core_watch {
     uint64_t caller_ns; // processor time of the calling thread when the launch began
     cpu_set_t cores;    // that this process may use
     core_others others;
-    uint64_t looked_ns; // when the two below were read
-    double busy_s;      // of these cores, by all programs
-    double own_s;       // processor time of this process
+    look first; // when the watch was opened
+    look last;
+    core_tally tally;
 };
 
 // ---------------------------------------------------------------- threads
@@ -141,20 +148,28 @@ static uint64_t cpu_ns(clockid_t of)
     return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
 }
 
+static look look_now(const core_watch *w)
+{
+    return (look){.at_ns = clock_steady_ns(),
+                  .busy_s = read_busy_s(&w->cores),
+                  .own_s = (double)cpu_ns(CLOCK_PROCESS_CPUTIME_ID) * 1e-9};
+}
+
+static double cores_between(const look *from, const look *to)
+{
+    double seconds = (double)(to->at_ns - from->at_ns) * 1e-9;
+    double others_s = to->busy_s - from->busy_s - (to->own_s - from->own_s);
+    return others_s > 0 && seconds > 0 ? others_s / seconds : 0;
+}
+
 static void look_at_others(core_watch *w)
 {
-    uint64_t now_ns = clock_steady_ns();
-    if (w->looked_ns > 0 && now_ns - w->looked_ns < WINDOW_NS)
+    if (clock_steady_ns() - w->last.at_ns < WINDOW_NS)
         return;
-    double busy_s = read_busy_s(&w->cores), own_s = (double)cpu_ns(CLOCK_PROCESS_CPUTIME_ID) * 1e-9;
-    double cores =
-        (busy_s - w->busy_s - (own_s - w->own_s)) / ((double)(now_ns - w->looked_ns) * 1e-9);
-    if (w->looked_ns > 0)
-        w->others.cores = cores > 0 ? cores : 0;
+    look now = look_now(w);
+    w->others.cores = cores_between(&w->last, &now);
     w->others.is_crowded = w->others.cores > FEW_CORES;
-    w->looked_ns = now_ns;
-    w->busy_s = busy_s;
-    w->own_s = own_s;
+    w->last = now;
 }
 
 // ---------------------------------------------------------------- watching
@@ -166,8 +181,8 @@ core_watch *core_watch_open(void)
         core_watch_close(w);
         return NULL;
     }
-    w->others.of = (uint32_t)CPU_COUNT(&w->cores);
-    look_at_others(w);
+    w->others.of = w->tally.of = (uint32_t)CPU_COUNT(&w->cores);
+    w->first = w->last = look_now(w);
     return w;
 }
 
@@ -218,6 +233,8 @@ core_use core_watch_stop(core_watch *w)
     look_at_others(w);
     double lost = (double)use.lost_ns / (double)ns;
     use.disturbed = lost > (w->others.is_crowded ? LOST : STARVED);
+    ++w->tally.launches;
+    w->tally.disturbed += use.disturbed;
     return use;
 }
 
@@ -227,4 +244,13 @@ core_others core_watch_others(core_watch *w)
         return (core_others){0};
     look_at_others(w);
     return w->others;
+}
+
+core_tally core_watch_tally(core_watch *w)
+{
+    if (!w)
+        return (core_tally){0};
+    look now = look_now(w);
+    w->tally.others = cores_between(&w->first, &now);
+    return w->tally;
 }

@@ -36,6 +36,14 @@ typedef struct core_others {
     bool is_crowded; // they have so much that a launch may be disturbed
 } core_others;
 
+// All launches since the watch was opened.
+typedef struct core_tally {
+    uint64_t launches;
+    uint64_t disturbed; // of them
+    double others;      // cores that other programs had on average
+    uint32_t of;        // cores that this process may use; 0: nothing is known
+} core_tally;
+
 // NULL if the system counts nothing of this, or memory is lacking.
 core_watch *core_watch_open(void);
 void core_watch_close(core_watch *w); // NULL: does nothing
@@ -46,5 +54,6 @@ core_use core_watch_stop(core_watch *w);
 
 // The last third of a second or so; of == 0 for a NULL watch.
 core_others core_watch_others(core_watch *w);
+core_tally core_watch_tally(core_watch *w);
 
 #endif

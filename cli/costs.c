@@ -17,6 +17,7 @@
 typedef struct tally {
     progress shown;
     uint64_t done;
+    core_watch *cores;
 } tally;
 
 // A scene's motion, which may be changed.
@@ -28,10 +29,12 @@ typedef struct subject {
     uint32_t n;
 } subject;
 
-static bool advance(duet_motion *m, double *ms, duet_error *err)
+static bool advance(duet_motion *m, core_watch *cores, double *ms, duet_error *err)
 {
     duet_motion_result result;
+    core_watch_start(cores);
     bool ok = duet_motion_advance(m, &result, err);
+    core_watch_stop(cores);
     *ms = ok ? result.total_ms : 0;
     return ok && interrupt_check(err);
 }
@@ -57,7 +60,8 @@ static bool measure(const subject *s, const subject *beside, uint64_t steps, dou
     bool ok = m && (other || !beside);
     for (uint64_t k = 0; ok && k < steps + WARM; ++k) {
         double own = 0, others = 0;
-        ok = advance(m, &own, err) && (!other || advance(other, &others, err));
+        ok = advance(m, s->tally->cores, &own, err) &&
+             (!other || advance(other, s->tally->cores, &others, err));
         if (ok && k >= WARM)
             times[k - WARM] = other ? others / own : own;
         progress_show(&s->tally->shown, ++s->tally->done);
@@ -163,7 +167,7 @@ static bool fill_subject(subject *s, const duet_motion_def *def, const duet_scen
 bool costs_measure(costs *c, const duet_motion_def *def, const duet_scene *scene, uint64_t steps,
                    duet_error *err)
 {
-    tally t = {.done = 0};
+    tally t = {.cores = steps > 0 ? core_watch_open() : NULL};
     subject s = {.n = 0};
     *c = (costs){.steps = steps};
     bool ok = fill_subject(&s, def, scene, err);
@@ -173,6 +177,8 @@ bool costs_measure(costs *c, const duet_motion_def *def, const duet_scene *scene
         ++c->n;
     duet_motion_destroy(m);
     ok = m && (steps == 0 || measure_effects(c, &s, err));
+    c->cores = core_watch_tally(t.cores);
+    core_watch_close(t.cores);
     free(s.bodies);
     return ok;
 }
@@ -203,6 +209,8 @@ void costs_report_text(const costs *c)
     if (measured)
         printf("\n%.3f ms a step with all of them, in steps 3 to %" PRIu64 " of the scene\n",
                c->step_ms, c->steps + 2);
+    if (c->cores.disturbed > 0)
+        printf("%s\n", table_disturbed(&c->cores).chars);
 }
 
 // ---------------------------------------------------------------- as data
@@ -229,6 +237,7 @@ cJSON *costs_report_json(const costs *c, const duet_scene_info *scene, const due
     cJSON_AddNumberToObject(o, "steps", (double)c->steps);
     if (c->steps > 0)
         cJSON_AddNumberToObject(o, "step_ms", c->step_ms);
+    json_add_cores(o, &c->cores);
     cJSON *effects = cJSON_AddArrayToObject(o, "effects");
     for (uint32_t i = 0; i < c->n; ++i)
         add_row(effects, &c->rows[i]);

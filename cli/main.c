@@ -47,6 +47,7 @@ static void print_help(void)
     printf("\n'duet SUBCOMMAND --help' lists its options.\n\n"
            "DUET_PAIR        the devices without --pair, as that takes them\n"
            "DUET_PROFILE     the profile file\n"
+           "DUET_WAIT        seconds that a tuning waits for other programs, as --wait\n"
            "DUET_KERNEL_DIR  a folder to read kernels from instead of the carried ones\n"
            "DUET_CACHE       a folder to keep built kernels in, or off\n\n"
            "exit status: 0 done, 1 failed (or 'bench --against': slower), 2 wrong usage, "

@@ -57,11 +57,14 @@ static bool check_hash(const timed *t, duet_error *err)
 
 // Counts the step as one of *n.
 static bool step(timed *t, uint32_t *n, duet_world *world, const duet_scene *scene,
-                 timed_sends sends, duet_error *err)
+                 timed_sends sends, core_watch *cores, duet_error *err)
 {
-    if (!hand_over(world, scene, sends, err) || !duet_world_step(world, &t->last, err) ||
-        !keep_step(t, &t->last, err))
+    if (!hand_over(world, scene, sends, err))
         return false;
+    core_watch_start(cores);
+    if (!duet_world_step(world, &t->last, err) || !keep_step(t, &t->last, err))
+        return false;
+    core_watch_stop(cores);
     ++*n;
     return check_hash(t, err);
 }
@@ -75,7 +78,7 @@ static bool step_staged(timed *t, duet_world *world, const duet_scene *scene, ti
     bool ok = true;
     world->def.stage_times = true;
     while (ok && t->n_staged < most && !interrupt_asked())
-        ok = step(t, &t->n_staged, world, scene, sends, err);
+        ok = step(t, &t->n_staged, world, scene, sends, NULL, err);
     world->def.stage_times = asked;
     return ok;
 }
@@ -89,13 +92,16 @@ bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t re
     bool ok = duet_world_set_scene(world, scene, err) && duet_world_step(world, &t->last, err);
     t->hash = ok ? duet_result_get_hash(&t->last) : 0;
     bool untimed = false;
+    core_watch *cores = core_watch_open();
     progress p = progress_begin("step", repeat);
     while (ok && t->n < repeat && !interrupt_asked()) {
-        ok = step(t, &t->n, world, scene, sends, err);
+        ok = step(t, &t->n, world, scene, sends, cores, err);
         untimed |= ok && !t->last.timed;
         progress_show(&p, t->n);
     }
     progress_end(&p);
+    t->cores = core_watch_tally(cores);
+    core_watch_close(cores);
     ok = ok && (!untimed || step_staged(t, world, scene, sends, err));
     if (ok && t->n == 0)
         ok = interrupt_check(err);

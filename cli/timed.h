@@ -3,6 +3,7 @@
 #ifndef CLI_TIMED_H
 #define CLI_TIMED_H
 
+#include "base/core_watch.h"
 #include "runtime/duet.h"
 
 // One timed step, with stages of its own.
@@ -19,6 +20,7 @@ typedef struct timed {
     uint32_t n;
     uint32_t n_staged; // of those besides
     duet_result last;  // pairs and counts
+    core_tally cores;  // what other programs did meanwhile
     uint64_t hash;
 } timed;
 

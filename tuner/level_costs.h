@@ -4,6 +4,7 @@
 #ifndef TUNER_LEVEL_COSTS_H
 #define TUNER_LEVEL_COSTS_H
 
+#include "base/core_watch.h"
 #include "profiles/profile.h"
 #include "runtime/duet.h"
 
@@ -29,8 +30,9 @@ typedef struct level_cost {
 typedef struct level_costs {
     level_cost rows[2 * DUET_LEVELS]; // by device, the cheapest to compute first
     uint32_t n;
-    uint64_t truth;  // pairs that collide
-    uint32_t rounds; // that were timed
+    uint64_t truth;   // pairs that collide
+    uint32_t rounds;  // that were timed
+    core_tally cores; // what other programs did meanwhile
 } level_costs;
 
 // Told after each step; false ends it with the whole rounds until then.

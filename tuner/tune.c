@@ -19,7 +19,8 @@ static void give_up(const tuning *t, duet_tune_outcome *outcome)
 {
     *outcome = (duet_tune_outcome){.plan = t->task->plan, .best = t->task->plan};
     snprintf(outcome->verdict, sizeof outcome->verdict, "%s", race_verdict_name(RACE_AMBIGUOUS));
-    snprintf(outcome->unused, sizeof outcome->unused, "%s", tuning_describe_others(t, "had").chars);
+    snprintf(outcome->unused, sizeof outcome->unused, "other programs had %s",
+             tuning_describe_others(t).chars);
 }
 
 bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err)

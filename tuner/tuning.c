@@ -102,12 +102,12 @@ static core_others look_at_others(const tuning *t)
     return others->look ? others->look(others->context) : (core_others){0};
 }
 
-tuning_others tuning_describe_others(const tuning *t, const char *have)
+tuning_others tuning_describe_others(const tuning *t)
 {
     core_others others = look_at_others(t);
     tuning_others words;
-    snprintf(words.chars, sizeof words.chars, "other programs %s %.1f of %u core%s", have,
-             others.cores, others.of, others.of == 1 ? "" : "s");
+    snprintf(words.chars, sizeof words.chars, "%.1f of %u core%s", others.cores, others.of,
+             others.of == 1 ? "" : "s");
     return words;
 }
 
@@ -124,14 +124,15 @@ bool tuning_is_out_of_patience(const tuning *t)
 static bool tell_waiting(const tuning *t, const duet_plan *plan, duet_error *err)
 {
     const duet_tune_def *def = t->task->def;
-    tuning_others others = tuning_describe_others(t, "have");
+    char waiting[128];
+    snprintf(waiting, sizeof waiting, "other programs have %s", tuning_describe_others(t).chars);
     duet_tune_progress progress = {
         .stage = t->stage,
         .plan = plan,
         .trials = t->state->played + t->unlogged,
         .launches = t->launches,
         .seconds = (double)(t->spent_ns + t->waited_ns) * 1e-9,
-        .waiting = others.chars,
+        .waiting = waiting,
     };
     bool goes_on = budget_check_stop(NULL) && !tuning_is_out_of_patience(t) &&
                    (!def->watch || def->watch(def->watch_context, &progress));

@@ -62,12 +62,12 @@ bool tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_p
 // INTERRUPTED because of that.
 bool tuning_is_out_of_patience(const tuning *t);
 
-// "other programs have 1.4 of 2 cores"; have: or "had".
+// What other programs have: "1.4 of 2 cores".
 typedef struct tuning_others {
     char chars[96];
 } tuning_others;
 
-tuning_others tuning_describe_others(const tuning *t, const char *have);
+tuning_others tuning_describe_others(const tuning *t);
 
 // INTERRUPTED; always false.
 bool tuning_stop(const tuning *t, duet_error *err);

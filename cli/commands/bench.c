@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // duet bench: measures the standard set of scenes and plans, and compares with
 // earlier results. Every plan must find the same pairs of a scene.
-#define _GNU_SOURCE // sched_getaffinity
 #include "base/error.h"
 #include "base/text.h"
 #include "cli/commands.h"
@@ -15,12 +14,8 @@
 #include "tuner/trial_log.h"
 #include "tuner/tuning.h"
 
-#include <inttypes.h>
-#include <sched.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 typedef struct arguments {
     const char *pair;
@@ -132,75 +127,6 @@ static uint32_t bench_plans(const bench_scene *scene, const duet_device_pair *pa
     return list.n;
 }
 
-// ---------------------------------------------------------------- other programs
-
-// What other programs take of the processors while something is measured.
-typedef struct cpu_load {
-    uint64_t all_ticks;  // of the processors that this program may use
-    uint64_t busy_ticks; // of those, whoever used them
-    double own_s;        // of all threads of this program
-} cpu_load;
-
-// A line of /proc/stat: "cpu0 user nice system idle iowait irq softirq steal ...";
-// what a hypervisor steals is other programs' too.
-static bool read_processor(const char *row, unsigned *processor, uint64_t ticks[8])
-{
-    return sscanf(row,
-                  "cpu%u %" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNu64
-                  " %" SCNu64 " %" SCNu64,
-                  processor, &ticks[0], &ticks[1], &ticks[2], &ticks[3], &ticks[4], &ticks[5],
-                  &ticks[6], &ticks[7]) == 9;
-}
-
-static void add_processors(cpu_load *o, FILE *stat, const cpu_set_t *ours)
-{
-    enum { IDLE = 3, IOWAIT = 4 };
-    char row[512];
-    unsigned processor;
-    uint64_t ticks[8];
-    while (fgets(row, sizeof row, stat)) {
-        if (!read_processor(row, &processor, ticks) || processor >= CPU_SETSIZE ||
-            !CPU_ISSET(processor, ours))
-            continue;
-        for (int i = 0; i < 8; ++i) {
-            o->all_ticks += ticks[i];
-            o->busy_ticks += i == IDLE || i == IOWAIT ? 0 : ticks[i];
-        }
-    }
-}
-
-static double seconds(struct timeval t)
-{
-    return (double)t.tv_sec + (double)t.tv_usec * 1e-6;
-}
-
-static cpu_load cpu_load_look(void)
-{
-    cpu_load o = {0};
-    cpu_set_t ours;
-    struct rusage usage;
-    FILE *stat = fopen("/proc/stat", "r");
-    if (stat && sched_getaffinity(0, sizeof ours, &ours) == 0)
-        add_processors(&o, stat, &ours);
-    if (stat)
-        fclose(stat);
-    if (getrusage(RUSAGE_SELF, &usage) == 0)
-        o.own_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
-    return o;
-}
-
-// Their part of the processors' time since then, 0 to 1; 0 where the system
-// does not tell. What the program needs takes up to 1 / (1 - part) times as
-// long on that account, and more where its threads wait for each other.
-static double cpu_load_part(const cpu_load *since)
-{
-    cpu_load now = cpu_load_look();
-    double all = (double)(now.all_ticks - since->all_ticks);
-    double own = (now.own_s - since->own_s) * (double)sysconf(_SC_CLK_TCK);
-    double theirs = (double)(now.busy_ticks - since->busy_ticks) - own;
-    return all > 0 && theirs > 0 ? (theirs < all ? theirs / all : 1) : 0;
-}
-
 // ---------------------------------------------------------------- measuring
 
 // What a run holds, given back in one place.
@@ -254,14 +180,12 @@ static bool measure(bench *b, duet_world *world, const duet_scene *scene, const 
     const duet_scene_info *info = duet_scene_get_info(scene);
     duet_error failure = {0};
     timed t = {0};
-    cpu_load before = cpu_load_look();
     bool ok =
         duet_world_set_plan(world, plan, &failure) &&
         timed_run(&t, world, scene, (uint32_t)b->args->repeat, TIMED_SENDS_OBJECTS, &failure) &&
         check_pairs(&t, hash, info, plan, &failure);
     if (ok)
-        cJSON_AddNumberToObject(bench_add(b->results, info, plan, &t, NULL), "cpu_load",
-                                cpu_load_part(&before));
+        bench_add(b->results, info, plan, &t, NULL);
     else
         ok = keep_failure(b, info, plan, &failure, err);
     timed_free(&t);

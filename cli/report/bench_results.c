@@ -89,6 +89,7 @@ cJSON *bench_add(cJSON *results, const duet_scene_info *scene, const duet_plan *
         json_add_hash(o, t->hash);
         cJSON_AddNumberToObject(o, "pairs", (double)t->last.pairs);
         add_times(o, t);
+        json_add_cores(o, &t->cores);
     }
     return o;
 }
@@ -390,7 +391,8 @@ void bench_print_verdicts(const cJSON *results, const cJSON *before)
         "\nbefore/now: 1.10 is 10 %% faster now than before; it lies between 'from' and 'to' with\n"
         "%.0f %% confidence\n",
         100 * level);
-    printf("other programs used %.0f %% of the processors, and then %.0f %%; what they may be to "
-           "blame for is ambiguous\n",
-           100 * mean_others(results), 100 * mean_others(before));
+    printf(
+        "other programs used %.0f %% of the cores, and before %.0f %%; a difference that they can "
+        "explain is ambiguous\n",
+        100 * mean_others(results), 100 * mean_others(before));
 }

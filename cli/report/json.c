@@ -98,6 +98,15 @@ void json_add_devices(cJSON *o, const duet_device_pair *pair)
     cJSON_AddStringToObject(o, "b", duet_device_pair_get_info(pair, 1)->selector);
 }
 
+void json_add_cores(cJSON *o, const core_tally *cores)
+{
+    if (cores->of == 0)
+        return;
+    cJSON_AddNumberToObject(o, "watched", (double)cores->launches);
+    cJSON_AddNumberToObject(o, "disturbed", (double)cores->disturbed);
+    cJSON_AddNumberToObject(o, "cpu_load", fmin(cores->others / cores->of, 1));
+}
+
 void json_add_pair(cJSON *o, const char *name, const duet_device_pair *pair)
 {
     char both[256];

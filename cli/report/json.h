@@ -4,6 +4,7 @@
 #ifndef CLI_JSON_H
 #define CLI_JSON_H
 
+#include "base/core_watch.h"
 #include "base/text.h"
 #include "runtime/duet.h"
 
@@ -35,6 +36,10 @@ void json_add_lines(cJSON *o, const char *name, const char *lines);
 
 // Adds a new object at a list's end.
 cJSON *json_add_row(cJSON *list);
+
+// Adds what other programs did meanwhile: "watched" and "disturbed", which count steps, and
+// "cpu_load", the part of the cores that others had. Nothing if it is not known.
+void json_add_cores(cJSON *o, const core_tally *cores);
 
 // Adds a field "A,B" from the devices' selectors.
 void json_add_pair(cJSON *o, const char *name, const duet_device_pair *pair);

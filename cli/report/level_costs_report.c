@@ -115,6 +115,8 @@ void level_costs_report_text(const level_costs_report *r)
     if (r->costs->rounds < ROUNDS_FOR_ONE)
         printf("Fewer than %d rounds tell no difference from noise: give --repeat.\n",
                ROUNDS_FOR_ONE);
+    if (r->costs->cores.disturbed > 0)
+        printf("%s\n", table_disturbed(&r->costs->cores).chars);
     printf("missed: pairs that collide; false: that do "
            "not.\ndeepest: overlap of the worst missed; widest: separation of the worst false one, "
            "in the "
@@ -152,6 +154,7 @@ cJSON *level_costs_report_json(const level_costs_report *r)
     cJSON_AddNumberToObject(o, "pairs", (double)r->costs->truth);
     json_add_devices(o, r->pair);
     cJSON_AddNumberToObject(o, "rounds", r->costs->rounds);
+    json_add_cores(o, &r->costs->cores);
     cJSON *levels = cJSON_AddArrayToObject(o, "levels");
     for (uint32_t i = 0; i < r->costs->n; ++i)
         add_row(levels, &r->costs->rows[i]);

@@ -203,6 +203,8 @@ static void print_totals(const timed *m, const char *level, bool one)
         &t, "median of %u, %.3f to %.3f; %s boxes a second", m->n, m->steps[0].total_ms,
         m->steps[m->n - 1].total_ms,
         table_rate(median->total_ms > 0 ? (double)r->objects / median->total_ms * 1e3 : 0).chars);
+    if (m->cores.disturbed > 0)
+        table_words(&t, "", "", table_disturbed(&m->cores).chars, NULL);
     table_print(&t, stdout);
 }
 
@@ -271,6 +273,7 @@ static void add_times(cJSON *o, const timed *m)
 {
     const timed_step *median = timed_median(m), *staged = timed_staged(m);
     cJSON_AddNumberToObject(o, "repeat", m->n);
+    json_add_cores(o, &m->cores);
     cJSON_AddNumberToObject(o, "total_ms", median->total_ms);
     cJSON_AddNumberToObject(o, "kernel_ms_a", staged->kernel_ms[0]);
     cJSON_AddNumberToObject(o, "kernel_ms_b", staged->kernel_ms[1]);

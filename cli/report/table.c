@@ -6,6 +6,7 @@
 #include "runtime/duet.h"
 
 #include <ctype.h>
+#include <inttypes.h>
 #include <langinfo.h>
 #include <limits.h>
 #include <math.h>
@@ -317,4 +318,15 @@ table_text table_bar(double part, int width)
         left -= 8;
     }
     return bar;
+}
+
+table_text table_disturbed(const core_tally *cores)
+{
+    table_text t = {""};
+    if (cores->disturbed > 0)
+        snprintf(t.chars, sizeof t.chars,
+                 "other programs disturbed %" PRIu64 " of %" PRIu64 " %s and had %.1f of %u cores",
+                 cores->disturbed, cores->launches, cores->launches == 1 ? "step" : "steps",
+                 cores->others, cores->of);
+    return t;
 }

@@ -302,11 +302,10 @@ static void print_details(const cJSON *row)
                say_name(query).chars);
     else
         printf("level %s", json_string(row, "level"));
-    printf(", %.0f launches", json_number(row, "launches"));
+    printf(", %.0f launches\n", json_number(row, "launches"));
     if (json_number(row, "disturbed") > 0)
-        printf(", %.0f of %.0f disturbed by other programs", json_number(row, "disturbed"),
+        printf("  other programs disturbed %.0f of %.0f launches\n", json_number(row, "disturbed"),
                json_number(row, "watched"));
-    printf("\n");
     if (gave_up(row)) {
         print_use(row);
         return;
