@@ -12,6 +12,7 @@
 #include "profiles/cluster_run.h"
 #include "profiles/exchange.h"
 #include "profiles/profile.h"
+#include "profiles/t4.h"
 #include "profiles/upkeep.h"
 
 #include <errno.h>
@@ -26,6 +27,7 @@ typedef struct arguments {
     uint64_t samples;
     uint64_t days;
     bool dead;
+    bool t4;
     bool json;
 } arguments;
 
@@ -157,21 +159,26 @@ static bool forget(store *s, const arguments *args, char **operands, duet_error 
 
 // ------------------------------------------------------------------------- export
 
-static const option export_options[] = {PROFILE_OPTION_ROW(store), {0}};
+static const option export_options[] = {
+    PROFILE_OPTION_ROW(store),
+    OPTION_FLAG("t4", t4, "the trials alone, as one T4 document for other tuners' tools"),
+    {0},
+};
 
 static const command_line export_line = {
     .name = "profiles export",
     .operands = "[FILE]",
     .most_operands = 1,
-    .about = "Writes the whole store as JSON lines, to FILE or to stdout.",
+    .about = "Writes the whole store as JSON lines, to FILE or to stdout. 'duet profiles import'\n"
+             "reads them; it does not read T4.",
     .options = export_options,
 };
 
 static bool export_rows(store *s, const arguments *args, char **operands, duet_error *err)
 {
     const char *path = operands[0];
-    (void)args;
-    return path ? profile_export_file(s, path, err) : profile_export(s, stdout, "stdout", err);
+    profile_export_format *format = args->t4 ? profile_export_t4 : profile_export;
+    return path ? profile_export_file(s, format, path, err) : format(s, stdout, "stdout", err);
 }
 
 // ------------------------------------------------------------------ import, merge
