@@ -182,7 +182,7 @@ bool duet_profiles_export(const char *path, const char *file, duet_error *err)
     if (!error_given(file, __func__, "file", err))
         return false;
     store *s = store_open(path, STORE_READ, err);
-    bool ok = s && profile_export_file(s, file, err);
+    bool ok = s && profile_export_file(s, profile_export, file, err);
     store_close(s);
     return ok;
 }

@@ -121,13 +121,14 @@ bool profile_export(store *s, FILE *out, const char *name, duet_error *err)
            (fflush(out) == 0 || write_failed(&w, err));
 }
 
-bool profile_export_file(store *s, const char *path, duet_error *err)
+bool profile_export_file(store *s, profile_export_format *format, const char *path,
+                         duet_error *err)
 {
     output o;
     if (output_replaces(s->path, path))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: is the store itself; name another one",
                          path);
-    bool ok = output_open(&o, path, err) && profile_export(s, o.stream, path, err);
+    bool ok = output_open(&o, path, err) && format(s, o.stream, path, err);
     return output_close(&o, ok, err);
 }
 

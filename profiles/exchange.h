@@ -17,10 +17,13 @@ typedef struct profile_import_counts {
 } profile_import_counts;
 
 // The whole store; docs/store.md describes the lines. `name` is what messages
-// call the file.
+// call the file. IO_FAILED where it cannot be written.
 bool profile_export(store *s, FILE *out, const char *name, duet_error *err);
-// BAD_ARGUMENT where that file is the store.
-bool profile_export_file(store *s, const char *path, duet_error *err);
+
+// The same, or profile_export_t4, to a file. BAD_ARGUMENT where that file is the store.
+typedef bool profile_export_format(store *s, FILE *out, const char *name, duet_error *err);
+bool profile_export_file(store *s, profile_export_format *format, const char *path,
+                         duet_error *err);
 
 // All rows or none. `name` is what messages call the file: BAD_INPUT with
 // "name:line: what".

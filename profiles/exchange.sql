@@ -134,9 +134,6 @@ SELECT ?1 ->> 'id', ?1 ->> 'state',
        ?1 ->> 'started_ns', ?1 ->> 'heartbeat_ns', ?1 ->> 'ended_ns'
     ON CONFLICT DO NOTHING
 
--- A trial has the fields of T4, the format of auto-tuning results that other
--- tuners read, where T4 has them; `samples` holds what T4 has no place for.
-
 --@trial fields
 type session number timestamp created_ns configuration times invalidity reason launches outliers
 measurements objectives terms samples disturbed

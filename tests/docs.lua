@@ -81,7 +81,7 @@ local function small(line)
   line = line:gsub("(%-%-sizes )[%d,]+", "%1" .. few)
   line = line:gsub("%-%-pair [^ ]+", "")
   line = line:gsub("^duet bench", "duet bench --quick --repeat 2" .. (line:match("%-%-scene ") and "" or " --scene planes"))
-  if not line:match("%-%-trials ") and not line:match("%-%-config ") then line = line:gsub("^duet tune", "%0 --trials " .. trials) end
+  if not line:match("%-%-trials ") and not line:match("%-%-config ") and not line:match("%-%-replay ") then line = line:gsub("^duet tune", "%0 --trials " .. trials) end
   local command, scene = line:match("^(duet %a+) (%S+)")
   if scene == "why" then command, scene = line:match("^(duet profiles why) (%S+)") end
   local is_scene = scene and (scene:match("%.lua$") or shipped[scene]) and not command:match("lua$") and command ~= "duet scenes"
@@ -96,8 +96,8 @@ local function write_file(name, text)
 end
 
 local function make_folder()
-  os.execute(("rm -rf '%s' && mkdir -p '%s' && ln -s '%s/lua' '%s/examples' '%s'"):format(
-    folder, folder, root, root, folder))
+  os.execute(("rm -rf '%s' && mkdir -p '%s' && ln -s '%s/lua' '%s/examples' '%s/tests' '%s'"):format(
+    folder, folder, root, root, root, folder))
   for name, text in pairs(examples) do write_file(name, text) end
 end
 

@@ -23,7 +23,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COOKIE = 0x0d0e7006, REPEATS = 3, GROUP = 128, CHOICE_ROUNDS = 7, WAIT_SECONDS = 60 };
+enum { COOKIE = 0x0d0e7006, REPEATS = 3, CHOICE_ROUNDS = 7, WAIT_SECONDS = 60 };
 
 duet_tune_def duet_default_tune_def(void)
 {
@@ -432,13 +432,6 @@ static bool find_right_pairs(tuning_resources *h, duet_tune_outcome *outcome, du
     return ok;
 }
 
-// The share of about one work-group.
-static uint32_t least_share(uint64_t n)
-{
-    uint64_t share = n ? (uint64_t)GROUP * DUET_SHARE_ONE / n : 1;
-    return share < 1 ? 1 : share > DUET_SHARE_ONE / 32 ? DUET_SHARE_ONE / 32 : (uint32_t)share;
-}
-
 static measure_world measured(const tuning_resources *h, duet_world *world)
 {
     const duet_scene_info *info = duet_scene_get_info(h->def.scene);
@@ -526,7 +519,7 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         .has_start = guessed,
         .start = near->plan.share,
         .script = h->script,
-        .least_share = least_share(h->def.query ? query->n : info->n),
+        .least_share = task_least_share(h->def.query ? query->n : info->n),
     };
     task.one_device = duet_device_pair_is_one(h->def.pair);
     if (find_whole(h->def.pair, h->whole_name))

@@ -25,3 +25,10 @@ uint32_t task_count_modes(const duet_tune_def *def)
     enum { EACH = DUET_MODE_DEFAULT };
     return def->n_modes > 0 && def->n_modes < EACH ? def->n_modes : EACH;
 }
+
+uint32_t task_least_share(uint64_t n)
+{
+    enum { GROUP = 128 };
+    uint64_t share = n ? (uint64_t)GROUP * DUET_SHARE_ONE / n : 1;
+    return share < 1 ? 1 : share > DUET_SHARE_ONE / 32 ? DUET_SHARE_ONE / 32 : (uint32_t)share;
+}

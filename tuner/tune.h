@@ -61,6 +61,9 @@ uint32_t task_count_variants(const duet_tune_def *def);
 // Modes that may be searched; some fit no pair of variants.
 uint32_t task_count_modes(const duet_tune_def *def);
 
+// The share of about one work-group of n objects.
+uint32_t task_least_share(uint64_t n);
+
 // state is empty, or an interrupted tuning's. After INTERRUPTED, and where the tuning
 // gave up because of other programs, it can be handed in again. Fills all of outcome but
 // known, resumed and objects.

@@ -12,6 +12,7 @@
 #include "profiles/cluster_run.h"
 #include "profiles/exchange.h"
 #include "profiles/profile.h"
+#include "profiles/t4.h"
 #include "profiles/upkeep.h"
 
 #include <errno.h>
@@ -26,6 +27,7 @@ typedef struct arguments {
     uint64_t samples;
     uint64_t days;
     bool dead;
+    bool t4;
     bool json;
 } arguments;
 
@@ -157,21 +159,26 @@ static bool forget(store *s, const arguments *args, char **operands, duet_error 
 
 // ------------------------------------------------------------------------- export
 
-static const option export_options[] = {PROFILE_OPTION_ROW(store), {0}};
+static const option export_options[] = {
+    PROFILE_OPTION_ROW(store),
+    OPTION_FLAG("t4", t4, "the trials alone, as one T4 document for other tuners' tools"),
+    {0},
+};
 
 static const command_line export_line = {
     .name = "profiles export",
     .operands = "[FILE]",
     .most_operands = 1,
-    .about = "Writes the whole store as JSON lines, to FILE or to stdout.",
+    .about = "Writes the whole store as JSON lines, to FILE or to stdout. 'duet profiles import'\n"
+             "reads them; it does not read T4.",
     .options = export_options,
 };
 
 static bool export_rows(store *s, const arguments *args, char **operands, duet_error *err)
 {
     const char *path = operands[0];
-    (void)args;
-    return path ? profile_export_file(s, path, err) : profile_export(s, stdout, "stdout", err);
+    profile_export_format *format = args->t4 ? profile_export_t4 : profile_export;
+    return path ? profile_export_file(s, format, path, err) : format(s, stdout, "stdout", err);
 }
 
 // ------------------------------------------------------------------ import, merge
@@ -331,7 +338,8 @@ static const verb verbs[] = {
     {"use", "makes one the profile that applications load", &use_line, STORE_WRITE, use},
     {"forget", "removes one", &forget_line, STORE_WRITE, forget},
     {"why", "which profile a scene would get here, and on which grounds", NULL, STORE_READ, NULL},
-    {"export", "the store as JSON lines", &export_line, STORE_READ, export_rows},
+    {"export", "the store as JSON lines, or its trials as T4", &export_line, STORE_READ,
+     export_rows},
     {"import", "takes such lines in", &import_line, STORE_WRITE, import_rows},
     {"merge", "takes the rows of another store in", &merge_line, STORE_WRITE, merge_rows},
     {"prune", "thins the single launches", &prune_line, STORE_WRITE, prune},

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/text_file.h"
 #include "cli/commands.h"
+#include "cli/commands/tune_replay.h"
 #include "cli/inputs.h"
 #include "cli/report/tune_report.h"
 #include "tuner/search.h"
@@ -34,6 +35,7 @@ typedef struct arguments {
     uint64_t repeats;
     double wait_seconds;
     const char *store;
+    const char *replay;
     bool ordered;
     bool fresh;
     bool keep;
@@ -43,7 +45,9 @@ typedef struct arguments {
 static const option options[] = {
     OPTION_TEXT("config", config, "FILE", "a tune.lua: workloads, strategy, budget, variants"),
     OPTION_TEXT("objects", numbers, "LIST", "numbers of objects, with commas between them"),
-    OPTION_COUNT("seed", scene.seed, "S", "seed of the scene's random numbers", 0, UINT32_MAX),
+    OPTION_COUNT("seed", scene.seed, "S",
+                 "seed of the scene's random numbers; of --replay: of what is drawn (0)", 0,
+                 UINT32_MAX),
     OPTION_SETTINGS("set", scene.settings, "K=V", "any other parameter of the scene"),
     PAIR_OPTION_ROW(pair),
     OPTION_TEXT("strategy", strategy, "S",
@@ -75,11 +79,34 @@ static const option options[] = {
                   "(DUET_WAIT, or 60)",
                   0, 0),
     OPTION_TEXT("profile", store, "FILE", "the profile file (DUET_PROFILE, or the user's own)"),
+    OPTION_INPUT("replay", replay, "STORE",
+                 "measure nothing: run strategies on the launches that a profile file keeps"),
     OPTION_FLAG("ordered", ordered, "put the objects into the order of their cells beforehand"),
     OPTION_FLAG("fresh", fresh, "measure again what an earlier run has finished"),
     OPTION_FLAG("keep", keep,
                 "let applications load what a strategy other than balance found, too"),
     OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+// What a replay has from its store, or does not do.
+static const option_rule rules[] = {
+    {"replay", OPTION_EXCLUDES, "config"},
+    {"replay", OPTION_EXCLUDES, "set"},
+    {"replay", OPTION_EXCLUDES, "pair"},
+    {"replay", OPTION_EXCLUDES, "variants"},
+    {"replay", OPTION_EXCLUDES, "search"},
+    {"replay", OPTION_EXCLUDES, "query"},
+    {"replay", OPTION_EXCLUDES, "items"},
+    {"replay", OPTION_EXCLUDES, "level"},
+    {"replay", OPTION_EXCLUDES, "missed"},
+    {"replay", OPTION_EXCLUDES, "false-rate"},
+    {"replay", OPTION_EXCLUDES, "budget"},
+    {"replay", OPTION_EXCLUDES, "trials"},
+    {"replay", OPTION_EXCLUDES, "profile"},
+    {"replay", OPTION_EXCLUDES, "ordered"},
+    {"replay", OPTION_EXCLUDES, "fresh"},
+    {"replay", OPTION_EXCLUDES, "keep"},
     {0},
 };
 
@@ -93,8 +120,11 @@ static const command_line line = {
              "applications. With --config a file names the scenes and fills the fields that\n"
              "no option gives. A profile that applications load is replaced only by one that\n"
              "is as well measured. Launches that other programs disturb are repeated; where\n"
-             "most are, the tuning waits.",
+             "most are, the tuning waits.\n"
+             "With --replay nothing is measured, no device is needed, and\n"
+             "SCENE and -n choose among the workloads of the store.",
     .options = options,
+    .rules = rules,
 };
 
 // ---------------------------------------------------------------- lists
@@ -352,9 +382,26 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
     return ok;
 }
 
+static bool replay(const arguments *args, const char *scene, duet_error *err)
+{
+    int64_t numbers[MOST_NUMBERS];
+    replay_options asked = {.store = args->replay,
+                            .scene = scene,
+                            .numbers = numbers,
+                            .strategy = args->strategy,
+                            .strategy_path = args->strategy_path,
+                            .repeats = args->repeats,
+                            .seed = args->scene.seed == UINT64_MAX ? 0 : args->scene.seed,
+                            .json = args->json};
+    return (!args->numbers || read_numbers(args->numbers, numbers, &asked.n_numbers, err)) &&
+           tune_replay(&asked, err);
+}
+
 static bool run(void *given, char **operands, duet_error *err)
 {
     arguments *args = given;
+    if (args->replay)
+        return replay(args, operands[0], err);
     tune_config *config = calloc(1, sizeof *config);
     if (!config)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a tuning");

@@ -135,7 +135,7 @@ static void put_store(const char *name, bool filled)
     if (filled)
         fill(s);
     place lines = place_of("import", filled ? "rows.jsonl" : "none.jsonl");
-    require(profile_export_file(s, lines.chars, &err), &err);
+    require(profile_export_file(s, profile_export, lines.chars, &err), &err);
     store_close(s);
     test_store_run(p.chars, "PRAGMA journal_mode = DELETE; PRAGMA page_size = 512; VACUUM");
 }

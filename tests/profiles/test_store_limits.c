@@ -267,7 +267,8 @@ static void read_on_a_full_disk(const test_folder *folder)
     expect(!store_open(other, STORE_WRITE, &err) && strstr(err.text, "disk is full"),
            "another store does not fit", &err);
     expect(access(other, F_OK) != 0, "and is not there", &err);
-    expect(!profile_export_file(store_open(folder->store, STORE_READ, NULL), other, &err),
+    expect(!profile_export_file(store_open(folder->store, STORE_READ, NULL), profile_export, other,
+                                &err),
            "an export does not fit", &err);
     expect(access(other, F_OK) != 0, "and is not there either", &err);
 }

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include "profiles/surface.h"
+
+#include "profiles/sql.h"
+
+#include <stdlib.h>
+
+#define LEAST_PLANS "16" // a mode's search with a coarse grid
+
+// What a launch can take that no other program disturbed; a file may say anything. Eleven days are
+// 1e15 ns.
+#define IS_SOUND                                                                           \
+    "x.total_ns BETWEEN 1 AND 1000000000000000 AND x.a_ns BETWEEN 0 AND 1000000000000000 " \
+    "AND x.b_ns BETWEEN 0 AND 1000000000000000 AND x.flags & 4 = 0"
+
+static const sql_column surface_columns[] = {
+    SQL_COLUMN("coalesce(w.name, '')", profile_surface, scene),
+    SQL_COLUMN("w.n", profile_surface, n),
+    SQL_COLUMN("coalesce(w.query, '')", profile_surface, query),
+    SQL_COLUMN("w.boxes", profile_surface, boxes),
+    SQL_COLUMN("trim(da.name || ' ' || coalesce(ea.part, ''))", profile_surface, a),
+    SQL_COLUMN("trim(db.name || ' ' || coalesce(eb.part, ''))", profile_surface, b),
+    SQL_COLUMN("t.level", profile_surface, level),
+    SQL_COLUMN("t.variant_a", profile_surface, variant_a),
+    SQL_COLUMN("t.variant_b", profile_surface, variant_b),
+    SQL_COLUMN("s.pair_id", profile_surface, pair_id),
+    SQL_COLUMN("s.workload_id", profile_surface, workload_id),
+    SQL_COLUMN("s.kernels", profile_surface, kernels),
+    SQL_COLUMN("s.host", profile_surface, host),
+    {0},
+};
+
+bool profile_surfaces_get(store *s, profile_surface **surfaces, uint32_t *n, duet_error *err)
+{
+    sql q = sql_select(
+        s, surface_columns,
+        " FROM trial t JOIN session s ON s.id = t.session_id"
+        " JOIN workload w ON w.id = s.workload_id JOIN pair ON pair.id = s.pair_id"
+        " JOIN env ea ON ea.id = env_a JOIN device da ON da.id = ea.device_id"
+        " JOIN env eb ON eb.id = env_b JOIN device db ON db.id = eb.device_id"
+        " WHERE t.outcome = 'ok'"
+        " AND EXISTS (SELECT 1 FROM sample x WHERE x.trial_id = t.id AND x.flags & 1 = 0"
+        " AND " IS_SOUND ")"
+        " GROUP BY s.pair_id, s.workload_id, s.kernels, s.host, t.level, t.variant_a, t.variant_b"
+        " HAVING min(t.share) = 0 AND max(t.share) = 65536"
+        " AND count(DISTINCT t.mode || t.share) >= " LEAST_PLANS
+        " ORDER BY w.name, w.n, w.query, s.pair_id, s.kernels, s.host, t.variant_a, t.variant_b",
+        err);
+    *surfaces = sql_rows(&q, surface_columns, sizeof **surfaces, n);
+    return sql_close(&q);
+}
+
+static const sql_column launch_columns[] = {
+    SQL_COLUMN("t.share", profile_launch, share),
+    SQL_COLUMN("iif(t.share IN (0, 65536), 'own', t.mode) AS mode", profile_launch, mode),
+    SQL_COLUMN("x.flags & 1 AS warm_up", profile_launch, warm_up),
+    SQL_COLUMN("x.total_ns", profile_launch, total_ns),
+    SQL_COLUMN("x.a_ns", profile_launch, a_ns),
+    SQL_COLUMN("x.b_ns", profile_launch, b_ns),
+    {0},
+};
+
+bool profile_surface_launches(store *s, const profile_surface *surface, profile_launch **launches,
+                              uint32_t *n, duet_error *err)
+{
+    sql q = sql_select(s, launch_columns,
+                       " FROM sample x JOIN trial t ON t.id = x.trial_id"
+                       " JOIN session s ON s.id = t.session_id"
+                       " WHERE t.outcome = 'ok' AND " IS_SOUND
+                       " AND s.pair_id = ? AND s.workload_id = ?"
+                       " AND s.kernels = ? AND s.host = ? AND t.level = ? AND t.variant_a = ?"
+                       " AND t.variant_b = ? ORDER BY 2, 1, 3, 4",
+                       err);
+    sql_int(&q, surface->pair_id);
+    sql_int(&q, surface->workload_id);
+    sql_text(&q, surface->kernels);
+    sql_text(&q, surface->host);
+    sql_text(&q, surface->level);
+    sql_text(&q, surface->variant_a);
+    sql_text(&q, surface->variant_b);
+    *launches = sql_rows(&q, launch_columns, sizeof **launches, n);
+    return sql_close(&q);
+}

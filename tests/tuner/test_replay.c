@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: MIT
+// Tunings on recorded launches: of invented devices, whose times are known, and of real ones.
+#define _POSIX_C_SOURCE 200809L
+#include "support/test.h"
+
+#include "profiles/exchange.h"
+#include "support/store.h"
+#include "tuner/replay.h"
+#include "tuner/strategy.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { INVENTED = 100000, POINTS = 20, LEFT_OUT = 10 };
+
+static const double SPREAD = 0.02;
+
+static test_folder folder;
+static store *recorded;
+
+static int open_store(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    char command[256];
+    profile_import_counts counts;
+    folder = test_folder_make();
+    recorded = test_store_open(folder.store, STORE_WRITE);
+    snprintf(command, sizeof command, "gzip -dc '%s/surfaces.jsonl.gz'", getenv("DUET_TEST_DATA"));
+    FILE *in = popen(command, "r");
+    assert_non_null(in);
+    assert_ok(profile_import(recorded, in, "surfaces.jsonl.gz", &counts, &err), err);
+    assert_int_equal(pclose(in), 0);
+    return 0;
+}
+
+static int close_store(void **state)
+{
+    (void)state;
+    store_close(recorded);
+    test_folder_remove(&folder);
+    return 0;
+}
+
+// The devices of test_time at shares of twentieths, but not at 1/2: three launches a plan, which
+// take SPREAD more from one to the next.
+static void record_invented(store *s)
+{
+    duet_error err = {0};
+    int64_t pair_id, workload_id, number;
+    char id[PROFILE_ID];
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(INVENTED);
+    workload.name = "invented";
+    assert_ok(profile_pair_put(s, &pair, &pair_id, &err), err);
+    assert_ok(profile_workload_put(s, &workload, &workload_id, &err), err);
+    profile_session session = test_session(pair_id, workload_id);
+    assert_ok(profile_session_begin(s, &session, id, &err), err);
+    for (int i = 0; i <= POINTS; ++i) {
+        if (i == LEFT_OUT)
+            continue;
+        profile_sample samples[4];
+        profile_trial trial = test_trial(INVENTED, i / (double)POINTS, samples, 4);
+        for (int k = 1; k < 4; ++k) {
+            double longer = 1 + SPREAD * (k - 1);
+            samples[k].total_ns = llround((double)samples[0].total_ns * longer);
+            samples[k].a_ns = llround((double)samples[0].a_ns * longer);
+            samples[k].b_ns = llround((double)samples[0].b_ns * longer);
+        }
+        assert_ok(profile_trial_add(s, id, &trial, NULL, &number, &err), err);
+    }
+}
+
+// The one surface of that many objects in a store; the caller closes *r and frees it.
+static profile_surface *open_surface(store *s, uint64_t n, replay *r)
+{
+    duet_error err = {0};
+    profile_surface *surfaces;
+    uint32_t n_surfaces, i = 0;
+    assert_ok(profile_surfaces_get(s, &surfaces, &n_surfaces, &err), err);
+    while (i < n_surfaces && surfaces[i].n != n)
+        ++i;
+    assert_true(i < n_surfaces);
+    surfaces[0] = surfaces[i];
+    assert_ok(replay_open(r, s, &surfaces[0], &err), err);
+    return surfaces;
+}
+
+static replay_outcome run(replay *r, const char *name, uint64_t seed)
+{
+    duet_error err = {0};
+    replay_outcome outcome;
+    replay_def def = {.strategy = name, .seed = seed};
+    assert_ok(replay_run(r, &def, &outcome, &err), err);
+    return outcome;
+}
+
+// Of the second of three launches.
+static double true_ns(double share)
+{
+    return (1 + SPREAD) * fmax(test_time(0, INVENTED, share), test_time(1, INVENTED, share));
+}
+
+static double replayed_ns(const replay *r, double share)
+{
+    duet_plan plan = {.share = (uint32_t)(share * DUET_SHARE_ONE), .mode = DUET_MODE_OWN};
+    return replay_median_ns(r, &plan);
+}
+
+// Each device's times are a line over the shares at which both work.
+static void a_share_between_two_takes_what_lies_between(void **state)
+{
+    (void)state;
+    replay r;
+    test_folder own = test_folder_make();
+    store *s = test_store_open(own.store, STORE_WRITE);
+    record_invented(s);
+    profile_surface *surface = open_surface(s, INVENTED, &r);
+    assert_int_equal(r.n_points, POINTS);
+    assert_true(fabs(replayed_ns(&r, 0.75) - true_ns(0.75)) < 1);
+    assert_true(fabs(replayed_ns(&r, 0.73) - true_ns(0.73)) < 20);
+    assert_true(fabs(replayed_ns(&r, 0.09) - true_ns(0.09)) < 20);
+    // The devices change places at 1/6, where a step takes less than at both shares around it.
+    assert_true(fabs(replayed_ns(&r, 1 / 6.0) - true_ns(1 / 6.0)) < 200);
+    assert_true(replayed_ns(&r, 1 / 6.0) < 0.99 * r.best->median_ns);
+    // A gap is too wide for a line.
+    assert_true(fabs(replayed_ns(&r, 0.49) - true_ns(0.45)) < 20);
+    assert_true(fabs(replayed_ns(&r, 0.51) - true_ns(0.55)) < 20);
+    // No line leads to one device alone.
+    assert_true(fabs(replayed_ns(&r, 0) - true_ns(0)) < 1);
+    assert_true(fabs(replayed_ns(&r, 1) - true_ns(1)) < 1);
+    assert_true(fabs(replayed_ns(&r, 0.01) - true_ns(1.0 / POINTS)) < 1);
+    assert_true(fabs(replayed_ns(&r, 0.99) - true_ns(1 - 1.0 / POINTS)) < 1);
+    replay_close(&r);
+    free(surface);
+    store_close(s);
+    test_folder_remove(&own);
+}
+
+// A takes five times as long for an object as B: the best of all twentieths is 3.
+static void a_strategy_ends_where_the_invented_devices_are_in_balance(void **state)
+{
+    (void)state;
+    replay r;
+    test_folder own = test_folder_make();
+    store *s = test_store_open(own.store, STORE_WRITE);
+    record_invented(s);
+    profile_surface *surface = open_surface(s, INVENTED, &r);
+    assert_int_equal(r.best->plan.share, lround(3.0 * DUET_SHARE_ONE / POINTS));
+    for (uint64_t seed = 0; seed < 20; ++seed) {
+        replay_outcome o = run(&r, "balance", seed);
+        assert_true(o.plan.share > 0 && o.loss < 0.02);
+        assert_string_equal(o.plan.variant_b, "auto sort=radix");
+        assert_true(o.search_launches > 0 && o.launches > o.search_launches);
+        // No launch is quicker than the quickest or slower than the slowest that was recorded.
+        assert_true(o.seconds > 1e-9 * true_ns(3.0 / POINTS) / (1 + SPREAD) * o.launches);
+        assert_true(o.seconds < 1e-9 * true_ns(1) * (1 + SPREAD) * o.launches);
+    }
+    replay_close(&r);
+    free(surface);
+    store_close(s);
+    test_folder_remove(&own);
+}
+
+static void the_same_seed_gives_the_same_tuning(void **state)
+{
+    (void)state;
+    replay r;
+    profile_surface *surface = open_surface(recorded, 20000, &r);
+    for (uint32_t i = 0; strategy_at(i) && strategy_at(i) != &strategy_lua; ++i) {
+        const char *name = strategy_at(i)->name;
+        replay_outcome first = run(&r, name, 7), other = run(&r, name, 8), again = run(&r, name, 7);
+        assert_memory_equal(&first, &again, sizeof first);
+        assert_true(first.seconds != other.seconds);
+    }
+    replay_close(&r);
+    free(surface);
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median_loss(replay *r, const char *name)
+{
+    enum { RUNS = 51 };
+    double losses[RUNS];
+    for (uint64_t seed = 0; seed < RUNS; ++seed)
+        losses[seed] = run(r, name, seed).loss;
+    qsort(losses, RUNS, sizeof *losses, by_value);
+    return losses[RUNS / 2];
+}
+
+// What was recorded has noise of some percent, and the best of a hundred medians is a lucky one.
+static void on_recorded_surfaces_grid_and_balance_come_near_the_best(void **state)
+{
+    (void)state;
+    static const uint64_t sizes[] = {20000, 100000};
+    for (int i = 0; i < 2; ++i) {
+        replay r;
+        profile_surface *surface = open_surface(recorded, sizes[i], &r);
+        assert_true(r.best->plan.share > 0 && r.best->plan.share < DUET_SHARE_ONE);
+        assert_true(median_loss(&r, "grid") < 0.05);
+        assert_true(median_loss(&r, "balance") < 0.05);
+        replay_close(&r);
+        free(surface);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_share_between_two_takes_what_lies_between),
+        cmocka_unit_test(a_strategy_ends_where_the_invented_devices_are_in_balance),
+        cmocka_unit_test(the_same_seed_gives_the_same_tuning),
+        cmocka_unit_test(on_recorded_surfaces_grid_and_balance_come_near_the_best),
+    };
+    return cmocka_run_group_tests(tests, open_store, close_store);
+}

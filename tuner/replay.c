@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/replay.h"
+
+#include "tuner/stats.h"
+#include "tuner/tune.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WIDEST_GAP = DUET_SHARE_ONE / 16 }; // between shares that are interpolated
+
+// ---------------------------------------------------------------- points
+
+static bool is_alone(uint32_t share)
+{
+    return share == 0 || share == DUET_SHARE_ONE;
+}
+
+static bool same_point(const profile_launch *a, const profile_launch *b)
+{
+    return a->share == b->share && strcmp(a->mode, b->mode) == 0;
+}
+
+// DUET_MODE_DEFAULT for a name that is none.
+static duet_mode mode_named(const char *name)
+{
+    int mode = 0;
+    while (mode < REPLAY_MODES && strcmp(duet_mode_name((duet_mode)mode), name) != 0)
+        ++mode;
+    return (duet_mode)mode;
+}
+
+// Launches are ordered by total_ns.
+static double median_ns(const replay_point *p)
+{
+    const profile_launch *of = p->launches[0];
+    return ((double)of[(p->n[0] - 1) / 2].total_ns + (double)of[p->n[0] / 2].total_ns) / 2;
+}
+
+static void add_mode(replay *r, const duet_plan *plan)
+{
+    bool known = r->n_modes > 0 && r->modes[r->n_modes - 1] == plan->mode;
+    if (!is_alone(plan->share) && !known)
+        r->modes[r->n_modes++] = plan->mode;
+}
+
+// Of the n launches of one plan.
+static void add_point(replay *r, const profile_launch *launches, uint32_t n)
+{
+    uint32_t counted = 0;
+    while (counted < n && !launches[counted].warm_up)
+        ++counted;
+    replay_point p = {
+        .plan = {.share = launches->share, .mode = mode_named(launches->mode)},
+        .launches = {launches, launches + counted},
+        .n = {counted, n - counted},
+    };
+    if (counted == 0 || p.plan.mode == DUET_MODE_DEFAULT)
+        return;
+    p.median_ns = median_ns(&p);
+    add_mode(r, &p.plan);
+    replay_point *kept = &r->points[r->n_points++];
+    *kept = p;
+    r->best = !r->best || p.median_ns < r->best->median_ns ? kept : r->best;
+}
+
+static void add_points(replay *r, uint32_t n)
+{
+    for (uint32_t from = 0, to; from < n; from = to) {
+        for (to = from + 1; to < n && same_point(&r->launches[from], &r->launches[to]);)
+            ++to;
+        add_point(r, &r->launches[from], to - from);
+    }
+}
+
+bool replay_open(replay *r, store *s, const profile_surface *surface, duet_error *err)
+{
+    uint32_t n = 0;
+    *r = (replay){.surface = surface};
+    if (!profile_surface_launches(s, surface, &r->launches, &n, err))
+        return false;
+    r->points = calloc((size_t)n + 1, sizeof *r->points);
+    if (!r->points)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%u recorded launches: no memory", n);
+    add_points(r, n);
+    return true;
+}
+
+void replay_close(replay *r)
+{
+    free(r->points);
+    free(r->launches);
+    *r = (replay){0};
+}
+
+// ---------------------------------------------------------------- launches
+
+// The points that stand for a plan: part `weight` of `high` and the rest of `low`.
+typedef struct between {
+    const replay_point *low;
+    const replay_point *high;
+    double weight;
+} between;
+
+// The nearest points at or below a share of a mode and at or above it, at which as many devices
+// work; NULL if there is none.
+static between find_neighbours(const replay *r, duet_mode mode, uint32_t share)
+{
+    between at = {0};
+    for (uint32_t i = 0; i < r->n_points; ++i) {
+        const replay_point *p = &r->points[i];
+        bool fits = is_alone(share) ? p->plan.share == share
+                                    : p->plan.mode == mode && !is_alone(p->plan.share);
+        if (fits && p->plan.share <= share)
+            at.low = p;
+        if (fits && p->plan.share >= share && !at.high)
+            at.high = p;
+    }
+    return at;
+}
+
+static between find_points(const replay *r, const duet_plan *plan)
+{
+    between at = find_neighbours(r, plan->mode, plan->share);
+    at.low = at.low ? at.low : at.high;
+    at.high = at.high ? at.high : at.low;
+    if (!at.low || at.low == at.high)
+        return at;
+    uint32_t low = at.low->plan.share, gap = at.high->plan.share - low;
+    at.weight = (double)(plan->share - low) / gap;
+    if (gap > WIDEST_GAP)
+        at.weight = round(at.weight);
+    return at;
+}
+
+// rank: 0 for the quickest launch, below 1 for the slowest one.
+static const profile_launch *launch_of(const replay_point *p, bool warms_up, double rank)
+{
+    bool from = warms_up && p->n[1] > 0;
+    return &p->launches[from][(uint32_t)(rank * p->n[from])];
+}
+
+static double mix(int64_t low, int64_t high, double weight)
+{
+    return (1 - weight) * (double)low + weight * (double)high;
+}
+
+static int64_t slower_ns(const profile_launch *launch)
+{
+    return launch->a_ns > launch->b_ns ? launch->a_ns : launch->b_ns;
+}
+
+// Of the times of both devices and of what a step takes beyond the slower one. A step's own time
+// has a bend where the devices change places, which a line between two shares would cut off.
+static profile_launch mix_launches(const between *at, bool warms_up, double rank)
+{
+    const profile_launch *low = launch_of(at->low, warms_up, rank);
+    const profile_launch *high = launch_of(at->high, warms_up, rank);
+    double rest = mix(low->total_ns - slower_ns(low), high->total_ns - slower_ns(high), at->weight);
+    profile_launch launch = {.a_ns = llround(mix(low->a_ns, high->a_ns, at->weight)),
+                             .b_ns = llround(mix(low->b_ns, high->b_ns, at->weight))};
+    launch.total_ns = (int64_t)fmax(1, round((double)slower_ns(&launch) + rest));
+    return launch;
+}
+
+double replay_median_ns(const replay *r, const duet_plan *plan)
+{
+    enum { RANKS = 101 };
+    double totals[RANKS];
+    between at = find_points(r, plan);
+    if (!at.low || at.low == at.high)
+        return at.low ? at.low->median_ns : NAN;
+    for (int i = 0; i < RANKS; ++i)
+        totals[i] = (double)mix_launches(&at, false, (i + 0.5) / RANKS).total_ns;
+    return stats_median(totals, RANKS);
+}
+
+// Of a tuning that does not time stages only the launch that warms up is staged.
+static bool launch_recorded(void *context, const duet_plan *plan, bool staged,
+                            measure_launch *launch, duet_error *err)
+{
+    replay *r = context;
+    between at = find_points(r, plan);
+    double rank = rng_unit(&r->random);
+    if (!at.low)
+        return error_set(err, DUET_STATUS_NOT_FOUND, "mode '%s' was not recorded",
+                         duet_mode_name(plan->mode));
+    profile_launch drawn = mix_launches(&at, staged, rank);
+    launch->total_ns = drawn.total_ns;
+    launch->a_ns = drawn.a_ns;
+    launch->b_ns = drawn.b_ns;
+    r->spent_ns += (uint64_t)drawn.total_ns;
+    return true;
+}
+
+// ---------------------------------------------------------------- a tuning
+
+static bool count_search(void *context, const duet_tune_progress *progress)
+{
+    uint32_t *launches = context;
+    if (strcmp(progress->stage, "share") == 0)
+        *launches = progress->launches;
+    return true;
+}
+
+static bool tune(replay *r, const replay_def *def, uint32_t *search_launches,
+                 duet_tune_outcome *found, duet_error *err)
+{
+    static const char *const variants[] = {"auto"}; // the surface is of one, whatever its name is
+    duet_tune_def tuned = duet_default_tune_def();
+    tuned.strategy = def->strategy;
+    tuned.variants = variants;
+    tuned.n_variants = 1;
+    tuned.modes = r->modes;
+    tuned.n_modes = r->n_modes;
+    tuned.repeats = def->repeats ? def->repeats : tuned.repeats;
+    tuned.watch = count_search;
+    tuned.watch_context = search_launches;
+    tune_task task = {
+        .def = &tuned,
+        .machine = {.context = r, .launch = launch_recorded},
+        .script = def->script,
+        .least_share = task_least_share(r->surface->n),
+    };
+    trial_log log = {0};
+    duet_error why = {0};
+    bool ok = tune_run(&task, &log, found, &why);
+    trial_log_free(&log);
+    if (why.status == DUET_STATUS_INTERRUPTED)
+        return error_set(err, why.status, "stopped");
+    return ok || error_copy(err, &why);
+}
+
+bool replay_run(replay *r, const replay_def *def, replay_outcome *outcome, duet_error *err)
+{
+    duet_tune_outcome found;
+    *outcome = (replay_outcome){0};
+    r->random = rng_seed(def->seed);
+    r->spent_ns = 0;
+    if (!tune(r, def, &outcome->search_launches, &found, err))
+        return false;
+    outcome->plan = found.plan;
+    memcpy(outcome->plan.variant_a, r->surface->variant_a, sizeof outcome->plan.variant_a);
+    memcpy(outcome->plan.variant_b, r->surface->variant_b, sizeof outcome->plan.variant_b);
+    memcpy(outcome->verdict, found.verdict, sizeof outcome->verdict);
+    outcome->median_ns = replay_median_ns(r, &found.plan);
+    outcome->loss = outcome->median_ns / r->best->median_ns - 1;
+    outcome->launches = found.launches;
+    outcome->seconds = (double)r->spent_ns * 1e-9;
+    return true;
+}

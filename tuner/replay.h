@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// Tunings without a device: their launches are drawn from those that a store keeps.
+//
+// A launch of a plan is one of that plan's recorded launches. Between two recorded shares, at
+// both of which both devices work, it is interpolated between the launches of equal rank: each
+// device's time, and what the step takes beyond the slower one. One device alone takes no part in
+// that, because its step lacks what sharing costs: below the least shared share, above the
+// greatest one, and in gaps of more than 1/16 the nearest share stands for the one that was asked.
+#ifndef TUNER_REPLAY_H
+#define TUNER_REPLAY_H
+
+#include "base/rng.h"
+#include "gen/script.h"
+#include "profiles/surface.h"
+#include "tuner/measure.h"
+
+enum { REPLAY_MODES = DUET_MODE_DEFAULT };
+
+// The launches of one plan, each list by total_ns: those that count, and those that warmed up.
+typedef struct replay_point {
+    duet_plan plan; // its variants are empty
+    const profile_launch *launches[2];
+    uint32_t n[2]; // the first is not 0
+    double median_ns;
+} replay_point;
+
+typedef struct replay {
+    const profile_surface *surface; // borrowed
+    profile_launch *launches;
+    replay_point *points; // by mode and share
+    uint32_t n_points;
+    duet_mode modes[REPLAY_MODES]; // in which both devices worked
+    uint32_t n_modes;
+    const replay_point *best; // with the least median
+    rng random;
+    uint64_t spent_ns; // by the launches that were drawn
+} replay;
+
+// Reads a surface; r is closed by replay_close whatever this returns.
+bool replay_open(replay *r, store *s, const profile_surface *surface, duet_error *err);
+void replay_close(replay *r);
+
+// The median of a plan's launches, which may be interpolated.
+double replay_median_ns(const replay *r, const duet_plan *plan);
+
+typedef struct replay_def {
+    const char *strategy;
+    script *script;   // of the strategy "lua"; else NULL
+    uint32_t repeats; // launches of a trial, after one to warm up; 0: the default
+    uint64_t seed;
+} replay_def;
+
+typedef struct replay_outcome {
+    duet_plan plan; // to use
+    char verdict[16];
+    double median_ns;         // of the plan
+    double loss;              // 0.02: the plan takes 2 % longer than the best recorded one; below
+                              // 0: less, which only an interpolated plan can
+    uint32_t search_launches; // until the last search of a share ended
+    uint32_t launches;        // with the races after it
+    double seconds;           // of all launches; kernels are not compiled
+} replay_outcome;
+
+// Tunes mode and share as duet_tune_run does. The same seed gives the same outcome.
+bool replay_run(replay *r, const replay_def *def, replay_outcome *outcome, duet_error *err);
+
+#endif
