@@ -292,7 +292,7 @@ static bool watch_costs(void *context, uint64_t done, uint64_t steps)
 }
 
 static bool measure_level_costs(tuning_resources *h, profile_level_cost *stored, uint32_t *n,
-                                duet_error *err)
+                                core_tally *cores, duet_error *err)
 {
     cost_watching w = {h, clock_steady_ns()};
     level_costs_def def = {.pair = h->def.pair,
@@ -305,6 +305,7 @@ static bool measure_level_costs(tuning_resources *h, profile_level_cost *stored,
         return false;
     if (p.rounds < CHOICE_ROUNDS)
         return error_set(err, DUET_STATUS_INTERRUPTED, "stopped while the levels were measured");
+    *cores = p.cores;
     for (*n = 0; *n < p.n; ++*n) {
         const level_cost *row = &p.rows[*n];
         stored[*n] = (profile_level_cost){.step_ns = row->step_ms * 1e6,
@@ -318,19 +319,24 @@ static bool measure_level_costs(tuning_resources *h, profile_level_cost *stored,
 }
 
 // From the store, or measured and kept there: once known, the list does for
-// every accuracy.
+// every accuracy. Times that other programs disturbed are not kept.
 static bool find_level_costs(tuning_resources *h, profile_level_cost *list, uint32_t *n,
                              duet_error *err)
 {
+    core_tally cores;
     *n = 0;
     if (!h->record.store)
-        return measure_level_costs(h, list, n, err);
+        return measure_level_costs(h, list, n, &cores, err);
     profile_request request = profile_subject_request(&h->subject);
     if (!record_aim(&h->record, &request, err) ||
         (!h->def.fresh && !record_level_costs(&h->record, list, n, err)))
         return false;
-    return *n > 0 || (measure_level_costs(h, list, n, err) &&
-                      record_keep_level_costs(&h->record, list, *n, err));
+    if (*n > 0)
+        return true;
+    if (!measure_level_costs(h, list, n, &cores, err))
+        return false;
+    bool keeps = h->def.wait_seconds == 0 || 2 * cores.disturbed <= cores.launches;
+    return !keeps || record_keep_level_costs(&h->record, list, *n, err);
 }
 
 static bool choose_level(tuning_resources *h, duet_error *err)
