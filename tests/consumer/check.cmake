@@ -2,6 +2,7 @@
 # against it, and runs it.
 #
 #   BUILD     the build tree of Duet
+#   CONFIG    which of its builds
 #   CONSUMER  this folder
 #   HELLO     the program's text
 set(prefix ${BUILD}/consumer/installed)
@@ -16,7 +17,7 @@ function(run)
 endfunction()
 
 file(REMOVE_RECURSE ${prefix} ${built})
-run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+run(${CMAKE_COMMAND} --install ${BUILD} --config ${CONFIG} --prefix ${prefix})
 
 file(GLOB_RECURSE pc ${prefix}/duet.pc)
 get_filename_component(pc_dir ${pc} DIRECTORY)
