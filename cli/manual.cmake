@@ -16,7 +16,7 @@ add_custom_command(
   COMMAND sh -c "gzip -9nk ${manual_dir}/*.1"
   DEPENDS duet ${CMAKE_CURRENT_LIST_DIR}/manual.lua ${CMAKE_CURRENT_LIST_DIR}/examples.md
   VERBATIM)
-add_custom_target(manual ALL DEPENDS ${manual_dir}/duet.bash)
+add_custom_target(duet_manual ALL DEPENDS ${manual_dir}/duet.bash)
 install(DIRECTORY ${manual_dir}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program
   FILES_MATCHING PATTERN "*.1.gz")
 install(FILES ${manual_dir}/duet.bash RENAME duet

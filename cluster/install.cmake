@@ -3,8 +3,10 @@
 if(NOT DUET_HAS_CLUSTER)
   return()
 endif()
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/cluster/duet_cluster.h ${duet_public}/duet/duet_cluster.h SYMBOLIC)
 target_include_directories(duet_cluster_shared INTERFACE
-  $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}> $<BUILD_INTERFACE:${duet_public}>)
+add_library(duet::cluster ALIAS duet_cluster_shared)
 configure_file(cluster/duet_cluster.pc.in duet_cluster.pc @ONLY)
 
 install(TARGETS duet-cluster COMPONENT cluster)

@@ -1,17 +1,29 @@
-# libduet.a, libduet.so, and what an application needs to find them:
-# find_package(duet) and pkg-config. Installed paths are relative to where the
+# libduet.a, libduet.so, and what an application needs to find them: find_package(duet) and
+# pkg-config, or duet::duet and duet::static in the build that has Duet's source. Installed paths are relative to where the
 # files lie, so that an installed tree may be moved.
 include(CMakePackageConfigHelpers)
+
+# As they are installed, for those who build Duet with their own program.
+set(duet_public ${CMAKE_CURRENT_BINARY_DIR}/include/public)
+file(GLOB public_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/runtime/duet*.h
+  ${PROJECT_SOURCE_DIR}/base/duet_*.h ${PROJECT_SOURCE_DIR}/profiles/duet_*.h
+  ${PROJECT_SOURCE_DIR}/tuner/duet_*.h ${PROJECT_SOURCE_DIR}/lua/duet_*.h)
+file(MAKE_DIRECTORY ${duet_public}/duet)
+foreach(path IN LISTS public_headers)
+  get_filename_component(header ${path} NAME)
+  file(CREATE_LINK ${path} ${duet_public}/duet/${header} SYMBOLIC)
+endforeach()
 
 # One object of them all, in which only what the public headers declare is visible:
 # an application may have a text_free() of its own.
 add_custom_command(
-  OUTPUT duet.o
-  COMMAND ${CMAKE_C_COMPILER} -nostdlib -r -o duet.o ${duet_objects}
-  COMMAND ${CMAKE_OBJCOPY} --localize-hidden duet.o
+  OUTPUT duet-$<CONFIG>.o
+  COMMAND ${CMAKE_C_COMPILER} -nostdlib -r -o duet-$<CONFIG>.o ${duet_objects}
+  COMMAND ${CMAKE_OBJCOPY} --localize-hidden duet-$<CONFIG>.o
   DEPENDS ${duet_objects}
   COMMAND_EXPAND_LISTS VERBATIM)
-add_library(duet_static STATIC ${CMAKE_CURRENT_BINARY_DIR}/duet.o)
+add_library(duet_static STATIC ${CMAKE_CURRENT_BINARY_DIR}/duet-$<CONFIG>.o)
+add_dependencies(duet_static ${duet_library}) # make knows how objects are made only in their own targets
 set_target_properties(duet_static PROPERTIES LINKER_LANGUAGE C)
 add_library(duet_shared SHARED ${duet_objects})
 set_target_properties(duet_shared PROPERTIES OUTPUT_NAME duet EXPORT_NAME duet
@@ -19,8 +31,11 @@ set_target_properties(duet_shared PROPERTIES OUTPUT_NAME duet EXPORT_NAME duet
 set_target_properties(duet_static PROPERTIES OUTPUT_NAME duet EXPORT_NAME static)
 foreach(library duet_static duet_shared)
   target_link_libraries(${library} PRIVATE ${duet_needs} $<BUILD_INTERFACE:duet_options>)
-  target_include_directories(${library} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_include_directories(${library} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    $<BUILD_INTERFACE:${duet_public}>)
 endforeach()
+add_library(duet::duet ALIAS duet_shared)
+add_library(duet::static ALIAS duet_static)
 
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/duet)
 set(pc_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
@@ -30,8 +45,6 @@ configure_package_config_file(runtime/duet-config.cmake.in duet-config.cmake
 write_basic_package_version_file(duet-config-version.cmake COMPATIBILITY SameMajorVersion)
 configure_file(runtime/duet.pc.in duet.pc @ONLY)
 
-file(GLOB public_headers CONFIGURE_DEPENDS runtime/duet*.h base/duet_*.h
-  profiles/duet_*.h tuner/duet_*.h lua/duet_*.h)
 install(TARGETS duet COMPONENT program)
 install(TARGETS duet_shared EXPORT duet LIBRARY COMPONENT library NAMELINK_COMPONENT development)
 install(TARGETS duet_static EXPORT duet-static ARCHIVE COMPONENT development)

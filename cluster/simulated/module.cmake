@@ -17,14 +17,14 @@ if(NOT SIMGRID_LIBRARY OR NOT SMPI_INCLUDE_DIR)
 endif()
 set(DUET_HAS_SIMULATE ON)
 
-add_library(simgrid INTERFACE)
-target_include_directories(simgrid SYSTEM INTERFACE ${SMPI_INCLUDE_DIR}/smpi ${SMPI_INCLUDE_DIR})
-target_link_libraries(simgrid INTERFACE ${SIMGRID_LIBRARY})
-target_compile_definitions(simgrid INTERFACE _DEFAULT_SOURCE) # useconds_t, which they take for granted
+add_library(duet_simgrid INTERFACE)
+target_include_directories(duet_simgrid SYSTEM INTERFACE ${SMPI_INCLUDE_DIR}/smpi ${SMPI_INCLUDE_DIR})
+target_link_libraries(duet_simgrid INTERFACE ${SIMGRID_LIBRARY})
+target_compile_definitions(duet_simgrid INTERFACE _DEFAULT_SOURCE) # useconds_t, which they take for granted
 
 set(arrows "${duet_arrows}")
 set(objects "${duet_module_objects}")
-duet_module(simulated FOLDER cluster KNOWS selection LINKS simgrid)
+duet_module(simulated FOLDER cluster KNOWS selection LINKS duet_simgrid)
 set(duet_arrows "${arrows}")
 set(duet_module_objects "${objects}")
 

@@ -2,6 +2,7 @@
 # against it, and runs it.
 #
 #   BUILD     the build tree of Duet
+#   CONFIG    which of its builds
 #   CONSUMER  this folder
 #   HELLO     the program's text
 set(prefix ${BUILD}/consumer/installed)
@@ -16,7 +17,7 @@ function(run)
 endfunction()
 
 file(REMOVE_RECURSE ${prefix} ${built})
-run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+run(${CMAKE_COMMAND} --install ${BUILD} --config ${CONFIG} --prefix ${prefix})
 
 file(GLOB_RECURSE pc ${prefix}/duet.pc)
 get_filename_component(pc_dir ${pc} DIRECTORY)
@@ -36,6 +37,31 @@ run(${built}/game_loop)
 if(NOT out MATCHES "^plan: [a-z ]+, share [0-9.]+\n300 frames, [0-9.]+ ms each, [1-9][0-9]* collisions\n$")
   message(FATAL_ERROR "game_loop says '${out}'")
 endif()
+# A line of input cancels the menu at its first plan. The game then loads what a whole tuning
+# kept, and the default plan until then and if nothing was kept.
+function(game_has grade)
+  run(${built}/game_loop)
+  if(NOT out MATCHES "^plan: ${grade}, ")
+    message(FATAL_ERROR "game_loop says '${out}', not '${grade}'")
+  endif()
+endfunction()
+set(users_store $ENV{DUET_PROFILE})
+set(ENV{DUET_PROFILE} ${built}/menu.db)
+file(WRITE ${built}/enter "\n")
+run(${built}/options_menu 600 INPUT_FILE ${built}/enter)
+if(NOT out MATCHES "^\r *[0-9]+ %  1 plans tried, Enter cancels \ncancelled; the next time goes on from here\n$")
+  message(FATAL_ERROR "options_menu says '${out}'")
+endif()
+game_has(default)
+run(${built}/options_menu 600 INPUT_FILE /dev/null)
+if(out MATCHES "\nthe game uses a share of [01][.][0-9]+ from its next start: [0-9.]+ ms a frame\n$")
+  game_has(exact)
+elseif(out MATCHES "\nnothing changes: [^\n]+\n$")
+  game_has(default)
+else()
+  message(FATAL_ERROR "options_menu says '${out}'")
+endif()
+set(ENV{DUET_PROFILE} ${users_store})
 run(${built}/fall)
 if(NOT out STREQUAL "after 1.00 s the cube is at height 0.50\n")
   message(FATAL_ERROR "fall says '${out}'")
