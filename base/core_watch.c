@@ -18,7 +18,6 @@
 #define WINDOW_NS UINT64_C(300000000)
 
 static const double LOST = 0.05;      // part of a launch that may be lost
-static const double STARVED = 0.25;   // and where other programs had no core
 static const double FEW_CORES = 0.15; // what a system's own programs take at rest
 
 typedef struct thread_row {
@@ -231,8 +230,7 @@ core_use core_watch_stop(core_watch *w)
     use.cpu_ns = caller_ns + busiest_ns;
     use.lost_ns = least(use.wait_ns, ns - least(use.cpu_ns, ns));
     look_at_others(w);
-    double lost = (double)use.lost_ns / (double)ns;
-    use.disturbed = lost > (w->others.is_crowded ? LOST : STARVED);
+    use.disturbed = (double)use.lost_ns > LOST * (double)ns;
     ++w->tally.launches;
     w->tally.disturbed += use.disturbed;
     return use;

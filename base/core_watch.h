@@ -25,8 +25,8 @@ typedef struct core_use {
         cpu_ns; // processor time of the calling thread and of the busiest other one; 0: unknown
     uint64_t wait_ns; // the longest that one thread waited for a core
     uint64_t lost_ns; // the lesser of both bounds
-    bool disturbed;   // that is a twentieth of the launch while other programs had cores, or a
-                      // quarter: then two of its own threads shared a core
+    bool disturbed;   // that is more than a twentieth of the launch: another program had a core, or
+                      // two of its own threads were put on one
 } core_use;
 
 // Cores that other programs have.

@@ -45,8 +45,8 @@ typedef struct duet_stored_profile {
     double gain_high;
     char verdict[16];
     uint32_t rounds;    // of the race that the verdict is of; 0: not known
-    uint32_t watched;   // launches that were watched for other programs; 0: not known
-    uint32_t disturbed; // and those of them that other programs disturbed
+    uint32_t watched;   // launches whose threads were watched; 0: not known
+    uint32_t disturbed; // and those of them that waited for a core
     double whole_ms;    // a step by the device that A and B are parts of; 0: not raced
     double whole_gain;  // of the plan over it
     double whole_gain_low;

@@ -55,8 +55,8 @@ typedef struct profile_found {
     double gain_high;
     char verdict[16];
     uint32_t rounds;     // of the race that the gain is of; 0 where not known
-    uint32_t watched;    // launches that were watched for other programs; 0: not known
-    uint32_t disturbed;  // and those of them that other programs disturbed
+    uint32_t watched;    // launches whose threads were watched; 0: not known
+    uint32_t disturbed;  // and those of them that waited for a core
     uint32_t best_share; // of the best plan that shares the work, which the gain is of
     char best_mode[16];
     char terms[512];   // its equations 4 to 6, as JSON; empty where not known

@@ -31,8 +31,8 @@ typedef struct profile_row {
     double whole_gain;     // of the plan over it
     double whole_gain_low;
     double whole_gain_high;
-    uint32_t watched;     // launches that were watched for other programs; 0: not known
-    uint32_t disturbed;   // and those of them that other programs disturbed
+    uint32_t watched;     // launches whose threads were watched; 0: not known
+    uint32_t disturbed;   // and those of them that waited for a core
     const char *origin;   // "measured", "online" or "manual"
     const char *session;  // NULL only for "manual"
     int64_t trial_number; // of that session, the plan's trial; -1: none

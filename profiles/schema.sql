@@ -197,8 +197,8 @@ CREATE TABLE profile (
   whole_gain  REAL,                      -- NULL: they are of none, or it was not raced.
   whole_gain_low  REAL,                  -- What the plan gains over it
   whole_gain_high REAL,
-  watched     INTEGER NOT NULL DEFAULT 0, -- launches that were watched for other programs
-  disturbed   INTEGER NOT NULL DEFAULT 0, -- and those of them that other programs disturbed
+  watched     INTEGER NOT NULL DEFAULT 0, -- launches whose threads were watched
+  disturbed   INTEGER NOT NULL DEFAULT 0, -- and those of them that waited for a core
   CHECK (disturbed <= watched),
   CHECK (origin = 'manual' OR session_id IS NOT NULL),
   CHECK ((live = 1) = (dead_reason IS NULL))

@@ -112,8 +112,8 @@ typedef struct duet_tune_outcome {
     double gain_high;
     char verdict[16];   // of the best plan: "faster", "same", "slower" or "ambiguous"
     uint32_t rounds;    // of the race that the verdict is of
-    uint32_t watched;   // launches that were watched for other programs; 0: the system cannot
-    uint32_t disturbed; // and those of them that other programs disturbed
+    uint32_t watched;   // launches whose threads were watched; 0: the system cannot
+    uint32_t disturbed; // and those of them that waited for a core
     double step_ms;     // by the plan to use, the median; 0: the tuning gave up
     double step_low_ms; // and its interval
     double step_high_ms;

@@ -64,8 +64,8 @@ typedef struct measurement {
     uint32_t n_samples;
     uint32_t counted;   // samples that the statistics are of; fewer than asked for: the others
                         // were disturbed, however often they were repeated
-    uint32_t watched;   // launches that were watched for other programs
-    uint32_t disturbed; // and those of them that other programs disturbed
+    uint32_t watched;   // launches whose threads were watched
+    uint32_t disturbed; // and those of them that waited for a core
     uint32_t repeated;  // and those of these that therefore do not count
     uint32_t outliers;
     double median_ns;

@@ -18,8 +18,8 @@ typedef struct trial_log_entry {
     uint64_t focus_ns;     // of that one, in the stages whose kernel was varied; else 0
     duet_tune_terms terms; // of that one
     uint32_t launches;
-    uint32_t watched;   // launches that were watched for other programs
-    uint32_t disturbed; // and those of them that other programs disturbed
+    uint32_t watched;   // launches whose threads were watched
+    uint32_t disturbed; // and those of them that waited for a core
     uint64_t spent_ns;
 } trial_log_entry;
 

@@ -93,6 +93,7 @@ static bool tell_watcher(const tuning *t, const trial_log_entry *entry, bool rem
 // ---------------------------------------------------------------- other programs
 
 // A look at other programs before the next try, which may succeed beside them too.
+enum { QUIET_TRIES = 5 };
 #define LOOK_NS UINT64_C(100000000)
 #define NEXT_TRY_NS UINT64_C(2000000000)
 
@@ -153,19 +154,29 @@ static bool wait_for_quiet(tuning *t, const duet_plan *plan, duet_error *err)
     return true;
 }
 
+// The system puts threads on other cores after a while.
+static bool wait_for_scheduler(tuning *t, duet_error *err)
+{
+    clock_sleep_ns(LOOK_NS);
+    t->spent_ns += LOOK_NS;
+    return budget_check_stop(NULL) || tuning_stop(t, err);
+}
+
 // Measures until enough launches of the trial were undisturbed. While no other program has a core
-// the machine is as quiet as it can be, and the launches count as they are.
+// the machine is as quiet as it can be: after some tries the launches count as they are.
 static bool measure_in_quiet(tuning *t, const measure_machine *machine, const duet_plan *plan,
                              measure_way way, measurement *m, duet_error *err)
 {
+    uint32_t tries = 0;
     way.quiet = t->task->def->wait_seconds > 0;
     *m = measure_plan(machine, plan, way);
     while (m->failure.status == DUET_STATUS_OK && m->counted < way.repeats) {
         t->watched += m->watched;
         t->disturbed += m->disturbed;
-        way.quiet = look_at_others(t).is_crowded;
-        *(way.quiet ? &t->waited_ns : &t->spent_ns) += m->spent_ns;
-        if (way.quiet && !wait_for_quiet(t, plan, err))
+        bool crowded = look_at_others(t).is_crowded;
+        *(crowded ? &t->waited_ns : &t->spent_ns) += m->spent_ns;
+        way.quiet = crowded || ++tries < QUIET_TRIES;
+        if (!(crowded ? wait_for_quiet(t, plan, err) : wait_for_scheduler(t, err)))
             return false;
         *m = measure_plan(machine, plan, way);
     }

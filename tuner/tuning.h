@@ -29,7 +29,7 @@ typedef struct tuning {
     uint32_t launches;
     uint32_t unlogged; // trials of the whole device, which the log has no plan for
     uint64_t spent_ns;
-    uint32_t watched; // launches that were watched for other programs
+    uint32_t watched; // launches whose threads were watched
     uint32_t disturbed;
     uint64_t waited_ns; // for other programs, trials that were disturbed included
     bool found;         // a kernel to be searched

@@ -217,7 +217,7 @@ static void add_result(table *t, const profile_entry *e)
     }
     table_words(t, "quiet", NULL);
     if (row->watched > 0)
-        table_cell(t, "other programs disturbed %u of %u launches", row->disturbed, row->watched);
+        table_cell(t, "%u of %u launches waited for a core", row->disturbed, row->watched);
     else
         table_words(t, "was not looked at", NULL);
     if (row->whole_ns > 0) {

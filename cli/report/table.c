@@ -325,8 +325,8 @@ table_text table_disturbed(const core_tally *cores)
     table_text t = {""};
     if (cores->disturbed > 0)
         snprintf(t.chars, sizeof t.chars,
-                 "other programs disturbed %" PRIu64 " of %" PRIu64 " %s and had %.1f of %u cores",
-                 cores->disturbed, cores->launches, cores->launches == 1 ? "step" : "steps",
-                 cores->others, cores->of);
+                 "%" PRIu64 " of %" PRIu64
+                 " steps waited for a core; other programs had %.1f of %u",
+                 cores->disturbed, cores->launches, cores->others, cores->of);
     return t;
 }

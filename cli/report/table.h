@@ -55,7 +55,7 @@ table_text table_whole(const char *name, const char *selector, double gain, doub
 // A bar of at most width (<= 40) characters, as long as part (0..1) of it.
 table_text table_bar(double part, int width);
 
-// "other programs disturbed 3 of 20 steps and had 0.4 of 2 cores"; empty if they disturbed none.
+// "3 of 20 steps waited for a core; other programs had 0.4 of 2"; empty if none did.
 table_text table_disturbed(const core_tally *cores);
 
 #endif

@@ -304,7 +304,7 @@ static void print_details(const cJSON *row)
         printf("level %s", json_string(row, "level"));
     printf(", %.0f launches\n", json_number(row, "launches"));
     if (json_number(row, "disturbed") > 0)
-        printf("  other programs disturbed %.0f of %.0f launches\n", json_number(row, "disturbed"),
+        printf("  %.0f of %.0f launches waited for a core\n", json_number(row, "disturbed"),
                json_number(row, "watched"));
     if (gave_up(row)) {
         print_use(row);
