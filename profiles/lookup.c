@@ -515,12 +515,13 @@ static bool lend(look *l, const neighbour *near, double apart, bool *held)
     *held = apart <= reach;
     if (*held)
         neighbour_lend(&near->found, l->found);
-    text_add(
-        l->why,
-        "%s: the nearest plan, of %.0f objects, is surely the faster one up to %.3g times apart, "
-        "and this is %.3g%s",
-        *held ? "yes" : "no", near->quantities[NEIGHBOUR_OBJECTS], reach, apart,
-        *held ? "; none of its figures is of this workload" : "");
+    text_add(l->why, "%s: the nearest plan, of %.0f objects, ", *held ? "yes" : "no",
+             near->quantities[NEIGHBOUR_OBJECTS]);
+    if (reach > 1)
+        text_add(l->why, "is surely the faster one up to %.3g times apart, and this is %.3g%s",
+                 reach, apart, *held ? "; none of its figures is of this workload" : "");
+    else
+        text_add(l->why, "is not surely the faster one anywhere else");
     return true;
 }
 
