@@ -2,9 +2,9 @@
 // A workload that was measured beside one that was not: how far the two are apart, and what the
 // measured one says of the other. Nothing here reads the store.
 //
-// Two assumptions carry all of it. A step takes no less time when there is more to do, and its time
-// grows no faster than the work. So a plan that was faster than another by a factor of f is still
-// the faster one wherever the work differs by less than f.
+// One assumption carries all of it: with more work the time of a step grows at least as the square
+// root of the work, and no faster than the work. So a plan that was faster than another by a factor
+// of f is the faster one wherever the work differs by less than f squared.
 #ifndef PROFILES_NEIGHBOUR_H
 #define PROFILES_NEIGHBOUR_H
 
@@ -53,14 +53,15 @@ double neighbour_reach(const profile_found *found);
 // What a neighbour says of a workload: its plan, without any figure.
 void neighbour_lend(const profile_found *near, profile_found *found);
 
-// Of a workload next to it, with predicted figures: times in proportion to the objects, the
-// interval of the gain widened by how far they are apart.
+// What it says of a workload next to it: its plan, and predicted figures. Times are in proportion
+// to the objects, the interval of the gain widened by how far they are apart.
 void neighbour_take(const neighbour *near, const double at[NEIGHBOUR_QUANTITIES],
                     profile_found *found);
 
-// Of a workload between two that are alike. Times lie on the line through both, the gain between
-// both gains. If one shares the work and the other does not, the predicted times decide. False if
-// one says A alone and the other B alone: no time of either device is known between.
+// What two that are alike say of a workload between them. Times lie on the line through both, the
+// gain between both gains. If one shares the work and the other does not, the predicted times
+// decide. False if one says A alone and the other B alone: no time of either device is known
+// between.
 bool neighbour_between(const neighbour *below, const neighbour *above,
                        const double at[NEIGHBOUR_QUANTITIES], profile_found *found);
 
