@@ -24,6 +24,7 @@
 
 #define ROUNDS 20        // of reweighting, for the least absolute errors
 #define SMALL_ERROR 0.01 // counts like its square: no weight is above one
+#define REACH 4          // how far from the sizes measured a forecast is made
 #define FAR_OFF 3        // deviations
 
 static void fill_terms(const fit_point *p, double terms[FIT_TERMS])
@@ -400,11 +401,10 @@ static bool make_forecast(const forecast_ask *ask, const fit_list lists[2], cons
     sql_copy(out->plan.level, sizeof out->plan.level, a->level);
     sql_copy(out->plan.variant_a, sizeof out->plan.variant_a, a->variant);
     sql_copy(out->plan.variant_b, sizeof out->plan.variant_b, b->variant);
-    fit_time alone_a = predict_alone(ask, &lists[0], a);
-    fit_time alone_b = predict_alone(ask, &lists[1], b);
-    out->a_is_best = alone_a.ns < alone_b.ns;
-    out->one = out->a_is_best ? alone_a : alone_b;
-    return out->one.ns > 0 && cross(ask, &a->f, &b->f, out);
+    out->alone[0] = predict_alone(ask, &lists[0], a);
+    out->alone[1] = predict_alone(ask, &lists[1], b);
+    out->a_is_best = out->alone[0].ns < out->alone[1].ns;
+    return out->alone[!out->a_is_best].ns > 0 && cross(ask, &a->f, &b->f, out);
 }
 
 static bool is_part(const named_fit *row, const char *role)
@@ -419,15 +419,9 @@ static bool match(const named_fit *a, const named_fit *b)
            strcmp(a->mode, b->mode) == 0 && strcmp(a->level, b->level) == 0;
 }
 
-static bool same_work(const profile_plan *a, const profile_plan *b)
-{
-    return strcmp(a->mode, b->mode) == 0 && strcmp(a->level, b->level) == 0 &&
-           strcmp(a->variant_a, b->variant_a) == 0 && strcmp(a->variant_b, b->variant_b) == 0;
-}
-
 static bool covers(const forecast_ask *ask, const forecast *f)
 {
-    return ask->slack <= 0 || (ask->n * ask->slack >= f->n_min && ask->n <= f->n_max * ask->slack);
+    return ask->n * REACH >= f->n_min && ask->n <= f->n_max * REACH;
 }
 
 // Of many plans, the one that looks quickest is likely one that little is known
@@ -448,7 +442,7 @@ bool forecast_best(store *s, const forecast_ask *ask, forecast *best, bool *foun
             forecast f;
             if (!match(&lists[0].fits[i], &lists[1].fits[j]) ||
                 !make_forecast(ask, lists, &lists[0].fits[i], &lists[1].fits[j], &f) ||
-                !covers(ask, &f) || (ask->plan && !same_work(ask->plan, &f.plan)))
+                !covers(ask, &f))
                 continue;
             if (*found &&
                 (f.here != best->here ? best->here : cautious_ns(&f) >= cautious_ns(best)))
@@ -467,20 +461,24 @@ static uint32_t share_of(double r)
     return (uint32_t)lround(fmin(1, fmax(0, r)) * PROFILE_SHARE_ONE);
 }
 
-void forecast_take(const forecast *f, profile_found *found)
+static bool is_surely_faster(const fit_time *a, const fit_time *b)
 {
-    double ratio = f->one.ns / f->both.ns;
-    double sd = ratio * hypot(f->doubt, f->one.sd_ns / f->one.ns);
-    bool faster = ratio - 2 * sd > 1;
-    *found = (profile_found){.plan = f->plan};
+    return b->ns - a->ns > 2 * hypot(a->sd_ns, b->sd_ns);
+}
+
+// Fits are of devices' parts, and not of what the host does between them.
+#define HOST_PART 1.05
+
+bool forecast_take(const forecast *f, profile_found *found)
+{
+    const fit_time *one = &f->alone[!f->a_is_best], *other = &f->alone[f->a_is_best];
+    fit_time both = {HOST_PART * f->both.ns, HOST_PART * f->both.sd_ns};
+    bool shared = is_surely_faster(&both, one);
+    if (!shared && !(is_surely_faster(one, &f->both) && is_surely_faster(one, other)))
+        return false;
+    *found = (profile_found){.plan = f->plan, .true_pairs = -1};
     found->share_low = share_of(f->share - 2 * f->share_sd);
     found->share_high = share_of(f->share + 2 * f->share_sd);
-    found->plan.share = faster ? share_of(f->share) : f->a_is_best ? PROFILE_SHARE_ONE : 0;
-    found->median_ns = faster ? f->both.ns : f->one.ns;
-    if (faster) {
-        found->gain = ratio - 1;
-        found->gain_low = ratio - 2 * sd - 1;
-        found->gain_high = ratio + 2 * sd - 1;
-    }
-    sql_copy(found->verdict, sizeof found->verdict, faster ? "faster" : "same");
+    found->plan.share = shared ? share_of(f->share) : f->a_is_best ? PROFILE_SHARE_ONE : 0;
+    return true;
 }

@@ -59,8 +59,6 @@ typedef struct forecast_ask {
     const char *host;
     double n;
     double occupancy;
-    const profile_plan *plan; // its mode, level and variants only; NULL: any
-    double slack;             // sizes measured may end so much below or above n; 0: anywhere
 } forecast_ask;
 
 typedef struct forecast {
@@ -70,9 +68,9 @@ typedef struct forecast {
     double share_sd;
     fit_time both; // at that share
     double doubt;  // of it, relative, one standard deviation
-    fit_time one;  // by the better single device
-    bool a_is_best;
-    double n_min; // sizes measured
+    fit_time alone[2];
+    bool a_is_best; // of the two alone
+    double n_min;   // sizes measured
     double n_max;
     uint32_t points;
 } forecast;
@@ -81,8 +79,8 @@ typedef struct forecast {
 // Both devices' fits are always of one machine.
 bool forecast_best(store *s, const forecast_ask *ask, forecast *best, bool *found, duet_error *err);
 
-// The plan that follows from it. A gain that might be none is not taken: the
-// better single device does all the work.
-void forecast_take(const forecast *f, profile_found *found);
+// The plan that follows from it, if sharing or one of the devices is surely the fastest, by two
+// standard deviations; else false, and found stays. It has no figures.
+bool forecast_take(const forecast *f, profile_found *found);
 
 #endif

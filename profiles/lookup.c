@@ -4,18 +4,16 @@
 #include "profiles/lookup.h"
 
 #include "profiles/fit.h"
+#include "profiles/neighbour.h"
 #include "profiles/sql.h"
 
 #include <math.h>
 #include <string.h>
 #include <time.h>
 
-// A prediction that is less certain than this (one standard deviation of a
-// step's time, relative) is no ground to divide the work on.
+// A forecast that is less certain than this (one standard deviation of a
+// step's time, relative) is no ground for a plan.
 #define MOST_DOUBT 0.2
-
-#define SIZE_SLACK 1.1   // a size within a tenth of one that was measured is next to it
-#define CROWD_SLACK 1.25 // and so is a crowding within a quarter
 
 const char *profile_grade_name(profile_grade grade)
 {
@@ -43,6 +41,14 @@ typedef enum partnership {
     PARTNERS_OTHER, // there are none: the pair is two devices
 } partnership;
 
+// Live profiles of the pair for other workloads of the family.
+typedef struct neighbours {
+    double at[NEIGHBOUR_QUANTITIES]; // the workload asked for
+    neighbour below;                 // the nearest sizes of scenes that are alike
+    neighbour above;
+    neighbour nearest; // of the scenes up to these, alike or not
+} neighbours;
+
 // A request at one level, with its keys, on its way down.
 typedef struct look {
     store *s;
@@ -53,7 +59,8 @@ typedef struct look {
     char workload[PROFILE_SHA];
     int64_t pair_id; // 0 where these devices were never measured together
     partnership partners;
-    text family; // of the workload
+    text family;     // of the workload
+    neighbours near; // from the grade "interpolated" on
     profile_found *found;
     text *why; // NULL: nobody asks
     duet_error *err;
@@ -151,16 +158,17 @@ _Static_assert(PARTNERS_NONE == 0 && PARTNERS_EQUAL == 1 && PARTNERS_OTHER == 2,
 
 // Where a query looks, and which of the rows there it takes.
 typedef struct rows_query {
+    const char *columns; // beside the id
     const char *of;
     const char *which;
 } rows_query;
 
 static const rows_query exact_query = {
-    OF_WORKLOAD, "AND p.kernels = ?5 AND p.pair_id = ?7 ORDER BY p.median_ns LIMIT 1"};
+    "", OF_WORKLOAD, "AND p.kernels = ?5 AND p.pair_id = ?7 ORDER BY p.median_ns LIMIT 1"};
 
-static const rows_query other_driver_query = {OF_WORKLOAD, "AND p.kernels = ?5 " SAME_SEATS};
+static const rows_query other_driver_query = {"", OF_WORKLOAD, "AND p.kernels = ?5 " SAME_SEATS};
 
-static const rows_query stale_query = {OF_WORKLOAD, "AND p.kernels <> ?5 " SAME_SEATS};
+static const rows_query stale_query = {"", OF_WORKLOAD, "AND p.kernels <> ?5 " SAME_SEATS};
 
 // An accuracy without limit is above every rate that is stored.
 static double limit(double rate)
@@ -201,8 +209,8 @@ static sql ask_rows(look *l, const rows_query *query, const char *key)
 {
     double missed = limit(l->request->max_missed_rate), added = limit(l->request->max_false_rate);
     text statement = {0};
-    text_add(&statement, "SELECT p.id FROM %s%s%sAND p.objective = ?2 AND p.live = 1 %s", query->of,
-             missed < 1e299 || added < 1e299 ? ACCURATE : "",
+    text_add(&statement, "SELECT p.id%s FROM %s%s%sAND p.objective = ?2 AND p.live = 1 %s",
+             query->columns, query->of, missed < 1e299 || added < 1e299 ? ACCURATE : "",
              l->partners == PARTNERS_OTHER ? "" : PARTNERS, query->which);
     sql q = sql_make_text(l->s, &statement, l->err);
     sql_text(&q, key);
@@ -369,130 +377,171 @@ static bool look_stale(look *l, bool *held)
     return find_by_seats(l, &stale_query, held) && (*held || refuse(l, "nor with other kernels"));
 }
 
-// ---------------------------------------------------------- grades that are fits
-
-// Takes the forecast where it is certain enough.
-static bool use_forecast(look *l, const forecast *f, bool *held)
-{
-    *held = f->doubt <= MOST_DOUBT;
-    if (!*held) {
-        text_add(l->why,
-                 "no: from what was measured of %.0f to %.0f objects a step's time is known "
-                 "only to within %.0f %%",
-                 f->n_min, f->n_max, 100 * f->doubt);
-        return true;
-    }
-    forecast_take(f, l->found);
-    text_add(l->why,
-             "yes: %u times of %.0f to %.0f objects say %.4g ms +- %.1f %% by both at share "
-             "%.4f +- %.4f, %.4g ms by one",
-             f->points, f->n_min, f->n_max, f->both.ns * 1e-6, 100 * f->doubt, f->share,
-             f->share_sd, f->one.ns * 1e-6);
-    return true;
-}
-
-// A live profile of this pair for a workload of another size.
-typedef struct neighbour {
-    double n; // 0: there is none
-    double occupancy;
-    profile_found found;
-} neighbour;
+// ---------------------------------------------------------- grades of neighbours
 
 // CROSS: by the family first, which has few sizes.
 #define OF_FAMILY "workload w CROSS JOIN profile p ON p.workload_id = w.id WHERE w.family = ?1 "
 #define SAME_PAIR "AND p.kernels = ?5 AND p.pair_id = ?7 "
+#define QUANTITIES ", w.n, w.occ_mean, w.occ_p99, w.size_ratio, iif(w.dims = 3, cells_z, cells_y)"
+_Static_assert(NEIGHBOUR_OBJECTS == 0 && NEIGHBOUR_OCCUPANCY == 1 && NEIGHBOUR_CROWDING == 2 &&
+                   NEIGHBOUR_SIZES == 3 && NEIGHBOUR_LAYERS == 4,
+               "the order of the columns");
+
+static const rows_query below_query = {QUANTITIES, OF_FAMILY,
+                                       SAME_PAIR "AND w.n < ?8 ORDER BY w.n DESC"};
+static const rows_query above_query = {QUANTITIES, OF_FAMILY,
+                                       SAME_PAIR "AND w.n >= ?8 ORDER BY w.n"};
 
 static bool read_neighbour(look *l, int64_t id, neighbour *near)
 {
-    *near = (neighbour){0};
-    if (id == 0)
-        return true;
-    sql q = sql_select(l->s, found_columns,
-                       ", w.n, w.occ_mean FROM profile p JOIN workload w ON w.id = p.workload_id "
-                       "WHERE p.id = ?",
-                       l->err);
+    sql q = sql_select(l->s, found_columns, " FROM profile p WHERE p.id = ?", l->err);
     sql_int(&q, id);
-    if (sql_row(&q)) {
-        int rest = sql_read(&q, 0, found_columns, &near->found);
-        near->n = sql_get_real(&q, rest);
-        near->occupancy = sql_get_real(&q, rest + 1);
-    }
+    if (sql_row(&q))
+        sql_read(&q, 0, found_columns, &near->found);
     return sql_close(&q);
 }
 
-static bool find_one(look *l, const char *which, neighbour *near)
+// From the workload's size outwards, up to the first scene that is alike.
+static bool look_outwards(look *l, const rows_query *query, neighbour *alike)
 {
-    int64_t id;
-    const rows_query query = {OF_FAMILY, which};
-    sql q = ask_rows(l, &query, text_chars(&l->family));
+    neighbours *all = &l->near;
+    int64_t nearest_id = 0, alike_id = 0;
+    sql q = ask_rows(l, query, text_chars(&l->family));
     sql_int(&q, l->pair_id);
     sql_int(&q, (int64_t)l->at.n);
-    return close_rows(&q, &id) && read_neighbour(l, id, near);
-}
-
-// The nearest sizes below and above; the nearer of them, by ratio, comes first.
-static bool find_neighbours(look *l, neighbour near[2])
-{
-    double n = (double)l->at.n;
-    near[0] = near[1] = (neighbour){0};
-    if (l->pair_id == 0)
-        return true;
-    if (!find_one(l, SAME_PAIR "AND w.n < ?8 ORDER BY w.n DESC LIMIT 1", &near[0]) ||
-        !find_one(l, SAME_PAIR "AND w.n >= ?8 ORDER BY w.n LIMIT 1", &near[1]))
-        return false;
-    if (near[1].n > 0 && (near[0].n <= 0 || near[1].n / n < n / near[0].n)) {
-        neighbour below = near[0];
-        near[0] = near[1];
-        near[1] = below;
+    while (alike_id == 0 && sql_row(&q)) {
+        neighbour near = {0};
+        for (int i = 0; i < NEIGHBOUR_QUANTITIES; ++i)
+            near.quantities[i] = sql_get_real(&q, 1 + i);
+        if (!neighbour_is_there(&all->nearest) ||
+            neighbour_apart(near.quantities, all->at, NULL) <
+                neighbour_apart(all->nearest.quantities, all->at, NULL)) {
+            all->nearest = near;
+            nearest_id = sql_get_int(&q, 0);
+        }
+        if (neighbour_is_alike(near.quantities, all->at)) {
+            *alike = near;
+            alike_id = sql_get_int(&q, 0);
+        }
     }
+    return sql_close(&q) && (nearest_id == 0 || read_neighbour(l, nearest_id, &all->nearest)) &&
+           (alike_id == 0 || read_neighbour(l, alike_id, alike));
+}
+
+static bool find_neighbours(look *l)
+{
+    l->near = (neighbours){0};
+    neighbour_describe(&l->at, l->near.at);
+    return l->pair_id == 0 || (look_outwards(l, &below_query, &l->near.below) &&
+                               look_outwards(l, &above_query, &l->near.above));
+}
+
+// Rates of another size say nothing; certified misses none.
+static bool is_accurate_anywhere(const look *l)
+{
+    bool asked = isfinite(l->request->max_missed_rate) || isfinite(l->request->max_false_rate);
+    return !asked || strcmp(l->at.level, "certified") == 0;
+}
+
+// How the workload differs most from the nearest one that was measured.
+static void tell_unlike(look *l, const neighbours *all)
+{
+    neighbour_quantity q;
+    neighbour_apart(all->nearest.quantities, all->at, &q);
+    text_add(l->why,
+             "%.0f objects were measured, of a scene that is not alike: %s %.3g there, %.3g "
+             "here",
+             all->nearest.quantities[NEIGHBOUR_OBJECTS], neighbour_quantity_name(q),
+             all->nearest.quantities[q], all->at[q]);
+}
+
+// Why what was measured does not surround the workload.
+static bool tell_gap(look *l, const neighbours *all)
+{
+    bool below = neighbour_is_there(&all->below), above = neighbour_is_there(&all->above);
+    text_add(l->why, "no: ");
+    if (below && above)
+        text_add(l->why,
+                 "at %.0f and at %.0f objects the work is divided in other ways, and which is "
+                 "the quicker one here is not known",
+                 all->below.quantities[NEIGHBOUR_OBJECTS],
+                 all->above.quantities[NEIGHBOUR_OBJECTS]);
+    else if (below || above)
+        text_add(l->why, "the size is %s those measured, the nearest of which is %.0f",
+                 below ? "above" : "below",
+                 (below ? &all->below : &all->above)->quantities[NEIGHBOUR_OBJECTS]);
+    else
+        tell_unlike(l, all);
     return true;
 }
 
-static bool is_about(double a, double b, double slack)
+static bool take_next(look *l, const neighbours *all)
 {
-    return a <= b * slack && b <= a * slack;
-}
-
-// A time of so many objects, on the line through both neighbours', or in proportion to the only one.
-static double time_between(const neighbour near[2], double n, double ns, double other_ns)
-{
-    if (near[1].n <= 0 || ns <= 0 || other_ns <= 0)
-        return ns * n / near[0].n;
-    return ns + (other_ns - ns) * (n - near[0].n) / (near[1].n - near[0].n);
-}
-
-// The nearer neighbour's plan, and the times of both for so many objects.
-static void take_neighbour(look *l, const neighbour near[2])
-{
-    profile_found *found = l->found;
-    const profile_found *other = &near[1].found;
-    double n = (double)l->at.n;
-    *found = near[0].found;
-    found->median_ns = time_between(near, n, found->median_ns, other->median_ns);
-    found->low_ns = time_between(near, n, found->low_ns, other->low_ns);
-    found->high_ns = time_between(near, n, found->high_ns, other->high_ns);
-    found->single_ns = time_between(near, n, found->single_ns, other->single_ns);
-    found->whole_ns = time_between(near, n, found->whole_ns, other->whole_ns);
-    found->share_low = (uint32_t)(found->plan.share / SIZE_SLACK);
-    found->share_high = (uint32_t)fmin(found->plan.share * SIZE_SLACK, PROFILE_SHARE_ONE);
-}
-
-// What was measured for almost such a workload is better than what fits say.
-static bool use_neighbour(look *l, const neighbour near[2])
-{
-    const profile_found *found = &near[0].found;
-    take_neighbour(l, near);
-    text_add(l->why, "yes: %.0f objects were measured, which is next to it%s%s", near[0].n,
-             found->session[0] ? ", session " : "", found->session);
+    const profile_found *found = &all->nearest.found;
+    neighbour_take(&all->nearest, all->at, l->found);
+    text_add(l->why, "yes: %.0f objects were measured, which is next to it%s%s",
+             all->nearest.quantities[NEIGHBOUR_OBJECTS], found->session[0] ? ", session " : "",
+             found->session);
     return true;
 }
 
-static bool forecast_best_of(look *l, const profile_plan *plan, double slack, forecast *f,
-                             bool *found)
+static bool look_interpolated(look *l, bool *held)
 {
-    *found = false;
-    if (l->partners == PARTNERS_NONE) // one device shares with none
-        return true;
+    const neighbours *all = &l->near;
+    if (!find_neighbours(l))
+        return false;
+    if (!neighbour_is_there(&all->nearest))
+        return refuse(l, "no like workload was measured on these two devices");
+    bool next = neighbour_is_next(all->nearest.quantities, all->at);
+    if (!next && !is_accurate_anywhere(l))
+        return refuse(l, "accuracy is asked for, which rates of other sizes say nothing about");
+    *held = neighbour_is_there(&all->below) && neighbour_is_there(&all->above) &&
+            neighbour_between(&all->below, &all->above, all->at, l->found);
+    if (*held)
+        text_add(l->why, "yes: it lies between %.0f and %.0f objects, which were measured",
+                 all->below.quantities[NEIGHBOUR_OBJECTS],
+                 all->above.quantities[NEIGHBOUR_OBJECTS]);
+    else if (next) {
+        *held = true;
+        return take_next(l, all);
+    }
+    return *held || tell_gap(l, all);
+}
+
+// ---------------------------------------------------------- lent plans
+
+// The nearest neighbour's plan, if what it gains lasts as far as this.
+static bool lend(look *l, const neighbour *near, double apart, bool *held)
+{
+    double reach = neighbour_reach(&near->found);
+    *held = apart <= reach;
+    if (*held)
+        neighbour_lend(&near->found, l->found);
+    text_add(l->why, "%s: the nearest plan, of %.0f objects, ", *held ? "yes" : "no",
+             near->quantities[NEIGHBOUR_OBJECTS]);
+    if (reach > 1)
+        text_add(l->why, "is surely the faster one up to %.3g times apart, and this is %.3g%s",
+                 reach, apart, *held ? "; none of its figures is of this workload" : "");
+    else
+        text_add(l->why, "is not surely the faster one anywhere else");
+    return true;
+}
+
+// Whatever is not sure is left to the default plan.
+static bool use_forecast(look *l, const forecast *f, bool *held)
+{
+    *held = f->doubt <= MOST_DOUBT && forecast_take(f, l->found);
+    text_add(l->why,
+             "%s: %u times of %.0f to %.0f objects say %.4g ms +- %.1f %% by both at share "
+             "%.4f +- %.4f, %.4g ms by one%s",
+             *held ? "yes" : "no", f->points, f->n_min, f->n_max, f->both.ns * 1e-6, 100 * f->doubt,
+             f->share, f->share_sd, f->alone[!f->a_is_best].ns * 1e-6,
+             *held ? "" : ", which does not say surely what is faster");
+    return true;
+}
+
+static bool look_at_fits(look *l, bool *held)
+{
     forecast_ask ask = {
         .env_a = l->env[0],
         .env_b = l->env[1],
@@ -501,102 +550,25 @@ static bool forecast_best_of(look *l, const profile_plan *plan, double slack, fo
         .host = l->request->host,
         .n = (double)l->at.n,
         .occupancy = l->at.occ_mean,
-        .plan = plan,
-        .slack = slack,
     };
-    return forecast_best(l->s, &ask, f, found, l->err);
-}
-
-// Fits know times and not how many pairs were missed; certified misses none.
-static bool is_accurate_anywhere(const look *l)
-{
-    bool asked = isfinite(l->request->max_missed_rate) || isfinite(l->request->max_false_rate);
-    return !asked || strcmp(l->at.level, "certified") == 0;
-}
-
-// By the plan of the nearer neighbour, or of the other, or else by any, of those
-// that were measured at sizes around this one. Where one device did it all, a plan
-// says nothing of how they would share.
-static bool forecast_between(look *l, const neighbour near[2], forecast *f, bool *found)
-{
-    *found = false;
-    for (int i = 0; i < 2 && !*found; ++i) {
-        const profile_plan *plan = &near[i].found.plan;
-        bool shared = near[i].n > 0 && plan->share > 0 && plan->share < PROFILE_SHARE_ONE;
-        if (shared && !forecast_best_of(l, plan, SIZE_SLACK, f, found))
-            return false;
-    }
-    return *found || forecast_best_of(l, NULL, SIZE_SLACK, f, found);
-}
-
-// Whether one device did it all at both sizes, by the same kernels. There may be no fits
-// that say how two would share, as where both are one device.
-static bool is_alone_at_both(const neighbour near[2])
-{
-    const profile_plan *a = &near[0].found.plan, *b = &near[1].found.plan;
-    return near[0].n > 0 && near[1].n > 0 && a->share == b->share &&
-           (a->share == 0 || a->share == PROFILE_SHARE_ONE) &&
-           strcmp(a->variant_a, b->variant_a) == 0 && strcmp(a->variant_b, b->variant_b) == 0;
-}
-
-static bool use_both(look *l, const neighbour near[2], bool *held)
-{
-    *held = true;
-    take_neighbour(l, near);
-    text_add(l->why, "yes: one device did it best at %.0f and at %.0f objects, alike",
-             fmin(near[0].n, near[1].n), fmax(near[0].n, near[1].n));
-    return true;
-}
-
-// Why none of the plans that were measured does.
-static bool tell_gap(look *l, const neighbour near[2])
-{
-    double n = (double)l->at.n;
-    if (near[0].n > 0 && near[1].n > 0)
-        text_add(l->why,
-                 "no: no plan was measured both at %.0f objects or fewer and at %.0f or more",
-                 fmin(near[0].n, near[1].n), fmax(near[0].n, near[1].n));
-    else
-        text_add(l->why, "no: the size is %s those measured, the nearest of which is %.0f",
-                 near[0].n < n ? "above" : "below", near[0].n);
-    return true;
-}
-
-static bool look_interpolated(look *l, bool *held)
-{
-    neighbour near[2];
     forecast f;
     bool found = false;
-    if (!find_neighbours(l, near))
+    if (l->partners == PARTNERS_NONE)
+        return refuse(l, "one device alone has no other to share with");
+    if (!forecast_best(l->s, &ask, &f, &found, l->err))
         return false;
-    if (near[0].n <= 0)
-        return refuse(l, "no like workload was measured on these two devices");
-    *held = is_about(near[0].n, (double)l->at.n, SIZE_SLACK) &&
-            is_about(near[0].occupancy, l->at.occ_mean, CROWD_SLACK);
-    if (*held)
-        return use_neighbour(l, near);
-    if (!is_accurate_anywhere(l))
-        return refuse(l, "accuracy is asked for, which times of other sizes say nothing about");
-    if (!forecast_between(l, near, &f, &found))
-        return false;
-    if (found)
-        return use_forecast(l, &f, held);
-    return is_alone_at_both(near) ? use_both(l, near, held) : tell_gap(l, near);
+    return found ? use_forecast(l, &f, held)
+                 : refuse(l, "one of the devices was never measured on a like workload");
 }
 
 static bool look_transferred(look *l, bool *held)
 {
+    const neighbours *all = &l->near;
     if (!is_accurate_anywhere(l))
         return refuse(l, "accuracy is asked for, which times of other sizes say nothing about");
-    forecast f;
-    bool found = false;
-    if (!forecast_best_of(l, NULL, 0, &f, &found))
-        return false;
-    if (!found)
-        return refuse(l, l->partners == PARTNERS_NONE
-                             ? "one device alone has no other to share with"
-                             : "one of the devices was never measured on a like workload");
-    return use_forecast(l, &f, held);
+    if (!neighbour_is_there(&all->nearest))
+        return look_at_fits(l, held);
+    return lend(l, &all->nearest, neighbour_apart(all->nearest.quantities, all->at, NULL), held);
 }
 
 // -------------------------------------------------------------------- the grades

@@ -18,8 +18,9 @@
 typedef enum profile_grade {
     PROFILE_EXACT,        // measured on these devices, drivers, kernels and workload
     PROFILE_OTHER_DRIVER, // the same, under another version of a driver
-    PROFILE_INTERPOLATED, // of this pair: next to a size measured, or between by time fits
-    PROFILE_TRANSFERRED,  // from each device's fits: never measured together, or beyond the sizes
+    PROFILE_INTERPOLATED, // of this pair and a scene like this: next to a size measured, or between
+    PROFILE_TRANSFERRED,  // a plan without figures: of the pair's nearest workload, as far as that
+                          // is surely the faster one, or from each device's fits
     PROFILE_STALE,        // the kernels changed since: only a place to start a search from
     PROFILE_DEFAULT       // nothing is known; the plan is not set
 } profile_grade;
@@ -46,7 +47,7 @@ typedef struct profile_found {
     profile_plan plan;
     uint32_t share_low; // where the best share may lie: equal to the share where it was measured
     uint32_t share_high;
-    double median_ns; // of a step; predicted where not measured
+    double median_ns; // of a step; predicted if interpolated; 0 if transferred, as all below
     double low_ns;    // its interval; 0 where predicted, as what is not said below
     double high_ns;
     double single_ns; // by the best single device; 0 where not known

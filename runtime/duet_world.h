@@ -191,8 +191,8 @@ DUET_API uint64_t duet_result_get_hash(const duet_result *result);
 typedef enum duet_grade {
     DUET_GRADE_EXACT,        // measured on these devices, drivers and kernels, for such objects
     DUET_GRADE_OTHER_DRIVER, // the same, under another version of a driver
-    DUET_GRADE_INTERPOLATED, // between sizes that were measured on this pair
-    DUET_GRADE_TRANSFERRED,  // from what each of the devices took elsewhere
+    DUET_GRADE_INTERPOLATED, // next to, or between, sizes that were measured of a scene like this
+    DUET_GRADE_TRANSFERRED,  // the plan of another workload, which lends no figure
     DUET_GRADE_STALE,        // measured with other kernels: not used
     DUET_GRADE_DEFAULT       // nothing is known
 } duet_grade;
@@ -204,13 +204,14 @@ typedef struct duet_profile {
     duet_plan plan; // the world's after the call
     duet_grade grade;
     duet_level level;       // and its level
-    duet_accuracy accuracy; // of that level, as measured with the plan
+    duet_accuracy accuracy; // of that level, as measured with the plan for this workload
     uint64_t true_pairs;    // that it was measured on; 0: it was not
-    double step_ms; // by that plan; predicted, unless measured. 0 from STALE on, as what follows
+    double step_ms; // by that plan; predicted if INTERPOLATED. From TRANSFERRED on this and what
+                    // follows is 0, since nothing is known of this workload
     double gain;    // over the best single device: 0.25 is a quarter faster
     double gain_low;
     double gain_high;
-    char verdict[16];   // "faster", "same", "slower", "ambiguous"; empty from STALE on
+    char verdict[16];   // "faster", "same", "slower", "ambiguous"; empty from TRANSFERRED on
     int64_t measured_s; // since 1970, UTC; 0: predicted
 } duet_profile;
 

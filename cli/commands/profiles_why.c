@@ -150,6 +150,10 @@ static void print_text(const answer *a)
                plan->share / (double)PROFILE_SHARE_ONE, say_name(plan->mode).chars,
                say_name(plan->variant_a).chars, say_name(plan->variant_b).chars,
                say_name(plan->level).chars);
+    if (!*found->verdict) {
+        printf("the plan of another workload: what a step takes and gains here is not known\n");
+        return;
+    }
     table_text gain =
         table_gain(plan->share, found->gain, found->gain_low, found->gain_high, found->verdict);
     printf("a step of %.4g ms%s%s\n", found->median_ns * 1e-6, a->one_device ? "" : ", ",
@@ -175,6 +179,20 @@ static void add_plan(cJSON *o, const answer *a)
                       fallback->variant_a, fallback->variant_b);
 }
 
+// null: not known of this workload.
+static void add_figures(cJSON *o, const profile_found *found)
+{
+    if (!*found->verdict) {
+        static const char *const names[] = {"ms", "gain", "gain_low", "gain_high", "verdict"};
+        for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
+            cJSON_AddNullToObject(o, names[i]);
+        return;
+    }
+    cJSON_AddNumberToObject(o, "ms", found->median_ns * 1e-6);
+    json_add_interval(o, "gain", found->gain, found->gain_low, found->gain_high);
+    cJSON_AddStringToObject(o, "verdict", found->verdict);
+}
+
 static bool print_json(const answer *a, duet_error *err)
 {
     const profile_found *found = &a->found;
@@ -189,14 +207,12 @@ static bool print_json(const answer *a, duet_error *err)
         cJSON_AddStringToObject(o, "level", found->plan.level);
         cJSON_AddNumberToObject(o, "share_low", found->share_low / (double)PROFILE_SHARE_ONE);
         cJSON_AddNumberToObject(o, "share_high", found->share_high / (double)PROFILE_SHARE_ONE);
-        cJSON_AddNumberToObject(o, "ms", found->median_ns * 1e-6);
+        add_figures(o, found);
         if (found->true_pairs > 0) {
             cJSON_AddNumberToObject(o, "missed_rate", found->missed_rate);
             cJSON_AddNumberToObject(o, "false_rate", found->false_rate);
             cJSON_AddNumberToObject(o, "true_pairs", (double)found->true_pairs);
         }
-        json_add_interval(o, "gain", found->gain, found->gain_low, found->gain_high);
-        cJSON_AddStringToObject(o, "verdict", found->verdict);
         if (found->whole_ns > 0) {
             cJSON_AddNumberToObject(o, "whole_ms", found->whole_ns * 1e-6);
             json_add_interval(o, "whole_gain", found->whole_gain, found->whole_gain_low,

@@ -73,6 +73,8 @@ static void print_profile(const run_report *r)
                "measures again\n\n");
     else if (p->grade == DUET_GRADE_DEFAULT)
         printf("plan: the default; 'duet tune' measures a better one\n\n");
+    else if (!*p->verdict)
+        printf("plan: from the profile of another workload; what it gains here is not known\n\n");
     else if (is_one(r->pair, r->plan))
         printf("plan: from the profile, %s\n\n", duet_grade_name(p->grade));
     else

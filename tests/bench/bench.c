@@ -27,6 +27,8 @@ static const struct {
      "bodies that come and go before each step, and the same only woken"},
     {"generate", bench_generate, "the text of each kernel, and its number of configs"},
     {"lookup", bench_lookup, "opening the profile store and looking up, with --n profiles in it"},
+    {"loss", bench_loss,
+     "plans that are looked up beside fresh tunings, at --runs sizes around --n"},
     {"join", bench_join, "a hundredth of the paper's scene against all of it, and a step of both"},
     {"cells", bench_cells, "the order of the paper's scene by cell alone"},
     {"order", bench_order, "objects at random and in order, on one device and two"},

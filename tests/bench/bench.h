@@ -33,6 +33,7 @@ bench_run bench_join;
 bench_run bench_spheres;
 bench_run bench_limit;
 bench_run bench_lookup;
+bench_run bench_loss;
 bench_run bench_order;
 bench_run bench_rays;
 bench_run bench_share;

@@ -356,6 +356,31 @@ static void without_a_profile_the_plan_stays(void **state)
     test_folder_remove(&folder);
 }
 
+// As if it had been measured on twice as many objects, where sharing gained as much as that.
+#define OF_TWICE_AS_MANY                                                           \
+    "UPDATE profile SET gain = 3, gain_low = 2, gain_high = 4, true_pairs = 100; " \
+    "UPDATE workload SET n = 2 * n, key = 'another'"
+
+static void a_plan_of_another_workload_comes_without_figures(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    fixture f = make_world(3000, test_seed(), 0, "auto");
+    duet_error err = {0};
+    duet_profile profile;
+    put_for(folder.store, f.world, NULL);
+    test_store_run(folder.store, OF_TWICE_AS_MANY);
+    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_TRANSFERRED);
+    assert_int_equal(profile.plan.share, 24576);
+    assert_int_equal(duet_world_get_plan(f.world)->share, 24576);
+    assert_true(profile.step_ms == 0 && profile.gain == 0 && profile.gain_low == 0 &&
+                profile.gain_high == 0 && profile.true_pairs == 0 && profile.measured_s == 0);
+    assert_string_equal(profile.verdict, "");
+    drop_world(&f);
+    test_folder_remove(&folder);
+}
+
 // ------------------------------------------------------------- duet profiles why
 
 #define SCENE "test_profiled.scene.lua"
@@ -485,6 +510,36 @@ static void why_names_the_plan_and_run_uses_it(void **state)
     test_folder_remove(&folder);
 }
 
+static void why_and_run_say_that_no_figure_is_known(void **state)
+{
+    (void)state;
+    static const char *const figures[] = {"ms", "gain", "gain_low", "gain_high", "verdict"};
+    test_folder folder = test_folder_make();
+    duet_error err = {0};
+    assert_ok(text_write_file(SCENE, scene_text, strlen(scene_text), &err), err);
+    put_for_scene(folder.store);
+    test_store_run(folder.store, OF_TWICE_AS_MANY);
+    cJSON *o = ask_why(folder.store);
+    assert_why(o, "transferred", "none of its figures is of this workload");
+    assert_true(cJSON_GetObjectItemCaseSensitive(o, "share")->valuedouble == 0.375);
+    for (size_t i = 0; i < sizeof figures / sizeof *figures; ++i)
+        assert_true(cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(o, figures[i])));
+    assert_null(cJSON_GetObjectItemCaseSensitive(o, "true_pairs"));
+    assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "uid")->valuestring, "");
+    cJSON_Delete(o);
+    program p = program_run("profiles why %s --profile %s", SCENE, folder.store);
+    assert_non_null(strstr(p.out, "what a step takes and gains here is not known"));
+    program_free(&p);
+    char variables[160];
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
+    p = program_run_with(variables, "run %s --repeat 1", SCENE);
+    assert_non_null(strstr(p.out, "plan: from the profile of another workload; what it gains here "
+                                  "is not known"));
+    program_free(&p);
+    remove(SCENE);
+    test_folder_remove(&folder);
+}
+
 // ------------------------------------------------------------ queries
 
 static duet_tree *make_tree(const fixture *f, duet_error *err)
@@ -607,6 +662,8 @@ int main(void)
         cmocka_unit_test(names_of_queries_are_read_as_they_are_written),
         cmocka_unit_test(a_file_that_is_named_is_all_that_why_looks_in),
         cmocka_unit_test(why_names_the_plan_and_run_uses_it),
+        cmocka_unit_test(why_and_run_say_that_no_figure_is_known),
+        cmocka_unit_test(a_plan_of_another_workload_comes_without_figures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

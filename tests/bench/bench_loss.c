@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: MIT
+// What a plan that is looked up costs beside a fresh tuning and beside the default plan: --runs
+// sizes and scenes are drawn around a store of the paper's scene with a half, one, two and four
+// times --n objects. The plans step in turn.
+//
+// If both devices are CPUs a step takes the processor time of the host and of the busiest other
+// thread: on a busy machine the clock tells of other programs. Else it takes what the clock says.
+#define _POSIX_C_SOURCE 200809L
+#include "bench.h"
+#include "thread_times.h"
+
+#include "base/compare.h"
+#include "base/error.h"
+#include "base/rng.h"
+#include "tuner/duet_tune.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { WARM_UP = 3, ROUNDS = 31 };
+
+// The plan that was looked up steps in two worlds: what tells them apart is noise.
+enum { LOOKED_UP, AGAIN, TUNED, DEFAULT, PLANS };
+
+// The scene that is tuned, and one of its family that is not alike.
+static const char *const scenes[] = {"paper", "paper", "clustered"};
+
+enum { N_SCENES = sizeof scenes / sizeof *scenes };
+
+typedef struct losses {
+    duet_device_pair *pair;
+    bool by_clock;
+    char folder[32];
+    char known[64];       // the store that is looked up in
+    char fresh[64];       // the one of fresh tunings
+    series behind[PLANS]; // %
+} losses;
+
+static duet_scene *load(const char *name, uint32_t n, uint64_t seed, duet_error *err)
+{
+    char number[16], chosen[24];
+    snprintf(number, sizeof number, "%u", n);
+    snprintf(chosen, sizeof chosen, "%" PRIu64, seed);
+    duet_setting settings[] = {{"n", number}, {"seed", chosen}};
+    return duet_scene_load(name, settings, 2, err);
+}
+
+static bool tune(const losses *l, const duet_scene *scene, const char *store, uint64_t seed,
+                 duet_tune_outcome *outcome, duet_error *err)
+{
+    duet_tune_def def = duet_default_tune_def();
+    def.pair = l->pair;
+    def.scene = scene;
+    def.store = store;
+    def.seed = seed;
+    return duet_tune_run(&def, outcome, err);
+}
+
+static bool fill(const losses *l, uint32_t n, uint64_t seed, duet_error *err)
+{
+    for (int i = -1; i <= 2; ++i) {
+        duet_tune_outcome outcome;
+        duet_scene *scene = load("paper", (uint32_t)ldexp(n, i), seed, err);
+        bool ok = scene && tune(l, scene, l->known, seed, &outcome, err);
+        duet_scene_destroy(scene);
+        if (!ok)
+            return false;
+        printf("stored: %u objects, share %.4f, mode %s, %.3f ms, gain %+.1f %% %s\n",
+               outcome.objects, outcome.plan.share / (double)DUET_SHARE_ONE,
+               duet_mode_name(outcome.plan.mode), outcome.step_ms, 100 * outcome.gain,
+               outcome.verdict);
+    }
+    return true;
+}
+
+// A world for each plan, so that none pays for the change to its kernels.
+static bool step(const losses *l, duet_world *world, double *ms, duet_error *err)
+{
+    thread_times before, now;
+    duet_result result;
+    if (!duet_world_step(world, &result, err)) // fills the caches that the others emptied
+        return false;
+    thread_times_read(&before);
+    if (!duet_world_step(world, &result, err))
+        return false;
+    thread_times_read(&now);
+    *ms = l->by_clock ? result.total_ms : thread_times_since_ms(&before, &now);
+    return true;
+}
+
+// By the median ratio of a round's times, in %.
+static bool race(const losses *l, duet_world *const worlds[PLANS], double behind[PLANS],
+                 duet_error *err)
+{
+    series ratios[PLANS] = {0};
+    for (int round = -WARM_UP; round < ROUNDS; ++round) {
+        double ms[PLANS];
+        for (int i = 0; i < PLANS; ++i)
+            if (!step(l, worlds[i], &ms[i], err))
+                return false;
+        for (int i = 0; round >= 0 && i < PLANS; ++i)
+            series_add(&ratios[i], ms[LOOKED_UP] / ms[i]);
+    }
+    for (int i = 0; i < PLANS; ++i)
+        behind[i] = 100 * (series_median(&ratios[i]) - 1);
+    return true;
+}
+
+static bool compare(losses *l, const duet_scene *scene, uint64_t seed,
+                    duet_world *const worlds[PLANS], duet_error *err)
+{
+    double behind[PLANS];
+    duet_profile profile;
+    duet_tune_outcome outcome;
+    for (int i = 0; i < PLANS; ++i)
+        if (!duet_world_set_scene(worlds[i], scene, err))
+            return false;
+    if (!duet_world_load_profile(worlds[LOOKED_UP], l->known, &profile, err) ||
+        !tune(l, scene, l->fresh, seed, &outcome, err))
+        return false;
+    bool is_default = profile.grade >= DUET_GRADE_STALE;
+    if ((!is_default && !duet_world_set_plan(worlds[AGAIN], &profile.plan, err)) ||
+        !duet_world_set_plan(worlds[TUNED], &outcome.plan, err) || !race(l, worlds, behind, err))
+        return false;
+    for (int i = 0; i < PLANS; ++i)
+        series_add(&l->behind[i], behind[i]);
+    printf(" | %-12s", duet_grade_name(profile.grade));
+    for (int i = AGAIN; i < PLANS; ++i)
+        printf(" | %.4f %-7s", duet_world_get_plan(worlds[i])->share / (double)DUET_SHARE_ONE,
+               duet_mode_name(duet_world_get_plan(worlds[i])->mode));
+    printf(" | %+6.1f %% | %+6.1f %% |\n", behind[TUNED], behind[DEFAULT]);
+    return true;
+}
+
+static bool draw(losses *l, uint32_t n, rng *r, duet_error *err)
+{
+    const char *name = scenes[rng_below(r, N_SCENES)];
+    uint64_t seed = 1 + rng_below(r, 1000);
+    uint32_t drawn = (uint32_t)(n * exp2(rng_between(r, -2, 3)));
+    duet_scene *scene = load(name, drawn, seed, err);
+    duet_world_def def = duet_scene_world_def(scene, l->pair);
+    duet_world *worlds[PLANS] = {0};
+    bool ok = scene;
+    for (int i = 0; ok && i < PLANS; ++i)
+        ok = (worlds[i] = duet_world_create(&def, err)) != NULL;
+    printf("| %-9s | %8u", name, drawn);
+    ok = ok && compare(l, scene, seed, worlds, err);
+    fflush(stdout);
+    for (int i = 0; i < PLANS; ++i)
+        duet_world_destroy(worlds[i]);
+    duet_scene_destroy(scene);
+    return ok;
+}
+
+static void print_losses(const char *name, const series *s)
+{
+    double sorted[SERIES_ROOM];
+    memcpy(sorted, s->samples, s->n * sizeof *sorted);
+    qsort(sorted, s->n, sizeof *sorted, compare_double);
+    uint32_t behind = 0;
+    for (uint32_t i = 0; i < s->n; ++i)
+        behind += sorted[i] > 3;
+    printf("behind %-14s median %+.1f %%, 95 %% of them below %+.1f %%, at worst %+.1f %%; "
+           "%u of %u by more than 3 %%\n",
+           name, series_median(s), sorted[(uint32_t)(0.95 * (s->n - 1) + 0.5)], sorted[s->n - 1],
+           behind, s->n);
+}
+
+static bool is_cpu(const losses *l, int device)
+{
+    return duet_device_pair_get_info(l->pair, device)->kind == DUET_KIND_CPU;
+}
+
+bool bench_loss(const bench_options *options, duet_error *err)
+{
+    uint32_t n = options->n ? options->n : 200000;
+    rng r = rng_seed(options->seed);
+    losses l = {.folder = "bench_loss.XXXXXX"};
+    if (!mkdtemp(l.folder))
+        return error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be made here", l.folder);
+    snprintf(l.known, sizeof l.known, "%s/known.db", l.folder);
+    snprintf(l.fresh, sizeof l.fresh, "%s/fresh.db", l.folder);
+    l.pair = bench_pair(options, err);
+    l.by_clock = l.pair && !(is_cpu(&l, 0) && is_cpu(&l, 1));
+    bool ok = l.pair && fill(&l, n, options->seed, err);
+    if (ok)
+        printf("| scene | objects | grade | looked up | tuned | default | behind tuned | behind "
+               "default |\n|---|---|---|---|---|---|---|---|\n");
+    for (uint32_t i = 0; ok && i < options->runs; ++i)
+        ok = draw(&l, n, &r, err);
+    if (ok) {
+        print_losses("a tuning", &l.behind[TUNED]);
+        print_losses("the default", &l.behind[DEFAULT]);
+        print_losses("itself, noise", &l.behind[AGAIN]);
+    }
+    unlink(l.known);
+    unlink(l.fresh);
+    rmdir(l.folder);
+    duet_device_pair_destroy(l.pair);
+    return ok;
+}
