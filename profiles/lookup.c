@@ -560,6 +560,28 @@ static bool tell_gap(look *l, const neighbour near[2])
     return true;
 }
 
+#define MOTION_SLACK 4 // kernels that suit so many bodies suit a motion of as many times more or less
+
+// What a step of one motion takes says nothing of another's, whose bodies may meet at another time:
+// only the plan is taken, and no figure.
+static bool use_plan(look *l, const neighbour near[2], bool *held)
+{
+    const profile_found *from = &near[0].found;
+    *held = is_about(near[0].n, (double)l->at.n, MOTION_SLACK);
+    if (!*held) {
+        text_add(l->why, "no: the nearest motion that was measured has %.0f bodies", near[0].n);
+        return true;
+    }
+    *l->found = (profile_found){.plan = from->plan,
+                                .share_low = from->plan.share,
+                                .share_high = from->plan.share,
+                                .best_share = from->best_share};
+    memcpy(l->found->best_mode, from->best_mode, sizeof from->best_mode);
+    text_add(l->why, "yes: the plan of such a motion of %.0f bodies%s%s", near[0].n,
+             from->session[0] ? ", session " : "", from->session);
+    return true;
+}
+
 static bool look_interpolated(look *l, bool *held)
 {
     neighbour near[2];
@@ -569,6 +591,8 @@ static bool look_interpolated(look *l, bool *held)
         return false;
     if (near[0].n <= 0)
         return refuse(l, "no like workload was measured on these two devices");
+    if (profile_workload_moves(&l->at))
+        return use_plan(l, near, held);
     *held = is_about(near[0].n, (double)l->at.n, SIZE_SLACK) &&
             is_about(near[0].occupancy, l->at.occ_mean, CROWD_SLACK);
     if (*held)
@@ -586,6 +610,8 @@ static bool look_transferred(look *l, bool *held)
 {
     if (!is_accurate_anywhere(l))
         return refuse(l, "accuracy is asked for, which times of other sizes say nothing about");
+    if (profile_workload_moves(&l->at))
+        return refuse(l, "a motion's plan is that of its own pair of devices");
     forecast f;
     bool found = false;
     if (!forecast_best_of(l, NULL, 0, &f, &found))

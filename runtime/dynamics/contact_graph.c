@@ -84,16 +84,16 @@ static bool tell_left_out(duet_motion *m, duet_error *err)
 
 static bool find_pairs(duet_motion *m, duet_error *err)
 {
-    duet_result result;
+    duet_result *found = &m->searched;
     const buffer *pairs;
     uint32_t hidden = m->commands ? m->commands->n_hidden : 0; // these are left out
     m->world->def.keep_bad = hidden > 0;
-    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, m->times.untimed, &result,
+    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, m->times.untimed, found,
                                   &pairs, err) &&
-              (result.bad == hidden || tell_left_out(m, err));
+              (found->bad == hidden || tell_left_out(m, err));
     if (ok)
-        timeline_add_host(&m->times, "pairs", result.total_ms);
-    m->n_pairs = ok ? result.pairs : 0;
+        timeline_add_host(&m->times, "pairs", found->total_ms);
+    m->n_pairs = ok ? found->pairs : 0;
     m->args.pairs = ok ? *pairs : (buffer){0};
     return ok;
 }

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+// A motion's plan: how its world finds pairs, and with which parameters B runs the kernels that
+// only a motion has.
+//
+// Both stand in the text of a variant. A world knows no kernels of motions, so it is given the
+// text without these; what the text sets of them for device A has no meaning, since B has the
+// state.
+#define _POSIX_C_SOURCE 200809L // strtok_r
+#include "runtime/dynamics/motion_plan.h"
+
+#include "base/error.h"
+#include "runtime/dynamics/motion.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// In the order in which a step mostly spends its time on them, with the stages of a step that
+// the time is in.
+static const struct {
+    const char *name;
+    const char *stages[KERNEL_SPACE_STAGES];
+} kernels[] = {
+    {"solve_contacts", {"solve_contacts"}},
+    {"build_manifolds", {"manifolds"}},
+    {"integrate_positions", {"integrate"}},
+    {"bodies", {"integrate"}},
+    {"prepare_contacts", {"solve_contacts"}},
+    {"graph_colour", {"graph_colour"}},
+    {"fat_aabbs", {"fat_aabbs", "grid"}},
+    {"contact_graph", {"contact_graph"}},
+    {"match_contacts", {"match_contacts"}},
+    {"update_sleep", {"sleep"}},
+    {"contact_events", {"events"}},
+    {"integrate_free_flight", {"integrate"}},
+};
+
+enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
+
+// ---------------------------------------------------------------- text
+
+// "solve_contacts.WG=64"
+static bool is_of_motion(const char *word)
+{
+    size_t n = strcspn(word, ".");
+    for (int i = 0; word[n] == '.' && i < N_KERNELS; ++i)
+        if (strlen(kernels[i].name) == n && strncmp(word, kernels[i].name, n) == 0)
+            return true;
+    return false;
+}
+
+static void add_word(char to[DUET_VARIANT], const char *word)
+{
+    size_t n = strlen(to);
+    snprintf(to + n, DUET_VARIANT - n, "%s%s", n ? " " : "", word);
+}
+
+// Of a text that variant_parse takes, or would refuse as too long.
+static void split(const char text[DUET_VARIANT], char search[DUET_VARIANT],
+                  char own[DUET_VARIANT])
+{
+    char words[DUET_VARIANT];
+    char *rest = NULL;
+    snprintf(words, sizeof words, "%s", text);
+    *search = *own = '\0';
+    for (char *word = strtok_r(words, " ,", &rest); word; word = strtok_r(NULL, " ,", &rest))
+        add_word(is_of_motion(word) ? own : search, word);
+}
+
+// What may be chosen freely of a motion's kernels changes no bit of its state.
+static bool check_settings(const variant *v, duet_error *err)
+{
+    static const char *const chosen[] = {"LANES", "WG", "PER_ITEM"};
+    for (uint32_t i = 0; i < v->n_settings; ++i) {
+        const variant_setting *s = &v->settings[i];
+        if (strcmp(s->name, chosen[0]) != 0 && strcmp(s->name, chosen[1]) != 0 &&
+            strcmp(s->name, chosen[2]) != 0)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "variant: %s.%s cannot be set; expected LANES, WG or PER_ITEM of a "
+                             "motion's kernel",
+                             s->kernel, s->name);
+    }
+    return true;
+}
+
+bool motion_plan_read(motion_plan *p, const duet_plan *plan, const duet_device_info *b,
+                      duet_error *err)
+{
+    // A search's name is at least as long.
+    char text[DUET_VARIANT + sizeof "gpu "], none[DUET_VARIANT];
+    p->search = *plan;
+    split(plan->variant_a, p->search.variant_a, none);
+    split(plan->variant_b, p->search.variant_b, p->own);
+    snprintf(text, sizeof text, "gpu %s", p->own);
+    return variant_parse(&p->settings, text, b, err) && check_settings(&p->settings, err);
+}
+
+// ---------------------------------------------------------------- a motion's
+
+uint32_t motion_plan_offer(motion_plan *p, gen_offer offers[VARIANT_SETTINGS])
+{
+    for (uint32_t i = 0; i < p->settings.n_settings; ++i) {
+        variant_setting *s = &p->settings.settings[i];
+        offers[i] = (gen_offer){s->kernel, s->name, s->value, GEN_REQUIRED, &s->used};
+    }
+    return p->settings.n_settings;
+}
+
+bool motion_plan_is_used(const motion_plan *p, duet_error *err)
+{
+    for (uint32_t i = 0; i < p->settings.n_settings; ++i) {
+        const variant_setting *s = &p->settings.settings[i];
+        if (!s->used)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "variant: no kernel that the motion runs has a parameter '%s.%s'",
+                             s->kernel, s->name);
+    }
+    return true;
+}
+
+void motion_plan_note(duet_motion *m)
+{
+    m->def.plan = m->world ? *duet_world_get_plan(m->world) : m->plan.search;
+    if (*m->plan.own)
+        add_word(m->def.plan.variant_b, m->plan.own);
+}
+
+// After a failure the motion has the plan before.
+static bool prepare_with(duet_motion *m, const motion_plan *plan, duet_error *err)
+{
+    const motion_plan before = m->plan;
+    m->plan = *plan;
+    if (motion_prepare_again(m, err))
+        return true;
+    m->plan = before;
+    return false;
+}
+
+bool duet_motion_set_plan(duet_motion *m, const duet_plan *plan, duet_error *err)
+{
+    motion_plan read;
+    if (!motion_is_whole(m, __func__, err) || !error_given(plan, __func__, "plan", err) ||
+        !motion_plan_read(&read, plan, &m->device->info, err))
+        return false;
+    const duet_plan before = m->world ? *duet_world_get_plan(m->world) : m->def.plan;
+    if (m->world && !duet_world_set_plan(m->world, &read.search, err))
+        return false;
+    bool ok = prepare_with(m, &read, err);
+    if (!ok && m->world)
+        duet_world_set_plan(m->world, &before, NULL);
+    motion_plan_note(m);
+    return ok;
+}
+
+const duet_plan *duet_motion_get_plan(const duet_motion *m)
+{
+    return m && m->world && !m->background.under_way ? &m->def.plan : NULL;
+}
+
+// ---------------------------------------------------------------- what is free
+
+// The one that the motion has built; NULL where it has none of that name.
+static const kernel *find_kernel(const duet_motion *m, const char *name)
+{
+    const kernel *const *all = (const kernel *const *)&m->kernels;
+    for (size_t i = 0; i < sizeof m->kernels / sizeof *all; ++i)
+        if (kernel_is(all[i], name))
+            return all[i];
+    return NULL;
+}
+
+static bool read_spaces(duet_motion *m, kernel_space *spaces, uint32_t *n, duet_error *err)
+{
+    gen_offer offers[MOTION_OFFERS + 1];
+    uint32_t n_offers = motion_offers(m, false, offers);
+    // Kernels that share the blocks have one size of them.
+    offers[n_offers++] = (gen_offer){NULL, "BLOCK", m->layout.block, GEN_OFFERED, NULL};
+    const kernel_space_source from = {m->gen, program_set_limits(m->programs), offers, n_offers};
+    bool ok = true;
+    for (int i = 0; ok && i < N_KERNELS; ++i) {
+        const kernel *k = find_kernel(m, kernels[i].name);
+        ok = !k || kernel_space_read(&from, kernels[i].name, kernels[i].stages, k, &spaces[*n],
+                                     err);
+        *n += ok && k && spaces[*n].n_configs > 1;
+    }
+    return ok;
+}
+
+bool motion_kernel_spaces(duet_motion *m, kernel_space **spaces, uint32_t *n, duet_error *err)
+{
+    *n = 0;
+    *spaces = malloc(N_KERNELS * sizeof **spaces);
+    return *spaces ? read_spaces(m, *spaces, n, err)
+                   : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
+}

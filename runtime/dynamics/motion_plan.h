@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// A motion's plan, taken apart: what its world is given, and what is set of the kernels that only a
+// motion has.
+#ifndef RUNTIME_MOTION_PLAN_H
+#define RUNTIME_MOTION_PLAN_H
+
+#include "runtime/broadphase/kernel_space.h"
+#include "runtime/broadphase/variant.h"
+
+typedef struct motion_plan {
+    duet_plan search;       // of pairs: the plan without the settings
+    char own[DUET_VARIANT]; // "solve_contacts.WG=64 bodies.PER_ITEM=1": what the plan says of B
+    variant settings;       // the same as numbers; its search is not read
+} motion_plan;
+
+// BAD_ARGUMENT for a setting that is not one of those that may be chosen freely, or a text that is
+// none. What else is wrong with a text, the world or the kernels' cards say.
+bool motion_plan_read(motion_plan *p, const duet_plan *plan, const duet_device_info *b,
+                      duet_error *err);
+
+// Fills offers with the settings, and returns how many they are. Their strings are the plan's.
+uint32_t motion_plan_offer(motion_plan *p, gen_offer offers[VARIANT_SETTINGS]);
+
+// BAD_ARGUMENT names a setting that no kernel took.
+bool motion_plan_is_used(const motion_plan *p, duet_error *err);
+
+// The def's plan becomes the world's with the settings.
+void motion_plan_note(duet_motion *m);
+
+// The kernels that only a motion has, of those that this one has built, as kernel_spaces_read.
+bool motion_kernel_spaces(duet_motion *m, kernel_space **spaces, uint32_t *n, duet_error *err);
+
+#endif
