@@ -93,6 +93,7 @@ static bool find_pairs(duet_motion *m, duet_error *err)
               (found->bad == hidden || tell_left_out(m, err));
     if (ok)
         timeline_add_host(&m->times, "pairs", found->total_ms);
+    motion_plan_note(m); // the mode may follow the grid
     m->n_pairs = ok ? found->pairs : 0;
     m->args.pairs = ok ? *pairs : (buffer){0};
     return ok;

@@ -289,9 +289,12 @@ bool motion_prepare(duet_motion *m, duet_error *err)
 // After a failure those before go on.
 bool motion_prepare_again(duet_motion *m, duet_error *err)
 {
-    const motion_kernels before = m->kernels;
+    const motion_kernels kernels = m->kernels;
+    const motion_layout layout = m->layout;
     bool ok = choose_kernels(m, err) && program_set_build(m->programs, err);
-    if (!ok)
-        m->kernels = before;
+    if (!ok) {
+        m->kernels = kernels;
+        m->layout = layout;
+    }
     return ok;
 }

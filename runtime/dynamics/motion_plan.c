@@ -9,6 +9,7 @@
 #include "runtime/dynamics/motion_plan.h"
 
 #include "base/error.h"
+#include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
 
 #include <stdio.h>
@@ -21,18 +22,12 @@ static const struct {
     const char *name;
     const char *stages[KERNEL_SPACE_STAGES];
 } kernels[] = {
-    {"solve_contacts", {"solve_contacts"}},
-    {"build_manifolds", {"manifolds"}},
-    {"integrate_positions", {"integrate"}},
-    {"bodies", {"integrate"}},
-    {"prepare_contacts", {"solve_contacts"}},
-    {"graph_colour", {"graph_colour"}},
-    {"fat_aabbs", {"fat_aabbs", "grid"}},
-    {"contact_graph", {"contact_graph"}},
-    {"match_contacts", {"match_contacts"}},
-    {"update_sleep", {"sleep"}},
-    {"contact_events", {"events"}},
-    {"integrate_free_flight", {"integrate"}},
+    {"solve_contacts", {"solve_contacts"}},   {"build_manifolds", {"manifolds"}},
+    {"integrate_positions", {"integrate"}},   {"bodies", {"integrate"}},
+    {"prepare_contacts", {"solve_contacts"}}, {"graph_colour", {"graph_colour"}},
+    {"fat_aabbs", {"fat_aabbs", "grid"}},     {"contact_graph", {"contact_graph"}},
+    {"match_contacts", {"match_contacts"}},   {"update_sleep", {"sleep"}},
+    {"contact_events", {"events"}},           {"integrate_free_flight", {"integrate"}},
 };
 
 enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
@@ -56,8 +51,8 @@ static void add_word(char to[DUET_VARIANT], const char *word)
 }
 
 // Of a text that variant_parse takes, or would refuse as too long.
-static void split(const char text[DUET_VARIANT], char search[DUET_VARIANT],
-                  char own[DUET_VARIANT])
+static void part_text(const char text[DUET_VARIANT], char search[DUET_VARIANT],
+                      char own[DUET_VARIANT])
 {
     char words[DUET_VARIANT];
     char *rest = NULL;
@@ -89,8 +84,8 @@ bool motion_plan_read(motion_plan *p, const duet_plan *plan, const duet_device_i
     // A search's name is at least as long.
     char text[DUET_VARIANT + sizeof "gpu "], none[DUET_VARIANT];
     p->search = *plan;
-    split(plan->variant_a, p->search.variant_a, none);
-    split(plan->variant_b, p->search.variant_b, p->own);
+    part_text(plan->variant_a, p->search.variant_a, none);
+    part_text(plan->variant_b, p->search.variant_b, p->own);
     snprintf(text, sizeof text, "gpu %s", p->own);
     return variant_parse(&p->settings, text, b, err) && check_settings(&p->settings, err);
 }
@@ -136,13 +131,21 @@ static bool prepare_with(duet_motion *m, const motion_plan *plan, duet_error *er
     return false;
 }
 
+// As it was given: a mode that is left to the grid stays so.
+static duet_plan plan_of(const duet_world *world)
+{
+    duet_plan plan = world->def.plan;
+    plan.mode = world->mode_open ? DUET_MODE_DEFAULT : plan.mode;
+    return plan;
+}
+
 bool duet_motion_set_plan(duet_motion *m, const duet_plan *plan, duet_error *err)
 {
     motion_plan read;
     if (!motion_is_whole(m, __func__, err) || !error_given(plan, __func__, "plan", err) ||
         !motion_plan_read(&read, plan, &m->device->info, err))
         return false;
-    const duet_plan before = m->world ? *duet_world_get_plan(m->world) : m->def.plan;
+    const duet_plan before = m->world ? plan_of(m->world) : m->plan.search;
     if (m->world && !duet_world_set_plan(m->world, &read.search, err))
         return false;
     bool ok = prepare_with(m, &read, err);
@@ -179,8 +182,8 @@ static bool read_spaces(duet_motion *m, kernel_space *spaces, uint32_t *n, duet_
     bool ok = true;
     for (int i = 0; ok && i < N_KERNELS; ++i) {
         const kernel *k = find_kernel(m, kernels[i].name);
-        ok = !k || kernel_space_read(&from, kernels[i].name, kernels[i].stages, k, &spaces[*n],
-                                     err);
+        ok =
+            !k || kernel_space_read(&from, kernels[i].name, kernels[i].stages, k, &spaces[*n], err);
         *n += ok && k && spaces[*n].n_configs > 1;
     }
     return ok;

@@ -24,7 +24,7 @@ uint32_t motion_plan_offer(motion_plan *p, gen_offer offers[VARIANT_SETTINGS]);
 // BAD_ARGUMENT names a setting that no kernel took.
 bool motion_plan_is_used(const motion_plan *p, duet_error *err);
 
-// The def's plan becomes the world's with the settings.
+// The def's plan becomes the world's, whose mode may change in a search, with the settings.
 void motion_plan_note(duet_motion *m);
 
 // The kernels that only a motion has, of those that this one has built, as kernel_spaces_read.
