@@ -560,7 +560,7 @@ static bool tell_gap(look *l, const neighbour near[2])
     return true;
 }
 
-#define MOTION_SLACK 4 // kernels that suit so many bodies suit a motion of as many times more or less
+#define MOTION_SLACK 4 // kernels suit a motion of as many times more or fewer bodies
 
 // What a step of one motion takes says nothing of another's, whose bodies may meet at another time:
 // only the plan is taken, and no figure.

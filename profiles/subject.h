@@ -82,6 +82,8 @@ typedef struct profile_workload {
 void profile_workload_text(const profile_workload *w, text *t);
 
 #define PROFILE_MOVING "moving"
+#define PROFILE_IS_MOVING \
+    "(' ' || w.effects || ' ') LIKE '% " PROFILE_MOVING " %'" // in a query on w
 
 // Whether it is the steps of a motion, and not of a still world or a query.
 bool profile_workload_moves(const profile_workload *w);

@@ -146,10 +146,10 @@ static bool check_query(const duet_tune_def *def, duet_error *err)
 
 static bool check_motion(const duet_tune_def *def, duet_error *err)
 {
-    const char *other = def->query                              ? "query"
+    const char *other = def->query                               ? "query"
                         : def->n_levels > 0 || def->has_accuracy ? "level or accuracy"
-                        : def->ordered                          ? "order"
-                                                                : NULL;
+                        : def->ordered                           ? "order"
+                                                                 : NULL;
     return !def->steps || !other ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "steps of a motion have no %s; expected none",
                      other);
@@ -265,10 +265,9 @@ static bool make_subject(tuning_resources *h, duet_error *err)
 static bool describe_subject(tuning_resources *h, duet_error *err)
 {
     const measure_query *q = &h->query;
-    if (!(h->def.query ? profile_subject_read_query(q->tree, &q->name, q->n, &h->subject, err)
-          : h->def.steps
-              ? profile_subject_read_motion(h->motion.motion, &h->subject, err)
-              : profile_subject_read(h->world, &h->subject, err)))
+    if (!(h->def.query   ? profile_subject_read_query(q->tree, &q->name, q->n, &h->subject, err)
+          : h->def.steps ? profile_subject_read_motion(h->motion.motion, &h->subject, err)
+                         : profile_subject_read(h->world, &h->subject, err)))
         return false;
     h->subject.workload.name = duet_scene_get_info(h->def.scene)->name;
     return true;
@@ -456,18 +455,30 @@ static measure_world measured(const tuning_resources *h, duet_world *world)
     return (measure_world){.world = world, .kind = scene_kind(info), .n = info->n};
 }
 
-// "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false where A and B are not parts of
-// one device.
-static bool find_whole(const duet_device_pair *pair, char selector[80])
+// "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false where A and B are not parts of one device, and
+// no motion is tuned: its state is on one device, and A may be the better one for it.
+static bool find_whole(const duet_device_pair *pair, bool moves, char selector[80])
 {
     const char *a = duet_device_pair_get_info(pair, 0)->selector;
     const char *b = duet_device_pair_get_info(pair, 1)->selector;
     size_t n = strcspn(a, "[");
     snprintf(selector, 80, "%.*s", (int)n, a);
-    return a[n] && b[n] == '[' && strncmp(a, b, n) == 0;
+    return (a[n] && b[n] == '[' && strncmp(a, b, n) == 0) ||
+           (moves && !duet_device_pair_is_one(pair));
 }
 
-// A world or a query on all of the device, with the scene and the level that are tuned.
+static void take_kernels(const tuning_resources *h, const char *kernels, duet_plan *plan)
+{
+    const char *tuned_on = duet_device_pair_get_info(h->def.pair, 1)->name;
+    bool fit = strcmp(duet_device_pair_get_info(h->whole_pair, 1)->name, tuned_on) == 0;
+    *plan = duet_default_plan(h->whole_pair);
+    plan->share = 0;
+    plan->mode = DUET_MODE_OWN;
+    if (fit)
+        plan_set_variants(plan, kernels);
+}
+
+// A world, a query or a motion on all of the device, with the scene and the level that are tuned.
 static bool open_whole(void *context, const char *kernels, measure_machine *machine,
                        duet_plan *plan)
 {
@@ -477,8 +488,7 @@ static bool open_whole(void *context, const char *kernels, measure_machine *mach
     h->whole_pair = duet_device_pair_create(&devices, NULL);
     if (!h->whole_pair)
         return false;
-    *plan = (duet_plan){.share = 0, .mode = DUET_MODE_OWN};
-    plan_set_variants(plan, kernels);
+    take_kernels(h, kernels, plan);
     if (h->def.query) {
         *machine = measure_query_machine(&h->whole_query, h->hash);
         return open_query(h, h->whole_pair, &h->whole_query, NULL);
@@ -542,9 +552,9 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         .script = h->script,
         .least_share = least_share(h->def.query ? query->n : info->n),
     };
-    task.one_device = h->def.steps ? !measure_motion_is_shared(&h->motion)
-                                   : duet_device_pair_is_one(h->def.pair);
-    if (find_whole(h->def.pair, h->whole_name))
+    task.one_device =
+        h->def.steps ? !measure_motion_is_shared(&h->motion) : duet_device_pair_is_one(h->def.pair);
+    if (find_whole(h->def.pair, h->def.steps, h->whole_name))
         task.whole = (tune_whole){h, open_whole};
     if (h->record.store)
         task.recorder = record_recorder(&h->record);

@@ -36,7 +36,7 @@ typedef struct duet_tune_def {
     const char *query; // a share for what a tree of the scene's objects is asked instead, as in
                        // duet_tree_load_profile; NULL: for a step
     uint64_t items;    // of the query, drawn among the objects by the seed; 0: as many as objects
-    uint32_t steps;    // of the scene's motion, from its start: that is tuned instead; 0: a still step
+    uint32_t steps; // of the scene's motion, from its start: that is tuned instead; 0: a still step
     const char *store; // profile file; NULL: the user's (DUET_PROFILE)
     duet_keep keep;
     bool ordered;              // the scene's objects are in about duet_world_order's order

@@ -180,12 +180,11 @@ static bool add_scene(const arguments *args, const char *path, tune_config *conf
         return false;
     config->n_workloads = n;
     for (uint32_t i = 0; i < n; ++i)
-        config->workloads[i] = (config_workload){
-            .scene = path,
-            .n = numbers[i],
-            .query = args->query,
-            .items = args->items,
-            .steps = (uint32_t)args->steps};
+        config->workloads[i] = (config_workload){.scene = path,
+                                                 .n = numbers[i],
+                                                 .query = args->query,
+                                                 .items = args->items,
+                                                 .steps = (uint32_t)args->steps};
     return true;
 }
 

@@ -156,7 +156,7 @@ static double edge_of(const duet_motion *m)
         const float *h = m->poses[m->commands->altered[i]].half_extents;
         sum += fmax(fmax(h[0], h[1]), m->def.dims == 3 ? h[2] : 0.0f);
     }
-    return 4.0 * sum / m->commands->n_altered + 2.0 * (m->margin + m->def.skin);
+    return 4.0 * sum / m->commands->n_altered + 2.0 * (m->margin + motion_skin(m));
 }
 
 static uint32_t count_heads(uint32_t n_altered)

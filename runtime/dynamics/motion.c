@@ -132,7 +132,8 @@ static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large
         return false;
     effect_facts_add(&m->facts, &m->def, m->poses, m->bodies, n);
     m->effects = effect_infer(&m->def, &m->facts);
-    double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * mean_least_extent(m);
+    m->extent = mean_least_extent(m);
+    double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * m->extent;
     m->margin = MOTION_SLOPS * slop;
     bool ok = check_effects(m, err) && open_device(m, err) &&
               motion_plan_read(&m->plan, &m->def.plan, &m->device->info, err) &&

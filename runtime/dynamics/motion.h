@@ -190,9 +190,10 @@ struct duet_motion {
     background background;       // of a step in two halves, and what that took
     double background_ms;
     buffer buffers[MOTION_BUFFERS];
-    duet_world *world; // of bounds; NULL without contact
+    duet_world *world;    // of bounds; NULL without contact
     duet_result searched; // what it found and took last
-    double margin;     // contacts are kept to that far apart
+    double extent;        // the bodies' mean least one, at the start
+    double margin;        // contacts are kept to that far apart
     uint64_t step;
     cl_uint n_contacts; // in rows
     colour_span colours[COLOUR_OVERFLOW + 1];

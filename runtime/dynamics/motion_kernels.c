@@ -265,8 +265,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         KERNEL(row_start, response, "cell_start"),
     };
     m->layout = lay_out(m);
-    if (!ask(m, list, sizeof list / sizeof *list, false, err) ||
-        !motion_plan_is_used(&m->plan, err))
+    if (!ask(m, list, sizeof list / sizeof *list, false, err) || !motion_plan_is_used(m, err))
         return false;
     if (response)
         m->layout.block = (uint32_t)kernel_param(k->solve_contacts, "BLOCK");

@@ -11,6 +11,7 @@ typedef struct motion_plan {
     duet_plan search;       // of pairs: the plan without the settings
     char own[DUET_VARIANT]; // "solve_contacts.WG=64 bodies.PER_ITEM=1": what the plan says of B
     variant settings;       // the same as numbers; its search is not read
+    uint32_t skin; // "motion.skin=20": in percent of the bodies' mean least extent; 0: the def's
 } motion_plan;
 
 // BAD_ARGUMENT for a setting that is not one of those that may be chosen freely, or a text that is
@@ -21,13 +22,17 @@ bool motion_plan_read(motion_plan *p, const duet_plan *plan, const duet_device_i
 // Fills offers with the settings, and returns how many they are. Their strings are the plan's.
 uint32_t motion_plan_offer(motion_plan *p, gen_offer offers[VARIANT_SETTINGS]);
 
-// BAD_ARGUMENT names a setting that no kernel took.
-bool motion_plan_is_used(const motion_plan *p, duet_error *err);
+// BAD_ARGUMENT names a setting that no kernel took, or a skin where the motion has none.
+bool motion_plan_is_used(const duet_motion *m, duet_error *err);
+
+// How far bounds are grown, by the plan or else by the def.
+double motion_skin(const duet_motion *m);
 
 // The def's plan becomes the world's, whose mode may change in a search, with the settings.
 void motion_plan_note(duet_motion *m);
 
-// The kernels that only a motion has, of those that this one has built, as kernel_spaces_read.
+// The skin, if there is one, and the kernels that only a motion has, of those that this one has
+// built, as kernel_spaces_read.
 bool motion_kernel_spaces(duet_motion *m, kernel_space **spaces, uint32_t *n, duet_error *err);
 
 #endif

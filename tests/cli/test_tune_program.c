@@ -414,6 +414,43 @@ static void one_device_is_told_its_kernels(void **state)
     program_free(&p);
 }
 
+// The plan of a motion, and what is said of it.
+static void assert_runs(const char *arguments, const char *plan)
+{
+    program p = program_run_with("DUET_PROFILE=" STORE, "run %s", arguments);
+    assert_int_equal(p.exit_code, 0);
+    if (!strstr(p.out, plan))
+        fail_msg("run %s: no '%s' in %s", arguments, plan, p.out);
+    program_free(&p);
+}
+
+static void a_motion_is_tuned_by_runs_and_run_follows(void **state)
+{
+    (void)state;
+    static const char motion[] = QUICK "falling -n 30 --pair cpu --search bodies --repeat 1 ";
+    char arguments[256];
+    const cJSON *rows;
+    for (int known = 0; known < 2; ++known) {
+        snprintf(arguments, sizeof arguments, "%s --steps 4", motion);
+        cJSON *root = tune_json(arguments, &rows);
+        const cJSON *row = cJSON_GetArrayItem(rows, 0);
+        assert_int_equal(json_true(row, "known"), known);
+        assert_true(json_number(row, "steps") == 4 && json_number(row, "step_ms") > 0);
+        assert_string_equal(json_string(row, "unused"), "");
+        cJSON_Delete(root);
+    }
+    assert_runs("falling -n 30 --pair cpu --steps 4", "plan: from the profile, exact: ");
+    assert_runs("falling -n 50 --pair cpu --steps 4",
+                "plan: from the profile, interpolated: that of another number of bodies");
+    assert_runs("falling -n 30 --pair cpu", "plan: the default; 'duet tune' measures");
+    assert_runs("falling -n 30 --pair halves --share 0 --steps 2",
+                "plan: as given; A has nothing to do");
+    program p = program_run("tune %s --steps 5", motion);
+    assert_non_null(strstr(p.out, ", runs of 5 steps, "));
+    assert_non_null(strstr(p.out, "\n  --steps 5 --share 0 --mode own --variant"));
+    program_free(&p);
+}
+
 static void what_is_wrong_on_the_command_line_is_one_line(void **state)
 {
     (void)state;
@@ -520,6 +557,7 @@ int main(void)
         cmocka_unit_test_setup(kernels_are_searched_once_and_runs_follow, begin_afresh),
         cmocka_unit_test_setup(a_tune_file_sweeps_with_a_strategy_of_its_own, begin_afresh),
         cmocka_unit_test_setup(one_device_is_told_its_kernels, begin_afresh),
+        cmocka_unit_test_setup(a_motion_is_tuned_by_runs_and_run_follows, begin_afresh),
         cmocka_unit_test_setup(what_is_wrong_on_the_command_line_is_one_line, begin_afresh),
         cmocka_unit_test_setup(a_strategy_or_query_that_there_is_not_is_one_line, begin_afresh),
         cmocka_unit_test_setup(what_is_wrong_in_a_tune_file_is_said_with_its_line, begin_afresh),

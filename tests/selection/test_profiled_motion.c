@@ -125,7 +125,11 @@ static void a_plan_that_cannot_be_leaves_the_motion_as_it_was(void **state)
         const char *settings, *line;
     } wrong[] = {
         {"solve_contacts.WG=3", "WG=3 is not one of"},
-        {"solve_contacts.BLOCK=32", "solve_contacts.BLOCK cannot be set; expected LANES, WG"},
+        {"solve_contacts.BLOCK=32", "solve_contacts.BLOCK cannot be set; expected WG, PER_ITEM"},
+        {"prepare_contacts.LANES=1",
+         "prepare_contacts.LANES cannot be set"}, // lanes would lack contacts
+        {"motion.skin=1001", "expected motion.skin in percent"},
+        {"motion.rest=1", "expected motion.skin in percent"},
         {"bodies.DIMS=2", "bodies.DIMS cannot be set"},
         {"update_sleep.WG=64", "no kernel that the motion runs has a parameter 'update_sleep.WG'"},
         {"solve_contacts.PER_ITEM=x", "the value is not a whole number"},
