@@ -180,8 +180,9 @@ DUET_API uint32_t duet_motion_get_effects(const duet_motion *motion); // bits of
 // The plan of its steps, the motion's; NULL where it finds no pairs, or a step is under way.
 DUET_API const duet_plan *duet_motion_get_plan(const duet_motion *motion);
 // Steps by another plan from now on, with the same bits. variant_b may set LANES, WG and PER_ITEM
-// of the kernels in kernels/dynamics as well, by their names: "auto solve_contacts.WG=64". After a
-// failure the plan is as before.
+// of the kernels in kernels/dynamics as well, by their names, and the skin in percent of the
+// bodies' mean least extent: "auto solve_contacts.WG=64 motion.skin=20". After a failure the plan
+// is as before.
 DUET_API bool duet_motion_set_plan(duet_motion *motion, const duet_plan *plan, duet_error *err);
 
 // Gives the motion the best plan that is known for bodies that lie so at the start, effects,

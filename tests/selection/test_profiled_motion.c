@@ -156,6 +156,51 @@ static void a_plan_that_cannot_be_leaves_the_motion_as_it_was(void **state)
     mover_free(m);
 }
 
+// Steps that searched pairs.
+static uint32_t count_searches(mover *m, uint32_t steps)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < steps; ++i) {
+        mover_run(m, 1);
+        n += m->last.rebuilt;
+    }
+    return n;
+}
+
+static void a_plans_skin_changes_how_often_pairs_are_searched_and_no_bit(void **state)
+{
+    (void)state;
+    enum { LONG = 3 * STEPS };
+    mover *m = make_pile(CUBES);
+    duet_error err = {0};
+    duet_plan thin = plan_with("motion.skin=1"), thick = plan_with("motion.skin=80");
+    create(m);
+    count_searches(m, LONG);
+    uint64_t hash = mover_hash(m);
+    m->def.plan = thin;
+    create(m);
+    uint32_t often = count_searches(m, LONG);
+    assert_true(mover_hash(m) == hash);
+    m->def.plan = thick;
+    create(m);
+    assert_true(2 * count_searches(m, LONG) < often);
+    assert_true(mover_hash(m) == hash);
+    create(m);
+    mover_run(m, STEPS);
+    assert_ok(duet_motion_set_plan(m->motion, &thin, &err), err);
+    mover_run(m, 1);
+    assert_true(m->last.rebuilt); // what holds within one skin may not within another
+    mover_run(m, LONG - STEPS - 1);
+    assert_true(mover_hash(m) == hash);
+    assert_true(m->motion->def.skin == 0.05);
+    m->def.skin = 0;
+    m->def.plan = duet_default_plan(mover_pair());
+    create(m);
+    assert_false(duet_motion_set_plan(m->motion, &thick, &err));
+    assert_non_null(strstr(err.text, "motion.skin=80; expected a motion whose def has a skin"));
+    mover_free(m);
+}
+
 // ------------------------------------------------------------ profiles
 
 static void a_motion_takes_its_profile_and_keeps_its_bits(void **state)
@@ -308,6 +353,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_plan_changes_kernels_between_steps_and_no_bit),
         cmocka_unit_test(a_plan_that_cannot_be_leaves_the_motion_as_it_was),
+        cmocka_unit_test(a_plans_skin_changes_how_often_pairs_are_searched_and_no_bit),
         cmocka_unit_test(a_motion_takes_its_profile_and_keeps_its_bits),
         cmocka_unit_test(a_motion_without_contact_takes_the_kernels_alone),
         cmocka_unit_test(a_still_worlds_profile_is_no_motions_nor_the_reverse),
