@@ -382,7 +382,7 @@ static void tell_plan(const moved *r, const duet_plan *plan)
     else if (p->grade == DUET_GRADE_STALE)
         printf("the default, since the kernels changed after it was measured");
     else if (!known)
-        printf("the default; 'duet tune' with --steps measures a better one");
+        printf("the default; 'duet tune --steps' measures a better one");
     else if (p->step_ms > 0)
         printf("from the profile, %s: %.3f ms a step", duet_grade_name(p->grade), p->step_ms);
     else
@@ -465,6 +465,12 @@ static bool tell_json(moved *r, uint64_t hash, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "scene", duet_scene_get_info(r->scene)->name);
     cJSON_AddNumberToObject(o, "objects", duet_motion_get_count(r->motion));
+    duet_plan plan = plan_used(r);
+    json_add_plan(o, plan.share / (double)DUET_SHARE_ONE, duet_mode_name(plan.mode), plan.variant_a,
+                  plan.variant_b);
+    cJSON_AddStringToObject(o, "profile",
+                            inputs_plan_given(&r->args->plan) ? "given"
+                                                              : duet_grade_name(r->profile.grade));
     cJSON_AddNumberToObject(o, "steps", (double)r->done);
     cJSON_AddNumberToObject(o, "time", r->last.time);
     cJSON_AddNumberToObject(o, "ms_a_step", mean_ms(r));

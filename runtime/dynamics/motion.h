@@ -259,6 +259,10 @@ uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFF
 bool motion_prepare(duet_motion *m, duet_error *err);
 bool motion_prepare_again(duet_motion *m, duet_error *err);
 
+// The skin, if there is one, and the kernels that only a motion has, of those that this one has
+// built, as kernel_spaces_read.
+bool motion_kernel_spaces(duet_motion *m, kernel_space **spaces, uint32_t *n, duet_error *err);
+
 // Puts poses and bodies into B's buffers, and 0 into what they lack.
 bool motion_reset(duet_motion *m, duet_error *err);
 

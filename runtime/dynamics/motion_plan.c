@@ -10,19 +10,12 @@
 #include "runtime/dynamics/motion_plan.h"
 
 #include "base/error.h"
-#include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-// In the order in which a step mostly spends its time on them, with the stages of a step that
-// the time is in.
-static const struct {
-    const char *name;
-    const char *stages[KERNEL_SPACE_STAGES];
-} kernels[] = {
+const motion_plan_kernel motion_plan_kernels[MOTION_PLAN_KERNELS] = {
     {"solve_contacts", {"solve_contacts"}},   {"build_manifolds", {"manifolds"}},
     {"integrate_positions", {"integrate"}},   {"bodies", {"integrate"}},
     {"prepare_contacts", {"solve_contacts"}}, {"graph_colour", {"graph_colour"}},
@@ -31,12 +24,7 @@ static const struct {
     {"contact_events", {"events"}},           {"integrate_free_flight", {"integrate"}},
 };
 
-enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
-
-static const char motion_word[] = "motion";
-static const int64_t skins[] = {0, 5, 10, 20, 40, 80}; // in percent; 0: the def's
-
-enum { N_SKINS = sizeof skins / sizeof skins[0], MOST_SKIN = 1000 };
+enum { MOST_SKIN = 1000 };
 
 // ---------------------------------------------------------------- text
 
@@ -44,10 +32,11 @@ enum { N_SKINS = sizeof skins / sizeof skins[0], MOST_SKIN = 1000 };
 static bool is_of_motion(const char *word)
 {
     size_t n = strcspn(word, ".");
-    if (word[n] == '.' && n == strlen(motion_word) && strncmp(word, motion_word, n) == 0)
+    if (word[n] == '.' && n == strlen(MOTION_PLAN_WORD) && strncmp(word, MOTION_PLAN_WORD, n) == 0)
         return true;
-    for (int i = 0; word[n] == '.' && i < N_KERNELS; ++i)
-        if (strlen(kernels[i].name) == n && strncmp(word, kernels[i].name, n) == 0)
+    for (int i = 0; word[n] == '.' && i < MOTION_PLAN_KERNELS; ++i)
+        if (strlen(motion_plan_kernels[i].name) == n &&
+            strncmp(word, motion_plan_kernels[i].name, n) == 0)
             return true;
     return false;
 }
@@ -89,7 +78,7 @@ static bool take_skins(motion_plan *p, duet_error *err)
     bool ok = true;
     p->skin = 0;
     for (uint32_t i = 0; ok && i < v->n_settings; ++i) {
-        if (strcmp(v->settings[i].kernel, motion_word) == 0)
+        if (strcmp(v->settings[i].kernel, MOTION_PLAN_WORD) == 0)
             ok = take_skin(p, &v->settings[i], err);
         else
             v->settings[n++] = v->settings[i];
@@ -175,102 +164,7 @@ void motion_plan_note(duet_motion *m)
         add_word(m->def.plan.variant_b, m->plan.own);
 }
 
-// After a failure the motion has the plan before.
-static bool prepare_with(duet_motion *m, const motion_plan *plan, duet_error *err)
-{
-    const motion_plan before = m->plan;
-    m->plan = *plan;
-    if (motion_prepare_again(m, err)) {
-        m->rows_stale = m->rows_stale || plan->skin != before.skin;
-        return true;
-    }
-    m->plan = before;
-    return false;
-}
-
-// As it was given: a mode that is left to the grid stays so.
-static duet_plan plan_of(const duet_world *world)
-{
-    duet_plan plan = world->def.plan;
-    plan.mode = world->mode_open ? DUET_MODE_DEFAULT : plan.mode;
-    return plan;
-}
-
-bool duet_motion_set_plan(duet_motion *m, const duet_plan *plan, duet_error *err)
-{
-    motion_plan read;
-    if (!motion_is_whole(m, __func__, err) || !error_given(plan, __func__, "plan", err) ||
-        !motion_plan_read(&read, plan, &m->device->info, err))
-        return false;
-    const duet_plan before = m->world ? plan_of(m->world) : m->plan.search;
-    if (m->world && !duet_world_set_plan(m->world, &read.search, err))
-        return false;
-    bool ok = prepare_with(m, &read, err);
-    if (!ok && m->world)
-        duet_world_set_plan(m->world, &before, NULL);
-    motion_plan_note(m);
-    return ok;
-}
-
 const duet_plan *duet_motion_get_plan(const duet_motion *m)
 {
     return m && m->world && !m->background.under_way ? &m->def.plan : NULL;
-}
-
-// ---------------------------------------------------------------- what is free
-
-// The one that the motion has built; NULL where it has none of that name.
-static const kernel *find_kernel(const duet_motion *m, const char *name)
-{
-    const kernel *const *all = (const kernel *const *)&m->kernels;
-    for (size_t i = 0; i < sizeof m->kernels / sizeof *all; ++i)
-        if (kernel_is(all[i], name))
-            return all[i];
-    return NULL;
-}
-
-// Varied like a kernel's parameter: what a skin takes and saves is in these stages.
-static kernel_space space_of_skin(const duet_motion *m)
-{
-    kernel_space space = {.stages = {"pairs", "contact_graph", "manifolds"}, .n_params = 1};
-    snprintf(space.kernel, sizeof space.kernel, "%s", motion_word);
-    snprintf(space.params[0].name, sizeof space.params[0].name, "skin");
-    memcpy(space.params[0].values, skins, sizeof skins);
-    space.params[0].n_values = space.n_configs = N_SKINS;
-    for (uint8_t i = 0; i < N_SKINS; ++i) {
-        space.configs[i][0] = i;
-        space.now = skins[i] == m->plan.skin ? i : space.now;
-    }
-    return space;
-}
-
-static bool read_spaces(duet_motion *m, kernel_space *spaces, uint32_t *n, duet_error *err)
-{
-    if (m->effects & DUET_EFFECT_SKIN)
-        spaces[(*n)++] = space_of_skin(m);
-    gen_offer offers[MOTION_OFFERS + 2];
-    uint32_t n_offers = motion_offers(m, false, offers);
-    // Kernels that share the blocks have one size of them.
-    offers[n_offers++] = (gen_offer){NULL, "BLOCK", m->layout.block, GEN_OFFERED, NULL};
-    if (m->kernels.prepare_contacts)
-        offers[n_offers++] =
-            (gen_offer){"prepare_contacts", "LANES",
-                        kernel_param(m->kernels.prepare_contacts, "LANES"), GEN_OFFERED, NULL};
-    const kernel_space_source from = {m->gen, program_set_limits(m->programs), offers, n_offers};
-    bool ok = true;
-    for (int i = 0; ok && i < N_KERNELS; ++i) {
-        const kernel *k = find_kernel(m, kernels[i].name);
-        ok =
-            !k || kernel_space_read(&from, kernels[i].name, kernels[i].stages, k, &spaces[*n], err);
-        *n += ok && k && spaces[*n].n_configs > 1;
-    }
-    return ok;
-}
-
-bool motion_kernel_spaces(duet_motion *m, kernel_space **spaces, uint32_t *n, duet_error *err)
-{
-    *n = 0;
-    *spaces = malloc((1 + N_KERNELS) * sizeof **spaces);
-    return *spaces ? read_spaces(m, *spaces, n, err)
-                   : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
 }

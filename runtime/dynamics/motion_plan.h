@@ -7,6 +7,18 @@
 #include "runtime/broadphase/kernel_space.h"
 #include "runtime/broadphase/variant.h"
 
+// The kernels that only a motion has, in the order in which a step mostly spends its time on them,
+// with the stages of a step that the time is in.
+typedef struct motion_plan_kernel {
+    const char *name;
+    const char *stages[KERNEL_SPACE_STAGES];
+} motion_plan_kernel;
+
+enum { MOTION_PLAN_KERNELS = 12 };
+extern const motion_plan_kernel motion_plan_kernels[MOTION_PLAN_KERNELS];
+
+#define MOTION_PLAN_WORD "motion" // in a kernel's place: "motion.skin=20"
+
 typedef struct motion_plan {
     duet_plan search;       // of pairs: the plan without the settings
     char own[DUET_VARIANT]; // "solve_contacts.WG=64 bodies.PER_ITEM=1": what the plan says of B
@@ -30,9 +42,5 @@ double motion_skin(const duet_motion *m);
 
 // The def's plan becomes the world's, whose mode may change in a search, with the settings.
 void motion_plan_note(duet_motion *m);
-
-// The skin, if there is one, and the kernels that only a motion has, of those that this one has
-// built, as kernel_spaces_read.
-bool motion_kernel_spaces(duet_motion *m, kernel_space **spaces, uint32_t *n, duet_error *err);
 
 #endif

@@ -445,7 +445,18 @@ static void a_motion_is_tuned_by_runs_and_run_follows(void **state)
     assert_runs("falling -n 30 --pair cpu", "plan: the default; 'duet tune' measures");
     assert_runs("falling -n 30 --pair halves --share 0 --steps 2",
                 "plan: as given; A has nothing to do");
-    program p = program_run("tune %s --steps 5", motion);
+    program p = program_run("profiles why falling -n 30 --pair cpu --moving --profile " STORE);
+    assert_non_null(strstr(p.out, " moving "));
+    assert_non_null(strstr(p.out, "\nexact: kernels "));
+    program_free(&p);
+    p = program_run("profiles why falling -n 50 --pair cpu --moving --profile " STORE);
+    assert_non_null(strstr(p.out, "yes: the plan of such a motion of 30 bodies"));
+    assert_non_null(strstr(p.out, "\nwhat a step takes is not known\n"));
+    program_free(&p);
+    p = program_run("profiles list --profile " STORE);
+    assert_non_null(strstr(p.out, "falling, 30, moving"));
+    program_free(&p);
+    p = program_run("tune %s --steps 5", motion);
     assert_non_null(strstr(p.out, ", runs of 5 steps, "));
     assert_non_null(strstr(p.out, "\n  --steps 5 --share 0 --mode own --variant"));
     program_free(&p);
