@@ -467,15 +467,22 @@ static bool find_whole(const duet_device_pair *pair, bool moves, char selector[8
            (moves && !duet_device_pair_is_one(pair));
 }
 
+// The tuned kernels, where the device is of their kind; of others the skin alone.
 static void take_kernels(const tuning_resources *h, const char *kernels, duet_plan *plan)
 {
     const char *tuned_on = duet_device_pair_get_info(h->def.pair, 1)->name;
     bool fit = strcmp(duet_device_pair_get_info(h->whole_pair, 1)->name, tuned_on) == 0;
+    const char *skin = strstr(kernels, "motion.skin=");
     *plan = duet_default_plan(h->whole_pair);
     plan->share = 0;
     plan->mode = DUET_MODE_OWN;
-    if (fit)
+    if (fit) {
         plan_set_variants(plan, kernels);
+    } else if (skin) {
+        size_t n = strlen(plan->variant_b);
+        snprintf(plan->variant_b + n, sizeof plan->variant_b - n, " %.*s", (int)strcspn(skin, " "),
+                 skin);
+    }
 }
 
 // A world, a query or a motion on all of the device, with the scene and the level that are tuned.

@@ -112,7 +112,8 @@ typedef struct duet_tune_outcome {
     double step_low_ms; // and its interval
     double step_high_ms;
     double single_ms;  // by the better single device
-    double whole_ms;   // by the one device that A and B are parts of; 0: they are of none
+    double whole_ms;   // by the one device that A and B are parts of, or of a motion by A as the
+                       // only one; 0: there is none
     double whole_gain; // of the plan to use over that one
     double whole_gain_low;
     double whole_gain_high;
