@@ -13,7 +13,7 @@ typedef struct tune_report {
     char name[168];   // of the workload that is measured
     const char *query;
     uint64_t items;
-    uint32_t steps; // of a motion; 0: none
+    uint32_t steps;  // of a motion; 0: none
     uint32_t number; // of it, from 1
     uint32_t n_workloads;
     char whole[80]; // the device that A and B may be parts of
