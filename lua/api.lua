@@ -226,10 +226,11 @@ api.names = {
     fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
   { "duet.DevicePair:tune", { "scene: duet.Scene", "def?: table" }, "duet.Tuning",
     "Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, ordered, " ..
-    "strategy, strategy_lua, strategy_name, search, query, items, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, wait_seconds, repeats, seed, script, watch }; " ..
+    "strategy, strategy_lua, strategy_name, search, query, items, steps, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, wait_seconds, repeats, seed, script, watch }; " ..
     "watch(progress) is called after each trial, and while the tuning waits for other programs (progress.waiting says why), and stops the tuning with false. keep = false uses no store; " ..
     "keep = true lets applications load what a strategy other than the default one finds, too. " ..
     "With search = \"kernels\", or a kernel's name, it searches the kernels' parameters too. " ..
+    "With steps = 100 it tunes the scene's motion, by runs of so many. " ..
     "With query = \"rays closest\" it looks for the share of what a tree of the objects is asked, for so many items.",
     fails = true, c = "duet_tune_run" },
   { "duet.Tuning.plan", "duet.Plan", "to use" },
@@ -527,6 +528,12 @@ api.names = {
     c = "duet_motion_advance_end" },
   { "duet.Motion:plan", {}, "duet.Plan?", "The plan by which it seeks pairs; nil where it seeks none, and while a step is under way.",
     c = "duet_motion_get_plan" },
+  { "duet.Motion:set_plan", { "plan: duet.Plan" }, "true",
+    "What the table leaves out stays. variant_b may set LANES, WG and PER_ITEM of a motion's kernels; no bit changes.",
+    fails = true, c = "duet_motion_set_plan" },
+  { "duet.Motion:load_profile", { "path?: string" }, "duet.Profile",
+    "Takes the best plan that a store of profiles knows for such a motion, at its start; the user's store without a path.",
+    fails = true, c = "duet_motion_load_profile" },
   { "duet.Motion:effects", {}, "string[]", "Those that run. #motion is the number of objects.",
     c = { "duet_motion_get_effects", "duet_motion_get_count" } },
   { "duet.Motion:step", {}, "integer", "Steps since the start.", c = "duet_motion_get_step" },
@@ -687,6 +694,7 @@ api.names = {
   { "duet.StoredProfile.objects", "integer", "" },
   { "duet.StoredProfile.query", "string", "\"rays closest\", asked of the objects; empty: of steps" },
   { "duet.StoredProfile.items", "integer", "of the query" },
+  { "duet.StoredProfile.moving", "boolean", "of steps of a motion" },
   { "duet.StoredProfile.a", "duet.StoredDevice", "" },
   { "duet.StoredProfile.b", "duet.StoredDevice", "" },
   { "duet.StoredProfile.share", "number", "A's part, 0 to 1" },

@@ -409,6 +409,19 @@ static int motion_effects(lua_State *L)
     return 1;
 }
 
+// motion:set_plan(plan): what the table leaves out stays
+static int motion_set_plan(lua_State *L)
+{
+    duet_error err = {0};
+    static const member argument = {.name = "plan"};
+    duet_motion *motion = motion_check_lua(L);
+    const duet_motion_def *def = duet_motion_get_def(motion);
+    duet_plan plan = def ? def->plan : duet_default_plan(NULL);
+    lua_settop(L, 2);
+    member_plan.read(L, &argument, &plan);
+    return class_push_done(L, duet_motion_set_plan(motion, &plan, &err), &err);
+}
+
 // motion:plan() -> the plan by which it seeks pairs; nil where it seeks none
 static int motion_plan(lua_State *L)
 {
@@ -602,6 +615,7 @@ static const luaL_Reg methods[] = {{"advance", motion_advance},
                                    {"advance_end", motion_advance_end},
                                    {"effects", motion_effects},
                                    {"plan", motion_plan},
+                                   {"set_plan", motion_set_plan},
                                    {"read", motion_read},
                                    {"read_of", motion_read_of},
                                    {"moved", motion_moved},

@@ -28,6 +28,7 @@ static const member profile_members[] = {
     MEMBER(member_count, duet_stored_profile, objects),
     MEMBER(member_chars, duet_stored_profile, query),
     MEMBER(member_count, duet_stored_profile, items),
+    MEMBER(member_bool, duet_stored_profile, moving),
     MEMBER(member_device, duet_stored_profile, a),
     MEMBER(member_device, duet_stored_profile, b),
     MEMBER(member_share, duet_stored_profile, share),
@@ -210,6 +211,19 @@ static int world_load_profile(lua_State *L)
     return 1;
 }
 
+// motion:load_profile(path)
+static int motion_load_profile(lua_State *L)
+{
+    duet_error err = {0};
+    duet_profile profile;
+    duet_motion *motion = motion_check_lua(L);
+    const char *path = check_store(L, 2);
+    if (!duet_motion_load_profile(motion, path, &profile, &err))
+        return class_push_failure(L, &err);
+    profile_push_known(L, &profile);
+    return 1;
+}
+
 // tree:load_profile(query, n, path)
 static int tree_load_profile(lua_State *L)
 {
@@ -257,6 +271,8 @@ void profiles_open_lua(lua_State *L)
     static const luaL_Reg of_tree[] = {{"load_profile", tree_load_profile}, {NULL, NULL}};
     class_open(L, &memory_class);
     class_add_methods(L, "duet.world", of_world, NULL);
+    static const luaL_Reg of_motion[] = {{"load_profile", motion_load_profile}, {NULL, NULL}};
     class_add_methods(L, "duet.tree", of_tree, NULL);
+    class_add_methods(L, "duet.motion", of_motion, NULL);
     luaL_setfuncs(L, functions, 0);
 }

@@ -91,6 +91,7 @@ static const member def_members[] = {
     OPTION(member_string, search),
     OPTION(member_string, query),
     OPTION(member_count, items),
+    OPTION(member_count, steps),
     MEMBER(member_names, tune_def, variants),
     MEMBER(member_names, tune_def, modes),
     OPTION(member_double, budget_seconds),

@@ -24,6 +24,7 @@ static const sql_column profile_columns[] = {
     SQL_COLUMN("iif(w.query IS NULL, w.n, w.boxes)", duet_stored_profile, objects),
     SQL_COLUMN("coalesce(w.query, '')", duet_stored_profile, query),
     SQL_COLUMN("iif(w.query IS NULL, 0, w.n)", duet_stored_profile, items),
+    SQL_COLUMN(PROFILE_IS_MOVING, duet_stored_profile, moving),
     SQL_COLUMN("da.name", duet_stored_profile, a.name),
     SQL_COLUMN("a.part", duet_stored_profile, a.part),
     SQL_COLUMN("a.driver", duet_stored_profile, a.driver),

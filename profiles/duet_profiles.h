@@ -30,6 +30,7 @@ typedef struct duet_stored_profile {
     uint64_t objects;
     char query[32]; // "rays closest", asked of the objects; empty: of steps
     uint64_t items; // of the query
+    bool moving;    // of steps of a motion
     duet_stored_device a;
     duet_stored_device b;
     uint32_t share; // A's part, out of 65536

@@ -485,6 +485,23 @@ static bool take_next(look *l, const neighbours *all)
     return true;
 }
 
+enum { MOTION_REACH = 4 }; // kernels suit a motion of as many times more or fewer bodies
+
+// What a step of one motion takes says nothing of another's, whose bodies may meet at another time:
+// only the plan is taken, and no figure.
+static bool lend_to_motion(look *l, const neighbour *near, bool *held)
+{
+    double n = near->quantities[NEIGHBOUR_OBJECTS], at = l->near.at[NEIGHBOUR_OBJECTS];
+    *held = fmax(n, at) <= MOTION_REACH * fmin(n, at);
+    if (*held)
+        neighbour_lend(&near->found, l->found);
+    text_add(l->why, "%s of %.0f bodies",
+             *held ? "yes: the plan of such a motion"
+                   : "no: the nearest motion that was measured is",
+             n);
+    return true;
+}
+
 static bool look_interpolated(look *l, bool *held)
 {
     const neighbours *all = &l->near;
@@ -492,6 +509,8 @@ static bool look_interpolated(look *l, bool *held)
         return false;
     if (!neighbour_is_there(&all->nearest))
         return refuse(l, "no like workload was measured on these two devices");
+    if (profile_workload_moves(&l->at))
+        return lend_to_motion(l, &all->nearest, held);
     bool next = neighbour_is_next(all->nearest.quantities, all->at);
     if (!next && !is_accurate_anywhere(l))
         return refuse(l, "accuracy is asked for, which rates of other sizes say nothing about");
@@ -566,6 +585,8 @@ static bool look_transferred(look *l, bool *held)
     const neighbours *all = &l->near;
     if (!is_accurate_anywhere(l))
         return refuse(l, "accuracy is asked for, which times of other sizes say nothing about");
+    if (profile_workload_moves(&l->at))
+        return refuse(l, "a motion's plan is that of its own pair of devices");
     if (!neighbour_is_there(&all->nearest))
         return look_at_fits(l, held);
     return lend(l, &all->nearest, neighbour_apart(all->nearest.quantities, all->at, NULL), held);

@@ -341,6 +341,7 @@ static const sql_column entry_columns[] = {
     SQL_COLUMN("w.n", profile_entry, n),
     SQL_COLUMN("w.query", profile_entry, query),
     SQL_COLUMN("w.boxes", profile_entry, boxes),
+    SQL_COLUMN(PROFILE_IS_MOVING, profile_entry, moving),
     SQL_COLUMN("w.family", profile_entry, family),
     SQL_COLUMN("s.id", profile_entry, session.id),
     SQL_COLUMN("s.state", profile_entry, session.state),

@@ -106,6 +106,7 @@ typedef struct profile_entry {
     int64_t n;
     const char *query; // "rays closest", of whose items n is; NULL: of steps
     int64_t boxes;     // that are asked
+    bool moving;       // of steps of a motion
     const char *family;
     profile_row row; // without session and trial_number
     int64_t created_ns;

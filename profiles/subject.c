@@ -235,10 +235,22 @@ void profile_workload_text(const profile_workload *w, text *t)
              rounded(w->size_ratio, COARSE));
 }
 
+bool profile_workload_moves(const profile_workload *w)
+{
+    const size_t n = strlen(PROFILE_MOVING);
+    bool moves = false;
+    for (const char *at = w->effects; at && !moves; at = strchr(at, ' ')) {
+        at += strspn(at, " ");
+        moves = strcspn(at, " ") == n && strncmp(at, PROFILE_MOVING, n) == 0;
+    }
+    return moves;
+}
+
+// Ground under more bodies is larger.
 void profile_workload_family(const profile_workload *w, text *t)
 {
     add_kind(t, w);
-    if (!w->query)
+    if (!w->query && !profile_workload_moves(w))
         text_add(t, "; sizes 1:%.3g", rounded(w->size_ratio, COARSE));
 }
 

@@ -68,7 +68,8 @@ typedef struct profile_workload {
     double size_ratio;   // largest extent by smallest; 1: all alike
     const char *shape;   // "poses", "bounds", "rounded boxes" or "spheres"
     bool rotated;        // some object has a rotation
-    const char *effects; // words in any order, "gravity motion"; NULL: none
+    const char *effects; // words in any order, "gravity motion"; NULL: none. Of bodies that move,
+                         // as they lie at the start, one is PROFILE_MOVING
     const char *level;   // of accuracy, "certified"; "auto": any that meets the budget
     const char *query;   // "rays closest": asked of a tree, and n are its items; NULL: steps of a
                          // world. A query has no cells, occupancy and sizes
@@ -79,6 +80,13 @@ typedef struct profile_workload {
 // The text that the key is made of. What is measured from the objects is
 // rounded to parts of an octave, so that two draws of one scene are one workload.
 void profile_workload_text(const profile_workload *w, text *t);
+
+#define PROFILE_MOVING "moving"
+#define PROFILE_IS_MOVING \
+    "(' ' || w.effects || ' ') LIKE '% " PROFILE_MOVING " %'" // in a query on w
+
+// Whether it is the steps of a motion, and not of a still world or a query.
+bool profile_workload_moves(const profile_workload *w);
 
 // What workloads of different size must share to be neighbours.
 void profile_workload_family(const profile_workload *w, text *t);

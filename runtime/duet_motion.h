@@ -73,7 +73,7 @@ typedef enum duet_integrator {
 
 typedef struct duet_motion_def {
     duet_device_pair *pair; // held; B has the state, both find pairs
-    duet_plan plan;         // how pairs are found
+    duet_plan plan;         // how pairs are found, and B's kernels (duet_motion_set_plan)
     uint32_t dims;          // 2 or 3
     uint32_t wants;         // effects asked for besides those that the objects call for
     bool doubles;           // the state is in double
@@ -179,6 +179,19 @@ DUET_API bool duet_motion_advance_end(duet_motion *motion, duet_motion_result *r
 DUET_API uint32_t duet_motion_get_effects(const duet_motion *motion); // bits of duet_effect
 // The plan of its steps, the motion's; NULL where it finds no pairs, or a step is under way.
 DUET_API const duet_plan *duet_motion_get_plan(const duet_motion *motion);
+// Steps by another plan from now on, with the same bits. variant_b may set LANES, WG and PER_ITEM
+// of the kernels in kernels/dynamics as well, by their names, and the skin in percent of the
+// bodies' mean least extent: "auto solve_contacts.WG=64 motion.skin=20". After a failure the plan
+// is as before.
+DUET_API bool duet_motion_set_plan(duet_motion *motion, const duet_plan *plan, duet_error *err);
+
+// Gives the motion the best plan that is known for bodies that lie so at the start, effects,
+// substeps and devices such as its own, as duet_world_load_profile does; its state has the same
+// bits by any. Of a motion with other many bodies the plan alone is taken: step_ms, gain and
+// verdict are then 0 and empty. BAD_ARGUMENT for a motion without bodies or effects.
+DUET_API bool duet_motion_load_profile(duet_motion *motion, const char *path, duet_profile *profile,
+                                       duet_error *err);
+
 DUET_API uint32_t duet_motion_get_count(const duet_motion *motion);
 DUET_API uint64_t duet_motion_get_step(const duet_motion *motion); // steps since the start
 

@@ -10,6 +10,7 @@
 #include "runtime/selection/profile_subject.h"
 #include "tuner/device_lock.h"
 #include "tuner/level_costs.h"
+#include "tuner/measure_motion.h"
 #include "tuner/measure_query.h"
 #include "tuner/record.h"
 #include "tuner/search.h"
@@ -126,6 +127,10 @@ static duet_tune_def complete_def(const duet_tune_def *def)
         whole.n_modes = sizeof query_modes / sizeof *query_modes;
         return whole;
     }
+    if (def->steps) {
+        whole.search = def->search ? def->search : "kernels";
+        return whole;
+    }
     if (def->n_levels == 0 && !def->has_accuracy && scene->has_accuracy) {
         whole.has_accuracy = true;
         whole.accuracy = scene->accuracy;
@@ -151,6 +156,17 @@ static bool check_query(const duet_tune_def *def, duet_error *err)
     return query_name_read(def->query, &name, err);
 }
 
+static bool check_motion(const duet_tune_def *def, duet_error *err)
+{
+    const char *other = def->query                               ? "query"
+                        : def->n_levels > 0 || def->has_accuracy ? "level or accuracy"
+                        : def->ordered                           ? "order"
+                                                                 : NULL;
+    return !def->steps || !other ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "steps of a motion have no %s; expected none",
+                     other);
+}
+
 static bool check_def(const duet_tune_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
@@ -174,7 +190,8 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
             return false;
     }
     return check_levels(def, err) && check_strategy(def->strategy, err) &&
-           check_search(def->search, err) && check_query(def, err) && check_budget(&whole, err);
+           check_search(def->search, err) && check_query(def, err) && check_motion(def, err) &&
+           check_budget(&whole, err);
 }
 
 // ---------------------------------------------------------------- a tuning
@@ -182,8 +199,9 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
 // Everything a tuning holds, given back in one place.
 typedef struct tuning_resources {
     duet_tune_def def;
-    duet_world *world; // NULL: a query is tuned
+    duet_world *world; // NULL: a query or a motion is tuned
     measure_query query;
+    measure_motion motion;
     script *script;
     core_watch *cores; // NULL: the system does not tell
     device_lock lock;
@@ -194,6 +212,7 @@ typedef struct tuning_resources {
     duet_device_pair *whole_pair; // that device, once it is raced
     duet_world *whole_world;
     measure_query whole_query;
+    measure_motion whole_motion;
     measure_world whole;
     uint64_t hash; // of the right pairs
 } tuning_resources;
@@ -205,9 +224,11 @@ static void let_go(tuning_resources *h)
     script_close(h->script);
     duet_world_destroy(h->whole_world);
     measure_query_close(&h->whole_query);
+    measure_motion_close(&h->whole_motion);
     duet_device_pair_destroy(h->whole_pair);
     duet_world_destroy(h->world);
     measure_query_close(&h->query);
+    measure_motion_close(&h->motion);
     core_watch_close(h->cores);
     device_lock_release(&h->lock);
 }
@@ -245,17 +266,28 @@ static bool open_script(tuning_resources *h, duet_error *err)
     return h->script;
 }
 
-// What is tuned: a world, or a query.
+static bool open_motion(const tuning_resources *h, duet_device_pair *pair, measure_motion *motion,
+                        duet_error *err)
+{
+    bool ok = measure_motion_open(motion, pair, h->def.scene, h->def.steps, err);
+    motion->cores = h->cores;
+    return ok;
+}
+
+// What is tuned: a world, a query, or a motion.
 static bool make_subject(tuning_resources *h, duet_error *err)
 {
-    return h->def.query ? open_query(h, h->def.pair, &h->query, err) : make_world(h, err);
+    return h->def.query   ? open_query(h, h->def.pair, &h->query, err)
+           : h->def.steps ? open_motion(h, h->def.pair, &h->motion, err)
+                          : make_world(h, err);
 }
 
 static bool describe_subject(tuning_resources *h, duet_error *err)
 {
     const measure_query *q = &h->query;
-    if (!(h->def.query ? profile_subject_read_query(q->tree, &q->name, q->n, &h->subject, err)
-                       : profile_subject_read(h->world, &h->subject, err)))
+    if (!(h->def.query   ? profile_subject_read_query(q->tree, &q->name, q->n, &h->subject, err)
+          : h->def.steps ? profile_subject_read_motion(h->motion.motion, &h->subject, err)
+                         : profile_subject_read(h->world, &h->subject, err)))
         return false;
     h->subject.workload.name = duet_scene_get_info(h->def.scene)->name;
     return true;
@@ -428,6 +460,8 @@ static bool find_right_pairs(tuning_resources *h, duet_tune_outcome *outcome, du
     duet_level level = tuned_level(h);
     if (h->def.query)
         return measure_query_right(&h->query, &h->hash, &outcome->true_pairs, err);
+    if (h->def.steps)
+        return measure_motion_right(&h->motion, &h->hash, err);
     if (!duet_reference(h->def.scene, level, &pairs, &n, err))
         return false;
     h->hash = duet_pairs_hash(pairs, n);
@@ -445,18 +479,37 @@ static measure_world measured(const tuning_resources *h, duet_world *world)
         .world = world, .kind = scene_kind(info), .n = info->n, .cores = h->cores};
 }
 
-// "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false where A and B are not parts of
-// one device.
-static bool find_whole(const duet_device_pair *pair, char selector[80])
+// "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false where A and B are not parts of one device, and
+// no motion is tuned: its state is on one device, and A may be the better one for it.
+static bool find_whole(const duet_device_pair *pair, bool moves, char selector[80])
 {
     const char *a = duet_device_pair_get_info(pair, 0)->selector;
     const char *b = duet_device_pair_get_info(pair, 1)->selector;
     size_t n = strcspn(a, "[");
     snprintf(selector, 80, "%.*s", (int)n, a);
-    return a[n] && b[n] == '[' && strncmp(a, b, n) == 0;
+    return (a[n] && b[n] == '[' && strncmp(a, b, n) == 0) ||
+           (moves && !duet_device_pair_is_one(pair));
 }
 
-// A world or a query on all of the device, with the scene and the level that are tuned.
+// The tuned kernels, where the device is of their kind; of others the skin alone.
+static void take_kernels(const tuning_resources *h, const char *kernels, duet_plan *plan)
+{
+    const char *tuned_on = duet_device_pair_get_info(h->def.pair, 1)->name;
+    bool fit = strcmp(duet_device_pair_get_info(h->whole_pair, 1)->name, tuned_on) == 0;
+    const char *skin = strstr(kernels, "motion.skin=");
+    *plan = duet_default_plan(h->whole_pair);
+    plan->share = 0;
+    plan->mode = DUET_MODE_OWN;
+    if (fit) {
+        plan_set_variants(plan, kernels);
+    } else if (skin) {
+        size_t n = strlen(plan->variant_b);
+        snprintf(plan->variant_b + n, sizeof plan->variant_b - n, " %.*s", (int)strcspn(skin, " "),
+                 skin);
+    }
+}
+
+// A world, a query or a motion on all of the device, with the scene and the level that are tuned.
 static bool open_whole(void *context, const char *kernels, measure_machine *machine,
                        duet_plan *plan)
 {
@@ -466,11 +519,14 @@ static bool open_whole(void *context, const char *kernels, measure_machine *mach
     h->whole_pair = duet_device_pair_create(&devices, NULL);
     if (!h->whole_pair)
         return false;
-    *plan = (duet_plan){.share = 0, .mode = DUET_MODE_OWN};
-    plan_set_variants(plan, kernels);
+    take_kernels(h, kernels, plan);
     if (h->def.query) {
         *machine = measure_query_machine(&h->whole_query, h->hash);
         return open_query(h, h->whole_pair, &h->whole_query, NULL);
+    }
+    if (h->def.steps) {
+        *machine = measure_motion_machine(&h->whole_motion, h->hash);
+        return open_motion(h, h->whole_pair, &h->whole_motion, NULL);
     }
     duet_world_def def = duet_scene_world_def(h->def.scene, h->whole_pair);
     def.level = duet_world_get_level(h->world);
@@ -487,7 +543,10 @@ static bool open_whole(void *context, const char *kernels, measure_machine *mach
 static bool read_kernels(void *context, const duet_plan *plan, int device, kernel_space **spaces,
                          uint32_t *n, duet_error *err)
 {
-    duet_world *world = context;
+    tuning_resources *h = context;
+    duet_world *world = h->world;
+    if (h->def.steps)
+        return measure_motion_kernels(&h->motion, plan, device, spaces, n, err);
     return duet_world_set_plan(world, plan, err) &&
            kernel_spaces_read(world, device, spaces, n, err);
 }
@@ -517,18 +576,22 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
                    near->grade == PROFILE_OTHER_DRIVER || near->grade == PROFILE_STALE;
     tune_task task = {
         .def = &h->def,
-        .machine = h->def.query ? measure_query_machine(query, h->hash)
-                                : measure_world_machine(&world, h->hash),
+        .machine = h->def.query   ? measure_query_machine(query, h->hash)
+                   : h->def.steps ? measure_motion_machine(&h->motion, h->hash)
+                                  : measure_world_machine(&world, h->hash),
         .others = {h->cores, look_at_others},
-        .kernels = {.context = h->world, .read = read_kernels},
-        .plan = h->def.query ? query_plan() : *duet_world_get_plan(h->world),
+        .kernels = {.context = h, .read = read_kernels},
+        .plan = h->def.query   ? query_plan()
+                : h->def.steps ? duet_default_plan(h->def.pair)
+                               : *duet_world_get_plan(h->world),
         .has_start = guessed,
         .start = near->plan.share,
         .script = h->script,
         .least_share = task_least_share(h->def.query ? query->n : info->n),
     };
-    task.one_device = duet_device_pair_is_one(h->def.pair);
-    if (find_whole(h->def.pair, h->whole_name))
+    task.one_device =
+        h->def.steps ? !measure_motion_is_shared(&h->motion) : duet_device_pair_is_one(h->def.pair);
+    if (find_whole(h->def.pair, h->def.steps, h->whole_name))
         task.whole = (tune_whole){h, open_whole};
     if (h->record.store)
         task.recorder = record_recorder(&h->record);

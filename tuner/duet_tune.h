@@ -38,6 +38,7 @@ typedef struct duet_tune_def {
     const char *query; // a share for what a tree of the scene's objects is asked instead, as in
                        // duet_tree_load_profile; NULL: for a step
     uint64_t items;    // of the query, drawn among the objects by the seed; 0: as many as objects
+    uint32_t steps; // of the scene's motion, from its start: that is tuned instead; 0: a still step
     const char *store; // profile file; NULL: the user's (DUET_PROFILE)
     duet_keep keep;
     bool ordered;              // the scene's objects are in about duet_world_order's order
@@ -118,7 +119,8 @@ typedef struct duet_tune_outcome {
     double step_low_ms; // and its interval
     double step_high_ms;
     double single_ms;  // by the better single device
-    double whole_ms;   // by the one device that A and B are parts of; 0: they are of none
+    double whole_ms;   // by the one device that A and B are parts of, or of a motion by A as the
+                       // only one; 0: there is none
     double whole_gain; // of the plan to use over that one
     double whole_gain_low;
     double whole_gain_high;
@@ -148,6 +150,11 @@ typedef struct duet_tune_outcome {
 // With a query only the share is looked for, and raced in the same way. A query has no modes,
 // variants, levels and accuracy to choose from: BAD_ARGUMENT. step_ms is then the time of a run,
 // and true_pairs the number of hits, which are those of device B alone at every share.
+//
+// With steps a trial is a run of so many from the scene's start, verified by its state's hash at
+// the end, and step_ms is what a step takes in the mean after the first. Looked for are the
+// parameters of B's kernels (search NULL is then "kernels"), and how pairs are searched. A motion
+// has no levels, accuracy and order to choose: BAD_ARGUMENT.
 DUET_API bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_error *err);
 
 // ---------------------------------------------------------------- on line

@@ -95,7 +95,10 @@ static bool is_worth_search(tuning *t, const duet_plan *plan, int device, bool *
     trial got;
     if (!tuning_run_trial(t, plan, &got, err))
         return false;
-    double whole = (double)(device == 0 ? got.sample.a_ns : got.sample.b_ns);
+    // B does more of a motion than the search that it shares.
+    double whole = (double)(device == 0           ? got.sample.a_ns
+                            : t->task->def->steps ? got.sample.total_ns
+                                                  : got.sample.b_ns);
     *kernel_ns = (double)got.focus_ns;
     *worth = got.usable && (double)got.focus_ns > WORTH_SEARCH * whole;
     return true;
@@ -132,10 +135,18 @@ static bool search_kernel(tuning *t, int device, const kernel_space *space, duet
 static bool confirm_kernels(tuning *t, int device, const duet_plan *before, const duet_plan *after,
                             duet_kernel_search *told, duet_error *err)
 {
-    static const char *const stages[] = {"search", "candidates", "narrow",     "reorder", "bounds",
-                                         "hash",   "sort",       "cell start", "clear"};
+    static const char *const stages[] = {
+        "search", "candidates", "narrow",     "reorder", "bounds",
+        "hash",   "sort",       "cell start", "clear",
+    };
+    // Where the search is one of B's stages.
+    static const char *const of_motion[] = {
+        "pairs",         "integrate",      "manifolds", "sleep", "solve_contacts", "graph_colour",
+        "contact_graph", "match_contacts", "fat_aabbs", "grid",  "events"};
     race_gain gain = {.verdict = RACE_SAME, .ratio = 1, .interval = {1, 1, 1}};
-    t->focus = (focus){device, stages, sizeof stages / sizeof *stages};
+    bool moves = device == 1 && t->task->def->steps;
+    t->focus = moves ? (focus){device, of_motion, sizeof of_motion / sizeof *of_motion}
+                     : (focus){device, stages, sizeof stages / sizeof *stages};
     if (!trial_log_same_plan(before, after)) {
         field f = {0};
         field_enter(&f, *before);

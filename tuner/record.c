@@ -75,6 +75,8 @@ static void write_options(const duet_tune_def *def, text *json)
     text_add(json, "]");
     if (def->search)
         text_add(json, ",\"search\":\"%s\"", def->search);
+    if (def->steps)
+        text_add(json, ",\"steps\":%" PRIu32, def->steps);
     text_add(json, "}");
 }
 

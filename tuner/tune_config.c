@@ -76,6 +76,14 @@ static void read_query(lua_State *L, int table, config_workload *w)
     w->items = (uint64_t)items;
 }
 
+static void read_steps(lua_State *L, int table, config_workload *w)
+{
+    int64_t steps = field_integer(L, table, "steps", 0);
+    if (steps < 0 || steps == 1 || steps > UINT32_MAX || (steps > 0 && w->query))
+        field_raise(L, "steps", "steps is a number of 2 or more, of a scene without a query");
+    w->steps = (uint32_t)steps;
+}
+
 static void add_workload(lua_State *L, tune_config *c, const config_workload *w, int64_t n)
 {
     if (c->n_workloads == CONFIG_WORKLOADS)
@@ -88,12 +96,13 @@ static void add_workload(lua_State *L, tune_config *c, const config_workload *w,
 
 static void read_workload(lua_State *L, int table, tune_config *c)
 {
-    static const char *const names[] = {"scene", "n", "set", "query", "items", NULL};
+    static const char *const names[] = {"scene", "n", "set", "query", "items", "steps", NULL};
     config_workload w = {0};
     field_only(L, table, "a workload", names);
     w.scene = find_scene(L, table);
     read_settings(L, table, &w);
     read_query(L, table, &w);
+    read_steps(L, table, &w);
     lua_getfield(L, table, "n");
     if (!lua_istable(L, -1)) {
         lua_pop(L, 1);

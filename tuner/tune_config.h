@@ -17,6 +17,7 @@ typedef struct config_workload {
     uint32_t n_settings;
     const char *query; // of a tree of the objects, or NULL: steps
     uint64_t items;    // of the query; 0: as many as objects
+    uint32_t steps;    // of the scene's motion; 0: still steps
 } config_workload;
 
 typedef struct tune_config {

@@ -39,7 +39,8 @@ static void add_workload(table *t, const profile_entry *e)
         return;
     }
     bool certified = strcmp(e->row.plan.level, "certified") == 0;
-    table_cell(t, "%s, %s%s%s", scene, table_count((uint64_t)e->n).chars, certified ? "" : ", ",
+    table_cell(t, "%s, %s%s%s%s", scene, table_count((uint64_t)e->n).chars,
+               e->moving ? ", moving" : "", certified ? "" : ", ",
                certified ? "" : e->row.plan.level);
 }
 

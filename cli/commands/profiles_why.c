@@ -17,6 +17,7 @@ typedef struct arguments {
     level_options level;
     const char *pair;
     const char *store;
+    bool moving;
     bool json;
 } arguments;
 
@@ -25,7 +26,16 @@ static const option options[] = {
     PAIR_OPTION_ROW(pair),
     SCENE_LEVEL_OPTION_ROWS(level),
     PROFILE_OPTION_ROW(store),
+    OPTION_FLAG("moving", moving, "for the steps of a scene that moves, as 'duet run --steps'"),
     OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+// A motion finds all pairs.
+static const option_rule rules[] = {
+    {"level", OPTION_EXCLUDES, "moving"},
+    {"missed", OPTION_EXCLUDES, "moving"},
+    {"false-rate", OPTION_EXCLUDES, "moving"},
     {0},
 };
 
@@ -37,6 +47,7 @@ static const command_line line = {
     .about = "Says which profile an application with this scene would get here, and why. The\n"
              "grades are tried from the best down; docs/store.md explains them.",
     .options = options,
+    .rules = rules,
 };
 
 // What was asked and what came of it.
@@ -49,14 +60,37 @@ typedef struct answer {
     char whole[80]; // the selector of the device that A is a part of, or is
 } answer;
 
+static bool read_world(const arguments *args, const duet_scene *scene, duet_device_pair *pair,
+                       profile_subject *asked, duet_error *err)
+{
+    duet_world_def def = duet_scene_world_def(scene, pair);
+    duet_world *world =
+        inputs_change_level(&args->level, &def, err) ? duet_world_create(&def, err) : NULL;
+    bool ok =
+        world && duet_world_set_scene(world, scene, err) && profile_subject_read(world, asked, err);
+    duet_world_destroy(world);
+    return ok;
+}
+
+static bool read_motion(const duet_scene *scene, duet_device_pair *pair, profile_subject *asked,
+                        duet_error *err)
+{
+    duet_motion_def def = duet_scene_motion_def(scene, pair);
+    duet_motion *motion = duet_motion_create_from_scene(&def, scene, NULL, err);
+    bool ok = motion && profile_subject_read_motion(motion, asked, err);
+    duet_motion_destroy(motion);
+    return ok;
+}
+
 // With many millions of objects it takes seconds.
-static bool read_subject(duet_world *world, const duet_scene *scene, profile_subject *asked,
-                         duet_error *err)
+static bool read_subject(const arguments *args, const duet_scene *scene, duet_device_pair *pair,
+                         profile_subject *asked, duet_error *err)
 {
     progress p = progress_begin("looking at the objects", 0);
     progress_follow(&p);
     progress_show(&p, 0);
-    bool ok = duet_world_set_scene(world, scene, err) && profile_subject_read(world, asked, err);
+    bool ok = args->moving ? read_motion(scene, pair, asked, err)
+                           : read_world(args, scene, pair, asked, err);
     progress_end(&p);
     return ok;
 }
@@ -229,18 +263,15 @@ static bool run(void *given, char **operands, duet_error *err)
 {
     const arguments *args = given;
     answer a = {0};
-    duet_world *world = NULL;
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
     duet_scene *scene = pair ? inputs_load_objects(operands[0], &args->scene, err) : NULL;
     bool ok = scene;
     if (ok) {
-        duet_world_def def = duet_scene_world_def(scene, pair);
         a.fallback = duet_default_plan(pair);
         a.one_device = duet_device_pair_is_one(pair);
         const char *selector = duet_device_pair_get_info(pair, 0)->selector;
         snprintf(a.whole, sizeof a.whole, "%.*s", (int)strcspn(selector, "["), selector);
-        world = inputs_change_level(&args->level, &def, err) ? duet_world_create(&def, err) : NULL;
-        ok = world && read_subject(world, scene, &a.asked, err);
+        ok = read_subject(args, scene, pair, &a.asked, err);
     }
     if (ok) {
         profile_request request = profile_subject_request(&a.asked);
@@ -251,7 +282,6 @@ static bool run(void *given, char **operands, duet_error *err)
     else if (ok)
         print_text(&a);
     text_free(&a.why);
-    duet_world_destroy(world);
     duet_scene_destroy(scene);
     duet_device_pair_destroy(pair);
     return ok;

@@ -261,7 +261,8 @@ typedef struct moved {
     const duet_scene *scene;
     duet_motion_def def;
     duet_motion *motion;
-    duet_replay *replay; // NULL: no recorded commands
+    duet_profile profile; // that it goes by
+    duet_replay *replay;  // NULL: no recorded commands
     duet_motion_result last;
     snapshot look;
     progress shown;
@@ -370,6 +371,27 @@ static duet_plan plan_used(const moved *r)
     return plan;
 }
 
+// A step without pairs, or whose pairs B finds, leaves A idle.
+static void tell_plan(const moved *r, const duet_plan *plan)
+{
+    const duet_profile *p = &r->profile;
+    bool given = inputs_plan_given(&r->args->plan), known = p->grade < DUET_GRADE_STALE;
+    printf("plan: ");
+    if (given)
+        printf("as given");
+    else if (p->grade == DUET_GRADE_STALE)
+        printf("the default, since the kernels changed after it was measured");
+    else if (!known)
+        printf("the default; 'duet tune --steps' measures a better one");
+    else if (p->step_ms > 0)
+        printf("from the profile, %s: %.3f ms a step", duet_grade_name(p->grade), p->step_ms);
+    else
+        printf("from the profile, %s: that of another number of bodies", duet_grade_name(p->grade));
+    if (plan->share == 0 && !duet_device_pair_is_one(r->def.pair))
+        printf("; A has nothing to do");
+    printf("\n\n");
+}
+
 static void tell_begin(const moved *r)
 {
     const duet_scene_info *info = duet_scene_get_info(r->scene);
@@ -385,7 +407,7 @@ static void tell_begin(const moved *r)
            table_things(r->def.substeps, "substep", "substeps").chars, r->def.dt / r->def.substeps);
     duet_plan plan = plan_used(r);
     run_report_devices(r->def.pair, &plan);
-    printf("plan: %s\n\n", inputs_plan_given(&r->args->plan) ? "as given" : "the default");
+    tell_plan(r, &plan);
     printf("%9s %9s %12s %12s %12s %12s %12s %9s\n", "step", "time", "kinetic", "potential",
            "energy", "pairs", "contacts", "ms");
 }
@@ -443,6 +465,12 @@ static bool tell_json(moved *r, uint64_t hash, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "scene", duet_scene_get_info(r->scene)->name);
     cJSON_AddNumberToObject(o, "objects", duet_motion_get_count(r->motion));
+    duet_plan plan = plan_used(r);
+    json_add_plan(o, plan.share / (double)DUET_SHARE_ONE, duet_mode_name(plan.mode), plan.variant_a,
+                  plan.variant_b);
+    cJSON_AddStringToObject(o, "profile",
+                            inputs_plan_given(&r->args->plan) ? "given"
+                                                              : duet_grade_name(r->profile.grade));
     cJSON_AddNumberToObject(o, "steps", (double)r->done);
     cJSON_AddNumberToObject(o, "time", r->last.time);
     cJSON_AddNumberToObject(o, "ms_a_step", mean_ms(r));
@@ -463,6 +491,17 @@ static bool tell_json(moved *r, uint64_t hash, duet_error *err)
     return say_json(o, err);
 }
 
+// As choose_plan. Where nothing happens there is nothing to choose.
+static void choose_motion_plan(moved *r)
+{
+    duet_error failure = {0};
+    bool happens = duet_motion_get_count(r->motion) > 0 && duet_motion_get_effects(r->motion) != 0;
+    r->profile.grade = DUET_GRADE_DEFAULT;
+    if (happens && !inputs_plan_given(&r->args->plan) &&
+        !duet_motion_load_profile(r->motion, NULL, &r->profile, &failure))
+        say_failed(&failure);
+}
+
 static bool open_motion(moved *r, duet_device_pair *pair, duet_error *err)
 {
     r->def = duet_scene_motion_def(r->scene, pair);
@@ -470,6 +509,8 @@ static bool open_motion(moved *r, duet_device_pair *pair, duet_error *err)
     if (!inputs_change_plan(&r->args->plan, pair, r->args->pair, &r->def.plan, err))
         return false;
     r->motion = duet_motion_create_from_scene(&r->def, r->scene, NULL, err);
+    if (r->motion)
+        choose_motion_plan(r);
     return r->motion && snapshot_begin(&r->look, &r->def, r->scene, r->motion, err);
 }
 

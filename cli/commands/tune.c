@@ -28,6 +28,7 @@ typedef struct arguments {
     const char *search;
     const char *query;
     uint64_t items;
+    uint64_t steps;
     const char *variants;
     level_options level;
     double budget_seconds;
@@ -65,6 +66,8 @@ static const option options[] = {
         "'boxes', 'boxes itself', 'points', 'points nearest K'"),
     OPTION_COUNT("items", items, "N", "rays, boxes or points of the query (as many as objects)", 1,
                  UINT32_MAX),
+    OPTION_COUNT("steps", steps, "K",
+                 "instead of a still step tune a scene that moves, by runs of K steps", 2, 1000000),
     OPTION_TEXT("level", level.level, "LIST",
                 "of accuracy, or several to choose from (the scene's; all of them with --missed or "
                 "--false-rate)"),
@@ -213,8 +216,11 @@ static bool add_scene(const arguments *args, const char *path, tune_config *conf
         return false;
     config->n_workloads = n;
     for (uint32_t i = 0; i < n; ++i)
-        config->workloads[i] = (config_workload){
-            .scene = path, .n = numbers[i], .query = args->query, .items = args->items};
+        config->workloads[i] = (config_workload){.scene = path,
+                                                 .n = numbers[i],
+                                                 .query = args->query,
+                                                 .items = args->items,
+                                                 .steps = (uint32_t)args->steps};
     return true;
 }
 
@@ -229,6 +235,9 @@ static bool check_operands(const arguments *args, const char *path, duet_error *
     if (args->config && args->query)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "--query: with --config the file says what is asked");
+    if (args->config && args->steps)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "--steps: with --config the file says which scenes move");
     return args->items == 0 || args->query ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "--items: give --query, whose items they are");
 }
@@ -313,16 +322,21 @@ static bool put_in_order(const duet_tune_def *def, duet_scene *scene, duet_error
     return ok;
 }
 
-// What a tune file chooses from for steps is not for its queries.
-static void aim_at_query(duet_tune_def *def, const config_workload *w, bool from_file)
+// What a tune file chooses from for still steps is not for its queries, and its levels are not for
+// its motions.
+static void aim_at(duet_tune_def *def, const config_workload *w, bool from_file)
 {
     def->query = w->query;
     def->items = w->items;
-    if (!w->query || !from_file)
+    def->steps = w->steps;
+    if (!from_file || !(w->query || w->steps))
+        return;
+    def->n_levels = 0;
+    def->has_accuracy = false;
+    if (!w->query)
         return;
     def->search = NULL;
-    def->n_variants = def->n_modes = def->n_levels = 0;
-    def->has_accuracy = false;
+    def->n_variants = def->n_modes = 0;
 }
 
 static bool tune_workload(const duet_tune_def *tuning, const config_workload *w, bool from_file,
@@ -331,8 +345,8 @@ static bool tune_workload(const duet_tune_def *tuning, const config_workload *w,
     duet_tune_outcome outcome;
     duet_tune_def with_query = *tuning, *def = &with_query;
     def->scene = scene;
-    aim_at_query(def, w, from_file);
-    tune_report_workload(report, duet_scene_get_info(scene), def->query, def->items);
+    aim_at(def, w, from_file);
+    tune_report_workload(report, duet_scene_get_info(scene), def);
     if (!duet_tune_run(def, &outcome, err))
         return false;
     tune_report_add(report, &outcome);

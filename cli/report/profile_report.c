@@ -69,6 +69,7 @@ cJSON *profile_report_json(const profile_entry *e)
         cJSON_AddStringToObject(o, "query", e->query);
         cJSON_AddNumberToObject(o, "items", (double)e->n);
     }
+    cJSON_AddBoolToObject(o, "moving", e->moving);
     cJSON_AddNumberToObject(o, "objects", (double)(e->query ? e->boxes : e->n));
     add_device(o, "a", &e->a);
     add_device(o, "b", &e->b);

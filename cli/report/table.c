@@ -289,15 +289,15 @@ table_text table_whole(const char *name, const char *selector, double gain, doub
     table_text t;
     if (high < 0)
         snprintf(t.chars, sizeof t.chars,
-                 "%.40s undivided is %.1f %% faster (%.1f to %.1f): use --pair %.30s", name,
+                 "%.40s by itself is %.1f %% faster (%.1f to %.1f): use --pair %.30s", name,
                  lead_of_other(gain), lead_of_other(high), lead_of_other(low),
                  selector ? selector : "with it alone");
     else if (low > 0)
-        snprintf(t.chars, sizeof t.chars, "%.1f %% faster than %.40s undivided (%.1f to %.1f)",
+        snprintf(t.chars, sizeof t.chars, "%.1f %% faster than %.40s by itself (%.1f to %.1f)",
                  100 * gain, name, 100 * low, 100 * high);
     else
         snprintf(t.chars, sizeof t.chars,
-                 "about as fast as %.40s undivided: %+.1f %% (%+.1f to %+.1f)", name, 100 * gain,
+                 "about as fast as %.40s by itself: %+.1f %% (%+.1f to %+.1f)", name, 100 * gain,
                  100 * low, 100 * high);
     return t;
 }

@@ -47,7 +47,7 @@ table_text table_bytes(uint64_t bytes);
 // what sharing would gain, which is why it does.
 table_text table_gain(uint32_t share, double gain, double low, double high, const char *verdict);
 
-// How the undivided device compares with a plan that gains so much over it. selector: what
+// How one device by itself compares with a plan that gains so much over it. selector: what
 // --pair takes for it; NULL: not known here.
 table_text table_whole(const char *name, const char *selector, double gain, double low,
                        double high);

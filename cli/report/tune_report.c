@@ -28,11 +28,11 @@ void tune_report_expect(tune_report *r, const duet_device_pair *pair, uint32_t n
     r->budget_seconds = budget_seconds;
 }
 
-void tune_report_workload(tune_report *r, const duet_scene_info *scene, const char *query,
-                          uint64_t items)
+void tune_report_workload(tune_report *r, const duet_scene_info *scene, const duet_tune_def *def)
 {
-    r->query = query;
-    r->items = items ? items : scene->n;
+    r->query = def->query;
+    r->items = def->items ? def->items : scene->n;
+    r->steps = def->steps;
     snprintf(r->name, sizeof r->name, "%.30s, %s", scene->name, table_count(scene->n).chars);
     ++r->number;
 }
@@ -143,6 +143,8 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o)
         cJSON_AddStringToObject(row, "query", r->query);
         cJSON_AddNumberToObject(row, "items", (double)r->items);
     }
+    if (r->steps)
+        cJSON_AddNumberToObject(row, "steps", r->steps);
     cJSON_AddStringToObject(row, "level", duet_level_get_info(o->level)->name);
     cJSON_AddNumberToObject(row, "missed_rate", o->accuracy.missed);
     cJSON_AddNumberToObject(row, "false_rate", o->accuracy.false_rate);
@@ -265,7 +267,10 @@ static void print_variant(const char *name, const char *variant)
 static void print_plan(const cJSON *row)
 {
     const char *a = json_string(row, "variant_a"), *b = json_string(row, "variant_b");
-    printf("  --share %.5g --mode %s", json_number(row, "share"), json_string(row, "mode"));
+    printf(" ");
+    if (json_number(row, "steps") > 0)
+        printf(" --steps %.0f", json_number(row, "steps"));
+    printf(" --share %.5g --mode %s", json_number(row, "share"), json_string(row, "mode"));
     if (strcmp(a, b) == 0) {
         print_variant("variant", a);
     } else {
@@ -300,6 +305,8 @@ static void print_details(const cJSON *row)
     if (*query)
         printf("%s %s", table_count((uint64_t)json_number(row, "items")).chars,
                say_name(query).chars);
+    else if (json_number(row, "steps") > 0)
+        printf("runs of %.0f steps", json_number(row, "steps"));
     else
         printf("level %s", json_string(row, "level"));
     printf(", %.0f launches\n", json_number(row, "launches"));

@@ -13,6 +13,7 @@ typedef struct tune_report {
     char name[168];   // of the workload that is measured
     const char *query;
     uint64_t items;
+    uint32_t steps;  // of a motion; 0: none
     uint32_t number; // of it, from 1
     uint32_t n_workloads;
     char whole[80]; // the device that A and B may be parts of
@@ -30,9 +31,8 @@ tune_report tune_report_begin(bool json);
 void tune_report_expect(tune_report *r, const duet_device_pair *pair, uint32_t n_workloads,
                         double budget_seconds);
 
-// The workload that is measured next; query NULL: steps.
-void tune_report_workload(tune_report *r, const duet_scene_info *scene, const char *query,
-                          uint64_t items);
+// The workload that is measured next.
+void tune_report_workload(tune_report *r, const duet_scene_info *scene, const duet_tune_def *def);
 
 // A duet_tune_watch; stops after Ctrl-C.
 bool tune_report_watch(void *report, const duet_tune_progress *p);

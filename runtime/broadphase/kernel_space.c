@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
 
+#include <assert.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,25 +34,28 @@ enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
 
 // ---------------------------------------------------------------- what is free
 
-static bool is_decided(const part *p, const char *param)
+static bool is_decided(const kernel_space_source *from, const char *name, const char *param)
 {
     bool is = false;
-    for (uint32_t i = 0; i < PART_CHOICES && !is; ++i)
-        is = strcmp(p->choices[i].name, param) == 0;
+    for (uint32_t i = 0; i < from->n_offers && !is; ++i) {
+        const char *whose = from->offers[i].kernel;
+        is = strcmp(from->offers[i].name, param) == 0 &&
+             (!whose || !*whose || strcmp(whose, name) == 0);
+    }
     return is;
 }
 
-static bool is_free(const part *p, const char *kernel_name, const gen_param *param)
+static bool is_free(const kernel_space_source *from, const char *name, const gen_param *param)
 {
     return param->n_values > 1 && param->n_values <= KERNEL_SPACE_VALUES &&
-           !is_decided(p, param->name) && !variant_sets(&p->variant, kernel_name, param->name);
+           !is_decided(from, name, param->name);
 }
 
 // ---------------------------------------------------------------- configs
 
-// What the part offers its kernels, and then the space's parameters.
+// What is offered to the kernel, and then the space's parameters.
 typedef struct settings {
-    gen_offer at[PART_OFFERS + KERNEL_SPACE_PARAMS];
+    gen_offer at[KERNEL_SPACE_OFFERS + KERNEL_SPACE_PARAMS];
     gen_offer *free;
 } settings;
 
@@ -64,28 +68,29 @@ static void add_param(kernel_space *space, settings *s, const gen_param *param)
     space->params[space->n_params++].n_values = param->n_values;
 }
 
-static bool list_params(const part *p, kernel_space *space, settings *s, duet_error *err)
+static bool list_params(const kernel_space_source *from, kernel_space *space, settings *s,
+                        duet_error *err)
 {
     const gen_param *params;
     uint32_t n_params;
-    if (!gen_params(p->gen, space->kernel, &p->limits, &params, &n_params, err))
+    if (!gen_params(from->gen, space->kernel, &from->limits, &params, &n_params, err))
         return false;
-    memcpy(s->at, p->offers, p->n_offers * sizeof *s->at);
-    s->free = s->at + p->n_offers;
+    memcpy(s->at, from->offers, from->n_offers * sizeof *s->at);
+    s->free = s->at + from->n_offers;
     for (uint32_t i = 0; i < n_params && space->n_params < KERNEL_SPACE_PARAMS; ++i)
-        if (is_free(p, space->kernel, &params[i]))
+        if (is_free(from, space->kernel, &params[i]))
             add_param(space, s, &params[i]);
     return true;
 }
 
 // What the card and the device allow; a card that is broken is an error.
-static bool check_config(const part *p, const kernel_space *space, const settings *s, bool *valid,
-                         duet_error *err)
+static bool check_config(const kernel_space_source *from, const kernel_space *space,
+                         const settings *s, bool *valid, duet_error *err)
 {
     gen_variant made;
     duet_error why = {0};
-    *valid = gen_make_offered(p->gen, space->kernel, s->at, p->n_offers + space->n_params,
-                              &p->limits, &made, &why);
+    *valid = gen_make_offered(from->gen, space->kernel, s->at, from->n_offers + space->n_params,
+                              &from->limits, &made, &why);
     gen_variant_free(&made);
     return *valid || why.status == DUET_STATUS_BAD_ARGUMENT || error_copy(err, &why);
 }
@@ -101,8 +106,8 @@ static bool step_config(const kernel_space *space, uint8_t config[KERNEL_SPACE_P
     return false;
 }
 
-static bool list_configs(const part *p, const kernel *k, kernel_space *space, settings *s,
-                         duet_error *err)
+static bool list_configs(const kernel_space_source *from, const kernel *k, kernel_space *space,
+                         settings *s, duet_error *err)
 {
     uint8_t config[KERNEL_SPACE_PARAMS] = {0};
     do {
@@ -112,7 +117,7 @@ static bool list_configs(const part *p, const kernel *k, kernel_space *space, se
             setting->value = space->params[i].values[config[i]];
             now = now && setting->value == kernel_param(k, setting->name);
         }
-        if (!check_config(p, space, s, &valid, err))
+        if (!check_config(from, space, s, &valid, err))
             return false;
         if (!valid)
             continue;
@@ -125,14 +130,23 @@ static bool list_configs(const part *p, const kernel *k, kernel_space *space, se
 
 // ---------------------------------------------------------------- a kernel's space
 
+bool kernel_space_read(const kernel_space_source *from, const char *name,
+                       const char *const stages[KERNEL_SPACE_STAGES], const kernel *k,
+                       kernel_space *space, duet_error *err)
+{
+    settings s;
+    assert(from->n_offers <= KERNEL_SPACE_OFFERS);
+    *space = (kernel_space){.n_configs = 0};
+    snprintf(space->kernel, sizeof space->kernel, "%s", name);
+    memcpy(space->stages, stages, sizeof space->stages);
+    return list_params(from, space, &s, err) && list_configs(from, k, space, &s, err);
+}
+
 static bool read_kernel(const part *p, uint32_t i, const kernel *k, kernel_space *space,
                         duet_error *err)
 {
-    settings s;
-    *space = (kernel_space){.n_configs = 0};
-    snprintf(space->kernel, sizeof space->kernel, "%s", kernels[i].name);
-    memcpy(space->stages, kernels[i].stages, sizeof space->stages);
-    return list_params(p, space, &s, err) && list_configs(p, k, space, &s, err);
+    const kernel_space_source from = {p->gen, p->limits, p->offers, p->n_offers};
+    return kernel_space_read(&from, kernels[i].name, kernels[i].stages, k, space, err);
 }
 
 static bool make_ready(duet_world *world, int side, duet_error *err)

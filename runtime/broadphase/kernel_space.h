@@ -5,13 +5,17 @@
 #ifndef RUNTIME_KERNEL_SPACE_H
 #define RUNTIME_KERNEL_SPACE_H
 
+#include "gen/gen.h"
 #include "runtime/duet.h"
+
+struct kernel;
 
 enum {
     KERNEL_SPACE_PARAMS = 8,
     KERNEL_SPACE_VALUES = 16,
     KERNEL_SPACE_CONFIGS = 1024,
     KERNEL_SPACE_STAGES = 3,
+    KERNEL_SPACE_OFFERS = 48,
 };
 
 typedef struct kernel_space {
@@ -27,6 +31,19 @@ typedef struct kernel_space {
     uint32_t n_configs;
     uint32_t now; // the config that ran
 } kernel_space;
+
+// What makes a kernel: what its offers name is not free.
+typedef struct kernel_space_source {
+    gen *gen;
+    gen_limits limits;
+    const gen_offer *offers;
+    uint32_t n_offers; // at most KERNEL_SPACE_OFFERS
+} kernel_space_source;
+
+// Of a kernel of that name that was made from there, k.
+bool kernel_space_read(const kernel_space_source *from, const char *name,
+                       const char *const stages[KERNEL_SPACE_STAGES], const struct kernel *k,
+                       kernel_space *space, duet_error *err);
 
 // The kernels of a device that have several configs, in the order in which a step mostly
 // spends its time on them; side 0 is A. Steps the world unless its last step was by the

@@ -84,16 +84,17 @@ static bool tell_left_out(duet_motion *m, duet_error *err)
 
 static bool find_pairs(duet_motion *m, duet_error *err)
 {
-    duet_result result;
+    duet_result *found = &m->searched;
     const buffer *pairs;
     uint32_t hidden = m->commands ? m->commands->n_hidden : 0; // these are left out
     m->world->def.keep_bad = hidden > 0;
-    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, m->times.untimed, &result,
+    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, m->times.untimed, found,
                                   &pairs, err) &&
-              (result.bad == hidden || tell_left_out(m, err));
+              (found->bad == hidden || tell_left_out(m, err));
     if (ok)
-        timeline_add_host(&m->times, "pairs", result.total_ms);
-    m->n_pairs = ok ? result.pairs : 0;
+        timeline_add_host(&m->times, "pairs", found->total_ms);
+    motion_plan_note(m); // the mode may follow the grid
+    m->n_pairs = ok ? found->pairs : 0;
     m->args.pairs = ok ? *pairs : (buffer){0};
     return ok;
 }
@@ -155,7 +156,7 @@ static double edge_of(const duet_motion *m)
         const float *h = m->poses[m->commands->altered[i]].half_extents;
         sum += fmax(fmax(h[0], h[1]), m->def.dims == 3 ? h[2] : 0.0f);
     }
-    return 4.0 * sum / m->commands->n_altered + 2.0 * (m->margin + m->def.skin);
+    return 4.0 * sum / m->commands->n_altered + 2.0 * (m->margin + motion_skin(m));
 }
 
 static uint32_t count_heads(uint32_t n_altered)

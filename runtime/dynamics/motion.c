@@ -109,7 +109,7 @@ static bool open_world(duet_motion *m, duet_error *err)
     duet_world_def def = duet_default_world_def();
     def.stage_times = m->def.stage_times;
     def.pair = m->def.pair;
-    def.plan = m->def.plan;
+    def.plan = m->plan.search;
     def.dims = m->def.dims;
     def.shape = DUET_SHAPE_BOUNDS;
     m->world = duet_world_create(&def, err);
@@ -132,10 +132,15 @@ static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large
         return false;
     effect_facts_add(&m->facts, &m->def, m->poses, m->bodies, n);
     m->effects = effect_infer(&m->def, &m->facts);
-    double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * mean_least_extent(m);
+    m->extent = mean_least_extent(m);
+    double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * m->extent;
     m->margin = MOTION_SLOPS * slop;
-    return check_effects(m, err) && open_world(m, err) && open_device(m, err) &&
-           motion_prepare(m, err) && motion_reset(m, err);
+    bool ok = check_effects(m, err) && open_device(m, err) &&
+              motion_plan_read(&m->plan, &m->def.plan, &m->device->info, err) &&
+              open_world(m, err) && motion_prepare(m, err) && motion_reset(m, err);
+    if (ok)
+        motion_plan_note(m);
+    return ok;
 }
 
 static bool check_count(const duet_pose *poses, uint32_t n, duet_error *err)
@@ -195,11 +200,6 @@ void duet_motion_destroy(duet_motion *m)
     motion_forget_recording(m);
     duet_device_pair_destroy(m->def.pair);
     free(m);
-}
-
-const duet_plan *duet_motion_get_plan(const duet_motion *m)
-{
-    return m && m->world && !m->background.under_way ? duet_world_get_plan(m->world) : NULL;
 }
 
 uint32_t duet_motion_get_effects(const duet_motion *m)

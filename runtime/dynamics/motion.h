@@ -9,6 +9,7 @@
 #include "kernels/dynamics/records.h"
 #include "runtime/dynamics/effect.h"
 #include "runtime/dynamics/motion_events.h"
+#include "runtime/dynamics/motion_plan.h"
 #include "runtime/opencl/background.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/radix_sort.h"
@@ -166,6 +167,7 @@ typedef struct motion_recording motion_recording;
 
 struct duet_motion {
     duet_motion_def def;
+    motion_plan plan; // the def's
     uint32_t effects;
     effect_facts facts;
     cl_uint n;
@@ -188,8 +190,10 @@ struct duet_motion {
     background background;       // of a step in two halves, and what that took
     double background_ms;
     buffer buffers[MOTION_BUFFERS];
-    duet_world *world; // of bounds; NULL without contact
-    double margin;     // contacts are kept to that far apart
+    duet_world *world;    // of bounds; NULL without contact
+    duet_result searched; // what it found and took last
+    double extent;        // the bodies' mean least one, at the start
+    double margin;        // contacts are kept to that far apart
     uint64_t step;
     cl_uint n_contacts; // in rows
     colour_span colours[COLOUR_OVERFLOW + 1];
@@ -246,9 +250,18 @@ const char *motion_pose_fault(const duet_pose *pose, uint32_t dims);
 const char *motion_body_fault(const duet_body *body);
 bool motion_check_def(const duet_motion_def *def, duet_error *err);
 
-// Generates and builds what the effects need; again: for facts that have changed.
+// What kernels are offered, and returns how many that is: what the scene says of their parameters,
+// then what the plan does.
+enum { MOTION_OFFERS = 40 };
+uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFFERS]);
+
+// Generates and builds what the effects need; again: for facts or a plan that have changed.
 bool motion_prepare(duet_motion *m, duet_error *err);
 bool motion_prepare_again(duet_motion *m, duet_error *err);
+
+// The skin, if there is one, and the kernels that only a motion has, of those that this one has
+// built, as kernel_spaces_read.
+bool motion_kernel_spaces(duet_motion *m, kernel_space **spaces, uint32_t *n, duet_error *err);
 
 // Puts poses and bodies into B's buffers, and 0 into what they lack.
 bool motion_reset(duet_motion *m, duet_error *err);

@@ -4,6 +4,8 @@
 
 #include "runtime/narrowphase/origin.h"
 
+#include <string.h>
+
 // ---------------------------------------------------------------- arguments
 
 #define BUFFER(which, name, type) BIND_BUFFER(duet_motion, name, type, buffers[which])
@@ -148,12 +150,12 @@ static int64_t turning_kind(const duet_motion *m)
         NULL, name, value, GEN_CAPPED, NULL \
     }
 
-// With what the scene says of their parameters. Kernels that know no difference take what turns far
-// as what turns: the greatest value that they have.
-static bool ask(duet_motion *m, const kernel_request *list, size_t n, bool altered, duet_error *err)
+// Kernels that know no difference take what turns far as what turns: the greatest value that they
+// have.
+uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFFERS])
 {
     int64_t gyro = has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven;
-    const gen_offer offers[] = {
+    const gen_offer of_scene[] = {
         OFFER("DIMS", m->def.dims),
         OFFER("DOUBLE", m->def.doubles),
         OFFER("ORIGIN", origin_setting(m->def.origin_edge)),
@@ -176,7 +178,18 @@ static bool ask(duet_motion *m, const kernel_request *list, size_t n, bool alter
         OFFER("HITS", motion_tells_hits(m)),
         OFFER("ALTERED", altered),
     };
-    return program_set_kernels(m->programs, list, n, offers, sizeof offers / sizeof *offers, err);
+    const uint32_t n = sizeof of_scene / sizeof *of_scene;
+    _Static_assert(sizeof of_scene / sizeof *of_scene + VARIANT_SETTINGS <= MOTION_OFFERS,
+                   "all have space");
+    memcpy(offers, of_scene, sizeof of_scene);
+    return n + motion_plan_offer(&m->plan, offers + n);
+}
+
+static bool ask(duet_motion *m, const kernel_request *list, size_t n, bool altered, duet_error *err)
+{
+    gen_offer offers[MOTION_OFFERS];
+    uint32_t n_offers = motion_offers(m, altered, offers);
+    return program_set_kernels(m->programs, list, n, offers, n_offers, err);
 }
 
 bool motion_build_kernels(duet_motion *m, const kernel_request *list, size_t n, bool altered,
@@ -252,7 +265,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         KERNEL(row_start, response, "cell_start"),
     };
     m->layout = lay_out(m);
-    if (!ask(m, list, sizeof list / sizeof *list, false, err))
+    if (!ask(m, list, sizeof list / sizeof *list, false, err) || !motion_plan_is_used(m, err))
         return false;
     if (response)
         m->layout.block = (uint32_t)kernel_param(k->solve_contacts, "BLOCK");
@@ -275,9 +288,12 @@ bool motion_prepare(duet_motion *m, duet_error *err)
 // After a failure those before go on.
 bool motion_prepare_again(duet_motion *m, duet_error *err)
 {
-    const motion_kernels before = m->kernels;
+    const motion_kernels kernels = m->kernels;
+    const motion_layout layout = m->layout;
     bool ok = choose_kernels(m, err) && program_set_build(m->programs, err);
-    if (!ok)
-        m->kernels = before;
+    if (!ok) {
+        m->kernels = kernels;
+        m->layout = layout;
+    }
     return ok;
 }

@@ -100,7 +100,7 @@ static void set_args(duet_motion *m)
 {
     const duet_motion_def *d = &m->def;
     double h = d->dt / d->substeps;
-    double skin = (m->effects & DUET_EFFECT_SKIN) ? d->skin : 0.0;
+    double skin = motion_skin(m);
     m->args = (motion_args){
         .substeps = d->substeps,
         .dt = (float)d->dt,
@@ -109,7 +109,7 @@ static void set_args(duet_motion *m)
         .per_h = (float)(1.0 / h),
         .drag = (float)exp(-d->drag * h),
         .margin = (float)m->margin,
-        .skin = real_of(m, d->skin),
+        .skin = real_of(m, skin),
         // Separations up to the margin are contacts, so each object's bounds have half of it.
         .aabb_margin = real_of(m, 0.5 * (m->margin + skin)),
         .contact_margin = real_of(m, 0.5 * m->margin),

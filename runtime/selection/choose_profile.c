@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What an application does at its start: finds the plan that was measured for
-// such objects, or such queries, on such devices, and gives it to its world or tree.
+// such objects, queries or bodies, on such devices, and gives it to its world, tree or motion.
 #define _POSIX_C_SOURCE 200809L // strdup
 #include "runtime/selection/profile_subject.h"
 
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
+#include "runtime/dynamics/motion.h"
 
 #include <string.h>
 
@@ -97,6 +98,30 @@ bool duet_tree_load_profile(duet_tree *tree, const char *query, uint64_t n, cons
         if (!tree_tune(tree, &name, found.plan.share, err))
             return false;
         profile->plan.share = found.plan.share;
+    }
+    tell(&found, profile);
+    return ok;
+}
+
+bool duet_motion_load_profile(duet_motion *m, const char *path, duet_profile *profile,
+                              duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) || !error_given(profile, __func__, "profile", err))
+        return false;
+    *profile = (duet_profile){
+        .grade = DUET_GRADE_DEFAULT, .plan = m->def.plan, .level = DUET_LEVEL_CERTIFIED};
+    profile_subject asked;
+    profile_found found;
+    if (!profile_subject_read_motion(m, &asked, err))
+        return false;
+    profile_request request = profile_subject_request(&asked);
+    bool ok = profile_subject_look(path, &request, &found, NULL, err);
+    if (is_founded(&found)) {
+        duet_plan plan;
+        if (!profile_subject_read_plan(&found.plan, &plan, err) ||
+            !duet_motion_set_plan(m, &plan, err))
+            return false;
+        profile->plan = m->def.plan;
     }
     tell(&found, profile);
     return ok;

@@ -7,9 +7,12 @@
 #include "base/error.h"
 #include "base/text_file.h"
 #include "runtime/broadphase/workload_stats.h"
+#include "runtime/dynamics/motion.h"
+#include "runtime/narrowphase/origin.h"
 
 #include <sha256.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 // ---------------------------------------------------------------- devices
@@ -240,6 +243,67 @@ bool profile_subject_read_query(const duet_tree *tree, const query_name *query, 
         .boxes = tree_count(tree),
     };
     return hash_kernels(def->pair->kernel_dir, p->kernels, err);
+}
+
+// ---------------------------------------------------------------- motions
+
+// What decides the text of its kernels, and how often they run.
+static void list_effects(const duet_motion *m, char words[PROFILE_EFFECTS])
+{
+    int n = snprintf(words, PROFILE_EFFECTS, PROFILE_MOVING " substeps=%u%s", m->def.substeps,
+                     m->def.doubles ? " doubles" : "");
+    for (uint32_t i = 0; effect_at(i); ++i)
+        if (m->effects & effect_at(i)->effect)
+            n += snprintf(words + n, PROFILE_EFFECTS - (size_t)n, " %s", effect_at(i)->name);
+}
+
+static void *copy_bodies(const duet_motion *m, duet_object_kind kind, duet_error *err)
+{
+    duet_large_pose *large = kind == DUET_OBJECT_LARGE_POSES ? calloc(m->n, sizeof *large) : NULL;
+    duet_rounded_box *boxes = large ? NULL : calloc(m->n, sizeof *boxes);
+    for (uint32_t i = 0; large && i < m->n; ++i) {
+        large[i].pose = m->poses[i];
+        memcpy(large[i].cell, m->cells[i].s, sizeof large[i].cell);
+    }
+    for (uint32_t i = 0; boxes && i < m->n; ++i)
+        boxes[i] = (duet_rounded_box){.pose = m->poses[i], .radius = m->bodies[i].radius};
+    if (!large && !boxes)
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", m->n);
+    return large ? (void *)large : boxes;
+}
+
+// As a still world that the bodies are in.
+static bool read_bodies(const duet_motion *m, profile_subject *p, duet_error *err)
+{
+    duet_world_def def = duet_default_world_def();
+    def.pair = m->def.pair;
+    def.dims = m->def.dims;
+    def.origin_edge = m->cells ? m->def.origin_edge : 0;
+    def.rotated = m->effects & DUET_EFFECT_ROTATION;
+    def.shape = !m->cells && m->facts.round ? DUET_SHAPE_ROUNDED_BOXES : DUET_SHAPE_POSES;
+    duet_object_kind kind = origin_row_kind(def.shape, def.origin_edge);
+    void *rows = copy_bodies(m, kind, err);
+    duet_world *world = rows ? duet_world_create(&def, err) : NULL;
+    bool ok = world && duet_world_set_objects(world, kind, rows, m->n, err) &&
+              profile_subject_read(world, p, err);
+    duet_world_destroy(world);
+    free(rows);
+    return ok;
+}
+
+bool profile_subject_read_motion(const duet_motion *m, profile_subject *p, duet_error *err)
+{
+    *p = (profile_subject){0};
+    if (m->n == 0 || m->effects == 0)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "a motion of %u bodies %s has no profile; expected bodies that something "
+                         "happens to",
+                         m->n, m->effects ? "" : "and no effects");
+    if (!read_bodies(m, p, err))
+        return false;
+    list_effects(m, p->effects);
+    p->workload.effects = p->effects;
+    return true;
 }
 
 void profile_subject_settle(profile_subject *p, duet_level level)

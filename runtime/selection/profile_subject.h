@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A world as the profile store knows it, or what a tree is asked: its devices, its workload,
-// its kernels.
+// A world as the profile store knows it, what a tree is asked, or a motion: its devices, its
+// workload, its kernels.
 #ifndef RUNTIME_PROFILE_SUBJECT_H
 #define RUNTIME_PROFILE_SUBJECT_H
 
@@ -9,12 +9,14 @@
 #include "runtime/queries/tree_share.h"
 
 #define PROFILE_PART 24 // with the NUL
+#define PROFILE_EFFECTS 320
 
 typedef struct profile_subject {
     profile_pair pair; // its strings are the device pair's, or lie in parts
     profile_workload workload;
     char parts[2][PROFILE_PART];     // "0-0" of a part of a CPU, "second" of an equal device
     char query[QUERY_NAME];          // the workload's
+    char effects[PROFILE_EFFECTS];   // a motion's
     char kernels[PROFILE_SHA];       // of all kernel text
     const char *levels[DUET_LEVELS]; // that may be within the accuracy asked for
     uint32_t n_levels;               // 0: the workload's own level is asked for
@@ -30,6 +32,10 @@ bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err
 // n items of that query, at level certified. BAD_ARGUMENT for a tree without objects, or no items.
 bool profile_subject_read_query(const duet_tree *tree, const query_name *query, uint64_t n,
                                 profile_subject *p, duet_error *err);
+
+// Of a motion's bodies as they were given. BAD_ARGUMENT for a motion without bodies, or in which
+// nothing happens.
+bool profile_subject_read_motion(const duet_motion *motion, profile_subject *p, duet_error *err);
 
 // From here on it is the workload at that level, whatever was asked for.
 void profile_subject_settle(profile_subject *p, duet_level level);

@@ -663,6 +663,19 @@ static void read_motion(void)
     assert_int_equal(duet_motion_get_count(NULL), 0);
 }
 
+static void plan_motion(void)
+{
+    duet_plan plan = duet_default_plan(pair);
+    duet_profile profile;
+    REFUSES(duet_motion_set_plan(NULL, &plan, e));
+    REFUSES(duet_motion_set_plan(motion, NULL, e));
+    TAKES(duet_motion_set_plan(motion, &plan, e));
+    strcpy(plan.variant_b, "auto bodies.GRAVITY=1");
+    REFUSES(duet_motion_set_plan(motion, &plan, e));
+    REFUSES(duet_motion_load_profile(NULL, NULL, &profile, e));
+    REFUSES(duet_motion_load_profile(motion, NULL, NULL, e));
+}
+
 static void advance_motion(void)
 {
     duet_motion_result moved;
@@ -901,6 +914,7 @@ static const struct {
      "duet_motion_get_effects duet_motion_get_count duet_motion_get_step duet_motion_get_plan "
      "duet_motion_get_poses duet_motion_get_rounded_boxes",
      read_motion},
+    {"duet_motion_set_plan duet_motion_load_profile", plan_motion},
     {"duet_motion_advance duet_motion_advance_begin duet_motion_advance_end", advance_motion},
     {"duet_motion_save duet_motion_load", keep_motion},
     {"duet_motion_explain", explain_motion},

@@ -173,9 +173,9 @@ static void what_one_device_does_alone_is_told_as_such(void **state)
     const cJSON *first = cJSON_GetArrayItem(json_array(o, "profiles", 2), 0);
     snprintf(arguments, sizeof arguments, "show %s", json_string(first, "uid"));
     assert_prints(&folder, arguments, "B alone; sharing would be 26.1 % slower (20.0 to 30.0)");
-    assert_prints(&folder, arguments, "undivided is 25.0 % faster (11.1 to 33.3): use --pair with");
+    assert_prints(&folder, arguments, "by itself is 25.0 % faster (11.1 to 33.3): use --pair with");
     assert_prints(&folder, "list", "B alone");
-    assert_prints(&folder, "list", "undivided is 25.0 % faster");
+    assert_prints(&folder, "list", "by itself is 25.0 % faster");
     cJSON_Delete(o);
     test_folder_remove(&folder);
 }

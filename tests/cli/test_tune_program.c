@@ -414,6 +414,54 @@ static void one_device_is_told_its_kernels(void **state)
     program_free(&p);
 }
 
+// The plan of a motion, and what is said of it.
+static void assert_runs(const char *arguments, const char *plan)
+{
+    program p = program_run_with("DUET_PROFILE=" STORE, "run %s", arguments);
+    assert_int_equal(p.exit_code, 0);
+    if (!strstr(p.out, plan))
+        fail_msg("run %s: no '%s' in %s", arguments, plan, p.out);
+    program_free(&p);
+}
+
+static void a_motion_is_tuned_by_runs_and_run_follows(void **state)
+{
+    (void)state;
+    static const char motion[] = QUICK "falling -n 30 --pair cpu --search bodies --repeat 1 ";
+    char arguments[256];
+    const cJSON *rows;
+    for (int known = 0; known < 2; ++known) {
+        snprintf(arguments, sizeof arguments, "%s --steps 4", motion);
+        cJSON *root = tune_json(arguments, &rows);
+        const cJSON *row = cJSON_GetArrayItem(rows, 0);
+        assert_int_equal(json_true(row, "known"), known);
+        assert_true(json_number(row, "steps") == 4 && json_number(row, "step_ms") > 0);
+        assert_string_equal(json_string(row, "unused"), "");
+        cJSON_Delete(root);
+    }
+    assert_runs("falling -n 30 --pair cpu --steps 4", "plan: from the profile, exact: ");
+    assert_runs("falling -n 50 --pair cpu --steps 4",
+                "plan: from the profile, interpolated: that of another number of bodies");
+    assert_runs("falling -n 30 --pair cpu", "plan: the default; 'duet tune' measures");
+    assert_runs("falling -n 30 --pair halves --share 0 --steps 2",
+                "plan: as given; A has nothing to do");
+    program p = program_run("profiles why falling -n 30 --pair cpu --moving --profile " STORE);
+    assert_non_null(strstr(p.out, " moving "));
+    assert_non_null(strstr(p.out, "\nexact: kernels "));
+    program_free(&p);
+    p = program_run("profiles why falling -n 50 --pair cpu --moving --profile " STORE);
+    assert_non_null(strstr(p.out, "yes: the plan of such a motion of 30 bodies"));
+    assert_non_null(strstr(p.out, "\nwhat a step takes is not known\n"));
+    program_free(&p);
+    p = program_run("profiles list --profile " STORE);
+    assert_non_null(strstr(p.out, "falling, 30, moving"));
+    program_free(&p);
+    p = program_run("tune %s --steps 5", motion);
+    assert_non_null(strstr(p.out, ", runs of 5 steps, "));
+    assert_non_null(strstr(p.out, "\n  --steps 5 --share 0 --mode own --variant"));
+    program_free(&p);
+}
+
 static void what_is_wrong_on_the_command_line_is_one_line(void **state)
 {
     (void)state;
@@ -434,6 +482,12 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
         {"tune " SCENE " --items 9", 2, "--items: give --query"},
         {"tune " SCENE " --query rays --pair cpu", 2, "is one device and has no share"},
         {"tune --config " CONFIG " --query rays", 2, "with --config the file says"},
+        {"tune --config " CONFIG " --steps 5", 2, "--steps: with --config the file says"},
+        {"tune " QUICK SCENE " --steps 1", 2, "--steps '1'"},
+        {"tune " QUICK SCENE " --steps 5", 2, "has no profile; expected bodies that something"},
+        {"tune --profile " STORE " falling --steps 5 --query rays --pair halves", 2,
+         "steps of a motion have no query"},
+        {"tune " QUICK "falling --steps 5 --level sat6", 2, "have no level or accuracy"},
         {"tune " QUICK SCENE " --search abacus", 1, "search 'abacus': expected 'kernels' or"},
         {"tune " QUICK SCENE " --search cell_start", 1, "search 'cell_start': neither device"},
         {"tune " QUICK SCENE " --search kernels --budget 0", 2, "--budget '0'"},
@@ -481,6 +535,8 @@ static void what_is_wrong_in_a_tune_file_is_said_with_its_line(void **state)
         {"return {\n workloads = {{scene = 'a.lua'}},\n budget = {minutes = 1} }", CONFIG ":3:"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n objective = 'beauty' }", CONFIG ":3:"},
         {"return {\n workloads = {{scene = 'a.lua', items = 3}} }", CONFIG ":2:"},
+        {"return {\n workloads = {{scene = 'a.lua', steps = 1}} }", CONFIG ":2: steps"},
+        {"return {\n workloads = {{scene = 'a.lua', steps = 9, query = 'rays'}} }", CONFIG ":2:"},
         {"return {\n workloads = {} }", CONFIG ":2:"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n level = 'best' }", CONFIG ":3:"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n level = {'sat6', 'gjk'} }", CONFIG ":3:"},
@@ -520,6 +576,7 @@ int main(void)
         cmocka_unit_test_setup(kernels_are_searched_once_and_runs_follow, begin_afresh),
         cmocka_unit_test_setup(a_tune_file_sweeps_with_a_strategy_of_its_own, begin_afresh),
         cmocka_unit_test_setup(one_device_is_told_its_kernels, begin_afresh),
+        cmocka_unit_test_setup(a_motion_is_tuned_by_runs_and_run_follows, begin_afresh),
         cmocka_unit_test_setup(what_is_wrong_on_the_command_line_is_one_line, begin_afresh),
         cmocka_unit_test_setup(a_strategy_or_query_that_there_is_not_is_one_line, begin_afresh),
         cmocka_unit_test_setup(what_is_wrong_in_a_tune_file_is_said_with_its_line, begin_afresh),

@@ -151,6 +151,48 @@ holds("queries are tuned by their kind, and a tree takes what is known of them",
   refused("BAD_ARGUMENT", "expected no variants", pair.tune, pair, scene, quick { query = "boxes" })
 end)
 
+holds("a motion is tuned by runs, goes on where it was stopped, and then has the same bits", function()
+  local store = os.tmpname()
+  os.remove(store)
+  local falling <close> = assert(duet.scene(facts.root .. "/lua/scenes/falling.lua", { n = 30 }))
+  local def = { store = store, steps = 3, search = "bodies", variants = { "auto" }, modes = { "own" },
+    repeats = 1, budget_trials = 60 }
+  local trials = 0
+  def.watch = function() trials = trials + 1; return trials < 5 end
+  refused("INTERRUPTED", "goes on from there", pair.tune, pair, falling, def)
+  def.watch = function(progress) assert(progress.trials > 5 or progress.remembered) end
+  local tuned = assert(pair:tune(falling, def))
+  assert(tuned.resumed and not tuned.known and tuned.step_ms > 0)
+  equal(assert(pair:tune(falling, def)).known, true)
+  local function hash_with(choose)
+    local motion <close> = assert(pair:motion(falling))
+    choose(motion)
+    for _ = 1, 10 do assert(motion:advance()) end
+    return assert(motion:hash())
+  end
+  local plain = hash_with(function() end)
+  equal(hash_with(function(motion)
+    local profile = assert(motion:load_profile(store))
+    equal(profile.grade, tuned.unused == "" and "exact" or "default")
+    if tuned.unused == "" then
+      equal(profile.plan.variant_b, tuned.plan.variant_b)
+      equal(motion:plan().share, tuned.plan.share)
+    end
+  end), plain)
+  equal(hash_with(function(motion)
+    local settings = "auto bodies.WG=128 bodies.PER_ITEM=1"
+    assert(motion:set_plan { variant_b = settings, share = 0 })
+    equal(motion:plan().variant_b, settings)
+    refused("BAD_ARGUMENT", "WG=5", motion.set_plan, motion, { variant_b = "auto bodies.WG=5" })
+    equal(motion:plan().variant_b, settings)
+  end), plain)
+  for _, ending in ipairs { "", "-wal", "-shm" } do os.remove(store .. ending) end
+  refused("BAD_ARGUMENT", "expected 2 or more", pair.tune, pair, falling, { keep = false, steps = 1 })
+  refused("BAD_ARGUMENT", "steps of a motion have no query", pair.tune, pair, falling,
+    { keep = false, steps = 5, query = "boxes" })
+  refused("BAD_ARGUMENT", "has no profile", pair.tune, pair, scene, { keep = false, steps = 5 })
+end)
+
 holds("an online share gives the same pairs, and outlives no world", function()
   local world <close> = assert(pair:world(scene, { plan = { share = 0.5 } }))
   local online <close> = assert(world:online { keep = false })

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// What may be chosen of a motion that is there: another plan, and the values that its kernels'
+// parameters and its skin may have.
+#include "runtime/dynamics/motion.h"
+
+#include "base/error.h"
+#include "runtime/broadphase/world.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- a plan
+
+// After a failure the motion has the plan before.
+static bool prepare_with(duet_motion *m, const motion_plan *plan, duet_error *err)
+{
+    const motion_plan before = m->plan;
+    m->plan = *plan;
+    if (motion_prepare_again(m, err)) {
+        m->rows_stale = m->rows_stale || plan->skin != before.skin;
+        return true;
+    }
+    m->plan = before;
+    return false;
+}
+
+// As it was given: a mode that is left to the grid stays so.
+static duet_plan plan_of(const duet_world *world)
+{
+    duet_plan plan = world->def.plan;
+    plan.mode = world->mode_open ? DUET_MODE_DEFAULT : plan.mode;
+    return plan;
+}
+
+bool duet_motion_set_plan(duet_motion *m, const duet_plan *plan, duet_error *err)
+{
+    motion_plan read;
+    if (!motion_is_whole(m, __func__, err) || !error_given(plan, __func__, "plan", err) ||
+        !motion_plan_read(&read, plan, &m->device->info, err))
+        return false;
+    const duet_plan before = m->world ? plan_of(m->world) : m->plan.search;
+    if (m->world && !duet_world_set_plan(m->world, &read.search, err))
+        return false;
+    bool ok = prepare_with(m, &read, err);
+    if (!ok && m->world)
+        duet_world_set_plan(m->world, &before, NULL);
+    motion_plan_note(m);
+    return ok;
+}
+
+// ---------------------------------------------------------------- what is free
+
+static const int64_t skins[] = {0, 5, 10, 20, 40, 80}; // in percent; 0: the def's
+
+enum { N_SKINS = sizeof skins / sizeof skins[0] };
+
+// The one that the motion has built; NULL where it has none of that name.
+static const kernel *find_kernel(const duet_motion *m, const char *name)
+{
+    const kernel *const *all = (const kernel *const *)&m->kernels;
+    for (size_t i = 0; i < sizeof m->kernels / sizeof *all; ++i)
+        if (kernel_is(all[i], name))
+            return all[i];
+    return NULL;
+}
+
+// Varied like a kernel's parameter: what a skin takes and saves is in these stages.
+static kernel_space space_of_skin(const duet_motion *m)
+{
+    kernel_space space = {.stages = {"pairs", "contact_graph", "manifolds"}, .n_params = 1};
+    snprintf(space.kernel, sizeof space.kernel, "%s", MOTION_PLAN_WORD);
+    snprintf(space.params[0].name, sizeof space.params[0].name, "skin");
+    memcpy(space.params[0].values, skins, sizeof skins);
+    space.params[0].n_values = space.n_configs = N_SKINS;
+    for (uint8_t i = 0; i < N_SKINS; ++i) {
+        space.configs[i][0] = i;
+        space.now = skins[i] == m->plan.skin ? i : space.now;
+    }
+    return space;
+}
+
+static bool read_spaces(duet_motion *m, kernel_space *spaces, uint32_t *n, duet_error *err)
+{
+    if (m->effects & DUET_EFFECT_SKIN)
+        spaces[(*n)++] = space_of_skin(m);
+    gen_offer offers[MOTION_OFFERS + 2];
+    uint32_t n_offers = motion_offers(m, false, offers);
+    // Kernels that share the blocks have one size of them.
+    offers[n_offers++] = (gen_offer){NULL, "BLOCK", m->layout.block, GEN_OFFERED, NULL};
+    if (m->kernels.prepare_contacts)
+        offers[n_offers++] =
+            (gen_offer){"prepare_contacts", "LANES",
+                        kernel_param(m->kernels.prepare_contacts, "LANES"), GEN_OFFERED, NULL};
+    const kernel_space_source from = {m->gen, program_set_limits(m->programs), offers, n_offers};
+    bool ok = true;
+    for (int i = 0; ok && i < MOTION_PLAN_KERNELS; ++i) {
+        const kernel *k = find_kernel(m, motion_plan_kernels[i].name);
+        ok = !k || kernel_space_read(&from, motion_plan_kernels[i].name,
+                                     motion_plan_kernels[i].stages, k, &spaces[*n], err);
+        *n += ok && k && spaces[*n].n_configs > 1;
+    }
+    return ok;
+}
+
+bool motion_kernel_spaces(duet_motion *m, kernel_space **spaces, uint32_t *n, duet_error *err)
+{
+    *n = 0;
+    *spaces = malloc((1 + MOTION_PLAN_KERNELS) * sizeof **spaces);
+    return *spaces ? read_spaces(m, *spaces, n, err)
+                   : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
+}
