@@ -45,8 +45,8 @@ typedef struct duet_stored_profile {
     double gain_high;
     char verdict[16];
     uint32_t rounds;   // of the race that the verdict is of; 0: not known
-    double whole_ms;   // a step by the device that A and B are parts of; 0: not raced
-    double whole_gain; // of the plan over it
+    double whole_ms;   // a step by the device that A and B are parts of; NaN: not raced
+    double whole_gain; // of the plan over it; NaN: not raced
     double whole_gain_low;
     double whole_gain_high;
     double missed_rate; // of the pairs that collide
@@ -73,7 +73,7 @@ typedef struct duet_stored_trial {
     char variant_a[192];
     char variant_b[192];
     uint32_t samples;
-    double step_ms; // the median, and its interval; 0 unless ok, as those below
+    double step_ms; // the median, and its interval; NaN unless ok, as those below
     double low_ms;
     double high_ms;
     double a_ms; // A's part of it, and B's

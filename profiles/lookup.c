@@ -451,10 +451,11 @@ static bool is_about(double a, double b, double slack)
     return a <= b * slack && b <= a * slack;
 }
 
-// A time of so many objects, on the line through both neighbours', or in proportion to the only one.
+// A time of so many objects, on the line through both neighbours', or in proportion to the only
+// one.
 static double time_between(const neighbour near[2], double n, double ns, double other_ns)
 {
-    if (near[1].n <= 0 || ns <= 0 || other_ns <= 0)
+    if (near[1].n <= 0 || !(ns > 0 && other_ns > 0))
         return ns * n / near[0].n;
     return ns + (other_ns - ns) * (n - near[0].n) / (near[1].n - near[0].n);
 }

@@ -110,9 +110,9 @@ typedef struct duet_tune_outcome {
     double step_ms;     // by the plan to use, the median
     double step_low_ms; // and its interval
     double step_high_ms;
-    double single_ms;  // by the better single device
-    double whole_ms;   // by the one device that A and B are parts of; 0: they are of none
-    double whole_gain; // of the plan to use over that one
+    double single_ms;  // by the better single device; NaN: not known
+    double whole_ms;   // by the one device that A and B are parts of; NaN: not raced
+    double whole_gain; // of the plan to use over that one; NaN: not raced
     double whole_gain_low;
     double whole_gain_high;
     duet_tune_terms terms;         // of the best plan; zero where a store has none

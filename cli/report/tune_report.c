@@ -114,12 +114,12 @@ static void add_kernels(cJSON *row, const duet_tune_outcome *o)
     }
 }
 
-// Steps after which the time that tuning took is won back; 0 where it is not,
-// or where it was not measured here.
+// Steps after which the time that tuning took is won back; NaN if it is not, or if it was not
+// measured here.
 static double break_even(const duet_tune_outcome *o)
 {
     double won_ms = o->single_ms - o->step_ms;
-    return won_ms > 0 ? ceil(o->seconds * 1e3 / won_ms) : 0;
+    return won_ms > 0 && !o->known ? ceil(o->seconds * 1e3 / won_ms) : NAN;
 }
 
 static void add_command(cJSON *row, const duet_tune_outcome *o, bool one, text *command)
@@ -142,9 +142,7 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o, text *command)
         cJSON_AddNumberToObject(row, "items", (double)r->items);
     }
     cJSON_AddStringToObject(row, "level", duet_level_get_info(o->level)->name);
-    cJSON_AddNumberToObject(row, "missed_rate", o->accuracy.missed);
-    cJSON_AddNumberToObject(row, "false_rate", o->accuracy.false_rate);
-    cJSON_AddNumberToObject(row, "true_pairs", (double)o->true_pairs);
+    json_add_rates(row, (double)o->true_pairs, o->accuracy.missed, o->accuracy.false_rate);
     json_add_plan(row, o->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(o->plan.mode),
                   o->plan.variant_a, o->plan.variant_b);
     add_command(row, o, r->one, command);
@@ -154,15 +152,13 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o, text *command)
     cJSON_AddStringToObject(row, "verdict", o->verdict);
     cJSON_AddNumberToObject(row, "step_ms", o->step_ms);
     cJSON_AddNumberToObject(row, "rounds", o->rounds);
-    cJSON_AddNumberToObject(row, "single_ms", o->single_ms);
-    if (o->whole_ms > 0) {
+    json_add_figure(row, "single_ms", o->single_ms);
+    if (o->whole_ms > 0)
         cJSON_AddStringToObject(row, "whole", r->whole);
-        cJSON_AddNumberToObject(row, "whole_ms", o->whole_ms);
-        json_add_interval(row, "whole_gain", o->whole_gain, o->whole_gain_low, o->whole_gain_high);
-    }
+    json_add_whole(row, o->whole_ms, o->whole_gain, o->whole_gain_low, o->whole_gain_high);
     cJSON_AddNumberToObject(row, "launches", o->launches);
     cJSON_AddNumberToObject(row, "seconds", o->seconds);
-    cJSON_AddNumberToObject(row, "break_even_steps", break_even(o));
+    json_add_figure(row, "break_even_steps", break_even(o));
     cJSON_AddBoolToObject(row, "known", o->known);
     cJSON_AddBoolToObject(row, "resumed", o->resumed);
     cJSON_AddStringToObject(row, "uid", o->uid);
