@@ -151,7 +151,7 @@ holds("queries are tuned by their kind, and a tree takes what is known of them",
   refused("BAD_ARGUMENT", "expected no variants", pair.tune, pair, scene, quick { query = "boxes" })
 end)
 
-holds("an online share gives the same pairs, and outlives no world", function()
+holds("an online plan gives the same pairs, and outlives no world", function()
   local world <close> = assert(pair:world(scene, { plan = { share = 0.5 } }))
   local online <close> = assert(world:online { keep = false })
   for _ = 1, 5 do
@@ -159,10 +159,12 @@ holds("an online share gives the same pairs, and outlives no world", function()
     equal(assert(online:step()):hash(), scene:reference():hash())
   end
   equal(math.type(online:tunings()), "integer")
-  raises("an online share steps the world", world.close, world)
+  refused("BAD_ARGUMENT", "variant 'no'", world.online, world, { variants = { "no such" } })
+  raises("there is no mode 'both'", world.online, world, { modes = { "both" } })
+  raises("an online plan steps the world", world.close, world)
   equal(online:close(), true)
   equal(online:close(), true)
-  raises("the online share is closed", online.step, online)
+  raises("the online plan is closed", online.step, online)
 end)
 
 holds("a tuning refuses what makes no sense", function()
