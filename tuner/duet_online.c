@@ -145,7 +145,11 @@ static bool learn(duet_online *o, duet_error *err)
     if (ok && steps)
         plan_times_learn(&o->online.times, o->n_variants, modes_of(&o->def), &runner);
     duet_plan own = plan_of(o, &plan);
-    return duet_world_set_plan(o->def.world, &own, ok ? err : NULL) && ok;
+    if (!duet_world_set_plan(o->def.world, &own, ok ? err : NULL) || !ok)
+        return false;
+    if (steps) // the kernels that the first frame has are ready
+        duet_world_step(o->def.world, &result, NULL);
+    return true;
 }
 
 // ---------------------------------------------------------------- on a world

@@ -121,14 +121,17 @@ static void begin_race(online *o, const listed_plan *rival, uint32_t rounds)
     options.most_rounds = rounds ? rounds : options.most_rounds;
     o->rival = *rival;
     o->race = race_begin(2, &options);
+    o->last = 0;
     begin_seeing(o, ONLINE_RACING);
 }
 
-// INFINITY for the plan that is kept.
-static double expect_rival(const online *o, uint32_t i, listed_plan *rival)
+// Whether no frame of a race is expected to take longer than is allowed: the rival's, nor the first
+// ones after a change of kernels.
+static bool is_allowed(const online *o, const listed_plan *rival)
 {
-    bool is_rival = plan_times_rival(&o->times, i, rival) && !plan_is_same(rival, &o->plan);
-    return is_rival ? plan_times_expect(&o->times, rival) : INFINITY;
+    double longest = fmax(plan_times_expect(&o->times, rival), o->total_ns);
+    return longest + plan_times_switch(&o->times, &o->plan, rival) <=
+           (1 + o->most_extra) * o->total_ns;
 }
 
 // The rival that is expected to be the fastest, if it is worth a race.
@@ -138,8 +141,8 @@ static bool find_faster(const online *o, listed_plan *fastest)
     double least = WORTH * o->total_ns;
     bool found = false;
     for (uint32_t i = 0; plan_times_rival(&o->times, i, &rival); ++i) {
-        double expected = expect_rival(o, i, &rival);
-        if (expected >= least)
+        double expected = plan_times_expect(&o->times, &rival);
+        if (expected >= least || plan_is_same(&rival, &o->plan) || !is_allowed(o, &rival))
             continue;
         least = expected;
         *fastest = rival;
@@ -150,13 +153,15 @@ static bool find_faster(const online *o, listed_plan *fastest)
 
 // How to sound a rival. What a device takes that has been idle is not known for certain: it gets as
 // little as can be measured, or as makes the busy one quick enough.
-static listed_plan sounding_of(const online *o, const listed_plan *rival, double most_ns)
+static listed_plan sounding_of(const online *o, const listed_plan *rival)
 {
+    double most_ns = (1 + o->most_extra) * o->total_ns;
     int busy = o->plan.share == 0 ? 1 : 0;
     listed_plan plan = *rival;
     if (plan_is_shared(&o->plan) || rival->share == o->plan.share)
         return plan;
     plan.variant[busy] = o->plan.variant[busy];
+    most_ns -= plan_times_switch(&o->times, &o->plan, &plan);
     uint32_t part = plan_times_largest_part(&o->times, &plan, busy, most_ns);
     plan.share = busy == 0 ? part : SEARCH_ONE - part;
     return plan;
@@ -164,9 +169,8 @@ static listed_plan sounding_of(const online *o, const listed_plan *rival, double
 
 static bool begin_sounding(online *o, const listed_plan *rival)
 {
-    double most_ns = (1 + o->most_extra) * o->total_ns;
-    listed_plan sounding = sounding_of(o, rival, most_ns);
-    if (plan_times_expect(&o->times, &sounding) > most_ns)
+    listed_plan sounding = sounding_of(o, rival);
+    if (plan_is_same(rival, &o->plan) || !is_allowed(o, &sounding))
         return false;
     begin_race(o, &sounding, SOUNDINGS);
     return true;
@@ -181,7 +185,8 @@ static void sound_next(online *o)
         ++n;
     for (uint32_t i = 0; i < n; ++i) {
         uint32_t at = (o->turn + i) % n;
-        if (!isfinite(expect_rival(o, at, &rival)) || !begin_sounding(o, &rival))
+        plan_times_rival(&o->times, at, &rival);
+        if (!begin_sounding(o, &rival))
             continue;
         o->turn = at + 1;
         return;
@@ -283,6 +288,10 @@ static bool run_race(online *o, const search_sample *frame, duet_error *err)
 {
     uint32_t turn;
     race_next(&o->race, &turn);
+    if (o->last != turn) {
+        o->last = turn;
+        return true;
+    }
     race_add(&o->race, turn, (double)frame->total_ns);
     see(o, (int)turn, frame);
     return (!is_too_slow(o) && race_next(&o->race, &turn)) || end_race(o, err);

@@ -59,6 +59,7 @@ typedef struct online {
     search search;
     listed_plan rival;
     race race;        // the plan is 0, the rival 1
+    uint32_t last;    // of the two: the first frame after the other's warms up, and does not count
     uint32_t turn;    // of the rival that is sounded next
     uint32_t rested;  // frames watched since a rival was last looked for
     uint32_t rest;    // frames until that is done again

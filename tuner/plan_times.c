@@ -51,6 +51,13 @@ double plan_times_expect(const plan_times *t, const listed_plan *plan)
                  : fmax(plan_times_expect_part(t, plan, 0), plan_times_expect_part(t, plan, 1));
 }
 
+double plan_times_switch(const plan_times *t, const listed_plan *from, const listed_plan *to)
+{
+    bool same =
+        from->mode == to->mode && memcmp(from->variant, to->variant, sizeof to->variant) == 0;
+    return same ? 0 : t->switch_ns;
+}
+
 static uint32_t share_of(double part)
 {
     double share = part * SEARCH_ONE;
@@ -207,6 +214,24 @@ static bool is_worth_alone(const plan_times *t, uint32_t v)
     return least < WORTH_ALONE * t->lines[PLAN_ALONE][1][v].each_ns;
 }
 
+// Each plan follows one with other kernels.
+static void learn_switch(plan_times *t, uint32_t modes, const plan_runner *runner)
+{
+    double extra[PLAN_MODES * PLAN_VARIANTS];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < PLAN_MODES * t->n_variants; ++i) {
+        uint32_t v = i % t->n_variants, mode = i / t->n_variants;
+        listed_plan plan = {0, mode, {v, v}};
+        search_sample frame;
+        if (modes)
+            plan.share = plan_times_best_share(t, &plan);
+        double expected = plan_times_expect(t, &plan);
+        if (isfinite(expected) && runner->run(runner->context, &plan, &frame))
+            extra[n++] = (double)frame.total_ns - expected;
+    }
+    t->switch_ns = n > 1 ? fmax(stats_median(extra, n), 0) : 0;
+}
+
 void plan_times_learn(plan_times *t, uint32_t n_variants, uint32_t modes, const plan_runner *runner)
 {
     *t = (plan_times){.n_variants = n_variants, .load = {1, 1}};
@@ -218,4 +243,5 @@ void plan_times_learn(plan_times *t, uint32_t n_variants, uint32_t modes, const 
         if (is_worth_alone(t, v))
             learn_alone(t, SEARCH_ONE, v, runner);
     }
+    learn_switch(t, modes, runner);
 }

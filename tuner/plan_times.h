@@ -29,7 +29,8 @@ typedef struct part_line {
 
 typedef struct plan_times {
     uint32_t n_variants;
-    double load[2]; // that the devices' lines have grown by since they were learned
+    double load[2];   // that the devices' lines have grown by since they were learned
+    double switch_ns; // that the first frame with other kernels takes longer
     part_line lines[PLAN_WAYS][2]
                    [PLAN_VARIANTS]; // PLAN_ALONE: of the whole work, without a partner
 } plan_times;
@@ -50,6 +51,9 @@ void plan_times_learn(plan_times *t, uint32_t n_variants, uint32_t modes,
 
 // The time that a device's part is expected to take; 0: it has none. INFINITY: not known.
 double plan_times_expect_part(const plan_times *t, const listed_plan *plan, int device);
+
+// What the first frame takes longer where a plan follows another; 0 if the kernels are the same.
+double plan_times_switch(const plan_times *t, const listed_plan *from, const listed_plan *to);
 
 // The time of a step by the plan.
 double plan_times_expect(const plan_times *t, const listed_plan *plan);

@@ -18,8 +18,10 @@ typedef struct machine {
     simulated_pair modes[PLAN_MODES];
     double kernels[2][PLAN_VARIANTS];
     double slower[2]; // what the devices do besides
-    rng *r;           // NULL: without noise
-    uint32_t frames;  // so far
+    double switch_ns; // that a frame takes longer after one with other kernels
+    listed_plan last;
+    rng *r;          // NULL: without noise
+    uint32_t frames; // so far
 } machine;
 
 enum { KERNELS = 2 };
@@ -45,6 +47,9 @@ static bool launch(void *context, const listed_plan *plan, search_sample *frame)
     frame->a_ns = (uint64_t)((double)frame->a_ns * m->slower[0] * m->kernels[0][plan->variant[0]]);
     frame->b_ns = (uint64_t)((double)frame->b_ns * m->slower[1] * m->kernels[1][plan->variant[1]]);
     frame->total_ns = frame->a_ns > frame->b_ns ? frame->a_ns : frame->b_ns;
+    if (m->last.mode != plan->mode || memcmp(m->last.variant, plan->variant, sizeof plan->variant))
+        frame->total_ns += (uint64_t)m->switch_ns;
+    m->last = *plan;
     return true;
 }
 
@@ -54,6 +59,7 @@ static double time_of(const machine *m, const listed_plan *plan)
     machine quiet = *m;
     search_sample frame;
     quiet.r = NULL;
+    quiet.switch_ns = 0;
     launch(&quiet, plan, &frame);
     return (double)frame.total_ns;
 }
@@ -94,7 +100,8 @@ static trials run_on(online *o, machine *m, uint32_t n)
         assert_ok(online_plan(o, &plan, &err), err);
         launch(m, &plan, &frame);
         assert_ok(online_tell(o, &frame, &err), err);
-        double ratio = time_of(m, &plan) / time_of(m, &kept);
+        double ratio =
+            fmax(time_of(m, &plan), m->r ? 0 : (double)frame.total_ns) / time_of(m, &kept);
         tried.longest = fmax(tried.longest, ratio);
         tried.n += memcmp(&plan, &kept, sizeof plan) != 0;
         tried.long_ones += ratio > 1.12;
@@ -113,7 +120,9 @@ static online begin_learned(const listed_plan *plan, machine *m)
 {
     online o = online_begin(plan, 0.1);
     const plan_runner runner = {m, launch};
+    search_sample frame;
     plan_times_learn(&o.times, KERNELS, (1u << PLAN_MODES) - 1, &runner);
+    launch(m, plan, &frame);
     return o;
 }
 
@@ -233,8 +242,7 @@ static void other_plans_are_followed_when_devices_change(void **state)
 {
     (void)state;
     rng r = rng_seed(test_seed());
-    uint32_t alone = 0, shared = 0;
-    double sum = 0;
+    uint32_t alone = 0, shared = 0, near = 0;
     enum { MACHINES = 100, CHANGES = 4 };
     for (int i = 0; i < MACHINES; ++i) {
         machine m = any_machine(&r, 0.02);
@@ -243,17 +251,17 @@ static void other_plans_are_followed_when_devices_change(void **state)
         for (int change = 0; change < CHANGES; ++change) {
             m.slower[rng_below(&r, 2)] = pow(8, rng_between(&r, -1, 1));
             bool was_shared = plan_is_shared(&o.plan);
-            run_on(&o, &m, 2000);
+            run_on(&o, &m, 4000);
             alone += was_shared && !plan_is_shared(&o.plan);
             shared += !was_shared && plan_is_shared(&o.plan);
-            sum += excess_of(&m, &o);
+            near += excess_of(&m, &o) < 0.05;
         }
         online_end(&o);
     }
-    print_message("%u times one device, %u times both; mean above the best %.2f %%\n", alone,
-                  shared, 100 * sum / (MACHINES * CHANGES));
+    print_message("%u times one device, %u times both; %u of %d within 5 %% of the best\n", alone,
+                  shared, near, MACHINES * CHANGES);
     assert_true(alone > 0 && shared > 0);
-    assert_true(sum / (MACHINES * CHANGES) < 0.03);
+    assert_true(near >= MACHINES * CHANGES * 9 / 10);
 }
 
 // The machine has no noise: what is expected is what a frame takes, unless a device that nothing
@@ -268,6 +276,7 @@ static void no_frame_is_longer_than_was_allowed(void **state)
     for (int i = 0; i < MACHINES; ++i) {
         machine m = any_machine(&r, 0);
         m.r = NULL;
+        m.switch_ns = rng_between(&r, 0, 0.2) * best_time(&m);
         listed_plan start = any_plan(&r);
         online o = begin_learned(&start, &m);
         trials still = run_on(&o, &m, FRAMES);
@@ -323,6 +332,22 @@ static void a_machine_that_does_not_change_is_left_alone(void **state)
                   100.0 * tried / (MACHINES * FRAMES));
     assert_true(taken <= MACHINES);
     assert_true(tried < 0.02 * MACHINES * FRAMES);
+}
+
+// But a plan of one device has the kernels of mode own.
+static void kernels_that_take_too_long_to_change_are_left(void **state)
+{
+    (void)state;
+    machine m = make_machine(&(simulated_pair){.ratio = 1}, NULL);
+    m.switch_ns = 0.5 * best_time(&m);
+    m.kernels[0][0] = m.kernels[1][0] = 2;
+    online o = begin_learned(&(listed_plan){.share = 0, .mode = DUET_MODE_OWN}, &m);
+    trials tried = run_on(&o, &m, 3000);
+    assert_true(tried.longest <= 1.1001);
+    assert_true(plan_is_shared(&o.plan));
+    assert_int_equal(o.plan.mode, DUET_MODE_OWN);
+    assert_true(o.plan.variant[0] == 0 && o.plan.variant[1] == 0);
+    online_end(&o);
 }
 
 static void a_rival_that_cannot_run_is_not_tried_again(void **state)
@@ -487,6 +512,7 @@ int main(void)
         cmocka_unit_test(no_frame_is_longer_than_was_allowed),
         cmocka_unit_test(an_idle_device_that_recovers_is_used_again),
         cmocka_unit_test(a_machine_that_does_not_change_is_left_alone),
+        cmocka_unit_test(kernels_that_take_too_long_to_change_are_left),
         cmocka_unit_test(a_rival_that_cannot_run_is_not_tried_again),
         cmocka_unit_test(steps_find_the_same_pairs_while_the_share_is_watched),
         cmocka_unit_test(what_was_learned_is_loaded_at_the_next_start_of_what_was_tuned),
