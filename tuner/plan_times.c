@@ -214,20 +214,19 @@ static bool is_worth_alone(const plan_times *t, uint32_t v)
     return least < WORTH_ALONE * t->lines[PLAN_ALONE][1][v].each_ns;
 }
 
-// Each plan follows one with other kernels.
+// Each plan follows one with other kernels, and then itself.
 static void learn_switch(plan_times *t, uint32_t modes, const plan_runner *runner)
 {
     double extra[PLAN_MODES * PLAN_VARIANTS];
     uint32_t n = 0;
     for (uint32_t i = 0; i < PLAN_MODES * t->n_variants; ++i) {
-        uint32_t v = i % t->n_variants, mode = i / t->n_variants;
-        listed_plan plan = {0, mode, {v, v}};
-        search_sample frame;
+        listed_plan plan = {0, i / t->n_variants, {i % t->n_variants, i % t->n_variants}};
+        search_sample first, second;
         if (modes)
             plan.share = plan_times_best_share(t, &plan);
-        double expected = plan_times_expect(t, &plan);
-        if (isfinite(expected) && runner->run(runner->context, &plan, &frame))
-            extra[n++] = (double)frame.total_ns - expected;
+        if (isfinite(plan_times_expect(t, &plan)) && runner->run(runner->context, &plan, &first) &&
+            runner->run(runner->context, &plan, &second))
+            extra[n++] = (double)first.total_ns - (double)second.total_ns;
     }
     t->switch_ns = n > 1 ? fmax(stats_median(extra, n), 0) : 0;
 }
