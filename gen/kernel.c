@@ -64,6 +64,8 @@ void kernel_forget(kernel *k)
     free(k->valid.before);
     k->valid = (valid_configs){0};
     text_free(&k->plain);
+    for (int i = 0; i < KERNEL_MADE; ++i)
+        text_free(&k->made[i].whole);
     template_close(k->choices);
     template_close(k->template);
     k->choices = k->template = NULL;
@@ -175,6 +177,31 @@ static bool add_text(const kernel *k, const gen_setting *config, text *out, duet
                        : text_ok(out, err);
 }
 
+// The text that begins with the prelude, which is freed or becomes its beginning. NULL: it failed.
+static const made_text *make_text(kernel *k, const gen_setting *config, text *prelude,
+                                  duet_error *err)
+{
+    for (int i = 0; i < KERNEL_MADE; ++i) {
+        const made_text *m = &k->made[i];
+        if (m->prelude != prelude->length || !m->whole.chars ||
+            memcmp(m->whole.chars, prelude->chars, m->prelude) != 0)
+            continue;
+        text_free(prelude);
+        return m;
+    }
+    made_text *m = &k->made[k->n_made++ % KERNEL_MADE];
+    text_free(&m->whole);
+    *m = (made_text){.prelude = prelude->length};
+    if (!add_text(k, config, prelude, err)) {
+        text_free(prelude);
+        return NULL;
+    }
+    m->whole = *prelude;
+    *prelude = (text){0};
+    SHA256Data((const uint8_t *)m->whole.chars, m->whole.length, m->sha256);
+    return m;
+}
+
 bool gen_make_offered(gen *g, const char *name, const gen_offer *offers, uint32_t n_offers,
                       const gen_limits *limits, gen_variant *variant, duet_error *err)
 {
@@ -182,15 +209,18 @@ bool gen_make_offered(gen *g, const char *name, const gen_offer *offers, uint32_
     text out = {0};
     *variant = (gen_variant){0};
     kernel *k = kernel_find(g, name, err);
-    if (!k || !card_fill(&k->card, offers, n_offers, limits, config, err) ||
-        !card_resolve(&k->card, limits, config, variant, &out, err) ||
-        !add_text(k, config, &out, err)) {
+    bool ok = k && card_fill(&k->card, offers, n_offers, limits, config, err) &&
+              card_resolve(&k->card, limits, config, variant, &out, err);
+    const made_text *made = ok ? make_text(k, config, &out, err) : NULL;
+    variant->text = made ? strdup(made->whole.chars) : NULL;
+    if (made && !variant->text)
+        error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", name);
+    if (!variant->text) {
         text_free(&out);
         gen_variant_free(variant);
         return false;
     }
-    SHA256Data((const uint8_t *)out.chars, out.length, variant->sha256);
-    variant->text = out.chars;
+    memcpy(variant->sha256, made->sha256, sizeof made->sha256);
     return true;
 }
 

@@ -15,6 +15,16 @@ typedef struct valid_configs {
     uint64_t n_blocks;
 } valid_configs;
 
+// The text of a variant that was made before, and its hash. It begins with the config as #defines,
+// `prelude` bytes of it, from which all the rest follows.
+typedef struct made_text {
+    text whole;
+    size_t prelude;
+    char sha256[65];
+} made_text;
+
+enum { KERNEL_MADE = 2 }; // a world that changes between two plans makes each text once
+
 typedef struct kernel {
     char name[48];
     char folder[32]; // within the kernels' folder, "grid/", or ""
@@ -24,6 +34,8 @@ typedef struct kernel {
     text plain;         // common.clh, what the card uses, and a .cl, with #lines
     template *choices;  // of these, where some line is Lua, else NULL
     template *template; // of a .cl.in, else NULL
+    made_text made[KERNEL_MADE];
+    uint32_t n_made; // so far; the latest replaces the oldest
 } kernel;
 
 struct gen {

@@ -222,6 +222,19 @@ function lab.launcher(world, scene, plan)
   end
 end
 
+-- Who works at a share.
+function lab.plan_name(share)
+  return share == 0 and "B alone" or share == 1 and "A alone" or "A and B"
+end
+
+-- What sharing gains over a single device, in percent, with its interval; nothing if the plan
+-- has one device do it all.
+function lab.sharing_gain(single, both)
+  if lab.plan_name(both.plan.share) ~= "A and B" then return end
+  local gain, low, high = lab.gain(single, both)
+  return 100 * gain, 100 * low, 100 * high
+end
+
 -- Each device alone and both at the tuned share: three entries of lab.race,
 -- the last with its share.
 function lab.compare(pair, scene, plan, options)

@@ -213,9 +213,18 @@ static void push_size(lua_State *L, uint64_t value)
 }
 
 PUSH_SEVERAL(push_float, float, lua_pushnumber)
-PUSH_SEVERAL(push_double, double, lua_pushnumber)
+PUSH_SEVERAL(push_doubles, double, lua_pushnumber)
 PUSH_SEVERAL(push_counts, uint32_t, lua_pushinteger)
 PUSH_SEVERAL(push_sizes, uint64_t, push_size)
+
+// A figure that was not measured is NaN in C and nil in Lua.
+static void push_double(lua_State *L, const member *m, const void *at)
+{
+    if (m->size == sizeof(double) && isnan(*(const double *)at))
+        lua_pushnil(L);
+    else
+        push_doubles(L, m, at);
+}
 
 const member_type member_string = {read_string, push_string};
 const member_type member_chars = {read_chars, push_chars};

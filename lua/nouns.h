@@ -59,7 +59,7 @@ typedef struct world_box {
     uint64_t steps;     // results of earlier ones no longer hold
     uint64_t maps;      // so with mapped poses
     uint64_t size_maps; // and sizes
-    uint32_t onlines;   // online shares that step it
+    uint32_t onlines;   // online plans that step it
 } world_box;
 
 world_box *world_check(lua_State *L, int index);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // device_pair:tune: finds how the two share a scene's work best; world:online: keeps
-// a world's share near its best while frames go by.
+// a world's plan near its best while frames go by.
 #include "lua/nouns.h"
 #include "lua/policy.h"
 
@@ -243,6 +243,13 @@ static duet_mode find_mode(lua_State *L, const char *name)
     return DUET_MODE_SHARED;
 }
 
+static uint32_t read_modes(lua_State *L, const name_list *names, duet_mode modes[32])
+{
+    for (uint32_t i = 0; i < names->n; ++i)
+        modes[i] = find_mode(L, names->names[i]);
+    return names->n;
+}
+
 static duet_level find_level(lua_State *L, const char *name)
 {
     duet_level level = DUET_LEVEL_CERTIFIED;
@@ -274,8 +281,7 @@ static int pair_tune(lua_State *L)
     check_policy(L, &t.def);
     t.def.variants = t.variants.names;
     t.def.n_variants = t.variants.n;
-    for (t.def.n_modes = 0; t.def.n_modes < t.modes.n; ++t.def.n_modes)
-        modes[t.def.n_modes] = find_mode(L, t.modes.names[t.def.n_modes]);
+    t.def.n_modes = read_modes(L, &t.modes, modes);
     t.def.modes = modes;
     for (t.def.n_levels = 0; t.def.n_levels < t.levels.n; ++t.def.n_levels)
         levels[t.def.n_levels] = find_level(L, t.levels.names[t.def.n_levels]);
@@ -322,17 +328,29 @@ typedef struct online_box {
 
 static const lua_class online_class;
 
+// What a script says; the rest of the C def follows from it.
+typedef struct online_def {
+    duet_online_def def;
+    name_list variants;
+    name_list modes;
+} online_def;
+
+#define ONLINE_OPTION(type_, member_)                                                    \
+    {                                                                                    \
+        .name = #member_, .type = &(type_), .offset = offsetof(online_def, def.member_), \
+        .size = sizeof((duet_online_def *)0)->member_                                    \
+    }
+
 static const member online_members[] = {
-    MEMBER(member_double, duet_online_def, most_extra),
-    MEMBER(member_bool, duet_online_def, keep),
-    MEMBER(member_string, duet_online_def, store),
-    {0},
+    ONLINE_OPTION(member_double, most_extra), ONLINE_OPTION(member_bool, keep),
+    ONLINE_OPTION(member_string, store),      MEMBER(member_names, online_def, variants),
+    MEMBER(member_names, online_def, modes),  {0},
 };
 
 static online_box *check_online(lua_State *L)
 {
     online_box *box = luaL_checkudata(L, 1, online_class.name);
-    luaL_argcheck(L, box->online, 1, "the online share is closed");
+    luaL_argcheck(L, box->online, 1, "the online plan is closed");
     return box;
 }
 
@@ -341,13 +359,20 @@ static int world_online(lua_State *L)
 {
     duet_error err = {0};
     world_box *world = world_check(L, 1);
-    duet_online_def def = duet_default_online_def();
-    member_read_table(L, 2, "an online share", online_members, &def);
-    if (def.keep)
+    duet_mode modes[32];
+    online_def o = {.def = duet_default_online_def()};
+    member_read_table(L, 2, "an online plan", online_members, &o);
+    if (o.def.keep)
         policy_check_trusted(L, "keeping a profile (or else keep = false)");
-    def.world = world->world;
+    o.def.world = world->world;
+    o.def.variants = o.variants.names;
+    o.def.n_variants = o.variants.n;
+    o.def.n_modes = read_modes(L, &o.modes, modes);
+    o.def.modes = modes;
     online_box *box = class_push_of(L, &online_class, sizeof *box, 1);
-    box->online = duet_online_create(&def, &err);
+    ++world->steps; // create steps the world
+    world_forget_views(world);
+    box->online = duet_online_create(&o.def, &err);
     if (!box->online)
         return class_push_failure(L, &err);
     box->world = world;

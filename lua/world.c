@@ -88,7 +88,7 @@ static int world_close(lua_State *L)
     world_box *box = luaL_checkudata(L, 1, world_class.name);
     if (!box->world)
         return 0;
-    luaL_argcheck(L, box->onlines == 0, 1, "an online share steps the world: close that first");
+    luaL_argcheck(L, box->onlines == 0, 1, "an online plan steps the world: close that first");
     duet_world_destroy(box->world);
     box->world = NULL;
     ++box->steps;

@@ -99,8 +99,8 @@ static const sql_column entry_columns[] = {
     SQL_COLUMN("r.id", cluster_run_entry, id),
     SQL_COLUMN("r.uid", cluster_run_entry, uid),
     SQL_COLUMN("r.created_ns", cluster_run_entry, created_ns),
-    SQL_COLUMN("f.latency_ns", cluster_run_entry, fabric.latency_ns),
-    SQL_COLUMN("f.byte_ns", cluster_run_entry, fabric.byte_ns),
+    SQL_COLUMN("coalesce(f.latency_ns, 0)", cluster_run_entry, fabric.latency_ns),
+    SQL_COLUMN("coalesce(f.byte_ns, 0)", cluster_run_entry, fabric.byte_ns),
     SQL_COLUMN("f.measured_ns", cluster_run_entry, measured_ns),
     SQL_COLUMN("(SELECT sum(busy_ns) / sum(busy_ns + wait_ns) FROM cluster_rank "
                "WHERE run_id = r.id)",

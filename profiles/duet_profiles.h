@@ -48,8 +48,8 @@ typedef struct duet_stored_profile {
     uint32_t rounds;    // of the race that the verdict is of; 0: not known
     uint32_t watched;   // launches whose threads were watched; 0: not known
     uint32_t disturbed; // and those of them that waited for a core
-    double whole_ms;    // a step by the device that A and B are parts of; 0: not raced
-    double whole_gain;  // of the plan over it
+    double whole_ms;    // a step by the device that A and B are parts of; NaN: not raced
+    double whole_gain;  // of the plan over it; NaN: not raced
     double whole_gain_low;
     double whole_gain_high;
     double missed_rate; // of the pairs that collide
@@ -76,7 +76,7 @@ typedef struct duet_stored_trial {
     char variant_a[192];
     char variant_b[192];
     uint32_t samples;
-    double step_ms; // the median, and its interval; 0 unless ok, as those below
+    double step_ms; // the median, and its interval; NaN unless ok, as those below
     double low_ms;
     double high_ms;
     double a_ms; // A's part of it, and B's

@@ -50,7 +50,7 @@ typedef struct profile_found {
     double median_ns; // of a step; predicted if interpolated; 0 if transferred, as all below
     double low_ns;    // its interval; 0 where predicted, as what is not said below
     double high_ns;
-    double single_ns; // by the best single device; 0 where not known
+    double single_ns; // by the best single device; NaN: not known
     double gain;      // over the best single device
     double gain_low;
     double gain_high;
@@ -61,7 +61,7 @@ typedef struct profile_found {
     uint32_t best_share; // of the best plan that shares the work, which the gain is of
     char best_mode[16];
     char terms[512];   // its equations 4 to 6, as JSON; empty where not known
-    double whole_ns;   // a step by the undivided device of A and B; 0: it was not raced
+    double whole_ns;   // a step by the undivided device of A and B; NaN: it was not raced
     double whole_gain; // of the plan over it
     double whole_gain_low;
     double whole_gain_high;

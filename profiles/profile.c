@@ -84,7 +84,7 @@ static bool insert(store *s, const profile_row *row, const profile_placed *place
     sql_bind(&q, row_columns, row);
     sql_bind(&q, whole_columns, row->whole_ns > 0 ? row : NULL);
     bind_number(&q, row->true_pairs);
-    sql_real(&q, row->single_ns != 0 ? row->single_ns : NAN);
+    sql_real(&q, row->single_ns > 0 ? row->single_ns : NAN);
     sql_int(&q, row->best_mode ? row->best_share : row->plan.share);
     sql_text(&q, row->best_mode ? row->best_mode : row->plan.mode);
     sql_text(&q, row->session);

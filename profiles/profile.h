@@ -22,12 +22,12 @@ typedef struct profile_row {
     double missed_rate;    // pairs missed, by true pairs, as measured; 0: none
     double false_rate;     // pairs reported in excess, by true pairs
     int64_t true_pairs;    // that the rates are of; -1: they were not measured
-    double single_ns;      // a step by the best single device; 0: not known
+    double single_ns;      // a step by the best single device; 0 or NaN: not known
     uint32_t best_share;   // of the best plan that shares the work, which the gain is of
     const char *best_mode; // NULL: the plan is that one
     const char *terms;     // of the best plan, a JSON object as a trial's; NULL: not known
     uint32_t rounds;       // of the race that the gain is of; 0: there was none, or not known
-    double whole_ns;       // a step by the undivided device of A and B; 0: it was not raced
+    double whole_ns;       // a step by the undivided device of A and B; 0 or NaN: it was not raced
     double whole_gain;     // of the plan over it
     double whole_gain_low;
     double whole_gain_high;

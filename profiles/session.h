@@ -114,7 +114,7 @@ typedef struct profile_trial {
     double build_ms;     // 0: nothing was built
     uint32_t outliers;
     uint32_t disturbed; // launches that count although other programs disturbed them
-    double median_ns;   // of the total, as all below; 0 unless ok
+    double median_ns;   // of the total, as all below; NaN unless ok when read
     double mad_ns;      // median absolute deviation
     double low_ns;      // the median's interval
     double high_ns;

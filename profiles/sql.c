@@ -248,7 +248,8 @@ static void read_column(const sql *q, int column, const sql_column *c, void *mem
         *(bool *)member = sql_get_int(q, column) != 0;
         break;
     case SQL_REAL:
-        *(double *)member = sql_get_real(q, column);
+        *(double *)member =
+            sqlite3_column_type(q->stmt, column) == SQLITE_NULL ? NAN : sql_get_real(q, column);
         break;
     case SQL_TEXT:
         *(const char **)member = sql_get_text(q, column);

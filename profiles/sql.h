@@ -98,7 +98,7 @@ sql sql_select(store *s, const sql_column *columns, const char *rest, duet_error
 
 void sql_bind(sql *q, const sql_column *columns, const void *row); // NULL: each is NULL
 
-// Fills the row from `column` on, and gives back the next column. A NULL is 0, an
+// Fills the row from `column` on, and gives back the next column. A NULL is 0, NaN for a double, an
 // empty or no text.
 int sql_read(const sql *q, int column, const sql_column *columns, void *row);
 

@@ -118,10 +118,10 @@ typedef struct duet_tune_outcome {
     double step_ms;     // by the plan to use, the median; 0: the tuning gave up
     double step_low_ms; // and its interval
     double step_high_ms;
-    double single_ms;  // by the better single device
+    double single_ms;  // by the better single device; NaN: not known
     double whole_ms;   // by the one device that A and B are parts of, or of a motion by A as the
-                       // only one; 0: there is none
-    double whole_gain; // of the plan to use over that one
+                       // only one; NaN: not raced
+    double whole_gain; // of the plan to use over that one; NaN: not raced
     double whole_gain_low;
     double whole_gain_high;
     duet_tune_terms terms;         // of the best plan; zero where a store has none
@@ -159,12 +159,16 @@ DUET_API bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome
 
 // ---------------------------------------------------------------- on line
 
-// Keeps a world's share near its best while frames go by.
+// Keeps a world's plan near its best while frames go by.
 typedef struct duet_online duet_online;
 
 typedef struct duet_online_def {
-    duet_world *world; // held until the close; begins with the plan that it has
-    double most_extra; // a frame may be expected to take so much longer for a trial: 0.1
+    duet_world *world;           // held until the close; begins with the plan that it has
+    double most_extra;           // a frame may be expected to take so much longer for a trial: 0.1
+    const duet_mode *modes;      // to choose from
+    uint32_t n_modes;            // 0: all
+    const char *const *variants; // to choose from for each device, besides those of the plan
+    uint32_t n_variants;         // up to four with those of the plan
     bool keep;         // stores at the close what was learned; it is loaded from then on where a
                        // tuned profile was before
     const char *store; // in this file; NULL: the user's (DUET_PROFILE)
@@ -172,14 +176,19 @@ typedef struct duet_online_def {
 } duet_online_def;
 
 DUET_API duet_online_def duet_default_online_def(void);
+
+// If the world has objects, steps it with every mode and variant, some twenty steps for each
+// variant, so that their kernels are built and their times known: call it while the application
+// loads. Without objects only the share is moved later. BAD_ARGUMENT for an unknown variant.
 DUET_API duet_online *duet_online_create(const duet_online_def *def, duet_error *err);
 
-// In the place of duet_world_step. Once frames take other times than they did,
-// or one device waits for the other, the next few move the share a little. A
-// plan of a single device stays as it is. Nothing is read or written.
+// In the place of duet_world_step, with a plan that it sets. Once frames take other times than
+// they did, or one device waits for the other, the next few move the share a little. Another mode,
+// other kernels, and one device or two, are tried if most_extra allows what they are expected to
+// take, and kept with a verdict as a tuning's. Nothing is read or written.
 DUET_API bool duet_online_step(duet_online *online, duet_result *result, duet_error *err);
 
-// How often the share was tuned again.
+// How often the share was tuned again, or another plan taken.
 DUET_API uint32_t duet_online_get_tunings(const duet_online *online);
 
 // false where it was to be kept and could not be; it is closed all the same. True for

@@ -1,17 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/online.h"
 
-#include "base/error.h"
-#include "runtime/broadphase/world.h"
-#include "runtime/selection/profile_subject.h"
-#include "tuner/measure.h"
-#include "tuner/record.h"
 #include "tuner/stats.h"
 
 #include <math.h>
-#include <stdlib.h>
-
-enum { COOKIE = 0x0d0e7004 };
 
 // ---------------------------------------------------------------- drift
 
@@ -45,11 +37,18 @@ bool drift_update(drift *d, double measured_ns, double expected_ns)
     return d->up > LIMIT || d->down > LIMIT;
 }
 
-// ---------------------------------------------------------------- states
+// ---------------------------------------------------------------- settling
 
-online online_begin(uint32_t share, double most_extra)
+enum { SOUNDINGS = 3 }; // rounds that say what to expect of a rival
+
+// Rivals are looked for after so many frames, and if none was better after twice as many.
+enum { LEAST_REST = 32, MOST_REST = 1024 };
+
+static const double WORTH = 0.97; // a race is worth it for a frame that is so much shorter
+
+online online_begin(const listed_plan *plan, double most_extra)
 {
-    return (online){.share = share, .most_extra = most_extra};
+    return (online){.plan = *plan, .most_extra = most_extra};
 }
 
 void online_end(online *o)
@@ -57,32 +56,185 @@ void online_end(online *o)
     search_end(&o->search);
 }
 
-// Of one device alone there is no balance to move.
-static bool is_shared(const online *o)
-{
-    return o->share > 0 && o->share < SEARCH_ONE;
-}
-
 static double balance_of(const search_sample *frame)
 {
     return frame->b_ns ? (double)frame->a_ns / (double)frame->b_ns : 0;
 }
 
+// The median time of the frames that were seen of the kept plan (0) or the rival (1).
+static search_sample median_of(const online *o, int which)
+{
+    const online_seen *seen = &o->seen[which];
+    double ns[3][ONLINE_SETTLE];
+    for (uint32_t i = 0; i < seen->n; ++i) {
+        ns[0][i] = (double)seen->frames[i].total_ns;
+        ns[1][i] = (double)seen->frames[i].a_ns;
+        ns[2][i] = (double)seen->frames[i].b_ns;
+    }
+    return (search_sample){.share = seen->frames[0].share,
+                           .total_ns = (uint64_t)stats_median(ns[0], seen->n),
+                           .a_ns = (uint64_t)stats_median(ns[1], seen->n),
+                           .b_ns = (uint64_t)stats_median(ns[2], seen->n)};
+}
+
+static void see(online *o, int which, const search_sample *frame)
+{
+    online_seen *seen = &o->seen[which];
+    if (seen->n < ONLINE_SETTLE)
+        seen->frames[seen->n++] = *frame;
+}
+
+static void begin_seeing(online *o, online_state state)
+{
+    o->seen[0].n = o->seen[1].n = 0;
+    o->state = state;
+}
+
+static void begin_settling(online *o)
+{
+    begin_seeing(o, ONLINE_SETTLING);
+    o->rest = o->rested = 0;
+}
+
 static void settle(online *o, const search_sample *frame)
 {
-    o->seen[o->n_seen++] = *frame;
-    if (o->n_seen < ONLINE_SETTLE)
+    static const bool all[2] = {true, true};
+    see(o, 0, frame);
+    if (o->seen[0].n < ONLINE_SETTLE)
         return;
-    double totals[ONLINE_SETTLE], balances[ONLINE_SETTLE];
-    for (uint32_t i = 0; i < ONLINE_SETTLE; ++i) {
-        totals[i] = (double)o->seen[i].total_ns;
-        balances[i] = balance_of(&o->seen[i]);
-    }
-    o->total_ns = stats_median(totals, ONLINE_SETTLE);
+    search_sample median = median_of(o, 0);
+    double balances[ONLINE_SETTLE];
+    for (uint32_t i = 0; i < ONLINE_SETTLE; ++i)
+        balances[i] = balance_of(&o->seen[0].frames[i]);
+    o->total_ns = (double)median.total_ns;
     o->balance = stats_median(balances, ONLINE_SETTLE);
     o->drifts[0] = o->drifts[1] = (drift){0};
-    o->n_seen = 0;
     o->state = ONLINE_WATCHING;
+    plan_times_follow(&o->times, &median, &o->plan, all);
+}
+
+// ---------------------------------------------------------------- rivals
+
+static void begin_race(online *o, const listed_plan *rival, uint32_t rounds)
+{
+    race_options options = race_default_options();
+    options.most_rounds = rounds ? rounds : options.most_rounds;
+    o->rival = *rival;
+    o->race = race_begin(2, &options);
+    o->last = 0;
+    begin_seeing(o, ONLINE_RACING);
+}
+
+// Whether no frame of a race is expected to take longer than is allowed: the rival's, nor the first
+// ones after a change of kernels.
+static bool is_allowed(const online *o, const listed_plan *rival)
+{
+    double longest = fmax(plan_times_expect(&o->times, rival), o->total_ns);
+    return longest + plan_times_switch(&o->times, &o->plan, rival) <=
+           (1 + o->most_extra) * o->total_ns;
+}
+
+// The rival that is expected to be the fastest, if it is worth a race.
+static bool find_faster(const online *o, listed_plan *fastest)
+{
+    listed_plan rival;
+    double least = WORTH * o->total_ns;
+    bool found = false;
+    for (uint32_t i = 0; plan_times_rival(&o->times, i, &rival); ++i) {
+        double expected = plan_times_expect(&o->times, &rival);
+        if (expected >= least || plan_is_same(&rival, &o->plan) || !is_allowed(o, &rival))
+            continue;
+        least = expected;
+        *fastest = rival;
+        found = true;
+    }
+    return found;
+}
+
+// How to sound a rival. What a device takes that has been idle is not known for certain: it gets as
+// little as can be measured, or as makes the busy one quick enough.
+static listed_plan sounding_of(const online *o, const listed_plan *rival)
+{
+    double most_ns = (1 + o->most_extra) * o->total_ns;
+    int busy = o->plan.share == 0 ? 1 : 0;
+    listed_plan plan = *rival;
+    if (plan_is_shared(&o->plan) || rival->share == o->plan.share)
+        return plan;
+    plan.variant[busy] = o->plan.variant[busy];
+    most_ns -= plan_times_switch(&o->times, &o->plan, &plan);
+    uint32_t part = plan_times_largest_part(&o->times, &plan, busy, most_ns);
+    plan.share = busy == 0 ? part : SEARCH_ONE - part;
+    return plan;
+}
+
+static bool begin_sounding(online *o, const listed_plan *rival)
+{
+    listed_plan sounding = sounding_of(o, rival);
+    if (plan_is_same(rival, &o->plan) || !is_allowed(o, &sounding))
+        return false;
+    begin_race(o, &sounding, SOUNDINGS);
+    return true;
+}
+
+// The next in turn that may be tried.
+static void sound_next(online *o)
+{
+    listed_plan rival;
+    uint32_t n = 0;
+    while (plan_times_rival(&o->times, n, &rival))
+        ++n;
+    for (uint32_t i = 0; i < n; ++i) {
+        uint32_t at = (o->turn + i) % n;
+        plan_times_rival(&o->times, at, &rival);
+        if (!begin_sounding(o, &rival))
+            continue;
+        o->turn = at + 1;
+        return;
+    }
+}
+
+// What was seen of a device that is idle, and stays so, counts less and less.
+static void expect_recovery(online *o)
+{
+    bool is_seen = o->state == ONLINE_RACING && plan_is_shared(&o->rival);
+    if (!plan_is_shared(&o->plan) && !is_seen)
+        plan_times_recover(&o->times, o->plan.share == 0 ? 0 : 1);
+}
+
+static void look_for_rivals(online *o)
+{
+    listed_plan rival;
+    o->rested = 0;
+    o->rest = o->rest ? 2 * o->rest : LEAST_REST;
+    o->rest = o->rest < MOST_REST ? o->rest : MOST_REST;
+    bool found = find_faster(o, &rival);
+    if (found && plan_is_shared(&o->plan))
+        begin_race(o, &rival, 0);
+    else if (!found || !begin_sounding(o, &rival))
+        sound_next(o);
+    expect_recovery(o);
+}
+
+// By how much more a device takes than the kept plan's frames of the race let expect; 1 for one
+// that it leaves idle.
+static double disturbance(const online *o, int device)
+{
+    search_sample kept = median_of(o, 0);
+    uint64_t ns = device == 0 ? kept.a_ns : kept.b_ns;
+    double expected = plan_times_expect_part(&o->times, &o->plan, device);
+    return ns > 0 && expected > 0 && isfinite(expected) ? (double)ns / expected : 1;
+}
+
+// A device that the kept plan leaves idle is known only by the rival.
+static void learn_rival(online *o)
+{
+    if (race_rounds(&o->race, 0, 1) == 0)
+        return;
+    search_sample rival = median_of(o, 1);
+    const bool all[2] = {o->plan.share == 0, o->plan.share == SEARCH_ONE};
+    rival.a_ns = (uint64_t)((double)rival.a_ns / disturbance(o, 0));
+    rival.b_ns = (uint64_t)((double)rival.b_ns / disturbance(o, 1));
+    plan_times_follow(&o->times, &rival, &o->rival, all);
 }
 
 static bool begin_moving(online *o, const search_sample *frame, duet_error *err)
@@ -90,22 +242,87 @@ static bool begin_moving(online *o, const search_sample *frame, duet_error *err)
     search_options options = search_default_options();
     options.launches = ONLINE_MOVES;
     options.has_start = true;
-    options.start = o->share;
+    options.start = o->plan.share;
     o->state = ONLINE_MOVING;
     ++o->tunings;
     search_end(&o->search);
     return search_begin(&o->search, "chunks", &options, err) && search_tell(&o->search, frame, err);
 }
 
+static bool take_rival(online *o, duet_error *err)
+{
+    search_sample frame = median_of(o, 1);
+    o->plan = o->rival;
+    if (plan_is_shared(&o->plan))
+        return begin_moving(o, &frame, err);
+    ++o->tunings;
+    begin_settling(o);
+    return true;
+}
+
+static bool is_sounding(const online *o)
+{
+    return o->race.options.most_rounds == SOUNDINGS;
+}
+
+static bool end_race(online *o, duet_error *err)
+{
+    bool ran = race_rounds(&o->race, 0, 1) > 0;
+    learn_rival(o);
+    o->state = ONLINE_WATCHING;
+    if (ran && race_compare(&o->race, 1, 0).verdict == RACE_FASTER)
+        return take_rival(o, err);
+    listed_plan rival;
+    if (is_sounding(o) && find_faster(o, &rival))
+        begin_race(o, &rival, 0);
+    return true;
+}
+
+static bool is_too_slow(const online *o)
+{
+    return race_rounds(&o->race, 0, 1) >= (is_sounding(o) ? 1 : SOUNDINGS) &&
+           race_median(&o->race, 1) > (1 + o->most_extra) * race_median(&o->race, 0);
+}
+
+static bool run_race(online *o, const search_sample *frame, duet_error *err)
+{
+    uint32_t turn;
+    race_next(&o->race, &turn);
+    if (o->last != turn) {
+        o->last = turn;
+        return true;
+    }
+    race_add(&o->race, turn, (double)frame->total_ns);
+    see(o, (int)turn, frame);
+    return (!is_too_slow(o) && race_next(&o->race, &turn)) || end_race(o, err);
+}
+
+bool online_is_trial(const online *o)
+{
+    uint32_t turn = 0;
+    if (o->state == ONLINE_RACING)
+        race_next(&o->race, &turn);
+    return o->state == ONLINE_RACING && turn == 1;
+}
+
+void online_refuse(online *o)
+{
+    plan_times_forget(&o->times, &o->rival);
+    o->state = ONLINE_WATCHING;
+}
+
+// ---------------------------------------------------------------- watching
+
 static bool watch(online *o, const search_sample *frame, duet_error *err)
 {
     bool slower = drift_update(&o->drifts[0], (double)frame->total_ns, o->total_ns);
     bool tilted = drift_update(&o->drifts[1], balance_of(frame), o->balance);
-    if (!slower && !tilted)
-        return true;
-    if (is_shared(o))
+    if ((slower || tilted) && plan_is_shared(&o->plan))
         return begin_moving(o, frame, err);
-    o->state = ONLINE_SETTLING;
+    if (slower || tilted)
+        begin_settling(o);
+    else if (++o->rested >= o->rest)
+        look_for_rivals(o);
     return true;
 }
 
@@ -115,8 +332,8 @@ static bool move(online *o, const search_sample *frame, duet_error *err)
     if (!search_tell(&o->search, frame, err) || !search_ask(&o->search, &next, err))
         return false;
     if (next.done) {
-        o->share = search_pick(&o->search);
-        o->state = ONLINE_SETTLING;
+        o->plan.share = search_pick(&o->search);
+        begin_settling(o);
     }
     return true;
 }
@@ -131,11 +348,13 @@ bool online_tell(online *o, const search_sample *frame, duet_error *err)
         return watch(o, frame, err);
     case ONLINE_MOVING:
         return move(o, frame, err);
+    case ONLINE_RACING:
+        return run_race(o, frame, err);
     }
     return true;
 }
 
-// ---------------------------------------------------------------- the share
+// ---------------------------------------------------------------- the next frame
 
 // A frame at another share, by how each device's part grows and shrinks.
 static double expect_total(const search_sample *frame, uint32_t share)
@@ -145,11 +364,8 @@ static double expect_total(const search_sample *frame, uint32_t share)
     return fmax(a, b);
 }
 
-bool online_share(const online *o, uint32_t *share, duet_error *err)
+static bool next_share(const online *o, uint32_t *share, duet_error *err)
 {
-    *share = o->share;
-    if (o->state != ONLINE_MOVING)
-        return true;
     search_next next;
     if (!search_ask(&o->search, &next, err))
         return false;
@@ -161,83 +377,8 @@ bool online_share(const online *o, uint32_t *share, duet_error *err)
     return true;
 }
 
-// ---------------------------------------------------------------- on a world
-
-struct duet_online {
-    duet_online_def def;
-    online online;
-};
-
-duet_online_def duet_default_online_def(void)
+bool online_plan(const online *o, listed_plan *plan, duet_error *err)
 {
-    return (duet_online_def){.most_extra = 0.1, .cookie = COOKIE};
-}
-
-duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
-{
-    if (!def || def->cookie != COOKIE || !def->world)
-        return error_null(err, DUET_STATUS_BAD_ARGUMENT,
-                          "the def has no world or does not come from duet_default_online_def");
-    if (!world_is_idle(def->world, __func__, err))
-        return NULL;
-    if (!(def->most_extra >= 0) || !isfinite(def->most_extra))
-        return error_null(err, DUET_STATUS_BAD_ARGUMENT,
-                          "most_extra is %g; expected a part, as 0.1", def->most_extra);
-    duet_online *o = calloc(1, sizeof *o);
-    if (!o)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory to tune on line");
-    o->def = *def;
-    world_hold(def->world);
-    o->online = online_begin(duet_world_get_plan(def->world)->share, def->most_extra);
-    return o;
-}
-
-bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
-{
-    if (!error_given(o, __func__, "online", err) || !error_given(result, __func__, "result", err) ||
-        !world_is_idle(o->def.world, __func__, err))
-        return false;
-    duet_plan plan = *duet_world_get_plan(o->def.world);
-    if (!online_share(&o->online, &plan.share, err) ||
-        !duet_world_set_plan(o->def.world, &plan, err) ||
-        !duet_world_step(o->def.world, result, err))
-        return false;
-    search_sample frame = measure_sample(result, &plan);
-    return online_tell(&o->online, &frame, err);
-}
-
-uint32_t duet_online_get_tunings(const duet_online *o)
-{
-    return o ? o->online.tunings : 0;
-}
-
-static bool keep(const duet_online *o, duet_error *err)
-{
-    profile_subject known;
-    record r;
-    if (!world_is_idle(o->def.world, "duet_online_destroy", err))
-        return false;
-    duet_plan plan = *duet_world_get_plan(o->def.world);
-    plan.share = o->online.share;
-    if (!profile_subject_read(o->def.world, &known, err))
-        return false;
-    profile_subject_settle(&known, duet_world_get_level(o->def.world));
-    profile_request request = profile_subject_request(&known);
-    if (!record_open(&r, o->def.store, err))
-        return false;
-    bool ok = record_aim(&r, &request, err) && record_online(&r, &plan, o->online.total_ns, err);
-    record_close(&r);
-    return ok;
-}
-
-bool duet_online_destroy(duet_online *o, duet_error *err)
-{
-    if (!o)
-        return true;
-    bool settled = o->online.tunings > 0 && o->online.state == ONLINE_WATCHING;
-    bool ok = !o->def.keep || !settled || keep(o, err);
-    online_end(&o->online);
-    duet_world_destroy(o->def.world);
-    free(o);
-    return ok;
+    *plan = online_is_trial(o) ? o->rival : o->plan;
+    return o->state != ONLINE_MOVING || next_share(o, &plan->share, err);
 }

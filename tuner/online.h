@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: MIT
-// Follows drifting times while frames go by: which share the next frame takes.
+// Follows drifting times while frames go by: which plan the next frame takes.
 //
-// A few frames say what to expect; then both the frame's time and the balance
-// of the two devices are watched. Once either has shifted, some frames move
-// the share in small steps, and the best of them is kept.
+// A few frames say what to expect; then both the frame's time and the balance of the two devices
+// are watched. Once either has shifted, some frames move the share in small steps, and the best of
+// them is kept. A plan of another mode, other kernels or the other number of devices is sounded now
+// and then, for a few frames; if it promises to be faster, it races the one that is kept, and takes
+// its place only with a verdict as a tuning's. No plan runs that is expected to make a frame longer
+// than was allowed.
+//
+//   SETTLING -> WATCHING -> MOVING (times shifted, and both devices work) -> SETTLING
+//               WATCHING -> RACING (three rounds, a rival's turn; twenty, if it is expected to be
+//                           faster) -> WATCHING, or MOVING if it is
 #ifndef TUNER_ONLINE_H
 #define TUNER_ONLINE_H
 
 #include "tuner/duet_tune.h"
+#include "tuner/plan_times.h"
+#include "tuner/race.h"
 #include "tuner/search.h"
 
 // Whether steps take other times than expected: EWMA and CUSUM of the log of
@@ -29,29 +38,47 @@ enum { ONLINE_SETTLE = 31, ONLINE_MOVES = 16 };
 typedef enum online_state {
     ONLINE_SETTLING, // learns what to expect
     ONLINE_WATCHING,
-    ONLINE_MOVING // tries other shares
+    ONLINE_MOVING, // tries other shares
+    ONLINE_RACING  // a rival and the plan that is kept take turns
 } online_state;
 
+typedef struct online_seen {
+    search_sample frames[ONLINE_SETTLE];
+    uint32_t n;
+} online_seen;
+
 typedef struct online {
-    uint32_t share;    // that is kept
+    listed_plan plan;  // that is kept
     double most_extra; // a frame may be expected to take so much longer for a trial
     online_state state;
-    search_sample seen[ONLINE_SETTLE];
-    uint32_t n_seen;
-    double total_ns; // expected
-    double balance;  // expected time of A by that of B
+    plan_times times;    // that rivals are expected to take; without any there are no rivals
+    online_seen seen[2]; // of the kept plan and the rival
+    double total_ns;     // expected
+    double balance;      // expected time of A by that of B
     drift drifts[2];
     search search;
-    uint32_t tunings; // so often it moved
+    listed_plan rival;
+    race race;        // the plan is 0, the rival 1
+    uint32_t last;    // of the two: the first frame after the other's warms up, and does not count
+    uint32_t turn;    // of the rival that is sounded next
+    uint32_t rested;  // frames watched since a rival was last looked for
+    uint32_t rest;    // frames until that is done again
+    uint32_t tunings; // so often the share moved, or another plan was taken
 } online;
 
-online online_begin(uint32_t share, double most_extra);
+online online_begin(const listed_plan *plan, double most_extra);
 void online_end(online *o);
 
-// The share for the next frame.
-bool online_share(const online *o, uint32_t *share, duet_error *err);
+// The plan for the next frame.
+bool online_plan(const online *o, listed_plan *plan, duet_error *err);
 
 // What the frame took.
 bool online_tell(online *o, const search_sample *frame, duet_error *err);
+
+// Whether the next frame's plan is a rival's.
+bool online_is_trial(const online *o);
+
+// The rival cannot run. The plan that is kept is next.
+void online_refuse(online *o);
 
 #endif

@@ -7,6 +7,7 @@
 #include "tuner/variants.h"
 #include "tuner/verdict.h"
 
+#include <math.h>
 #include <stdio.h>
 
 bool tune_gave_up(const duet_tune_outcome *outcome)
@@ -15,9 +16,20 @@ bool tune_gave_up(const duet_tune_outcome *outcome)
 }
 
 // The default plan, of which nothing is known.
+static duet_tune_outcome nothing_known(const tuning *t)
+{
+    return (duet_tune_outcome){.plan = t->task->plan,
+                               .best = t->task->plan,
+                               .single_ms = NAN,
+                               .whole_ms = NAN,
+                               .whole_gain = NAN,
+                               .whole_gain_low = NAN,
+                               .whole_gain_high = NAN};
+}
+
 static void give_up(const tuning *t, duet_tune_outcome *outcome)
 {
-    *outcome = (duet_tune_outcome){.plan = t->task->plan, .best = t->task->plan};
+    *outcome = nothing_known(t);
     snprintf(outcome->verdict, sizeof outcome->verdict, "%s", race_verdict_name(RACE_AMBIGUOUS));
     snprintf(outcome->unused, sizeof outcome->unused, "other programs had %s",
              tuning_describe_others(t).chars);
@@ -29,7 +41,7 @@ bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcom
     mode_found founds[MOST_MODES] = {0};
     uint32_t n = 0;
     state->played = 0;
-    *outcome = (duet_tune_outcome){0};
+    *outcome = nothing_known(&t);
     duet_error why = {0};
     bool ok = variants_choose(&t, &why) && kernel_tuning_run(&t, outcome->kernels, &why) &&
               mode_search_run(&t, founds, &n, &why) &&

@@ -8,6 +8,7 @@
 #include "cli/say.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 
 // The trials' kernels, each told once and numbered as it is met.
@@ -27,6 +28,14 @@ static unsigned kernels_number(trial_table *t, const char *variant)
     return ++t->n_kernels;
 }
 
+static void add_ms(table *t, double ns)
+{
+    if (isnan(ns))
+        table_words(t, "-", NULL);
+    else
+        table_cell(t, "%.3f", ns * 1e-6);
+}
+
 static bool add_trial_row(void *context, int64_t number, const profile_trial *trial)
 {
     trial_table *all = context;
@@ -37,11 +46,11 @@ static bool add_trial_row(void *context, int64_t number, const profile_trial *tr
     table_cell(t, "%u", kernels_number(all, trial->plan.variant_a));
     table_cell(t, "%u", kernels_number(all, trial->plan.variant_b));
     table_cell(t, "%u", trial->n_samples);
-    table_cell(t, "%.3f", trial->median_ns * 1e-6);
-    table_cell(t, "%.3f", trial->low_ns * 1e-6);
-    table_cell(t, "%.3f", trial->high_ns * 1e-6);
-    table_cell(t, "%.3f", trial->a_ns * 1e-6);
-    table_cell(t, "%.3f", trial->b_ns * 1e-6);
+    add_ms(t, trial->median_ns);
+    add_ms(t, trial->low_ns);
+    add_ms(t, trial->high_ns);
+    add_ms(t, trial->a_ns);
+    add_ms(t, trial->b_ns);
     table_cell(t, "%s%s%s", trial->outcome, trial->reason ? ": " : "",
                trial->reason ? trial->reason : "");
     return true;
@@ -146,6 +155,8 @@ static void add_field(table *t, const char *name, const cJSON *one, const cJSON 
             table_words(t, say_name(both[i]->valuestring).chars, NULL);
         else if (cJSON_IsNumber(both[i]))
             table_cell(t, "%.6g", both[i]->valuedouble);
+        else if (cJSON_IsNull(both[i]))
+            table_words(t, "-", NULL);
         else
             table_words(t, chars ? say_name(chars).chars : "-", NULL);
         cJSON_free(chars);

@@ -242,16 +242,9 @@ static bool print_json(const answer *a, duet_error *err)
         cJSON_AddNumberToObject(o, "share_low", found->share_low / (double)PROFILE_SHARE_ONE);
         cJSON_AddNumberToObject(o, "share_high", found->share_high / (double)PROFILE_SHARE_ONE);
         add_figures(o, found);
-        if (found->true_pairs > 0) {
-            cJSON_AddNumberToObject(o, "missed_rate", found->missed_rate);
-            cJSON_AddNumberToObject(o, "false_rate", found->false_rate);
-            cJSON_AddNumberToObject(o, "true_pairs", (double)found->true_pairs);
-        }
-        if (found->whole_ns > 0) {
-            cJSON_AddNumberToObject(o, "whole_ms", found->whole_ns * 1e-6);
-            json_add_interval(o, "whole_gain", found->whole_gain, found->whole_gain_low,
-                              found->whole_gain_high);
-        }
+        json_add_rates(o, (double)found->true_pairs, found->missed_rate, found->false_rate);
+        json_add_whole(o, found->whole_ns * 1e-6, found->whole_gain, found->whole_gain_low,
+                       found->whole_gain_high);
         cJSON_AddStringToObject(o, "uid", found->uid);
         cJSON_AddStringToObject(o, "created", profile_report_when(found->created_ns).chars);
     }

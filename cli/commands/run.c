@@ -6,6 +6,7 @@
 // shown, so that its stages belong together.
 #include "base/error.h"
 #include "base/text.h"
+#include "cli/command_text.h"
 #include "cli/commands.h"
 #include "cli/commands/cluster.h"
 #include "cli/draw/snapshot.h"
@@ -217,15 +218,30 @@ static timed_sends sends(const arguments *args)
     return args->transforms || args->compact ? TIMED_SENDS_TRANSFORMS : TIMED_SENDS_OBJECTS;
 }
 
+static void write_tuning(const arguments *args, const char *path, const duet_device_pair *pair,
+                         text *command)
+{
+    text_add(command, "duet tune");
+    command_text_scene(command, path, &args->scene);
+    command_text_pair(command, pair);
+    command_text_level(command, &args->level);
+    if (args->ordered)
+        text_add(command, " --ordered");
+}
+
 // The world is stepped, its pairs are used, and all of it is told.
-static bool run_world(const arguments *args, const duet_scene *scene, const uint32_t *ids,
-                      const duet_device_pair *pair, duet_world *world, duet_error *err)
+static bool run_world(const arguments *args, const char *path, const duet_scene *scene,
+                      const uint32_t *ids, const duet_device_pair *pair, duet_world *world,
+                      duet_error *err)
 {
     timed t = {0};
+    text tuning = {0};
+    write_tuning(args, path, pair, &tuning);
     run_report r = {.scene = duet_scene_get_info(scene),
                     .pair = pair,
                     .plan = duet_world_get_plan(world),
                     .timed = &t,
+                    .tuning = text_chars(&tuning),
                     .resident = args->resident,
                     .transforms = args->transforms,
                     .compact = args->compact,
@@ -246,6 +262,7 @@ static bool run_world(const arguments *args, const duet_scene *scene, const uint
         ok = error_set(err, DUET_STATUS_WRONG_RESULT, "%s: the pairs differ from the reference's",
                        r.scene->name);
     timed_free(&t);
+    text_free(&tuning);
     return ok && interrupt_check(err);
 }
 
@@ -583,7 +600,7 @@ static bool run(void *given, char **operands, duet_error *err)
     if (ready && moves)
         ok = run_motion(args, scene, pair, err);
     else
-        ok = world && run_world(args, scene, ids, pair, world, err);
+        ok = world && run_world(args, operands[0], scene, ids, pair, world, err);
     duet_world_destroy(world);
     duet_free(ids);
     duet_scene_destroy(scene);

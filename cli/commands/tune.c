@@ -5,6 +5,7 @@
 // measured, and the same command goes on from there.
 #include "base/error.h"
 #include "base/text_file.h"
+#include "cli/command_text.h"
 #include "cli/commands.h"
 #include "cli/commands/tune_replay.h"
 #include "cli/inputs.h"
@@ -305,13 +306,26 @@ static duet_tune_def make_def(const arguments *args, const tune_config *config, 
     return def;
 }
 
-static duet_scene *load_scene(const arguments *args, const config_workload *w, duet_error *err)
+static scene_options options_of(const arguments *args, const config_workload *w)
 {
     scene_options scene = args->scene;
     scene.n = w->n < 0 ? UINT64_MAX : (uint64_t)w->n;
     for (uint32_t i = 0; i < w->n_settings && scene.settings.n < OPTION_LIST_MOST; ++i)
         scene.settings.items[scene.settings.n++] = w->settings[i];
-    return inputs_load_objects(w->scene, &scene, err);
+    return scene;
+}
+
+static void begin_command(text *command, const arguments *args, const config_workload *w,
+                          const duet_device_pair *pair)
+{
+    scene_options scene = options_of(args, w);
+    text_add(command, "duet run");
+    command_text_scene(command, w->scene, &scene);
+    command_text_pair(command, pair);
+    if (args->ordered)
+        text_add(command, " --ordered");
+    if (w->steps > 0)
+        text_add(command, " --steps %u", w->steps);
 }
 
 static bool put_in_order(const duet_tune_def *def, duet_scene *scene, duet_error *err)
@@ -339,17 +353,22 @@ static void aim_at(duet_tune_def *def, const config_workload *w, bool from_file)
     def->n_variants = def->n_modes = 0;
 }
 
-static bool tune_workload(const duet_tune_def *tuning, const config_workload *w, bool from_file,
-                          const duet_scene *scene, tune_report *report, duet_error *err)
+static bool tune_workload(const arguments *args, const duet_tune_def *tuning,
+                          const config_workload *w, const duet_scene *scene, tune_report *report,
+                          duet_error *err)
 {
     duet_tune_outcome outcome;
     duet_tune_def with_query = *tuning, *def = &with_query;
+    text command = {0};
     def->scene = scene;
-    aim_at(def, w, from_file);
+    aim_at(def, w, args->config);
     tune_report_workload(report, duet_scene_get_info(scene), def);
     if (!duet_tune_run(def, &outcome, err))
         return false;
-    tune_report_add(report, &outcome);
+    if (!def->query)
+        begin_command(&command, args, w, def->pair);
+    tune_report_add(report, &outcome, &command);
+    text_free(&command);
     return true;
 }
 
@@ -387,9 +406,10 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
         tune_report_expect(report, def.pair, config->n_workloads, config->budget_seconds);
     for (uint32_t i = 0; ok && i < config->n_workloads; ++i) {
         const config_workload *w = &config->workloads[i];
-        duet_scene *scene = load_scene(args, w, err);
+        scene_options asked = options_of(args, w);
+        duet_scene *scene = inputs_load_objects(w->scene, &asked, err);
         ok = scene && check_query(w, def.pair, err) && put_in_order(&def, scene, err) &&
-             tune_workload(&def, w, args->config, scene, report, err);
+             tune_workload(args, &def, w, scene, report, err);
         duet_scene_destroy(scene);
     }
     duet_device_pair_destroy(def.pair);
@@ -419,7 +439,7 @@ static bool run(void *given, char **operands, duet_error *err)
     tune_config *config = calloc(1, sizeof *config);
     if (!config)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a tuning");
-    tune_report report = tune_report_begin(args->json);
+    tune_report report = tune_report_begin(args->json, args->store);
     bool ok =
         make_config(args, operands[0], config, err) && tune_workloads(args, config, &report, err);
     ok = tune_report_end(&report, ok, ok ? err : NULL) && ok;

@@ -56,14 +56,34 @@ void json_add_plan(cJSON *o, double share, const char *mode, const char *variant
     cJSON_AddStringToObject(o, "variant_b", variant_b);
 }
 
+void json_add_figure(cJSON *o, const char *name, double value)
+{
+    cJSON_AddItemToObject(o, name, isnan(value) ? cJSON_CreateNull() : cJSON_CreateNumber(value));
+}
+
 void json_add_interval(cJSON *o, const char *name, double value, double low, double high)
 {
     char bound[64];
-    cJSON_AddNumberToObject(o, name, value);
+    json_add_figure(o, name, value);
     snprintf(bound, sizeof bound, "%s_low", name);
-    cJSON_AddNumberToObject(o, bound, low);
+    json_add_figure(o, bound, low);
     snprintf(bound, sizeof bound, "%s_high", name);
-    cJSON_AddNumberToObject(o, bound, high);
+    json_add_figure(o, bound, high);
+}
+
+void json_add_rates(cJSON *o, double true_pairs, double missed, double false_rate)
+{
+    bool measured = true_pairs >= 1;
+    json_add_figure(o, "missed_rate", measured ? missed : NAN);
+    json_add_figure(o, "false_rate", measured ? false_rate : NAN);
+    json_add_figure(o, "true_pairs", measured ? true_pairs : NAN);
+}
+
+void json_add_whole(cJSON *o, double ms, double gain, double low, double high)
+{
+    bool raced = ms > 0;
+    json_add_figure(o, "whole_ms", raced ? ms : NAN);
+    json_add_interval(o, "whole_gain", raced ? gain : NAN, raced ? low : NAN, raced ? high : NAN);
 }
 
 void json_add_hash(cJSON *o, uint64_t hash)

@@ -25,6 +25,15 @@ void json_add_object(cJSON *o, const char *name, const char *chars);
 void json_add_plan(cJSON *o, double share, const char *mode, const char *variant_a,
                    const char *variant_b);
 
+// Adds a number; null for NaN, which is a figure that was not measured.
+void json_add_figure(cJSON *o, const char *name, double value);
+
+// Adds what a level got wrong of the true pairs. Below 1: it was not measured.
+void json_add_rates(cJSON *o, double true_pairs, double missed, double false_rate);
+
+// Adds how the undivided device compares, if its step took more than 0 ms; else null.
+void json_add_whole(cJSON *o, double ms, double gain, double low, double high);
+
 // Adds NAME, NAME_low and NAME_high.
 void json_add_interval(cJSON *o, const char *name, double value, double low, double high);
 

@@ -340,15 +340,19 @@ local function pair_words(p)
   return is_of_one(p) and device_words(p.b) or ("A: %s. B: %s."):format(device_words(p.a), device_words(p.b))
 end
 
+-- "A alone" or "B alone"; nil if both work.
+local function alone(p) return p.share == 0 and "B alone" or p.share == 1 and "A alone" or nil end
+
 local function profile_row(row, p)
   if is_of_one(p) then
     row { p.scene ~= "" and p.scene or "-", count(p.objects), p.variant_b, p.level,
       ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms), p.created }
     return
   end
-  row { p.scene ~= "" and p.scene or "-", count(p.objects), ("%.1f %%"):format(100 * p.share), p.mode, p.variant_a,
-    p.variant_b, p.level, ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms),
-    ("%+.1f (%+.1f to %+.1f)"):format(100 * p.gain, 100 * p.gain_low, 100 * p.gain_high), p.verdict, p.created }
+  local gain = ("%+.1f (%+.1f to %+.1f)"):format(100 * p.gain, 100 * p.gain_low, 100 * p.gain_high)
+  row { p.scene ~= "" and p.scene or "-", count(p.objects), alone(p) or ("%.1f %%"):format(100 * p.share), p.mode,
+    p.variant_a, p.variant_b, p.level, ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms),
+    alone(p) and "-" or gain, alone(p) and "-" or p.verdict, p.created }
 end
 
 -- A table for each device pair.
@@ -754,7 +758,7 @@ local function found_in_store(found, profiles)
   local live, best, n_faster = 0, nil, 0
   for _, p in ipairs(profiles) do
     live = live + (p.live and not is_of_one(p) and 1 or 0)
-    if p.live and p.verdict == "faster" then
+    if p.live and not alone(p) and p.verdict == "faster" then
       n_faster = n_faster + 1
       if not best or p.gain > best.gain then best = p end
     end

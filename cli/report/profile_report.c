@@ -82,17 +82,10 @@ cJSON *profile_report_json(const profile_entry *e)
     cJSON_AddNumberToObject(o, "rounds", e->row.rounds);
     cJSON_AddNumberToObject(o, "watched", e->row.watched);
     cJSON_AddNumberToObject(o, "disturbed", e->row.disturbed);
-    cJSON_AddNumberToObject(o, "single_ms", e->row.single_ns * 1e-6);
-    if (e->row.whole_ns > 0) {
-        cJSON_AddNumberToObject(o, "whole_ms", e->row.whole_ns * 1e-6);
-        json_add_interval(o, "whole_gain", e->row.whole_gain, e->row.whole_gain_low,
-                          e->row.whole_gain_high);
-    }
-    if (e->row.true_pairs >= 0) {
-        cJSON_AddNumberToObject(o, "missed_rate", e->row.missed_rate);
-        cJSON_AddNumberToObject(o, "false_rate", e->row.false_rate);
-        cJSON_AddNumberToObject(o, "true_pairs", (double)e->row.true_pairs);
-    }
+    json_add_figure(o, "single_ms", e->row.single_ns * 1e-6);
+    json_add_whole(o, e->row.whole_ns * 1e-6, e->row.whole_gain, e->row.whole_gain_low,
+                   e->row.whole_gain_high);
+    json_add_rates(o, (double)e->row.true_pairs, e->row.missed_rate, e->row.false_rate);
     if (e->row.terms)
         json_add_object(o, "terms", e->row.terms);
     cJSON_AddStringToObject(o, "objective", e->row.objective);
@@ -119,8 +112,8 @@ void profile_report_add_session(cJSON *o, const profile_entry_session *s)
     cJSON_AddNumberToObject(session, "seed", (double)s->seed);
     cJSON_AddNumberToObject(session, "resumed", (double)s->resumed);
     cJSON_AddNumberToObject(session, "launches", (double)s->launches);
-    cJSON_AddNumberToObject(session, "load", s->load);
-    cJSON_AddNumberToObject(session, "timer_ns", s->timer_ns);
+    json_add_figure(session, "load", s->load);
+    json_add_figure(session, "timer_ns", s->timer_ns);
     cJSON_AddStringToObject(session, "started", profile_report_when(s->started_ns).chars);
     cJSON_AddStringToObject(session, "ended", profile_report_when(s->ended_ns).chars);
 }
@@ -135,11 +128,11 @@ static bool add_trial(void *context, int64_t number, const profile_trial *trial)
         cJSON_AddStringToObject(o, "reason", trial->reason);
     cJSON_AddNumberToObject(o, "samples", trial->n_samples);
     cJSON_AddNumberToObject(o, "outliers", trial->outliers);
-    cJSON_AddNumberToObject(o, "ms", trial->median_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "low_ms", trial->low_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "high_ms", trial->high_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "a_ms", trial->a_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "b_ms", trial->b_ns * 1e-6);
+    json_add_figure(o, "ms", trial->median_ns * 1e-6);
+    json_add_figure(o, "low_ms", trial->low_ns * 1e-6);
+    json_add_figure(o, "high_ms", trial->high_ns * 1e-6);
+    json_add_figure(o, "a_ms", trial->a_ns * 1e-6);
+    json_add_figure(o, "b_ms", trial->b_ns * 1e-6);
     if (trial->terms)
         json_add_object(o, "terms", trial->terms);
     return cJSON_AddItemToArray(context, o);

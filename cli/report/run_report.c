@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cli/report/run_report.h"
 
+#include "cli/command_text.h"
 #include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
@@ -63,33 +64,48 @@ void run_report_devices(const duet_device_pair *pair, const duet_plan *plan)
         printf("grids: %s\n", duet_mode_name(plan->mode));
 }
 
-static void print_profile(const run_report *r)
+static void print_source(const run_report *r)
 {
     const duet_profile *p = &r->profile;
     if (r->plan_given)
-        printf("plan: as given\n\n");
+        printf("plan: as given");
     else if (p->grade == DUET_GRADE_STALE)
-        printf("plan: the default, since the kernels changed after it was measured; 'duet tune' "
-               "measures again\n\n");
+        printf("plan: the default, since the kernels changed after it was measured");
     else if (p->grade == DUET_GRADE_DEFAULT)
-        printf("plan: the default; 'duet tune' measures a better one\n\n");
+        printf("plan: the default");
     else if (!*p->verdict)
-        printf("plan: from the profile of another workload; what it gains here is not known\n\n");
+        printf("plan: from the profile of another workload; what it gains here is not known");
     else if (is_one(r->pair, r->plan))
-        printf("plan: from the profile, %s\n\n", duet_grade_name(p->grade));
+        printf("plan: from the profile, %s", duet_grade_name(p->grade));
     else
-        printf("plan: from the profile, %s; %s\n\n", duet_grade_name(p->grade),
+        printf("plan: from the profile, %s; %s", duet_grade_name(p->grade),
                say_name(
                    table_gain(p->plan.share, p->gain, p->gain_low, p->gain_high, p->verdict).chars)
                    .chars);
 }
 
+static bool is_measured(const run_report *r)
+{
+    return !r->plan_given && r->profile.grade < DUET_GRADE_STALE;
+}
+
+static void print_profile(const run_report *r)
+{
+    print_source(r);
+    if (is_measured(r) || (r->plan_given && !r->accuracy_given)) {
+        printf("\n\n");
+        return;
+    }
+    printf("; to measure a better one:\n");
+    command_text_print(r->tuning, stdout);
+    putchar('\n');
+}
+
 // Only a profile knows which level is accurate enough.
 static void print_level(const run_report *r)
 {
-    if (r->accuracy_given && (r->plan_given || r->profile.grade >= DUET_GRADE_STALE))
-        printf("level: %s, since no profile says that a cheaper one is accurate enough;\n"
-               "'duet tune' with the same --missed and --false-rate measures that\n",
+    if (r->accuracy_given && !is_measured(r))
+        printf("level: %s, since no profile says that a cheaper one is accurate enough\n",
                r->level);
 }
 

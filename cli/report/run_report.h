@@ -23,6 +23,7 @@ typedef struct run_report {
     bool plan_given;      // on the command line
     bool accuracy_given;  // there, too: a profile may have chosen a level by it
     duet_profile profile; // what the plan comes from, unless it was given
+    const char *tuning;   // the command that measures a plan for this scene
     const timed *timed;
     bool resident;
     bool transforms; // sizes were not sent again

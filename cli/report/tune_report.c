@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/report/tune_report.h"
 
+#include "cli/command_text.h"
 #include "cli/interrupt.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
@@ -12,10 +13,12 @@
 #include <string.h>
 #include <unistd.h>
 
-tune_report tune_report_begin(bool json)
+tune_report tune_report_begin(bool json, const char *store_path)
 {
-    return (tune_report){
-        .workloads = cJSON_CreateArray(), .json = json, .on_terminal = isatty(STDERR_FILENO)};
+    return (tune_report){.workloads = cJSON_CreateArray(),
+                         .store_path = store_path,
+                         .json = json,
+                         .on_terminal = isatty(STDERR_FILENO)};
 }
 
 void tune_report_expect(tune_report *r, const duet_device_pair *pair, uint32_t n_workloads,
@@ -126,15 +129,25 @@ static void add_kernels(cJSON *row, const duet_tune_outcome *o)
     }
 }
 
-// Steps after which the time that tuning took is won back; 0 where it is not,
-// or where it was not measured here.
+// Steps after which the time that tuning took is won back; NaN if it is not, or if it was not
+// measured here.
 static double break_even(const duet_tune_outcome *o)
 {
     double won_ms = o->single_ms - o->step_ms;
-    return won_ms > 0 ? ceil(o->seconds * 1e3 / won_ms) : 0;
+    return won_ms > 0 && !o->known ? ceil(o->seconds * 1e3 / won_ms) : NAN;
 }
 
-void tune_report_add(tune_report *r, const duet_tune_outcome *o)
+static void add_command(cJSON *row, const duet_tune_outcome *o, bool one, text *command)
+{
+    if (command->length == 0)
+        return;
+    command_text_plan(command, o->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(o->plan.mode),
+                      o->plan.variant_a, o->plan.variant_b, one);
+    command_text_option(command, "level", duet_level_get_info(o->level)->name);
+    cJSON_AddStringToObject(row, "command", text_chars(command));
+}
+
+void tune_report_add(tune_report *r, const duet_tune_outcome *o, text *command)
 {
     cJSON *row = json_add_row(r->workloads);
     cJSON_AddStringToObject(row, "workload", r->name);
@@ -146,31 +159,25 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o)
     if (r->steps)
         cJSON_AddNumberToObject(row, "steps", r->steps);
     cJSON_AddStringToObject(row, "level", duet_level_get_info(o->level)->name);
-    cJSON_AddNumberToObject(row, "missed_rate", o->accuracy.missed);
-    cJSON_AddNumberToObject(row, "false_rate", o->accuracy.false_rate);
-    cJSON_AddNumberToObject(row, "true_pairs", (double)o->true_pairs);
+    json_add_rates(row, (double)o->true_pairs, o->accuracy.missed, o->accuracy.false_rate);
     json_add_plan(row, o->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(o->plan.mode),
                   o->plan.variant_a, o->plan.variant_b);
+    add_command(row, o, r->one, command);
     cJSON_AddBoolToObject(row, "one_device", r->one);
     cJSON_AddNumberToObject(row, "best_share", o->best.share / (double)DUET_SHARE_ONE);
     json_add_interval(row, "gain", o->gain, o->gain_low, o->gain_high);
     cJSON_AddStringToObject(row, "verdict", o->verdict);
-    if (o->step_ms > 0)
-        cJSON_AddNumberToObject(row, "step_ms", o->step_ms);
-    else
-        cJSON_AddNullToObject(row, "step_ms");
+    json_add_figure(row, "step_ms", o->step_ms > 0 ? o->step_ms : NAN);
     cJSON_AddNumberToObject(row, "rounds", o->rounds);
     cJSON_AddNumberToObject(row, "watched", o->watched);
     cJSON_AddNumberToObject(row, "disturbed", o->disturbed);
-    cJSON_AddNumberToObject(row, "single_ms", o->single_ms);
-    if (o->whole_ms > 0) {
+    json_add_figure(row, "single_ms", o->single_ms);
+    if (o->whole_ms > 0)
         cJSON_AddStringToObject(row, "whole", r->whole);
-        cJSON_AddNumberToObject(row, "whole_ms", o->whole_ms);
-        json_add_interval(row, "whole_gain", o->whole_gain, o->whole_gain_low, o->whole_gain_high);
-    }
+    json_add_whole(row, o->whole_ms, o->whole_gain, o->whole_gain_low, o->whole_gain_high);
     cJSON_AddNumberToObject(row, "launches", o->launches);
     cJSON_AddNumberToObject(row, "seconds", o->seconds);
-    cJSON_AddNumberToObject(row, "break_even_steps", break_even(o));
+    json_add_figure(row, "break_even_steps", break_even(o));
     cJSON_AddBoolToObject(row, "known", o->known);
     cJSON_AddBoolToObject(row, "resumed", o->resumed);
     cJSON_AddStringToObject(row, "uid", o->uid);
@@ -257,48 +264,39 @@ static void add_table_row(table *t, const cJSON *row)
     table_cell(t, "%.1f", json_number(row, "seconds"));
 }
 
-static void print_variant(const char *name, const char *variant)
+static void print_use_command(const tune_report *r, const cJSON *row)
 {
-    bool has_space = strchr(variant, ' ');
-    printf(" --%s %s%s%s", name, has_space ? "'" : "", variant, has_space ? "'" : "");
-}
-
-// The plan as options of 'duet run'.
-static void print_plan(const cJSON *row)
-{
-    const char *a = json_string(row, "variant_a"), *b = json_string(row, "variant_b");
-    printf(" ");
-    if (json_number(row, "steps") > 0)
-        printf(" --steps %.0f", json_number(row, "steps"));
-    printf(" --share %.5g --mode %s", json_number(row, "share"), json_string(row, "mode"));
-    if (strcmp(a, b) == 0) {
-        print_variant("variant", a);
-    } else {
-        print_variant("variant-a", a);
-        print_variant("variant-b", b);
-    }
-    printf("\n");
+    text command = {0};
+    text_add(&command, "duet profiles use %.8s", json_string(row, "uid"));
+    if (r->store_path)
+        command_text_option(&command, "profile", r->store_path);
+    command_text_print(text_chars(&command), stdout);
+    text_free(&command);
 }
 
 // Why a plan is not loaded, and what would change that.
-static void print_use(const cJSON *row)
+static void print_use(const tune_report *r, const cJSON *row)
 {
     const char *unused = json_string(row, "unused");
     if (!*unused)
         return;
     printf("  not used by applications: %s\n", unused);
-    if (gave_up(row))
+    if (gave_up(row)) {
         printf(
             "  the same command goes on from here; --wait SECONDS waits longer, --wait 0 measures "
             "beside them\n");
-    else if (strcmp(json_string(row, "verdict"), "ambiguous") == 0)
+        return;
+    }
+    if (strcmp(json_string(row, "verdict"), "ambiguous") == 0) {
         printf("  a larger --trials or --budget reaches a verdict\n");
-    else
-        printf("  'duet profiles use %.8s' makes them use it\n", json_string(row, "uid"));
+        return;
+    }
+    printf("  to make them use it:\n");
+    print_use_command(r, row);
 }
 
 // What the table has no column for.
-static void print_details(const cJSON *row)
+static void print_details(const tune_report *r, const cJSON *row)
 {
     const char *query = json_string(row, "query");
     printf("\n%s, ", say_name(json_string(row, "workload")).chars);
@@ -314,11 +312,11 @@ static void print_details(const cJSON *row)
         printf("  %.0f of %.0f launches waited for a core\n", json_number(row, "disturbed"),
                json_number(row, "watched"));
     if (gave_up(row)) {
-        print_use(row);
+        print_use(r, row);
         return;
     }
-    if (!*query)
-        print_plan(row);
+    if (*json_string(row, "command"))
+        command_text_print(json_string(row, "command"), stdout);
     if (!is_shared(row) && !json_true(row, "one_device"))
         printf("  %s\n",
                table_gain(share_of(row), json_number(row, "gain"), json_number(row, "gain_low"),
@@ -332,7 +330,7 @@ static void print_details(const cJSON *row)
                    .chars);
     if (!*query)
         print_accuracy(row);
-    print_use(row);
+    print_use(r, row);
     if (json_true(row, "known"))
         printf("  known: the same was measured before; --fresh measures it again\n");
     print_kernels(row);
@@ -376,7 +374,7 @@ static void print_workloads(const tune_report *r)
     else
         print_shares(r->workloads);
     const cJSON *row;
-    cJSON_ArrayForEach(row, r->workloads) print_details(row);
+    cJSON_ArrayForEach(row, r->workloads) print_details(r, row);
 }
 
 bool tune_report_end(tune_report *r, bool ok, duet_error *err)

@@ -19,12 +19,13 @@ typedef struct tune_report {
     char whole[80]; // the device that A and B may be parts of
     bool one;       // A and B are the same device
     double budget_seconds;
+    const char *store_path; // as --profile names it, or NULL
     bool json;
     bool on_terminal;
     bool waits; // told so last
 } tune_report;
 
-tune_report tune_report_begin(bool json);
+tune_report tune_report_begin(bool json, const char *store_path);
 
 // What is to come, for the line while it measures. budget_seconds is of each workload;
 // 0: no limit.
@@ -37,8 +38,9 @@ void tune_report_workload(tune_report *r, const duet_scene_info *scene, const du
 // A duet_tune_watch; stops after Ctrl-C.
 bool tune_report_watch(void *report, const duet_tune_progress *p);
 
-// What came of that workload.
-void tune_report_add(tune_report *r, const duet_tune_outcome *o);
+// What came of that workload. command is what runs it, to which the plan is added here; empty
+// for a query, which no command runs.
+void tune_report_add(tune_report *r, const duet_tune_outcome *o, text *command);
 
 // Prints the table, or the object. After a failure only the table, of what was
 // done before.

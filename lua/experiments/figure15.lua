@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 -- Figure 15 of the paper: how much faster the pair is at the tuned share than
 -- B alone, which is the paper's measure, and than the better device alone.
--- Where no share is faster than B alone, the gain is 0 and the share too.
+-- If one device does it all, the plan says which, and there is no gain.
 local lab = require "duet.lab"
 
 local options = lab.options("Gain of sharing, by size (figure 15).", {
@@ -12,7 +12,7 @@ local options = lab.options("Gain of sharing, by size (figure 15).", {
   strategy = "balance",
 })
 
-local rows = lab.frame.new { "devices", "objects", "share", "gain over B %", "low", "high", "gain over the better %" }
+local rows = lab.frame.new { "devices", "objects", "plan", "share", "gain over B %", "low", "high", "gain over the better %" }
 local over_b = {}
 
 for pair, devices in lab.each_pair(options) do
@@ -21,13 +21,13 @@ for pair, devices in lab.each_pair(options) do
   for _, n in ipairs(options.sizes) do
     local scene <close> = lab.paper_scene(options, n)
     local a, b, both = table.unpack(lab.compare(pair, scene, plan, options))
-    local gain, low, high = lab.gain(b, both)
+    local gain, low, high = lab.sharing_gain(b, both)
     rows:add {
-      devices = devices, objects = n, share = both.plan.share,
-      ["gain over B %"] = 100 * gain, low = 100 * low, high = 100 * high,
-      ["gain over the better %"] = 100 * (lab.gain(a.ms < b.ms and a or b, both)),
+      devices = devices, objects = n, plan = lab.plan_name(both.plan.share), share = both.plan.share,
+      ["gain over B %"] = gain, low = low, high = high,
+      ["gain over the better %"] = (lab.sharing_gain(a.ms < b.ms and a or b, both)),
     }
-    table.insert(over_b[#over_b].points, { ("%.3g M"):format(n / 1e6), 100 * gain, 100 * low, 100 * high })
+    table.insert(over_b[#over_b].points, { ("%.3g M"):format(n / 1e6), gain or 0, low, high })
   end
 end
 

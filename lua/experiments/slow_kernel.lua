@@ -32,12 +32,12 @@ for pair, devices in lab.each_pair(options) do
     for _, way in ipairs(ways) do
       local results = lab.compare(pair, scene, lab.plan(pair, way[2], way[3]), options)
       local a, b, both = table.unpack(results)
-      local gain, low, high = lab.gain(a.ms < b.ms and a or b, both)
+      local gain, low, high = lab.sharing_gain(a.ms < b.ms and a or b, both)
       slow_ms = slow_ms or b.ms
       rows:add {
         devices = devices, objects = n, kernels = way[1], ["A alone ms"] = a.ms, ["B alone ms"] = b.ms,
-        share = both.plan.share, ["A and B ms"] = both.ms, ["gain over the better %"] = 100 * gain,
-        low = 100 * low, high = 100 * high, ["by paper's B alone"] = both.ms / slow_ms,
+        share = both.plan.share, ["A and B ms"] = both.ms, ["gain over the better %"] = gain,
+        low = low, high = high, ["by paper's B alone"] = both.ms / slow_ms,
       }
       for i, r in ipairs(results) do
         table.insert(series[i].points, { ("%s\n%.3g M"):format(way[1]:gsub(", ", "\n"), n / 1e6), r.ms, r.low, r.high })

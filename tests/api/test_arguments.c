@@ -807,6 +807,17 @@ static void keep_online(void)
     def.world = world;
     def.most_extra = NAN;
     REFUSES(duet_online_create(&def, e));
+    def = duet_default_online_def();
+    def.world = world;
+    def.modes = &(duet_mode){DUET_MODE_DEFAULT};
+    def.n_modes = 1;
+    REFUSES(duet_online_create(&def, e));
+    def.n_modes = 0;
+    def.variants = (const char *const[]){"a", "b", "c", "d", "e"};
+    def.n_variants = 5;
+    REFUSES(duet_online_create(&def, e));
+    def.n_variants = 1;
+    REFUSES(duet_online_create(&def, e));
     REFUSES(duet_online_step(NULL, &result, e));
     REFUSES(duet_online_step(online, NULL, e));
     assert_int_equal(duet_online_get_tunings(NULL), 0);

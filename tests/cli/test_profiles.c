@@ -153,6 +153,43 @@ static void a_stored_profile_is_compared_put_to_use_and_forgotten(void **state)
     test_folder_remove(&folder);
 }
 
+static void assert_null_figures(const cJSON *o, const char *const *names, int n)
+{
+    for (int i = 0; i < n; ++i)
+        if (!cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(o, names[i])))
+            fail_msg("'%s' is not null", names[i]);
+}
+
+static void a_figure_that_was_not_measured_is_null(void **state)
+{
+    (void)state;
+    static const char *const figures[] = {"whole_ms",        "whole_gain", "whole_gain_low",
+                                          "whole_gain_high", "single_ms",  "missed_rate",
+                                          "false_rate",      "true_pairs"};
+    static const char *const times[] = {"ms", "low_ms", "high_ms", "a_ms", "b_ms"};
+    test_folder folder = make_store();
+    char arguments[96];
+    test_store_run(folder.store,
+                   "UPDATE profile SET whole_ns = NULL, whole_gain = NULL, whole_gain_low = NULL, "
+                   "whole_gain_high = NULL, single_ns = NULL, true_pairs = NULL;"
+                   "UPDATE trial SET outcome = 'build', reason = 'no such kernel', "
+                   "median_ns = NULL, mad_ns = NULL, low_ns = NULL, high_ns = NULL, a_ns = NULL, "
+                   "b_ns = NULL WHERE number = 1");
+    cJSON *all = run_json(&folder, "list --json");
+    const cJSON *first = cJSON_GetArrayItem(json_array(all, "profiles", 2), 0);
+    assert_null_figures(first, figures, sizeof figures / sizeof *figures);
+    snprintf(arguments, sizeof arguments, "show %s --json", json_string(first, "uid"));
+    cJSON *o = run_json(&folder, arguments);
+    assert_null_figures(cJSON_GetArrayItem(json_array(o, "trials", 9), 1), times, 5);
+    snprintf(arguments, sizeof arguments, "show %s", json_string(first, "uid"));
+    program p = run_on(&folder, arguments);
+    assert_null(strstr(p.out, "nan"));
+    program_free(&p);
+    cJSON_Delete(o);
+    cJSON_Delete(all);
+    test_folder_remove(&folder);
+}
+
 // A row of one device says which, and what sharing would do; not the gain of a plan that
 // is not used.
 static void what_one_device_does_alone_is_told_as_such(void **state)
@@ -335,6 +372,7 @@ int main(void)
         cmocka_unit_test(list_shows_what_an_application_would_load),
         cmocka_unit_test(show_gives_a_profile_with_its_trials),
         cmocka_unit_test(a_stored_profile_is_compared_put_to_use_and_forgotten),
+        cmocka_unit_test(a_figure_that_was_not_measured_is_null),
         cmocka_unit_test(what_one_device_does_alone_is_told_as_such),
         cmocka_unit_test(two_equal_devices_that_share_are_two),
         cmocka_unit_test(rows_go_out_and_into_another_store),

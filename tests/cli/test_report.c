@@ -145,6 +145,44 @@ static void of_one_device_the_page_shows_no_share(void **state)
     program_free(&p);
 }
 
+// What the page says of its only profile, from the share on; the caller frees it.
+static text profile_row_of(double share)
+{
+    text page = {0}, row = {0}, change = {0};
+    duet_error err = {0};
+    text_add(&change, "UPDATE profile SET share = %d, verdict = 'slower', gain = -0.2611",
+             (int)(share * 65536));
+    test_store_run(folder.store, text_chars(&change));
+    program p = program_run("report --profile %s -o " PAGE, folder.store);
+    assert_int_equal(p.exit_code, 0);
+    assert_ok(text_read_file(&page, PAGE, &err), err);
+    const char *from = strstr(page.chars, "data-head=\"share of A\"");
+    assert_non_null(from);
+    text_add_bytes(&row, from, (size_t)(strstr(from, "</tr>") - from));
+    text_free(&page);
+    text_free(&change);
+    program_free(&p);
+    return row;
+}
+
+static void a_plan_of_one_device_has_no_gain_and_no_verdict(void **state)
+{
+    (void)state;
+    static const char *const plans[] = {"B alone", "A alone"};
+    for (int share = 0; share < 2; ++share) {
+        text row = profile_row_of(share);
+        assert_non_null(strstr(row.chars, plans[share]));
+        assert_null(strstr(row.chars, "-26.1"));
+        assert_null(strstr(row.chars, "slower"));
+        text_free(&row);
+    }
+    text shared = profile_row_of(0.5);
+    assert_non_null(strstr(shared.chars, "50.0 %"));
+    assert_non_null(strstr(shared.chars, "-26.1"));
+    assert_non_null(strstr(shared.chars, "slower"));
+    text_free(&shared);
+}
+
 static void a_page_without_a_name_is_told_of(void **state)
 {
     (void)state;
@@ -255,6 +293,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_page_shows_profile_search_stages_and_history),
         cmocka_unit_test(of_one_device_the_page_shows_no_share),
+        cmocka_unit_test(a_plan_of_one_device_has_no_gain_and_no_verdict),
         cmocka_unit_test(a_page_without_a_name_is_told_of),
         cmocka_unit_test(one_slow_step_does_not_flatten_the_others),
         cmocka_unit_test(the_page_loads_nothing),

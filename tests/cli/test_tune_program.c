@@ -19,6 +19,8 @@
 #define STORE "test_tune.db"
 #define CONFIG "test_tune.tune.lua"
 #define STRATEGY "test_tune.strategy.lua"
+#define AWKWARD "-test_tune's $HOME \t\xff.lua"
+#define AWKWARD_WORD "\"$(printf -- '-test_tune\\047s $HOME \\t\\377.lua')\""
 #define QUICK "--variants auto --profile " STORE " "
 #define FEW "--trials 65 " // the fewest from which a verdict follows
 
@@ -34,7 +36,8 @@ static const char scene_text[] =
 static int remove_files(void **state)
 {
     (void)state;
-    static const char *const files[] = {SCENE, CONFIG, STRATEGY, STORE, STORE "-wal", STORE "-shm"};
+    static const char *const files[] = {SCENE, CONFIG,       STRATEGY,    AWKWARD,
+                                        STORE, STORE "-wal", STORE "-shm"};
     for (size_t i = 0; i < sizeof files / sizeof *files; ++i)
         remove(files[i]);
     return 0;
@@ -145,8 +148,7 @@ static void what_was_not_asked_before_is_measured(void **state)
     program_free(&p);
 }
 
-// Every line fits a terminal, and the plan can be typed.
-static void a_stranger_can_read_the_table_and_type_the_plan(void **state)
+static void every_line_of_the_table_fits_a_terminal(void **state)
 {
     (void)state;
     program p = program_run("tune " FEW "--variants auto,simd --trials 80 --profile " STORE
@@ -155,15 +157,130 @@ static void a_stranger_can_read_the_table_and_type_the_plan(void **state)
     assert_non_null(strstr(p.out, "plan: A's part of the work; B does the rest."));
     for (const char *at = p.out; *at; at += strcspn(at, "\n") + 1)
         assert_in_range(strcspn(at, "\n"), 0, 80);
-    char plan[200];
-    const char *from = strstr(p.out, "\n  --share ");
-    assert_non_null(from);
-    snprintf(plan, sizeof plan, "%.*s", (int)strcspn(from + 1, "\n"), from + 1);
     program_free(&p);
-    p = program_run("run " SCENE " -n 1000 --check --json %s", plan);
+}
+
+// What follows "duet " of the k-th command that was printed, with its continued lines.
+static char *printed_command(const char *out, const char *name, int k)
+{
+    char begin[32];
+    int length = snprintf(begin, sizeof begin, "\n  duet %s ", name);
+    const char *from = strstr(out, begin);
+    for (; from && k > 0; --k)
+        from = strstr(from + 1, begin);
+    if (!from)
+        fail_msg("no 'duet %s' in:\n%s", name, out);
+    const char *end = from + length;
+    for (; *end && (*end != '\n' || end[-1] == '\\');)
+        ++end;
+    return strndup(from + strlen("\n  duet "), (size_t)(end - from) - strlen("\n  duet "));
+}
+
+// The pasted command against the tuning's row, and against the scene run as it was asked for.
+static void assert_runs_as_printed(const char *command, const cJSON *row, const char *asked)
+{
+    program pasted = program_run("%s --check --json", command);
+    program own = program_run("run --json %s", asked);
+    cJSON *ran = json_of_program(&pasted), *plain = json_of_program(&own);
+    const char *a = json_string(row, "variant_a"), *b = json_string(row, "variant_b");
+    bool one = json_true(row, "one_device");
+    char variant[600];
+    snprintf(variant, sizeof variant, "%s%s%s", one ? b : a, one || !strcmp(a, b) ? "" : ",",
+             one || !strcmp(a, b) ? "" : b);
+    assert_string_equal(json_string(ran, "profile"), "given");
+    assert_string_equal(json_string(ran, "variant"), variant);
+    assert_true(json_number(ran, "share") == json_number(row, "share"));
+    assert_string_equal(json_string(ran, "mode"), json_string(row, "mode"));
+    assert_string_equal(json_string(ran, "level"), json_string(row, "level"));
+    assert_int_equal(json_number(ran, "objects"), json_number(row, "objects"));
+    assert_string_equal(json_string(ran, "hash"), json_string(plain, "hash"));
+    assert_int_equal(json_true(ran, "ordered"), json_true(plain, "ordered"));
+    assert_string_equal(json_string(ran, "pair"), json_string(plain, "pair"));
+    cJSON_Delete(ran);
+    cJSON_Delete(plain);
+}
+
+static void assert_tuning_prints_what_runs(const char *tuning, const char *asked, int k)
+{
+    const cJSON *rows;
+    program told = program_run("tune %s", tuning);
+    cJSON *root = tune_json(tuning, &rows); // the same, which is known
+    const cJSON *row = cJSON_GetArrayItem(rows, k);
+    assert_true(json_true(row, "known"));
+    char *command = printed_command(told.out, "run", k);
+    assert_runs_as_printed(command, row, asked);
+    assert_int_equal(strncmp(json_string(row, "command"), "duet run ", 9), 0);
+    assert_runs_as_printed(json_string(row, "command") + strlen("duet "), row, asked);
+    free(command);
+    cJSON_Delete(root);
+    program_free(&told);
+}
+
+static void a_plan_that_is_printed_runs_as_printed(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *tuning, *asked;
+        int k; // which of its workloads
+    } calls[] = {
+        {SCENE " -n 1000,2000 --variants auto", SCENE " -n 2000", 1},
+        {SCENE " -n 1000 --set seed=9 --pair halves --variants simd",
+         SCENE " -n 1000 --seed 9 --pair halves", 0},
+        {SCENE " --seed 4 --pair cpu --variants auto,simd,'auto sort=radix' --trials 90",
+         SCENE " --seed 4 --pair cpu", 0},
+        {SCENE " --pair 'pocl:0[1/2],pocl:0[2/2]' --variants 'simd sort=radix' --ordered",
+         SCENE " --pair 'pocl:0[1/2],pocl:0[2/2]' --ordered", 0},
+        {SCENE " --variants auto --level sat6", SCENE " --level sat6", 0},
+        {"--config " CONFIG, SCENE " -n 600 --set seed=3 --pair halves", 1},
+        {"--variants auto -- " AWKWARD_WORD, "-- " AWKWARD_WORD, 0},
+    };
+    test_write_file(CONFIG, "return {\n  workloads = { { scene = '" SCENE
+                            "', n = { 500, 600 }, set = { seed = 3 } } },\n"
+                            "  variants = { 'auto' }, pair = 'halves',\n}\n");
+    test_write_file(AWKWARD, scene_text);
+    for (size_t i = 0; i < sizeof calls / sizeof *calls; ++i) {
+        char tuning[512];
+        print_message("duet tune %s\n", calls[i].tuning);
+        snprintf(tuning, sizeof tuning, FEW "--profile " STORE " %s", calls[i].tuning);
+        assert_tuning_prints_what_runs(tuning, calls[i].asked, calls[i].k);
+    }
+}
+
+static void the_tuning_that_a_run_names_measures_what_it_then_loads(void **state)
+{
+    (void)state;
+    static const char *const runs[] = {SCENE " -n 500 --set seed=3 --pair cpu",
+                                       SCENE " -n 500 --pair halves --ordered --false-rate .1"};
+    for (size_t i = 0; i < sizeof runs / sizeof *runs; ++i) {
+        program p = program_run_with("DUET_PROFILE=" STORE, "run %s", runs[i]);
+        char *tuning = printed_command(p.out, "tune", 0);
+        program_free(&p);
+        p = program_run_with("DUET_PROFILE=" STORE, "%s --variants auto " FEW, tuning);
+        assert_int_equal(p.exit_code, 0);
+        program_free(&p);
+        p = program_run_with("DUET_PROFILE=" STORE, "run --json %s", runs[i]);
+        cJSON *o = json_of_program(&p);
+        assert_string_equal(json_string(o, "profile"), "exact");
+        cJSON_Delete(o);
+        free(tuning);
+    }
+}
+
+static void the_command_that_uses_a_plan_names_its_store(void **state)
+{
+    (void)state;
+    skip_on_one_device();
+    program p = program_run("tune " QUICK FEW SCENE " -n 500 --strategy grid");
+    char *command = printed_command(p.out, "profiles", 0);
+    program_free(&p);
+    p = program_run_with("DUET_PROFILE=nowhere.db", "%s", command);
+    assert_int_equal(p.exit_code, 0);
+    program_free(&p);
+    p = program_run_with("DUET_PROFILE=" STORE, "run --json " SCENE " -n 500");
     cJSON *o = json_of_program(&p);
-    assert_string_equal(json_string(o, "profile"), "given");
+    assert_string_equal(json_string(o, "profile"), "exact");
     cJSON_Delete(o);
+    free(command);
 }
 
 static void the_terms_of_a_known_workload_are_those_that_were_measured(void **state)
@@ -563,7 +680,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(a_workload_is_tuned_once_and_known_ever_after, begin_afresh),
         cmocka_unit_test_setup(what_was_not_asked_before_is_measured, begin_afresh),
-        cmocka_unit_test_setup(a_stranger_can_read_the_table_and_type_the_plan, begin_afresh),
+        cmocka_unit_test_setup(every_line_of_the_table_fits_a_terminal, begin_afresh),
+        cmocka_unit_test_setup(a_plan_that_is_printed_runs_as_printed, begin_afresh),
+        cmocka_unit_test_setup(the_tuning_that_a_run_names_measures_what_it_then_loads,
+                               begin_afresh),
+        cmocka_unit_test_setup(the_command_that_uses_a_plan_names_its_store, begin_afresh),
         cmocka_unit_test_setup(the_terms_of_a_known_workload_are_those_that_were_measured,
                                begin_afresh),
         cmocka_unit_test_setup(an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more,

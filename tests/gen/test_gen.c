@@ -108,6 +108,42 @@ static void the_same_config_gives_the_same_bytes(void **state)
     gen_close(other);
 }
 
+// In any order, and for both kinds of device: as a gen makes it that never made another.
+static void what_was_made_before_changes_no_text(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    rng r = rng_seed(test_seed());
+    gen *g = gen_open(NULL, &err);
+    assert_ok(g, err);
+    static const char *const names[] = {"pair_search_simd", "hash", "scan"};
+    for (int i = 0; i < 30; ++i) {
+        const char *name = names[rng_below(&r, 3)];
+        const gen_limits *limits = rng_below(&r, 2) ? &gpu : &cpu;
+        gen_setting config[64];
+        gen_variant used, fresh;
+        const gen_param *params;
+        uint32_t n;
+        uint64_t count;
+        gen *other = gen_open(NULL, &err);
+        assert_ok(
+            other && gen_params(g, name, limits, &params, &n, &err) &&
+                gen_count(g, name, limits, &count, &err) &&
+                gen_config(g, name, limits, rng_below(&r, count < 4 ? count : 4), config, &err),
+            err);
+        assert_ok(gen_make(g, name, config, n, limits, &used, &err), err);
+        assert_ok(gen_make(other, name, config, n, limits, &fresh, &err), err);
+        assert_string_equal(used.text, fresh.text);
+        assert_string_equal(used.sha256, fresh.sha256);
+        assert_string_equal(used.name, fresh.name);
+        assert_int_equal(used.n_entries, fresh.n_entries);
+        gen_variant_free(&used);
+        gen_variant_free(&fresh);
+        gen_close(other);
+    }
+    gen_close(g);
+}
+
 static void the_hash_is_of_the_text(void **state)
 {
     (void)state;
@@ -560,6 +596,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_same_config_gives_the_same_bytes),
+        cmocka_unit_test(what_was_made_before_changes_no_text),
         cmocka_unit_test(the_hash_is_of_the_text),
         cmocka_unit_test(texts_are_as_expected),
         cmocka_unit_test(a_variant_is_named_by_what_varies),

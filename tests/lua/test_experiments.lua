@@ -77,9 +77,29 @@ facts.holds("figures 13 and 14 have each device alone and the pair", function()
   end
 end)
 
-facts.holds("figure 15 has a gain for each size", function()
+facts.holds("figure 15 has a gain for each size at which both devices work", function()
   run("figure15", tiny)
-  facts.equal(#check_files "figure15", 2)
+  local rows = check_files "figure15"
+  facts.equal(#rows, 2)
+  for _, row in ipairs(rows) do
+    local share = tonumber(row.share)
+    facts.equal(row.plan, share == 0 and "B alone" or share == 1 and "A alone" or "A and B")
+    for _, gain in ipairs { "gain over B %", "low", "high", "gain over the better %" } do
+      facts.equal(row[gain] ~= "", row.plan == "A and B")
+    end
+  end
+end)
+
+facts.holds("figure 15 names the device that does it all, without a gain", function()
+  local strategy = out .. "/alone.lua"
+  local file <close> = assert(io.open(strategy, "w"))
+  file:write "return function(history) if #history == 0 then return 1 end end"
+  file:close()
+  run("figure15", tiny .. " --strategy " .. strategy)
+  for _, row in ipairs(read_csv "figure15") do
+    facts.equal(row.plan, "A alone")
+    facts.equal(row["gain over B %"] .. row["gain over the better %"], "")
+  end
 end)
 
 facts.holds("the paper's search loses the best share of a tenfold slower device, and balance does not", function()

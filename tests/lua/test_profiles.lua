@@ -31,6 +31,16 @@ facts.holds("a profile's trials are found by its first digits", function()
   end
 end)
 
+facts.holds("what was not measured is nil", function()
+  local two = pair:device("A").selector ~= pair:device("B").selector -- halves of one device
+  for _, one in ipairs { tuned, duet.profiles(store)[1] } do
+    assert(math.type(one.whole_ms) == (two and "float" or nil))
+    for _, gain in ipairs { "whole_gain", "whole_gain_low", "whole_gain_high" } do
+      assert((one[gain] == nil) == (one.whole_ms == nil))
+    end
+  end
+end)
+
 facts.holds("rows go out and come in once", function()
   assert(duet.export_profiles(rows, store))
   local added, known = assert(duet.import_profiles(rows, other))

@@ -193,7 +193,7 @@ holds("a motion is tuned by runs, goes on where it was stopped, and then has the
   refused("BAD_ARGUMENT", "has no profile", pair.tune, pair, scene, { keep = false, steps = 5 })
 end)
 
-holds("an online share gives the same pairs, and outlives no world", function()
+holds("an online plan gives the same pairs, and outlives no world", function()
   local world <close> = assert(pair:world(scene, { plan = { share = 0.5 } }))
   local online <close> = assert(world:online { keep = false })
   for _ = 1, 5 do
@@ -201,10 +201,12 @@ holds("an online share gives the same pairs, and outlives no world", function()
     equal(assert(online:step()):hash(), scene:reference():hash())
   end
   equal(math.type(online:tunings()), "integer")
-  raises("an online share steps the world", world.close, world)
+  refused("BAD_ARGUMENT", "variant 'no'", world.online, world, { variants = { "no such" } })
+  raises("there is no mode 'both'", world.online, world, { modes = { "both" } })
+  raises("an online plan steps the world", world.close, world)
   equal(online:close(), true)
   equal(online:close(), true)
-  raises("the online share is closed", online.step, online)
+  raises("the online plan is closed", online.step, online)
 end)
 
 holds("a tuning refuses what makes no sense", function()

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// A command line that is printed to be pasted: what a shell runs as it stands, whatever the
+// environment says. Each call adds words, with a blank before each.
+#ifndef CLI_COMMAND_TEXT_H
+#define CLI_COMMAND_TEXT_H
+
+#include "cli/inputs.h"
+
+#include <stdio.h>
+
+// Adds the word, quoted for a POSIX shell. A word with control characters or invalid UTF-8 is
+// written as octal numbers for printf, so that a terminal shows it safely.
+void command_text_word(text *t, const char *word);
+
+// Adds "--name value".
+void command_text_option(text *t, const char *name, const char *value);
+
+// Adds the scene's path and its options.
+void command_text_scene(text *t, const char *path, const scene_options *options);
+
+// Adds --pair with the devices that were opened, not the words that chose them.
+void command_text_pair(text *t, const duet_device_pair *pair);
+
+// Adds the plan; one: A and B are one device, which has one variant.
+void command_text_plan(text *t, double share, const char *mode, const char *variant_a,
+                       const char *variant_b, bool one);
+
+// Adds --level, or --missed and --false-rate, if they were given.
+void command_text_level(text *t, const level_options *options);
+
+// Prints the command, indented by two blanks. Lines that would be wider than a terminal are
+// continued after a backslash.
+void command_text_print(const char *command, FILE *out);
+
+#endif

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: MIT
+// A world whose plan follows its frames' times. The kernels that it may change to are built and
+// timed where it is created, so that no frame waits for them.
+#include "base/error.h"
+#include "runtime/broadphase/world.h"
+#include "runtime/selection/profile_subject.h"
+#include "tuner/measure.h"
+#include "tuner/online.h"
+#include "tuner/record.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COOKIE = 0x0d0e7104 };
+
+struct duet_online {
+    duet_online_def def;
+    char variants[PLAN_VARIANTS][DUET_VARIANT];
+    uint32_t n_variants;
+    online online;
+};
+
+duet_online_def duet_default_online_def(void)
+{
+    return (duet_online_def){.most_extra = 0.1, .cookie = COOKIE};
+}
+
+static bool check_def(const duet_online_def *def, duet_error *err)
+{
+    if (!def || def->cookie != COOKIE || !def->world)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the def has no world or does not come from duet_default_online_def");
+    if (!world_is_idle(def->world, "duet_online_create", err))
+        return false;
+    if (!(def->most_extra >= 0) || !isfinite(def->most_extra))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "most_extra is %g; expected a part, as 0.1",
+                         def->most_extra);
+    for (uint32_t i = 0; i < def->n_modes; ++i)
+        if (def->modes[i] >= DUET_MODE_DEFAULT)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "modes: %d; expected shared, own or slab", (int)def->modes[i]);
+    return true;
+}
+
+// ---------------------------------------------------------------- plans
+
+static bool find_variant(const duet_online *o, const char *name, uint32_t *place)
+{
+    for (*place = 0; *place < o->n_variants; ++*place)
+        if (strcmp(o->variants[*place], name) == 0)
+            return true;
+    return false;
+}
+
+// The place of the variant, which is added if it is new.
+static bool list_variant(duet_online *o, const char *name, uint32_t *place, duet_error *err)
+{
+    if (find_variant(o, name, place))
+        return true;
+    if (o->n_variants == PLAN_VARIANTS || strlen(name) >= DUET_VARIANT)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "variant '%.40s': expected at most %d variants, those of the world's plan "
+                         "counted, of less than %d characters",
+                         name, PLAN_VARIANTS, DUET_VARIANT);
+    strcpy(o->variants[o->n_variants++], name);
+    return true;
+}
+
+static bool list_plan(duet_online *o, listed_plan *plan, duet_error *err)
+{
+    const duet_plan *own = duet_world_get_plan(o->def.world);
+    *plan = (listed_plan){.share = own->share, .mode = own->mode};
+    if (!list_variant(o, own->variant_a, &plan->variant[0], err) ||
+        !list_variant(o, own->variant_b, &plan->variant[1], err))
+        return false;
+    for (uint32_t i = 0, place; i < o->def.n_variants; ++i)
+        if (!list_variant(o, o->def.variants[i], &place, err))
+            return false;
+    return true;
+}
+
+static duet_plan plan_of(const duet_online *o, const listed_plan *listed)
+{
+    duet_plan plan = {.share = listed->share, .mode = (duet_mode)listed->mode};
+    memcpy(plan.variant_a, o->variants[listed->variant[0]], DUET_VARIANT);
+    memcpy(plan.variant_b, o->variants[listed->variant[1]], DUET_VARIANT);
+    return plan;
+}
+
+static bool step(const duet_online *o, const listed_plan *listed, duet_result *result,
+                 search_sample *frame, duet_error *err)
+{
+    duet_plan plan = plan_of(o, listed);
+    if (!duet_world_set_plan(o->def.world, &plan, err) ||
+        !duet_world_step(o->def.world, result, err))
+        return false;
+    *frame = measure_sample(result, &plan);
+    return true;
+}
+
+// ---------------------------------------------------------------- what plans take
+
+// As a frame that has written its objects.
+static bool run_listed(void *context, const listed_plan *plan, search_sample *frame)
+{
+    const duet_online *o = context;
+    duet_world *world = o->def.world;
+    duet_result result;
+    if (!world->lent && !world->resident.objects.mem)
+        ++world->objects_version;
+    return step(o, plan, &result, frame, NULL);
+}
+
+// A pair that is one device has nothing to share.
+static uint32_t modes_of(const duet_online_def *def)
+{
+    uint32_t modes = def->n_modes ? 0 : (1u << PLAN_MODES) - 1;
+    for (uint32_t i = 0; i < def->n_modes; ++i)
+        modes |= 1u << def->modes[i];
+    return duet_device_pair_is_one(def->world->def.pair) ? 0 : modes;
+}
+
+static bool can_be_set(duet_online *o, duet_error *err)
+{
+    bool ok = true;
+    for (uint32_t v = 0; ok && v < o->n_variants; ++v) {
+        duet_plan plan = plan_of(o, &(listed_plan){0, DUET_MODE_OWN, {v, v}});
+        ok = duet_world_set_plan(o->def.world, &plan, err);
+    }
+    return ok;
+}
+
+// The first step says which mode a plan that leaves it open has, and whether the objects are right.
+static bool learn(duet_online *o, duet_error *err)
+{
+    listed_plan plan;
+    duet_result result;
+    plan_runner runner = {o, run_listed};
+    bool steps = o->def.world->n > 0 && duet_world_step(o->def.world, &result, NULL);
+    if (!list_plan(o, &plan, err))
+        return false;
+    bool ok = can_be_set(o, err);
+    o->online = online_begin(&plan, o->def.most_extra);
+    if (ok && steps)
+        plan_times_learn(&o->online.times, o->n_variants, modes_of(&o->def), &runner);
+    duet_plan own = plan_of(o, &plan);
+    if (!duet_world_set_plan(o->def.world, &own, ok ? err : NULL) || !ok)
+        return false;
+    if (steps) // the kernels that the first frame has are ready
+        duet_world_step(o->def.world, &result, NULL);
+    return true;
+}
+
+// ---------------------------------------------------------------- on a world
+
+duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
+{
+    if (!check_def(def, err))
+        return NULL;
+    duet_online *o = calloc(1, sizeof *o);
+    if (!o)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory to tune on line");
+    o->def = *def;
+    if (!learn(o, err)) {
+        free(o);
+        return NULL;
+    }
+    world_hold(def->world);
+    return o;
+}
+
+bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
+{
+    listed_plan plan;
+    search_sample frame;
+    if (!error_given(o, __func__, "online", err) || !error_given(result, __func__, "result", err) ||
+        !world_is_idle(o->def.world, __func__, err) || !online_plan(&o->online, &plan, err))
+        return false;
+    bool trial = online_is_trial(&o->online);
+    if (step(o, &plan, result, &frame, trial ? NULL : err))
+        return online_tell(&o->online, &frame, err);
+    if (!trial || !step(o, &o->online.plan, result, &frame, err))
+        return false; // by the kept plan, too: the rival is not to blame
+    online_refuse(&o->online);
+    return online_tell(&o->online, &frame, err);
+}
+
+uint32_t duet_online_get_tunings(const duet_online *o)
+{
+    return o ? o->online.tunings : 0;
+}
+
+static bool keep(const duet_online *o, duet_error *err)
+{
+    profile_subject known;
+    record r;
+    if (!world_is_idle(o->def.world, "duet_online_destroy", err))
+        return false;
+    duet_plan plan = plan_of(o, &o->online.plan);
+    if (!profile_subject_read(o->def.world, &known, err))
+        return false;
+    profile_subject_settle(&known, duet_world_get_level(o->def.world));
+    profile_request request = profile_subject_request(&known);
+    if (!record_open(&r, o->def.store, err))
+        return false;
+    bool ok = record_aim(&r, &request, err) && record_online(&r, &plan, o->online.total_ns, err);
+    record_close(&r);
+    return ok;
+}
+
+bool duet_online_destroy(duet_online *o, duet_error *err)
+{
+    if (!o)
+        return true;
+    bool settled = o->online.tunings > 0 && o->online.state != ONLINE_SETTLING &&
+                   o->online.state != ONLINE_MOVING;
+    bool ok = !o->def.keep || !settled || keep(o, err);
+    online_end(&o->online);
+    duet_world_destroy(o->def.world);
+    free(o);
+    return ok;
+}
