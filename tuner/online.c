@@ -175,6 +175,7 @@ duet_online_def duet_default_online_def(void)
 
 duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!def || def->cookie != COOKIE || !def->world)
         return error_null(err, DUET_STATUS_BAD_ARGUMENT,
                           "the def has no world or does not come from duet_default_online_def");
@@ -194,6 +195,7 @@ duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
 
 bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(o, __func__, "online", err) || !error_given(result, __func__, "result", err) ||
         !world_is_idle(o->def.world, __func__, err))
         return false;
@@ -232,6 +234,7 @@ static bool keep(const duet_online *o, duet_error *err)
 
 bool duet_online_destroy(duet_online *o, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!o)
         return true;
     bool settled = o->online.tunings > 0 && o->online.state == ONLINE_WATCHING;

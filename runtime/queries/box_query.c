@@ -88,6 +88,7 @@ static bool open(tree_query *q, duet_tree *tree, duet_level level, bool itself, 
 
 duet_box_query *duet_box_query_create(const duet_box_query_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     duet_box_query *query = check_def(def, err) ? tree_query_new(sizeof *query, err) : NULL;
     if (!query)
         return NULL;
@@ -110,6 +111,7 @@ void duet_box_query_destroy(duet_box_query *query)
 bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void *boxes, uint64_t n,
                         duet_box_query_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     query_result found;
     if (!error_given(query, __func__, "query", err) ||
         !error_given(result, __func__, "result", err) ||
@@ -123,6 +125,7 @@ bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void
 bool duet_box_query_run_itself(duet_box_query *query, const duet_filter *filters, uint64_t n,
                                duet_box_query_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     query_result found;
     if (!error_given(query, __func__, "query", err) ||
         !error_given(result, __func__, "result", err))

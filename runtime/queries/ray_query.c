@@ -85,6 +85,7 @@ static bool check_def(const duet_ray_query_def *def, duet_error *err)
 
 duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     duet_ray_query *query = check_def(def, err) ? tree_query_new(sizeof *query, err) : NULL;
     if (!query)
         return NULL;
@@ -126,11 +127,13 @@ static bool run(duet_ray_query *query, const void *rays, uint64_t n, bool far, c
 bool duet_ray_query_run(duet_ray_query *query, const duet_ray *rays, uint64_t n,
                         duet_ray_query_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return run(query, rays, n, false, __func__, result, err);
 }
 
 bool duet_ray_query_run_large(duet_ray_query *query, const duet_large_ray *rays, uint64_t n,
                               duet_ray_query_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return run(query, rays, n, true, __func__, result, err);
 }

@@ -134,6 +134,7 @@ static bool open_sides(duet_tree *tree, uint32_t share, duet_error *err)
 
 bool duet_tree_set_share(duet_tree *tree, uint32_t share, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(tree, __func__, "tree", err))
         return false;
     if (share == DUET_SHARE_DEFAULT)
@@ -177,6 +178,7 @@ bool tree_tune(duet_tree *tree, const query_name *query, uint32_t share, duet_er
 
 duet_tree *duet_tree_create(const duet_tree_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!check_def(def, err))
         return NULL;
     duet_tree *tree = calloc(1, sizeof *tree);
@@ -351,6 +353,7 @@ void tree_copy_rows(const duet_tree *tree, const void *objects, uint64_t n, void
 bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *objects, uint32_t n,
                            duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(tree, __func__, "tree", err))
         return false;
     if (!tree_takes(tree, kind, err))

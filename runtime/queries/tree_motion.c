@@ -44,6 +44,7 @@ static bool copy_to_host(duet_tree *tree, duet_motion *motion, bool radii, duet_
 
 bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(tree, __func__, "tree", err) || !motion_is_whole(motion, __func__, err) ||
         !check(tree, motion, err))
         return false;
