@@ -402,10 +402,11 @@ api.names = {
   { "duet.PairQueryResult.total_ms", "number", "wall clock" },
   { "duet.PairQueryResult.device_ms", "number[]", "of A and of B" },
 
-  { "duet.DevicePair:tree", { "def?: { shape?: string, share?: number, dims?: integer, origin_edge?: number }" }, "duet.Tree",
+  { "duet.DevicePair:tree", { "motion?: duet.Motion|table", "def?: { shape?: string, share?: number, dims?: integer, origin_edge?: number }" }, "duet.Tree",
     "An empty tree; shape is that of a world, and A has the share of what its queries ask. With an origin_edge " ..
-    "it is of large poses, in origin cells of that edge.",
-    fails = true, c = "duet_tree_create" },
+    "it is of large poses, in origin cells of that edge. Given a motion, the tree of its bodies where they are: " ..
+    "dims, origin_edge and, if they have radii, shape are the motion's where the def says nothing.",
+    fails = true, c = { "duet_tree_create", "duet_motion_tree_def" } },
   { "duet.Tree:set_objects", { "objects: duet.Poses|duet.Bounds|duet.RoundedBoxes|duet.Spheres|duet.LargePoses|string|number[]|number[][]" }, "duet.Tree",
     "The boxes from now on, as the tree's shape; they are copied.",
     fails = true, c = "duet_tree_set_objects" },

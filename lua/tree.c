@@ -24,17 +24,20 @@ static const member def_members[] = {
     {0},
 };
 
-// device_pair:tree(def)
+// device_pair:tree(def), or (motion, def): of its bodies
 static int tree_create(lua_State *L)
 {
     duet_error err = {0};
-    duet_tree_def def = duet_default_tree_def();
-    def.pair = device_pair_check(L, 1);
-    member_read_table(L, 2, "a tree", def_members, &def);
+    duet_device_pair *pair = device_pair_check(L, 1);
+    duet_motion *motion = lua_isuserdata(L, 2) ? motion_check_at(L, 2) : NULL;
+    duet_tree_def def = duet_motion_tree_def(motion);
+    def.pair = pair;
+    member_read_table(L, motion ? 3 : 2, "a tree", def_members, &def);
     tree_box *box = class_push_of(L, &tree_class, sizeof *box, 1);
     box->shape = def.origin_edge > 0 ? TREE_LARGE_POSES : (int)def.shape;
     box->tree.object = duet_tree_create(&def, &err);
-    return box->tree.object ? 1 : class_push_failure(L, &err);
+    bool ok = box->tree.object && (!motion || duet_tree_set_motion(box->tree.object, motion, &err));
+    return ok ? 1 : class_push_failure(L, &err);
 }
 
 duet_tree *tree_check(lua_State *L, int index)

@@ -5,6 +5,19 @@
 #include "runtime/dynamics/motion_poses.h"
 #include "runtime/queries/tree.h"
 
+duet_tree_def duet_motion_tree_def(const duet_motion *motion)
+{
+    duet_tree_def def = duet_default_tree_def();
+    if (!motion)
+        return def;
+    bool radii = motion_has_radii(motion) || (motion->effects & DUET_EFFECT_RADIUS);
+    def.pair = motion->def.pair;
+    def.dims = motion->def.dims;
+    def.shape = radii ? DUET_SHAPE_ROUNDED_BOXES : DUET_SHAPE_POSES;
+    def.origin_edge = radii ? 0.0f : motion->def.origin_edge;
+    return def;
+}
+
 static bool check(const duet_tree *tree, const duet_motion *motion, duet_error *err)
 {
     if (tree->def.shape != DUET_SHAPE_POSES && tree->def.shape != DUET_SHAPE_ROUNDED_BOXES)

@@ -481,6 +481,7 @@ static void fill_tree(void)
     REFUSES(duet_tree_load_profile(tree, "boxes", 1, NULL, NULL, e));
     REFUSES(duet_tree_load_profile(tree, "spheres", 1, NULL, &profile, e));
     REFUSES(duet_tree_load_profile(tree, "boxes", 0, NULL, &profile, e));
+    assert_null(duet_motion_tree_def(NULL).pair);
     REFUSES(duet_tree_set_motion(NULL, motion, e));
     REFUSES(duet_tree_set_motion(tree, NULL, e));
     duet_tree_destroy(NULL);
@@ -895,7 +896,7 @@ static const struct {
     {"duet_pair_query_create duet_pair_query_destroy duet_pair_query_run", query_pairs},
     {"duet_tree_create duet_tree_destroy duet_tree_set_objects duet_tree_set_motion "
      "duet_tree_set_share duet_tree_load_profile "
-     "duet_default_tree_def "
+     "duet_default_tree_def duet_motion_tree_def "
      "duet_query_wants_name",
      fill_tree},
     {"duet_ray_query_create duet_ray_query_destroy duet_ray_query_run "

@@ -200,6 +200,17 @@ holds("rounded boxes and spheres", function()
   equal(select(11, of_boxes:rounded_boxes():get(0)), 0.5)
 end)
 
+holds("a tree of a motion has its bodies, with radii or without", function()
+  for _, radius in ipairs { 0, 0.25 } do
+    local motion <close> = assert(pair:motion({ { 0, 0, 2, 0.5, 0.5, 0.5, 0, 0, 0, 1 } },
+      { { 0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, radius, false, false } }))
+    local tree <close> = assert(pair:tree(motion, { share = 0 }))
+    local rays <close> = assert(tree:ray_query())
+    equal(select(3, assert(rays:run { { 0, 0, 9, 0, 0, -1, 9 } }):get(0)), 6.5 - radius)
+    refused("BAD_ARGUMENT", "the tree has 2", pair.tree, pair, motion, { dims = 2 })
+  end
+end)
+
 holds("sizes apart from transforms have the same pairs", function()
   local world <close> = assert(pair:world { separate_sizes = true })
   local sizes = assert(world:map_sizes(#three))
