@@ -11,26 +11,23 @@ static const member result_members[] = {
     {0},
 };
 
-// What a script says in place of a def.
-typedef struct query_def {
-    query_name name;
-    duet_level level;
-} query_def;
-
-#define DEF_MEMBER(type_, member_, name_of_)                                             \
-    {                                                                                    \
-        .name = #member_, .type = &(type_), .offset = offsetof(query_def, name.member_), \
-        .size = sizeof(((query_name *)0)->member_), .name_of = (name_of_)                \
+#define NAME_MEMBER(type_, member_, name_of_)                                                \
+    {                                                                                        \
+        .name = #member_, .type = &(type_), .offset = offsetof(any_query_def, name.member_), \
+        .size = sizeof(((query_name *)0)->member_), .name_of = (name_of_)                    \
     }
 
-static const member wants_members[] = {DEF_MEMBER(member_enum, wants, query_wants_name), {0}};
-static const member level_members[] = {MEMBER_ENUM(query_def, level, level_name), {0}};
-static const member nearest_members[] = {DEF_MEMBER(member_count, nearest, NULL), {0}};
+static const member ray_members[] = {NAME_MEMBER(member_enum, wants, query_wants_name),
+                                     MEMBER(member_bool, any_query_def, normals),
+                                     {0}};
+static const member sweep_members[] = {NAME_MEMBER(member_enum, wants, query_wants_name), {0}};
+static const member box_members[] = {MEMBER_ENUM(any_query_def, level, level_name), {0}};
+static const member point_members[] = {NAME_MEMBER(member_count, nearest, NULL), {0}};
 
 typedef struct query_kind {
     lua_class class;
     const char *noun;                  // "a ray query", in messages
-    const member *members;             // of query_def
+    const member *members;             // of any_query_def
     array_kind takes[DUET_SHAPES + 1]; // by the tree's shape
     array_kind gives;
 } query_kind;
@@ -58,12 +55,12 @@ static const luaL_Reg methods[2], box_methods[3];
 static const query_kind kinds[] = {
     [QUERY_RAYS] = {QUERY_CLASS("duet.ray_query", methods),
                     "a ray query",
-                    wants_members,
+                    ray_members,
                     {ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_LARGE_RAYS},
                     ARRAY_HITS},
     [QUERY_SWEEPS] = {QUERY_CLASS("duet.sweep_query", methods),
                       "a sweep query",
-                      wants_members,
+                      sweep_members,
                       {[DUET_SHAPE_POSES] = ARRAY_SWEEPS,
                        [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS_SWEEPS,
                        [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_SWEEPS,
@@ -72,7 +69,7 @@ static const query_kind kinds[] = {
                       ARRAY_SWEEP_HITS},
     [QUERY_BOXES] = {QUERY_CLASS("duet.box_query", box_methods),
                      "a box query",
-                     level_members,
+                     box_members,
                      {[DUET_SHAPE_POSES] = ARRAY_POSES,
                       [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS,
                       [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_BOXES,
@@ -81,7 +78,7 @@ static const query_kind kinds[] = {
                      ARRAY_BOX_HITS},
     [QUERY_POINTS] = {QUERY_CLASS("duet.point_query", methods),
                       "a point query",
-                      nearest_members,
+                      point_members,
                       {ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_LARGE_POINTS},
                       ARRAY_POINT_HITS},
 };
@@ -103,13 +100,13 @@ static int create(lua_State *L)
     duet_error err = {0};
     query_item item = (query_item)lua_tointeger(L, lua_upvalueindex(1));
     const query_kind *kind = &kinds[item];
-    query_def def = {.name = {.item = item}, .level = DUET_LEVEL_CERTIFIED};
+    any_query_def def = {.name = {.item = item}};
     duet_tree *tree = tree_check(L, 1);
     member_read_table(L, 2, kind->noun, kind->members, &def);
     query_box *box = class_push_of(L, &kind->class, sizeof *box, 1);
     box->item = item;
     box->takes = kind->takes[tree_shape(L, 1)];
-    box->query.object = any_query_create(tree, &def.name, def.level, &err);
+    box->query.object = any_query_create(tree, &def, &err);
     return box->query.object ? 1 : class_push_failure(L, &err);
 }
 
@@ -117,6 +114,10 @@ static int push_found(lua_State *L, query_item item, const query_result *found)
 {
     array_push_copy(L, kinds[item].gives, found->hits, found->n_hits);
     member_push_table(L, result_members, found);
+    if (found->normals) {
+        array_push_copy(L, ARRAY_POINTS, found->normals, found->n_hits);
+        lua_setfield(L, -2, "normals");
+    }
     return 2;
 }
 

@@ -139,6 +139,7 @@ void tree_query_close(tree_query *q)
     close_side(&q->sides[1]);
     host_block_release(&q->joined.block);
     free(q->own_items);
+    free(q->normals);
     duet_tree_destroy(q->tree);
 }
 
@@ -645,6 +646,42 @@ static bool join_hits(tree_query *q, query_result *result, duet_error *err)
     return true;
 }
 
+static void find_some_normals(void *arg, uint64_t first, uint64_t last)
+{
+    const shared_rows *rows = arg;
+    const tree_query *q = rows->query;
+    for (uint64_t i = first; i < last; ++i) {
+        const uint32_t *hit = rows->hits + i * q->kind->hit_words;
+        float *normal = q->normals + 3 * i;
+        memset(normal, 0, 3 * sizeof *normal);
+        if (hit[1] != DUET_NO_OBJECT)
+            q->normal(q->tree, item_at(q, hit[0]), hit, normal);
+    }
+}
+
+// No device computes them, so that a query without normals pays nothing.
+static bool find_normals(tree_query *q, query_result *result, duet_error *err)
+{
+    uint64_t n = result->n_hits;
+    shared_rows rows = {.query = q, .hits = (uint32_t *)result->hits};
+    thread_pool *a = q->sides[0].helpers, *b = q->sides[1].helpers;
+    if (!q->normal || n == 0)
+        return true;
+    if (n > q->most_normals) {
+        free(q->normals);
+        q->normals = malloc((size_t)n * 3 * sizeof *q->normals);
+        q->most_normals = q->normals ? n : 0;
+    }
+    if (!q->normals)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu normals",
+                         (unsigned long long)n);
+    if (!tree_fetch_objects(q->tree, err))
+        return false;
+    thread_pool_share(b ? b : a, find_some_normals, &rows, n, PIECE);
+    result->normals = q->normals;
+    return true;
+}
+
 bool tree_query_is_far(const tree_query *q, bool far, duet_error *err)
 {
     bool is_far = q->tree->def.origin_edge > 0.0f;
@@ -696,7 +733,8 @@ bool tree_query_run(tree_query *q, const void *items, uint64_t n, query_result *
     uint64_t cut = n * tree_share_of(q->tree, q->name) / DUET_SHARE_ONE;
     query_side *a = begin_side(q, 0, 0, cut), *b = begin_side(q, 1, cut, n);
     query_result found = {0};
-    if (!tree_run(q->tree, run_side, a, b, err) || !join_hits(q, &found, err))
+    if (!tree_run(q->tree, run_side, a, b, err) || !join_hits(q, &found, err) ||
+        !find_normals(q, &found, err))
         return false;
     for (int which = 0; which < 2; ++which) {
         found.undecided += q->sides[which].undecided;

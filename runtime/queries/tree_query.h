@@ -34,6 +34,10 @@ typedef struct query_kind {
     bool finish_reads; // the tree's objects
 } query_kind;
 
+// The normal of a hit on an object.
+typedef void query_normal(const duet_tree *tree, const void *item, const uint32_t *hit,
+                          float normal[3]);
+
 // In memory that the device reads and writes fast.
 typedef struct hit_list {
     host_block block;
@@ -85,6 +89,9 @@ typedef struct tree_query {
     void *own_items;            // copies, of spheres and in origin cells: as the tree has them
     const duet_filter *filters; // of the objects, where these are the items; NULL: all touch
     hit_list joined;
+    query_normal *normal; // NULL: not asked for
+    float *normals;       // [most_normals][3] of the hits, 0 where there is none
+    uint64_t most_normals;
 } tree_query;
 
 // A query_result as a public query tells it, whose result and hits are of these types.
