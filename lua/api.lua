@@ -414,6 +414,10 @@ api.names = {
     "The boxes from now on are a motion's bodies where they are, by place; removed and disabled ones are left out. " ..
     "Bodies with radii need a tree of rounded boxes.",
     fails = true, c = "duet_tree_set_motion" },
+  { "duet.Tree:set_filters", { "filters: duet.Filters|string|integer[]|integer[][]" }, "duet.Tree",
+    "The boxes' filters until they are set again; a motion's bodies bring theirs. Queries whose def has a filter { group, mask } " ..
+    "find the boxes that it can touch.",
+    fails = true, c = "duet_tree_set_filters" },
   { "duet.Tree:set_share", { "share: number" }, "duet.Tree", "A's part of what its queries ask from now on, 0 to 1.",
     fails = true, c = "duet_tree_set_share" },
   { "duet.Tree:load_profile", { "query: string", "n: integer", "path?: string" }, "duet.Profile",
@@ -424,7 +428,7 @@ api.names = {
     c = "duet_tree_destroy" },
   { "duet.NO_OBJECT", "integer", "the id where a query finds no box" },
 
-  { "duet.Tree:ray_query", { "def?: { wants?: string, normals?: boolean }" }, "duet.RayQuery",
+  { "duet.Tree:ray_query", { "def?: { wants?: string, normals?: boolean, filter?: integer[] }" }, "duet.RayQuery",
     "Readies both devices for rays; wants is closest, any or every. With normals results have them, but not for any.",
     fails = true, c = { "duet_ray_query_create", "duet_query_wants_name" } },
   { "duet.RayQuery:run", { "rays: duet.Rays|duet.LargeRays|string|number[]|number[][]" }, "duet.Hits, duet.RayQueryResult",
@@ -436,7 +440,7 @@ api.names = {
   { "duet.RayQueryResult.total_ms", "number", "wall clock" },
   { "duet.RayQueryResult.device_ms", "number[]", "of A and of B" },
 
-  { "duet.Tree:box_query", { "def?: { level?: string }" }, "duet.BoxQuery",
+  { "duet.Tree:box_query", { "def?: { level?: string, filter?: integer[] }" }, "duet.BoxQuery",
     "Readies both devices to test boxes against the tree's, at a level.",
     fails = true, c = "duet_box_query_create" },
   { "duet.BoxQuery:run", { "boxes: duet.Poses|duet.Bounds|duet.RoundedBoxes|duet.Spheres|duet.LargePoses|string|number[]|number[][]" },
@@ -451,7 +455,7 @@ api.names = {
   { "duet.BoxQueryResult.total_ms", "number", "wall clock" },
   { "duet.BoxQueryResult.device_ms", "number[]", "of A and of B" },
 
-  { "duet.Tree:point_query", { "def?: { nearest?: integer }" }, "duet.PointQuery",
+  { "duet.Tree:point_query", { "def?: { nearest?: integer, filter?: integer[] }" }, "duet.PointQuery",
     "Readies both devices for points: so many of the nearest boxes of each, or without `nearest` those that contain it.",
     fails = true, c = "duet_point_query_create" },
   { "duet.PointQuery:run", { "points: duet.Points|duet.LargePoints|string|number[]|number[][]" },
@@ -463,7 +467,7 @@ api.names = {
   { "duet.PointQueryResult.total_ms", "number", "wall clock" },
   { "duet.PointQueryResult.device_ms", "number[]", "of A and of B" },
 
-  { "duet.Tree:sweep_query", { "def?: { wants?: string }" }, "duet.SweepQuery",
+  { "duet.Tree:sweep_query", { "def?: { wants?: string, filter?: integer[] }" }, "duet.SweepQuery",
     "Readies both devices for poses or bounds that move; wants is closest, any or every.",
     fails = true, c = "duet_sweep_query_create" },
   { "duet.SweepQuery:run", { "sweeps: duet.Sweeps|duet.BoundsSweeps|duet.RoundedSweeps|duet.SphereSweeps|duet.LargeSweeps|string|number[]|number[][]" },

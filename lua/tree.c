@@ -87,6 +87,19 @@ static int tree_set_motion(lua_State *L)
     return 1;
 }
 
+// tree:set_filters(filters) -> tree
+static int tree_set_filters(lua_State *L)
+{
+    duet_error err = {0};
+    duet_tree *tree = tree_check(L, 1);
+    const array *filters = array_check(L, 2, ARRAY_FILTERS);
+    luaL_argcheck(L, filters->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
+    if (!duet_tree_set_filters(tree, filters->rows, (uint32_t)filters->n, &err))
+        return class_push_failure(L, &err);
+    lua_settop(L, 1);
+    return 1;
+}
+
 // tree:set_share(share) -> tree
 static int tree_set_share(lua_State *L)
 {
@@ -107,6 +120,7 @@ static void destroy(void *tree)
 
 static const luaL_Reg methods[] = {{"set_objects", tree_set_objects},
                                    {"set_motion", tree_set_motion},
+                                   {"set_filters", tree_set_filters},
                                    {"set_share", tree_set_share},
                                    {NULL, NULL}};
 static const lua_class tree_class = {

@@ -11,23 +11,52 @@ static const member result_members[] = {
     {0},
 };
 
-#define NAME_MEMBER(type_, member_, name_of_)                                                \
-    {                                                                                        \
-        .name = #member_, .type = &(type_), .offset = offsetof(any_query_def, name.member_), \
-        .size = sizeof(((query_name *)0)->member_), .name_of = (name_of_)                    \
+// What a script says in place of a def.
+typedef struct query_def {
+    any_query_def asked;
+    duet_filter filter;
+} query_def;
+
+// { group, mask }
+static void read_filter(lua_State *L, const member *m, void *at)
+{
+    query_def *def = at;
+    uint32_t *const words[] = {&def->filter.group, &def->filter.mask};
+    if (!lua_istable(L, -1) || lua_rawlen(L, -1) != 2)
+        member_refuse(L, m, "{ group, mask }");
+    for (int i = 0; i < 2; ++i) {
+        lua_rawgeti(L, -1, i + 1);
+        member_count.read(L, m, words[i]);
+        lua_pop(L, 1);
+    }
+    def->asked.filter = &def->filter;
+}
+
+static const member_type member_filter = {read_filter, NULL};
+
+#define DEF_MEMBER(name_, type_, member_, name_of_)                                \
+    {                                                                              \
+        .name = (name_), .type = &(type_), .offset = offsetof(query_def, member_), \
+        .size = sizeof(((query_def *)0)->member_), .name_of = (name_of_)           \
+    }
+#define WANTS DEF_MEMBER("wants", member_enum, asked.name.wants, query_wants_name)
+#define FILTER                                                             \
+    {                                                                      \
+        .name = "filter", .type = &member_filter, .size = sizeof(uint32_t) \
     }
 
-static const member ray_members[] = {NAME_MEMBER(member_enum, wants, query_wants_name),
-                                     MEMBER(member_bool, any_query_def, normals),
-                                     {0}};
-static const member sweep_members[] = {NAME_MEMBER(member_enum, wants, query_wants_name), {0}};
-static const member box_members[] = {MEMBER_ENUM(any_query_def, level, level_name), {0}};
-static const member point_members[] = {NAME_MEMBER(member_count, nearest, NULL), {0}};
+static const member ray_members[] = {
+    WANTS, DEF_MEMBER("normals", member_bool, asked.normals, NULL), FILTER, {0}};
+static const member sweep_members[] = {WANTS, FILTER, {0}};
+static const member box_members[] = {
+    DEF_MEMBER("level", member_enum, asked.level, level_name), FILTER, {0}};
+static const member point_members[] = {
+    DEF_MEMBER("nearest", member_count, asked.name.nearest, NULL), FILTER, {0}};
 
 typedef struct query_kind {
     lua_class class;
     const char *noun;                  // "a ray query", in messages
-    const member *members;             // of any_query_def
+    const member *members;             // of query_def
     array_kind takes[DUET_SHAPES + 1]; // by the tree's shape
     array_kind gives;
 } query_kind;
@@ -100,13 +129,13 @@ static int create(lua_State *L)
     duet_error err = {0};
     query_item item = (query_item)lua_tointeger(L, lua_upvalueindex(1));
     const query_kind *kind = &kinds[item];
-    any_query_def def = {.name = {.item = item}};
+    query_def def = {.asked = {.name = {.item = item}}};
     duet_tree *tree = tree_check(L, 1);
     member_read_table(L, 2, kind->noun, kind->members, &def);
     query_box *box = class_push_of(L, &kind->class, sizeof *box, 1);
     box->item = item;
     box->takes = kind->takes[tree_shape(L, 1)];
-    box->query.object = any_query_create(tree, &def, &err);
+    box->query.object = any_query_create(tree, &def.asked, &err);
     return box->query.object ? 1 : class_push_failure(L, &err);
 }
 

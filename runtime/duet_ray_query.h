@@ -37,7 +37,8 @@ typedef struct duet_ray_query duet_ray_query;
 typedef struct duet_ray_query_def {
     duet_tree *tree; // held until the query is destroyed
     duet_query_wants wants;
-    bool normals; // results have them; not with ANY
+    bool normals;              // results have them; not with ANY
+    const duet_filter *filter; // of its rays; copied. NULL: every object is found
     int cookie;
 } duet_ray_query_def;
 

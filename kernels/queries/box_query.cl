@@ -3,7 +3,8 @@
 //
 //   items    [n] poses or bounds, by SHAPE, as the tree's objects; with ITSELF these are meant, from
 //            first_item on, each pair of them is found once, the lower id first, and only where
-//   filters  of both, a group and a mask each, let them touch
+//   filters  of both, a group and a mask each, let them touch; with FILTERED those of the objects
+//            and group and mask of all items do
 //   order    [n] of items; in_order 1: as they come
 //   objects, boxes, nodes    of the tree
 //   levels   [n_levels] first node of each level, the lowest first
@@ -42,6 +43,9 @@ struct walk {
     __global const uint2 *filters;
     uint2 filter;
 #endif
+//@ if FILTERED == 1 then
+    filter filter;
+//@ end
     tester *candidates;
 };
 
@@ -100,6 +104,10 @@ static inline bool visit_box(walk *w, uint slot, float from)
     if (!(other.x & w->filter.y) || !(w->filter.x & other.y))
         return false;
 #endif
+//@ if FILTERED == 1 then
+    if (!can_touch(&w->filter, id))
+        return false;
+//@ end
     t->places[t->n] = w->place;
     t->ids[t->n++] = id;
     if (t->n == LANES)
@@ -167,6 +175,10 @@ __kernel void box_query(BOX_QUERY_ARGS)
             w.filters = filters;
             w.filter = filters[places[k]];
 #endif
+//@ if FILTERED == 1 then
+            w.filter.of_objects = filters;
+            w.filter.own = (uint2)(group, mask);
+//@ end
             w.candidates = &t;
             for (int axis = 0; axis < DIMS; ++axis) {
                 w.lower[axis] = lower[axis][k];

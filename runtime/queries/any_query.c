@@ -21,6 +21,7 @@ static void *create(duet_tree *tree, const any_query_def *def, duet_error *err)
     rays.tree = sweeps.tree = boxes.tree = points.tree = tree;
     rays.wants = sweeps.wants = name->wants;
     rays.normals = def->normals;
+    rays.filter = sweeps.filter = boxes.filter = points.filter = def->filter;
     boxes.level = def->level;
     points.nearest = name->nearest;
     switch (name->item) {

@@ -22,6 +22,7 @@ typedef struct any_query_def {
     query_name name;
     duet_level level; // of boxes
     bool normals;     // of rays
+    const duet_filter *filter;
 } any_query_def;
 
 any_query *any_query_create(duet_tree *tree, const any_query_def *def, duet_error *err);

@@ -83,7 +83,7 @@ duet_point_query *duet_point_query_create(const duet_point_query_def *def, duet_
                                 .each = def->nearest};
     const gen_setting settings[] = {{"WANTS", query->asked.wants}};
     const query_name name = {.item = QUERY_POINTS, .nearest = def->nearest};
-    if (tree_query_open(&query->asked, &name, settings, 1, err))
+    if (tree_query_open(&query->asked, &name, def->filter, settings, 1, err))
         return query;
     duet_point_query_destroy(query);
     return NULL;

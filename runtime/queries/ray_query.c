@@ -128,7 +128,7 @@ duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error 
                                                         : normal};
     const gen_setting settings[] = {{"WANTS", def->wants}};
     const query_name name = {.item = QUERY_RAYS, .wants = def->wants};
-    if (tree_query_open(&query->asked, &name, settings, 1, err))
+    if (tree_query_open(&query->asked, &name, def->filter, settings, 1, err))
         return query;
     duet_ray_query_destroy(query);
     return NULL;

@@ -159,7 +159,7 @@ duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def, duet_
                                 .each = def->wants != DUET_QUERY_EVERY};
     const gen_setting settings[] = {{"WANTS", def->wants}, {"SWEPT", 1}};
     const query_name name = {.item = QUERY_SWEEPS, .wants = def->wants};
-    if (tree_query_open(&query->asked, &name, settings, 2, err))
+    if (tree_query_open(&query->asked, &name, def->filter, settings, 2, err))
         return query;
     duet_sweep_query_destroy(query);
     return NULL;

@@ -482,6 +482,10 @@ static void fill_tree(void)
     REFUSES(duet_tree_load_profile(tree, "spheres", 1, NULL, &profile, e));
     REFUSES(duet_tree_load_profile(tree, "boxes", 0, NULL, &profile, e));
     assert_null(duet_motion_tree_def(NULL).pair);
+    REFUSES(duet_tree_set_filters(NULL, &(duet_filter){1, 1}, 1, e));
+    REFUSES(duet_tree_set_filters(tree, NULL, 1, e));
+    REFUSES(duet_tree_set_filters(tree, &(duet_filter){1, 1}, 1, e)); // the tree has no objects
+    TAKES(duet_tree_set_filters(tree, NULL, 0, e));
     REFUSES(duet_tree_set_motion(NULL, motion, e));
     REFUSES(duet_tree_set_motion(tree, NULL, e));
     duet_tree_destroy(NULL);
@@ -858,7 +862,8 @@ static const struct {
 } rows[] = {
     {"duet_version duet_status_name duet_mode_name duet_grade_name duet_effect_name", names},
     {"duet_strategy_get_name duet_strategy_get_summary", strategies},
-    {"duet_default_body duet_default_motion_def duet_default_pair_query_def duet_default_world_def "
+    {"duet_default_body duet_default_motion_def duet_default_pair_query_def "
+     "duet_default_world_def "
      "duet_default_tune_def duet_default_online_def duet_default_device_pair_def "
      "duet_default_plan",
      defaults},
@@ -896,7 +901,7 @@ static const struct {
     {"duet_pair_query_create duet_pair_query_destroy duet_pair_query_run", query_pairs},
     {"duet_tree_create duet_tree_destroy duet_tree_set_objects duet_tree_set_motion "
      "duet_tree_set_share duet_tree_load_profile "
-     "duet_default_tree_def duet_motion_tree_def "
+     "duet_default_tree_def duet_motion_tree_def duet_tree_set_filters "
      "duet_query_wants_name",
      fill_tree},
     {"duet_ray_query_create duet_ray_query_destroy duet_ray_query_run "
