@@ -513,6 +513,10 @@ api.names = {
   { "duet.Source.group", "integer", "work-items in a group" },
   { "duet.Source.per_item", "integer", "work that one item does" },
   { "duet.effects", {}, "string[]", "All that a scene can call for.", c = "duet_effect_name" },
+  { "duet.game_motion_def", { "dims?: integer" }, "table",
+    "A def for an ordinary game in metres and seconds, z up, in 2D y: { dims, gravity, slop, wants } with all that its bodies " ..
+    "may call for at any time, but radii.",
+    c = "duet_game_motion_def" },
   { "duet.Scene:bodies", {}, "duet.Bodies?", "A view of what the scene says of motion; nil where that is nothing.",
     c = "duet_scene_get_bodies" },
   { "duet.DevicePair:motion", { "objects: duet.Scene|duet.Poses|string|any[]", "bodies?: duet.Bodies|string|any[]|table",

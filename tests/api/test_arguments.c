@@ -123,6 +123,7 @@ static void defaults(void)
 {
     assert_true(duet_default_body().mass == 1.0f);
     assert_int_equal(duet_default_motion_def().dims, 3);
+    assert_null(duet_game_motion_def(NULL, 3).pair);
     assert_int_equal(duet_default_pair_query_def().dims, 3);
     assert_int_equal(duet_default_world_def().dims, 3);
     assert_true(duet_default_tune_def().keep);
@@ -862,7 +863,7 @@ static const struct {
 } rows[] = {
     {"duet_version duet_status_name duet_mode_name duet_grade_name duet_effect_name", names},
     {"duet_strategy_get_name duet_strategy_get_summary", strategies},
-    {"duet_default_body duet_default_motion_def duet_default_pair_query_def "
+    {"duet_default_body duet_default_motion_def duet_game_motion_def duet_default_pair_query_def "
      "duet_default_world_def "
      "duet_default_tune_def duet_default_online_def duet_default_device_pair_def "
      "duet_default_plan",
