@@ -3,8 +3,7 @@
 //
 //   items    [n] poses or bounds, by SHAPE, as the tree's objects; with ITSELF these are meant, from
 //            first_item on, each pair of them is found once, the lower id first, and only where
-//   filters  of both, a group and a mask each, let them touch; with FILTERED those of the objects
-//            and group and mask of all items do
+//   filters  of both, a group and a mask each, let them touch
 //   order    [n] of items; in_order 1: as they come
 //   objects, boxes, nodes    of the tree
 //   levels   [n_levels] first node of each level, the lowest first

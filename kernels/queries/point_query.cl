@@ -6,7 +6,6 @@
 //   order    [n] of them; in_order 1: as they come
 //   boxes, nodes    of the tree
 //   levels   [n_levels] first node of each level, the lowest first
-//   filters  [objects] a group and a mask each: with FILTERED what group and mask let a point find
 //   hits     [hits_capacity][3] point, id, 0, in any order; of nearest ones [n][each][3] with
 //            the square of the distance, by that and id
 //   open     [open_capacity][3] boxes that float leaves to the host

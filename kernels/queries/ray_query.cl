@@ -7,7 +7,6 @@
 //   order    [n] of items, by where they begin; in_order 1: as they come
 //   boxes, nodes    of the tree
 //   levels   [n_levels] first node of each level, the lowest first
-//   filters  [objects] a group and a mask each: with FILTERED what group and mask let an item find
 //   hits     [n][HIT_WORDS]; for all hits [hits_capacity][HIT_WORDS], in any order: the item,
 //            the box's id, t; with SWEPT space for a normal
 //   open     [open_capacity][HIT_WORDS] boxes that float leaves to the host, those that a
