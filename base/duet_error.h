@@ -2,8 +2,10 @@
 // What went wrong, as a value that the caller owns.
 //
 // Makers return a pointer or NULL and doers return bool; both take a
-// duet_error last. NULL is allowed there. The first failure is kept, so one
-// error can be passed through several calls and read once at the end.
+// duet_error last. NULL is allowed there. A call that fails fills it with its
+// own failure, the first one if there are several, whatever it held before. A
+// call that succeeds leaves it as it was. So one error can be passed through
+// several calls; at the end it holds the last failure, if there was one.
 #ifndef DUET_ERROR_H
 #define DUET_ERROR_H
 

@@ -61,6 +61,38 @@ static const char *cl_name(int cl_code)
     return "CL error";
 }
 
+// ---------------------------------------------------------------- public calls
+
+static _Thread_local public_call *innermost;
+
+static bool is_of_an_outer_call(const duet_error *err)
+{
+    const public_call *call = innermost;
+    while (call && call->err != err)
+        call = call->outer;
+    return call;
+}
+
+void public_call_begin(public_call *call, duet_error *err)
+{
+    *call = (public_call){.outer = innermost};
+    if (err && !is_of_an_outer_call(err)) {
+        call->err = err;
+        call->before = err->status;
+        err->status = DUET_STATUS_OK;
+    }
+    innermost = call;
+}
+
+void public_call_end(public_call *call)
+{
+    if (call->err && call->err->status == DUET_STATUS_OK)
+        call->err->status = call->before;
+    innermost = call->outer;
+}
+
+// ---------------------------------------------------------------- the line
+
 // The first failure is kept.
 static bool is_free(const duet_error *err)
 {

@@ -1,11 +1,27 @@
 // SPDX-License-Identifier: MIT
-// How Duet's own code fills a duet_error: once, with one line.
+// How Duet's own code fills a duet_error: once in each public call, with one line.
 #ifndef BASE_ERROR_H
 #define BASE_ERROR_H
 
 #include "duet_error.h"
 
 #include <stdbool.h>
+
+// The first statement of each public call that takes an error. Within it err begins without a
+// failure, so that the first one of this call is kept; if the call does not fail, err is afterwards
+// what it was before. Where err is that of a public call under way, it stays that call's.
+#define PUBLIC_CALL(err)                                         \
+    __attribute__((cleanup(public_call_end))) public_call call_; \
+    public_call_begin(&call_, err)
+
+typedef struct public_call {
+    duet_error *err;           // NULL: none, or an outer call's
+    duet_status before;        // its status when the call began
+    struct public_call *outer; // that this thread is in; NULL: none
+} public_call;
+
+void public_call_begin(public_call *call, duet_error *err);
+void public_call_end(public_call *call);
 
 // Fills err unless it is NULL or holds an earlier failure; returns false, so
 // that a failing function can end with it. A line break in the text becomes

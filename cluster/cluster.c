@@ -70,6 +70,7 @@ static bool begin_threads(duet_cluster *c, const worker *w, duet_error *err)
 
 duet_cluster *duet_cluster_create(const duet_cluster_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return cluster_create(def, NULL, false, err);
 }
 
@@ -182,6 +183,7 @@ static bool check_kind(const duet_cluster *c, duet_object_kind kind, duet_error 
 bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint64_t *ids,
                               const void *objects, uint32_t n, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
@@ -231,6 +233,7 @@ bool cluster_list_pairs(duet_cluster *c, duet_error *err)
 bool duet_cluster_get_own_pairs(duet_cluster *c, const duet_pair64 **pairs, uint64_t *n,
                                 duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(c, __func__, "cluster", err) || !error_given(pairs, __func__, "pairs", err) ||
         !error_given(n, __func__, "n", err) || !cluster_list_pairs(c, err))
         return false;
@@ -241,6 +244,7 @@ bool duet_cluster_get_own_pairs(duet_cluster *c, const duet_pair64 **pairs, uint
 
 bool duet_cluster_get_ranks(duet_cluster *c, duet_cluster_rank *rows, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
@@ -255,6 +259,7 @@ bool duet_cluster_get_ranks(duet_cluster *c, duet_cluster_rank *rows, duet_error
 void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint64_t **ids,
                              uint32_t *n, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(c, __func__, "cluster", err))
         return NULL;
     duet_error own = {0};

@@ -23,6 +23,7 @@ static bool give_plans(duet_cluster *c, const duet_plan plans[2], duet_error *er
 
 bool duet_cluster_set_plan(duet_cluster *c, const duet_plan *plan, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
@@ -63,6 +64,7 @@ static bool agree_on_level(duet_cluster *c, const char *call, duet_level level, 
 
 bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
@@ -103,9 +105,12 @@ static bool weigh_ranks(duet_cluster *c, const duet_profile *profile)
 bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *profile,
                                duet_error *store_failed, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
+    if (store_failed)
+        *store_failed = own;
     if (!cluster_settle_all(c, __func__, error_given(profile, __func__, "profile", &own), &own,
                             err))
         return false;

@@ -313,6 +313,7 @@ bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *s
 bool duet_cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,
                              uint32_t n_settings, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};

@@ -163,6 +163,7 @@ static bool write_pairs(duet_cluster *c, const char *path, const void *pairs, ui
 
 bool duet_cluster_save_pairs(duet_cluster *c, const char *path, bool sorted, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};

@@ -340,6 +340,7 @@ static void keep_times(duet_cluster *c, uint64_t begun_ns)
 
 bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};

@@ -54,10 +54,7 @@ int main(void)
     duet_error err = {0};
     duet_device_pair_def devices = duet_default_device_pair_def();
     duet_device_pair *pair = duet_device_pair_create(&devices, &err);
-    duet_motion_def def = duet_default_motion_def();
-    def.pair = pair;
-    def.wants = DUET_EFFECT_CONTACT_RESPONSE;
-    def.gravity[2] = -9.81;
+    duet_motion_def def = duet_game_motion_def(pair, 3); // z is up
     duet_motion *motion = pair ? duet_motion_create(&def, poses, bodies, BODIES, &err) : NULL;
     bool ok = motion && carry(motion, &err) && duet_motion_get_states(motion, states, &err);
     if (ok)

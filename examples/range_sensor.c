@@ -46,11 +46,10 @@ static bool look(duet_motion *motion, duet_tree *tree, duet_ray_query *query, du
 
 static bool run(duet_device_pair *pair, duet_error *err)
 {
-    duet_tree_def def = duet_default_tree_def();
     duet_ray_query_def query_def = duet_default_ray_query_def();
     duet_motion_result result = {0};
-    def.pair = pair;
     duet_motion *motion = drop(pair, err);
+    duet_tree_def def = duet_motion_tree_def(motion);
     duet_tree *tree = query_def.tree = motion ? duet_tree_create(&def, err) : NULL;
     duet_ray_query *query = tree ? duet_ray_query_create(&query_def, err) : NULL;
     bool ok = query;

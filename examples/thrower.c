@@ -68,10 +68,7 @@ int main(void)
     build_wall(poses, bodies);
     duet_device_pair_def devices = duet_default_device_pair_def();
     duet_device_pair *pair = duet_device_pair_create(&devices, &err);
-    duet_motion_def def = duet_default_motion_def();
-    def.pair = pair;
-    def.wants = DUET_EFFECT_SLEEP; // and with it all that lets bodies push
-    def.gravity[2] = -9.81;
+    duet_motion_def def = duet_game_motion_def(pair, 3); // z is up
     duet_motion *motion = pair ? duet_motion_create(&def, poses, bodies, CRATES + 1, &err) : NULL;
     duet_motion_result result;
     bool ok = motion != NULL;

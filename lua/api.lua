@@ -406,10 +406,11 @@ api.names = {
   { "duet.PairQueryResult.total_ms", "number", "wall clock" },
   { "duet.PairQueryResult.device_ms", "number[]", "of A and of B" },
 
-  { "duet.DevicePair:tree", { "def?: { shape?: string, share?: number, dims?: integer, origin_edge?: number }" }, "duet.Tree",
+  { "duet.DevicePair:tree", { "motion?: duet.Motion|table", "def?: { shape?: string, share?: number, dims?: integer, origin_edge?: number }" }, "duet.Tree",
     "An empty tree; shape is that of a world, and A has the share of what its queries ask. With an origin_edge " ..
-    "it is of large poses, in origin cells of that edge.",
-    fails = true, c = "duet_tree_create" },
+    "it is of large poses, in origin cells of that edge. Given a motion, the tree of its bodies where they are: " ..
+    "dims, origin_edge and, if they have radii, shape are the motion's where the def says nothing.",
+    fails = true, c = { "duet_tree_create", "duet_motion_tree_def" } },
   { "duet.Tree:set_objects", { "objects: duet.Poses|duet.Bounds|duet.RoundedBoxes|duet.Spheres|duet.LargePoses|string|number[]|number[][]" }, "duet.Tree",
     "The boxes from now on, as the tree's shape; they are copied.",
     fails = true, c = "duet_tree_set_objects" },
@@ -417,6 +418,10 @@ api.names = {
     "The boxes from now on are a motion's bodies where they are, by place; removed and disabled ones are left out. " ..
     "Bodies with radii need a tree of rounded boxes.",
     fails = true, c = "duet_tree_set_motion" },
+  { "duet.Tree:set_filters", { "filters: duet.Filters|string|integer[]|integer[][]" }, "duet.Tree",
+    "The boxes' filters until they are set again; a motion's bodies bring theirs. Queries whose def has a filter { group, mask } " ..
+    "find the boxes that it can touch.",
+    fails = true, c = "duet_tree_set_filters" },
   { "duet.Tree:set_share", { "share: number" }, "duet.Tree", "A's part of what its queries ask from now on, 0 to 1.",
     fails = true, c = "duet_tree_set_share" },
   { "duet.Tree:load_profile", { "query: string", "n: integer", "path?: string" }, "duet.Profile",
@@ -427,18 +432,19 @@ api.names = {
     c = "duet_tree_destroy" },
   { "duet.NO_OBJECT", "integer", "the id where a query finds no box" },
 
-  { "duet.Tree:ray_query", { "def?: { wants?: string }" }, "duet.RayQuery",
-    "Readies both devices for rays; wants is closest, any or every.",
+  { "duet.Tree:ray_query", { "def?: { wants?: string, normals?: boolean, filter?: integer[] }" }, "duet.RayQuery",
+    "Readies both devices for rays; wants is closest, any or every. With normals results have them, but not for any.",
     fails = true, c = { "duet_ray_query_create", "duet_query_wants_name" } },
   { "duet.RayQuery:run", { "rays: duet.Rays|duet.LargeRays|string|number[]|number[][]" }, "duet.Hits, duet.RayQueryResult",
     "Casts rays: a hit for each, or by wants = \"every\" all of them, by ray, t and id.",
     fails = true, c = { "duet_ray_query_run", "duet_ray_query_run_large" } },
   { "duet.RayQuery:close", {}, nil, "Gives the devices' memory back.", c = "duet_ray_query_destroy" },
+  { "duet.RayQueryResult.normals", "duet.Points?", "of the hits: rows xyz, of length 1 and out of the box; 0 where a ray begins in it, and for no hit" },
   { "duet.RayQueryResult.undecided", "integer", "hits that float left open and the host decided" },
   { "duet.RayQueryResult.total_ms", "number", "wall clock" },
   { "duet.RayQueryResult.device_ms", "number[]", "of A and of B" },
 
-  { "duet.Tree:box_query", { "def?: { level?: string }" }, "duet.BoxQuery",
+  { "duet.Tree:box_query", { "def?: { level?: string, filter?: integer[] }" }, "duet.BoxQuery",
     "Readies both devices to test boxes against the tree's, at a level.",
     fails = true, c = "duet_box_query_create" },
   { "duet.BoxQuery:run", { "boxes: duet.Poses|duet.Bounds|duet.RoundedBoxes|duet.Spheres|duet.LargePoses|string|number[]|number[][]" },
@@ -453,7 +459,7 @@ api.names = {
   { "duet.BoxQueryResult.total_ms", "number", "wall clock" },
   { "duet.BoxQueryResult.device_ms", "number[]", "of A and of B" },
 
-  { "duet.Tree:point_query", { "def?: { nearest?: integer }" }, "duet.PointQuery",
+  { "duet.Tree:point_query", { "def?: { nearest?: integer, filter?: integer[] }" }, "duet.PointQuery",
     "Readies both devices for points: so many of the nearest boxes of each, or without `nearest` those that contain it.",
     fails = true, c = "duet_point_query_create" },
   { "duet.PointQuery:run", { "points: duet.Points|duet.LargePoints|string|number[]|number[][]" },
@@ -465,7 +471,7 @@ api.names = {
   { "duet.PointQueryResult.total_ms", "number", "wall clock" },
   { "duet.PointQueryResult.device_ms", "number[]", "of A and of B" },
 
-  { "duet.Tree:sweep_query", { "def?: { wants?: string }" }, "duet.SweepQuery",
+  { "duet.Tree:sweep_query", { "def?: { wants?: string, filter?: integer[] }" }, "duet.SweepQuery",
     "Readies both devices for poses or bounds that move; wants is closest, any or every.",
     fails = true, c = "duet_sweep_query_create" },
   { "duet.SweepQuery:run", { "sweeps: duet.Sweeps|duet.BoundsSweeps|duet.RoundedSweeps|duet.SphereSweeps|duet.LargeSweeps|string|number[]|number[][]" },
@@ -511,6 +517,10 @@ api.names = {
   { "duet.Source.group", "integer", "work-items in a group" },
   { "duet.Source.per_item", "integer", "work that one item does" },
   { "duet.effects", {}, "string[]", "All that a scene can call for.", c = "duet_effect_name" },
+  { "duet.game_motion_def", { "dims?: integer" }, "table",
+    "A def for an ordinary game in metres and seconds, z up, in 2D y: { dims, gravity, slop, wants } with all that its bodies " ..
+    "may call for at any time, but radii.",
+    c = "duet_game_motion_def" },
   { "duet.Scene:bodies", {}, "duet.Bodies?", "A view of what the scene says of motion; nil where that is nothing.",
     c = "duet_scene_get_bodies" },
   { "duet.DevicePair:motion", { "objects: duet.Scene|duet.Poses|string|any[]", "bodies?: duet.Bodies|string|any[]|table",

@@ -61,7 +61,13 @@ static void read_effects(lua_State *L, const member *m, void *at)
     }
 }
 
-static const member_type member_effects = {read_effects, NULL};
+static void push_wants(lua_State *L, const member *m, const void *at)
+{
+    (void)m;
+    push_effects(L, *(const uint32_t *)at);
+}
+
+static const member_type member_effects = {read_effects, push_wants};
 
 // ---------------------------------------------------------------- making
 
@@ -110,6 +116,21 @@ static const member def_members[] = {
     MEMBER(member_bool, duet_motion_def, stage_times),
     {0},
 };
+
+// duet.game_motion_def(dims) -> a def that a script may change
+static int game_motion_def(lua_State *L)
+{
+    static const member said[] = {MEMBER(member_count, duet_motion_def, dims),
+                                  MEMBER(member_effects, duet_motion_def, wants),
+                                  MEMBER(member_double, duet_motion_def, gravity),
+                                  MEMBER(member_double, duet_motion_def, slop),
+                                  {0}};
+    lua_Integer dims = luaL_optinteger(L, 1, 3);
+    luaL_argcheck(L, dims == 2 || dims == 3, 1, "2 or 3 dims");
+    duet_motion_def def = duet_game_motion_def(NULL, (uint32_t)dims);
+    member_push_table(L, said, &def);
+    return 1;
+}
 
 // What a motion is made of.
 typedef struct motion_objects {
@@ -660,8 +681,10 @@ static const lua_class motion_class = {
 
 void motion_open_lua(lua_State *L)
 {
-    static const luaL_Reg functions[] = {
-        {"effects", list_effects}, {"states_between", states_between}, {NULL, NULL}};
+    static const luaL_Reg functions[] = {{"effects", list_effects},
+                                         {"game_motion_def", game_motion_def},
+                                         {"states_between", states_between},
+                                         {NULL, NULL}};
     static const luaL_Reg of_pair[] = {{"motion", motion_create}, {NULL, NULL}};
     class_open(L, &motion_class);
     class_add_methods(L, "duet.device_pair", of_pair, NULL);

@@ -24,17 +24,20 @@ static const member def_members[] = {
     {0},
 };
 
-// device_pair:tree(def)
+// device_pair:tree(def), or (motion, def): of its bodies
 static int tree_create(lua_State *L)
 {
     duet_error err = {0};
-    duet_tree_def def = duet_default_tree_def();
-    def.pair = device_pair_check(L, 1);
-    member_read_table(L, 2, "a tree", def_members, &def);
+    duet_device_pair *pair = device_pair_check(L, 1);
+    duet_motion *motion = lua_isuserdata(L, 2) ? motion_check_at(L, 2) : NULL;
+    duet_tree_def def = duet_motion_tree_def(motion);
+    def.pair = pair;
+    member_read_table(L, motion ? 3 : 2, "a tree", def_members, &def);
     tree_box *box = class_push_of(L, &tree_class, sizeof *box, 1);
     box->shape = def.origin_edge > 0 ? TREE_LARGE_POSES : (int)def.shape;
     box->tree.object = duet_tree_create(&def, &err);
-    return box->tree.object ? 1 : class_push_failure(L, &err);
+    bool ok = box->tree.object && (!motion || duet_tree_set_motion(box->tree.object, motion, &err));
+    return ok ? 1 : class_push_failure(L, &err);
 }
 
 duet_tree *tree_check(lua_State *L, int index)
@@ -84,6 +87,19 @@ static int tree_set_motion(lua_State *L)
     return 1;
 }
 
+// tree:set_filters(filters) -> tree
+static int tree_set_filters(lua_State *L)
+{
+    duet_error err = {0};
+    duet_tree *tree = tree_check(L, 1);
+    const array *filters = array_check(L, 2, ARRAY_FILTERS);
+    luaL_argcheck(L, filters->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
+    if (!duet_tree_set_filters(tree, filters->rows, (uint32_t)filters->n, &err))
+        return class_push_failure(L, &err);
+    lua_settop(L, 1);
+    return 1;
+}
+
 // tree:set_share(share) -> tree
 static int tree_set_share(lua_State *L)
 {
@@ -104,6 +120,7 @@ static void destroy(void *tree)
 
 static const luaL_Reg methods[] = {{"set_objects", tree_set_objects},
                                    {"set_motion", tree_set_motion},
+                                   {"set_filters", tree_set_filters},
                                    {"set_share", tree_set_share},
                                    {NULL, NULL}};
 static const lua_class tree_class = {

@@ -13,19 +13,45 @@ static const member result_members[] = {
 
 // What a script says in place of a def.
 typedef struct query_def {
-    query_name name;
-    duet_level level;
+    any_query_def asked;
+    duet_filter filter;
 } query_def;
 
-#define DEF_MEMBER(type_, member_, name_of_)                                             \
-    {                                                                                    \
-        .name = #member_, .type = &(type_), .offset = offsetof(query_def, name.member_), \
-        .size = sizeof(((query_name *)0)->member_), .name_of = (name_of_)                \
+// { group, mask }
+static void read_filter(lua_State *L, const member *m, void *at)
+{
+    query_def *def = at;
+    uint32_t *const words[] = {&def->filter.group, &def->filter.mask};
+    if (!lua_istable(L, -1) || lua_rawlen(L, -1) != 2)
+        member_refuse(L, m, "{ group, mask }");
+    for (int i = 0; i < 2; ++i) {
+        lua_rawgeti(L, -1, i + 1);
+        member_count.read(L, m, words[i]);
+        lua_pop(L, 1);
+    }
+    def->asked.filter = &def->filter;
+}
+
+static const member_type member_filter = {read_filter, NULL};
+
+#define DEF_MEMBER(name_, type_, member_, name_of_)                                \
+    {                                                                              \
+        .name = (name_), .type = &(type_), .offset = offsetof(query_def, member_), \
+        .size = sizeof(((query_def *)0)->member_), .name_of = (name_of_)           \
+    }
+#define WANTS DEF_MEMBER("wants", member_enum, asked.name.wants, query_wants_name)
+#define FILTER                                                             \
+    {                                                                      \
+        .name = "filter", .type = &member_filter, .size = sizeof(uint32_t) \
     }
 
-static const member wants_members[] = {DEF_MEMBER(member_enum, wants, query_wants_name), {0}};
-static const member level_members[] = {MEMBER_ENUM(query_def, level, level_name), {0}};
-static const member nearest_members[] = {DEF_MEMBER(member_count, nearest, NULL), {0}};
+static const member ray_members[] = {
+    WANTS, DEF_MEMBER("normals", member_bool, asked.normals, NULL), FILTER, {0}};
+static const member sweep_members[] = {WANTS, FILTER, {0}};
+static const member box_members[] = {
+    DEF_MEMBER("level", member_enum, asked.level, level_name), FILTER, {0}};
+static const member point_members[] = {
+    DEF_MEMBER("nearest", member_count, asked.name.nearest, NULL), FILTER, {0}};
 
 typedef struct query_kind {
     lua_class class;
@@ -58,12 +84,12 @@ static const luaL_Reg methods[2], box_methods[3];
 static const query_kind kinds[] = {
     [QUERY_RAYS] = {QUERY_CLASS("duet.ray_query", methods),
                     "a ray query",
-                    wants_members,
+                    ray_members,
                     {ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_LARGE_RAYS},
                     ARRAY_HITS},
     [QUERY_SWEEPS] = {QUERY_CLASS("duet.sweep_query", methods),
                       "a sweep query",
-                      wants_members,
+                      sweep_members,
                       {[DUET_SHAPE_POSES] = ARRAY_SWEEPS,
                        [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS_SWEEPS,
                        [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_SWEEPS,
@@ -72,7 +98,7 @@ static const query_kind kinds[] = {
                       ARRAY_SWEEP_HITS},
     [QUERY_BOXES] = {QUERY_CLASS("duet.box_query", box_methods),
                      "a box query",
-                     level_members,
+                     box_members,
                      {[DUET_SHAPE_POSES] = ARRAY_POSES,
                       [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS,
                       [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_BOXES,
@@ -81,7 +107,7 @@ static const query_kind kinds[] = {
                      ARRAY_BOX_HITS},
     [QUERY_POINTS] = {QUERY_CLASS("duet.point_query", methods),
                       "a point query",
-                      nearest_members,
+                      point_members,
                       {ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_LARGE_POINTS},
                       ARRAY_POINT_HITS},
 };
@@ -103,13 +129,13 @@ static int create(lua_State *L)
     duet_error err = {0};
     query_item item = (query_item)lua_tointeger(L, lua_upvalueindex(1));
     const query_kind *kind = &kinds[item];
-    query_def def = {.name = {.item = item}, .level = DUET_LEVEL_CERTIFIED};
+    query_def def = {.asked = {.name = {.item = item}}};
     duet_tree *tree = tree_check(L, 1);
     member_read_table(L, 2, kind->noun, kind->members, &def);
     query_box *box = class_push_of(L, &kind->class, sizeof *box, 1);
     box->item = item;
     box->takes = kind->takes[tree_shape(L, 1)];
-    box->query.object = any_query_create(tree, &def.name, def.level, &err);
+    box->query.object = any_query_create(tree, &def.asked, &err);
     return box->query.object ? 1 : class_push_failure(L, &err);
 }
 
@@ -117,6 +143,10 @@ static int push_found(lua_State *L, query_item item, const query_result *found)
 {
     array_push_copy(L, kinds[item].gives, found->hits, found->n_hits);
     member_push_table(L, result_members, found);
+    if (found->normals) {
+        array_push_copy(L, ARRAY_POINTS, found->normals, found->n_hits);
+        lua_setfield(L, -2, "normals");
+    }
     return 2;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "profiles/duet_profiles.h"
 
+#include "base/error.h"
 #include "profiles/exchange.h"
 #include "profiles/profile.h"
 #include "profiles/sql.h"
@@ -69,6 +70,7 @@ static bool fill(duet_profile_list *list, store *s, bool replaced_too, duet_erro
 
 duet_profile_list *duet_profile_list_create(const char *path, bool replaced_too, duet_error *err)
 {
+    PUBLIC_CALL(err);
     store *s = store_open(path, STORE_READ, err);
     if (!s)
         return NULL;
@@ -137,6 +139,7 @@ static bool read_trials(store *s, const char *uid, duet_stored_trial **trials, u
 bool duet_profile_get_trials(const char *path, const char *uid, duet_stored_trial **trials,
                              uint32_t *n, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(uid, __func__, "uid", err) || !error_given(trials, __func__, "trials", err) ||
         !error_given(n, __func__, "n", err))
         return false;
@@ -168,11 +171,13 @@ static bool change(const char *path, const char *uid, profile_change *by, duet_e
 
 bool duet_profile_use(const char *path, const char *uid, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return error_given(uid, __func__, "uid", err) && change(path, uid, profile_use, err);
 }
 
 bool duet_profile_forget(const char *path, const char *uid, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return error_given(uid, __func__, "uid", err) && change(path, uid, profile_forget, err);
 }
 
@@ -180,6 +185,7 @@ bool duet_profile_forget(const char *path, const char *uid, duet_error *err)
 
 bool duet_profiles_export(const char *path, const char *file, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(file, __func__, "file", err))
         return false;
     store *s = store_open(path, STORE_READ, err);
@@ -201,6 +207,7 @@ static bool import_file(store *s, FILE *in, const char *name, duet_import_counts
 bool duet_profiles_import(const char *path, const char *file, duet_import_counts *counts,
                           duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(file, __func__, "file", err))
         return false;
     FILE *in = fopen(file, "r");

@@ -15,8 +15,9 @@ typedef struct duet_box_hit {
 typedef struct duet_box_query duet_box_query;
 
 typedef struct duet_box_query_def {
-    duet_tree *tree;  // held until the query is destroyed
-    duet_level level; // of accuracy, for poses; bounds are exact
+    duet_tree *tree;           // held until the query is destroyed
+    duet_level level;          // of accuracy, for poses; bounds are exact
+    const duet_filter *filter; // of its boxes; copied. NULL: every object is found
     int cookie;
 } duet_box_query_def;
 
@@ -41,15 +42,9 @@ DUET_API void duet_box_query_destroy(duet_box_query *query);
 DUET_API bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void *boxes,
                                  uint64_t n, duet_box_query_result *result, duet_error *err);
 
-// Of an object: two can touch where each one's group has a bit of the other's mask, as
-// those of a duet_body say.
-typedef struct duet_filter {
-    uint32_t group;
-    uint32_t mask;
-} duet_filter;
-
 // Tests the tree's objects against each other: a hit is a pair of which `box` is the lower id.
-// filters, n of them, one an object, say which can touch; NULL: all. The first call builds the
+// filters, n of them, one an object, say which can touch; NULL: all. The tree's filters and the
+// def's say nothing here. The first call builds the
 // kernels. The answers are as above.
 DUET_API bool duet_box_query_run_itself(duet_box_query *query, const duet_filter *filters,
                                         uint64_t n, duet_box_query_result *result, duet_error *err);

@@ -103,6 +103,13 @@ typedef struct duet_motion_def {
 
 DUET_API duet_motion_def duet_default_motion_def(void); // 60 steps a second, 4 substeps
 
+// The same for an ordinary game in metres, kilograms and seconds, of which z is up, in 2D y: a
+// gravity of 9.81, a slop of 5 mm, and in wants what its bodies may call for at any time, even if
+// there are none at first: contact response with friction, turning and fast bodies, groups and
+// masks, sleep, forces, sensors and events. Radii are not in it: where bodies with some come only
+// later, add DUET_EFFECT_RADIUS to wants. dims is 2 or 3.
+DUET_API duet_motion_def duet_game_motion_def(duet_device_pair *pair, uint32_t dims);
+
 // Objects that move.
 typedef struct duet_motion duet_motion;
 

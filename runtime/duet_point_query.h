@@ -32,6 +32,7 @@ typedef struct duet_point_query_def {
     duet_tree *tree;  // held until the query is destroyed
     uint32_t nearest; // so many of the nearest boxes of each point, at most DUET_MOST_NEAREST;
                       // 0: those that contain it
+    const duet_filter *filter; // of its points; copied. NULL: every object is found
     int cookie;
 } duet_point_query_def;
 

@@ -24,7 +24,7 @@ typedef struct duet_large_ray {
     int32_t cell[3];
 } duet_large_ray;
 
-// t: where the ray enters the box, 0 where it begins inside. Of the error of t
+// t: where the ray enters the box, 0 if it begins inside. Of the error of t
 // docs/accuracy.md, "Rays".
 typedef struct duet_ray_hit {
     uint32_t ray;
@@ -37,13 +37,24 @@ typedef struct duet_ray_query duet_ray_query;
 typedef struct duet_ray_query_def {
     duet_tree *tree; // held until the query is destroyed
     duet_query_wants wants;
+    bool normals;              // results have them; not with ANY
+    const duet_filter *filter; // of its rays; copied. NULL: every object is found
     int cookie;
 } duet_ray_query_def;
 
-DUET_API duet_ray_query_def duet_default_ray_query_def(void); // closest
+DUET_API duet_ray_query_def duet_default_ray_query_def(void); // closest, no normals
+
+// Of length 1 and out of the box that the hit is on: that of the face that the ray enters by, on
+// an edge or a corner of one of the faces there, of a rounded box that of its surface. 0 if the
+// ray begins in the box, its surface included, and if it meets none. Of its error
+// docs/accuracy.md, "Rays".
+typedef struct duet_ray_normal {
+    float normal[3];
+} duet_ray_normal;
 
 typedef struct duet_ray_query_result {
     const duet_ray_hit *hits; // [n_hits] the query's, until its next call: one a ray, or every
+    const duet_ray_normal *normals; // [n_hits] likewise, of each hit; NULL unless the def asks
     uint64_t n_hits;
     uint64_t undecided;  // hits that float left open and the host decided
     double total_ms;     // wall clock

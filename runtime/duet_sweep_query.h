@@ -55,6 +55,7 @@ typedef struct duet_sweep_query duet_sweep_query;
 typedef struct duet_sweep_query_def {
     duet_tree *tree; // held until the query is destroyed
     duet_query_wants wants;
+    const duet_filter *filter; // of its sweeps; copied. NULL: every object is found
     int cookie;
 } duet_sweep_query_def;
 

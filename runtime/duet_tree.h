@@ -28,6 +28,11 @@ typedef struct duet_tree_def {
 
 DUET_API duet_tree_def duet_default_tree_def(void); // poses in 3D, the default share
 
+// A def of the tree that takes a motion's bodies: with the pair, the dims and the origin_edge of
+// the motion, and with the shape ROUNDED_BOXES if bodies have or had radii, or the motion's wants
+// ask for them; rounded boxes have no origin cells. The default one for NULL.
+DUET_API duet_tree_def duet_motion_tree_def(const duet_motion *motion);
+
 // Builds the kernels that it needs; it has no objects yet.
 DUET_API duet_tree *duet_tree_create(const duet_tree_def *def, duet_error *err);
 DUET_API void duet_tree_destroy(duet_tree *tree); // its queries may outlive it
@@ -41,11 +46,24 @@ DUET_API bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, cons
 // The objects from now on are a motion's bodies where they are, as duet_motion_get_poses says, and
 // their ids are their places (docs/commands.md, "Ids"); those that were removed or are disabled
 // are left out. A tree of rounded boxes has their radii, too; one of poses takes no motion whose
-// bodies have or had radii. Where B keeps the motion's sizes, as for contacts, the boxes stay on B,
-// unless A has a share. The motion goes on as before. BAD_ARGUMENT for a tree of another shape or
-// of other dims, BAD_OBJECT where a body is at no finite place or above 2^100; the tree is empty
-// then.
+// bodies have or had radii: duet_motion_tree_def chooses. Where B keeps the motion's sizes, as for
+// contacts, the boxes stay on B, unless A has a share. The motion goes on as before. BAD_ARGUMENT
+// for a tree of another shape or of other dims, BAD_OBJECT where a body is at no finite place or
+// above 2^100; the tree is empty then.
 DUET_API bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err);
+
+// Two can touch if each one's group has a bit of the other's mask, as those of a duet_body say.
+typedef struct duet_filter {
+    uint32_t group;
+    uint32_t mask;
+} duet_filter;
+
+// The objects' filters, n of them, one an object, until the objects are set again; they are copied.
+// Before, each group and mask is all ones; duet_tree_set_motion sets those of the bodies. A query
+// whose def has a filter finds the objects that it can touch, and no others; a query without one
+// looks at no filters. BAD_ARGUMENT unless n is the number of objects.
+DUET_API bool duet_tree_set_filters(duet_tree *tree, const duet_filter *filters, uint32_t n,
+                                    duet_error *err);
 
 // Its queries divide what they are asked so from now on. A device that gets its first share builds
 // its kernels and its tree, and keeps both up to date from then on. The hits are the same.

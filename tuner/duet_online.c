@@ -156,6 +156,7 @@ static bool learn(duet_online *o, duet_error *err)
 
 duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!check_def(def, err))
         return NULL;
     duet_online *o = calloc(1, sizeof *o);
@@ -172,6 +173,7 @@ duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
 
 bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     listed_plan plan;
     search_sample frame;
     if (!error_given(o, __func__, "online", err) || !error_given(result, __func__, "result", err) ||
@@ -211,6 +213,7 @@ static bool keep(const duet_online *o, duet_error *err)
 
 bool duet_online_destroy(duet_online *o, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!o)
         return true;
     bool settled = o->online.tunings > 0 && o->online.state != ONLINE_SETTLING &&

@@ -627,6 +627,7 @@ static bool run_recorded(tuning_resources *h, const profile_found *near, duet_tu
 
 bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_error *err)
 {
+    PUBLIC_CALL(err);
     tuning_resources h = {0};
     profile_found found = {.grade = PROFILE_DEFAULT}, known = found;
     if (!error_given(outcome, __func__, "outcome", err))

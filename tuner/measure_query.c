@@ -196,7 +196,7 @@ bool measure_query_open(measure_query *q, duet_device_pair *pair, const duet_sce
                          (unsigned long long)q->n, info->n);
     if (!open_tree(q, pair, info, objects, err) || !draw_items(q, &d, err))
         return false;
-    q->query = any_query_create(q->tree, name, DUET_LEVEL_CERTIFIED, err);
+    q->query = any_query_create(q->tree, &(any_query_def){.name = *name}, err);
     return q->query;
 }
 

@@ -42,6 +42,9 @@ struct walk {
     __global const uint2 *filters;
     uint2 filter;
 #endif
+//@ if FILTERED == 1 then
+    filter filter;
+//@ end
     tester *candidates;
 };
 
@@ -100,6 +103,10 @@ static inline bool visit_box(walk *w, uint slot, float from)
     if (!(other.x & w->filter.y) || !(w->filter.x & other.y))
         return false;
 #endif
+//@ if FILTERED == 1 then
+    if (!can_touch(&w->filter, id))
+        return false;
+//@ end
     t->places[t->n] = w->place;
     t->ids[t->n++] = id;
     if (t->n == LANES)
@@ -167,6 +174,10 @@ __kernel void box_query(BOX_QUERY_ARGS)
             w.filters = filters;
             w.filter = filters[places[k]];
 #endif
+//@ if FILTERED == 1 then
+            w.filter.of_objects = filters;
+            w.filter.own = (uint2)(group, mask);
+//@ end
             w.candidates = &t;
             for (int axis = 0; axis < DIMS; ++axis) {
                 w.lower[axis] = lower[axis][k];

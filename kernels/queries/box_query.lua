@@ -12,6 +12,7 @@ return {
     { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
       about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
     { "ITSELF", values = { 0, 1 }, default = 0, about = "1: the tree's objects against each other, by their filters" },
+    { "FILTERED", min = 0, max = 1, default = 0, silent = true, about = "1: only objects that the items' filter can touch" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "boxes side by side in a work-item" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 64 end,
@@ -22,7 +23,9 @@ return {
   args = {
     box_query = [[
       const float *items     if ITSELF == 0
-      const uint2 *filters   if ITSELF == 1
+      const uint2 *filters   if ITSELF == 1 or FILTERED == 1
+      uint group             if FILTERED == 1
+      uint mask              if FILTERED == 1
       uint n
       uint first_item
       const uint *order
@@ -40,6 +43,7 @@ return {
     ]],
   },
   valid = function(p, limits)
+    if p.ITSELF == 1 and p.FILTERED == 1 then return false, "objects that are items have filters already" end
     if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
     if p.ORIGIN > 0 and p.SHAPE > 0 then return false, "origin cells are for poses" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end

@@ -36,6 +36,9 @@ struct walk {
     float lower[3], upper[3]; // around the point, from the tree's middle
 //@ end
     __global const float *boxes;
+//@ if FILTERED == 1 then
+    filter filter;
+//@ end
     uint number;
     __global uint *hits;
     volatile __global uint *counters;
@@ -138,6 +141,10 @@ static inline void list_hit(__global uint *row, uint number, uint id)
 static inline bool visit_box(walk *w, uint slot, float from)
 {
     __global const float *box = w->boxes + (size_t)slot * TREE_BOX_WORDS;
+//@ if FILTERED == 1 then
+    if (!can_touch(&w->filter, as_uint(box[TREE_BOX_ID])))
+        return false;
+//@ end
     bool open = false;
 //@ if SHAPE >= 2 then
     float way[3], radius = box[TREE_BOX_RADIUS], size = radius, square = 0.0f;
@@ -214,6 +221,10 @@ static inline void keep_hit(walk *w, uint id, float square)
 static inline bool visit_box(walk *w, uint slot, float from)
 {
     __global const float *box = w->boxes + (size_t)slot * TREE_BOX_WORDS;
+//@ if FILTERED == 1 then
+    if (!can_touch(&w->filter, as_uint(box[TREE_BOX_ID])))
+        return false;
+//@ end
     uint id = as_uint(box[TREE_BOX_ID]);
     float way[3], square = 0.0f;
 //@ if ORIGIN > 0 then
@@ -267,6 +278,10 @@ __kernel void point_query(POINT_QUERY_ARGS)
         far_item_bounds(&w.item, w.lower, w.upper);
 //@ end
         w.boxes = boxes;
+//@ if FILTERED == 1 then
+        w.filter.of_objects = filters;
+        w.filter.own = (uint2)(group, mask);
+//@ end
         w.number = first_item + at;
         w.counters = counters;
 #if WANTS == EVERY

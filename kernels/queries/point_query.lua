@@ -8,6 +8,7 @@ return {
     { "ORIGIN", min = 0, max = 254, default = 0, silent = true,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "WANTS", values = { 2, 3 }, default = 2, about = "2 those that contain the point, 3 the nearest ones" },
+    { "FILTERED", min = 0, max = 1, default = 0, silent = true, about = "1: only objects that the items' filter can touch" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "children of a node side by side" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 64 end,
@@ -22,6 +23,9 @@ return {
       uint first_item
       const uint *order
       uint in_order
+      const uint2 *filters   if FILTERED == 1
+      uint group             if FILTERED == 1
+      uint mask              if FILTERED == 1
       const float *boxes
       const float *nodes
       const uint *levels

@@ -44,6 +44,9 @@ struct walk {
 #endif
 //@ end
     __global const float *boxes;
+//@ if FILTERED == 1 then
+    filter filter;
+//@ end
     uint number;
     float best; // CLOSEST: t and id of the nearest hit so far
     uint id;
@@ -192,6 +195,10 @@ static inline void list_hit(const walk *w, __global uint *row, uint id, float t)
 static inline bool visit_box(walk *w, uint slot, float from)
 {
     __global const float *box = w->boxes + (size_t)slot * TREE_BOX_WORDS;
+//@ if FILTERED == 1 then
+    if (!can_touch(&w->filter, as_uint(box[TREE_BOX_ID])))
+        return false;
+//@ end
 //@ if ORIGIN > 0 then
     float t = enter_own_bounds(w, box);
 //@ else
@@ -282,6 +289,10 @@ __kernel void ray_query(RAY_QUERY_ARGS)
         uint at = in_order ? i : order[i];
         walk w;
         w.boxes = boxes;
+//@ if FILTERED == 1 then
+        w.filter.of_objects = filters;
+        w.filter.own = (uint2)(group, mask);
+//@ end
         w.number = first_item + at;
         w.best = INFINITY;
         w.id = NO_OBJECT;

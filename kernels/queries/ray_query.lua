@@ -11,6 +11,7 @@ return {
     { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
     { "SWEPT", values = { 0, 1 }, default = 0, about = "0 rays, 1 boxes that move along them" },
     { "WANTS", values = { 0, 1, 2 }, default = 0, about = "0 the closest hit, 1 whether there is any, 2 every hit" },
+    { "FILTERED", min = 0, max = 1, default = 0, silent = true, about = "1: only objects that the items' filter can touch" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "children of a node side by side" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 64 end,
@@ -25,6 +26,9 @@ return {
       uint first_item
       const uint *order
       uint in_order
+      const uint2 *filters   if FILTERED == 1
+      uint group             if FILTERED == 1
+      uint mask              if FILTERED == 1
       const float *boxes
       const float *nodes
       const uint *levels

@@ -213,6 +213,7 @@ bool world_order(duet_world *world, uint32_t n_threads, uint32_t *order, void *s
 
 bool duet_world_order(duet_world *world, uint32_t **order, uint32_t *n, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!world_is_idle(world, __func__, err) || !error_given(order, __func__, "order", err) ||
         !error_given(n, __func__, "n", err))
         return false;

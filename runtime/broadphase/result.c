@@ -216,6 +216,7 @@ void pair_buffers_drop(pair_buffers *b)
 bool duet_world_leave_pairs(duet_world *world, int side, cl_mem pairs, cl_mem count,
                             duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!world_is_idle(world, __func__, err))
         return false;
     if (side != 0 && side != 1)
@@ -243,6 +244,7 @@ bool duet_world_leave_pairs(duet_world *world, int side, cl_mem pairs, cl_mem co
 
 bool duet_world_bring_pairs(duet_world *world, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!world_is_idle(world, __func__, err))
         return false;
     pair_buffers_drop(&world->left);
@@ -251,6 +253,7 @@ bool duet_world_bring_pairs(duet_world *world, duet_error *err)
 
 bool duet_world_get_pair_buffers(duet_world *world, duet_pair_buffers *buffers, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!world_is_idle(world, __func__, err) || !error_given(buffers, __func__, "buffers", err))
         return false;
     *buffers = world->left.last;

@@ -275,6 +275,7 @@ static bool run_step(duet_world *world, duet_result *result, duet_error *err)
 
 bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return world_is_idle(world, __func__, err) && error_given(result, __func__, "result", err) &&
            run_step(world, result, err);
 }
@@ -367,6 +368,7 @@ static void start(duet_world *world)
 
 bool duet_world_step_begin(duet_world *world, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!world_is_idle(world, __func__, err) || !background_open(&world->background, err))
         return false;
     start(world);
@@ -375,6 +377,7 @@ bool duet_world_step_begin(duet_world *world, duet_error *err)
 
 bool duet_world_step_begin_event(duet_world *world, cl_event *done, duet_error *err)
 {
+    PUBLIC_CALL(err);
     cl_int code = CL_SUCCESS;
     if (!world_is_idle(world, __func__, err) || !error_given(done, __func__, "done", err))
         return false;
@@ -397,6 +400,7 @@ bool duet_world_step_begin_event(duet_world *world, cl_event *done, duet_error *
 
 bool duet_world_step_end(duet_world *world, duet_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(world, __func__, "world", err) ||
         !error_given(result, __func__, "result", err))
         return false;

@@ -214,6 +214,7 @@ static void take_plan(duet_world *world, const duet_plan *plan, const grid_wish 
 
 duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     grid_wish wish;
     variant variants[2];
     if (!check_def(def, err))
@@ -271,6 +272,7 @@ void duet_world_destroy(duet_world *world)
 
 bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err)
 {
+    PUBLIC_CALL(err);
     grid_wish wish;
     variant variants[2];
     if (!world_is_idle(world, __func__, err) || !error_given(plan, __func__, "plan", err))
@@ -297,6 +299,7 @@ const duet_plan *duet_world_get_plan(const duet_world *world)
 
 bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!world_is_idle(world, __func__, err))
         return false;
     if (!duet_level_get_info(level))

@@ -39,6 +39,7 @@ static void *map_sizes(duet_world *world, uint32_t n, duet_error *err)
 
 void *duet_world_map_objects(duet_world *world, duet_object_kind kind, uint32_t n, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!can_have(world, kind, n, __func__, err))
         return NULL;
     if (kind == DUET_OBJECT_SIZES)
@@ -98,6 +99,7 @@ bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n
 bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void *objects,
                             uint32_t n, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!world_is_idle(world, __func__, err) ||
         (n > 0 && !error_given(objects, __func__, "objects", err)))
         return false;
@@ -142,6 +144,7 @@ bool duet_world_set_objects_buffer(duet_world *world, duet_object_kind kind, cl_
                                    uint32_t n, cl_uint n_events, const cl_event *events,
                                    duet_error *err)
 {
+    PUBLIC_CALL(err);
     resident r = {0};
     cl_context context = NULL;
     if (!can_have(world, kind, n, __func__, err))

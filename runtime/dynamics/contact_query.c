@@ -121,6 +121,7 @@ static bool open_side(side *s, const duet_contact_query_def *def, duet_error *er
 
 duet_contact_query *duet_contact_query_create(const duet_contact_query_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!check_def(def, err))
         return NULL;
     duet_contact_query *query = calloc(1, sizeof *query);
@@ -274,6 +275,7 @@ bool duet_contact_query_run(duet_contact_query *query, duet_object_kind kind, co
                             uint32_t n, const duet_span spans[2], duet_contact_query_result *result,
                             duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(query, __func__, "query", err) ||
         !error_given(spans, __func__, "spans", err) ||
         !error_given(result, __func__, "result", err))

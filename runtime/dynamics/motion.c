@@ -174,6 +174,7 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
 duet_motion *duet_motion_create(const duet_motion_def *def, const duet_pose *poses,
                                 const duet_body *bodies, uint32_t n, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return motion_create(def, poses, NULL, bodies, n, err);
 }
 

@@ -128,6 +128,7 @@ static bool settle(duet_motion *m, const motion_placed *p, uint64_t *ids, duet_e
 bool duet_motion_add_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
                             uint32_t n, uint64_t *ids, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!motion_is_whole(m, __func__, err) ||
         (n > 0 && !error_given(poses, __func__, "poses", err)))
         return false;
@@ -190,6 +191,7 @@ static bool check_twice(const duet_motion *m, const uint32_t *places, uint32_t n
 
 bool duet_motion_remove_bodies(duet_motion *m, duet_body_list list, duet_error *err)
 {
+    PUBLIC_CALL(err);
     uint32_t *places = motion_places_of(m, list, false, __func__, err);
     bool ok = places && check_twice(m, places, list.n, __func__, err) &&
               motion_forget_targets(m, places, list.n, err);
@@ -204,6 +206,7 @@ bool duet_motion_remove_bodies(duet_motion *m, duet_body_list list, duet_error *
 
 bool duet_motion_disable_bodies(duet_motion *m, duet_body_list list, duet_error *err)
 {
+    PUBLIC_CALL(err);
     uint32_t *places = motion_places_of(m, list, false, __func__, err);
     bool ok = places && motion_forget_targets(m, places, list.n, err);
     for (uint32_t i = 0; ok && i < list.n; ++i) {
@@ -223,6 +226,7 @@ bool duet_motion_disable_bodies(duet_motion *m, duet_body_list list, duet_error 
 // Those that are enabled already keep what they do.
 bool duet_motion_enable_bodies(duet_motion *m, duet_body_list list, duet_error *err)
 {
+    PUBLIC_CALL(err);
     uint32_t *places = motion_places_of(m, list, false, __func__, err);
     uint32_t n = 0;
     for (uint32_t i = 0; places && i < list.n; ++i) {

@@ -35,6 +35,7 @@ static duet_plan plan_of(const duet_world *world)
 
 bool duet_motion_set_plan(duet_motion *m, const duet_plan *plan, duet_error *err)
 {
+    PUBLIC_CALL(err);
     motion_plan read;
     if (!motion_is_whole(m, __func__, err) || !error_given(plan, __func__, "plan", err) ||
         !motion_plan_read(&read, plan, &m->device->info, err))

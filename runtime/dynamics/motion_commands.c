@@ -121,6 +121,7 @@ static bool set_fields(duet_motion *m, const motion_placed *p, uint32_t fields, 
 bool duet_motion_set_bodies(duet_motion *m, duet_body_list list, uint32_t fields,
                             const duet_body *bodies, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (fields & ~(uint32_t)DUET_BODY_ALL)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: fields is %#x; expected bits of "
@@ -174,11 +175,13 @@ static bool put_to(duet_motion *m, duet_body_list list, bool sleeps, const char 
 
 bool duet_motion_wake_bodies(duet_motion *m, duet_body_list list, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return put_to(m, list, false, __func__, err);
 }
 
 bool duet_motion_sleep_bodies(duet_motion *m, duet_body_list list, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return put_to(m, list, true, __func__, err);
 }
 
@@ -234,6 +237,7 @@ static bool change_world(duet_motion *m, const duet_motion_def *def, duet_error 
 
 bool duet_motion_set_def(duet_motion *m, const duet_motion_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!motion_is_whole(m, __func__, err) || !motion_check_def(def, err) ||
         !check_same(def, &m->def, __func__, err))
         return false;

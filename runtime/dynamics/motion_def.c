@@ -33,6 +33,19 @@ duet_motion_def duet_default_motion_def(void)
     };
 }
 
+duet_motion_def duet_game_motion_def(duet_device_pair *pair, uint32_t dims)
+{
+    duet_motion_def def = duet_default_motion_def();
+    def.pair = pair;
+    def.dims = dims;
+    def.wants = DUET_EFFECT_GRAVITY | DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FRICTION |
+                DUET_EFFECT_ANGULAR_VELOCITY | DUET_EFFECT_CONTINUOUS | DUET_EFFECT_FILTER |
+                DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS | DUET_EFFECT_FORCES | DUET_EFFECT_SENSORS;
+    def.gravity[dims == 2 ? 1 : 2] = -9.81;
+    def.slop = 0.005;
+    return def;
+}
+
 static bool is_between(double value, double least, double most)
 {
     return value >= least && value <= most;

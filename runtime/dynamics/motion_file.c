@@ -127,6 +127,7 @@ static bool write_file(text *file, const char *path, duet_error *err)
 // What could not be loaded is told while the motion is still there.
 bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!motion_is_whole(m, __func__, err) || !error_given(path, __func__, "path", err))
         return false;
     text file = {0};
@@ -339,6 +340,7 @@ static bool replace_objects(duet_motion *m, const text *file, const char *path, 
 
 bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(m, __func__, "motion", err) || !error_given(path, __func__, "path", err) ||
         !motion_is_idle(m, __func__, err) || !motion_is_unmapped(m, __func__, err))
         return false;

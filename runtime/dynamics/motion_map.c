@@ -110,6 +110,7 @@ static bool forget_targets(duet_motion *m, uint32_t first, uint32_t n, duet_erro
 void *duet_motion_map_states(duet_motion *m, duet_state_part part, duet_map_access access,
                              uint32_t first, uint32_t n, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!can_map(m, part, access, __func__, err) || !check_range(m, first, n, __func__, err) ||
         !begin_maps(m, err) || !timeline_finish(&m->times, err))
         return NULL;
@@ -215,6 +216,7 @@ static bool write_back(duet_motion *m, duet_state_part part, struct motion_map *
 
 bool duet_motion_unmap_states(duet_motion *m, duet_state_part part, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!motion_is_steady(m, __func__, err))
         return false;
     if (!duet_state_part_name(part) || !(m->mapped & 1u << part))
@@ -258,6 +260,7 @@ static bool copy_rows(duet_motion *m, const buffer *from, cl_mem to, size_t byte
 bool duet_motion_copy_states(duet_motion *m, duet_state_part part, cl_mem rows, cl_uint n_events,
                              const cl_event *events, cl_event *done, duet_error *err)
 {
+    PUBLIC_CALL(err);
     bool has[2];
     callers_events ready = {0};
     if (done)

@@ -127,6 +127,7 @@ uint32_t *motion_places_of(duet_motion *m, duet_body_list list, bool enabled, co
 bool duet_motion_get_ids(const duet_motion *m, uint32_t first, uint32_t n, uint64_t *ids,
                          duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(m, __func__, "motion", err) ||
         (n > 0 && !error_given(ids, __func__, "ids", err)))
         return false;
@@ -188,6 +189,7 @@ bool motion_placed_check(const duet_motion *m, const motion_placed *p, uint32_t 
 bool duet_motion_set_user_data(duet_motion *m, duet_body_list list, const uint64_t *data,
                                duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (list.n > 0 && !error_given(data, __func__, "data", err))
         return false;
     uint32_t *places = motion_places_of(m, list, false, __func__, err);
@@ -201,6 +203,7 @@ bool duet_motion_set_user_data(duet_motion *m, duet_body_list list, const uint64
 
 bool duet_motion_get_user_data(duet_motion *m, duet_body_list list, uint64_t *data, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (list.n > 0 && !error_given(data, __func__, "data", err))
         return false;
     uint32_t *places = motion_places_of(m, list, false, __func__, err);

@@ -20,6 +20,7 @@ static duet_pose pose_of(const duet_motion *m, uint32_t id, const duet_state *st
 
 bool duet_motion_get_poses(duet_motion *m, duet_pose *poses, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!motion_is_whole(m, __func__, err) ||
         (m->n > 0 && !error_given(poses, __func__, "poses", err)))
         return false;
@@ -43,6 +44,7 @@ static void add_radii(const duet_motion *m, void *rows)
 
 bool duet_motion_get_rounded_boxes(duet_motion *m, duet_rounded_box *boxes, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!motion_is_whole(m, __func__, err) ||
         (m->n > 0 && !error_given(boxes, __func__, "boxes", err)))
         return false;

@@ -88,6 +88,7 @@ static bool add_forces(duet_motion *m, const uint32_t *places, const duet_force 
 bool duet_motion_apply_forces(duet_motion *m, duet_body_list list, const duet_force *forces,
                               duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (list.n > 0 && !error_given(forces, __func__, "forces", err))
         return false;
     uint32_t *places = motion_places_of(m, list, true, __func__, err);
@@ -225,6 +226,7 @@ static bool give_impulses(duet_motion *m, const uint32_t *places, const duet_imp
 bool duet_motion_apply_impulses(duet_motion *m, duet_body_list list, const duet_impulse *impulses,
                                 duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (list.n > 0 && !error_given(impulses, __func__, "impulses", err))
         return false;
     uint32_t *places = motion_places_of(m, list, true, __func__, err);

@@ -145,6 +145,7 @@ bool motion_fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_s
 
 bool duet_motion_get_states(duet_motion *m, duet_state *states, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return motion_is_whole(m, __func__, err) &&
            (m->n == 0 || error_given(states, __func__, "states", err)) &&
            motion_fetch_states(m, NULL, m->n, states, NULL, err);
@@ -166,6 +167,7 @@ duet_state *motion_read_states(duet_motion *m, duet_error *err)
 bool duet_motion_get_states_of(duet_motion *m, const uint32_t *places, uint32_t n,
                                duet_state *states, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!motion_is_whole(m, __func__, err) ||
         (n > 0 && (!error_given(places, __func__, "places", err) ||
                    !error_given(states, __func__, "states", err))))
@@ -251,6 +253,7 @@ static bool read_moved(duet_motion *m, uint32_t *words, duet_moved *moved, duet_
 
 bool duet_motion_get_moved(duet_motion *m, duet_moved *moved, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!motion_is_whole(m, __func__, err) || !error_given(moved, __func__, "moved", err))
         return false;
     uint32_t *words = calloc((size_t)m->n / 32 + 1, sizeof *words);
@@ -282,6 +285,7 @@ static duet_contact read_record(const duet_motion *m, const uint32_t link[2], ui
 
 bool duet_motion_get_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!motion_is_whole(m, __func__, err) || !error_given(contacts, __func__, "contacts", err) ||
         !error_given(n, __func__, "n", err))
         return false;

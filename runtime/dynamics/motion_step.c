@@ -218,6 +218,7 @@ static bool complete_step(duet_motion *m, bool carried, double ms, duet_motion_r
 
 bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     double ms = 0.0;
     if (!motion_is_whole(m, __func__, err) || !error_given(result, __func__, "result", err) ||
         !budget_check(err))
@@ -236,6 +237,7 @@ static void carry(void *arg)
 
 bool duet_motion_advance_begin(duet_motion *m, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!motion_is_whole(m, __func__, err) || !background_open(&m->background, err))
         return false;
     background_start(&m->background, carry, m);
@@ -244,6 +246,7 @@ bool duet_motion_advance_begin(duet_motion *m, duet_error *err)
 
 bool duet_motion_advance_end(duet_motion *m, duet_motion_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(m, __func__, "motion", err) || !error_given(result, __func__, "result", err))
         return false;
     if (!m->background.under_way)

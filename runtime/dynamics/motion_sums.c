@@ -24,6 +24,7 @@ static uint64_t mix(uint64_t sum, double value, uint64_t place)
 
 bool duet_motion_get_hash(duet_motion *m, uint64_t *hash, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!motion_is_whole(m, __func__, err) || !error_given(hash, __func__, "hash", err))
         return false;
     duet_state *states = motion_read_states(m, err);
@@ -86,6 +87,7 @@ static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, d
 
 bool duet_motion_get_energy(duet_motion *m, duet_energy *energy, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!motion_is_whole(m, __func__, err) || !error_given(energy, __func__, "energy", err))
         return false;
     duet_state *states = motion_read_states(m, err);

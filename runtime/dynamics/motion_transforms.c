@@ -67,6 +67,7 @@ static bool put_poses(duet_motion *m, const motion_placed *p, duet_error *err)
 bool duet_motion_set_poses(duet_motion *m, duet_body_list list, const duet_pose *poses,
                            duet_error *err)
 {
+    PUBLIC_CALL(err);
     motion_placed p;
     if (list.n > 0 && !error_given(poses, __func__, "poses", err))
         return false;
@@ -174,6 +175,7 @@ static bool aim(duet_motion *m, const motion_placed *p, const duet_transform *ta
 bool duet_motion_set_targets(duet_motion *m, duet_body_list list, const duet_transform *targets,
                              duet_error *err)
 {
+    PUBLIC_CALL(err);
     motion_placed p;
     if (list.n > 0 && !error_given(targets, __func__, "targets", err))
         return false;

@@ -12,6 +12,7 @@ struct duet_pair_delta {
 
 duet_pair_delta *duet_pair_delta_create(duet_error *err)
 {
+    PUBLIC_CALL(err);
     duet_pair_delta *delta = calloc(1, sizeof *delta);
     if (!delta)
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a delta of pairs");
@@ -42,6 +43,7 @@ static bool join(pair_list *list, const duet_span spans[2], duet_error *err)
 bool duet_pair_delta_update(duet_pair_delta *delta, const duet_span spans[2],
                             duet_pair_delta_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(delta, __func__, "delta", err) ||
         !error_given(spans, __func__, "spans", err) ||
         !error_given(result, __func__, "result", err))

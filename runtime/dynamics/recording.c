@@ -202,6 +202,7 @@ void motion_forget_recording(duet_motion *m)
 
 bool duet_motion_record(duet_motion *m, duet_error *err)
 {
+    PUBLIC_CALL(err);
     uint64_t hash;
     if (!motion_is_whole(m, __func__, err) || !duet_motion_get_hash(m, &hash, err))
         return false;
@@ -219,6 +220,7 @@ bool duet_motion_record(duet_motion *m, duet_error *err)
 
 bool duet_motion_save_recording(duet_motion *m, const char *path, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(m, __func__, "motion", err) || !error_given(path, __func__, "path", err))
         return false;
     if (!m->recording)

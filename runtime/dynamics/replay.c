@@ -88,6 +88,7 @@ static bool read_replay(duet_replay *p, duet_error *err)
 
 duet_replay *duet_replay_create(const char *path, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(path, __func__, "path", err))
         return NULL;
     duet_replay *p = calloc(1, sizeof *p);
@@ -284,6 +285,7 @@ static bool check_end(const duet_replay *p, duet_motion *m, duet_error *err)
 bool duet_replay_advance(duet_replay *p, duet_motion *m, duet_motion_result *result,
                          duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(p, __func__, "replay", err) || !error_given(m, __func__, "motion", err) ||
         !error_given(result, __func__, "result", err))
         return false;

@@ -16,6 +16,7 @@ enum { GREATEST = 32767 };
 bool duet_compact_transform_set(duet_compact_transform *compact, const duet_transform *transform,
                                 duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(compact, __func__, "compact", err) ||
         !error_given(transform, __func__, "transform", err))
         return false;

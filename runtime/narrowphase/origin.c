@@ -91,6 +91,7 @@ duet_object_kind origin_row_kind(duet_shape shape, float edge)
 bool duet_large_pose_set(duet_large_pose *large, const double centre[3], float edge,
                          duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(large, __func__, "pose", err) || !error_given(centre, __func__, "centre", err))
         return false;
     if (!(edge > 0.0f) || !origin_is_edge(edge))

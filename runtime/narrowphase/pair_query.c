@@ -81,6 +81,7 @@ static bool open_side(side *s, const duet_pair_query_def *def, duet_error *err)
 
 duet_pair_query *duet_pair_query_create(const duet_pair_query_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!check_def(def, err))
         return NULL;
     duet_pair_query *query = calloc(1, sizeof *query);
@@ -179,6 +180,7 @@ bool duet_pair_query_run(duet_pair_query *query, const duet_pose *poses, uint64_
                          uint8_t *answers, double *separations, duet_pair_query_result *result,
                          duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(query, __func__, "query", err) ||
         !error_given(result, __func__, "result", err))
         return false;

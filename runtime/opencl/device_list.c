@@ -207,6 +207,7 @@ struct duet_device_list {
 
 duet_device_list *duet_device_list_create(duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!look(err))
         return NULL;
     duet_device_list *list = calloc(1, sizeof *list);

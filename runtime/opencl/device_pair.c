@@ -173,12 +173,14 @@ static duet_device_pair *keep_opened(duet_device_pair *pair, bool opened)
 
 duet_device_pair *duet_device_pair_create(const duet_device_pair_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     duet_device_pair *pair = make_pair(def, err);
     return keep_opened(pair, pair && open_devices(pair, def, err));
 }
 
 duet_device_pair *duet_device_pair_open(const char *selectors, duet_error *err)
 {
+    PUBLIC_CALL(err);
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = selectors ? selectors : def.a;
     return duet_device_pair_create(&def, err);
@@ -196,6 +198,7 @@ duet_device_pair *duet_device_pair_create_on_queues(const duet_device_pair_def *
                                                     cl_command_queue a, cl_command_queue b,
                                                     duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(a ? a : b, __func__, "queue", err))
         return NULL;
     duet_device_pair *pair = make_pair(def, err);
@@ -205,6 +208,7 @@ duet_device_pair *duet_device_pair_create_on_queues(const duet_device_pair_def *
 
 bool duet_device_pair_check_cache(const duet_device_pair *pair, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(pair, __func__, "pair", err))
         return false;
     for (int i = 0; i < 2; ++i)

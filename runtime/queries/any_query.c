@@ -11,15 +11,18 @@ struct any_query {
     void *asked; // the public query, which begins with a tree_query
 };
 
-static void *create(duet_tree *tree, const query_name *name, duet_level level, duet_error *err)
+static void *create(duet_tree *tree, const any_query_def *def, duet_error *err)
 {
+    const query_name *name = &def->name;
     duet_ray_query_def rays = duet_default_ray_query_def();
     duet_sweep_query_def sweeps = duet_default_sweep_query_def();
     duet_box_query_def boxes = duet_default_box_query_def();
     duet_point_query_def points = duet_default_point_query_def();
     rays.tree = sweeps.tree = boxes.tree = points.tree = tree;
     rays.wants = sweeps.wants = name->wants;
-    boxes.level = level;
+    rays.normals = def->normals;
+    rays.filter = sweeps.filter = boxes.filter = points.filter = def->filter;
+    boxes.level = def->level;
     points.nearest = name->nearest;
     switch (name->item) {
     case QUERY_RAYS:
@@ -34,13 +37,12 @@ static void *create(duet_tree *tree, const query_name *name, duet_level level, d
     return NULL;
 }
 
-any_query *any_query_create(duet_tree *tree, const query_name *name, duet_level level,
-                            duet_error *err)
+any_query *any_query_create(duet_tree *tree, const any_query_def *def, duet_error *err)
 {
     any_query *q = calloc(1, sizeof *q);
     if (!q)
         return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
-    *q = (any_query){name->item, create(tree, name, level, err)};
+    *q = (any_query){def->name.item, create(tree, def, err)};
     if (q->asked)
         return q;
     free(q);

@@ -11,15 +11,21 @@ typedef struct any_query any_query;
 // What a run found, as the public queries tell it; the query's, until its next.
 typedef struct query_result {
     const uint32_t *hits;
+    const float *normals; // [n_hits][3], of rays that ask for them; else NULL
     uint64_t n_hits;
     uint64_t undecided;
     double total_ms;
     double device_ms[2];
 } query_result;
 
-// level: of boxes.
-any_query *any_query_create(duet_tree *tree, const query_name *name, duet_level level,
-                            duet_error *err);
+typedef struct any_query_def {
+    query_name name;
+    duet_level level; // of boxes
+    bool normals;     // of rays
+    const duet_filter *filter;
+} any_query_def;
+
+any_query *any_query_create(duet_tree *tree, const any_query_def *def, duet_error *err);
 void any_query_destroy(any_query *q);
 
 // n items as the public call takes them, of the tree's kind.

@@ -70,7 +70,8 @@ static bool check_def(const duet_box_query_def *def, duet_error *err)
                       (int)def->level));
 }
 
-static bool open(tree_query *q, duet_tree *tree, duet_level level, bool itself, duet_error *err)
+static bool open(tree_query *q, duet_tree *tree, duet_level level, const duet_filter *filter,
+                 bool itself, duet_error *err)
 {
     bool poses = tree->def.shape == DUET_SHAPE_POSES;
     bool far = tree->def.origin_edge > 0.0f;
@@ -82,17 +83,18 @@ static bool open(tree_query *q, duet_tree *tree, duet_level level, bool itself, 
                       .itself = itself};
     const gen_setting settings[] = {{"ACCURACY", poses ? level : DUET_LEVEL_CERTIFIED},
                                     {"ITSELF", itself}};
-    return tree_query_open(q, &(query_name){.item = QUERY_BOXES, .itself = itself}, settings, 2,
-                           err);
+    return tree_query_open(q, &(query_name){.item = QUERY_BOXES, .itself = itself}, filter,
+                           settings, 2, err);
 }
 
 duet_box_query *duet_box_query_create(const duet_box_query_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     duet_box_query *query = check_def(def, err) ? tree_query_new(sizeof *query, err) : NULL;
     if (!query)
         return NULL;
     query->level = def->level;
-    if (open(&query->asked, def->tree, def->level, false, err))
+    if (open(&query->asked, def->tree, def->level, def->filter, false, err))
         return query;
     duet_box_query_destroy(query);
     return NULL;
@@ -110,6 +112,7 @@ void duet_box_query_destroy(duet_box_query *query)
 bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void *boxes, uint64_t n,
                         duet_box_query_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     query_result found;
     if (!error_given(query, __func__, "query", err) ||
         !error_given(result, __func__, "result", err) ||
@@ -123,6 +126,7 @@ bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void
 bool duet_box_query_run_itself(duet_box_query *query, const duet_filter *filters, uint64_t n,
                                duet_box_query_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     query_result found;
     if (!error_given(query, __func__, "query", err) ||
         !error_given(result, __func__, "result", err))
@@ -133,7 +137,7 @@ bool duet_box_query_run_itself(duet_box_query *query, const duet_filter *filters
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%llu filters; expected one for each of the tree's %u objects",
                          (unsigned long long)n, n_objects);
-    if (!q->kind && !open(q, query->asked.tree, query->level, true, err)) {
+    if (!q->kind && !open(q, query->asked.tree, query->level, NULL, true, err)) {
         tree_query_close(q);
         q->kind = NULL;
         return false;

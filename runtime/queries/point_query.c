@@ -69,6 +69,7 @@ static bool check_def(const duet_point_query_def *def, duet_error *err)
 
 duet_point_query *duet_point_query_create(const duet_point_query_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     duet_point_query *query = check_def(def, err) ? tree_query_new(sizeof *query, err) : NULL;
     if (!query)
         return NULL;
@@ -82,7 +83,7 @@ duet_point_query *duet_point_query_create(const duet_point_query_def *def, duet_
                                 .each = def->nearest};
     const gen_setting settings[] = {{"WANTS", query->asked.wants}};
     const query_name name = {.item = QUERY_POINTS, .nearest = def->nearest};
-    if (tree_query_open(&query->asked, &name, settings, 1, err))
+    if (tree_query_open(&query->asked, &name, def->filter, settings, 1, err))
         return query;
     duet_point_query_destroy(query);
     return NULL;
@@ -110,11 +111,13 @@ static bool run(duet_point_query *query, const void *points, uint64_t n, bool fa
 bool duet_point_query_run(duet_point_query *query, const duet_point *points, uint64_t n,
                           duet_point_query_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return run(query, points, n, false, __func__, result, err);
 }
 
 bool duet_point_query_run_large(duet_point_query *query, const duet_large_point *points, uint64_t n,
                                 duet_point_query_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return run(query, points, n, true, __func__, result, err);
 }

@@ -6,6 +6,7 @@
 #include "runtime/narrowphase/vector.h"
 
 #include <math.h>
+#include <string.h>
 
 // ---------------------------------------------------------------- double
 
@@ -233,26 +234,51 @@ static bool comes_near(numbers *n, bool ends)
     return false;
 }
 
+// A ray from a box: its origin and direction along the box's edges.
+typedef struct approach {
+    double axis[3][3], at[3], go[3];
+    double size, length;
+} approach;
+
+static approach approach_of(const duet_ray *ray, const duet_pose *box, const double shift[3],
+                            int dims)
+{
+    approach a = {.size = 0};
+    double way[3] = {0}, direction[3] = {0};
+    narrow_axes(a.axis, box->rotation);
+    for (int k = 0; k < dims; ++k) {
+        way[k] = (double)ray->origin[k] - box->centre[k] + shift[k];
+        direction[k] = ray->direction[k];
+        a.size += fabs(way[k]) + box->half_extents[k];
+        a.length = fmax(a.length, fabs(direction[k]));
+    }
+    for (int k = 0; k < dims; ++k) {
+        a.at[k] = dot(a.axis[k], way);
+        a.go[k] = dot(a.axis[k], direction);
+    }
+    return a;
+}
+
+// The way from the core to the ray at t, along the core's edges; returns its square.
+static double beyond_core(const approach *a, const duet_pose *box, double t, double beyond[3])
+{
+    double square = 0;
+    for (int k = 0; k < 3; ++k) {
+        double p = a->at[k] + t * a->go[k];
+        beyond[k] = copysign(fmax(fabs(p) - box->half_extents[k], 0), p);
+        square += beyond[k] * beyond[k];
+    }
+    return square;
+}
+
 // By Newton's method from before it, as kernels/queries/rounded_ray.clh.
-static double enter(const duet_ray *ray, const duet_pose *box, double radius, double from, int dims)
+static double enter(const approach *a, const duet_pose *box, double radius, double from)
 {
     enum { STEPS = 200 };
-    double axis[3][3], way[3] = {0}, direction[3] = {0}, t = from, size = radius;
-    narrow_axes(axis, box->rotation);
-    for (int k = 0; k < dims; ++k) {
-        way[k] = (double)ray->origin[k] - box->centre[k];
-        direction[k] = ray->direction[k];
-        size += fabs(way[k]) + box->half_extents[k];
-    }
-    double surely = radius + SLACK * size; // further, so that a step is none of rounding's
+    double surely = radius + SLACK * (a->size + radius); // further: a step is none of rounding's
+    double t = from, beyond[3];
     for (int step = 0; step < STEPS; ++step) {
-        double square = 0, growth = 0;
-        for (int k = 0; k < dims; ++k) {
-            double go = dot(axis[k], direction), p = dot(axis[k], way) + t * go;
-            double beyond = fmax(fabs(p) - box->half_extents[k], 0);
-            square += beyond * beyond;
-            growth += beyond * (p > 0 ? go : -go);
-        }
+        double square = beyond_core(a, box, t, beyond), growth = dot(beyond, a->go);
         double next = t - (square - radius * radius) / (2 * growth);
         if (!(square > surely * surely && growth < 0 && next > t))
             break;
@@ -267,6 +293,102 @@ bool ray_meets_rounded(const duet_ray *ray, const duet_rounded_box *box, uint32_
         return false;
     duet_ray flat = flat_ray(ray, dims);
     duet_pose pose = narrow_flat(&box->pose, dims);
-    *t = fmaxf(*t, fminf((float)enter(&flat, &pose, box->radius, *t, (int)dims), ray->t_max));
+    approach a = approach_of(&flat, &pose, narrow_here, (int)dims);
+    *t = fmaxf(*t, fminf((float)enter(&a, &pose, box->radius, *t), ray->t_max));
     return true;
+}
+
+// ---------------------------------------------------------------- normals
+
+static duet_ray start_of(const duet_ray *ray)
+{
+    duet_ray start = *ray;
+    start.t_max = 0;
+    return start;
+}
+
+// A part of each edge's direction.
+static void set_normal(const approach *a, const double parts[3], float normal[3])
+{
+    double length = sqrt(dot(parts, parts));
+    for (int i = 0; i < 3; ++i) {
+        const double along[3] = {a->axis[0][i], a->axis[1][i], a->axis[2][i]};
+        normal[i] = (float)(dot(parts, along) / length) + 0.0f; // no -0
+    }
+}
+
+// The face that the ray passes last.
+static void set_face_normal(const approach *a, const duet_pose *box, int dims, float normal[3])
+{
+    double last = -INFINITY, parts[3] = {0};
+    for (int k = 0; k < dims; ++k) {
+        double side = a->go[k] > 0 ? -1 : 1;
+        double in = (side * box->half_extents[k] - a->at[k]) / a->go[k];
+        if (fabs(a->go[k]) <= SLOW * a->length || in <= last)
+            continue;
+        last = in;
+        parts[0] = parts[1] = parts[2] = 0;
+        parts[k] = side;
+    }
+    set_normal(a, parts, normal);
+}
+
+void ray_normal(const duet_ray *ray, const duet_pose *box, const double shift[3], uint32_t dims,
+                float normal[3])
+{
+    duet_ray flat = flat_ray(ray, dims), start = start_of(ray);
+    duet_pose pose = narrow_flat(box, dims);
+    memset(normal, 0, 3 * sizeof *normal);
+    if (ray_meets_apart(&start, box, shift, dims))
+        return;
+    approach a = approach_of(&flat, &pose, shift, (int)dims);
+    set_face_normal(&a, &pose, (int)dims, normal);
+}
+
+// A gap is above 0, or below, exactly if the ray begins before the face.
+void ray_normal_of_bounds(const duet_ray *ray, const duet_bounds *box, uint32_t dims,
+                          float normal[3])
+{
+    double last = 0;
+    memset(normal, 0, 3 * sizeof *normal);
+    for (uint32_t k = 0; k < dims; ++k) {
+        double speed = ray->direction[k];
+        double gap = (double)(speed > 0 ? box->lower : box->upper)[k] - ray->origin[k];
+        if (speed == 0 || gap / speed <= last)
+            continue;
+        last = gap / speed;
+        memset(normal, 0, 3 * sizeof *normal);
+        normal[k] = speed > 0 ? -1.0f : 1.0f;
+    }
+}
+
+static bool begins_in_rounded(const duet_ray *ray, const approach *a, const duet_rounded_box *box,
+                              uint32_t dims)
+{
+    double beyond[3], distance = sqrt(beyond_core(a, &box->pose, 0, beyond));
+    double doubt = SLACK * (a->size + box->radius);
+    duet_ray start = start_of(ray);
+    float t = 0;
+    if (fabs(distance - box->radius) > doubt && a->size > 0x1p-140)
+        return distance < box->radius;
+    return ray_meets_rounded(&start, box, dims, &t);
+}
+
+// Along the gap between the core and the place where the ray enters; where rounding is all that
+// there is of it, the radius is so small that the core's face is the surface.
+void ray_normal_of_rounded(const duet_ray *ray, const duet_rounded_box *box, uint32_t dims,
+                           float normal[3])
+{
+    duet_ray flat = flat_ray(ray, dims);
+    const duet_rounded_box round = {narrow_flat(&box->pose, dims), box->radius};
+    approach a = approach_of(&flat, &round.pose, narrow_here, (int)dims);
+    double beyond[3];
+    memset(normal, 0, 3 * sizeof *normal);
+    if (begins_in_rounded(ray, &a, &round, dims))
+        return;
+    double t = fmin(enter(&a, &round.pose, round.radius, 0), ray->t_max);
+    if (sqrt(beyond_core(&a, &round.pose, t, beyond)) > SLACK * (a.size + round.radius))
+        set_normal(&a, beyond, normal);
+    else
+        set_face_normal(&a, &round.pose, (int)dims, normal);
 }

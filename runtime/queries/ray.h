@@ -20,4 +20,13 @@ bool ray_meets_exactly(const duet_ray *ray, const duet_pose *box, uint32_t dims)
 // where it first is that near, as far as double tells.
 bool ray_meets_rounded(const duet_ray *ray, const duet_rounded_box *box, uint32_t dims, float *t);
 
+// The normal of a box that a ray meets where it enters, as duet_ray_normal has it; by double, and
+// exact in whether it is 0.
+void ray_normal(const duet_ray *ray, const duet_pose *box, const double shift[3], uint32_t dims,
+                float normal[3]);
+void ray_normal_of_bounds(const duet_ray *ray, const duet_bounds *box, uint32_t dims,
+                          float normal[3]);
+void ray_normal_of_rounded(const duet_ray *ray, const duet_rounded_box *box, uint32_t dims,
+                           float normal[3]);
+
 #endif

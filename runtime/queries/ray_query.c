@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
+#include "runtime/narrowphase/narrow.h"
 #include "runtime/queries/far_rows.h"
 #include "runtime/queries/ray.h"
 #include "runtime/queries/sweep.h"
@@ -18,6 +19,7 @@ struct duet_ray_query {
 _Static_assert(sizeof(duet_ray) == 7 * sizeof(float), "a ray is seven floats");
 _Static_assert(sizeof(duet_large_ray) == 10 * sizeof(float), "and with its cell ten words");
 _Static_assert(sizeof(duet_ray_hit) == 3 * sizeof(uint32_t), "a hit is three words");
+_Static_assert(sizeof(duet_ray_normal) == 3 * sizeof(float), "a normal is three floats");
 
 duet_ray_query_def duet_default_ray_query_def(void)
 {
@@ -60,6 +62,26 @@ static bool meets_far(const duet_tree *tree, const void *item, uint32_t *hit)
     return ray_meets_apart(&ray->ray, &box->pose, shift, tree->def.dims);
 }
 
+static void normal(const duet_tree *tree, const void *item, const uint32_t *hit, float out[3])
+{
+    const uint32_t id = hit[1], dims = tree->def.dims;
+    if (tree->def.shape == DUET_SHAPE_BOUNDS)
+        ray_normal_of_bounds(item, (const duet_bounds *)tree->objects + id, dims, out);
+    else if (tree->def.shape == DUET_SHAPE_POSES)
+        ray_normal(item, (const duet_pose *)tree->objects + id, narrow_here, dims, out);
+    else
+        ray_normal_of_rounded(item, (const duet_rounded_box *)tree->objects + id, dims, out);
+}
+
+static void normal_far(const duet_tree *tree, const void *item, const uint32_t *hit, float out[3])
+{
+    const duet_large_ray *ray = item;
+    const duet_large_pose *box = (const duet_large_pose *)tree->objects + hit[1];
+    double shift[3];
+    far_shift(shift, box, ray->cell, tree->def.origin_edge);
+    ray_normal(&ray->ray, &box->pose, shift, tree->def.dims, out);
+}
+
 #define RAYS(wrong_, meets_)                                                                      \
     {                                                                                             \
         .item = "ray", .items = "rays", .wrong = (wrong_), .kernel = "ray_query", .hit_words = 3, \
@@ -80,11 +102,16 @@ static bool check_def(const duet_ray_query_def *def, duet_error *err)
 {
     bool ours = def && def->cookie == COOKIE;
     return tree_query_check_def(ours, ours ? def->tree : NULL, "duet_default_ray_query_def", err) &&
-           tree_query_knows(def->wants, err);
+           tree_query_knows(def->wants, err) &&
+           (!def->normals || def->wants != DUET_QUERY_ANY ||
+            error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                      "normals with wants any, which says of no hit where it is; expected closest "
+                      "or every"));
 }
 
 duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     duet_ray_query *query = check_def(def, err) ? tree_query_new(sizeof *query, err) : NULL;
     if (!query)
         return NULL;
@@ -95,10 +122,13 @@ duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error 
                                 .wants = (query_wants)def->wants,
                                 .item_words = (uint32_t)(bytes / sizeof(float)),
                                 .item_cell = sizeof(duet_ray) / sizeof(float),
-                                .each = def->wants != DUET_QUERY_EVERY};
+                                .each = def->wants != DUET_QUERY_EVERY,
+                                .normal = !def->normals ? NULL
+                                          : far         ? normal_far
+                                                        : normal};
     const gen_setting settings[] = {{"WANTS", def->wants}};
     const query_name name = {.item = QUERY_RAYS, .wants = def->wants};
-    if (tree_query_open(&query->asked, &name, settings, 1, err))
+    if (tree_query_open(&query->asked, &name, def->filter, settings, 1, err))
         return query;
     duet_ray_query_destroy(query);
     return NULL;
@@ -120,17 +150,20 @@ static bool run(duet_ray_query *query, const void *rays, uint64_t n, bool far, c
         !tree_query_run(&query->asked, rays, n, &found, err))
         return false;
     *result = QUERY_RESULT(duet_ray_query_result, duet_ray_hit, found);
+    result->normals = (const duet_ray_normal *)found.normals;
     return true;
 }
 
 bool duet_ray_query_run(duet_ray_query *query, const duet_ray *rays, uint64_t n,
                         duet_ray_query_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return run(query, rays, n, false, __func__, result, err);
 }
 
 bool duet_ray_query_run_large(duet_ray_query *query, const duet_large_ray *rays, uint64_t n,
                               duet_ray_query_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     return run(query, rays, n, true, __func__, result, err);
 }

@@ -145,6 +145,7 @@ static bool check_def(const duet_sweep_query_def *def, duet_error *err)
 
 duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     duet_sweep_query *query = check_def(def, err) ? tree_query_new(sizeof *query, err) : NULL;
     if (!query)
         return NULL;
@@ -158,7 +159,7 @@ duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def, duet_
                                 .each = def->wants != DUET_QUERY_EVERY};
     const gen_setting settings[] = {{"WANTS", def->wants}, {"SWEPT", 1}};
     const query_name name = {.item = QUERY_SWEEPS, .wants = def->wants};
-    if (tree_query_open(&query->asked, &name, settings, 2, err))
+    if (tree_query_open(&query->asked, &name, def->filter, settings, 2, err))
         return query;
     duet_sweep_query_destroy(query);
     return NULL;
@@ -174,6 +175,7 @@ void duet_sweep_query_destroy(duet_sweep_query *query)
 bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kind, const void *sweeps,
                           uint64_t n, duet_sweep_query_result *result, duet_error *err)
 {
+    PUBLIC_CALL(err);
     query_result found;
     if (!error_given(query, __func__, "query", err) ||
         !error_given(result, __func__, "result", err) ||

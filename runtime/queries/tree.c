@@ -50,6 +50,7 @@ static bool check_def(const duet_tree_def *def, duet_error *err)
 static void close_side(tree_side *s)
 {
     timeline_clear(&s->times);
+    buffer_release(&s->filters);
     box_tree_close(&s->boxes);
     program_set_close(s->programs);
     gen_close(s->gen);
@@ -134,6 +135,7 @@ static bool open_sides(duet_tree *tree, uint32_t share, duet_error *err)
 
 bool duet_tree_set_share(duet_tree *tree, uint32_t share, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(tree, __func__, "tree", err))
         return false;
     if (share == DUET_SHARE_DEFAULT)
@@ -177,12 +179,14 @@ bool tree_tune(duet_tree *tree, const query_name *query, uint32_t share, duet_er
 
 duet_tree *duet_tree_create(const duet_tree_def *def, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!check_def(def, err))
         return NULL;
     duet_tree *tree = calloc(1, sizeof *tree);
     if (!tree)
         return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a tree");
     tree->def = *def;
+    tree->filters_set = 1;
     if (def->share == DUET_SHARE_DEFAULT)
         tree->def.share = duet_default_plan(def->pair).share;
     device_pair_hold(def->pair);
@@ -208,6 +212,7 @@ void duet_tree_destroy(duet_tree *tree)
     close_side(&tree->sides[1]);
     duet_device_pair_destroy(tree->def.pair);
     free(tree->objects);
+    free(tree->filters);
     free(tree);
 }
 
@@ -275,6 +280,9 @@ bool tree_reserve_objects(duet_tree *tree, uint32_t n, duet_error *err)
                          TREE_MOST_BOXES);
     box_tree_forget_objects(&tree->sides[0].boxes);
     box_tree_forget_objects(&tree->sides[1].boxes);
+    free(tree->filters);
+    tree->filters = NULL;
+    ++tree->filters_set;
     tree->n = n;
     void *objects = realloc(tree->objects, objects_bytes(tree) + 1);
     if (!objects) {
@@ -283,6 +291,30 @@ bool tree_reserve_objects(duet_tree *tree, uint32_t n, duet_error *err)
     }
     tree->objects = objects;
     return true;
+}
+
+duet_filter *tree_reserve_filters(duet_tree *tree, duet_error *err)
+{
+    size_t bytes = ((size_t)tree->n + 1) * sizeof *tree->filters;
+    if (!tree->filters && !(tree->filters = malloc(bytes)))
+        return error_null(err, DUET_STATUS_NO_MEMORY, "no host memory for %u filters", tree->n);
+    ++tree->filters_set;
+    return tree->filters;
+}
+
+bool duet_tree_set_filters(duet_tree *tree, const duet_filter *filters, uint32_t n, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    if (!error_given(tree, __func__, "tree", err) ||
+        (n > 0 && !error_given(filters, __func__, "filters", err)))
+        return false;
+    if (n != tree->n)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%u filters; expected one for each of the tree's %u objects", n, tree->n);
+    duet_filter *to = tree_reserve_filters(tree, err);
+    if (to && n > 0)
+        memcpy(to, filters, n * sizeof *to);
+    return to;
 }
 
 const duet_tree_def *tree_def(const duet_tree *tree)
@@ -351,6 +383,7 @@ void tree_copy_rows(const duet_tree *tree, const void *objects, uint64_t n, void
 bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *objects, uint32_t n,
                            duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(tree, __func__, "tree", err))
         return false;
     if (!tree_takes(tree, kind, err))

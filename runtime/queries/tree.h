@@ -15,6 +15,8 @@ typedef struct tree_side {
     gen *gen;
     program_set *programs; // of the tree's kernels and its queries'
     box_tree boxes;
+    buffer filters;         // [n] of the objects
+    uint64_t filters_known; // the tree's filters_set when they were sent; 0: they were not
     timeline times;
     bool ok; // of the work that both sides did last
     duet_error err;
@@ -31,9 +33,11 @@ typedef struct tuned_share {
 struct duet_tree {
     atomic_uint users; // the caller, and each query
     duet_tree_def def;
-    tree_side sides[2];  // A, B
-    thread_pool *driver; // drives A while the caller's thread drives B
-    void *objects;       // [n] as box_tree_shape says; stale until they are fetched
+    tree_side sides[2];   // A, B
+    thread_pool *driver;  // drives A while the caller's thread drives B
+    void *objects;        // [n] as box_tree_shape says; stale until they are fetched
+    duet_filter *filters; // [n] of them; NULL: all ones
+    uint64_t filters_set; // from 1, how often they changed
     uint32_t n, n_hidden;
     int32_t middle[3]; // the cell that its cells and its items' count from
     bool fetched;
@@ -57,6 +61,9 @@ bool tree_takes(const duet_tree *tree, duet_object_kind kind, duet_error *err);
 
 // Space for n objects, which nothing knows yet.
 bool tree_reserve_objects(duet_tree *tree, uint32_t n, duet_error *err);
+
+// Space for a filter of each object; NULL with NO_MEMORY.
+duet_filter *tree_reserve_filters(duet_tree *tree, duet_error *err);
 
 // Makes both trees of the objects that are there: on the host, or in B's memory. The tree is empty
 // after a failure.

@@ -5,6 +5,19 @@
 #include "runtime/dynamics/motion_poses.h"
 #include "runtime/queries/tree.h"
 
+duet_tree_def duet_motion_tree_def(const duet_motion *motion)
+{
+    duet_tree_def def = duet_default_tree_def();
+    if (!motion)
+        return def;
+    bool radii = motion_has_radii(motion) || (motion->effects & DUET_EFFECT_RADIUS);
+    def.pair = motion->def.pair;
+    def.dims = motion->def.dims;
+    def.shape = radii ? DUET_SHAPE_ROUNDED_BOXES : DUET_SHAPE_POSES;
+    def.origin_edge = radii ? 0.0f : motion->def.origin_edge;
+    return def;
+}
+
 static bool check(const duet_tree *tree, const duet_motion *motion, duet_error *err)
 {
     if (tree->def.shape != DUET_SHAPE_POSES && tree->def.shape != DUET_SHAPE_ROUNDED_BOXES)
@@ -42,8 +55,19 @@ static bool copy_to_host(duet_tree *tree, duet_motion *motion, bool radii, duet_
     return true;
 }
 
+static bool take_filters(duet_tree *tree, const duet_motion *motion, duet_error *err)
+{
+    if (!motion->facts.filtered && !(motion->effects & DUET_EFFECT_FILTER))
+        return true;
+    duet_filter *filters = tree_reserve_filters(tree, err);
+    for (uint32_t i = 0; filters && i < tree->n; ++i)
+        filters[i] = (duet_filter){motion->bodies[i].group, motion->bodies[i].mask};
+    return filters;
+}
+
 bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(tree, __func__, "tree", err) || !motion_is_whole(motion, __func__, err) ||
         !check(tree, motion, err))
         return false;
@@ -52,7 +76,8 @@ bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err)
         motion->n > 0 && motion_has_poses(motion, radii) && motion->def.pair == tree->def.pair;
     if (!tree_reserve_objects(tree, motion->n, err))
         return false;
-    if (!(on_b ? write_on_b(tree, motion, radii, err) : copy_to_host(tree, motion, radii, err))) {
+    if (!take_filters(tree, motion, err) ||
+        !(on_b ? write_on_b(tree, motion, radii, err) : copy_to_host(tree, motion, radii, err))) {
         tree_clear(tree);
         return false;
     }

@@ -48,6 +48,8 @@ static const binding side_bindings[] = {BIND_BUFFER(query_side, "items", "float 
                                         BIND_VALUE(query_side, "hits_capacity", hits_capacity),
                                         BIND_VALUE(query_side, "open_capacity", open_capacity),
                                         BIND_VALUE(query_side, "each", each),
+                                        BIND_VALUE(query_side, "group", group),
+                                        BIND_VALUE(query_side, "mask", mask),
                                         {0}};
 
 bool tree_query_knows(duet_query_wants wants, duet_error *err)
@@ -86,7 +88,7 @@ static void close_flow(query_flow *f)
 
 static void close_side(query_side *s)
 {
-    buffer *const all[] = {&s->items, &s->filters, &s->hits, &s->open, &s->counters};
+    buffer *const all[] = {&s->items, &s->hits, &s->open, &s->counters};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         buffer_release(all[i]);
     close_flow(&s->flows[0]);
@@ -99,7 +101,11 @@ static void close_side(query_side *s)
 
 static bool open_side(query_side *s, tree_query *q, tree_side *tree, duet_error *err)
 {
-    *s = (query_side){.query = q, .tree = tree, .each = q->each};
+    *s = (query_side){.query = q,
+                      .tree = tree,
+                      .each = q->each,
+                      .group = q->own_filter.group,
+                      .mask = q->own_filter.mask};
     s->kernel = program_set_kernel(tree->programs, q->kind->kernel, q->kind->kernel, q->settings,
                                    q->n_settings, side_bindings, err);
     if (s->kernel && program_set_build(tree->programs, err) &&
@@ -119,17 +125,22 @@ static bool open_sides(tree_query *q, duet_error *err)
     return ok;
 }
 
-bool tree_query_open(tree_query *q, const query_name *name, const gen_setting *settings,
-                     uint32_t n_settings, duet_error *err)
+bool tree_query_open(tree_query *q, const query_name *name, const duet_filter *filter,
+                     const gen_setting *settings, uint32_t n_settings, duet_error *err)
 {
     tree_hold(q->tree);
     query_name_write(name, q->name);
+    if (filter) {
+        q->own_filter = *filter;
+        q->filter = &q->own_filter;
+    }
     q->settings[0] = (gen_setting){"DIMS", q->tree->def.dims};
     q->settings[1] = (gen_setting){"SHAPE", box_tree_shape(q->tree->def.shape)};
     q->settings[2] = (gen_setting){"ORIGIN", origin_setting(q->tree->def.origin_edge)};
+    q->settings[3] = (gen_setting){"FILTERED", filter != NULL};
     for (uint32_t i = 0; i < n_settings; ++i)
-        q->settings[3 + i] = settings[i];
-    q->n_settings = 3 + n_settings;
+        q->settings[4 + i] = settings[i];
+    q->n_settings = 4 + n_settings;
     return open_sides(q, err);
 }
 
@@ -139,6 +150,7 @@ void tree_query_close(tree_query *q)
     close_side(&q->sides[1]);
     host_block_release(&q->joined.block);
     free(q->own_items);
+    free(q->normals);
     duet_tree_destroy(q->tree);
 }
 
@@ -246,16 +258,30 @@ static const char *item_at(const tree_query *q, uint64_t i)
     return q->items + i * q->item_words * sizeof(float);
 }
 
+static bool write_filters(tree_side *t, const duet_filter *filters, size_t bytes)
+{
+    if (!buffer_reserve(&t->filters, t->device, bytes, &t->err))
+        return false;
+    return filters ? timeline_write(&t->times, "send filters", &t->filters, filters, bytes, &t->err)
+                   : timeline_fill(&t->times, "clear", &t->filters, UINT32_MAX, 0,
+                                   bytes / sizeof(cl_uint), &t->err);
+}
+
+// The tree's stay on the device from query to query, until a run of the objects with each other,
+// which has filters of its own, needs their place.
 static bool send_filters(query_side *s)
 {
+    const tree_query *q = s->query;
     tree_side *t = s->tree;
-    const duet_filter *filters = s->query->filters;
-    size_t bytes = s->query->tree->n * sizeof *filters;
-    if (!buffer_reserve(&s->filters, t->device, bytes, &t->err))
+    uint64_t known = q->itself ? 0 : q->tree->filters_set;
+    if (!q->itself && (!q->filter || t->filters_known == known))
+        return true;
+    t->filters_known = 0;
+    if (!write_filters(t, q->itself ? q->filters : q->tree->filters,
+                       q->tree->n * sizeof *q->filters))
         return false;
-    return filters ? timeline_write(&t->times, "send filters", &s->filters, filters, bytes, &t->err)
-                   : timeline_fill(&t->times, "clear", &s->filters, UINT32_MAX, 0,
-                                   bytes / sizeof(cl_uint), &t->err);
+    t->filters_known = known;
+    return true;
 }
 
 // The device has the tree's objects.
@@ -293,6 +319,7 @@ static bool start_asking(query_side *s)
     s->nodes = t->boxes.nodes;
     s->levels = t->boxes.levels;
     s->order = t->boxes.ids;
+    s->filters = t->filters;
     s->n_levels = t->boxes.n_levels;
     s->hits_capacity = hits_in(s, &s->hits);
     s->open_capacity = hits_in(s, &s->open);
@@ -603,8 +630,7 @@ static void run_side(void *arg)
     uint64_t chunk = s->each > 1 ? items / s->each + 1 : items;
     uint64_t n_hits = (s->last - s->first) * s->each;
     timeline_begin(&t->times, t->device, true);
-    t->ok = (!s->query->itself || send_filters(s)) &&
-            reserve_hits(s->query, &s->found, t->device, n_hits, &t->err) &&
+    t->ok = send_filters(s) && reserve_hits(s->query, &s->found, t->device, n_hits, &t->err) &&
             (flows(s) ? run_flows(s, chunk) : run_chunks(s, chunk));
     s->found.n = s->each > 0 ? n_hits : s->found.n;
     t->ok = timeline_finish(&t->times, &t->err) && t->ok; // nothing is read any more
@@ -642,6 +668,42 @@ static bool join_hits(tree_query *q, query_result *result, duet_error *err)
     memcpy(to->block.bytes, a->block.bytes, (size_t)a->n * hit_bytes(q));
     memcpy(hit_at(q, to, a->n), b->block.bytes, (size_t)b->n * hit_bytes(q));
     result->hits = to->block.bytes;
+    return true;
+}
+
+static void find_some_normals(void *arg, uint64_t first, uint64_t last)
+{
+    const shared_rows *rows = arg;
+    const tree_query *q = rows->query;
+    for (uint64_t i = first; i < last; ++i) {
+        const uint32_t *hit = rows->hits + i * q->kind->hit_words;
+        float *normal = q->normals + 3 * i;
+        memset(normal, 0, 3 * sizeof *normal);
+        if (hit[1] != DUET_NO_OBJECT)
+            q->normal(q->tree, item_at(q, hit[0]), hit, normal);
+    }
+}
+
+// No device computes them, so that a query without normals pays nothing.
+static bool find_normals(tree_query *q, query_result *result, duet_error *err)
+{
+    uint64_t n = result->n_hits;
+    shared_rows rows = {.query = q, .hits = (uint32_t *)result->hits};
+    thread_pool *a = q->sides[0].helpers, *b = q->sides[1].helpers;
+    if (!q->normal || n == 0)
+        return true;
+    if (n > q->most_normals) {
+        free(q->normals);
+        q->normals = malloc((size_t)n * 3 * sizeof *q->normals);
+        q->most_normals = q->normals ? n : 0;
+    }
+    if (!q->normals)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu normals",
+                         (unsigned long long)n);
+    if (!tree_fetch_objects(q->tree, err))
+        return false;
+    thread_pool_share(b ? b : a, find_some_normals, &rows, n, PIECE);
+    result->normals = q->normals;
     return true;
 }
 
@@ -696,7 +758,8 @@ bool tree_query_run(tree_query *q, const void *items, uint64_t n, query_result *
     uint64_t cut = n * tree_share_of(q->tree, q->name) / DUET_SHARE_ONE;
     query_side *a = begin_side(q, 0, 0, cut), *b = begin_side(q, 1, cut, n);
     query_result found = {0};
-    if (!tree_run(q->tree, run_side, a, b, err) || !join_hits(q, &found, err))
+    if (!tree_run(q->tree, run_side, a, b, err) || !join_hits(q, &found, err) ||
+        !find_normals(q, &found, err))
         return false;
     for (int which = 0; which < 2; ++which) {
         found.undecided += q->sides[which].undecided;

@@ -8,7 +8,7 @@
 #include "runtime/queries/any_query.h"
 #include "runtime/queries/tree.h"
 
-enum { QUERY_SETTINGS = 5 };
+enum { QUERY_SETTINGS = 6 };
 
 typedef enum query_wants {
     QUERY_CLOSEST = DUET_QUERY_CLOSEST,
@@ -34,6 +34,10 @@ typedef struct query_kind {
     bool finish_reads; // the tree's objects
 } query_kind;
 
+// The normal of a hit on an object.
+typedef void query_normal(const duet_tree *tree, const void *item, const uint32_t *hit,
+                          float normal[3]);
+
 // In memory that the device reads and writes fast.
 typedef struct hit_list {
     host_block block;
@@ -55,10 +59,11 @@ typedef struct query_side {
     const struct tree_query *query;
     tree_side *tree;
     kernel *kernel;
-    buffer items, filters, hits, open, counters;
+    buffer items, hits, open, counters;
     cl_uint n, first_item, hits_capacity, open_capacity; // of the chunk that was launched last
     cl_uint n_levels, n_boxes, in_order, each;
-    buffer objects, boxes, nodes, levels, order; // the tree's
+    cl_uint group, mask;                                  // the query's filter
+    buffer objects, boxes, nodes, levels, order, filters; // the tree's
 
     uint64_t first, last;
     hit_list found;
@@ -75,9 +80,11 @@ typedef struct tree_query {
     char name[QUERY_NAME];
     query_wants wants;
     uint32_t item_words;
-    uint32_t item_cell; // in origin cells: the word of an item's cell
-    uint32_t each;      // hits an item; 0 for QUERY_EVERY
-    bool itself;        // its items are the tree's objects
+    uint32_t item_cell;        // in origin cells: the word of an item's cell
+    uint32_t each;             // hits an item; 0 for QUERY_EVERY
+    bool itself;               // its items are the tree's objects
+    const duet_filter *filter; // of the items, own_filter; NULL: they find every object
+    duet_filter own_filter;
     gen_setting settings[QUERY_SETTINGS];
     uint32_t n_settings;
     query_side sides[2];
@@ -85,6 +92,9 @@ typedef struct tree_query {
     void *own_items;            // copies, of spheres and in origin cells: as the tree has them
     const duet_filter *filters; // of the objects, where these are the items; NULL: all touch
     hit_list joined;
+    query_normal *normal; // NULL: not asked for
+    float *normals;       // [most_normals][3] of the hits, 0 where there is none
+    uint64_t most_normals;
 } tree_query;
 
 // A query_result as a public query tells it, whose result and hits are of these types.
@@ -108,10 +118,11 @@ bool tree_query_knows(duet_query_wants wants, duet_error *err);
 // Zeroed memory of a public query, which begins with a tree_query.
 void *tree_query_new(size_t bytes, duet_error *err);
 
-// Builds the kernel of q->kind with these settings and DIMS, SHAPE, ORIGIN. kind, tree, wants,
-// item_words and each are set.
-bool tree_query_open(tree_query *q, const query_name *name, const gen_setting *settings,
-                     uint32_t n_settings, duet_error *err);
+// Builds the kernel of q->kind with these settings and DIMS, SHAPE, ORIGIN, FILTERED. kind, tree,
+// wants, item_words, each and itself are set. filter, which is copied: of the items; NULL: they
+// find every object.
+bool tree_query_open(tree_query *q, const query_name *name, const duet_filter *filter,
+                     const gen_setting *settings, uint32_t n_settings, duet_error *err);
 void tree_query_close(tree_query *q);
 
 // BAD_ARGUMENT unless the tree is in origin cells, or with far false is not.

@@ -15,6 +15,7 @@ duet_object_kind scene_kind(const duet_scene_info *info)
 
 bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(world, __func__, "world", err) || !error_given(scene, __func__, "scene", err))
         return false;
     const duet_scene_info *info = duet_scene_get_info(scene);
@@ -59,6 +60,7 @@ done:
 duet_motion *duet_motion_create_from_scene(const duet_motion_def *def, const duet_scene *scene,
                                            const duet_body *bodies, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(scene, __func__, "scene", err))
         return NULL;
     const duet_scene_info *info = duet_scene_get_info(scene);

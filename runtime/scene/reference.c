@@ -398,6 +398,7 @@ bool reference_find(const reference_objects *objects, reference_way way, referen
 bool duet_reference(const duet_scene *scene, duet_level level, duet_pair **pairs, uint64_t *n,
                     duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!error_given(scene, __func__, "scene", err) ||
         !error_given(pairs, __func__, "pairs", err) || !error_given(n, __func__, "n", err))
         return false;

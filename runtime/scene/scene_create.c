@@ -110,6 +110,7 @@ static duet_scene *create_placed(const duet_large_pose *placed, uint32_t n, uint
 duet_scene *duet_scene_create(duet_object_kind kind, const void *objects, uint32_t n, uint32_t dims,
                               float origin_edge, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (origin_edge != 0.0f && kind != DUET_OBJECT_LARGE_POSES)
         return error_null(err, DUET_STATUS_BAD_ARGUMENT,
                           "origin_edge is %g; expected 0 for objects that are not large poses",

@@ -236,6 +236,7 @@ duet_scene *scene_load_deferred(const char *path, const duet_setting *settings, 
 duet_scene *duet_scene_load(const char *path, const duet_setting *settings, uint32_t n_settings,
                             duet_error *err)
 {
+    PUBLIC_CALL(err);
     scene_range all = {.end = UINT64_MAX};
     bool ok = error_given(path, __func__, "path", err) &&
               check_settings(settings, n_settings, __func__, err);
@@ -244,6 +245,7 @@ duet_scene *duet_scene_load(const char *path, const duet_setting *settings, uint
 
 duet_scene *duet_scene_load_pairs(const char *path, duet_error *err)
 {
+    PUBLIC_CALL(err);
     scene_range all = {.end = UINT64_MAX};
     return error_given(path, __func__, "path", err) ? load(path, 2, &all, NULL, 0, err) : NULL;
 }

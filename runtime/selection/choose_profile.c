@@ -61,6 +61,7 @@ static bool use(duet_world *world, const profile_found *found, duet_profile *pro
 bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *profile,
                              duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!world_is_idle(world, __func__, err) || !error_given(profile, __func__, "profile", err))
         return false;
     *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT,
@@ -78,6 +79,7 @@ bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *
 bool duet_tree_load_profile(duet_tree *tree, const char *query, uint64_t n, const char *path,
                             duet_profile *profile, duet_error *err)
 {
+    PUBLIC_CALL(err);
     query_name name;
     if (!error_given(tree, __func__, "tree", err) || !error_given(query, __func__, "query", err) ||
         !error_given(profile, __func__, "profile", err) || !query_name_read(query, &name, err))
@@ -106,6 +108,7 @@ bool duet_tree_load_profile(duet_tree *tree, const char *query, uint64_t n, cons
 bool duet_motion_load_profile(duet_motion *m, const char *path, duet_profile *profile,
                               duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!motion_is_whole(m, __func__, err) || !error_given(profile, __func__, "profile", err))
         return false;
     *profile = (duet_profile){
@@ -129,6 +132,7 @@ bool duet_motion_load_profile(duet_motion *m, const char *path, duet_profile *pr
 
 bool duet_world_explain_profile(duet_world *world, const char *path, char **why, duet_error *err)
 {
+    PUBLIC_CALL(err);
     if (!world_is_idle(world, __func__, err) || !error_given(why, __func__, "why", err))
         return false;
     profile_subject asked;

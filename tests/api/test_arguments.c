@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Every public call refuses NULL, and numbers that cannot be, with BAD_ARGUMENT or the
-// neutral value that its header promises; the error may be NULL everywhere. The list of
-// calls is read from the headers, so that a call without a row here fails.
+// neutral value that its header promises; the error may be NULL everywhere, and may hold an
+// earlier failure, which gives way to the call's own. The list of calls is read from the headers
+// and from the library, so that a call without a row here fails.
+#define _POSIX_C_SOURCE 200809L // popen
 #include "support/test.h"
 
 #include "runtime/duet.h"
@@ -43,33 +45,53 @@ static duet_pair *pairs;
 static uint64_t n;
 static const char *call_name; // the row that runs
 
-static void assert_refused(const duet_error *err, const char *said)
+static void assert_failed(duet_status status, const duet_error *err, const char *said)
 {
-    if (err->status != DUET_STATUS_BAD_ARGUMENT)
+    if (err->status != status)
         fail_msg("%s: %s is %s: %s", call_name, said, duet_status_name(err->status), err->text);
     if (!err->text[0] || strchr(err->text, '\n'))
         fail_msg("%s: %s says '%s'", call_name, said, err->text);
 }
 
-// The call, which hands e on, is refused with an error to fill and without.
-#define REFUSES(call)                                             \
-    do {                                                          \
-        duet_error err_ = {0};                                    \
-        duet_error *e = &err_;                                    \
-        if (call)                                                 \
-            fail_msg("%s: %s was not refused", call_name, #call); \
-        assert_refused(&err_, #call);                             \
-        e = NULL;                                                 \
-        if (call)                                                 \
-            fail_msg("%s: %s was not refused", call_name, #call); \
-    } while (0)
+static const duet_error earlier = {-1, DUET_STATUS_DEVICE_FAILED, "an earlier call failed"};
+static text refused; // names of calls, each between blanks
 
+// It failed twice: without an earlier failure, and with one.
+static void assert_own(const duet_error *clean, const duet_error *used, const char *said)
+{
+    if (used->status != clean->status || used->cl_code != clean->cl_code ||
+        strcmp(used->text, clean->text) != 0)
+        fail_msg("%s: %s says '%s' after an earlier failure; expected '%s'", call_name, said,
+                 used->text, clean->text);
+    text_add(&refused, " %.*s ", (int)strcspn(said, "("), said);
+}
+
+// The call, which hands e on, fails with an error to fill, with one that is filled, and without.
+#define FAILS(expected, call)                                  \
+    do {                                                       \
+        duet_error err_ = {0}, used_ = earlier;                \
+        duet_error *e = &err_;                                 \
+        if (call)                                              \
+            fail_msg("%s: %s did not fail", call_name, #call); \
+        assert_failed((expected), &err_, #call);               \
+        e = &used_;                                            \
+        if (call)                                              \
+            fail_msg("%s: %s did not fail", call_name, #call); \
+        assert_own(&err_, &used_, #call);                      \
+        e = NULL;                                              \
+        if (call)                                              \
+            fail_msg("%s: %s did not fail", call_name, #call); \
+    } while (0)
+#define REFUSES(call) FAILS(DUET_STATUS_BAD_ARGUMENT, call)
+
+// A call that succeeds leaves the error as it was.
 #define TAKES(call)                                              \
     do {                                                         \
-        duet_error err_ = {0};                                   \
+        duet_error err_ = earlier;                               \
         duet_error *e = &err_;                                   \
         if (!(call))                                             \
             fail_msg("%s: %s: %s", call_name, #call, err_.text); \
+        assert_memory_equal(&err_, &earlier, sizeof earlier);    \
     } while (0)
 
 // ------------------------------------------------------------ values and objects
@@ -101,6 +123,7 @@ static void defaults(void)
 {
     assert_true(duet_default_body().mass == 1.0f);
     assert_int_equal(duet_default_motion_def().dims, 3);
+    assert_null(duet_game_motion_def(NULL, 3).pair);
     assert_int_equal(duet_default_pair_query_def().dims, 3);
     assert_int_equal(duet_default_world_def().dims, 3);
     assert_true(duet_default_tune_def().keep);
@@ -459,6 +482,11 @@ static void fill_tree(void)
     REFUSES(duet_tree_load_profile(tree, "boxes", 1, NULL, NULL, e));
     REFUSES(duet_tree_load_profile(tree, "spheres", 1, NULL, &profile, e));
     REFUSES(duet_tree_load_profile(tree, "boxes", 0, NULL, &profile, e));
+    assert_null(duet_motion_tree_def(NULL).pair);
+    REFUSES(duet_tree_set_filters(NULL, &(duet_filter){1, 1}, 1, e));
+    REFUSES(duet_tree_set_filters(tree, NULL, 1, e));
+    REFUSES(duet_tree_set_filters(tree, &(duet_filter){1, 1}, 1, e)); // the tree has no objects
+    TAKES(duet_tree_set_filters(tree, NULL, 0, e));
     REFUSES(duet_tree_set_motion(NULL, motion, e));
     REFUSES(duet_tree_set_motion(tree, NULL, e));
     duet_tree_destroy(NULL);
@@ -704,7 +732,7 @@ static void replay_commands(void)
     REFUSES(duet_motion_save_recording(NULL, "file", e));
     REFUSES(duet_motion_save_recording(motion, NULL, e));
     REFUSES(duet_replay_advance(NULL, motion, &step, e));
-    assert_null(duet_replay_create(NULL, NULL));
+    REFUSES(duet_replay_create(NULL, e));
     assert_int_equal(duet_replay_get_info(NULL).steps, 0);
     duet_replay_destroy(NULL);
 }
@@ -829,7 +857,7 @@ static void profiles(void)
     duet_stored_trial *trials = NULL;
     duet_import_counts counts;
     uint32_t n_trials;
-    assert_null(duet_profile_list_create("no such store.db", false, NULL));
+    FAILS(DUET_STATUS_NOT_FOUND, duet_profile_list_create("no such store.db", false, e));
     assert_int_equal(duet_profile_list_get_count(NULL), 0);
     assert_null(duet_profile_list_get_profile(NULL, 0));
     duet_profile_list_destroy(NULL);
@@ -859,7 +887,8 @@ static const struct {
 } rows[] = {
     {"duet_version duet_status_name duet_mode_name duet_grade_name duet_effect_name", names},
     {"duet_strategy_get_name duet_strategy_get_summary", strategies},
-    {"duet_default_body duet_default_motion_def duet_default_pair_query_def duet_default_world_def "
+    {"duet_default_body duet_default_motion_def duet_game_motion_def duet_default_pair_query_def "
+     "duet_default_world_def "
      "duet_default_tune_def duet_default_online_def duet_default_device_pair_def "
      "duet_default_plan",
      defaults},
@@ -897,7 +926,7 @@ static const struct {
     {"duet_pair_query_create duet_pair_query_destroy duet_pair_query_run", query_pairs},
     {"duet_tree_create duet_tree_destroy duet_tree_set_objects duet_tree_set_motion "
      "duet_tree_set_share duet_tree_load_profile "
-     "duet_default_tree_def "
+     "duet_default_tree_def duet_motion_tree_def duet_tree_set_filters "
      "duet_query_wants_name",
      fill_tree},
     {"duet_ray_query_create duet_ray_query_destroy duet_ray_query_run "
@@ -967,6 +996,10 @@ static int rows_of(const char *call)
     return found;
 }
 
+// They take nothing that could be wrong: they fail without OpenCL, memory, or a store to write to.
+static const char unrefused[] =
+    "duet_device_list_create duet_pair_delta_create duet_online_destroy";
+
 static const char *const headers[] = {"runtime/duet.h",
                                       "runtime/duet_box_query.h",
                                       "runtime/duet_contact_query.h",
@@ -991,42 +1024,67 @@ static const char *const headers[] = {"runtime/duet.h",
                                       "profiles/duet_profiles.h",
                                       "lua/duet_lua.h"};
 
+static uint32_t n_called, n_fallible;
+
+static void check_call(const char *header, const char *name, bool takes_an_error)
+{
+    char word[80];
+    snprintf(word, sizeof word, " %s ", name);
+    if (rows_of(name) != 1)
+        fail_msg("%s: %s is in %d rows of this test; expected one", header, name, rows_of(name));
+    if (takes_an_error && !strstr(text_chars(&refused), word) && !has_word(unrefused, name))
+        fail_msg("%s: %s never failed with an error of its own", header, name);
+    ++n_called;
+    n_fallible += takes_an_error;
+}
+
 // The name before the first bracket behind DUET_API.
-static uint32_t check_header(const char *header)
+static void check_header(const char *header)
 {
     duet_error err = {0};
     text path = {0}, file = {0};
-    uint32_t found = 0;
     text_add(&path, "%s/../../%s", getenv("DUET_TEST_DATA"), header);
     assert_ok(text_read_file(&file, text_chars(&path), &err), err);
-    for (const char *at = strstr(file.chars, "\nDUET_API "); at;
-         at = strstr(at + 1, "\nDUET_API ")) {
-        char name[80];
-        const char *end = strchr(at, '('), *begin = end;
+    for (char *at = strstr(file.chars, "\nDUET_API "); at; at = strstr(at + 1, "\nDUET_API ")) {
+        char *bracket = strchr(at, '('), *begin = bracket, *end = strchr(at, ';');
         while (begin > at && (isalnum((unsigned char)begin[-1]) || begin[-1] == '_'))
             --begin;
-        snprintf(name, sizeof name, "%.*s", (int)(end - begin), begin);
-        if (rows_of(name) != 1)
-            fail_msg("%s: %s is in %d rows of this test; expected one", header, name,
-                     rows_of(name));
-        ++found;
+        *bracket = *end = '\0';
+        check_call(header, begin, strstr(bracket + 1, "duet_error *err"));
+        *bracket = '(';
+        *end = ';';
     }
     text_free(&path);
     text_free(&file);
-    return found;
 }
 
-static void every_public_call_has_a_row(void **state)
+static void every_public_call_has_a_row_and_its_own_failure(void **state)
 {
     (void)state;
-    uint32_t found = 0, said = 0;
+    uint32_t said = 0;
     for (size_t i = 0; i < sizeof headers / sizeof headers[0]; ++i)
-        found += check_header(headers[i]);
+        check_header(headers[i]);
     for (int i = 0; i < ROWS; ++i)
         for (const char *at = rows[i].calls; at; at = strchr(at + 1, ' '))
             ++said;
-    assert_int_equal(found, said);
-    assert_true(found > 80);
+    assert_int_equal(n_called, said);
+    assert_true(n_fallible > 90);
+}
+
+static void every_symbol_of_the_library_has_a_row(void **state)
+{
+    (void)state;
+    char command[4096], name[80];
+    uint32_t found = 0;
+    snprintf(command, sizeof command, "nm -D --defined-only '%s'", getenv("DUET_LIBRARY"));
+    FILE *symbols = popen(command, "r");
+    assert_non_null(symbols);
+    for (; fscanf(symbols, "%*s T %79s", name) == 1; ++found)
+        if (rows_of(name) != 1)
+            fail_msg("the library shows %s, which is in %d rows of this test; expected one", name,
+                     rows_of(name));
+    assert_int_equal(pclose(symbols), 0);
+    assert_int_equal(found, n_called);
 }
 
 static void every_call_refuses_what_it_cannot_use(void **state)
@@ -1144,6 +1202,7 @@ static int close_all(void **state)
     duet_world_destroy(apart_world);
     duet_world_destroy(world);
     duet_scene_destroy(scene);
+    text_free(&refused);
     assert_int_equal(device_live_objects(), 0);
     return 0;
 }
@@ -1151,8 +1210,9 @@ static int close_all(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_public_call_has_a_row),
         cmocka_unit_test(every_call_refuses_what_it_cannot_use),
+        cmocka_unit_test(every_public_call_has_a_row_and_its_own_failure),
+        cmocka_unit_test(every_symbol_of_the_library_has_a_row),
         cmocka_unit_test(what_refused_goes_on),
     };
     return cmocka_run_group_tests(tests, open_all, close_all);

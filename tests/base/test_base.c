@@ -19,6 +19,49 @@ static void the_first_failure_is_kept(void **state)
     assert_false(error_set(NULL, DUET_STATUS_NOT_FOUND, "nobody listens"));
 }
 
+// A public call that first does as another one, and goes on where that fails.
+static bool call_twice(bool first, bool second, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    if (!first)
+        error_set(err, DUET_STATUS_NOT_FOUND, "the first");
+    if (!second)
+        error_set(err, DUET_STATUS_IO_FAILED, "the second");
+    return first && second;
+}
+
+static bool call_within(bool before, bool first, bool second, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    if (!before)
+        error_set(err, DUET_STATUS_BAD_INPUT, "before");
+    return call_twice(first, second, err) && before;
+}
+
+static void each_public_call_has_its_own_first_failure(void **state)
+{
+    (void)state;
+    duet_error err = {-5, DUET_STATUS_DEVICE_FAILED, "an earlier call"};
+    const duet_error earlier = err;
+    for (int i = 0; i < 8; ++i) {
+        bool before = i & 1, first = i & 2, second = i & 4, ok = before && first && second;
+        const char *says = ok        ? earlier.text
+                           : !before ? "before"
+                           : !first  ? "the first"
+                                     : "the second";
+        err = earlier;
+        assert_int_equal(call_within(before, first, second, &err), ok);
+        assert_string_equal(err.text, says);
+        assert_int_equal(err.cl_code, ok ? -5 : 0);
+        assert_int_equal(err.status == DUET_STATUS_DEVICE_FAILED, ok);
+        assert_int_equal(call_within(before, first, second, NULL), ok);
+    }
+    assert_false(call_twice(false, true, &err));
+    assert_string_equal(err.text, "the first");
+    assert_false(call_twice(true, false, &err));
+    assert_string_equal(err.text, "the second");
+}
+
 // Whatever a path's length, the line says what is wrong with it.
 static void what_is_too_long_loses_its_middle(void **state)
 {
@@ -102,6 +145,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_first_failure_is_kept),
+        cmocka_unit_test(each_public_call_has_its_own_first_failure),
         cmocka_unit_test(what_is_too_long_loses_its_middle),
         cmocka_unit_test(an_opencl_failure_names_its_code),
         cmocka_unit_test(a_text_grows_and_survives_a_file),

@@ -1522,6 +1522,27 @@ static void calls_in_another_order_are_refused(void)
     MPI_Comm_free(&comm);
 }
 
+// A rank that has no cluster is alone.
+static void each_call_that_fails_gives_its_own_line(void)
+{
+    const duet_error earlier = {-1, DUET_STATUS_DEVICE_FAILED, "an earlier call failed"};
+    for (int i = 0; i < 11; ++i) {
+        duet_error err = earlier, *e = &err;
+        bool ok = i == 0   ? duet_cluster_create(NULL, e) != NULL
+                  : i == 1 ? duet_cluster_load_scene(NULL, "x.lua", NULL, 0, e)
+                  : i == 2 ? duet_cluster_set_objects(NULL, DUET_OBJECT_POSES, NULL, NULL, 0, e)
+                  : i == 3 ? duet_cluster_map_homes(NULL, DUET_OBJECT_POSES, NULL, NULL, e) != NULL
+                  : i == 4 ? duet_cluster_set_plan(NULL, NULL, e)
+                  : i == 5 ? duet_cluster_load_profile(NULL, NULL, NULL, NULL, e)
+                  : i == 6 ? duet_cluster_set_level(NULL, DUET_LEVEL_AABB, e)
+                  : i == 7 ? duet_cluster_step(NULL, NULL, e)
+                  : i == 8 ? duet_cluster_get_own_pairs(NULL, NULL, NULL, e)
+                  : i == 9 ? duet_cluster_get_ranks(NULL, NULL, e)
+                           : duet_cluster_save_pairs(NULL, "x.npy", false, e);
+        must_fail(ok, &err, DUET_STATUS_BAD_ARGUMENT, "luster");
+    }
+}
+
 // One rank's disk is full: nothing appears, and all ranks know.
 static void a_disk_that_is_full_is_told_of(void)
 {
@@ -1875,6 +1896,7 @@ int main(int argc, char **argv)
     a_failure_is_that_of_all_ranks();
     an_id_that_two_ranks_bring_is_refused(seed);
     calls_in_another_order_are_refused();
+    each_call_that_fails_gives_its_own_line();
     a_disk_that_is_full_is_told_of();
     random_crowds_have_the_same_pairs(seed);
     scenes_have_the_same_pairs();

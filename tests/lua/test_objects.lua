@@ -175,6 +175,11 @@ holds("rounded boxes and spheres", function()
   local rays <close> = assert(tree:ray_query())
   local _, id, t = assert(rays:run { { 5, 9, 0, 0, -1, 0, 100 } }):get(0)
   assert(id == 1 and t == 7)
+  local normals <close> = assert(tree:ray_query { normals = true })
+  local _, cast = assert(normals:run { { 5, 9, 0, 0, -1, 0, 100 }, { 9, 9, 9, 1, 0, 0, 1 } })
+  equal(table.concat({ cast.normals:get(0) }, " "), "0.0 1.0 0.0")
+  equal(table.concat({ cast.normals:get(1) }, " "), "0.0 0.0 0.0")
+  refused("BAD_ARGUMENT", "normals with wants any", tree.ray_query, tree, { wants = "any", normals = true })
   local boxes <close> = assert(tree:box_query())
   equal(#assert(boxes:run { { 2, 0, 0, 1 }, { 0, 4, 0, 1 } }), 2)
   local sweeps <close> = assert(tree:sweep_query())
@@ -198,6 +203,40 @@ holds("rounded boxes and spheres", function()
   local of_boxes <close> = assert(duet.scene(rounded))
   equal(of_boxes.shape, "rounded boxes")
   equal(select(11, of_boxes:rounded_boxes():get(0)), 0.5)
+end)
+
+holds("queries find what their filters can touch", function()
+  local tree <close> = assert(pair:tree { share = 0 })
+  assert(tree:set_objects { { 5, 0, 0, 1, 1, 1, 0, 0, 0, 1 }, { 9, 0, 0, 1, 1, 1, 0, 0, 0, 1 } })
+  assert(tree:set_filters { { 1, 3 }, { 2, 1 } })
+  local function found(kind, item, def)
+    local query <close> = assert(tree[kind .. "_query"](tree, def))
+    local hits <const> = assert(query:run { item })
+    return #hits > 0 and select(2, hits:get(0)) or duet.NO_OBJECT
+  end
+  local items <const> = { ray = { 0, 0, 0, 1, 0, 0, 20 }, sweep = { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1, 1, 0, 0, 20 },
+    box = { 7, 0, 0, 2, 1, 1, 0, 0, 0, 1 }, point = { 5, 0, 0 } }
+  for kind, item in pairs(items) do
+    local nearest <const> = kind == "point" and 1 or nil
+    equal(found(kind, item, { filter = { 1, 1 }, nearest = nearest }), 0)
+    equal(found(kind, item, { filter = { 1, 2 }, nearest = nearest }), 1)
+    equal(found(kind, item, { filter = { 4, 3 }, nearest = nearest }), duet.NO_OBJECT)
+  end
+  raises("field 'filter': a table, not { group, mask }", tree.ray_query, tree, { filter = { 1 } })
+  raises("field 'filter': -1, not a whole number from 0", tree.ray_query, tree, { filter = { 1, -1 } })
+  refused("BAD_ARGUMENT", "3 filters; expected one for each of the tree's 2 objects", tree.set_filters, tree,
+    { { 1, 1 }, { 1, 1 }, { 1, 1 } })
+end)
+
+holds("a tree of a motion has its bodies, with radii or without", function()
+  for _, radius in ipairs { 0, 0.25 } do
+    local motion <close> = assert(pair:motion({ { 0, 0, 2, 0.5, 0.5, 0.5, 0, 0, 0, 1 } },
+      { { 0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, radius, false, false } }))
+    local tree <close> = assert(pair:tree(motion, { share = 0 }))
+    local rays <close> = assert(tree:ray_query())
+    equal(select(3, assert(rays:run { { 0, 0, 9, 0, 0, -1, 9 } }):get(0)), 6.5 - radius)
+    refused("BAD_ARGUMENT", "the tree has 2", pair.tree, pair, motion, { dims = 2 })
+  end
 end)
 
 holds("sizes apart from transforms have the same pairs", function()

@@ -583,6 +583,42 @@ static void a_tree_of_a_motion_has_its_radii(void **state)
     free(w);
 }
 
+// Bodies with radii, bodies that may get some, boxes, and boxes in origin cells.
+static void the_def_of_a_motion_makes_a_tree_that_takes_it(void **state)
+{
+    (void)state;
+    const duet_pose pose = {{0, 0, 2}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
+    const duet_ray ray = {{0, 0, 9}, {0, 0, -1}, 9};
+    duet_body body = duet_default_body();
+    for (uint32_t i = 0; i < 16; ++i) {
+        duet_error err = {0};
+        bool round = i & 1, wants = i & 2, flat = i & 4, cells = i & 8;
+        duet_motion_def def = duet_default_motion_def();
+        def.pair = devices;
+        def.dims = flat ? 2 : 3;
+        def.wants = wants ? DUET_EFFECT_RADIUS : 0;
+        def.origin_edge = cells ? 4 : 0;
+        body.radius = round ? 0.25f : 0;
+        duet_motion *motion = duet_motion_create(&def, &pose, &body, 1, &err);
+        assert_ok(motion, err);
+        duet_tree_def of_motion = duet_motion_tree_def(motion);
+        of_motion.share = 0;
+        duet_tree *tree = duet_tree_create(&of_motion, &err);
+        assert_ok(tree, err);
+        assert_ok(duet_tree_set_motion(tree, motion, &err), err);
+        if (!flat && of_motion.origin_edge == 0) {
+            duet_ray_query *query = open_rays(tree, DUET_QUERY_CLOSEST);
+            duet_ray_query_result found;
+            assert_ok(duet_ray_query_run(query, &ray, 1, &found, &err), err);
+            assert_float_equal(found.hits[0].t, round ? 6.25 : 6.5, 1e-5);
+            duet_ray_query_destroy(query);
+        }
+        duet_tree_destroy(tree);
+        duet_motion_destroy(motion);
+    }
+    assert_null(duet_motion_tree_def(NULL).pair);
+}
+
 // Poses are rounded boxes without a radius.
 static void a_tree_of_rounded_boxes_takes_bodies_without_radii(void **state)
 {
@@ -640,6 +676,7 @@ int main(void)
         cmocka_unit_test(spheres_are_asked_about_as_rounded_boxes),
         cmocka_unit_test(a_tree_of_a_motion_has_its_radii),
         cmocka_unit_test(a_tree_of_rounded_boxes_takes_bodies_without_radii),
+        cmocka_unit_test(the_def_of_a_motion_makes_a_tree_that_takes_it),
         cmocka_unit_test(what_is_no_rounded_box_is_refused),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);
