@@ -140,6 +140,14 @@ void script_spend(lua_State *L, uint64_t instructions)
         raise_limit(L);
 }
 
+duet_status script_set_failure(lua_State *L, duet_status status)
+{
+    script *s = script_of(L);
+    duet_status before = s->limits.failure;
+    s->limits.failure = status;
+    return before;
+}
+
 static int hook_interval(const script *s)
 {
     int interval = HOOK_INSTRUCTIONS;

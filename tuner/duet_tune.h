@@ -129,9 +129,9 @@ typedef struct duet_tune_outcome {
 // Chooses the level where an accuracy is asked for, each device's variant, then
 // mode and share, then races the result against the single devices, and against
 // the whole device where both are parts of one. A profile that applications load
-// is replaced only by one that is founded at least as well (docs/store.md). NOT_FOUND
-// for an unknown strategy, or where no level is within the accuracy; WRONG_RESULT
-// where a plan of the default variant does not give the reference's pairs.
+// is replaced only by one that is founded at least as well (docs/store.md).
+// BAD_ARGUMENT for an unknown strategy; NOT_FOUND if no level is within the accuracy;
+// WRONG_RESULT if a plan of the default variant does not give the reference's pairs.
 //
 // With a query only the share is looked for, and raced in the same way. A query has no modes,
 // variants, levels and accuracy to choose from: BAD_ARGUMENT. step_ms is then the time of a run,

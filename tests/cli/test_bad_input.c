@@ -230,7 +230,7 @@ static void a_parameter_that_the_scene_lacks_is_named(void **state)
     char arguments[600];
     snprintf(arguments, sizeof arguments, "%s/paper.lua -n 10 --set boxes=3",
              getenv("DUET_TEST_SCENES"));
-    assert_run_refused(1, arguments,
+    assert_run_refused(2, arguments,
                        "no parameter 'boxes'; the scene has euler, giants, n, rotated, ");
 }
 

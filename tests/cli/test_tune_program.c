@@ -425,7 +425,7 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
         {"tune", 2, "give a scene"},
         {"tune " QUICK SCENE " -n 10,x", 2, "--objects '10,x'"},
         {"tune " QUICK SCENE " --pair cpu --strategy grid", 2, "is one device and has no share"},
-        {"tune " QUICK SCENE " --pair cpu --strategy foo", 1, "strategy 'foo': there is none"},
+        {"tune " QUICK SCENE " --pair cpu --strategy foo", 2, "strategy 'foo': there is none"},
         {"tune --variants nonsense --profile " STORE " " SCENE, 2, "nonsense"},
         {"tune " QUICK " no/such.lua", 1, "no/such.lua"},
         {"tune --profile " SCENE " " SCENE, 1, SCENE},
@@ -434,7 +434,7 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
         {"tune " SCENE " --items 9", 2, "--items: give --query"},
         {"tune " SCENE " --query rays --pair cpu", 2, "is one device and has no share"},
         {"tune --config " CONFIG " --query rays", 2, "with --config the file says"},
-        {"tune " QUICK SCENE " --search abacus", 1, "search 'abacus': expected 'kernels' or"},
+        {"tune " QUICK SCENE " --search abacus", 2, "search 'abacus': expected 'kernels' or"},
         {"tune " QUICK SCENE " --search cell_start", 1, "search 'cell_start': neither device"},
         {"tune " QUICK SCENE " --search kernels --budget 0", 2, "--budget '0'"},
         {"tune " QUICK SCENE " --search kernels --trials 0", 2, "--trials '0'"},
@@ -456,7 +456,7 @@ static void a_strategy_or_query_that_there_is_not_is_one_line(void **state)
     (void)state;
     skip_on_one_device();
     program p = program_run("tune " QUICK SCENE " --strategy guess");
-    program_assert_refused(&p, 1, "there are balance, fig12");
+    program_assert_refused(&p, 2, "there are balance, fig12");
     test_write_file(STRATEGY, "\nreturn function(history) x.y = 1 end\n");
     p = program_run("tune " QUICK SCENE " --strategy-lua " STRATEGY);
     program_assert_refused(&p, 1, "duet: " STRATEGY ":2: attempt to index");
