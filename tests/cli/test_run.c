@@ -285,7 +285,13 @@ static void what_cannot_be_written_is_not_half_written(void **state)
     (void)state;
     program p = program_run("run %s --repeat 1 --pairs no/such/folder/pairs.csv", SCENE);
     program_assert_refused(&p, 1, "no/such/folder/pairs.csv");
-    p = program_run("run %s --repeat 1 --json >/dev/full", SCENE);
+}
+
+static void a_full_disk_is_told_of(void **state)
+{
+    (void)state;
+    skip_without_device("/dev/full");
+    program p = program_run("run %s --repeat 1 --json >/dev/full", SCENE);
     program_assert_refused(&p, 1, "No space left on device");
 }
 
@@ -351,6 +357,7 @@ int main(void)
         cmocka_unit_test(wrong_usage_is_one_line_and_exit_2),
         cmocka_unit_test(bad_input_is_one_line),
         cmocka_unit_test(what_cannot_be_written_is_not_half_written),
+        cmocka_unit_test(a_full_disk_is_told_of),
         cmocka_unit_test(ctrl_c_shows_what_was_timed),
         cmocka_unit_test(a_level_is_compared_with_its_own_reference),
         cmocka_unit_test(a_level_of_no_name_is_refused_with_those_there_are),
