@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static bool asks_all;
@@ -440,7 +441,7 @@ static void a_run_that_does_not_fit_is_one_line(void **state)
     } wrong[] = {
         {"0000000000", uid, "paper", 2, "'0000000000': no such file, and no kept run begins so"},
         {alone, uid, "paper", 2, "': that run had one rank and no network"},
-        {uid, "none", "paper", 1, "--profile 'none': 0 profiles begin so"},
+        {uid, "none", "paper", 2, "--profile 'none': 0 profiles begin so"},
         {uid, uid, "paper2d -n 9", 2, "': a run in 3D, and paper2d is in 2D; expected the same"},
         {uid, uid, "paper -n 9 --level aabb", 2,
          "': a run at level certified, and this is at level "},
@@ -777,6 +778,34 @@ static void a_rank_that_is_killed_ends_the_job_and_leaves_no_file(void **state)
     assert_int_equal(system("ls killed.npy* >/dev/null 2>&1") == 0, 0);
 }
 
+// The ranks are there once rank 0 opens the scene, which is a pipe.
+static void a_rank_that_is_stopped_is_told_of_and_goes_on(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    static const char stop_one[] =
+        "2>stopped.says & job=$!; "
+        "children() { cat /proc/$1/task/*/children 2>/dev/null; }; "
+        "exec 3>stopped.csv; "
+        "for child in $(children $job); do for rank in $(children $child); do :; done; done; "
+        "says() { until grep -q \"rank [0-2] of 3 (host [^ ]*, pid $rank) $1\" stopped.says; "
+        "do sleep .1; done; }; "
+        "kill -STOP $rank; says 'has not answered for 2 s'; "
+        "kill -CONT $rank; says 'answers again'; "
+        "printf '0 0 0 1 1 1\\n1 1 1 2 2 2\\n' >&3; exec 3>&-; wait $job";
+    remove("stopped.csv");
+    assert_int_equal(mkfifo("stopped.csv", 0600), 0);
+    program p =
+        program_run_with("DUET_RANK_SILENCE=2",
+                         "cluster --ranks 3 --plain --repeat 1 --json stopped.csv %s", stop_one);
+    assert_int_equal(p.exit_code, 0);
+    cJSON *o = json_of_program(&p);
+    assert_true(json_number(o, "pairs") == 1);
+    cJSON_Delete(o);
+    remove("stopped.csv");
+    remove("stopped.says");
+}
+
 // On a slow machine nothing may have been timed yet. In the foreground timeout(1) sends its signal
 // to the program alone, else to mpirun, too, as a terminal does, which then ends the ranks soon.
 static void ctrl_c_shows_what_was_timed(void **state)
@@ -827,6 +856,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_is_kept_of_a_run_is_listed_and_forgotten),
         cmocka_unit_test(ranks_apart_show_what_company_costs),
         cmocka_unit_test(a_failure_is_one_line),
+        cmocka_unit_test(a_rank_that_is_stopped_is_told_of_and_goes_on),
         cmocka_unit_test(run_is_refused_in_a_job),
         cmocka_unit_test(ctrl_c_shows_what_was_timed),
         cmocka_unit_test(a_rank_that_is_killed_ends_the_job_and_leaves_no_file),
