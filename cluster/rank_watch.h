@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Tells of ranks on this host that no longer answer: processes that were stopped or hang in their
-// host, for which the others would wait without a word.
+// Tells of ranks on this host that no longer answer: processes that were stopped or get no time,
+// for which the others would wait without a word.
 //
 // A thread of each rank counts in memory that the ranks of a host share. A rank that computes or
-// waits counts on, and a stopped one does not. What the steps do is not touched. The rank alone on
-// its host is watched by nobody.
+// waits counts on, and a stopped one does not. Steps are not touched. Nobody watches a rank that is
+// alone on its host.
 #ifndef CLUSTER_RANK_WATCH_H
 #define CLUSTER_RANK_WATCH_H
 
