@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 
+static _Atomic size_t held_bytes;
 static _Thread_local budget *current;
 static _Thread_local budget_watch *watcher;
 
@@ -69,13 +70,22 @@ bool budget_check(duet_error *err)
                      current->seconds);
 }
 
+static bool has_space(const budget *b, size_t bytes)
+{
+    size_t held = atomic_load(&held_bytes);
+    return held <= b->host_bytes && bytes <= b->host_bytes - held;
+}
+
 bool budget_space(size_t bytes, duet_error *err)
 {
-    for (const budget *b = current; b; b = b->outer)
-        if (b->held_bytes > b->host_bytes || bytes > b->host_bytes - b->held_bytes)
+    for (const budget *b = current; b; b = b->outer) {
+        if (!has_space(b, bytes) && b->reclaim)
+            b->reclaim(b->owner);
+        if (!has_space(b, bytes))
             return error_set(err, DUET_STATUS_NO_MEMORY,
                              "needs more than the %s of the host's memory it may take",
                              budget_memory(b->host_bytes).chars);
+    }
     return true;
 }
 
@@ -90,12 +100,10 @@ budget_words budget_memory(size_t bytes)
 
 void budget_hold(size_t bytes)
 {
-    if (current)
-        current->held_bytes += bytes;
+    atomic_fetch_add(&held_bytes, bytes);
 }
 
 void budget_release(size_t bytes)
 {
-    if (current)
-        current->held_bytes -= bytes < current->held_bytes ? bytes : current->held_bytes;
+    atomic_fetch_sub(&held_bytes, bytes);
 }

@@ -16,10 +16,11 @@
 #include <stdint.h>
 
 typedef struct budget {
-    uint64_t deadline_ns; // steady clock; UINT64_MAX: none
-    double seconds;       // what messages call the time
-    size_t host_bytes;    // SIZE_MAX: as much as there is
-    size_t held_bytes;    // of the host's, by what the script holds
+    uint64_t deadline_ns;         // steady clock; UINT64_MAX: none
+    double seconds;               // what messages call the time
+    size_t host_bytes;            // that the process may hold; SIZE_MAX: as much as there is
+    void (*reclaim)(void *owner); // releases what the script no longer uses; NULL: nothing
+    void *owner;
     const struct budget *outer;
 } budget;
 
@@ -64,7 +65,8 @@ typedef struct budget_words {
 
 budget_words budget_memory(size_t bytes);
 
-// What the running script holds of the host's memory, as long as it does.
+// Counts memory of the host as long as it is held, on any thread: rows of objects, buffers, and
+// what drivers keep of OpenCL's objects. They are most of what a script can make much of.
 void budget_hold(size_t bytes);
 void budget_release(size_t bytes);
 

@@ -29,9 +29,9 @@ DUET_C_BEGIN
 // name, what it means in general
 #define DUET_STATUS_LIST(X)                                                         \
     X(OK, "no error")                                                               \
-    X(BAD_ARGUMENT, "an argument of the call is out of its range")                  \
+    X(BAD_ARGUMENT, "an argument is out of its range, or nothing has such a name")  \
     X(BAD_INPUT, "an input file or its data is malformed")                          \
-    X(NOT_FOUND, "a file, device, kernel or name does not exist")                   \
+    X(NOT_FOUND, "a file does not exist, or nothing meets what was asked for")      \
     X(NO_DEVICE, "there is no OpenCL device to work on")                            \
     X(BUILD_FAILED, "a kernel does not generate or compile")                        \
     X(DEVICE_FAILED, "an OpenCL call failed")                                       \

@@ -80,6 +80,33 @@ static int help_with(char *name)
     return run_command(name, 2, argv);
 }
 
+static int refuse_more(const char *argument)
+{
+    fprintf(stderr, "duet: unexpected argument '%s'; 'duet --help' shows the form\n",
+            say_name(argument).chars);
+    return EXIT_WRONG;
+}
+
+// "--help", "--help NAME", "--version"; false if the name is a subcommand's.
+static bool run_option(int argc, char **argv, int *status)
+{
+    const char *name = argv[1];
+    bool asks = strcmp(name, "help") == 0 || strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0;
+    int most = asks ? 3 : 2;
+    if (!asks && strcmp(name, "--version") != 0)
+        return false;
+    *status = EXIT_OK;
+    if (argc > most)
+        *status = refuse_more(argv[most]);
+    else if (!asks)
+        printf("duet %s\n", duet_version());
+    else if (argc == most)
+        *status = help_with(argv[2]);
+    else
+        print_help();
+    return true;
+}
+
 static int run(int argc, char **argv)
 {
     if (argc < 2) {
@@ -89,19 +116,8 @@ static int run(int argc, char **argv)
         fprintf(stderr, "duet: a subcommand is missing\n");
         return EXIT_WRONG;
     }
-    const char *name = argv[1];
-    bool asks = strcmp(name, "help") == 0;
-    if (asks && argc > 2)
-        return help_with(argv[2]);
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || asks) {
-        print_help();
-        return EXIT_OK;
-    }
-    if (strcmp(name, "--version") == 0) {
-        printf("duet %s\n", duet_version());
-        return EXIT_OK;
-    }
-    return run_command(name, argc - 1, argv + 1);
+    int status;
+    return run_option(argc, argv, &status) ? status : run_command(argv[1], argc - 1, argv + 1);
 }
 
 int main(int argc, char **argv)

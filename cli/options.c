@@ -380,7 +380,7 @@ static bool check_operands(const command_line *line, int n, char **operands)
         return false;
     }
     if (n > line->most_operands) {
-        say_wrong(line->name, "'%s' is one argument too many; 'duet %s --help' shows the form",
+        say_wrong(line->name, "unexpected argument '%s'; 'duet %s --help' shows the form",
                   operands[line->most_operands], line->name);
         return false;
     }

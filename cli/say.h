@@ -15,8 +15,8 @@ struct text;
 enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_WRONG = 2, EXIT_INTERRUPTED = 130 };
 
 // "duet: LINE" on stderr. Returns EXIT_FAILED, EXIT_INTERRUPTED for INTERRUPTED, or
-// EXIT_WRONG for BAD_ARGUMENT: what the library finds wrong with a value came from
-// the command line.
+// EXIT_WRONG for BAD_ARGUMENT: a value that the library finds wrong, or a name that it does not
+// know, was typed. A file that does not exist is EXIT_FAILED.
 int say_failed(const duet_error *err);
 
 // That exit status alone.

@@ -519,7 +519,8 @@ bool object_rows_merge(object_rows *to, const object_form *form, const object_ro
     while (ok && (i < homes->n || next < n)) {
         uint32_t end = leaver < n_leavers ? leavers[leaver] : homes->n;
         uint32_t run = next < n ? object_rows_find(homes, i, end, arrivals[next].id) : end;
-        ok = append(to, form, homes->ids + i, object_row(homes, form, i), run - i, err);
+        ok = append(to, form, homes->ids ? homes->ids + i : NULL, object_row(homes, form, i),
+                    run - i, err);
         i = run;
         if (i == end && leaver < n_leavers) {
             ++leaver;

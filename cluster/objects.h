@@ -70,9 +70,10 @@ struct object_rows {
 bool object_rows_reserve(object_rows *rows, const object_form *form, uint64_t n, duet_error *err);
 bool object_rows_begin(object_rows *rows, const object_form *form, uint64_t n, duet_error *err);
 void object_rows_end(object_rows *rows);
+// NULL of rows that were never reserved.
 static inline void *object_row(const object_rows *rows, const object_form *form, uint32_t i)
 {
-    return rows->objects + (size_t)i * form->bytes;
+    return rows->objects ? rows->objects + (size_t)i * form->bytes : NULL;
 }
 
 // The bytes of a message's row: an id and its object.

@@ -285,8 +285,8 @@ sight_in_place parts_sight_in_place(const parts *p, uint32_t part)
     return (sight_in_place){
         .first = first_row(p, part),
         .n = p->ranges[part].end - first_row(p, part),
-        .ghost_ids = p->block.rows.ids + of->first_ghost,
-        .ghost_keys = p->block.keys + of->first_ghost,
+        .ghost_ids = p->block.rows.ids ? p->block.rows.ids + of->first_ghost : NULL,
+        .ghost_keys = p->block.keys ? p->block.keys + of->first_ghost : NULL,
         .n_ghosts = (uint32_t)of->n_ghosts,
         .home = p->rank * p->n + part,
         .n_homes = p->n_ranks * p->n,

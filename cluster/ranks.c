@@ -153,6 +153,30 @@ void ranks_end(ranks *r)
     r->began_mpi = false;
 }
 
+void *ranks_share(ranks *r, size_t bytes, MPI_Win *window)
+{
+    void *memory = NULL;
+    MPI_Aint size = r->self_on_host == 0 ? (MPI_Aint)bytes : 0;
+    int unit = 1;
+    MPI_Comm_set_errhandler(r->host, MPI_ERRORS_RETURN);
+    int ok =
+        MPI_Win_allocate_shared(size, unit, MPI_INFO_NULL, r->host, &memory, window) == MPI_SUCCESS;
+    MPI_Comm_set_errhandler(r->host, MPI_ERRORS_ARE_FATAL);
+    MPI_Allreduce(MPI_IN_PLACE, &ok, 1, MPI_INT, MPI_LAND, r->host);
+    if (!ok)
+        return NULL;
+    MPI_Win_shared_query(*window, 0, &size, &unit, &memory);
+    if (r->self_on_host == 0)
+        memset(memory, 0, bytes);
+    MPI_Barrier(r->host);
+    return memory;
+}
+
+void ranks_unshare(MPI_Win *window)
+{
+    MPI_Win_free(window);
+}
+
 static uint64_t mpi_now_ns(void)
 {
     return (uint64_t)(MPI_Wtime() * 1e9);

@@ -60,6 +60,11 @@ void ranks_end(ranks *r); // nothing where it did not begin
 // Those that take part, of all; no rank is left where this one does not. Collective.
 bool ranks_choose(ranks *r, const ranks *all, bool takes_part, duet_error *err);
 
+// Zeroed memory that all ranks of this host have; NULL on all of them if there is none. Collective,
+// as is giving it back.
+void *ranks_share(ranks *r, size_t bytes, MPI_Win *window);
+void ranks_unshare(MPI_Win *window);
+
 // How long the job has run, for this rank. Tests put a clock of their own in its place.
 extern uint64_t (*ranks_now_ns)(void);
 

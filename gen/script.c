@@ -47,7 +47,8 @@ struct script {
     uint64_t instructions_left; // of the running call
     uint64_t spent;             // since the last look at the clock
     budget budget;
-    passed passed; // the limit that the running call has passed
+    uint64_t left_ns; // of the time of the last call, for closing
+    passed passed;    // the limit that the running call has passed
     lua_Integer n_shown;
     int depth;        // calls inside calls; the outermost one sets the limits
     uintptr_t stack;  // the block that holds Lua's stack
@@ -138,6 +139,14 @@ void script_spend(lua_State *L, uint64_t instructions)
 {
     if (!spend(script_of(L), instructions))
         raise_limit(L);
+}
+
+duet_status script_set_failure(lua_State *L, duet_status status)
+{
+    script *s = script_of(L);
+    duet_status before = s->limits.failure;
+    s->limits.failure = status;
+    return before;
 }
 
 static int hook_interval(const script *s)
@@ -241,6 +250,11 @@ static void *allocate(void *data, void *at, size_t old_bytes, size_t bytes)
 
 // ---------------------------------------------------------------- begin and end
 
+static void collect(void *owner)
+{
+    lua_gc(((script *)owner)->lua, LUA_GCCOLLECT, 0);
+}
+
 static void begin_limits(script *s)
 {
     if (s->depth++ > 0)
@@ -251,6 +265,8 @@ static void begin_limits(script *s)
     s->passed = NOTHING;
     s->budget.deadline_ns = clock_steady_ns() + (uint64_t)(s->limits.seconds * 1e9);
     s->budget.seconds = s->limits.seconds;
+    s->budget.reclaim = collect;
+    s->budget.owner = s;
     s->budget.host_bytes = s->limits.host_bytes ? s->limits.host_bytes : SIZE_MAX;
     budget_enter(&s->budget);
     set_hook(s);
@@ -260,6 +276,8 @@ static void end_limits(script *s)
 {
     if (--s->depth > 0)
         return;
+    uint64_t now = clock_steady_ns();
+    s->left_ns = s->budget.deadline_ns > now ? s->budget.deadline_ns - now : 0;
     lua_sethook(s->lua, NULL, 0, 0);
     budget_leave(&s->budget);
 }
@@ -356,8 +374,12 @@ void script_close(script *s)
 {
     if (!s)
         return;
-    if (s->lua)
+    if (s->lua) {
+        s->budget.deadline_ns = clock_steady_ns() + s->left_ns;
+        budget_enter(&s->budget);
         lua_close(s->lua);
+        budget_leave(&s->budget);
+    }
     text_free(&s->name);
     text_free(&s->source);
     free(s);

@@ -54,6 +54,10 @@ const char *script_chunk(lua_State *L, const char **name);
 // enough. For C functions whose work a script can choose.
 void script_spend(lua_State *L, uint64_t instructions);
 
+// Makes the status that of the errors that follow, and returns the one before. For text of the
+// caller's that a C function finds wrong, where a script's own errors are limits.failure.
+duet_status script_set_failure(lua_State *L, duet_status status);
+
 // Pushes what tostring shows of the value at index. A table, function or
 // userdata is shown by its kind and a number, in the order in which they were
 // first shown: an address would be another one on each run.

@@ -187,8 +187,12 @@ void class_add_methods(lua_State *L, const char *name, const luaL_Reg *methods,
     lua_pop(L, 3);
 }
 
+// An object may hold memory that Lua knows nothing of.
 void *class_push(lua_State *L, const lua_class *c, size_t bytes)
 {
+    duet_error why = {0};
+    if (!budget_space(0, &why))
+        luaL_error(L, "%s", why.text);
     void *object = lua_newuserdatauv(L, bytes, 1);
     memset(object, 0, bytes);
     luaL_setmetatable(L, c->name);

@@ -57,18 +57,45 @@ local function print_help(defaults, about)
   os.exit(0, true)
 end
 
+local function mkdir(options, path)
+  return os.execute("mkdir " .. options .. " -- '" .. path:gsub("'", "'\\''") .. "' 2>/dev/null")
+end
+
 -- Before anything is measured, so that no hour's work ends without a place.
 local function make_folder(path)
-  if not os.execute("mkdir -p -- '" .. path:gsub("'", "'\\''") .. "' 2>/dev/null") then
-    fail("--out '%s': cannot be made", path)
+  if not mkdir("-p", path) then fail("--out '%s': cannot be made", path) end
+  return path
+end
+
+local function exists(path)
+  local file <close> = io.open(path)
+  return file ~= nil
+end
+
+-- The first of NAME-1, NAME-2 ... that is not there.
+local function make_new_folder(name)
+  make_folder(name:match "^(.*)/")
+  local i = 1
+  while not mkdir("", name .. "-" .. i) do
+    if not exists(name .. "-" .. i) then fail("'%s-%d': cannot be made; give --out FOLDER", name, i) end
+    i = i + 1
   end
+  return name .. "-" .. i
+end
+
+-- What a call gives. A name that was typed and that nothing has ends the script as a wrong
+-- option does.
+local function take(value, message, status)
+  if status == "BAD_ARGUMENT" then fail("%s", message) end
+  return assert(value, message)
 end
 
 -- Reads arg over the defaults: "--name value" or "--name=value". Options that
--- every experiment has are out (a folder for what it writes), repeat (rounds),
--- seed, and pair ("A,B", and more of them after semicolons).
+-- every experiment has are out (a folder for what it writes; else a new one in results),
+-- repeat (rounds), seed, and pair ("A,B", and more of them after semicolons).
 function lab.options(about, own)
-  local options = { out = ".", ["repeat"] = 9, seed = 1, pair = "" }
+  local results = "results/" .. arg[0]:match "([^/]*)$":gsub("%.lua$", "")
+  local options = { out = results .. "-N", ["repeat"] = 9, seed = 1, pair = "" }
   for name, value in pairs(own) do options[name] = value end
   local i = 1
   while arg[i] do
@@ -82,7 +109,7 @@ function lab.options(about, own)
     options[name] = read_value(name, options[name], value)
     i = i + 1
   end
-  make_folder(options.out)
+  options.out = options.out == results .. "-N" and make_new_folder(results) or make_folder(options.out)
   return options
 end
 
@@ -96,7 +123,7 @@ function lab.each_pair(options)
     if pair then pair:close() end
     i = i + 1
     if not defs[i] then return nil end
-    pair = assert(duet.device_pair(defs[i]))
+    pair = take(duet.device_pair(defs[i]))
     return pair, pair:device("A").selector .. "+" .. pair:device("B").selector
   end
 end
@@ -190,6 +217,13 @@ function lab.plan(pair, mode, variant)
   return plan
 end
 
+-- A world with the plan, whose names may have been typed.
+function lab.world(pair, scene, plan)
+  local ok, world, message, status = pcall(pair.world, pair, scene, { plan = plan })
+  if not ok then fail("%s", world) end
+  return take(world, message, status)
+end
+
 -- A plan with another share.
 function lab.with_share(plan, share)
   return { share = share, mode = plan.mode, variant_a = plan.variant_a, variant_b = plan.variant_b }
@@ -203,7 +237,7 @@ function lab.search(def, launch)
     local file <close> = assert(io.open(def.strategy))
     def = { strategy = "lua", strategy_lua = file:read "a", launches = def.launches }
   end
-  local search <close> = assert(duet.search(def))
+  local search <close> = take(duet.search(def))
   local path = {}
   while true do
     local share, message = search:ask()
@@ -238,7 +272,7 @@ end
 -- Each device alone and both at the tuned share: three entries of lab.race,
 -- the last with its share.
 function lab.compare(pair, scene, plan, options)
-  local world <close> = assert(pair:world(scene, { plan = plan }))
+  local world <close> = lab.world(pair, scene, plan)
   local share = lab.search({ strategy = options.strategy }, lab.launcher(world, scene, plan))
   local plans = {}
   for i, part in ipairs { 1, 0, share } do plans[i] = lab.with_share(plan, part) end

@@ -235,7 +235,7 @@ bool profile_find(store *s, const char *uid, char whole[PROFILE_ID], duet_error 
     if (!sql_close(&q))
         return false;
     if (n == 0)
-        return error_set(err, DUET_STATUS_NOT_FOUND,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: no profile begins with '%s'; 'duet profiles list --dead' shows them",
                          s->path, uid);
     return n == 1 ||
@@ -295,7 +295,7 @@ bool profile_forget(store *s, const char *uid, duet_error *err)
     char whole[PROFILE_ID];
     if (!*uid)
         return error_set(
-            err, DUET_STATUS_NOT_FOUND,
+            err, DUET_STATUS_BAD_ARGUMENT,
             "%s: an empty name is no profile's; 'duet profiles list --dead' shows them", s->path);
     if (!store_begin(s, err))
         return false;

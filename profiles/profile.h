@@ -57,8 +57,8 @@ typedef struct profile_placed {
 bool profile_put(store *s, const profile_row *row, const char *unused, const char *reason,
                  profile_placed *placed, duet_error *err);
 
-// The one profile whose uid begins with `uid`. NOT_FOUND for none, BAD_ARGUMENT
-// for several.
+// The one profile whose uid begins with `uid`. BAD_ARGUMENT for none or
+// several.
 bool profile_find(store *s, const char *uid, char whole[PROFILE_ID], duet_error *err);
 
 // Makes a stored profile the live one of its key. BAD_ARGUMENT for one without a

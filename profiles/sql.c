@@ -3,8 +3,11 @@
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/sql.h"
 
+#include "base/text_file.h"
+
 #include <cjson/cJSON.h>
 #include <errno.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,6 +24,42 @@ static bool is_left_half_done(const store *s, int code)
 {
     return !s->writable && ((code & 0xff) == SQLITE_READONLY || (code & 0xff) == SQLITE_CANTOPEN) &&
            s->file && unlocked_read_has_side_file(s->file);
+}
+
+// The first row of the table that SQLite does not read for its length, from 1; 0: each is read.
+static uint64_t find_long_row(const store *s, const char *table)
+{
+    uint64_t row = 0;
+    sqlite3_stmt *rows = NULL;
+    char *query = sqlite3_mprintf("SELECT * FROM \"%w\"", table);
+    int code = query ? sqlite3_prepare_v2(s->db, query, -1, &rows, NULL) : SQLITE_NOMEM;
+    while (code == SQLITE_OK || code == SQLITE_ROW) {
+        code = sqlite3_step(rows);
+        ++row;
+    }
+    sqlite3_finalize(rows);
+    sqlite3_free(query);
+    return (code & 0xff) == SQLITE_TOOBIG ? row : 0;
+}
+
+static bool fail_long(const store *s, duet_error *err)
+{
+    sqlite3_stmt *tables = NULL;
+    uint64_t row = 0;
+    sqlite3_prepare_v2(s->db, "SELECT name FROM sqlite_schema WHERE type = 'table'", -1, &tables,
+                       NULL);
+    while (row == 0 && sqlite3_step(tables) == SQLITE_ROW) {
+        const char *name = (const char *)sqlite3_column_text(tables, 0);
+        row = find_long_row(s, name);
+        if (row > 0)
+            error_set(err, DUET_STATUS_STORE_FAILED,
+                      "%s: row %" PRIu64 " of table %s is longer than %d MiB; expected what Duet "
+                      "wrote there",
+                      s->path, row, name, TEXT_LINE_MOST >> 20);
+    }
+    sqlite3_finalize(tables);
+    return error_set(err, DUET_STATUS_STORE_FAILED, "%s: a text is longer than %d MiB", s->path,
+                     TEXT_LINE_MOST >> 20);
 }
 
 bool sql_fail(const store *s, int code, duet_error *err)
@@ -68,6 +107,8 @@ bool sql_fail(const store *s, int code, duet_error *err)
     case SQLITE_IOERR:
         return error_set(err, DUET_STATUS_STORE_FAILED, "%s: reading or writing it failed: %s",
                          s->path, system_code ? strerror(system_code) : sqlite3_errmsg(s->db));
+    case SQLITE_TOOBIG:
+        return fail_long(s, err);
     case SQLITE_NOMEM:
         return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory to read it", s->path);
     default:

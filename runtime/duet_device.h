@@ -84,7 +84,7 @@ typedef struct duet_device_pair_def {
 // nowhere.
 DUET_API duet_device_pair_def duet_default_device_pair_def(void);
 
-// NO_DEVICE where there is none, NOT_FOUND for an unknown selector: the line
+// NO_DEVICE where there is none, BAD_ARGUMENT for an unknown selector: the line
 // lists what is there. Closing may come before the worlds made on the pair are destroyed:
 // the devices are let go with the last of them.
 DUET_API duet_device_pair *duet_device_pair_create(const duet_device_pair_def *def,

@@ -93,7 +93,7 @@ static bool check_search(const char *what, duet_error *err)
     while (g && gen_kernel(g, i) && strcmp(gen_kernel(g, i), what) != 0)
         ++i;
     bool ok = g && (gen_kernel(g, i) ||
-                    error_set(err, DUET_STATUS_NOT_FOUND,
+                    error_set(err, DUET_STATUS_BAD_ARGUMENT,
                               "search '%s': expected 'kernels' or a kernel's name; 'duet source "
                               "--list' lists them",
                               what));

@@ -138,9 +138,9 @@ typedef struct duet_tune_outcome {
 // Chooses the level where an accuracy is asked for, each device's variant, then
 // mode and share, then races the result against the single devices, and against
 // the whole device where both are parts of one. A profile that applications load
-// is replaced only by one that is founded at least as well (docs/store.md). NOT_FOUND
-// for an unknown strategy, or where no level is within the accuracy; WRONG_RESULT
-// where a plan of the default variant does not give the reference's pairs.
+// is replaced only by one that is founded at least as well (docs/store.md).
+// BAD_ARGUMENT for an unknown strategy; NOT_FOUND if no level is within the accuracy;
+// WRONG_RESULT if a plan of the default variant does not give the reference's pairs.
 //
 // A launch that other programs disturbed is repeated. Where most are, the tuning waits and its
 // watch is told why. After wait_seconds it gives up: the verdict is "ambiguous", `unused` says

@@ -8,7 +8,7 @@ static bool fail_unknown(const char *name, duet_error *err)
     text known = {0};
     for (uint32_t i = 0; strategies[i]; ++i)
         text_add(&known, "%s%s", i ? ", " : "", strategies[i]->name);
-    error_set(err, DUET_STATUS_NOT_FOUND, "strategy '%s': there is none; there are %s", name,
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "strategy '%s': there is none; there are %s", name,
               text_chars(&known));
     text_free(&known);
     return false;

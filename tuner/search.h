@@ -14,7 +14,7 @@ typedef struct search {
     search_history history;
 } search;
 
-// NOT_FOUND for an unknown strategy: the line lists those there are. options
+// BAD_ARGUMENT for an unknown strategy: the line lists those there are. options
 // NULL: the default ones.
 bool search_begin(search *s, const char *strategy, const search_options *options, duet_error *err);
 void search_end(search *s);

@@ -12,6 +12,7 @@
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "cluster/cluster.h"
+#include "cluster/rank_watch.h"
 #include "profiles/cluster_run.h"
 #include "tuner/stats.h"
 
@@ -500,6 +501,19 @@ static bool run_all(run_state *r, const char *path, duet_error *err)
     return ok && ranks_agree(job_of(r), tell(r, err), err) && keep(r, err) && tell_stop(r, err);
 }
 
+static void say_silence(const char *line)
+{
+    say_note("%s", line);
+}
+
+// After how many seconds of silence a rank is told of; 0: never.
+static double silence_s(void)
+{
+    const char *given = getenv("DUET_RANK_SILENCE");
+    double seconds = given ? strtod(given, NULL) : 10;
+    return isfinite(seconds) && seconds > 0 ? seconds : 0;
+}
+
 bool rank_run(const cluster_arguments *args, const char *scene, const simulation *s,
               const stored_steps *like, duet_error *err)
 {
@@ -509,9 +523,13 @@ bool rank_run(const cluster_arguments *args, const char *scene, const simulation
                    .job = {.comm = MPI_COMM_NULL, .host = MPI_COMM_NULL}};
     MPI_Comm_rank(MPI_COMM_WORLD, &r.rank);
     MPI_Comm_size(MPI_COMM_WORLD, &r.n_ranks);
-    bool ok = run_all(&r, scene, err);
+    rank_watch watch;
+    bool watches = !s && rank_watch_begin(&watch, silence_s(), say_silence, err);
+    bool ok = (s || watches) && run_all(&r, scene, err);
     duet_cluster_destroy(r.cluster);
     ranks_end(&r.job);
+    if (watches)
+        rank_watch_end(&watch);
     duet_scene_destroy(r.scene);
     free(r.total_ms);
     free(r.ranks);

@@ -39,7 +39,7 @@ static const duet_stored_profile *find_profile(const duet_profile_list *list, co
         ++n;
     }
     if (n != 1)
-        error_set(err, DUET_STATUS_NOT_FOUND,
+        error_set(err, DUET_STATUS_BAD_ARGUMENT,
                   "--profile '%s': %u profiles begin so; expected the first digits of one, or of "
                   "a kept run, as 'duet profiles' shows them",
                   uid, n);
@@ -129,7 +129,7 @@ static bool make_platform(const simulated_job *job, platform_file *file, duet_er
     stored_run run;
     bool ok = stored_run_read(&run, job->args.simulate, &found, err);
     if (ok && !found)
-        ok = error_set(err, DUET_STATUS_NOT_FOUND,
+        ok = error_set(err, DUET_STATUS_BAD_ARGUMENT,
                        "--simulate '%s': no such file, and no kept run begins so; 'duet profiles "
                        "list' shows them",
                        job->args.simulate);

@@ -407,9 +407,9 @@ static bool check_name(gen *g, const char *name, duet_error *err)
         nearest_try(&n, gen_kernel(g, i));
     }
     if (n.name)
-        return error_set(err, DUET_STATUS_NOT_FOUND, "no kernel '%s'; did you mean '%s'?", name,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "no kernel '%s'; did you mean '%s'?", name,
                          n.name);
-    return error_set(err, DUET_STATUS_NOT_FOUND,
+    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "no kernel '%s'; 'duet source --list' lists those there are", name);
 }
 

@@ -104,7 +104,7 @@ for pair, devices in lab.each_pair(options) do
   for _, n in ipairs(options.sizes) do
     local scene <close> = lab.paper_scene(options, n)
     local plan = lab.plan(pair, options.mode, options.variant)
-    local world <close> = assert(pair:world(scene, { plan = plan }))
+    local world <close> = lab.world(pair, scene, plan)
     local launch = lab.launcher(world, scene, plan)
     launch(0.5) -- builds what is not built
     draw(("figure12.%s.%d"):format(devices:gsub("[^%w]+", "_"), n), ("%s, %d objects"):format(devices, n), launch,

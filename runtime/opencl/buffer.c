@@ -2,6 +2,7 @@
 #define _DEFAULT_SOURCE
 #include "runtime/opencl/buffer.h"
 
+#include "base/budget.h"
 #include "base/error.h"
 
 #include <stdlib.h>
@@ -16,7 +17,7 @@ static size_t rounded(size_t bytes, size_t to)
 
 // Large pages where there are any: objects are read and placed at random, and
 // small pages' translations would be missed as often as the cache.
-static void *allocate(size_t bytes)
+static void *take_pages(size_t bytes)
 {
     if (bytes < LARGE_PAGE)
         return aligned_alloc(ALIGNMENT, rounded(bytes, ALIGNMENT));
@@ -25,6 +26,23 @@ static void *allocate(size_t bytes)
     if (memory)
         madvise(memory, whole, MADV_HUGEPAGE);
     return memory;
+}
+
+static void *allocate(size_t bytes, duet_error *err)
+{
+    void *memory = budget_space(bytes, err) ? take_pages(bytes) : NULL;
+    if (memory)
+        budget_hold(bytes);
+    else
+        error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu bytes", bytes);
+    return memory;
+}
+
+static void give_back(void *memory, size_t bytes)
+{
+    if (memory)
+        budget_release(bytes);
+    free(memory);
 }
 
 void mem_release(cl_mem *mem)
@@ -60,11 +78,9 @@ bool buffer_reserve(buffer *b, const device *d, size_t bytes, duet_error *err)
                          "%s: %zu bytes wanted, a buffer holds at most %llu", d->info.selector,
                          bytes, (unsigned long long)d->info.max_buffer_bytes);
     b->bytes = rounded(bytes < SMALLEST ? SMALLEST : bytes, ALIGNMENT);
-    bool ok = true;
-    if (d->info.host_memory && !(b->host = allocate(b->bytes)))
-        ok = error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %zu bytes", d->info.selector,
-                       b->bytes);
-    ok = ok && create(b, d, err);
+    if (d->info.host_memory)
+        b->host = allocate(b->bytes, err);
+    bool ok = (b->host || !d->info.host_memory) && create(b, d, err);
     if (!ok)
         buffer_release(b);
     return ok;
@@ -92,7 +108,7 @@ void buffer_release(buffer *b)
 {
     mem_release(&b->mem);
     if (!b->borrowed)
-        free(b->host);
+        give_back(b->host, b->bytes);
     *b = (buffer){0};
 }
 
@@ -130,9 +146,9 @@ bool host_block_reserve(host_block *h, const device devices[], int n_devices, si
         if (!devices[i].info.host_memory)
             lock_block(h, &devices[i], size);
     if (!h->bytes)
-        h->bytes = allocate(size);
+        h->bytes = allocate(size, err);
     if (!h->bytes)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu bytes", size);
+        return false;
     h->size = size;
     return true;
 }
@@ -163,7 +179,7 @@ void host_block_release(host_block *h)
         clFinish(h->owner->queue);
     }
     if (!h->mem)
-        free(h->bytes);
+        give_back(h->bytes, h->size);
     mem_release(&h->mem);
     *h = (host_block){0};
 }

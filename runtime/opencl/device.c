@@ -27,7 +27,7 @@ static bool fail_unknown(const char *selector, const device_root *roots, uint32_
         text_add(&there, "; %s", absent);
     if (!has_cpu && !device_list_has_pocl())
         text_add(&there, "; to work on the CPU too: apt install pocl-opencl-icd");
-    error_set(err, DUET_STATUS_NOT_FOUND, "no device '%s'; there is %s", selector,
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "no device '%s'; there is %s", selector,
               text_chars(&there));
     text_free(&there);
     return false;

@@ -40,7 +40,7 @@ typedef struct program_builder {
 bool program_builder_keeps(const program_builder *b, const duet_device_info *info);
 
 // Opens what a selector names: "pocl:0", or units 2 to 3 of it: "pocl:0[2-3]".
-// NO_DEVICE where there is none at all, NOT_FOUND for an unknown one,
+// NO_DEVICE where there is none at all, BAD_ARGUMENT for an unknown one,
 // BAD_ARGUMENT for a part that cannot be had; *d is then empty.
 bool device_open(device *d, const char *selector, duet_error *err);
 // The same, in the context of first, unless NULL, where that is the same device.

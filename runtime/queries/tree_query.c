@@ -161,9 +161,11 @@ static size_t hit_bytes(const tree_query *q)
     return q->kind->hit_words * sizeof(uint32_t);
 }
 
+// NULL of a list that never had a hit.
 static uint32_t *hit_at(const tree_query *q, const hit_list *list, uint64_t i)
 {
-    return (uint32_t *)list->block.bytes + i * q->kind->hit_words;
+    uint32_t *hits = list->block.bytes;
+    return hits ? hits + i * q->kind->hit_words : NULL;
 }
 
 // d: the device that reads and writes them; NULL: none.

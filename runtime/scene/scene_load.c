@@ -78,10 +78,10 @@ static bool refuse_path(const char *path, const duet_error *why, duet_error *err
     if (why->status != DUET_STATUS_NOT_FOUND || strpbrk(path, "/."))
         return error_copy(err, why);
     if (shipped_find_nearest(path, &near))
-        return error_set(err, why->status, "%s: no such file or scene; did you mean '%s'?", path,
-                         near.name);
-    return error_set(err, why->status, "%s: no such file or scene; 'duet scenes' lists the scenes",
-                     path);
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: no such file or scene; did you mean '%s'?", path, near.name);
+    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "%s: no such file or scene; 'duet scenes' lists the scenes", path);
 }
 
 // Of a .npy file only the rows that are kept are read, so it stays where it is.

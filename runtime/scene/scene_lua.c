@@ -116,8 +116,10 @@ static int word_parameters(lua_State *L)
     reading->declared = true;
     lua_settop(L, 1);
     check_defaults(L);
+    duet_status before = script_set_failure(L, DUET_STATUS_BAD_ARGUMENT);
     for (uint32_t i = 0; i < reading->n_settings; ++i)
         set_parameter(L, &reading->settings[i]);
+    script_set_failure(L, before);
     if (lua_getfield(L, 1, "n") == LUA_TNUMBER && lua_tointeger(L, -1) > 0)
         reading->expected = (uint64_t)lua_tointeger(L, -1);
     lua_getfield(L, 1, "seed");
@@ -730,9 +732,11 @@ static int read_result(lua_State *L)
     scene_reading *reading = lua_touserdata(L, 2);
     if (!lua_istable(L, 1))
         return field_raise(L, NULL, "a scene must return a table, not %s", luaL_typename(L, 1));
-    if (reading->n_settings > 0 && !reading->declared)
+    if (reading->n_settings > 0 && !reading->declared) {
+        script_set_failure(L, DUET_STATUS_BAD_ARGUMENT);
         return field_raise(L, NULL, "no parameter '%s'; the scene declares none",
                            reading->settings[0].name);
+    }
     if (lua_getfield(L, 1, "script") != LUA_TNIL)
         return field_raise(L, "script",
                            "a scene cannot act between steps; expected the function in the def of "

@@ -217,7 +217,7 @@ static void a_device_without_a_queue_is_opened_by_its_selector(void **state)
     duet_device_pair_destroy(pair);
     def.a = "nowhere";
     assert_null(duet_device_pair_create_on_queues(&def, NULL, own.queues[1], &err));
-    refused(&err, DUET_STATUS_NOT_FOUND, "no device 'nowhere'");
+    refused(&err, DUET_STATUS_BAD_ARGUMENT, "no device 'nowhere'");
     err = (duet_error){0};
     assert_null(duet_device_pair_create_on_queues(&def, NULL, NULL, &err));
     refused(&err, DUET_STATUS_BAD_ARGUMENT, "queue is NULL");

@@ -140,10 +140,16 @@ static void what_is_no_text_is_refused_at_once(void **state)
         {"report /dev/zero -o test_bad_input.html", "/dev/zero: byte 0 is NUL"},
         {"profiles import /dev/zero", "/dev/zero"},
     };
+    skip_without_device("/dev/zero");
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         program p = program_run("%s", wrong[i].command);
         program_assert_refused(&p, 1, wrong[i].says);
     }
+}
+
+static void a_line_that_is_too_long_is_refused(void **state)
+{
+    (void)state;
     text line = {0};
     for (size_t i = 0; i < TEXT_LINE_MOST / 8 + 1; ++i)
         text_add(&line, "0,0,0,1,");
@@ -230,7 +236,7 @@ static void a_parameter_that_the_scene_lacks_is_named(void **state)
     char arguments[600];
     snprintf(arguments, sizeof arguments, "%s/paper.lua -n 10 --set boxes=3",
              getenv("DUET_TEST_SCENES"));
-    assert_run_refused(1, arguments,
+    assert_run_refused(2, arguments,
                        "no parameter 'boxes'; the scene has euler, giants, n, rotated, ");
 }
 
@@ -320,6 +326,7 @@ int main(void)
         cmocka_unit_test(a_wrong_row_is_named_by_line_and_object),
         cmocka_unit_test(a_wrong_array_is_refused),
         cmocka_unit_test(what_is_no_text_is_refused_at_once),
+        cmocka_unit_test(a_line_that_is_too_long_is_refused),
         cmocka_unit_test(a_wrong_scene_is_named_by_line),
         cmocka_unit_test(a_wrong_option_is_wrong_usage),
         cmocka_unit_test(an_output_that_would_replace_what_is_read_is_refused),

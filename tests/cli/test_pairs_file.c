@@ -227,7 +227,7 @@ static void wrong_usage_is_told(void **state)
         {"query pairs.csv --device pocl:0 --share 0.5", 2,
          "--share and --device do not go together"},
         {"query pairs.csv --level exact", 2, "the levels are certified, aabb"},
-        {"query pairs.csv --device abacus:0", 1, "no device 'abacus:0'"},
+        {"query pairs.csv --device abacus:0", 2, "no device 'abacus:0'"},
         {"query none.npy", 1, "none.npy: No such file"},
         {"query pairs.csv -o no/such/v.npy", 1, "no/such/v.npy: cannot be written"},
     };

@@ -181,8 +181,7 @@ static void what_is_of_a_scene_at_rest_is_refused_with_steps(void **state)
 static void a_full_disk_is_told_of(void **state)
 {
     (void)state;
-    if (access("/dev/full", W_OK) != 0)
-        skip();
+    skip_without_device("/dev/full");
     assert_int_equal(symlink("/dev/full", FULL), 0);
     program p = program_run("run --steps 1000000000 --json --picture " FULL " " SCENE);
     struct stat info;

@@ -131,7 +131,7 @@ static void a_folder_replaces_the_carried_kernels(void **state)
     assert_int_equal(p.exit_code, 0);
     program_free(&p);
     p = program_run_with(data_dir, "source scan");
-    program_assert_refused(&p, 1, "no kernel 'scan'; 'duet source --list' lists those there are");
+    program_assert_refused(&p, 2, "no kernel 'scan'; 'duet source --list' lists those there are");
     p = program_run_with("DUET_KERNEL_DIR=no/such", "source scan");
     program_assert_refused(&p, 1, "kernel folder no/such: No such file or directory");
 }
@@ -200,9 +200,9 @@ static void wrong_usage_is_one_line(void **state)
         {"source scan --set WG=99999999999999999999", 2, "give a whole number"},
         {"source scan --set GW=1", 2, "no parameter 'GW': there are WG, PER_ITEM"},
         {"source scan --set WG=3", 2, "WG=3 is not one of 1, 64, 128, 256"},
-        {"source scam", 1, "no kernel 'scam'; did you mean 'scan'?"},
-        {"source nosuch --list", 1, "no kernel 'nosuch'; 'duet source --list' lists those there"},
-        {"source scan --device abacus:0", 1, "no device 'abacus:0'"},
+        {"source scam", 2, "no kernel 'scam'; did you mean 'scan'?"},
+        {"source nosuch --list", 2, "no kernel 'nosuch'; 'duet source --list' lists those there"},
+        {"source scan --device abacus:0", 2, "no device 'abacus:0'"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         program p = program_run("%s", wrong[i].arguments);

@@ -37,6 +37,7 @@ static double now_s(void)
 static pid_t open_shell(int columns, const char *script, int *screen)
 {
     struct winsize size = {.ws_row = 24, .ws_col = (unsigned short)columns};
+    skip_without_terminal();
     fflush(NULL);
     pid_t child = forkpty(screen, NULL, NULL, &size);
     assert_true(child >= 0);

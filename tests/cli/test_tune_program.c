@@ -590,7 +590,7 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
         {"tune", 2, "give a scene"},
         {"tune " QUICK SCENE " -n 10,x", 2, "--objects '10,x'"},
         {"tune " QUICK SCENE " --pair cpu --strategy grid", 2, "is one device and has no share"},
-        {"tune " QUICK SCENE " --pair cpu --strategy foo", 1, "strategy 'foo': there is none"},
+        {"tune " QUICK SCENE " --pair cpu --strategy foo", 2, "strategy 'foo': there is none"},
         {"tune --variants nonsense --profile " STORE " " SCENE, 2, "nonsense"},
         {"tune " QUICK " no/such.lua", 1, "no/such.lua"},
         {"tune --profile " SCENE " " SCENE, 1, SCENE},
@@ -605,7 +605,7 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
         {"tune --profile " STORE " falling --steps 5 --query rays --pair halves", 2,
          "steps of a motion have no query"},
         {"tune " QUICK "falling --steps 5 --level sat6", 2, "have no level or accuracy"},
-        {"tune " QUICK SCENE " --search abacus", 1, "search 'abacus': expected 'kernels' or"},
+        {"tune " QUICK SCENE " --search abacus", 2, "search 'abacus': expected 'kernels' or"},
         {"tune " QUICK SCENE " --search cell_start", 1, "search 'cell_start': neither device"},
         {"tune " QUICK SCENE " --search kernels --budget 0", 2, "--budget '0'"},
         {"tune " QUICK SCENE " --search kernels --trials 0", 2, "--trials '0'"},
@@ -627,7 +627,7 @@ static void a_strategy_or_query_that_there_is_not_is_one_line(void **state)
     (void)state;
     skip_on_one_device();
     program p = program_run("tune " QUICK SCENE " --strategy guess");
-    program_assert_refused(&p, 1, "there are balance, fig12");
+    program_assert_refused(&p, 2, "there are balance, fig12");
     test_write_file(STRATEGY, "\nreturn function(history) x.y = 1 end\n");
     p = program_run("tune " QUICK SCENE " --strategy-lua " STRATEGY);
     program_assert_refused(&p, 1, "duet: " STRATEGY ":2: attempt to index");

@@ -161,7 +161,7 @@ facts.holds("views hold until the next call, and nothing is taken that is none",
   facts.raises("'pair'", duet.cluster, { pair = {} })
   facts.raises("as many objects as there are ids", cluster.set_objects, cluster, { 1 }, duet.poses(2))
   facts.refused("BAD_ARGUMENT", "parts is 0", duet.cluster, { plain = true, parts = 0 })
-  facts.refused("NOT_FOUND", "papr: no such file or scene", cluster.load_scene, cluster, "papr")
+  facts.refused("BAD_ARGUMENT", "papr: no such file or scene", cluster.load_scene, cluster, "papr")
   local closed = assert(duet.cluster { plain = true })
   closed:close()
   closed:close()

@@ -1378,7 +1378,7 @@ static void a_failure_is_that_of_all_ranks(void)
     must_fail(duet_cluster_save_pairs(c, "/dev/null", false, &err), &err, DUET_STATUS_IO_FAILED,
               "expected a plain file");
     err = (duet_error){0};
-    must_fail(duet_cluster_load_scene(c, "papr", NULL, 0, &err), &err, DUET_STATUS_NOT_FOUND,
+    must_fail(duet_cluster_load_scene(c, "papr", NULL, 0, &err), &err, DUET_STATUS_BAD_ARGUMENT,
               "rank 0 on ");
     MUST(duet_cluster_get_scene_info(c) == NULL, "there is no scene");
     MUST(step(c).pairs == 15, "what was there stays");

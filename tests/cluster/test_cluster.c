@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static bool asks_all;
@@ -146,7 +147,7 @@ static void a_forecast_takes_the_times_of_a_profile(void **state)
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
     program p =
         program_run_with(variables, "cluster --simulate " FABRIC " --ranks 2 --profile none still");
-    program_assert_refused(&p, 1, "--profile 'none': 0 profiles begin so");
+    program_assert_refused(&p, 2, "--profile 'none': 0 profiles begin so");
     p = program_run_with(variables,
                          "cluster --simulate " FABRIC " --ranks 2 --profile %.8s paper2d -n 9",
                          profile->uid);
@@ -217,7 +218,7 @@ static void a_platform_that_is_none_is_one_line(void **state)
         {FABRIC " still", 2, "--simulate does nothing without --ranks"},
         {FABRIC " --ranks 2 --pair cpu still", 2, "--simulate and --pair do not go together"},
         {FABRIC " --ranks 2 --keep still", 2, "--simulate and --keep do not go together"},
-        {FABRIC " --ranks 2 papr", 1, "rank 0 on host0: papr: no such file or scene"},
+        {FABRIC " --ranks 2 papr", 2, "rank 0 on host0: papr: no such file or scene"},
         {FABRIC " --ranks 2 --stands-for 9 still", 2, "--stands-for does nothing without "},
     };
     write_fabric();
@@ -438,9 +439,9 @@ static void a_run_that_does_not_fit_is_one_line(void **state)
         int exit_code;
         const char *says;
     } wrong[] = {
-        {"0000000000", uid, "paper", 1, "'0000000000': no such file, and no kept run begins so"},
+        {"0000000000", uid, "paper", 2, "'0000000000': no such file, and no kept run begins so"},
         {alone, uid, "paper", 2, "': that run had one rank and no network"},
-        {uid, "none", "paper", 1, "--profile 'none': 0 profiles begin so"},
+        {uid, "none", "paper", 2, "--profile 'none': 0 profiles begin so"},
         {uid, uid, "paper2d -n 9", 2, "': a run in 3D, and paper2d is in 2D; expected the same"},
         {uid, uid, "paper -n 9 --level aabb", 2,
          "': a run at level certified, and this is at level "},
@@ -643,7 +644,7 @@ static void what_is_kept_of_a_run_is_listed_and_forgotten(void **state)
     assert_int_equal(p.exit_code, 0);
     program_free(&p);
     p = program_run_with(variables, "profiles show %s", uid);
-    program_assert_refused(&p, 1, "no profile begins with '");
+    program_assert_refused(&p, 2, "no profile begins with '");
 
     p = program_run_with("DUET_PROFILE=/dev/null", "cluster --plain --keep still -n 3 >/dev/null");
     program_assert_refused(&p, 1, "/dev/null: is a device or a pipe; a profile store is a file");
@@ -701,10 +702,10 @@ static void a_failure_is_one_line(void **state)
         int exit_code;
         const char *says;
     } wrong[] = {
-        {"cluster --ranks 2 papr", 1, "duet: rank 0 on "},
-        {"cluster --ranks 2 papr", 1, "papr: no such file or scene; did you mean 'paper'?"},
-        {"cluster papr", 1, "duet: papr: no such file or scene"},
-        {"cluster --ranks 3 --pair abacus still -n 2", 1, ": no device 'abacus'; there is "},
+        {"cluster --ranks 2 papr", 2, "duet: rank 0 on "},
+        {"cluster --ranks 2 papr", 2, "papr: no such file or scene; did you mean 'paper'?"},
+        {"cluster papr", 2, "duet: papr: no such file or scene"},
+        {"cluster --ranks 3 --pair abacus still -n 2", 2, ": no device 'abacus'; there is "},
         {"cluster --ranks 2 --plain --weights 1,1,1 still", 2, "3 numbers for 2 ranks"},
         {"cluster --ranks 2 --plain --weights 1,0 still", 2, "give numbers above 0"},
         {"cluster --ranks 2 --plain --weights 1,inf still", 2, "give numbers above 0"},
@@ -717,7 +718,7 @@ static void a_failure_is_one_line(void **state)
         {"cluster --verbose still", 2, "--verbose does nothing without --ranks"},
         {"cluster --apart --weights 1,1 still", 2, "--apart and --weights do not go together"},
         {"cluster --apart --pairs p.npy still", 2, "--apart and --pairs do not go together"},
-        {"cluster --ranks 2 --apart papr", 1, "duet: rank 0 on "},
+        {"cluster --ranks 2 --apart papr", 2, "duet: rank 0 on "},
         {"cluster --plain --mode own still", 2, "--plain and --mode do not go together"},
         {"cluster --mode abacus still", 2, "--mode 'abacus': the modes are"},
         {"cluster --level abacus still", 2, "--level 'abacus': the levels are"},
@@ -777,6 +778,34 @@ static void a_rank_that_is_killed_ends_the_job_and_leaves_no_file(void **state)
     assert_int_equal(system("ls killed.npy* >/dev/null 2>&1") == 0, 0);
 }
 
+// The ranks are there once rank 0 opens the scene, which is a pipe.
+static void a_rank_that_is_stopped_is_told_of_and_goes_on(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    static const char stop_one[] =
+        "2>stopped.says & job=$!; "
+        "children() { cat /proc/$1/task/*/children 2>/dev/null; }; "
+        "exec 3>stopped.csv; "
+        "for child in $(children $job); do for rank in $(children $child); do :; done; done; "
+        "says() { until grep -q \"rank [0-2] of 3 (host [^ ]*, pid $rank) $1\" stopped.says; "
+        "do sleep .1; done; }; "
+        "kill -STOP $rank; says 'has not answered for 2 s'; "
+        "kill -CONT $rank; says 'answers again'; "
+        "printf '0 0 0 1 1 1\\n1 1 1 2 2 2\\n' >&3; exec 3>&-; wait $job";
+    remove("stopped.csv");
+    assert_int_equal(mkfifo("stopped.csv", 0600), 0);
+    program p =
+        program_run_with("DUET_RANK_SILENCE=2",
+                         "cluster --ranks 3 --plain --repeat 1 --json stopped.csv %s", stop_one);
+    assert_int_equal(p.exit_code, 0);
+    cJSON *o = json_of_program(&p);
+    assert_true(json_number(o, "pairs") == 1);
+    cJSON_Delete(o);
+    remove("stopped.csv");
+    remove("stopped.says");
+}
+
 // On a slow machine nothing may have been timed yet. In the foreground timeout(1) sends its signal
 // to the program alone, else to mpirun, too, as a terminal does, which then ends the ranks soon.
 static void ctrl_c_shows_what_was_timed(void **state)
@@ -827,6 +856,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_is_kept_of_a_run_is_listed_and_forgotten),
         cmocka_unit_test(ranks_apart_show_what_company_costs),
         cmocka_unit_test(a_failure_is_one_line),
+        cmocka_unit_test(a_rank_that_is_stopped_is_told_of_and_goes_on),
         cmocka_unit_test(run_is_refused_in_a_job),
         cmocka_unit_test(ctrl_c_shows_what_was_timed),
         cmocka_unit_test(a_rank_that_is_killed_ends_the_job_and_leaves_no_file),

@@ -203,7 +203,10 @@ static void settings_that_do_not_fit_are_refused(void **state)
         duet_status status;
         const char *wanted;
     } cases[] = {
-        {"plane", {"WG", 1}, DUET_STATUS_NOT_FOUND, "no kernel 'plane': there are plain, shaped"},
+        {"plane",
+         {"WG", 1},
+         DUET_STATUS_BAD_ARGUMENT,
+         "no kernel 'plane': there are plain, shaped"},
         {"plain",
          {"WGG", 1},
          DUET_STATUS_BAD_ARGUMENT,

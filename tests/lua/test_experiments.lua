@@ -6,12 +6,14 @@ local facts = require "facts"
 local out = os.tmpname()
 os.remove(out) -- the first experiment makes the folder
 
+local lua = os.getenv "DUET_LUA" or "lua5.4"
+
 -- What the experiment prints.
 local function run(name, options)
-  local lua = os.getenv "DUET_LUA" or "lua5.4"
   local program <close> = assert(io.popen(("%s '%s/lua/experiments/%s.lua' --out %s %s 2>&1"):format(lua, facts.root, name, out, options)))
   local printed = program:read "a"
-  assert(program:close(), name .. ": " .. printed)
+  local ok, _, code = program:close()
+  assert(ok, ("%s: exit %s: %s"):format(name, code, printed))
   return printed
 end
 
@@ -139,16 +141,32 @@ facts.holds("a heavy box rests on a light one where substeps are enough for thei
   end
 end)
 
-facts.holds("a wrong option is refused with one line", function()
+facts.holds("a wrong option is refused with one line and exit 2", function()
   for options, says in pairs {
     ["--size 3"] = "there is no option '--size'",
     ["--sizes 1,x"] = "--sizes '1,x': give whole numbers",
     ["--sizes"] = "--sizes needs a value",
     ["--repeat 0"] = "--repeat '0': give a whole number from 1",
     ["--pair x"] = "no device 'x'",
+    [tiny .. " --variant x"] = "variant 'x': expected",
+    [tiny .. " --mode x"] = "field 'mode': 'x'; expected one of",
+    [tiny .. " --strategy x"] = "strategy 'x': there is none",
   } do
-    facts.raises(says, run, "figure15", options)
+    facts.raises("exit 2: " .. says, run, "figure15", options)
   end
+end)
+
+facts.holds("without --out each run has a new folder, whose name it prints", function()
+  os.execute("mkdir " .. out .. "/here")
+  for i = 1, 2 do
+    local program <close> = assert(io.popen(("cd '%s/here' && %s '%s/lua/experiments/cell_flaw.lua' --sizes 10"):format(out, lua, facts.root)))
+    local printed = program:read "a"
+    local folder = printed:match "%-> (%S+): cell_flaw.csv"
+    facts.equal(folder, "results/cell_flaw-" .. i)
+    facts.read_file(("%s/here/%s/cell_flaw.csv"):format(out, folder))
+  end
+  local list <close> = assert(io.popen("ls " .. out .. "/here"))
+  facts.equal(list:read "a", "results\n")
 end)
 
 -- A's time rises with the share and B's falls, by random steps between 32 shares.

@@ -148,6 +148,7 @@ typedef struct terminal {
 static terminal terminal_open(const char *state_home)
 {
     terminal t = {0};
+    skip_without_terminal();
     t.process = forkpty(&t.end, NULL, NULL, NULL);
     assert_true(t.process >= 0);
     if (t.process == 0) {
@@ -330,6 +331,39 @@ static void work_of_the_host_is_held_to_the_limits(void **state)
     assert_refused("lua --memory 64 " SCRIPT, 1, SCRIPT ":2: needs more than the 64 MiB");
 }
 
+// What is kept fills the limit; what is dropped is collected before it does.
+static void what_a_script_opens_counts_as_its_memory(void **state)
+{
+    (void)state;
+    static const char *const makers[] = {
+        "duet.device_pair()",   "pair:world { dims = 3 }",
+        "pair:tree()",          "pair:motion(poses, bodies, { wants = { 'contact_response' } })",
+        "world:step():pairs()",
+    };
+    for (size_t i = 0; i < sizeof makers / sizeof *makers; ++i) {
+        char script[1024];
+        const char *begin = "local pair = duet.device_pair()\n"
+                            "local poses = duet.poses(1)\n"
+                            "local bodies = duet.bodies(1)\n"
+                            "poses:set(0, 0, 0, 0, 1, 1, 1, 0, 0, 0, 1)\n"
+                            "bodies:set(0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, false, false)\n"
+                            "local world = pair:world { dims = 3 }\n"
+                            "assert(world:set_poses(poses))\n";
+        bool holds_devices = i + 1 < sizeof makers / sizeof *makers;
+        snprintf(script, sizeof script,
+                 "%slocal kept = {}\nwhile true do kept[#kept + 1] = assert(%s) end\n", begin,
+                 makers[i]);
+        write_script(script);
+        if (holds_devices)
+            assert_refused("lua --seconds 600 --memory 16 " SCRIPT, 1,
+                           "needs more than the 16 MiB of the host's memory it may take");
+        snprintf(script, sizeof script, "%sfor i = 1, %d do assert(%s) end\nprint(7)\n", begin,
+                 holds_devices ? 50 : 5000, makers[i]);
+        write_script(script);
+        assert_prints("lua --seconds 600 --memory 16 " SCRIPT, "7\n");
+    }
+}
+
 // A step on devices cannot be ended by the library; this one takes seconds.
 static void a_script_that_goes_on_in_the_host_is_ended_by_the_program(void **state)
 {
@@ -400,6 +434,7 @@ int main(void)
         cmocka_unit_test(a_wrong_command_line_is_refused),
         cmocka_unit_test(a_hostile_script_ends_with_its_line),
         cmocka_unit_test(work_of_the_host_is_held_to_the_limits),
+        cmocka_unit_test(what_a_script_opens_counts_as_its_memory),
         cmocka_unit_test(a_script_that_goes_on_in_the_host_is_ended_by_the_program),
         cmocka_unit_test(a_signal_is_heard_whatever_runs),
         cmocka_unit_test(a_file_named_on_the_command_line_can_be_read),

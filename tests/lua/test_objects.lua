@@ -300,7 +300,7 @@ end)
 
 holds("a failure is nil, one line and the status", function()
   refused("NOT_FOUND", "nowhere.lua", duet.scene, "nowhere.lua")
-  refused("NOT_FOUND", "nvidia:77", duet.device_pair, { a = "nvidia:77", b = "nvidia:77" })
+  refused("BAD_ARGUMENT", "nvidia:77", duet.device_pair, { a = "nvidia:77", b = "nvidia:77" })
   refused("BAD_ARGUMENT", "expected auto, simd, gpu or paper", pair.world, pair, { plan = { variant_a = "none" } })
   local bad = duet.poses { 0, 0, 0, 1, 1, 1, 0, 0, 0, 0 }
   refused("BAD_OBJECT", "object 0", duet.scene, bad, 3)

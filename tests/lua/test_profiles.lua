@@ -52,7 +52,7 @@ end)
 
 facts.holds("a profile is forgotten, and one is put to use", function()
   local uid = assert(duet.profiles(store))[1].uid
-  facts.refused("NOT_FOUND", "no profile begins with 'zz'", duet.use_profile, "zz", store)
+  facts.refused("BAD_ARGUMENT", "no profile begins with 'zz'", duet.use_profile, "zz", store)
   assert(duet.use_profile(uid:sub(1, 9), store))
   assert(#duet.profiles(store) == 1)
   assert(duet.forget_profile(uid, other))
@@ -68,7 +68,7 @@ end)
 facts.holds("what is not there is said in one line", function()
   local refused = facts.refused
   refused("NOT_FOUND", "no/such.db", duet.profiles, "no/such.db")
-  refused("NOT_FOUND", "no profile begins with 'zz'", duet.profile_trials, "zz", store)
+  refused("BAD_ARGUMENT", "no profile begins with 'zz'", duet.profile_trials, "zz", store)
   refused("NOT_FOUND", "no/rows", duet.import_profiles, "no/rows", store)
   refused("IO_FAILED", "no/folder", duet.export_profiles, "no/folder/rows", store)
   refused("BAD_INPUT", "README.md:1: ", duet.import_profiles, facts.root .. "/README.md", store)

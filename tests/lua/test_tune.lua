@@ -49,7 +49,7 @@ holds("balance finds the best share of any ratio", function()
 end)
 
 holds("a search refuses what makes no sense", function()
-  refused("NOT_FOUND", "balance", duet.search, { strategy = "none" })
+  refused("BAD_ARGUMENT", "balance", duet.search, { strategy = "none" })
   raises("a search has no field 'name'", duet.search, { name = "fig12" })
   local search = assert(duet.search())
   raises("a part from 0 to 1", search.tell, search, 2, 1, 1, 1)
@@ -91,7 +91,7 @@ holds("kernels are searched where it is asked for", function()
   for _, kernels in ipairs(found.kernels) do
     assert(kernels.tried <= kernels.configs and kernels.gain_low <= kernels.gain_high)
   end
-  refused("NOT_FOUND", "search 'abacus'", pair.tune, pair, scene, quick { search = "abacus" })
+  refused("BAD_ARGUMENT", "search 'abacus'", pair.tune, pair, scene, quick { search = "abacus" })
 end)
 
 holds("a tuning that is kept is known the next time, and a world takes its plan", function()
@@ -218,7 +218,7 @@ holds("a tuning refuses what makes no sense", function()
   raises("a list of 1 to 32 names", pair.tune, pair, scene, { variants = {} })
   raises("a list of names", pair.tune, pair, scene, { variants = { 1 } })
   raises("1, not a function", pair.tune, pair, scene, { watch = 1 })
-  refused("NOT_FOUND", "", pair.tune, pair, scene, quick { strategy = "none" })
+  refused("BAD_ARGUMENT", "", pair.tune, pair, scene, quick { strategy = "none" })
   raises("duet.scene expected", pair.tune, pair, {})
 end)
 

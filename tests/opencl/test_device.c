@@ -231,7 +231,7 @@ static void one_selector_is_a_pair_of_one(void **state)
     duet_device_pair_destroy(opened);
     duet_device_pair_destroy(pair);
     assert_null(duet_device_pair_open("cpu,nowhere", &err));
-    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
 }
 
 // The k-th of n equal parts: they follow each other, and the last ends with the device.
@@ -265,10 +265,10 @@ static void an_unknown_selector_is_answered_with_those_there_are(void **state)
     const device_root *roots = NULL;
     uint32_t n = 0;
     assert_true(device_list_roots(&roots, &n, NULL));
-    refused("abacus:0", DUET_STATUS_NOT_FOUND, "no device 'abacus:0'");
-    refused("abacus:0", DUET_STATUS_NOT_FOUND, roots[0].info.selector);
-    refused("", DUET_STATUS_NOT_FOUND, "no device ''");
-    refused("[0-0]", DUET_STATUS_NOT_FOUND, roots[0].info.selector);
+    refused("abacus:0", DUET_STATUS_BAD_ARGUMENT, "no device 'abacus:0'");
+    refused("abacus:0", DUET_STATUS_BAD_ARGUMENT, roots[0].info.selector);
+    refused("", DUET_STATUS_BAD_ARGUMENT, "no device ''");
+    refused("[0-0]", DUET_STATUS_BAD_ARGUMENT, roots[0].info.selector);
 }
 
 static void a_part_out_of_range_is_refused_with_the_range(void **state)
@@ -310,7 +310,7 @@ static void a_failed_second_device_gives_the_first_back(void **state)
     assert_true(device_list_roots(&roots, &n, NULL));
     duet_error err = {0};
     assert_null(open_pair(roots[0].info.selector, "abacus:0", &err));
-    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
 }
 
 static void half_a_pair_and_a_def_without_defaults_are_refused(void **state)

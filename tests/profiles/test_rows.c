@@ -420,7 +420,7 @@ static void a_stored_profile_is_put_to_use_and_forgotten(void **state)
     assert_int_equal(test_count(s, "profile"), 3);
     assert_int_equal(test_count(s, "profile WHERE live = 1"), 1);
     assert_false(profile_forget(s, research.uid, &err));
-    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     err = (duet_error){0};
     assert_false(profile_forget(s, "", &err));
     assert_non_null(strstr(err.text, "an empty name is no profile's"));

@@ -365,6 +365,39 @@ static void rows_of_a_killed_writer_are_read_or_their_owner_is_named(void **stat
     test_folder_remove(&folder);
 }
 
+// A text that anybody may have put there is not held in memory to be shown.
+static void a_text_that_is_too_long_is_told_of_with_its_row(void **state)
+{
+    (void)state;
+    static const char *const texts[][2] = {
+        {"device SET name = %s WHERE id = 1", "row 1 of table device is longer than 16 MiB"},
+        {"profile SET verdict = 'same', kernels = %s", "row 1 of table profile is longer"},
+        {"session SET options = '{' || %s || '}'", "row 1 of table session is longer"},
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
+        test_folder folder = test_folder_make();
+        tune_one(folder.store);
+        char change[160] = "UPDATE ";
+        snprintf(change + strlen(change), sizeof change - strlen(change), texts[i][0],
+                 "printf('%.*c', 20000000, 'x')");
+        sqlite3 *db = NULL;
+        assert_int_equal(sqlite3_open(folder.store, &db), SQLITE_OK);
+        assert_int_equal(sqlite3_exec(db, change, NULL, NULL, NULL), SQLITE_OK);
+        sqlite3_close(db);
+        duet_error err = {0};
+        store *s = store_open(folder.store, STORE_READ, &err);
+        assert_ok(s, err);
+        FILE *nowhere = tmpfile();
+        assert_false(profile_export(s, nowhere, "x", &err));
+        fclose(nowhere);
+        assert_int_equal(err.status, DUET_STATUS_STORE_FAILED);
+        if (!strstr(err.text, texts[i][1]))
+            fail_msg("'%s', not '%s'", err.text, texts[i][1]);
+        store_close(s);
+        test_folder_remove(&folder);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -376,6 +409,7 @@ int main(void)
         cmocka_unit_test(a_full_disk_is_read),
         cmocka_unit_test(a_store_of_another_user_is_read),
         cmocka_unit_test(rows_of_a_killed_writer_are_read_or_their_owner_is_named),
+        cmocka_unit_test(a_text_that_is_too_long_is_told_of_with_its_row),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

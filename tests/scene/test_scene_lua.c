@@ -357,13 +357,19 @@ static void a_wrong_setting_says_what_is_right(void **state)
         duet_error err = {0};
         assert_null(scene_from_bytes(FILE_NAME, PARAMETERS, strlen(PARAMETERS), &wrong[i].setting,
                                      1, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
+        assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
         if (!strstr(err.text, wrong[i].says))
             fail_msg("'%s', not '%s'", err.text, wrong[i].says);
     }
     duet_error err = {0};
     assert_null(scene_from_bytes(FILE_NAME, "return {}", 9, &wrong[0].setting, 1, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     assert_string_equal(err.text, FILE_NAME ": no parameter 'm'; the scene declares none");
+    static const char own_error[] = "parameters { m = 1 }\nreturn 7";
+    err = (duet_error){0};
+    assert_null(
+        scene_from_bytes(FILE_NAME, own_error, strlen(own_error), &wrong[0].setting, 1, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
 }
 
 // ------------------------------------------------------------ shipped scenes

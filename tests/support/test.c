@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
+#define _GNU_SOURCE
 #include "support/test.h"
 
 #include "base/text_file.h"
 
 #include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
+#include <pty.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static uint64_t seed_of_run(void)
 {
@@ -43,6 +48,29 @@ void test_write_file(const char *path, const char *content)
 {
     duet_error err = {0};
     assert_ok(text_write_file(path, content, strlen(content), &err), err);
+}
+
+void skip_without_device(const char *path)
+{
+    int file = open(path, O_RDWR | O_CLOEXEC);
+    if (file >= 0) {
+        close(file);
+        return;
+    }
+    print_message("%s cannot be opened here: %s; skipped\n", path, strerror(errno));
+    skip();
+}
+
+void skip_without_terminal(void)
+{
+    int ends[2];
+    if (openpty(&ends[0], &ends[1], NULL, NULL, NULL) == 0) {
+        close(ends[0]);
+        close(ends[1]);
+        return;
+    }
+    print_message("no pseudo terminal can be opened here: %s; skipped\n", strerror(errno));
+    skip();
 }
 
 int test_count_files(void)

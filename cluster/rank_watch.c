@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L // pthread_condattr_setclock
+#include "cluster/rank_watch.h"
+
+#include <errno.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { BEATS = 10 }; // of silence: each is a tenth of the seconds
+
+struct rank_seat {
+    _Atomic uint64_t beats; // GONE: is not watched
+    int rank;
+    int pid;
+};
+
+#define GONE UINT64_MAX
+
+typedef struct seen {
+    uint64_t beats;
+    uint32_t silent; // own beats since that of the rank moved
+    bool told;
+} seen;
+
+// Own beats are counted and no time, so that ranks that were all stopped together, and go on, do
+// not tell of each other.
+static bool is_silent(rank_watch *w, int i)
+{
+    seen *s = &w->seen[i];
+    uint64_t beats = atomic_load(&w->seats[i].beats);
+    bool moves = beats != s->beats || beats == GONE || i == w->all.self_on_host;
+    s->silent = moves ? 0 : s->silent + 1;
+    s->beats = beats;
+    return s->silent >= BEATS;
+}
+
+static void tell(const rank_watch *w, int i, bool silent)
+{
+    char line[512];
+    const rank_seat *seat = &w->seats[i];
+    int n = snprintf(line, sizeof line, "rank %d of %d (host %s, pid %d) ", seat->rank, w->all.n,
+                     w->all.host_name, seat->pid);
+    if (silent)
+        snprintf(line + n, sizeof line - (size_t)n, "has not answered for %g s", w->seconds);
+    else
+        snprintf(line + n, sizeof line - (size_t)n, "answers again");
+    w->say(line);
+}
+
+// The first rank that is not silent tells of those that are.
+static void look(rank_watch *w)
+{
+    int first = -1;
+    atomic_fetch_add(&w->seats[w->all.self_on_host].beats, 1);
+    for (int i = 0; i < w->all.n_on_host; ++i) {
+        bool silent = is_silent(w, i);
+        first = first < 0 && !silent ? i : first;
+    }
+    for (int i = 0; i < w->all.n_on_host; ++i) {
+        seen *s = &w->seen[i];
+        bool silent = s->silent >= BEATS;
+        if (silent == s->told || (silent && first != w->all.self_on_host))
+            continue;
+        s->told = silent;
+        tell(w, i, silent);
+    }
+}
+
+static struct timespec next_beat(const rank_watch *w)
+{
+    struct timespec at;
+    double seconds = w->seconds / BEATS;
+    clock_gettime(CLOCK_MONOTONIC, &at);
+    at.tv_sec += (time_t)seconds;
+    at.tv_nsec += (long)((seconds - (double)(time_t)seconds) * 1e9);
+    at.tv_sec += at.tv_nsec / 1000000000;
+    at.tv_nsec %= 1000000000;
+    return at;
+}
+
+static void *watch(void *of)
+{
+    rank_watch *w = of;
+    struct timespec at = next_beat(w);
+    pthread_mutex_lock(&w->lock);
+    while (!w->ends) {
+        if (pthread_cond_timedwait(&w->ended, &w->lock, &at) != ETIMEDOUT)
+            continue;
+        look(w);
+        at = next_beat(w);
+    }
+    pthread_mutex_unlock(&w->lock);
+    return NULL;
+}
+
+static bool begin_thread(rank_watch *w)
+{
+    pthread_condattr_t steady;
+    pthread_condattr_init(&steady);
+    pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
+    pthread_mutex_init(&w->lock, NULL);
+    pthread_cond_init(&w->ended, &steady);
+    pthread_condattr_destroy(&steady);
+    return pthread_create(&w->thread, NULL, watch, w) == 0;
+}
+
+// Without memory, or a thread, a rank is neither watched nor does it watch.
+bool rank_watch_begin(rank_watch *w, double seconds, void (*say)(const char *line), duet_error *err)
+{
+    *w = (rank_watch){.seconds = seconds, .say = say};
+    if (!ranks_begin(&w->all, NULL, NULL, err))
+        return false;
+    w->seats = ranks_share(&w->all, (size_t)w->all.n_on_host * sizeof *w->seats, &w->window);
+    if (!w->seats)
+        return true;
+    rank_seat *own = &w->seats[w->all.self_on_host];
+    own->rank = w->all.self;
+    own->pid = (int)getpid();
+    w->seen = calloc((size_t)w->all.n_on_host, sizeof *w->seen);
+    w->watches = seconds > 0 && w->all.n_on_host > 1 && w->seen && begin_thread(w);
+    if (!w->watches)
+        atomic_store(&own->beats, GONE);
+    ranks_wait(&w->all);
+    return true;
+}
+
+void rank_watch_end(rank_watch *w)
+{
+    ranks_wait(&w->all); // a rank that is stopped on its way here is told of
+    if (w->watches) {
+        pthread_mutex_lock(&w->lock);
+        w->ends = true;
+        pthread_cond_signal(&w->ended);
+        pthread_mutex_unlock(&w->lock);
+        pthread_join(w->thread, NULL);
+        pthread_cond_destroy(&w->ended);
+        pthread_mutex_destroy(&w->lock);
+    }
+    free(w->seen);
+    if (w->seats)
+        ranks_unshare(&w->window);
+    ranks_end(&w->all);
+}
