@@ -93,7 +93,8 @@ static bool tell_watcher(const tuning *t, const trial_log_entry *entry, bool rem
 // ---------------------------------------------------------------- other programs
 
 // A look at other programs before the next try, which may succeed beside them too.
-enum { QUIET_TRIES = 5 };
+// While no other program has a core: of a trial, and of all.
+enum { QUIET_TRIES = 5, MOST_QUIET_TRIES = 60 };
 #define LOOK_NS UINT64_C(100000000)
 #define NEXT_TRY_NS UINT64_C(2000000000)
 
@@ -163,7 +164,8 @@ static bool wait_for_scheduler(tuning *t, duet_error *err)
 }
 
 // Measures until enough launches of the trial were undisturbed. While no other program has a core
-// the machine is as quiet as it can be: after some tries the launches count as they are.
+// the machine is as quiet as it can be: after some tries the launches count as they are. A machine
+// whose threads are always in each other's way must not cost every trial so many.
 static bool measure_in_quiet(tuning *t, const measure_machine *machine, const duet_plan *plan,
                              measure_way way, measurement *m, duet_error *err)
 {
@@ -175,8 +177,8 @@ static bool measure_in_quiet(tuning *t, const measure_machine *machine, const du
         t->disturbed += m->disturbed;
         bool crowded = look_at_others(t).is_crowded;
         *(crowded ? &t->waited_ns : &t->spent_ns) += m->spent_ns;
-        way.quiet = crowded || ++tries < QUIET_TRIES;
-        if (!(crowded ? wait_for_quiet(t, plan, err) : wait_for_scheduler(t, err)))
+        way.quiet = crowded || (++tries < QUIET_TRIES && t->quiet_tries++ < MOST_QUIET_TRIES);
+        if (way.quiet && !(crowded ? wait_for_quiet(t, plan, err) : wait_for_scheduler(t, err)))
             return false;
         *m = measure_plan(machine, plan, way);
     }

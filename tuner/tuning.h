@@ -31,10 +31,11 @@ typedef struct tuning {
     uint64_t spent_ns;
     uint32_t watched; // launches whose threads were watched
     uint32_t disturbed;
-    uint64_t waited_ns; // for other programs, trials that were disturbed included
-    bool found;         // a kernel to be searched
-    bool cut;           // the budget ended a search
-    duet_error failure; // of the first plan that did not run
+    uint64_t waited_ns;   // for other programs, trials that were disturbed included
+    uint32_t quiet_tries; // to repeat trials that were disturbed beside no other program
+    bool found;           // a kernel to be searched
+    bool cut;             // the budget ended a search
+    duet_error failure;   // of the first plan that did not run
 } tuning;
 
 // What a trial gave to decide from.
