@@ -63,32 +63,25 @@ static const char *cl_name(int cl_code)
 
 // ---------------------------------------------------------------- public calls
 
-static _Thread_local public_call *innermost;
-
-static bool is_of_an_outer_call(const duet_error *err)
-{
-    const public_call *call = innermost;
-    while (call && call->err != err)
-        call = call->outer;
-    return call;
-}
-
 void public_call_begin(public_call *call, duet_error *err)
 {
-    *call = (public_call){.outer = innermost};
-    if (err && !is_of_an_outer_call(err)) {
-        call->err = err;
-        call->before = err->status;
+    *call = (public_call){.err = err};
+    if (!err)
+        return;
+    call->outer = err->calls;
+    call->before = err->status;
+    ++err->calls;
+    if (call->outer == 0)
         err->status = DUET_STATUS_OK;
-    }
-    innermost = call;
 }
 
 void public_call_end(public_call *call)
 {
-    if (call->err && call->err->status == DUET_STATUS_OK)
+    if (!call->err)
+        return;
+    call->err->calls = call->outer;
+    if (call->outer == 0 && call->err->status == DUET_STATUS_OK)
         call->err->status = call->before;
-    innermost = call->outer;
 }
 
 // ---------------------------------------------------------------- the line
@@ -146,8 +139,11 @@ bool error_set(duet_error *err, duet_status status, const char *format, ...)
 
 bool error_copy(duet_error *err, const duet_error *why)
 {
-    if (is_free(err))
-        *err = *why;
+    if (!is_free(err))
+        return false;
+    unsigned calls = err->calls;
+    *err = *why;
+    err->calls = calls;
     return false;
 }
 

@@ -9,15 +9,16 @@
 
 // The first statement of each public call that takes an error. Within it err begins without a
 // failure, so that the first one of this call is kept; if the call does not fail, err is afterwards
-// what it was before. Where err is that of a public call under way, it stays that call's.
+// what it was before. If err is that of a public call under way, it stays that call's, which err
+// itself says: ranks that are simulated change places within a thread.
 #define PUBLIC_CALL(err)                                         \
     __attribute__((cleanup(public_call_end))) public_call call_; \
     public_call_begin(&call_, err)
 
 typedef struct public_call {
-    duet_error *err;           // NULL: none, or an outer call's
-    duet_status before;        // its status when the call began
-    struct public_call *outer; // that this thread is in; NULL: none
+    duet_error *err;    // may be NULL
+    unsigned outer;     // calls that it was of already
+    duet_status before; // its status when the call began
 } public_call;
 
 void public_call_begin(public_call *call, duet_error *err);

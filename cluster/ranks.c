@@ -200,8 +200,10 @@ static bool tell_failure(ranks *r, int failing, duet_error *err)
         error_set(&first, own.status, "rank %d on %s: %s", r->self, r->host_name, own.text);
     }
     WAITING(r, MPI_Bcast(&first, (int)sizeof first, MPI_BYTE, failing, r->comm));
-    if (err)
+    if (err) {
+        first.calls = err->calls;
         *err = first;
+    }
     return false;
 }
 

@@ -28,7 +28,9 @@ static pid_t hold(const duet_tune_def *def)
     pid_t holder = fork();
     if (holder == 0) {
         device_lock lock;
-        bool ok = device_lock_take(&lock, def, NULL) && write(ready[1], "x", 1) == 1;
+        duet_tune_def own = *def;
+        own.watch = NULL; // it knows no holder to end
+        bool ok = device_lock_take(&lock, &own, NULL) && write(ready[1], "x", 1) == 1;
         while (ok)
             pause();
         _exit(1);
