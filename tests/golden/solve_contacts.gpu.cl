@@ -228,18 +228,21 @@ __kernel void solve_contacts(SOLVE_CONTACTS_ARGS)
 // that tumble gain energy without end.
 #define RESTITUTION_ROUNDS 8
 
-// The speed at which a point leaves that came at `speed` when the step began, and
-// was pulled along `way` since by `gain` a substep (below 0: closer). Velocities are
-// those of the middle of a substep, so half a gain lies between them and the place.
-static inline real speed_after(real speed, real restitution, real gain, real way)
+// The speed at which a point leaves that came at `speed` when the step began, `separation`
+// apart, and was stopped `current` apart: pulled by `gain` a substep on the way (below 0:
+// closer), it met the surface, leaves that with its part of the speed, and is pulled again from
+// there to where it is. Velocities are those of the middle of a substep, so half a gain lies
+// between them and the place.
+//
+//   per_h  1 / the substep's time
+static inline real speed_after(real speed, real restitution, real gain, real per_h, real separation, real current)
 {
-    real half_gain = 0.5f * gain;
+    real half_gain = 0.5f * gain, way = -2.0f * per_h * gain;
     real came = -(speed + half_gain);
-    real square = fma(came, came, way);
-    real struck = square * inverse_root(square);
-    real more = way * inverse(struck + came); // 0 where nothing pulls, to the bit
-    real leaves = fma(restitution, came + more, -half_gain);
-    return select(-restitution * speed, leaves, (came > 0.0f) & (square > 0.0f) & (gain != 0.0f));
+    real met = fma(way, separation, came * came);
+    real left = fma(-way, current, restitution * restitution * met);
+    real leaves = fma(left, inverse_root(left), -half_gain);
+    return select(-restitution * speed, leaves, (came > 0.0f) & (met > 0.0f) & (left > 0.0f) & (gain != 0.0f));
 }
 
 // What a substep pulls the two closer by, along the normal: nothing, where both
@@ -278,11 +281,10 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
     real wanted_speed[POINTS];
     for (int k = 0; k < p.most; ++k) {
         __global const float *point = point_at(constraint, k);
-        real fallen = get(point, BY_SEPARATION) - get(point, BY_CURRENT);
-        wanted_speed[k] =
-            speed_after(get(constraint, IN_SPEEDS + k), restitution, gain, -2.0f * fall.w * gain * fallen);
+        wanted_speed[k] = speed_after(get(constraint, IN_SPEEDS + k), restitution, gain, (real)(fall.w),
+                                      get(point, BY_SEPARATION), get(point, BY_CURRENT));
     }
-#line 396 "kernels/dynamics/solve_contacts.cl.in"
+#line 398 "kernels/dynamics/solve_contacts.cl.in"
     real impulses[POINTS] = {0};
     int turns = p.most > 1 ? RESTITUTION_ROUNDS : 1;
     for (int turn = 0; turn < turns; ++turn) {
@@ -293,7 +295,7 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
             real more = -get(point, BY_NORMAL_MASS) * (speed - wanted_speed[k]);
             mask asked = wanted[k] & ((p.n > 1u) | (mask)(turn == 0 ? -1 : 0));
             real impulse = select(impulses[k], fmax(impulses[k] + more, -get(point, BY_MAX_IMPULSE)), asked);
-#line 409 "kernels/dynamics/solve_contacts.cl.in"
+#line 411 "kernels/dynamics/solve_contacts.cl.in"
             apply_impulse(&p, anchor, vec_times(impulse - impulses[k], p.normal));
             impulses[k] = impulse;
         }
