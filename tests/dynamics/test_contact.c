@@ -499,38 +499,65 @@ static void momentum_is_kept_in_a_collision(void **state)
 
 // ---------------------------------------------------------------- friction
 
-// A box on a slope of half a radian, for two seconds: how far it slid.
-static double slide(uint32_t dims, double friction)
+typedef struct slope {
+    uint32_t dims, substeps;
+    double angle, friction, dt;
+} slope;
+
+// A box on it for two seconds: its way and its speed.
+static duet_state slide(const slope *s)
 {
-    mover *m = mover_new(dims);
-    double slope = 0.5;
-    uint32_t up = dims - 1;
+    mover *m = mover_new(s->dims);
+    uint32_t up = s->dims - 1;
+    bool flat = s->dims == 2;
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
-    m->def.gravity[0] = 9.81 * sin(slope); // the slope is level, and gravity leans
-    m->def.gravity[up] = -9.81 * cos(slope);
-    uint32_t floor = mover_add(m, 0, 0, 0, 50, dims == 2 ? 0.5 : 50, 0.5);
+    m->def.dt = s->dt;
+    m->def.substeps = s->substeps;
+    m->def.gravity[0] = 9.81 * sin(s->angle); // the slope is level, and gravity leans
+    m->def.gravity[up] = -9.81 * cos(s->angle);
+    uint32_t floor = mover_add(m, 0, 0, 0, 50, flat ? 0.5 : 50, 0.5);
     m->poses[floor].centre[up] = -0.5f;
     m->bodies[floor].mass = 0.0f;
-    m->bodies[floor].friction = (float)friction;
-    uint32_t box = mover_add(m, 0, dims == 2 ? 0.25 : 0, 0.25, 0.5, dims == 2 ? 0.25 : 0.5, 0.25);
-    m->bodies[box].friction = (float)friction;
-    mover_run(m, 120);
-    double way = m->states[box].centre[0];
+    m->bodies[floor].friction = (float)s->friction;
+    uint32_t box = mover_add(m, 0, flat ? 0.25 : 0, 0.25, 0.5, flat ? 0.25 : 0.5, 0.25);
+    m->bodies[box].friction = (float)s->friction;
+    mover_run(m, (uint32_t)lround(2 / s->dt));
+    duet_state end = m->states[box];
     mover_free(m);
-    return way;
+    return end;
 }
 
 static void friction_holds_up_to_its_angle(void **state)
 {
     (void)state;
-    double f[3];
-    figures("effects.md", "holds at # tan, slides at # tan; sliding as the closed form within # %",
-            3, f);
+    double f[2];
+    figures("effects.md", "holds at # tan, slides at # tan;", 2, f);
     for (uint32_t dims = 2; dims <= 3; ++dims) {
-        assert_true(fabs(slide(dims, f[0] * tan(0.5))) < 0.02);
-        assert_true(slide(dims, f[1] * tan(0.5)) > 0.1);
-        double expected = 0.5 * 9.81 * (sin(0.5) - 0.3 * cos(0.5)) * 4.0;
-        assert_close(slide(dims, 0.3) / expected, 1.0, f[2] / 100);
+        slope s = {dims, 4, 0.5, f[0] * tan(0.5), 1.0 / 60};
+        assert_true(fabs(slide(&s).centre[0]) < 0.02);
+        s.friction = f[1] * tan(0.5);
+        assert_true(slide(&s).centre[0] > 0.1);
+    }
+}
+
+static void friction_slows_as_its_closed_form(void **state)
+{
+    (void)state;
+    static const double slopes[] = {0.2, 0.5, 1}, parts[] = {0, 0.6, 0.9, 0.98};
+    static const double times[] = {1.0 / 60, 1.0 / 240};
+    double most = figure("effects.md", "its speed is the closed form's within g h / #");
+    for (uint64_t i = 0; i < 3 * 4 * 2 * 2 * 2; ++i) {
+        double tangent = slopes[i % 3], friction = parts[i / 3 % 4] * tangent;
+        slope s = {2 + (uint32_t)(i / 48), i / 12 % 2 ? 4 : 1, atan(tangent), friction,
+                   times[i / 24 % 2]};
+        if (!test_takes(i, 5))
+            continue;
+        double expected = 2 * 9.81 * (sin(s.angle) - friction * cos(s.angle));
+        double h = s.dt / s.substeps, off = slide(&s).velocity[0] - expected;
+        if (!(fabs(off) < 9.81 * h / most))
+            fail_msg("in %uD with friction %g on a slope of %g, %u substeps of %g s: %g m/s, off "
+                     "by %g, %g g h",
+                     s.dims, friction, tangent, s.substeps, h, expected, off, off / (9.81 * h));
     }
 }
 
@@ -781,6 +808,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_cradle_hands_the_speed_on),
         cmocka_unit_test(momentum_is_kept_in_a_collision),
         cmocka_unit_test(friction_holds_up_to_its_angle),
+        cmocka_unit_test(friction_slows_as_its_closed_form),
         cmocka_unit_test(a_box_slides_over_a_seam),
         cmocka_unit_test(what_rests_sleeps_and_is_woken),
         cmocka_unit_test(what_slept_on_a_box_that_is_gone_falls),

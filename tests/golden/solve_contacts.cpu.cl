@@ -115,7 +115,7 @@ static inline void press(pair *p, point one, demand d, mask where)
     real speed = vec_dot(velocity_between(p, anchor), p->normal);
     add_impulse(p, one, anchor, fma(-get_of(one, BY_NORMAL_MASS) * d.weight, speed + d.speed, fma(-d.decay, old, old)), where);
 }
-#line 200 "kernels/dynamics/solve_contacts.cl.in"
+#line 204 "kernels/dynamics/solve_contacts.cl.in"
 
 // An impact is stopped once: the next substep begins with a load's part of the impulse.
 static inline void forget_impact(point one, real load)
@@ -125,7 +125,7 @@ static inline void forget_impact(point one, real load)
     if (!any_lane(over))
         return;
     put_of(one, BY_NORMAL_IMPULSE, select(impulse, load, over));
-#line 216 "kernels/dynamics/solve_contacts.cl.in"
+#line 220 "kernels/dynamics/solve_contacts.cl.in"
 }
 
 static inline void solve_slots(__global float *constraint, __global float4 *bodies, uint soft, float per_h,
@@ -136,12 +136,12 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
     points all = take_points(constraint, p.n);
     if (!soft)
         load_warm_impulses(&p, bodies);
-#line 234 "kernels/dynamics/solve_contacts.cl.in"
+#line 238 "kernels/dynamics/solve_contacts.cl.in"
     if (!soft) {
         load_turn(&p.a, bodies, p.owner);
         load_turn(&p.b, bodies, p.other);
     }
-#line 244 "kernels/dynamics/solve_contacts.cl.in"
+#line 249 "kernels/dynamics/solve_contacts.cl.in"
     demand demands[POINTS];
     mask stiff = p.n > 1u, struck = 0;
     EACH_POINT(k, p.most) {
@@ -149,15 +149,16 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
         stiff &= (demands[k].decay == 0.0f) | !has_point(&p, k);
         struck |= demands[k].impact & has_point(&p, k);
     }
-#line 255 "kernels/dynamics/solve_contacts.cl.in"
+#line 260 "kernels/dynamics/solve_contacts.cl.in"
     EACH_IN_TURN(k, !soft, p.most)
         press(&p, point_of(&all, k), demands[k], has_point(&p, k));
+#line 268 "kernels/dynamics/solve_contacts.cl.in"
     if (!soft)
         EACH_POINT(k, p.most)
             forget_impact(point_of(&all, k), demands[k].load);
-#line 263 "kernels/dynamics/solve_contacts.cl.in"
+#line 274 "kernels/dynamics/solve_contacts.cl.in"
     keep_fields(&all, constraint, p.most, BY_CURRENT, FRICTION ? BY_TANGENT_MASS : BY_FIELDS);
-#line 265 "kernels/dynamics/solve_contacts.cl.in"
+#line 276 "kernels/dynamics/solve_contacts.cl.in"
     keep_velocity(bodies, p.owner, &p.a);
     keep_velocity(bodies, p.other, &p.b);
     if (!soft)
@@ -284,7 +285,7 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
         wanted_speed[k] = speed_after(get(constraint, IN_SPEEDS + k), restitution, gain, (real)(fall.w),
                                       get(point, BY_SEPARATION), get(point, BY_CURRENT));
     }
-#line 398 "kernels/dynamics/solve_contacts.cl.in"
+#line 409 "kernels/dynamics/solve_contacts.cl.in"
     real impulses[POINTS] = {0};
     int turns = p.most > 1 ? RESTITUTION_ROUNDS : 1;
     for (int turn = 0; turn < turns; ++turn) {
@@ -295,7 +296,7 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
             real more = -get(point, BY_NORMAL_MASS) * (speed - wanted_speed[k]);
             mask asked = wanted[k] & ((p.n > 1u) | (mask)(turn == 0 ? -1 : 0));
             real impulse = select(impulses[k], fmax(impulses[k] + more, -get(point, BY_MAX_IMPULSE)), asked);
-#line 411 "kernels/dynamics/solve_contacts.cl.in"
+#line 422 "kernels/dynamics/solve_contacts.cl.in"
             apply_impulse(&p, anchor, vec_times(impulse - impulses[k], p.normal));
             impulses[k] = impulse;
         }
