@@ -497,6 +497,44 @@ static void momentum_is_kept_in_a_collision(void **state)
     mover_free(m);
 }
 
+// Two cubes without restitution, face to face: along an axis, at a speed, of such masses.
+static void strike(uint32_t axis, double speed, double ratio, double dt, double most)
+{
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
+    m->def.dt = dt;
+    for (int i = 0; i < 2; ++i) {
+        double at[3] = {0};
+        at[axis] = i ? 2 : -2;
+        uint32_t id = mover_add_cube(m, at[0], at[1], at[2], 1);
+        m->bodies[id].mass = i ? (float)ratio : 1.0f;
+        m->bodies[id].velocity[axis] = (float)(i ? -0.25 * speed : 0.75 * speed);
+    }
+    double common = (0.75 - 0.25 * ratio) * speed / (1 + ratio);
+    mover_run(m, (uint32_t)lround(8 / (speed * dt)));
+    for (int i = 0; i < 2; ++i)
+        for (uint32_t k = 0; k < 3; ++k) {
+            double off = m->states[i].velocity[k] - (k == axis ? common : 0);
+            double spin = m->states[i].angular_velocity[k];
+            if (!(fabs(off) < most * speed && fabs(spin) < most * speed))
+                fail_msg("along %u at %g m/s, masses 1 : %g, steps of %g s: body %d is %g m/s off "
+                         "along %u and turns at %g",
+                         axis, speed, ratio, dt, i, off, k, spin);
+        }
+    mover_free(m);
+}
+
+static void a_plastic_hit_leaves_one_velocity_and_no_spin(void **state)
+{
+    (void)state;
+    static const double speeds[] = {0.5, 1, 4}, ratios[] = {1, 3, 20},
+                        times[] = {1.0 / 60, 1.0 / 240};
+    double most = figure("effects.md", "one velocity, and no spin, within # of the speed");
+    for (uint64_t i = 0; i < 3 * 3 * 3 * 2; ++i)
+        if (test_takes(i, 4))
+            strike(i % 3, speeds[i / 3 % 3], ratios[i / 9 % 3], times[i / 27], most);
+}
+
 // ---------------------------------------------------------------- friction
 
 typedef struct slope {
@@ -807,6 +845,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(an_inelastic_ball_comes_to_rest),
         cmocka_unit_test(a_cradle_hands_the_speed_on),
         cmocka_unit_test(momentum_is_kept_in_a_collision),
+        cmocka_unit_test(a_plastic_hit_leaves_one_velocity_and_no_spin),
         cmocka_unit_test(friction_holds_up_to_its_angle),
         cmocka_unit_test(friction_slows_as_its_closed_form),
         cmocka_unit_test(a_box_slides_over_a_seam),
