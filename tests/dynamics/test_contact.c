@@ -382,17 +382,58 @@ static void an_elastic_bounce_keeps_its_height(void **state)
     }
 }
 
-static void a_bounce_of_half_the_speed_keeps_a_quarter_of_the_height(void **state)
+typedef struct bounce {
+    double restitution, drop, dt;
+    uint32_t substeps;
+    bool round; // a sphere, else a cube
+} bounce;
+
+// How high it comes up again.
+static double height_after(const bounce *b)
 {
-    (void)state;
     mover *m = mover_new(3);
     mover_add_floor(m, 5);
-    uint32_t ball = mover_add_cube(m, 0, 0, 4.5, 1);
-    m->bodies[ball].restitution = 0.5f;
-    m->bodies[ball].fixed_rotation = true;
-    mover_run(m, 60); // on the ground after 0.9 s, up again 0.45 s later
-    assert_close(apex(m, ball, 30) - 0.5, 1.0, 0.01);
+    m->def.dt = b->dt;
+    m->def.substeps = b->substeps;
+    uint32_t ball = mover_add_cube(m, 0, 0, 0.5 + b->drop, b->round ? 0 : 1);
+    m->bodies[ball].radius = b->round ? 0.5f : 0.0f;
+    m->bodies[ball].restitution = (float)b->restitution;
+    const double *speed = &m->states[ball].velocity[2];
+    for (mover_run(m, 1); *speed <= 0;)
+        mover_run(m, 1);
+    while (*speed > 0)
+        mover_run(m, 1);
+    double g = -m->def.gravity[2];
+    double now = *speed - 0.5 * g * b->dt / b->substeps; // velocities are half a substep old
+    double peak = m->states[ball].centre[2] - 0.5 + now * now / (2 * g);
     mover_free(m);
+    return peak;
+}
+
+static void a_bounce_keeps_the_square_of_the_restitution(void **state)
+{
+    (void)state;
+    double f[5]; // drops and restitutions from and to, per cent
+    figures("effects.md",
+            "falls # to # m with a restitution of # to # | comes up to its square of the height "
+            "within g h^2 / 2 and # %",
+            5, f);
+    const double drops[] = {f[0], 1, 3, f[1]}, restitutions[] = {f[2], 0.5, f[3]};
+    static const double times[] = {1.0 / 60, 1.0 / 120, 1.0 / 240};
+    for (uint64_t i = 0; i < 4 * 3 * 3 * 2 * 2; ++i) {
+        bounce b = {.drop = drops[i % 4],
+                    .restitution = restitutions[i / 4 % 3],
+                    .dt = times[i / 12 % 3],
+                    .substeps = i / 36 % 2 ? 4 : 1,
+                    .round = i / 72};
+        if (!test_takes(i, 5))
+            continue;
+        double h = b.dt / b.substeps, expected = b.restitution * b.restitution * b.drop;
+        double off = height_after(&b) - expected;
+        if (!(fabs(off) < 0.5 * 9.81 * h * h + f[4] / 100 * expected))
+            fail_msg("%s that falls %g m, restitution %g, %u substeps of %g s: off by %g m",
+                     b.round ? "sphere" : "cube", b.drop, b.restitution, b.substeps, h, off);
+    }
 }
 
 static void an_inelastic_ball_comes_to_rest(void **state)
@@ -456,40 +497,105 @@ static void momentum_is_kept_in_a_collision(void **state)
     mover_free(m);
 }
 
+// Two cubes without restitution, face to face: along an axis, at a speed, of such masses.
+static void strike(uint32_t axis, double speed, double ratio, double dt, double most)
+{
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
+    m->def.dt = dt;
+    for (int i = 0; i < 2; ++i) {
+        double at[3] = {0};
+        at[axis] = i ? 2 : -2;
+        uint32_t id = mover_add_cube(m, at[0], at[1], at[2], 1);
+        m->bodies[id].mass = i ? (float)ratio : 1.0f;
+        m->bodies[id].velocity[axis] = (float)(i ? -0.25 * speed : 0.75 * speed);
+    }
+    double common = (0.75 - 0.25 * ratio) * speed / (1 + ratio);
+    mover_run(m, (uint32_t)lround(8 / (speed * dt)));
+    for (int i = 0; i < 2; ++i)
+        for (uint32_t k = 0; k < 3; ++k) {
+            double off = m->states[i].velocity[k] - (k == axis ? common : 0);
+            double spin = m->states[i].angular_velocity[k];
+            if (!(fabs(off) < most * speed && fabs(spin) < most * speed))
+                fail_msg("along %u at %g m/s, masses 1 : %g, steps of %g s: body %d is %g m/s off "
+                         "along %u and turns at %g",
+                         axis, speed, ratio, dt, i, off, k, spin);
+        }
+    mover_free(m);
+}
+
+static void a_plastic_hit_leaves_one_velocity_and_no_spin(void **state)
+{
+    (void)state;
+    static const double speeds[] = {0.5, 1, 4}, ratios[] = {1, 3, 20},
+                        times[] = {1.0 / 60, 1.0 / 240};
+    double most = figure("effects.md", "one velocity, and no spin, within # of the speed");
+    for (uint64_t i = 0; i < 3 * 3 * 3 * 2; ++i)
+        if (test_takes(i, 4))
+            strike(i % 3, speeds[i / 3 % 3], ratios[i / 9 % 3], times[i / 27], most);
+}
+
 // ---------------------------------------------------------------- friction
 
-// A box on a slope of half a radian, for two seconds: how far it slid.
-static double slide(uint32_t dims, double friction)
+typedef struct slope {
+    uint32_t dims, substeps;
+    double angle, friction, dt;
+} slope;
+
+// A box on it for two seconds: its way and its speed.
+static duet_state slide(const slope *s)
 {
-    mover *m = mover_new(dims);
-    double slope = 0.5;
-    uint32_t up = dims - 1;
+    mover *m = mover_new(s->dims);
+    uint32_t up = s->dims - 1;
+    bool flat = s->dims == 2;
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
-    m->def.gravity[0] = 9.81 * sin(slope); // the slope is level, and gravity leans
-    m->def.gravity[up] = -9.81 * cos(slope);
-    uint32_t floor = mover_add(m, 0, 0, 0, 50, dims == 2 ? 0.5 : 50, 0.5);
+    m->def.dt = s->dt;
+    m->def.substeps = s->substeps;
+    m->def.gravity[0] = 9.81 * sin(s->angle); // the slope is level, and gravity leans
+    m->def.gravity[up] = -9.81 * cos(s->angle);
+    uint32_t floor = mover_add(m, 0, 0, 0, 50, flat ? 0.5 : 50, 0.5);
     m->poses[floor].centre[up] = -0.5f;
     m->bodies[floor].mass = 0.0f;
-    m->bodies[floor].friction = (float)friction;
-    uint32_t box = mover_add(m, 0, dims == 2 ? 0.25 : 0, 0.25, 0.5, dims == 2 ? 0.25 : 0.5, 0.25);
-    m->bodies[box].friction = (float)friction;
-    mover_run(m, 120);
-    double way = m->states[box].centre[0];
+    m->bodies[floor].friction = (float)s->friction;
+    uint32_t box = mover_add(m, 0, flat ? 0.25 : 0, 0.25, 0.5, flat ? 0.25 : 0.5, 0.25);
+    m->bodies[box].friction = (float)s->friction;
+    mover_run(m, (uint32_t)lround(2 / s->dt));
+    duet_state end = m->states[box];
     mover_free(m);
-    return way;
+    return end;
 }
 
 static void friction_holds_up_to_its_angle(void **state)
 {
     (void)state;
-    double f[3];
-    figures("effects.md", "holds at # tan, slides at # tan; sliding as the closed form within # %",
-            3, f);
+    double f[2];
+    figures("effects.md", "holds at # tan, slides at # tan;", 2, f);
     for (uint32_t dims = 2; dims <= 3; ++dims) {
-        assert_true(fabs(slide(dims, f[0] * tan(0.5))) < 0.02);
-        assert_true(slide(dims, f[1] * tan(0.5)) > 0.1);
-        double expected = 0.5 * 9.81 * (sin(0.5) - 0.3 * cos(0.5)) * 4.0;
-        assert_close(slide(dims, 0.3) / expected, 1.0, f[2] / 100);
+        slope s = {dims, 4, 0.5, f[0] * tan(0.5), 1.0 / 60};
+        assert_true(fabs(slide(&s).centre[0]) < 0.02);
+        s.friction = f[1] * tan(0.5);
+        assert_true(slide(&s).centre[0] > 0.1);
+    }
+}
+
+static void friction_slows_as_its_closed_form(void **state)
+{
+    (void)state;
+    static const double slopes[] = {0.2, 0.5, 1}, parts[] = {0, 0.6, 0.9, 0.98};
+    static const double times[] = {1.0 / 60, 1.0 / 240};
+    double most = figure("effects.md", "its speed is the closed form's within g h / #");
+    for (uint64_t i = 0; i < 3 * 4 * 2 * 2 * 2; ++i) {
+        double tangent = slopes[i % 3], friction = parts[i / 3 % 4] * tangent;
+        slope s = {2 + (uint32_t)(i / 48), i / 12 % 2 ? 4 : 1, atan(tangent), friction,
+                   times[i / 24 % 2]};
+        if (!test_takes(i, 5))
+            continue;
+        double expected = 2 * 9.81 * (sin(s.angle) - friction * cos(s.angle));
+        double h = s.dt / s.substeps, off = slide(&s).velocity[0] - expected;
+        if (!(fabs(off) < 9.81 * h / most))
+            fail_msg("in %uD with friction %g on a slope of %g, %u substeps of %g s: %g m/s, off "
+                     "by %g, %g g h",
+                     s.dims, friction, tangent, s.substeps, h, expected, off, off / (9.81 * h));
     }
 }
 
@@ -735,11 +841,13 @@ int main(int argc, char **argv)
         cmocka_unit_test(tumbling_elastic_boxes_gain_nothing),
         cmocka_unit_test(a_falling_elastic_ball_gains_nothing),
         cmocka_unit_test(an_elastic_bounce_keeps_its_height),
-        cmocka_unit_test(a_bounce_of_half_the_speed_keeps_a_quarter_of_the_height),
+        cmocka_unit_test(a_bounce_keeps_the_square_of_the_restitution),
         cmocka_unit_test(an_inelastic_ball_comes_to_rest),
         cmocka_unit_test(a_cradle_hands_the_speed_on),
         cmocka_unit_test(momentum_is_kept_in_a_collision),
+        cmocka_unit_test(a_plastic_hit_leaves_one_velocity_and_no_spin),
         cmocka_unit_test(friction_holds_up_to_its_angle),
+        cmocka_unit_test(friction_slows_as_its_closed_form),
         cmocka_unit_test(a_box_slides_over_a_seam),
         cmocka_unit_test(what_rests_sleeps_and_is_woken),
         cmocka_unit_test(what_slept_on_a_box_that_is_gone_falls),

@@ -62,10 +62,11 @@ typedef struct {
     real weight; // part of the mass that answers
     real decay;  // part of the impulse that is let go
     real load;   // the most that the next substep may begin with
-    mask impact; // asks for more
+    mask impact;  // asks for more
+    mask release; // takes back more than half of its push
 } demand;
 
-#line 95 "kernels/dynamics/solve_contacts.cl.in"
+#line 96 "kernels/dynamics/solve_contacts.cl.in"
 // The separation after positions were integrated; the next substep begins with it.
 static inline real find_separation(const pair *p, point one, vec anchor)
 {
@@ -82,7 +83,9 @@ static inline demand demand_of(const pair *p, point one, uint soft, float per_h,
     real mass = get_of(one, BY_NORMAL_MASS), impulse = get_of(one, BY_NORMAL_IMPULSE);
     demand d;
     d.load = soft ? fma(mass, (real)(load_speed), impulse + impulse) : get_of(one, BY_LOAD);
-    d.impact = fma(-mass, vec_dot(velocity_between(p, anchor), p->normal), impulse) > d.load;
+    real asked = fma(-mass, vec_dot(velocity_between(p, anchor), p->normal), impulse);
+    d.impact = asked > d.load;
+    d.release = asked < 0.5f * impulse;
     real separation = soft ? get_of(one, BY_CURRENT) : find_separation(p, one, anchor);
     d.speed = select((real)(0.0f), separation * per_h, separation > 0.0f);
     d.weight = 1.0f;
@@ -115,7 +118,7 @@ static inline void press(pair *p, point one, demand d, mask where)
     real speed = vec_dot(velocity_between(p, anchor), p->normal);
     add_impulse(p, one, anchor, fma(-get_of(one, BY_NORMAL_MASS) * d.weight, speed + d.speed, fma(-d.decay, old, old)), where);
 }
-#line 200 "kernels/dynamics/solve_contacts.cl.in"
+#line 207 "kernels/dynamics/solve_contacts.cl.in"
 
 // An impact is stopped once: the next substep begins with a load's part of the impulse.
 static inline void forget_impact(point one, real load)
@@ -125,7 +128,7 @@ static inline void forget_impact(point one, real load)
     if (!any_lane(over))
         return;
     put_of(one, BY_NORMAL_IMPULSE, select(impulse, load, over));
-#line 216 "kernels/dynamics/solve_contacts.cl.in"
+#line 223 "kernels/dynamics/solve_contacts.cl.in"
 }
 
 static inline void solve_slots(__global float *constraint, __global float4 *bodies, uint soft, float per_h,
@@ -136,28 +139,30 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
     points all = take_points(constraint, p.n);
     if (!soft)
         load_warm_impulses(&p, bodies);
-#line 234 "kernels/dynamics/solve_contacts.cl.in"
+#line 241 "kernels/dynamics/solve_contacts.cl.in"
     if (!soft) {
         load_turn(&p.a, bodies, p.owner);
         load_turn(&p.b, bodies, p.other);
     }
-#line 244 "kernels/dynamics/solve_contacts.cl.in"
+#line 252 "kernels/dynamics/solve_contacts.cl.in"
     demand demands[POINTS];
-    mask stiff = p.n > 1u, struck = 0;
+    mask stiff = p.n > 1u, struck = 0, released = p.n > 1u;
     EACH_POINT(k, p.most) {
         demands[k] = demand_of(&p, point_of(&all, k), soft, per_h, spring, hard_spring, load_speed);
         stiff &= (demands[k].decay == 0.0f) | !has_point(&p, k);
         struck |= demands[k].impact & has_point(&p, k);
+        released &= demands[k].release | !has_point(&p, k);
     }
-#line 255 "kernels/dynamics/solve_contacts.cl.in"
+#line 265 "kernels/dynamics/solve_contacts.cl.in"
     EACH_IN_TURN(k, !soft, p.most)
         press(&p, point_of(&all, k), demands[k], has_point(&p, k));
+#line 273 "kernels/dynamics/solve_contacts.cl.in"
     if (!soft)
         EACH_POINT(k, p.most)
             forget_impact(point_of(&all, k), demands[k].load);
-#line 263 "kernels/dynamics/solve_contacts.cl.in"
+#line 279 "kernels/dynamics/solve_contacts.cl.in"
     keep_fields(&all, constraint, p.most, BY_CURRENT, FRICTION ? BY_TANGENT_MASS : BY_FIELDS);
-#line 265 "kernels/dynamics/solve_contacts.cl.in"
+#line 281 "kernels/dynamics/solve_contacts.cl.in"
     keep_velocity(bodies, p.owner, &p.a);
     keep_velocity(bodies, p.other, &p.b);
     if (!soft)
@@ -228,18 +233,21 @@ __kernel void solve_contacts(SOLVE_CONTACTS_ARGS)
 // that tumble gain energy without end.
 #define RESTITUTION_ROUNDS 8
 
-// The speed at which a point leaves that came at `speed` when the step began, and
-// was pulled along `way` since by `gain` a substep (below 0: closer). Velocities are
-// those of the middle of a substep, so half a gain lies between them and the place.
-static inline real speed_after(real speed, real restitution, real gain, real way)
+// The speed at which a point leaves that came at `speed` when the step began, `separation`
+// apart, and was stopped `current` apart: pulled by `gain` a substep on the way (below 0:
+// closer), it met the surface, leaves that with its part of the speed, and is pulled again from
+// there to where it is. Velocities are those of the middle of a substep, so half a gain lies
+// between them and the place.
+//
+//   per_h  1 / the substep's time
+static inline real speed_after(real speed, real restitution, real gain, real per_h, real separation, real current)
 {
-    real half_gain = 0.5f * gain;
+    real half_gain = 0.5f * gain, way = -2.0f * per_h * gain;
     real came = -(speed + half_gain);
-    real square = fma(came, came, way);
-    real struck = square * inverse_root(square);
-    real more = way * inverse(struck + came); // 0 where nothing pulls, to the bit
-    real leaves = fma(restitution, came + more, -half_gain);
-    return select(-restitution * speed, leaves, (came > 0.0f) & (square > 0.0f) & (gain != 0.0f));
+    real met = fma(way, separation, came * came);
+    real left = fma(-way, current, restitution * restitution * met);
+    real leaves = fma(left, inverse_root(left), -half_gain);
+    return select(-restitution * speed, leaves, (came > 0.0f) & (met > 0.0f) & (left > 0.0f) & (gain != 0.0f));
 }
 
 // What a substep pulls the two closer by, along the normal: nothing, where both
@@ -278,11 +286,10 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
     real wanted_speed[POINTS];
     for (int k = 0; k < p.most; ++k) {
         __global const float *point = point_at(constraint, k);
-        real fallen = get(point, BY_SEPARATION) - get(point, BY_CURRENT);
-        wanted_speed[k] =
-            speed_after(get(constraint, IN_SPEEDS + k), restitution, gain, -2.0f * fall.w * gain * fallen);
+        wanted_speed[k] = speed_after(get(constraint, IN_SPEEDS + k), restitution, gain, (real)(fall.w),
+                                      get(point, BY_SEPARATION), get(point, BY_CURRENT));
     }
-#line 396 "kernels/dynamics/solve_contacts.cl.in"
+#line 414 "kernels/dynamics/solve_contacts.cl.in"
     real impulses[POINTS] = {0};
     int turns = p.most > 1 ? RESTITUTION_ROUNDS : 1;
     for (int turn = 0; turn < turns; ++turn) {
@@ -293,7 +300,7 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
             real more = -get(point, BY_NORMAL_MASS) * (speed - wanted_speed[k]);
             mask asked = wanted[k] & ((p.n > 1u) | (mask)(turn == 0 ? -1 : 0));
             real impulse = select(impulses[k], fmax(impulses[k] + more, -get(point, BY_MAX_IMPULSE)), asked);
-#line 409 "kernels/dynamics/solve_contacts.cl.in"
+#line 427 "kernels/dynamics/solve_contacts.cl.in"
             apply_impulse(&p, anchor, vec_times(impulse - impulses[k], p.normal));
             impulses[k] = impulse;
         }
