@@ -54,8 +54,8 @@ typedef enum duet_status {
 typedef struct duet_error {
     int cl_code; // the OpenCL code where a device failed, else 0
     duet_status status;
-    unsigned calls; // Duet's own: public calls under way that fill it
     char text[480]; // one English line: what, where, what was expected
+    unsigned calls; // Duet's own: public calls under way that fill it
 } duet_error;
 
 // "BUILD_FAILED" for DUET_STATUS_BUILD_FAILED; "UNKNOWN" outside the list.

@@ -53,7 +53,8 @@ static void assert_failed(duet_status status, const duet_error *err, const char 
         fail_msg("%s: %s says '%s'", call_name, said, err->text);
 }
 
-static const duet_error earlier = {-1, DUET_STATUS_DEVICE_FAILED, "an earlier call failed"};
+static const duet_error earlier = {
+    .cl_code = -1, .status = DUET_STATUS_DEVICE_FAILED, .text = "an earlier call failed"};
 static text refused; // names of calls, each between blanks
 
 // It failed twice: without an earlier failure, and with one.

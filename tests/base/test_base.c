@@ -41,7 +41,8 @@ static bool call_within(bool before, bool first, bool second, duet_error *err)
 static void each_public_call_has_its_own_first_failure(void **state)
 {
     (void)state;
-    duet_error err = {-5, DUET_STATUS_DEVICE_FAILED, "an earlier call"};
+    duet_error err = {
+        .cl_code = -5, .status = DUET_STATUS_DEVICE_FAILED, .text = "an earlier call"};
     const duet_error earlier = err;
     for (int i = 0; i < 8; ++i) {
         bool before = i & 1, first = i & 2, second = i & 4, ok = before && first && second;

@@ -568,7 +568,8 @@ static void a_motion_is_tuned_by_runs_and_run_follows(void **state)
     program_free(&p);
     p = program_run("profiles why falling -n 50 --pair cpu --moving --profile " STORE);
     assert_non_null(strstr(p.out, "yes: the plan of such a motion of 30 bodies"));
-    assert_non_null(strstr(p.out, "\nwhat a step takes is not known\n"));
+    assert_non_null(strstr(
+        p.out, "\nthe plan of another workload: what a step takes and gains here is not known\n"));
     program_free(&p);
     p = program_run("profiles list --profile " STORE);
     assert_non_null(strstr(p.out, "falling, 30, moving"));

@@ -1525,7 +1525,8 @@ static void calls_in_another_order_are_refused(void)
 // A rank that has no cluster is alone.
 static void each_call_that_fails_gives_its_own_line(void)
 {
-    const duet_error earlier = {-1, DUET_STATUS_DEVICE_FAILED, "an earlier call failed"};
+    const duet_error earlier = {
+        .cl_code = -1, .status = DUET_STATUS_DEVICE_FAILED, .text = "an earlier call failed"};
     for (int i = 0; i < 11; ++i) {
         duet_error err = earlier, *e = &err;
         bool ok = i == 0   ? duet_cluster_create(NULL, e) != NULL
