@@ -18,6 +18,7 @@
 #define WINDOW_NS UINT64_C(300000000)
 
 static const double LOST = 0.05;      // part of a launch that may be lost
+static const double WANTS = 0.2;      // part for which a thread that matters wants a core
 static const double FEW_CORES = 0.15; // what a system's own programs take at rest
 
 typedef struct thread_row {
@@ -216,6 +217,7 @@ core_use core_watch_stop(core_watch *w)
     if (!w)
         return use;
     uint64_t ns = clock_steady_ns() - w->begun_ns, busiest_ns = 0;
+    uint32_t wanting = 0; // threads that wanted a core for long
     // The system's table is behind for a thread that runs, as this one does.
     uint64_t caller_ns = cpu_ns(CLOCK_THREAD_CPUTIME_ID) - w->caller_ns;
     int caller = gettid();
@@ -224,13 +226,15 @@ core_use core_watch_stop(core_watch *w)
     for (uint32_t i = 0; i < w->after.n; ++i) {
         thread_row row = difference(&w->before, &w->after.rows[i]);
         use.wait_ns = row.waited_ns > use.wait_ns ? row.waited_ns : use.wait_ns;
+        wanting += (double)(row.ran_ns + row.waited_ns) > WANTS * (double)ns;
         if (row.id != caller && row.ran_ns > busiest_ns)
             busiest_ns = row.ran_ns;
     }
     use.cpu_ns = caller_ns + busiest_ns;
     use.lost_ns = least(use.wait_ns, ns - least(use.cpu_ns, ns));
     look_at_others(w);
-    use.disturbed = (double)use.lost_ns > LOST * (double)ns;
+    bool own = !w->others.is_crowded && wanting > w->others.of;
+    use.disturbed = !own && (double)use.lost_ns > LOST * (double)ns;
     ++w->tally.launches;
     w->tally.disturbed += use.disturbed;
     return use;

@@ -26,7 +26,7 @@ typedef struct core_use {
     uint64_t wait_ns; // the longest that one thread waited for a core
     uint64_t lost_ns; // the lesser of both bounds
     bool disturbed;   // that is more than a twentieth of the launch: another program had a core, or
-                      // two of its own threads were put on one
+                      // two of its own threads were put on one although there were enough
 } core_use;
 
 // Cores that other programs have.

@@ -576,7 +576,7 @@ static void a_motion_is_tuned_by_runs_and_run_follows(void **state)
     program_free(&p);
     p = program_run("tune %s --steps 5", motion);
     assert_non_null(strstr(p.out, ", runs of 5 steps, "));
-    assert_non_null(strstr(p.out, "\n  duet run falling -n 30 --pair pocl:0 --steps 5 --variant"));
+    assert_non_null(strstr(p.out, "\n  duet run falling -n 30 --pair pocl:0 --steps 5 --share"));
     program_free(&p);
 }
 
