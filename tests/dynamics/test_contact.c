@@ -527,12 +527,12 @@ static void strike(uint32_t axis, double speed, double ratio, double dt, double 
 static void a_plastic_hit_leaves_one_velocity_and_no_spin(void **state)
 {
     (void)state;
-    static const double speeds[] = {0.5, 1, 4}, ratios[] = {1, 3, 20},
+    static const double ways[] = {1 / 60.0, 1 / 30.0, 1 / 15.0}, ratios[] = {1, 3, 20},
                         times[] = {1.0 / 60, 1.0 / 240};
     double most = figure("effects.md", "one velocity, and no spin, within # of the speed");
     for (uint64_t i = 0; i < 3 * 3 * 3 * 2; ++i)
         if (test_takes(i, 4))
-            strike(i % 3, speeds[i / 3 % 3], ratios[i / 9 % 3], times[i / 27], most);
+            strike(i % 3, ways[i / 3 % 3] / times[i / 27], ratios[i / 9 % 3], times[i / 27], most);
 }
 
 // ---------------------------------------------------------------- friction
