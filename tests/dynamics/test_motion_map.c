@@ -195,7 +195,7 @@ static void a_sleeper_that_is_written_wakes_and_a_target_is_forgotten(void **sta
     (void)state;
     duet_error err = {0};
     mover *m = make_shower(3, false);
-    mover_run(m, 200);
+    mover_run(m, 240);
     assert_true(m->motion->at_rest);
     float *velocities = map(m, DUET_STATE_VELOCITIES, DUET_MAP_WRITE, CUBES, 1);
     velocities[1] = 4.0f;

@@ -524,7 +524,7 @@ static void why_and_run_say_that_no_figure_is_known(void **state)
     assert_true(cJSON_GetObjectItemCaseSensitive(o, "share")->valuedouble == 0.375);
     for (size_t i = 0; i < sizeof figures / sizeof *figures; ++i)
         assert_true(cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(o, figures[i])));
-    assert_null(cJSON_GetObjectItemCaseSensitive(o, "true_pairs"));
+    assert_true(cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(o, "true_pairs")));
     assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "uid")->valuestring, "");
     cJSON_Delete(o);
     program p = program_run("profiles why %s --profile %s", SCENE, folder.store);
