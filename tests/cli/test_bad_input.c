@@ -50,18 +50,16 @@ static void assert_run_refused(int exit_code, const char *arguments, const char 
     assert_null(fopen(OUT, "rb"));
 }
 
-static void a_missing_file_is_named(void **state)
+TEST(a_missing_file_is_named)
 {
-    (void)state;
     assert_run_refused(1, "no/such/boxes.csv", "no/such/boxes.csv: No such file or directory");
     assert_run_refused(1, "no/such/boxes.npy", "no/such/boxes.npy: No such file or directory");
     assert_run_refused(1, "no/such/scene.lua", "no/such/scene.lua: No such file or directory");
     assert_run_refused(1, ".", ".: is a folder, not a file");
 }
 
-static void a_wrong_row_is_named_by_line_and_object(void **state)
+TEST(a_wrong_row_is_named_by_line_and_object)
 {
-    (void)state;
     static const struct {
         const char *chars;
         const char *says;
@@ -79,7 +77,6 @@ static void a_wrong_row_is_named_by_line_and_object(void **state)
         write_text("test_bad_input.csv", wrong[i].chars);
         assert_run_refused(1, "test_bad_input.csv", wrong[i].says);
     }
-    remove("test_bad_input.csv");
 }
 
 static text npy_with(const char *literal, size_t data_bytes)
@@ -92,9 +89,8 @@ static text npy_with(const char *literal, size_t data_bytes)
     return t;
 }
 
-static void a_wrong_array_is_refused(void **state)
+TEST(a_wrong_array_is_refused)
 {
-    (void)state;
     static const struct {
         const char *literal;
         size_t data_bytes;
@@ -119,13 +115,11 @@ static void a_wrong_array_is_refused(void **state)
     }
     write_bytes("test_bad_input.npy", "\x93NUMPY\x01", 7);
     assert_run_refused(1, "test_bad_input.npy", ".npy: does not begin as a .npy file does");
-    remove("test_bad_input.npy");
 }
 
 // What never ends is left at the first byte or line that no text has.
-static void what_is_no_text_is_refused_at_once(void **state)
+TEST(what_is_no_text_is_refused_at_once)
 {
-    (void)state;
     static const struct {
         const char *command;
         const char *says;
@@ -147,9 +141,8 @@ static void what_is_no_text_is_refused_at_once(void **state)
     }
 }
 
-static void a_line_that_is_too_long_is_refused(void **state)
+TEST(a_line_that_is_too_long_is_refused)
 {
-    (void)state;
     text line = {0};
     for (size_t i = 0; i < TEXT_LINE_MOST / 8 + 1; ++i)
         text_add(&line, "0,0,0,1,");
@@ -157,12 +150,10 @@ static void a_line_that_is_too_long_is_refused(void **state)
     text_free(&line);
     assert_run_refused(1, "test_bad_input.csv",
                        "test_bad_input.csv: has a line of more than 16 MiB");
-    remove("test_bad_input.csv");
 }
 
-static void a_wrong_scene_is_named_by_line(void **state)
+TEST(a_wrong_scene_is_named_by_line)
 {
-    (void)state;
     static const struct {
         const char *chars;
         const char *says;
@@ -177,12 +168,10 @@ static void a_wrong_scene_is_named_by_line(void **state)
         write_text("test_bad_input.lua", wrong[i].chars);
         assert_run_refused(1, "test_bad_input.lua", wrong[i].says);
     }
-    remove("test_bad_input.lua");
 }
 
-static void a_wrong_option_is_wrong_usage(void **state)
+TEST(a_wrong_option_is_wrong_usage)
 {
-    (void)state;
     write_text("test_bad_input.csv", "0,0,1,1\n");
     assert_run_refused(2, "test_bad_input.csv --share 1.5", "--share '1.5'");
     assert_run_refused(2, "test_bad_input.csv --share -0.1", "--share '-0.1'");
@@ -191,13 +180,11 @@ static void a_wrong_option_is_wrong_usage(void **state)
                        "--objects '4294967294': give a whole number from 0 to 4294967293");
     assert_run_refused(2, "test_bad_input.csv -n 1",
                        "'n' cannot be chosen, since this is data and no .lua scene");
-    remove("test_bad_input.csv");
 }
 
 // By whatever name it is called, and before it is read: it is no scene.
-static void an_output_that_would_replace_what_is_read_is_refused(void **state)
+TEST(an_output_that_would_replace_what_is_read_is_refused)
 {
-    (void)state;
     static const struct {
         const char *arguments;
         const char *says;
@@ -226,13 +213,10 @@ static void an_output_that_would_replace_what_is_read_is_refused(void **state)
         assert_file_holds("in.csv", "no scene");
         assert_int_not_equal(access("out", F_OK), 0);
     }
-    remove("link.csv");
-    remove("in.csv");
 }
 
-static void a_parameter_that_the_scene_lacks_is_named(void **state)
+TEST(a_parameter_that_the_scene_lacks_is_named)
 {
-    (void)state;
     char arguments[600];
     snprintf(arguments, sizeof arguments, "%s/paper.lua -n 10 --set boxes=3",
              getenv("DUET_TEST_SCENES"));
@@ -247,9 +231,8 @@ static double number_in(const cJSON *object, const char *name)
     return item->valuedouble;
 }
 
-static void none_and_one_and_two_objects_are_no_error(void **state)
+TEST(none_and_one_and_two_objects_are_no_error)
 {
-    (void)state;
     static const char *const rows[] = {"", "0,0,0,1,1,1\n", "0,0,0,1,1,1\n1,1,1,2,2,2\n"};
     for (int n = 0; n <= 2; ++n) {
         write_text("test_bad_input.csv", rows[n]);
@@ -265,7 +248,6 @@ static void none_and_one_and_two_objects_are_no_error(void **state)
         program_free(&p);
         remove(OUT);
     }
-    remove("test_bad_input.csv");
 }
 
 // ------------------------------------------------------------------ kernels
@@ -284,9 +266,8 @@ static void drop_compiler_count(program *p)
     memmove(start, rest, strlen(rest) + 1);
 }
 
-static void a_kernel_that_does_not_compile_is_named(void **state)
+TEST(a_kernel_that_does_not_compile_is_named)
 {
-    (void)state;
     static const struct {
         const char *file;
         const char *more;
@@ -306,34 +287,13 @@ static void a_kernel_that_does_not_compile_is_named(void **state)
         assert_file_holds(OUT, "before");
         remove(OUT);
     }
-    test_kernels_remove("test_bad_input.kernels");
-    remove("test_bad_input.csv");
 }
 
-static void a_missing_folder_of_kernels_is_named(void **state)
+TEST(a_missing_folder_of_kernels_is_named)
 {
-    (void)state;
     write_text("test_bad_input.csv", "0,0,1,1\n");
     program p = program_run_with("DUET_KERNEL_DIR=no/such/folder", "run test_bad_input.csv");
     program_assert_refused(&p, 1, "no/such/folder: No such file or directory");
-    remove("test_bad_input.csv");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_missing_file_is_named),
-        cmocka_unit_test(a_wrong_row_is_named_by_line_and_object),
-        cmocka_unit_test(a_wrong_array_is_refused),
-        cmocka_unit_test(what_is_no_text_is_refused_at_once),
-        cmocka_unit_test(a_line_that_is_too_long_is_refused),
-        cmocka_unit_test(a_wrong_scene_is_named_by_line),
-        cmocka_unit_test(a_wrong_option_is_wrong_usage),
-        cmocka_unit_test(an_output_that_would_replace_what_is_read_is_refused),
-        cmocka_unit_test(a_parameter_that_the_scene_lacks_is_named),
-        cmocka_unit_test(none_and_one_and_two_objects_are_no_error),
-        cmocka_unit_test(a_kernel_that_does_not_compile_is_named),
-        cmocka_unit_test(a_missing_folder_of_kernels_is_named),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -24,14 +24,6 @@ static void write_script(const char *content)
     assert_ok(text_write_file(SCRIPT, content, strlen(content), &err), err);
 }
 
-static int remove_files(void **state)
-{
-    (void)state;
-    remove(SCRIPT);
-    remove("test_lua.out");
-    return 0;
-}
-
 static void assert_prints(const char *arguments, const char *output)
 {
     program p = program_run("%s", arguments);
@@ -42,26 +34,23 @@ static void assert_prints(const char *arguments, const char *output)
     program_free(&p);
 }
 
-static void text_file_and_arguments_run(void **state)
+TEST(text_file_and_arguments_run)
 {
-    (void)state;
     assert_prints("lua -e 'print(1 + 1, duet.version)'", "2\t1.0.0\n");
     write_script("#!/usr/bin/env duet\nprint(arg[0], #arg, arg[1], require 'duet' == duet)\n");
     assert_prints("lua -e 'x = 1' " SCRIPT " --json b", SCRIPT "\t2\t--json\ttrue\n");
 }
 
-static void trust_gives_the_whole_language(void **state)
+TEST(trust_gives_the_whole_language)
 {
-    (void)state;
     assert_prints("lua --trust -e 'io.write(type(os.time), type(load), type(pcall))'",
                   "functionfunctionfunction");
     assert_prints("lua -e 'print(io, os, load, dofile, pcall, debug, package, coroutine)'",
                   "nil\tnil\tnil\tnil\tnil\tnil\tnil\tnil\n");
 }
 
-static void what_is_typed_is_run_and_shown(void **state)
+TEST(what_is_typed_is_run_and_shown)
 {
-    (void)state;
     write_script("x = { 3, 4, name = 'a b' }\n"
                  "x\n"
                  "function twice(n)\n"
@@ -76,9 +65,8 @@ static void what_is_typed_is_run_and_shown(void **state)
                   "{ 3, 4, name = \"a b\" }\n42\ttext\n42\nn    s\n  1  a\n100  b\n");
 }
 
-static void what_is_shown_says_what_it_is(void **state)
+TEST(what_is_shown_says_what_it_is)
 {
-    (void)state;
     write_script("p = duet.device_pair('halves')\n"
                  "a, b = p:device('A'), p:device('B')\n"
                  "one = ('duet.device_pair { A = B = %s %s }'):format(a.selector, a.name)\n"
@@ -118,9 +106,8 @@ static void what_is_shown_says_what_it_is(void **state)
     program_free(&p);
 }
 
-static void help_is_of_the_prompt(void **state)
+TEST(help_is_of_the_prompt)
 {
-    (void)state;
     write_script("help\nhelp(duet.scene)\nhelp(duet.bounds(1))\nhelp 'DevicePair'\nhelp 'no'\n");
     program p = program_run("lua <" SCRIPT);
     assert_int_equal(p.exit_code, 0);
@@ -201,9 +188,8 @@ static int terminal_close(terminal *t)
 
 #define HISTORY "test_lua.state/duet/lua_history"
 
-static void tab_completes_and_history_is_kept(void **state)
+TEST(tab_completes_and_history_is_kept)
 {
-    (void)state;
     char here[4096];
     text home = {0};
     text_add(&home, "%s/test_lua.state", getcwd(here, sizeof here));
@@ -240,9 +226,8 @@ static void tab_completes_and_history_is_kept(void **state)
     assert_int_equal(terminal_close(&t), 0);
 }
 
-static void a_step_can_be_made_without_trust(void **state)
+TEST(a_step_can_be_made_without_trust)
 {
-    (void)state;
     write_script("local pair <close> = assert(duet.device_pair())\n"
                  "local world <close> = assert(pair:world { dims = 3 })\n"
                  "assert(world:set_poses { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1,\n"
@@ -259,18 +244,16 @@ static void assert_refused(const char *arguments, int exit_code, const char *say
     program_assert_refused(&p, exit_code, says);
 }
 
-static void a_wrong_command_line_is_refused(void **state)
+TEST(a_wrong_command_line_is_refused)
 {
-    (void)state;
     assert_refused("lua nowhere.lua", 1, "nowhere.lua: No such file");
     assert_refused("lua -e 'x x'", 1, "-e:1: syntax error near 'x'");
     assert_refused("lua --trust -e 'x x'", 1, "-e:1: syntax error near 'x'");
     assert_refused("lua --trust -e 'error {}'", 1, "an error that is not a text");
 }
 
-static void a_hostile_script_ends_with_its_line(void **state)
+TEST(a_hostile_script_ends_with_its_line)
 {
-    (void)state;
     static const struct {
         const char *script;
         const char *says;
@@ -318,9 +301,8 @@ static void a_hostile_script_ends_with_its_line(void **state)
     "local scene = assert(duet.scene(boxes, 3))\n"
 
 // Each of 20000 boxes touches each: 1.6 GB of pairs.
-static void work_of_the_host_is_held_to_the_limits(void **state)
+TEST(work_of_the_host_is_held_to_the_limits)
 {
-    (void)state;
     write_script(CROWD "assert(scene:reference())\n");
     assert_refused("lua --seconds 60 --memory 16 " SCRIPT, 1,
                    SCRIPT ":4: needs more than the 16 MiB of the host's memory it may take");
@@ -332,9 +314,8 @@ static void work_of_the_host_is_held_to_the_limits(void **state)
 }
 
 // What is kept fills the limit; what is dropped is collected before it does.
-static void what_a_script_opens_counts_as_its_memory(void **state)
+TEST(what_a_script_opens_counts_as_its_memory)
 {
-    (void)state;
     static const char *const makers[] = {
         "duet.device_pair()",   "pair:world { dims = 3 }",
         "pair:tree()",          "pair:motion(poses, bodies, { wants = { 'contact_response' } })",
@@ -365,9 +346,8 @@ static void what_a_script_opens_counts_as_its_memory(void **state)
 }
 
 // A step on devices cannot be ended by the library; this one takes seconds.
-static void a_script_that_goes_on_in_the_host_is_ended_by_the_program(void **state)
+TEST(a_script_that_goes_on_in_the_host_is_ended_by_the_program)
 {
-    (void)state;
     write_script(CROWD "local world = assert(assert(duet.device_pair()):world(scene))\n"
                        "while true do assert(world:step()) end\n");
     uint64_t begun = clock_steady_ns();
@@ -385,9 +365,8 @@ static void a_script_that_goes_on_in_the_host_is_ended_by_the_program(void **sta
 
 // The first signal is heard, whatever the script does; a second one would end
 // the program without a line.
-static void a_signal_is_heard_whatever_runs(void **state)
+TEST(a_signal_is_heard_whatever_runs)
 {
-    (void)state;
     static const struct {
         const char *options;
         const char *script;
@@ -411,9 +390,8 @@ static void a_signal_is_heard_whatever_runs(void **state)
     }
 }
 
-static void a_file_named_on_the_command_line_can_be_read(void **state)
+TEST(a_file_named_on_the_command_line_can_be_read)
 {
-    (void)state;
     char path[512];
     snprintf(path, sizeof path, "lua /dev/stdin '%s/paper.lua' <" SCRIPT,
              getenv("DUET_TEST_SCENES"));
@@ -421,23 +399,4 @@ static void a_file_named_on_the_command_line_can_be_read(void **state)
     assert_prints(path, "7\n");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(text_file_and_arguments_run),
-        cmocka_unit_test(trust_gives_the_whole_language),
-        cmocka_unit_test(what_is_typed_is_run_and_shown),
-        cmocka_unit_test(what_is_shown_says_what_it_is),
-        cmocka_unit_test(help_is_of_the_prompt),
-        cmocka_unit_test(tab_completes_and_history_is_kept),
-        cmocka_unit_test(a_step_can_be_made_without_trust),
-        cmocka_unit_test(a_wrong_command_line_is_refused),
-        cmocka_unit_test(a_hostile_script_ends_with_its_line),
-        cmocka_unit_test(work_of_the_host_is_held_to_the_limits),
-        cmocka_unit_test(what_a_script_opens_counts_as_its_memory),
-        cmocka_unit_test(a_script_that_goes_on_in_the_host_is_ended_by_the_program),
-        cmocka_unit_test(a_signal_is_heard_whatever_runs),
-        cmocka_unit_test(a_file_named_on_the_command_line_can_be_read),
-    };
-    return cmocka_run_group_tests(tests, NULL, remove_files);
-}
+TEST_MAIN(NULL, NULL)

@@ -31,9 +31,8 @@ static int read_examples(const char *document, const char *kind)
     return n;
 }
 
-static void the_documents_examples_are_read(void **state)
+TEST(the_documents_examples_are_read)
 {
-    (void)state;
     char path[512];
     snprintf(path, sizeof path, "%s/../../docs/formats.md", getenv("DUET_TEST_SCENES"));
     text document = {0};
@@ -44,8 +43,4 @@ static void the_documents_examples_are_read(void **state)
     text_free(&document);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_documents_examples_are_read)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)
