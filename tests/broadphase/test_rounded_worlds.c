@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Worlds of rounded boxes and of spheres: on any device, at any share, in any grid and mode the
 // pairs are the reference's, and what has no radius, or a bad one, is named.
+#include "support/devices.h"
 #include "support/test.h"
 
 #include "base/rng.h"
@@ -13,27 +14,8 @@
 
 enum { OBJECTS = 900, EDGE = 7 };
 
-static duet_device_pair *devices;
 static duet_rounded_box boxes[OBJECTS];
 static duet_sphere spheres[OBJECTS];
-
-static int open_devices(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_create(&def, &err);
-    assert_ok(devices, err);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_destroy(devices);
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
 
 // ------------------------------------------------------------ scenes
 

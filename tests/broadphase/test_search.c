@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Every search finds the reference's pairs, whatever the objects are and
 // wherever they are cut.
+#include "support/devices.h"
 #include "support/test.h"
 
 #include "base/rng.h"
@@ -64,33 +65,6 @@ static uint64_t reference_hash(const crowd *c, uint64_t *n_pairs)
     return hash;
 }
 
-static duet_device_pair *open_pair(const char *a, const char *b)
-{
-    duet_device_pair_def def = duet_default_device_pair_def();
-    def.a = a;
-    def.b = b;
-    duet_error err = {0};
-    duet_device_pair *pair = duet_device_pair_create(&def, &err);
-    assert_ok(pair, err);
-    return pair;
-}
-
-static duet_device_pair *first_two; // one pair for all tests: few kernels, many worlds
-
-static int open_devices(void **state)
-{
-    (void)state;
-    first_two = open_pair(NULL, NULL);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_destroy(first_two);
-    return 0;
-}
-
 static duet_world *open_world(duet_device_pair *pair, const crowd *c)
 {
     duet_world_def def = duet_default_world_def();
@@ -141,7 +115,7 @@ static const double widths[] = {0.1, 1.2, 2.0, 3.0, 20.0};
 static void try_crowds(const char *search, crowd *c, rng *r)
 {
     static const uint32_t counts[] = {0, 1, 2, 7, 8, 9, 100, 300, 1501};
-    duet_world *world = open_world(first_two, c);
+    duet_world *world = open_world(devices, c);
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
         for (size_t w = 0; w < sizeof widths / sizeof widths[0]; ++w) {
             if (counts[i] > 300 && widths[w] < 3.0)
@@ -188,7 +162,7 @@ static void boxes_touch_where_one_ends_at_minus_zero(void **state)
 {
     (void)state;
     static crowd c = {.dims = 3, .shape = DUET_SHAPE_BOUNDS};
-    duet_world *world = open_world(first_two, &c);
+    duet_world *world = open_world(devices, &c);
     for (int width = 2; width <= 8;
          width += 6) { // narrow grids, and those that eight are sought in
         fill_around_zero(&c, width);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Sizes apart from transforms: the pairs of whole poses, and sizes travel once.
+#include "support/devices.h"
 #include "support/test.h"
 
 #include "base/rng.h"
@@ -10,28 +11,15 @@
 
 enum { CAPACITY = 3000 };
 
-static duet_device_pair *devices;
 static bool have_host_memory[2];
 static duet_pose poses[CAPACITY];
 static bool compact; // worlds have compact transforms
 
-static int open_devices(void **state)
+static int begin(void **state)
 {
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_create(&def, &err);
-    assert_ok(devices != NULL, err);
+    open_devices(state);
     for (int side = 0; side < 2; ++side)
         have_host_memory[side] = devices->devices[side].info.host_memory;
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_destroy(devices);
-    assert_int_equal(device_live_objects(), 0);
     return 0;
 }
 
@@ -405,5 +393,5 @@ int main(void)
         cmocka_unit_test(as_many_sizes_as_transforms),
         cmocka_unit_test(only_what_has_sizes_has_them_apart),
     };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
+    return cmocka_run_group_tests(tests, begin, close_devices);
 }
