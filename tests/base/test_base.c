@@ -99,8 +99,7 @@ TEST(a_text_grows_and_survives_a_file)
     for (int i = 0; i < 1000; ++i)
         text_add(&t, "%d,", i);
     assert_ok(text_write_file("test_base.tmp", t.chars, t.length, &err), err);
-    text back = {0};
-    assert_ok(text_read_file(&back, "test_base.tmp", &err), err);
+    text back = test_read_file("test_base.tmp");
     assert_int_equal(back.length, t.length);
     assert_memory_equal(back.chars, t.chars, t.length);
     text_free(&t);

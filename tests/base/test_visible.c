@@ -224,10 +224,8 @@ TEST(a_page_of_such_a_store_is_utf8_and_holds_no_markup_of_it)
         assert_int_equal(p.exit_code, 0);
         program_free(&p);
         char path[96];
-        text page = {0};
-        duet_error err = {0};
         snprintf(path, sizeof path, "%s/page.html", folder.path);
-        assert_ok(text_read_file(&page, path, &err), err);
+        text page = test_read_file(path);
         assert_fit("the page", text_chars(&page));
         assert_null(strstr(text_chars(&page), "</title><b>"));
         text_free(&page);

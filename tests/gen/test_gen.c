@@ -38,9 +38,8 @@ static char made[4096]; // the text that make_with made
 static void write_file(const char *name, const char *chars)
 {
     char path[128];
-    duet_error err = {0};
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    assert_ok(text_write_file(path, chars, strlen(chars), &err), err);
+    test_write_file(path, chars);
 }
 
 // A kernel k in a folder of its own; returns what making it with the settings

@@ -18,12 +18,6 @@
 
 #define SCRIPT "test_lua.script.lua"
 
-static void write_script(const char *content)
-{
-    duet_error err = {0};
-    assert_ok(text_write_file(SCRIPT, content, strlen(content), &err), err);
-}
-
 static void assert_prints(const char *arguments, const char *output)
 {
     program p = program_run("%s", arguments);
@@ -37,7 +31,8 @@ static void assert_prints(const char *arguments, const char *output)
 TEST(text_file_and_arguments_run)
 {
     assert_prints("lua -e 'print(1 + 1, duet.version)'", "2\t1.0.0\n");
-    write_script("#!/usr/bin/env duet\nprint(arg[0], #arg, arg[1], require 'duet' == duet)\n");
+    test_write_file(SCRIPT,
+                    "#!/usr/bin/env duet\nprint(arg[0], #arg, arg[1], require 'duet' == duet)\n");
     assert_prints("lua -e 'x = 1' " SCRIPT " --json b", SCRIPT "\t2\t--json\ttrue\n");
 }
 
@@ -51,35 +46,36 @@ TEST(trust_gives_the_whole_language)
 
 TEST(what_is_typed_is_run_and_shown)
 {
-    write_script("x = { 3, 4, name = 'a b' }\n"
-                 "x\n"
-                 "function twice(n)\n"
-                 "  return 2 * n\n"
-                 "end\n"
-                 "twice(\n"
-                 "  21), 'text'\n"
-                 "40 +\n"
-                 "2\n"
-                 "{ { n = 1, s = 'a' }, { n = 100, s = 'b' } }\n");
+    test_write_file(SCRIPT, "x = { 3, 4, name = 'a b' }\n"
+                            "x\n"
+                            "function twice(n)\n"
+                            "  return 2 * n\n"
+                            "end\n"
+                            "twice(\n"
+                            "  21), 'text'\n"
+                            "40 +\n"
+                            "2\n"
+                            "{ { n = 1, s = 'a' }, { n = 100, s = 'b' } }\n");
     assert_prints("lua -i <" SCRIPT,
                   "{ 3, 4, name = \"a b\" }\n42\ttext\n42\nn    s\n  1  a\n100  b\n");
 }
 
 TEST(what_is_shown_says_what_it_is)
 {
-    write_script("p = duet.device_pair('halves')\n"
-                 "a, b = p:device('A'), p:device('B')\n"
-                 "one = ('duet.device_pair { A = B = %s %s }'):format(a.selector, a.name)\n"
-                 "two = ('duet.device_pair { A = %s %s, B = %s %s }'):format(\n"
-                 "a.selector, a.name, b.selector, b.name)\n"
-                 "tostring(p) == (a.selector == b.selector and one or two)\n"
-                 "tostring(duet.device_pair(a.selector)) == one\n"
-                 "p:world { plan = { share = 0.25, mode = 'own', variant_a = 'simd', variant_b = "
-                 "'gpu' } }\n"
-                 "s = duet.scene(duet.poses { { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1 } }, 3)\n"
-                 "p:motion(s)\n"
-                 "s:close()\n"
-                 "s\n");
+    test_write_file(
+        SCRIPT, "p = duet.device_pair('halves')\n"
+                "a, b = p:device('A'), p:device('B')\n"
+                "one = ('duet.device_pair { A = B = %s %s }'):format(a.selector, a.name)\n"
+                "two = ('duet.device_pair { A = %s %s, B = %s %s }'):format(\n"
+                "a.selector, a.name, b.selector, b.name)\n"
+                "tostring(p) == (a.selector == b.selector and one or two)\n"
+                "tostring(duet.device_pair(a.selector)) == one\n"
+                "p:world { plan = { share = 0.25, mode = 'own', variant_a = 'simd', variant_b = "
+                "'gpu' } }\n"
+                "s = duet.scene(duet.poses { { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1 } }, 3)\n"
+                "p:motion(s)\n"
+                "s:close()\n"
+                "s\n");
     assert_prints(
         "lua <" SCRIPT,
         "true\ntrue\n"
@@ -87,11 +83,11 @@ TEST(what_is_shown_says_what_it_is)
         "certified }\n"
         "duet.motion { objects = 1, effects = {  } }\n"
         "duet.scene (closed)\n");
-    write_script("duet.bounds { { 0, 0, 0, 1, 2, 3.5 }, { -10, 0, 0, 1, 1, 1 } }\n"
-                 "duet.pairs(9)\n"
-                 "s = duet.scene(duet.bounds(2), 3)\n"
-                 "s\n"
-                 "duet.kernels()\n");
+    test_write_file(SCRIPT, "duet.bounds { { 0, 0, 0, 1, 2, 3.5 }, { -10, 0, 0, 1, 1, 1 } }\n"
+                            "duet.pairs(9)\n"
+                            "s = duet.scene(duet.bounds(2), 3)\n"
+                            "s\n"
+                            "duet.kernels()\n");
     program p = program_run("lua <" SCRIPT);
     assert_int_equal(p.exit_code, 0);
     static const char rows[] = "duet.bounds of 2 rows\n"
@@ -108,7 +104,8 @@ TEST(what_is_shown_says_what_it_is)
 
 TEST(help_is_of_the_prompt)
 {
-    write_script("help\nhelp(duet.scene)\nhelp(duet.bounds(1))\nhelp 'DevicePair'\nhelp 'no'\n");
+    test_write_file(SCRIPT,
+                    "help\nhelp(duet.scene)\nhelp(duet.bounds(1))\nhelp 'DevicePair'\nhelp 'no'\n");
     program p = program_run("lua <" SCRIPT);
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "Tab completes names"));
@@ -228,11 +225,11 @@ TEST(tab_completes_and_history_is_kept)
 
 TEST(a_step_can_be_made_without_trust)
 {
-    write_script("local pair <close> = assert(duet.device_pair())\n"
-                 "local world <close> = assert(pair:world { dims = 3 })\n"
-                 "assert(world:set_poses { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1,\n"
-                 "                         1, 0, 0, 1, 1, 1, 0, 0, 0, 1 })\n"
-                 "for a, b in assert(world:step()):pairs() do print(a, b) end\n");
+    test_write_file(SCRIPT, "local pair <close> = assert(duet.device_pair())\n"
+                            "local world <close> = assert(pair:world { dims = 3 })\n"
+                            "assert(world:set_poses { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1,\n"
+                            "                         1, 0, 0, 1, 1, 1, 0, 0, 0, 1 })\n"
+                            "for a, b in assert(world:step()):pairs() do print(a, b) end\n");
     assert_prints("lua " SCRIPT, "0\t1\n");
 }
 
@@ -287,7 +284,7 @@ TEST(a_hostile_script_ends_with_its_line)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         char says[160];
         snprintf(says, sizeof says, SCRIPT "%s", cases[i].says);
-        write_script(cases[i].script);
+        test_write_file(SCRIPT, cases[i].script);
         bool by_time = strstr(says, "0.5 s");
         assert_refused(by_time ? "lua --seconds 0.5 --memory 16 " SCRIPT
                                : "lua --seconds 30 --memory 16 " SCRIPT,
@@ -303,13 +300,14 @@ TEST(a_hostile_script_ends_with_its_line)
 // Each of 20000 boxes touches each: 1.6 GB of pairs.
 TEST(work_of_the_host_is_held_to_the_limits)
 {
-    write_script(CROWD "assert(scene:reference())\n");
+    test_write_file(SCRIPT, CROWD "assert(scene:reference())\n");
     assert_refused("lua --seconds 60 --memory 16 " SCRIPT, 1,
                    SCRIPT ":4: needs more than the 16 MiB of the host's memory it may take");
     assert_refused("lua --seconds 0.3 --memory 8192 " SCRIPT, 1,
                    SCRIPT ":4: runs for more than the 0.3 s it may take");
-    write_script("local kept = {}\n"
-                 "for i = 1, 100 do kept[i] = assert(duet.scene(duet.bounds(100000), 3)) end\n");
+    test_write_file(SCRIPT,
+                    "local kept = {}\n"
+                    "for i = 1, 100 do kept[i] = assert(duet.scene(duet.bounds(100000), 3)) end\n");
     assert_refused("lua --memory 64 " SCRIPT, 1, SCRIPT ":2: needs more than the 64 MiB");
 }
 
@@ -334,13 +332,13 @@ TEST(what_a_script_opens_counts_as_its_memory)
         snprintf(script, sizeof script,
                  "%slocal kept = {}\nwhile true do kept[#kept + 1] = assert(%s) end\n", begin,
                  makers[i]);
-        write_script(script);
+        test_write_file(SCRIPT, script);
         if (holds_devices)
             assert_refused("lua --seconds 600 --memory 16 " SCRIPT, 1,
                            "needs more than the 16 MiB of the host's memory it may take");
         snprintf(script, sizeof script, "%sfor i = 1, %d do assert(%s) end\nprint(7)\n", begin,
                  holds_devices ? 50 : 5000, makers[i]);
-        write_script(script);
+        test_write_file(SCRIPT, script);
         assert_prints("lua --seconds 600 --memory 16 " SCRIPT, "7\n");
     }
 }
@@ -348,8 +346,8 @@ TEST(what_a_script_opens_counts_as_its_memory)
 // A step on devices cannot be ended by the library; this one takes seconds.
 TEST(a_script_that_goes_on_in_the_host_is_ended_by_the_program)
 {
-    write_script(CROWD "local world = assert(assert(duet.device_pair()):world(scene))\n"
-                       "while true do assert(world:step()) end\n");
+    test_write_file(SCRIPT, CROWD "local world = assert(assert(duet.device_pair()):world(scene))\n"
+                                  "while true do assert(world:step()) end\n");
     uint64_t begun = clock_steady_ns();
     program p = program_run("lua --seconds 0.5 " SCRIPT);
     double seconds = (double)(clock_steady_ns() - begun) * 1e-9;
@@ -379,7 +377,7 @@ TEST(a_signal_is_heard_whatever_runs)
                     "while true do end"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        write_script(cases[i].script);
+        test_write_file(SCRIPT, cases[i].script);
         uint64_t begun = clock_steady_ns();
         program p = program_run_with("timeout --foreground --preserve-status -s TERM 0.5",
                                      "lua %s " SCRIPT, cases[i].options);
@@ -395,7 +393,7 @@ TEST(a_file_named_on_the_command_line_can_be_read)
     char path[512];
     snprintf(path, sizeof path, "lua /dev/stdin '%s/paper.lua' <" SCRIPT,
              getenv("DUET_TEST_SCENES"));
-    write_script("print(#assert(duet.scene(arg[1], { n = 7 })))\n");
+    test_write_file(SCRIPT, "print(#assert(duet.scene(arg[1], { n = 7 })))\n");
     assert_prints(path, "7\n");
 }
 

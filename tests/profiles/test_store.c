@@ -22,9 +22,7 @@ static void write_bytes(const char *path, const char *bytes, size_t n)
 
 static void assert_file_is(const char *path, const char *bytes, size_t n)
 {
-    text t = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&t, path, &err), err);
+    text t = test_read_file(path);
     assert_int_equal(t.length, n);
     assert_memory_equal(t.chars, bytes, n);
     text_free(&t);
@@ -168,6 +166,7 @@ static void take_a_store_through(const char *path)
     assert_ok(profile_merge(s, path, &counts, &err), err);
     assert_true(counts.added > 0);
     store_close(s);
+    remove("other.db");
 }
 
 // One file with exactly that name, in the folder one is in and by its whole path.
@@ -233,9 +232,7 @@ TEST(another_programs_database_is_left_as_it_is)
     for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
         test_folder folder = test_folder_make();
         test_store_run(folder.store, others[i]);
-        text before = {0};
-        duet_error err = {0};
-        assert_ok(text_read_file(&before, folder.store, &err), err);
+        text before = test_read_file(folder.store);
         assert_non_null(
             strstr(test_store_refusal(folder.store, STORE_WRITE).text, "another program's"));
         assert_non_null(
@@ -260,9 +257,7 @@ TEST(a_truncated_store_is_reported_and_kept)
     store *s = test_store_open(folder.store, STORE_WRITE);
     test_tune_usual(s);
     store_close(s);
-    text whole = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&whole, folder.store, &err), err);
+    text whole = test_read_file(folder.store);
     for (size_t n = whole.length - 4096; n > 100; n /= 3) {
         write_bytes(folder.store, whole.chars, n);
         assert_non_null(strstr(test_store_refusal(folder.store, STORE_WRITE).text, "damaged"));
@@ -280,9 +275,7 @@ TEST(a_damaged_store_never_crashes_a_look_up)
     store *s = test_store_open(folder.store, STORE_WRITE);
     test_tune(s, &pair, &workload);
     store_close(s);
-    text whole = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&whole, folder.store, &err), err);
+    text whole = test_read_file(folder.store);
     rng r = rng_seed(test_seed());
     profile_request request = test_request(&pair, &workload);
     int refused = 0;

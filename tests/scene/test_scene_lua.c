@@ -451,9 +451,7 @@ TEST(shipped_scenes_open_with_what_they_are_for)
     for (size_t i = 0; i < N_SHIPPED; ++i) {
         char path[512];
         snprintf(path, sizeof path, "%s/%s.lua", getenv("DUET_TEST_SCENES"), shipped[i]);
-        text t = {0};
-        duet_error err = {0};
-        assert_ok(text_read_file(&t, path, &err), err);
+        text t = test_read_file(path);
         assert_int_equal(strncmp(t.chars, "-- SPDX-License-Identifier: MIT\n-- ", 35), 0);
         text_free(&t);
     }
@@ -547,8 +545,7 @@ static duet_scene *load_range(const char *path, uint64_t first, uint64_t end)
 // Every range holds the objects, and the bodies, of the whole.
 static void assert_ranges_hold_the_whole(const char *path, const char *chars)
 {
-    duet_error err = {0};
-    assert_ok(text_write_file(path, chars, strlen(chars), &err), err);
+    test_write_file(path, chars);
     duet_scene *whole = load_range(path, 0, UINT64_MAX);
     const duet_pose *all = duet_scene_get_objects(whole, DUET_OBJECT_POSES);
     const duet_body *bodies = duet_scene_get_bodies(whole);

@@ -420,8 +420,7 @@ TEST(a_file_that_is_named_is_all_that_why_looks_in)
 {
     test_folder user = test_folder_make(), system = test_folder_make();
     char installed[128], variables[256];
-    duet_error err = {0};
-    assert_ok(text_write_file(SCENE, scene_text, strlen(scene_text), &err), err);
+    test_write_file(SCENE, scene_text);
     snprintf(installed, sizeof installed, "%s/duet", system.path);
     assert_int_equal(mkdir(installed, 0755), 0);
     snprintf(installed, sizeof installed, "%s/duet/profiles.db", system.path);
@@ -442,8 +441,7 @@ TEST(a_file_that_is_named_is_all_that_why_looks_in)
 TEST(why_names_the_plan_and_run_uses_it)
 {
     test_folder folder = test_folder_make();
-    duet_error err = {0};
-    assert_ok(text_write_file(SCENE, scene_text, strlen(scene_text), &err), err);
+    test_write_file(SCENE, scene_text);
     cJSON *o = ask_why(folder.store);
     assert_why(o, "default", "there is no profile store");
     cJSON_Delete(o);
@@ -490,8 +488,7 @@ TEST(why_and_run_say_that_no_figure_is_known)
 {
     static const char *const figures[] = {"ms", "gain", "gain_low", "gain_high", "verdict"};
     test_folder folder = test_folder_make();
-    duet_error err = {0};
-    assert_ok(text_write_file(SCENE, scene_text, strlen(scene_text), &err), err);
+    test_write_file(SCENE, scene_text);
     put_for_scene(folder.store);
     test_store_run(folder.store, OF_TWICE_AS_MANY);
     cJSON *o = ask_why(folder.store);

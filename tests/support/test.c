@@ -124,6 +124,14 @@ void test_write_file(const char *path, const char *content)
     assert_ok(text_write_file(path, content, strlen(content), &err), err);
 }
 
+text test_read_file(const char *path)
+{
+    text content = {0};
+    duet_error err = {0};
+    assert_ok(text_read_file(&content, path, &err), err);
+    return content;
+}
+
 void skip_without_device(const char *path)
 {
     int file = open(path, O_RDWR | O_CLOEXEC);
