@@ -131,6 +131,8 @@ TEST(a_wrong_line_is_named)
         {"1,2,3,4,\n", DUET_STATUS_BAD_INPUT, ":1: column 5 is empty"},
         {",1,2,3", DUET_STATUS_BAD_INPUT, ":1: column 1 is empty"},
         {"1,2,\x01z,4", DUET_STATUS_BAD_INPUT, ":1: column 3: '?z' is not a number"},
+        {"0,0,1,1\n0,nan,1,1", DUET_STATUS_BAD_OBJECT, ":2: object 1: min y is nan"},
+        {"0,0,1,1\n0,0,inf,1", DUET_STATUS_BAD_OBJECT, ":2: object 1: max x is inf"},
         {"0,0,1,1,0\n0,nan,1,1,0", DUET_STATUS_BAD_OBJECT, ":2: object 1: cy is nan"},
         {"0,0,1,1,-inf", DUET_STATUS_BAD_OBJECT, ":1: object 0: angle is -inf"},
         {"1e999,0,1,1,0", DUET_STATUS_BAD_OBJECT, ":1: object 0: cx is inf"},
