@@ -357,9 +357,8 @@ static uint32_t try_subject(const subject *of, rng *r)
     return tried;
 }
 
-static void any_config_finds_the_pairs_and_writes_nothing_else(void **state)
+TEST(any_config_finds_the_pairs_and_writes_nothing_else)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (uint32_t k = 0; k < SUBJECTS; ++k) {
         if (only && strcmp(only, subjects[k].kernel) != 0)
@@ -374,8 +373,5 @@ int main(int argc, char **argv)
 {
     take_all = argc > 1 && strcmp(argv[1], "--all") == 0;
     only = argc > 2 ? argv[2] : NULL;
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(any_config_finds_the_pairs_and_writes_nothing_else),
-    };
-    return cmocka_run_group_tests(tests, begin, end);
+    return test_run(begin, end);
 }

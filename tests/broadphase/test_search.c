@@ -158,9 +158,8 @@ static void fill_around_zero(crowd *c, int width)
     }
 }
 
-static void boxes_touch_where_one_ends_at_minus_zero(void **state)
+TEST(boxes_touch_where_one_ends_at_minus_zero)
 {
-    (void)state;
     static crowd c = {.dims = 3, .shape = DUET_SHAPE_BOUNDS};
     duet_world *world = open_world(devices, &c);
     for (int width = 2; width <= 8;
@@ -173,15 +172,13 @@ static void boxes_touch_where_one_ends_at_minus_zero(void **state)
     duet_world_destroy(world);
 }
 
-static void lanes_find_the_references_pairs(void **state)
+TEST(lanes_find_the_references_pairs)
 {
-    (void)state;
     try_search("simd");
 }
 
-static void listed_candidates_give_the_same_pairs(void **state)
+TEST(listed_candidates_give_the_same_pairs)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     static crowd c = {.shape = DUET_SHAPE_POSES, .rotated = true};
     for (c.dims = 2; c.dims <= 3; ++c.dims)
@@ -189,15 +186,13 @@ static void listed_candidates_give_the_same_pairs(void **state)
             try_crowds("simd FUSED=0", &c, &r);
 }
 
-static void rows_find_the_references_pairs(void **state)
+TEST(rows_find_the_references_pairs)
 {
-    (void)state;
     try_search("gpu");
 }
 
-static void the_papers_search_finds_the_references_pairs(void **state)
+TEST(the_papers_search_finds_the_references_pairs)
 {
-    (void)state;
     try_search("paper");
 }
 
@@ -215,17 +210,15 @@ static void try_sizes(const char *search)
     }
 }
 
-static void lanes_find_pairs_of_all_sizes(void **state)
+TEST(lanes_find_pairs_of_all_sizes)
 {
-    (void)state;
     try_sizes("simd grid=dense");
     try_sizes("simd grid=hashed");
 }
 
 // Devices of several threads put the objects of a cell into no certain order.
-static void parts_agree_where_a_cell_is_cut(void **state)
+TEST(parts_agree_where_a_cell_is_cut)
 {
-    (void)state;
     static const char *const searches[] = {"gpu", "simd", "paper"};
     rng r = rng_seed(test_seed());
     static crowd c = {.dims = 3, .shape = DUET_SHAPE_POSES, .rotated = true, .n = MOST};
@@ -243,14 +236,5 @@ static void parts_agree_where_a_cell_is_cut(void **state)
 int main(int argc, char **argv)
 {
     test_begin(argc, argv);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lanes_find_the_references_pairs),
-        cmocka_unit_test(boxes_touch_where_one_ends_at_minus_zero),
-        cmocka_unit_test(listed_candidates_give_the_same_pairs),
-        cmocka_unit_test(rows_find_the_references_pairs),
-        cmocka_unit_test(the_papers_search_finds_the_references_pairs),
-        cmocka_unit_test(lanes_find_pairs_of_all_sizes),
-        cmocka_unit_test(parts_agree_where_a_cell_is_cut),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
+    return test_run(open_devices, close_devices);
 }

@@ -20,9 +20,8 @@ static uint64_t check_cloud(const duet_world_def *def, double at, double most, u
     return agreement_check(def, large_poses, 300);
 }
 
-static void a_cloud_far_away_has_the_pairs_of_the_one_at_0(void **state)
+TEST(a_cloud_far_away_has_the_pairs_of_the_one_at_0)
 {
-    (void)state;
     uint64_t seed = test_seed();
     const duet_world_def defs[] = {large_def(2, true), large_def(3, false), large_def(3, true)};
     for (int i = 0; i < 3; ++i) {
@@ -32,17 +31,15 @@ static void a_cloud_far_away_has_the_pairs_of_the_one_at_0(void **state)
     }
 }
 
-static void boxes_of_many_sizes_far_away_are_all_found(void **state)
+TEST(boxes_of_many_sizes_far_away_are_all_found)
 {
-    (void)state;
     uint64_t seed = test_seed();
     duet_world_def def = large_def(3, true);
     assert_int_equal(check_cloud(&def, -1e7, 40, seed), check_cloud(&def, 0, 40, seed));
 }
 
-static void clouds_at_both_ends_of_a_world_are_searched(void **state)
+TEST(clouds_at_both_ends_of_a_world_are_searched)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = large_def(3, true);
     scatter_large(0, 200, (double[]){-1e7, 1e7, 0}, 5, 2, true, &r);
@@ -56,9 +53,8 @@ static void clouds_at_both_ends_of_a_world_are_searched(void **state)
     assert_true(agreement_check(&def, large_poses, 400) > 200);
 }
 
-static void every_level_finds_its_reference_s_pairs_far_away(void **state)
+TEST(every_level_finds_its_reference_s_pairs_far_away)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     scatter_large(0, 300, (double[]){1e7, -1e7, 3}, 6, 2, true, &r);
     duet_error err = {0};
@@ -90,11 +86,5 @@ static void every_level_finds_its_reference_s_pairs_far_away(void **state)
 int main(void)
 {
     test_take_all();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_cloud_far_away_has_the_pairs_of_the_one_at_0),
-        cmocka_unit_test(boxes_of_many_sizes_far_away_are_all_found),
-        cmocka_unit_test(clouds_at_both_ends_of_a_world_are_searched),
-        cmocka_unit_test(every_level_finds_its_reference_s_pairs_far_away),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
+    return test_run(open_devices, close_devices);
 }

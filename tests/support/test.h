@@ -10,7 +10,6 @@
 
 #include <cmocka.h>
 
-#include "base/text.h"
 #include "runtime/duet.h"
 
 // A test, named by the fact it shows: TEST(fact) { ... }. A program's tests run in the order in
@@ -56,7 +55,7 @@ void test_take_all(void);
 bool test_takes(uint64_t way, unsigned of);
 
 void test_write_file(const char *path, const char *content);
-text test_read_file(const char *path); // the caller frees it
+struct text test_read_file(const char *path); // base/text.h; the caller frees it
 
 // A scene's objects by their type.
 static inline const duet_pose *test_poses(const duet_scene *scene)
