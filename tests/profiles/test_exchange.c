@@ -234,7 +234,7 @@ static void one_bad_line_refuses_the_file_and_is_named(void **state)
          "JSON object: terms"},
         {"\"terms\":null,\"rounds\"", "\"terms\":7,\"rounds\"", "JSON object: terms"},
         {"\"name\":\"", "\"name\":\"\xff", "not UTF-8"},
-        {"\"type\":\"store\",\"version\":7", "\"type\":\"store\",\"version\":8", "newer"},
+        {"\"type\":\"store\",\"version\":7", "\"type\":\"store\",\"version\":8", "another version"},
         {"\"hosts\":2", "\"hosts\":1", "key"},
         {"\"hosts\":2", "\"hosts\":3", "hosts"},
         {"\"latency_ns\":1500", "\"latency_ns\":-1", "latency_ns"},
