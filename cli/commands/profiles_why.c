@@ -32,12 +32,7 @@ static const option options[] = {
 };
 
 // A motion finds all pairs.
-static const option_rule rules[] = {
-    {"level", OPTION_EXCLUDES, "moving"},
-    {"missed", OPTION_EXCLUDES, "moving"},
-    {"false-rate", OPTION_EXCLUDES, "moving"},
-    {0},
-};
+static const option_rule rules[] = {{"level missed false-rate", OPTION_EXCLUDES, "moving"}, {0}};
 
 static const command_line line = {
     .name = "profiles why",
