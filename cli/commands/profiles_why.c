@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// duet profiles why: which profile a scene would get here, and on which
-// grounds.
+// duet profiles why: which profile a scene would get here, and why.
 #include "cli/commands/profiles.h"
 #include "cli/inputs.h"
 #include "cli/options.h"

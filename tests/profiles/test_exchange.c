@@ -155,7 +155,7 @@ static void a_plan_without_a_verdict_comes_in_unused(void **state)
     replace_once(&lines, "\"verdict\":\"faster\"", "\"verdict\":\"ambiguous\"");
     assert_ok(import_lines(two.other, lines, &counts, &err), err);
     assert_int_equal(test_count(two.other, "profile WHERE live = 0 AND dead_reason = "
-                                           "'" PROFILE_UNFOUNDED "'"),
+                                           "'" PROFILE_TOO_FEW_ROUNDS "'"),
                      1);
     free(lines);
     close_two(&two);
