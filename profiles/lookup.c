@@ -75,12 +75,12 @@ enum { MOTION_REACH = 4 }; // kernels suit a motion of as many times more or few
 
 // What a step of one motion takes says nothing of another's, whose bodies may meet at another time:
 // only the plan is taken, and no figure.
-static bool lend_to_motion(lookup *l, const neighbour *near, bool *held)
+static bool transfer_to_motion(lookup *l, const neighbour *near, bool *held)
 {
     double n = near->quantities[NEIGHBOUR_OBJECTS], at = l->near.at[NEIGHBOUR_OBJECTS];
     *held = fmax(n, at) <= MOTION_REACH * fmin(n, at);
     if (*held)
-        neighbour_lend(&near->found, l->found);
+        neighbour_copy_plan(&near->found, l->found);
     why_motion(l, n, *held);
     return true;
 }
@@ -93,7 +93,7 @@ static bool look_interpolated(lookup *l, bool *held)
     if (!neighbour_is_there(&all->nearest))
         return why_not(l, "no like workload was measured on these two devices");
     if (profile_workload_moves(&l->at))
-        return lend_to_motion(l, &all->nearest, held);
+        return transfer_to_motion(l, &all->nearest, held);
     bool next = neighbour_is_next(all->nearest.quantities, all->at);
     if (!next && !is_accurate_anywhere(l))
         return why_not(l, "accuracy is asked for, which rates of other sizes say nothing about");
@@ -103,7 +103,7 @@ static bool look_interpolated(lookup *l, bool *held)
         why_between(l);
     } else if (next) {
         *held = true;
-        neighbour_take(&all->nearest, all->at, l->found);
+        neighbour_scale(&all->nearest, all->at, l->found);
         why_next(l);
     } else {
         why_not_between(l);
@@ -111,15 +111,15 @@ static bool look_interpolated(lookup *l, bool *held)
     return true;
 }
 
-// ---------------------------------------------------------- lent plans
+// ---------------------------------------------------------- transferred plans
 
 // The nearest neighbour's plan, if what it gains lasts as far as this.
-static bool lend(lookup *l, const neighbour *near, double apart, bool *held)
+static bool transfer(lookup *l, const neighbour *near, double ratio, bool *held)
 {
-    *held = apart <= neighbour_reach(&near->found);
+    *held = ratio <= neighbour_safe_ratio(&near->found);
     if (*held)
-        neighbour_lend(&near->found, l->found);
-    why_lent(l, near, apart, *held);
+        neighbour_copy_plan(&near->found, l->found);
+    why_transferred(l, near, ratio, *held);
     return true;
 }
 
@@ -161,7 +161,8 @@ static bool look_transferred(lookup *l, bool *held)
         return why_not(l, "a motion's plan is that of its own pair of devices");
     if (!neighbour_is_there(&all->nearest))
         return look_at_fits(l, held);
-    return lend(l, &all->nearest, neighbour_apart(all->nearest.quantities, all->at, NULL), held);
+    return transfer(l, &all->nearest, neighbour_ratio(all->nearest.quantities, all->at, NULL),
+                    held);
 }
 
 // -------------------------------------------------------------------- the grades

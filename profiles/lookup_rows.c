@@ -207,8 +207,8 @@ static bool look_outwards(lookup *l, const rows_query *query, neighbour *alike)
         for (int i = 0; i < NEIGHBOUR_QUANTITIES; ++i)
             near.quantities[i] = sql_get_real(&q, 1 + i);
         if (!neighbour_is_there(&all->nearest) ||
-            neighbour_apart(near.quantities, all->at, NULL) <
-                neighbour_apart(all->nearest.quantities, all->at, NULL)) {
+            neighbour_ratio(near.quantities, all->at, NULL) <
+                neighbour_ratio(all->nearest.quantities, all->at, NULL)) {
             all->nearest = near;
             nearest_id = sql_get_int(&q, 0);
         }

@@ -57,7 +57,7 @@ void why_not_between(lookup *l);             // why what was measured does not s
 void why_between(lookup *l);
 void why_next(lookup *l);
 void why_motion(lookup *l, double n, bool held);
-void why_lent(lookup *l, const neighbour *near, double apart, bool held);
+void why_transferred(lookup *l, const neighbour *near, double ratio, bool held);
 void why_forecast(lookup *l, const forecast *f, bool held);
 
 #endif

@@ -137,7 +137,7 @@ static void tell_unlike(lookup *l)
 {
     const neighbours *all = &l->near;
     neighbour_quantity q;
-    neighbour_apart(all->nearest.quantities, all->at, &q);
+    neighbour_ratio(all->nearest.quantities, all->at, &q);
     text_add(l->why,
              "%.0f objects were measured, of a scene that is not alike: %s %.3g there, %.3g "
              "here",
@@ -186,14 +186,14 @@ void why_motion(lookup *l, double n, bool held)
         held ? "yes: the plan of such a motion" : "no: the nearest motion that was measured is", n);
 }
 
-void why_lent(lookup *l, const neighbour *near, double apart, bool held)
+void why_transferred(lookup *l, const neighbour *near, double ratio, bool held)
 {
-    double reach = neighbour_reach(&near->found);
+    double safe = neighbour_safe_ratio(&near->found);
     text_add(l->why, "%s: the nearest plan, of %.0f objects, ", held ? "yes" : "no",
              near->quantities[NEIGHBOUR_OBJECTS]);
-    if (reach > 1)
+    if (safe > 1)
         text_add(l->why, "is surely the faster one up to %.3g times apart, and this is %.3g%s",
-                 reach, apart, held ? "; none of its figures is of this workload" : "");
+                 safe, ratio, held ? "; none of its figures is of this workload" : "");
     else
         text_add(l->why, "is not surely the faster one anywhere else");
 }

@@ -7,7 +7,7 @@
 --   no_store      where there is none: a sentence that says so
 --   levels, effects, bench   lists of results; of bench the earliest comes first
 --
--- Results are a stranger's: what is not the number or the name that it should be
+-- Results are untrusted: what is not the number or the name that it should be
 -- counts as 0 and "", and every text passes through `words`.
 
 -- A bar's colour is s0 to s11; the rest are roles: a and b for the devices.
