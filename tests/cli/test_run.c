@@ -12,10 +12,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #define SCENE "test_run.scene.lua"
-#define DATA "test_run.data"
 
 // 400 boxes, drawn with the scene's own seed.
 static const char scene_text[] =
@@ -233,46 +231,6 @@ TEST(wrong_usage_is_one_line_and_exit_2)
     }
 }
 
-TEST(bad_input_is_one_line)
-{
-    static const struct {
-        const char *content;
-        const char *says;
-    } bad[] = {
-        {"0 0 0 1 1 1 1 1\n", DATA ":1"},     {"0 0 0 1 1 1\n0 0 nan 1 1 1\n", DATA ":2"},
-        {"0 0 0 1 1 inf\n", DATA ":1"},       {"0 0 0 1 1 -1\n", DATA ":1"},
-        {"0 0 0 1 1 1 0 0 0 0\n", DATA ":1"},
-    };
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
-        test_write_file(DATA, bad[i].content);
-        program p = program_run("run %s", DATA);
-        program_assert_refused(&p, 1, bad[i].says);
-    }
-    program p = program_run("run no/such/scene.lua");
-    program_assert_refused(&p, 1, "no/such/scene.lua");
-    p = program_run("run %s --set abacus=1", SCENE);
-    program_assert_refused(&p, 2, "abacus");
-    p = program_run("run %s --pair abacus:0,abacus:1", SCENE);
-    program_assert_refused(&p, 2, "no device 'abacus:0'");
-    p = program_run_with("OCL_ICD_FILENAMES= OCL_ICD_VENDORS=no/such/folder", "run %s", SCENE);
-    program_assert_refused(&p, 1, "apt install pocl-opencl-icd");
-    p = program_run_with("DUET_KERNEL_DIR=no/such/folder", "run %s", SCENE);
-    program_assert_refused(&p, 1, "no/such/folder");
-}
-
-TEST(what_cannot_be_written_is_not_half_written)
-{
-    program p = program_run("run %s --repeat 1 --pairs no/such/folder/pairs.csv", SCENE);
-    program_assert_refused(&p, 1, "no/such/folder/pairs.csv");
-}
-
-TEST(a_full_disk_is_told_of)
-{
-    skip_without_device("/dev/full");
-    program p = program_run("run %s --repeat 1 --json >/dev/full", SCENE);
-    program_assert_refused(&p, 1, "No space left on device");
-}
-
 // On a slow machine nothing may have been timed yet, which is said in the same
 // line. All kernels are built before: a driver's compiler that hears of the signal
 // has complaints of its own.
@@ -306,15 +264,6 @@ TEST(a_level_is_compared_with_its_own_reference)
     }
     assert_true(found[DUET_LEVEL_AABB] > found[DUET_LEVEL_SAT6]);
     assert_true(found[DUET_LEVEL_SAT6] > found[DUET_LEVEL_CERTIFIED]);
-}
-
-TEST(a_level_of_no_name_is_refused_with_those_there_are)
-{
-    program p = program_run("run --level gjk " SCENE);
-    assert_int_equal(p.exit_code, 2);
-    assert_string_equal(p.err, "duet: --level 'gjk': the levels are certified, aabb, sphere, sat6, "
-                               "sat15, double\n");
-    program_free(&p);
 }
 
 TEST_MAIN(make_scene, NULL)
