@@ -155,7 +155,7 @@ static void a_plan_without_a_verdict_comes_in_unused(void **state)
     replace_once(&lines, "\"verdict\":\"faster\"", "\"verdict\":\"ambiguous\"");
     assert_ok(import_lines(two.other, lines, &counts, &err), err);
     assert_int_equal(test_count(two.other, "profile WHERE live = 0 AND dead_reason = "
-                                           "'" PROFILE_UNFOUNDED "'"),
+                                           "'" PROFILE_TOO_FEW_ROUNDS "'"),
                      1);
     free(lines);
     close_two(&two);
@@ -234,7 +234,7 @@ static void one_bad_line_refuses_the_file_and_is_named(void **state)
          "JSON object: terms"},
         {"\"terms\":null,\"rounds\"", "\"terms\":7,\"rounds\"", "JSON object: terms"},
         {"\"name\":\"", "\"name\":\"\xff", "not UTF-8"},
-        {"\"type\":\"store\",\"version\":7", "\"type\":\"store\",\"version\":8", "newer"},
+        {"\"type\":\"store\",\"version\":7", "\"type\":\"store\",\"version\":8", "another version"},
         {"\"hosts\":2", "\"hosts\":1", "key"},
         {"\"hosts\":2", "\"hosts\":3", "hosts"},
         {"\"latency_ns\":1500", "\"latency_ns\":-1", "latency_ns"},
