@@ -1,5 +1,10 @@
+#ifndef GPU
 // build_manifolds.DIMS2.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.BOUNDARY0.CONTACT_RESPONSE0.FRICTION0.CONTINUOUS0.SLEEP0.LANES8.WG1.PER_ITEM256
 #define DIMS 2
+#else /* GPU */
+// build_manifolds.DIMS3.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.BOUNDARY0.CONTACT_RESPONSE0.FRICTION0.CONTINUOUS0.SLEEP0.LANES1.WG64.PER_ITEM4
+#define DIMS 3
+#endif /* GPU */
 #define DOUBLE 0
 #define ORIGIN 0
 #define ROTATED 0
@@ -9,9 +14,15 @@
 #define FRICTION 0
 #define CONTINUOUS 0
 #define SLEEP 0
+#ifndef GPU
 #define LANES 8
 #define WG 1
 #define PER_ITEM 256
+#else /* GPU */
+#define LANES 1
+#define WG 64
+#define PER_ITEM 4
+#endif /* GPU */
 #define BUILD_MANIFOLDS_ARGS \
     __global const uint2 *restrict links, \
     uint n_contacts, \
@@ -28,139 +39,92 @@
 #line 1 "kernels/dynamics/box_contact.clh"
 #line 1 "kernels/dynamics/box_lanes.clh"
 #line 1 "kernels/dynamics/build_manifolds.cl.in"
-// SPDX-License-Identifier: MIT
-// The manifold of each pair that may touch: the narrow phase of a moving world.
-//
-// A new point takes over the impulses of the nearest point of the last step.
-//
-//   links    [n] owner and other; objects + k: wall k
-//   contacts [n] records (contact.clh)
-//   touches  [n] words
-//   bodies   [objects + 6][BODY]
+// as in the template: 9
 #line 15 "kernels/dynamics/build_manifolds.cl.in"
-
-static inline solid solid_at(float4 extents)
-{
-    solid s;
-    s.axis[0] = (float4)(1, 0, 0, 0);
-    s.axis[1] = (float4)(0, 1, 0, 0);
-    s.axis[2] = (float4)(0, 0, 1, 0);
+// as in the template: 7
 #line 32 "kernels/dynamics/build_manifolds.cl.in"
-    s.halves[0] = extents.x;
-    s.halves[1] = extents.y;
-    s.halves[2] = extents.z;
+// as in the template: 3
 #line 38 "kernels/dynamics/build_manifolds.cl.in"
-    return s;
-}
+// as in the template: 2
 #line 359 "kernels/dynamics/build_manifolds.cl.in"
-
-static inline void keep_deepest(manifold *m)
-{
-    int deepest = 0;
-    for (int i = 1; i < m->n; ++i)
-        if (m->point[i].w < m->point[deepest].w)
-            deepest = i;
-    m->point[0] = m->point[deepest];
-    m->n = m->n > 0 ? 1 : 0;
-}
-
-// What a work-item reads and writes.
-typedef struct {
-    __global const uint2 *links;
-    uint objects;
-    __global const real4 *centres;
+// as in the template: 16
 #line 378 "kernels/dynamics/build_manifolds.cl.in"
-    __global const float4 *halves;
+// as in the template: 1
 #line 396 "kernels/dynamics/build_manifolds.cl.in"
-    float margin;
-    __global uint *touches;
-    __global float *contacts;
-} scene;
-
-static inline solid solid_of(const scene *s, uint id)
-{
+// as in the template: 7
 #line 406 "kernels/dynamics/build_manifolds.cl.in"
-    return solid_at(s->halves[id]);
+// as in the template: 1
 #line 408 "kernels/dynamics/build_manifolds.cl.in"
-}
-
-static inline float4 way_of(const scene *s, uint2 link)
-{
+// as in the template: 4
 #line 415 "kernels/dynamics/build_manifolds.cl.in"
-    float4 d = convert_float4(s->centres[link.y] - s->centres[link.x]);
+// as in the template: 1
 #line 417 "kernels/dynamics/build_manifolds.cl.in"
-    d.w = 0.0f;
-    return d;
-}
+// as in the template: 3
 #line 619 "kernels/dynamics/build_manifolds.cl.in"
-
-// Writes the points into the record; extents: the owner's half extents.
+// as in the template: 2
 static inline void keep_points(const scene *s, uint i, uint2 link, float4 extents, float4 d, float at, float speed, manifold *m)
-{
-    __global float *record = s->contacts + (size_t)i * RECORD;
+// as in the template: 2
 #line 637 "kernels/dynamics/build_manifolds.cl.in"
-    put_float4(record + AT_NORMAL, m->normal);
+// as in the template: 1
 #line 642 "kernels/dynamics/build_manifolds.cl.in"
-    for (int k = 0; k < m->n; ++k) {
-        __global float *saved = record + HEAD + k * POINT_FLOATS;
-        float4 anchor = m->point[k];
-        put_float4(saved + OF_ANCHOR, anchor);
+// as in the template: 4
 #line 649 "kernels/dynamics/build_manifolds.cl.in"
-        saved[OF_SEPARATION] = fma(-at, speed, anchor.w);
+// as in the template: 1
 #line 661 "kernels/dynamics/build_manifolds.cl.in"
-    }
-}
-
+// as in the template: 3
 #line 728 "kernels/dynamics/build_manifolds.cl.in"
-
-// axis: what separates those without points. The manifold is where they are after a time
-// `at`, at this speed along its normal.
+// as in the template: 3
 static inline void keep(const scene *s, uint i, float4 extents, float4 d, float at, float speed, manifold *m,
-                        uint axis)
-{
-    uint2 link = s->links[i];
-    if (m->n > 0)
+// as in the template: 4
         keep_points(s, i, link, extents, d, at, speed, m);
 #line 741 "kernels/dynamics/build_manifolds.cl.in"
-    s->touches[i] = (uint)m->n | (m->n > 0 ? m->axis : axis) << TOUCH_AXIS;
+// as in the template: 1
 #line 745 "kernels/dynamics/build_manifolds.cl.in"
-}
+// as in the template: 1
 #line 783 "kernels/dynamics/build_manifolds.cl.in"
-
-static inline void look_at_pair(const scene *s, uint i, uint2 link)
-{
-    solid a = solid_of(s, link.x), b = solid_of(s, link.y);
-    float4 d = way_of(s, link);
-    uint axis = s->touches[i] >> TOUCH_AXIS;
+// as in the template: 6
 #line 790 "kernels/dynamics/build_manifolds.cl.in"
-    float at = 0.0f, speed = 0.0f;
-    manifold m;
+// as in the template: 2
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
-    keep(s, i, s->halves[link.x], d, at, speed, &m, axis);
+// as in the template: 1
 #line 813 "kernels/dynamics/build_manifolds.cl.in"
-}
+// as in the template: 1
 #line 870 "kernels/dynamics/build_manifolds.cl.in"
-
+// as in the template: 1
+#ifdef GPU
+#line 872 "kernels/dynamics/build_manifolds.cl.in"
+// as in the template: 4
+#line 886 "kernels/dynamics/build_manifolds.cl.in"
+// as in the template: 13
+#line 903 "kernels/dynamics/build_manifolds.cl.in"
+// as in the template: 6
+#endif /* GPU */
 #line 910 "kernels/dynamics/build_manifolds.cl.in"
-
+// as in the template: 1
+#ifndef GPU
 #line 914 "kernels/dynamics/build_manifolds.cl.in"
-__kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
+#else /* GPU */
+#line 912 "kernels/dynamics/build_manifolds.cl.in"
+#endif /* GPU */
+// as in the template: 1
 #line 916 "kernels/dynamics/build_manifolds.cl.in"
-{
-    scene s = {links, n, centres,
+// as in the template: 2
 #line 921 "kernels/dynamics/build_manifolds.cl.in"
-               halves,
+// as in the template: 1
 #line 937 "kernels/dynamics/build_manifolds.cl.in"
-               margin, touches, contacts};
+// as in the template: 1
+#ifndef GPU
 #line 954 "kernels/dynamics/build_manifolds.cl.in"
-    uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n_contacts);
+// as in the template: 2
 #line 960 "kernels/dynamics/build_manifolds.cl.in"
-    for (uint i = first; i < last; ++i) {
-        uint2 link = links[i];
+// as in the template: 2
 #line 977 "kernels/dynamics/build_manifolds.cl.in"
-        look_at_pair(&s, i, link);
+// as in the template: 1
 #line 987 "kernels/dynamics/build_manifolds.cl.in"
-    }
+// as in the template: 1
+#else /* GPU */
+#line 943 "kernels/dynamics/build_manifolds.cl.in"
+// as in the template: 10
+#endif /* GPU */
 #line 998 "kernels/dynamics/build_manifolds.cl.in"
-}
+// as in the template: 1

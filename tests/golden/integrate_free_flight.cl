@@ -1,5 +1,10 @@
+#ifndef GPU
+// integrate_free_flight.DIMS2.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.GYRO0.GRAVITY0.DRAG0.FORCES0.BOUNDARY0.ORDER1.WG1.PER_ITEM1024
+#define DIMS 2
+#else /* GPU */
 // integrate_free_flight.DIMS3.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.GYRO0.GRAVITY0.DRAG0.FORCES0.BOUNDARY0.ORDER1.WG128.PER_ITEM1
 #define DIMS 3
+#endif /* GPU */
 #define DOUBLE 0
 #define ORIGIN 0
 #define ROTATED 0
@@ -10,8 +15,13 @@
 #define FORCES 0
 #define BOUNDARY 0
 #define ORDER 1
+#ifndef GPU
+#define WG 1
+#define PER_ITEM 1024
+#else /* GPU */
 #define WG 128
 #define PER_ITEM 1
+#endif /* GPU */
 #define INTEGRATE_FREE_FLIGHT_ARGS \
     __global float4 *restrict centres, \
     __global float4 *restrict velocities, \
@@ -21,74 +31,48 @@
 #line 1 "kernels/common.clh"
 #line 1 "kernels/dynamics/motion.clh"
 #line 1 "kernels/dynamics/integrate_free_flight.cl.in"
-// SPDX-License-Identifier: MIT
-// Free flight: a whole step of each object, all substeps at once.
-//
-// ORDER 1 is semi-implicit Euler; 2 is the symmetric kick, drift, kick; 4 is
-// three of those with Yoshida's times, the middle one backward.
-//
-//   times  a substep's length, and of ORDER 4 the outer and the inner part
-//   drags  what of a velocity is left after each, or after half of it (ORDER > 1)
+// as in the template: 8
 #line 20 "kernels/dynamics/integrate_free_flight.cl.in"
-
-typedef struct {
-    real4 centre;
-    real4 velocity; // w: inverse mass
+// as in the template: 4
 #line 25 "kernels/dynamics/integrate_free_flight.cl.in"
-    real4 moved; // since the step began, as a solved step has it
+// as in the template: 1
 #line 44 "kernels/dynamics/integrate_free_flight.cl.in"
-} body;
+// as in the template: 1
 #line 59 "kernels/dynamics/integrate_free_flight.cl.in"
-
+// as in the template: 1
 #line 70 "kernels/dynamics/integrate_free_flight.cl.in"
-static inline void move(body *b, real time)
-{
+// as in the template: 2
 #line 73 "kernels/dynamics/integrate_free_flight.cl.in"
-    b->moved = add_scaled(b->moved, time, (real4)(b->velocity.xyz, 0));
+// as in the template: 1
 #line 77 "kernels/dynamics/integrate_free_flight.cl.in"
-}
+// as in the template: 1
 #line 116 "kernels/dynamics/integrate_free_flight.cl.in"
-
-static inline void advance(body *b,
+// as in the template: 2
 #line 124 "kernels/dynamics/integrate_free_flight.cl.in"
-                           real time)
-{
+// as in the template: 2
 #line 136 "kernels/dynamics/integrate_free_flight.cl.in"
-    move(b, time);
+// as in the template: 1
 #line 165 "kernels/dynamics/integrate_free_flight.cl.in"
-}
+// as in the template: 1
 #line 167 "kernels/dynamics/integrate_free_flight.cl.in"
-
-static inline void arrive(body *b)
-{
-    b->centre.xyz += b->moved.xyz;
+// as in the template: 4
 #line 174 "kernels/dynamics/integrate_free_flight.cl.in"
-}
+// as in the template: 1
 #line 200 "kernels/dynamics/integrate_free_flight.cl.in"
-
-__kernel void integrate_free_flight(INTEGRATE_FREE_FLIGHT_ARGS)
-{
-    uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
-    for (uint id = first; id < last; ++id) {
-        body b;
-        b.centre = centres[id];
-        b.velocity = velocities[id];
+// as in the template: 9
 #line 210 "kernels/dynamics/integrate_free_flight.cl.in"
-        b.moved = (real4)(0);
+// as in the template: 1
 #line 233 "kernels/dynamics/integrate_free_flight.cl.in"
-        for (uint k = 0; k < substeps; ++k) {
+// as in the template: 1
 #line 236 "kernels/dynamics/integrate_free_flight.cl.in"
-            advance(&b,
+// as in the template: 1
 #line 243 "kernels/dynamics/integrate_free_flight.cl.in"
                     times.x);
 #line 245 "kernels/dynamics/integrate_free_flight.cl.in"
-        }
+// as in the template: 1
 #line 247 "kernels/dynamics/integrate_free_flight.cl.in"
-        arrive(&b);
+// as in the template: 1
 #line 276 "kernels/dynamics/integrate_free_flight.cl.in"
-        centres[id] = b.centre;
-        velocities[id] = b.velocity;
+// as in the template: 2
 #line 282 "kernels/dynamics/integrate_free_flight.cl.in"
-    }
-}
+// as in the template: 2
