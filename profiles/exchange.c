@@ -38,8 +38,6 @@ static const line_type types[] = {
     {"session", NULL, false, false, {"options", "search_state"}},
     {"trial", NULL, false, true, {"terms"}},
     {"profile", NULL, false, false, {"terms"}},
-    {"fabric", NULL, true, false, {"times"}},
-    {"cluster_run", NULL, false, true, {NULL}},
 };
 
 enum { N_TYPES = sizeof types / sizeof types[0] };
@@ -205,7 +203,7 @@ static bool find_type(const import *in, const char *line, const line_type **type
         else if (!*type)
             ok = bad_line(in, err,
                           "its type is not one of store, device, env, pair, workload, level_cost, "
-                          "script, session, trial, profile, fabric, cluster_run: ",
+                          "script, session, trial, profile: ",
                           name);
     }
     return sql_close(&q) && ok;

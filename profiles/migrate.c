@@ -161,7 +161,10 @@ const char *const migrate_upgrades[] = {
     "  wait_ns REAL NOT NULL CHECK (wait_ns >= 0),"
     "  PRIMARY KEY (run_id, number)"
     ") STRICT, WITHOUT ROWID;",
-    // 7: what other programs did meanwhile.
+    // 7: what other programs did meanwhile; runs of clusters are kept no more.
+    "DROP TABLE cluster_rank;"
+    "DROP TABLE cluster_run;"
+    "DROP TABLE fabric;"
     "DROP VIEW part;"
     "ALTER TABLE sample ADD COLUMN cpu_ns INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE sample ADD COLUMN wait_ns INTEGER NOT NULL DEFAULT 0;"
