@@ -48,7 +48,7 @@ static const option options[] = {
     OPTION_COUNT("stands-for", stands_for, "K", "each object stands for K of a larger scene (1)", 1,
                  1000000),
     OPTION_FLAG("verbose", verbose,
-                "show what MPI itself says, too, as mpirun of a rank that fails"),
+                "show what mpirun says of a rank that fails, too"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };

@@ -422,7 +422,7 @@ static void a_rank_that_is_killed_ends_the_job_and_leaves_no_file(void **state)
                             "-n 30000 %s",
                             kill_one);
     assert_string_equal(p.out, "");
-    program_assert_refused(&p, 1, " was ended by signal 9 (Killed), and with it the job");
+    program_assert_refused(&p, 1, "a rank was ended by signal 9 (Killed), and with it the job");
     assert_int_equal(access("killed.npy", F_OK), -1);
     assert_int_equal(system("ls killed.npy* >/dev/null 2>&1") == 0, 0);
 }
