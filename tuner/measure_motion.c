@@ -83,7 +83,7 @@ static void add_step(sums *s, const duet_motion *m, const duet_motion_result *st
         stage.device = 1;
         add_stages(s, &stage, 1);
     }
-    if (!m->rebuilt)
+    if (!step->rebuilt)
         return;
     for (int side = 0; side < 2; ++side)
         s->search_ms[side] += search->device_ms[side];

@@ -132,6 +132,7 @@ static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large
         return false;
     effect_facts_add(&m->facts, &m->def, m->poses, m->bodies, n);
     m->effects = effect_infer(&m->def, &m->facts);
+    m->products = products_of_saved(false);
     m->extent = mean_least_extent(m);
     double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * m->extent;
     m->margin = MOTION_SLOPS * slop;
@@ -197,6 +198,7 @@ void duet_motion_destroy(duet_motion *m)
     free(m->bodies);
     motion_free_events(&m->told);
     motion_forget_moved(&m->reading);
+    free(m->altered.places);
     motion_forget_commands(m->commands);
     motion_forget_recording(m);
     duet_device_pair_destroy(m->def.pair);

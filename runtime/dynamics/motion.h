@@ -6,10 +6,13 @@
 #ifndef RUNTIME_MOTION_H
 #define RUNTIME_MOTION_H
 
-#include "kernels/dynamics/records.h"
+#include "runtime/dynamics/altered.h"
+#include "runtime/dynamics/colouring.h"
 #include "runtime/dynamics/effect.h"
 #include "runtime/dynamics/motion_events.h"
 #include "runtime/dynamics/motion_plan.h"
+#include "runtime/dynamics/phase.h"
+#include "runtime/dynamics/products.h"
 #include "runtime/opencl/background.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/radix_sort.h"
@@ -20,9 +23,6 @@ enum { MOTION_WALLS = 6 };
 
 // Contacts are kept while a separation is below this many slops.
 enum { MOTION_SLOPS = 4 };
-
-// Keys that contacts are sorted by: several of a colour.
-enum { KEYS = COLOURS * COLOUR_KEYS, KEY_BITS = 8 };
 
 // What B holds. Which buffers there are follows from the effects.
 typedef enum motion_buffer {
@@ -144,18 +144,10 @@ typedef struct motion_layout {
     uint32_t constraint, block; // a block is so many constraints
 } motion_layout;
 
-// Contacts of one colour: where in the list, and where in blocks. A uint4 on devices.
-typedef struct colour_span {
-    cl_uint first;
-    cl_uint count;
-    cl_uint slot;
-    cl_uint spare;
-} colour_span;
-
 // What was told of the bodies that moved (motion_read.c).
 typedef struct motion_reading {
     kernel *gather_rows, *changed_rows; // NULL until something is read
-    bool begun;                         // the device has what was read last
+    uint32_t n_told; // bodies of which the device has what was read last; 0: all are to be told
     uint32_t n;
     uint32_t *ids; // [n] that moved
     duet_state *states;
@@ -194,23 +186,14 @@ struct duet_motion {
     duet_result searched; // what it found and took last
     double extent;        // the bodies' mean least one, at the start
     double margin;        // contacts are kept to that far apart
+    motion_phase phase;
     uint64_t step;
-    cl_uint n_contacts; // in rows
-    colour_span colours[COLOUR_OVERFLOW + 1];
-    uint32_t n_colours; // that are not empty
-    uint32_t n_pushing; // contacts of all colours
-    uint32_t n_blocks;
+    products products;
+    altered_bodies altered;
     uint64_t n_pairs;
-    bool has_graph;
-    bool rows_stale; // they are not of the bodies that there are, besides those that are altered
-    bool bounds_checked; // since something moved, against the bounds that rows are made of
-    bool list_stale;     // the list by colour is not that of the contacts
-    bool recoloured;     // some contacts had another colour in the last step
-    uint32_t rounds;     // that gave them colours
-    bool at_rest;        // everything sleeps: a step changes nothing
-    bool rebuilt;
-    bool broken; // a step failed half-way: only a load makes it whole again
-    uint32_t flags[FLAGS];
+    cl_uint n_contacts; // in rows
+    colouring colours;
+    uint32_t flags[FLAGS]; // as they were read last
     motion_events told;
     motion_reading reading;
 };
@@ -226,14 +209,6 @@ static inline bool motion_read_flags(duet_motion *m, duet_error *err)
 duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err);
-
-// Whether a public call has a motion whose state is that of a whole step, none of which is under
-// way, and of which nothing is mapped; BAD_ARGUMENT where it has not. Steady: something may be
-// mapped. Idle: and a step may have failed.
-bool motion_is_idle(const duet_motion *m, const char *call, duet_error *err);
-bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err);
-bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
-bool motion_is_unmapped(const duet_motion *m, const char *call, duet_error *err);
 
 // Without writing what was mapped; and what was told of the bodies that moved.
 void motion_forget_maps(duet_motion *m);
@@ -305,13 +280,6 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
 // Makes space for all n objects, of which the first old_n have it. The state of the others becomes
 // 0; the device may still be writing that on return.
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
-
-// Where objects may touch: bounds to pairs, pairs to the contacts of each.
-bool motion_check_bounds(duet_motion *m, duet_error *err); // sets FLAG_MOVED
-bool motion_build_graph(duet_motion *m, duet_error *err);
-
-// Manifolds, and with response sleep, colours and substeps: what contacts do to bodies in a step.
-bool motion_solve(duet_motion *m, duet_error *err);
 
 // Space for n elements of `size` bytes in a buffer.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);

@@ -99,7 +99,7 @@ static bool make_space(duet_motion *m, uint32_t n, duet_error *err)
     memset(c->states + old_n, PLACE_EMPTY, n - old_n);
     c->n_hidden += n - old_n;
     m->n = n;
-    m->told.known = false; // walls have other numbers
+    motion_forget_events(&m->told); // walls have other numbers
     return motion_keep_whole(m, motion_grow(m, old_n, err) && timeline_finish(&m->times, err) &&
                                     move_walls(m, old_n, err));
 }
@@ -110,7 +110,7 @@ static bool settle(duet_motion *m, const motion_placed *p, uint64_t *ids, duet_e
     if (p->n == 0)
         return true;
     motion_alter_places(m, p->places, p->n);
-    m->reading.begun = false;
+    m->reading.n_told = 0;
     for (uint32_t i = 0; i < p->n; ++i) {
         uint32_t place = p->places[i];
         m->bodies[place] = p->bodies[i];
@@ -154,7 +154,7 @@ static bool send_presence(duet_motion *m, const uint32_t *places, uint32_t n, du
     if (n == 0)
         return true;
     motion_alter_places(m, places, n);
-    m->reading.begun = false;
+    m->reading.n_told = 0;
     return motion_send_places(m, places, n,
                               PART_SIZE | PART_VELOCITY | PART_ANGULAR_VELOCITY | PART_MASS, err) &&
            motion_set_asleep(m, places, n, false, err);

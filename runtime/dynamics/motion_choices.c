@@ -18,7 +18,8 @@ static bool prepare_with(duet_motion *m, const motion_plan *plan, duet_error *er
     const motion_plan before = m->plan;
     m->plan = *plan;
     if (motion_prepare_again(m, err)) {
-        m->rows_stale = m->rows_stale || plan->skin != before.skin;
+        if (plan->skin != before.skin)
+            motion_alter_all(m);
         return true;
     }
     m->plan = before;

@@ -110,7 +110,7 @@ static bool set_fields(duet_motion *m, const motion_placed *p, uint32_t fields, 
         return false;
     if (fields & DUET_BODY_FILTER) {
         motion_alter_places(m, p->places, p->n);
-        m->told.known = false; // events are told by groups
+        motion_forget_events(&m->told); // events are told by groups
     }
     for (uint32_t i = 0; i < p->n; ++i)
         copy_fields(&m->bodies[p->places[i]], &p->bodies[i], fields);
@@ -231,7 +231,7 @@ static bool change_world(duet_motion *m, const duet_motion_def *def, duet_error 
     const duet_plan plan = m->def.plan;
     m->def = *def;
     m->def.plan = plan;
-    m->rows_stale = true; // walls are elsewhere
+    motion_alter_all(m); // walls are elsewhere
     return motion_wake_all(m, err);
 }
 

@@ -40,8 +40,6 @@ struct motion_commands {
     uint32_t first_empty; // none before it is empty
     uint32_t n_hidden;
     bool any_left;
-    uint32_t *altered; // places whose pairs rows lack or have too many of
-    uint32_t n_altered, altered_capacity;
     bool pushed; // some forces wait for the next step
     motion_target *targets;
     uint32_t n_targets;
@@ -56,19 +54,11 @@ static inline bool motion_is_hidden(const duet_motion *m, uint32_t place)
     return m->commands && m->commands->states[place] != PLACE_ENABLED;
 }
 
-// Rows are to be searched about these places, or as a whole where that is no more work.
-void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n);
-
-bool motion_rows_are_stale(const duet_motion *m);
-
 // At rest, as far as bodies say; to be sent.
 void motion_stop(duet_motion *m, uint32_t place);
 
 // BAD_ARGUMENT where the motion lacks an effect that a call needs.
 bool motion_needs(const duet_motion *m, uint32_t effect, const char *call, duet_error *err);
-
-// Whether a command's changes were made; one that was left half-way breaks the motion.
-bool motion_keep_whole(duet_motion *m, bool made);
 
 // Bodies that a command gives or changes: copies of what is at their places, until it is kept.
 typedef struct motion_placed {

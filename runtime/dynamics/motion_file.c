@@ -73,7 +73,7 @@ static header header_of(const duet_motion *m)
                 .effects = m->effects,
                 .record = m->layout.record,
                 .n_contacts = m->n_contacts,
-                .has_graph = m->has_graph,
+                .has_graph = product_was_made(&m->products, PRODUCT_ROWS),
                 .origin_edge = m->def.origin_edge,
                 .step = m->step,
                 .n_pairs = m->n_pairs};
@@ -81,13 +81,13 @@ static header header_of(const duet_motion *m)
     return h;
 }
 
-static motion_saved parts_of(const duet_motion *m, const header *h, const char *bytes,
-                             const char *path)
+static motion_saved parts_of(const duet_motion *m, const header *h, bool rows_stale,
+                             const char *bytes, const char *path)
 {
     motion_saved s = {.path = path,
                       .n_contacts = h->n_contacts,
                       .has_graph = h->has_graph,
-                      .rows_stale = motion_rows_are_stale(m),
+                      .rows_stale = rows_stale,
                       .n_pairs = h->n_pairs};
     const char *at = bytes + sizeof *h;
     for (int i = 0; i < N_KEPT; ++i) {
@@ -137,7 +137,7 @@ bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
     for (int i = 0; ok && i < N_KEPT; ++i)
         ok = add_buffer(m, kept[i], &file, err);
     if (ok && text_ok(&file, err)) {
-        motion_saved parts = parts_of(m, &h, file.chars, path);
+        motion_saved parts = parts_of(m, &h, motion_rows_are_stale(m), file.chars, path);
         ok = motion_check(m, &parts, err) && (!m->commands || motion_add_commands(m, &file, err)) &&
              write_file(&file, path, err);
     } else {
@@ -312,9 +312,9 @@ static bool replace_all(duet_motion *m, const motion_saved *s, duet_error *err)
 }
 
 static bool put_parts(duet_motion *m, const text *file, const char *path, const header *h,
-                      duet_error *err)
+                      bool rows_stale, duet_error *err)
 {
-    motion_saved parts = parts_of(m, h, file->chars, path);
+    motion_saved parts = parts_of(m, h, rows_stale, file->chars, path);
     return motion_check(m, &parts, err) && timeline_finish(&m->times, err) &&
            replace_all(m, &parts, err);
 }
@@ -327,10 +327,13 @@ static bool replace_objects(duet_motion *m, const text *file, const char *path, 
         return false;
     duet_motion as = *m;
     as.n = has_commands(h) ? h->n : m->commands->given.n;
+    as.products = products_of_saved(h->has_graph);
+    as.altered.n = 0;
     if (!check_file(&as, file, path, h, err))
         return false;
     const char *commands = has_commands(h) ? file->chars + kept_bytes(&as, h) : NULL;
-    bool ok = motion_take_commands(&as, commands, path, err) && put_parts(&as, file, path, h, err);
+    bool ok = motion_take_commands(&as, commands, path, err) &&
+              put_parts(&as, file, path, h, motion_rows_are_stale(&as), err);
     if (ok)
         motion_adopt(m, &as);
     else
@@ -341,30 +344,30 @@ static bool replace_objects(duet_motion *m, const text *file, const char *path, 
 bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!error_given(m, __func__, "motion", err) || !error_given(path, __func__, "path", err) ||
-        !motion_is_idle(m, __func__, err) || !motion_is_unmapped(m, __func__, err))
+    if (!motion_is_loadable(m, __func__, err) || !error_given(path, __func__, "path", err))
         return false;
     text file = {0};
     header h;
     bool ok = text_read_file(&file, path, err) && read_header(&file, path, &h, err) &&
               (!is_version_2(&h) || renew(m, &file, path, &h, err));
-    if (ok && (has_commands(&h) || m->commands))
+    if (ok && (has_commands(&h) || m->commands)) {
         ok = replace_objects(m, &file, path, &h, err);
-    else
-        ok = ok && check_file(m, &file, path, &h, err) && put_parts(m, &file, path, &h, err);
+    } else {
+        ok = ok && check_file(m, &file, path, &h, err) && put_parts(m, &file, path, &h, false, err);
+        if (ok)
+            m->products = products_of_saved(h.has_graph);
+    }
     text_free(&file);
     if (!ok)
         return false;
     motion_forget_recording(m);
+    motion_forget_maps(m);
+    motion_forget_events(&m->told);
+    m->told.touching.n = 0;
+    m->reading.n_told = 0;
     m->step = h.step;
     m->n_contacts = h.n_contacts;
     m->n_pairs = h.n_pairs;
-    m->has_graph = h.has_graph;
-    m->bounds_checked = m->at_rest = false;
-    m->list_stale = true;
-    m->told.known = false;
-    m->told.touching.n = 0;
-    m->reading.begun = false;
-    m->broken = false;
+    motion_mend(m);
     return true;
 }

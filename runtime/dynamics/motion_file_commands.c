@@ -106,7 +106,8 @@ static bool take_head(duet_motion *as, const saved_head *h, const char *path, du
                          "%s: the saved motion's attraction is %g; expected none or both of the "
                          "file's and the motion's to be 0",
                          path, d->attraction);
-    as->rows_stale = h->rows_stale;
+    if (h->rows_stale)
+        motion_alter_all(as);
     if (h->rows_stale > 1 || h->pushed > 1 || h->unused > 0 ||
         (h->pushed && !(as->effects & DUET_EFFECT_FORCES)))
         return error_set(err, DUET_STATUS_BAD_INPUT,
@@ -252,7 +253,6 @@ bool motion_take_commands(duet_motion *as, const char *bytes, const char *path, 
         return false;
     if (!bytes) {
         as->def = given->def;
-        as->rows_stale = false;
         copy_given(as, given);
         return take_facts(as, path, err) && motion_reset(as, err);
     }

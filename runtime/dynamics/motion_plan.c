@@ -166,5 +166,5 @@ void motion_plan_note(duet_motion *m)
 
 const duet_plan *duet_motion_get_plan(const duet_motion *m)
 {
-    return m && m->world && !m->background.under_way ? &m->def.plan : NULL;
+    return m && m->world && m->phase != MOTION_STEPPING ? &m->def.plan : NULL;
 }

@@ -212,7 +212,7 @@ void motion_forget_moved(motion_reading *r)
     free(r->states);
     r->ids = NULL;
     r->states = NULL;
-    r->begun = false;
+    r->n_told = 0;
 }
 
 // Where there are more or fewer bodies than before, all is told again.
@@ -234,7 +234,7 @@ static uint32_t list_moved(duet_motion *m, const uint32_t *words)
 {
     uint32_t n = 0;
     for (uint32_t id = 0; id < m->n; ++id)
-        if (!m->reading.begun || (words[id / 32] >> id % 32 & 1u))
+        if (id >= m->reading.n_told || (words[id / 32] >> id % 32 & 1u))
             m->reading.ids[n++] = id;
     return n;
 }
@@ -246,7 +246,7 @@ static bool read_moved(duet_motion *m, uint32_t *words, duet_moved *moved, duet_
     bool ok = m->n == 0 || find_changed(m, words, err);
     uint32_t n = ok ? list_moved(m, words) : 0;
     ok = ok && motion_fetch_states(m, r->ids, n, r->states, NULL, err);
-    r->begun = ok;
+    r->n_told = ok ? m->n : 0;
     *moved = (duet_moved){.places = r->ids, .states = r->states, .n = n};
     return ok;
 }

@@ -424,20 +424,21 @@ bool motion_set_asleep(duet_motion *m, const uint32_t *places, uint32_t n, bool 
 {
     if (n == 0)
         return true;
-    m->at_rest = false;
+    product_forget(&m->products, PRODUCT_BODIES);
     return !(m->effects & DUET_EFFECT_SLEEP) ||
            (mark_rests(m, places, n, asleep, err) && mark_awake(m, places, n, err));
 }
 
 bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
 {
-    m->bounds_checked = m->bounds_checked && n == 0;
+    if (n > 0)
+        products_move_bodies(&m->products);
     return motion_set_asleep(m, places, n, false, err);
 }
 
 bool motion_wake_all(duet_motion *m, duet_error *err)
 {
-    m->at_rest = m->bounds_checked = false;
+    products_move_bodies(&m->products);
     return !(m->effects & DUET_EFFECT_SLEEP) ||
            (timeline_fill(&m->times, "clear", &m->buffers[RESTS], 0, 0, m->n, err) &&
             timeline_fill(&m->times, "clear", &m->buffers[ASLEEP], 0, 0, m->n, err) &&

@@ -3,7 +3,7 @@
 //
 // Contacts of one colour share no body that moves, so that a launch solves them in parallel. What
 // finds no colour is solved in order.
-#include "runtime/dynamics/motion.h"
+#include "runtime/dynamics/solver.h"
 
 #include "base/budget.h"
 
@@ -29,14 +29,18 @@ static bool prepare_bodies(duet_motion *m, uint32_t woken, duet_error *err)
     return launch(m, "integrate", m->kernels.prepare_bodies, (uint64_t)m->n + MOTION_WALLS, err);
 }
 
-// Bodies and where they touch. What is woken by a touch has its mass again
-// before it is pushed.
-static bool update_contacts(duet_motion *m, duet_error *err)
+// What is woken by a touch has its mass again before it is pushed.
+static bool wake_touched(duet_motion *m, duet_error *err)
 {
-    return prepare_bodies(m, 0, err) && find_manifolds(m, 0, err) &&
-           (!(m->effects & DUET_EFFECT_SLEEP) ||
-            (launch(m, "sleep", m->kernels.update_sleep, m->n, err) && prepare_bodies(m, 1, err) &&
-             find_manifolds(m, 1, err)));
+    return launch(m, "sleep", m->kernels.update_sleep, m->n, err) && prepare_bodies(m, 1, err) &&
+           find_manifolds(m, 1, err);
+}
+
+bool motion_make_manifolds(duet_motion *m, duet_error *err)
+{
+    product_renew(&m->products, PRODUCT_MANIFOLDS);
+    return (!(m->effects & DUET_EFFECT_CONTACT_RESPONSE) || prepare_bodies(m, 0, err)) &&
+           find_manifolds(m, 0, err) && (!(m->effects & DUET_EFFECT_SLEEP) || wake_touched(m, err));
 }
 
 // ---------------------------------------------------------------- graph colouring
@@ -48,8 +52,7 @@ static bool reserve_lists(duet_motion *m, duet_error *err)
 {
     static const motion_buffer lists[] = {LIST, LIST_SPARE, LIST_KEYS, LIST_KEYS_SPARE};
     bool ok = motion_reserve(m, COLOUR_STARTS, KEYS + 1, sizeof(uint32_t), err) &&
-              motion_reserve(m, SPANS, sizeof m->colours / sizeof m->colours[0],
-                             sizeof m->colours[0], err);
+              motion_reserve(m, SPANS, COLOUR_OVERFLOW + 1, sizeof(colour_span), err);
     for (size_t i = 0; ok && i < sizeof lists / sizeof lists[0]; ++i)
         ok = motion_reserve(m, lists[i], (uint64_t)m->n_contacts + 1, sizeof(uint32_t), err);
     return ok;
@@ -57,20 +60,18 @@ static bool reserve_lists(duet_motion *m, duet_error *err)
 
 // Where each colour's contacts are in the list, and in blocks: those of a colour
 // begin a block, and those of none have one each.
-static void lay_colours(duet_motion *m, const uint32_t starts[KEYS + 1])
+static void lay_colours(colouring *c, uint32_t block, const uint32_t starts[KEYS + 1])
 {
-    uint32_t block = m->layout.block, n_blocks = 0;
-    m->n_colours = 0;
-    for (uint32_t c = 0; c <= COLOUR_OVERFLOW; ++c) {
-        colour_span *span = &m->colours[c];
-        span->first = starts[c * COLOUR_KEYS];
-        span->count = starts[(c + 1) * COLOUR_KEYS] - span->first;
-        span->slot = n_blocks * block;
-        n_blocks += c == COLOUR_OVERFLOW ? span->count : (span->count + block - 1) / block;
-        m->n_colours += span->count > 0;
+    c->n_blocks = c->n_used = 0;
+    for (uint32_t k = 0; k <= COLOUR_OVERFLOW; ++k) {
+        colour_span *span = &c->spans[k];
+        span->first = starts[k * COLOUR_KEYS];
+        span->count = starts[(k + 1) * COLOUR_KEYS] - span->first;
+        span->slot = c->n_blocks * block;
+        c->n_blocks += k == COLOUR_OVERFLOW ? span->count : (span->count + block - 1) / block;
+        c->n_used += span->count > 0;
     }
-    m->n_pushing = starts[(COLOUR_OVERFLOW + 1) * COLOUR_KEYS];
-    m->n_blocks = n_blocks;
+    c->n_contacts = starts[(COLOUR_OVERFLOW + 1) * COLOUR_KEYS];
 }
 
 // Contacts of one colour after the other into LIST. Reads the flags as well.
@@ -87,7 +88,7 @@ static bool sort_colours(duet_motion *m, duet_error *err)
                                   err) &&
               timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, sizeof starts, err);
     if (ok)
-        lay_colours(m, starts);
+        lay_colours(&m->colours, m->layout.block, starts);
     return ok;
 }
 
@@ -100,53 +101,63 @@ static bool run_rounds(duet_motion *m, uint32_t from, uint32_t to, duet_error *e
     return ok;
 }
 
-// Each round colours at least the contact of greatest rank, so rounds end. As many as in
-// the last step and one more are sent before the host looks whether any contact still waits.
+// Each round colours at least the contact of greatest rank, so rounds end. As many as are expected
+// are sent before the host looks whether any contact still waits.
 static bool list_colours(duet_motion *m, duet_error *err)
 {
+    colouring *c = &m->colours;
     bool ok = reserve_lists(m, err);
-    bool waits = m->recoloured || m->flags[FLAG_UNCOLOURED] > 0;
-    uint32_t from = 0, to = waits ? m->rounds + 1 : 0;
+    uint32_t from = 0, to = c->rounds > 0 ? c->rounds : m->flags[FLAG_UNCOLOURED] > 0;
     do {
         ok = ok && run_rounds(m, from, to, err) && sort_colours(m, err);
         from = to;
         to += ROUNDS_MORE;
     } while (ok && m->flags[FLAG_UNCOLOURED] > 0);
-    m->rounds = m->flags[FLAG_ROUNDS];
+    c->rounds = m->flags[FLAG_RECOLOURED] ? m->flags[FLAG_ROUNDS] + 1 : 0;
+    product_renew(&m->products, PRODUCT_COLOURS);
     return ok &&
-           motion_reserve(m, BLOCKS, (uint64_t)m->n_blocks * m->layout.block,
+           motion_reserve(m, BLOCKS, (uint64_t)c->n_blocks * m->layout.block,
                           m->layout.constraint * sizeof(float), err) &&
-           timeline_write_at(&m->times, "graph_colour", &m->buffers[SPANS], 0, m->colours,
-                             sizeof m->colours, err);
+           timeline_write_at(&m->times, "graph_colour", &m->buffers[SPANS], 0, c->spans,
+                             sizeof c->spans, err);
+}
+
+// If the contacts are those of the list, and none changed its colour, the list holds.
+static bool keep_colours(duet_motion *m, duet_error *err)
+{
+    if (!motion_read_flags(m, err))
+        return false;
+    if (!product_is_forgotten(&m->products, PRODUCT_COLOURS) && !m->flags[FLAG_RECOLOURED])
+        product_keep(&m->products, PRODUCT_COLOURS);
+    return true;
+}
+
+static bool list_none(duet_motion *m)
+{
+    const uint32_t none[KEYS + 1] = {0};
+    lay_colours(&m->colours, m->layout.block, none);
+    product_renew(&m->products, PRODUCT_COLOURS);
+    return true;
 }
 
 // A motion whose colours changed in the last step mostly changes them again: then the contacts are
 // sorted anew without waiting for the device to say so.
-static bool colour_contacts(duet_motion *m, duet_error *err)
+bool motion_make_colours(duet_motion *m, duet_error *err)
 {
-    const uint32_t none[KEYS + 1] = {0};
-    if (m->n_contacts == 0) {
-        lay_colours(m, none);
-        return true;
-    }
-    if (!launch(m, "graph_colour", m->kernels.graph_colour_mark, m->n_contacts, err) ||
-        (!m->recoloured && !motion_read_flags(m, err)))
-        return false;
-    m->list_stale = m->list_stale || m->rebuilt || m->recoloured || m->flags[FLAG_RECOLOURED];
-    if (!m->list_stale)
-        return true;
-    m->list_stale = !list_colours(m, err);
-    m->recoloured = m->flags[FLAG_RECOLOURED];
-    return !m->list_stale;
+    if (m->n_contacts == 0)
+        return list_none(m);
+    return launch(m, "graph_colour", m->kernels.graph_colour_mark, m->n_contacts, err) &&
+           (m->colours.rounds > 0 || keep_colours(m, err)) &&
+           (product_is_right(&m->products, PRODUCT_COLOURS) || list_colours(m, err));
 }
 
 // ---------------------------------------------------------------- substeps
 
-static uint32_t most_of(const duet_motion *m, uint32_t from, uint32_t to)
+static uint32_t most_of(const colouring *c, uint32_t from, uint32_t to)
 {
     uint32_t most = 0;
     for (uint32_t colour = from; colour < to; ++colour)
-        most = m->colours[colour].count > most ? m->colours[colour].count : most;
+        most = c->spans[colour].count > most ? c->spans[colour].count : most;
     return most;
 }
 
@@ -154,7 +165,7 @@ static uint32_t most_of(const duet_motion *m, uint32_t from, uint32_t to)
 static bool launch_colours(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
                            uint32_t each, uint64_t work, duet_error *err)
 {
-    const colour_span *span = &m->colours[from];
+    const colour_span *span = &m->colours.spans[from];
     m->args.span = (cl_int4){{(cl_int)span->first, (cl_int)span->count, (cl_int)span->slot}};
     m->args.from_colour = from;
     m->args.to_colour = to;
@@ -163,11 +174,11 @@ static bool launch_colours(duet_motion *m, const kernel *k, uint32_t from, uint3
 }
 
 // Colours that one work-group has space for are taken by the same one.
-static uint32_t end_of_few(const duet_motion *m, const kernel *k, uint32_t from)
+static uint32_t end_of_few(const colouring *c, const kernel *k, uint32_t from)
 {
     uint32_t to = from + 1;
-    if (m->colours[from].count <= k->group * k->per_item)
-        while (to < COLOUR_OVERFLOW && m->colours[to].count <= k->group * k->per_item)
+    if (c->spans[from].count <= k->group * k->per_item)
+        while (to < COLOUR_OVERFLOW && c->spans[to].count <= k->group * k->per_item)
             ++to;
     return to;
 }
@@ -175,11 +186,12 @@ static uint32_t end_of_few(const duet_motion *m, const kernel *k, uint32_t from)
 // What found no colour is taken in order, by one work-item.
 static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
 {
-    uint32_t in_order = m->colours[COLOUR_OVERFLOW].count;
+    const colouring *c = &m->colours;
+    uint32_t in_order = c->spans[COLOUR_OVERFLOW].count;
     bool ok = true;
     for (uint32_t from = 0, to = 0; ok && from < COLOUR_OVERFLOW; from = to) {
-        to = end_of_few(m, k, from);
-        ok = launch_colours(m, k, from, to, k->per_item, most_of(m, from, to), err);
+        to = end_of_few(c, k, from);
+        ok = launch_colours(m, k, from, to, k->per_item, most_of(c, from, to), err);
     }
     return ok && (in_order == 0 ||
                   launch_colours(m, k, COLOUR_OVERFLOW, COLOUR_OVERFLOW + 1, in_order, 1, err));
@@ -205,7 +217,7 @@ static bool store_impulses(duet_motion *m, duet_error *err)
 {
     const kernel *k = m->kernels.store_impulses;
     return launch_colours(m, k, 0, COLOUR_OVERFLOW + 1, k->per_item,
-                          most_of(m, 0, COLOUR_OVERFLOW + 1), err);
+                          most_of(&m->colours, 0, COLOUR_OVERFLOW + 1), err);
 }
 
 // What sleeps deep in others goes when all else has gone, so that whatever it then touches is
@@ -223,20 +235,16 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- all stages
 
-static bool respond(duet_motion *m, duet_error *err)
-{
-    bool ok = update_contacts(m, err) && colour_contacts(m, err) &&
-              for_colours(m, m->kernels.prepare_contacts, err);
-    for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
-        ok = substep(m, err);
-    ok = ok && (!m->facts.elastic || for_colours(m, m->kernels.apply_restitution, err));
-    return ok && store_impulses(m, err);
-}
-
 bool motion_solve(duet_motion *m, duet_error *err)
 {
-    bool response = m->effects & DUET_EFFECT_CONTACT_RESPONSE;
-    return (response ? respond(m, err) : find_manifolds(m, 0, err)) && motion_note_events(m, err) &&
-           (!response || (launch(m, "integrate", m->kernels.finalize_bodies, m->n, err) &&
-                          push_sleepers(m, err)));
+    bool ok = for_colours(m, m->kernels.prepare_contacts, err);
+    for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
+        ok = substep(m, err);
+    return ok && (!m->facts.elastic || for_colours(m, m->kernels.apply_restitution, err)) &&
+           store_impulses(m, err);
+}
+
+bool motion_finalize(duet_motion *m, duet_error *err)
+{
+    return launch(m, "integrate", m->kernels.finalize_bodies, m->n, err) && push_sleepers(m, err);
 }
