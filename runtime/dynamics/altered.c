@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/dynamics/altered.h"
-
-#include "base/compare.h"
 #include "kernels/dynamics/altered.h"
+#include "base/compare.h"
 #include "runtime/dynamics/motion.h"
 
 #include <math.h>
@@ -88,26 +86,25 @@ static uint32_t count_heads(uint32_t n_altered)
     return n;
 }
 
-static void set_args(duet_motion *m)
+static void measure_table(duet_motion *m)
 {
-    motion_args *args = &m->args;
-    args->n_altered = m->altered.n;
-    args->n_heads = count_heads(args->n_altered);
-    args->per_edge = (float)fmin(1.0 / edge_of(m), 1e30);
-    args->pair_capacity = m->n_contacts + PAIRS_OF_ONE * args->n_altered;
+    altered_bodies *a = &m->altered;
+    a->n_heads = count_heads(a->n);
+    a->per_edge = (float)fmin(1.0 / edge_of(m), 1e30);
+    a->pair_capacity = m->n_contacts + PAIRS_OF_ONE * a->n;
 }
 
 static bool reserve_table(duet_motion *m, duet_error *err)
 {
-    const uint64_t word = sizeof(uint32_t), n = m->args.n_altered;
+    const uint64_t word = sizeof(uint32_t), n = m->altered.n;
     return motion_reserve(m, ALTERED, n, word, err) &&
            motion_reserve(m, IS_ALTERED, m->n, word, err) &&
-           motion_reserve(m, ALTERED_HEADS, m->args.n_heads, word, err) &&
+           motion_reserve(m, ALTERED_HEADS, m->altered.n_heads, word, err) &&
            motion_reserve(m, ALTERED_ENTRIES_OF, ALTERED_CELLS * n, sizeof(cl_int4), err) &&
            motion_reserve(m, ALTERED_NEXTS, ALTERED_CELLS * n, word, err) &&
            motion_reserve(m, ALTERED_WIDE_ONES, n, word, err) &&
            motion_reserve(m, ALTERED_COUNT_WORDS, ALTERED_COUNTS, word, err) &&
-           motion_reserve(m, PAIRS, m->args.pair_capacity, 2 * word, err);
+           motion_reserve(m, PAIRS, m->altered.pair_capacity, 2 * word, err);
 }
 
 static bool clear(duet_motion *m, motion_buffer which, size_t words, duet_error *err)
@@ -118,7 +115,7 @@ static bool clear(duet_motion *m, motion_buffer which, size_t words, duet_error 
 static bool send_altered(duet_motion *m, duet_error *err)
 {
     const altered_bodies *a = &m->altered;
-    return clear(m, IS_ALTERED, m->n, err) && clear(m, ALTERED_HEADS, m->args.n_heads, err) &&
+    return clear(m, IS_ALTERED, m->n, err) && clear(m, ALTERED_HEADS, m->altered.n_heads, err) &&
            clear(m, ALTERED_COUNT_WORDS, ALTERED_COUNTS, err) &&
            timeline_write_at(&m->times, stage, &m->buffers[ALTERED], 0, a->places,
                              a->n * sizeof *a->places, err);
@@ -149,11 +146,11 @@ bool motion_bound_altered(duet_motion *m, duet_error *err)
     if (m->altered.n == 0)
         return true;
     list_once(&m->altered);
-    set_args(m);
+    measure_table(m);
     return prepare(m, err) && reserve_table(m, err) && send_altered(m, err) &&
-           timeline_launch(&m->times, "grid", m->kernels.compute_altered_aabbs, m->args.n_altered,
-                           m, err) &&
-           launch(m, m->kernels.place_altered, m->args.n_altered, err);
+           timeline_launch(&m->times, "grid", m->kernels.compute_altered_aabbs, m->altered.n, m,
+                           err) &&
+           launch(m, m->kernels.place_altered, m->altered.n, err);
 }
 
 bool motion_search_altered(duet_motion *m, bool *found, duet_error *err)
@@ -163,10 +160,10 @@ bool motion_search_altered(duet_motion *m, bool *found, duet_error *err)
               launch(m, m->kernels.keep_pairs, m->n_contacts, err) &&
               timeline_read_at(&m->times, stage, &m->buffers[ALTERED_COUNT_WORDS], 0, counts,
                                sizeof counts, err);
-    *found = ok && counts[ALTERED_PAIRS] <= m->args.pair_capacity;
+    *found = ok && counts[ALTERED_PAIRS] <= m->altered.pair_capacity;
     if (!*found)
         return ok;
     m->n_pairs = counts[ALTERED_PAIRS];
-    m->args.pairs = m->buffers[PAIRS];
+    m->graph.pairs = m->buffers[PAIRS];
     return true;
 }

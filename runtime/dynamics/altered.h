@@ -7,11 +7,16 @@
 
 #include "runtime/duet.h"
 
+#include <CL/cl.h>
+
 // If n is above 0, pairs are forgotten and bounds are not. With pairs and bounds forgotten, all
 // bodies count as altered, and none is listed.
 typedef struct altered_bodies {
     uint32_t *places;
-    uint32_t n, capacity;
+    cl_uint n, capacity;
+    // of the table
+    cl_uint n_heads, pair_capacity;
+    cl_float per_edge;
 } altered_bodies;
 
 // Rows are to be searched about these places, or as a whole if that is no more work.

@@ -4,8 +4,6 @@
 // A world of the bodies' bounds searches the pairs, or an index of the altered bodies those of
 // these alone (altered.h). Contacts are rows of their owners, and take over what those before them
 // had.
-#include "runtime/dynamics/contact_graph.h"
-
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion_commands.h"
@@ -99,18 +97,18 @@ static bool tell_left_out(duet_motion *m, duet_error *err)
 
 static bool search_all(duet_motion *m, duet_error *err)
 {
-    duet_result *found = &m->searched;
+    duet_result *found = &m->graph.searched;
     const buffer *pairs;
     uint32_t hidden = m->commands ? m->commands->n_hidden : 0; // these are left out
-    m->world->def.keep_bad = hidden > 0;
-    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, m->times.untimed, found,
+    m->graph.world->def.keep_bad = hidden > 0;
+    bool ok = world_step_resident(m->graph.world, &m->buffers[BOXES], m->n, m->times.untimed, found,
                                   &pairs, err) &&
               (found->bad == hidden || tell_left_out(m, err));
     if (ok)
         timeline_add_host(&m->times, "pairs", found->total_ms);
     motion_plan_note(m); // the mode may follow the grid
     m->n_pairs = ok ? found->pairs : 0;
-    m->args.pairs = ok ? *pairs : (buffer){0};
+    m->graph.pairs = ok ? *pairs : (buffer){0};
     return ok;
 }
 
@@ -142,8 +140,8 @@ static bool check_capacity(const duet_motion *m, uint64_t *most, duet_error *err
 static bool put_all(duet_motion *m, uint32_t fill, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
-    m->args.n_pairs = (uint32_t)m->n_pairs;
-    m->args.fill = fill;
+    m->graph.n_pairs = (uint32_t)m->n_pairs;
+    m->graph.fill = fill;
     return launch(m, "contact_graph", k->contact_graph_pairs, m->n_pairs, err) &&
            (!k->contact_graph_walls ||
             launch(m, "contact_graph", k->contact_graph_walls, m->n, err));
@@ -151,15 +149,15 @@ static bool put_all(duet_motion *m, uint32_t fill, duet_error *err)
 
 static bool sort_rows(duet_motion *m, motion_buffer starts, motion_buffer values, duet_error *err)
 {
-    m->args.row_starts = m->buffers[starts];
-    m->args.row_values = m->buffers[values];
+    m->graph.row_starts = m->buffers[starts];
+    m->graph.row_values = m->buffers[values];
     return launch(m, "contact_graph", m->kernels.contact_graph_sort, m->n, err);
 }
 
 static bool scan_starts(duet_motion *m, motion_buffer starts, duet_error *err)
 {
-    return scan_run(&m->scan, &m->times, "contact_graph", &m->buffers[starts], &m->buffers[starts],
-                    m->n + 1, err);
+    return scan_run(&m->graph.scan, &m->times, "contact_graph", &m->buffers[starts],
+                    &m->buffers[starts], m->n + 1, err);
 }
 
 // Bodies have no rows of a kind yet.
@@ -179,7 +177,7 @@ static bool fill_rows(duet_motion *m, duet_error *err)
 
 static bool put_returns(duet_motion *m, uint32_t fill, duet_error *err)
 {
-    m->args.fill = fill;
+    m->graph.fill = fill;
     return launch(m, "contact_graph", m->kernels.contact_graph_reverse, m->n, err);
 }
 
@@ -203,7 +201,7 @@ static bool fill_returns(duet_motion *m, duet_error *err)
 
 static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
 {
-    m->args.n_old = n_old;
+    m->graph.n_old = n_old;
     return launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
 }
 

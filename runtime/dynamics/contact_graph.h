@@ -3,7 +3,17 @@
 #ifndef RUNTIME_CONTACT_GRAPH_H
 #define RUNTIME_CONTACT_GRAPH_H
 
-#include "runtime/dynamics/motion.h"
+#include "runtime/opencl/scan.h"
+
+typedef struct contact_graph {
+    duet_world *world;    // of bounds; NULL without contact
+    duet_result searched; // what it found and took last
+    scan scan;
+    buffer pairs; // that rows are made of
+    // what a launch is told besides
+    cl_uint n_pairs, n_old, fill;
+    buffer row_starts, row_values;
+} contact_graph;
 
 bool motion_make_bounds(duet_motion *m, duet_error *err);
 bool motion_make_pairs(duet_motion *m, duet_error *err);

@@ -112,8 +112,8 @@ static bool open_world(duet_motion *m, duet_error *err)
     def.plan = m->plan.search;
     def.dims = m->def.dims;
     def.shape = DUET_SHAPE_BOUNDS;
-    m->world = duet_world_create(&def, err);
-    return m->world;
+    m->graph.world = duet_world_create(&def, err);
+    return m->graph.world;
 }
 
 static bool open_device(duet_motion *m, duet_error *err)
@@ -183,14 +183,14 @@ void duet_motion_destroy(duet_motion *m)
 {
     if (!m)
         return;
-    background_close(&m->background);
+    background_close(&m->halves.thread);
     timeline_clear(&m->times);
     motion_forget_maps(m);
     for (int i = 0; i < MOTION_BUFFERS; ++i)
         buffer_release(&m->buffers[i]);
-    scan_close(&m->scan);
-    radix_sort_close(&m->radix);
-    duet_world_destroy(m->world);
+    scan_close(&m->graph.scan);
+    radix_sort_close(&m->solver.radix);
+    duet_world_destroy(m->graph.world);
     program_set_close(m->programs);
     gen_close(m->gen);
     free(m->poses);

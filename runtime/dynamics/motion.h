@@ -7,15 +7,16 @@
 #define RUNTIME_MOTION_H
 
 #include "runtime/dynamics/altered.h"
-#include "runtime/dynamics/colouring.h"
+#include "runtime/dynamics/contact_graph.h"
 #include "runtime/dynamics/effect.h"
 #include "runtime/dynamics/motion_events.h"
 #include "runtime/dynamics/motion_plan.h"
+#include "runtime/dynamics/motion_read.h"
 #include "runtime/dynamics/phase.h"
 #include "runtime/dynamics/products.h"
+#include "runtime/dynamics/solver.h"
 #include "runtime/opencl/background.h"
 #include "runtime/opencl/device_pair.h"
-#include "runtime/opencl/radix_sort.h"
 
 enum { MOTION_WALLS = 6 };
 
@@ -101,9 +102,9 @@ typedef struct motion_kernels {
     kernel *compute_altered_aabbs, *place_altered, *find_altered_pairs, *keep_pairs;
 } motion_kernels;
 
-// What kernels are told besides the motion's buffers, by the names that their cards use.
+// What a step tells its kernels, by the names that their cards use (motion_step.c). What a launch
+// is told besides stands in the struct of the file that launches it.
 typedef struct motion_args {
-    // of a step
     arg_real4 gravity; // or the centre and strength of an attraction
     cl_float4 gravity_float;
     arg_real4 lower, upper; // walls
@@ -119,21 +120,7 @@ typedef struct motion_args {
     cl_float sleep_speed, sleep_after;
     cl_float hit_speed;
     cl_int4 base; // the cell that others are counted from
-
-    // of a launch
-    cl_uint n_pairs, n_old;
-    cl_uint fill, woken, soft;
-    cl_uint from_colour, to_colour, each;
-    cl_int4 span; // of from_colour
-    cl_uint round;
     cl_uint key_end;
-    buffer pairs; // that rows are made of
-    buffer row_starts, row_values;
-    buffer rows, last_rows; // of a state, by object
-    buffer poses;           // a tree's
-    cl_uint row_words, n_ids;
-    cl_uint n_altered, n_heads, pair_capacity;
-    cl_float per_edge;
 } motion_args;
 
 // How long the records of kernels/dynamics/records.h are, in floats; bodies in vectors
@@ -144,20 +131,20 @@ typedef struct motion_layout {
     uint32_t constraint, block; // a block is so many constraints
 } motion_layout;
 
-// What was told of the bodies that moved (motion_read.c).
-typedef struct motion_reading {
-    kernel *gather_rows, *changed_rows; // NULL until something is read
-    uint32_t n_told; // bodies of which the device has what was read last; 0: all are to be told
-    uint32_t n;
-    uint32_t *ids; // [n] that moved
-    duet_state *states;
-} motion_reading;
+// A step in two halves: its thread, and how long that took.
+typedef struct motion_halves {
+    background thread;
+    double ms;
+} motion_halves;
 
 // What commands (runtime/duet_motion_commands.h) leave behind.
 typedef struct motion_commands motion_commands;
 typedef struct motion_recording motion_recording;
 
+// Each file changes its own struct, and the products that it makes; the rest it reads. What has no
+// struct is changed by motion.c, by commands between steps, and by motion_file.c.
 struct duet_motion {
+    // what moves
     duet_motion_def def;
     motion_plan plan; // the def's
     uint32_t effects;
@@ -166,36 +153,39 @@ struct duet_motion {
     duet_pose *poses;  // as given; with an origin each centre is an offset in its cell
     cl_int4 *cells;    // NULL without
     duet_body *bodies; // as given
+    double extent;     // the bodies' mean least one, at the start
+    double margin;     // contacts are kept to that far apart
+
+    // on B
     const device *device;
     gen *gen;
     program_set *programs;
-    motion_kernels kernels;
-    motion_layout layout;
-    motion_args args;
-    scan scan;
-    radix_sort radix;
+    motion_kernels kernels; // motion_kernels.c
+    motion_layout layout;   // likewise
+    motion_args args;       // motion_step.c
     timeline times;
-    motion_commands *commands;   // NULL before the first
-    motion_recording *recording; // NULL where nothing is recorded
-    struct motion_map *maps;     // [parts of the state], likewise (motion_map.c)
-    uint32_t mapped;             // those that are: a bit for each
-    background background;       // of a step in two halves, and what that took
-    double background_ms;
     buffer buffers[MOTION_BUFFERS];
-    duet_world *world;    // of bounds; NULL without contact
-    duet_result searched; // what it found and took last
-    double extent;        // the bodies' mean least one, at the start
-    double margin;        // contacts are kept to that far apart
-    motion_phase phase;
+    uint32_t flags[FLAGS]; // as they were read last
+
+    // from step to step
+    motion_phase phase; // phase.c
     uint64_t step;
     products products;
     altered_bodies altered;
+    contact_graph graph;
     uint64_t n_pairs;
     cl_uint n_contacts; // in rows
-    colouring colours;
-    uint32_t flags[FLAGS]; // as they were read last
+    contact_solver solver;
     motion_events told;
+    motion_halves halves; // motion_step.c
+
+    // for callers
     motion_reading reading;
+    struct motion_map *maps;     // [parts of the state]; NULL before the first (motion_map.c)
+    uint32_t mapped;             // those that are: a bit for each (phase.c)
+    buffer poses_to;             // a tree's, while poses are written (motion_poses.c)
+    motion_commands *commands;   // NULL before the first
+    motion_recording *recording; // NULL where nothing is recorded
 };
 
 // Reads the flags, which waits for all that was launched.
@@ -210,9 +200,8 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err);
 
-// Without writing what was mapped; and what was told of the bodies that moved.
+// Without writing what was mapped.
 void motion_forget_maps(duet_motion *m);
-void motion_forget_moved(motion_reading *r);
 
 // Kernels with what the scene says of their parameters, for all bodies or for those that commands
 // altered, which are built when they are first asked for. After a failure none is there.

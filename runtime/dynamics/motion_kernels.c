@@ -10,6 +10,7 @@
 
 #define BUFFER(which, name, type) BIND_BUFFER(duet_motion, name, type, buffers[which])
 #define VALUE(name) BIND_VALUE(duet_motion, #name, args.name)
+#define VALUE_OF(part, name) BIND_VALUE(duet_motion, #name, part.name)
 
 const binding motion_bindings[] = {
     BUFFER(CENTRES, "centres", "real4 *"),
@@ -50,15 +51,15 @@ const binding motion_bindings[] = {
     BUFFER(TOUCHING, "touching", "uint *"),
     BUFFER(HITS, "hits", "uint *"),
     BUFFER(FLAG_WORDS, "flags", "uint *"),
-    BIND_BUFFER(duet_motion, "pairs", "uint2 *", args.pairs),
-    BIND_BUFFER(duet_motion, "row_starts", "uint *", args.row_starts),
-    BIND_BUFFER(duet_motion, "row_values", "uint *", args.row_values),
+    BIND_BUFFER(duet_motion, "pairs", "uint2 *", graph.pairs),
+    BIND_BUFFER(duet_motion, "row_starts", "uint *", graph.row_starts),
+    BIND_BUFFER(duet_motion, "row_values", "uint *", graph.row_values),
     BUFFER(READ_IDS, "ids", "uint *"),
     BUFFER(GATHERED, "gathered", "uint *"),
     BUFFER(CHANGED, "changed", "uint *"),
-    BIND_BUFFER(duet_motion, "rows", "uint *", args.rows),
-    BIND_BUFFER(duet_motion, "last_rows", "uint *", args.last_rows),
-    BIND_BUFFER(duet_motion, "poses", "float *", args.poses),
+    BIND_BUFFER(duet_motion, "rows", "uint *", reading.rows),
+    BIND_BUFFER(duet_motion, "last_rows", "uint *", reading.last_rows),
+    BIND_BUFFER(duet_motion, "poses", "float *", poses_to),
     BUFFER(PAIRS, "found_pairs", "uint2 *"),
     BUFFER(ALTERED, "altered", "uint *"),
     BUFFER(IS_ALTERED, "is_altered", "uint *"),
@@ -67,17 +68,17 @@ const binding motion_bindings[] = {
     BUFFER(ALTERED_NEXTS, "nexts", "uint *"),
     BUFFER(ALTERED_WIDE_ONES, "wide", "uint *"),
     BUFFER(ALTERED_COUNT_WORDS, "altered_counts", "uint *"),
-    VALUE(n_altered),
-    VALUE(n_heads),
-    VALUE(per_edge),
-    VALUE(pair_capacity),
-    VALUE(row_words),
-    VALUE(n_ids),
+    BIND_VALUE(duet_motion, "n_altered", altered.n),
+    VALUE_OF(altered, n_heads),
+    VALUE_OF(altered, per_edge),
+    VALUE_OF(altered, pair_capacity),
+    VALUE_OF(reading, row_words),
+    VALUE_OF(reading, n_ids),
     BIND_VALUE(duet_motion, "n", n),
     BIND_VALUE(duet_motion, "n_contacts", n_contacts),
     BIND_VALUE(duet_motion, "n_keys", n_contacts),
-    VALUE(n_pairs),
-    VALUE(n_old),
+    VALUE_OF(graph, n_pairs),
+    VALUE_OF(graph, n_old),
     VALUE(key_end),
     VALUE(gravity),
     BIND_VALUE(duet_motion, "gravity", args.gravity_float),
@@ -104,14 +105,14 @@ const binding motion_bindings[] = {
     VALUE(sleep_after),
     VALUE(hit_speed),
     VALUE(base),
-    VALUE(fill),
-    VALUE(woken),
-    VALUE(soft),
-    VALUE(span),
-    VALUE(round),
-    VALUE(from_colour),
-    VALUE(to_colour),
-    VALUE(each),
+    VALUE_OF(graph, fill),
+    VALUE_OF(solver, woken),
+    VALUE_OF(solver, soft),
+    VALUE_OF(solver, span),
+    VALUE_OF(solver, round),
+    VALUE_OF(solver, from_colour),
+    VALUE_OF(solver, to_colour),
+    VALUE_OF(solver, each),
     {0}};
 
 // ---------------------------------------------------------------- parameters
@@ -275,11 +276,11 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
 bool motion_prepare(duet_motion *m, duet_error *err)
 {
     const kernel_request sorts[] = {
-        SCAN_KERNELS(&m->scan, has(m, DUET_EFFECT_CONTACT)),
-        RADIX_SORT_KERNELS(&m->radix, has(m, DUET_EFFECT_CONTACT_RESPONSE)),
+        SCAN_KERNELS(&m->graph.scan, has(m, DUET_EFFECT_CONTACT)),
+        RADIX_SORT_KERNELS(&m->solver.radix, has(m, DUET_EFFECT_CONTACT_RESPONSE)),
     };
-    m->scan.device = m->radix.device = m->device;
-    m->radix.scan = &m->scan;
+    m->graph.scan.device = m->solver.radix.device = m->device;
+    m->solver.radix.scan = &m->graph.scan;
     return choose_kernels(m, err) &&
            program_set_kernels(m->programs, sorts, sizeof sorts / sizeof *sorts, NULL, 0, err) &&
            program_set_build(m->programs, err);

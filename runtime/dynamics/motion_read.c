@@ -53,9 +53,9 @@ static bool begin(duet_motion *m, const reading *r, duet_error *err)
 
 static bool gather(duet_motion *m, motion_buffer which, uint32_t n, duet_error *err)
 {
-    m->args.rows = m->buffers[which];
-    m->args.row_words = motion_words(m, which);
-    m->args.n_ids = n;
+    m->reading.rows = m->buffers[which];
+    m->reading.row_words = motion_words(m, which);
+    m->reading.n_ids = n;
     return timeline_launch(&m->times, "fetch", m->reading.gather_rows, n, m, err);
 }
 
@@ -197,9 +197,9 @@ static bool find_changed(duet_motion *m, uint32_t *words, duet_error *err)
         if (row_words == 0)
             continue;
         ok = motion_reserve(m, places[i].last, m->n, row_words * sizeof *words, err);
-        m->args.rows = m->buffers[places[i].which];
-        m->args.last_rows = m->buffers[places[i].last];
-        m->args.row_words = row_words;
+        m->reading.rows = m->buffers[places[i].which];
+        m->reading.last_rows = m->buffers[places[i].last];
+        m->reading.row_words = row_words;
         ok = ok && timeline_launch(&m->times, "moved", m->reading.changed_rows, n_words, m, err);
     }
     return ok && timeline_read(&m->times, "moved", &m->buffers[CHANGED], words,

@@ -3,10 +3,8 @@
 //
 // In two halves a thread of the motion's own takes the step while the caller works. What a
 // caller may ask meanwhile changes only in the second half.
-#include "runtime/dynamics/contact_graph.h"
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/recording.h"
-#include "runtime/dynamics/solver.h"
 
 #include "base/budget.h"
 #include "base/clock.h"
@@ -208,8 +206,8 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
         .step = m->step,
         .time = (double)m->step * m->def.dt,
         .pairs = m->n_pairs,
-        .contacts = m->colours.n_contacts,
-        .colours = m->colours.n_used,
+        .contacts = m->solver.n_contacts,
+        .colours = m->solver.n_colours,
         .rebuilt = product_is_new(&m->products, PRODUCT_ROWS),
         .events = m->told.changes.events,
         .n_events = m->told.changes.n_events,
@@ -269,16 +267,16 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
 static void carry(void *arg)
 {
     duet_motion *m = arg;
-    m->background.ok = carry_step(m, &m->background_ms, &m->background.err);
+    m->halves.thread.ok = carry_step(m, &m->halves.ms, &m->halves.thread.err);
 }
 
 bool duet_motion_advance_begin(duet_motion *m, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!motion_is_whole(m, __func__, err) || !background_open(&m->background, err))
+    if (!motion_is_whole(m, __func__, err) || !background_open(&m->halves.thread, err))
         return false;
     motion_enter_step(m);
-    background_start(&m->background, carry, m);
+    background_start(&m->halves.thread, carry, m);
     return true;
 }
 
@@ -291,6 +289,6 @@ bool duet_motion_advance_end(duet_motion *m, duet_motion_result *result, duet_er
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: no step is under way; expected duet_motion_advance_begin first",
                          __func__);
-    bool carried = background_end(&m->background, err);
-    return complete_step(m, carried, m->background_ms, result, err);
+    bool carried = background_end(&m->halves.thread, err);
+    return complete_step(m, carried, m->halves.ms, result, err);
 }

@@ -3,7 +3,7 @@
 //
 // Contacts of one colour share no body that moves, so that a launch solves them in parallel. What
 // finds no colour is solved in order.
-#include "runtime/dynamics/solver.h"
+#include "runtime/dynamics/motion.h"
 
 #include "base/budget.h"
 
@@ -19,13 +19,13 @@ static bool launch(duet_motion *m, const char *stage, const kernel *k, uint64_t 
 // woken: only of what woke in this step, where anything did.
 static bool find_manifolds(duet_motion *m, uint32_t woken, duet_error *err)
 {
-    m->args.woken = woken;
+    m->solver.woken = woken;
     return launch(m, "manifolds", m->kernels.build_manifolds, m->n_contacts, err);
 }
 
 static bool prepare_bodies(duet_motion *m, uint32_t woken, duet_error *err)
 {
-    m->args.woken = woken;
+    m->solver.woken = woken;
     return launch(m, "integrate", m->kernels.prepare_bodies, (uint64_t)m->n + MOTION_WALLS, err);
 }
 
@@ -60,18 +60,18 @@ static bool reserve_lists(duet_motion *m, duet_error *err)
 
 // Where each colour's contacts are in the list, and in blocks: those of a colour
 // begin a block, and those of none have one each.
-static void lay_colours(colouring *c, uint32_t block, const uint32_t starts[KEYS + 1])
+static void lay_colours(contact_solver *s, uint32_t block, const uint32_t starts[KEYS + 1])
 {
-    c->n_blocks = c->n_used = 0;
+    s->n_blocks = s->n_colours = 0;
     for (uint32_t k = 0; k <= COLOUR_OVERFLOW; ++k) {
-        colour_span *span = &c->spans[k];
+        colour_span *span = &s->colours[k];
         span->first = starts[k * COLOUR_KEYS];
         span->count = starts[(k + 1) * COLOUR_KEYS] - span->first;
-        span->slot = c->n_blocks * block;
-        c->n_blocks += k == COLOUR_OVERFLOW ? span->count : (span->count + block - 1) / block;
-        c->n_used += span->count > 0;
+        span->slot = s->n_blocks * block;
+        s->n_blocks += k == COLOUR_OVERFLOW ? span->count : (span->count + block - 1) / block;
+        s->n_colours += span->count > 0;
     }
-    c->n_contacts = starts[(COLOUR_OVERFLOW + 1) * COLOUR_KEYS];
+    s->n_contacts = starts[(COLOUR_OVERFLOW + 1) * COLOUR_KEYS];
 }
 
 // Contacts of one colour after the other into LIST. Reads the flags as well.
@@ -81,21 +81,22 @@ static bool sort_colours(duet_motion *m, duet_error *err)
     buffer *b = m->buffers;
     const radix_lists lists = {&b[LIST_KEYS], &b[LIST], &b[LIST_KEYS_SPARE], &b[LIST_SPARE]};
     const char *stage = "graph_colour";
-    bool ok = launch(m, stage, m->kernels.graph_colour_key, m->n_contacts, err) &&
-              radix_sort_run(&m->radix, &m->times, stage, &lists, m->n_contacts, KEY_BITS, err) &&
-              launch(m, stage, m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
-              timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
-                                  err) &&
-              timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, sizeof starts, err);
+    bool ok =
+        launch(m, stage, m->kernels.graph_colour_key, m->n_contacts, err) &&
+        radix_sort_run(&m->solver.radix, &m->times, stage, &lists, m->n_contacts, KEY_BITS, err) &&
+        launch(m, stage, m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
+        timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
+                            err) &&
+        timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, sizeof starts, err);
     if (ok)
-        lay_colours(&m->colours, m->layout.block, starts);
+        lay_colours(&m->solver, m->layout.block, starts);
     return ok;
 }
 
 static bool run_rounds(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
 {
     bool ok = true;
-    for (m->args.round = from + 1; ok && m->args.round <= to; ++m->args.round)
+    for (m->solver.round = from + 1; ok && m->solver.round <= to; ++m->solver.round)
         ok = launch(m, "graph_colour", m->kernels.graph_colour_choose, m->n, err) &&
              launch(m, "graph_colour", m->kernels.graph_colour_take, m->n, err);
     return ok;
@@ -105,21 +106,21 @@ static bool run_rounds(duet_motion *m, uint32_t from, uint32_t to, duet_error *e
 // are sent before the host looks whether any contact still waits.
 static bool list_colours(duet_motion *m, duet_error *err)
 {
-    colouring *c = &m->colours;
+    contact_solver *s = &m->solver;
     bool ok = reserve_lists(m, err);
-    uint32_t from = 0, to = c->rounds > 0 ? c->rounds : m->flags[FLAG_UNCOLOURED] > 0;
+    uint32_t from = 0, to = s->rounds > 0 ? s->rounds : m->flags[FLAG_UNCOLOURED] > 0;
     do {
         ok = ok && run_rounds(m, from, to, err) && sort_colours(m, err);
         from = to;
         to += ROUNDS_MORE;
     } while (ok && m->flags[FLAG_UNCOLOURED] > 0);
-    c->rounds = m->flags[FLAG_RECOLOURED] ? m->flags[FLAG_ROUNDS] + 1 : 0;
+    s->rounds = m->flags[FLAG_RECOLOURED] ? m->flags[FLAG_ROUNDS] + 1 : 0;
     product_renew(&m->products, PRODUCT_COLOURS);
     return ok &&
-           motion_reserve(m, BLOCKS, (uint64_t)c->n_blocks * m->layout.block,
+           motion_reserve(m, BLOCKS, (uint64_t)s->n_blocks * m->layout.block,
                           m->layout.constraint * sizeof(float), err) &&
-           timeline_write_at(&m->times, "graph_colour", &m->buffers[SPANS], 0, c->spans,
-                             sizeof c->spans, err);
+           timeline_write_at(&m->times, "graph_colour", &m->buffers[SPANS], 0, s->colours,
+                             sizeof s->colours, err);
 }
 
 // If the contacts are those of the list, and none changed its colour, the list holds.
@@ -135,7 +136,7 @@ static bool keep_colours(duet_motion *m, duet_error *err)
 static bool list_none(duet_motion *m)
 {
     const uint32_t none[KEYS + 1] = {0};
-    lay_colours(&m->colours, m->layout.block, none);
+    lay_colours(&m->solver, m->layout.block, none);
     product_renew(&m->products, PRODUCT_COLOURS);
     return true;
 }
@@ -147,17 +148,17 @@ bool motion_make_colours(duet_motion *m, duet_error *err)
     if (m->n_contacts == 0)
         return list_none(m);
     return launch(m, "graph_colour", m->kernels.graph_colour_mark, m->n_contacts, err) &&
-           (m->colours.rounds > 0 || keep_colours(m, err)) &&
+           (m->solver.rounds > 0 || keep_colours(m, err)) &&
            (product_is_right(&m->products, PRODUCT_COLOURS) || list_colours(m, err));
 }
 
 // ---------------------------------------------------------------- substeps
 
-static uint32_t most_of(const colouring *c, uint32_t from, uint32_t to)
+static uint32_t most_of(const contact_solver *s, uint32_t from, uint32_t to)
 {
     uint32_t most = 0;
     for (uint32_t colour = from; colour < to; ++colour)
-        most = c->spans[colour].count > most ? c->spans[colour].count : most;
+        most = s->colours[colour].count > most ? s->colours[colour].count : most;
     return most;
 }
 
@@ -165,20 +166,20 @@ static uint32_t most_of(const colouring *c, uint32_t from, uint32_t to)
 static bool launch_colours(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
                            uint32_t each, uint64_t work, duet_error *err)
 {
-    const colour_span *span = &m->colours.spans[from];
-    m->args.span = (cl_int4){{(cl_int)span->first, (cl_int)span->count, (cl_int)span->slot}};
-    m->args.from_colour = from;
-    m->args.to_colour = to;
-    m->args.each = each;
+    const colour_span *span = &m->solver.colours[from];
+    m->solver.span = (cl_int4){{(cl_int)span->first, (cl_int)span->count, (cl_int)span->slot}};
+    m->solver.from_colour = from;
+    m->solver.to_colour = to;
+    m->solver.each = each;
     return launch(m, "solve_contacts", k, work, err);
 }
 
 // Colours that one work-group has space for are taken by the same one.
-static uint32_t end_of_few(const colouring *c, const kernel *k, uint32_t from)
+static uint32_t end_of_few(const contact_solver *s, const kernel *k, uint32_t from)
 {
     uint32_t to = from + 1;
-    if (c->spans[from].count <= k->group * k->per_item)
-        while (to < COLOUR_OVERFLOW && c->spans[to].count <= k->group * k->per_item)
+    if (s->colours[from].count <= k->group * k->per_item)
+        while (to < COLOUR_OVERFLOW && s->colours[to].count <= k->group * k->per_item)
             ++to;
     return to;
 }
@@ -186,12 +187,12 @@ static uint32_t end_of_few(const colouring *c, const kernel *k, uint32_t from)
 // What found no colour is taken in order, by one work-item.
 static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
 {
-    const colouring *c = &m->colours;
-    uint32_t in_order = c->spans[COLOUR_OVERFLOW].count;
+    const contact_solver *s = &m->solver;
+    uint32_t in_order = s->colours[COLOUR_OVERFLOW].count;
     bool ok = true;
     for (uint32_t from = 0, to = 0; ok && from < COLOUR_OVERFLOW; from = to) {
-        to = end_of_few(c, k, from);
-        ok = launch_colours(m, k, from, to, k->per_item, most_of(c, from, to), err);
+        to = end_of_few(s, k, from);
+        ok = launch_colours(m, k, from, to, k->per_item, most_of(s, from, to), err);
     }
     return ok && (in_order == 0 ||
                   launch_colours(m, k, COLOUR_OVERFLOW, COLOUR_OVERFLOW + 1, in_order, 1, err));
@@ -199,7 +200,7 @@ static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
 
 static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
 {
-    m->args.soft = soft;
+    m->solver.soft = soft;
     return for_colours(m, m->kernels.solve_contacts, err);
 }
 
@@ -217,7 +218,7 @@ static bool store_impulses(duet_motion *m, duet_error *err)
 {
     const kernel *k = m->kernels.store_impulses;
     return launch_colours(m, k, 0, COLOUR_OVERFLOW + 1, k->per_item,
-                          most_of(&m->colours, 0, COLOUR_OVERFLOW + 1), err);
+                          most_of(&m->solver, 0, COLOUR_OVERFLOW + 1), err);
 }
 
 // What sleeps deep in others goes when all else has gone, so that whatever it then touches is
@@ -228,7 +229,7 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
     bool ok = true;
     if (!(m->effects & DUET_EFFECT_SLEEP) || m->n_contacts == 0 || !m->flags[FLAG_PRESSED])
         return true;
-    for (m->args.round = 0; ok && m->args.round < PRESSED_ROUNDS; ++m->args.round)
+    for (m->solver.round = 0; ok && m->solver.round < PRESSED_ROUNDS; ++m->solver.round)
         ok = launch(m, "sleep", k->push_sleepers, m->n, err);
     return ok && launch(m, "sleep", k->move_sleepers, m->n, err);
 }
