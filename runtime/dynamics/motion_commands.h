@@ -22,17 +22,7 @@ typedef struct motion_target {
     duet_transform pose;
 } motion_target;
 
-// What a motion was made of, for files that were saved before the first command.
-typedef struct motion_given {
-    uint32_t n;
-    duet_motion_def def;
-    duet_pose *poses;
-    cl_int4 *cells;
-    duet_body *bodies;
-} motion_given;
-
 struct motion_commands {
-    motion_given given;
     uint32_t capacity; // of the arrays by place, and of the motion's poses, cells and bodies
     uint32_t *generations;
     uint8_t *states; // place_state

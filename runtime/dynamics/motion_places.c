@@ -9,24 +9,9 @@
 
 // ---------------------------------------------------------------- owner
 
-static void *copy_of(const void *from, size_t bytes)
-{
-    void *to = malloc(bytes + 1);
-    if (to && from)
-        memcpy(to, from, bytes);
-    return to;
-}
-
 static bool fill_commands(motion_commands *c, const duet_motion *m)
 {
     size_t n = m->n;
-    c->given = (motion_given){
-        .n = m->n,
-        .def = m->def,
-        .poses = copy_of(m->poses, n * sizeof *m->poses),
-        .cells = m->cells ? copy_of(m->cells, n * sizeof *m->cells) : NULL,
-        .bodies = copy_of(m->bodies, n * sizeof *m->bodies),
-    };
     c->capacity = m->n;
     c->generations = calloc(n + 1, sizeof *c->generations);
     c->states = malloc(n + 1);
@@ -34,8 +19,7 @@ static bool fill_commands(motion_commands *c, const duet_motion *m)
     c->first_empty = m->n;
     if (c->states)
         memset(c->states, PLACE_ENABLED, n);
-    return c->given.poses && (c->given.cells || !m->cells) && c->given.bodies && c->generations &&
-           c->states && c->user_data;
+    return c->generations && c->states && c->user_data;
 }
 
 bool motion_begin_commands(duet_motion *m, duet_error *err)
@@ -54,9 +38,6 @@ void motion_forget_commands(motion_commands *c)
 {
     if (!c)
         return;
-    free(c->given.poses);
-    free(c->given.cells);
-    free(c->given.bodies);
     free(c->generations);
     free(c->states);
     free(c->user_data);

@@ -9,24 +9,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-static_assert(sizeof(recording_head) == 48 && sizeof(recorded) == 16 &&
-                  sizeof(recorded_body) == 48 && sizeof(recorded_def) == 144,
+static_assert(sizeof(recording_head) == 48 && sizeof(recorded) == 16,
               "no byte of a file is left to chance");
 
-const char recording_magic[16] = "duet replay 1\n";
-const char recording_magic_radii[16] = "duet replay 2\n";
+const char recording_magic[16] = "duet commands 1\n";
 
-size_t recorded_body_size(bool radii)
+size_t recorded_row(uint32_t kind)
 {
-    return sizeof(recorded_body) + (radii ? sizeof(float) : 0);
-}
-
-size_t recorded_row(uint32_t kind, bool radii)
-{
-    const size_t sizes[RECORDED_KINDS] = {
-        [RECORDED_ADD] = sizeof(duet_pose) + recorded_body_size(radii),
+    static const size_t sizes[RECORDED_KINDS] = {
+        [RECORDED_ADD] = sizeof(duet_pose) + sizeof(packed_body),
         [RECORDED_USER_DATA] = sizeof(uint64_t),
-        [RECORDED_BODIES] = recorded_body_size(radii),
+        [RECORDED_BODIES] = sizeof(packed_body),
         [RECORDED_POSES] = sizeof(duet_pose),
         [RECORDED_FORCES] = sizeof(duet_force),
         [RECORDED_IMPULSES] = sizeof(duet_impulse),
@@ -38,66 +31,6 @@ size_t recorded_row(uint32_t kind, bool radii)
 bool recorded_has_ids(uint32_t kind)
 {
     return kind != RECORDED_STEPS && kind != RECORDED_ADD && kind != RECORDED_DEF;
-}
-
-// ---------------------------------------------------------------- rows
-
-recorded_body recorded_body_of(const duet_body *b)
-{
-    recorded_body r = {.mass = b->mass,
-                       .restitution = b->restitution,
-                       .friction = b->friction,
-                       .group = b->group,
-                       .mask = b->mask,
-                       .flags = (b->fixed_rotation ? RECORDED_FIXED_ROTATION : 0) |
-                                (b->sensor ? RECORDED_SENSOR : 0)};
-    memcpy(r.velocity, b->velocity, sizeof r.velocity);
-    memcpy(r.angular_velocity, b->angular_velocity, sizeof r.angular_velocity);
-    return r;
-}
-
-duet_body recorded_to_body(const recorded_body *r, float radius)
-{
-    duet_body b = {.mass = r->mass,
-                   .restitution = r->restitution,
-                   .friction = r->friction,
-                   .group = r->group,
-                   .mask = r->mask,
-                   .radius = radius,
-                   .fixed_rotation = r->flags & RECORDED_FIXED_ROTATION,
-                   .sensor = r->flags & RECORDED_SENSOR};
-    memcpy(b.velocity, r->velocity, sizeof b.velocity);
-    memcpy(b.angular_velocity, r->angular_velocity, sizeof b.angular_velocity);
-    return b;
-}
-
-recorded_def recorded_def_of(const duet_motion_def *d)
-{
-    recorded_def r = {.attraction = d->attraction,
-                      .drag = d->drag,
-                      .max_push_speed = d->max_push_speed,
-                      .restitution_threshold = d->restitution_threshold,
-                      .sleep_speed = d->sleep_speed,
-                      .sleep_after = d->sleep_after};
-    memcpy(r.gravity, d->gravity, sizeof r.gravity);
-    memcpy(r.centre, d->centre, sizeof r.centre);
-    memcpy(r.lower, d->lower, sizeof r.lower);
-    memcpy(r.upper, d->upper, sizeof r.upper);
-    return r;
-}
-
-void recorded_to_def(const recorded_def *r, duet_motion_def *d)
-{
-    d->attraction = r->attraction;
-    d->drag = r->drag;
-    d->max_push_speed = r->max_push_speed;
-    d->restitution_threshold = r->restitution_threshold;
-    d->sleep_speed = r->sleep_speed;
-    d->sleep_after = r->sleep_after;
-    memcpy(d->gravity, r->gravity, sizeof r->gravity);
-    memcpy(d->centre, r->centre, sizeof r->centre);
-    memcpy(d->lower, r->lower, sizeof r->lower);
-    memcpy(d->upper, r->upper, sizeof r->upper);
 }
 
 // ---------------------------------------------------------------- noting
@@ -142,13 +75,11 @@ static void add_ids(duet_motion *m, text *to, recorded_kind kind, const uint32_t
     }
 }
 
-static void add_bodies(const duet_motion *m, text *to, const duet_body *bodies, uint32_t n)
+static void add_bodies(text *to, const duet_body *bodies, uint32_t n)
 {
-    bool radii = m->effects & DUET_EFFECT_RADIUS;
     for (uint32_t i = 0; i < n; ++i) {
-        const recorded_body b = recorded_body_of(&bodies[i]);
+        const packed_body b = packed_body_of(&bodies[i]);
         add(to, &b, sizeof b);
-        add(to, &bodies[i].radius, radii ? sizeof bodies[i].radius : 0);
     }
 }
 
@@ -159,7 +90,7 @@ void motion_note(duet_motion *m, recorded_kind kind, const uint32_t *places, uin
     if (!to)
         return;
     add_ids(m, to, kind, places, n);
-    add(to, rows, n * recorded_row(kind, false)); // of no kind that has bodies
+    add(to, rows, n * recorded_row(kind)); // of no kind that has bodies
 }
 
 void motion_note_bodies(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t fields,
@@ -169,7 +100,7 @@ void motion_note_bodies(duet_motion *m, const uint32_t *places, uint32_t n, uint
     if (!to)
         return;
     add_ids(m, to, RECORDED_BODIES, places, n);
-    add_bodies(m, to, bodies, n);
+    add_bodies(to, bodies, n);
 }
 
 void motion_note_arrivals(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
@@ -179,13 +110,13 @@ void motion_note_arrivals(duet_motion *m, const duet_pose *poses, const duet_bod
     if (!to)
         return;
     add(to, poses, n * sizeof *poses);
-    add_bodies(m, to, bodies, n);
+    add_bodies(to, bodies, n);
 }
 
 void motion_note_def(duet_motion *m)
 {
     text *to = begin(m, RECORDED_DEF, 0, 0);
-    const recorded_def d = recorded_def_of(&m->def);
+    const packed_def d = packed_def_of(&m->def);
     if (to)
         add(to, &d, sizeof d);
 }
@@ -210,9 +141,7 @@ bool duet_motion_record(duet_motion *m, duet_error *err)
     if (!fresh)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a recording");
     fresh->head = (recording_head){.dims = m->def.dims, .n = m->n, .step = m->step, .hash = hash};
-    bool radii = m->effects & DUET_EFFECT_RADIUS;
-    memcpy(fresh->head.magic, radii ? recording_magic_radii : recording_magic,
-           sizeof recording_magic);
+    memcpy(fresh->head.magic, recording_magic, sizeof recording_magic);
     motion_forget_recording(m);
     m->recording = fresh;
     return true;

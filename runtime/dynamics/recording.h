@@ -5,6 +5,7 @@
 
 #include "base/text.h"
 #include "runtime/duet.h"
+#include "runtime/dynamics/packed.h"
 
 typedef enum recorded_kind {
     RECORDED_STEPS, // n steps, one after the other
@@ -33,9 +34,7 @@ typedef struct recording_head {
     uint64_t end_hash;
 } recording_head;
 
-// How a recording begins: the first, if bodies may have radii; the second, if rows of bodies have
-// no radius.
-extern const char recording_magic_radii[16], recording_magic[16];
+extern const char recording_magic[16]; // how a recording begins
 
 // Begins each record; n ids and n rows of the kind's size follow, or a def.
 typedef struct recorded {
@@ -45,29 +44,9 @@ typedef struct recorded {
     uint32_t unused;
 } recorded;
 
-// A duet_body as it is written. Its radius follows where the file has radii.
-typedef struct recorded_body {
-    float velocity[3], angular_velocity[3], mass, restitution, friction;
-    uint32_t group, mask, flags;
-} recorded_body;
-
-enum { RECORDED_FIXED_ROTATION = 1, RECORDED_SENSOR = 2 }; // flags
-
-// The members of a def that a command can change.
-typedef struct recorded_def {
-    double gravity[3], attraction, centre[3], drag, lower[3], upper[3];
-    double max_push_speed, restitution_threshold, sleep_speed, sleep_after;
-} recorded_def;
-
-// Bytes of a kind's row, and of the body in it; whether a kind's records have ids.
-size_t recorded_row(uint32_t kind, bool radii);
-size_t recorded_body_size(bool radii);
+// Bytes of a kind's row; whether a kind's records have ids.
+size_t recorded_row(uint32_t kind);
 bool recorded_has_ids(uint32_t kind);
-
-recorded_body recorded_body_of(const duet_body *body);
-duet_body recorded_to_body(const recorded_body *row, float radius);
-recorded_def recorded_def_of(const duet_motion_def *def);
-void recorded_to_def(const recorded_def *from, duet_motion_def *def);
 
 // What a motion holds while it is recorded.
 typedef struct motion_recording {

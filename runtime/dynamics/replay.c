@@ -15,7 +15,6 @@ struct duet_replay {
     char *path;
     text file;
     recording_head head;
-    bool radii;          // rows of bodies have them
     size_t at, end;      // of the record that comes next, and of all
     uint32_t steps_left; // of the record
     duet_replay_info info;
@@ -31,7 +30,7 @@ static bool damaged(const char *path, duet_error *err)
 }
 
 // Bytes of a record behind its head; SIZE_MAX where it is none.
-static size_t size_of(const duet_replay *p, const recorded *r)
+static size_t size_of(const recorded *r)
 {
     bool is_def = r->kind == RECORDED_DEF, is_steps = r->kind == RECORDED_STEPS;
     if (r->kind >= RECORDED_KINDS || r->unused || (r->fields && r->kind != RECORDED_BODIES) ||
@@ -40,9 +39,8 @@ static size_t size_of(const duet_replay *p, const recorded *r)
     if (is_steps)
         return 0;
     if (is_def)
-        return sizeof(recorded_def);
-    return r->n *
-           ((recorded_has_ids(r->kind) ? sizeof(uint64_t) : 0) + recorded_row(r->kind, p->radii));
+        return sizeof(packed_def);
+    return r->n * ((recorded_has_ids(r->kind) ? sizeof(uint64_t) : 0) + recorded_row(r->kind));
 }
 
 static bool count_records(duet_replay *p, duet_error *err)
@@ -53,7 +51,7 @@ static bool count_records(duet_replay *p, duet_error *err)
             return damaged(p->path, err);
         memcpy(&r, p->file.chars + at, sizeof r);
         at += sizeof r;
-        size_t size = size_of(p, &r);
+        size_t size = size_of(&r);
         if (size > p->end - at)
             return damaged(p->path, err);
         at += size;
@@ -63,21 +61,14 @@ static bool count_records(duet_replay *p, duet_error *err)
     return true;
 }
 
-static bool knows_version(duet_replay *p)
-{
-    const char *magic = p->file.chars;
-    p->radii = memcmp(magic, recording_magic_radii, sizeof recording_magic_radii) == 0;
-    return p->radii || memcmp(magic, recording_magic, sizeof recording_magic) == 0;
-}
-
 static bool read_replay(duet_replay *p, duet_error *err)
 {
     uint64_t sum;
-    if (!text_read_file(&p->file, p->path, err))
+    if (!text_read_file(&p->file, p->path, err) ||
+        !text_check_magic(&p->file, recording_magic, p->path, err))
         return false;
-    if (p->file.length < sizeof p->head + sizeof sum || !knows_version(p))
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: not a recording of version 1 or 2",
-                         p->path);
+    if (p->file.length < sizeof p->head + sizeof sum)
+        return damaged(p->path, err);
     memcpy(&p->head, p->file.chars, sizeof p->head);
     p->at = sizeof p->head;
     p->end = p->file.length - sizeof sum;
@@ -146,39 +137,36 @@ static void *copy_of(const char *from, size_t bytes)
     return to;
 }
 
-static bool make_bodies(order *o, const char *from, bool radii)
+static bool make_bodies(order *o, const char *from)
 {
     o->bodies = malloc((size_t)o->head.n * sizeof *o->bodies);
-    for (uint32_t i = 0; o->bodies && i < o->head.n; ++i, from += recorded_body_size(radii)) {
-        recorded_body row;
-        float radius = 0.0f;
+    for (uint32_t i = 0; o->bodies && i < o->head.n; ++i, from += sizeof(packed_body)) {
+        packed_body row;
         memcpy(&row, from, sizeof row);
-        if (radii)
-            memcpy(&radius, from + sizeof row, sizeof radius);
-        o->bodies[i] = recorded_to_body(&row, radius);
+        o->bodies[i] = packed_to_body(&row);
     }
     return o->bodies;
 }
 
 static bool take_order(duet_replay *p, order *o, duet_error *err)
 {
-    size_t n = o->head.n, size = size_of(p, &o->head);
+    size_t n = o->head.n, size = size_of(&o->head);
     size_t id_bytes = recorded_has_ids(o->head.kind) ? n * sizeof *o->ids : 0;
     o->ids = copy_of(p->file.chars + p->at, id_bytes);
     o->rows = copy_of(p->file.chars + p->at + id_bytes, size - id_bytes);
     p->at += size;
     bool ok = o->ids && o->rows;
     if (ok && o->head.kind == RECORDED_BODIES)
-        ok = make_bodies(o, o->rows, p->radii);
+        ok = make_bodies(o, o->rows);
     if (ok && o->head.kind == RECORDED_ADD)
-        ok = make_bodies(o, (char *)o->rows + n * sizeof(duet_pose), p->radii);
+        ok = make_bodies(o, (char *)o->rows + n * sizeof(duet_pose));
     return ok || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu recorded bodies", n);
 }
 
-static bool give_def(duet_motion *m, const recorded_def *to, duet_error *err)
+static bool give_def(duet_motion *m, const packed_def *to, duet_error *err)
 {
     duet_motion_def def = *duet_motion_get_def(m);
-    recorded_to_def(to, &def);
+    packed_to_def(to, &def);
     return duet_motion_set_def(m, &def, err);
 }
 
