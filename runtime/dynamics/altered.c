@@ -107,16 +107,12 @@ static bool reserve_table(duet_motion *m, duet_error *err)
            motion_reserve(m, PAIRS, m->altered.pair_capacity, 2 * word, err);
 }
 
-static bool clear(duet_motion *m, motion_buffer which, size_t words, duet_error *err)
-{
-    return timeline_fill(&m->times, stage, &m->buffers[which], 0, 0, words, err);
-}
-
 static bool send_altered(duet_motion *m, duet_error *err)
 {
     const altered_bodies *a = &m->altered;
-    return clear(m, IS_ALTERED, m->n, err) && clear(m, ALTERED_HEADS, m->altered.n_heads, err) &&
-           clear(m, ALTERED_COUNT_WORDS, ALTERED_COUNTS, err) &&
+    return motion_clear(m, stage, IS_ALTERED, 0, m->n, err) &&
+           motion_clear(m, stage, ALTERED_HEADS, 0, m->altered.n_heads, err) &&
+           motion_clear(m, stage, ALTERED_COUNT_WORDS, 0, ALTERED_COUNTS, err) &&
            timeline_write_at(&m->times, stage, &m->buffers[ALTERED], 0, a->places,
                              a->n * sizeof *a->places, err);
 }
@@ -136,11 +132,6 @@ static bool prepare(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- in a step
 
-static bool launch(duet_motion *m, const kernel *k, uint64_t work, duet_error *err)
-{
-    return timeline_launch(&m->times, stage, k, work, m, err);
-}
-
 bool motion_bound_altered(duet_motion *m, duet_error *err)
 {
     if (m->altered.n == 0)
@@ -148,18 +139,16 @@ bool motion_bound_altered(duet_motion *m, duet_error *err)
     list_once(&m->altered);
     measure_table(m);
     return prepare(m, err) && reserve_table(m, err) && send_altered(m, err) &&
-           timeline_launch(&m->times, "grid", m->kernels.compute_altered_aabbs, m->altered.n, m,
-                           err) &&
-           launch(m, m->kernels.place_altered, m->altered.n, err);
+           motion_launch(m, "grid", m->kernels.compute_altered_aabbs, m->altered.n, err) &&
+           motion_launch(m, stage, m->kernels.place_altered, m->altered.n, err);
 }
 
 bool motion_search_altered(duet_motion *m, bool *found, duet_error *err)
 {
     uint32_t counts[ALTERED_COUNTS];
-    bool ok = launch(m, m->kernels.find_altered_pairs, m->n, err) &&
-              launch(m, m->kernels.keep_pairs, m->n_contacts, err) &&
-              timeline_read_at(&m->times, stage, &m->buffers[ALTERED_COUNT_WORDS], 0, counts,
-                               sizeof counts, err);
+    bool ok = motion_launch(m, stage, m->kernels.find_altered_pairs, m->n, err) &&
+              motion_launch(m, stage, m->kernels.keep_pairs, m->n_contacts, err) &&
+              motion_fetch(m, stage, ALTERED_COUNT_WORDS, 0, counts, sizeof counts, err);
     *found = ok && counts[ALTERED_PAIRS] <= m->altered.pair_capacity;
     if (!*found)
         return ok;

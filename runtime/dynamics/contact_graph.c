@@ -11,31 +11,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-// Over so many bodies, pairs or contacts.
-static bool launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work,
-                   duet_error *err)
-{
-    return timeline_launch(&m->times, stage, k, work, m, err);
-}
-
-// Words [from, to) of a buffer become 0; and bytes of one, from byte `at`, are waited for.
-static bool clear(duet_motion *m, const char *stage, motion_buffer which, size_t from, size_t to,
-                  duet_error *err)
-{
-    return timeline_fill(&m->times, stage, &m->buffers[which], 0, from, to, err);
-}
-
-static bool fetch(duet_motion *m, const char *stage, motion_buffer which, size_t at, void *to,
-                  size_t bytes, duet_error *err)
-{
-    return timeline_read_at(&m->times, stage, &m->buffers[which], at, to, bytes, err);
-}
-
 // ---------------------------------------------------------------- bounds
 
 bool motion_check_bounds(duet_motion *m, duet_error *err)
 {
-    return launch(m, "fat_aabbs", m->kernels.check_fat_aabbs, m->n, err);
+    return motion_launch(m, "fat_aabbs", m->kernels.check_fat_aabbs, m->n, err);
 }
 
 void motion_note_bounds(duet_motion *m)
@@ -52,14 +32,15 @@ static bool keep_bounds(duet_motion *m, duet_error *err)
     if (!motion_check_bounds(m, err) || !motion_read_flags(m, err))
         return false;
     motion_note_bounds(m);
-    return !m->flags[FLAG_MOVED] || clear(m, "clear", FLAG_WORDS, FLAG_MOVED, FLAG_MOVED + 1, err);
+    return !m->flags[FLAG_MOVED] ||
+           motion_clear(m, "clear", FLAG_WORDS, FLAG_MOVED, FLAG_MOVED + 1, err);
 }
 
 static bool compute_bounds(duet_motion *m, duet_error *err)
 {
     m->altered.n = 0;
     product_renew(&m->products, PRODUCT_BOUNDS);
-    return launch(m, "grid", m->kernels.compute_fat_aabbs, m->n, err);
+    return motion_launch(m, "grid", m->kernels.compute_fat_aabbs, m->n, err);
 }
 
 bool motion_make_bounds(duet_motion *m, duet_error *err)
@@ -85,7 +66,7 @@ static bool tell_left_out(duet_motion *m, duet_error *err)
     uint32_t id = 0;
     if (!bounds)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bounds", m->n);
-    bool ok = fetch(m, "grid", BOXES, 0, bounds, m->n * sizeof *bounds, err);
+    bool ok = motion_fetch(m, "grid", BOXES, 0, bounds, m->n * sizeof *bounds, err);
     while (ok && id + 1 < m->n &&
            (m->commands->states[id] != PLACE_ENABLED || are_right(&bounds[id], m->def.dims)))
         ++id;
@@ -142,16 +123,16 @@ static bool put_all(duet_motion *m, uint32_t fill, duet_error *err)
     const motion_kernels *k = &m->kernels;
     m->graph.n_pairs = (uint32_t)m->n_pairs;
     m->graph.fill = fill;
-    return launch(m, "contact_graph", k->contact_graph_pairs, m->n_pairs, err) &&
+    return motion_launch(m, "contact_graph", k->contact_graph_pairs, m->n_pairs, err) &&
            (!k->contact_graph_walls ||
-            launch(m, "contact_graph", k->contact_graph_walls, m->n, err));
+            motion_launch(m, "contact_graph", k->contact_graph_walls, m->n, err));
 }
 
 static bool sort_rows(duet_motion *m, motion_buffer starts, motion_buffer values, duet_error *err)
 {
     m->graph.row_starts = m->buffers[starts];
     m->graph.row_values = m->buffers[values];
-    return launch(m, "contact_graph", m->kernels.contact_graph_sort, m->n, err);
+    return motion_launch(m, "contact_graph", m->kernels.contact_graph_sort, m->n, err);
 }
 
 static bool scan_starts(duet_motion *m, motion_buffer starts, duet_error *err)
@@ -163,7 +144,7 @@ static bool scan_starts(duet_motion *m, motion_buffer starts, duet_error *err)
 // Bodies have no rows of a kind yet.
 static bool clear_starts(duet_motion *m, motion_buffer starts, duet_error *err)
 {
-    return clear(m, "contact_graph", starts, 0, (size_t)m->n + 1, err);
+    return motion_clear(m, "contact_graph", starts, 0, (size_t)m->n + 1, err);
 }
 
 // The last of the starts says how many contacts there are.
@@ -171,14 +152,14 @@ static bool fill_rows(duet_motion *m, duet_error *err)
 {
     return clear_starts(m, STARTS, err) && put_all(m, 0, err) && scan_starts(m, STARTS, err) &&
            put_all(m, 1, err) && sort_rows(m, STARTS, OTHERS, err) &&
-           fetch(m, "contact_graph", STARTS, m->n * sizeof m->n_contacts, &m->n_contacts,
-                 sizeof m->n_contacts, err);
+           motion_fetch(m, "contact_graph", STARTS, m->n * sizeof m->n_contacts, &m->n_contacts,
+                        sizeof m->n_contacts, err);
 }
 
 static bool put_returns(duet_motion *m, uint32_t fill, duet_error *err)
 {
     m->graph.fill = fill;
-    return launch(m, "contact_graph", m->kernels.contact_graph_reverse, m->n, err);
+    return motion_launch(m, "contact_graph", m->kernels.contact_graph_reverse, m->n, err);
 }
 
 static bool reserve_contacts(duet_motion *m, duet_error *err)
@@ -202,7 +183,7 @@ static bool fill_returns(duet_motion *m, duet_error *err)
 static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
 {
     m->graph.n_old = n_old;
-    return launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
+    return motion_launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
 }
 
 // The contacts before are matched with the new ones, which have other places in the list by colour.

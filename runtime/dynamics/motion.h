@@ -25,62 +25,11 @@ enum { MOTION_WALLS = 6 };
 // Contacts are kept while a separation is below this many slops.
 enum { MOTION_SLOPS = 4 };
 
-// What B holds. Which buffers there are follows from the effects.
 typedef enum motion_buffer {
-    CENTRES, // by object
-    CELLS,   // of centres, with an origin
-    VELOCITIES,
-    ROTATIONS,
-    ANGULAR_VELOCITIES,
-    INERTIAS,
-    HALVES,
-    RESTITUTIONS,
-    FRICTIONS,
-    FILTERS,
-    SENSORS,
-    RESTS,
-    ASLEEP,
-    FORCES,
-    BODIES,
-    BOXES,
-    STARTS,
-    RETURN_STARTS,
-    USED,
-    CHOICES,
-    PAIRS,  // of bodies that commands altered, and of all that hold on
-    OTHERS, // by contact
-    LINKS,
-    RETURNS,
-    CONTACTS,
-    TOUCHES,
-    COLOUR_OF,
-    OLD_LINKS,
-    OLD_CONTACTS,
-    OLD_TOUCHES,
-    OLD_COLOURS,
-    LIST, // contacts by colour
-    LIST_KEYS,
-    LIST_SPARE,
-    LIST_KEYS_SPARE,
-    COLOUR_STARTS,
-    SPANS,
-    BLOCKS,   // contacts by colour while they are solved
-    TOUCHING, // a bit for each contact
-    HITS,
-    FLAG_WORDS,
-    READ_IDS, // while states are read
-    GATHERED,
-    CHANGED,
-    LAST_CENTRES, // as they were read last
-    LAST_CELLS,
-    LAST_ROTATIONS,
-    ALTERED, // bodies that commands altered, while their pairs are searched
-    IS_ALTERED,
-    ALTERED_HEADS,
-    ALTERED_ENTRIES_OF,
-    ALTERED_NEXTS,
-    ALTERED_WIDE_ONES,
-    ALTERED_COUNT_WORDS,
+#define BY_OBJECT(which, name, type, effect, also, reals, words) which,
+#define BUFFER(which, name, type) which,
+#define HIDDEN(which) which,
+#include "runtime/dynamics/motion_buffers.inl"
     MOTION_BUFFERS
 } motion_buffer;
 
@@ -188,7 +137,27 @@ struct duet_motion {
     motion_recording *recording; // NULL where nothing is recorded
 };
 
-// Reads the flags, which waits for all that was launched.
+// Sends a kernel over so many bodies, pairs or contacts; fills words [from, to) of a buffer with 0;
+// reads bytes of one from byte `at`, which waits for all that was launched.
+static inline bool motion_launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work,
+                                 duet_error *err)
+{
+    return timeline_launch(&m->times, stage, k, work, m, err);
+}
+
+static inline bool motion_clear(duet_motion *m, const char *stage, motion_buffer which, size_t from,
+                                size_t to, duet_error *err)
+{
+    return timeline_fill(&m->times, stage, &m->buffers[which], 0, from, to, err);
+}
+
+static inline bool motion_fetch(duet_motion *m, const char *stage, motion_buffer which, size_t at,
+                                void *to, size_t bytes, duet_error *err)
+{
+    return timeline_read_at(&m->times, stage, &m->buffers[which], at, to, bytes, err);
+}
+
+// Reads the flags, likewise.
 static inline bool motion_read_flags(duet_motion *m, duet_error *err)
 {
     return timeline_read(&m->times, "flags", &m->buffers[FLAG_WORDS], m->flags, sizeof m->flags,

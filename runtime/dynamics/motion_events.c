@@ -91,7 +91,7 @@ bool motion_note_events(duet_motion *m, duet_error *err)
     return !m->kernels.contact_events ||
            (motion_reserve(m, TOUCHING, n_words + 1, sizeof(uint32_t), err) &&
             (!hits || motion_reserve(m, HITS, n + 1, HIT_WORDS * sizeof(uint32_t), err)) &&
-            timeline_launch(&m->times, "events", m->kernels.contact_events, n_words, m, err));
+            motion_launch(m, "events", m->kernels.contact_events, n_words, err));
 }
 
 bool motion_recall_events(duet_motion *m, duet_error *err)

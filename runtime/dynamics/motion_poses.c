@@ -114,6 +114,5 @@ bool motion_write_poses(duet_motion *m, bool radii, const buffer *rows, duet_err
     m->reading.row_words =
         (radii ? sizeof(duet_rounded_box) : sizeof(duet_pose)) / sizeof(cl_float);
     return motion_build_kernels(m, &write, 1, false, err) &&
-           timeline_launch(&m->times, "fetch", *write.at, m->n, m, err) &&
-           timeline_finish(&m->times, err);
+           motion_launch(m, "fetch", *write.at, m->n, err) && timeline_finish(&m->times, err);
 }

@@ -56,7 +56,7 @@ static bool gather(duet_motion *m, motion_buffer which, uint32_t n, duet_error *
     m->reading.rows = m->buffers[which];
     m->reading.row_words = motion_words(m, which);
     m->reading.n_ids = n;
-    return timeline_launch(&m->times, "fetch", m->reading.gather_rows, n, m, err);
+    return motion_launch(m, "fetch", m->reading.gather_rows, n, err);
 }
 
 // The rows of a buffer; NULL after a failure.
@@ -191,7 +191,7 @@ static bool find_changed(duet_motion *m, uint32_t *words, duet_error *err)
 {
     size_t n_words = ((size_t)m->n + 31) / 32;
     bool ok = motion_reserve(m, CHANGED, n_words, sizeof *words, err) &&
-              timeline_fill(&m->times, "moved", &m->buffers[CHANGED], 0, 0, n_words, err);
+              motion_clear(m, "moved", CHANGED, 0, n_words, err);
     for (int i = 0; ok && i < PLACES; ++i) {
         uint32_t row_words = motion_words(m, places[i].which);
         if (row_words == 0)
@@ -200,7 +200,7 @@ static bool find_changed(duet_motion *m, uint32_t *words, duet_error *err)
         m->reading.rows = m->buffers[places[i].which];
         m->reading.last_rows = m->buffers[places[i].last];
         m->reading.row_words = row_words;
-        ok = ok && timeline_launch(&m->times, "moved", m->reading.changed_rows, n_words, m, err);
+        ok = ok && motion_launch(m, "moved", m->reading.changed_rows, n_words, err);
     }
     return ok && timeline_read(&m->times, "moved", &m->buffers[CHANGED], words,
                                n_words * sizeof *words, err);

@@ -152,7 +152,7 @@ static bool fly(duet_motion *m, duet_error *err)
 {
     const kernel *flight = m->kernels.integrate_free_flight;
     products_move_bodies(&m->products);
-    return (!flight || timeline_launch(&m->times, "integrate", flight, m->n, m, err)) &&
+    return (!flight || motion_launch(m, "integrate", flight, m->n, err)) &&
            (!(m->effects & DUET_EFFECT_CONTACT) ||
             (ensure(m, PRODUCT_MANIFOLDS, err) && motion_note_events(m, err)));
 }
@@ -171,7 +171,7 @@ static bool run_effects(duet_motion *m, duet_error *err)
     set_args(m);
     return motion_recall_events(m, err) &&
            (!(m->effects & DUET_EFFECT_CONTACT) ||
-            timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, 0, FLAGS, err)) &&
+            motion_clear(m, "clear", FLAG_WORDS, 0, FLAGS, err)) &&
            (pushes(m) ? respond(m, err) : fly(m, err));
 }
 

@@ -9,31 +9,25 @@
 
 // ---------------------------------------------------------------- manifolds
 
-// Over so many bodies, pairs or contacts.
-static bool launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work,
-                   duet_error *err)
-{
-    return timeline_launch(&m->times, stage, k, work, m, err);
-}
-
 // woken: only of what woke in this step, where anything did.
 static bool find_manifolds(duet_motion *m, uint32_t woken, duet_error *err)
 {
     m->solver.woken = woken;
-    return launch(m, "manifolds", m->kernels.build_manifolds, m->n_contacts, err);
+    return motion_launch(m, "manifolds", m->kernels.build_manifolds, m->n_contacts, err);
 }
 
 static bool prepare_bodies(duet_motion *m, uint32_t woken, duet_error *err)
 {
     m->solver.woken = woken;
-    return launch(m, "integrate", m->kernels.prepare_bodies, (uint64_t)m->n + MOTION_WALLS, err);
+    return motion_launch(m, "integrate", m->kernels.prepare_bodies, (uint64_t)m->n + MOTION_WALLS,
+                         err);
 }
 
 // What is woken by a touch has its mass again before it is pushed.
 static bool wake_touched(duet_motion *m, duet_error *err)
 {
-    return launch(m, "sleep", m->kernels.update_sleep, m->n, err) && prepare_bodies(m, 1, err) &&
-           find_manifolds(m, 1, err);
+    return motion_launch(m, "sleep", m->kernels.update_sleep, m->n, err) &&
+           prepare_bodies(m, 1, err) && find_manifolds(m, 1, err);
 }
 
 bool motion_make_manifolds(duet_motion *m, duet_error *err)
@@ -82,9 +76,9 @@ static bool sort_colours(duet_motion *m, duet_error *err)
     const radix_lists lists = {&b[LIST_KEYS], &b[LIST], &b[LIST_KEYS_SPARE], &b[LIST_SPARE]};
     const char *stage = "graph_colour";
     bool ok =
-        launch(m, stage, m->kernels.graph_colour_key, m->n_contacts, err) &&
+        motion_launch(m, stage, m->kernels.graph_colour_key, m->n_contacts, err) &&
         radix_sort_run(&m->solver.radix, &m->times, stage, &lists, m->n_contacts, KEY_BITS, err) &&
-        launch(m, stage, m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
+        motion_launch(m, stage, m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
         timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
                             err) &&
         timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, sizeof starts, err);
@@ -97,8 +91,8 @@ static bool run_rounds(duet_motion *m, uint32_t from, uint32_t to, duet_error *e
 {
     bool ok = true;
     for (m->solver.round = from + 1; ok && m->solver.round <= to; ++m->solver.round)
-        ok = launch(m, "graph_colour", m->kernels.graph_colour_choose, m->n, err) &&
-             launch(m, "graph_colour", m->kernels.graph_colour_take, m->n, err);
+        ok = motion_launch(m, "graph_colour", m->kernels.graph_colour_choose, m->n, err) &&
+             motion_launch(m, "graph_colour", m->kernels.graph_colour_take, m->n, err);
     return ok;
 }
 
@@ -147,7 +141,7 @@ bool motion_make_colours(duet_motion *m, duet_error *err)
 {
     if (m->n_contacts == 0)
         return list_none(m);
-    return launch(m, "graph_colour", m->kernels.graph_colour_mark, m->n_contacts, err) &&
+    return motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->n_contacts, err) &&
            (m->solver.rounds > 0 || keep_colours(m, err)) &&
            (product_is_right(&m->products, PRODUCT_COLOURS) || list_colours(m, err));
 }
@@ -171,7 +165,7 @@ static bool launch_colours(duet_motion *m, const kernel *k, uint32_t from, uint3
     m->solver.from_colour = from;
     m->solver.to_colour = to;
     m->solver.each = each;
-    return launch(m, "solve_contacts", k, work, err);
+    return motion_launch(m, "solve_contacts", k, work, err);
 }
 
 // Colours that one work-group has space for are taken by the same one.
@@ -208,8 +202,8 @@ static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
 static bool substep(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
-    return budget_check(err) && launch(m, "integrate", k->integrate_velocities, m->n, err) &&
-           solve(m, 1, err) && launch(m, "integrate", k->integrate_positions, m->n, err) &&
+    return budget_check(err) && motion_launch(m, "integrate", k->integrate_velocities, m->n, err) &&
+           solve(m, 1, err) && motion_launch(m, "integrate", k->integrate_positions, m->n, err) &&
            solve(m, 0, err);
 }
 
@@ -230,8 +224,8 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
     if (!(m->effects & DUET_EFFECT_SLEEP) || m->n_contacts == 0 || !m->flags[FLAG_PRESSED])
         return true;
     for (m->solver.round = 0; ok && m->solver.round < PRESSED_ROUNDS; ++m->solver.round)
-        ok = launch(m, "sleep", k->push_sleepers, m->n, err);
-    return ok && launch(m, "sleep", k->move_sleepers, m->n, err);
+        ok = motion_launch(m, "sleep", k->push_sleepers, m->n, err);
+    return ok && motion_launch(m, "sleep", k->move_sleepers, m->n, err);
 }
 
 // ---------------------------------------------------------------- all stages
@@ -247,5 +241,6 @@ bool motion_solve(duet_motion *m, duet_error *err)
 
 bool motion_finalize(duet_motion *m, duet_error *err)
 {
-    return launch(m, "integrate", m->kernels.finalize_bodies, m->n, err) && push_sleepers(m, err);
+    return motion_launch(m, "integrate", m->kernels.finalize_bodies, m->n, err) &&
+           push_sleepers(m, err);
 }
