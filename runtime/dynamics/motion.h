@@ -163,7 +163,6 @@ typedef struct motion_reading {
 
 // What commands (runtime/duet_motion_commands.h) leave behind.
 typedef struct motion_commands motion_commands;
-typedef struct motion_recording motion_recording;
 
 struct duet_motion {
     duet_motion_def def;
@@ -183,11 +182,12 @@ struct duet_motion {
     scan scan;
     radix_sort radix;
     timeline times;
-    motion_commands *commands;   // NULL before the first
-    motion_recording *recording; // NULL where nothing is recorded
-    struct motion_map *maps;     // [parts of the state], likewise (motion_map.c)
-    uint32_t mapped;             // those that are: a bit for each
-    background background;       // of a step in two halves, and what that took
+    motion_commands *commands; // NULL before the first
+    struct text *recording;    // a file's bytes (runtime/commands); NULL: nothing is recorded
+    uint64_t recorded_step;    // steps up to it are in there
+    struct motion_map *maps;   // [parts of the state], NULL before the first (motion_map.c)
+    uint32_t mapped;           // those that are: a bit for each
+    background background;     // of a step in two halves, and what that took
     double background_ms;
     buffer buffers[MOTION_BUFFERS];
     duet_world *world;    // of bounds; NULL without contact
