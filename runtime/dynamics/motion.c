@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/motion_commands.h"
-#include "runtime/dynamics/recording.h"
 
 #include "base/error.h"
 #include "runtime/narrowphase/origin.h"

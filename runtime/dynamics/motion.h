@@ -88,7 +88,6 @@ typedef struct motion_halves {
 
 // What commands (runtime/duet_motion_commands.h) leave behind.
 typedef struct motion_commands motion_commands;
-typedef struct motion_recording motion_recording;
 
 // Each file changes its own struct, and the products that it makes; the rest it reads. What has no
 // struct is changed by motion.c, by commands between steps, and by motion_file.c.
@@ -130,11 +129,12 @@ struct duet_motion {
 
     // for callers
     motion_reading reading;
-    struct motion_map *maps;     // [parts of the state]; NULL before the first (motion_map.c)
-    uint32_t mapped;             // those that are: a bit for each (phase.c)
-    buffer poses_to;             // a tree's, while poses are written (motion_poses.c)
-    motion_commands *commands;   // NULL before the first
-    motion_recording *recording; // NULL where nothing is recorded
+    struct motion_map *maps;   // [parts of the state]; NULL before the first (motion_map.c)
+    uint32_t mapped;           // those that are: a bit for each (phase.c)
+    buffer poses_to;           // a tree's, while poses are written (motion_poses.c)
+    motion_commands *commands; // NULL before the first
+    struct text *recording;    // a file's bytes (runtime/commands); NULL: nothing is recorded
+    uint64_t recorded_step;    // steps up to it are in there
 };
 
 // Sends a kernel over so many bodies, pairs or contacts; fills words [from, to) of a buffer with 0;

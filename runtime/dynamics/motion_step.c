@@ -4,7 +4,6 @@
 // In two halves a thread of the motion's own takes the step while the caller works. What a
 // caller may ask meanwhile changes only in the second half.
 #include "runtime/dynamics/motion_commands.h"
-#include "runtime/dynamics/recording.h"
 
 #include "base/budget.h"
 #include "base/clock.h"
@@ -242,8 +241,6 @@ static bool complete_step(duet_motion *m, bool carried, double ms, duet_motion_r
     if (!made)
         return false;
     ++m->step;
-    if (m->recording)
-        ++m->recording->steps;
     fill_result(m, result);
     m->times.untimed = true; // what comes between steps is of none
     result->total_ms = ms + clock_ms_since(begun);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/dynamics/saved_motion.h"
+#include "runtime/commands/saved_motion.h"
 
 #include "base/error.h"
 #include "runtime/dynamics/motion_rows.h"

@@ -8,8 +8,8 @@
 #define RUNTIME_SAVED_MOTION_H
 
 #include "base/text.h"
+#include "runtime/commands/packed.h"
 #include "runtime/dynamics/motion_commands.h"
-#include "runtime/dynamics/packed.h"
 
 typedef struct saved_head {
     char magic[16];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/dynamics/packed.h"
+#include "runtime/commands/packed.h"
 
 #include <assert.h>
 #include <string.h>
@@ -41,12 +41,12 @@ packed_def packed_def_of(const duet_motion_def *d)
 {
     packed_def p;
 #define DEF_MEMBER(name) memcpy(&p.name, &d->name, sizeof p.name);
-#include "runtime/dynamics/def_members.inl"
+#include "runtime/commands/def_members.inl"
     return p;
 }
 
 void packed_to_def(const packed_def *p, duet_motion_def *d)
 {
 #define DEF_MEMBER(name) memcpy(&d->name, &p->name, sizeof p->name);
-#include "runtime/dynamics/def_members.inl"
+#include "runtime/commands/def_members.inl"
 }

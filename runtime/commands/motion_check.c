@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/dynamics/motion_check.h"
+#include "runtime/commands/motion_check.h"
 
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"

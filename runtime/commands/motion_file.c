@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A motion as a file: what it is, and all that its next step reads. A sum at the end tells a
 // damaged file.
-#include "runtime/dynamics/motion_check.h"
-#include "runtime/dynamics/recording.h"
-#include "runtime/dynamics/saved_motion.h"
+#include "runtime/commands/motion_check.h"
+#include "runtime/commands/saved_motion.h"
 
 #include "base/error.h"
 #include "base/text_file.h"

@@ -16,7 +16,7 @@ enum { PACKED_FIXED_ROTATION = 1, PACKED_SENSOR = 2, PACKED_FLAGS = 3 };
 
 typedef struct packed_def {
 #define DEF_MEMBER(name) __typeof__(((duet_motion_def *)0)->name) name;
-#include "runtime/dynamics/def_members.inl"
+#include "runtime/commands/def_members.inl"
 } packed_def;
 
 packed_body packed_body_of(const duet_body *body);
