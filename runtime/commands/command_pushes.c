@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Forces for the next step, and impulses.
 #include "base/error.h"
-#include "runtime/dynamics/motion_commands.h"
+#include "runtime/commands/command.h"
 #include "runtime/dynamics/motion_rows.h"
-#include "runtime/dynamics/recording.h"
 #include "runtime/dynamics/vector.h"
 
 #include <math.h>
@@ -11,13 +10,13 @@
 
 // ---------------------------------------------------------------- forces
 
-static bool check_numbers(const void *of, size_t floats, uint32_t n, const char *call,
-                          duet_error *err)
+// Rows are floats.
+static bool check_numbers(const command *c, duet_error *err)
 {
-    for (uint32_t i = 0; i < n; ++i)
-        if (!vector_is_finite((const float *)of + i * floats, floats))
-            return error_set(err, DUET_STATUS_BAD_OBJECT,
-                             "%s: body %u of %u: a number is not finite", call, i, n);
+    const size_t floats = c->op->row / sizeof(float);
+    for (uint32_t i = 0; i < c->list.n; ++i)
+        if (!vector_is_finite((const float *)c->rows + i * floats, floats))
+            return command_refuse(c, i, "a number is not finite", err);
     return true;
 }
 
@@ -27,12 +26,6 @@ static bool stays_finite(const motion_rows *rows, uint32_t place, uint32_t k, do
 {
     double value = motion_row_get(rows, place, k) + n * by;
     return rows->doubles ? isfinite(value) : isfinite((float)value);
-}
-
-static bool too_much(const char *call, uint32_t i, uint32_t n, const char *what, duet_error *err)
-{
-    return error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: %s would not be finite", call,
-                     i, n, what);
 }
 
 // The eight numbers of a row, of those that the world has.
@@ -45,60 +38,44 @@ static void put_force(const duet_motion *m, const duet_force *force, float by[8]
     by[3] = by[7] = 0.0f;
 }
 
-static bool check_sums(const duet_motion *m, const motion_rows *rows, const uint32_t *places,
-                       const duet_force *forces, uint32_t n, const char *call, duet_error *err)
+static bool check_sums(const duet_motion *m, const motion_rows *rows, const command *c,
+                       duet_error *err)
 {
-    for (uint32_t i = 0; i < n; ++i) {
+    const duet_force *forces = c->rows;
+    for (uint32_t i = 0; i < c->list.n; ++i) {
         float by[8];
         put_force(m, &forces[i], by);
         for (uint32_t k = 0; k < 8; ++k)
-            if (!stays_finite(rows, places[i], k, (double)by[k], n))
-                return too_much(call, i, n, "the sum of its forces", err);
+            if (!stays_finite(rows, c->places[i], k, (double)by[k], c->list.n))
+                return command_refuse(c, i, "the sum of its forces would not be finite", err);
     }
     return true;
 }
 
-static bool write_forces(duet_motion *m, motion_rows *rows, const uint32_t *places,
-                         const duet_force *forces, uint32_t n, duet_error *err)
+static bool write_forces(duet_motion *m, motion_rows *rows, const command *c, duet_error *err)
 {
-    for (uint32_t i = 0; i < n; ++i) {
-        float *row = motion_row(rows, places[i]), by[8];
+    const duet_force *forces = c->rows;
+    for (uint32_t i = 0; i < c->list.n; ++i) {
+        float *row = motion_row(rows, c->places[i]), by[8];
         put_force(m, &forces[i], by);
         for (int k = 0; k < 8; ++k)
             row[k] += by[k];
     }
     m->commands->pushed = true;
-    return motion_rows_close(m, rows, err) && motion_wake_places(m, places, n, err);
+    return motion_rows_close(m, rows, err) && motion_wake_places(m, c->places, c->list.n, err);
 }
 
-static bool add_forces(duet_motion *m, const uint32_t *places, const duet_force *forces, uint32_t n,
-                       const char *call, duet_error *err)
+bool command_apply_forces(duet_motion *m, command *c, duet_error *err)
 {
     motion_rows rows;
-    if (n == 0)
+    if (c->list.n == 0)
         return true;
-    if (!motion_rows_at(m, FORCES, places, n, &rows, err))
+    if (!check_numbers(c, err) || !motion_rows_at(m, FORCES, c->places, c->list.n, &rows, err))
         return false;
-    if (check_sums(m, &rows, places, forces, n, call, err))
-        return motion_keep_whole(m, write_forces(m, &rows, places, forces, n, err));
+    if (check_sums(m, &rows, c, err))
+        return motion_keep_whole(m, write_forces(m, &rows, c, err));
     motion_rows_drop(&rows);
     return false;
-}
-
-bool duet_motion_apply_forces(duet_motion *m, duet_body_list list, const duet_force *forces,
-                              duet_error *err)
-{
-    PUBLIC_CALL(err);
-    if (list.n > 0 && !error_given(forces, __func__, "forces", err))
-        return false;
-    uint32_t *places = motion_places_of(m, list, true, __func__, err);
-    bool ok = places && motion_needs(m, DUET_EFFECT_FORCES, __func__, err) &&
-              check_numbers(forces, sizeof *forces / sizeof(float), list.n, __func__, err) &&
-              add_forces(m, places, forces, list.n, __func__, err);
-    if (ok)
-        motion_note(m, RECORDED_FORCES, places, list.n, forces);
-    free(places);
-    return ok;
 }
 
 // ---------------------------------------------------------------- impulses
@@ -140,9 +117,9 @@ typedef struct pushed {
     motion_rows velocities, angular_velocities, rotations, inertias;
 } pushed;
 
-static bool open_pushed(duet_motion *m, const uint32_t *places, uint32_t n, pushed *p,
-                        duet_error *err)
+static bool open_pushed(duet_motion *m, const command *c, pushed *p, duet_error *err)
 {
+    const uint32_t *places = c->places, n = c->list.n;
     return motion_rows_at(m, VELOCITIES, places, n, &p->velocities, err) &&
            (!(m->effects & DUET_EFFECT_ANGULAR_VELOCITY) ||
             (motion_rows_at(m, ROTATIONS, places, n, &p->rotations, err) &&
@@ -168,19 +145,19 @@ static void changes_of(const duet_motion *m, const pushed *p, uint32_t place,
     angular_change_of(m, impulse, q, inverse, angular_velocity);
 }
 
-static bool check_changes(const duet_motion *m, const pushed *p, const uint32_t *places,
-                          const duet_impulse *impulses, uint32_t n, const char *call,
-                          duet_error *err)
+static bool check_changes(const duet_motion *m, const pushed *p, const command *c, duet_error *err)
 {
-    for (uint32_t i = 0; i < n; ++i) {
+    const duet_impulse *impulses = c->rows;
+    for (uint32_t i = 0; i < c->list.n; ++i) {
+        const uint32_t place = c->places[i];
         double velocity[3], angular_velocity[3];
-        changes_of(m, p, places[i], &impulses[i], velocity, angular_velocity);
+        changes_of(m, p, place, &impulses[i], velocity, angular_velocity);
         for (uint32_t k = 0; k < 3; ++k) {
-            if (!stays_finite(&p->velocities, places[i], k, velocity[k], n))
-                return too_much(call, i, n, "its velocity", err);
+            if (!stays_finite(&p->velocities, place, k, velocity[k], c->list.n))
+                return command_refuse(c, i, "its velocity would not be finite", err);
             if (p->angular_velocities.of &&
-                !stays_finite(&p->angular_velocities, places[i], k, angular_velocity[k], n))
-                return too_much(call, i, n, "its angular velocity", err);
+                !stays_finite(&p->angular_velocities, place, k, angular_velocity[k], c->list.n))
+                return command_refuse(c, i, "its angular velocity would not be finite", err);
         }
     }
     return true;
@@ -192,49 +169,31 @@ static void add_to(motion_rows *rows, uint32_t place, const double by[3])
         motion_row_set(rows, place, k, motion_row_get(rows, place, k) + by[k]);
 }
 
-static bool push(duet_motion *m, pushed *p, const uint32_t *places, const duet_impulse *impulses,
-                 uint32_t n, duet_error *err)
+static bool push(duet_motion *m, pushed *p, const command *c, duet_error *err)
 {
-    for (uint32_t i = 0; i < n; ++i) {
+    const duet_impulse *impulses = c->rows;
+    for (uint32_t i = 0; i < c->list.n; ++i) {
         double velocity[3], angular_velocity[3];
-        changes_of(m, p, places[i], &impulses[i], velocity, angular_velocity);
-        add_to(&p->velocities, places[i], velocity);
+        changes_of(m, p, c->places[i], &impulses[i], velocity, angular_velocity);
+        add_to(&p->velocities, c->places[i], velocity);
         if (p->angular_velocities.of)
-            add_to(&p->angular_velocities, places[i], angular_velocity);
+            add_to(&p->angular_velocities, c->places[i], angular_velocity);
     }
     return motion_rows_close(m, &p->velocities, err) &&
            (!p->angular_velocities.of || motion_rows_close(m, &p->angular_velocities, err)) &&
-           motion_wake_places(m, places, n, err);
+           motion_wake_places(m, c->places, c->list.n, err);
 }
 
-static bool give_impulses(duet_motion *m, const uint32_t *places, const duet_impulse *impulses,
-                          uint32_t n, const char *call, duet_error *err)
+bool command_apply_impulses(duet_motion *m, command *c, duet_error *err)
 {
     pushed p = {0};
-    if (n == 0)
+    if (c->list.n == 0)
         return true;
-    bool ok = open_pushed(m, places, n, &p, err) &&
-              check_changes(m, &p, places, impulses, n, call, err) &&
-              motion_keep_whole(m, push(m, &p, places, impulses, n, err));
+    bool ok = check_numbers(c, err) && open_pushed(m, c, &p, err) && check_changes(m, &p, c, err) &&
+              motion_keep_whole(m, push(m, &p, c, err));
     motion_rows_drop(&p.velocities);
     motion_rows_drop(&p.angular_velocities);
     motion_rows_drop(&p.rotations);
     motion_rows_drop(&p.inertias);
-    return ok;
-}
-
-bool duet_motion_apply_impulses(duet_motion *m, duet_body_list list, const duet_impulse *impulses,
-                                duet_error *err)
-{
-    PUBLIC_CALL(err);
-    if (list.n > 0 && !error_given(impulses, __func__, "impulses", err))
-        return false;
-    uint32_t *places = motion_places_of(m, list, true, __func__, err);
-    bool ok = places && motion_needs(m, DUET_EFFECT_MOTION, __func__, err) &&
-              check_numbers(impulses, sizeof *impulses / sizeof(float), list.n, __func__, err) &&
-              give_impulses(m, places, impulses, list.n, __func__, err);
-    if (ok)
-        motion_note(m, RECORDED_IMPULSES, places, list.n, impulses);
-    free(places);
     return ok;
 }

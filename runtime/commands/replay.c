@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Recorded commands, given to a motion again. The file's form is checked when it is read;
 // whether its commands are right is for the calls that they go to.
-#include "runtime/dynamics/motion.h"
-#include "runtime/dynamics/recording.h"
+#include "runtime/commands/commands.h"
+#include "runtime/commands/recording.h"
 
 #include "base/error.h"
 #include "base/text_file.h"
@@ -15,7 +15,7 @@ struct duet_replay {
     char *path;
     text file;
     recording_head head;
-    bool radii;          // rows of bodies have them
+    uint64_t end_hash;
     size_t at, end;      // of the record that comes next, and of all
     uint32_t steps_left; // of the record
     duet_replay_info info;
@@ -30,19 +30,16 @@ static bool damaged(const char *path, duet_error *err)
     return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the recording is cut short or damaged", path);
 }
 
-// Bytes of a record behind its head; SIZE_MAX where it is none.
-static size_t size_of(const duet_replay *p, const recorded *r)
+// Bytes of a record behind its head; SIZE_MAX if it is none.
+static size_t size_of(const recorded *r)
 {
-    bool is_def = r->kind == RECORDED_DEF, is_steps = r->kind == RECORDED_STEPS;
-    if (r->kind >= RECORDED_KINDS || r->unused || (r->fields && r->kind != RECORDED_BODIES) ||
-        (r->n == 0) != is_def)
+    const command_op *op = command_op_at(r->kind);
+    if (r->n == 0 || r->unused || (!op && r->kind != RECORDED_STEPS) ||
+        (r->fields && (!op || op->form != COMMAND_FIELDS)) ||
+        (op && op->form == COMMAND_DEF && r->n != 1))
         return SIZE_MAX;
-    if (is_steps)
-        return 0;
-    if (is_def)
-        return sizeof(recorded_def);
-    return r->n *
-           ((recorded_has_ids(r->kind) ? sizeof(uint64_t) : 0) + recorded_row(r->kind, p->radii));
+    const recorded_sizes each = op ? recorded_sizes_of(op) : (recorded_sizes){0};
+    return r->n * (each.ids + each.row + each.body);
 }
 
 static bool count_records(duet_replay *p, duet_error *err)
@@ -53,7 +50,7 @@ static bool count_records(duet_replay *p, duet_error *err)
             return damaged(p->path, err);
         memcpy(&r, p->file.chars + at, sizeof r);
         at += sizeof r;
-        size_t size = size_of(p, &r);
+        size_t size = size_of(&r);
         if (size > p->end - at)
             return damaged(p->path, err);
         at += size;
@@ -63,27 +60,21 @@ static bool count_records(duet_replay *p, duet_error *err)
     return true;
 }
 
-static bool knows_version(duet_replay *p)
-{
-    const char *magic = p->file.chars;
-    p->radii = memcmp(magic, recording_magic_radii, sizeof recording_magic_radii) == 0;
-    return p->radii || memcmp(magic, recording_magic, sizeof recording_magic) == 0;
-}
-
 static bool read_replay(duet_replay *p, duet_error *err)
 {
     uint64_t sum;
-    if (!text_read_file(&p->file, p->path, err))
+    if (!text_read_file(&p->file, p->path, err) ||
+        !text_check_magic(&p->file, recording_magic, p->path, err))
         return false;
-    if (p->file.length < sizeof p->head + sizeof sum || !knows_version(p))
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: not a recording of version 1 or 2",
-                         p->path);
+    if (p->file.length < sizeof p->head + sizeof p->end_hash + sizeof sum)
+        return damaged(p->path, err);
     memcpy(&p->head, p->file.chars, sizeof p->head);
+    memcpy(&sum, p->file.chars + p->file.length - sizeof sum, sizeof sum);
     p->at = sizeof p->head;
-    p->end = p->file.length - sizeof sum;
-    memcpy(&sum, p->file.chars + p->end, sizeof sum);
-    return sum == text_checksum(p->file.chars, p->end) ? count_records(p, err)
-                                                       : damaged(p->path, err);
+    p->end = p->file.length - sizeof sum - sizeof p->end_hash;
+    memcpy(&p->end_hash, p->file.chars + p->end, sizeof p->end_hash);
+    return sum == text_checksum(p->file.chars, p->file.length - sizeof sum) ? count_records(p, err)
+                                                                            : damaged(p->path, err);
 }
 
 duet_replay *duet_replay_create(const char *path, duet_error *err)
@@ -123,96 +114,46 @@ duet_replay_info duet_replay_get_info(const duet_replay *p)
 
 // ---------------------------------------------------------------- commands
 
-// Of a record: ids, rows, and bodies made of them. Copies, so that all lies as it must.
-typedef struct order {
-    recorded head;
-    uint64_t *ids;
-    void *rows;
-    duet_body *bodies;
-} order;
-
-static void forget_order(order *o)
-{
-    free(o->ids);
-    free(o->rows);
-    free(o->bodies);
-}
-
-static void *copy_of(const char *from, size_t bytes)
+static void *copy_of(const char **from, size_t bytes)
 {
     void *to = malloc(bytes + 1);
     if (to)
-        memcpy(to, from, bytes);
+        memcpy(to, *from, bytes);
+    *from += bytes;
     return to;
 }
 
-static bool make_bodies(order *o, const char *from, bool radii)
+static duet_body *bodies_of(const char *from, uint32_t n)
 {
-    o->bodies = malloc((size_t)o->head.n * sizeof *o->bodies);
-    for (uint32_t i = 0; o->bodies && i < o->head.n; ++i, from += recorded_body_size(radii)) {
-        recorded_body row;
-        float radius = 0.0f;
+    duet_body *bodies = malloc(n * sizeof *bodies);
+    for (uint32_t i = 0; bodies && i < n; ++i, from += sizeof(packed_body)) {
+        packed_body row;
         memcpy(&row, from, sizeof row);
-        if (radii)
-            memcpy(&radius, from + sizeof row, sizeof radius);
-        o->bodies[i] = recorded_to_body(&row, radius);
+        bodies[i] = packed_to_body(&row);
     }
-    return o->bodies;
+    return bodies;
 }
 
-static bool take_order(duet_replay *p, order *o, duet_error *err)
+// Gives the motion copies of a record's ids, rows and bodies, so that all lies as it must.
+static bool give(const recorded *r, const char *from, duet_motion *m, duet_error *err)
 {
-    size_t n = o->head.n, size = size_of(p, &o->head);
-    size_t id_bytes = recorded_has_ids(o->head.kind) ? n * sizeof *o->ids : 0;
-    o->ids = copy_of(p->file.chars + p->at, id_bytes);
-    o->rows = copy_of(p->file.chars + p->at + id_bytes, size - id_bytes);
-    p->at += size;
-    bool ok = o->ids && o->rows;
-    if (ok && o->head.kind == RECORDED_BODIES)
-        ok = make_bodies(o, o->rows, p->radii);
-    if (ok && o->head.kind == RECORDED_ADD)
-        ok = make_bodies(o, (char *)o->rows + n * sizeof(duet_pose), p->radii);
-    return ok || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu recorded bodies", n);
-}
-
-static bool give_def(duet_motion *m, const recorded_def *to, duet_error *err)
-{
-    duet_motion_def def = *duet_motion_get_def(m);
-    recorded_to_def(to, &def);
-    return duet_motion_set_def(m, &def, err);
-}
-
-static bool give(duet_motion *m, const order *o, duet_error *err)
-{
-    const duet_body_list list = {.ids = o->ids, .n = o->head.n};
-    switch (o->head.kind) {
-    case RECORDED_ADD:
-        return duet_motion_add_bodies(m, o->rows, o->bodies, list.n, NULL, err);
-    case RECORDED_REMOVE:
-        return duet_motion_remove_bodies(m, list, err);
-    case RECORDED_DISABLE:
-        return duet_motion_disable_bodies(m, list, err);
-    case RECORDED_ENABLE:
-        return duet_motion_enable_bodies(m, list, err);
-    case RECORDED_WAKE:
-        return duet_motion_wake_bodies(m, list, err);
-    case RECORDED_SLEEP:
-        return duet_motion_sleep_bodies(m, list, err);
-    case RECORDED_USER_DATA:
-        return duet_motion_set_user_data(m, list, o->rows, err);
-    case RECORDED_BODIES:
-        return duet_motion_set_bodies(m, list, o->head.fields, o->bodies, err);
-    case RECORDED_POSES:
-        return duet_motion_set_poses(m, list, o->rows, err);
-    case RECORDED_FORCES:
-        return duet_motion_apply_forces(m, list, o->rows, err);
-    case RECORDED_IMPULSES:
-        return duet_motion_apply_impulses(m, list, o->rows, err);
-    case RECORDED_TARGETS:
-        return duet_motion_set_targets(m, list, o->rows, err);
-    default:
-        return give_def(m, o->rows, err);
-    }
+    const command_op *op = command_op_at(r->kind);
+    const recorded_sizes each = recorded_sizes_of(op);
+    uint64_t *ids = copy_of(&from, r->n * each.ids);
+    void *rows = copy_of(&from, r->n * each.row);
+    duet_body *bodies = each.body > 0 ? bodies_of(from, r->n) : NULL;
+    command c = {.op = op,
+                 .list = {.ids = ids, .n = r->n},
+                 .fields = r->fields,
+                 .rows = each.row > 0 ? rows : bodies,
+                 .new_bodies = bodies};
+    bool ok = ids && rows && (bodies || each.body == 0);
+    ok = ok ? command_give(m, &c, err)
+            : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u recorded bodies", r->n);
+    free(ids);
+    free(rows);
+    free(bodies);
+    return ok;
 }
 
 static bool is_refusal(duet_status status)
@@ -220,20 +161,17 @@ static bool is_refusal(duet_status status)
     return status == DUET_STATUS_BAD_ARGUMENT || status == DUET_STATUS_BAD_OBJECT;
 }
 
-// A record that is a command is given to the motion.
-static bool give_next(duet_replay *p, const recorded *head, duet_motion *m, duet_error *err)
+static bool give_next(duet_replay *p, const recorded *r, duet_motion *m, duet_error *err)
 {
-    order o = {.head = *head};
     duet_error why = {0};
-    bool ok = take_order(p, &o, err);
+    const char *from = p->file.chars + p->at;
+    p->at += size_of(r);
     ++p->commands_done;
-    if (ok && !give(m, &o, &why)) {
-        duet_status status = is_refusal(why.status) ? DUET_STATUS_BAD_INPUT : why.status;
-        ok = error_set(err, status, "%s: command %" PRIu64 " of %" PRIu64 ": %s", p->path,
-                       p->commands_done, p->info.commands, why.text);
-    }
-    forget_order(&o);
-    return ok;
+    if (give(r, from, m, &why))
+        return true;
+    duet_status status = is_refusal(why.status) ? DUET_STATUS_BAD_INPUT : why.status;
+    return error_set(err, status, "%s: command %" PRIu64 " of %" PRIu64 ": %s", p->path,
+                     p->commands_done, p->info.commands, why.text);
 }
 
 // Gives commands up to the next step; steps_left is 0 where there is none.
@@ -275,11 +213,11 @@ static bool check_end(const duet_replay *p, duet_motion *m, duet_error *err)
 {
     uint64_t hash;
     return duet_motion_get_hash(m, &hash, err) &&
-           (hash == p->head.end_hash ||
+           (hash == p->end_hash ||
             error_set(err, DUET_STATUS_WRONG_RESULT,
                       "%s: the state hash is %016" PRIx64 " at the end; expected the recorded "
                       "%016" PRIx64,
-                      p->path, hash, p->head.end_hash));
+                      p->path, hash, p->end_hash));
 }
 
 bool duet_replay_advance(duet_replay *p, duet_motion *m, duet_motion_result *result,
