@@ -183,7 +183,7 @@ bool measure_motion_kernels(measure_motion *q, const duet_plan *plan, int side,
     if (!has_run(q, plan) && !run(q, plan, false, &s, err))
         return false;
     duet_motion *m = q->motion;
-    bool searches = m->graph.world && m->graph.world->prepared[side];
+    bool searches = m->graph.world && world_is_prepared(m->graph.world, side);
     return (side == 0 || motion_kernel_spaces(m, spaces, n, err)) &&
            (!searches || join(spaces, n, m, side, err));
 }

@@ -28,9 +28,11 @@ typedef struct grid {
     grid_kind kind;
     uint32_t n_levels; // finest first
     grid_level levels[GRID_LEVELS];
-    uint32_t n_cells;  // of all levels, or entries of the table, a power of two
-    uint32_t key_bits; // of n_cells, the key of objects that are left out
-    float edge;        // the least of any level
+    uint32_t n_cells;    // of all levels, or entries of the table, a power of two
+    uint32_t key_bits;   // of n_cells, the key of objects that are left out
+    float edge;          // the least of any level
+    uint64_t generation; // of a world's grids; 0: of none
+    bool varies;         // the world's grid had other cells before
 } grid;
 
 // Where a level begins along an axis.

@@ -30,7 +30,7 @@ static bool prepare_with(duet_motion *m, const motion_plan *plan, duet_error *er
 static duet_plan plan_of(const duet_world *world)
 {
     duet_plan plan = world->def.plan;
-    plan.mode = world->mode_open ? DUET_MODE_DEFAULT : plan.mode;
+    plan.mode = world->asked_mode;
     return plan;
 }
 
