@@ -563,17 +563,6 @@ static core_others look_at_others(void *cores)
     return core_watch_others(cores);
 }
 
-// One half if nothing that OpenCL says tells one device from the other.
-static uint32_t fair_share(const duet_device_pair *pair)
-{
-    const duet_device_info *a = duet_device_pair_get_info(pair, 0);
-    const duet_device_info *b = duet_device_pair_get_info(pair, 1);
-    bool equal = !duet_device_pair_is_one(pair) && strcmp(a->platform, b->platform) == 0 &&
-                 strcmp(a->name, b->name) == 0 && strcmp(a->driver, b->driver) == 0 &&
-                 a->units == b->units && a->clock_mhz == b->clock_mhz;
-    return equal ? DUET_SHARE_ONE / 2 : 0;
-}
-
 static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcome *outcome,
                 duet_error *err)
 {
@@ -585,7 +574,7 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         return false;
     bool guessed = near->grade == PROFILE_INTERPOLATED || near->grade == PROFILE_TRANSFERRED ||
                    near->grade == PROFILE_OTHER_DRIVER || near->grade == PROFILE_STALE;
-    uint32_t fair = fair_share(h->def.pair);
+    uint32_t fair = duet_default_plan(h->def.pair).share; // of devices that differ: 0
     tune_task task = {
         .def = &h->def,
         .machine = h->def.query   ? measure_query_machine(query, h->hash)

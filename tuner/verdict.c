@@ -104,7 +104,7 @@ static bool fail_unmeasured(const tuning *t, duet_error *err)
     return error_copy(err, &t->failure);
 }
 
-// The share of two equal devices, in the mode of the plan that was found.
+// The share by units of two devices of one kind.
 static bool is_fair(const tuning *t, const duet_plan *plan)
 {
     return t->task->fair && plan->share == t->task->fair;
@@ -126,8 +126,8 @@ static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *s
     return field_race(t, f, &trial_budget_last_race, false, INFINITY, err);
 }
 
-// The best of the shared plans. Equal devices share fairly unless another share is proven to be
-// faster: in a few noisy launches the best of several shares is seldom the best one.
+// The best of the shared plans. Devices of one kind share by their units unless another share is
+// proven to be faster: in a few noisy launches the best of several shares is seldom the best one.
 static uint32_t best_finalist(const tuning *t, const field *f)
 {
     uint32_t best = race_best(&f->race, 1, f->n);

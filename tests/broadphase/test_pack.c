@@ -76,6 +76,13 @@ static const uint32_t shares[] = {0, 1, DUET_SHARE_ONE * 3 / 10, DUET_SHARE_ONE 
 enum { SHARES = sizeof shares / sizeof *shares };
 
 // Packs in more chunks than there are slots.
+static duet_world *make_world(const duet_world_def *def)
+{
+    duet_world *world = create_world(def);
+    world->lists.least_chunk = 64;
+    return world;
+}
+
 static duet_world_def world_def(uint32_t dims, const char *text)
 {
     duet_world_def def = duet_default_world_def();
@@ -141,7 +148,7 @@ static void any_share_and_number_gives_the_reference_pairs(void **state)
     set_memory(false, false);
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         duet_world_def def = world_def(dims, "gpu send=packed");
-        duet_world *world = create_world(&def);
+        duet_world *world = make_world(&def);
         for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
             fill_poses(&r, numbers[i], dims);
             uint64_t truth = poses_hash(numbers[i], dims);
@@ -168,7 +175,7 @@ static void every_sort_takes_packed_objects(void **state)
     uint64_t truth = poses_hash(N, 3);
     for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
         duet_world_def def = world_def(3, variants[v]);
-        duet_world *world = create_world(&def);
+        duet_world *world = make_world(&def);
         duet_result result = step_poses(world, N);
         assert_int_equal(duet_result_get_hash(&result), truth);
         assert_int_equal(was_packed(&result, 0), strcmp(variants[v], "gpu send=all") != 0);
@@ -188,7 +195,7 @@ static void bounds_are_packed_too(void **state)
     duet_world_def def = world_def(3, "gpu send=packed");
     def.shape = DUET_SHAPE_BOUNDS;
     def.rotated = false;
-    duet_world *world = create_world(&def);
+    duet_world *world = make_world(&def);
     assert_ok(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, bounds, N, &err), err);
     for (int s = 0; s < SHARES; ++s) {
         set_share(world, shares[s]);
@@ -206,14 +213,14 @@ static void each_device_is_sent_its_slab_alone(void **state)
     set_memory(false, false);
     fill_poses(&r, N, 3);
     duet_world_def def = world_def(3, "gpu send=packed");
-    duet_world *world = create_world(&def);
+    duet_world *world = make_world(&def);
     duet_result result = step_poses(world, N);
     assert_true(was_packed(&result, 0) && was_packed(&result, 1));
-    const part *a = &world->parts[0];
-    const part *b = &world->parts[1];
-    assert_int_equal(a->packed.n_homes + b->packed.n_homes, N);
-    assert_in_range(a->packed.n, a->packed.n_homes, N * 2 / 3);
-    assert_int_equal(b->packed.n, b->packed.n_homes);
+    const device_view *a = &world->parts[0].objects;
+    const device_view *b = &world->parts[1].objects;
+    assert_int_equal(a->n_home + b->n_home, N);
+    assert_in_range(a->n, a->n_home, N * 2 / 3);
+    assert_int_equal(b->n, b->n_home);
     duet_world_destroy(world);
 }
 
@@ -227,7 +234,7 @@ static void a_device_on_host_memory_borrows_all_beside_one_that_is_sent_its_slab
     for (int copies = 0; copies < 2; ++copies) {
         set_memory(copies != 0, copies != 1);
         duet_world_def def = world_def(3, "gpu send=packed");
-        duet_world *world = create_world(&def);
+        duet_world *world = make_world(&def);
         duet_result result = step_poses(world, N);
         assert_int_equal(duet_result_get_hash(&result), truth);
         assert_true(was_packed(&result, copies) && !was_packed(&result, 1 - copies));
@@ -243,7 +250,7 @@ static void objects_that_move_between_steps_are_found(void **state)
     set_memory(false, false);
     fill_poses(&r, N, 3);
     duet_world_def def = world_def(3, "gpu send=packed");
-    duet_world *world = create_world(&def);
+    duet_world *world = make_world(&def);
     for (int k = 0; k < STEPS; ++k) {
         duet_result result = step_poses(world, N);
         assert_int_equal(duet_result_get_hash(&result), poses_hash(N, 3));
@@ -266,7 +273,7 @@ static void objects_outside_the_world_are_found(void **state)
     def.has_world = true;
     for (int k = 0; k < 3; ++k)
         def.upper[k] = 16.0f;
-    duet_world *world = create_world(&def);
+    duet_world *world = make_world(&def);
     uint64_t truth = poses_hash(N, 3);
     for (int s = 0; s < SHARES; ++s) {
         set_share(world, shares[s]);
@@ -284,7 +291,7 @@ static void objects_that_stay_are_neither_packed_nor_sent_again(void **state)
     set_memory(false, false);
     fill_poses(&r, N, 3);
     duet_world_def def = world_def(3, "gpu send=packed");
-    duet_world *world = create_world(&def);
+    duet_world *world = make_world(&def);
     duet_result first = step_poses(world, N);
     uint64_t truth = duet_result_get_hash(&first);
     duet_result again = step(world);
@@ -335,7 +342,7 @@ static void bad_objects_are_counted_once_and_the_first_is_named(void **state)
         set_memory(ways[w].host_a, ways[w].host_b);
         duet_world_def def = world_def(3, ways[w].variant);
         def.keep_bad = true;
-        duet_world *world = create_world(&def);
+        duet_world *world = make_world(&def);
         for (int s = 0; s < SHARES; ++s) {
             set_share(world, shares[s]);
             duet_result result = step_poses(world, N);
@@ -359,7 +366,7 @@ static void a_bad_object_that_is_packed_is_refused_by_its_id(void **state)
     fill_poses(&r, N, 3);
     poses[1234].half_extents[1] = -1.0f;
     duet_world_def def = world_def(3, "gpu send=packed");
-    duet_world *world = create_world(&def);
+    duet_world *world = make_world(&def);
     assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
     assert_false(duet_world_step(world, &result, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
@@ -378,7 +385,7 @@ static void a_device_without_room_fails_the_step_and_not_the_next(void **state)
     fill_poses(&r, N, 3);
     for (int side = 0; side < 2; ++side) {
         duet_world_def def = world_def(3, "auto");
-        duet_world *world = create_world(&def);
+        duet_world *world = make_world(&def);
         uint64_t *most = &devices->devices[side].info.max_buffer_bytes;
         uint64_t before = *most;
         assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);

@@ -317,7 +317,6 @@ TEST(every_query_of_the_documentation_works)
     duet_error err = {0};
     store *s = store_open(folder.store, STORE_WRITE, &err);
     assert_ok(s, err);
-    test_run_cluster(s);
     text path = {0};
     text doc = {0};
     text_add(&path, "%s/../../docs/store.md", getenv("DUET_TEST_DATA"));

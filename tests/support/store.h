@@ -42,9 +42,6 @@ void test_tune_usual(store *s); // test_pair's, of 1000 objects
 // share i out of 65536.
 void test_fill(store *s, uint32_t n);
 
-// A run of a cluster of two ranks on two machines, with its fabric.
-void test_run_cluster(store *s);
-
 int64_t test_count(store *s, const char *table);
 
 #endif
