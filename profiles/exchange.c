@@ -37,8 +37,6 @@ static const line_type types[] = {
     {"session", false, false, {"options", "search_state"}},
     {"trial", false, true, {"terms"}},
     {"profile", false, false, {"terms"}},
-    {"fabric", true, false, {"times"}},
-    {"cluster_run", false, true, {NULL}},
 };
 
 enum { N_TYPES = sizeof types / sizeof types[0] };
@@ -204,7 +202,7 @@ static bool find_type(const import *in, const char *line, const line_type **type
         else if (!*type)
             ok = bad_line(in, err,
                           "its type is not one of store, device, env, pair, workload, level_cost, "
-                          "script, session, trial, profile, fabric, cluster_run: ",
+                          "script, session, trial, profile: ",
                           name);
     }
     return sql_close(&q) && ok;

@@ -107,12 +107,12 @@ static void wait_until(thread_pool *c, condition *is_over)
     pthread_mutex_unlock(&c->lock);
 }
 
-static void wake(thread_pool *c, pthread_cond_t *condition, bool sleeps)
+static void wake(thread_pool *c, pthread_cond_t *what, bool sleeps)
 {
     if (!sleeps)
         return;
     pthread_mutex_lock(&c->lock);
-    pthread_cond_broadcast(condition);
+    pthread_cond_broadcast(what);
     pthread_mutex_unlock(&c->lock);
 }
 

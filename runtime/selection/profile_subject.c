@@ -216,7 +216,7 @@ bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err
         return false;
     describe_pair(p, world->def.pair);
     p->workload = describe_workload(world);
-    world_end_sight(world);
+    world_unmap_objects(world);
     if (world->def.has_accuracy)
         ask_any_level(p, &world->def.accuracy);
     return hash_kernels(world->def.pair->kernel_dir, p->kernels, err);

@@ -110,7 +110,6 @@ static void fill(store *s)
     profile_level_cost_key key = {.pair_id = 1, .kernels = TEST_KERNELS};
     const profile_level_cost costs[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
     test_tune(s, &pair, &workload);
-    test_run_cluster(s);
     workload.level = "auto";
     require(
         profile_workload_put(s, &workload, &key.workload_id, &err) &&
