@@ -30,7 +30,7 @@ void interrupt_pass(bool passes);
 // Has a signal of this number mean the same. Before interrupt_watch.
 void interrupt_hear(int number);
 
-// What a signal does from here on.
+// The effect of a signal from here on.
 typedef enum interrupt_reaction {
     INTERRUPT_NOTED,       // as it is at first: work asks between two steps
     INTERRUPT_INTERACTIVE, // ends the command that runs. If it must be waited for, a line says so,

@@ -193,7 +193,7 @@ static void print_help(const command_line *line)
     table_print(&t, stdout);
 }
 
-// What one argument asks for: an option with or without its value in it.
+// One argument: an option with or without its value in it.
 typedef struct asked {
     const option *option;
     const char *value; // after "=", or NULL
@@ -287,7 +287,7 @@ bool options_is_stdout(const char *path)
     return path && strcmp(path, "-") == 0;
 }
 
-// What stdout holds is one thing: one output, or the object of --json.
+// stdout holds one thing: one output, or the object of --json.
 static bool check_stdout(const command_line *line, const given_options *given, const void *args)
 {
     const option *first = NULL;
@@ -369,7 +369,7 @@ static bool check_operands(const command_line *line, int n, char **operands)
     return true;
 }
 
-// What is parsed: the operands, and how the program ends where there is nothing to run.
+// The operands, and how the program ends if there is nothing to run.
 typedef struct parsed {
     char **operands; // argv moved together; NULL after the last
     int n;
@@ -432,7 +432,7 @@ int options_run(const command_line *line, int argc, char **argv, void *args, com
         return say_wrong(line->name, "%s", wrong);
     if (!check_outputs(line, args, &err))
         return say_failed(&err);
-    // What was done until Ctrl-C may be worth telling: it is not all that was asked for.
+    // Work until Ctrl-C may be worth telling, but is not all that was asked for.
     if (run(args, p.operands, &err) && interrupt_check(&err))
         return EXIT_OK;
     int status = say_failed(&err);

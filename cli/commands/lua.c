@@ -147,7 +147,7 @@ static char *read_line(const char *prompt, bool *dropped)
     return typed;
 }
 
-// For the arrow keys.
+// Keeps the line for the arrow keys.
 static void remember(const char *typed)
 {
     if (*typed && is_terminal())
