@@ -79,7 +79,7 @@ static bool make_space(duet_motion *m, uint32_t n, duet_error *err)
     memset(c->states + old_n, PLACE_EMPTY, n - old_n);
     c->n_hidden += n - old_n;
     m->n = n;
-    m->told.known = false; // walls have other numbers
+    motion_forget_events(&m->told); // walls have other numbers
     return motion_grow(m, old_n, err) && timeline_finish(&m->times, err) &&
            move_walls(m, old_n, err);
 }
@@ -90,7 +90,7 @@ static bool settle(duet_motion *m, const command *c, duet_error *err)
     if (c->list.n == 0)
         return true;
     motion_alter_places(m, c->places, c->list.n);
-    m->reading.begun = false;
+    m->reading.n_told = 0;
     for (uint32_t i = 0; i < c->list.n; ++i) {
         uint32_t place = c->places[i];
         m->bodies[place] = c->bodies[i];
@@ -121,7 +121,7 @@ static bool send_presence(duet_motion *m, const uint32_t *places, uint32_t n, du
     if (n == 0)
         return true;
     motion_alter_places(m, places, n);
-    m->reading.begun = false;
+    m->reading.n_told = 0;
     return motion_send_places(m, places, n,
                               PART_SIZE | PART_VELOCITY | PART_ANGULAR_VELOCITY | PART_MASS, err) &&
            motion_set_asleep(m, places, n, false, err);

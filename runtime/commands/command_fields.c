@@ -109,7 +109,7 @@ static bool set_fields(duet_motion *m, const command *c, duet_error *err)
         return false;
     if (c->fields & DUET_BODY_FILTER) {
         motion_alter_places(m, c->places, n);
-        m->told.known = false; // events are told by groups
+        motion_forget_events(&m->told); // events are told by groups
     }
     for (uint32_t i = 0; i < n; ++i)
         copy_fields(&m->bodies[c->places[i]], &c->bodies[i], c->fields);
@@ -148,7 +148,7 @@ bool command_set_user_data(duet_motion *m, command *c, duet_error *err)
 static bool change_world(duet_motion *m, const duet_motion_def *def, duet_error *err)
 {
     m->def = *def;
-    m->rows_stale = true; // walls are elsewhere
+    motion_alter_all(m); // walls are elsewhere
     return motion_wake_all(m, err);
 }
 

@@ -74,11 +74,11 @@ static bool is_turned(const duet_motion *m, const motion_saved *s, uint32_t id)
 // 2^30 from 0 (origin.h).
 static bool is_in_cell(const duet_motion *m, const motion_saved *s, uint32_t id)
 {
-    const cl_int4 *cells = s->at[CELLS];
+    const int32_t *cells = s->at[CELLS];
     for (uint32_t k = 0; cells && k < m->def.dims; ++k) {
         double quanta = real_of(m, s, CENTRES, 4 * (size_t)id + k) * (0x1p24 / m->def.origin_edge);
         if (!(quanta >= 0.0 && quanta < 0x1p24) || quanta != rint(quanta) ||
-            fabs((double)cells[id].s[k]) > 0x1p30)
+            fabs((double)cells[4 * (size_t)id + k]) > 0x1p30)
             return false;
     }
     return true;

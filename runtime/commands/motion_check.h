@@ -13,8 +13,8 @@
 typedef struct motion_saved {
     const char *path;
     uint32_t n_contacts;
-    uint32_t has_graph;
-    bool rows_stale; // the next step makes rows anew and takes only contacts over
+    uint32_t has_graph; // rows
+    bool rows_stale;    // the next step makes rows anew and takes only contacts over
     uint64_t n_pairs;
     const void *at[MOTION_BUFFERS];
 } motion_saved;

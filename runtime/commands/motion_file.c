@@ -56,7 +56,7 @@ static saved_head head_of(const duet_motion *m)
                     .effects = m->effects,
                     .record = m->layout.record,
                     .n_contacts = m->n_contacts,
-                    .has_graph = m->has_graph,
+                    .has_graph = product_was_made(&m->products, PRODUCT_ROWS),
                     .rows_stale = motion_rows_are_stale(m),
                     .n_targets = c ? c->n_targets : 0,
                     .pushed = c && c->pushed,
@@ -215,14 +215,13 @@ static void take_counts(duet_motion *copy, const saved_head *h)
     copy->step = h->step;
     copy->n_contacts = h->n_contacts;
     copy->n_pairs = h->n_pairs;
-    copy->has_graph = h->has_graph;
-    copy->rows_stale = h->rows_stale;
-    copy->bounds_checked = copy->at_rest = false;
-    copy->list_stale = true;
-    copy->told.known = false;
+    copy->products = products_of_saved(h->has_graph);
+    copy->altered.n = 0;
+    if (h->rows_stale)
+        motion_alter_all(copy);
+    motion_forget_events(&copy->told);
     copy->told.touching.n = 0;
-    copy->reading.begun = false;
-    copy->broken = false;
+    copy->reading.n_told = 0;
 }
 
 static bool fill_copy(duet_motion *copy, const saved_head *h, const char *bytes, const char *path,
@@ -252,8 +251,7 @@ static bool replace(duet_motion *m, const saved_head *h, const char *bytes, cons
 bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!error_given(m, __func__, "motion", err) || !error_given(path, __func__, "path", err) ||
-        !motion_is_idle(m, __func__, err) || !motion_is_unmapped(m, __func__, err))
+    if (!motion_is_loadable(m, __func__, err) || !error_given(path, __func__, "path", err))
         return false;
     text file = {0};
     saved_head h;
@@ -261,8 +259,11 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
     bool ok = text_read_file(&file, path, err) && read_head(&h, &file, path, err) &&
               check_head(m, &h, path, err) && check_whole(m, &h, &file, path, err) &&
               timeline_finish(&m->times, err) && replace(m, &h, file.chars, path, err);
-    if (ok)
-        motion_forget_recording(m);
     text_free(&file);
-    return ok;
+    if (!ok)
+        return false;
+    motion_forget_recording(m);
+    motion_forget_maps(m);
+    motion_mend(m);
+    return true;
 }

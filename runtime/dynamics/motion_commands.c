@@ -39,7 +39,6 @@ void motion_forget_commands(motion_commands *c)
     free(c->states);
     free(c->user_data);
     free(c->targets);
-    free(c->altered);
     free(c);
 }
 

@@ -30,8 +30,6 @@ struct motion_commands {
     uint32_t first_empty; // none before it is empty
     uint32_t n_hidden;
     bool any_left;
-    uint32_t *altered; // places whose pairs rows lack or have too many of
-    uint32_t n_altered, altered_capacity;
     bool pushed; // some forces wait for the next step
     motion_target *targets;
     uint32_t n_targets;
@@ -46,11 +44,6 @@ static inline bool motion_is_hidden(const duet_motion *m, uint32_t place)
 {
     return m->commands && m->commands->states[place] != PLACE_ENABLED;
 }
-
-// Rows are to be searched about these places, or as a whole where that is no more work.
-void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n);
-
-bool motion_rows_are_stale(const duet_motion *m);
 
 // At rest, as far as bodies say; to be sent.
 void motion_stop(duet_motion *m, uint32_t place);
@@ -70,9 +63,6 @@ bool motion_place_pose(const duet_motion *m, duet_pose *pose, cl_int4 *cell);
 
 // A pose with a target's centre and rotation; their z counts only in 3D.
 duet_pose motion_aim(const duet_motion *m, duet_pose pose, const duet_transform *target);
-
-// Whether a command's changes were made; one that was left half-way breaks the motion.
-bool motion_keep_whole(duet_motion *m, bool made);
 
 // Bodies that were changed are awake, and those that they touch will be.
 bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err);

@@ -167,7 +167,7 @@ static void what_cannot_be_drawn_is_refused_before_the_steps(void **state)
 static void what_is_of_a_scene_at_rest_is_refused_with_steps(void **state)
 {
     (void)state;
-    static const char *const options[] = {"--repeat 3",    "--resident",    "--transforms",
+    static const char *const options[] = {"--repeat 3",    "--input host",  "--ordered",
                                           "--pairs x.csv", "--check",       "--level sat6",
                                           "--missed 0",    "--false-rate 1"};
     for (size_t i = 0; i < sizeof options / sizeof *options; ++i) {

@@ -506,7 +506,7 @@ static void assert_rests_alike(mover *twins[2], bool some)
 {
     duet_contact *contacts[2];
     uint64_t n[2];
-    twins[0]->motion->rows_stale = true;
+    motion_alter_all(twins[0]->motion);
     for (int k = 0; k < 2; ++k) {
         mover_run(twins[k], 1);
         assert_true(has_stage(twins[k], "altered_pairs") == (some && k > 0));
