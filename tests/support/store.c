@@ -17,11 +17,6 @@ test_folder test_folder_make(void)
     return folder;
 }
 
-void test_folder_remove(const test_folder *folder)
-{
-    test_remove_folder(folder->path);
-}
-
 store *test_store_open(const char *path, store_access access)
 {
     duet_error err = {0};

@@ -14,7 +14,6 @@ typedef struct test_folder {
 } test_folder;
 
 test_folder test_folder_make(void);
-void test_folder_remove(const test_folder *folder); // unless test_run does
 
 store *test_store_open(const char *path, store_access access);
 duet_error test_store_refusal(const char *path, store_access access); // the line must be one

@@ -46,7 +46,7 @@ static char own_folder[] = "/tmp/duet_test.XXXXXX";
 
 void test_make_folder(char path[64])
 {
-    snprintf(path, 64, "%s%s", own_folder, strstr(own_folder, "XXXXXX") ? "" : "/XXXXXX");
+    snprintf(path, 64, "%s/XXXXXX", own_folder);
     assert_non_null(mkdtemp(path));
 }
 
@@ -69,11 +69,6 @@ static int remove_one(const char *path, const struct stat *info, int type, struc
     return remove(path);
 }
 
-void test_remove_folder(const char *path)
-{
-    nftw(path, remove_one, 8, FTW_DEPTH | FTW_PHYS);
-}
-
 int test_run(CMFixtureFunction begin, CMFixtureFunction end)
 {
     for (int i = 0; i < n_tests; ++i) {
@@ -83,7 +78,7 @@ int test_run(CMFixtureFunction begin, CMFixtureFunction end)
     if (!mkdtemp(own_folder) || chmod(own_folder, 0755) != 0 || chdir(own_folder) != 0)
         abort();
     int n_failed = _cmocka_run_group_tests("tests", tests, (size_t)n_tests, begin, end);
-    test_remove_folder(own_folder);
+    nftw(own_folder, remove_one, 8, FTW_DEPTH | FTW_PHYS);
     return n_failed;
 }
 
