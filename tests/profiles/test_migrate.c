@@ -69,8 +69,7 @@ TEST(an_older_store_is_copied_and_upgraded)
 
 TEST(an_upgrade_that_fails_changes_nothing)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     duet_error err = {0};
     assert_false(migrate_upgrade(s, broken_upgrades, &err));
     assert_int_equal(err.status, DUET_STATUS_STORE_FAILED);

@@ -25,6 +25,18 @@ store *test_store_open(const char *path, store_access access)
     return s;
 }
 
+store *test_store_fresh(void)
+{
+    return test_store_open(test_folder_make().store, STORE_WRITE);
+}
+
+store *test_store_tuned(void)
+{
+    store *s = test_store_fresh();
+    test_tune_usual(s);
+    return s;
+}
+
 duet_error test_store_refusal(const char *path, store_access access)
 {
     duet_error err = {0};
