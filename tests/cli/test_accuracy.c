@@ -8,7 +8,6 @@
 #include "runtime/duet.h"
 
 #include <cjson/cJSON.h>
-#include <stdio.h>
 #include <string.h>
 
 #define SCENE "test_accuracy.scene.lua"

@@ -5,7 +5,6 @@
 
 #include "base/text_file.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #define SCENE "test_picture.txt"

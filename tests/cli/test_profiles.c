@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 // A store with two profiles, one of them replaced once.
 static test_folder make_store(void)

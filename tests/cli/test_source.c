@@ -4,14 +4,10 @@
 #include "support/program.h"
 #include "support/test.h"
 
-#include "base/text_file.h"
-
 #include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static char data_dir[512]; // "DUET_KERNEL_DIR=..." of the test kernels
 

@@ -7,8 +7,6 @@
 #include "runtime/dynamics/motion_commands.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 static const char path[] = "motion"; // of what a test saves
 
