@@ -27,25 +27,13 @@ static bool holds(const reach *box, const double at[3])
     return inside;
 }
 
-static bool is_deep(const reach *inside, const double at[3])
-{
-    bool deep = true;
-    for (int k = 0; k < 3; ++k)
-        deep &= (at[k] > inside->lower[k]) & (at[k] < inside->upper[k]);
-    return deep;
-}
-
-// Where objects lie so deep in a domain that they touch none of another one.
+// Where objects lie so deep in a domain that they touch none of another one. Of several domains
+// twice as deep, so that they touch no newcomer either.
 static reach deep_inside(const owned *o, const domain *d)
 {
-    reach inside = d->box;
     if (o->placement == PLACED_ANYHOW)
-        return inside;
-    for (int k = 0; k < 3; ++k) {
-        inside.lower[k] += 1.01 * o->widest;
-        inside.upper[k] -= 1.01 * o->widest;
-    }
-    return inside;
+        return d->box;
+    return domain_inside(d, o->n_domains > 1 ? 2 * o->widest : o->widest);
 }
 
 static void classify_row(const owned *o, class_part *p, const domain *d, const reach *inside,
@@ -61,7 +49,7 @@ static void classify_row(const owned *o, class_part *p, const domain *d, const r
     reach e = reach_of(&o->form, object);
     p->widest = fmax(p->widest, reach_widest(&e));
     object_centre(&o->form, object, centre);
-    if (is_deep(inside, centre)) {
+    if (reach_has(inside, centre)) {
         reach_add(&p->deep.centres, &(reach){{centre[0], centre[1], centre[2]},
                                              {centre[0], centre[1], centre[2]}});
     } else if (o->placement != PLACED_ANYHOW && !holds(&d->box, centre)) {

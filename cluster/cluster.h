@@ -26,12 +26,13 @@ typedef enum cluster_state {
 typedef enum cluster_search {
     SEARCH_WHOLE,      // sets[0], a single domain with its ghosts
     SEARCH_OVERLAPPED, // sets[0] without ghosts while these travel, and then its boundary, sets[1]
-    SEARCH_DOMAINS,    // one after the other, each a copy: sets in turn
+    SEARCH_DOMAINS,    // several where they lie, without ghosts, and then their boundary
+    SEARCH_COPIES,     // several, each a copy with its ghosts
 } cluster_search;
 
 // A search by a worker, beside what its caller does.
 typedef struct set_search {
-    const search_set *set;
+    search_set *set;
     worker *worker;
     bool counts; // as search_set_find has it
     worker_found found;

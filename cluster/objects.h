@@ -31,6 +31,14 @@ extern const reach reach_none; // of nothing
 reach reach_of(const object_form *form, const void *object);
 void reach_add(reach *to, const reach *other);
 bool reaches_meet(const reach *a, const reach *b);
+// Whether a point lies inside, and not on its surface.
+static inline bool reach_has(const reach *r, const double point[3])
+{
+    bool inside = true;
+    for (int k = 0; k < 3; ++k)
+        inside &= (point[k] > r->lower[k]) & (point[k] < r->upper[k]);
+    return inside;
+}
 double reach_widest(const reach *e);
 
 // What is known of rows that lie deep inside of a place, seen together.

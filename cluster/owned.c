@@ -47,8 +47,25 @@ void owned_forget_domains(owned *o)
             (domain){.box = reach_none, .first = o->rows.n, .first_new = o->rows.n};
 }
 
+static void lock_rows(owned *o, worker *const workers[2])
+{
+    o->lockers = workers[0]->lock ? workers : NULL;
+    if (!o->lockers)
+        return;
+    workers[0]->lock(workers[0], o->rows.objects, o->rows.capacity * o->form.bytes);
+    workers[1]->lock(workers[1], o->rows.ids, o->rows.capacity * sizeof *o->rows.ids);
+}
+
+static void unlock_rows(owned *o)
+{
+    for (int i = 0; o->lockers && i < 2; ++i)
+        o->lockers[i]->lock(o->lockers[i], NULL, 0);
+    o->lockers = NULL;
+}
+
 static void release(owned *o)
 {
+    unlock_rows(o);
     if (o->holder)
         o->rows.objects = NULL;
     object_rows_end(&o->rows);
@@ -124,6 +141,8 @@ static bool reserve_ids(owned *o, uint64_t n, duet_error *err)
     if (o->rows.ids && n <= o->rows.capacity)
         return true;
     uint64_t capacity = n + n / 16;
+    worker *const *lockers = o->lockers;
+    unlock_rows(o);
     uint64_t *ids = realloc(o->rows.ids, (capacity + 1) * sizeof *ids);
     o->rows.ids = ids ? ids : o->rows.ids;
     void *objects = o->holder || !ids
@@ -133,6 +152,8 @@ static bool reserve_ids(owned *o, uint64_t n, duet_error *err)
     if (!ids || (!o->holder && !objects))
         return no_memory(n, err);
     o->rows.capacity = capacity;
+    if (lockers)
+        lock_rows(o, lockers);
     return true;
 }
 
@@ -536,6 +557,8 @@ bool owned_place(owned *o, const reach *box, worker *const workers[2], duet_erro
         o->domains[0].box = *box;
         return false;
     }
+    if (o->n_domains > 1 && !o->lockers)
+        lock_rows(o, workers);
     o->placement = PLACED_BY_DOMAIN;
     ++o->n_placed;
     o->unevenness = 1;

@@ -12,7 +12,7 @@
 // domains. owned_tidy brings both where they belong before the next step.
 //
 // The rows of a single domain lie in the memory of the worker that searches them. Several domains
-// lie in the rank's own memory, and workers get copies.
+// lie in the rank's own memory, where workers search one after the other, or get copies.
 #ifndef CLUSTER_OWNED_H
 #define CLUSTER_OWNED_H
 
@@ -38,6 +38,17 @@ typedef struct domain {
     uint32_t first_new, n_new;
 } domain;
 
+// Returns where objects lie deeper in a domain than that.
+static inline reach domain_inside(const domain *d, double depth)
+{
+    reach inside = d->box;
+    for (int k = 0; k < 3; ++k) {
+        inside.lower[k] += 1.01 * depth;
+        inside.upper[k] -= 1.01 * depth;
+    }
+    return inside;
+}
+
 // Each state includes those before it. Of all ranks at once, but for the last one, which a rank
 // that has no memory lacks until it tries again.
 typedef enum placement {
@@ -50,7 +61,8 @@ typedef struct owned {
     object_form form;
     object_rows rows;
     placement placement;
-    worker *holder; // whose memory rows.objects is; NULL: their own
+    worker *holder;         // whose memory rows.objects is; NULL: their own
+    worker *const *lockers; // [2] that have locked rows; NULL: nobody has
     uint32_t n_domains;
     uint32_t most_domains; // of any rank
     domain *domains;       // [n_domains]

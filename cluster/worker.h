@@ -35,6 +35,12 @@ struct worker {
     // `from` on, 0 at first, and returns up to which object they are there.
     bool (*skim)(worker *w, const float inside_lower[3], const float inside_upper[3]);
     uint32_t (*await_skim)(worker *w, uint32_t from, const skim_block **blocks);
+    // Searches n objects of the caller's instead, where they lie, until others are mapped or bound.
+    // From the next begin on they stay as they are until they are searched.
+    void (*bind)(worker *w, const void *objects, uint32_t n);
+    // The caller's memory is read often, and stays where it is until other memory is named, or none,
+    // of 0 bytes. NULL: that changes nothing.
+    void (*lock)(worker *w, const void *memory, size_t bytes);
     // Space for n objects, of which the first `kept` stay; the others are to be written.
     void *(*extend)(worker *w, uint32_t n, uint32_t kept, duet_error *err);
     // Of the objects that were mapped and written, the order in which they are best kept:

@@ -19,6 +19,7 @@ static void *map(worker *w, uint32_t n, duet_error *err)
         p->objects = objects;
         p->capacity = most;
     }
+    p->bound = NULL;
     p->n = n;
     return p->objects;
 }
@@ -32,6 +33,13 @@ static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
 {
     (void)kept;
     return map(w, n, err);
+}
+
+static void bind(worker *w, const void *objects, uint32_t n)
+{
+    worker_host *p = (worker_host *)w;
+    p->bound = objects;
+    p->n = n;
 }
 
 static void move(worker *w)
@@ -76,6 +84,7 @@ void *worker_host_open(size_t bytes, const char *name, const duet_world_def *def
                        .map = map,
                        .begin = begin,
                        .extend = extend,
+                       .bind = bind,
                        .move = move,
                        .set_level = set_level,
                        .set_plan = set_plan,

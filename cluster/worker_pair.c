@@ -24,6 +24,19 @@ static void begin(worker *w, uint32_t n, const global_ids *ids)
     world_send_ahead(((worker_pair *)w)->world, n, ids);
 }
 
+static void lock(worker *w, const void *memory, size_t bytes)
+{
+    worker_pair *p = (worker_pair *)w;
+    host_lock_take(&p->locked, p->world->def.pair->devices, 2, memory, bytes);
+}
+
+static void bind(worker *w, const void *objects, uint32_t n)
+{
+    worker_pair *p = (worker_pair *)w;
+    world_stop_ahead(p->world);
+    world_lend_objects(p->world, objects, n);
+}
+
 static bool skim_objects(worker *w, const float inside_lower[3], const float inside_upper[3])
 {
     return world_skim(((worker_pair *)w)->world, inside_lower, inside_upper);
@@ -163,6 +176,7 @@ static bool load_profile(worker *w, const char *path, duet_profile *profile, due
 
 static void close_pair(worker *w)
 {
+    host_lock_release(&((worker_pair *)w)->locked);
     duet_world_destroy(((worker_pair *)w)->world);
     free(((worker_pair *)w)->fits);
     free(w);
@@ -189,6 +203,8 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
     own.keep_bad = true; // so that it is the cluster that names a bad object
     p->base = (worker){.map = map,
                        .begin = begin,
+                       .bind = bind,
+                       .lock = lock,
                        .skim = skim_objects,
                        .await_skim = await_skim,
                        .extend = extend,

@@ -4,6 +4,7 @@
 #define CLUSTER_WORKER_PAIR_H
 
 #include "cluster/worker.h"
+#include "runtime/opencl/buffer.h"
 
 typedef struct worker_pair {
     worker base;
@@ -14,6 +15,7 @@ typedef struct worker_pair {
     uint32_t bytes; // of an object
     char name[132];
     const global_ids *ids; // for the next find, or NULL
+    host_lock locked;
 } worker_pair;
 
 #endif
