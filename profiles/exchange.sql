@@ -237,7 +237,7 @@ INSERT INTO profile (uid, pair_id, workload_id, kernels, objective, level, share
        own (there) AS (SELECT count(*) FROM place JOIN profile USING (pair_id, workload_id)
                         WHERE profile.live = 1 AND objective = ?1 ->> 'objective'
                           AND kernels = ?1 ->> 'kernels' AND level = ?1 ->> 'level'),
-       unfounded (yes) AS (SELECT ?1 ->> 'verdict' = 'ambiguous')
+       untrusted (yes) AS (SELECT ?1 ->> 'verdict' = 'ambiguous')
 SELECT ?1 ->> 'uid', place.pair_id, place.workload_id, ?1 ->> 'kernels', ?1 ->> 'objective',
        ?1 ->> 'level', ?1 ->> 'share', ?1 ->> 'mode', ?1 ->> 'variant_a', ?1 ->> 'variant_b',
        ?1 ->> 'median_ns', ?1 ->> 'low_ns', ?1 ->> 'high_ns', ?1 ->> 'gain', ?1 ->> 'gain_low',
@@ -246,10 +246,10 @@ SELECT ?1 ->> 'uid', place.pair_id, place.workload_id, ?1 ->> 'kernels', ?1 ->> 
        ?1 ->> 'terms', ?1 ->> 'rounds', ?1 ->> 'whole_ns', ?1 ->> 'whole_gain',
        ?1 ->> 'whole_gain_low', ?1 ->> 'whole_gain_high',
        ?1 ->> 'origin', ?1 ->> 'session', ?1 ->> 'trial', ?1 ->> 'created_ns',
-       iif(own.there OR unfounded.yes, 0, ?1 ->> 'live'),
+       iif(own.there OR untrusted.yes, 0, ?1 ->> 'live'),
        iif(NOT ?1 ->> 'live', ?1 ->> 'dead_reason',
-           iif(unfounded.yes, 'too few rounds for a verdict',
+           iif(untrusted.yes, 'too few rounds for a verdict',
                iif(own.there, 'the store had one of its own', ?1 ->> 'dead_reason'))),
        coalesce(?1 ->> 'watched', 0), coalesce(?1 ->> 'disturbed', 0)
-  FROM place, own, unfounded WHERE true
+  FROM place, own, untrusted WHERE true
     ON CONFLICT DO NOTHING

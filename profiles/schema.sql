@@ -157,8 +157,8 @@ CREATE TABLE sample (
   PRIMARY KEY (trial_id, number)
 ) STRICT, WITHOUT ROWID;
 
--- What an application loads. Rows that were replaced, or are not founded well
--- enough to be loaded, stay, dead, with the reason.
+-- What an application loads. Rows that were replaced, or have too little evidence
+-- to be loaded, stay, dead, with the reason.
 CREATE TABLE profile (
   id          INTEGER PRIMARY KEY,
   uid         TEXT NOT NULL UNIQUE,      -- random, the same in every store

@@ -34,14 +34,12 @@ typedef struct profile_env {
     const char *limits;  // clock lock, power cap, affinity, governor; NULL: none known
 } profile_env;
 
-#define PROFILE_SECOND "second" // ends the part of B where the pair is alike
+#define PROFILE_SECOND "second" // ends the part of B if nothing else tells B from A
 
 // Ordered: A takes the share, B the rest. One device alone is a pair of itself.
 typedef struct profile_pair {
     profile_env a;
     profile_env b;
-    bool alike; // two devices that nothing but b.part tells apart. Stores of earlier versions
-                // have them as A twice, as they have A alone
 } profile_pair;
 
 // The sha256 of the canonical fields; a seat leaves out the versions.
