@@ -121,7 +121,7 @@ static bool classify_on_device(job *j)
     const reach inside = deep_inside(o, &o->domains[0]);
     float lower[3], upper[3];
     skim_box(&inside, lower, upper);
-    if (!w || !w->skim || o->rows.n == 0 || o->placement != PLACED_BY_DOMAIN ||
+    if (!w || o->rows.n == 0 || o->placement != PLACED_BY_DOMAIN ||
         !w->skim(w, lower, upper))
         return false;
     for (uint32_t from = 0, to; from < o->rows.n; from = to) {

@@ -85,6 +85,8 @@ static inline int cluster_workers(const duet_cluster *c)
     return c->owned.n_domains > 1 ? 2 : 1;
 }
 
+// Returns whether this rank's devices leave the host's processors to others.
+bool cluster_spares_host(const duet_cluster *c);
 // Tells the workers if the objects lie elsewhere than before.
 void cluster_follow(duet_cluster *c);
 worker *cluster_open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err);

@@ -10,7 +10,7 @@ enum { WEIGHINGS = 2 }; // the time of a step is no straight line
 static void read_plans(const duet_cluster *c, duet_plan plans[2])
 {
     for (int i = 0; i < cluster_workers(c); ++i)
-        plans[i] = c->workers[i]->plan ? c->workers[i]->plan(c->workers[i]) : c->def.world.plan;
+        plans[i] = c->workers[i]->plan(c->workers[i]);
 }
 
 static bool give_plans(duet_cluster *c, const duet_plan plans[2], duet_error *err)

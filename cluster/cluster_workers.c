@@ -2,6 +2,8 @@
 // The workers that search for a rank: one, or two.
 #include "cluster/cluster.h"
 
+#include "runtime/opencl/device_pair.h"
+
 #include <math.h>
 
 void cluster_close_workers(worker *workers[2])
@@ -35,6 +37,14 @@ bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, wo
     return ok;
 }
 
+bool cluster_spares_host(const duet_cluster *c)
+{
+    const duet_device_pair *pair = c->owned.pair;
+    uint32_t share = c->workers[0]->plan(c->workers[0]).share;
+    return pair && !(share > 0 && pair->devices[0].info.host_memory) &&
+           !(share < DUET_SHARE_ONE && pair->devices[1].info.host_memory);
+}
+
 // Whether they did so far that a new grid pays: by a quarter of the width that they take, on any
 // side.
 static bool have_moved(const duet_cluster *c)
@@ -56,7 +66,7 @@ void cluster_follow(duet_cluster *c)
         return;
     for (int i = 0; i < 2; ++i)
         if (c->workers[i])
-            c->workers[i]->move(c->workers[i]);
+            c->workers[i]->forget_grids(c->workers[i]);
     c->fitted = c->owned.around;
     c->n_placed = c->owned.n_placed;
 }

@@ -2,6 +2,7 @@
 #include "cluster/owned.h"
 
 #include "base/error.h"
+#include "runtime/opencl/device_pair.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -47,20 +48,21 @@ void owned_forget_domains(owned *o)
             (domain){.box = reach_none, .first = o->rows.n, .first_new = o->rows.n};
 }
 
-static void lock_rows(owned *o, worker *const workers[2])
+// Devices read several domains where they lie.
+static void lock_rows(owned *o)
 {
-    o->lockers = workers[0]->lock ? workers : NULL;
-    if (!o->lockers)
+    if (o->n_domains == 1 || !o->pair)
         return;
-    workers[0]->lock(workers[0], o->rows.objects, o->rows.capacity * o->form.bytes);
-    workers[1]->lock(workers[1], o->rows.ids, o->rows.capacity * sizeof *o->rows.ids);
+    const device *devices = o->pair->devices;
+    host_lock_take(&o->locks[0], devices, 2, o->rows.objects, o->rows.capacity * o->form.bytes);
+    host_lock_take(&o->locks[1], devices, 2, o->rows.ids,
+                   o->rows.capacity * sizeof *o->rows.ids);
 }
 
 static void unlock_rows(owned *o)
 {
-    for (int i = 0; o->lockers && i < 2; ++i)
-        o->lockers[i]->lock(o->lockers[i], NULL, 0);
-    o->lockers = NULL;
+    for (int i = 0; i < 2; ++i)
+        host_lock_release(&o->locks[i]);
 }
 
 static void release(owned *o)
@@ -141,7 +143,7 @@ static bool reserve_ids(owned *o, uint64_t n, duet_error *err)
     if (o->rows.ids && n <= o->rows.capacity)
         return true;
     uint64_t capacity = n + n / 16;
-    worker *const *lockers = o->lockers;
+    bool was_locked = o->locks[0].mem;
     unlock_rows(o);
     uint64_t *ids = realloc(o->rows.ids, (capacity + 1) * sizeof *ids);
     o->rows.ids = ids ? ids : o->rows.ids;
@@ -152,8 +154,8 @@ static bool reserve_ids(owned *o, uint64_t n, duet_error *err)
     if (!ids || (!o->holder && !objects))
         return no_memory(n, err);
     o->rows.capacity = capacity;
-    if (lockers)
-        lock_rows(o, lockers);
+    if (was_locked)
+        lock_rows(o);
     return true;
 }
 
@@ -493,7 +495,7 @@ static void put_in_order(void *context, uint32_t part, uint64_t first, uint64_t 
 static bool order_domain(owned *o, const domain *d, worker *w, duet_error *err)
 {
     reordering r = {.o = o, .first = d->first};
-    if (!w->order || d->n == 0)
+    if (d->n == 0)
         return true;
     r.copy.ids = malloc(d->n * sizeof *r.copy.ids);
     r.order = malloc(d->n * sizeof *r.order);
@@ -548,7 +550,7 @@ bool owned_place(owned *o, const reach *box, worker *const workers[2], duet_erro
     }
     for (uint32_t d = 0; ok && !o->holder && d < o->n_domains; ++d) {
         worker *w = workers[d % 2];
-        ok = (!w->turn_to || w->turn_to(w, d, err)) && order_domain(o, &o->domains[d], w, err);
+        ok = w->use_grid(w, d, err) && order_domain(o, &o->domains[d], w, err);
     }
     if (ok && o->n_domains == 1 && !o->holder)
         ok = move_in(o, workers[0], err);
@@ -557,8 +559,8 @@ bool owned_place(owned *o, const reach *box, worker *const workers[2], duet_erro
         o->domains[0].box = *box;
         return false;
     }
-    if (o->n_domains > 1 && !o->lockers)
-        lock_rows(o, workers);
+    if (!o->locks[0].mem)
+        lock_rows(o);
     o->placement = PLACED_BY_DOMAIN;
     ++o->n_placed;
     o->unevenness = 1;

@@ -21,6 +21,7 @@
 #include "cluster/partition.h"
 #include "cluster/row_list.h"
 #include "cluster/worker.h"
+#include "runtime/opencl/buffer.h"
 
 // Boxes around the objects of each level and of all finer ones.
 typedef struct level_boxes {
@@ -61,8 +62,9 @@ typedef struct owned {
     object_form form;
     object_rows rows;
     placement placement;
-    worker *holder;         // whose memory rows.objects is; NULL: their own
-    worker *const *lockers; // [2] that have locked rows; NULL: nobody has
+    worker *holder;               // whose memory rows.objects is; NULL: their own
+    const duet_device_pair *pair; // that reads it; NULL: none
+    host_lock locks[2];           // of several domains' objects and ids
     uint32_t n_domains;
     uint32_t most_domains; // of any rank
     domain *domains;       // [n_domains]

@@ -240,7 +240,7 @@ void search_set_send(search_set *s, worker *w, bool counts)
     s->told = ids_of(s);
     w->bind(w, s->rows.objects, s->rows.n);
     if (!is_empty(s))
-        w->begin(w, s->rows.n, counts && w->tell_ids ? &s->told : NULL);
+        w->begin(w, s->rows.n, counts ? &s->told : NULL);
 }
 
 bool search_set_find(search_set *s, worker *w, bool counts, worker_found *found, duet_error *err)
@@ -249,9 +249,8 @@ bool search_set_find(search_set *s, worker *w, bool counts, worker_found *found,
     if (is_empty(s))
         return true;
     s->told = ids_of(s);
-    if (counts && s->kind != SET_BOUNDARY && w->tell_ids)
-        w->tell_ids(w, &s->told);
-    return w->find(w, found, err) && check_found(s, found, err);
+    bool tells = counts && s->kind != SET_BOUNDARY;
+    return w->find(w, tells ? &s->told : NULL, found, err) && check_found(s, found, err);
 }
 
 // The object with the lesser key is its owner's. Two ghosts are others'.

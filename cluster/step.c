@@ -63,9 +63,8 @@ static bool count(duet_cluster *c, int i, duet_error *err)
 static bool can_overlap(const duet_cluster *c)
 {
     const owned *o = &c->owned;
-    const worker *w = c->workers[0];
     return o->n_domains == 1 && c->ranks.n > 1 && c->threads.n > 1 && !c->is_cold && o->holder &&
-           w->tell_ids && w->spares_host && w->spares_host(w) && o->boundary.n < o->rows.n / 4;
+           cluster_spares_host(c) && o->boundary.n < o->rows.n / 4;
 }
 
 // The second worker; without it there is one search, of objects and ghosts.
@@ -127,14 +126,14 @@ static bool search_overlapped(duet_cluster *c, bool ok, duet_error *err)
 static bool copy_domain(duet_cluster *c, int i, uint32_t d, duet_error *err)
 {
     worker *w = c->workers[i];
-    return (!w->turn_to || w->turn_to(w, d, err)) &&
+    return w->use_grid(w, d, err) &&
            search_set_copy_domain(&c->sets[i], &c->owned, &c->ghosts, &c->ranks, d, w, err);
 }
 
 static bool send_domain(duet_cluster *c, int i, uint32_t d, duet_error *err)
 {
     worker *w = c->workers[i];
-    if ((w->turn_to && !w->turn_to(w, d, err)) ||
+    if (!w->use_grid(w, d, err) ||
         !search_set_inner(&c->sets[i], &c->owned, &c->ranks, d, err))
         return false;
     search_set_send(&c->sets[i], w, !c->own.lists);
@@ -163,7 +162,7 @@ static bool search_each(duet_cluster *c, fill_set *fill, duet_error *err)
 static bool search_between(duet_cluster *c, duet_error *err)
 {
     worker *w = c->workers[0];
-    if ((w->turn_to && !w->turn_to(w, c->owned.n_domains, err)) ||
+    if (!w->use_grid(w, c->owned.n_domains, err) ||
         !search_set_copy_boundary(&c->sets[0], &c->owned, &c->ghosts, &c->ranks, w, err))
         return false;
     begin_search(c, 0, NULL);
@@ -329,8 +328,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
     if (was_cold)
         begin_cold(c);
-    parallel_be_keen(&c->threads,
-                     c->workers[0]->spares_host && c->workers[0]->spares_host(c->workers[0]));
+    parallel_be_keen(&c->threads, cluster_spares_host(c));
     ok = begin_settled(c, __func__, true, ok, &settled, &own) && find(c, settled, &t, &own);
     if (!ok) {
         end_search(&c->searches[0], NULL);

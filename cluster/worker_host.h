@@ -11,6 +11,7 @@ typedef struct worker_host {
     worker base;
     object_form form;
     duet_level level;
+    duet_plan plan; // which changes nothing
     void *objects;
     const void *bound; // what is searched instead; else NULL
     uint32_t n;

@@ -892,12 +892,12 @@ static void homes_go_on_after_one_rank_had_no_memory(void)
     MPI_Comm_free(&comm);
 }
 
-static bool (*find_in_truth)(worker *, worker_found *, duet_error *);
+static bool (*find_in_truth)(worker *, const global_ids *, worker_found *, duet_error *);
 static int finds_left;
 
-static bool find_some_times(worker *w, worker_found *found, duet_error *err)
+static bool find_some_times(worker *w, const global_ids *ids, worker_found *found, duet_error *err)
 {
-    return finds_left-- > 0 ? find_in_truth(w, found, err)
+    return finds_left-- > 0 ? find_in_truth(w, ids, found, err)
                             : error_set(err, DUET_STATUS_DEVICE_FAILED, "not in this test");
 }
 
@@ -977,7 +977,7 @@ static void grids_follow_objects_that_travel(void)
     if (comm == MPI_COMM_NULL)
         return;
     duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
-    cluster->workers[0]->move = count_move;
+    cluster->workers[0]->forget_grids = count_move;
     hand_over(cluster, &c, 0, 1);
     step(cluster);
     int before = n_moves;
@@ -1031,7 +1031,7 @@ static void parts_stay_while_they_are_even(void)
         for (uint32_t i = 0; i < n; ++i)
             own[i] = c.poses[ids[i]];
         for (int i = 0; i < 2; ++i)
-            cluster->workers[i]->move = count_move;
+            cluster->workers[i]->forget_grids = count_move;
         must_find(cluster, &c);
         MUST(at == 0 || (cluster->owned.n_placed > n_placed) == crowds, "parts are cut where uneven");
         MUST(at == 0 || (n_moves == before + 2) == crowds, "and both workers know of it");
@@ -1115,7 +1115,7 @@ static void ranks_are_weighed_by_their_stored_times(void)
 
 // Of three ranks the first takes three times as long for each of its objects: it gets fewer, once
 // that has cost more than a cut, and pairs stay as they are.
-static bool (*find_pairs)(worker *w, worker_found *found, duet_error *err);
+static bool (*find_pairs)(worker *w, const global_ids *ids, worker_found *found, duet_error *err);
 static uint64_t told_ns;
 
 // Nothing takes time but finding pairs.
@@ -1124,10 +1124,10 @@ static uint64_t tell_ns(void)
     return told_ns;
 }
 
-static bool find_slowly(worker *w, worker_found *found, duet_error *err)
+static bool find_slowly(worker *w, const global_ids *ids, worker_found *found, duet_error *err)
 {
     told_ns += (rank == 0 ? 30 : 10) * 1000 * (uint64_t)owned_count(&asked->owned);
-    return find_pairs(w, found, err);
+    return find_pairs(w, ids, found, err);
 }
 
 static void ranks_that_prove_slow_get_fewer_objects(void)
@@ -1810,12 +1810,13 @@ static duet_bounds some_bounds(uint64_t id, rng *r)
 static void rows_come_to_their_domains(void)
 {
     static const reach all = {{-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}};
-    static worker in_any_order;
-    worker *const workers[2] = {&in_any_order, &in_any_order};
     rng r = rng_seed(16);
     parallel team;
     duet_error err = {0};
-    MUST_OK(parallel_begin(&team, 3, 1, &err), err);
+    duet_world_def def = duet_default_world_def();
+    def.shape = DUET_SHAPE_BOUNDS;
+    worker *w = worker_open_plain(&def, &err), *const workers[2] = {w, w};
+    MUST_OK(w && parallel_begin(&team, 3, 1, &err), err);
     for (int round = 0; round < 300; ++round) {
         owned o;
         object_rows rows;
@@ -1855,6 +1856,7 @@ static void rows_come_to_their_domains(void)
         }
         owned_end(&o);
     }
+    w->close(w);
     parallel_end(&team);
 }
 
