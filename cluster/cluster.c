@@ -47,7 +47,7 @@ void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *
     c->def.world = *world;
     c->owned.form = object_form_of(world);
     c->owned.pair = c->def.plain ? NULL : world->pair;
-    c->fitted = (reach){0};
+    c->fitted = (extent){0};
     c->state = STATE_CHANGED;
     c->is_cold = true;
 }
@@ -61,7 +61,7 @@ static bool open_pair(duet_cluster *c, duet_error *err)
     return c->own_pair;
 }
 
-// Where a device leaves the processors to others, one thread waits for it and one does the rest.
+// If devices leave the processors to others, one thread waits for them and one does the rest.
 static bool begin_threads(duet_cluster *c, duet_error *err)
 {
     uint32_t least = cluster_spares_host(c) ? 2 : 1;
@@ -157,7 +157,7 @@ void cluster_take(duet_cluster *c, object_rows *rows)
 {
     owned_take(&c->owned, rows);
     own_pairs_end(&c->own);
-    c->fitted = (reach){0};
+    c->fitted = (extent){0};
     c->state = STATE_CHANGED;
 }
 
@@ -196,7 +196,7 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
 
 // ---------------------------------------------------------------- results
 
-// What the workers found of a single domain is still there.
+// Lists the pairs of a single domain, which its workers still have.
 static bool list_found(duet_cluster *c, duet_error *err)
 {
     set_search *s = c->searches;

@@ -9,8 +9,8 @@
 #include "cluster/migrate.h"
 #include "cluster/own_pairs.h"
 
-// How far the objects are from being searched. Each state includes those before it; mapping, setting
-// or loading objects goes back to the first.
+// How far the objects are from being searched. Each state includes those before it; mapping,
+// setting or loading objects goes back to the first.
 //
 //   CHANGED --settle--> SETTLED --search--> FOUND --list--> LISTED
 //      ^                   |                  |               |
@@ -22,7 +22,7 @@ typedef enum cluster_state {
     STATE_LISTED,  // own lists them
 } cluster_state;
 
-// In which sets the objects are searched. Chosen anew when they are settled.
+// The sets in which objects are searched. Chosen anew when objects are settled.
 typedef enum cluster_search {
     SEARCH_WHOLE,      // sets[0], a single domain with its ghosts
     SEARCH_OVERLAPPED, // sets[0] without ghosts while these travel, and then its boundary, sets[1]
@@ -57,7 +57,7 @@ struct duet_cluster {
     cluster_state state;
     cluster_search search;
     own_pairs own;
-    reach fitted;      // around the objects, when workers were last told that they moved
+    extent fitted;     // around the objects, when workers were last told that they moved
     uint64_t n_placed; // of the owned objects then
     bool is_stopped;   // a rank was asked to stop before the last step ended, which is known to all
     bool is_cold;      // kernels may have to be built

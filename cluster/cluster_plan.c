@@ -91,13 +91,11 @@ static void load_profiles(duet_cluster *c, const char *path, duet_profile *profi
         c->workers[i]->load_profile(c->workers[i], path, profile, store_failed);
 }
 
-// By the times that the store knows for what each rank has now.
+// Weighs ranks by the times that the store knows for the objects that each has now.
 static bool weigh_ranks(duet_cluster *c, const duet_profile *profile)
 {
     double speed =
-        profile->step_ms > 0
-            ? owned_count(&c->owned) / (c->owned.n_domains * profile->step_ms)
-            : 0;
+        profile->step_ms > 0 ? owned_count(&c->owned) / (c->owned.n_domains * profile->step_ms) : 0;
     if (c->def.weight > 0 || c->ranks.n == 1 || !partition_weigh(&c->partition, &c->ranks, speed))
         return false;
     c->migration.unevenness = 0;

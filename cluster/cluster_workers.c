@@ -18,10 +18,9 @@ void cluster_close_workers(worker *workers[2])
 worker *cluster_open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err)
 {
     const simulation *s = c->ranks.simulation;
-    return s && s->object_seconds > 0
-               ? worker_open_simulated(world, s, err)
-           : c->def.plain ? worker_open_plain(world, err)
-                          : worker_open_pair(world, err);
+    return s && s->object_seconds > 0 ? worker_open_simulated(world, s, err)
+           : c->def.plain             ? worker_open_plain(world, err)
+                                      : worker_open_pair(world, err);
 }
 
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
@@ -49,7 +48,7 @@ bool cluster_spares_host(const duet_cluster *c)
 // side.
 static bool have_moved(const duet_cluster *c)
 {
-    const reach *now = &c->owned.around;
+    const extent *now = &c->owned.around;
     bool moved = false;
     for (int k = 0; k < 3; ++k) {
         double far = 0.25 * (c->fitted.upper[k] - c->fitted.lower[k]);

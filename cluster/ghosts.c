@@ -35,7 +35,7 @@ typedef struct search {
     bool failed[PARALLEL_MOST];
 } search;
 
-static const reach *all_of(const ghosts *g, uint32_t place)
+static const extent *all_of(const ghosts *g, uint32_t place)
 {
     return &g->boxes[place].upto[LEVELS - 1];
 }
@@ -50,7 +50,7 @@ static bool list_neighbours(search *s)
         for (uint32_t q = 0; q < n_places; ++q) {
             bool is_own = q - s->first_place < s->o->most_domains;
             if (q == s->first_place + d || (is_own && !s->within) ||
-                !reaches_meet(all_of(s->g, q), all_of(s->g, s->first_place + d)))
+                !extents_meet(all_of(s->g, q), all_of(s->g, s->first_place + d)))
                 continue;
             if (at == capacity) {
                 capacity = 2 * capacity + 16;
@@ -66,14 +66,14 @@ static bool list_neighbours(search *s)
     return s->first;
 }
 
-// No reach is longer than `widest`; most objects are farther than that from all neighbours.
+// No extent is longer than `widest`; most objects are farther than that from all neighbours.
 static bool is_near(const search *s, uint32_t d, const double centre[3])
 {
     double far = s->o->widest;
-    const reach around = {{centre[0] - far, centre[1] - far, centre[2] - far},
-                          {centre[0] + far, centre[1] + far, centre[2] + far}};
+    const extent around = {{centre[0] - far, centre[1] - far, centre[2] - far},
+                           {centre[0] + far, centre[1] + far, centre[2] + far}};
     for (uint64_t k = s->first[d]; k < s->first[d + 1]; ++k)
-        if (reaches_meet(all_of(s->g, s->neighbours[k]), &around))
+        if (extents_meet(all_of(s->g, s->neighbours[k]), &around))
             return true;
     return false;
 }
@@ -97,12 +97,12 @@ static void search_part(void *context, uint32_t part, uint64_t first, uint64_t e
         object_centre(&o->form, object, centre);
         if (!is_near(s, d, centre))
             continue;
-        reach e = reach_of(&o->form, object);
-        int own_level = level_of(reach_widest(&e), o->widest);
+        extent e = extent_of(&o->form, object);
+        int own_level = level_of(extent_widest(&e), o->widest);
         for (uint64_t k = s->first[d]; k < s->first[d + 1]; ++k) {
             uint32_t to = s->neighbours[k];
             int level = owners_upto(own_level, from, to);
-            if (level < 0 || !reaches_meet(&s->g->boxes[to].upto[level], &e))
+            if (level < 0 || !extents_meet(&s->g->boxes[to].upto[level], &e))
                 continue;
             failed |= !add_visit(&found, (visit){row, from, to});
             ++counts[to / o->most_domains];
@@ -207,7 +207,7 @@ static uint64_t id_of(const ghosts *g, uint64_t i)
     return id;
 }
 
-// What goes to several domains of a rank comes in messages that follow each other.
+// A ghost that goes to several domains of a rank comes in messages that follow each other.
 static void list_once(ghosts *g, uint32_t n_domains)
 {
     uint64_t n = 0;

@@ -77,8 +77,8 @@ typedef struct writing {
 
 static uint32_t key_of(const search_set *s, const void *object, uint32_t place)
 {
-    reach e = reach_of(&s->owned->form, object);
-    return owner_key(level_of(reach_widest(&e), s->owned->widest), place, s->n_places);
+    extent e = extent_of(&s->owned->form, object);
+    return owner_key(level_of(extent_widest(&e), s->owned->widest), place, s->n_places);
 }
 
 static void write_some(void *context, uint32_t part, uint64_t first, uint64_t end)
@@ -107,13 +107,19 @@ static bool write_ghosts(search_set *s, const ghosts *g, uint32_t d, duet_error 
     return true;
 }
 
+static bool is_empty(const search_set *s)
+{
+    return s->n_own == s->leavers.n ||
+           (s->kind == SET_BOUNDARY && !s->labels && search_set_ghosts(s) == 0);
+}
+
 // ---------------------------------------------------------------- sets
 
 // Makes the own rows n that lie behind each other from `first` on.
 static void take_rows(search_set *s, const owned *o, uint32_t first, uint32_t n)
 {
-    s->rows = (object_rows){.ids = o->rows.ids + first,
-                            .objects = object_row(&o->rows, &o->form, first)};
+    s->rows =
+        (object_rows){.ids = o->rows.ids + first, .objects = object_row(&o->rows, &o->form, first)};
     s->rows.n = s->n_own = n;
 }
 
@@ -201,7 +207,11 @@ bool search_set_copy_boundary(search_set *s, const owned *o, const ghosts *g, co
             return false;
     }
     parallel_each(o->threads, o->boundary.n, copy_boundary, s);
-    return write_ghosts(s, g, 0, err);
+    if (!write_ghosts(s, g, 0, err))
+        return false;
+    if (!is_empty(s))
+        w->begin(w, s->rows.n, NULL);
+    return true;
 }
 
 // ---------------------------------------------------------------- searching
@@ -227,12 +237,6 @@ static bool check_found(const search_set *s, const worker_found *found, duet_err
            error_set(err, DUET_STATUS_BAD_OBJECT,
                      "object %llu is not a number, infinite, negative or without rotation",
                      (unsigned long long)s->rows.ids[found->first_bad]);
-}
-
-static bool is_empty(const search_set *s)
-{
-    return s->n_own == s->leavers.n ||
-           (s->kind == SET_BOUNDARY && !s->labels && search_set_ghosts(s) == 0);
 }
 
 void search_set_send(search_set *s, worker *w, bool counts)

@@ -16,9 +16,9 @@ typedef enum set_kind { SET_WHOLE, SET_INNER, SET_BOUNDARY } set_kind;
 typedef struct search_set {
     set_kind kind;
     const owned *owned;
-    object_rows rows; // whose objects are the worker's memory
-    uint32_t n_own;   // the first n_own rows; the others are ghosts
-    uint32_t *keys;   // [n of ghosts]
+    object_rows rows;   // whose objects are the worker's memory
+    uint32_t n_own;     // the first n_own rows; the others are ghosts
+    uint32_t *keys;     // [n of ghosts]
     uint8_t *is_leaver; // a bit for each of the own rows; only if there are leavers
     row_list leavers;   // ascending
     uint64_t *ids;      // [ids_capacity] of copies
@@ -64,9 +64,8 @@ static inline bool search_set_owns(const search_set *s, duet_pair pair)
     if (s->leavers.n > 0 && ((s->is_leaver[pair.a / 8] >> pair.a % 8 & 1) ||
                              (s->is_leaver[pair.b / 8] >> pair.b % 8 & 1)))
         return false;
-    return s->kind != SET_BOUNDARY ||
-           (s->labels && (s->labels[pair.a] != s->labels[pair.b] ||
-                          (s->labels[pair.a] & LABEL_NEW)));
+    return s->kind != SET_BOUNDARY || (s->labels && (s->labels[pair.a] != s->labels[pair.b] ||
+                                                     (s->labels[pair.a] & LABEL_NEW)));
 }
 
 #endif

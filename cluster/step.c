@@ -86,11 +86,11 @@ static bool has_thin_boundary(const duet_cluster *c)
     bool thin = o->boundary.n < o->rows.n / 4;
     for (uint32_t d = 0; thin && d < o->n_domains; ++d) {
         const domain *at = &o->domains[d];
-        const reach inside = domain_inside(at, o->widest);
+        const extent inside = domain_inside(at, o->widest);
         for (uint32_t row = at->first_new; thin && row < at->first_new + at->n_new; ++row) {
             double centre[3];
             object_centre(&o->form, object_row(&o->rows, &o->form, row), centre);
-            thin = !reach_has(&inside, centre);
+            thin = !extent_holds(&inside, centre);
         }
     }
     return thin;
@@ -133,8 +133,7 @@ static bool copy_domain(duet_cluster *c, int i, uint32_t d, duet_error *err)
 static bool send_domain(duet_cluster *c, int i, uint32_t d, duet_error *err)
 {
     worker *w = c->workers[i];
-    if (!w->use_grid(w, d, err) ||
-        !search_set_inner(&c->sets[i], &c->owned, &c->ranks, d, err))
+    if (!w->use_grid(w, d, err) || !search_set_inner(&c->sets[i], &c->owned, &c->ranks, d, err))
         return false;
     search_set_send(&c->sets[i], w, !c->own.lists);
     return true;
@@ -151,8 +150,7 @@ static bool search_each(duet_cluster *c, fill_set *fill, duet_error *err)
     for (uint32_t d = 0; ok && d < n; ++d) {
         int now = (int)(d % 2);
         begin_search(c, now, beside);
-        ok = (d == 0 || count(c, 1 - now, err)) &&
-             (d + 1 == n || fill(c, 1 - now, d + 1, err));
+        ok = (d == 0 || count(c, 1 - now, err)) && (d + 1 == n || fill(c, 1 - now, d + 1, err));
         ok = end_search(&c->searches[now], ok ? err : NULL) && ok;
     }
     return ok && count(c, (int)((n - 1) % 2), err);

@@ -10,7 +10,7 @@
 
 typedef struct worker worker;
 
-// What was found, by places in the objects' array, a < b. The worker's until it finds again.
+// Pairs that were found, by places in the objects' array, a < b. The worker's until it finds again.
 typedef struct worker_found {
     duet_span spans[2];
     uint64_t n_counted; // pairs that are in no span,

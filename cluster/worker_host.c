@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-// As many as there were have their memory: that cannot fail.
+// Cannot fail for as many objects as there were.
 static void *map(worker *w, uint32_t n, duet_error *err)
 {
     worker_host *p = (worker_host *)w;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What workers without devices share: their objects lie in plain memory, and plans and profiles,
+// Workers without devices share this: their objects lie in plain memory, and plans and profiles,
 // which are of devices, change nothing.
 #ifndef CLUSTER_WORKER_HOST_H
 #define CLUSTER_WORKER_HOST_H

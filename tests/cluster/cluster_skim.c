@@ -30,7 +30,7 @@ static void open_devices(void)
 
 // ---------------------------------------------------------------- one device
 
-static const reach inside = {{-2.5, -2.25, -3}, {2.5, 3.1, 2.7}};
+static const extent inside = {{-2.5, -2.25, -3}, {2.5, 3.1, 2.7}};
 
 // Few of them are any number that there is.
 static float some_number(rng *r, double likely)
@@ -72,13 +72,13 @@ static void must_be_deep(const object_form *form, const float *row, const skim_b
     skim all = skim_none;
     skim_add_block(&all, block);
     object_centre(form, row, at);
-    reach e = reach_of(form, row);
+    extent e = extent_of(form, row);
     MUST(object_is_sound(form, row), "sound");
     for (uint32_t k = 0; k < form->dims; ++k)
         MUST(is_between(inside.lower[k], at[k], inside.upper[k]) && at[k] >= all.centres.lower[k] &&
                  at[k] <= all.centres.upper[k],
              "inside");
-    MUST(reach_widest(&e) <= skim_widest(&all, form), "no wider than is said");
+    MUST(extent_widest(&e) <= skim_widest(&all, form), "no wider than is said");
 }
 
 // Whether float must see that it is deep inside: the host does, bounds are inside as a whole, and
@@ -288,7 +288,8 @@ static void must_find_again(duet_cluster *c, const duet_cluster_result *first)
             MUST_OK(duet_cluster_set_plan(c, &c->def.world.plan, &err), err);
         MUST_OK(duet_cluster_step(c, &again, &err), err);
         MUST(again.hash == first->hash && again.pairs == first->pairs, "they are found again");
-        MUST((c->search == SEARCH_OVERLAPPED) == (was_apart && i == 0), "by two searches where that holds");
+        MUST((c->search == SEARCH_OVERLAPPED) == (was_apart && i == 0),
+             "by two searches where that holds");
     }
 }
 
@@ -313,7 +314,8 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
             else
                 MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
         }
-        MUST(!is_quiet(at) || (n_skims == 1 && b->objects.n_chunks > 1), "a look is enough, in chunks");
+        MUST(!is_quiet(at) || (n_skims == 1 && b->objects.n_chunks > 1),
+             "a look is enough, in chunks");
         left += clusters[0]->owned.leavers.n;
         b->least_chunk = 1;
         timed += !b->times.untimed;
@@ -358,8 +360,7 @@ static void homes_leave_in_the_order_of_their_rows(MPI_Comm *comm, uint64_t seed
         worker_of(c)->world->parts[1].least_chunk = 1;
         for (uint32_t i = 1; i < l->n; ++i)
             MUST(l->rows[i - 1] < l->rows[i], "ascending");
-        MUST(at < 3 || (l->n > 100 && worker_of(c)->world->parts[1].skimmed.done[1]),
-             "some left");
+        MUST(at < 3 || (l->n > 100 && worker_of(c)->world->parts[1].skimmed.done[1]), "some left");
         move_homes(c, move, at);
     }
     duet_cluster_destroy(c);
@@ -428,7 +429,8 @@ static void spoil(duet_cluster *clusters[2])
              err.text);
 }
 
-// Whether pairs are listed or only counted, and also if objects leap, swell or are bad for a moment.
+// Whether pairs are listed or only counted, and also if objects leap, swell or are bad for a
+// moment.
 static void parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
 {
     enum { PARTS = 5 };
