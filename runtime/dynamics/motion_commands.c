@@ -52,16 +52,6 @@ void motion_forget_recording(duet_motion *m)
 
 // ---------------------------------------------------------------- ids
 
-uint64_t motion_id_at(const duet_motion *m, uint32_t place)
-{
-    return m->commands ? (uint64_t)m->commands->generations[place] << 32 | place : place;
-}
-
-bool motion_has_place(const duet_motion *m, uint32_t place)
-{
-    return !m->commands || m->commands->states[place] >= PLACE_DISABLED;
-}
-
 bool duet_motion_has_body(const duet_motion *m, uint64_t id)
 {
     uint32_t place = (uint32_t)id;

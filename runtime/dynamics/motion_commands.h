@@ -50,8 +50,15 @@ void motion_stop(duet_motion *m, uint32_t place);
 
 // A place's id, which is its number and 2^32 times how many bodies had it before; whether it has a
 // body, enabled or not.
-uint64_t motion_id_at(const duet_motion *m, uint32_t place);
-bool motion_has_place(const duet_motion *m, uint32_t place);
+static inline uint64_t motion_id_at(const duet_motion *m, uint32_t place)
+{
+    return m->commands ? (uint64_t)m->commands->generations[place] << 32 | place : place;
+}
+
+static inline bool motion_has_place(const duet_motion *m, uint32_t place)
+{
+    return !m->commands || m->commands->states[place] >= PLACE_DISABLED;
+}
 
 // BAD_ARGUMENT if the motion lacks an effect that a call needs; if any are missing that `who`
 // needs.
