@@ -385,7 +385,7 @@ static void a_card_s_arguments_become_parameters(void **state)
     assert_non_null(strstr(made, "#define ARG_FIELDS \\\n    __global float4 *x; \\\n"
                                  "    volatile __global uint *counters; \\\n"
                                  "    __global const double4 *centres; \\\n    double h; \\\n"
-                                 "    __constant grid_level *levels;\n"));
+                                 "    __constant const grid_level *levels;\n"));
 }
 
 // ------------------------------------------------------- what is broken

@@ -145,7 +145,7 @@ static void templates_have_the_expected_text(void **state)
             check(g, gen_kernel(g, i));
             ++checked;
         }
-    assert_true(checked > 10);
+    assert_true(checked >= 2);
     gen_close(g);
 }
 
