@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bytes of strangers, from files, drivers and stores, made fit to be shown: no control character
+// Makes untrusted bytes, from files, drivers and stores, fit to be shown: no control character
 // reaches a terminal, and nothing that is not UTF-8 a file that promises it.
 #ifndef BASE_VISIBLE_H
 #define BASE_VISIBLE_H

@@ -47,6 +47,7 @@ typedef struct grid_wish {
     bool uniform; // one level, whatever the sizes
     bool dense;   // never hashed
     bool hashed;  // always hashed
+    bool by_gpus; // only GPUs search it
 } grid_wish;
 
 // The grid for these objects. Dense unless so many objects would share cells

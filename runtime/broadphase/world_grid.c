@@ -71,6 +71,9 @@ static grid_wish wish_of(const duet_world *world)
     grid_wish wish = world->wish;
     wish.has_world = def->has_world;
     wish.edge = def->cell;
+    wish.by_gpus = true;
+    for (int side = 0; side < 2; ++side)
+        wish.by_gpus &= world->parts[side].device->info.kind == DUET_KIND_GPU;
     for (int k = 0; k < 3; ++k) {
         wish.lower[k] = def->lower[k];
         wish.upper[k] = def->upper[k];

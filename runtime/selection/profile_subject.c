@@ -190,8 +190,7 @@ static void tell_apart(profile_pair *pair, char b_part[PROFILE_PART])
     char a[PROFILE_SHA], b[PROFILE_SHA];
     profile_env_key(&pair->a, a);
     profile_env_key(&pair->b, b);
-    pair->alike = strcmp(a, b) == 0;
-    if (!pair->alike)
+    if (strcmp(a, b) != 0)
         return;
     size_t length = pair->b.part ? strlen(b_part) : 0;
     snprintf(b_part + length, PROFILE_PART - length, "%s%s", length ? " " : "", PROFILE_SECOND);
