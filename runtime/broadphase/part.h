@@ -21,18 +21,30 @@ typedef enum grid_role {
     GRID_RECEIVED // built by the other part
 } grid_role;
 
-// What a part does in a step. Every combination of role, kind of selection and pairs is legal,
-// but that a list or ranges need slabs, and slabs GRID_OWN.
+// What a part does in a step. Lists and ranges need slabs, and slabs GRID_OWN; all other
+// combinations of the selection, the role, the pairs and the ids are legal (test_views).
 typedef struct part_task {
     const duet_world_def *def; // with the mode that the grid suits
     grid_objects objects;      // all of the world's; once the view is updated, as many as it has
     const grid *grid;
     grid_role role;
+    struct part *other;    // the other device's part
     part_range range;      // of the grid
     selection wanted;      // of the objects
-    bool keeps_pairs;      // the pairs stay on the device
+    compaction *lists;     // that find a wanted LIST
     const global_ids *ids; // pairs of objects that have one stay there, and are counted; or NULL
+    bool keeps_pairs;      // the pairs stay on the device
 } part_task;
+
+// How far a part is. CROWDED: its list or its grid had no space for its objects, so that nothing
+// was found. FAILED: nothing is known of the device.
+typedef enum part_state {
+    PART_BEGUN,
+    PART_HAS_GRID,
+    PART_DONE,
+    PART_CROWDED,
+    PART_FAILED
+} part_state;
 
 typedef struct part_kernels {
     kernel *clear;
@@ -70,10 +82,10 @@ enum { PART_CHOICES = 27, PART_OFFERS = PART_CHOICES + VARIANT_SETTINGS + 1 };
 typedef struct part_args {
     cl_uint n, n_levels, n_cells;
     cl_uint n_hashed;
-    cl_uint key_from, key_home_to, key_to, key_end;
+    cl_uint key_end;
     cl_uint n_home_cells, n_own_cells;
     cl_uint n_counters, n_counts;
-    cl_uint first, last;
+    cl_uint last;
     cl_uint found_capacity, candidate_capacity, pair_capacity, undecided_capacity;
     cl_uint row_words, n_ids; // gathered
     cl_uint n_homes, n_id_changes, left_capacity;
@@ -108,6 +120,7 @@ typedef struct part_counted {
 typedef struct part {
     const device *device;
     const device *devices; // the device pair, for host memory
+    int side;              // of the pair
     gen *gen;
     program_set *programs;
     gen_limits limits; // the device's
@@ -120,6 +133,10 @@ typedef struct part {
     scan scan;
     radix_sort radix;
     timeline times;
+
+    part_task task;   // of the step
+    part_state state; // in the step
+    duet_error err;   // if it failed
 
     device_view objects;
     device_view sizes;      // if the objects are transforms
@@ -169,8 +186,8 @@ typedef struct part {
 bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err);
 void part_close(part *p);
 
-// Generates and builds what the variant needs for such a task, unless that is what the part has.
-bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err);
+// Generates and builds what the variant needs for the task, unless that is what the part has.
+bool part_prepare(part *p, const variant *asked, duet_error *err);
 
 // Whether the part was prepared for that variant, and since then not told to forget its kernels.
 bool part_has_kernels(const part *p, const variant *asked);
@@ -209,23 +226,21 @@ void part_drop_prefetch(part *p);
 void part_begin(part *p, uint64_t step);
 
 // Makes the views of the objects, their sizes, the grid's levels and the ids equal to what the task
-// wants, a LIST from slab `side` of `lists`. task->objects.n becomes the number of objects to read.
-// *placed is false if the list had no space for its objects: count the rows again.
-bool part_update_views(part *p, part_task *task, compaction *lists, int side, bool *placed,
-                       duet_error *err);
+// wants. task.objects.n becomes the number of objects to read.
+bool part_update_views(part *p, duet_error *err);
 
 // Builds the task's range of the grid from the objects.
-bool part_build_grid(part *p, const part_task *task, duet_error *err);
+bool part_build_grid(part *p, duet_error *err);
 
 // Gives the grid that `from` built to `to` (the paper, section 4.1): the sender brings it to the
 // host, the receiver takes it and makes what it lacks.
-bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err);
-bool part_receive_grid(part *to, part *from, const part_task *task, duet_error *err);
+bool part_send_grid(part *from, part *to, duet_error *err);
+bool part_receive_grid(part *to, part *from, duet_error *err);
 
 // Finds the pairs of the range's objects, of the grid that was built or received last, with those
-// that come after them in cell order, and brings them to the host. *placed is false if the grid
-// had more objects than space; there is more space afterwards, and the grid must be built again.
-bool part_search(part *p, const part_task *task, bool *placed, duet_error *err);
+// that come after them in cell order, and brings them to the host. After CROWDED there is more
+// space, and the grid must be built again.
+bool part_search(part *p, duet_error *err);
 
 // Adds what was counted on the device to the part's span, which then has all pairs of the last
 // step.
