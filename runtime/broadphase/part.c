@@ -168,12 +168,7 @@ void part_begin(part *p, uint64_t step)
 {
     part_drop_prefetch(p);
     timeline_begin_step(&p->times, p->device, step);
-    p->span = (duet_span){0};
-    p->counted = (part_counted){0};
-    p->n_candidates = p->n_undecided = 0;
-    p->runs = 0;
-    p->wall_ms = 0.0;
-    p->found = (part_found){.first_bad = UINT32_MAX};
+    p->result = (part_result){.found.first_bad = UINT32_MAX};
 }
 
 block_requests part_requests(const part *p)

@@ -117,32 +117,58 @@ typedef struct part_counted {
     uint64_t left; // others, which come to the host
 } part_counted;
 
+// What a step found, and what it took.
+typedef struct part_result {
+    part_found found; // by what was read last of the counters
+    part_counted counted;
+    duet_span span; // without pairs if they stay on the device
+    uint64_t n_candidates, n_undecided;
+    uint32_t runs; // searches, more than one if a buffer had to grow
+    double wall_ms;
+} part_result;
+
+// Invariants:
+// 1. The kernels are those of `variant` and `choices`; without candidates there are none.
+// 2. What lies on the device of the world's arrays is what the views say. All else in its memory is
+//    made anew in each step, but for zero_words and pairs_early.
+// 3. `result` is that of the last step that part_begin began.
 typedef struct part {
     const device *device;
     const device *devices; // the device pair, for host memory
     int side;              // of the pair
-    gen *gen;
-    program_set *programs;
-    gen_limits limits; // the device's
-    variant variant;
-    part_choice choices[PART_CHOICES];
-    gen_offer offers[PART_OFFERS]; // the choices, and what the variant sets
-    uint32_t n_offers;
-    part_kernels kernels;
-    part_args args;
     scan scan;
     radix_sort radix;
     timeline times;
+    uint64_t bytes; // held on the device once the last step was over
 
-    part_task task;   // of the step
-    part_state state; // in the step
-    duet_error err;   // if it failed
+    struct { // the kernels
+        gen *gen;
+        program_set *programs;
+        gen_limits limits; // the device's
+        variant variant;
+        part_choice choices[PART_CHOICES];
+        gen_offer offers[PART_OFFERS]; // the choices, and what the variant sets
+        uint32_t n_offers;
+        part_kernels kernels;
+        part_args args;
+    };
 
-    device_view objects;
-    device_view sizes;      // if the objects are transforms
-    device_view levels;     // the grid's
-    device_view global_ids; // of 64 bits
-    uint32_t least_chunk;   // objects
+    struct { // the step
+        part_task task;
+        part_state state;
+        duet_error err; // if it failed
+        part_result result;
+    };
+
+    struct { // the world's arrays on the device
+        device_view objects;
+        device_view sizes;      // if the objects are transforms
+        device_view levels;     // the grid's
+        device_view global_ids; // of 64 bits
+        uint32_t least_chunk;   // objects
+        buffer id_changes;
+        host_block changes; // on their way there
+    };
     struct {
         buffer blocks;                  // kernels/grid/skim.h, of objects that were prefetched
         host_block seen;                // the same on the host
@@ -153,34 +179,29 @@ typedef struct part {
         host_block seen; // on the host, if the device has memory of its own
         cl_uint epoch;   // of the last step
     } requests;
-    buffer keys, ids;             // of the objects; in cell order once sorted
-    buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
-    buffer counts;                // objects a cell, until the scan makes starts of them
-    uint32_t zero_words;          // of the next step's counters and these that are zero; 0: unknown
-    buffer edges;                 // first own cell of each work-item that counts
-    buffer starts;                // first of each cell
-    buffer bounds;                // [n][2], by id or in cell order; simd: by columns
-    buffer boxes;                 // [n][3], in cell order; simd: rows of numbers
-    cl_uint place_capacity;       // objects that have a place in both
-    buffer candidates, pairs, undecided;
-    buffer gathered; // objects of the undecided pairs
-    buffer counters;
-    buffer next_counters; // the next step's
-    buffer id_changes;
-    host_block changes; // on their way there
-    buffer pair_counts, left;
-    part_counted counted;
 
-    part_found found;     // by what was read last of the counters
-    host_block fetched;   // pairs on the host, if the device has memory of its own
-    uint64_t pairs_early; // of them, that are read before their number is known
-    host_block early;     // what is read with them
-    host_block sent;      // grid on its way to the other part
-    duet_span span;
-    uint64_t n_candidates, n_undecided;
-    uint32_t runs;  // searches, more than one where a buffer had to grow
-    uint64_t bytes; // held on the device once the last job was over
-    double wall_ms;
+    struct {                          // the grid
+        buffer keys, ids;             // of the objects; in cell order once sorted
+        buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
+        buffer counts;                // objects a cell, until the scan makes starts of them
+        buffer counters, next_counters; // of this step, and of the next
+        uint32_t zero_words;    // of next_counters and then counts that are zero; 0: unknown
+        buffer edges;           // first own cell of each work-item that counts
+        buffer starts;          // first of each cell
+        buffer bounds;          // [n][2], by id or in cell order; simd: by columns
+        buffer boxes;           // [n][3], in cell order; simd: rows of numbers
+        cl_uint place_capacity; // objects that have a place in both
+        host_block sent;        // on its way to the other part
+    };
+
+    struct { // the pairs
+        buffer candidates, pairs, undecided;
+        buffer gathered; // objects of the undecided pairs
+        buffer pair_counts, left;
+        host_block fetched;   // on the host, if the device has memory of its own
+        uint64_t pairs_early; // of them, that are read before their number is known
+        host_block early;     // what is read with them
+    };
 } part;
 
 bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err);

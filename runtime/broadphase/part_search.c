@@ -31,7 +31,7 @@ static bool read_counters(part *p, duet_error *err)
     uint32_t counts[COUNTERS];
     bool ok = timeline_read(&p->times, "fetch pairs", &p->counters, counts, sizeof counts, err);
     if (ok)
-        p->found = part_found_of(counts);
+        p->result.found = part_found_of(counts);
     return ok;
 }
 
@@ -104,11 +104,11 @@ static bool everything_fits(part *p, bool *fits, duet_error *err)
         uint64_t found;
         const char *what;
     } lists[] = {
-        {&p->candidates, p->found.candidates, "pairs whose bounds overlap"},
-        {&p->undecided, p->found.undecided, "undecided pairs"},
-        {&p->left, p->counted.left, "pairs"},
+        {&p->candidates, p->result.found.candidates, "pairs whose bounds overlap"},
+        {&p->undecided, p->result.found.undecided, "undecided pairs"},
+        {&p->left, p->result.counted.left, "pairs"},
         // undecided pairs may join the pairs
-        {&p->pairs, p->found.pairs + p->found.undecided, "pairs"},
+        {&p->pairs, p->result.found.pairs + p->result.found.undecided, "pairs"},
     };
     *fits = true;
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; ++i) {
@@ -147,7 +147,7 @@ static buffer *pairs_to_fetch(part *p)
 
 static uint64_t count_to_fetch(const part *p)
 {
-    return p->task.ids ? p->counted.left : p->found.pairs;
+    return p->task.ids ? p->result.counted.left : p->result.found.pairs;
 }
 
 // The counters come first: the host goes on with them while the pairs travel.
@@ -191,7 +191,7 @@ static bool see_found(part *p, duet_error *err)
     const buffer *const found[] = {&p->requests.words, &p->undecided, &p->pairs, &p->counters};
     bool ok = timeline_see(&p->times, "fetch pairs", found, sizeof found / sizeof found[0], err);
     if (ok)
-        p->found = part_found_of(p->counters.host);
+        p->result.found = part_found_of(p->counters.host);
     return ok;
 }
 
@@ -209,10 +209,10 @@ static bool read_found(part *p, duet_error *err)
         return false;
     const early_read *read = p->early.bytes;
     const uint32_t *counts = read->pair_counts;
-    p->found = part_found_of(read->counters);
+    p->result.found = part_found_of(read->counters);
     if (p->task.ids)
-        p->counted = (part_counted){wide(counts + COUNT_COUNTED), wide(counts + COUNTED_HASH),
-                                    wide(counts + COUNT_LEFT)};
+        p->result.counted = (part_counted){wide(counts + COUNT_COUNTED),
+                                           wide(counts + COUNTED_HASH), wide(counts + COUNT_LEFT)};
     return true;
 }
 
@@ -226,7 +226,7 @@ static bool test_listed(part *p, duet_error *err)
         return run_narrow(p, narrow_work(p, search_work(p)), err) && read_found(p, err);
     if (!read_found(p, err))
         return false;
-    uint64_t listed = p->found.candidates;
+    uint64_t listed = p->result.found.candidates;
     return listed == 0 || listed > capacity_of(&p->candidates) ||
            (run_narrow(p, listed, err) && read_found(p, err));
 }
@@ -234,14 +234,14 @@ static bool test_listed(part *p, duet_error *err)
 // The first search finds its counters as the step cleared them.
 static bool search_once(part *p, duet_error *err)
 {
-    return (p->runs++ == 0 ||
+    return (p->result.runs++ == 0 ||
             timeline_fill(&p->times, "clear", &p->counters, 0, 0, COUNT_BAD, err)) &&
            run_candidates(p, err) && test_listed(p, err);
 }
 
 static bool under_limit(const part *p, duet_error *err)
 {
-    uint64_t pairs = p->found.pairs;
+    uint64_t pairs = p->result.found.pairs;
     if (p->task.def->max_pairs && pairs > p->task.def->max_pairs)
         return error_set(err, DUET_STATUS_TOO_MANY, "%llu pairs on %s, and the world allows %llu",
                          (unsigned long long)pairs, p->device->info.selector,
@@ -267,7 +267,7 @@ static bool reserve_first(part *p, uint32_t objects, duet_error *err)
 
 static void note_placed(part *p)
 {
-    if (p->found.placed > p->task.range.expected)
+    if (p->result.found.placed > p->task.range.expected)
         p->state = PART_CROWDED;
 }
 
@@ -290,7 +290,7 @@ static bool check_placed(part *p, duet_error *err)
 // it grows by more than it must.
 static bool reserve_span(part *p, uint64_t n, duet_pair **pairs, duet_error *err)
 {
-    uint64_t most = n + p->found.undecided;
+    uint64_t most = n + p->result.found.undecided;
     size_t bytes = (size_t)most * sizeof(duet_pair);
     *pairs = p->pairs.host;
     if (*pairs)
@@ -319,10 +319,10 @@ static bool fetch_rest(part *p, buffer *from, duet_pair *pairs, uint64_t n, duet
 static bool fetch_open(part *p, const duet_pair **open, duet_pair *scratch, duet_error *err)
 {
     const early_read *n = p->early.bytes;
-    bool ahead = n && p->n_undecided <= OPEN_EARLY;
+    bool ahead = n && p->result.n_undecided <= OPEN_EARLY;
     *open = p->undecided.host ? p->undecided.host : ahead ? n->open : scratch;
     return *open != scratch || timeline_read(&p->times, "fetch pairs", &p->undecided, (void *)*open,
-                                             p->n_undecided * sizeof **open, err);
+                                             p->result.n_undecided * sizeof **open, err);
 }
 
 // What the host decides with: all objects, or where it does not see them those of the open
@@ -341,7 +341,7 @@ static void free_open_objects(open_objects *o)
 
 static bool gather(part *p, const duet_pair *open, open_objects *o, duet_error *err)
 {
-    size_t row = p->task.objects.row_bytes, n = 2 * (size_t)p->n_undecided;
+    size_t row = p->task.objects.row_bytes, n = 2 * (size_t)p->result.n_undecided;
     o->rows = malloc(n * row);
     o->sizes = malloc(n * sizeof *o->sizes);
     if (!o->rows || !o->sizes)
@@ -361,7 +361,7 @@ static bool gather(part *p, const duet_pair *open, open_objects *o, duet_error *
 static bool see_open_objects(part *p, const duet_pair *open, open_objects *o, duet_error *err)
 {
     *o = (open_objects){.objects = p->task.objects};
-    return p->task.objects.array || p->n_undecided == 0 || gather(p, open, o, err);
+    return p->task.objects.array || p->result.n_undecided == 0 || gather(p, open, o, err);
 }
 
 // Decides on the host what float left open. Returns how many of them collide,
@@ -370,13 +370,13 @@ static uint64_t decide(part *p, const open_objects *o, const duet_pair *open, du
 {
     uint64_t begun = clock_steady_ns();
     uint64_t n = 0;
-    for (uint64_t i = 0; i < p->n_undecided; ++i) {
+    for (uint64_t i = 0; i < p->result.n_undecided; ++i) {
         uint32_t first = o->rows ? 2 * (uint32_t)i : open[i].a;
         uint32_t second = o->rows ? first + 1 : open[i].b;
         if (grid_objects_collide(&o->objects, first, second))
             colliding[n++] = open[i];
     }
-    if (p->n_undecided > 0)
+    if (p->result.n_undecided > 0)
         timeline_add_host(&p->times, "decide", clock_ms_since(begun));
     return n;
 }
@@ -398,7 +398,7 @@ static bool fetch_and_decide(part *p, duet_pair *colliding, duet_error *err)
     ok = ok && timeline_finish(&p->times, err);
     if (ok && n_colliding > 0)
         memcpy(pairs + n, colliding, (size_t)n_colliding * sizeof *pairs);
-    p->span = ok ? (duet_span){pairs, n + n_colliding} : (duet_span){0};
+    p->result.span = ok ? (duet_span){pairs, n + n_colliding} : (duet_span){0};
     return ok;
 }
 
@@ -409,22 +409,23 @@ static bool keep_and_decide(part *p, duet_pair *colliding, duet_error *err)
     uint64_t n_colliding = 0;
     open_objects seen = {0};
     bool ok = timeline_read(&p->times, "fetch pairs", &p->undecided, colliding,
-                            p->n_undecided * sizeof *colliding, err) &&
+                            p->result.n_undecided * sizeof *colliding, err) &&
               see_open_objects(p, colliding, &seen, err);
     if (ok)
         n_colliding = decide(p, &seen, colliding, colliding);
     free_open_objects(&seen);
-    p->span.n = p->found.pairs + n_colliding;
+    p->result.span.n = p->result.found.pairs + n_colliding;
     return ok &&
-           timeline_write_at(&p->times, "send pairs", &p->pairs, p->found.pairs * sizeof *colliding,
-                             colliding, (size_t)n_colliding * sizeof *colliding, err) &&
+           timeline_write_at(&p->times, "send pairs", &p->pairs,
+                             p->result.found.pairs * sizeof *colliding, colliding,
+                             (size_t)n_colliding * sizeof *colliding, err) &&
            timeline_finish(&p->times, err);
 }
 
 static bool fetch(part *p, duet_error *err)
 {
-    p->n_undecided = p->found.undecided;
-    size_t bytes = (size_t)p->n_undecided * sizeof(duet_pair);
+    p->result.n_undecided = p->result.found.undecided;
+    size_t bytes = (size_t)p->result.n_undecided * sizeof(duet_pair);
     duet_pair *colliding = malloc(bytes + 1);
     if (!colliding)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu bytes", bytes);
@@ -446,22 +447,25 @@ bool part_search(part *p, duet_error *err)
     }
     if (!ok || p->state == PART_CROWDED)
         return ok;
-    p->n_candidates = p->kernels.listed ? p->found.pairs : p->found.candidates + p->found.tested;
+    p->result.n_candidates = p->kernels.listed
+                                 ? p->result.found.pairs
+                                 : p->result.found.candidates + p->result.found.tested;
     return fetch(p, err);
 }
 
 // Those that the host decided stand at the span's end, and nowhere else.
 bool part_read_counted(part *p, duet_error *err)
 {
-    uint64_t n = p->found.pairs, n_decided = p->span.n - p->counted.left;
-    if (p->counted.n == 0)
+    uint64_t n = p->result.found.pairs, n_decided = p->result.span.n - p->result.counted.left;
+    if (p->result.counted.n == 0)
         return true;
     duet_pair *decided = malloc((size_t)n_decided * sizeof *decided + 1);
     if (!decided)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%llu pairs: no memory",
                          (unsigned long long)n_decided);
     if (n_decided > 0)
-        memcpy(decided, p->span.pairs + p->counted.left, (size_t)n_decided * sizeof *decided);
+        memcpy(decided, p->result.span.pairs + p->result.counted.left,
+               (size_t)n_decided * sizeof *decided);
     bool ok = host_block_reserve(&p->fetched, p->device, 1,
                                  (size_t)(n + n_decided) * sizeof *decided, err) &&
               timeline_read(&p->times, "fetch pairs", &p->pairs, p->fetched.bytes,
@@ -471,7 +475,7 @@ bool part_read_counted(part *p, duet_error *err)
     if (ok && n_decided > 0)
         memcpy(all + n, decided, (size_t)n_decided * sizeof *decided);
     free(decided);
-    p->span = ok ? (duet_span){all, n + n_decided} : (duet_span){0};
-    p->counted = (part_counted){0};
+    p->result.span = ok ? (duet_span){all, n + n_decided} : (duet_span){0};
+    p->result.counted = (part_counted){0};
     return ok;
 }

@@ -132,7 +132,7 @@ static void run_part(void *arg)
         compaction_cancel(p->task.lists);
     }
     p->bytes = part_bytes(p);
-    p->wall_ms += clock_ms_since(begun);
+    p->result.wall_ms += clock_ms_since(begun);
 }
 
 // Figure 11: B builds the grid and sends it; then both search.
@@ -140,7 +140,7 @@ static bool share_grid(part *a, part *b, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     bool ok = build_grid(b, err) && part_update_views(a, err) && part_send_grid(b, a, err);
-    b->wall_ms = clock_ms_since(begun);
+    b->result.wall_ms = clock_ms_since(begun);
     if (!ok) {
         part_invalidate(a);
         part_invalidate(b);
@@ -252,7 +252,8 @@ static bool find_all(duet_world *world, duet_error *err)
         bool found_all = false;
         if (!run_parts(world, &objects, &found_all, err))
             return false;
-        float widest = fmaxf(world->parts[0].found.widest, world->parts[1].found.widest);
+        float widest =
+            fmaxf(world->parts[0].result.found.widest, world->parts[1].result.found.widest);
         if (widest > 0.0f)
             world->fitted_n = 0;
         fits = found_all && !(widest > 0.0f);
@@ -323,16 +324,16 @@ bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *
     bool ok = duet_world_step(world, result, err);
     state->list = NULL;
     for (int side = 0; side < 2; ++side)
-        counted[side] = world->parts[side].counted;
+        counted[side] = world->parts[side].result.counted;
     return ok;
 }
 
-bool world_bring_counted(duet_world *world, duet_span spans[2], duet_error *err)
+bool world_read_counted(duet_world *world, duet_span spans[2], duet_error *err)
 {
     bool ok = true;
     for (int side = 0; ok && side < 2; ++side) {
         ok = part_read_counted(&world->parts[side], err);
-        spans[side] = world->parts[side].span;
+        spans[side] = world->parts[side].result.span;
     }
     return ok;
 }
@@ -349,7 +350,7 @@ static bool can_prefetch(const duet_world *world, int side)
            (side == 0 ? share > 0 : share < DUET_SHARE_ONE);
 }
 
-void world_send_ahead(duet_world *world, uint32_t n, const global_ids *ids)
+void world_prefetch(duet_world *world, uint32_t n, const global_ids *ids)
 {
     const bool borrowed = world->rows != world->objects.bytes;
     const size_t row = world_kind_bytes(world->kind);
@@ -388,7 +389,7 @@ uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **b
     return part_await_skim(skimmer(world), from, blocks);
 }
 
-void world_stop_ahead(duet_world *world)
+void world_cancel_prefetch(duet_world *world)
 {
     for (int side = 0; side < 2; ++side)
         if (is_prefetched(&world->parts[side]))

@@ -77,7 +77,7 @@ static void set_copy(duet_world *world, rng *r, int s)
 static void borrow(duet_world *world, rng *r, int s)
 {
     (void)r;
-    world_lend_objects(world, rows_of(world, s), sets[s].n);
+    world_borrow_objects(world, rows_of(world, s), sets[s].n);
 }
 
 static uint32_t n_prefetched, n_listed, n_in_ranges;
@@ -92,11 +92,11 @@ static void prefetch(duet_world *world, rng *r, int s)
     to = to ? duet_world_map_objects(world, world->kind, first, &err) : NULL;
     assert_ok(to != NULL, err);
     memcpy(to, rows_of(world, s), first * row);
-    world_send_ahead(world, first, NULL);
+    world_prefetch(world, first, NULL);
     for (int side = 0; side < 2; ++side)
         n_prefetched += view_is_prefetched(&world->parts[side].objects, world->objects_generation);
     if (rng_below(r, 4) == 0)
-        world_stop_ahead(world);
+        world_cancel_prefetch(world);
     assert_null(world_extend_objects(world, world->kind, 3 * MOST));
     assert_ptr_equal(world_extend_objects(world, world->kind, n), to);
     memcpy(to + first * row, (const char *)rows_of(world, s) + first * row, (n - first) * row);
