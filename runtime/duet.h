@@ -45,7 +45,7 @@
 
 DUET_C_BEGIN
 
-DUET_API const char *duet_version(void); // "1.0.0"
+DUET_API const char *duet_version(void); // "0.9.0"
 
 // Memory that a call says the caller frees. NULL does nothing.
 DUET_API void duet_free(void *memory);
