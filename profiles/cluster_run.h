@@ -18,7 +18,7 @@ typedef struct profile_cluster_run {
     double high_ns;
 } profile_cluster_run;
 
-// What a rank did in the last step.
+// A rank's work in the last step.
 typedef struct profile_cluster_rank {
     const char *devices; // "A,B", or one
     uint64_t n;
@@ -48,7 +48,7 @@ typedef struct cluster_run_entry {
 typedef bool cluster_run_visit(void *context, const cluster_run_entry *entry);
 typedef bool cluster_rank_visit(void *context, uint32_t rank, const profile_cluster_rank *row);
 
-// Those whose uid begins so, NULL for all, by time; ends early where a visit gives false.
+// Visits the runs whose uid begins so, NULL for all, by time; ends early if a visit returns false.
 bool cluster_run_each(store *s, const char *uid, cluster_run_visit *visit, void *context,
                       duet_error *err);
 bool cluster_rank_each(store *s, int64_t run_id, cluster_rank_visit *visit, void *context,

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The time of one device's part as a function of the workload's size, and what
-// those of two devices predict.
+// The time of one device's part as a function of the workload's size, and predictions for two
+// devices.
 //
 //     time = base + each * n + own * w + crowd * w * occupancy
 //
-// for a device that does w of n objects: what it costs to begin, what is done
-// for every object by each device, what is done for its own, and what grows
-// with how many share a cell. Where the measurements leave a term open, the
-// covariance says so, and predictions that depend on it come with a wide
-// interval.
+// A device does w of n objects: base is its fixed cost, each the cost of every object, own the cost
+// of its own objects, and crowd grows with the objects in a cell. If the measurements leave a term
+// open, the covariance says so, and predictions that depend on it have a wide interval.
 #ifndef PROFILES_FIT_H
 #define PROFILES_FIT_H
 
@@ -35,7 +33,7 @@ typedef struct fit {
 
 typedef struct fit_time {
     double ns;
-    double sd_ns; // of the prediction, noise of a measurement included
+    double sd_ns; // standard deviation of the prediction, with the noise of a measurement
 } fit_time;
 
 // Least squares of relative errors, without times that were disturbed;
@@ -49,8 +47,8 @@ bool fit_all(store *s, duet_error *err);
 
 // ---------------------------------------------------------------- forecasts
 
-// What the fits of two devices say about a workload that they never did
-// together, or not at that size.
+// A forecast from the fits of two devices for a workload that they never did together, or not at
+// that size.
 typedef struct forecast_ask {
     const char *env_a; // keys
     const char *env_b;
@@ -67,9 +65,9 @@ typedef struct forecast {
     double share;      // A's part where both end together, 0 to 1
     double share_sd;
     fit_time both; // at that share
-    double doubt;  // of it, relative, one standard deviation
+    double doubt;  // its relative standard deviation
     fit_time alone[2];
-    bool a_is_best; // of the two alone
+    bool a_is_best; // A alone is faster than B alone
     double n_min;   // sizes measured
     double n_max;
     uint32_t points;
