@@ -46,7 +46,7 @@ static void print_help(void)
         printf("  %-10s %s\n", commands[i].name, commands[i].about);
     printf("\n'duet SUBCOMMAND --help' lists its options.\n\n"
            "DUET_PAIR        devices without --pair, as --pair takes them\n"
-           "DUET_PROFILE     profile file\n"
+           "DUET_PROFILE     the profile file\n"
            "DUET_WAIT        seconds that a tuning waits for other programs, as with --wait\n"
            "DUET_KERNEL_DIR  folder to read kernels from, instead of the built-in ones\n"
            "DUET_CACHE       folder that keeps built kernels, or off\n\n"
