@@ -26,6 +26,16 @@ int64_t clock_calendar_ns(void)
     return read_ns(CLOCK_REALTIME);
 }
 
+uint64_t clock_process_ns(void)
+{
+    return (uint64_t)read_ns(CLOCK_PROCESS_CPUTIME_ID);
+}
+
+uint64_t clock_thread_ns(void)
+{
+    return (uint64_t)read_ns(CLOCK_THREAD_CPUTIME_ID);
+}
+
 void clock_sleep_ns(uint64_t ns)
 {
     struct timespec t = {.tv_sec = (time_t)(ns / 1000000000), .tv_nsec = (long)(ns % 1000000000)};

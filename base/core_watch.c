@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 // The system counts a core's time in hundredths of a second: a shorter window says too little.
@@ -141,18 +140,11 @@ static double read_busy_s(const cpu_set_t *cores)
     return ticks / (double)sysconf(_SC_CLK_TCK);
 }
 
-static uint64_t cpu_ns(clockid_t of)
-{
-    struct timespec t = {0};
-    clock_gettime(of, &t);
-    return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
-}
-
 static look look_now(const core_watch *w)
 {
     return (look){.at_ns = clock_steady_ns(),
                   .busy_s = read_busy_s(&w->cores),
-                  .own_s = (double)cpu_ns(CLOCK_PROCESS_CPUTIME_ID) * 1e-9};
+                  .own_s = (double)clock_process_ns() * 1e-9};
 }
 
 static double cores_between(const look *from, const look *to)
@@ -202,7 +194,7 @@ void core_watch_start(core_watch *w)
     look_at_others(w);
     if (!read_threads(&w->before))
         w->before.n = 0;
-    w->caller_ns = cpu_ns(CLOCK_THREAD_CPUTIME_ID);
+    w->caller_ns = clock_thread_ns();
     w->begun_ns = clock_steady_ns();
 }
 
@@ -219,7 +211,7 @@ core_use core_watch_stop(core_watch *w)
     uint64_t ns = clock_steady_ns() - w->begun_ns, busiest_ns = 0;
     uint32_t wanting = 0; // threads that wanted a core for long
     // The system's table is behind for a thread that runs, as this one does.
-    uint64_t caller_ns = cpu_ns(CLOCK_THREAD_CPUTIME_ID) - w->caller_ns;
+    uint64_t caller_ns = clock_thread_ns() - w->caller_ns;
     int caller = gettid();
     if (w->before.n == 0 || !read_threads(&w->after))
         return use;

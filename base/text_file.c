@@ -102,6 +102,20 @@ bool text_read_lines(text *t, const char *path, duet_error *err)
     return read_file(t, path, true, err);
 }
 
+bool text_check_magic(const text *t, const char magic[16], const char *path, duet_error *err)
+{
+    if (t->length >= 16 && memcmp(t->chars, magic, 16) == 0)
+        return true;
+    text shown = {0};
+    size_t most = t->length < 16 ? t->length : 16;
+    const char *end = most > 0 ? memchr(t->chars, '\n', most) : NULL;
+    text_add_visible(&shown, t->chars, end ? (size_t)(end - t->chars) : most, "");
+    error_set(err, DUET_STATUS_BAD_INPUT, "%s: begins with \"%s\"; expected \"%.*s\"", path,
+              text_chars(&shown), (int)strcspn(magic, "\n"), magic);
+    text_free(&shown);
+    return false;
+}
+
 bool text_write_file(const char *path, const char *bytes, size_t n, duet_error *err)
 {
     output o;

@@ -14,6 +14,10 @@ bool text_read_file(text *t, const char *path, duet_error *err);
 enum { TEXT_LINE_MOST = 1 << 24 };
 bool text_read_lines(text *t, const char *path, duet_error *err);
 
+// Whether a file of ours begins with these 16 bytes, which name its kind and version and end their
+// line. BAD_INPUT names the path, what it begins with and what is expected.
+bool text_check_magic(const text *t, const char magic[16], const char *path, duet_error *err);
+
 // Writes a whole file, by output.h: all of it is there or nothing changes.
 bool text_write_file(const char *path, const char *bytes, size_t n, duet_error *err);
 

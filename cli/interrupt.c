@@ -25,7 +25,7 @@ enum { LEAST_NS_APART = 200000000 };
 static _Atomic uint64_t asked_ns; // 0: not asked
 static _Atomic int asked_by;      // the signal
 static _Atomic bool insisted;     // a second time
-static _Atomic bool waits_for_person;
+static _Atomic bool is_interactive;
 static _Atomic bool at_once;
 static _Atomic bool told;
 static _Atomic bool told_waiting;
@@ -74,7 +74,7 @@ void interrupt_pass(bool passes)
 
 void interrupt_wait(void)
 {
-    atomic_store(&waits_for_person, true);
+    atomic_store(&is_interactive, true);
 }
 
 void interrupt_told(void)
@@ -164,10 +164,10 @@ static void look(void)
         output_remove_parts();
         _exit(EXIT_FAILED);
     }
-    bool waits = interrupt_age_ns() > WAITS_NS && atomic_load(&waits_for_person);
+    bool waits = interrupt_age_ns() > WAITS_NS && atomic_load(&is_interactive);
     if (waits && !atomic_exchange(&told_waiting, true))
         SAY("duet: stops once the call under way returns; Ctrl-C again ends the program\n");
-    bool deaf = interrupt_age_ns() > DEAF_NS && !atomic_load(&waits_for_person);
+    bool deaf = interrupt_age_ns() > DEAF_NS && !atomic_load(&is_interactive);
     if (!deaf && !atomic_load(&insisted))
         return;
     if (!atomic_load(&told))

@@ -27,7 +27,8 @@ enum { PAUSE_MS = 20, START_S = 60, LAST_SIGNAL = 31 };
 
 typedef struct job {
     const mpirun_job *what;
-    mpirun_says says;
+    bool begun;   // all ranks are there
+    bool stopped; // they have stopped, because one was asked to
     pid_t mpirun;
     int err_pipe;      // its stderr; -1: closed
     int status;        // that waitpid tells
@@ -60,8 +61,12 @@ static const char *const variables[][2] = {
     {"PRTE_MCA_oob_tcp_keepalive_probes", "2"},
 };
 
-static void prepare(void)
+static void prepare(const mpirun_job *what)
 {
+    if (!what->verbose) { // of Open MPI 4 and 5
+        setenv("OMPI_MCA_orte_execute_quiet", "1", 0);
+        setenv("PRTE_MCA_prte_execute_quiet", "1", 0);
+    }
     for (size_t i = 0; i < sizeof variables / sizeof *variables; ++i)
         setenv(variables[i][0], variables[i][1], 0);
     setenv(MPIRUN_STARTED, isatty(STDERR_FILENO) ? "terminal" : "pipe", 1);
@@ -96,25 +101,21 @@ static bool spawn(job *j, duet_error *err)
                                   code == ENOENT ? "; on Debian: apt install openmpi-bin" : "");
 }
 
-static void show(text *lines)
-{
-    if (lines->length > 0)
-        fwrite(lines->chars, 1, lines->length, stderr);
-    text_free(lines);
-}
-
-// Whether there was something within that time.
+// Passes on what mpirun and the ranks write. Returns whether there was something within `wait_ms`.
 static bool relay(job *j, int wait_ms)
 {
     char bytes[4096];
-    text lines = {0};
     struct pollfd from = {.fd = j->err_pipe, .events = POLLIN};
     if (poll(&from, 1, wait_ms) <= 0)
         return false;
-    ssize_t n = read(j->err_pipe, bytes, sizeof bytes);
-    if (n > 0)
-        mpirun_hear(&j->says, bytes, (size_t)n, &lines);
-    show(&lines);
+    ssize_t n = read(j->err_pipe, bytes, sizeof bytes), passed = 0;
+    for (ssize_t i = 0; i < n; ++i) {
+        j->begun |= bytes[i] == MPIRUN_BEGUN;
+        j->stopped |= bytes[i] == MPIRUN_STOPPED;
+        if (bytes[i] != MPIRUN_BEGUN && bytes[i] != MPIRUN_STOPPED)
+            bytes[passed++] = bytes[i];
+    }
+    fwrite(bytes, 1, (size_t)passed, stderr);
     if (n == 0) {
         close(j->err_pipe);
         j->err_pipe = -1;
@@ -134,7 +135,7 @@ static void ask_to_stop(job *j)
 static void ask_to_end(job *j)
 {
     uint64_t now = clock_steady_ns();
-    bool late = (j->start_ns > 0 && !j->says.begun && now > j->start_ns) ||
+    bool late = (j->start_ns > 0 && !j->begun && now > j->start_ns) ||
                 (j->stop_ns > 0 && now - j->stop_ns > STOP_NS);
     if (j->asked_ns == 0 && late) {
         kill(j->mpirun, SIGTERM);
@@ -154,9 +155,6 @@ static bool wait_for(job *j)
     }
     while (relay(j, 0))
         continue;
-    text lines = {0};
-    mpirun_hear_end(&j->says, &lines);
-    show(&lines);
     return ended == j->mpirun;
 }
 
@@ -175,14 +173,11 @@ static void end_rest(void)
 
 // ---------------------------------------------------------------- how it ended
 
-static bool fail_by_signal(const mpirun_says *says, int number, duet_error *err)
+static bool fail_by_signal(const job *j, int number, duet_error *err)
 {
-    char which[300] = "a rank";
-    if (says->names_rank)
-        snprintf(which, sizeof which, "rank %lu on %s", says->rank, says->host);
     return error_set(err, DUET_STATUS_IO_FAILED,
-                     "%s was ended by signal %d (%s), and with it the job", which, number,
-                     strsignal(number));
+                     "a rank was ended by signal %d (%s), and with it the job%s", number,
+                     strsignal(number), j->what->verbose ? "" : "; with --verbose mpirun says which");
 }
 
 // Open MPI refuses root unless both say 1.
@@ -195,32 +190,21 @@ static bool is_refused_root(void)
 
 static bool fail_by_status(const job *j, int code, duet_error *err)
 {
-    const mpirun_says *says = &j->says;
-    if (*says->host)
-        return error_set(err, DUET_STATUS_IO_FAILED,
-                         "%s is out of reach, and with it the job has ended", says->host);
-    if (*says->peer)
-        return error_set(err, DUET_STATUS_IO_FAILED,
-                         "a rank on %s was lost, and with it the job has ended", says->peer);
-    if (!says->begun && code == EXIT_FAILED && is_refused_root())
+    if (!j->begun && code == EXIT_FAILED && is_refused_root())
         return error_set(err, DUET_STATUS_IO_FAILED,
                          "mpirun ended with status 1: as root set OMPI_ALLOW_RUN_AS_ROOT and "
                          "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM to 1");
-    if (!says->begun && *says->why)
-        return error_set(err, DUET_STATUS_IO_FAILED,
-                         "mpirun ended with status %d before all ranks had begun: %s", code,
-                         says->why);
-    return error_set(err, DUET_STATUS_IO_FAILED,
-                     "mpirun ended with status %d%s%s; with --verbose it says why", code,
-                     says->begun ? "" : " before all ranks had begun",
-                     j->what->hosts ? ", a machine may be out of reach" : "");
+    return error_set(err, DUET_STATUS_IO_FAILED, "mpirun ended with status %d%s%s%s", code,
+                     j->begun ? "" : " before all ranks had begun",
+                     j->what->hosts ? ", a machine may be out of reach" : "",
+                     j->what->verbose ? "" : "; with --verbose it says why");
 }
 
 static bool explain(const job *j, int *status, duet_error *err)
 {
     int code = WIFEXITED(j->status) ? WEXITSTATUS(j->status) : 0;
     *status = code == 0 ? EXIT_OK : code - MPIRUN_TOLD;
-    if (interrupt_asked() || j->says.stopped)
+    if (interrupt_asked() || j->stopped)
         return error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
     if (j->asked_ns > 0)
         return error_set(err, DUET_STATUS_IO_FAILED,
@@ -230,18 +214,18 @@ static bool explain(const job *j, int *status, duet_error *err)
     if (WIFSIGNALED(j->status))
         return error_set(err, DUET_STATUS_IO_FAILED, "mpirun was ended by signal %d (%s)",
                          WTERMSIG(j->status), strsignal(WTERMSIG(j->status)));
-    if (code > 128 && (j->says.names_rank || code <= 128 + LAST_SIGNAL))
-        return fail_by_signal(&j->says, code - 128, err);
+    if (code > 128 && code <= 128 + LAST_SIGNAL)
+        return fail_by_signal(j, code - 128, err);
     return *status == EXIT_OK || *status == EXIT_FAILED || *status == EXIT_WRONG ||
            fail_by_status(j, code, err);
 }
 
 bool mpirun_run(const mpirun_job *what, int *status, duet_error *err)
 {
-    job j = {.what = what, .says = {.passes_all = what->verbose}, .patience_s = patience_s()};
+    job j = {.what = what, .patience_s = patience_s()};
     if (what->hosts && j.patience_s > 0)
         j.start_ns = clock_steady_ns() + j.patience_s * 1000000000u;
-    prepare();
+    prepare(what);
     prctl(PR_SET_CHILD_SUBREAPER, 1);
     if (!spawn(&j, err))
         return false;

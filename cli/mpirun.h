@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: MIT
-// Ranks of a job that the program mpirun starts, of which a person sees what the ranks say and,
-// where they fail, one line.
+// Ranks of a job that the program mpirun starts. What mpirun and the ranks write to stderr passes
+// through, and one line follows if the job fails and no rank has said why.
 #ifndef CLI_MPIRUN_H
 #define CLI_MPIRUN_H
 
-#include "cli/mpirun_says.h"
+#include "duet_error.h"
 
 #include <signal.h>
+#include <stdbool.h>
 
 // Set for these ranks: they end with MPIRUN_TOLD more than their exit status, unless that is 0, so
 // that it is known that a line was told. "terminal": lines go to one, through a pipe.
 #define MPIRUN_STARTED "DUET_CLUSTER_STARTED"
 enum { MPIRUN_TOLD = 64 };
+
+// Bytes that rank 0 writes to stderr, which nobody sees: all ranks are there; and all have stopped,
+// because one was asked to. They then end as if all were well: mpirun is slow to end a job that
+// failed.
+enum { MPIRUN_BEGUN = 0x06, MPIRUN_STOPPED = 0x18 };
 
 // Asks a rank to stop where it is best. Open MPI's mpirun passes it on, and MPICH's does not: its
 // ranks then end with it, unless a terminal tells them, too.
@@ -21,7 +27,7 @@ typedef struct mpirun_job {
     char **argv;       // of mpirun, itself first, and NULL last
     const char *hosts; // machines that it is to reach; NULL: this one
     bool reads_stdin;  // which is else left to who called
-    bool verbose;      // MPI's own lines are shown, too
+    bool verbose;      // mpirun tells of ranks that fail, too
 } mpirun_job;
 
 // *status becomes the ranks' exit status; if it is not 0, a rank has printed why. False, with a

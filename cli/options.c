@@ -287,9 +287,10 @@ typedef struct given_options {
     bool at[OPTIONS_MOST];
 } given_options;
 
-static bool is_given(const command_line *line, const given_options *given, const char *name)
+static bool is_given(const command_line *line, const given_options *given, const char *name,
+                     size_t length)
 {
-    const option *o = find_name(line, name, strlen(name));
+    const option *o = find_name(line, name, length);
     return o && given->at[o - line->options];
 }
 
@@ -359,16 +360,19 @@ static bool check_places(const command_line *line, const void *args, char **oper
 
 static bool check_rules(const command_line *line, const given_options *given)
 {
-    for (const option_rule *r = line->rules; r && r->option; ++r) {
-        if (!is_given(line, given, r->option) ||
-            is_given(line, given, r->other) == (r->kind == OPTION_NEEDS))
-            continue;
-        say_wrong(line->name,
-                  r->kind == OPTION_NEEDS ? "--%s does nothing without --%s"
-                                          : "--%s and --%s do not go together",
-                  r->option, r->other);
-        return false;
-    }
+    for (const option_rule *r = line->rules; r && r->options; ++r)
+        for (const char *at = r->options; *at; at += strspn(at, " ")) {
+            size_t length = strcspn(at, " ");
+            if (is_given(line, given, at, length) &&
+                is_given(line, given, r->other, strlen(r->other)) != (r->kind == OPTION_NEEDS)) {
+                say_wrong(line->name,
+                          r->kind == OPTION_NEEDS ? "--%.*s does nothing without --%s"
+                                                  : "--%.*s and --%s do not go together",
+                          (int)length, at, r->other);
+                return false;
+            }
+            at += length;
+        }
     return true;
 }
 

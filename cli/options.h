@@ -64,9 +64,9 @@ typedef struct command_option { // getopt.h has an option too
 #define OPTION_NUMBER(name, member, as, about, from, to) \
     OPTION_ROW(name, KIND_NUMBER, member, as, about, from, to)
 
-// An option that does nothing without another one, or together with it.
+// Options that do nothing without another one, or together with it; "mode share" are two.
 typedef struct option_rule {
-    const char *option;
+    const char *options;
     enum { OPTION_NEEDS, OPTION_EXCLUDES } kind;
     const char *other;
 } option_rule;
@@ -79,7 +79,7 @@ typedef struct command_line {
     int most_operands;
     const char *about;        // one line of help, a sentence
     const option *options;    // ends with a row without name
-    const option_rule *rules; // ends with a row without option; NULL: none
+    const option_rule *rules; // ends with {0}; NULL: none
     bool rest_is_operands;    // what follows the first operand is passed on unread
     // What is wrong between options that are each right; NULL: nothing.
     const char *(*refuse)(const void *args, char **operands);

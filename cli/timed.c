@@ -12,6 +12,21 @@
 
 enum { STAGED_MOST = 15 };
 
+const char *timed_input_name(timed_input input)
+{
+    static const char *const names[] = {"host", "resident", "transforms", "compact"};
+    return names[input];
+}
+
+bool timed_input_named(const char *name, timed_input *input)
+{
+    int i = 0;
+    while (i < TIMED_INPUTS && strcmp(name, timed_input_name((timed_input)i)) != 0)
+        ++i;
+    *input = (timed_input)i;
+    return i < TIMED_INPUTS;
+}
+
 static bool keep_step(timed *t, const duet_result *result, duet_error *err)
 {
     timed_step *step = &t->steps[t->n + t->n_staged];
@@ -35,12 +50,12 @@ static int by_time(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static bool hand_over(duet_world *world, const duet_scene *scene, timed_sends sends,
+static bool hand_over(duet_world *world, const duet_scene *scene, timed_input input,
                       duet_error *err)
 {
-    if (sends == TIMED_SENDS_NOTHING)
+    if (input == TIMED_INPUT_RESIDENT)
         return true;
-    if (sends == TIMED_SENDS_TRANSFORMS)
+    if (input != TIMED_INPUT_HOST)
         return world_take_transforms(world, duet_scene_get_objects(scene, DUET_OBJECT_POSES),
                                      duet_scene_get_info(scene)->n, err);
     duet_object_kind kind = scene_kind(duet_scene_get_info(scene));
@@ -57,9 +72,9 @@ static bool check_hash(const timed *t, duet_error *err)
 
 // Counts the step as one of *n.
 static bool step(timed *t, uint32_t *n, duet_world *world, const duet_scene *scene,
-                 timed_sends sends, core_watch *cores, duet_error *err)
+                 timed_input input, core_watch *cores, duet_error *err)
 {
-    if (!hand_over(world, scene, sends, err))
+    if (!hand_over(world, scene, input, err))
         return false;
     core_watch_start(cores);
     if (!duet_world_step(world, &t->last, err) || !keep_step(t, &t->last, err))
@@ -70,7 +85,7 @@ static bool step(timed *t, uint32_t *n, duet_world *world, const duet_scene *sce
 }
 
 // Being timed by stages makes a GPU's step longer, so that is done apart.
-static bool step_staged(timed *t, duet_world *world, const duet_scene *scene, timed_sends sends,
+static bool step_staged(timed *t, duet_world *world, const duet_scene *scene, timed_input input,
                         duet_error *err)
 {
     const uint32_t most = t->n < STAGED_MOST ? t->n : STAGED_MOST;
@@ -78,13 +93,13 @@ static bool step_staged(timed *t, duet_world *world, const duet_scene *scene, ti
     bool ok = true;
     world->def.stage_times = true;
     while (ok && t->n_staged < most && !interrupt_asked())
-        ok = step(t, &t->n_staged, world, scene, sends, NULL, err);
+        ok = step(t, &t->n_staged, world, scene, input, NULL, err);
     world->def.stage_times = asked;
     return ok;
 }
 
 bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t repeat,
-               timed_sends sends, duet_error *err)
+               timed_input input, duet_error *err)
 {
     t->steps = calloc((size_t)repeat + STAGED_MOST, sizeof *t->steps);
     if (!t->steps)
@@ -95,14 +110,14 @@ bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t re
     core_watch *cores = core_watch_open();
     progress p = progress_begin("step", repeat);
     while (ok && t->n < repeat && !interrupt_asked()) {
-        ok = step(t, &t->n, world, scene, sends, cores, err);
+        ok = step(t, &t->n, world, scene, input, cores, err);
         untimed |= ok && !t->last.timed;
         progress_show(&p, t->n);
     }
     progress_end(&p);
     t->cores = core_watch_tally(cores);
     core_watch_close(cores);
-    ok = ok && (!untimed || step_staged(t, world, scene, sends, err));
+    ok = ok && (!untimed || step_staged(t, world, scene, input, err));
     if (ok && t->n == 0)
         ok = interrupt_check(err);
     qsort(t->steps, t->n, sizeof *t->steps, by_time);

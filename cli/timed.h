@@ -24,18 +24,23 @@ typedef struct timed {
     uint64_t hash;
 } timed;
 
-// What each step is handed afresh, as a frame of a game would be.
-typedef enum timed_sends {
-    TIMED_SENDS_OBJECTS,
-    TIMED_SENDS_TRANSFORMS, // the world has its sizes apart
-    TIMED_SENDS_NOTHING     // objects stay resident on the devices
-} timed_sends;
+// What each step is sent.
+typedef enum timed_input {
+    TIMED_INPUT_HOST,       // all of the objects, as a frame of a game would
+    TIMED_INPUT_RESIDENT,   // nothing: the objects stay on the devices
+    TIMED_INPUT_TRANSFORMS, // centres and rotations; the world has the sizes apart
+    TIMED_INPUT_COMPACT,    // the same, with rotations rounded to 16 bits: 20 bytes a box
+    TIMED_INPUTS
+} timed_input;
+
+const char *timed_input_name(timed_input input); // "host", ...
+bool timed_input_named(const char *name, timed_input *input);
 
 // Steps the world once to warm up and then repeat times, and where those are not timed by
 // stages a few times more, for the stages. Ctrl-C ends it with what was timed until then;
 // INTERRUPTED where that is nothing. WRONG_RESULT where two steps found different pairs.
 bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t repeat,
-               timed_sends sends, duet_error *err);
+               timed_input input, duet_error *err);
 void timed_free(timed *t);
 
 // The step with the median time; of an even number the lesser.

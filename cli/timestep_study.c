@@ -184,7 +184,8 @@ static bool run_reference(survey *s, duet_error *err)
 
 // ---------------------------------------------------------------- which time steps
 
-static void add_row(survey *s, double dt, uint32_t substeps, duet_integrator integrator)
+static void add_row(survey *s, double dt, uint32_t substeps, duet_integrator integrator,
+                    uint32_t group)
 {
     timestep_study *p = s->study;
     for (uint32_t i = 0; i < p->n_asked; ++i)
@@ -193,17 +194,20 @@ static void add_row(survey *s, double dt, uint32_t substeps, duet_integrator int
             return;
     bool own = fabs(dt / substeps * s->def.substeps / s->def.dt - 1.0) < 1e-9 &&
                integrator == s->def.integrator;
-    p->rows[p->n_asked++] = (timestep_run){
-        .dt = dt, .substeps = substeps, .integrator = integrator, .own = own && dt == s->def.dt};
+    p->rows[p->n_asked++] = (timestep_run){.dt = dt,
+                                           .substeps = substeps,
+                                           .integrator = integrator,
+                                           .group = group,
+                                           .own = own && dt == s->def.dt};
 }
 
 // Contacts are found once a step and solved in each substep, so both matter.
 static void list_with_response(survey *s)
 {
-    for (int i = 0; i < N_FINER; ++i)
-        for (int j = 0; j < N_FINER; ++j)
+    for (uint32_t i = 0; i < N_FINER; ++i)
+        for (uint32_t j = 0; j < N_FINER; ++j)
             add_row(s, s->def.dt / finer[i], (uint32_t)fmax(1.0, s->def.substeps * finer[j] / 2.0),
-                    DUET_INTEGRATOR_EULER);
+                    DUET_INTEGRATOR_EULER, i);
     s->study->reference = (timestep_run){.dt = s->def.dt / 8.0, .substeps = 4 * s->def.substeps};
 }
 
@@ -212,7 +216,8 @@ static void list_free_flight(survey *s)
 {
     for (int order = DUET_INTEGRATOR_EULER; order <= DUET_INTEGRATOR_YOSHIDA; ++order)
         for (int i = 0; i < N_FINER; ++i)
-            add_row(s, s->def.dt / finer[i], s->def.substeps, (duet_integrator)order);
+            add_row(s, s->def.dt / finer[i], s->def.substeps, (duet_integrator)order,
+                    (uint32_t)order);
     s->study->reference = (timestep_run){
         .dt = s->def.dt / 16.0, .substeps = s->def.substeps, .integrator = DUET_INTEGRATOR_YOSHIDA};
 }
@@ -259,10 +264,11 @@ static void list_rows(survey *s, uint32_t effects)
 {
     timestep_study *p = s->study;
     p->contact = effects & DUET_EFFECT_CONTACT;
-    if (effects & DUET_EFFECT_CONTACT_RESPONSE)
-        list_with_response(s);
-    else
+    p->flies = !(effects & DUET_EFFECT_CONTACT_RESPONSE);
+    if (p->flies)
         list_free_flight(s);
+    else
+        list_with_response(s);
     qsort(p->rows, p->n_asked, sizeof *p->rows, by_cost);
 }
 

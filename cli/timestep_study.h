@@ -12,16 +12,17 @@ typedef struct timestep_run {
     double dt;
     uint32_t substeps;
     duet_integrator integrator;
-    bool own;      // the scene's
-    bool finite;   // no number was lost; else the rest but ms says nothing
-    double ms;     // that a second of the scene takes
-    double noise;  // of that, in ms: less between two runs tells nothing; INFINITY: not known,
-                   // for lack of steps
-    double error;  // root mean square of the centres' distances from the reference's
-    double energy; // less the reference's, in the greatest kinetic energy
-    double gain;   // greatest rise of energy over what it was before, in the same
-    double depth;  // of the deepest contact
-    bool front;    // nothing is both faster, beyond noise, and nearer to the reference
+    uint32_t group; // that a plot shows by one colour: runs of one dt, or of one integrator
+    bool own;       // the scene's
+    bool finite;    // no number was lost; else the rest but ms says nothing
+    double ms;      // that a second of the scene takes
+    double noise;   // of that, in ms: less between two runs tells nothing; INFINITY: not known,
+                    // for lack of steps
+    double error;   // root mean square of the centres' distances from the reference's
+    double energy;  // less the reference's, in the greatest kinetic energy
+    double gain;    // greatest rise of energy over what it was before, in the same
+    double depth;   // of the deepest contact
+    bool front;     // nothing is both faster, beyond noise, and nearer to the reference
 } timestep_run;
 
 typedef struct timestep_study {
@@ -30,6 +31,7 @@ typedef struct timestep_study {
     uint32_t n_asked;
     timestep_run reference; // the error is 0
     bool contact;           // contacts are looked for, so that there is a depth
+    bool flies;             // no contact pushes: integrators are compared, else substeps
     double time;            // that each run lasts, of the scene
 } timestep_study;
 

@@ -71,11 +71,10 @@ static bool begin_threads(duet_cluster *c, const worker *w, duet_error *err)
 duet_cluster *duet_cluster_create(const duet_cluster_def *def, duet_error *err)
 {
     PUBLIC_CALL(err);
-    return cluster_create(def, NULL, false, err);
+    return cluster_create(def, NULL, err);
 }
 
-duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, bool apart,
-                             duet_error *err)
+duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, duet_error *err)
 {
     if (!def || def->cookie != COOKIE) {
         error_set(err, DUET_STATUS_BAD_ARGUMENT,
@@ -91,8 +90,6 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, b
     }
     c->def = *def;
     bool ok = ranks_begin(&c->ranks, def->comm, s, err);
-    if (ok && apart)
-        ranks_part(&c->ranks);
     if (ok) {
         c->homes.threads = &c->threads;
         c->homes.walk = walk_parts;

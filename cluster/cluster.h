@@ -39,10 +39,8 @@ struct duet_cluster {
     duet_cluster_rank last; // of this rank
 };
 
-// duet_cluster_create; s, unless NULL, has to stay. Apart, each rank is a cluster of its own, with
-// its part of the host.
-duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, bool apart,
-                             duet_error *err);
+// duet_cluster_create of simulated ranks; s, unless NULL, has to stay.
+duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, duet_error *err);
 
 // Makes c->own list this rank's pairs of the last step; not collective.
 bool cluster_list_pairs(duet_cluster *c, duet_error *err);

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Loops over many objects, by all threads that a rank has.
-//
-// A loop takes about a millisecond, and so does waking as many threads as a GPU's host has. So a
-// loop does not wait for threads that are late, and threads that are keen look for the next loop
-// for a while before they sleep.
+// Loops over many objects, by all threads that a rank has (runtime/opencl/thread_pool.h).
 #ifndef CLUSTER_PARALLEL_H
 #define CLUSTER_PARALLEL_H
 
@@ -16,9 +12,9 @@
 enum { PARALLEL_MOST = 64 }; // parts of a loop
 
 typedef struct parallel {
-    struct team *team; // besides the caller's thread; NULL: that alone
-    uint32_t n;        // threads with that
-    bool is_crowded;   // they are more than there are processors for them
+    struct thread_pool *team; // besides the caller's thread; NULL: that alone
+    uint32_t n;               // threads with that
+    bool is_crowded;          // they are more than there are processors for them
 } parallel;
 
 // A thread for each whole one of that many processors, and so many at least.

@@ -2,7 +2,6 @@
 #define _GNU_SOURCE // sched_getaffinity
 #include "cluster/ranks.h"
 
-#include "base/compare.h"
 #include "base/error.h"
 
 #include <inttypes.h>
@@ -13,7 +12,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { TAG_ROWS = 1, TAG_BALLAST, TAG_PING };
+enum { TAG_ROWS = 1, TAG_BALLAST };
 enum { REST_NS = 500000 };
 
 // A statement in which this rank may have to wait.
@@ -108,33 +107,6 @@ bool ranks_reserve(ranks *r, duet_error *err)
 {
     r->counts = calloc(2 * (size_t)r->n, sizeof *r->counts);
     return r->counts || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
-}
-
-static void replace(MPI_Comm *comm, MPI_Comm by)
-{
-    MPI_Comm_free(comm);
-    MPI_Comm_dup(by, comm);
-}
-
-void ranks_part(ranks *r)
-{
-    replace(&r->comm, MPI_COMM_SELF);
-    replace(&r->host, MPI_COMM_SELF);
-    r->self = 0;
-    r->n = 1;
-}
-
-bool ranks_choose(ranks *r, const ranks *all, bool takes_part, duet_error *err)
-{
-    MPI_Comm comm;
-    bool ok = true;
-    *r = (ranks){.comm = MPI_COMM_NULL, .host = MPI_COMM_NULL};
-    MPI_Comm_split(all->comm, takes_part ? 0 : MPI_UNDEFINED, all->self, &comm);
-    if (takes_part) {
-        ok = ranks_begin(r, &comm, NULL, err);
-        MPI_Comm_free(&comm);
-    }
-    return ok;
 }
 
 void ranks_end(ranks *r)
@@ -266,11 +238,6 @@ static void rest(MPI_Comm comm)
         nanosleep(&(struct timespec){.tv_nsec = REST_NS}, NULL);
 }
 
-void ranks_rest(ranks *r)
-{
-    WAITING(r, rest(r->comm));
-}
-
 void ranks_sum(ranks *r, uint64_t *values, int n)
 {
     WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_UINT64_T, MPI_SUM, r->comm));
@@ -307,41 +274,6 @@ void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes)
         at += now;
         bytes -= (uint64_t)now;
     }
-}
-
-// ---------------------------------------------------------------- the network
-
-enum { PINGS = 11, WARM_PINGS = 3 };
-
-double ranks_ping_ns(ranks *r, int to, void *bytes, int n)
-{
-    double taken[PINGS];
-    bool plays = r->self == 0 || r->self == to;
-    int other = r->self == 0 ? to : 0;
-    MPI_Barrier(r->comm);
-    for (int i = -WARM_PINGS; plays && i < PINGS; ++i) {
-        uint64_t begun_ns = ranks_now_ns();
-        if (r->self == 0)
-            MPI_Send(bytes, n, MPI_BYTE, other, TAG_PING, r->comm);
-        MPI_Recv(bytes, n, MPI_BYTE, other, TAG_PING, r->comm, MPI_STATUS_IGNORE);
-        if (r->self != 0)
-            MPI_Send(bytes, n, MPI_BYTE, other, TAG_PING, r->comm);
-        if (i >= 0)
-            taken[i] = (double)(ranks_now_ns() - begun_ns) / 2;
-    }
-    MPI_Barrier(r->comm);
-    if (!plays)
-        return 0;
-    qsort(taken, PINGS, sizeof *taken, compare_double);
-    return taken[PINGS / 2];
-}
-
-// Its first line, without its build.
-void ranks_library(char name[MPI_MAX_LIBRARY_VERSION_STRING])
-{
-    int length = 0;
-    MPI_Get_library_version(name, &length);
-    name[strcspn(name, ",\n\t")] = '\0';
 }
 
 // ---------------------------------------------------------------- one before the others

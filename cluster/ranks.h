@@ -12,21 +12,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// What is otherwise where ranks are simulated.
+// Replaces devices and time if the ranks are simulated.
 typedef struct simulation {
-    uint32_t stands_for; // objects that each object stands for
-    // [n_seconds] What a step takes of each object that a rank sees; those behind the last begin
-    // anew. NULL: the plain C reference, in no time.
-    const double *object_seconds;
-    uint32_t n_seconds;
-    double ghost_objects; // that each ghost takes as long as
-    double ranks_a_host;  // that these are of, and that share a host; 0: ranks share nothing
-    // [n_company] How much longer a step takes each of k + 1 ranks of a host than one by itself,
-    // whose times those above are then. NULL: ranks_a_host says.
-    const double *company;
-    uint32_t n_company;
-    void (*pass)(double seconds); // of this rank alone
-    void *ballast;                // as much as any message that is left out; nobody reads it
+    uint32_t stands_for;   // objects of a larger scene, for each object
+    double object_seconds; // a rank's step takes for each object or ghost; 0: it finds pairs
+    void (*pass)(double seconds); // lets simulated time pass for this rank
+    void *ballast; // memory of any message's size, which nobody reads
 } simulation;
 
 typedef struct ranks {
@@ -53,12 +44,7 @@ typedef struct ranks {
 bool ranks_begin(ranks *r, const MPI_Comm *comm, const simulation *s, duet_error *err);
 // Memory that all of it needs; not collective.
 bool ranks_reserve(ranks *r, duet_error *err);
-// From here on this rank is the only one, on its part of the host.
-void ranks_part(ranks *r);
 void ranks_end(ranks *r); // nothing where it did not begin
-
-// Those that take part, of all; no rank is left where this one does not. Collective.
-bool ranks_choose(ranks *r, const ranks *all, bool takes_part, duet_error *err);
 
 // Zeroed memory that all ranks of this host have; NULL on all of them if there is none. Collective,
 // as is giving it back.
@@ -91,7 +77,6 @@ bool ranks_agree_on(ranks *r, const char *call, bool ok, tally *t, duet_error *e
 void ranks_await_end(ranks *r, const char *call);
 
 void ranks_wait(ranks *r); // until all are here
-void ranks_rest(ranks *r); // the same, leaving the processors to others
 void ranks_sum(ranks *r, uint64_t *values, int n);
 void ranks_least(ranks *r, uint64_t *values, int n);
 void ranks_greatest(ranks *r, double *values, int n);
@@ -99,11 +84,6 @@ uint64_t ranks_sum_before(ranks *r, uint64_t value); // over the ranks below thi
 // all is [n of ranks][bytes].
 void ranks_gather(ranks *r, const void *own, void *all, int bytes);
 void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes);
-
-// How long `n` bytes take from rank 0 to rank `to`, one way: the median of several, on rank 0
-// alone. Before and after it all ranks wait for each other, so that nothing else uses the network.
-double ranks_ping_ns(ranks *r, int to, void *bytes, int n);
-void ranks_library(char name[MPI_MAX_LIBRARY_VERSION_STRING]); // with its version
 
 // The first rank of each host for which `has_work` holds goes first; the others wait for it.
 // Between the two calls nothing is said to other ranks.

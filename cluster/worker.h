@@ -68,10 +68,9 @@ struct worker {
 worker *worker_open_pair(const duet_world_def *def, duet_error *err);
 worker *worker_open_plain(const duet_world_def *def, duet_error *err);
 
-// Finds nothing, in the time that the simulation of r says. *n_ghosts has to stay: those that the
-// rank has before each find, in all of its parts.
-struct ranks;
-worker *worker_open_simulated(const duet_world_def *def, const struct ranks *r,
-                              const uint64_t *n_ghosts, uint32_t n_parts, duet_error *err);
+// Finds nothing, in the time that the simulation says.
+struct simulation;
+worker *worker_open_simulated(const duet_world_def *def, const struct simulation *s,
+                              duet_error *err);
 
 #endif

@@ -85,14 +85,14 @@ static bool order(worker *w, uint32_t n_threads, uint32_t *order_of, void *scrat
 static void forget_fits(worker_pair *p)
 {
     for (uint32_t i = 0; i < p->n_fits; ++i)
-        p->fits[i].fitted = false;
+        p->fits[i].n = 0;
 }
 
 static void move(worker *w)
 {
     worker_pair *p = (worker_pair *)w;
     forget_fits(p);
-    p->world->fitted = false;
+    p->world->fitted_n = 0;
 }
 
 static bool turn_to(worker *w, uint32_t place, duet_error *err)
@@ -229,7 +229,6 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
     object_form form = object_form_of(def);
     p->kind = object_form_kind(&form);
     p->bytes = form.bytes;
-    p->world->skims = true;
     name_pair(p, def->pair);
     return &p->base;
 }

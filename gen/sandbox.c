@@ -5,13 +5,14 @@
 // Limits are looked at between instructions and where memory is asked for
 // (script.c). A library function is one instruction however long it works: one
 // that works long on what is there already is guarded here, and takes from what
-// the script has left. Patterns (pattern.c) and table.sort and pairs
-// (sandbox.lua) are Duet's own. There is no pcall to swallow the error of a
+// the script has left. Patterns can need more steps than there is time, whatever
+// their length, and are left out: find takes plain text. table.sort and pairs
+// are Duet's own (sandbox.lua). There is no pcall to swallow the error of a
 // limit, no coroutine to leave the hook behind, and no metatable: a finalizer
 // or an error handler would run with the hook switched off.
+#define _GNU_SOURCE // memmem, which is linear
 #include "gen/sandbox.h"
 #include "base/blob.h"
-#include "gen/pattern.h"
 
 #include <lauxlib.h>
 #include <lualib.h>
@@ -159,6 +160,42 @@ static int guard_format(lua_State *L)
     return pass_on(L);
 }
 
+// (s, what, from, plain): what as it stands, without the characters of patterns
+// unless plain allows them.
+static int find_plain(lua_State *L)
+{
+    size_t n = 0, length = 0;
+    const char *s = luaL_checklstring(L, 1, &n);
+    const char *what = luaL_checklstring(L, 2, &length);
+    lua_Integer from = luaL_optinteger(L, 3, 1);
+    for (const char *c = "^$*+?.([%-"; *c && !lua_toboolean(L, 4); ++c)
+        if (memchr(what, *c, length))
+            return luaL_error(L,
+                              "find: '%c' makes a pattern, which only 'duet lua --trust' has; "
+                              "find(s, text, 1, true) finds plain text",
+                              *c);
+    from = from < 0 ? from + (lua_Integer)n : from - (from > 0);
+    size_t at = from < 0 ? 0 : (size_t)from;
+    const char *found = at <= n ? memmem(s + at, n - at, what, length) : NULL;
+    size_t end = found ? (size_t)(found - s) + length : n;
+    script_spend(L, (range((lua_Integer)at, (lua_Integer)end, n) + length) / BYTES_AN_INSTRUCTION);
+    if (!found) {
+        lua_pushnil(L);
+        return 1;
+    }
+    lua_pushinteger(L, (lua_Integer)(end - length + 1));
+    lua_pushinteger(L, (lua_Integer)end);
+    return 2;
+}
+
+static int refuse_pattern(lua_State *L)
+{
+    return luaL_error(L,
+                      "%s: only 'duet lua --trust' has patterns; find(s, text, 1, true) finds "
+                      "plain text",
+                      lua_tostring(L, lua_upvalueindex(1)));
+}
+
 // Without a number the seed would be another one on each run.
 static int guard_randomseed(lua_State *L)
 {
@@ -243,13 +280,27 @@ static void open_libraries(lua_State *L)
     lua_pop(L, 4);
 }
 
+// The functions that take a pattern, each with its name behind it.
+static void replace_patterns(lua_State *L)
+{
+    static const luaL_Reg functions[] = {{"find", find_plain},
+                                         {"gmatch", refuse_pattern},
+                                         {"gsub", refuse_pattern},
+                                         {"match", refuse_pattern}};
+    lua_getglobal(L, "string");
+    for (size_t i = 0; i < sizeof functions / sizeof functions[0]; ++i) {
+        lua_pushstring(L, functions[i].name);
+        lua_pushcclosure(L, functions[i].func, 1);
+        lua_setfield(L, -2, functions[i].name);
+    }
+    lua_pop(L, 1);
+}
+
 static void open_guards(lua_State *L)
 {
     remove_field(L, "string", "dump");
     put_guards(L);
-    lua_getglobal(L, "string");
-    pattern_open(L);
-    lua_pop(L, 1);
+    replace_patterns(L);
     lua_register(L, "assert", place_assert);
 }
 

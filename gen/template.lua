@@ -27,22 +27,32 @@ local function end_row(text)
   return text:sub(-1) == "\n" and text or text .. "\n"
 end
 
--- Behind the //@ of a line of Lua, or nil.
+-- Behind the //@ of a line of Lua, or nil. Only blanks stand before it.
 local function lua_in(row)
-  local _, mark = row:find("^%s*//@")
-  return mark and row:sub(mark + 1, -2)
+  local mark = row:find("//@", 1, true)
+  return mark and row:sub(1, mark - 1) == (" "):rep(mark - 1) and row:sub(mark + 3, -2) or nil
+end
+
+-- The place of the } that belongs to the { at a place; nil: there is none.
+local function closing_brace(row, open)
+  local depth = 0
+  for at = open, #row do
+    local c = row:byte(at)
+    depth = depth + (c == 123 and 1 or c == 125 and -1 or 0)
+    if depth == 0 then return at end
+  end
 end
 
 -- 'a @{b} c'  ->  '"a ", (b), " c", "\n"'
 local function row_to_args(row, where)
-  if not row:find("@{", 1, true) then return ("%q, \"\\n\""):format(row) end
-  local args, at = {}, 1
-  for from, expr, to in row:gmatch("()@(%b{})()") do
+  local args, at, from = {}, 1, row:find("@{", 1, true)
+  while from do
+    local last = closing_brace(row, from + 1)
+    if not last then error(where .. ": '@{' has no '}' on its line", 0) end
     args[#args + 1] = ("%q"):format(row:sub(at, from - 1))
-    args[#args + 1] = "(" .. expr:sub(2, -2) .. ")"
-    at = to
+    args[#args + 1] = "(" .. row:sub(from + 2, last - 1) .. ")"
+    at, from = last + 1, row:find("@{", last + 1, true)
   end
-  if row:find("@{", at, true) then error(where .. ": '@{' has no '}' on its line", 0) end
   args[#args + 1] = ("%q"):format(row:sub(at))
   args[#args + 1] = '"\\n"'
   return table.concat(args, ", ")

@@ -757,6 +757,16 @@ api.names = {
 -- Arrays are made, read and written alike; a letter says what a column is.
 local letters = { f = "number", d = "number", i = "integer", I = "integer", Q = "integer", h = "integer", C = "integer", B = "boolean" }
 
+-- "LargeRays" as "large_rays".
+local function snake_case(name)
+  local letters = {}
+  for i = 1, #name do
+    local c = name:sub(i, i)
+    letters[i] = (i > 1 and c ~= c:lower() and "_" or "") .. c:lower()
+  end
+  return table.concat(letters)
+end
+
 local about = {}
 for _, class in ipairs(api.classes) do about[class[1]] = class[2] end
 
@@ -798,10 +808,10 @@ for class, columns in pairs {
   DoubleStateRows = ("f"):rep(4),
 } do
   local types = {}
-  for letter in columns:gmatch "." do types[#types + 1] = letters[letter] end
+  for i = 1, #columns do types[i] = letters[columns:sub(i, i)] end
   local row = table.concat(types, ", ")
   for _, name in ipairs {
-    { "." .. class:gsub("(%l)(%u)", "%1_%2"):lower(), { "from: integer|string|any[]" }, "duet." .. class,
+    { "." .. snake_case(class), { "from: integer|string|any[]" }, "duet." .. class,
       about["duet." .. class] .. " Made of a number of rows, or as a copy of rows, of numbers or of packed rows." },
     { "." .. class .. ":get", { "place: integer" }, row, "The row at a place from 0." },
     { "." .. class .. ":set", { "place: integer", "...: any" }, nil, ("Writes a row: %d values."):format(#columns) },

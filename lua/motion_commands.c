@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Commands to a motion between its steps, and its states in place.
 #include "lua/nouns.h"
+#include "runtime/commands/commands.h"
 
 #include <string.h>
 
@@ -39,37 +40,116 @@ static const void *check_rows(lua_State *L, int index, array_kind kind, uint32_t
     return rows->rows;
 }
 
-// ---------------------------------------------------------------- bodies come and go
+static uint32_t field_of(lua_State *L, int index)
+{
+    const char *name = lua_type(L, index) == LUA_TSTRING ? lua_tostring(L, index) : "?";
+    for (uint32_t i = 0; duet_body_field_name(1u << i); ++i)
+        if (strcmp(duet_body_field_name(1u << i), name) == 0)
+            return 1u << i;
+    return (uint32_t)luaL_error(L,
+                                "'%s' is no field that can be set; expected velocity, "
+                                "angular_velocity, mass, restitution, friction, filter, "
+                                "fixed_rotation or radius",
+                                name);
+}
+
+// "velocity" or { "velocity", "mass" }
+static uint32_t check_fields(lua_State *L, int index)
+{
+    uint32_t fields = 0;
+    if (!lua_istable(L, index))
+        return field_of(L, index);
+    for (lua_Unsigned k = 1; k <= lua_rawlen(L, index); ++k) {
+        lua_rawgeti(L, index, (lua_Integer)k);
+        fields |= field_of(L, lua_gettop(L));
+        lua_pop(L, 1);
+    }
+    return fields;
+}
+
+// ---------------------------------------------------------------- commands
+
+// The rows of each command.
+#define ARRAY_OF_uint64_t ARRAY_IDS
+#define ARRAY_OF_duet_pose ARRAY_POSES
+#define ARRAY_OF_duet_body ARRAY_BODIES
+#define ARRAY_OF_duet_force ARRAY_FORCES
+#define ARRAY_OF_duet_impulse ARRAY_IMPULSES
+#define ARRAY_OF_duet_transform ARRAY_TRANSFORMS
+#define KIND_LIST(type) ARRAY_KINDS
+#define KIND_DEF(type) ARRAY_KINDS
+#define KIND_ROWS(type) ARRAY_OF_##type
+#define KIND_FIELDS(type) ARRAY_OF_##type
+#define KIND_ADD(type) ARRAY_OF_##type
+static const array_kind row_kinds[] = {
+#define COMMAND(number, name, form, bodies, effect, type, rows) [number] = KIND_##form(type),
+#include "runtime/commands/commands.inl"
+};
+
+// The method's command: its upvalue is the number in commands.inl.
+static command begin(lua_State *L)
+{
+    return (command){.op = command_op_at((uint32_t)lua_tointeger(L, lua_upvalueindex(1)))};
+}
+
+// motion:remove_bodies(list), motion:set_poses(list, poses), motion:set_bodies(list, fields,
+// bodies)
+static int give(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = motion_check_lua(L);
+    command c = begin(L);
+    int at = 3;
+    c.list = check_list(L, 2);
+    if (c.op->form == COMMAND_FIELDS)
+        c.fields = check_fields(L, at++);
+    if (c.op->rows)
+        c.rows = check_rows(L, at, row_kinds[c.op->number], c.list.n);
+    return class_push_done(L, command_give(motion, &c, &err), &err);
+}
 
 // motion:add_bodies(poses, bodies) -> their ids
-static int add_bodies(lua_State *L)
+static int add(lua_State *L)
 {
     duet_error err = {0};
     lua_settop(L, 3);
     duet_motion *motion = motion_check_lua(L);
     const array *poses = array_check(L, 2, ARRAY_POSES);
     luaL_argcheck(L, poses->n <= UINT32_MAX, 2, "more than 2^32 - 1 objects");
-    uint32_t n = (uint32_t)poses->n;
-    const duet_body *bodies = lua_isnil(L, 3) ? NULL : check_rows(L, 3, ARRAY_BODIES, n);
-    array *ids = array_push(L, ARRAY_IDS, n);
-    return duet_motion_add_bodies(motion, poses->rows, bodies, n, ids->rows, &err)
-               ? 1
-               : class_push_failure(L, &err);
+    command c = begin(L);
+    c.list.n = (uint32_t)poses->n;
+    c.rows = poses->rows;
+    c.new_bodies = lua_isnil(L, 3) ? NULL : check_rows(L, 3, ARRAY_BODIES, c.list.n);
+    c.new_ids = array_push(L, ARRAY_IDS, c.list.n)->rows;
+    return command_give(motion, &c, &err) ? 1 : class_push_failure(L, &err);
 }
 
-typedef bool list_call(duet_motion *motion, duet_body_list list, duet_error *err);
+static const member def_members[] = {
+#define DEF_MEMBER(name) MEMBER(member_double, duet_motion_def, name),
+#include "runtime/commands/def_members.inl"
+    {0},
+};
 
-static list_call *const list_calls[] = {duet_motion_remove_bodies, duet_motion_disable_bodies,
-                                        duet_motion_enable_bodies, duet_motion_wake_bodies,
-                                        duet_motion_sleep_bodies};
-
-// motion:remove_bodies(list) and others; the upvalue is the place in list_calls.
-static int call_with_list(lua_State *L)
+// motion:set_def(members that change)
+static int change(lua_State *L)
 {
     duet_error err = {0};
     duet_motion *motion = motion_check_lua(L);
-    list_call *call = list_calls[lua_tointeger(L, lua_upvalueindex(1))];
-    return class_push_done(L, call(motion, check_list(L, 2), &err), &err);
+    duet_motion_def def = *duet_motion_get_def(motion);
+    member_read_table(L, 2, "what of a motion can change", def_members, &def);
+    const packed_def packed = packed_def_of(&def);
+    command c = begin(L);
+    c.list.n = 1;
+    c.rows = &packed;
+    return class_push_done(L, command_give(motion, &c, &err), &err);
+}
+
+// ---------------------------------------------------------------- what is asked
+
+static int get_def(lua_State *L)
+{
+    member_push_table(L, def_members, duet_motion_get_def(motion_check_lua(L)));
+    return 1;
 }
 
 // motion:ids() or, of some places, motion:ids(first, n)
@@ -95,15 +175,6 @@ static int has_body(lua_State *L)
     return 1;
 }
 
-static int set_user_data(lua_State *L)
-{
-    duet_error err = {0};
-    duet_motion *motion = motion_check_lua(L);
-    duet_body_list list = check_list(L, 2);
-    const uint64_t *data = check_rows(L, 3, ARRAY_IDS, list.n);
-    return class_push_done(L, duet_motion_set_user_data(motion, list, data, &err), &err);
-}
-
 static int get_user_data(lua_State *L)
 {
     duet_error err = {0};
@@ -112,114 +183,6 @@ static int get_user_data(lua_State *L)
     array *data = array_push(L, ARRAY_IDS, list.n);
     return duet_motion_get_user_data(motion, list, data->rows, &err) ? 1
                                                                      : class_push_failure(L, &err);
-}
-
-// ---------------------------------------------------------------- what is set
-
-static uint32_t field_of(lua_State *L, int index)
-{
-    const char *name = lua_type(L, index) == LUA_TSTRING ? lua_tostring(L, index) : "?";
-    for (uint32_t i = 0; duet_body_field_name(1u << i); ++i)
-        if (strcmp(duet_body_field_name(1u << i), name) == 0)
-            return 1u << i;
-    return (uint32_t)luaL_error(L,
-                                "'%s' is no field that can be set; expected velocity, "
-                                "angular_velocity, mass, restitution, friction, filter or "
-                                "fixed_rotation",
-                                name);
-}
-
-// "velocity" or { "velocity", "mass" }
-static uint32_t check_fields(lua_State *L, int index)
-{
-    uint32_t fields = 0;
-    if (!lua_istable(L, index))
-        return field_of(L, index);
-    for (lua_Unsigned k = 1; k <= lua_rawlen(L, index); ++k) {
-        lua_rawgeti(L, index, (lua_Integer)k);
-        fields |= field_of(L, lua_gettop(L));
-        lua_pop(L, 1);
-    }
-    return fields;
-}
-
-// motion:set_bodies(ids, fields, bodies)
-static int set_bodies(lua_State *L)
-{
-    duet_error err = {0};
-    duet_motion *motion = motion_check_lua(L);
-    duet_body_list list = check_list(L, 2);
-    uint32_t fields = check_fields(L, 3);
-    const duet_body *bodies = check_rows(L, 4, ARRAY_BODIES, list.n);
-    return class_push_done(L, duet_motion_set_bodies(motion, list, fields, bodies, &err), &err);
-}
-
-static int set_poses(lua_State *L)
-{
-    duet_error err = {0};
-    duet_motion *motion = motion_check_lua(L);
-    duet_body_list list = check_list(L, 2);
-    const duet_pose *poses = check_rows(L, 3, ARRAY_POSES, list.n);
-    return class_push_done(L, duet_motion_set_poses(motion, list, poses, &err), &err);
-}
-
-static int set_targets(lua_State *L)
-{
-    duet_error err = {0};
-    duet_motion *motion = motion_check_lua(L);
-    duet_body_list list = check_list(L, 2);
-    const duet_transform *targets = check_rows(L, 3, ARRAY_TRANSFORMS, list.n);
-    return class_push_done(L, duet_motion_set_targets(motion, list, targets, &err), &err);
-}
-
-// What of a def can change.
-static const member def_members[] = {
-    MEMBER(member_double, duet_motion_def, gravity),
-    MEMBER(member_double, duet_motion_def, attraction),
-    MEMBER(member_double, duet_motion_def, centre),
-    MEMBER(member_double, duet_motion_def, drag),
-    MEMBER(member_double, duet_motion_def, lower),
-    MEMBER(member_double, duet_motion_def, upper),
-    MEMBER(member_double, duet_motion_def, max_push_speed),
-    MEMBER(member_double, duet_motion_def, restitution_threshold),
-    MEMBER(member_double, duet_motion_def, sleep_speed),
-    MEMBER(member_double, duet_motion_def, sleep_after),
-    {0},
-};
-
-static int set_def(lua_State *L)
-{
-    duet_error err = {0};
-    duet_motion *motion = motion_check_lua(L);
-    duet_motion_def def = *duet_motion_get_def(motion);
-    member_read_table(L, 2, "what of a motion can change", def_members, &def);
-    return class_push_done(L, duet_motion_set_def(motion, &def, &err), &err);
-}
-
-static int get_def(lua_State *L)
-{
-    member_push_table(L, def_members, duet_motion_get_def(motion_check_lua(L)));
-    return 1;
-}
-
-// ---------------------------------------------------------------- what pushes
-
-static int apply_forces(lua_State *L)
-{
-    duet_error err = {0};
-    duet_motion *motion = motion_check_lua(L);
-    duet_body_list list = check_list(L, 2);
-    const duet_force *forces = check_rows(L, 3, ARRAY_FORCES, list.n);
-    return class_push_done(L, duet_motion_apply_forces(motion, list, forces, &err), &err);
-}
-
-static int apply_impulses(lua_State *L)
-{
-    duet_error err = {0};
-    duet_motion *motion = motion_check_lua(L);
-    duet_body_list list = check_list(L, 2);
-    const duet_impulse *impulses = check_rows(L, 3, ARRAY_IMPULSES, list.n);
-    return class_push_done(L, duet_motion_apply_impulses(motion, list, impulses, &err), &err);
 }
 
 // ---------------------------------------------------------------- states in place
@@ -264,28 +227,22 @@ static int unmap_states(lua_State *L)
     return class_push_done(L, ok, &err);
 }
 
-static const luaL_Reg methods[] = {{"add_bodies", add_bodies},
-                                   {"ids", get_ids},
-                                   {"has_body", has_body},
-                                   {"set_user_data", set_user_data},
-                                   {"user_data", get_user_data},
-                                   {"set_bodies", set_bodies},
-                                   {"set_poses", set_poses},
-                                   {"set_targets", set_targets},
-                                   {"set_def", set_def},
-                                   {"def", get_def},
-                                   {"apply_forces", apply_forces},
-                                   {"apply_impulses", apply_impulses},
-                                   {"map_states", map_states},
-                                   {"unmap_states", unmap_states},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {
+    {"ids", get_ids}, {"has_body", has_body},     {"user_data", get_user_data},
+    {"def", get_def}, {"map_states", map_states}, {"unmap_states", unmap_states},
+    {NULL, NULL}};
 
-static const lua_shared shared[] = {
-    {"remove_bodies", call_with_list, 0}, {"disable_bodies", call_with_list, 1},
-    {"enable_bodies", call_with_list, 2}, {"wake_bodies", call_with_list, 3},
-    {"sleep_bodies", call_with_list, 4},  {NULL, NULL, 0}};
+#define METHOD_LIST give
+#define METHOD_ROWS give
+#define METHOD_FIELDS give
+#define METHOD_ADD add
+#define METHOD_DEF change
+static const lua_shared commands[] = {
+#define COMMAND(number, name, form, bodies, effect, type, rows) {#name, METHOD_##form, number},
+#include "runtime/commands/commands.inl"
+    {NULL, NULL, 0}};
 
 void motion_commands_open_lua(lua_State *L)
 {
-    class_add_methods(L, "duet.motion", methods, shared);
+    class_add_methods(L, "duet.motion", methods, commands);
 }

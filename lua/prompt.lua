@@ -1,9 +1,9 @@
 -- SPDX-License-Identifier: MIT
 -- What the prompt of `duet lua` knows: which names may follow what is typed, and help.
--- Gets class_names of lua/class.h and the list of api.lua; gives back complete(word,
+-- Gets is_name of show.lua, class_names of lua/class.h and the list of api.lua; gives back complete(word,
 -- globals) and help(value). It needs no more of Lua than an untrusted script has.
 
-local names_of_object <const>, api <const> = ...
+local is_name <const>, names_of_object <const>, api <const> = ...
 
 -- ---------------------------------------------------------------- completion
 
@@ -20,19 +20,32 @@ local function names_in(value, methods_only)
   return names
 end
 
+-- The place of the last . or : of a name, or nil.
+local function last_separator(name)
+  for i = #name, 1, -1 do
+    local c = name:sub(i, i)
+    if c == "." or c == ":" then return i end
+  end
+end
+
+local function path_of(name) return name:sub(1, (last_separator(name) or 1) - 1) end
+
+local function last_name(name) return name:sub((last_separator(name) or 0) + 1) end
+
+-- The value of a path such as "duet.device_pair".
+local function value_at(globals, path)
+  if path == "" then return globals end
+  return value_at(globals, path_of(path))[last_name(path)]
+end
+
 -- "duet.de", "pair:wo", "du" -> the whole words, in order, a line each.
 local function complete(word, globals)
-  local path, separator, part = word:match "^(.*)([.:])([%w_]*)$"
-  local value, names = globals, keywords
-  if path then
-    for name in path:gmatch "[^.:]+" do value = value[name] end
-    names = {}
-  end
-  local before, found = path and path .. separator or "", {}
-  part = part or word
-  for _, list in ipairs { names, names_in(value, separator == ":") } do
+  local path, part, found = path_of(word), last_name(word), {}
+  local before = word:sub(1, #word - #part)
+  local value, names = value_at(globals, path), before == "" and keywords or {}
+  for _, list in ipairs { names, names_in(value, before:sub(-1) == ":") } do
     for _, name in ipairs(list) do
-      if name:sub(1, #part) == part and name:find "^[%a_][%w_]*$" then found[#found + 1] = before .. name end
+      if name:sub(1, #part) == part and is_name(name) then found[#found + 1] = before .. name end
     end
   end
   table.sort(found)
@@ -57,7 +70,7 @@ help(pair), help(duet.scene) and help "World" tell more. The names of the module
 local function heading(row)
   if type(row[2]) == "string" then return row[1] end
   local names = {}
-  for i, parameter in ipairs(row[2]) do names[i] = parameter:match "^[^:]+" end
+  for i, parameter in ipairs(row[2]) do names[i] = parameter:sub(1, parameter:find(":", 1, true) - 1) end
   return ("%s(%s)"):format(row[1], table.concat(names, ", "))
 end
 
@@ -80,7 +93,14 @@ local function rows_where(matches)
 end
 
 -- "duet.device_pair", "DevicePair" and "pair" alike.
-local function plain(name) return (name:gsub("^duet%.", ""):gsub("_", ""):lower()) end
+local function plain(name)
+  local letters = {}
+  for i = name:sub(1, 5) == "duet." and 6 or 1, #name do
+    local c = name:sub(i, i)
+    letters[#letters + 1] = c ~= "_" and c:lower() or nil
+  end
+  return table.concat(letters)
+end
 
 local function name_of(value)
   if type(value) == "string" then return value end
@@ -93,9 +113,9 @@ end
 -- Arrays are many, and made alike.
 local function print_overview()
   local arrays, others = {}, {}
-  for _, row in ipairs(rows_where(function(name) return name:find "^duet%.%l[%w_]*$" end)) do
+  for _, row in ipairs(rows_where(function(name) return path_of(name) == "duet" and last_name(name) >= "a" end)) do
     local is_array = (row[4] or ""):find("Made of a number of rows", 1, true)
-    if is_array then arrays[#arrays + 1] = row[1]:match "[%w_]+$" else others[#others + 1] = row end
+    if is_array then arrays[#arrays + 1] = last_name(row[1]) else others[#others + 1] = row end
   end
   print(overview)
   print_rows(others)
@@ -118,7 +138,7 @@ local function help(value)
     if plain(class[1]) == wanted then print(class[1] .. ": " .. class[2]) end
   end
   local rows = rows_where(function(name)
-    return plain(name) == wanted or plain(name:match "^(.*)[.:]" or "") == wanted
+    return plain(name) == wanted or plain(path_of(name)) == wanted
   end)
   print_rows(rows)
   if #rows == 0 then print(("there is no help on '%s'; help() lists the names"):format(wanted)) end

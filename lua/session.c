@@ -168,15 +168,16 @@ static void load_prompt(lua_State *L)
 {
     load_carried(L, "lua/show.lua");
     lua_pushcfunction(L, class_names);
-    lua_call(L, 1, 1);
-    lua_rawsetp(L, LUA_REGISTRYINDEX, &show_key);
+    lua_call(L, 1, 2); // show, is_name
     load_carried(L, "lua/prompt.lua");
+    lua_insert(L, -2);
     lua_pushcfunction(L, class_names);
     load_carried(L, "lua/api.lua");
     lua_call(L, 0, 1);
-    lua_call(L, 2, 2);
+    lua_call(L, 3, 2);
     lua_setglobal(L, "help");
     lua_rawsetp(L, LUA_REGISTRYINDEX, &complete_key);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &show_key);
 }
 
 // os.execute, which lets no signal for the terminal through: what ends the command is

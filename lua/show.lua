@@ -2,7 +2,7 @@
 -- Prints values so that a person can read them: tables in order, on one line
 -- where they fit, a list of records as columns, an object as its fields, one
 -- below the other. Gets class_names of lua/class.h and gives back the function
--- that prints; it needs no more of Lua than an untrusted script has.
+-- that prints, and is_name; it needs no more of Lua than an untrusted script has.
 
 local names_of_object <const> = ...
 
@@ -26,8 +26,44 @@ local function keys_of(t)
   return keys
 end
 
+-- Each control character of a text as \x0a.
+local function visible(text)
+  local parts = {}
+  for i = 1, #text do
+    local c = text:byte(i)
+    parts[i] = (c < 32 or c == 127) and ("\\x%02x"):format(c) or text:sub(i, i)
+  end
+  return table.concat(parts)
+end
+
+local function trim_end(text)
+  local last = #text
+  while text:byte(last) == 32 do last = last - 1 end
+  return text:sub(1, last)
+end
+
+local NAME <const> = "abcdefghijklmnopqrstuvwxyz_0123456789"
+
+local function is_name(text)
+  for i = 1, #text do
+    local place = NAME:find(text:sub(i, i):lower(), 1, true)
+    if not place or i == 1 and place > 27 then return false end
+  end
+  return #text > 0
+end
+
+local function replace(text, what, with)
+  local parts, at, from = {}, 1, text:find(what, 1, true)
+  while from do
+    parts[#parts + 1] = text:sub(at, from - 1)
+    at = from + #what
+    from = text:find(what, at, true)
+  end
+  return table.concat(parts, with) .. (#parts > 0 and with or "") .. text:sub(at)
+end
+
 local function scalar(value)
-  if type(value) == "string" then return (("%q"):format(value):gsub("\\\n", "\\n")) end
+  if type(value) == "string" then return replace(("%q"):format(value), "\\\n", "\\n") end
   if math.type(value) == "float" then return ("%.6g"):format(value) end
   return tostring(value)
 end
@@ -35,7 +71,7 @@ end
 -- "name = " or "[7] = "; nothing for a sequence's own places.
 local function label(key, n)
   if math.type(key) == "integer" and key >= 1 and key <= n then return "" end
-  if type(key) == "string" and key:find "^[%a_][%w_]*$" then return key .. " = " end
+  if type(key) == "string" and is_name(key) then return key .. " = " end
   return "[" .. scalar(key) .. "] = "
 end
 
@@ -90,7 +126,7 @@ local function cell(value)
   if value == nil then return "" end
   if type(value) == "table" then return ("{ %d }"):format(#keys_of(value)) end
   if type(value) ~= "string" then return scalar(value) end
-  return (value:gsub("%c", function(c) return ("\\x%02x"):format(c:byte()) end))
+  return visible(value)
 end
 
 local function describe_records(list, names)
@@ -111,7 +147,7 @@ local function describe_records(list, names)
       local space = (" "):rep(widths[i] - (utf8.len(text) or 0))
       cells[i] = type(value) == "number" and space .. text or text .. space
     end
-    lines[#lines + 1] = (table.concat(cells, "  "):gsub("%s+$", ""))
+    lines[#lines + 1] = trim_end(table.concat(cells, "  "))
   end
   line(function(name) return name end)
   for _, record in ipairs(list) do
@@ -139,9 +175,10 @@ local function show_rows(array)
 end
 
 local function show_object(value, fields)
-  local lines, width = { (tostring(value):match "^%S+") }, 0
-  if tostring(value):find " rows$" then return show_rows(value) end
-  if #fields == 0 or tostring(value):find "%(closed%)$" then return tostring(value) end
+  local text = tostring(value)
+  local lines, width = { text:sub(1, (text:find(" ", 1, true) or 0) - 1) }, 0
+  if text:sub(-5) == " rows" then return show_rows(value) end
+  if #fields == 0 or text:sub(-8) == "(closed)" then return text end
   for _, name in ipairs(fields) do width = math.max(width, #name) end
   for _, name in ipairs(fields) do
     lines[#lines + 1] = ("  %s%s  %s"):format(name, (" "):rep(width - #name), describe(value[name], "", {}))
@@ -162,4 +199,4 @@ return function(...)
   local texts = {}
   for i = 1, select("#", ...) do texts[i] = show((select(i, ...))) end
   print(table.concat(texts, "\t"))
-end
+end, is_name

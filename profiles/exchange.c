@@ -22,24 +22,21 @@
 // In the order in which they point at each other.
 typedef struct line_type {
     const char *name;       // of its table too
-    const char *was;        // its name in files before version 3
     bool has_key;           // made from its other fields
     bool has_parts;         // rows of another table within the line
     const char *objects[2]; // fields that are JSON objects, and kept as such
 } line_type;
 
 static const line_type types[] = {
-    {"device", NULL, true, false, {NULL}},
-    {"env", NULL, true, false, {NULL}},
-    {"pair", NULL, false, false, {NULL}},
-    {"workload", NULL, true, false, {NULL}},
-    {"level_cost", "price", false, false, {NULL}},
-    {"script", NULL, true, false, {NULL}},
-    {"session", NULL, false, false, {"options", "search_state"}},
-    {"trial", NULL, false, true, {"terms"}},
-    {"profile", NULL, false, false, {"terms"}},
-    {"fabric", NULL, true, false, {"times"}},
-    {"cluster_run", NULL, false, true, {NULL}},
+    {"device", true, false, {NULL}},
+    {"env", true, false, {NULL}},
+    {"pair", false, false, {NULL}},
+    {"workload", true, false, {NULL}},
+    {"level_cost", false, false, {NULL}},
+    {"script", true, false, {NULL}},
+    {"session", false, false, {"options", "search_state"}},
+    {"trial", false, true, {"terms"}},
+    {"profile", false, false, {"terms"}},
 };
 
 enum { N_TYPES = sizeof types / sizeof types[0] };
@@ -176,15 +173,15 @@ static sql parse(const import *in, const char *query, const char *line, duet_err
 static const line_type *type_named(const char *name)
 {
     for (int i = 0; i < N_TYPES; ++i)
-        if (strcmp(types[i].name, name) == 0 || (types[i].was && strcmp(types[i].was, name) == 0))
+        if (strcmp(types[i].name, name) == 0)
             return &types[i];
     return NULL;
 }
 
 static bool check_head(const import *in, const sql *q, duet_error *err)
 {
-    return sql_get_int(q, 1) <= STORE_VERSION ||
-           bad_line(in, err, "comes from a newer Duet, which this one cannot read", "");
+    return sql_get_int(q, 1) == STORE_VERSION ||
+           bad_line(in, err, "comes from another version of Duet, which this one cannot read", "");
 }
 
 // The line's type; NULL for the first line, which is no row.
@@ -205,7 +202,7 @@ static bool find_type(const import *in, const char *line, const line_type **type
         else if (!*type)
             ok = bad_line(in, err,
                           "its type is not one of store, device, env, pair, workload, level_cost, "
-                          "script, session, trial, profile, fabric, cluster_run: ",
+                          "script, session, trial, profile: ",
                           name);
     }
     return sql_close(&q) && ok;

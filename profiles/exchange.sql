@@ -237,7 +237,7 @@ INSERT INTO profile (uid, pair_id, workload_id, kernels, objective, level, share
        own (there) AS (SELECT count(*) FROM place JOIN profile USING (pair_id, workload_id)
                         WHERE profile.live = 1 AND objective = ?1 ->> 'objective'
                           AND kernels = ?1 ->> 'kernels' AND level = ?1 ->> 'level'),
-       unfounded (yes) AS (SELECT ?1 ->> 'verdict' = 'ambiguous')
+       untrusted (yes) AS (SELECT ?1 ->> 'verdict' = 'ambiguous')
 SELECT ?1 ->> 'uid', place.pair_id, place.workload_id, ?1 ->> 'kernels', ?1 ->> 'objective',
        ?1 ->> 'level', ?1 ->> 'share', ?1 ->> 'mode', ?1 ->> 'variant_a', ?1 ->> 'variant_b',
        ?1 ->> 'median_ns', ?1 ->> 'low_ns', ?1 ->> 'high_ns', ?1 ->> 'gain', ?1 ->> 'gain_low',
@@ -246,53 +246,10 @@ SELECT ?1 ->> 'uid', place.pair_id, place.workload_id, ?1 ->> 'kernels', ?1 ->> 
        ?1 ->> 'terms', ?1 ->> 'rounds', ?1 ->> 'whole_ns', ?1 ->> 'whole_gain',
        ?1 ->> 'whole_gain_low', ?1 ->> 'whole_gain_high',
        ?1 ->> 'origin', ?1 ->> 'session', ?1 ->> 'trial', ?1 ->> 'created_ns',
-       iif(own.there OR unfounded.yes, 0, ?1 ->> 'live'),
+       iif(own.there OR untrusted.yes, 0, ?1 ->> 'live'),
        iif(NOT ?1 ->> 'live', ?1 ->> 'dead_reason',
-           iif(unfounded.yes, 'too few rounds for a verdict',
+           iif(untrusted.yes, 'too few rounds for a verdict',
                iif(own.there, 'the store had one of its own', ?1 ->> 'dead_reason'))),
        coalesce(?1 ->> 'watched', 0), coalesce(?1 ->> 'disturbed', 0)
-  FROM place, own, unfounded WHERE true
+  FROM place, own, untrusted WHERE true
     ON CONFLICT DO NOTHING
-
---@fabric fields
-type key mpi place hosts ranks latency_ns byte_ns times measured_ns
-
---@fabric out
-SELECT json_object('type', 'fabric', 'key', key, 'mpi', mpi, 'place', place, 'hosts', hosts,
-                   'ranks', ranks, 'latency_ns', latency_ns, 'byte_ns', byte_ns,
-                   'times', CASE WHEN json_valid(times) THEN CASE json_type(times) WHEN 'object' THEN json(times)
-                                    END END, 'measured_ns', measured_ns)
-  FROM fabric ORDER BY key
-
---@fabric in
-INSERT INTO fabric (key, mpi, place, hosts, ranks, latency_ns, byte_ns, times, measured_ns)
-SELECT ?1 ->> 'key', ?1 ->> 'mpi', ?1 ->> 'place', ?1 ->> 'hosts', ?1 ->> 'ranks',
-       ?1 ->> 'latency_ns', ?1 ->> 'byte_ns', ?1 ->> 'times', ?1 ->> 'measured_ns'
-    ON CONFLICT DO NOTHING
-
---@cluster_run fields
-type uid fabric scene dims n level parts resident steps median_ns low_ns high_ns created_ns ranks
-
---@cluster_run out
-SELECT json_object('type', 'cluster_run', 'uid', uid, 'fabric', fabric.key, 'scene', scene,
-                   'dims', dims, 'n', n, 'level', level, 'parts', parts, 'resident', resident,
-                   'steps', steps, 'median_ns', median_ns, 'low_ns', low_ns, 'high_ns', high_ns,
-                   'created_ns', created_ns,
-                   'ranks', (SELECT json_group_array(json_array(number, devices, n, ghosts, pairs,
-                                                                sent_bytes, busy_ns, wait_ns))
-                               FROM cluster_rank WHERE run_id = r.id))
-  FROM cluster_run r JOIN fabric ON fabric.id = fabric_id ORDER BY created_ns, uid
-
---@cluster_run in
-INSERT INTO cluster_run (uid, fabric_id, scene, dims, n, level, parts, resident, steps, median_ns,
-                         low_ns, high_ns, created_ns)
-SELECT ?1 ->> 'uid', (SELECT id FROM fabric WHERE key = ?1 ->> 'fabric'), ?1 ->> 'scene',
-       ?1 ->> 'dims', ?1 ->> 'n', ?1 ->> 'level', ?1 ->> 'parts', ?1 ->> 'resident',
-       ?1 ->> 'steps', ?1 ->> 'median_ns', ?1 ->> 'low_ns', ?1 ->> 'high_ns', ?1 ->> 'created_ns'
-    ON CONFLICT DO NOTHING
-
---@cluster_run parts
-INSERT INTO cluster_rank (run_id, number, devices, n, ghosts, pairs, sent_bytes, busy_ns, wait_ns)
-SELECT ?2, value ->> 0, value ->> 1, value ->> 2, value ->> 3, value ->> 4, value ->> 5,
-       value ->> 6, value ->> 7
-  FROM json_each(?1, '$.ranks')

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which plan an application gets, and how good the grounds for it are.
+// Which plan an application gets, and how good the evidence for it is.
 //
 // The grades go from what was measured here to what is a guess, and the
 // grade says where it ended. No row of other devices is ever handed out as if
@@ -7,7 +7,7 @@
 //
 // Who asks for a level of accuracy gets what was measured at that level, and
 // nothing else. Who asks for an accuracy gets, of the levels that were measured
-// to be within it, the best founded and then the fastest; certified is within
+// to be within it, the one with the best evidence and then the fastest; certified is within
 // any. So no profile ever brings less than was asked for.
 #ifndef PROFILES_LOOKUP_H
 #define PROFILES_LOOKUP_H

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Whether what lies at a path is a store of ours, and which version: made fresh,
-// brought up from an older one, or refused with one line.
+// brought up from an older one that has upgrades, or refused with one line.
 //
 // All upgrades of a file are one transaction, and before it the whole file is
 // copied beside itself, so that one can go back to the older Duet.
@@ -73,127 +73,7 @@ bool store_validate_path(const char *path, store_access access, duet_error *err)
 
 // -------------------------------------------------------------------- versions
 
-// The first word of a variant, by its new name.
-#define RENAME_VARIANT(column)                                                 \
-    column " = CASE substr(" column ", 1, instr(" column " || ' ', ' ') - 1) " \
-           "WHEN 'rows' THEN 'auto' || substr(" column ", 5) "                 \
-           "WHEN 'lanes' THEN 'simd' || substr(" column ", 6) "                \
-           "WHEN 'items' THEN 'gpu' || substr(" column ", 6) ELSE " column " END"
-#define RENAME_VARIANTS(table) \
-    "UPDATE " table " SET " RENAME_VARIANT("variant_a") ", " RENAME_VARIANT("variant_b") ";"
-
-const char *const migrate_upgrades[] = {
-    // 2: what levels of accuracy find and cost; what a profile's gain is of.
-    "CREATE TABLE price ("
-    "  pair_id INTEGER NOT NULL REFERENCES pair (id),"
-    "  workload_id INTEGER NOT NULL REFERENCES workload (id),"
-    "  kernels TEXT NOT NULL,"
-    "  level TEXT NOT NULL,"
-    "  step_ns REAL NOT NULL CHECK (step_ns > 0),"
-    "  true_pairs INTEGER NOT NULL CHECK (true_pairs >= 0),"
-    "  missed INTEGER NOT NULL CHECK (missed BETWEEN 0 AND true_pairs),"
-    "  invented INTEGER NOT NULL CHECK (invented >= 0),"
-    "  created_ns INTEGER NOT NULL,"
-    "  PRIMARY KEY (pair_id, workload_id, kernels, level)"
-    ") STRICT, WITHOUT ROWID;"
-    "ALTER TABLE profile ADD COLUMN true_pairs INTEGER;"
-    "ALTER TABLE profile ADD COLUMN single_ns REAL;"
-    "ALTER TABLE profile ADD COLUMN best_share INTEGER CHECK (best_share BETWEEN 0 AND 65536);"
-    "ALTER TABLE profile ADD COLUMN best_mode TEXT CHECK (best_mode IN ('shared', 'own', 'slab'));"
-    "ALTER TABLE profile ADD COLUMN terms TEXT CHECK (terms GLOB '{*}');",
-    // 3: the field's words; drift, which nothing filled, is gone.
-    "ALTER TABLE price RENAME TO level_cost;"
-    "DROP TABLE drift;"
-    "UPDATE session SET search_state = json_set(json_remove(search_state, '$.tape'), '$.trials', "
-    "json_extract(search_state, '$.tape')) "
-    "WHERE json_valid(search_state) AND json_type(search_state, '$.tape') = "
-    "'array';" RENAME_VARIANTS("trial")
-        RENAME_VARIANTS("profile") "UPDATE fit SET " RENAME_VARIANT("variant"),
-    // 4: how well a verdict is founded, and the race against the undivided device.
-    "ALTER TABLE profile ADD COLUMN rounds INTEGER;"
-    "ALTER TABLE profile ADD COLUMN whole_ns REAL;"
-    "ALTER TABLE profile ADD COLUMN whole_gain REAL;"
-    "ALTER TABLE profile ADD COLUMN whole_gain_low REAL;"
-    "ALTER TABLE profile ADD COLUMN whole_gain_high REAL;"
-    "UPDATE profile SET live = 0, dead_reason = '" PROFILE_UNFOUNDED "' "
-    "WHERE live = 1 AND verdict = 'ambiguous';",
-    // 5: queries are workloads, too.
-    "ALTER TABLE workload ADD COLUMN query TEXT;"
-    "ALTER TABLE workload ADD COLUMN boxes INTEGER NOT NULL DEFAULT 0;",
-    // 6: clusters.
-    "CREATE TABLE fabric ("
-    "  id INTEGER PRIMARY KEY,"
-    "  key TEXT NOT NULL UNIQUE,"
-    "  mpi TEXT NOT NULL,"
-    "  place TEXT NOT NULL,"
-    "  hosts INTEGER NOT NULL CHECK (hosts BETWEEN 1 AND ranks),"
-    "  ranks INTEGER NOT NULL CHECK (ranks > 0),"
-    "  latency_ns REAL CHECK (latency_ns > 0),"
-    "  byte_ns REAL CHECK (byte_ns > 0),"
-    "  times TEXT CHECK (times GLOB '{*}'),"
-    "  measured_ns INTEGER NOT NULL"
-    ") STRICT;"
-    "CREATE TABLE cluster_run ("
-    "  id INTEGER PRIMARY KEY,"
-    "  uid TEXT NOT NULL UNIQUE,"
-    "  fabric_id INTEGER NOT NULL REFERENCES fabric (id),"
-    "  scene TEXT NOT NULL,"
-    "  dims INTEGER NOT NULL CHECK (dims IN (2, 3)),"
-    "  n INTEGER NOT NULL CHECK (n >= 0),"
-    "  level TEXT NOT NULL,"
-    "  parts INTEGER NOT NULL CHECK (parts > 0),"
-    "  resident INTEGER NOT NULL CHECK (resident IN (0, 1)),"
-    "  steps INTEGER NOT NULL CHECK (steps > 0),"
-    "  median_ns REAL NOT NULL CHECK (low_ns <= median_ns AND median_ns <= high_ns),"
-    "  low_ns REAL NOT NULL,"
-    "  high_ns REAL NOT NULL,"
-    "  created_ns INTEGER NOT NULL"
-    ") STRICT;"
-    "CREATE TABLE cluster_rank ("
-    "  run_id INTEGER NOT NULL REFERENCES cluster_run (id) ON DELETE CASCADE,"
-    "  number INTEGER NOT NULL,"
-    "  devices TEXT NOT NULL,"
-    "  n INTEGER NOT NULL CHECK (n >= 0),"
-    "  ghosts INTEGER NOT NULL CHECK (ghosts >= 0),"
-    "  pairs INTEGER NOT NULL CHECK (pairs >= 0),"
-    "  sent_bytes INTEGER NOT NULL CHECK (sent_bytes >= 0),"
-    "  busy_ns REAL NOT NULL CHECK (busy_ns >= 0),"
-    "  wait_ns REAL NOT NULL CHECK (wait_ns >= 0),"
-    "  PRIMARY KEY (run_id, number)"
-    ") STRICT, WITHOUT ROWID;",
-    // 7: what other programs did meanwhile.
-    "DROP VIEW part;"
-    "ALTER TABLE sample ADD COLUMN cpu_ns INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE sample ADD COLUMN wait_ns INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE trial ADD COLUMN disturbed INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE profile ADD COLUMN watched INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE profile ADD COLUMN disturbed INTEGER NOT NULL DEFAULT 0 CHECK (disturbed <= "
-    "watched);"
-    "CREATE VIEW part AS\n"
-    "  SELECT pair.env_a AS env_id, w.family, s.kernels, s.host,\n"
-    "         CASE t.mode WHEN 'shared' THEN 'a' ELSE 'part' END AS role,\n"
-    "         t.mode, t.level, t.variant_a AS variant,\n"
-    "         w.n, w.n * (t.share / 65536.0) AS own, w.occ_mean AS occupancy, t.a_ns AS time_ns\n"
-    "    FROM workload w JOIN session s ON s.workload_id = w.id\n"
-    "    JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id\n"
-    "   WHERE t.outcome = 'ok' AND t.disturbed = 0 AND t.share BETWEEN 1 AND 65535 AND t.a_ns > 0\n"
-    "  UNION ALL\n"
-    "  SELECT pair.env_b, w.family, s.kernels, s.host,\n"
-    "         CASE t.mode WHEN 'shared' THEN 'b' ELSE 'part' END,\n"
-    "         t.mode, t.level, t.variant_b,\n"
-    "         w.n, w.n * (1 - t.share / 65536.0), w.occ_mean, t.b_ns\n"
-    "    FROM workload w JOIN session s ON s.workload_id = w.id\n"
-    "    JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id\n"
-    "   WHERE t.outcome = 'ok' AND t.disturbed = 0 AND t.share BETWEEN 1 AND 65535 AND t.b_ns > 0\n"
-    "  UNION ALL\n"
-    "  SELECT iif(t.share = 0, pair.env_b, pair.env_a), w.family, s.kernels, s.host, 'alone',\n"
-    "         '', t.level, iif(t.share = 0, t.variant_b, t.variant_a),\n"
-    "         w.n, w.n, w.occ_mean, t.median_ns\n"
-    "    FROM workload w JOIN session s ON s.workload_id = w.id\n"
-    "    JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id\n"
-    "   WHERE t.outcome = 'ok' AND t.disturbed = 0 AND t.share IN (0, 65536);",
-    NULL,
-};
+const char *const migrate_upgrades[] = {NULL};
 
 static bool set_version(store *s, int64_t version, duet_error *err)
 {
@@ -225,7 +105,7 @@ static bool take_name(const char *name)
     return file >= 0 && close(file) == 0;
 }
 
-// The first name of PATH.v1, PATH.v1.1, PATH.v1.2 ... that is free, which is
+// The first name of PATH.v7, PATH.v7.1, PATH.v7.2 ... that is free, which is
 // then an empty file.
 static bool free_name(const store *s, int64_t version, text *name, duet_error *err)
 {
@@ -286,14 +166,14 @@ static bool run_upgrades(store *s, const char *const *upgrades, int64_t from, in
     snprintf(detail, sizeof detail, "from version %" PRId64 " to %" PRId64, from, to);
     bool ok = true;
     for (int64_t version = from; ok && version < to; ++version)
-        ok = sql_script(s, upgrades[version - 1], err);
+        ok = sql_script(s, upgrades[version - STORE_FIRST_VERSION], err);
     return ok && set_version(s, to, err) && store_audit(s, "upgrade", detail, err);
 }
 
 bool migrate_upgrade(store *s, const char *const *upgrades, duet_error *err)
 {
-    int64_t newest = 1;
-    while (upgrades[newest - 1])
+    int64_t newest = STORE_FIRST_VERSION;
+    while (upgrades[newest - STORE_FIRST_VERSION])
         ++newest;
     if (!store_begin(s, err))
         return false;
@@ -313,7 +193,7 @@ bool migrate_upgrade(store *s, const char *const *upgrades, duet_error *err)
 
 // --------------------------------------------------------- after it is opened
 
-typedef enum identity { IS_EMPTY, IS_FOREIGN, IS_OLDER, IS_OURS, IS_NEWER } identity;
+typedef enum identity { IS_EMPTY, IS_FOREIGN, IS_OLDER, IS_OURS, IS_UNKNOWN } identity;
 
 // In one transaction, since another process may be making the file.
 static bool identify(store *s, identity *is, int64_t *version, duet_error *err)
@@ -327,7 +207,9 @@ static bool identify(store *s, identity *is, int64_t *version, duet_error *err)
         !sql_script(s, "COMMIT", err))
         return false;
     if (application == STORE_APPLICATION && *version > 0)
-        *is = *version > STORE_VERSION ? IS_NEWER : *version < STORE_VERSION ? IS_OLDER : IS_OURS;
+        *is = *version == STORE_VERSION                                     ? IS_OURS
+              : *version < STORE_FIRST_VERSION || *version > STORE_VERSION ? IS_UNKNOWN
+                                                                            : IS_OLDER;
     else
         *is = application == 0 && *version == 0 && objects == 0 ? IS_EMPTY : IS_FOREIGN;
     return true;
@@ -362,29 +244,22 @@ static bool check_code(store *s, bool is_older, duet_error *err)
     return ok;
 }
 
-static bool open_newer(store *s, int64_t version, duet_error *err)
-{
-    s->writable = false;
-    text_add(&s->note,
-             "%s: was written by a newer Duet (version %" PRId64 ", this one knows %d); it is "
-             "only read",
-             s->path, version, STORE_VERSION);
-    return sql_script(s, "PRAGMA query_only = ON", err);
-}
-
 bool store_validate(store *s, duet_error *err)
 {
     identity is = IS_FOREIGN;
     int64_t version = 0;
     if (!identify(s, &is, &version, err))
         return false;
-    if (is != IS_EMPTY && is != IS_FOREIGN && !check_code(s, is == IS_OLDER, err))
+    if ((is == IS_OURS || is == IS_OLDER) && !check_code(s, is == IS_OLDER, err))
         return false;
     switch (is) {
     case IS_OURS:
         return true;
-    case IS_NEWER:
-        return open_newer(s, version, err);
+    case IS_UNKNOWN:
+        return error_set(err, DUET_STATUS_STORE_FAILED,
+                         "%s: is of version %" PRId64 ", and this Duet knows version %d; name "
+                         "another file with DUET_PROFILE",
+                         s->path, version, STORE_VERSION);
     case IS_EMPTY:
         return s->writable
                    ? migrate_create(s, err)

@@ -35,7 +35,7 @@ static double ratio_of(double a, double b)
     return a == b ? 1 : fmax(a, b) / fmin(a, b);
 }
 
-double neighbour_apart(const double a[NEIGHBOUR_QUANTITIES], const double b[NEIGHBOUR_QUANTITIES],
+double neighbour_ratio(const double a[NEIGHBOUR_QUANTITIES], const double b[NEIGHBOUR_QUANTITIES],
                        neighbour_quantity *worst)
 {
     double most = 1;
@@ -66,7 +66,7 @@ bool neighbour_is_alike(const double a[NEIGHBOUR_QUANTITIES], const double b[NEI
 bool neighbour_is_next(const double a[NEIGHBOUR_QUANTITIES], const double b[NEIGHBOUR_QUANTITIES])
 {
     return ratio_of(a[NEIGHBOUR_OBJECTS], b[NEIGHBOUR_OBJECTS]) <= NEXT_SIZE &&
-           neighbour_apart(a, b, NULL) <= NEXT_REST;
+           neighbour_ratio(a, b, NULL) <= NEXT_REST;
 }
 
 // ---------------------------------------------------------------- plans and times
@@ -81,7 +81,7 @@ static double factor(double gain)
     return 1 + fmax(gain, LEAST_GAIN);
 }
 
-double neighbour_reach(const profile_found *found)
+double neighbour_safe_ratio(const profile_found *found)
 {
     double lead = shares(found->plan.share) ? factor(found->gain_low)
                   : found->plan.share == 0  ? 1 / factor(found->gain_high)
@@ -89,7 +89,7 @@ double neighbour_reach(const profile_found *found)
     return lead > 1 ? lead * lead : 1;
 }
 
-void neighbour_lend(const profile_found *near, profile_found *found)
+void neighbour_copy_plan(const profile_found *near, profile_found *found)
 {
     *found = (profile_found){
         .plan = near->plan,
@@ -120,22 +120,22 @@ static void set_gain(profile_found *found, double low, double gain, double high)
     sql_copy(found->verdict, sizeof found->verdict, verdict);
 }
 
-void neighbour_take(const neighbour *near, const double at[NEIGHBOUR_QUANTITIES],
-                    profile_found *found)
+void neighbour_scale(const neighbour *near, const double at[NEIGHBOUR_QUANTITIES],
+                     profile_found *found)
 {
     const profile_found *f = &near->found;
     double grown = at[NEIGHBOUR_OBJECTS] / near->quantities[NEIGHBOUR_OBJECTS];
-    double apart = neighbour_apart(near->quantities, at, NULL);
-    neighbour_lend(f, found);
+    double ratio = neighbour_ratio(near->quantities, at, NULL);
+    neighbour_copy_plan(f, found);
     found->median_ns = f->median_ns * grown;
     found->single_ns = f->single_ns * grown;
     found->whole_ns = f->whole_ns * grown;
     found->whole_gain = f->whole_gain;
-    found->whole_gain_low = factor(f->whole_gain_low) / apart - 1;
-    found->whole_gain_high = factor(f->whole_gain_high) * apart - 1;
+    found->whole_gain_low = factor(f->whole_gain_low) / ratio - 1;
+    found->whole_gain_high = factor(f->whole_gain_high) * ratio - 1;
     found->best_share = f->best_share;
     sql_copy(found->best_mode, sizeof found->best_mode, f->best_mode);
-    set_gain(found, factor(f->gain_low) / apart - 1, f->gain, factor(f->gain_high) * apart - 1);
+    set_gain(found, factor(f->gain_low) / ratio - 1, f->gain, factor(f->gain_high) * ratio - 1);
 }
 
 // ---------------------------------------------------------------- between two
@@ -178,7 +178,7 @@ static void take_shared(const span *s, profile_found *found)
 {
     int end = shares(s->ends[s->near]->plan.share) ? s->near : !s->near;
     const profile_found *a = s->ends[0], *b = s->ends[1];
-    neighbour_lend(s->ends[end], found);
+    neighbour_copy_plan(s->ends[end], found);
     if (strcmp(a->best_mode, b->best_mode) != 0 || !same_kernels(&a->plan, &b->plan) ||
         !shares(a->best_share) || !shares(b->best_share))
         return;
@@ -191,7 +191,7 @@ static void take_shared(const span *s, profile_found *found)
 static void take_single(const span *s, profile_found *found)
 {
     int end = shares(s->ends[s->near]->plan.share) ? !s->near : s->near;
-    neighbour_lend(s->ends[end], found);
+    neighbour_copy_plan(s->ends[end], found);
 }
 
 static double whole_ns(const profile_found *f)

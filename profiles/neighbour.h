@@ -35,7 +35,7 @@ static inline bool neighbour_is_there(const neighbour *near)
 }
 
 // The largest ratio of any quantity, at least 1; in `worst`, unless NULL, the quantity.
-double neighbour_apart(const double a[NEIGHBOUR_QUANTITIES], const double b[NEIGHBOUR_QUANTITIES],
+double neighbour_ratio(const double a[NEIGHBOUR_QUANTITIES], const double b[NEIGHBOUR_QUANTITIES],
                        neighbour_quantity *worst);
 
 // Whether both can be one scene with different numbers of objects: as unevenly filled, with as
@@ -45,18 +45,18 @@ bool neighbour_is_alike(const double a[NEIGHBOUR_QUANTITIES], const double b[NEI
 // Whether they are almost the same: within a tenth of the objects, and a quarter of the rest.
 bool neighbour_is_next(const double a[NEIGHBOUR_QUANTITIES], const double b[NEIGHBOUR_QUANTITIES]);
 
-// How far apart (neighbour_apart) the neighbour's choice, between sharing and device B alone, is
+// How far apart (neighbour_ratio) the neighbour's choice, between sharing and device B alone, is
 // still the faster one. 1: nowhere else. A alone may be slower than B elsewhere, which nobody
 // measured.
-double neighbour_reach(const profile_found *found);
+double neighbour_safe_ratio(const profile_found *found);
 
-// Transfers a neighbour's plan to a workload, without any figure.
-void neighbour_lend(const profile_found *near, profile_found *found);
+// Copies a neighbour's plan to a workload, without any figure.
+void neighbour_copy_plan(const profile_found *near, profile_found *found);
 
-// Transfers a neighbour's plan to a workload next to it, with predicted figures. Times are in
+// Copies a neighbour's plan to a workload next to it, with predicted figures. Times are in
 // proportion to the objects, the interval of the gain widened by how far they are apart.
-void neighbour_take(const neighbour *near, const double at[NEIGHBOUR_QUANTITIES],
-                    profile_found *found);
+void neighbour_scale(const neighbour *near, const double at[NEIGHBOUR_QUANTITIES],
+                     profile_found *found);
 
 // Interpolates between two neighbours that are alike. Times lie on the line through both, the gain
 // between both gains. If one shares the work and the other does not, the predicted times decide.

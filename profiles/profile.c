@@ -99,7 +99,7 @@ static bool insert(store *s, const profile_row *row, const profile_placed *place
 // ---------------------------------------------------------------- which one is live
 
 // How sure a gain is.
-typedef struct grounds {
+typedef struct evidence {
     char uid[PROFILE_ID]; // empty: there is no such profile
     char verdict[16];
     double gain_low;
@@ -110,32 +110,32 @@ typedef struct grounds {
     double low_ns; // of a step
     double high_ns;
     bool asked_alike; // by the session of the row that is compared
-} grounds;
+} evidence;
 
-static const sql_column grounds_columns[] = {
-    SQL_COLUMN("uid", grounds, uid),
-    SQL_COLUMN("verdict", grounds, verdict),
-    SQL_COLUMN("gain_low", grounds, gain_low),
-    SQL_COLUMN("gain_high", grounds, gain_high),
-    SQL_COLUMN("rounds", grounds, rounds),
-    SQL_COLUMN("watched", grounds, watched),
-    SQL_COLUMN("disturbed", grounds, disturbed),
-    SQL_COLUMN("low_ns", grounds, low_ns),
-    SQL_COLUMN("high_ns", grounds, high_ns),
+static const sql_column evidence_columns[] = {
+    SQL_COLUMN("uid", evidence, uid),
+    SQL_COLUMN("verdict", evidence, verdict),
+    SQL_COLUMN("gain_low", evidence, gain_low),
+    SQL_COLUMN("gain_high", evidence, gain_high),
+    SQL_COLUMN("rounds", evidence, rounds),
+    SQL_COLUMN("watched", evidence, watched),
+    SQL_COLUMN("disturbed", evidence, disturbed),
+    SQL_COLUMN("low_ns", evidence, low_ns),
+    SQL_COLUMN("high_ns", evidence, high_ns),
     SQL_COLUMN("coalesce((SELECT a.strategy = b.strategy AND a.options = b.options "
                "FROM session a JOIN session b WHERE a.id = session_id AND b.id = ?6), 1)",
-               grounds, asked_alike),
+               evidence, asked_alike),
     {0},
 };
 
-static bool find_live(store *s, const profile_row *row, grounds *live, duet_error *err)
+static bool find_live(store *s, const profile_row *row, evidence *live, duet_error *err)
 {
-    sql q = sql_select(s, grounds_columns, " FROM profile WHERE " LIVE_OF_KEY, err);
+    sql q = sql_select(s, evidence_columns, " FROM profile WHERE " LIVE_OF_KEY, err);
     bind_key(&q, row);
     sql_text(&q, row->session);
-    *live = (grounds){0};
+    *live = (evidence){0};
     if (sql_row(&q))
-        sql_read(&q, 0, grounds_columns, live);
+        sql_read(&q, 0, evidence_columns, live);
     return sql_close(&q);
 }
 
@@ -155,14 +155,14 @@ static quietness quietness_of(uint32_t watched, uint32_t disturbed)
 
 // One device has no race: what is known of its step is as wide as the step's interval. The same
 // search again says that the machine has changed.
-static bool is_timed_as_well(const profile_row *row, const grounds *live)
+static bool is_timed_as_well(const profile_row *row, const evidence *live)
 {
     return strcmp(row->origin, "measured") != 0 || live->asked_alike || live->low_ns <= 0 ||
            row->high_ns * live->low_ns <= live->high_ns * row->low_ns;
 }
 
 // `same` is what a noisy race says of anything, unless its interval is narrow.
-static bool is_founded_as_well(const profile_row *row, const grounds *live)
+static bool is_trusted_as_well(const profile_row *row, const evidence *live)
 {
     double width = (1 + row->gain_high) / (1 + row->gain_low);
     bool narrow = width <= (1 + live->gain_high) / (1 + live->gain_low);
@@ -175,20 +175,20 @@ static bool is_founded_as_well(const profile_row *row, const grounds *live)
 
 // A search with other options, as fewer kernels to choose from, may find a worse plan
 // and be as sure of it. The same search again says that the machine has changed.
-static bool is_worse(const profile_row *row, const grounds *live)
+static bool is_worse(const profile_row *row, const evidence *live)
 {
     return strcmp(row->origin, "measured") == 0 && !live->asked_alike &&
            row->low_ns > live->high_ns;
 }
 
 // Why a row does not take the live one's place; NULL: it does.
-static const char *kept_because(const profile_row *row, const grounds *live)
+static const char *kept_because(const profile_row *row, const evidence *live)
 {
     quietness own = quietness_of(row->watched, row->disturbed);
     quietness others = quietness_of(live->watched, live->disturbed);
     if (own != others)
         return own > others ? NULL : "was measured beside fewer other programs";
-    if (!is_founded_as_well(row, live))
+    if (!is_trusted_as_well(row, live))
         return "is better measured";
     return is_worse(row, live) ? "has the faster plan" : NULL;
 }
@@ -196,11 +196,11 @@ static const char *kept_because(const profile_row *row, const grounds *live)
 static bool place(store *s, const profile_row *row, const char *unused, profile_placed *placed,
                   duet_error *err)
 {
-    grounds live;
+    evidence live;
     if (!find_live(s, row, &live, err))
         return false;
     if (strcmp(row->verdict, "ambiguous") == 0)
-        unused = PROFILE_UNFOUNDED;
+        unused = PROFILE_TOO_FEW_ROUNDS;
     const char *kept = *live.uid ? kept_because(row, &live) : NULL;
     if (unused)
         snprintf(placed->unused, sizeof placed->unused, "%s", unused);
@@ -257,7 +257,7 @@ static bool make_room(store *s, const char *uid, duet_error *err)
     return sql_run(&q);
 }
 
-static bool check_founded(store *s, const char *uid, duet_error *err)
+static bool check_trusted(store *s, const char *uid, duet_error *err)
 {
     int64_t id = 0;
     if (!sql_find(s, "SELECT id FROM profile WHERE uid = ? AND verdict = 'ambiguous'", uid, &id,
@@ -283,7 +283,7 @@ bool profile_use(store *s, const char *uid, duet_error *err)
     if (!store_begin(s, err))
         return false;
     bool ok =
-        profile_find(s, uid, whole, err) && check_founded(s, whole, err) &&
+        profile_find(s, uid, whole, err) && check_trusted(s, whole, err) &&
         make_room(s, whole, err) &&
         run_on(s, "UPDATE profile SET live = 1, dead_reason = NULL WHERE uid = ?", whole, err) &&
         store_audit(s, "use", whole, err);

@@ -39,7 +39,7 @@ typedef struct profile_row {
 } profile_row;
 
 // A plan that was not raced often enough is never loaded.
-#define PROFILE_UNFOUNDED "too few rounds for a verdict"
+#define PROFILE_TOO_FEW_ROUNDS "too few rounds for a verdict"
 
 // Where a stored row is, and whether it is used.
 typedef struct profile_placed {
@@ -49,7 +49,7 @@ typedef struct profile_placed {
 
 // Stores it. It becomes the live profile of its pair, workload, kernels,
 // objective and level, unless `unused` (else NULL) says why not, or one that
-// is live is better founded (it was measured beside fewer other programs, it has a
+// is live has better evidence (it was measured beside fewer other programs, it has a
 // verdict, as `faster` says more than `same`, more rounds, a narrower interval), or
 // was searched with other options and has the faster step for sure. A profile that was
 // measured in quiet always replaces one that was not. One that was live stays in the store, dead

@@ -157,8 +157,8 @@ CREATE TABLE sample (
   PRIMARY KEY (trial_id, number)
 ) STRICT, WITHOUT ROWID;
 
--- What an application loads. Rows that were replaced, or are not founded well
--- enough to be loaded, stay, dead, with the reason.
+-- What an application loads. Rows that were replaced, or have too little evidence
+-- to be loaded, stay, dead, with the reason.
 CREATE TABLE profile (
   id          INTEGER PRIMARY KEY,
   uid         TEXT NOT NULL UNIQUE,      -- random, the same in every store
@@ -255,53 +255,6 @@ CREATE TABLE fit (
   n_max      INTEGER NOT NULL,
   fitted_ns  INTEGER NOT NULL,
   PRIMARY KEY (env_id, family, kernels, host, role, mode, level, variant)
-) STRICT, WITHOUT ROWID;
-
--- What the network between the ranks of an MPI job does, as last measured between rank 0 and the
--- first rank of another machine, or of its own where all are on one.
-CREATE TABLE fabric (
-  id          INTEGER PRIMARY KEY,
-  key         TEXT NOT NULL UNIQUE,      -- sha256 of the four fields below
-  mpi         TEXT NOT NULL,             -- the library, with its version
-  place       TEXT NOT NULL,             -- sha256 of the ranks' machines in order
-  hosts       INTEGER NOT NULL CHECK (hosts BETWEEN 1 AND ranks),
-  ranks       INTEGER NOT NULL CHECK (ranks > 0),
-  latency_ns  REAL CHECK (latency_ns > 0), -- of 8 bytes, one way; NULL: there is one rank
-  byte_ns     REAL CHECK (byte_ns > 0),  -- of each byte of a long message
-  times       TEXT CHECK (times GLOB '{*}'), -- of other lengths, in ns: {"64": 812.5}
-  measured_ns INTEGER NOT NULL
-) STRICT;
-
--- A run of duet cluster that somebody kept.
-CREATE TABLE cluster_run (
-  id         INTEGER PRIMARY KEY,
-  uid        TEXT NOT NULL UNIQUE,       -- random, the same in every store
-  fabric_id  INTEGER NOT NULL REFERENCES fabric (id),
-  scene      TEXT NOT NULL,
-  dims       INTEGER NOT NULL CHECK (dims IN (2, 3)),
-  n          INTEGER NOT NULL CHECK (n >= 0),
-  level      TEXT NOT NULL,
-  parts      INTEGER NOT NULL CHECK (parts > 0), -- that each rank's objects were searched in
-  resident   INTEGER NOT NULL CHECK (resident IN (0, 1)),
-  steps      INTEGER NOT NULL CHECK (steps > 0), -- that the times are of
-  median_ns  REAL NOT NULL CHECK (low_ns <= median_ns AND median_ns <= high_ns),
-  low_ns     REAL NOT NULL,              -- the quickest of them, and the slowest
-  high_ns    REAL NOT NULL,
-  created_ns INTEGER NOT NULL
-) STRICT;
-
--- What a rank of it did in the last step.
-CREATE TABLE cluster_rank (
-  run_id     INTEGER NOT NULL REFERENCES cluster_run (id) ON DELETE CASCADE,
-  number     INTEGER NOT NULL,
-  devices    TEXT NOT NULL,              -- 'A,B'
-  n          INTEGER NOT NULL CHECK (n >= 0),
-  ghosts     INTEGER NOT NULL CHECK (ghosts >= 0),
-  pairs      INTEGER NOT NULL CHECK (pairs >= 0),
-  sent_bytes INTEGER NOT NULL CHECK (sent_bytes >= 0),
-  busy_ns    REAL NOT NULL CHECK (busy_ns >= 0),
-  wait_ns    REAL NOT NULL CHECK (wait_ns >= 0),
-  PRIMARY KEY (run_id, number)
 ) STRICT, WITHOUT ROWID;
 
 -- Imports, merges, prunings and upgrades.

@@ -155,7 +155,8 @@ bool store_undisturbed(const store *s);
 const char *store_journal(unsigned long file_system);
 
 // The store's version, and what makes each older version the next: upgrades
-// end with NULL, and the first is for a file of version 1.
+// end with NULL, and the first is for a file of the first version. Earlier files are refused.
+#define STORE_FIRST_VERSION 7
 #define STORE_VERSION 7
 #define STORE_APPLICATION 0x44554554 // "DUET"
 

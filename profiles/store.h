@@ -21,9 +21,8 @@ typedef enum store_access {
 } store_access;
 
 // NOT_FOUND for STORE_READ where there is no file; STORE_FAILED with one line
-// for a file that is foreign, corrupt, locked, or cannot be written. A file of
-// a newer Duet opens for reading, whatever was asked: see store_note. path NULL: the user's,
-// by store_user_path.
+// for a file that is foreign, corrupt, locked, of another version, or cannot be
+// written. path NULL: the user's, by store_user_path.
 store *store_open(const char *path, store_access access, duet_error *err);
 void store_close(store *s); // NULL allowed
 

@@ -340,19 +340,6 @@ bool profile_workload_put(store *s, const profile_workload *w, int64_t *workload
     return ok;
 }
 
-// ---------------------------------------------------------------- networks
-
-bool profile_fabric_key(const profile_fabric *fabric, char key[PROFILE_SHA], duet_error *err)
-{
-    text t = {0};
-    text_add(&t, "fabric\n%s\n%s\n%" PRIu32 "\n%" PRIu32 "\n", fabric->mpi, fabric->place,
-             fabric->hosts, fabric->ranks);
-    bool ok = text_ok(&t, err);
-    profile_sha(text_chars(&t), t.length, key);
-    text_free(&t);
-    return ok;
-}
-
 // ---------------------------------------------------------------- keys
 
 // Each is given the row's own columns, then those of the device and the rest.
@@ -402,22 +389,6 @@ static bool script_is_right(const sql *q, duet_error *err)
     return strcmp(key, sql_get_text(q, 1)) == 0;
 }
 
-static const sql_column fabric_columns[] = {
-    SQL_COLUMN("mpi", profile_fabric, mpi),
-    SQL_COLUMN("place", profile_fabric, place),
-    SQL_COLUMN("hosts", profile_fabric, hosts),
-    SQL_COLUMN("ranks", profile_fabric, ranks),
-    {0},
-};
-
-static bool fabric_is_right(const sql *q, duet_error *err)
-{
-    char key[PROFILE_SHA];
-    profile_fabric fabric = {0};
-    int rest = sql_read(q, 0, fabric_columns, &fabric);
-    return profile_fabric_key(&fabric, key, err) && strcmp(key, sql_get_text(q, rest)) == 0;
-}
-
 static const sql_column script_columns[] = {{.name = "body"}, {0}};
 
 static const struct {
@@ -432,7 +403,6 @@ static const struct {
      ", t.key, t.seat FROM env t JOIN device d ON d.id = t.device_id", env_is_right},
     {"workload", workload_columns, NULL, ", t.key, t.family FROM workload t", workload_is_right},
     {"script", script_columns, NULL, ", t.key FROM script t", script_is_right},
-    {"fabric", fabric_columns, NULL, ", t.key FROM fabric t", fabric_is_right},
 };
 
 bool key_check(store *s, const char *table, int64_t id, bool *right, duet_error *err)

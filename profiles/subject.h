@@ -34,14 +34,12 @@ typedef struct profile_env {
     const char *limits;  // clock lock, power cap, affinity, governor; NULL: none known
 } profile_env;
 
-#define PROFILE_SECOND "second" // ends the part of B where the pair is alike
+#define PROFILE_SECOND "second" // ends the part of B if nothing else tells B from A
 
 // Ordered: A takes the share, B the rest. One device alone is a pair of itself.
 typedef struct profile_pair {
     profile_env a;
     profile_env b;
-    bool alike; // two devices that nothing but b.part tells apart. Stores of earlier versions
-                // have them as A twice, as they have A alone
 } profile_pair;
 
 // The sha256 of the canonical fields; a seat (the environment without versions) leaves out the
@@ -98,26 +96,10 @@ bool profile_workload_key(const profile_workload *w, char key[PROFILE_SHA], duet
 bool profile_workload_put(store *s, const profile_workload *w, int64_t *workload_id,
                           duet_error *err);
 
-// ---------------------------------------------------------------- networks
-
-// The network between the ranks of a job, as it was measured. The same ranks on the same machines,
-// with the same library, are one fabric.
-typedef struct profile_fabric {
-    const char *mpi;   // the library, with its version
-    const char *place; // sha256 of the ranks' machines in order
-    uint32_t hosts;
-    uint32_t ranks;
-    double latency_ns; // of 8 bytes, one way; 0: there is one rank
-    double byte_ns;    // of each byte of a long message
-    const char *times; // a JSON object: ns by bytes; NULL: there is one rank
-} profile_fabric;
-
-bool profile_fabric_key(const profile_fabric *fabric, char key[PROFILE_SHA], duet_error *err);
-
 // ---------------------------------------------------------------- keys
 
-// Makes the key of a row of "device", "env", "workload", "script" or "fabric" again from
-// its fields. right is true where it is the one that is stored.
+// Makes the key of a row of "device", "env", "workload" or "script" again from its
+// fields. right is true where it is the one that is stored.
 bool key_check(store *s, const char *table, int64_t id, bool *right, duet_error *err);
 
 #endif

@@ -146,9 +146,7 @@ static bool check_objects(store *s, text *report, uint32_t *problems, duet_error
            report_rows(s, "SELECT session_id, number FROM trial WHERE " NO_OBJECT("terms"),
                        "a trial's terms are no JSON object:", report, problems, err) &&
            report_rows(s, "SELECT uid FROM profile WHERE " NO_OBJECT("terms"),
-                       "a profile's terms are no JSON object:", report, problems, err) &&
-           report_rows(s, "SELECT key FROM fabric WHERE " NO_OBJECT("times"),
-                       "a fabric's times are no JSON object:", report, problems, err);
+                       "a profile's terms are no JSON object:", report, problems, err);
 }
 
 bool profile_check(store *s, text *report, uint32_t *problems, duet_error *err)
@@ -161,7 +159,6 @@ bool profile_check(store *s, text *report, uint32_t *problems, duet_error *err)
            check_keys(s, "env", report, problems, err) &&
            check_keys(s, "workload", report, problems, err) &&
            check_keys(s, "script", report, problems, err) &&
-           check_keys(s, "fabric", report, problems, err) &&
            report_rows(s,
                        "SELECT uid FROM profile p WHERE trial IS NOT NULL AND NOT EXISTS "
                        "(SELECT 1 FROM trial t WHERE t.session_id = p.session_id AND "

@@ -107,8 +107,8 @@ static bool run_listed(void *context, const listed_plan *plan, search_sample *fr
     const duet_online *o = context;
     duet_world *world = o->def.world;
     duet_result result;
-    if (!world->lent && !world->resident.objects.mem)
-        ++world->objects_version;
+    if (!world->resident.mem && world->rows == world->objects.bytes)
+        ++world->objects_generation;
     return step(o, plan, &result, frame, NULL);
 }
 

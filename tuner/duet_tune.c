@@ -574,6 +574,7 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         return false;
     bool guessed = near->grade == PROFILE_INTERPOLATED || near->grade == PROFILE_TRANSFERRED ||
                    near->grade == PROFILE_OTHER_DRIVER || near->grade == PROFILE_STALE;
+    uint32_t fair = duet_default_plan(h->def.pair).share; // of devices that differ: 0
     tune_task task = {
         .def = &h->def,
         .machine = h->def.query   ? measure_query_machine(query, h->hash)
@@ -584,8 +585,9 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         .plan = h->def.query   ? query_plan()
                 : h->def.steps ? duet_default_plan(h->def.pair)
                                : *duet_world_get_plan(h->world),
-        .has_start = guessed,
-        .start = near->plan.share,
+        .has_start = guessed || fair,
+        .start = guessed ? near->plan.share : fair,
+        .fair = fair,
         .script = h->script,
         .least_share = task_least_share(h->def.query ? query->n : info->n),
     };

@@ -76,14 +76,14 @@ static void add_stages(sums *s, const duet_stage *stages, uint32_t n)
 
 static void add_step(sums *s, const duet_motion *m, const duet_motion_result *step)
 {
-    const duet_result *search = &m->searched;
+    const duet_result *search = &m->graph.searched;
     s->total_ms += step->total_ms;
     for (uint32_t i = 0; step->timed && i < step->n_stages; ++i) {
         duet_stage stage = step->stages[i];
         stage.device = 1;
         add_stages(s, &stage, 1);
     }
-    if (!m->rebuilt)
+    if (!step->rebuilt)
         return;
     for (int side = 0; side < 2; ++side)
         s->search_ms[side] += search->device_ms[side];
@@ -161,7 +161,7 @@ static bool join(kernel_space **spaces, uint32_t *n, duet_motion *m, int side, d
 {
     kernel_space *more = NULL;
     uint32_t n_more = 0;
-    bool ok = kernel_spaces_read(m->world, side, &more, &n_more, err);
+    bool ok = kernel_spaces_read(m->graph.world, side, &more, &n_more, err);
     kernel_space *all = ok ? realloc(*spaces, (*n + n_more + 1) * sizeof *all) : NULL;
     if (all) {
         memcpy(all + *n, more, n_more * sizeof *all);
@@ -183,7 +183,7 @@ bool measure_motion_kernels(measure_motion *q, const duet_plan *plan, int side,
     if (!has_run(q, plan) && !run(q, plan, false, &s, err))
         return false;
     duet_motion *m = q->motion;
-    bool searches = m->world && m->world->prepared[side];
+    bool searches = m->graph.world && world_is_prepared(m->graph.world, side);
     return (side == 0 || motion_kernel_spaces(m, spaces, n, err)) &&
            (!searches || join(spaces, n, m, side, err));
 }

@@ -49,6 +49,7 @@ typedef struct tune_task {
     duet_plan plan;                 // its variants are the defaults that must work
     bool has_start;                 // a share that is likely near the best
     uint32_t start;
+    uint32_t fair; // by units, of devices of one kind: another must be proven faster; 0: none
     void *script;         // of the strategy "lua"
     uint32_t least_share; // shares nearer than this are the same
 } tune_task;

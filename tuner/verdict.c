@@ -104,17 +104,38 @@ static bool fail_unmeasured(const tuning *t, duet_error *err)
     return error_copy(err, &t->failure);
 }
 
-// The single device and the shared plan once more, with its evened share.
+// The share by units of two devices of one kind.
+static bool is_fair(const tuning *t, const duet_plan *plan)
+{
+    return t->task->fair && plan->share == t->task->fair;
+}
+
+// The single device and the shared plan once more, with its evened and its fair share.
 static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *shared, field *f,
                            duet_error *err)
 {
-    duet_plan even;
+    duet_plan even, fair = *shared;
     *f = (field){0};
     field_enter(f, *alone);
     field_enter(f, *shared);
-    if (even_out(t, shared, &even))
+    if (even_out(t, shared, &even) && !is_fair(t, &even))
         field_enter(f, even);
+    fair.share = t->task->fair;
+    if (fair.share && !is_fair(t, shared))
+        field_enter(f, fair);
     return field_race(t, f, &trial_budget_last_race, false, INFINITY, err);
+}
+
+// The best of the shared plans. Devices of one kind share by their units unless another share is
+// proven to be faster: in a few noisy launches the best of several shares is seldom the best one.
+static uint32_t best_finalist(const tuning *t, const field *f)
+{
+    uint32_t best = race_best(&f->race, 1, f->n);
+    for (uint32_t i = 1; i < f->n && best < f->n; ++i)
+        if (i != best && is_fair(t, &f->plans[i]) && f->race.rivals[i].rounds > 0 &&
+            race_compare(&f->race, best, i).verdict != RACE_FASTER)
+            return i;
+    return best;
 }
 
 // The budget may have ended before or in this race: then the first one's samples
@@ -160,7 +181,7 @@ bool verdict_reach(tuning *t, const mode_found *founds, uint32_t n, duet_tune_ou
     }
     if (!race_finalists(t, &all.plans[alone], &all.plans[shared], &finalists, err))
         return false;
-    uint32_t best = race_best(&finalists.race, 1, finalists.n);
+    uint32_t best = best_finalist(t, &finalists);
     if (is_decided(&finalists, best))
         judge(t, &finalists, 0, best, outcome);
     else

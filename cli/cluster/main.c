@@ -27,7 +27,7 @@ static bool run(void *given, char **operands, duet_error *err)
     if (ok || (rank == 0 && !starter_tells))
         return ok;
     if (rank == 0)
-        fputs(MPIRUN_STOPPED, stderr);
+        fputc(MPIRUN_STOPPED, stderr);
     own->quiet_status = starter_tells ? EXIT_OK : say_status(err);
     interrupt_forget();
     return true;
@@ -48,7 +48,7 @@ int main(int argc, char **argv)
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     const char *started = getenv(MPIRUN_STARTED);
     if (rank == 0 && started)
-        fputs(MPIRUN_BEGUN, stderr);
+        fputc(MPIRUN_BEGUN, stderr);
     if (rank == 0 && started && strcmp(started, "terminal") == 0)
         say_on_terminal();
     int status = options_run(&cluster_line, argc, argv, &own, run);

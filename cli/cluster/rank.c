@@ -4,8 +4,6 @@
 
 #include "base/error.h"
 #include "base/output.h"
-#include "cli/cluster/apart.h"
-#include "cli/cluster/keep.h"
 #include "cli/interrupt.h"
 #include "cli/report/json.h"
 #include "cli/report/run_report.h"
@@ -13,7 +11,6 @@
 #include "cli/say.h"
 #include "cluster/cluster.h"
 #include "cluster/rank_watch.h"
-#include "profiles/cluster_run.h"
 #include "tuner/stats.h"
 
 #include <inttypes.h>
@@ -27,7 +24,7 @@
 typedef struct run_state {
     const cluster_arguments *args;
     const simulation *simulation; // NULL: the ranks are real
-    const stored_steps *like;     // what they take the times of; NULL: their own
+    const duet_stored_profile *profile; // whose times they take; NULL: their own
     duet_cluster *cluster;
     duet_scene *scene; // rank 0's
     int rank;
@@ -37,16 +34,8 @@ typedef struct run_state {
     uint64_t n_steps;
     bool is_stopped; // a rank was asked to stop, so all did
     duet_cluster_rank *ranks;
-    ranks job; // all ranks, where each has a cluster of its own
-    apart_times apart;
     reference_check check;
 } run_state;
-
-// Those that share the work.
-static ranks *job_of(run_state *r)
-{
-    return r->args->apart ? &r->job : &r->cluster->ranks;
-}
 
 // ---------------------------------------------------------------- the work
 
@@ -101,7 +90,7 @@ static bool open_cluster(run_state *r, duet_error *err)
     if (!read_weight(r, &def.weight, err) ||
         !inputs_change_plan(&r->args->plan, NULL, NULL, &def.world.plan, err))
         return false;
-    r->cluster = cluster_create(&def, r->simulation, r->args->apart, err);
+    r->cluster = cluster_create(&def, r->simulation, err);
     if (r->cluster)
         tell_binding(r);
     return r->cluster;
@@ -144,39 +133,23 @@ static bool load(run_state *r, const char *path, duet_error *err)
            duet_cluster_set_level(r->cluster, level, err);
 }
 
-static const stored_run *run_of(const stored_steps *like)
+// The stored times hold only for the same dimensions and level.
+static bool check_profile(const run_state *r, duet_error *err)
 {
-    return like ? like->run : NULL;
-}
-
-// The stored times hold only for the same dimensions, level, parts and residence.
-static bool check_like(const run_state *r, duet_error *err)
-{
-    const stored_steps *like = r->like;
-    const stored_run *run = run_of(like);
+    const duet_stored_profile *p = r->profile;
     const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
     const char *level = duet_level_get_info(r->cluster->def.world.level)->name;
-    if (!like)
+    if (!p)
         return true;
-    if (info->dims != like->dims)
+    if (info->dims != p->dims)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--profile '%s': a %s in %uD, and %s is in %uD; expected the same",
-                         r->args->profile, like->of, like->dims, info->name, info->dims);
-    if (strcmp(level, like->level) != 0)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--profile '%s': a %s at level %s, and this is at level %s; expected the "
-                         "same",
-                         r->args->profile, like->of, like->level, level);
-    if (!run)
-        return true;
-    if (run->parts != r->args->parts)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--profile '%s': a run with --parts %u; expected the same",
-                         r->args->profile, run->parts);
-    return run->resident == r->args->resident ||
+                         "--profile '%s': a profile in %uD, and %s is in %uD; expected the same",
+                         r->args->profile, p->dims, info->name, info->dims);
+    return strcmp(level, p->level) == 0 ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "--profile '%s': a run with%s --resident; expected the same", r->args->profile,
-                     run->resident ? "" : "out");
+                     "--profile '%s': a profile at level %s, and this is at level %s; expected the "
+                     "same",
+                     r->args->profile, p->level, level);
 }
 
 // As in duet run, a given plan is kept; else each rank loads its profile.
@@ -246,29 +219,6 @@ static bool run_steps(run_state *r, duet_error *err)
     return ok && duet_cluster_get_ranks(r->cluster, r->ranks, err);
 }
 
-static bool step_apart(void *context, double *ms, duet_error *err)
-{
-    run_state *r = context;
-    bool ok = step(r, err);
-    *ms = r->result.total_ms;
-    return ok;
-}
-
-// What a rank does by itself is done, or has failed, on all of them.
-static bool run_apart(run_state *r, duet_error *err)
-{
-    duet_cluster_rank own;
-    r->apart.all_ms = r->total_ms;
-    r->n_steps = r->args->repeat;
-    if (!apart_measure(&r->apart, &r->job, r->args->repeat, step_apart, r, err) ||
-        !duet_cluster_get_ranks(r->cluster, &own, err))
-        return false;
-    own.busy_ms = r->apart.ms[apart_first_of(&r->apart, r->rank)];
-    own.wait_ms = 0;
-    ranks_gather(&r->job, &own, r->ranks, (int)sizeof own);
-    return true;
-}
-
 // Rank 0 has the scene. Pairs are not gathered: their number and hash are enough.
 static bool check(run_state *r, duet_error *err)
 {
@@ -294,7 +244,7 @@ static bool check(run_state *r, duet_error *err)
 // Only times are computed; no pairs are searched.
 static bool is_forecast(const run_state *r)
 {
-    return r->simulation && r->simulation->object_seconds;
+    return r->simulation && r->simulation->object_seconds > 0;
 }
 
 // Weak scaling: the part of all ranks' time that goes to their own objects, not to ghosts or waits.
@@ -304,18 +254,10 @@ static double efficiency(const run_state *r)
     for (int i = 0; i < r->n_ranks; ++i) {
         const duet_cluster_rank *rank = &r->ranks[i];
         double own = (double)rank->objects;
-        double all = own + r->simulation->ghost_objects * (double)rank->ghosts;
+        double all = own + (double)rank->ghosts;
         own_ms += all > 0 ? rank->busy_ms * own / all : 0;
     }
     return own_ms / (r->n_ranks * r->total_ms[(r->n_steps - 1) / 2]);
-}
-
-static void print_run(const stored_run *run)
-{
-    printf("\nranks as in run %.8s: %s, %s, ", say_name(run->uid).chars, say_name(run->scene).chars,
-           table_things(run->n, "box", "boxes").chars);
-    printf("%s%s on %s\n", table_things(run->ranks, "rank", "ranks").chars,
-           run->company ? " apart" : "", table_things(run->hosts, "host", "hosts").chars);
 }
 
 static void print_ranks(const run_state *r)
@@ -334,27 +276,13 @@ static void print_ranks(const run_state *r)
     table_print(&t, stdout);
 }
 
-static void print_company(const run_state *r)
-{
-    const apart_times *apart = &r->apart;
-    table t = table_begin("rrr");
-    table_words(&t, "at work", "ms a step", "by one", NULL);
-    for (int i = 0; i < apart->n; ++i) {
-        table_cell(&t, "%d", apart->ranks[i]);
-        table_cell(&t, "%.3f", apart->ms[i]);
-        table_cell(&t, "%.3f", apart->ms[0] > 0 ? apart->ms[i] / apart->ms[0] : 1);
-    }
-    table_print(&t, stdout);
-}
-
 static void print_text(const run_state *r)
 {
     const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
     const duet_cluster_result *result = &r->result;
     run_report_scene(info);
-    printf("%s%s\n\n", table_things((uint64_t)r->n_ranks, "rank", "ranks").chars,
-           r->args->apart ? " apart, each with all of them" : "");
-    (r->args->apart ? print_company : print_ranks)(r);
+    printf("%s\n\n", table_things((uint64_t)r->n_ranks, "rank", "ranks").chars);
+    print_ranks(r);
     uint64_t n = r->n_steps;
     double median = r->total_ms[(n - 1) / 2];
     printf("\n");
@@ -372,12 +300,9 @@ static void print_text(const run_state *r)
     if (is_forecast(r)) {
         table_cell(&t, "efficiency");
         table_cell(&t, "%.3f", efficiency(r));
-        table_cell(&t, "what %s take for their own objects, by that",
-                   run_of(r->like) ? "ranks" : "devices");
+        table_cell(&t, "what devices take for their own objects, by that");
     }
     table_print(&t, stdout);
-    if (run_of(r->like))
-        print_run(run_of(r->like));
     if (r->check.asked)
         run_report_check(&r->check);
 }
@@ -395,16 +320,6 @@ static void add_rank(cJSON *list, const run_state *r, int i)
     cJSON_AddNumberToObject(o, "busy_ms", rank->busy_ms);
     cJSON_AddNumberToObject(o, "wait_ms", rank->wait_ms);
     cJSON_AddNumberToObject(o, "sent_bytes", (double)rank->sent_bytes);
-}
-
-static void add_company(cJSON *o, const apart_times *apart)
-{
-    cJSON *rows = cJSON_AddArrayToObject(o, "company");
-    for (int i = 0; i < apart->n; ++i) {
-        cJSON *row = json_add_row(rows);
-        cJSON_AddNumberToObject(row, "ranks", apart->ranks[i]);
-        cJSON_AddNumberToObject(row, "ms", apart->ms[i]);
-    }
 }
 
 static bool print_json(const run_state *r, duet_error *err)
@@ -429,8 +344,6 @@ static bool print_json(const run_state *r, duet_error *err)
         cJSON_AddStringToObject(o, "platform", r->args->simulate);
     if (is_forecast(r))
         cJSON_AddNumberToObject(o, "efficiency", efficiency(r));
-    if (r->args->apart)
-        add_company(o, &r->apart);
     cJSON *rows = cJSON_AddArrayToObject(o, "ranks");
     for (int i = 0; i < r->n_ranks; ++i)
         add_rank(rows, r, i);
@@ -453,52 +366,15 @@ static bool tell(const run_state *r, duet_error *err)
                      duet_cluster_get_scene_info(r->cluster)->name);
 }
 
-static bool keep(run_state *r, duet_error *err)
-{
-    const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
-    uint64_t n = r->n_steps;
-    profile_cluster_run run = {.scene = info->name,
-                               .dims = info->dims,
-                               .n = r->result.objects,
-                               .level = duet_level_get_info(r->cluster->def.world.level)->name,
-                               .parts = (uint32_t)r->args->parts,
-                               .resident = r->args->resident,
-                               .steps = n,
-                               .median_ns = r->total_ms[(n - 1) / 2] * 1e6,
-                               .low_ns = r->total_ms[0] * 1e6,
-                               .high_ns = r->total_ms[n - 1] * 1e6};
-    return !r->args->keep || keep_run(job_of(r), &run, r->ranks, err);
-}
-
 // ---------------------------------------------------------------- all of it
-
-static bool open(run_state *r, const char *path, duet_error *err)
-{
-    return open_cluster(r, err) && check_output(r, err) && load(r, path, err) &&
-           check_like(r, err) && choose_plan(r, err);
-}
-
-static bool run_together(run_state *r, const char *path, duet_error *err)
-{
-    bool ok = open(r, path, err) && run_steps(r, err) && check(r, err);
-    if (ok && r->args->pairs_path)
-        ok = duet_cluster_save_pairs(r->cluster, r->args->pairs_path, r->args->sorted, err);
-    return ok;
-}
-
-// Ranks that open clusters of their own fail by themselves.
-static bool run_each(run_state *r, const char *path, duet_error *err)
-{
-    if (!ranks_begin(&r->job, NULL, NULL, err))
-        return false;
-    bool ok = open(r, path, err) && reserve(r, err);
-    return ranks_agree(&r->job, ok, err) && run_apart(r, err);
-}
 
 static bool run_all(run_state *r, const char *path, duet_error *err)
 {
-    bool ok = (r->args->apart ? run_each : run_together)(r, path, err);
-    return ok && ranks_agree(job_of(r), tell(r, err), err) && keep(r, err) && tell_stop(r, err);
+    bool ok = open_cluster(r, err) && check_output(r, err) && load(r, path, err) &&
+              check_profile(r, err) && choose_plan(r, err) && run_steps(r, err) && check(r, err);
+    if (ok && r->args->pairs_path)
+        ok = duet_cluster_save_pairs(r->cluster, r->args->pairs_path, r->args->sorted, err);
+    return ok && ranks_agree(&r->cluster->ranks, tell(r, err), err) && tell_stop(r, err);
 }
 
 static void say_silence(const char *line)
@@ -515,19 +391,15 @@ static double silence_s(void)
 }
 
 bool rank_run(const cluster_arguments *args, const char *scene, const simulation *s,
-              const stored_steps *like, duet_error *err)
+              const duet_stored_profile *profile, duet_error *err)
 {
-    run_state r = {.args = args,
-                   .simulation = s,
-                   .like = like,
-                   .job = {.comm = MPI_COMM_NULL, .host = MPI_COMM_NULL}};
+    run_state r = {.args = args, .simulation = s, .profile = profile};
     MPI_Comm_rank(MPI_COMM_WORLD, &r.rank);
     MPI_Comm_size(MPI_COMM_WORLD, &r.n_ranks);
     rank_watch watch;
     bool watches = !s && rank_watch_begin(&watch, silence_s(), say_silence, err);
     bool ok = (s || watches) && run_all(&r, scene, err);
     duet_cluster_destroy(r.cluster);
-    ranks_end(&r.job);
     if (watches)
         rank_watch_end(&watch);
     duet_scene_destroy(r.scene);

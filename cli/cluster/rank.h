@@ -4,20 +4,12 @@
 #ifndef CLI_CLUSTER_RANK_H
 #define CLI_CLUSTER_RANK_H
 
-#include "cli/cluster/stored_run.h"
 #include "cli/commands/cluster.h"
 #include "cluster/cluster.h"
+#include "profiles/duet_profiles.h"
 
-// A stored run or profile: simulated ranks take as long as its steps.
-typedef struct stored_steps {
-    const char *of; // "run" or "profile"
-    uint32_t dims;
-    char level[16];
-    const stored_run *run; // NULL: it is a profile
-} stored_steps;
-
-// s: NULL if the ranks are real. like: NULL if they take their own times.
+// s: NULL if the ranks are real. profile: the one whose times simulated ranks take, or NULL.
 bool rank_run(const cluster_arguments *args, const char *scene, const simulation *s,
-              const stored_steps *like, duet_error *err);
+              const duet_stored_profile *profile, duet_error *err);
 
 #endif

@@ -39,8 +39,7 @@ static const option options[] = {
     {0},
 };
 
-static const option_rule rules[] = {
-    {"time", OPTION_EXCLUDES, "still"}, {"limit", OPTION_EXCLUDES, "still"}, {0}};
+static const option_rule rules[] = {{"time limit", OPTION_EXCLUDES, "still"}, {0}};
 
 static const command_line line = {
     .name = "accuracy",

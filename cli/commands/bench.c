@@ -182,7 +182,7 @@ static bool measure(bench *b, duet_world *world, const duet_scene *scene, const 
     timed t = {0};
     bool ok =
         duet_world_set_plan(world, plan, &failure) &&
-        timed_run(&t, world, scene, (uint32_t)b->args->repeat, TIMED_SENDS_OBJECTS, &failure) &&
+        timed_run(&t, world, scene, (uint32_t)b->args->repeat, TIMED_INPUT_HOST, &failure) &&
         check_pairs(&t, hash, info, plan, &failure);
     if (ok)
         bench_add(b->results, info, plan, &t, NULL);

@@ -14,18 +14,16 @@ typedef struct cluster_arguments {
     const char *weights; // NULL: all ranks are alike
     const char *hosts;   // to start ranks on; NULL: this machine
     const char *pairs_path;
-    const char *simulate; // a platform, or the uid of a run; NULL: ranks are real
-    const char *profile;  // or run, whose times simulated ranks take; NULL: they find pairs
+    const char *simulate; // a platform; NULL: ranks are real
+    const char *profile;  // whose times simulated ranks take; NULL: they find pairs
     uint64_t stands_for;  // objects that each object stands for
     uint64_t parts;       // that each rank's objects are searched in
     uint64_t ranks;       // to start; 0: this is one of those that there are
     uint64_t repeat;
-    bool apart; // each rank by itself
     bool plain;
     bool resident;
     bool sorted;
     bool check;
-    bool keep;
     bool verbose;
     bool json;
 } cluster_arguments;

@@ -79,9 +79,9 @@ static void print(const duet_world *world, const duet_device_pair *pair)
     const char *variants[] = {plan->variant_a, plan->variant_b};
     bool one = duet_device_pair_is_one(pair);
     for (int side = 0; side < 2; ++side) {
-        if (!world->prepared[side])
+        if (!world_is_prepared(world, side))
             continue;
-        printf("%s%s%s%s, kernels '%s'\n\n", side == 1 && world->prepared[0] ? "\n" : "",
+        printf("%s%s%s%s, kernels '%s'\n\n", side == 1 && world_is_prepared(world, 0) ? "\n" : "",
                one ? "" : sides[side], one ? "" : "  ",
                duet_device_pair_get_info(pair, side)->selector, variants[side]);
         print_facts(world, side);
@@ -121,7 +121,7 @@ static void add_json(const duet_world *world, cJSON *o)
     const char *variants[] = {plan->variant_a, plan->variant_b};
     cJSON *search = cJSON_AddArrayToObject(o, "search");
     for (int side = 0; side < 2; ++side) {
-        if (!world->prepared[side])
+        if (!world_is_prepared(world, side))
             continue;
         cJSON *its = json_add_row(search);
         cJSON_AddStringToObject(its, "device", sides[side]);

@@ -34,8 +34,7 @@ static const option options[] = {
     {0},
 };
 
-static const option_rule rules[] = {
-    {"memory", OPTION_EXCLUDES, "trust"}, {"seconds", OPTION_EXCLUDES, "trust"}, {0}};
+static const option_rule rules[] = {{"memory seconds", OPTION_EXCLUDES, "trust"}, {0}};
 
 static const command_line line = {
     .name = "lua",

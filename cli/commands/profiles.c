@@ -9,7 +9,6 @@
 #include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
-#include "profiles/cluster_run.h"
 #include "profiles/exchange.h"
 #include "profiles/profile.h"
 #include "profiles/t4.h"
@@ -51,8 +50,7 @@ static const option list_options[] = {
 static const command_line list_line = {
     .name = "profiles list",
     .operands = "",
-    .about = "Lists the profiles of the store by device pair and size, and the runs of 'duet\n"
-             "cluster --keep'.",
+    .about = "Lists the profiles of the store by device pair and size.",
     .options = list_options,
 };
 
@@ -124,8 +122,8 @@ static const command_line forget_line = {
     .operands = "PROFILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Removes a profile, or a run of a cluster. What was measured for a profile\n"
-             "stays, and no other takes its place.",
+    .about = "Removes a profile. What was measured for it stays, and no other takes its\n"
+             "place.",
     .options = uid_options,
 };
 
@@ -140,16 +138,7 @@ static bool use(store *s, const arguments *args, char **operands, duet_error *er
 
 static bool forget(store *s, const arguments *args, char **operands, duet_error *err)
 {
-    char run[PROFILE_ID] = "";
     (void)args;
-    if (*operands[0] && !cluster_run_find(s, operands[0], run, err))
-        return false;
-    if (*run) {
-        if (!cluster_run_forget(s, run, err))
-            return false;
-        printf("%s is forgotten\n", operands[0]);
-        return true;
-    }
     if (!profile_forget(s, operands[0], err))
         return false;
     printf("%s is forgotten; 'duet tune' measures again\n", operands[0]);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // duet profiles list: the profiles by device pair and size, and the runs of clusters.
 #include "cli/commands/profiles.h"
-#include "cli/report/cluster_run_report.h"
 #include "cli/report/profile_report.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
@@ -145,15 +144,13 @@ bool profiles_list(store *s, bool dead, bool json, duet_error *err)
     listing l = {.json = o ? cJSON_AddArrayToObject(o, "profiles") : NULL};
     if (o)
         cJSON_AddStringToObject(o, "store", store_path(s));
-    uint64_t runs = 0;
     bool ok = profile_entry_each(s, NULL, dead, list_entry, &l, err);
     if (!o && l.n > 0) {
         print_rows(&l);
         printf(
             "plan: A's part of the work; B does the rest. gain: over the better device alone.\n");
     }
-    ok = ok && cluster_run_report_list(s, l.n > 0, o, &runs, err);
-    if (!o && ok && l.n == 0 && runs == 0)
+    if (!o && ok && l.n == 0)
         ok = print_none(s, err);
     if (ok && o)
         return say_json(o, err);

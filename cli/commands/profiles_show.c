@@ -2,7 +2,6 @@
 // duet profiles show: a profile with the session it comes from and all its trials, or a run of a
 // cluster. duet profiles diff: two profiles side by side, and which is the quicker.
 #include "cli/commands/profiles.h"
-#include "cli/report/cluster_run_report.h"
 #include "cli/report/profile_report.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
@@ -107,10 +106,6 @@ bool profiles_show(store *s, const char *uid, bool json, duet_error *err)
 {
     char whole[PROFILE_ID];
     profile_showing sh = {.s = s, .json = json, .err = err};
-    if (!cluster_run_find(s, uid, whole, err))
-        return false;
-    if (*whole)
-        return cluster_run_report_show(s, whole, json, err);
     return profile_find(s, uid, whole, err) &&
            profile_entry_each(s, whole, true, show_entry, &sh, err) && sh.ok;
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// duet profiles why: which profile a scene would get here, and on which
-// grounds.
+// duet profiles why: which profile a scene would get here, and why.
 #include "cli/commands/profiles.h"
 #include "cli/inputs.h"
 #include "cli/options.h"
@@ -32,12 +31,7 @@ static const option options[] = {
 };
 
 // A motion finds all pairs.
-static const option_rule rules[] = {
-    {"level", OPTION_EXCLUDES, "moving"},
-    {"missed", OPTION_EXCLUDES, "moving"},
-    {"false-rate", OPTION_EXCLUDES, "moving"},
-    {0},
-};
+static const option_rule rules[] = {{"level missed false-rate", OPTION_EXCLUDES, "moving"}, {0}};
 
 static const command_line line = {
     .name = "profiles why",

@@ -38,8 +38,7 @@ static const option options[] = {
 };
 
 static const option_rule rules[] = {
-    {"pair", OPTION_EXCLUDES, "device"}, // which is one device alone
-    {"share", OPTION_EXCLUDES, "device"},
+    {"pair share", OPTION_EXCLUDES, "device"}, // which is one device alone
     {"separations", OPTION_NEEDS, "output"},
     {0},
 };

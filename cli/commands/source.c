@@ -45,10 +45,10 @@ static const option options[] = {
 };
 
 static const option_rule rules[] = {
-    {"list", OPTION_EXCLUDES, "check"},  {"most", OPTION_NEEDS, "check"},
-    {"seed", OPTION_NEEDS, "check"},     {"set", OPTION_EXCLUDES, "list"},
-    {"set", OPTION_EXCLUDES, "check"},   {"scene", OPTION_EXCLUDES, "list"},
-    {"scene", OPTION_EXCLUDES, "check"}, {0},
+    {"check set scene", OPTION_EXCLUDES, "list"},
+    {"set scene", OPTION_EXCLUDES, "check"},
+    {"most seed", OPTION_NEEDS, "check"},
+    {0},
 };
 
 static const char *refuse(const void *given, char **operands)

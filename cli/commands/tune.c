@@ -96,22 +96,9 @@ static const option options[] = {
 
 // What a replay has from its store, or does not do.
 static const option_rule rules[] = {
-    {"replay", OPTION_EXCLUDES, "config"},
-    {"replay", OPTION_EXCLUDES, "set"},
-    {"replay", OPTION_EXCLUDES, "pair"},
-    {"replay", OPTION_EXCLUDES, "variants"},
-    {"replay", OPTION_EXCLUDES, "search"},
-    {"replay", OPTION_EXCLUDES, "query"},
-    {"replay", OPTION_EXCLUDES, "items"},
-    {"replay", OPTION_EXCLUDES, "level"},
-    {"replay", OPTION_EXCLUDES, "missed"},
-    {"replay", OPTION_EXCLUDES, "false-rate"},
-    {"replay", OPTION_EXCLUDES, "budget"},
-    {"replay", OPTION_EXCLUDES, "trials"},
-    {"replay", OPTION_EXCLUDES, "profile"},
-    {"replay", OPTION_EXCLUDES, "ordered"},
-    {"replay", OPTION_EXCLUDES, "fresh"},
-    {"replay", OPTION_EXCLUDES, "keep"},
+    {"config set pair variants search query items level missed false-rate budget trials profile "
+     "ordered fresh keep",
+     OPTION_EXCLUDES, "replay"},
     {0},
 };
 

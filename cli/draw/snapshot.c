@@ -23,21 +23,21 @@ static const colour shot = {0.88, 0.10, 0.14, 1};
 // ---------------------------------------------------------------- what there is
 
 // A motion's bodies at a time, by place.
-typedef struct crowd {
+typedef struct body_states {
     uint32_t n;
     duet_state *states;
     duet_rounded_box *boxes; // for their sizes
     uint64_t *ids;
-} crowd;
+} body_states;
 
-static void forget(crowd *c)
+static void forget(body_states *c)
 {
     free(c->states);
     free(c->boxes);
     free(c->ids);
 }
 
-static bool look_at(crowd *c, duet_motion *motion, duet_error *err)
+static bool look_at(body_states *c, duet_motion *motion, duet_error *err)
 {
     c->n = duet_motion_get_count(motion);
     c->states = calloc((size_t)c->n + 1, sizeof *c->states);
@@ -50,18 +50,18 @@ static bool look_at(crowd *c, duet_motion *motion, duet_error *err)
            duet_motion_get_ids(motion, 0, c->n, c->ids, err);
 }
 
-static bool is_there(const crowd *c, uint32_t place)
+static bool is_there(const body_states *c, uint32_t place)
 {
     return c->ids[place] != DUET_NO_BODY;
 }
 
 // What commands brought was shot too.
-static bool was_shot(const snapshot *s, const crowd *c, uint32_t place)
+static bool was_shot(const snapshot *s, const body_states *c, uint32_t place)
 {
     return c->ids[place] >= s->n || s->is_shot[place];
 }
 
-static uint32_t count(const crowd *c)
+static uint32_t count(const body_states *c)
 {
     uint32_t n = 0;
     for (uint32_t i = 0; i < c->n; ++i)
@@ -78,7 +78,7 @@ static duet_rounded_box body_of(const duet_scene *scene, uint32_t id)
 }
 
 // All objects along an axis but a few on either side, and but what was shot.
-static bool find_extent(const snapshot *s, const crowd *c, uint32_t axis, double *lower,
+static bool find_extent(const snapshot *s, const body_states *c, uint32_t axis, double *lower,
                         double *upper, duet_error *err)
 {
     double *lowers = malloc(2 * ((size_t)c->n + 1) * sizeof *lowers);
@@ -104,7 +104,7 @@ static bool find_extent(const snapshot *s, const crowd *c, uint32_t axis, double
 }
 
 // Walls stay in view, but not the empty space below a high ceiling.
-static bool find_part(const snapshot *s, const crowd *c, extent *part, duet_error *err)
+static bool find_part(const snapshot *s, const body_states *c, extent *part, duet_error *err)
 {
     const duet_motion_def *d = s->def;
     double *lower = part->lower;
@@ -210,7 +210,7 @@ bool snapshot_begin(snapshot *s, const duet_motion_def *def, const duet_scene *s
     s->is_shot = calloc((size_t)s->n + 1, sizeof *s->is_shot);
     if (!s->colours || !s->is_shot)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", s->n);
-    crowd start = {0};
+    body_states start = {0};
     bool ok = look_at(&start, motion, err);
     if (ok) {
         find_shot(s, start.states);
@@ -260,7 +260,7 @@ static void move_to(corners *box, const double centre[3], uint32_t dims)
             box->at[i][k] += centre[k];
 }
 
-static block block_of(const snapshot *s, const view *v, const crowd *c, uint32_t place)
+static block block_of(const snapshot *s, const view *v, const body_states *c, uint32_t place)
 {
     const duet_state *state = &c->states[place];
     duet_pose box = c->boxes[place].pose;
@@ -288,7 +288,7 @@ static bool is_near_picture(const view *v, const block *b)
 }
 
 static void draw_blocks(const snapshot *s, const view *v, canvas *c, block *blocks,
-                        const crowd *bodies)
+                        const body_states *bodies)
 {
     uint32_t n = 0;
     for (uint32_t i = 0; i < bodies->n; ++i)
@@ -316,7 +316,7 @@ static void draw_ground(const view *v, canvas *c, const duet_motion_def *d)
         canvas_polygon(c, walk, 4, ground, ground);
 }
 
-static bool has_shot(const snapshot *s, const crowd *c)
+static bool has_shot(const snapshot *s, const body_states *c)
 {
     for (uint32_t i = 0; i < c->n; ++i)
         if (is_there(c, i) && was_shot(s, c, i))
@@ -324,7 +324,7 @@ static bool has_shot(const snapshot *s, const crowd *c)
     return false;
 }
 
-static void write_caption(const snapshot *s, const view *v, canvas *c, const crowd *bodies,
+static void write_caption(const snapshot *s, const view *v, canvas *c, const body_states *bodies,
                           double time)
 {
     const double left = 24, words_px = 15;
@@ -341,7 +341,7 @@ static void write_caption(const snapshot *s, const view *v, canvas *c, const cro
         view_scale_bar(v, c, (point){WIDTH - 330, HEIGHT - 25}, words_px, canvas_grey);
 }
 
-static bool draw(const snapshot *s, const char *path, const crowd *bodies, const extent *part,
+static bool draw(const snapshot *s, const char *path, const body_states *bodies, const extent *part,
                  double time, duet_error *err)
 {
     static const point page[4] = {{0, 0}, {WIDTH, 0}, {WIDTH, HEIGHT}, {0, HEIGHT}};
@@ -366,7 +366,7 @@ static bool draw(const snapshot *s, const char *path, const crowd *bodies, const
 bool snapshot_frame(const snapshot *s, const char *path, duet_motion *motion, double time,
                     duet_error *err)
 {
-    crowd bodies = {0};
+    body_states bodies = {0};
     bool ok = look_at(&bodies, motion, err) && draw(s, path, &bodies, &s->part, time, err);
     forget(&bodies);
     return ok;
@@ -376,7 +376,7 @@ bool snapshot_picture(const snapshot *s, const char *path, duet_motion *motion, 
                       duet_error *err)
 {
     extent part;
-    crowd bodies = {0};
+    body_states bodies = {0};
     bool ok = look_at(&bodies, motion, err) && find_part(s, &bodies, &part, err) &&
               draw(s, path, &bodies, &part, time, err);
     forget(&bodies);

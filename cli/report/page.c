@@ -65,7 +65,7 @@ typedef struct pushing {
     text words;
 } pushing;
 
-// Strings of strangers, with what no page may hold made visible.
+// Untrusted strings, with what no page may hold made visible.
 static void push_words(lua_State *L, pushing *p, const char *chars)
 {
     p->words.length = 0;

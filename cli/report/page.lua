@@ -7,7 +7,7 @@
 --   no_store      where there is none: a sentence that says so
 --   levels, effects, bench   lists of results; of bench the earliest comes first
 --
--- Results are a stranger's: what is not the number or the name that it should be
+-- Results are untrusted: what is not the number or the name that it should be
 -- counts as 0 and "", and every text passes through `words`.
 
 -- A bar's colour is s0 to s11; the rest are roles: a and b for the devices.
@@ -83,8 +83,9 @@ end
 
 -- "1 234 567"
 local function count(n)
-  local digits = ("%.0f"):format(math.floor(n))
-  return (digits:reverse():gsub("(%d%d%d)", "%1 "):reverse():gsub("^ ", ""))
+  local digits, groups = ("%.0f"):format(math.floor(n)), {}
+  for last = #digits, 1, -3 do table.insert(groups, 1, digits:sub(math.max(last - 2, 1), last)) end
+  return table.concat(groups, " ")
 end
 
 -- What the longest bar or the axis stands for: the greatest value, or the greatest but a
@@ -119,7 +120,11 @@ local page = {}
 local function add(format, ...) page[#page + 1] = format:format(...) end
 
 local entities = { ["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ['"'] = "&quot;" }
-local function words(s) return (s:gsub('[&<>"]', entities)) end
+local function words(s)
+  local letters = {}
+  for i = 1, #s do letters[i] = entities[s:sub(i, i)] or s:sub(i, i) end
+  return table.concat(letters)
+end
 
 local function paragraph(format, ...) add("<p>%s</p>\n", words(format:format(...))) end
 
@@ -677,8 +682,9 @@ end
 
 -- "2026-01-31T12:30:59Z" as "2026-01-31 12:30 UTC"
 local function moment(result)
-  local day, minute = text(result, "time"):match "^(%d+%-%d+%-%d+)T(%d+:%d+)"
-  return day and ("%s %s UTC"):format(day, minute) or cut(text(result, "time"), 30)
+  local time = text(result, "time")
+  if time:sub(11, 11) ~= "T" then return cut(time, 30) end
+  return ("%s %s UTC"):format(time:sub(1, 10), time:sub(12, 16))
 end
 
 -- The best step of a scene in each of the results.

@@ -340,10 +340,8 @@ bool run_report_json(const run_report *r, duet_error *err)
     cJSON_AddStringToObject(o, "level", r->level);
     cJSON_AddStringToObject(o, "profile",
                             r->plan_given ? "given" : duet_grade_name(r->profile.grade));
-    cJSON_AddBoolToObject(o, "resident", r->resident);
+    cJSON_AddStringToObject(o, "input", timed_input_name(r->input));
     cJSON_AddBoolToObject(o, "ordered", r->ordered);
-    cJSON_AddBoolToObject(o, "transforms", r->transforms);
-    cJSON_AddBoolToObject(o, "compact", r->compact);
     add_times(o, r->timed);
     if (r->check.asked)
         run_report_add_check(o, &r->check);

@@ -25,10 +25,8 @@ typedef struct run_report {
     duet_profile profile; // what the plan comes from, unless it was given
     const char *tuning;   // the command that measures a plan for this scene
     const timed *timed;
-    bool resident;
-    bool transforms; // sizes were not sent again
-    bool ordered;    // objects were put into the order of their cells
-    bool compact;    // nor were they, and rotations were rounded
+    timed_input input;
+    bool ordered; // objects were put into the order of their cells
     reference_check check;
 } run_report;
 

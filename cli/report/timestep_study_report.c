@@ -10,55 +10,48 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 enum { BAR = 16 };
 
 // ---------------------------------------------------------------- as text
 
-typedef struct range {
-    double least;
-    double most;
-} range;
+// What the bars are drawn against.
+typedef struct scale {
+    double least_error; // above 0
+    double most_error;
+    double slowest_ms;
+} scale;
 
-// Of the errors that are any.
-static range errors_of(const timestep_study *p)
+static scale scale_of(const timestep_study *p)
 {
-    range r = {INFINITY, 0};
-    for (uint32_t i = 0; i < p->n; ++i)
-        if (p->rows[i].finite && p->rows[i].error > 0) {
-            r.least = fmin(r.least, p->rows[i].error);
-            r.most = fmax(r.most, p->rows[i].error);
-        }
+    scale r = {.least_error = INFINITY};
+    for (uint32_t i = 0; i < p->n; ++i) {
+        r.slowest_ms = fmax(r.slowest_ms, p->rows[i].ms);
+        if (!p->rows[i].finite || !(p->rows[i].error > 0))
+            continue;
+        r.least_error = fmin(r.least_error, p->rows[i].error);
+        r.most_error = fmax(r.most_error, p->rows[i].error);
+    }
     return r;
 }
 
-static double slowest_ms(const timestep_study *p)
-{
-    double ms = 0;
-    for (uint32_t i = 0; i < p->n; ++i)
-        ms = fmax(ms, p->rows[i].ms);
-    return ms;
-}
-
 // By powers of ten: a character at the least error.
-static double digits_part(const timestep_run *row, range errors)
+static double digits_part(double error, const scale *r)
 {
-    if (!row->finite)
-        return 1.0;
-    if (!(row->error > 0))
-        return 0.0;
-    double most = log10(errors.most / errors.least) + 0.2;
-    return (log10(row->error / errors.least) + 0.2) / most;
+    return error > 0 ? (log10(error / r->least_error) + 0.2) /
+                           (log10(r->most_error / r->least_error) + 0.2)
+                     : 0.0;
 }
 
-static void wrong_cells(table *t, const timestep_study *p, const timestep_run *row)
+static void wrong_cells(table *t, const timestep_study *p, const timestep_run *row, const scale *r)
 {
     if (!row->finite) {
         table_words(t, "lost", table_bar(1.0, BAR).chars, "-", "-", "-", NULL);
         return;
     }
     table_cell(t, "%.2g", row->error);
-    table_cell(t, "%s", table_bar(digits_part(row, errors_of(p)), BAR).chars);
+    table_cell(t, "%s", table_bar(digits_part(row->error, r), BAR).chars);
     table_cell(t, "%+.2g %%", 100 * row->energy);
     table_cell(t, "%.2g %%", 100 * row->gain);
     if (p->contact)
@@ -67,7 +60,7 @@ static void wrong_cells(table *t, const timestep_study *p, const timestep_run *r
         table_cell(t, "-");
 }
 
-static void print_row(table *t, const timestep_study *p, const timestep_run *row)
+static void print_row(table *t, const timestep_study *p, const timestep_run *row, const scale *r)
 {
     table_cell(t, "%s", row->front ? "*" : " ");
     table_cell(t, "1/%.4g", 1 / row->dt);
@@ -78,8 +71,8 @@ static void print_row(table *t, const timestep_study *p, const timestep_run *row
         table_cell(t, "\u00b1%.1f", row->noise);
     else
         table_cell(t, "?");
-    table_cell(t, "%s", table_bar(row->ms / slowest_ms(p), BAR).chars);
-    wrong_cells(t, p, row);
+    table_cell(t, "%s", table_bar(row->ms / r->slowest_ms, BAR).chars);
+    wrong_cells(t, p, row, r);
 }
 
 void timestep_study_report_text(const timestep_study_report *r)
@@ -95,8 +88,9 @@ void timestep_study_report_text(const timestep_study_report *r)
     table t = table_begin("lrrlrrlrlrrr");
     table_words(&t, " ", "dt", "substeps", "", "ms a second", "noise", "", "error", "", "energy",
                 "gain", "deepest", NULL);
+    const scale bars = scale_of(p);
     for (uint32_t i = 0; i < p->n; ++i)
-        print_row(&t, p, &p->rows[i]);
+        print_row(&t, p, &p->rows[i], &bars);
     table_print(&t, stdout);
     if (p->n < p->n_asked)
         printf("\n%u dearer ones were not begun: the limit, or Ctrl-C, came before.\n",
@@ -199,26 +193,15 @@ static void widen(axis *a, double value)
     a->most = fmax(a->most, log10(value) + 0.15);
 }
 
-static axis axis_of(const timestep_study *p, double (*of)(const timestep_run *row), double from,
-                    double to)
+static axis axis_of(const timestep_study *p, bool of_error, double from, double to)
 {
     axis a = {INFINITY, -INFINITY, from, to};
     for (uint32_t i = 0; i < p->n; ++i)
         if (p->rows[i].finite)
-            widen(&a, of(&p->rows[i]));
+            widen(&a, of_error ? p->rows[i].error : p->rows[i].ms);
     if (!(a.least < a.most))
         a.least = -1, a.most = 1;
     return a;
-}
-
-static double time_of(const timestep_run *row)
-{
-    return row->ms;
-}
-
-static double error_of(const timestep_run *row)
-{
-    return row->error;
 }
 
 // A line and its value at 1, 2 and 5 of each power of ten; of many powers at 1.
@@ -260,51 +243,23 @@ static void draw_frame(canvas *c, const timestep_study_report *r, const axis *x,
                  "ms that a second of the scene takes");
 }
 
-// Free flight has no contacts, and compares integrators.
-static bool by_integrator(const timestep_study *p)
+static int by_ms(const void *a, const void *b)
 {
-    for (uint32_t i = 0; i < p->n; ++i)
-        if (p->rows[i].integrator != DUET_INTEGRATOR_EULER)
-            return true;
-    return false;
-}
-
-// The dt's in their order, as they come.
-static int hue_of(const timestep_study *p, const timestep_run *row)
-{
-    double seen[TIMESTEP_RUNS];
-    int n = 0;
-    if (by_integrator(p))
-        return (int)row->integrator;
-    for (uint32_t i = 0; i < p->n; ++i) {
-        int k = 0;
-        while (k < n && seen[k] != p->rows[i].dt)
-            ++k;
-        if (k == n)
-            seen[n++] = p->rows[i].dt;
-        if (p->rows[i].dt == row->dt)
-            return k % N_HUES;
-    }
-    return 0;
+    double x = ((const timestep_run *)a)->ms, y = ((const timestep_run *)b)->ms;
+    return (x > y) - (x < y);
 }
 
 static void draw_front(canvas *c, const timestep_study *p, const axis *x, const axis *y)
 {
-    const timestep_run *last = NULL; // the next faster one
-    for (;;) {
-        const timestep_run *next = NULL;
-        for (uint32_t i = 0; i < p->n; ++i) {
-            const timestep_run *row = &p->rows[i];
-            if (row->front && (!last || row->ms > last->ms) && (!next || row->ms < next->ms))
-                next = row;
-        }
-        if (!next)
-            return;
-        if (last)
-            canvas_line(c, (point){place(x, last->ms), place(y, last->error)},
-                        (point){place(x, next->ms), place(y, next->error)}, canvas_grey, 1.5);
-        last = next;
-    }
+    timestep_run front[TIMESTEP_RUNS];
+    size_t n = 0;
+    for (uint32_t i = 0; i < p->n; ++i)
+        if (p->rows[i].front)
+            front[n++] = p->rows[i];
+    qsort(front, n, sizeof *front, by_ms);
+    for (size_t i = 1; i < n; ++i)
+        canvas_line(c, (point){place(x, front[i - 1].ms), place(y, front[i - 1].error)},
+                    (point){place(x, front[i].ms), place(y, front[i].error)}, canvas_grey, 1.5);
 }
 
 static void draw_timestep(canvas *c, const timestep_study *p, const timestep_run *row,
@@ -316,8 +271,8 @@ static void draw_timestep(canvas *c, const timestep_study *p, const timestep_run
         canvas_dot(c, at, 11, canvas_ink);
     if (row->own)
         canvas_dot(c, at, 9, paper);
-    canvas_dot(c, at, row->front ? 7 : 5, hues[hue_of(p, row)]);
-    if (by_integrator(p))
+    canvas_dot(c, at, row->front ? 7 : 5, hues[row->group]);
+    if (p->flies)
         snprintf(words, sizeof words, "1/%.4g", row->substeps / row->dt);
     else
         snprintf(words, sizeof words, "%u%s", row->substeps, row->finite ? "" : " lost");
@@ -331,22 +286,21 @@ static void draw_key(canvas *c, const timestep_study *p)
     char words[48];
     for (uint32_t i = 0; i < p->n; ++i) {
         const timestep_run *row = &p->rows[i];
-        int hue = hue_of(p, row);
-        if (drawn[hue])
+        if (drawn[row->group])
             continue;
-        drawn[hue] = true;
-        if (by_integrator(p))
+        drawn[row->group] = true;
+        if (p->flies)
             snprintf(words, sizeof words, "%s", scene_integrator_name(row->integrator));
         else
             snprintf(words, sizeof words, "dt 1/%.4g s", 1 / row->dt);
-        canvas_dot(c, (point){right + 30, y - 4}, 6, hues[hue]);
+        canvas_dot(c, (point){right + 30, y - 4}, 6, hues[row->group]);
         canvas_words(c, (point){right + 44, y}, WORDS, canvas_ink, words);
         y += 24;
     }
     y += 8;
-    const char *const notes[] = {
-        by_integrator(p) ? "at a point: the substep" : "at a point: substeps",
-        "ring: the scene's own", "line: nothing is both", "faster and nearer"};
+    const char *const notes[] = {p->flies ? "at a point: the substep" : "at a point: substeps",
+                                 "ring: the scene's own", "line: nothing is both",
+                                 "faster and nearer"};
     for (int i = 0; i < 4; ++i)
         canvas_words(c, (point){right + 24, y + 20 * i}, WORDS, canvas_grey, notes[i]);
 }
@@ -354,8 +308,8 @@ static void draw_key(canvas *c, const timestep_study *p)
 bool timestep_study_report_plot(const timestep_study_report *r, const char *path, duet_error *err)
 {
     const timestep_study *p = r->study;
-    axis x = axis_of(p, time_of, left, right);
-    axis y = axis_of(p, error_of, bottom, top);
+    axis x = axis_of(p, false, left, right);
+    axis y = axis_of(p, true, bottom, top);
     canvas *c = canvas_open(path, WIDTH, HEIGHT, err);
     if (!c)
         return false;

@@ -28,8 +28,7 @@ duet_module(simulated FOLDER cluster KNOWS selection LINKS duet_simgrid)
 set(duet_arrows "${arrows}")
 set(duet_module_objects "${objects}")
 
-add_executable(duet-simulate cli/cluster/simulate.c cli/cluster/apart.c cli/cluster/keep.c
-  cli/cluster/rank.c cli/cluster/stored_run.c
+add_executable(duet-simulate cli/cluster/simulate.c cli/cluster/rank.c
   $<TARGET_OBJECTS:duet_cli> $<TARGET_OBJECTS:duet_simulated> ${duet_objects})
 target_link_libraries(duet-simulate PRIVATE duet_cli duet_simulated duet_options)
 add_dependencies(duet duet-simulate)

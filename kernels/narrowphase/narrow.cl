@@ -24,6 +24,7 @@ narrow(NARROW_ARGS)
             uint id_a, id_b;
             box a = box_at(STORED, candidate.x, &id_a);
             box b = box_at(STORED, candidate.y, &id_b);
+            order_boxes(&a, &b);
             decided v = answer(&a, &b);
             if (v.colliding) {
                 collected[atomic_inc(&used)] = ordered(id_a, id_b);

@@ -14,7 +14,7 @@ typedef struct global_ids {
     const uint32_t *changed; // [n_changed] objects, in any order, whose id is not that of the
     uint64_t n_changed;      // last step: another, a first one, or none any more
     bool all_changed;
-    uint64_t version, before; // the world's, now and in its last step
+    uint64_t generation, before; // of the list, the world's: now, and with which changes list it
 } global_ids;
 
 #endif

@@ -16,9 +16,11 @@ static const double most_hashed_along = 0x1p30;
 // A row of cells costs about as much to look up as this many objects to test.
 static const double row_cost = 4.0;
 
-// From this many others in an object's own cell on, a hashed grid with its
-// finer cells is the better one.
-static const double crowded = 8.0;
+// From this many others in an object's own cell on, a hashed grid with its finer cells is the
+// better one. A CPU looks up an object's cells in the time that it tests 100 to 300 others in, as
+// lanes do (docs/notes/performance.md).
+static const double crowded = 128.0;
+static const double crowded_gpu = 8.0;
 
 // The devices' reach is wider than the boxes' by a share below 3 * 2^-18
 // (kernels/narrowphase/object.clh, set_reach).
@@ -398,7 +400,7 @@ bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const gri
         return true;
     if (!count_crowd(&others, g, objects, err))
         return false;
-    if (others > crowded)
+    if (others > (wish->by_gpus ? crowded_gpu : crowded))
         *g = make_hashed(lower, length, &classes, objects);
     return true;
 }

@@ -28,9 +28,11 @@ typedef struct grid {
     grid_kind kind;
     uint32_t n_levels; // finest first
     grid_level levels[GRID_LEVELS];
-    uint32_t n_cells;  // of all levels, or entries of the table, a power of two
-    uint32_t key_bits; // of n_cells, the key of objects that are left out
-    float edge;        // the least of any level
+    uint32_t n_cells;    // of all levels, or entries of the table, a power of two
+    uint32_t key_bits;   // of n_cells, the key of objects that are left out
+    float edge;          // the least of any level
+    uint64_t generation; // of a world's grids; 0: of none
+    bool varies;         // the world's grid had other cells before
 } grid;
 
 // Where a level begins along an axis.
@@ -45,6 +47,7 @@ typedef struct grid_wish {
     bool uniform; // one level, whatever the sizes
     bool dense;   // never hashed
     bool hashed;  // always hashed
+    bool by_gpus; // only GPUs search it
 } grid_wish;
 
 // The grid for these objects. Dense unless so many objects would share cells

@@ -13,14 +13,16 @@
 // with sizes transforms. A row begins with the point that decides its cell, and with its pose
 // where it has one whole.
 typedef struct grid_objects {
-    const void *array;
-    size_t row_bytes; // of an object in it
+    const void *array;   // NULL if the host does not see the objects
+    uint64_t generation; // changes with the content
+    size_t row_bytes;    // of an object in it
     duet_shape shape;
     float origin; // the edge of origin cells, or 0
     uint32_t n;
     uint32_t dims;
     const duet_size *sizes; // that the objects are without, or NULL
-    bool compact;           // compact transforms then
+    uint64_t sizes_generation;
+    bool compact; // compact transforms then
 } grid_objects;
 
 static_assert(offsetof(duet_pose, centre) == 0 && offsetof(duet_bounds, lower) == 0 &&

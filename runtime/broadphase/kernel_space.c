@@ -152,7 +152,7 @@ static bool read_kernel(const part *p, uint32_t i, const kernel *k, kernel_space
 static bool make_ready(duet_world *world, int side, duet_error *err)
 {
     duet_result result;
-    return world->prepared[side] || duet_world_step(world, &result, err);
+    return world_is_prepared(world, side) || duet_world_step(world, &result, err);
 }
 
 bool kernel_spaces_read(duet_world *world, int side, kernel_space **spaces, uint32_t *n,
@@ -164,7 +164,7 @@ bool kernel_spaces_read(duet_world *world, int side, kernel_space **spaces, uint
         return false;
     *spaces = malloc(N_KERNELS * sizeof **spaces);
     bool ok = *spaces || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
-    for (uint32_t i = 0; ok && world->prepared[side] && i < N_KERNELS; ++i) {
+    for (uint32_t i = 0; ok && world_is_prepared(world, side) && i < N_KERNELS; ++i) {
         const part *p = &world->parts[side];
         const kernel *k = part_kernel(p, kernels[i].name);
         ok = !k || read_kernel(p, i, k, &(*spaces)[*n], err);

@@ -206,7 +206,7 @@ bool world_order(duet_world *world, uint32_t n_threads, uint32_t *order, void *s
     grid_objects objects;
     bool ok = world_fit_grid(world, &objects, true, threads, err) &&
               sort_objects(&world->grid, &objects, n, threads, order, scratch, err);
-    world_end_sight(world);
+    world_unmap_objects(world);
     thread_pool_close(threads);
     return ok;
 }

@@ -15,14 +15,14 @@ enum { LEAST_CHUNK = 1 << 17 };
 
 // Where a part has its buffers.
 static const size_t buffers[] = {
-    offsetof(part, objects),       offsetof(part, sizes),      offsetof(part, names),
-    offsetof(part, keys),          offsetof(part, ids),        offsetof(part, keys_spare),
-    offsetof(part, ids_spare),     offsetof(part, counts),     offsetof(part, starts),
-    offsetof(part, bounds),        offsetof(part, boxes),      offsetof(part, counters),
-    offsetof(part, next_counters), offsetof(part, candidates), offsetof(part, pairs),
-    offsetof(part, undecided),     offsetof(part, levels),     offsetof(part, gathered),
-    offsetof(part, marks),         offsetof(part, global_ids), offsetof(part, id_changes),
-    offsetof(part, pair_counts),   offsetof(part, left),       offsetof(part, skimmed),
+    offsetof(part, objects.own), offsetof(part, objects.ids),    offsetof(part, sizes.own),
+    offsetof(part, levels.own),  offsetof(part, global_ids.own), offsetof(part, keys),
+    offsetof(part, ids),         offsetof(part, keys_spare),     offsetof(part, ids_spare),
+    offsetof(part, counts),      offsetof(part, starts),         offsetof(part, bounds),
+    offsetof(part, boxes),       offsetof(part, counters),       offsetof(part, next_counters),
+    offsetof(part, candidates),  offsetof(part, pairs),          offsetof(part, undecided),
+    offsetof(part, gathered),    offsetof(part, requests.words), offsetof(part, id_changes),
+    offsetof(part, pair_counts), offsetof(part, left),           offsetof(part, skimmed.blocks),
     offsetof(part, edges)};
 
 #define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
@@ -31,9 +31,9 @@ static const size_t buffers[] = {
 // What the arguments in kernels/grid and kernels/narrowphase mean. Bounds and boxes are
 // laid out as the search asks for.
 static const binding part_bindings[] = {BUFFER("objects", "float *", args.objects),
-                                        BUFFER("sizes", "float *", sizes),
-                                        BUFFER("names", "uint *", names),
-                                        BUFFER("levels", "grid_level *", levels),
+                                        BUFFER("sizes", "float *", sizes.own),
+                                        BUFFER("names", "uint *", objects.ids),
+                                        BUFFER("levels", "grid_level *", levels.own),
                                         BUFFER("keys", "uint *", keys),
                                         BUFFER("ids", "uint *", ids),
                                         BUFFER("ranks", "uint *", keys_spare),
@@ -57,14 +57,14 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BUFFER("undecided", "uint2 *", undecided),
                                         BUFFER("counters", "uint *", counters),
                                         BUFFER("next_counters", "uint *", next_counters),
-                                        BUFFER("marks", "uint *", marks),
+                                        BUFFER("marks", "uint *", requests.words),
                                         BUFFER("sums", "uint *", scan.sums),
-                                        BUFFER("blocks", "skim_block *", skimmed),
-                                        BUFFER("global_ids", "uint2 *", global_ids),
+                                        BUFFER("blocks", "skim_block *", skimmed.blocks),
+                                        BUFFER("global_ids", "uint2 *", global_ids.own),
                                         BUFFER("id_changes", "uint4 *", id_changes),
                                         BUFFER("pair_counts", "uint *", pair_counts),
                                         BUFFER("left", "uint2 *", left),
-                                        BIND_VALUE(part, "stamp", stamp),
+                                        BIND_VALUE(part, "stamp", requests.epoch),
                                         BIND_VALUE(part, "n_keys", args.n),
                                         BIND_VALUE(part, "place_capacity", place_capacity),
                                         BIND_VALUE(part, "n_blocks", scan.n_blocks),
@@ -123,7 +123,7 @@ bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
     bool ok = p->programs &&
               buffer_reserve(&p->counters, p->device, COUNTERS * sizeof(uint32_t), err) &&
               buffer_reserve(&p->next_counters, p->device, COUNTERS * sizeof(uint32_t), err) &&
-              buffer_reserve(&p->levels, p->device, sizeof((grid *)0)->levels, err);
+              buffer_reserve(&p->levels.own, p->device, sizeof((grid *)0)->levels, err);
     p->bytes = part_bytes(p);
     if (!ok)
         part_close(p);
@@ -138,29 +138,36 @@ void part_close(part *p)
     scan_close(&p->scan);
     radix_sort_close(&p->radix);
     host_block_release(&p->fetched);
-    host_block_release(&p->news);
+    host_block_release(&p->early);
     host_block_release(&p->sent);
-    host_block_release(&p->marks_seen);
-    host_block_release(&p->skim_seen);
+    host_block_release(&p->requests.seen);
+    host_block_release(&p->skimmed.seen);
     host_block_release(&p->changes);
     program_set_close(p->programs);
     gen_close(p->gen);
     *p = (part){0};
 }
 
-void part_distrust(part *p)
+void part_invalidate(part *p)
 {
+    device_view *views[] = {&p->objects, &p->sizes, &p->levels, &p->global_ids};
     timeline_clear(&p->times);
-    p->objects_version = p->sizes_version = p->levels_version = p->ahead_version = 0;
-    p->packed.objects_version = p->stretched.objects_version = p->ids_version = 0;
-    p->zero_counts = 0;
-    p->next_are_cleared = false;
+    for (size_t i = 0; i < sizeof views / sizeof views[0]; ++i)
+        view_forget(views[i]);
+    p->zero_words = 0;
+}
+
+void part_drop_prefetch(part *p)
+{
+    if (view_is_prefetched(&p->objects, p->objects.generation))
+        timeline_clear(&p->times);
+    p->objects.n_chunks = p->global_ids.n_chunks = 0;
 }
 
 void part_begin(part *p, uint64_t step)
 {
+    part_drop_prefetch(p);
     timeline_begin_step(&p->times, p->device, step);
-    p->ahead_version = 0;
     p->span = (duet_span){0};
     p->counted = (part_counted){0};
     p->n_candidates = p->n_undecided = 0;
@@ -169,55 +176,58 @@ void part_begin(part *p, uint64_t step)
     p->found = (part_found){.first_bad = UINT32_MAX};
 }
 
+block_requests part_requests(const part *p)
+{
+    const buffer *words = &p->requests.words;
+    return (block_requests){words->host ? words->host : p->requests.seen.bytes, p->requests.epoch};
+}
+
 // ---------------------------------------------------------------- kernels
+
+// The kernels of a step are chosen by facts of its task, of the variant and of the device. Each
+// fact below is asked for by more than one choice.
 
 // Whether the device alone has objects that the host may have to decide.
 static bool gathers(const part *p, const part_task *task)
 {
-    return task->resident && !p->device->info.host_memory &&
+    return p->objects.bound.mem && !p->device->info.host_memory &&
            task->objects.shape == DUET_SHAPE_POSES;
 }
 
-// Objects in origin cells, or whose sizes are apart, are not skimmed.
-static bool skims(const part *p, const part_task *task)
+static bool has_slabs(const part_task *task)
 {
-    const grid_objects *o = &task->objects;
-    return task->skims && !p->device->info.host_memory && !o->sizes && o->origin == 0.0f &&
-           !grid_has_radii(o);
+    return task->def->plan.mode == DUET_MODE_SLAB;
 }
 
-// Where nothing is rotated, or objects have radii, most levels are one.
+// Most levels are one if nothing is rotated, or objects have radii.
 static duet_level level_of(const part_task *task)
 {
-    bool turned_boxes = task->objects.shape == DUET_SHAPE_POSES && task->rotated;
+    bool turned_boxes = task->objects.shape == DUET_SHAPE_POSES && task->def->rotated;
     bool differs = task->objects.shape != DUET_SHAPE_BOUNDS &&
-                   (turned_boxes || level_tests_upright(task->level));
-    return differs ? task->level : DUET_LEVEL_CERTIFIED;
+                   (turned_boxes || level_tests_upright(task->def->level));
+    return differs ? task->def->level : DUET_LEVEL_CERTIFIED;
 }
 
-// The cells that kernels have compiled in, or none: a grid whose cells change is
-// read, so that objects that move never make the kernels be built again.
-static cl_int4 compiled_cells(const part *p, const part_task *task)
+static bool is_dense_of_one_level(const grid *g)
 {
-    bool fixed = p->variant.fixed && !task->cells_vary && task->grid.kind == GRID_DENSE &&
-                 task->grid.n_levels == 1;
-    return fixed ? task->grid.levels[0].cells : (cl_int4){{0}};
+    return g->kind == GRID_DENSE && g->n_levels == 1;
 }
 
-// Dense, of one level, and at least three cells wide along all axes but the
-// last: then no cell is near another on both ways round a row's end.
+// The cells that kernels have compiled in, or none: a grid whose cells change is read, so that
+// objects that move never make the kernels be built again.
+static cl_int4 compiled_cells(const part *p, const grid *g)
+{
+    bool fixed = p->variant.fixed && !g->varies && is_dense_of_one_level(g);
+    return fixed ? g->levels[0].cells : (cl_int4){{0}};
+}
+
+// At least three cells wide along all axes but the last: then no cell is near another on both ways
+// round a row's end.
 static bool is_roomy(const part_task *task)
 {
-    const cl_int *cells = task->grid.levels[0].cells.s;
-    return task->grid.kind == GRID_DENSE && task->grid.n_levels == 1 && cells[0] > 2 &&
+    const cl_int *cells = task->grid->levels[0].cells.s;
+    return is_dense_of_one_level(task->grid) && cells[0] > 2 &&
            (task->objects.dims == 2 || cells[1] > 2);
-}
-
-// Boxes that are in order are near each other where they are.
-static bool leaves_boxes(const part_task *task)
-{
-    return task->ordered && task->objects.shape == DUET_SHAPE_POSES && !task->objects.sizes &&
-           task->objects.origin == 0.0f && !task->packed;
 }
 
 // The kernels of each way to search.
@@ -235,14 +245,6 @@ static const struct {
         {"cell_start", {"bounds", "find_bounds"}, "pair_search_paper", "narrow", false},
 };
 
-static uint32_t count_taken(const part_task *task)
-{
-    uint32_t n = 0;
-    for (uint32_t i = 0; task->intake && i < task->intake->taken.n; ++i)
-        n += task->intake->taken.list[i].to - task->intake->taken.list[i].from;
-    return task->intake ? n : task->objects.n;
-}
-
 // With fewer objects a unit, three launches more take longer than atomics and straight places.
 enum { LEAST_OWN = 16384 };
 
@@ -250,10 +252,11 @@ enum { LEAST_OWN = 16384 };
 // goes on so down to half as many objects.
 static bool counts_own_cells(const part *p, const part_task *task)
 {
-    uint64_t least = p->kernels.own_cells ? LEAST_OWN / 2 : LEAST_OWN;
-    return task->ordered && p->device->info.kind == DUET_KIND_CPU && p->device->info.host_memory &&
-           p->variant.search == SEARCH_SIMD && p->variant.sort == SORT_COUNTING && is_roomy(task) &&
-           count_taken(task) >= least * p->device->info.units;
+    const uint64_t least = p->kernels.own_cells ? LEAST_OWN / 2 : LEAST_OWN;
+    return task->def->ordered && p->device->info.kind == DUET_KIND_CPU &&
+           p->device->info.host_memory && p->variant.search == SEARCH_SIMD &&
+           p->variant.sort == SORT_COUNTING && is_roomy(task) &&
+           selection_count(&task->wanted) >= least * p->device->info.units;
 }
 
 // Whether the kernels test boxes, beyond their bounds.
@@ -262,15 +265,18 @@ static bool tests_boxes(const part_task *task)
     return task->objects.shape != DUET_SHAPE_BOUNDS && level_of(task) != DUET_LEVEL_AABB;
 }
 
-static bool is_unboxed(const variant *v, const part_task *task)
+// Boxes that are in order are near each other where they are.
+static bool leaves_boxes(const variant *v, const part_task *task)
 {
-    return v->search == SEARCH_GPU && leaves_boxes(task);
+    return v->search == SEARCH_GPU && task->def->ordered &&
+           task->objects.shape == DUET_SHAPE_POSES && !task->objects.sizes &&
+           task->objects.origin == 0.0f && task->wanted.kind != SELECT_LIST;
 }
 
 // Objects that are in order go to places side by side.
 static bool goes_to_places(const variant *v, const part_task *task)
 {
-    return v->sort == SORT_COUNTING && !task->shared && task->ordered;
+    return v->sort == SORT_COUNTING && task->role == GRID_OWN && task->def->ordered;
 }
 
 static bool sums_blocks(const part *p, const part_task *task)
@@ -282,38 +288,39 @@ static bool sums_blocks(const part *p, const part_task *task)
 static void choose(const part *p, const part_task *task, part_choice choices[PART_CHOICES])
 {
     const variant *v = &p->variant;
-    bool counting = v->sort == SORT_COUNTING;
-    bool turned = task->objects.shape != DUET_SHAPE_BOUNDS && task->rotated &&
-                  task->objects.shape != DUET_SHAPE_SPHERES;
-    bool tested = tests_boxes(task), unboxed = is_unboxed(v, task);
-    bool to_places = goes_to_places(v, task), sums = sums_blocks(p, task);
-    bool own = counts_own_cells(p, task);
-    cl_int4 cells = compiled_cells(p, task);
+    const grid_objects *o = &task->objects;
+    const grid *g = task->grid;
+    const bool counting = v->sort == SORT_COUNTING, tested = tests_boxes(task);
+    const bool turned =
+        o->shape != DUET_SHAPE_BOUNDS && task->def->rotated && o->shape != DUET_SHAPE_SPHERES;
+    const bool unboxed = leaves_boxes(v, task), to_places = goes_to_places(v, task);
+    const bool in_ranges = task->wanted.kind == SELECT_RANGES;
+    const cl_int4 cells = compiled_cells(p, g);
     const part_choice all[PART_CHOICES] = {
-        {"DIMS", task->objects.dims, false},
-        {"SHAPE", task->objects.shape, false},
-        {"ORIGIN", origin_setting(task->objects.origin), false},
-        {"APART", task->objects.sizes ? 1 + task->objects.compact : 0, false},
+        {"DIMS", o->dims, false},
+        {"SHAPE", o->shape, false},
+        {"ORIGIN", origin_setting(o->origin), false},
+        {"APART", o->sizes ? 1 + o->compact : 0, false},
         {"ROTATED", turned, false},
         {"RANK", counting, false},
         {"SORTED", searches[v->search].in_cell_order && !unboxed, false},
         {"UNBOXED", unboxed, false},
         {"IDS", !tested, false},
         {"ACCURACY", level_of(task), false},
-        {"GRID", task->grid.kind, false},
-        {"LEVELS", task->grid.n_levels > 1, false},
+        {"GRID", g->kind, false},
+        {"LEVELS", g->n_levels > 1, false},
         {"ROOMY", is_roomy(task), false},
         {"CELLS_X", cells.s[0], false},
         {"CELLS_Y", cells.s[1], false},
         {"CELLS_Z", cells.s[2], false},
-        {"PACKED", task->packed, false},
-        {"OWN", own, false},
-        {"STRAYS", task->intake ? STRAY_BLOCK : 0, false},
-        {"STRETCH", task->intake && counting, false},
-        {"GUARDED", task->slab, false},
-        {"SLAB", task->divided, false},
-        {"FROM_IDS", !to_places, counting && !task->shared},
-        {"TO_PLACES", sums, false},
+        {"PACKED", task->wanted.kind == SELECT_LIST, false},
+        {"OWN", counts_own_cells(p, task), false},
+        {"STRAYS", in_ranges ? INPUT_BLOCK : 0, false},
+        {"STRETCH", in_ranges && counting, false},
+        {"GUARDED", has_slabs(task), false},
+        {"SLAB", has_slabs(task) && part_range_is_cut(&task->range, g), false},
+        {"FROM_IDS", !to_places, counting && task->role == GRID_OWN},
+        {"TO_PLACES", sums_blocks(p, task), false},
         {"SUM_BLOCK", 0, false}, // the scan's, once its kernels are there
         {"EMPTIES", counting, false},
         {"FUSED", tested && v->fused, tested},
@@ -330,10 +337,22 @@ static bool are_same(const part_choice a[PART_CHOICES], const part_choice b[PART
     return true;
 }
 
-bool part_is_prepared(const part *p, const part_task *task)
+bool part_has_kernels(const part *p, const variant *asked)
+{
+    return p->kernels.candidates && variant_is(asked, &p->variant);
+}
+
+void part_forget_kernels(part *p)
+{
+    p->kernels.candidates = NULL;
+}
+
+static bool is_prepared(const part *p, const variant *asked, const part_task *task)
 {
     const part_kernels *k = &p->kernels;
     part_choice choices[PART_CHOICES];
+    if (!part_has_kernels(p, asked))
+        return false;
     choose(p, task, choices);
     return are_same(choices, p->choices) && (k->gather || !gathers(p, task)) &&
            (k->count_pairs || !task->ids);
@@ -358,19 +377,30 @@ static bool list_offers(part *p, duet_error *err)
     return true;
 }
 
-// First those whose settings the others need: the scan's block, and whether candidates are tested
-// where they are found.
-static bool ask_kernels(part *p, const part_task *task, bool own, duet_error *err)
+#define ASK(p, list, err)                                                                \
+    program_set_kernels((p)->programs, list, sizeof(list) / sizeof *(list), (p)->offers, \
+                        (p)->n_offers, err)
+
+static bool ask_sorts(part *p, duet_error *err)
 {
-    enum { SORTS = 5, MAIN = 8, REST = 5 };
+    const kernel_request list[] = {SCAN_KERNELS(&p->scan, true),
+                                   RADIX_SORT_KERNELS(&p->radix, p->variant.sort == SORT_RADIX)};
+    if (!ASK(p, list, err))
+        return false;
+    if (p->kernels.summed)
+        p->offers[p->n_offers++] =
+            (gen_offer){"hash", "SUM_BLOCK", SCAN_BLOCK(&p->scan), GEN_OFFERED, NULL};
+    return true;
+}
+
+static bool ask_grid_and_search(part *p, bool own, duet_error *err)
+{
     part_kernels *k = &p->kernels;
-    program_set *set = p->programs;
     const int search = p->variant.search;
     const bool counting = p->variant.sort == SORT_COUNTING;
-    const bool gathered = gathers(p, task), skimmed = skims(p, task);
     const char *const *place = searches[search].place, *starts = searches[search].starts;
-    const char *candidates = searches[search].candidates, *narrow = searches[search].narrow;
-    const kernel_request list[MAIN] = {
+    const char *candidates = searches[search].candidates;
+    const kernel_request list[] = {
         {&k->clear, true, "clear", "clear", part_bindings},
         {&k->hash, true, "hash", "hash", part_bindings},
         {&k->own_cells, own, "hash", "own_cells", part_bindings},
@@ -380,53 +410,75 @@ static bool ask_kernels(part *p, const part_task *task, bool own, duet_error *er
         {&k->place, true, place[0], place[1], part_bindings},
         {&k->candidates, true, candidates, candidates, part_bindings},
     };
-    const kernel_request sorts[SORTS] = {SCAN_KERNELS(&p->scan, true),
-                                         RADIX_SORT_KERNELS(&p->radix, !counting)};
-    if (!program_set_kernels(set, sorts, SORTS, p->offers, p->n_offers, err))
-        return false;
-    if (k->summed)
-        p->offers[p->n_offers++] =
-            (gen_offer){"hash", "SUM_BLOCK", SCAN_BLOCK(&p->scan), GEN_OFFERED, NULL};
-    if (!program_set_kernels(set, list, MAIN, p->offers, p->n_offers, err))
+    if (!ASK(p, list, err))
         return false;
     k->from_ids = search == SEARCH_GPU ? kernel_param(k->place, "FROM_IDS") == 1 : !k->summed;
     k->fused = kernel_param(k->candidates, "FUSED") == 1;
-    // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
-    const bool narrows = !k->listed && !(k->fused && search == SEARCH_SIMD);
-    const kernel_request rest[REST] = {
+    return true;
+}
+
+// Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
+static bool ask_tests_and_reads(part *p, const part_task *task, duet_error *err)
+{
+    part_kernels *k = &p->kernels;
+    const char *narrow = searches[p->variant.search].narrow;
+    const bool narrows = !k->listed && !(k->fused && p->variant.search == SEARCH_SIMD);
+    const kernel_request list[] = {
         {&k->narrow, narrows, narrow, narrow, part_bindings},
-        {&k->gather, gathered, "read_rows", "gather_rows", gather_bindings},
-        {&k->skim, skimmed, "skim", "skim", part_bindings},
+        {&k->gather, gathers(p, task), "read_rows", "gather_rows", gather_bindings},
         {&k->change_ids, task->ids, "count_pairs", "change_ids", part_bindings},
         {&k->count_pairs, task->ids, "count_pairs", "count_pairs", part_bindings},
     };
-    return program_set_kernels(set, rest, REST, p->offers, p->n_offers, err);
+    return ASK(p, list, err);
+}
+
+bool part_prepare_skim(part *p, duet_error *err)
+{
+    const kernel_request list[] = {{&p->kernels.skim, true, "skim", "skim", part_bindings}};
+    return ASK(p, list, err) && program_set_build(p->programs, err);
+}
+
+// Whether some kernel has the parameter of a setting. The kernel of part_skim comes later.
+static bool is_known(const variant_setting *s)
+{
+    return s->used || strcmp(s->kernel, "skim") == 0;
+}
+
+static bool build(part *p, const part_task *task, bool own, duet_error *err)
+{
+    if (!list_offers(p, err) || !ask_sorts(p, err) || !ask_grid_and_search(p, own, err) ||
+        !ask_tests_and_reads(p, task, err))
+        return false;
+    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
+        const variant_setting *s = &p->variant.settings[i];
+        if (!is_known(s))
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "variant: no kernel that it runs has a parameter '%s%s%s'", s->kernel,
+                             s->kernel[0] ? "." : "", s->name);
+    }
+    return program_set_build(p->programs, err);
 }
 
 bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err)
 {
+    if (is_prepared(p, asked, task))
+        return true;
     p->variant = *asked;
     bool was_summed = p->kernels.summed, sums = sums_blocks(p, task);
     bool own = counts_own_cells(p, task);
     choose(p, task, p->choices);
     p->kernels = (part_kernels){
         .summed = sums,
-        .unboxed = is_unboxed(&p->variant, task),
-        .guarded = task->slab && p->variant.search != SEARCH_PAPER,
+        .unboxed = leaves_boxes(&p->variant, task),
+        .guarded = has_slabs(task) && p->variant.search != SEARCH_PAPER,
         .listed = !tests_boxes(task),
     };
     if (sums && !was_summed)
-        p->zero_counts = 0; // other kernels leave the scan's sums as they are
-    if (!list_offers(p, err) || !ask_kernels(p, task, own, err))
-        return false;
-    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
-        const variant_setting *s = &p->variant.settings[i];
-        if (!s->used)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "variant: no kernel that it runs has a parameter '%s%s%s'", s->kernel,
-                             s->kernel[0] ? "." : "", s->name);
-    }
-    return program_set_build(p->programs, err);
+        p->zero_words = 0; // other kernels leave the scan's sums as they are
+    bool ok = build(p, task, own, err);
+    if (!ok)
+        p->kernels = (part_kernels){0};
+    return ok;
 }
 
 const kernel *part_kernel(const part *p, const char *name)

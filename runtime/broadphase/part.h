@@ -1,86 +1,38 @@
 // SPDX-License-Identifier: MIT
 // One device's part of a step: its kernels, its memory, its grid, its search.
 //
-// A part is driven by one thread at a time. Sorting and searching follow its
-// variant; where the objects are cut between the parts is decided outside.
+// A part is driven by one thread at a time. Sorting and searching follow its variant; the caller
+// decides which objects and which cells are the part's (part_task).
 #ifndef RUNTIME_PART_H
 #define RUNTIME_PART_H
 
 #include "kernels/counters.h"
 #include "kernels/grid/skim.h"
+#include "runtime/broadphase/compaction.h"
 #include "runtime/broadphase/global_ids.h"
-#include "runtime/broadphase/grid.h"
+#include "runtime/broadphase/input_ranges.h"
 #include "runtime/broadphase/variant.h"
 #include "runtime/opencl/radix_sort.h"
 
-// Objects of the input that lie side by side, [from, to).
-typedef struct stretch {
-    uint32_t from, to;
-} stretch;
+// Where a part's grid comes from (the paper, section 4.1).
+typedef enum grid_role {
+    GRID_OWN,     // each part builds its own
+    GRID_BUILT,   // built here, and sent to the other part
+    GRID_RECEIVED // built by the other part
+} grid_role;
 
-enum { STRETCHES = 18 };
-
-typedef struct stretches {
-    stretch list[STRETCHES]; // ascending
-    uint32_t n;
-    uint32_t own; // the one that is the part's own, in any order of the objects
-} stretches;
-
-// Objects that are taken together: whole work-items of every kernel that takes them.
-enum { STRAY_BLOCK = 1024 };
-
-// What a part takes of the input where that is not all of it (strays.h).
-typedef struct part_intake {
-    stretches sent;
-    stretches taken;                 // the same, those side by side as one
-    uint64_t strays_version;         // changes with those that are not the part's own
-    uint32_t marked_from, marked_to; // keys that the other part wants: its blocks are marked
-} part_intake;
-
-// What both parts are told about the objects.
+// What a part does in a step. Every combination of role, kind of selection and pairs is legal,
+// but that a list or ranges need slabs, and slabs GRID_OWN.
 typedef struct part_task {
-    bool shared;   // the grid is for both parts
-    bool receives; // the grid comes from the other part
-    bool slab;     // the part's grid has some of the cells, and space for about their objects
-    bool divided;  // so does the other part: many objects are in none of this one's
-    bool packed;   // the part is sent the objects of its slab, with their ids
-    bool ordered;  // the objects are in about the order of their cells
-    bool rotated;
-    const part_intake *intake; // NULL: all of the input
-    duet_level level;          // of accuracy, for poses
-    grid_objects objects;      // that the part is sent; the array has all of them
-    const buffer *resident;    // the objects where the part's device has them already, or NULL
-    bool keeps_pairs;          // they stay on the device
-    bool skims;                // objects that are sent ahead may be skimmed
-    const global_ids *ids;    // pairs of objects that have one stay there, and are counted; or NULL
-    uint64_t objects_version; // changes with the objects' content
-    uint64_t sizes_version;   // changes with the sizes
-    grid grid;
-    uint64_t grid_version; // changes with the grid
-    bool cells_vary;       // the grid had other cells before
-    uint64_t max_pairs;
+    const duet_world_def *def; // with the mode that the grid suits
+    grid_objects objects;      // all of the world's; once the view is updated, as many as it has
+    const grid *grid;
+    grid_role role;
+    part_range range;      // of the grid
+    selection wanted;      // of the objects
+    bool keeps_pairs;      // the pairs stay on the device
+    const global_ids *ids; // pairs of objects that have one stay there, and are counted; or NULL
 } part_task;
-
-// Which of the objects a part deals with. Its grid has the keys from key_from
-// to key_to; of those it searches around the ones up to home_to, and of the
-// sorted objects first .. last - 1. A whole grid has all keys; a slab the home
-// keys and as many more as a neighbour can be ahead.
-typedef struct part_range {
-    uint32_t key_from, home_to, key_to;
-    uint32_t first, last;
-    uint32_t homes;                           // of a slab, when they were last counted
-    uint32_t expected;                        // about how many objects its grid gets
-    uint32_t expected_homes, expected_ghosts; // of a slab, likewise
-} part_range;
-
-// Objects that travel together: those from the chunk before it up to `to`.
-typedef struct part_chunk {
-    uint32_t to;
-    cl_event sent;    // the timeline's, as all here
-    cl_event skimmed; // its blocks are on the host
-} part_chunk;
-
-enum { PART_CHUNKS = 8 };
 
 typedef struct part_kernels {
     kernel *clear;
@@ -169,36 +121,25 @@ typedef struct part {
     radix_sort radix;
     timeline times;
 
-    buffer objects;
-    uint64_t objects_version; // of what was sent last
-    buffer sizes;             // where the objects are transforms
-    uint64_t sizes_version;   // of what was sent last
-    uint32_t least_chunk;     // objects
-    part_chunk chunks[2 * PART_CHUNKS];
-    uint32_t n_chunks;      // under way; 0 where the objects are there
-    uint64_t ahead_version; // of the objects whose first chunks are sent before the step; 0: none
-    buffer skimmed;         // blocks of the objects that were sent ahead
-    host_block skim_seen;   // the same on the host
-    buffer names;           // of packed objects: their ids
+    device_view objects;
+    device_view sizes;      // if the objects are transforms
+    device_view levels;     // the grid's
+    device_view global_ids; // of 64 bits
+    uint32_t least_chunk;   // objects
     struct {
-        uint64_t objects_version, grid_version; // of what was sent last; 0: nothing
-        uint32_t key_from, key_to;
-        uint32_t n, n_homes;
-    } packed;
+        buffer blocks;                  // kernels/grid/skim.h, of objects that were prefetched
+        host_block seen;                // the same on the host
+        cl_event done[2 * VIEW_CHUNKS]; // when those of a chunk are
+    } skimmed;
     struct {
-        uint64_t objects_version; // of what was sent last; 0: nothing
-        uint64_t strays_version;  // of the stretches that are not the part's own
-        stretch own;
-    } stretched;
-    buffer marks;                 // [n / STRAY_BLOCK] blocks that the other part wants
-    host_block marks_seen;        // where the device has memory of its own
-    cl_uint stamp;                // of the last step's marks
-    buffer levels;                // the grid's
-    uint64_t levels_version;      // of what was sent last
+        buffer words;    // [n / INPUT_BLOCK] the epoch, if the other part needs the block
+        host_block seen; // on the host, if the device has memory of its own
+        cl_uint epoch;   // of the last step
+    } requests;
     buffer keys, ids;             // of the objects; in cell order once sorted
     buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
     buffer counts;                // objects a cell, until the scan makes starts of them
-    uint32_t zero_counts;         // of them that are zero between steps
+    uint32_t zero_words;          // of the next step's counters and these that are zero; 0: unknown
     buffer edges;                 // first own cell of each work-item that counts
     buffer starts;                // first of each cell
     buffer bounds;                // [n][2], by id or in cell order; simd: by columns
@@ -207,20 +148,16 @@ typedef struct part {
     buffer candidates, pairs, undecided;
     buffer gathered; // objects of the undecided pairs
     buffer counters;
-    buffer next_counters;  // the next step's
-    bool next_are_cleared; // they are zero
-    buffer global_ids;
-    bool ids_ahead;       // their list was sent ahead, and not which have none
-    uint64_t ids_version; // of what was sent last; 0: nothing
+    buffer next_counters; // the next step's
     buffer id_changes;
     host_block changes; // on their way there
     buffer pair_counts, left;
     part_counted counted;
 
     part_found found;     // by what was read last of the counters
-    host_block fetched;   // pairs on the host, where the device has memory of its own
-    uint64_t pairs_ahead; // of them, sent before their number was known
-    host_block news;      // what is sent ahead besides them
+    host_block fetched;   // pairs on the host, if the device has memory of its own
+    uint64_t pairs_early; // of them, that are read before their number is known
+    host_block early;     // what is read with them
     host_block sent;      // grid on its way to the other part
     duet_span span;
     uint64_t n_candidates, n_undecided;
@@ -232,57 +169,70 @@ typedef struct part {
 bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err);
 void part_close(part *p);
 
-// Generates and builds what the variant needs for such objects.
+// Generates and builds what the variant needs for such a task, unless that is what the part has.
 bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err);
 
-// Whether kernels that were made for such a world are also those of this step.
-bool part_is_prepared(const part *p, const part_task *task);
+// Whether the part was prepared for that variant, and since then not told to forget its kernels.
+bool part_has_kernels(const part *p, const variant *asked);
+void part_forget_kernels(part *p);
+
+// Builds the kernel of part_skim, too.
+bool part_prepare_skim(part *p, duet_error *err);
 
 // The kernel of that name that the part has prepared; NULL where it runs another.
 const kernel *part_kernel(const part *p, const char *name);
 
-// After a step that failed: waits for what is under way. What was sent may not have
-// arrived, so the next step sends all of it again.
-void part_distrust(part *p);
+// Invalidates what lies on the device, after a step that failed: waits for what is under way. It
+// may not have arrived, so the next step sends all of it again.
+void part_invalidate(part *p);
 
-// Begins to send the task's objects before a step that has these and perhaps more; there is
-// space for `bytes` of them all. Only for a device with memory of its own. step: as part_begin has
-// it.
-bool part_send_ahead(part *p, const part_task *task, size_t bytes, uint64_t step, duet_error *err);
+// Begins to send the first n objects before a step that has these and perhaps more, `bytes` of them
+// all; ids: their list, unless NULL. Only for a device with memory of its own. step: see
+// part_begin.
+bool part_prefetch(part *p, const host_array *objects, size_t bytes, const global_ids *ids,
+                   uint64_t step, duet_error *err);
 
-// Skims the objects that were sent ahead, chunk after chunk as they come: which lie deep inside of
-// the box (kernels/grid/skim.h). False where the device does not; nothing is lost then.
-bool part_skim(part *p, const float inside_lower[3], const float inside_upper[3], duet_error *err);
-// Waits for the blocks of objects from `from` on, which begins a chunk: up to which they are there.
-// The blocks are those of all objects. What failed on the device fails in the step.
+// Classifies the prefetched objects, chunk after chunk as they arrive: which lie deep inside of the
+// box (kernels/grid/skim.h). False if the device does not; nothing is lost then.
+bool part_skim(part *p, const duet_world_def *def, const float inside_lower[3],
+               const float inside_upper[3], duet_error *err);
+
+// Waits for the blocks of objects from `from` on, which begins a chunk; returns up to which object
+// they are there. *blocks are those of all objects. A failure of the device fails the step.
 uint32_t part_await_skim(part *p, uint32_t from, const skim_block **blocks);
 
-// Begins a step, so many after one whose stages were asked for: forgets what the last one found,
-// counted and took, and what was sent ahead of one.
+// Waits for what was prefetched; chunks of the last step are forgotten, too.
+void part_drop_prefetch(part *p);
+
+// Begins a step, `step` steps after one whose times were asked for: forgets what the last one
+// found and counted, and what was prefetched.
 void part_begin(part *p, uint64_t step);
 
-// Then sends the objects, unless they are packed or there, and what belongs to them:
-// sizes, the grid's levels, ids.
-bool part_send_objects(part *p, const part_task *task, duet_error *err);
-
-// Builds the grid of the range from the objects.
-bool part_build_grid(part *p, const part_task *task, const part_range *range, duet_error *err);
-
-// Gives the grid that `from` built to `to` (the paper, section 4.1): the sender
-// brings it to the host, the receiver takes it and makes what it lacks.
-bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err);
-bool part_receive_grid(part *to, part *from, const part_task *task, const part_range *range,
+// Makes the views of the objects, their sizes, the grid's levels and the ids equal to what the task
+// wants, a LIST from slab `side` of `lists`. task->objects.n becomes the number of objects to read.
+// *placed is false if the list had no space for its objects: count the rows again.
+bool part_update_views(part *p, part_task *task, compaction *lists, int side, bool *placed,
                        duet_error *err);
 
-// Finds the pairs of the range's objects, of the grid that was built or received last, with those
-// that come after them in cell order, and brings them to the host. *placed is false where the grid
-// had more objects than there was space for; there is more space afterwards, and the grid must be
-// built again.
-bool part_search(part *p, const part_task *task, const part_range *range, bool *placed,
-                 duet_error *err);
+// Builds the task's range of the grid from the objects.
+bool part_build_grid(part *p, const part_task *task, duet_error *err);
 
-// What was counted on the device joins the part's span, which then has all pairs of the last step.
-bool part_bring_counted(part *p, duet_error *err);
+// Gives the grid that `from` built to `to` (the paper, section 4.1): the sender brings it to the
+// host, the receiver takes it and makes what it lacks.
+bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err);
+bool part_receive_grid(part *to, part *from, const part_task *task, duet_error *err);
+
+// Finds the pairs of the range's objects, of the grid that was built or received last, with those
+// that come after them in cell order, and brings them to the host. *placed is false if the grid
+// had more objects than space; there is more space afterwards, and the grid must be built again.
+bool part_search(part *p, const part_task *task, bool *placed, duet_error *err);
+
+// Adds what was counted on the device to the part's span, which then has all pairs of the last
+// step.
+bool part_read_counted(part *p, duet_error *err);
+
+// The blocks that the part marked in the last step for the other one.
+block_requests part_requests(const part *p);
 
 uint64_t part_bytes(const part *p); // memory held on the device
 

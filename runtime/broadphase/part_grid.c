@@ -3,14 +3,15 @@
 // takes what the other part has sorted.
 #include "runtime/broadphase/part.h"
 
-static void set_args(part *p, const part_task *task, const part_range *range)
+static void set_args(part *p, const part_task *task)
 {
+    const part_range *range = &task->range;
     bool paper = p->variant.search == SEARCH_PAPER;
     uint32_t placed = range->last < range->expected ? range->last : range->expected;
     p->args = (part_args){
         .n = task->objects.n,
-        .n_levels = task->grid.n_levels,
-        .n_cells = task->grid.n_cells,
+        .n_levels = task->grid->n_levels,
+        .n_cells = task->grid->n_cells,
         .key_from = range->key_from,
         .key_home_to = range->home_to,
         .key_to = range->key_to,
@@ -20,34 +21,33 @@ static void set_args(part *p, const part_task *task, const part_range *range)
         .n_homes = task->ids ? task->ids->n : 0,
         .first = range->first,
         .last = paper ? range->last : placed,
-        .cells = task->grid.levels[0].cells,
-        .objects = task->resident ? *task->resident : p->objects,
+        .cells = task->grid->levels[0].cells,
+        .objects = view_buffer(&p->objects),
     };
 }
 
-static uint32_t own_cells(const part_range *range)
+static uint32_t own_cells(const part_task *task)
 {
-    return range->key_to - range->key_from;
+    return task->range.key_to - task->range.key_from;
 }
 
 // A search reads so many words behind the last one: nothing begins there.
 enum { STARTS_BEHIND = 3 };
 
 // The first place of each cell, then how many objects have one.
-static uint32_t count_starts(const part_range *range)
+static uint32_t count_starts(const part_task *task)
 {
-    return own_cells(range) + 1 + STARTS_BEHIND;
+    return own_cells(task) + 1 + STARTS_BEHIND;
 }
 
 // Zeroes the counters, and with them n_counts of the objects a cell and all those of the scan's
-// blocks. Mostly the step before has done that: it left the counts at zero, and these counters.
+// blocks. Mostly the step before has done that (p->zero_words).
 static bool clear(part *p, uint32_t n_counts, duet_error *err)
 {
     uint32_t work = n_counts > COUNTERS ? n_counts : COUNTERS;
-    bool is_done = p->next_are_cleared && n_counts <= p->zero_counts;
+    bool is_done = COUNTERS + n_counts <= p->zero_words;
     buffer_swap(&p->counters, &p->next_counters);
-    p->next_are_cleared = false;
-    p->zero_counts = n_counts > p->zero_counts ? n_counts : p->zero_counts;
+    p->zero_words = 0;
     p->args.n_counts = n_counts;
     return is_done ||
            (timeline_launch(&p->times, "clear", p->kernels.clear, work, p, err) &&
@@ -66,61 +66,61 @@ static bool hash_chunk(part *p, uint32_t from, uint32_t to, cl_event sent, duet_
 }
 
 // The only kernel that needs no more of the objects than have come so far.
-static bool run_hash(part *p, const part_task *task, duet_error *err)
+static bool hash_chunks(part *p, const part_task *task, duet_error *err)
 {
+    const device_view *v = &p->objects;
     uint32_t from = 0;
     bool ok = true;
-    for (uint32_t i = 0; ok && i < p->n_chunks; ++i) {
-        ok = hash_chunk(p, from, p->chunks[i].to, p->chunks[i].sent, err);
-        from = p->chunks[i].to;
-    }
+    for (uint32_t i = 0; ok && i < v->n_chunks; from = v->chunks[i++].to)
+        ok = hash_chunk(p, from, v->chunks[i].to, v->chunks[i].sent, err);
     return ok && hash_chunk(p, from, task->objects.n, NULL, err);
 }
 
-// Marks of steps before are other stamps.
-static bool reserve_marks(part *p, uint32_t n, duet_error *err)
+// Words of earlier steps have another epoch.
+static bool reserve_requests(part *p, uint32_t n, duet_error *err)
 {
-    size_t words = n / STRAY_BLOCK + 1;
-    size_t before = p->marks.bytes;
-    ++p->stamp;
-    return buffer_reserve(&p->marks, p->device, words * sizeof(uint32_t), err) &&
-           (p->marks.bytes == before || timeline_fill(&p->times, "clear", &p->marks, 0, 0,
-                                                      p->marks.bytes / sizeof(uint32_t), err));
+    buffer *b = &p->requests.words;
+    size_t before = b->bytes;
+    ++p->requests.epoch;
+    return buffer_reserve(b, p->device, (n / INPUT_BLOCK + 1) * sizeof(uint32_t), err) &&
+           (b->bytes == before ||
+            timeline_fill(&p->times, "clear", b, 0, 0, b->bytes / sizeof(uint32_t), err));
 }
 
-// On their way where the device has memory of its own; else the search shows them.
-static bool ask_for_marks(part *p, duet_error *err)
+// Starts to read the requests if the device has memory of its own; else the search shows them.
+static bool read_requests(part *p, duet_error *err)
 {
+    const size_t bytes = p->requests.words.bytes;
     return p->device->info.host_memory ||
-           (host_block_reserve(&p->marks_seen, p->device, 1, p->marks.bytes, err) &&
-            timeline_start_read(&p->times, "fetch marks", &p->marks, 0, p->marks_seen.bytes,
-                                p->marks.bytes, err));
+           (host_block_reserve(&p->requests.seen, p->device, 1, bytes, err) &&
+            timeline_start_read(&p->times, "fetch marks", &p->requests.words, 0,
+                                p->requests.seen.bytes, bytes, err));
 }
 
-// The part marks which objects of its own stretch, the first one, the other part needs. Marks of
-// other stretches behind it are not read.
-static bool hash_stretches(part *p, const part_task *task, duet_error *err)
+// The part marks which objects of its own range, the first one, the other part needs. Nobody reads
+// the marks of other ranges.
+static bool hash_ranges(part *p, const part_task *task, duet_error *err)
 {
-    const stretches *taken = &task->intake->taken;
-    const stretch *own = &taken->list[taken->own];
-    p->args.marked_from = task->intake->marked_from;
-    p->args.marked_to = task->intake->marked_to;
-    bool ok = hash_chunk(p, own->from, own->to, NULL, err) && ask_for_marks(p, err);
+    const selection *s = &task->wanted;
+    const row_span *own = &s->ranges[s->own];
+    p->args.marked_from = task->range.other_from;
+    p->args.marked_to = task->range.other_to;
+    bool ok = hash_chunk(p, own->from, own->to, NULL, err) && read_requests(p, err);
     p->args.marked_from = p->args.marked_to = 0;
-    for (uint32_t i = 0; ok && i < taken->n; ++i)
-        ok = i == taken->own || hash_chunk(p, taken->list[i].from, taken->list[i].to, NULL, err);
+    for (uint32_t i = 0; ok && i < s->n_ranges; ++i)
+        ok = i == s->own || hash_chunk(p, s->ranges[i].from, s->ranges[i].to, NULL, err);
     p->args.n = task->objects.n;
     return ok;
 }
 
-// Objects that were not taken are nowhere.
-static bool pass_over_rest(part *p, const part_task *task, duet_error *err)
+// Objects outside the ranges get no key.
+static bool fill_gaps(part *p, const part_task *task, duet_error *err)
 {
-    const stretches *taken = &task->intake->taken;
+    const selection *s = &task->wanted;
     uint32_t from = 0;
     bool ok = true;
-    for (uint32_t i = 0; ok && i < taken->n; from = taken->list[i++].to)
-        ok = timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, taken->list[i].from, err);
+    for (uint32_t i = 0; ok && i < s->n_ranges; from = s->ranges[i++].to)
+        ok = timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, s->ranges[i].from, err);
     return ok && timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, task->objects.n, err);
 }
 
@@ -132,49 +132,48 @@ static bool find_own_cells(part *p, const part_task *task, duet_error *err)
            timeline_launch(&p->times, "hash", p->kernels.own_cells, 1, p, err);
 }
 
-// all: kernels follow that look at every object's key.
+// all: kernels follow that read every object's key.
 static bool hash_objects(part *p, const part_task *task, bool all, duet_error *err)
 {
+    const bool in_ranges = task->wanted.kind == SELECT_RANGES;
     uint32_t n = task->objects.n;
     bool ok = !p->kernels.own_cells || n == 0 || find_own_cells(p, task, err);
-    ok =
-        ok && (task->intake ? hash_stretches(p, task, err) && (!all || pass_over_rest(p, task, err))
-                            : run_hash(p, task, err));
+    ok = ok && (in_ranges ? hash_ranges(p, task, err) : hash_chunks(p, task, err)) &&
+         (!in_ranges || !all || fill_gaps(p, task, err));
     return ok && (!p->kernels.count_others ||
                   timeline_launch(&p->times, "hash", p->kernels.count_others, n, p, err));
 }
 
-// Runs a kernel over the objects that were taken.
-static bool launch_over_taken(part *p, const part_task *task, const char *stage, const kernel *k,
-                              duet_error *err)
+// Runs a kernel over the objects that the part reads.
+static bool launch_over_objects(part *p, const part_task *task, const char *stage, const kernel *k,
+                                duet_error *err)
 {
-    const stretches all = {.list = {{0, task->objects.n}}, .n = 1};
-    const stretches *taken = task->intake ? &task->intake->taken : &all;
+    const selection all = select_all(task->objects.n);
+    const selection *s = task->wanted.kind == SELECT_RANGES ? &task->wanted : &all;
     bool ok = true;
-    for (uint32_t i = 0; ok && i < taken->n; ++i) {
-        const stretch *s = &taken->list[i];
-        p->args.n_hashed = s->from;
-        p->args.n = s->to;
-        ok = timeline_launch(&p->times, stage, k, s->to - s->from, p, err);
+    for (uint32_t i = 0; ok && i < s->n_ranges; ++i) {
+        p->args.n_hashed = s->ranges[i].from;
+        p->args.n = s->ranges[i].to;
+        ok = timeline_launch(&p->times, stage, k, s->ranges[i].to - s->ranges[i].from, p, err);
     }
     p->args.n = task->objects.n;
     return ok;
 }
 
-// The keys count into starts, and the ranks tell them apart.
-static bool counting_sort(part *p, const part_task *task, const part_range *range, duet_error *err)
+// Counting by key yields the cells' starts; the rank is the place within the cell.
+static bool counting_sort(part *p, const part_task *task, duet_error *err)
 {
     return hash_objects(p, task, false, err) &&
            (p->kernels.summed ? scan_run_summed : scan_run)(&p->scan, &p->times, "sort", &p->counts,
-                                                            &p->starts, count_starts(range), err) &&
-           (!p->kernels.from_ids || launch_over_taken(p, task, "sort", p->kernels.scatter, err));
+                                                            &p->starts, count_starts(task), err) &&
+           (!p->kernels.from_ids || launch_over_objects(p, task, "sort", p->kernels.scatter, err));
 }
 
-static bool find_starts(part *p, const part_task *task, const part_range *range, duet_error *err)
+static bool find_starts(part *p, const part_task *task, duet_error *err)
 {
     bool paper = p->variant.search == SEARCH_PAPER;
     uint64_t work = task->objects.n + (paper ? UINT64_C(0) : UINT64_C(1));
-    p->args.key_end = paper ? own_cells(range) : count_starts(range) - 1;
+    p->args.key_end = paper ? own_cells(task) : count_starts(task) - 1;
     if (paper &&
         !timeline_fill(&p->times, "cell start", &p->starts, UINT32_MAX, 0, p->args.key_end, err))
         return false;
@@ -182,14 +181,13 @@ static bool find_starts(part *p, const part_task *task, const part_range *range,
 }
 
 // Objects that are not in the grid have all bits set, so they come last.
-static bool radix_sort_keys(part *p, const part_task *task, const part_range *range,
-                            duet_error *err)
+static bool radix_sort_keys(part *p, const part_task *task, duet_error *err)
 {
     const radix_lists lists = {&p->keys, &p->ids, &p->keys_spare, &p->ids_spare};
     return hash_objects(p, task, true, err) &&
            radix_sort_run(&p->radix, &p->times, "sort", &lists, task->objects.n,
-                          task->grid.key_bits, err) &&
-           find_starts(p, task, range, err);
+                          task->grid->key_bits, err) &&
+           find_starts(p, task, err);
 }
 
 // ---------------------------------------------------------------- placing
@@ -204,8 +202,9 @@ static bool place(part *p, const part_task *task, duet_error *err)
     uint32_t launches_before = p->times.n_launches;
     bool ok = p->kernels.from_ids
                   ? timeline_launch(&p->times, "reorder", p->kernels.place, work, p, err)
-                  : launch_over_taken(p, task, "reorder", p->kernels.place, err);
-    p->next_are_cleared = p->times.n_launches > launches_before; // none where no object was taken
+                  : launch_over_objects(p, task, "reorder", p->kernels.place, err);
+    if (p->times.n_launches > launches_before) // none, if the part reads no object
+        p->zero_words = COUNTERS + p->args.n_counts;
     return ok;
 }
 
@@ -223,7 +222,7 @@ typedef struct place_bytes {
 static place_bytes bytes_of_places(const part *p, const part_task *task, size_t n)
 {
     bool poses = task->objects.shape != DUET_SHAPE_BOUNDS;
-    bool turned = task->rotated && task->objects.shape != DUET_SHAPE_SPHERES;
+    bool turned = task->def->rotated && task->objects.shape != DUET_SHAPE_SPHERES;
     bool has_origin = task->objects.origin > 0.0f;
     if (p->variant.search == SEARCH_SIMD) {
         size_t columns = BOUNDS_COLUMNS_OF(task->objects.dims, has_origin);
@@ -249,18 +248,18 @@ static bool reserve_places(part *p, const part_task *task, size_t n, duet_error 
 }
 
 // Without a counting sort nothing is counted.
-static bool reserve_counts(part *p, const part_range *range, duet_error *err)
+static bool reserve_counts(part *p, const part_task *task, duet_error *err)
 {
     size_t before = p->counts.bytes + p->scan.sums.bytes;
-    size_t words = p->variant.sort == SORT_COUNTING ? count_starts(range) : 1;
+    size_t words = p->variant.sort == SORT_COUNTING ? count_starts(task) : 1;
     bool ok = buffer_reserve(&p->counts, p->device, words * sizeof(uint32_t), err) &&
-              (!p->kernels.summed || scan_reserve(&p->scan, count_starts(range), err));
+              (!p->kernels.summed || scan_reserve(&p->scan, count_starts(task), err));
     if (p->counts.bytes + p->scan.sums.bytes != before)
-        p->zero_counts = 0;
+        p->zero_words = 0;
     return ok;
 }
 
-static bool reserve_grid(part *p, const part_task *task, const part_range *range, duet_error *err)
+static bool reserve_grid(part *p, const part_task *task, duet_error *err)
 {
     size_t words = task->objects.n * sizeof(uint32_t);
     return buffer_reserve(&p->keys, p->device, words, err) &&
@@ -268,20 +267,20 @@ static bool reserve_grid(part *p, const part_task *task, const part_range *range
            (!p->kernels.from_ids || buffer_reserve(&p->ids, p->device, words, err)) &&
            (p->variant.sort == SORT_COUNTING ||
             buffer_reserve(&p->ids_spare, p->device, words, err)) &&
-           buffer_reserve(&p->starts, p->device, count_starts(range) * sizeof(uint32_t), err) &&
-           reserve_counts(p, range, err) && reserve_places(p, task, range->expected, err);
+           buffer_reserve(&p->starts, p->device, count_starts(task) * sizeof(uint32_t), err) &&
+           reserve_counts(p, task, err) && reserve_places(p, task, task->range.expected, err);
 }
 
-bool part_build_grid(part *p, const part_task *task, const part_range *range, duet_error *err)
+bool part_build_grid(part *p, const part_task *task, duet_error *err)
 {
     bool counting = p->variant.sort == SORT_COUNTING;
-    set_args(p, task, range);
-    bool ok = reserve_grid(p, task, range, err) &&
-              (!task->intake || reserve_marks(p, task->objects.n, err)) &&
-              clear(p, counting ? count_starts(range) : 0, err);
+    set_args(p, task);
+    bool ok = reserve_grid(p, task, err) &&
+              (task->wanted.kind != SELECT_RANGES || reserve_requests(p, task->objects.n, err)) &&
+              clear(p, counting ? count_starts(task) : 0, err);
     if (!ok)
         return false;
-    ok = counting ? counting_sort(p, task, range, err) : radix_sort_keys(p, task, range, err);
+    ok = counting ? counting_sort(p, task, err) : radix_sort_keys(p, task, err);
     return ok && place(p, task, err);
 }
 
@@ -300,7 +299,7 @@ enum { PIECES = 3 };
 static int grid_pieces(part *from, part *to, const part_task *task, grid_piece pieces[PIECES])
 {
     size_t words = task->objects.n * sizeof(uint32_t);
-    size_t starts = ((size_t)task->grid.n_cells + 1 + STARTS_BEHIND) * sizeof(uint32_t);
+    size_t starts = ((size_t)task->grid->n_cells + 1 + STARTS_BEHIND) * sizeof(uint32_t);
     pieces[0] = (grid_piece){&from->ids, &to->ids, words};
     pieces[1] = (grid_piece){&from->starts, &to->starts, starts};
     pieces[2] = (grid_piece){&from->keys, &to->keys, words};
@@ -348,13 +347,12 @@ static bool borrow_places(part *to, const part *from, const part_task *task, due
     return ok;
 }
 
-bool part_receive_grid(part *to, part *from, const part_task *task, const part_range *range,
-                       duet_error *err)
+bool part_receive_grid(part *to, part *from, const part_task *task, duet_error *err)
 {
     grid_piece pieces[PIECES];
     int n = grid_pieces(from, to, task, pieces);
     char *at = from->sent.bytes;
-    set_args(to, task, range);
+    set_args(to, task);
     if (!clear(to, 0, err))
         return false;
     for (int i = 0; i < n; ++i) {

@@ -61,9 +61,10 @@ static size_t smaller(size_t a, size_t b)
 }
 
 // Objects around which to search, at most.
-static uint32_t search_work(const part_task *task, const part_range *range)
+static uint32_t search_work(const part_task *task)
 {
-    return (uint32_t)smaller(range->last, smaller(range->expected, task->objects.n)) - range->first;
+    const part_range *r = &task->range;
+    return (uint32_t)smaller(r->last, smaller(r->expected, task->objects.n)) - r->first;
 }
 
 static bool run_narrow(part *p, uint64_t work, duet_error *err)
@@ -71,7 +72,7 @@ static bool run_narrow(part *p, uint64_t work, duet_error *err)
     return timeline_launch(&p->times, "narrow", p->kernels.narrow, work, p, err);
 }
 
-static bool run_candidates(part *p, const part_task *task, const part_range *range, duet_error *err)
+static bool run_candidates(part *p, const part_task *task, duet_error *err)
 {
     part_args *a = &p->args;
     a->found = p->kernels.narrow ? p->candidates : p->pairs;
@@ -82,7 +83,7 @@ static bool run_candidates(part *p, const part_task *task, const part_range *ran
     a->left_capacity = capacity_of(&p->left);
     bool decides = p->variant.search == SEARCH_SIMD && p->kernels.fused;
     return timeline_launch(&p->times, decides ? "search" : "candidates", p->kernels.candidates,
-                           search_work(task, range), p, err);
+                           search_work(task), p, err);
 }
 
 // Candidates are not counted on the host before they are tested: the narrow
@@ -125,21 +126,20 @@ static bool everything_fits(part *p, bool *fits, duet_error *err)
     return true;
 }
 
-// A device with memory of its own sends as many pairs as the last step had
-// right behind the search, before anyone has asked how many there are: asking
-// first takes as long as a tenth of the pairs.
+// A device with memory of its own sends as many pairs as the last step had right behind the search,
+// before the host knows how many there are: asking first takes as long as a tenth of the pairs.
 
-// Undecided pairs that are sent unasked; there are mostly fewer.
-enum { OPEN_AHEAD = 1024 };
+// Undecided pairs that are read early; there are mostly fewer.
+enum { OPEN_EARLY = 1024 };
 
-// What is sent unasked besides the pairs.
-typedef struct news {
+// Read early besides the pairs.
+typedef struct early_read {
     uint32_t counters[COUNTERS];
     uint32_t pair_counts[PAIR_COUNTS];
-    duet_pair open[OPEN_AHEAD];
-} news;
+    duet_pair open[OPEN_EARLY];
+} early_read;
 
-// Where pairs are counted only those that are left travel.
+// If pairs are counted, only those that are left travel.
 static buffer *pairs_to_fetch(part *p, const part_task *task)
 {
     return task->ids ? &p->left : &p->pairs;
@@ -151,23 +151,24 @@ static uint64_t count_to_fetch(const part *p, const part_task *task)
 }
 
 // The counters come first: the host goes on with them while the pairs travel.
-static bool ask_ahead(part *p, const part_task *task, cl_event *told, duet_error *err)
+static bool start_early_read(part *p, const part_task *task, cl_event *counters_read,
+                             duet_error *err)
 {
     buffer *pairs = pairs_to_fetch(p, task);
-    size_t open_bytes = smaller(p->undecided.bytes, sizeof((news *)0)->open);
-    size_t bytes = smaller(p->pairs_ahead * sizeof(duet_pair), p->fetched.size);
+    size_t open_bytes = smaller(p->undecided.bytes, sizeof((early_read *)0)->open);
+    size_t bytes = smaller(p->pairs_early * sizeof(duet_pair), p->fetched.size);
     bytes = smaller(bytes, pairs->bytes);
-    if (!host_block_reserve(&p->news, p->device, 1, sizeof(news), err))
+    if (!host_block_reserve(&p->early, p->device, 1, sizeof(early_read), err))
         return false;
-    news *n = p->news.bytes;
-    p->pairs_ahead = bytes / sizeof(duet_pair);
+    early_read *n = p->early.bytes;
+    p->pairs_early = bytes / sizeof(duet_pair);
     bool ok =
         timeline_start_read(&p->times, "fetch pairs", &p->undecided, 0, n->open, open_bytes, err) &&
         (!task->ids || timeline_start_read(&p->times, "fetch pairs", &p->pair_counts, 0,
                                            n->pair_counts, sizeof n->pair_counts, err)) &&
         timeline_start_read(&p->times, "fetch pairs", &p->counters, 0, n->counters,
                             sizeof n->counters, err);
-    *told = timeline_last_event(&p->times);
+    *counters_read = timeline_last_event(&p->times);
     return ok &&
            timeline_start_read(&p->times, "fetch pairs", pairs, 0, p->fetched.bytes, bytes, err);
 }
@@ -188,28 +189,28 @@ static uint64_t wide(const uint32_t *words)
 // All that the host reads of memory that it shares with the device.
 static bool see_found(part *p, duet_error *err)
 {
-    const buffer *const found[] = {&p->marks, &p->undecided, &p->pairs, &p->counters};
+    const buffer *const found[] = {&p->requests.words, &p->undecided, &p->pairs, &p->counters};
     bool ok = timeline_see(&p->times, "fetch pairs", found, sizeof found / sizeof found[0], err);
     if (ok)
         p->found = part_found_of(p->counters.host);
     return ok;
 }
 
-static bool hear(part *p, const part_task *task, duet_error *err)
+static bool read_found(part *p, const part_task *task, duet_error *err)
 {
-    cl_event told = NULL;
+    cl_event counters_read = NULL;
     if (p->device->info.host_memory)
         return see_found(p, err);
     if (task->keeps_pairs)
         return read_counters(p, err);
-    if ((task->ids && !count_pairs(p, err)) || !ask_ahead(p, task, &told, err))
+    if ((task->ids && !count_pairs(p, err)) || !start_early_read(p, task, &counters_read, err))
         return false;
-    timeline_spin(&p->times, told);
-    if (!timeline_collect_to(&p->times, told, err))
+    timeline_spin(&p->times, counters_read);
+    if (!timeline_collect_to(&p->times, counters_read, err))
         return false;
-    const news *heard = p->news.bytes;
-    const uint32_t *counts = heard->pair_counts;
-    p->found = part_found_of(heard->counters);
+    const early_read *read = p->early.bytes;
+    const uint32_t *counts = read->pair_counts;
+    p->found = part_found_of(read->counters);
     if (task->ids)
         p->counted = (part_counted){wide(counts + COUNT_COUNTED), wide(counts + COUNTED_HASH),
                                     wide(counts + COUNT_LEFT)};
@@ -218,34 +219,34 @@ static bool hear(part *p, const part_task *task, duet_error *err)
 
 // Where candidates are tested as they are found, the narrow kernel gets what a
 // group had no space for, which is mostly nothing.
-static bool test_listed(part *p, const part_task *task, const part_range *range, duet_error *err)
+static bool test_listed(part *p, const part_task *task, duet_error *err)
 {
     if (!p->kernels.narrow)
-        return hear(p, task, err);
+        return read_found(p, task, err);
     if (!p->kernels.fused)
-        return run_narrow(p, narrow_work(p, search_work(task, range)), err) && hear(p, task, err);
-    if (!hear(p, task, err))
+        return run_narrow(p, narrow_work(p, search_work(task)), err) && read_found(p, task, err);
+    if (!read_found(p, task, err))
         return false;
     uint64_t listed = p->found.candidates;
     return listed == 0 || listed > capacity_of(&p->candidates) ||
-           (run_narrow(p, listed, err) && hear(p, task, err));
+           (run_narrow(p, listed, err) && read_found(p, task, err));
 }
 
 // The first search finds its counters as the step cleared them.
-static bool search_once(part *p, const part_task *task, const part_range *range, duet_error *err)
+static bool search_once(part *p, const part_task *task, duet_error *err)
 {
     return (p->runs++ == 0 ||
             timeline_fill(&p->times, "clear", &p->counters, 0, 0, COUNT_BAD, err)) &&
-           run_candidates(p, task, range, err) && test_listed(p, task, range, err);
+           run_candidates(p, task, err) && test_listed(p, task, err);
 }
 
 static bool under_limit(const part *p, const part_task *task, duet_error *err)
 {
     uint64_t pairs = p->found.pairs;
-    if (task->max_pairs && pairs > task->max_pairs)
+    if (task->def->max_pairs && pairs > task->def->max_pairs)
         return error_set(err, DUET_STATUS_TOO_MANY, "%llu pairs on %s, and the world allows %llu",
                          (unsigned long long)pairs, p->device->info.selector,
-                         (unsigned long long)task->max_pairs);
+                         (unsigned long long)task->def->max_pairs);
     return true;
 }
 
@@ -268,22 +269,21 @@ static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet
 // A grid with space for fewer objects than there are may get more than it holds, and
 // its starts then point past its end. A search that is guarded checks that itself and finds
 // nothing, so the host need not wait between grid and search.
-static bool check_placed(part *p, const part_task *task, const part_range *range, bool *placed,
-                         duet_error *err)
+static bool check_placed(part *p, const part_task *task, bool *placed, duet_error *err)
 {
     *placed = true;
-    if (range->expected >= task->objects.n || p->kernels.guarded)
+    if (task->range.expected >= task->objects.n || p->kernels.guarded)
         return true;
     bool ok = read_counters(p, err);
-    *placed = p->found.placed <= range->expected;
+    *placed = p->found.placed <= task->range.expected;
     return ok;
 }
 
 // ---------------------------------------------------------------- fetching
 
 // Where pairs come to lie on the host, with space behind them for the undecided.
-// A block that must grow loses what was sent ahead, and locking its pages takes
-// longer than a step: it grows by more than it must.
+// A block that must grow loses what was read early, and locking its pages takes longer than a step:
+// it grows by more than it must.
 static bool reserve_span(part *p, uint64_t n, duet_pair **pairs, duet_error *err)
 {
     uint64_t most = n + p->found.undecided;
@@ -292,7 +292,7 @@ static bool reserve_span(part *p, uint64_t n, duet_pair **pairs, duet_error *err
     if (*pairs)
         return true;
     if (bytes > p->fetched.size) {
-        p->pairs_ahead = 0;
+        p->pairs_early = 0;
         bytes += bytes / 16;
     }
     bool ok = host_block_reserve(&p->fetched, p->device, 1, bytes, err);
@@ -300,22 +300,22 @@ static bool reserve_span(part *p, uint64_t n, duet_pair **pairs, duet_error *err
     return ok;
 }
 
-// The pairs that were not sent ahead start to travel, unless the host has seen them; those for the
-// next step are a few more than now.
+// Starts to read the pairs that were not read early, unless the host has seen them; the next step
+// reads a few more than now.
 static bool fetch_rest(part *p, buffer *from, duet_pair *pairs, uint64_t n, duet_error *err)
 {
-    uint64_t there = p->pairs_ahead;
+    uint64_t there = p->pairs_early;
     bool ok = from->host || there >= n ||
               timeline_start_read(&p->times, "fetch pairs", from, there * sizeof(duet_pair),
                                   pairs + there, (n - there) * sizeof(duet_pair), err);
-    p->pairs_ahead = n + n / 64;
+    p->pairs_early = n + n / 64;
     return ok;
 }
 
 static bool fetch_open(part *p, const duet_pair **open, duet_pair *scratch, duet_error *err)
 {
-    const news *n = p->news.bytes;
-    bool ahead = n && p->n_undecided <= OPEN_AHEAD;
+    const early_read *n = p->early.bytes;
+    bool ahead = n && p->n_undecided <= OPEN_EARLY;
     *open = p->undecided.host ? p->undecided.host : ahead ? n->open : scratch;
     return *open != scratch || timeline_read(&p->times, "fetch pairs", &p->undecided, (void *)*open,
                                              p->n_undecided * sizeof **open, err);
@@ -433,19 +433,17 @@ static bool fetch(part *p, const part_task *task, duet_error *err)
     return ok;
 }
 
-bool part_search(part *p, const part_task *task, const part_range *range, bool *placed,
-                 duet_error *err)
+bool part_search(part *p, const part_task *task, bool *placed, duet_error *err)
 {
     *placed = true;
-    if (range->first >= range->last)
+    if (task->range.first >= task->range.last)
         return read_counters(p, err) && timeline_finish(&p->times, err);
-    bool ok = check_placed(p, task, range, placed, err) &&
-              reserve_first(p, task, search_work(task, range), err);
+    bool ok = check_placed(p, task, placed, err) && reserve_first(p, task, search_work(task), err);
     bool fits = false;
     while (ok && *placed && !fits) {
-        ok = search_once(p, task, range, err) && under_limit(p, task, err) &&
+        ok = search_once(p, task, err) && under_limit(p, task, err) &&
              everything_fits(p, &fits, err);
-        *placed = p->found.placed <= range->expected;
+        *placed = p->found.placed <= task->range.expected;
     }
     if (!ok || !*placed)
         return ok;
@@ -454,7 +452,7 @@ bool part_search(part *p, const part_task *task, const part_range *range, bool *
 }
 
 // Those that the host decided stand at the span's end, and nowhere else.
-bool part_bring_counted(part *p, duet_error *err)
+bool part_read_counted(part *p, duet_error *err)
 {
     uint64_t n = p->found.pairs, n_decided = p->span.n - p->counted.left;
     if (p->counted.n == 0)

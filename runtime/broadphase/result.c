@@ -29,7 +29,7 @@ static uint32_t count_bad(const duet_world *world)
 }
 
 // All but the times.
-static duet_result tell_found(const duet_world *world)
+static duet_result describe_found(const duet_world *world)
 {
     const part *a = &world->parts[0];
     const part *b = &world->parts[1];
@@ -91,7 +91,7 @@ static part *sole_finder(const pair_buffers *b, part parts[2])
 }
 
 // Into the caller's buffer or our own, A's first.
-static bool gather(pair_buffers *b, const part parts[2], const bool kept[2], duet_error *err)
+static bool gather(pair_buffers *b, const part parts[2], duet_error *err)
 {
     if (!b->pairs &&
         !buffer_reserve(&b->own_pairs, b->device, (size_t)b->last.n * sizeof(duet_pair), err))
@@ -101,14 +101,14 @@ static bool gather(pair_buffers *b, const part parts[2], const bool kept[2], due
     size_t at = 0, bytes = 0;
     for (int side = 0; side < 2 && code == CL_SUCCESS; ++side, at += bytes) {
         const part *p = &parts[side];
+        const bool kept = !p->span.pairs; // on its device
         bytes = (size_t)p->span.n * sizeof(duet_pair);
         if (bytes == 0)
             continue;
-        cl_command_queue queue = kept[side] ? p->device->queue : b->device->queue;
-        code = kept[side]
-                   ? clEnqueueCopyBuffer(queue, p->pairs.mem, to, 0, at, bytes, 0, NULL, NULL)
-                   : clEnqueueWriteBuffer(queue, to, CL_FALSE, at, bytes, p->span.pairs, 0, NULL,
-                                          NULL);
+        cl_command_queue queue = kept ? p->device->queue : b->device->queue;
+        code = kept ? clEnqueueCopyBuffer(queue, p->pairs.mem, to, 0, at, bytes, 0, NULL, NULL)
+                    : clEnqueueWriteBuffer(queue, to, CL_FALSE, at, bytes, p->span.pairs, 0, NULL,
+                                           NULL);
         cl_int finished = clFinish(queue);
         code = code != CL_SUCCESS ? code : finished;
     }
@@ -123,7 +123,7 @@ static bool join_pairs(duet_world *world, duet_error *err)
     pair_buffers *b = &world->left;
     part *parts = world->parts;
     part *sole = sole_finder(b, parts);
-    bool ok = sole || gather(b, parts, world->keeps_pairs, err);
+    bool ok = sole || gather(b, parts, err);
     b->joined = sole ? &sole->pairs : &b->own_pairs;
     if (sole && sole->pairs.host) // the device sees those that were decided there
         ok = timeline_write(&sole->times, "leave pairs", &sole->pairs, sole->pairs.host,
@@ -144,8 +144,8 @@ static bool leave_pairs(duet_world *world, bool found, duet_error *err)
     cl_int code = b->last.count ? clEnqueueWriteBuffer(b->device->queue, b->last.count, CL_TRUE, 0,
                                                        sizeof n, &n, 0, NULL, NULL)
                                 : CL_SUCCESS;
-    b->told = code == CL_SUCCESS;
-    if (ok && !b->told)
+    b->count_written = code == CL_SUCCESS;
+    if (ok && !b->count_written)
         ok = error_set_cl(err, code, "%s: leaving the number of pairs", b->device->info.selector);
     if (ok)
         b->last.pairs = b->pairs ? b->pairs : b->joined->mem;
@@ -159,7 +159,7 @@ static bool leave_pairs(duet_world *world, bool found, duet_error *err)
 bool world_hand_out(duet_world *world, bool found, uint64_t begun, duet_result *result,
                     duet_error *err)
 {
-    duet_result handed = tell_found(world);
+    duet_result handed = describe_found(world);
     found = found && check_bad(world, &handed, err);
     bool ok = world->left.device ? leave_pairs(world, found, err) : found;
     if (!found)

@@ -135,6 +135,19 @@ bool variant_parse(variant *v, const char *text, const duet_device_info *device,
     return ok;
 }
 
+bool variant_is(const variant *a, const variant *b)
+{
+    bool same = a->search == b->search && a->sort == b->sort && a->grid == b->grid &&
+                a->send == b->send && a->fixed == b->fixed && a->fused == b->fused &&
+                a->n_settings == b->n_settings;
+    for (uint32_t i = 0; same && i < a->n_settings; ++i) {
+        const variant_setting *of_a = &a->settings[i], *of_b = &b->settings[i];
+        same = of_a->value == of_b->value && strcmp(of_a->kernel, of_b->kernel) == 0 &&
+               strcmp(of_a->name, of_b->name) == 0;
+    }
+    return same;
+}
+
 bool variant_sets(const variant *v, const char *kernel, const char *param)
 {
     for (uint32_t i = 0; i < v->n_settings; ++i) {

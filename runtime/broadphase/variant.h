@@ -54,6 +54,9 @@ typedef struct variant {
 // BAD_ARGUMENT names the word that is wrong and what would be right.
 bool variant_parse(variant *v, const char *text, const duet_device_info *device, duet_error *err);
 
+// Whether both ask for the same.
+bool variant_is(const variant *a, const variant *b);
+
 // Whether some setting is one of that parameter of that kernel.
 bool variant_sets(const variant *v, const char *kernel, const char *param);
 

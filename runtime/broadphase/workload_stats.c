@@ -263,14 +263,14 @@ void workload_stats_take(workload_stats *c, const duet_world *world)
     *c = see_all(world);
     raster r = lay_raster(&world->def, c);
     c->crowding = crowding(world, &r);
-    c->version = world->objects_version;
+    c->generation = world->objects_generation;
 }
 
 workload_summary workload_summarise(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
     workload_stats c = world->stats;
-    if (c.version != world->objects_version || world->def.separate_sizes)
+    if (c.generation != world->objects_generation || world->def.separate_sizes)
         workload_stats_take(&c, world);
     raster r = lay_raster(def, &c);
     float widest = extent_of(def, c.widest), narrowest = extent_of(def, c.narrowest);

@@ -8,7 +8,7 @@
 
 // Of all objects. What is not a number is passed over: no comparison holds.
 typedef struct workload_stats {
-    uint64_t version; // of the objects that were counted; 0: none
+    uint64_t generation; // of the objects that were counted; 0: none
     float lower[3];   // of the centres
     float upper[3];
     float widest;    // by what decides an extent: squares of half diagonals of boxes that

@@ -26,18 +26,10 @@ const char *duet_mode_name(duet_mode mode)
     return NULL;
 }
 
-// Parts of one CPU, or two equal devices, do work in proportion to their units;
-// how unequal ones compare is not known before it is measured.
-static bool are_alike(const duet_device_pair *pair)
-{
-    const duet_device_info *a = &pair->devices[0].info, *b = &pair->devices[1].info;
-    return a->kind == b->kind && strcmp(a->name, b->name) == 0 && !duet_device_pair_is_one(pair);
-}
-
 static uint32_t default_share(const duet_device_pair *pair)
 {
     uint64_t a = pair->devices[0].info.units, b = pair->devices[1].info.units;
-    return are_alike(pair) && a + b > 0 ? (uint32_t)(DUET_SHARE_ONE * a / (a + b)) : 0;
+    return world_pair_is_alike(pair) && a + b > 0 ? (uint32_t)(DUET_SHARE_ONE * a / (a + b)) : 0;
 }
 
 static const char *default_variant(const duet_device_info *info)
@@ -208,7 +200,7 @@ static void take_plan(duet_world *world, const duet_plan *plan, const grid_wish 
     world->wish = *wish;
     world->variants[0] = variants[0];
     world->variants[1] = variants[1];
-    world->mode_open = plan->mode == DUET_MODE_DEFAULT;
+    world->asked_mode = plan->mode;
     world_choose_mode(world);
 }
 
@@ -231,11 +223,10 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
     }
     world->def = own;
     world->kind = world_objects_kind(&own);
-    world->alike = are_alike(def->pair);
     take_plan(world, &plan, &wish, variants);
     world_hold(world);
     device_pair_hold(def->pair);
-    pack_open(&world->pack);
+    compaction_open(&world->lists);
     world->driver = thread_pool_open(1, err);
     bool ok = world->driver && part_open(&world->parts[0], def->pair, 0, err) &&
               part_open(&world->parts[1], def->pair, 1, err);
@@ -259,13 +250,13 @@ void duet_world_destroy(duet_world *world)
     thread_pool_close(world->driver);
     part_close(&world->parts[0]);
     part_close(&world->parts[1]);
-    resident_drop(&world->resident);
+    world_drop_resident(world);
     pair_buffers_drop(&world->left);
     host_block_release(&world->objects);
     host_block_release(&world->sizes);
-    pack_close(&world->pack);
+    compaction_close(&world->lists);
     split_free(&world->split);
-    strays_close(&world->strays);
+    input_ranges_close(&world->ranges);
     duet_device_pair_destroy(world->def.pair);
     free(world);
 }
@@ -284,10 +275,6 @@ bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *e
     if (wish.uniform != world->wish.uniform || wish.dense != world->wish.dense ||
         wish.hashed != world->wish.hashed)
         world_forget_grid(world);
-    if ((plan->mode == DUET_MODE_SHARED) != (world->def.plan.mode == DUET_MODE_SHARED))
-        world->prepared[0] = world->prepared[1] = false;
-    world->prepared[0] &= strcmp(plan->variant_a, world->def.plan.variant_a) == 0;
-    world->prepared[1] &= strcmp(plan->variant_b, world->def.plan.variant_b) == 0;
     take_plan(world, plan, &wish, variants);
     return true;
 }
@@ -312,9 +299,14 @@ bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err)
 
 void world_change_level(duet_world *world, duet_level level)
 {
-    if (level != world->def.level)
-        world->prepared[0] = world->prepared[1] = false;
+    for (int side = 0; side < 2 && level != world->def.level; ++side)
+        part_forget_kernels(&world->parts[side]);
     world->def.level = level;
+}
+
+bool world_is_prepared(const duet_world *world, int side)
+{
+    return part_has_kernels(&world->parts[side], &world->variants[side]);
 }
 
 duet_level duet_world_get_level(const duet_world *world)

@@ -4,8 +4,6 @@
 #define RUNTIME_WORLD_H
 
 #include "runtime/broadphase/part.h"
-#include "runtime/broadphase/slab.h"
-#include "runtime/broadphase/strays.h"
 #include "runtime/broadphase/workload_stats.h"
 #include "runtime/duet_opencl.h"
 #include "runtime/opencl/background.h"
@@ -13,16 +11,11 @@
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/thread_pool.h"
 
-// Objects that are in a device's memory before the step: where B made them, or in a buffer of
-// the caller's. A device that has them reads them there; the host sees them where it must.
+// Objects in a buffer on devices, which B's kernels made or the caller brings. The views of the
+// devices that have the buffer are bound to it; the host sees the objects if a step needs it to.
 typedef struct resident {
-    buffer objects;       // empty: the objects are the host's
-    bool on[2];           // the devices that have them
-    bool only_seen;       // and are sent them nevertheless, from where the host sees them
-    bool callers;         // the buffer is held
-    callers_events ready; // what must be over first; none once it is
-    const void *seen;     // by the host; NULL: not yet
-    void *mapped;         // that memory, where it is the device's own
+    cl_mem mem;           // held; NULL: the objects are the host's
+    callers_events ready; // wait for these before the buffer is read; none once they are over
 } resident;
 
 // Pairs that a step leaves on a device instead of bringing them to the host.
@@ -32,7 +25,7 @@ typedef struct pair_buffers {
     uint64_t capacity;    // of the caller's
     buffer own_pairs, own_count;
     const buffer *joined;   // of ours that has all of them: own_pairs or a part's
-    bool told;              // their number is on the device, 0 after a failure
+    bool count_written;     // their number is on the device, 0 after a failure
     duet_pair_buffers last; // of the last step; its mems may be a part's
 } pair_buffers;
 
@@ -42,42 +35,54 @@ typedef struct step_half {
     duet_result result;
 } step_half;
 
+// The global ids that steps count pairs by.
+typedef struct counting_ids {
+    const global_ids *list; // in a step that counts; else NULL
+    uint64_t generation;    // of the last list
+    uint64_t prefetched;    // of the last list that was prefetched
+} counting_ids;
+
+// Invariants:
+// 1. The objects lie in one place: `objects`, memory of the caller's, or the resident buffer.
+// `rows`
+//    is where the host sees them, and NULL only if they are resident and not seen. Their generation
+//    changes whenever the content or the place does.
+// 2. The grid suits the objects if fitted_n > 0 and n is no more than REFIT_FACTOR from it. Its
+//    generation is that of the split, of the ranges and of the parts' levels that were made from
+//    it.
+// 3. def.plan has no default left: its mode is asked_mode, or what suits the grid.
+// 4. What lies on a device is known by its part's views alone.
 struct duet_world {
     duet_world_def def;
     duet_object_kind kind; // of the objects, by the def
-    uint32_t users;        // who created it, and shares that are kept on line
-    part parts[2];         // A, B
-    thread_pool *driver;   // drives A while the caller's thread drives B
-    pack pack;
-    strays strays;
+    uint32_t users;        // the creator, and shares that are kept on line
+    duet_mode asked_mode;  // of the plan
+    variant variants[2];   // of the plan
+    grid_wish wish;        // of the plan
+
     host_block objects; // [n] poses or bounds, or transforms
-    const void *lent;   // the objects, where they lie in memory of someone else's; else NULL
-    resident resident;  // the objects, where a device has them; else empty
+    const void *rows;
+    resident resident;
     uint32_t n;
-    uint64_t objects_version;
-    uint64_t steps;   // since the last whose stages were asked for
+    uint64_t objects_generation;
     host_block sizes; // [n_sizes + 1] of transforms
     uint32_t n_sizes;
-    uint64_t sizes_version;
+    uint64_t sizes_generation;
     workload_stats stats; // of the objects that were set first
-    bool alike;           // the devices: they do work in proportion to their units
-    bool mode_open;       // the plan's mode is what the grid makes of the default
-    bool prepared[2];     // the part has kernels of the plan
-    bool fitted;          // the grid is that of these objects
-    uint32_t fitted_n;
-    grid_wish wish;      // of the plan
-    variant variants[2]; // of the plan
+
     grid grid;
-    uint64_t grid_version;
-    bool cells_vary; // with the objects: the plan's grid had other cells before
-    split split;     // of these objects, where slabs are searched
-    bool cell_widened;
-    bool keeps_pairs[2];   // on that device in the last step
-    const global_ids *ids; // of a step that counts pairs; else NULL
-    uint64_t ids_version;
-    bool ids_ahead;        // that version's are on their way
-    bool skims;            // objects that are sent ahead may be skimmed
+    uint64_t n_grids;    // that were fitted so far: the last one's generation
+    uint32_t fitted_n;   // objects that the grid was fitted to; 0: it is to be fitted
+    bool cell_widened;   // beyond the def's cell, which was too small
+    split split;         // of the grid, in mode slab
+    input_ranges ranges; // of the slabs' objects, if they are ordered
+    compaction lists;    // of the slabs' objects, if they are not
+
+    part parts[2];       // A, B
+    thread_pool *driver; // drives A while the caller's thread drives B
+    counting_ids ids;
     pair_buffers left;     // where pairs are left
+    uint64_t steps;        // since the last whose stages were asked for
     background background; // of a step in two halves
     step_half half;
     duet_stage stages[2 * TIMELINE_STAGES]; // of the last step
@@ -119,17 +124,17 @@ void world_lend_objects(duet_world *world, const void *objects, uint32_t n);
 // One user more, until it destroys the world.
 void world_hold(duet_world *world);
 
-// The level that a profile brings: the world still takes any within its accuracy.
+// Sets the level of a loaded profile. Later profiles may use any level within the requested
+// accuracy.
 void world_change_level(duet_world *world, duet_level level);
 
 // The next step lays its grid anew, whatever the last one found.
 void world_forget_grid(duet_world *world);
 
-// A grid that was fitted to n objects; or none.
+// A grid that was fitted to n objects; 0: there is none.
 typedef struct world_fit {
-    bool fitted;
-    bool cell_widened;
     uint32_t n;
+    bool cell_widened;
     grid grid;
 } world_fit;
 
@@ -146,21 +151,28 @@ bool world_fit_grid(duet_world *world, grid_objects *objects, bool seen, thread_
 // All of a def but its device pair and its plan.
 bool world_check_def(const duet_world_def *def, duet_error *err);
 
-// The plan's mode, where it is open, for the grid that was fitted.
+// Sets the plan's mode to the asked one, or by the grid if that is the default.
 void world_choose_mode(duet_world *world);
 
-// The array is NULL where the host does not see the objects.
+// Whether the device has the kernels of the plan, which the first step with it builds.
+bool world_is_prepared(const duet_world *world, int side);
+
+// Whether the devices do work in proportion to their units: parts of one CPU, or two of one kind.
+bool world_pair_is_alike(const duet_device_pair *pair);
+
 grid_objects world_objects(const duet_world *world);
 
-// Waits for what must be over before they are read. BAD_ARGUMENT unless each has a size, whichever
-// of the two was set first. The host then sees them, in place or in the world's own memory, where
-// that is asked for or a search by the plan needs it. What is in place is so until
-// world_end_sight, for a step at most.
+// Waits for what must be over before the objects are read. BAD_ARGUMENT unless each has a size,
+// whichever of the two was set first. The host then sees them, in place or in the world's own
+// memory, if `seen` or if a search by the plan needs it. In place it sees them until
+// world_unmap_objects, for a step at most.
 bool world_take_objects(duet_world *world, bool seen, duet_error *err);
-void world_end_sight(duet_world *world);
+void world_unmap_objects(duet_world *world);
 
-// Lets go of the buffer.
-void resident_drop(resident *r);
+// The next steps are of n objects in a buffer that these devices have. Takes r over.
+void world_bind_resident(duet_world *world, resident r, size_t bytes, const bool on[2], uint32_t n);
+void world_drop_resident(duet_world *world);
+void resident_release(resident *r);
 
 // Maps n transforms, of the kind that the world was made for, and fills them from poses.
 bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err);
@@ -173,6 +185,9 @@ void pair_buffers_drop(pair_buffers *b);
 // them. After a failure their number there is 0, so that kernels which read it do nothing.
 bool world_hand_out(duet_world *world, bool found, uint64_t begun, duet_result *result,
                     duet_error *err);
+
+// A step of an idle world.
+bool world_step(duet_world *world, duet_result *result, duet_error *err);
 
 // A step over n bounds in B's memory. *pairs has as many as the result says, in B's memory until
 // the next step; its spans have none. Where B searches alone, nothing of both comes to the host.

@@ -58,7 +58,7 @@ static bool decided(const part_kernels *k, const char *parameter, int64_t *value
 
 bool world_fact_at(const duet_world *world, int side, uint32_t i, world_fact *fact)
 {
-    if (!world->prepared[side])
+    if (!world_is_prepared(world, side))
         return false;
     const part_kernels *k = &world->parts[side].kernels;
     for (size_t row = 0; row < sizeof facts / sizeof facts[0]; ++row) {
@@ -129,7 +129,7 @@ static const kernel *launched(const part *p, const char *name)
 
 bool world_kernel_at(const duet_world *world, int side, uint32_t i, world_kernel *k)
 {
-    if (!world->prepared[side] || i >= sizeof kernels / sizeof kernels[0])
+    if (!world_is_prepared(world, side) || i >= sizeof kernels / sizeof kernels[0])
         return false;
     const part *p = &world->parts[side];
     const kernel *ran = launched(p, kernels[i].name);

@@ -9,52 +9,60 @@
 // Grids are fitted again where the number of objects has changed this much.
 enum { REFIT_FACTOR = 2 };
 
-// Which mode the default is depends on the grid, which slabs cut only where its cells are
-// of one size. To have them at any price was measured three times slower where sizes are mixed.
+// How unequal devices compare is not known before it is measured.
+bool world_pair_is_alike(const duet_device_pair *pair)
+{
+    const duet_device_info *a = &pair->devices[0].info, *b = &pair->devices[1].info;
+    return a->kind == b->kind && strcmp(a->name, b->name) == 0 && !duet_device_pair_is_one(pair);
+}
+
+// Slabs cut only a grid whose cells are of one size. To have them at any price was measured three
+// times slower if sizes are mixed.
 void world_choose_mode(duet_world *world)
 {
     bool one_size = world->grid.kind == GRID_DENSE && world->grid.n_levels == 1;
-    if (world->mode_open)
-        world->def.plan.mode = one_size && world->alike ? DUET_MODE_SLAB : DUET_MODE_OWN;
+    bool slabs = one_size && world_pair_is_alike(world->def.pair);
+    world->def.plan.mode = world->asked_mode != DUET_MODE_DEFAULT ? world->asked_mode
+                           : slabs                                ? DUET_MODE_SLAB
+                                                                  : DUET_MODE_OWN;
 }
 
-// The grid is another than the one before.
-static void take_grid(duet_world *world, const grid *before, uint32_t n)
+// Makes a grid that was fitted to n objects the world's.
+static void take_grid(duet_world *world, const grid *fitted, uint32_t n)
 {
-    const cl_int4 was = before->levels[0].cells, is = world->grid.levels[0].cells;
-    world->cells_vary |= was.s[0] > 0 && memcmp(&was, &is, sizeof is) != 0;
-    world->fitted = true;
+    const cl_int4 was = world->grid.levels[0].cells, is = fitted->levels[0].cells;
+    const bool other = was.s[0] > 0 && memcmp(&was, &is, sizeof is) != 0;
+    const bool varies = world->grid.varies || other;
+    world->grid = *fitted;
+    world->grid.varies = varies;
+    world->grid.generation = ++world->n_grids;
     world->fitted_n = n;
     world_choose_mode(world);
-    world->split.stale = true;
-    ++world->grid_version;
 }
 
 void world_swap_fit(duet_world *world, world_fit *fit)
 {
-    world_fit before = {world->fitted, world->cell_widened, world->fitted_n, world->grid};
-    world->fitted = fit->fitted;
-    world->cells_vary = true;
-    if (fit->fitted) {
-        world->grid = fit->grid;
+    const world_fit before = {world->fitted_n, world->cell_widened, world->grid};
+    world->fitted_n = 0;
+    world->grid.varies = true;
+    if (fit->n > 0) {
         world->cell_widened = fit->cell_widened;
-        take_grid(world, &before.grid, fit->n);
+        take_grid(world, &fit->grid, fit->n);
     }
     *fit = before;
 }
 
-// The next step fits another one, which is no change of this one.
+// The next step fits another grid, which does not count as a change of this one.
 void world_forget_grid(duet_world *world)
 {
-    world->fitted = world->cells_vary = false;
+    world->fitted_n = 0;
     world->grid = (grid){0};
 }
 
 static bool is_fitted(const duet_world *world)
 {
-    uint64_t n = world->n;
-    return n == 0 || (world->fitted && n <= REFIT_FACTOR * (uint64_t)world->fitted_n &&
-                      REFIT_FACTOR * n >= world->fitted_n);
+    const uint64_t n = world->n, fitted = world->fitted_n;
+    return n == 0 || (fitted > 0 && n <= REFIT_FACTOR * fitted && REFIT_FACTOR * n >= fitted);
 }
 
 static grid_wish wish_of(const duet_world *world)
@@ -63,6 +71,9 @@ static grid_wish wish_of(const duet_world *world)
     grid_wish wish = world->wish;
     wish.has_world = def->has_world;
     wish.edge = def->cell;
+    wish.by_gpus = true;
+    for (int side = 0; side < 2; ++side)
+        wish.by_gpus &= world->parts[side].device->info.kind == DUET_KIND_GPU;
     for (int k = 0; k < 3; ++k) {
         wish.lower[k] = def->lower[k];
         wish.upper[k] = def->upper[k];
@@ -75,14 +86,15 @@ bool world_fit_grid(duet_world *world, grid_objects *objects, bool seen, thread_
 {
     const duet_world_def *def = &world->def;
     const bool fitted = is_fitted(world);
-    const bool cuts = def->plan.mode == DUET_MODE_SLAB && world->split.stale;
+    const bool cuts =
+        def->plan.mode == DUET_MODE_SLAB && split_is_stale(&world->split, &world->grid);
     const grid_wish wish = wish_of(world);
     if (!world_take_objects(world, seen || !fitted || cuts, err))
         return false;
     *objects = world_objects(world);
     if (fitted)
         return true;
-    const grid before = world->grid;
+    grid suited;
     grid_needs needs;
     grid_needs_of(&needs, objects, threads);
     bool too_small = def->cell > 0.0f && needs.widest > def->cell;
@@ -91,9 +103,9 @@ bool world_fit_grid(duet_world *world, grid_objects *objects, bool seen, thread_
                          "the cell edge %g is below the extent %.9g of object %u; expected a "
                          "cell at least that wide",
                          def->cell, needs.widest, needs.widest_id);
-    if (!grid_fit(&world->grid, &needs, &wish, objects, err))
+    if (!grid_fit(&suited, &needs, &wish, objects, err))
         return false;
     world->cell_widened = too_small;
-    take_grid(world, &before, world->n);
+    take_grid(world, &suited, world->n);
     return true;
 }

@@ -49,27 +49,51 @@ const char *world_objects_name(const duet_world_def *def)
 
 // ---------------------------------------------------------------- in a device's memory
 
-void resident_drop(resident *r)
+static bool has_bound(const duet_world *world, int side)
 {
-    if (r->callers)
-        mem_release(&r->objects.mem);
+    return world->parts[side].objects.bound.mem;
+}
+
+void world_bind_resident(duet_world *world, resident r, size_t bytes, const bool on[2], uint32_t n)
+{
+    const buffer memory = {.mem = r.mem, .bytes = bytes};
+    world_drop_resident(world);
+    world->resident = r;
+    world->rows = NULL;
+    world->n = n;
+    ++world->objects_generation;
+    for (int side = 0; side < 2; ++side)
+        view_bind(&world->parts[side].objects, on[side] ? &memory : NULL);
+}
+
+void resident_release(resident *r)
+{
+    mem_release(&r->mem);
     callers_events_release(&r->ready);
     *r = (resident){0};
 }
 
-// The device whose objects the host sees: in place where one works on host memory.
-static int side_of(const resident *r, const device devices[2])
+void world_drop_resident(duet_world *world)
 {
-    bool in_place = r->on[0] && devices[0].info.host_memory && !devices[1].info.host_memory;
-    return r->on[1] && !in_place ? 1 : 0;
+    resident_release(&world->resident);
+    for (int side = 0; side < 2; ++side)
+        view_bind(&world->parts[side].objects, NULL);
 }
 
-static bool map_resident(resident *r, size_t bytes, const device *d, duet_error *err)
+// The part whose device shows the host the objects: in place, if one works on host memory.
+static part *shown_by(duet_world *world)
+{
+    part *a = &world->parts[0], *b = &world->parts[1];
+    bool in_place =
+        has_bound(world, 0) && a->device->info.host_memory && !b->device->info.host_memory;
+    return has_bound(world, 1) && !in_place ? b : a;
+}
+
+static bool map_resident(duet_world *world, size_t bytes, const device *d, duet_error *err)
 {
     cl_int code = CL_SUCCESS;
-    r->mapped = clEnqueueMapBuffer(d->queue, r->objects.mem, CL_TRUE, CL_MAP_READ, 0, bytes, 0,
-                                   NULL, NULL, &code);
-    r->seen = r->mapped;
+    world->rows = clEnqueueMapBuffer(d->queue, world->resident.mem, CL_TRUE, CL_MAP_READ, 0, bytes,
+                                     0, NULL, NULL, &code);
     return code == CL_SUCCESS ||
            error_set_cl(err, code, "%s: mapping %zu bytes of objects", d->info.selector, bytes);
 }
@@ -77,43 +101,52 @@ static bool map_resident(resident *r, size_t bytes, const device *d, duet_error 
 // The part of the device that has them takes the time.
 static bool fetch_resident(duet_world *world, size_t bytes, part *from, duet_error *err)
 {
-    resident *r = &world->resident;
     timeline_begin(&from->times, from->device, true);
     if (!host_block_reserve(&world->objects, world->def.pair->devices, 2, bytes, err) ||
-        !timeline_read(&from->times, "fetch objects", &r->objects, world->objects.bytes, bytes,
-                       err))
+        !timeline_read(&from->times, "fetch objects", &from->objects.bound, world->objects.bytes,
+                       bytes, err))
         return false;
-    r->seen = world->objects.bytes;
+    world->rows = world->objects.bytes;
     return true;
 }
 
-// ---------------------------------------------------------------- seeing them
+void world_unmap_objects(duet_world *world)
+{
+    bool mapped = world->resident.mem && world->rows && world->rows != world->objects.bytes;
+    if (!mapped)
+        return;
+    const device *d = shown_by(world)->device;
+    clEnqueueUnmapMemObject(d->queue, world->resident.mem, (void *)world->rows, 0, NULL, NULL);
+    clFinish(d->queue);
+    world->rows = NULL;
+}
+
+// ---------------------------------------------------------------- what the host sees
 
 grid_objects world_objects(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
     return (grid_objects){
-        .array = world->resident.objects.mem ? world->resident.seen
-                 : world->lent               ? world->lent
-                                             : world->objects.bytes,
+        .array = world->rows,
+        .generation = world->objects_generation,
         .row_bytes = kinds[world->kind].bytes,
         .shape = def->shape,
         .origin = def->origin_edge,
         .n = world->n,
         .dims = def->dims,
         .sizes = def->separate_sizes ? world->sizes.bytes : NULL,
+        .sizes_generation = world->sizes_generation,
         .compact = def->compact_transforms,
     };
 }
 
 static bool see(duet_world *world, duet_error *err)
 {
-    resident *r = &world->resident;
     size_t bytes = world->n * kinds[world->kind].bytes;
-    if (!r->objects.mem || r->seen || bytes == 0)
+    if (world->rows || bytes == 0)
         return true;
-    part *p = &world->parts[side_of(r, world->def.pair->devices)];
-    return p->device->info.host_memory ? map_resident(r, bytes, p->device, err)
+    part *p = shown_by(world);
+    return p->device->info.host_memory ? map_resident(world, bytes, p->device, err)
                                        : fetch_resident(world, bytes, p, err);
 }
 
@@ -122,15 +155,13 @@ static bool see(duet_world *world, duet_error *err)
 static bool search_sees(const duet_world *world)
 {
     const duet_plan *plan = &world->def.plan;
-    const resident *r = &world->resident;
     const bool searches[2] = {plan->share > 0,
                               plan->share < DUET_SHARE_ONE || plan->mode == DUET_MODE_SHARED};
     bool sees = false;
     for (int side = 0; side < 2; ++side)
-        sees |=
-            searches[side] &&
-            (!r->on[side] || r->only_seen ||
-             (world->def.shape == DUET_SHAPE_POSES && world->parts[side].device->info.host_memory));
+        sees |= searches[side] &&
+                (!has_bound(world, side) || (world->def.shape == DUET_SHAPE_POSES &&
+                                             world->parts[side].device->info.host_memory));
     return sees;
 }
 
@@ -147,15 +178,4 @@ bool world_take_objects(duet_world *world, bool seen, duet_error *err)
     return has_sizes(world, err) &&
            callers_events_wait(&world->resident.ready, "the objects", err) &&
            (!(seen || search_sees(world)) || see(world, err));
-}
-
-void world_end_sight(duet_world *world)
-{
-    resident *r = &world->resident;
-    if (!r->mapped)
-        return;
-    const device *d = &world->def.pair->devices[side_of(r, world->def.pair->devices)];
-    clEnqueueUnmapMemObject(d->queue, r->objects.mem, r->mapped, 0, NULL, NULL);
-    clFinish(d->queue);
-    r->seen = r->mapped = NULL;
 }

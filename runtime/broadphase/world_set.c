@@ -33,7 +33,7 @@ static void *map_sizes(duet_world *world, uint32_t n, duet_error *err)
     duet_size *sizes = world->sizes.bytes;
     sizes[n] = (duet_size){0};
     world->n_sizes = n;
-    ++world->sizes_version;
+    ++world->sizes_generation;
     return sizes;
 }
 
@@ -44,13 +44,15 @@ void *duet_world_map_objects(duet_world *world, duet_object_kind kind, uint32_t 
         return NULL;
     if (kind == DUET_OBJECT_SIZES)
         return map_sizes(world, n, err);
-    resident_drop(&world->resident);
+    world_drop_resident(world);
+    world->rows = NULL;
+    world->n = 0; // in case there is no memory: the old block is gone
     if (!host_block_reserve(&world->objects, world->def.pair->devices, 2,
                             n * world_kind_bytes(kind), err))
         return NULL;
-    world->lent = NULL;
+    world->rows = world->objects.bytes;
     world->n = n;
-    ++world->objects_version;
+    ++world->objects_generation;
     return world->objects.bytes;
 }
 
@@ -58,17 +60,17 @@ void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n)
 {
     if (n * world_kind_bytes(kind) > world->objects.size)
         return NULL;
-    world->lent = NULL;
+    world->rows = world->objects.bytes;
     world->n = n;
     return world->objects.bytes;
 }
 
 void world_lend_objects(duet_world *world, const void *objects, uint32_t n)
 {
-    resident_drop(&world->resident);
-    world->lent = objects;
+    world_drop_resident(world);
+    world->rows = objects;
     world->n = n;
-    ++world->objects_version;
+    ++world->objects_generation;
 }
 
 static bool take_sizes(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
@@ -111,7 +113,7 @@ bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void
     memcpy(to, objects, n * world_kind_bytes(kind));
     for (uint32_t i = 0; kind == DUET_OBJECT_LARGE_POSES && i < n; ++i)
         origin_settle(&((duet_large_pose *)to)[i], world->def.origin_edge);
-    if (kind != DUET_OBJECT_SIZES && world->objects_version == 1 && !world->def.separate_sizes)
+    if (kind != DUET_OBJECT_SIZES && world->objects_generation == 1 && !world->def.separate_sizes)
         workload_stats_take(&world->stats, world);
     return true;
 }
@@ -119,25 +121,23 @@ bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void
 // ---------------------------------------------------------------- in the caller's buffer
 
 // Each queue of the caller's that has the buffer, once.
-static bool mark_queues(resident *r, const device devices[2], duet_error *err)
+static bool mark_queues(resident *r, const bool on[2], const device devices[2], duet_error *err)
 {
     bool same = devices[0].callers == devices[1].callers;
-    bool ok = !r->on[0] || callers_events_mark(&r->ready, &devices[0], err);
-    return ok &&
-           (!r->on[1] || (r->on[0] && same) || callers_events_mark(&r->ready, &devices[1], err));
+    bool ok = !on[0] || callers_events_mark(&r->ready, &devices[0], err);
+    return ok && (!on[1] || (on[0] && same) || callers_events_mark(&r->ready, &devices[1], err));
 }
 
-static bool fetch_sizes(duet_world *world, resident *r, uint32_t n, duet_error *err)
+static bool fetch_sizes(duet_world *world, resident *r, const device *from, uint32_t n,
+                        duet_error *err)
 {
-    const device *devices = world->def.pair->devices;
-    const int side = r->on[1] ? 1 : 0;
     duet_size *sizes = duet_world_map_objects(world, DUET_OBJECT_SIZES, n, err);
     if (!sizes || !callers_events_wait(&r->ready, "the objects", err))
         return false;
-    cl_int code = clEnqueueReadBuffer(devices[side].queue, r->objects.mem, CL_TRUE, 0,
-                                      n * sizeof *sizes, sizes, 0, NULL, NULL);
+    cl_int code = clEnqueueReadBuffer(from->queue, r->mem, CL_TRUE, 0, n * sizeof *sizes, sizes, 0,
+                                      NULL, NULL);
     return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: fetching %u sizes", devices[side].info.selector, n);
+           error_set_cl(err, code, "%s: fetching %u sizes", from->info.selector, n);
 }
 
 bool duet_world_set_objects_buffer(duet_world *world, duet_object_kind kind, cl_mem objects,
@@ -146,6 +146,7 @@ bool duet_world_set_objects_buffer(duet_world *world, duet_object_kind kind, cl_
 {
     PUBLIC_CALL(err);
     resident r = {0};
+    bool on[2];
     cl_context context = NULL;
     if (!can_have(world, kind, n, __func__, err))
         return false;
@@ -153,22 +154,19 @@ bool duet_world_set_objects_buffer(duet_world *world, duet_object_kind kind, cl_
         return duet_world_map_objects(world, kind, 0, err) != NULL;
     const device *devices = world->def.pair->devices;
     const buffer_need need = {__func__, "objects", BUFFER_READ, n * world_kind_bytes(kind)};
-    if (!callers_buffer_check(objects, &need, devices, -1, r.on, err))
+    if (!callers_buffer_check(objects, &need, devices, -1, on, err))
         return false;
     clGetMemObjectInfo(objects, CL_MEM_CONTEXT, sizeof context, &context, NULL);
     if (!callers_events_check(n_events, events, context, __func__, err))
         return false;
-    r.objects = (buffer){.mem = callers_buffer_hold(objects), .bytes = need.bytes};
-    r.callers = true;
-    bool ok = callers_events_hold(&r.ready, n_events, events, err) && mark_queues(&r, devices, err);
-    if (!ok || kind == DUET_OBJECT_SIZES) {
-        ok = ok && fetch_sizes(world, &r, n, err);
-        resident_drop(&r);
-        return ok;
+    r.mem = callers_buffer_hold(objects);
+    bool ok =
+        callers_events_hold(&r.ready, n_events, events, err) && mark_queues(&r, on, devices, err);
+    if (ok && kind != DUET_OBJECT_SIZES) {
+        world_bind_resident(world, r, need.bytes, on, n);
+        return true;
     }
-    resident_drop(&world->resident);
-    world->resident = r;
-    world->n = n;
-    ++world->objects_version;
-    return true;
+    ok = ok && fetch_sizes(world, &r, &devices[on[1] ? 1 : 0], n, err);
+    resident_release(&r);
+    return ok;
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/motion_commands.h"
-#include "runtime/dynamics/recording.h"
 
 #include "base/error.h"
 #include "runtime/narrowphase/origin.h"
@@ -112,8 +111,8 @@ static bool open_world(duet_motion *m, duet_error *err)
     def.plan = m->plan.search;
     def.dims = m->def.dims;
     def.shape = DUET_SHAPE_BOUNDS;
-    m->world = duet_world_create(&def, err);
-    return m->world;
+    m->graph.world = duet_world_create(&def, err);
+    return m->graph.world;
 }
 
 static bool open_device(duet_motion *m, duet_error *err)
@@ -132,6 +131,7 @@ static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large
         return false;
     effect_facts_add(&m->facts, &m->def, m->poses, m->bodies, n);
     m->effects = effect_infer(&m->def, &m->facts);
+    m->products = products_of_saved(false);
     m->extent = mean_least_extent(m);
     double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * m->extent;
     m->margin = MOTION_SLOPS * slop;
@@ -182,14 +182,14 @@ void duet_motion_destroy(duet_motion *m)
 {
     if (!m)
         return;
-    background_close(&m->background);
+    background_close(&m->halves.thread);
     timeline_clear(&m->times);
     motion_forget_maps(m);
     for (int i = 0; i < MOTION_BUFFERS; ++i)
         buffer_release(&m->buffers[i]);
-    scan_close(&m->scan);
-    radix_sort_close(&m->radix);
-    duet_world_destroy(m->world);
+    scan_close(&m->graph.scan);
+    radix_sort_close(&m->solver.radix);
+    duet_world_destroy(m->graph.world);
     program_set_close(m->programs);
     gen_close(m->gen);
     free(m->poses);
@@ -197,6 +197,7 @@ void duet_motion_destroy(duet_motion *m)
     free(m->bodies);
     motion_free_events(&m->told);
     motion_forget_moved(&m->reading);
+    free(m->altered.places);
     motion_forget_commands(m->commands);
     motion_forget_recording(m);
     duet_device_pair_destroy(m->def.pair);

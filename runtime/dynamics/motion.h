@@ -6,13 +6,17 @@
 #ifndef RUNTIME_MOTION_H
 #define RUNTIME_MOTION_H
 
-#include "kernels/dynamics/records.h"
+#include "runtime/dynamics/altered.h"
+#include "runtime/dynamics/contact_graph.h"
 #include "runtime/dynamics/effect.h"
 #include "runtime/dynamics/motion_events.h"
 #include "runtime/dynamics/motion_plan.h"
+#include "runtime/dynamics/motion_read.h"
+#include "runtime/dynamics/phase.h"
+#include "runtime/dynamics/products.h"
+#include "runtime/dynamics/solver.h"
 #include "runtime/opencl/background.h"
 #include "runtime/opencl/device_pair.h"
-#include "runtime/opencl/radix_sort.h"
 
 enum { MOTION_WALLS = 6 };
 
@@ -21,65 +25,11 @@ enum { MOTION_WALLS = 6 };
 // Contacts are kept while a separation is below this many slops.
 enum { MOTION_SLOPS = 4 };
 
-// Keys that contacts are sorted by: several of a colour.
-enum { KEYS = COLOURS * COLOUR_KEYS, KEY_BITS = 8 };
-
-// What B holds. Which buffers there are follows from the effects.
 typedef enum motion_buffer {
-    CENTRES, // by object
-    CELLS,   // of centres, with an origin
-    VELOCITIES,
-    ROTATIONS,
-    ANGULAR_VELOCITIES,
-    INERTIAS,
-    HALVES,
-    RESTITUTIONS,
-    FRICTIONS,
-    FILTERS,
-    SENSORS,
-    RESTS,
-    ASLEEP,
-    FORCES,
-    BODIES,
-    BOXES,
-    STARTS,
-    RETURN_STARTS,
-    USED,
-    CHOICES,
-    PAIRS,  // of bodies that commands altered, and of all that hold on
-    OTHERS, // by contact
-    LINKS,
-    RETURNS,
-    CONTACTS,
-    TOUCHES,
-    COLOUR_OF,
-    OLD_LINKS,
-    OLD_CONTACTS,
-    OLD_TOUCHES,
-    OLD_COLOURS,
-    LIST, // contacts by colour
-    LIST_KEYS,
-    LIST_SPARE,
-    LIST_KEYS_SPARE,
-    COLOUR_STARTS,
-    SPANS,
-    BLOCKS,   // contacts by colour while they are solved
-    TOUCHING, // a bit for each contact
-    HITS,
-    FLAG_WORDS,
-    READ_IDS, // while states are read
-    GATHERED,
-    CHANGED,
-    LAST_CENTRES, // as they were read last
-    LAST_CELLS,
-    LAST_ROTATIONS,
-    ALTERED, // bodies that commands altered, while their pairs are searched
-    IS_ALTERED,
-    ALTERED_HEADS,
-    ALTERED_ENTRIES_OF,
-    ALTERED_NEXTS,
-    ALTERED_WIDE_ONES,
-    ALTERED_COUNT_WORDS,
+#define BY_OBJECT(which, name, type, effect, also, reals, words) which,
+#define BUFFER(which, name, type) which,
+#define HIDDEN(which) which,
+#include "runtime/dynamics/motion_buffers.inl"
     MOTION_BUFFERS
 } motion_buffer;
 
@@ -101,9 +51,9 @@ typedef struct motion_kernels {
     kernel *compute_altered_aabbs, *place_altered, *find_altered_pairs, *keep_pairs;
 } motion_kernels;
 
-// What kernels are told besides the motion's buffers, by the names that their cards use.
+// What a step tells its kernels, by the names that their cards use (motion_step.c). What a launch
+// is told besides stands in the struct of the file that launches it.
 typedef struct motion_args {
-    // of a step
     arg_real4 gravity; // or the centre and strength of an attraction
     cl_float4 gravity_float;
     arg_real4 lower, upper; // walls
@@ -119,21 +69,7 @@ typedef struct motion_args {
     cl_float sleep_speed, sleep_after;
     cl_float hit_speed;
     cl_int4 base; // the cell that others are counted from
-
-    // of a launch
-    cl_uint n_pairs, n_old;
-    cl_uint fill, woken, soft;
-    cl_uint from_colour, to_colour, each;
-    cl_int4 span; // of from_colour
-    cl_uint round;
     cl_uint key_end;
-    buffer pairs; // that rows are made of
-    buffer row_starts, row_values;
-    buffer rows, last_rows; // of a state, by object
-    buffer poses;           // a tree's
-    cl_uint row_words, n_ids;
-    cl_uint n_altered, n_heads, pair_capacity;
-    cl_float per_edge;
 } motion_args;
 
 // How long the records of kernels/dynamics/records.h are, in floats; bodies in vectors
@@ -144,28 +80,19 @@ typedef struct motion_layout {
     uint32_t constraint, block; // a block is so many constraints
 } motion_layout;
 
-// Contacts of one colour: where in the list, and where in blocks. A uint4 on devices.
-typedef struct colour_span {
-    cl_uint first;
-    cl_uint count;
-    cl_uint slot;
-    cl_uint spare;
-} colour_span;
-
-// What was told of the bodies that moved (motion_read.c).
-typedef struct motion_reading {
-    kernel *gather_rows, *changed_rows; // NULL until something is read
-    bool begun;                         // the device has what was read last
-    uint32_t n;
-    uint32_t *ids; // [n] that moved
-    duet_state *states;
-} motion_reading;
+// A step in two halves: its thread, and how long that took.
+typedef struct motion_halves {
+    background thread;
+    double ms;
+} motion_halves;
 
 // What commands (runtime/duet_motion_commands.h) leave behind.
 typedef struct motion_commands motion_commands;
-typedef struct motion_recording motion_recording;
 
+// Each file changes its own struct, and the products that it makes; the rest it reads. What has no
+// struct is changed by motion.c, by commands between steps, and by motion_file.c.
 struct duet_motion {
+    // what moves
     duet_motion_def def;
     motion_plan plan; // the def's
     uint32_t effects;
@@ -174,48 +101,63 @@ struct duet_motion {
     duet_pose *poses;  // as given; with an origin each centre is an offset in its cell
     cl_int4 *cells;    // NULL without
     duet_body *bodies; // as given
+    double extent;     // the bodies' mean least one, at the start
+    double margin;     // contacts are kept to that far apart
+
+    // on B
     const device *device;
     gen *gen;
     program_set *programs;
-    motion_kernels kernels;
-    motion_layout layout;
-    motion_args args;
-    scan scan;
-    radix_sort radix;
+    motion_kernels kernels; // motion_kernels.c
+    motion_layout layout;   // likewise
+    motion_args args;       // motion_step.c
     timeline times;
-    motion_commands *commands;   // NULL before the first
-    motion_recording *recording; // NULL where nothing is recorded
-    struct motion_map *maps;     // [parts of the state], likewise (motion_map.c)
-    uint32_t mapped;             // those that are: a bit for each
-    background background;       // of a step in two halves, and what that took
-    double background_ms;
     buffer buffers[MOTION_BUFFERS];
-    duet_world *world;    // of bounds; NULL without contact
-    duet_result searched; // what it found and took last
-    double extent;        // the bodies' mean least one, at the start
-    double margin;        // contacts are kept to that far apart
+    uint32_t flags[FLAGS]; // as they were read last
+
+    // from step to step
+    motion_phase phase; // phase.c
     uint64_t step;
-    cl_uint n_contacts; // in rows
-    colour_span colours[COLOUR_OVERFLOW + 1];
-    uint32_t n_colours; // that are not empty
-    uint32_t n_pushing; // contacts of all colours
-    uint32_t n_blocks;
+    products products;
+    altered_bodies altered;
+    contact_graph graph;
     uint64_t n_pairs;
-    bool has_graph;
-    bool rows_stale; // they are not of the bodies that there are, besides those that are altered
-    bool bounds_checked; // since something moved, against the bounds that rows are made of
-    bool list_stale;     // the list by colour is not that of the contacts
-    bool recoloured;     // some contacts had another colour in the last step
-    uint32_t rounds;     // that gave them colours
-    bool at_rest;        // everything sleeps: a step changes nothing
-    bool rebuilt;
-    bool broken; // a step failed half-way: only a load makes it whole again
-    uint32_t flags[FLAGS];
+    cl_uint n_contacts; // in rows
+    contact_solver solver;
     motion_events told;
+    motion_halves halves; // motion_step.c
+
+    // for callers
     motion_reading reading;
+    struct motion_map *maps;   // [parts of the state]; NULL before the first (motion_map.c)
+    uint32_t mapped;           // those that are: a bit for each (phase.c)
+    buffer poses_to;           // a tree's, while poses are written (motion_poses.c)
+    motion_commands *commands; // NULL before the first
+    struct text *recording;    // a file's bytes (runtime/commands); NULL: nothing is recorded
+    uint64_t recorded_step;    // steps up to it are in there
 };
 
-// Reads the flags, which waits for all that was launched.
+// Sends a kernel over so many bodies, pairs or contacts; fills words [from, to) of a buffer with 0;
+// reads bytes of one from byte `at`, which waits for all that was launched.
+static inline bool motion_launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work,
+                                 duet_error *err)
+{
+    return timeline_launch(&m->times, stage, k, work, m, err);
+}
+
+static inline bool motion_clear(duet_motion *m, const char *stage, motion_buffer which, size_t from,
+                                size_t to, duet_error *err)
+{
+    return timeline_fill(&m->times, stage, &m->buffers[which], 0, from, to, err);
+}
+
+static inline bool motion_fetch(duet_motion *m, const char *stage, motion_buffer which, size_t at,
+                                void *to, size_t bytes, duet_error *err)
+{
+    return timeline_read_at(&m->times, stage, &m->buffers[which], at, to, bytes, err);
+}
+
+// Reads the flags, likewise.
 static inline bool motion_read_flags(duet_motion *m, duet_error *err)
 {
     return timeline_read(&m->times, "flags", &m->buffers[FLAG_WORDS], m->flags, sizeof m->flags,
@@ -227,17 +169,8 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err);
 
-// Whether a public call has a motion whose state is that of a whole step, none of which is under
-// way, and of which nothing is mapped; BAD_ARGUMENT where it has not. Steady: something may be
-// mapped. Idle: and a step may have failed.
-bool motion_is_idle(const duet_motion *m, const char *call, duet_error *err);
-bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err);
-bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
-bool motion_is_unmapped(const duet_motion *m, const char *call, duet_error *err);
-
-// Without writing what was mapped; and what was told of the bodies that moved.
+// Without writing what was mapped.
 void motion_forget_maps(duet_motion *m);
-void motion_forget_moved(motion_reading *r);
 
 // Kernels with what the scene says of their parameters, for all bodies or for those that commands
 // altered, which are built when they are first asked for. After a failure none is there.
@@ -305,13 +238,6 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
 // Makes space for all n objects, of which the first old_n have it. The state of the others becomes
 // 0; the device may still be writing that on return.
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
-
-// Where objects may touch: bounds to pairs, pairs to the contacts of each.
-bool motion_check_bounds(duet_motion *m, duet_error *err); // sets FLAG_MOVED
-bool motion_build_graph(duet_motion *m, duet_error *err);
-
-// Manifolds, and with response sleep, colours and substeps: what contacts do to bodies in a step.
-bool motion_solve(duet_motion *m, duet_error *err);
 
 // Space for n elements of `size` bytes in a buffer.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);

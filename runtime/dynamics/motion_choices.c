@@ -18,7 +18,8 @@ static bool prepare_with(duet_motion *m, const motion_plan *plan, duet_error *er
     const motion_plan before = m->plan;
     m->plan = *plan;
     if (motion_prepare_again(m, err)) {
-        m->rows_stale = m->rows_stale || plan->skin != before.skin;
+        if (plan->skin != before.skin)
+            motion_alter_all(m);
         return true;
     }
     m->plan = before;
@@ -29,7 +30,7 @@ static bool prepare_with(duet_motion *m, const motion_plan *plan, duet_error *er
 static duet_plan plan_of(const duet_world *world)
 {
     duet_plan plan = world->def.plan;
-    plan.mode = world->mode_open ? DUET_MODE_DEFAULT : plan.mode;
+    plan.mode = world->asked_mode;
     return plan;
 }
 
@@ -40,12 +41,12 @@ bool duet_motion_set_plan(duet_motion *m, const duet_plan *plan, duet_error *err
     if (!motion_is_whole(m, __func__, err) || !error_given(plan, __func__, "plan", err) ||
         !motion_plan_read(&read, plan, &m->device->info, err))
         return false;
-    const duet_plan before = m->world ? plan_of(m->world) : m->plan.search;
-    if (m->world && !duet_world_set_plan(m->world, &read.search, err))
+    const duet_plan before = m->graph.world ? plan_of(m->graph.world) : m->plan.search;
+    if (m->graph.world && !duet_world_set_plan(m->graph.world, &read.search, err))
         return false;
     bool ok = prepare_with(m, &read, err);
-    if (!ok && m->world)
-        duet_world_set_plan(m->world, &before, NULL);
+    if (!ok && m->graph.world)
+        duet_world_set_plan(m->graph.world, &before, NULL);
     motion_plan_note(m);
     return ok;
 }

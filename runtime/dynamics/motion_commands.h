@@ -22,17 +22,7 @@ typedef struct motion_target {
     duet_transform pose;
 } motion_target;
 
-// What a motion was made of, for files that were saved before the first command.
-typedef struct motion_given {
-    uint32_t n;
-    duet_motion_def def;
-    duet_pose *poses;
-    cl_int4 *cells;
-    duet_body *bodies;
-} motion_given;
-
 struct motion_commands {
-    motion_given given;
     uint32_t capacity; // of the arrays by place, and of the motion's poses, cells and bodies
     uint32_t *generations;
     uint8_t *states; // place_state
@@ -40,8 +30,6 @@ struct motion_commands {
     uint32_t first_empty; // none before it is empty
     uint32_t n_hidden;
     bool any_left;
-    uint32_t *altered; // places whose pairs rows lack or have too many of
-    uint32_t n_altered, altered_capacity;
     bool pushed; // some forces wait for the next step
     motion_target *targets;
     uint32_t n_targets;
@@ -50,60 +38,31 @@ struct motion_commands {
 // Made at the first command.
 bool motion_begin_commands(duet_motion *m, duet_error *err);
 void motion_forget_commands(motion_commands *commands);
+void motion_forget_recording(duet_motion *m);
 
 static inline bool motion_is_hidden(const duet_motion *m, uint32_t place)
 {
     return m->commands && m->commands->states[place] != PLACE_ENABLED;
 }
 
-// Rows are to be searched about these places, or as a whole where that is no more work.
-void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n);
-
-bool motion_rows_are_stale(const duet_motion *m);
-
 // At rest, as far as bodies say; to be sent.
 void motion_stop(duet_motion *m, uint32_t place);
 
-// BAD_ARGUMENT where the motion lacks an effect that a call needs.
+// A place's id, which is its number and 2^32 times how many bodies had it before; whether it has a
+// body, enabled or not.
+uint64_t motion_id_at(const duet_motion *m, uint32_t place);
+bool motion_has_place(const duet_motion *m, uint32_t place);
+
+// BAD_ARGUMENT if the motion lacks an effect that a call needs; if any are missing that `who`
+// needs.
 bool motion_needs(const duet_motion *m, uint32_t effect, const char *call, duet_error *err);
+bool motion_lacks(uint32_t missing, const char *call, const char *who, duet_error *err);
 
-// Whether a command's changes were made; one that was left half-way breaks the motion.
-bool motion_keep_whole(duet_motion *m, bool made);
-
-// Bodies that a command gives or changes: copies of what is at their places, until it is kept.
-typedef struct motion_placed {
-    uint32_t n;
-    uint32_t *places;
-    duet_pose *poses;
-    duet_body *bodies;
-    cl_int4 *cells; // of the poses, once they are placed; NULL without origin cells
-} motion_placed;
-
-// Those of a list; closed in any case.
-bool motion_placed_open(motion_placed *p, duet_motion *m, duet_body_list list, bool enabled,
-                        const char *call, duet_error *err);
-void motion_placed_close(motion_placed *p);
-
-// BAD_OBJECT where a pose is wrong, or a body, of whichever these parts are.
-bool motion_placed_check(const duet_motion *m, const motion_placed *p, uint32_t parts,
-                         const char *call, duet_error *err);
-
-// Where the motion has origin cells, centres become offsets in these; false beyond 2^30 cells.
+// Turns a centre into an offset in its origin cell; false beyond 2^30 cells.
 bool motion_place_pose(const duet_motion *m, duet_pose *pose, cl_int4 *cell);
-bool motion_placed_settle(const duet_motion *m, motion_placed *p, const char *call,
-                          duet_error *err);
 
-// Their poses are the motion's from then on, to be sent.
-void motion_placed_keep(duet_motion *m, const motion_placed *p);
-
-// Whether they call for nothing that the motion lacks; what differs in them from those before is
-// then known.
-bool motion_placed_admit(duet_motion *m, const motion_placed *p, const char *call, duet_error *err);
-
-// The places of a list's bodies, which the caller frees. NULL where the motion, an id, or a
-// place of the range is wrong, or where enabled is asked for and one is disabled.
-uint32_t *motion_places_of(duet_motion *m, duet_body_list list, bool enabled, const char *call,
-                           duet_error *err);
+// A pose with a target's centre and rotation; their z counts only in 3D.
+duet_pose motion_aim(const duet_motion *m, duet_pose pose, const duet_transform *target);
 
 // Bodies that were changed are awake, and those that they touch will be.
 bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err);

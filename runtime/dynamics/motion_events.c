@@ -20,6 +20,11 @@ void motion_free_events(motion_events *e)
     *e = (motion_events){0};
 }
 
+void motion_forget_events(motion_events *e)
+{
+    e->links_of = 0;
+}
+
 bool motion_tells_hits(const duet_motion *m)
 {
     return (m->effects & DUET_EFFECT_EVENTS) && (m->effects & DUET_EFFECT_CONTACT_RESPONSE) &&
@@ -52,7 +57,7 @@ static void list_touching(duet_motion *m, const uint32_t *words)
 static bool fetch_bits(duet_motion *m, uint32_t *words, size_t n_words, duet_error *err)
 {
     motion_events *e = &m->told;
-    bool same = e->known && !m->rebuilt;
+    bool same = e->links_of == m->products.of[PRODUCT_ROWS].stamp;
     e->links.n = m->n_contacts;
     return (same || fetch(m, LINKS, e->links.pairs, m->n_contacts * sizeof *e->links.pairs, err)) &&
            fetch(m, TOUCHING, words, n_words * sizeof *words, err);
@@ -64,6 +69,7 @@ static bool fetch_touching(duet_motion *m, duet_error *err)
     size_t n = m->n_contacts, n_words = (n + 31) / 32;
     if (n == 0) {
         e->links.n = e->touching.n = 0;
+        e->links_of = m->products.of[PRODUCT_ROWS].stamp;
         return true;
     }
     uint32_t *words = malloc(n_words * sizeof *words);
@@ -73,6 +79,7 @@ static bool fetch_touching(duet_motion *m, duet_error *err)
               fetch_bits(m, words, n_words, err);
     if (ok)
         list_touching(m, words);
+    e->links_of = ok ? m->products.of[PRODUCT_ROWS].stamp : 0;
     free(words);
     return ok && pair_list_sort(&e->touching, err);
 }
@@ -84,15 +91,13 @@ bool motion_note_events(duet_motion *m, duet_error *err)
     return !m->kernels.contact_events ||
            (motion_reserve(m, TOUCHING, n_words + 1, sizeof(uint32_t), err) &&
             (!hits || motion_reserve(m, HITS, n + 1, HIT_WORDS * sizeof(uint32_t), err)) &&
-            timeline_launch(&m->times, "events", m->kernels.contact_events, n_words, m, err));
+            motion_launch(m, "events", m->kernels.contact_events, n_words, err));
 }
 
 bool motion_recall_events(duet_motion *m, duet_error *err)
 {
-    if (!m->kernels.contact_events || m->told.known)
-        return true;
-    m->told.known = motion_note_events(m, err) && fetch_touching(m, err);
-    return m->told.known;
+    return !m->kernels.contact_events || m->told.links_of == m->products.of[PRODUCT_ROWS].stamp ||
+           (motion_note_events(m, err) && fetch_touching(m, err));
 }
 
 // ---------------------------------------------------------------- hits

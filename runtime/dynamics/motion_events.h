@@ -11,7 +11,7 @@ enum { HIT_WORDS = 16, HIT_CENTRE = 10 };
 typedef struct motion_events {
     pair_list links;    // owner and other of each contact, as the device has them
     pair_list touching; // after the last step, ascending
-    bool known;         // links and touching are those of the state
+    uint64_t links_of;  // the stamp of the rows that both are of; 0: forgotten
     pair_list before;   // the step before
     pair_changes changes;
     duet_hit_event *hits;
@@ -30,6 +30,8 @@ bool motion_note_events(duet_motion *m, duet_error *err);
 // At its end, once the flags are read where anything moved.
 bool motion_find_events(duet_motion *m, bool moved, duet_error *err);
 
+// What touches is read again before the next step.
+void motion_forget_events(motion_events *e);
 void motion_free_events(motion_events *e);
 
 #endif

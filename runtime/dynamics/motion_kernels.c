@@ -8,76 +8,31 @@
 
 // ---------------------------------------------------------------- arguments
 
-#define BUFFER(which, name, type) BIND_BUFFER(duet_motion, name, type, buffers[which])
 #define VALUE(name) BIND_VALUE(duet_motion, #name, args.name)
+#define VALUE_OF(part, name) BIND_VALUE(duet_motion, #name, part.name)
 
 const binding motion_bindings[] = {
-    BUFFER(CENTRES, "centres", "real4 *"),
-    BUFFER(CELLS, "cells", "int4 *"),
-    BUFFER(VELOCITIES, "velocities", "real4 *"),
-    BUFFER(ROTATIONS, "rotations", "real4 *"),
-    BUFFER(ANGULAR_VELOCITIES, "angular_velocities", "real4 *"),
-    BUFFER(INERTIAS, "inertias", "float4 *"),
-    BUFFER(HALVES, "halves", "float4 *"),
-    BUFFER(RESTITUTIONS, "restitutions", "float *"),
-    BUFFER(FRICTIONS, "frictions", "float *"),
-    BUFFER(FILTERS, "filters", "uint2 *"),
-    BUFFER(SENSORS, "sensors", "float *"),
-    BUFFER(RESTS, "rests", "float *"),
-    BUFFER(ASLEEP, "asleep", "uint *"),
-    BUFFER(FORCES, "forces", "float4 *"),
-    BUFFER(BODIES, "bodies", "float4 *"),
-    BUFFER(BOXES, "boxes", "float *"),
-    BUFFER(STARTS, "starts", "uint *"),
-    BUFFER(RETURN_STARTS, "return_starts", "uint *"),
-    BUFFER(USED, "used", "uint *"),
-    BUFFER(CHOICES, "choices", "uint *"),
-    BUFFER(OTHERS, "others", "uint *"),
-    BUFFER(LINKS, "links", "uint2 *"),
-    BUFFER(RETURNS, "returns", "uint *"),
-    BUFFER(CONTACTS, "contacts", "float *"),
-    BUFFER(TOUCHES, "touches", "uint *"),
-    BUFFER(COLOUR_OF, "colours", "uint *"),
-    BUFFER(OLD_LINKS, "old_links", "uint2 *"),
-    BUFFER(OLD_CONTACTS, "old_contacts", "float *"),
-    BUFFER(OLD_TOUCHES, "old_touches", "uint *"),
-    BUFFER(OLD_COLOURS, "old_colours", "uint *"),
-    BUFFER(LIST, "list", "uint *"),
-    BUFFER(LIST_KEYS, "keys", "uint *"),
-    BUFFER(COLOUR_STARTS, "key_starts", "uint *"),
-    BUFFER(SPANS, "spans", "uint4 *"),
-    BUFFER(BLOCKS, "blocks", "float *"),
-    BUFFER(TOUCHING, "touching", "uint *"),
-    BUFFER(HITS, "hits", "uint *"),
-    BUFFER(FLAG_WORDS, "flags", "uint *"),
-    BIND_BUFFER(duet_motion, "pairs", "uint2 *", args.pairs),
-    BIND_BUFFER(duet_motion, "row_starts", "uint *", args.row_starts),
-    BIND_BUFFER(duet_motion, "row_values", "uint *", args.row_values),
-    BUFFER(READ_IDS, "ids", "uint *"),
-    BUFFER(GATHERED, "gathered", "uint *"),
-    BUFFER(CHANGED, "changed", "uint *"),
-    BIND_BUFFER(duet_motion, "rows", "uint *", args.rows),
-    BIND_BUFFER(duet_motion, "last_rows", "uint *", args.last_rows),
-    BIND_BUFFER(duet_motion, "poses", "float *", args.poses),
-    BUFFER(PAIRS, "found_pairs", "uint2 *"),
-    BUFFER(ALTERED, "altered", "uint *"),
-    BUFFER(IS_ALTERED, "is_altered", "uint *"),
-    BUFFER(ALTERED_HEADS, "heads", "uint *"),
-    BUFFER(ALTERED_ENTRIES_OF, "entries", "int4 *"),
-    BUFFER(ALTERED_NEXTS, "nexts", "uint *"),
-    BUFFER(ALTERED_WIDE_ONES, "wide", "uint *"),
-    BUFFER(ALTERED_COUNT_WORDS, "altered_counts", "uint *"),
-    VALUE(n_altered),
-    VALUE(n_heads),
-    VALUE(per_edge),
-    VALUE(pair_capacity),
-    VALUE(row_words),
-    VALUE(n_ids),
+#define BUFFER(which, name, type) BIND_BUFFER(duet_motion, name, type, buffers[which]),
+#define BY_OBJECT(which, name, type, effect, also, reals, words) BUFFER(which, name, type)
+#define HIDDEN(which)
+#include "runtime/dynamics/motion_buffers.inl"
+    BIND_BUFFER(duet_motion, "pairs", "uint2 *", graph.pairs),
+    BIND_BUFFER(duet_motion, "row_starts", "uint *", graph.row_starts),
+    BIND_BUFFER(duet_motion, "row_values", "uint *", graph.row_values),
+    BIND_BUFFER(duet_motion, "rows", "uint *", reading.rows),
+    BIND_BUFFER(duet_motion, "last_rows", "uint *", reading.last_rows),
+    BIND_BUFFER(duet_motion, "poses", "float *", poses_to),
+    BIND_VALUE(duet_motion, "n_altered", altered.n),
+    VALUE_OF(altered, n_heads),
+    VALUE_OF(altered, per_edge),
+    VALUE_OF(altered, pair_capacity),
+    VALUE_OF(reading, row_words),
+    VALUE_OF(reading, n_ids),
     BIND_VALUE(duet_motion, "n", n),
     BIND_VALUE(duet_motion, "n_contacts", n_contacts),
     BIND_VALUE(duet_motion, "n_keys", n_contacts),
-    VALUE(n_pairs),
-    VALUE(n_old),
+    VALUE_OF(graph, n_pairs),
+    VALUE_OF(graph, n_old),
     VALUE(key_end),
     VALUE(gravity),
     BIND_VALUE(duet_motion, "gravity", args.gravity_float),
@@ -104,14 +59,14 @@ const binding motion_bindings[] = {
     VALUE(sleep_after),
     VALUE(hit_speed),
     VALUE(base),
-    VALUE(fill),
-    VALUE(woken),
-    VALUE(soft),
-    VALUE(span),
-    VALUE(round),
-    VALUE(from_colour),
-    VALUE(to_colour),
-    VALUE(each),
+    VALUE_OF(graph, fill),
+    VALUE_OF(solver, woken),
+    VALUE_OF(solver, soft),
+    VALUE_OF(solver, span),
+    VALUE_OF(solver, round),
+    VALUE_OF(solver, from_colour),
+    VALUE_OF(solver, to_colour),
+    VALUE_OF(solver, each),
     {0}};
 
 // ---------------------------------------------------------------- parameters
@@ -275,11 +230,11 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
 bool motion_prepare(duet_motion *m, duet_error *err)
 {
     const kernel_request sorts[] = {
-        SCAN_KERNELS(&m->scan, has(m, DUET_EFFECT_CONTACT)),
-        RADIX_SORT_KERNELS(&m->radix, has(m, DUET_EFFECT_CONTACT_RESPONSE)),
+        SCAN_KERNELS(&m->graph.scan, has(m, DUET_EFFECT_CONTACT)),
+        RADIX_SORT_KERNELS(&m->solver.radix, has(m, DUET_EFFECT_CONTACT_RESPONSE)),
     };
-    m->scan.device = m->radix.device = m->device;
-    m->radix.scan = &m->scan;
+    m->graph.scan.device = m->solver.radix.device = m->device;
+    m->solver.radix.scan = &m->graph.scan;
     return choose_kernels(m, err) &&
            program_set_kernels(m->programs, sorts, sizeof sorts / sizeof *sorts, NULL, 0, err) &&
            program_set_build(m->programs, err);

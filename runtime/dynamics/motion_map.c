@@ -119,7 +119,7 @@ void *duet_motion_map_states(duet_motion *m, duet_state_part part, duet_map_acce
     struct motion_map *map = &m->maps[part];
     if (!motion_rows_open(m, parts[part].which, first, first + n, &map->rows, err))
         return NULL;
-    m->mapped |= 1u << part;
+    motion_note_map(m, part);
     map->written = access == DUET_MAP_WRITE;
     map->n = n;
     return map->rows.bytes;
@@ -225,11 +225,11 @@ bool duet_motion_unmap_states(duet_motion *m, duet_state_part part, duet_error *
                          duet_state_part_name(part) ? duet_state_part_name(part) : "states");
     struct motion_map *map = &m->maps[part];
     bool ok = !map->written || write_back(m, part, map, __func__, err);
-    if (!ok && !m->broken)
+    if (!ok && m->phase != MOTION_BROKEN)
         return false;
     motion_rows_drop(&map->rows);
     *map = (struct motion_map){0};
-    m->mapped &= ~(1u << part);
+    motion_note_unmap(m, part);
     return ok;
 }
 

@@ -159,12 +159,12 @@ double motion_skin(const duet_motion *m)
 
 void motion_plan_note(duet_motion *m)
 {
-    m->def.plan = m->world ? *duet_world_get_plan(m->world) : m->plan.search;
+    m->def.plan = m->graph.world ? *duet_world_get_plan(m->graph.world) : m->plan.search;
     if (*m->plan.own)
         add_word(m->def.plan.variant_b, m->plan.own);
 }
 
 const duet_plan *duet_motion_get_plan(const duet_motion *m)
 {
-    return m && m->world && !m->background.under_way ? &m->def.plan : NULL;
+    return m && m->graph.world && m->phase != MOTION_STEPPING ? &m->def.plan : NULL;
 }

@@ -110,9 +110,9 @@ bool motion_write_poses(duet_motion *m, bool radii, const buffer *rows, duet_err
 {
     const kernel_request write = {&m->kernels.write_poses, true, "write_poses", "write_poses",
                                   motion_bindings};
-    m->args.poses = *rows;
-    m->args.row_words = (radii ? sizeof(duet_rounded_box) : sizeof(duet_pose)) / sizeof(cl_float);
+    m->poses_to = *rows;
+    m->reading.row_words =
+        (radii ? sizeof(duet_rounded_box) : sizeof(duet_pose)) / sizeof(cl_float);
     return motion_build_kernels(m, &write, 1, false, err) &&
-           timeline_launch(&m->times, "fetch", *write.at, m->n, m, err) &&
-           timeline_finish(&m->times, err);
+           motion_launch(m, "fetch", *write.at, m->n, err) && timeline_finish(&m->times, err);
 }

@@ -53,10 +53,10 @@ static bool begin(duet_motion *m, const reading *r, duet_error *err)
 
 static bool gather(duet_motion *m, motion_buffer which, uint32_t n, duet_error *err)
 {
-    m->args.rows = m->buffers[which];
-    m->args.row_words = motion_words(m, which);
-    m->args.n_ids = n;
-    return timeline_launch(&m->times, "fetch", m->reading.gather_rows, n, m, err);
+    m->reading.rows = m->buffers[which];
+    m->reading.row_words = motion_words(m, which);
+    m->reading.n_ids = n;
+    return motion_launch(m, "fetch", m->reading.gather_rows, n, err);
 }
 
 // The rows of a buffer; NULL after a failure.
@@ -191,16 +191,16 @@ static bool find_changed(duet_motion *m, uint32_t *words, duet_error *err)
 {
     size_t n_words = ((size_t)m->n + 31) / 32;
     bool ok = motion_reserve(m, CHANGED, n_words, sizeof *words, err) &&
-              timeline_fill(&m->times, "moved", &m->buffers[CHANGED], 0, 0, n_words, err);
+              motion_clear(m, "moved", CHANGED, 0, n_words, err);
     for (int i = 0; ok && i < PLACES; ++i) {
         uint32_t row_words = motion_words(m, places[i].which);
         if (row_words == 0)
             continue;
         ok = motion_reserve(m, places[i].last, m->n, row_words * sizeof *words, err);
-        m->args.rows = m->buffers[places[i].which];
-        m->args.last_rows = m->buffers[places[i].last];
-        m->args.row_words = row_words;
-        ok = ok && timeline_launch(&m->times, "moved", m->reading.changed_rows, n_words, m, err);
+        m->reading.rows = m->buffers[places[i].which];
+        m->reading.last_rows = m->buffers[places[i].last];
+        m->reading.row_words = row_words;
+        ok = ok && motion_launch(m, "moved", m->reading.changed_rows, n_words, err);
     }
     return ok && timeline_read(&m->times, "moved", &m->buffers[CHANGED], words,
                                n_words * sizeof *words, err);
@@ -212,7 +212,7 @@ void motion_forget_moved(motion_reading *r)
     free(r->states);
     r->ids = NULL;
     r->states = NULL;
-    r->begun = false;
+    r->n_told = 0;
 }
 
 // Where there are more or fewer bodies than before, all is told again.
@@ -234,7 +234,7 @@ static uint32_t list_moved(duet_motion *m, const uint32_t *words)
 {
     uint32_t n = 0;
     for (uint32_t id = 0; id < m->n; ++id)
-        if (!m->reading.begun || (words[id / 32] >> id % 32 & 1u))
+        if (id >= m->reading.n_told || (words[id / 32] >> id % 32 & 1u))
             m->reading.ids[n++] = id;
     return n;
 }
@@ -246,7 +246,7 @@ static bool read_moved(duet_motion *m, uint32_t *words, duet_moved *moved, duet_
     bool ok = m->n == 0 || find_changed(m, words, err);
     uint32_t n = ok ? list_moved(m, words) : 0;
     ok = ok && motion_fetch_states(m, r->ids, n, r->states, NULL, err);
-    r->begun = ok;
+    r->n_told = ok ? m->n : 0;
     *moved = (duet_moved){.places = r->ids, .states = r->states, .n = n};
     return ok;
 }

@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ALWAYS = DUET_EFFECT_ALL };
-
 // By object, what each buffer holds: the effect that it is there for, another that calls for it,
 // reals and 32-bit words.
 static const struct {
@@ -21,25 +19,11 @@ static const struct {
     uint32_t reals;
     uint32_t words;
 } by_object[MOTION_BUFFERS] = {
-    [CENTRES] = {DUET_EFFECT_MOTION, ALWAYS, 4, 0},
-    [VELOCITIES] = {DUET_EFFECT_MOTION, ALWAYS, 4, 0},
-    [ROTATIONS] = {DUET_EFFECT_ROTATION, 0, 4, 0},
-    [ANGULAR_VELOCITIES] = {DUET_EFFECT_ANGULAR_VELOCITY, 0, 4, 0},
-    [INERTIAS] = {DUET_EFFECT_ANGULAR_VELOCITY, 0, 0, 4},
-    [HALVES] = {DUET_EFFECT_CONTACT, DUET_EFFECT_BOUNDARY, 0, 4},
-    [RESTITUTIONS] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 0, 1},
-    [FRICTIONS] = {DUET_EFFECT_FRICTION, 0, 0, 1},
-    [FILTERS] = {DUET_EFFECT_FILTER, 0, 0, 2},
-    [SENSORS] = {DUET_EFFECT_SENSORS, 0, 0, 1},
-    [RESTS] = {DUET_EFFECT_SLEEP, 0, 0, 1},
-    [ASLEEP] = {DUET_EFFECT_SLEEP, 0, 0, 1},
-    [FORCES] = {DUET_EFFECT_FORCES, 0, 0, 8},
-    [BODIES] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 0, 4}, // times the layout's
-    [BOXES] = {DUET_EFFECT_CONTACT, 0, 0, 6},
-    [STARTS] = {DUET_EFFECT_CONTACT, 0, 0, 1},
-    [RETURN_STARTS] = {DUET_EFFECT_CONTACT, 0, 0, 1},
-    [USED] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 0, 1},
-    [CHOICES] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 0, 1},
+#define BY_OBJECT(which, name, type, effect, also, reals, words) \
+    [which] = {DUET_EFFECT_##effect, DUET_EFFECT_##also, reals, words},
+#define BUFFER(which, name, type)
+#define HIDDEN(which)
+#include "runtime/dynamics/motion_buffers.inl"
 };
 
 const char *duet_state_part_name(duet_state_part part)
@@ -54,12 +38,17 @@ const char *duet_state_part_name(duet_state_part part)
     return (int)part >= 0 && (int)part < n ? names[part] : NULL;
 }
 
+static bool has_rows(const duet_motion *m, motion_buffer which)
+{
+    const uint32_t effect = by_object[which].effect, also = by_object[which].also;
+    if (which == CELLS)
+        return m->cells;
+    return also == DUET_EFFECT_ALL || (m->effects & (effect | also));
+}
+
 uint32_t motion_words(const duet_motion *m, motion_buffer which)
 {
-    if (which == CELLS)
-        return m->cells ? 4 : 0;
-    if (by_object[which].also != ALWAYS &&
-        !(m->effects & (by_object[which].effect | by_object[which].also)))
+    if (!has_rows(m, which))
         return 0;
     return by_object[which].reals * (m->def.doubles ? 2 : 1) +
            by_object[which].words * (which == BODIES ? m->layout.body : 1);
@@ -424,22 +413,22 @@ bool motion_set_asleep(duet_motion *m, const uint32_t *places, uint32_t n, bool 
 {
     if (n == 0)
         return true;
-    m->at_rest = false;
+    product_forget(&m->products, PRODUCT_BODIES);
     return !(m->effects & DUET_EFFECT_SLEEP) ||
            (mark_rests(m, places, n, asleep, err) && mark_awake(m, places, n, err));
 }
 
 bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
 {
-    m->bounds_checked = m->bounds_checked && n == 0;
+    if (n > 0)
+        products_move_bodies(&m->products);
     return motion_set_asleep(m, places, n, false, err);
 }
 
 bool motion_wake_all(duet_motion *m, duet_error *err)
 {
-    m->at_rest = m->bounds_checked = false;
+    products_move_bodies(&m->products);
     return !(m->effects & DUET_EFFECT_SLEEP) ||
-           (timeline_fill(&m->times, "clear", &m->buffers[RESTS], 0, 0, m->n, err) &&
-            timeline_fill(&m->times, "clear", &m->buffers[ASLEEP], 0, 0, m->n, err) &&
-            timeline_finish(&m->times, err));
+           (motion_clear(m, "clear", RESTS, 0, m->n, err) &&
+            motion_clear(m, "clear", ASLEEP, 0, m->n, err) && timeline_finish(&m->times, err));
 }

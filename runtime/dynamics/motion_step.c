@@ -4,7 +4,6 @@
 // In two halves a thread of the motion's own takes the step while the caller works. What a
 // caller may ask meanwhile changes only in the second half.
 #include "runtime/dynamics/motion_commands.h"
-#include "runtime/dynamics/recording.h"
 
 #include "base/budget.h"
 #include "base/clock.h"
@@ -125,43 +124,77 @@ static void set_args(duet_motion *m)
     set_solver(m, h);
 }
 
+// ---------------------------------------------------------------- products
+
+// Makes a product, after those before it, if it is not right. Altered bodies come first: a check of
+// bounds is of all bodies.
+static bool ensure(duet_motion *m, product_name which, duet_error *err)
+{
+    static bool (*const make[PRODUCTS])(duet_motion *, duet_error *) = {
+        [PRODUCT_BODIES] = motion_bound_altered,     [PRODUCT_BOUNDS] = motion_make_bounds,
+        [PRODUCT_PAIRS] = motion_make_pairs,         [PRODUCT_ROWS] = motion_make_rows,
+        [PRODUCT_MANIFOLDS] = motion_make_manifolds, [PRODUCT_COLOURS] = motion_make_colours,
+    };
+    return (which == PRODUCT_BODIES || ensure(m, which - 1, err)) &&
+           (product_is_right(&m->products, which) || make[which](m, err));
+}
+
 // ---------------------------------------------------------------- a step
 
-// With response what touches when the step begins is solved; without it each body flies free, and
-// where it then touches is looked at afterwards.
-static bool run_effects(duet_motion *m, duet_error *err)
+static bool pushes(const duet_motion *m)
+{
+    return m->effects & DUET_EFFECT_CONTACT_RESPONSE;
+}
+
+// Without response each body flies free, and where it then touches is looked at afterwards.
+static bool fly(duet_motion *m, duet_error *err)
 {
     const kernel *flight = m->kernels.integrate_free_flight;
-    bool contact = m->effects & DUET_EFFECT_CONTACT;
-    bool checks = (m->effects & DUET_EFFECT_CONTACT_RESPONSE) && (m->effects & DUET_EFFECT_SKIN);
+    products_move_bodies(&m->products);
+    return (!flight || motion_launch(m, "integrate", flight, m->n, err)) &&
+           (!(m->effects & DUET_EFFECT_CONTACT) ||
+            (ensure(m, PRODUCT_MANIFOLDS, err) && motion_note_events(m, err)));
+}
+
+// With response what touches when the step begins is solved.
+static bool respond(duet_motion *m, duet_error *err)
+{
+    bool ok = ensure(m, PRODUCT_COLOURS, err) && motion_solve(m, err) &&
+              motion_note_events(m, err) && motion_finalize(m, err);
+    products_move_bodies(&m->products);
+    return ok && (!m->kernels.check_fat_aabbs || motion_check_bounds(m, err));
+}
+
+static bool run_effects(duet_motion *m, duet_error *err)
+{
     set_args(m);
-    bool ok = motion_recall_events(m, err) &&
-              (!contact ||
-               timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, 0, FLAGS, err)) &&
-              (!flight || timeline_launch(&m->times, "integrate", flight, m->n, m, err)) &&
-              (!contact || (motion_build_graph(m, err) && motion_solve(m, err)));
-    if (checks)
-        m->bounds_checked = ok && motion_check_bounds(m, err);
-    return ok && (!checks || m->bounds_checked);
+    return motion_recall_events(m, err) &&
+           (!(m->effects & DUET_EFFECT_CONTACT) ||
+            motion_clear(m, "clear", FLAG_WORDS, 0, FLAGS, err)) &&
+           (pushes(m) ? respond(m, err) : fly(m, err));
 }
 
 // What the step leaves to be known: whether bounds still hold, what sleeps, and how many events.
-static bool hear(duet_motion *m, duet_error *err)
+static bool read_end(duet_motion *m, duet_error *err)
 {
-    if (!m->bounds_checked && !(m->effects & (DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS)))
+    bool checked = pushes(m) && m->kernels.check_fat_aabbs;
+    if (!checked && !(m->effects & (DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS)))
         return true;
     if (!motion_read_flags(m, err))
         return false;
-    m->at_rest =
-        (m->effects & DUET_EFFECT_SLEEP) && !m->flags[FLAG_AWAKE] && !m->flags[FLAG_FELL_ASLEEP];
+    if (checked)
+        motion_note_bounds(m);
+    if ((m->effects & DUET_EFFECT_SLEEP) && !m->flags[FLAG_AWAKE] && !m->flags[FLAG_FELL_ASLEEP])
+        product_keep(&m->products, PRODUCT_BODIES);
     return true;
 }
 
-// Nothing is sent to the device where nothing would change.
+// Nothing is sent to the device if nothing would change.
 static bool run_step(duet_motion *m, duet_error *err)
 {
-    bool moves = m->n > 0 && m->def.dt != 0.0 && m->effects != 0 && !m->at_rest;
-    return (!moves || (run_effects(m, err) && hear(m, err))) &&
+    bool moves = m->n > 0 && m->def.dt != 0.0 && m->effects != 0 &&
+                 !product_is_right(&m->products, PRODUCT_BODIES);
+    return (!moves || (run_effects(m, err) && read_end(m, err))) &&
            (!(m->effects & DUET_EFFECT_EVENTS) || motion_find_events(m, moves, err)) &&
            (!moves || timeline_finish(&m->times, err));
 }
@@ -172,9 +205,9 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
         .step = m->step,
         .time = (double)m->step * m->def.dt,
         .pairs = m->n_pairs,
-        .contacts = m->n_pushing,
-        .colours = m->n_colours,
-        .rebuilt = m->rebuilt,
+        .contacts = m->solver.n_contacts,
+        .colours = m->solver.n_colours,
+        .rebuilt = product_is_new(&m->products, PRODUCT_ROWS),
         .events = m->told.changes.events,
         .n_events = m->told.changes.n_events,
         .stays = m->told.changes.stays.pairs,
@@ -191,7 +224,7 @@ static bool carry_step(duet_motion *m, double *ms, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     timeline_begin_step(&m->times, m->device, m->def.stage_times ? 0 : m->step);
-    m->rebuilt = false;
+    m->products.before = m->products.last;
     bool ok = run_step(m, err);
     *ms = clock_ms_since(begun);
     return ok;
@@ -201,15 +234,13 @@ static bool complete_step(duet_motion *m, bool carried, double ms, duet_motion_r
                           duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
-    m->broken =
-        !carried || (m->commands && !(motion_end_commands(m, err) && motion_arrive(m, err)));
-    if (m->broken) {
+    bool made = carried && (!m->commands || (motion_end_commands(m, err) && motion_arrive(m, err)));
+    if (!made)
         timeline_clear(&m->times);
+    motion_leave_step(m, made);
+    if (!made)
         return false;
-    }
     ++m->step;
-    if (m->recording)
-        ++m->recording->steps;
     fill_result(m, result);
     m->times.untimed = true; // what comes between steps is of none
     result->total_ms = ms + clock_ms_since(begun);
@@ -223,6 +254,7 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
     if (!motion_is_whole(m, __func__, err) || !error_given(result, __func__, "result", err) ||
         !budget_check(err))
         return false;
+    motion_enter_step(m);
     bool carried = carry_step(m, &ms, err);
     return complete_step(m, carried, ms, result, err);
 }
@@ -232,15 +264,16 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
 static void carry(void *arg)
 {
     duet_motion *m = arg;
-    m->background.ok = carry_step(m, &m->background_ms, &m->background.err);
+    m->halves.thread.ok = carry_step(m, &m->halves.ms, &m->halves.thread.err);
 }
 
 bool duet_motion_advance_begin(duet_motion *m, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!motion_is_whole(m, __func__, err) || !background_open(&m->background, err))
+    if (!motion_is_whole(m, __func__, err) || !background_open(&m->halves.thread, err))
         return false;
-    background_start(&m->background, carry, m);
+    motion_enter_step(m);
+    background_start(&m->halves.thread, carry, m);
     return true;
 }
 
@@ -249,10 +282,10 @@ bool duet_motion_advance_end(duet_motion *m, duet_motion_result *result, duet_er
     PUBLIC_CALL(err);
     if (!error_given(m, __func__, "motion", err) || !error_given(result, __func__, "result", err))
         return false;
-    if (!m->background.under_way)
+    if (m->phase != MOTION_STEPPING)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: no step is under way; expected duet_motion_advance_begin first",
                          __func__);
-    bool carried = background_end(&m->background, err);
-    return complete_step(m, carried, m->background_ms, result, err);
+    bool carried = background_end(&m->halves.thread, err);
+    return complete_step(m, carried, m->halves.ms, result, err);
 }

@@ -96,6 +96,25 @@ bool level_tests_upright(duet_level level)
     return level == DUET_LEVEL_AABB || level == DUET_LEVEL_SPHERE;
 }
 
+// Whether a is above b along x; if that is equal along y, then z.
+static bool is_above(const duet_pose *a, const duet_pose *b, const double shift[3], uint32_t dims)
+{
+    for (uint32_t k = 0; k < dims; ++k) {
+        float way = (float)shift[k] + (b->centre[k] - a->centre[k]);
+        if (way != 0.0f)
+            return way < 0.0f;
+    }
+    return false;
+}
+
+// Float may see (a, b) other than (b, a): the lower box comes first, as in the kernels.
+static bool test_in_order(level_test test, const duet_pose *a, const duet_pose *b,
+                          const double shift[3], uint32_t dims)
+{
+    const double back[3] = {-shift[0], -shift[1], -shift[2]};
+    return is_above(a, b, shift, dims) ? test(b, a, back, dims) : test(a, b, shift, dims);
+}
+
 bool level_collide(duet_level level, const duet_pose *a, const duet_pose *b, const double shift[3],
                    uint32_t dims, bool rotated)
 {
@@ -103,8 +122,9 @@ bool level_collide(duet_level level, const duet_pose *a, const duet_pose *b, con
     duet_bounds bounds_b = sat_bounds(b, dims, rotated);
     if (!sat_bounds_overlap(&bounds_a, &bounds_b, shift, dims))
         return false;
-    return rotated || level_tests_upright(level) ? levels[level].test(a, b, shift, dims)
-                                                 : narrow_decide_apart(a, b, shift, dims);
+    return rotated || level_tests_upright(level)
+               ? test_in_order(levels[level].test, a, b, shift, dims)
+               : narrow_decide_apart(a, b, shift, dims);
 }
 
 bool level_collide_rounded(duet_level level, const duet_rounded_box *a, const duet_rounded_box *b,

@@ -175,7 +175,6 @@ static bool add_pair(finder *f, uint32_t a, uint32_t b)
     return true;
 }
 
-// a < b: in float the order may count.
 static bool collide(const reference_objects *o, uint32_t a, uint32_t b)
 {
     if (o->shape == DUET_SHAPE_BOUNDS)

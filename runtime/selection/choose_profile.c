@@ -20,7 +20,7 @@ const char *duet_grade_name(duet_grade grade)
 }
 
 // What was found is good enough to be used.
-static bool is_founded(const profile_found *found)
+static bool is_trusted(const profile_found *found)
 {
     return found->grade < PROFILE_STALE;
 }
@@ -28,7 +28,7 @@ static bool is_founded(const profile_found *found)
 static void tell(const profile_found *found, duet_profile *profile)
 {
     profile->grade = (duet_grade)found->grade;
-    if (!is_founded(found))
+    if (!is_trusted(found))
         return;
     profile->accuracy = (duet_accuracy){found->missed_rate, found->false_rate};
     profile->true_pairs = found->true_pairs > 0 ? (uint64_t)found->true_pairs : 0;
@@ -45,7 +45,7 @@ static bool use(duet_world *world, const profile_found *found, duet_profile *pro
 {
     duet_plan plan;
     duet_level level;
-    if (is_founded(found)) {
+    if (is_trusted(found)) {
         if (!profile_subject_read_plan(&found->plan, &plan, err) ||
             !profile_subject_read_level(found->plan.level, &level, err) ||
             !duet_world_set_plan(world, &plan, err))
@@ -96,7 +96,7 @@ bool duet_tree_load_profile(duet_tree *tree, const char *query, uint64_t n, cons
         return false;
     profile_request request = profile_subject_request(&asked);
     bool ok = profile_subject_look(path, &request, &found, NULL, err);
-    if (is_founded(&found)) {
+    if (is_trusted(&found)) {
         if (!tree_tune(tree, &name, found.plan.share, err))
             return false;
         profile->plan.share = found.plan.share;
@@ -119,7 +119,7 @@ bool duet_motion_load_profile(duet_motion *m, const char *path, duet_profile *pr
         return false;
     profile_request request = profile_subject_request(&asked);
     bool ok = profile_subject_look(path, &request, &found, NULL, err);
-    if (is_founded(&found)) {
+    if (is_trusted(&found)) {
         duet_plan plan;
         if (!profile_subject_read_plan(&found.plan, &plan, err) ||
             !duet_motion_set_plan(m, &plan, err))
@@ -146,5 +146,5 @@ bool duet_world_explain_profile(duet_world *world, const char *path, char **why,
     *why = ok ? strdup(text_chars(&lines)) : NULL;
     text_free(&lines);
     return ok &&
-           (*why || error_set(err, DUET_STATUS_NO_MEMORY, "the grounds of a profile: no memory"));
+           (*why || error_set(err, DUET_STATUS_NO_MEMORY, "the reasons for a profile: no memory"));
 }

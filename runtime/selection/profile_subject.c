@@ -190,8 +190,7 @@ static void tell_apart(profile_pair *pair, char b_part[PROFILE_PART])
     char a[PROFILE_SHA], b[PROFILE_SHA];
     profile_env_key(&pair->a, a);
     profile_env_key(&pair->b, b);
-    pair->alike = strcmp(a, b) == 0;
-    if (!pair->alike)
+    if (strcmp(a, b) != 0)
         return;
     size_t length = pair->b.part ? strlen(b_part) : 0;
     snprintf(b_part + length, PROFILE_PART - length, "%s%s", length ? " " : "", PROFILE_SECOND);
@@ -217,7 +216,7 @@ bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err
         return false;
     describe_pair(p, world->def.pair);
     p->workload = describe_workload(world);
-    world_end_sight(world);
+    world_unmap_objects(world);
     if (world->def.has_accuracy)
         ask_any_level(p, &world->def.accuracy);
     return hash_kernels(world->def.pair->kernel_dir, p->kernels, err);

@@ -576,8 +576,8 @@ static void assert_counts_from_zero(duet_world *world, uint32_t n, const bool cl
     for (int side = 0; side < 2; ++side) {
         const part *p = &world->parts[side];
         assert_int_equal(has_stage(p, "clear"), clears[side]);
-        assert_true(p->zero_counts > 0 && p->next_are_cleared);
-        assert_zero(p, &p->counts, p->zero_counts);
+        assert_true(p->zero_words > COUNTERS);
+        assert_zero(p, &p->counts, p->zero_words - COUNTERS);
         assert_zero(p, &p->next_counters, COUNTERS);
         assert_zero(p, &p->scan.sums, p->scan.n_blocks);
         if (!clears[side])
@@ -643,7 +643,7 @@ static void a_world_may_change_its_mode_from_step_to_step(void **state)
 static void a_device_that_takes_nothing_finds_nothing(void **state)
 {
     (void)state;
-    enum { N = 2 * STRAY_BLOCK }; // A's own stretch ends with the last block
+    enum { N = 2 * INPUT_BLOCK }; // A's own range ends with the last block
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "gpu FROM_IDS=0");
     def.has_world = true;
@@ -661,7 +661,7 @@ static void a_device_that_takes_nothing_finds_nothing(void **state)
         set_share(world, DUET_SHARE_ONE - 1);
         for (int i = 0; i < 3; ++i) {
             step(world, &result);
-            assert_int_equal(world->strays.intakes[1].sent.n, 1);
+            assert_int_equal(world->ranges.selections[1].n_ranges, 1);
             assert_int_equal(result.spans[1].n, 0);
             assert_int_equal(duet_result_get_hash(&result), truth);
         }
@@ -702,17 +702,13 @@ static void objects_in_origin_cells_are_found_in_any_order(void **state)
         for (int k = 0; k < 3; ++k) // so that a cell and an offset are the same number
             poses[i].centre[k] = rintf(poses[i].centre[k] * 1024.0f) / 1024.0f;
     assert_finds_all_in_any_order(world, &r, N);
-    assert_in_range(world->strays.intakes[0].sent.n, 1, STRETCHES);
+    assert_in_range(world->ranges.selections[0].n_ranges, 1, SELECTION_RANGES);
     duet_world_destroy(world);
 }
 
 static uint32_t count_taken(const duet_world *world, int side)
 {
-    const stretches *taken = &world->strays.intakes[side].taken;
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < taken->n; ++i)
-        n += taken->list[i].to - taken->list[i].from;
-    return n;
+    return selection_count(&world->ranges.selections[side]);
 }
 
 // Of objects in order a device takes its half and the ghosts at the border.
@@ -780,40 +776,37 @@ static void objects_that_move_are_found_in_every_step(void **state)
 enum { BLOCKS = 100, OWN = BLOCKS / 2 };
 
 // Slabs of 100 blocks in order, cut behind so many objects, with 3 blocks of ghosts.
-static void begin_strays_behind(strays *s, uint32_t homes, bool expected_new)
+static void begin_ranges_behind(input_ranges *s, uint32_t homes, bool expected_new)
 {
     duet_error err = {0};
-    const part_task task = {.objects = {.n = BLOCKS * STRAY_BLOCK}, .grid_version = 1};
-    const part_range ranges[2] = {
+    const grid g = {.generation = 1};
+    const part_range slabs[2] = {
         {.key_to = 530, .home_to = 500, .homes = homes, .expected_ghosts = 3000},
         {.key_from = 500, .key_to = 1000, .home_to = 1000}};
-    const uint64_t before = s->version;
-    assert_ok(strays_begin(s, &task, ranges, &err), err);
-    assert_int_equal(s->version != before, expected_new);
+    const input_ranges before = *s;
+    assert_ok(input_ranges_begin(s, &g, BLOCKS * INPUT_BLOCK, slabs, &err), err);
+    assert_int_equal(memcmp(&before, s, sizeof before) != 0, expected_new);
 }
 
-static void begin_strays(strays *s, bool expected_new)
+static void begin_ranges(input_ranges *s, bool expected_new)
 {
-    begin_strays_behind(s, OWN * STRAY_BLOCK, expected_new);
+    begin_ranges_behind(s, OWN * INPUT_BLOCK, expected_new);
 }
 
-static uint32_t taken_from_other(const strays *s, int side)
+static uint32_t taken_from_other(const input_ranges *s, int side)
 {
-    const stretches *all = &s->intakes[side].sent;
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < all->n; ++i)
-        n += i == all->own ? 0 : all->list[i].to - all->list[i].from;
-    return n / STRAY_BLOCK;
+    const uint32_t own = side == 0 ? s->cut : s->n - s->cut;
+    return (selection_count(&s->selections[side]) - own) / INPUT_BLOCK;
 }
 
-static bool guesses(strays *s, const uint32_t *blocks, uint32_t n)
+static bool guesses(input_ranges *s, const uint32_t *blocks, uint32_t n)
 {
     static uint32_t marked[2][BLOCKS];
     static uint32_t stamp;
-    const stray_marks marks[2] = {{marked[0], ++stamp}, {marked[1], stamp}};
+    const block_requests marks[2] = {{marked[0], ++stamp}, {marked[1], stamp}};
     for (uint32_t i = 0; i < n; ++i)
         marked[blocks[i] < OWN ? 0 : 1][blocks[i]] = stamp;
-    return strays_guessed_all(s, marks);
+    return input_ranges_held(s, marks);
 }
 
 static void a_guess_follows_what_was_wanted(void **state)
@@ -821,12 +814,12 @@ static void a_guess_follows_what_was_wanted(void **state)
     (void)state;
     static const uint32_t ghosts[] = {50, 51, 52}, far[] = {50, 51, 52, 70},
                           back[] = {50, 51, 70, 10};
-    strays s = {0};
-    begin_strays(&s, true);
+    input_ranges s = {0};
+    begin_ranges(&s, true);
     assert_int_equal(taken_from_other(&s, 0), 3); // in order the first guess is right
     assert_int_equal(taken_from_other(&s, 1), 0);
     assert_true(guesses(&s, ghosts, 3));
-    begin_strays(&s, false);
+    begin_ranges(&s, false);
     assert_false(guesses(&s, far, 4));
     assert_int_equal(taken_from_other(&s, 0), 4); // exactly, or with the gap, which is long
     assert_true(guesses(&s, far, 4));
@@ -835,53 +828,58 @@ static void a_guess_follows_what_was_wanted(void **state)
     assert_int_equal(taken_from_other(&s, 1), 7);
     assert_true(guesses(&s, ghosts, 2)); // less than was guessed
     assert_true(taken_from_other(&s, 0) <= 5 && taken_from_other(&s, 1) == 0);
-    strays_close(&s);
+    input_ranges_close(&s);
 }
 
 // What B takes of A is one more command for a device with memory of its own.
 static void b_takes_none_of_as_objects_where_all_are_in_order(void **state)
 {
     (void)state;
-    static const uint32_t more[] = {0, 1, STRAY_BLOCK / 2, STRAY_BLOCK - 1};
+    static const uint32_t more[] = {0, 1, INPUT_BLOCK / 2, INPUT_BLOCK - 1};
     for (size_t i = 0; i < sizeof more / sizeof *more; ++i) {
-        strays s = {0};
-        begin_strays_behind(&s, OWN * STRAY_BLOCK + more[i], true);
-        assert_int_equal(s.cut, OWN * STRAY_BLOCK);
+        input_ranges s = {0};
+        begin_ranges_behind(&s, OWN * INPUT_BLOCK + more[i], true);
+        assert_int_equal(s.cut, OWN * INPUT_BLOCK);
         assert_int_equal(taken_from_other(&s, 0), more[i] > 72 ? 4 : 3); // 72 short of 3 blocks
         assert_int_equal(taken_from_other(&s, 1), 0);
-        strays_close(&s);
+        input_ranges_close(&s);
     }
 }
 
-// One launch takes them, the part's own among them.
-static void stretches_side_by_side_are_one(void **state)
+// One launch reads them.
+static void blocks_beside_the_own_range_are_one_with_it(void **state)
 {
     (void)state;
-    const stretches taken = {
-        .list = {{0, 5}, {7, 9}, {9, 10}, {10, 20}, {20, 21}, {30, 40}}, .n = 6, .own = 3};
-    const stretches one = strays_joined(&taken);
-    static const stretch expected[] = {{0, 5}, {7, 21}, {30, 40}};
-    assert_int_equal(one.n, 3);
-    assert_memory_equal(one.list, expected, sizeof expected);
-    assert_int_equal(one.own, 1);
-    assert_int_equal(strays_joined(&(stretches){.n = 0}).n, 0);
+    static const uint32_t beside[] = {50, 51, 48, 49}, apart[] = {60, 40};
+    input_ranges s = {0};
+    begin_ranges(&s, true);
+    assert_false(guesses(&s, beside, 4));
+    const selection *a = &s.selections[0], *b = &s.selections[1];
+    assert_true(a->n_ranges == 1 && a->ranges[0].from == 0 && a->own == 0);
+    assert_int_equal(a->ranges[0].to, 52 * INPUT_BLOCK);
+    assert_true(b->n_ranges == 1 && b->ranges[0].from == 48 * INPUT_BLOCK && b->own == 0);
+    s.margin = 0;
+    assert_false(guesses(&s, apart, 2));
+    assert_true(a->n_ranges == 2 && a->own == 0 && b->n_ranges == 2 && b->own == 1);
+    assert_int_equal(b->ranges[1].from, s.cut);
+    input_ranges_close(&s);
 }
 
-// Blocks far apart have more around them than is wanted, and keep it: a new version is sent again.
+// Blocks far apart have more around them than is requested, and keep it.
 static void the_same_guess_is_no_new_one(void **state)
 {
     (void)state;
     static const uint32_t ghosts[] = {50, 51, 52}, apart[] = {60, 75, 90}, moved[] = {61, 76, 91};
-    strays s = {0};
-    begin_strays(&s, true);
+    input_ranges s = {0};
+    begin_ranges(&s, true);
     assert_true(guesses(&s, ghosts, 3));
     assert_false(guesses(&s, apart, 3));
     assert_false(guesses(&s, moved, 3));
-    const uint64_t version = s.version;
+    const selection first[2] = {s.selections[0], s.selections[1]};
     for (int i = 0; i < 3; ++i)
         assert_true(guesses(&s, moved, 3));
-    assert_int_equal(s.version, version);
-    strays_close(&s);
+    assert_memory_equal(s.selections, first, sizeof first);
+    input_ranges_close(&s);
 }
 
 static void a_bad_object_is_named_wherever_it_strays(void **state)
@@ -967,7 +965,7 @@ int main(void)
         cmocka_unit_test(objects_that_move_are_found_in_every_step),
         cmocka_unit_test(a_guess_follows_what_was_wanted),
         cmocka_unit_test(b_takes_none_of_as_objects_where_all_are_in_order),
-        cmocka_unit_test(stretches_side_by_side_are_one),
+        cmocka_unit_test(blocks_beside_the_own_range_are_one_with_it),
         cmocka_unit_test(the_same_guess_is_no_new_one),
         cmocka_unit_test(a_workload_tells_how_many_objects_stray),
         cmocka_unit_test(a_bad_object_is_named_wherever_it_strays),

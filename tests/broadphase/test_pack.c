@@ -81,7 +81,7 @@ static duet_world *make_world(const duet_world_def *def)
     duet_error err = {0};
     duet_world *world = duet_world_create(def, &err);
     assert_ok(world != NULL, err);
-    world->pack.least_chunk = 64;
+    world->lists.least_chunk = 64;
     return world;
 }
 
@@ -218,11 +218,11 @@ static void each_device_is_sent_its_slab_alone(void **state)
     duet_world *world = make_world(&def);
     duet_result result = step_poses(world, N);
     assert_true(was_packed(&result, 0) && was_packed(&result, 1));
-    const part *a = &world->parts[0];
-    const part *b = &world->parts[1];
-    assert_int_equal(a->packed.n_homes + b->packed.n_homes, N);
-    assert_in_range(a->packed.n, a->packed.n_homes, N * 2 / 3);
-    assert_int_equal(b->packed.n, b->packed.n_homes);
+    const device_view *a = &world->parts[0].objects;
+    const device_view *b = &world->parts[1].objects;
+    assert_int_equal(a->n_home + b->n_home, N);
+    assert_in_range(a->n, a->n_home, N * 2 / 3);
+    assert_int_equal(b->n, b->n_home);
     duet_world_destroy(world);
 }
 

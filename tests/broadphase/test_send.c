@@ -127,7 +127,8 @@ static void any_number_of_chunks_gives_the_reference_pairs(void **state)
         }
         // How many depends on the group that a device takes.
         bool in_chunks = strstr(plans[p].variant, "send=chunks");
-        assert_true(in_chunks ? world->parts[1].n_chunks > 1 : world->parts[1].n_chunks == 0);
+        assert_true(in_chunks ? world->parts[1].objects.n_chunks > 1
+                              : world->parts[1].objects.n_chunks == 0);
         duet_world_destroy(world);
     }
 }
@@ -161,7 +162,9 @@ static void objects_may_be_sent_ahead_of_the_step(void **state)
             duet_pose *to = duet_world_map_objects(world, DUET_OBJECT_POSES, ahead, &err);
             memcpy(to, poses, ahead * sizeof *to);
             world_send_ahead(world, ahead, NULL);
-            assert_int_equal(world->parts[1].ahead_version > 0, cases[i].is_sent);
+            assert_int_equal(
+                view_is_prefetched(&world->parts[1].objects, world->objects_generation),
+                cases[i].is_sent);
             if (round == 1) { // they change after all
                 world_stop_ahead(world);
                 to = duet_world_map_objects(world, DUET_OBJECT_POSES, ahead, &err);
@@ -187,7 +190,7 @@ static void objects_that_are_there_come_in_no_chunks(void **state)
     fill(&r, CAPACITY, 34.0);
     uint64_t pairs = step(world, CAPACITY).pairs;
     assert_ok(duet_world_step(world, &result, &err), err);
-    assert_int_equal(world->parts[1].n_chunks, 0);
+    assert_int_equal(world->parts[1].objects.n_chunks, 0);
     assert_int_equal(result.pairs, pairs);
     duet_world_destroy(world);
 }

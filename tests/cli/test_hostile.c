@@ -45,16 +45,7 @@ static const hostile long_runs[] = {
     {"local function f() return f() end f()", STOPS},
     {"local t = {} for i = 1, 1e3 do t[i] = i end while true do for k in pairs(t) do end end",
      STOPS},
-    {"('a'):rep(1e6):find('[' .. ('b'):rep(1e6) .. ']')", STOPS},
     {"('a'):rep(1e6):find(('a'):rep(5e5) .. 'b', 1, true) while true do end", STOPS},
-    {"('a'):rep(1e5):find('(a*)%1b')", STOPS},
-    {"('a'):rep(1e5):match(('a-'):rep(9) .. 'b')", STOPS},
-    {"('('):rep(1e6):gsub('%b()', '')", STOPS},
-    {"('a'):rep(1e6):gsub('%f[b]a', '') return ('a'):rep(1e5):find('.-.-.-b')", STOPS},
-    {"local g = {} for i = 1, 50 do g[i] = ('a'):rep(1e5):gmatch('a*a*a*b') end\n"
-     "for i = 1, 50 do g[i]() end",
-     STOPS},
-    {"('x'):rep(1e6):gsub('', function() while true do end end)", STOPS},
     {"local t = {} for i = 1, 12 do t[i] = ('x'):rep(2e6) .. i end while true do table.sort(t) end",
      STOPS},
     {"table.sort({ 3, 2, 1 }, function() while true do end end)", STOPS},
@@ -107,7 +98,6 @@ static const hostile greedy[] = {
     {"local t = {} while true do t = { t, t, t } end", NULL},
     {"local s = ('x'):rep(1e9)", NULL},
     {"local s = ('x'):rep(1e3, ('y'):rep(1e6))", NULL},
-    {"local s = ('x'):rep(1e5):gsub('x', ('y'):rep(1e5))", NULL},
     {"local t = {} for i = 1, 1e4 do t[i] = ('x'):rep(1e6) end", NULL},
     {"local t = {} for i = 1, 1000 do t[i] = 'x' end table.concat(t, ('y'):rep(1e7))", NULL},
     {"string.pack('!16 c1000000000', '')", NULL},
@@ -121,12 +111,9 @@ static const hostile greedy[] = {
 
 static const hostile deep[] = {
     {"local function f() return 1 + f() end f()", OVERFLOWS},
-    {"local function f(s) return (s:gsub('.', f)) end f('x')", "overflow"},
-    {"('x'):rep(1e5):match(('(x'):rep(30) .. (')'):rep(30) .. ('x?'):rep(400))", "too complex"},
-    {"('x'):find(('('):rep(40))", "too many captures"},
-    {"('x'):find('(')", "unfinished capture"},
-    {"('x'):find('%1')", "invalid capture index"},
-    {"('x'):find('[a')", "missing ']'"},
+    {"('a'):rep(1e5):find('(a*)%1b')", "makes a pattern, which only 'duet lua --trust' has"},
+    {"('a'):rep(1e5):match(('a-'):rep(9) .. 'b')", "only 'duet lua --trust' has patterns"},
+    {"('('):rep(1e6):gsub('%b()', '')", "only 'duet lua --trust' has patterns"},
 };
 
 static const hostile escapes[] = {

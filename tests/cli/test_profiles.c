@@ -340,7 +340,6 @@ static void every_query_of_the_documentation_works(void **state)
     duet_error err = {0};
     store *s = store_open(folder.store, STORE_WRITE, &err);
     assert_ok(s, err);
-    test_run_cluster(s);
     text path = {0};
     text doc = {0};
     text_add(&path, "%s/../../docs/store.md", getenv("DUET_TEST_DATA"));

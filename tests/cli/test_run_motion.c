@@ -167,7 +167,7 @@ static void what_cannot_be_drawn_is_refused_before_the_steps(void **state)
 static void what_is_of_a_scene_at_rest_is_refused_with_steps(void **state)
 {
     (void)state;
-    static const char *const options[] = {"--repeat 3",    "--resident",    "--transforms",
+    static const char *const options[] = {"--repeat 3",    "--input host",  "--ordered",
                                           "--pairs x.csv", "--check",       "--level sat6",
                                           "--missed 0",    "--false-rate 1"};
     for (size_t i = 0; i < sizeof options / sizeof *options; ++i) {
@@ -208,7 +208,7 @@ static void a_recording_gives_the_same_hash_with_another_plan(void **state)
     p = program_run("run --steps 9 --replay " RECORDING " " SCENE);
     program_assert_refused(&p, 2, RECORDING " has 8 recorded steps");
     p = program_run("run --steps 8 --replay " SCENE " " SCENE);
-    program_assert_refused(&p, 1, "not a recording of version 1");
+    program_assert_refused(&p, 1, "expected \"duet commands 1\"");
     p = program_run("run --steps 8 --replay " RECORDING " falling -n 9");
     assert_int_equal(p.exit_code, 1);
     assert_non_null(strstr(p.err, "recorded from step 0, 9 places"));

@@ -193,7 +193,7 @@ static void wrong_usage_is_one_line(void **state)
         const char *says;
     } wrong[] = {
         {"source", 2, "KERNEL is missing"},
-        {"source --list --check", 2, "--list and --check do not go together"},
+        {"source --list --check", 2, "--check and --list do not go together"},
         {"source --list --set WG=1", 2, "--set and --list do not go together"},
         {"source scan --set WG=x", 2, "--set 'WG=x': give a whole number"},
         {"source scan --set WG=", 2, "give a whole number"},

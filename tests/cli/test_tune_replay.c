@@ -111,7 +111,7 @@ static void what_cannot_be_replayed_is_said_in_a_line(void **state)
     program p = replay("clustered");
     program_assert_refused(&p, 2, "does not have that workload; it has paper -n 20000, paper -n");
     p = replay("--fresh");
-    program_assert_refused(&p, 2, "--replay and --fresh do not go together");
+    program_assert_refused(&p, 2, "--fresh and --replay do not go together");
     p = replay("--strategy best");
     assert_true(p.exit_code > 0);
     assert_non_null(strstr(p.err, "strategy 'best': there is none; there are balance, fig12"));

@@ -111,7 +111,6 @@ static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet
     strcpy(def.plan.variant_b, plan);
     duet_world *world = duet_world_create(&def, &err);
     MUST_OK(world, err);
-    world->skims = true;
     world->parts[1].least_chunk = 1;
 
     object_form form = object_form_of(&def);
@@ -150,7 +149,7 @@ static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet
         for (uint32_t b = 0; b <= (N - 1) / SKIM_ROWS; ++b)
             n_odd += blocks[b].n_odd;
     }
-    MUST(chunks == 2 * world->parts[1].n_chunks && chunks > 4, "they come in chunks");
+    MUST(chunks == 2 * world->parts[1].objects.n_chunks && chunks > 4, "they come in chunks");
     MUST(n_odd == N - deep, "odd ones are counted");
     MUST(plain > 500 && deep < N - 2000, "some are, and some are not");
     world_stop_ahead(world);
@@ -312,7 +311,7 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
             else
                 MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
         }
-        MUST(!is_quiet(at) || (n_skims == 1 && b->n_chunks > 1), "a look is enough, in chunks");
+        MUST(!is_quiet(at) || (n_skims == 1 && b->objects.n_chunks > 1), "a look is enough, in chunks");
         left += clusters[0]->homes.n_gone;
         b->least_chunk = 1;
         timed += !b->times.untimed;
@@ -357,7 +356,7 @@ static void homes_leave_in_the_order_of_their_rows(MPI_Comm *comm, uint64_t seed
         worker_of(c)->world->parts[1].least_chunk = 1;
         for (uint32_t i = 1; i < h->n_gone; ++i)
             MUST(h->gone[i - 1] < h->gone[i], "ascending");
-        MUST(at < 3 || (h->n_gone > 100 && worker_of(c)->world->parts[1].chunks[1].skimmed),
+        MUST(at < 3 || (h->n_gone > 100 && worker_of(c)->world->parts[1].skimmed.done[1]),
              "some left");
         move_homes(c, move, at);
     }

@@ -3,6 +3,7 @@
 #include "support/commands.h"
 
 #include "base/rng.h"
+#include "base/text_file.h"
 
 #include "runtime/dynamics/motion.h"
 
@@ -505,7 +506,7 @@ static void assert_rests_alike(mover *twins[2], bool some)
 {
     duet_contact *contacts[2];
     uint64_t n[2];
-    twins[0]->motion->rows_stale = true;
+    motion_alter_all(twins[0]->motion);
     for (int k = 0; k < 2; ++k) {
         mover_run(twins[k], 1);
         assert_true(has_stage(twins[k], "altered_pairs") == (some && k > 0));
@@ -669,32 +670,48 @@ static void a_step_that_fails_is_told_in_its_second_half(void **state)
 
 // ------------------------------------------------------------ files
 
-static void a_file_of_the_last_version_still_loads(void **state)
+static void a_file_of_another_version_is_refused_by_name(void **state)
 {
     (void)state;
-    char path[1024];
-    snprintf(path, sizeof path, "%s/motion_v2.duet", getenv("DUET_TEST_DATA"));
-    mover *m = mover_new(3);
-    m->def.gravity[2] = -9.81;
-    m->def.wants = DUET_EFFECT_SLEEP;
-    mover_add_floor(m, 5);
-    for (int i = 1; i < 9; ++i)
-        mover_add_rough_cube(m, 0.1f * (float)i, 0.0625f * (float)i, 1.25f * (float)i);
-    uint64_t loaded[2], later[2];
-    for (int commanded = 0; commanded < 2; ++commanded) {
-        mover_run(m, 3);
-        if (commanded) { // the motion is then as it was made
-            assert_done(duet_motion_remove_bodies(m->motion, one(4), &err));
-            assert_done(duet_motion_add_bodies(m->motion, m->poses, NULL, 2, NULL, &err));
-        }
-        assert_done(duet_motion_load(m->motion, path, &err));
-        assert_int_equal(duet_motion_get_count(m->motion), 9);
-        loaded[commanded] = mover_hash(m);
-        mover_run(m, 10);
-        assert_int_equal(m->last.step, 100);
-        later[commanded] = mover_hash(m);
-    }
-    assert_true(loaded[0] == loaded[1] && later[0] == later[1] && loaded[0] != later[0]);
+    char path[64];
+    name_file(path);
+    mover *m = make_rows(2, 1);
+    mover_run(m, 1);
+    uint64_t hash = mover_hash(m);
+    static const char old[] = "duet motion 4\n\0\0";
+    assert_done(text_write_file(path, old, sizeof old, &err));
+    assert_refused(duet_motion_load(m->motion, path, &err),
+                   ": begins with \"duet motion 4\"; expected \"duet motion 1\"");
+    duet_replay *replay = NULL;
+    assert_refused((replay = duet_replay_create(path, &err)),
+                   ": begins with \"duet motion 4\"; expected \"duet commands 1\"");
+    assert_done(text_write_file(path, "\x1b\n", 1, &err));
+    assert_refused(duet_motion_load(m->motion, path, &err), ": begins with \"\\x1b\"");
+    assert_true(mover_hash(m) == hash);
+    remove(path);
+    mover_free(m);
+}
+
+// A saved motion has its bodies, so it matters not which ones the motion has meanwhile.
+static void a_motion_that_got_commands_loads_a_file_from_before_them(void **state)
+{
+    (void)state;
+    char path[64];
+    name_file(path);
+    mover *m = make_rows(3, 2);
+    mover_run(m, 5);
+    assert_done(duet_motion_save(m->motion, path, &err));
+    uint64_t saved = mover_hash(m);
+    mover_run(m, 10);
+    uint64_t later = mover_hash(m);
+    assert_done(duet_motion_remove_bodies(m->motion, one(4), &err));
+    assert_done(duet_motion_add_bodies(m->motion, m->poses, NULL, 2, NULL, &err));
+    assert_done(duet_motion_load(m->motion, path, &err));
+    assert_int_equal(duet_motion_get_count(m->motion), 7);
+    assert_true(mover_hash(m) == saved);
+    mover_run(m, 10);
+    assert_true(mover_hash(m) == later);
+    remove(path);
     mover_free(m);
 }
 
@@ -770,7 +787,8 @@ int main(void)
         cmocka_unit_test(only_what_commands_altered_is_searched_within_a_skin),
         cmocka_unit_test(nothing_is_done_to_a_motion_between_the_halves_of_its_step),
         cmocka_unit_test(a_step_that_fails_is_told_in_its_second_half),
-        cmocka_unit_test(a_file_of_the_last_version_still_loads),
+        cmocka_unit_test(a_file_of_another_version_is_refused_by_name),
+        cmocka_unit_test(a_motion_that_got_commands_loads_a_file_from_before_them),
         cmocka_unit_test(what_commands_left_is_saved),
     };
     return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);

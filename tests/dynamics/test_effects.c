@@ -496,7 +496,7 @@ static traffic step_once(mover *m)
 {
     duet_error err = {0};
     assert_ok(duet_motion_advance(m->motion, &m->last, &err), err);
-    const timeline *own = &m->motion->times, *search = &m->motion->world->parts[1].times;
+    const timeline *own = &m->motion->times, *search = &m->motion->graph.world->parts[1].times;
     bool searched = m->last.rebuilt;
     return (traffic){own->n_launches + (searched ? search->n_launches : 0),
                      own->n_waits + (searched ? search->n_waits : 0)};

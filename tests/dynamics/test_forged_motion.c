@@ -97,7 +97,7 @@ static void command(mover *m)
 
 // ------------------------------------------------------------ files
 
-enum { HEADER = 64, AT_N_CONTACTS = 36, AT_HAS_ROWS = 40 };
+enum { HEADER = 232, AT_N_CONTACTS = 36, AT_HAS_ROWS = 40, PLACE = 120 };
 
 // The order of a file (docs/formats.md), and how many words one contact has; 0 for
 // what objects have.
@@ -204,7 +204,8 @@ static forger open_forger(kind of)
     assert_ok(duet_motion_get_hash(f.m->motion, &f.hash, &err), err);
     assert_true(of == FLIGHT || f.n_contacts > 10);
     if (of != COMMANDED)
-        assert_int_equal(place_of(&f, SECTIONS) + sizeof(uint64_t), f.right.length);
+        assert_int_equal(place_of(&f, SECTIONS) + f.m->n * PLACE + sizeof(uint64_t),
+                         f.right.length);
     load_right(&f);
     return f;
 }

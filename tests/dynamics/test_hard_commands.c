@@ -432,7 +432,7 @@ static void forged_recordings_are_refused_or_done(void **state)
     uint32_t refused = 0, tries = 60;
     for (uint32_t i = 0; i < tries; ++i) {
         duet_error why = {0};
-        size_t at = 48 + 4 * (size_t)rng_below(&r, (uint32_t)(file.length - 56) / 4);
+        size_t at = 40 + 4 * (size_t)rng_below(&r, (uint32_t)(file.length - 56) / 4);
         memcpy(forged.chars, file.chars, file.length);
         memcpy(forged.chars + at, &words[rng_below(&r, 7)], 4);
         size_t length =

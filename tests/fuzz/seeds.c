@@ -7,7 +7,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/motions.h"
 
-#include "base/text_file.h"
 #include "support/store.h"
 #include "support/test.h"
 
@@ -111,7 +110,6 @@ static void fill(store *s)
     profile_level_cost_key key = {.pair_id = 1, .kernels = TEST_KERNELS};
     const profile_level_cost costs[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
     test_tune(s, &pair, &workload);
-    test_run_cluster(s);
     workload.level = "auto";
     require(
         profile_workload_put(s, &workload, &key.workload_id, &err) &&
@@ -138,19 +136,6 @@ static void put_store(const char *name, bool filled)
     require(profile_export_file(s, profile_export, lines.chars, &err), &err);
     store_close(s);
     test_store_run(p.chars, "PRAGMA journal_mode = DELETE; PRAGMA page_size = 512; VACUUM");
-}
-
-static void put_older_store(const char *data)
-{
-    duet_error err = {0};
-    text statements = {0};
-    place from, to = place_of("store", "version1.db");
-    snprintf(from.chars, sizeof from.chars, "%s/store_v1.sql", data);
-    require(text_read_file(&statements, from.chars, &err), &err);
-    remove(to.chars);
-    test_store_run(to.chars, "PRAGMA page_size = 512");
-    test_store_run(to.chars, statements.chars);
-    text_free(&statements);
 }
 
 // ---------------------------------------------------------------- caches
@@ -200,14 +185,13 @@ static void put_states(void)
 
 int main(int argc, char **argv)
 {
-    if (argc != 3)
+    if (argc != 2)
         return 2;
     folder = argv[1];
     mkdir(folder, 0777);
     put_arrays();
     put_store("filled.db", true);
     put_store("empty.db", false);
-    put_older_store(argv[2]);
     put_entry();
     put_states();
     return 0;

@@ -281,7 +281,7 @@ static void a_hostile_script_ends_with_its_line(void **state)
         {"print(('x'):rep(1 << 60))", ":1: resulting string too large"},
         {"print(('x'):rep(1 << 30))", ":1: needs more than the 16 MiB"},
         {"\nlocal function f() return 1 + f() end\nf()", ":2: needs more than the 16 MiB"},
-        {"('x'):rep(30000):find(('.-'):rep(30) .. 'y')", ":1: runs for more than the 0.5 s"},
+        {"('x'):rep(30000):find(('.-'):rep(30) .. 'y')", ":1: find: '.' makes a pattern"},
         {"setmetatable({}, { __gc = function() while true do end end })", ":1: attempt to call"},
         {"getmetatable('').__index = nil", ":1: attempt to call"},
         {"string.rep = nil\nprint(('x'):dump())", ":2: attempt to call"},

@@ -94,7 +94,7 @@ static duet_world *open_world(const scenario *s, duet_error *err)
     duet_world *world = duet_world_create(&def, err);
     if (!told(world, err))
         return NULL;
-    world->pack.least_chunk = 64;
+    world->lists.least_chunk = 64;
     world->parts[0].least_chunk = world->parts[1].least_chunk = 64;
     return world;
 }

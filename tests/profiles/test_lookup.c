@@ -85,7 +85,7 @@ static void another_devices_row_is_never_handed_out(void **state)
 // A is also B; or B is another device that nothing tells from A.
 static profile_pair equal_pair(const look_fixture *f, bool two)
 {
-    profile_pair pair = {f->pair.a, f->pair.a, two};
+    profile_pair pair = {f->pair.a, f->pair.a};
     pair.b.part = two ? PROFILE_SECOND : pair.a.part;
     return pair;
 }
@@ -101,39 +101,6 @@ static void two_equal_devices_are_not_one_of_them(void **state)
     assert_int_equal(look_for(&f, &f.pair, 100000).grade, PROFILE_EXACT);
     assert_int_equal(look_for(&f, &one, 100000).grade, PROFILE_DEFAULT);
     assert_int_equal(look_for(&f, &one, 200000).grade, PROFILE_DEFAULT);
-    look_close(&f);
-}
-
-// As stores of earlier versions have it: one pair, of which only the plan says what it is.
-static void a_device_twice_serves_whom_it_was_measured_for(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *change;
-        profile_grade one, two;
-    } rows[] = {
-        {"UPDATE profile SET best_share = 8192, best_mode = 'own'", PROFILE_DEFAULT, PROFILE_EXACT},
-        {"UPDATE profile SET share = 0", PROFILE_DEFAULT, PROFILE_EXACT}, // no gain, but two
-        {"DELETE FROM fit; UPDATE profile SET kernels = 'other'", PROFILE_DEFAULT, PROFILE_STALE},
-        {"UPDATE profile SET best_share = 0", PROFILE_DEFAULT, PROFILE_STALE}, // shares were tried
-        {"DELETE FROM trial WHERE share BETWEEN 1 AND 65535", PROFILE_STALE, PROFILE_DEFAULT},
-        {"UPDATE profile SET kernels = '" TEST_KERNELS "'", PROFILE_EXACT, PROFILE_DEFAULT},
-        {"UPDATE profile SET share = 65536, best_share = 65536", PROFILE_EXACT, PROFILE_DEFAULT},
-        {"UPDATE profile SET best_share = NULL, share = 0", PROFILE_EXACT, PROFILE_DEFAULT},
-    };
-    look_fixture f = look_open();
-    profile_pair one = equal_pair(&f, false), two = equal_pair(&f, true);
-    f.pair = one;
-    look_tune(&f, 100000);
-    look_tune(&f, 400000);
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
-        look_change(&f, rows[i].change);
-        assert_int_equal(look_for(&f, &one, 100000).grade, rows[i].one);
-        assert_int_equal(look_for(&f, &two, 100000).grade, rows[i].two);
-        bool alone = rows[i].one != PROFILE_DEFAULT; // nothing forecasts a share for one device
-        uint32_t share = look_for(&f, &one, 200000).plan.share;
-        assert_true(alone || share == 0);
-    }
     look_close(&f);
 }
 
@@ -683,7 +650,6 @@ int main(void)
         cmocka_unit_test(another_driver_is_said),
         cmocka_unit_test(another_devices_row_is_never_handed_out),
         cmocka_unit_test(two_equal_devices_are_not_one_of_them),
-        cmocka_unit_test(a_device_twice_serves_whom_it_was_measured_for),
         cmocka_unit_test(a_size_between_two_is_interpolated),
         cmocka_unit_test(a_share_between_two_follows_both),
         cmocka_unit_test(a_size_next_to_one_that_was_measured_takes_its_plan),

@@ -406,7 +406,7 @@ static void a_stored_profile_is_put_to_use_and_forgotten(void **state)
     profile_placed research = put(s, &row, "found by strategy 'grid' without --keep");
     assert_string_equal(research.unused, "found by strategy 'grid' without --keep");
     profile_placed few = put(s, &unfounded, NULL);
-    assert_string_equal(few.unused, PROFILE_UNFOUNDED);
+    assert_string_equal(few.unused, PROFILE_TOO_FEW_ROUNDS);
     assert_int_equal(is_live(s, &kept), 1);
     assert_ok(profile_use(s, research.uid, &err), err);
     assert_int_equal(is_live(s, &research), 1);

@@ -2,7 +2,6 @@
 #define _GNU_SOURCE
 #include "support/store.h"
 
-#include "profiles/cluster_run.h"
 #include "profiles/sql.h"
 #include "support/test.h"
 
@@ -242,31 +241,6 @@ void test_fill(store *s, uint32_t n)
         assert_ok(profile_put(s, &row, NULL, "filled again", NULL, &err), err);
     }
     assert_ok(store_end(s, true, &err), err);
-}
-
-void test_run_cluster(store *s)
-{
-    duet_error err = {0};
-    char uid[PROFILE_ID];
-    const profile_fabric fabric = {.mpi = "Some MPI 1.0",
-                                   .place = TEST_KERNELS,
-                                   .hosts = 2,
-                                   .ranks = 2,
-                                   .latency_ns = 1500,
-                                   .byte_ns = 0.125,
-                                   .times = "{\"8\":1500,\"64\":1600}"};
-    const profile_cluster_run run = {.scene = "grains",
-                                     .dims = 3,
-                                     .n = 77,
-                                     .level = "certified",
-                                     .parts = 1,
-                                     .steps = 5,
-                                     .median_ns = 2e6,
-                                     .low_ns = 1e6,
-                                     .high_ns = 3e6};
-    const profile_cluster_rank ranks[] = {{"a:0,b:0", 40, 3, 9, 120, 1.5e6, 5e5},
-                                          {"a:1,b:1", 37, 4, 8, 160, 1e6, 1e6}};
-    assert_ok(cluster_run_put(s, &fabric, &run, ranks, uid, &err), err);
 }
 
 int64_t test_count(store *s, const char *table)

@@ -41,9 +41,6 @@ void test_tune(store *s, const profile_pair *pair, const profile_workload *workl
 // share i out of 65536.
 void test_fill(store *s, uint32_t n);
 
-// A run of a cluster of two ranks on two machines, with its fabric.
-void test_run_cluster(store *s);
-
 int64_t test_count(store *s, const char *table);
 
 #endif

@@ -227,6 +227,54 @@ static void devices_that_are_slow_for_a_while_hide_neither_share_nor_gain(void *
     assert_true(gains >= 0.8 * TIMES);
 }
 
+// Says that both devices are equal, and starts there.
+static duet_tune_outcome tune_equal(fake *f)
+{
+    duet_tune_def def = fake_def(f);
+    tune_task task = fake_task(f, &def);
+    task.fair = task.start = DUET_SHARE_ONE / 2;
+    task.has_start = true;
+    return tune_task_fake(&task);
+}
+
+// Times that vary by 15 % lead a search to shares from .4 to .6.
+static void equal_devices_share_fairly_on_a_noisy_machine(void **state)
+{
+    (void)state;
+    enum { TIMES = 200 };
+    int near = 0;
+    rng random = rng_seed(test_seed());
+    for (int i = 0; i < TIMES; ++i) {
+        fake f = {.model = {.ratio = 1,
+                            .overhead = {0.03, 0.03},
+                            .sigma = 0.15,
+                            .spike_chance = 0.25,
+                            .spike_most = 1.6},
+                  .random = random,
+                  .slowness = 1.2};
+        duet_tune_outcome outcome = tune_equal(&f);
+        near += strcmp(outcome.verdict, "faster") == 0 &&
+                fabs(outcome.plan.share / 65536.0 - 0.5) <= 0.03;
+        random = f.random;
+    }
+    print_message("%d of %d within .50 +- .03\n", near, TIMES);
+    assert_true(near >= 0.98 * TIMES);
+}
+
+// Two devices of one name, one of which is hot.
+static void devices_that_only_look_equal_are_told_apart(void **state)
+{
+    (void)state;
+    rng random = rng_seed(test_seed());
+    for (int i = 0; i < 50; ++i) {
+        fake f = {.model = {.ratio = 1.5, .overhead = {0.02, 0.02}, .sigma = 0.03},
+                  .random = random};
+        duet_tune_outcome outcome = tune_equal(&f);
+        assert_true(simulated_excess(&f.model, outcome.plan.share) < 0.06);
+        random = f.random;
+    }
+}
+
 // The best of several plans that are all the same is one more of them, however
 // fast it looked when it was chosen.
 static void sharing_that_changes_nothing_is_called_the_same(void **state)
@@ -728,6 +776,8 @@ int main(void)
         cmocka_unit_test(two_equal_halves_are_shared_evenly_and_gain),
         cmocka_unit_test(what_counts_is_launched_as_applications_launch_it),
         cmocka_unit_test(devices_that_are_slow_for_a_while_hide_neither_share_nor_gain),
+        cmocka_unit_test(equal_devices_share_fairly_on_a_noisy_machine),
+        cmocka_unit_test(devices_that_only_look_equal_are_told_apart),
         cmocka_unit_test(sharing_that_changes_nothing_is_called_the_same),
         cmocka_unit_test(modes_that_tie_are_not_raced_to_the_end),
         cmocka_unit_test(sharing_that_only_costs_chooses_the_better_single_device),

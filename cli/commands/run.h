@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// What `duet run` is asked for, and its half for scenes that move.
+#ifndef CLI_RUN_H
+#define CLI_RUN_H
+
+#include "cli/inputs.h"
+
+typedef struct arguments {
+    scene_options scene;
+    plan_options plan;
+    level_options level;
+    const char *pair;
+    uint64_t repeat;
+    uint64_t steps;      // 0: the scene is not advanced
+    const char *picture; // a PNG of the last step
+    const char *frames;  // a folder for PNGs, 30 of a second of the scene
+    const char *record;  // where the scene's commands go
+    const char *replay;  // where they come from
+    const char *input;   // the name of a timed_input
+    bool ordered;
+    const char *pairs_path;
+    bool check;
+    bool json;
+} arguments;
+
+// Advances the scene and tells what was done: energy and pairs as it goes, then
+// the time of each effect. Ctrl-C ends it with what was done until then.
+bool run_motion(const arguments *args, const duet_scene *scene, duet_device_pair *pair,
+                duet_error *err);
+
+#endif

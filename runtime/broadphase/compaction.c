@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L
+#include "runtime/broadphase/compaction.h"
+
+#include <sched.h>
+
+// Objects that a thread takes at once.
+enum { BLOCK = GRID_BLOCK };
+
+// A chunk is at least 1.3 MB: it travels for 24 microseconds, a launch takes some two.
+enum { LEAST_CHUNK = 32 * BLOCK };
+
+// Chunks under way at a time: one travels, one waits to, the others fill.
+enum { SLOTS = 6 };
+
+// More threads only wait for the same memory.
+enum { MOST_THREADS = 30 };
+
+// A list must leave out one object in so many.
+enum { LEAST_LEFT_OUT = 16 };
+
+void compaction_open(compaction *c)
+{
+    c->least_chunk = LEAST_CHUNK;
+}
+
+void compaction_close(compaction *c)
+{
+    thread_pool_close(c->threads);
+    for (int side = 0; side < 2; ++side) {
+        compaction_stream *streams[] = {&c->slabs[side].homes, &c->slabs[side].ghosts};
+        for (int i = 0; i < 2; ++i) {
+            host_block_release(&streams[i]->objects);
+            host_block_release(&streams[i]->ids);
+        }
+    }
+}
+
+bool compaction_pays(const part_range *slab, uint32_t n)
+{
+    return slab->expected <= n - n / LEAST_LEFT_OUT;
+}
+
+void compaction_cancel(compaction *c)
+{
+    atomic_store(&c->cancelled, true);
+}
+
+// ---------------------------------------------------------------- threads
+
+// Lists the objects of rows [from, to). Branch-free, because about half of the objects are in them
+// and a branch would be mispredicted.
+static uint32_t pick(uint16_t picked[BLOCK], const uint32_t *rows, uint32_t n, uint32_t from,
+                     uint32_t to)
+{
+    uint32_t n_picked = 0;
+    for (uint32_t k = 0; k < n; ++k) {
+        picked[n_picked] = (uint16_t)k;
+        n_picked += rows[k] - from < to - from;
+    }
+    return n_picked;
+}
+
+static void copy_objects(const compaction_stream *s, const grid_objects *objects, uint32_t to,
+                         uint32_t first, const uint16_t *picked, uint32_t n)
+{
+    size_t at = to % (s->n_slots * s->chunk);
+    if (objects->shape == DUET_SHAPE_POSES) {
+        duet_pose *out = (duet_pose *)s->objects.bytes + at;
+        const duet_pose *in = (const duet_pose *)objects->array + first;
+        for (uint32_t i = 0; i < n; ++i)
+            out[i] = in[picked[i]];
+    } else {
+        duet_bounds *out = (duet_bounds *)s->objects.bytes + at;
+        const duet_bounds *in = (const duet_bounds *)objects->array + first;
+        for (uint32_t i = 0; i < n; ++i)
+            out[i] = in[picked[i]];
+    }
+    uint32_t *ids = (uint32_t *)s->ids.bytes + to;
+    for (uint32_t i = 0; i < n; ++i)
+        ids[i] = first + picked[i];
+}
+
+// False if the slot will never be free. A thread that waits for a chunk has written all that it
+// took of the chunks before it, so that they can be sent.
+static bool wait_for_slot(compaction *c, compaction_stream *s, uint32_t chunk)
+{
+    while (chunk >= atomic_load_explicit(&s->sent, memory_order_acquire) + s->n_slots) {
+        if (atomic_load(&c->cancelled))
+            return false;
+        sched_yield();
+    }
+    return true;
+}
+
+static void append(compaction *c, compaction_stream *s, uint32_t first, const uint16_t *picked,
+                   uint32_t n)
+{
+    uint32_t to = atomic_fetch_add_explicit(&s->taken, n, memory_order_relaxed);
+    if ((uint64_t)to + n > s->capacity)
+        return;
+    while (n > 0) {
+        uint32_t chunk = to / s->chunk;
+        uint32_t left = s->chunk - to % s->chunk;
+        uint32_t here = n < left ? n : left;
+        if (!wait_for_slot(c, s, chunk))
+            return;
+        copy_objects(s, &c->objects, to, first, picked, here);
+        atomic_fetch_add_explicit(&s->filled[chunk], here, memory_order_release);
+        to += here;
+        picked += here;
+        n -= here;
+    }
+}
+
+static void list_block(compaction *c, uint32_t block)
+{
+    uint32_t rows[BLOCK];
+    uint16_t picked[BLOCK];
+    uint32_t first = block * BLOCK;
+    uint32_t n = c->objects.n - first < BLOCK ? c->objects.n - first : BLOCK;
+    grid_cell_rows(rows, c->grid, &c->objects, first, n);
+    for (int side = 0; side < 2; ++side) {
+        compaction_slab *slab = &c->slabs[side];
+        if (slab->row_from == slab->row_to)
+            continue;
+        uint32_t n_homes = pick(picked, rows, n, slab->row_from, slab->row_home_to);
+        append(c, &slab->homes, first, picked, n_homes);
+        uint32_t n_ghosts = pick(picked, rows, n, slab->row_home_to, slab->row_to);
+        append(c, &slab->ghosts, first, picked, n_ghosts);
+    }
+    atomic_fetch_add_explicit(&c->done, 1, memory_order_release);
+}
+
+static void list_blocks(void *arg)
+{
+    compaction *c = arg;
+    uint32_t block = 0;
+    while ((block = atomic_fetch_add_explicit(&c->begun, 1, memory_order_relaxed)) < c->n_blocks)
+        list_block(c, block);
+}
+
+// ---------------------------------------------------------------- beginning
+
+static uint32_t divide_up(uint32_t n, uint32_t by)
+{
+    return n / by + (n % by > 0);
+}
+
+static bool begin_stream(compaction_stream *s, uint32_t capacity, uint32_t least_chunk,
+                         uint32_t most_slots, size_t row_bytes, const device *to, duet_error *err)
+{
+    s->capacity = capacity;
+    s->chunk = divide_up(capacity, COMPACTION_CHUNKS);
+    s->chunk = s->chunk < least_chunk ? least_chunk : s->chunk;
+    s->n_slots = divide_up(capacity, s->chunk);
+    s->n_slots = s->n_slots < most_slots ? s->n_slots : most_slots;
+    atomic_init(&s->taken, 0);
+    atomic_init(&s->sent, 0);
+    for (int i = 0; i < COMPACTION_CHUNKS; ++i)
+        atomic_init(&s->filled[i], 0);
+    return host_block_reserve(&s->objects, to, 1, (size_t)s->n_slots * s->chunk * row_bytes, err) &&
+           host_block_reserve(&s->ids, to, 1, s->capacity * sizeof(uint32_t), err);
+}
+
+// Ghosts are sent last, behind the homes, and all have a slot until then.
+static bool begin_slab(compaction *c, compaction_slab *slab, const part_range *range,
+                       const device *to, duet_error *err)
+{
+    uint32_t nx = (uint32_t)c->grid->levels[0].cells.s[0];
+    slab->row_from = slab->row_home_to = slab->row_to = 0;
+    if (!range)
+        return true;
+    slab->row_from = range->key_from / nx;
+    slab->row_home_to = range->home_to / nx;
+    slab->row_to = range->key_to / nx;
+    return begin_stream(&slab->homes, range->expected_homes, c->least_chunk, SLOTS,
+                        c->objects.row_bytes, to, err) &&
+           begin_stream(&slab->ghosts, range->expected_ghosts, c->least_chunk, COMPACTION_CHUNKS,
+                        c->objects.row_bytes, to, err);
+}
+
+bool compaction_start(compaction *c, const grid_objects *objects, const grid *g,
+                      const part_range *const slabs[2], const device *const devices[2],
+                      thread_pool **threads, duet_error *err)
+{
+    c->objects = *objects;
+    c->grid = g;
+    c->n_blocks = divide_up(objects->n, BLOCK);
+    atomic_init(&c->begun, 0);
+    atomic_init(&c->done, 0);
+    atomic_init(&c->cancelled, false);
+    for (int side = 0; side < 2; ++side)
+        if (!begin_slab(c, &c->slabs[side], slabs[side], devices[side], err))
+            return false;
+    *threads = NULL;
+    if (!slabs[0] && !slabs[1])
+        return true;
+    if (!c->threads && !(c->threads = thread_pool_open(thread_pool_spare(MOST_THREADS), err)))
+        return false;
+    thread_pool_start(c->threads, list_blocks, c);
+    *threads = c->threads;
+    return true;
+}

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// The view of the global ids. A device keeps the ids from step to step and is sent only those that
+// changed.
+#ifndef RUNTIME_PART_IDS_H
+#define RUNTIME_PART_IDS_H
+
+#include "runtime/broadphase/part.h"
+
+// Makes the view equal to the ids of ids->generation: by the changes since ids->before, if the view
+// has that generation, else by all of them.
+bool part_update_ids(part *p, const global_ids *ids, duet_error *err);
+
+// Begins to send the list, as the ids of ids->generation; which objects have none comes later.
+bool part_prefetch_ids(part *p, const global_ids *ids, duet_error *err);
+
+#endif

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// A step in two halves: a thread of the world's own runs it while the caller works.
+#include "runtime/broadphase/world.h"
+
+#include "base/error.h"
+
+// What waits for a failed event hangs under PoCL 3.1, or ends the process: a step that failed has
+// rather left 0 pairs.
+static void complete(step_half *h, bool ok)
+{
+    if (!h->done)
+        return;
+    clSetUserEventStatus(h->done, ok ? CL_COMPLETE : -1);
+    clReleaseEvent(h->done);
+    device_object_gone();
+    h->done = NULL;
+}
+
+static void run(void *arg)
+{
+    duet_world *world = arg;
+    world->background.ok = world_step(world, &world->half.result, &world->background.err);
+    complete(&world->half, world->left.count_written);
+}
+
+static void start(duet_world *world)
+{
+    world->half.result = (duet_result){0};
+    background_start(&world->background, run, world);
+}
+
+bool duet_world_step_begin(duet_world *world, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    if (!world_is_idle(world, __func__, err) || !background_open(&world->background, err))
+        return false;
+    start(world);
+    return true;
+}
+
+bool duet_world_step_begin_event(duet_world *world, cl_event *done, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    cl_int code = CL_SUCCESS;
+    if (!world_is_idle(world, __func__, err) || !error_given(done, __func__, "done", err))
+        return false;
+    *done = NULL;
+    if (!world->left.device)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: pairs come to the host; expected duet_world_leave_pairs first",
+                         __func__);
+    if (!background_open(&world->background, err))
+        return false;
+    cl_event event = clCreateUserEvent(world->left.device->context, &code);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "%s: making an event", __func__);
+    device_object_made();
+    clRetainEvent(event);
+    world->half.done = *done = event;
+    start(world);
+    return true;
+}
+
+bool duet_world_step_end(duet_world *world, duet_result *result, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    if (!error_given(world, __func__, "world", err) ||
+        !error_given(result, __func__, "result", err))
+        return false;
+    if (!world_is_under_way(world))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: no step is under way; expected duet_world_step_begin first",
+                         __func__);
+    bool ok = background_end(&world->background, err);
+    *result = world->half.result;
+    return ok;
+}

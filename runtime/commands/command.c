@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/commands/command.h"
+
+#include "base/error.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+// ---------------------------------------------------------------- places
+
+static bool check_place(const duet_motion *m, const command *c, uint32_t i, duet_error *err)
+{
+    const duet_body_list *list = &c->list;
+    uint64_t id = list->ids ? list->ids[i] : list->first + (uint64_t)i;
+    uint32_t place = (uint32_t)id;
+    if (id == DUET_NO_BODY || (list->ids ? place : id) >= m->n)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: body %u of %u: there is no body %llu; the motion has %u places",
+                         c->op->call, i, list->n, (unsigned long long)id, m->n);
+    bool removed = !motion_has_place(m, place) || (list->ids && motion_id_at(m, place) != id);
+    if (!removed && (c->op->bodies == COMMAND_ANY || !motion_is_hidden(m, place)))
+        return true;
+    return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: body %u of %u: the body with id %llu %s",
+                     c->op->call, i, list->n,
+                     (unsigned long long)(list->ids ? id : motion_id_at(m, place)),
+                     removed ? "was removed" : "is disabled");
+}
+
+static bool find_places(const duet_motion *m, command *c, duet_error *err)
+{
+    const duet_body_list *list = &c->list;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < list->n; ++i) {
+        ok = check_place(m, c, i, err);
+        c->places[i] = (uint32_t)(list->ids ? list->ids[i] : list->first + (uint64_t)i);
+        if (ok && c->ids)
+            c->ids[i] = motion_id_at(m, c->places[i]);
+    }
+    return ok;
+}
+
+bool command_open(duet_motion *m, command *c, duet_error *err)
+{
+    const size_t n = c->list.n;
+    if (!motion_is_whole(m, c->op->call, err) || !timeline_finish(&m->times, err))
+        return false;
+    bool listed = c->op->form != COMMAND_ADD && c->op->form != COMMAND_DEF;
+    bool recorded = listed && m->recording;
+    c->places = malloc(n * sizeof *c->places + 1);
+    c->ids = recorded ? malloc(n * sizeof *c->ids + 1) : NULL;
+    if (!c->places || (recorded && !c->ids))
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %zu places", c->op->call,
+                         n);
+    return (!listed || find_places(m, c, err)) && motion_begin_commands(m, err);
+}
+
+void command_close(command *c)
+{
+    free(c->cells);
+    free(c->bodies);
+    free(c->poses);
+    free(c->places);
+    free(c->ids);
+}
+
+// ---------------------------------------------------------------- copies
+
+bool command_copy(const duet_motion *m, command *c, duet_error *err)
+{
+    const uint32_t n = c->list.n;
+    const duet_pose *coming = c->op->form == COMMAND_ADD ? c->rows : NULL;
+    c->poses = malloc(n * sizeof *c->poses + 1);
+    c->bodies = malloc(n * sizeof *c->bodies + 1);
+    if (!c->poses || !c->bodies)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u bodies", c->op->call, n);
+    for (uint32_t i = 0; i < n; ++i) {
+        c->poses[i] = coming ? coming[i] : m->poses[c->places[i]];
+        if (!coming)
+            c->bodies[i] = m->bodies[c->places[i]];
+        else
+            c->bodies[i] = c->new_bodies ? c->new_bodies[i] : duet_default_body();
+    }
+    return true;
+}
+
+bool command_refuse(const command *c, uint32_t i, const char *fault, duet_error *err)
+{
+    return error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: %s", c->op->call, i,
+                     c->list.n, fault);
+}
+
+bool command_check(const duet_motion *m, const command *c, uint32_t parts, duet_error *err)
+{
+    for (uint32_t i = 0; i < c->list.n; ++i) {
+        const char *fault = NULL;
+        if (parts & PART_POSE)
+            fault = motion_pose_fault(&c->poses[i], m->def.dims);
+        if (!fault && (parts & ~(uint32_t)PART_POSE))
+            fault = motion_body_fault(&c->bodies[i]);
+        if (fault)
+            return command_refuse(c, i, fault, err);
+    }
+    return true;
+}
+
+bool command_settle(const duet_motion *m, command *c, duet_error *err)
+{
+    const uint32_t n = c->list.n;
+    if (!m->cells)
+        return true;
+    c->cells = calloc((size_t)n + 1, sizeof *c->cells);
+    if (!c->cells)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u cells", c->op->call, n);
+    for (uint32_t i = 0; i < n; ++i)
+        if (!motion_place_pose(m, &c->poses[i], &c->cells[i]))
+            return error_set(err, DUET_STATUS_BAD_OBJECT,
+                             "%s: body %u of %u is beyond 2^30 origin cells of edge %g",
+                             c->op->call, i, n, (double)m->def.origin_edge);
+    return true;
+}
+
+void command_keep_poses(duet_motion *m, const command *c)
+{
+    for (uint32_t i = 0; i < c->list.n; ++i) {
+        m->poses[c->places[i]] = c->poses[i];
+        if (c->cells)
+            m->cells[c->places[i]] = c->cells[i];
+    }
+}
+
+// ---------------------------------------------------------------- effects
+
+// Adds bodies to what is known of all, and returns the effects that the motion then lacks. How fast
+// they are is not looked at: continuous is called for by what a motion begins with.
+static uint32_t missing_with(const duet_motion *m, effect_facts *all, const command *c,
+                             uint32_t first, uint32_t n)
+{
+    effect_facts_add(all, &m->def, c->poses + first, c->bodies + first, n);
+    all->reach = m->facts.reach;
+    return effect_infer(&m->def, all) & ~m->effects;
+}
+
+// What one body alone does not call for, it may with those before it.
+static bool name_who_lacks(const duet_motion *m, const command *c, duet_error *err)
+{
+    effect_facts all = m->facts;
+    for (uint32_t i = 0; i < c->list.n; ++i) {
+        char who[48];
+        snprintf(who, sizeof who, "body %u of %u", i, c->list.n);
+        if (motion_lacks(missing_with(m, &all, c, i, 1), c->op->call, who, err))
+            break;
+    }
+    return false;
+}
+
+bool command_admit(duet_motion *m, const command *c, duet_error *err)
+{
+    const effect_facts before = m->facts;
+    effect_facts all = before;
+    if (missing_with(m, &all, c, 0, c->list.n))
+        return name_who_lacks(m, c, err);
+    m->facts = all;
+    bool tumbles = (m->effects & DUET_EFFECT_ANGULAR_VELOCITY) && all.uneven && !before.uneven;
+    if (!tumbles || motion_prepare_again(m, err))
+        return true;
+    m->facts = before;
+    return false;
+}

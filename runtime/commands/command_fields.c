@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+// What is set of bodies and of the world while a motion runs.
+#include "runtime/commands/command.h"
+
+#include "base/error.h"
+#include "runtime/dynamics/motion_rows.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- fields
+
+#define MEMBERS(first, last)    \
+    offsetof(duet_body, first), \
+        offsetof(duet_body, last) + sizeof((duet_body *)0)->last - offsetof(duet_body, first)
+
+// By the bits of duet_body_field: the members from the first to the last, and what they change.
+static const struct {
+    const char *name;
+    size_t at, size;
+    uint32_t parts;
+} fields[] = {
+    {"velocity", MEMBERS(velocity, velocity), PART_VELOCITY},
+    {"angular_velocity", MEMBERS(angular_velocity, angular_velocity), PART_ANGULAR_VELOCITY},
+    {"mass", MEMBERS(mass, mass), PART_MASS},
+    {"restitution", MEMBERS(restitution, restitution), PART_SURFACE},
+    {"friction", MEMBERS(friction, friction), PART_SURFACE},
+    {"filter", MEMBERS(group, mask), PART_FILTER},
+    {"fixed_rotation", MEMBERS(fixed_rotation, fixed_rotation), PART_MASS},
+    {"radius", MEMBERS(radius, radius), PART_SIZE},
+};
+
+enum { N_FIELDS = sizeof fields / sizeof fields[0] };
+
+const char *duet_body_field_name(uint32_t field)
+{
+    for (int i = 0; i < N_FIELDS; ++i)
+        if (field == 1u << i)
+            return fields[i].name;
+    return NULL;
+}
+
+static void copy_fields(duet_body *to, const duet_body *from, uint32_t which)
+{
+    for (int i = 0; i < N_FIELDS; ++i)
+        if (which & 1u << i)
+            memcpy((char *)to + fields[i].at, (const char *)from + fields[i].at, fields[i].size);
+}
+
+static uint32_t parts_of(uint32_t which)
+{
+    uint32_t all = 0;
+    for (int i = 0; i < N_FIELDS; ++i)
+        all |= which & 1u << i ? fields[i].parts : 0;
+    return all;
+}
+
+// Contacts of one colour share no body that moves; those of a body that has a mass from now
+// on may have done so.
+static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
+{
+    motion_rows links, colours;
+    if (m->n_contacts == 0 || !(m->effects & DUET_EFFECT_CONTACT_RESPONSE))
+        return true;
+    if (!motion_rows_of_contacts(m, LINKS, 2, &links, err))
+        return false;
+    if (!motion_rows_of_contacts(m, COLOUR_OF, 1, &colours, err)) {
+        motion_rows_drop(&links);
+        return false;
+    }
+    for (uint32_t i = 0; i < m->n_contacts; ++i) {
+        const uint32_t *link = motion_row(&links, i);
+        if (gained[link[0]] || (link[1] < m->n && gained[link[1]]))
+            *(uint32_t *)motion_row(&colours, i) = COLOUR_NONE;
+    }
+    motion_rows_drop(&links);
+    return motion_rows_close(m, &colours, err);
+}
+
+// Whether each has a mass decides whose the contacts are.
+static bool change_masses(duet_motion *m, const command *c, duet_error *err)
+{
+    uint8_t *gained = calloc((size_t)m->n + 1, 1);
+    bool any = false;
+    if (!gained)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u places", m->n);
+    for (uint32_t i = 0; i < c->list.n; ++i) {
+        bool had = m->bodies[c->places[i]].mass > 0.0f, has = c->bodies[i].mass > 0.0f;
+        if (had != has)
+            motion_alter_places(m, &c->places[i], 1);
+        gained[c->places[i]] |= has && !had;
+        any |= has && !had;
+    }
+    bool ok = !any || uncolour(m, gained, err);
+    free(gained);
+    return ok;
+}
+
+static bool set_fields(duet_motion *m, const command *c, duet_error *err)
+{
+    const uint32_t moving = DUET_BODY_VELOCITY | DUET_BODY_ANGULAR_VELOCITY | DUET_BODY_MASS;
+    const uint32_t n = c->list.n;
+    if (n == 0)
+        return true;
+    if ((c->fields & moving) && !motion_forget_targets(m, c->places, n, err))
+        return false;
+    if ((c->fields & DUET_BODY_MASS) && !change_masses(m, c, err))
+        return false;
+    if (c->fields & DUET_BODY_FILTER) {
+        motion_alter_places(m, c->places, n);
+        motion_forget_events(&m->told); // events are told by groups
+    }
+    for (uint32_t i = 0; i < n; ++i)
+        copy_fields(&m->bodies[c->places[i]], &c->bodies[i], c->fields);
+    return motion_send_places(m, c->places, n, parts_of(c->fields), err) &&
+           motion_wake_places(m, c->places, n, err);
+}
+
+bool command_set_bodies(duet_motion *m, command *c, duet_error *err)
+{
+    const duet_body *given = c->rows;
+    if (c->fields & ~(uint32_t)DUET_BODY_ALL)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: fields is %#x; expected bits of duet_body_field", c->op->call,
+                         c->fields);
+    if (!command_copy(m, c, err))
+        return false;
+    for (uint32_t i = 0; i < c->list.n; ++i)
+        copy_fields(&c->bodies[i], &given[i], c->fields);
+    return command_check(m, c, parts_of(c->fields), err) && command_admit(m, c, err) &&
+           motion_keep_whole(m, set_fields(m, c, err));
+}
+
+// ---------------------------------------------------------------- user data
+
+bool command_set_user_data(duet_motion *m, command *c, duet_error *err)
+{
+    const uint64_t *data = c->rows;
+    (void)err;
+    for (uint32_t i = 0; i < c->list.n; ++i)
+        m->commands->user_data[c->places[i]] = data[i];
+    return true;
+}
+
+// ---------------------------------------------------------------- the world
+
+static bool change_world(duet_motion *m, const duet_motion_def *def, duet_error *err)
+{
+    m->def = *def;
+    motion_alter_all(m); // walls are elsewhere
+    return motion_wake_all(m, err);
+}
+
+bool command_set_def(duet_motion *m, command *c, duet_error *err)
+{
+    duet_motion_def def = m->def;
+    packed_to_def(c->rows, &def);
+    if (!motion_check_def(&def, err))
+        return false;
+    if ((def.attraction != 0.0) != (m->def.attraction != 0.0))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: the attraction is %g, the motion's %g; expected none or both to be 0",
+                         c->op->call, def.attraction, m->def.attraction);
+    return motion_needs(m, effect_infer(&def, &m->facts), c->op->call, err) &&
+           motion_keep_whole(m, change_world(m, &def, err));
+}

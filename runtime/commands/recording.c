@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/commands/recording.h"
+
+#include "base/error.h"
+#include "base/text_file.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+static_assert(sizeof(recording_head) == 40 && sizeof(recorded) == 16,
+              "no byte of a file is left to chance");
+
+const char recording_magic[16] = "duet commands 1\n";
+
+recorded_sizes recorded_sizes_of(const command_op *op)
+{
+    bool listed = op->form != COMMAND_ADD && op->form != COMMAND_DEF;
+    bool bodies = op->form == COMMAND_ADD || op->form == COMMAND_FIELDS;
+    return (recorded_sizes){.ids = listed ? sizeof(uint64_t) : 0,
+                            .row = op->form == COMMAND_FIELDS ? 0 : op->row,
+                            .body = bodies ? sizeof(packed_body) : 0};
+}
+
+// ---------------------------------------------------------------- noting
+
+static void add(text *to, const void *bytes, size_t n)
+{
+    if (n > 0)
+        text_add_bytes(to, bytes, n);
+}
+
+static void add_steps(text *to, uint64_t steps)
+{
+    while (steps > 0) {
+        uint32_t some = steps < UINT32_MAX ? (uint32_t)steps : UINT32_MAX;
+        const recorded r = {.kind = RECORDED_STEPS, .n = some};
+        add(to, &r, sizeof r);
+        steps -= some;
+    }
+}
+
+void recording_add(duet_motion *m, const command *c)
+{
+    text *to = m->recording;
+    const uint32_t n = c->list.n;
+    const recorded_sizes sizes = recorded_sizes_of(c->op);
+    const recorded r = {.kind = c->op->number, .n = n, .fields = c->fields};
+    if (!to || n == 0)
+        return;
+    add_steps(to, m->step - m->recorded_step);
+    m->recorded_step = m->step;
+    add(to, &r, sizeof r);
+    add(to, c->ids, n * sizes.ids);
+    add(to, c->rows, n * sizes.row);
+    for (uint32_t i = 0; sizes.body > 0 && i < n; ++i) {
+        const packed_body b = packed_body_of(&c->bodies[i]);
+        add(to, &b, sizeof b);
+    }
+}
+
+// ---------------------------------------------------------------- files
+
+bool duet_motion_record(duet_motion *m, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    uint64_t hash;
+    if (!motion_is_whole(m, __func__, err) || !duet_motion_get_hash(m, &hash, err))
+        return false;
+    recording_head head = {.dims = m->def.dims, .n = m->n, .step = m->step, .hash = hash};
+    memcpy(head.magic, recording_magic, sizeof recording_magic);
+    text *fresh = calloc(1, sizeof *fresh);
+    if (!fresh)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a recording");
+    add(fresh, &head, sizeof head);
+    motion_forget_recording(m);
+    m->recording = fresh;
+    m->recorded_step = m->step;
+    return true;
+}
+
+bool duet_motion_save_recording(duet_motion *m, const char *path, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    uint64_t hash;
+    if (!error_given(m, __func__, "motion", err) || !error_given(path, __func__, "path", err))
+        return false;
+    if (!m->recording)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: nothing is recorded; expected duet_motion_record before, and no load "
+                         "since",
+                         __func__);
+    if (!motion_is_whole(m, __func__, err) || !text_ok(m->recording, err) ||
+        !duet_motion_get_hash(m, &hash, err))
+        return false;
+    text file = {0};
+    add(&file, m->recording->chars, m->recording->length);
+    add_steps(&file, m->step - m->recorded_step);
+    add(&file, &hash, sizeof hash);
+    uint64_t sum = text_checksum(text_chars(&file), file.length);
+    add(&file, &sum, sizeof sum);
+    bool ok = text_ok(&file, err) && text_write_file(path, file.chars, file.length, err);
+    text_free(&file);
+    return ok;
+}

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// What is recorded of a motion, in the form of the file (docs/formats.md, "Recordings"): a head,
+// then a record for each command and each run of steps. The motion holds these bytes; a file ends
+// with the state's hash and a sum.
+#ifndef RUNTIME_RECORDING_H
+#define RUNTIME_RECORDING_H
+
+#include "runtime/commands/command.h"
+
+typedef struct recording_head {
+    char magic[16];
+    uint32_t dims;
+    uint32_t n; // places
+    uint64_t step;
+    uint64_t hash;
+} recording_head;
+
+extern const char recording_magic[16];
+
+enum { RECORDED_STEPS = 0 }; // a kind besides the commands' numbers
+
+// Begins each record. n ids follow if bodies are listed, then n rows, then n packed bodies.
+typedef struct recorded {
+    uint32_t kind;
+    uint32_t n; // bodies, or steps
+    uint32_t fields;
+    uint32_t unused;
+} recorded;
+
+typedef struct recorded_sizes {
+    size_t ids, row, body; // bytes of one
+} recorded_sizes;
+
+recorded_sizes recorded_sizes_of(const command_op *op);
+
+// Adds a command that was carried out, if the motion is recorded.
+void recording_add(duet_motion *m, const command *c);
+
+#endif

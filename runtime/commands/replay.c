@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: MIT
+// Recorded commands, given to a motion again. The file's form is checked when it is read;
+// whether its commands are right is for the calls that they go to.
+#include "runtime/commands/commands.h"
+#include "runtime/commands/recording.h"
+
+#include "base/error.h"
+#include "base/text_file.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct duet_replay {
+    char *path;
+    text file;
+    recording_head head;
+    uint64_t end_hash;
+    size_t at, end;      // of the record that comes next, and of all
+    uint32_t steps_left; // of the record
+    duet_replay_info info;
+    uint64_t commands_done;
+    bool begun;
+};
+
+// ---------------------------------------------------------------- reading
+
+static bool damaged(const char *path, duet_error *err)
+{
+    return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the recording is cut short or damaged", path);
+}
+
+// Bytes of a record behind its head; SIZE_MAX if it is none.
+static size_t size_of(const recorded *r)
+{
+    const command_op *op = command_op_at(r->kind);
+    if (r->n == 0 || r->unused || (!op && r->kind != RECORDED_STEPS) ||
+        (r->fields && (!op || op->form != COMMAND_FIELDS)) ||
+        (op && op->form == COMMAND_DEF && r->n != 1))
+        return SIZE_MAX;
+    const recorded_sizes each = op ? recorded_sizes_of(op) : (recorded_sizes){0};
+    return r->n * (each.ids + each.row + each.body);
+}
+
+static bool count_records(duet_replay *p, duet_error *err)
+{
+    for (size_t at = p->at; at < p->end;) {
+        recorded r;
+        if (p->end - at < sizeof r)
+            return damaged(p->path, err);
+        memcpy(&r, p->file.chars + at, sizeof r);
+        at += sizeof r;
+        size_t size = size_of(&r);
+        if (size > p->end - at)
+            return damaged(p->path, err);
+        at += size;
+        *(r.kind == RECORDED_STEPS ? &p->info.steps : &p->info.commands) +=
+            r.kind == RECORDED_STEPS ? r.n : 1;
+    }
+    return true;
+}
+
+static bool read_replay(duet_replay *p, duet_error *err)
+{
+    uint64_t sum;
+    if (!text_read_file(&p->file, p->path, err) ||
+        !text_check_magic(&p->file, recording_magic, p->path, err))
+        return false;
+    if (p->file.length < sizeof p->head + sizeof p->end_hash + sizeof sum)
+        return damaged(p->path, err);
+    memcpy(&p->head, p->file.chars, sizeof p->head);
+    memcpy(&sum, p->file.chars + p->file.length - sizeof sum, sizeof sum);
+    p->at = sizeof p->head;
+    p->end = p->file.length - sizeof sum - sizeof p->end_hash;
+    memcpy(&p->end_hash, p->file.chars + p->end, sizeof p->end_hash);
+    return sum == text_checksum(p->file.chars, p->file.length - sizeof sum) ? count_records(p, err)
+                                                                            : damaged(p->path, err);
+}
+
+duet_replay *duet_replay_create(const char *path, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    if (!error_given(path, __func__, "path", err))
+        return NULL;
+    duet_replay *p = calloc(1, sizeof *p);
+    size_t length = strlen(path) + 1;
+    if (p)
+        p->path = malloc(length);
+    if (!p || !p->path) {
+        free(p);
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a replay");
+        return NULL;
+    }
+    memcpy(p->path, path, length);
+    if (read_replay(p, err))
+        return p;
+    duet_replay_destroy(p);
+    return NULL;
+}
+
+void duet_replay_destroy(duet_replay *p)
+{
+    if (!p)
+        return;
+    text_free(&p->file);
+    free(p->path);
+    free(p);
+}
+
+duet_replay_info duet_replay_get_info(const duet_replay *p)
+{
+    return p ? p->info : (duet_replay_info){0};
+}
+
+// ---------------------------------------------------------------- commands
+
+static void *copy_of(const char **from, size_t bytes)
+{
+    void *to = malloc(bytes + 1);
+    if (to)
+        memcpy(to, *from, bytes);
+    *from += bytes;
+    return to;
+}
+
+static duet_body *bodies_of(const char *from, uint32_t n)
+{
+    duet_body *bodies = malloc(n * sizeof *bodies);
+    for (uint32_t i = 0; bodies && i < n; ++i, from += sizeof(packed_body)) {
+        packed_body row;
+        memcpy(&row, from, sizeof row);
+        bodies[i] = packed_to_body(&row);
+    }
+    return bodies;
+}
+
+// Gives the motion copies of a record's ids, rows and bodies, so that all lies as it must.
+static bool give(const recorded *r, const char *from, duet_motion *m, duet_error *err)
+{
+    const command_op *op = command_op_at(r->kind);
+    const recorded_sizes each = recorded_sizes_of(op);
+    uint64_t *ids = copy_of(&from, r->n * each.ids);
+    void *rows = copy_of(&from, r->n * each.row);
+    duet_body *bodies = each.body > 0 ? bodies_of(from, r->n) : NULL;
+    command c = {.op = op,
+                 .list = {.ids = ids, .n = r->n},
+                 .fields = r->fields,
+                 .rows = each.row > 0 ? rows : bodies,
+                 .new_bodies = bodies};
+    bool ok = ids && rows && (bodies || each.body == 0);
+    ok = ok ? command_give(m, &c, err)
+            : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u recorded bodies", r->n);
+    free(ids);
+    free(rows);
+    free(bodies);
+    return ok;
+}
+
+static bool is_refusal(duet_status status)
+{
+    return status == DUET_STATUS_BAD_ARGUMENT || status == DUET_STATUS_BAD_OBJECT;
+}
+
+static bool give_next(duet_replay *p, const recorded *r, duet_motion *m, duet_error *err)
+{
+    duet_error why = {0};
+    const char *from = p->file.chars + p->at;
+    p->at += size_of(r);
+    ++p->commands_done;
+    if (give(r, from, m, &why))
+        return true;
+    duet_status status = is_refusal(why.status) ? DUET_STATUS_BAD_INPUT : why.status;
+    return error_set(err, status, "%s: command %" PRIu64 " of %" PRIu64 ": %s", p->path,
+                     p->commands_done, p->info.commands, why.text);
+}
+
+// Gives commands up to the next step; steps_left is 0 where there is none.
+static bool give_commands(duet_replay *p, duet_motion *m, duet_error *err)
+{
+    bool ok = true;
+    while (ok && p->steps_left == 0 && p->at < p->end) {
+        recorded head;
+        memcpy(&head, p->file.chars + p->at, sizeof head);
+        p->at += sizeof head;
+        if (head.kind == RECORDED_STEPS)
+            p->steps_left = head.n;
+        else
+            ok = give_next(p, &head, m, err);
+    }
+    return ok;
+}
+
+// ---------------------------------------------------------------- steps
+
+static bool check_begin(duet_replay *p, duet_motion *m, duet_error *err)
+{
+    uint64_t hash;
+    if (p->begun)
+        return true;
+    if (!duet_motion_get_hash(m, &hash, err))
+        return false;
+    p->begun = duet_motion_get_count(m) == p->head.n && m->step == p->head.step &&
+               hash == p->head.hash && duet_motion_get_def(m)->dims == p->head.dims;
+    return p->begun ||
+           error_set(err, DUET_STATUS_BAD_INPUT,
+                     "%s: recorded from step %" PRIu64 ", %u places and the state hash %016" PRIx64
+                     "; the motion is at step %" PRIu64 " with %u places and %016" PRIx64,
+                     p->path, p->head.step, p->head.n, p->head.hash, m->step,
+                     duet_motion_get_count(m), hash);
+}
+
+static bool check_end(const duet_replay *p, duet_motion *m, duet_error *err)
+{
+    uint64_t hash;
+    return duet_motion_get_hash(m, &hash, err) &&
+           (hash == p->end_hash ||
+            error_set(err, DUET_STATUS_WRONG_RESULT,
+                      "%s: the state hash is %016" PRIx64 " at the end; expected the recorded "
+                      "%016" PRIx64,
+                      p->path, hash, p->end_hash));
+}
+
+bool duet_replay_advance(duet_replay *p, duet_motion *m, duet_motion_result *result,
+                         duet_error *err)
+{
+    PUBLIC_CALL(err);
+    if (!error_given(p, __func__, "replay", err) || !error_given(m, __func__, "motion", err) ||
+        !error_given(result, __func__, "result", err))
+        return false;
+    if (p->info.steps_done == p->info.steps)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: all %" PRIu64 " recorded steps are done", p->path, p->info.steps);
+    if (!check_begin(p, m, err) || !give_commands(p, m, err) ||
+        !duet_motion_advance(m, result, err))
+        return false;
+    --p->steps_left;
+    ++p->info.steps_done;
+    return p->info.steps_done < p->info.steps || (give_commands(p, m, err) && check_end(p, m, err));
+}

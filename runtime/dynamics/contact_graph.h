@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// Which bodies may touch: makes a motion's bounds, pairs and rows (products.h).
+#ifndef RUNTIME_CONTACT_GRAPH_H
+#define RUNTIME_CONTACT_GRAPH_H
+
+#include "runtime/opencl/scan.h"
+
+typedef struct contact_graph {
+    duet_world *world;    // of bounds; NULL without contact
+    duet_result searched; // what it found and took last
+    scan scan;
+    buffer pairs; // that rows are made of
+    // what a launch is told besides
+    cl_uint n_pairs, n_old, fill;
+    buffer row_starts, row_values;
+} contact_graph;
+
+bool motion_make_bounds(duet_motion *m, duet_error *err);
+bool motion_make_pairs(duet_motion *m, duet_error *err);
+bool motion_make_rows(duet_motion *m, duet_error *err);
+
+// Sends a check that sets FLAG_MOVED if a body has left its bounds; once flags are read, notes in
+// the products whether bounds hold.
+bool motion_check_bounds(duet_motion *m, duet_error *err);
+void motion_note_bounds(duet_motion *m);
+
+#endif

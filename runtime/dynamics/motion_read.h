@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// Rows of a motion's state that B gathers for the caller, and what was told of those that changed.
+#ifndef RUNTIME_MOTION_READ_H
+#define RUNTIME_MOTION_READ_H
+
+#include "runtime/opencl/buffer.h"
+#include "runtime/opencl/program.h"
+
+typedef struct motion_reading {
+    kernel *gather_rows, *changed_rows; // NULL until something is read
+    uint32_t n_told; // bodies of which the device has what was read last; 0: all are to be told
+    uint32_t n;
+    uint32_t *ids; // [n] that moved
+    duet_state *states;
+    // what a launch is told besides
+    buffer rows, last_rows; // of a state, by object
+    cl_uint row_words, n_ids;
+} motion_reading;
+
+void motion_forget_moved(motion_reading *r);
+
+#endif

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// What contacts do to bodies in a step: makes manifolds and colours (products.h), and solves
+// contacts by colour: those of one colour share no body that moves.
+#ifndef RUNTIME_SOLVER_H
+#define RUNTIME_SOLVER_H
+
+#include "kernels/dynamics/records.h"
+#include "runtime/opencl/radix_sort.h"
+
+// Keys that contacts are sorted by: several of a colour.
+enum { KEYS = COLOURS * COLOUR_KEYS, KEY_BITS = 8 };
+
+// Contacts of one colour: where in the list, and where in blocks. A uint4 on devices.
+typedef struct colour_span {
+    cl_uint first;
+    cl_uint count;
+    cl_uint slot;
+    cl_uint spare;
+} colour_span;
+
+typedef struct contact_solver {
+    radix_sort radix;
+    colour_span colours[COLOUR_OVERFLOW + 1];
+    uint32_t n_colours;  // that are not empty
+    uint32_t n_contacts; // of all colours: those that push
+    uint32_t n_blocks;
+    uint32_t rounds; // that the next colouring sends at once; 0: the device is asked first
+    // what a launch is told besides
+    cl_uint woken, soft, round;
+    cl_uint from_colour, to_colour, each;
+    cl_int4 span; // of from_colour
+} contact_solver;
+
+bool motion_make_manifolds(duet_motion *m, duet_error *err);
+bool motion_make_colours(duet_motion *m, duet_error *err);
+
+// With contact response: the substeps, of bodies and colours that are right; then what they leave
+// goes to the objects.
+bool motion_solve(duet_motion *m, duet_error *err);
+bool motion_finalize(duet_motion *m, duet_error *err);
+
+#endif
