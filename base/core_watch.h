@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Watches whether other programs take the processor cores that a launch needs.
 //
-// A clock cannot tell: if the system's scheduler puts two threads on one core for minutes, all
-// launches take twice their time and none stands out. The system counts for each thread how long it
-// ran and how long it waited for a core (/proc/self/task/*/schedstat), and for each core how long
-// it was busy (/proc/stat).
+// A clock cannot tell: where the system's scheduler puts two threads on one core for minutes, all
+// launches take twice their time and none stands out. The system counts for each thread how long
+// it ran and how long it waited for a core (/proc/self/task/*/schedstat), and for each core how
+// long it was busy (/proc/stat).
 #ifndef BASE_CORE_WATCH_H
 #define BASE_CORE_WATCH_H
 
@@ -14,7 +14,7 @@
 // The threads of this process, as one launch after another uses them.
 typedef struct core_watch core_watch;
 
-// Processor time and waits of the threads during a launch.
+// The threads' use of the cores during a launch.
 //
 // A launch ends when its slowest thread does. So it lost no more than the longest that one thread
 // waited for a core, and no more than the time in which neither the caller nor the busiest other
@@ -25,13 +25,13 @@ typedef struct core_use {
         cpu_ns; // processor time of the calling thread and of the busiest other one; 0: unknown
     uint64_t wait_ns; // the longest that one thread waited for a core
     uint64_t lost_ns; // the lesser of both bounds
-    bool disturbed;   // lost_ns is more than a twentieth of the launch: another program had a core,
-                    // or two of its own threads were put on one although there were enough
+    bool disturbed;   // that is more than a twentieth of the launch: another program had a core, or
+                      // two of its own threads were put on one although there were enough
 } core_use;
 
 // Cores that other programs have.
 typedef struct core_others {
-    double cores;    // recent average, with what a hypervisor took
+    double cores;    // that they had lately, on average; what a hypervisor took counts
     uint32_t of;     // cores that this process may use
     bool is_crowded; // they have so much that a launch may be disturbed
 } core_others;
@@ -39,7 +39,7 @@ typedef struct core_others {
 // All launches since the watch was opened.
 typedef struct core_tally {
     uint64_t launches;
-    uint64_t disturbed; // launches that were disturbed
+    uint64_t disturbed; // of them
     double others;      // cores that other programs had on average
     uint32_t of;        // cores that this process may use; 0: nothing is known
 } core_tally;

@@ -40,7 +40,7 @@ typedef struct job {
 
 // ---------------------------------------------------------------- its variables
 
-// What mpirun is told unless the user says otherwise. Open MPI 5 has new names for all but one.
+// Settings for mpirun unless the user says otherwise. Open MPI 5 has new names for all but one.
 static const char *const variables[][2] = {
     // Ranks share the machine: by itself mpirun gives each one core, and refuses more of them than
     // there are.
@@ -175,9 +175,9 @@ static void end_rest(void)
 
 static bool fail_by_signal(const job *j, int number, duet_error *err)
 {
-    return error_set(err, DUET_STATUS_IO_FAILED,
-                     "a rank was ended by signal %d (%s), and with it the job%s", number,
-                     strsignal(number), j->what->verbose ? "" : "; with --verbose mpirun says which");
+    return error_set(
+        err, DUET_STATUS_IO_FAILED, "a rank was ended by signal %d (%s), and with it the job%s",
+        number, strsignal(number), j->what->verbose ? "" : "; with --verbose mpirun says which");
 }
 
 // Open MPI refuses root unless both say 1.

@@ -14,7 +14,7 @@ void balance_begin(balance *b, double cut_ms)
     *b = (balance){.cut_ms = cut_ms};
 }
 
-bool balance_note(balance *b, ranks *r, cut *c, double busy_ms, uint32_t n)
+bool balance_note(balance *b, ranks *r, partition *p, double busy_ms, uint32_t n)
 {
     b->least_ms = b->steps == 0 ? busy_ms : fmin(b->least_ms, busy_ms);
     if (r->n == 1 || ++b->steps < BALANCE_STEPS)
@@ -26,5 +26,5 @@ bool balance_note(balance *b, ranks *r, cut *c, double busy_ms, uint32_t n)
     double price_ms = t.greatest[1] > 0 ? t.greatest[1] : STEPS_OF_A_CUT * mean_ms;
     bool is_uneven = lost_ms > LEAST_LOSS * mean_ms;
     b->lost_ms = is_uneven ? b->lost_ms + BALANCE_STEPS * lost_ms : 0;
-    return b->lost_ms > PAYS * price_ms && cut_weigh(c, r, b->least_ms > 0 ? n / b->least_ms : 0);
+    return b->lost_ms > PAYS * price_ms && partition_weigh(p, r, b->least_ms > 0 ? n / b->least_ms : 0);
 }

@@ -4,7 +4,7 @@
 #ifndef CLUSTER_BALANCE_H
 #define CLUSTER_BALANCE_H
 
-#include "cluster/cut.h"
+#include "cluster/partition.h"
 
 // Steps of which the quickest counts, so that a slow one that was an accident does not.
 enum { BALANCE_STEPS = 8 };
@@ -21,7 +21,7 @@ typedef struct balance {
 void balance_begin(balance *b, double cut_ms);
 
 // Notes a step without a cut, in which this rank was busy with its n homes for so long. True where
-// a cut pays, whose weights c then has. Collective.
-bool balance_note(balance *b, ranks *r, cut *c, double busy_ms, uint32_t n);
+// a cut pays, whose weights p then has. Collective.
+bool balance_note(balance *b, ranks *r, partition *p, double busy_ms, uint32_t n);
 
 #endif

@@ -290,7 +290,6 @@ static bool take_part(duet_cluster *c, scene_part *part, duet_error *own)
     free(c->scene_name);
     c->scene_name = name;
     c->scene = info;
-    c->has_scene = true;
     return true;
 }
 
@@ -323,5 +322,5 @@ bool duet_cluster_load_scene(duet_cluster *c, const char *path, const duet_setti
 
 const duet_scene_info *duet_cluster_get_scene_info(const duet_cluster *c)
 {
-    return c && c->has_scene ? &c->scene : NULL;
+    return c && c->scene_name ? &c->scene : NULL;
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The one or two workers that search for a rank.
+// The workers that search for a rank: one, or two.
 #include "cluster/cluster.h"
 
 #include <math.h>
 
 void cluster_close_workers(worker *workers[2])
 {
-    for (int i = 1; i >= 0; --i) { // what the first one holds is lent to the other one
+    for (int i = 0; i < 2; ++i) {
         if (workers[i])
             workers[i]->close(workers[i]);
         workers[i] = NULL;
@@ -35,10 +35,11 @@ bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, wo
     return ok;
 }
 
-// Far enough for a grid of its own: by a quarter of the width that they take, on any side.
+// Whether they did so far that a new grid pays: by a quarter of the width that they take, on any
+// side.
 static bool have_moved(const duet_cluster *c)
 {
-    const reach *now = &c->homes.around;
+    const reach *now = &c->owned.around;
     bool moved = false;
     for (int k = 0; k < 3; ++k) {
         double far = 0.25 * (c->fitted.upper[k] - c->fitted.lower[k]);
@@ -50,11 +51,12 @@ static bool have_moved(const duet_cluster *c)
 
 void cluster_follow(duet_cluster *c)
 {
-    if (!c->parts.is_cut_anew && !have_moved(c))
+    bool are_placed = cluster_workers(c) == 2 && c->n_placed != c->owned.n_placed;
+    if (!are_placed && !have_moved(c))
         return;
-    for (int i = 0; i < cluster_workers(c); ++i)
-        c->workers[i]->move(c->workers[i]);
-    if (c->border.worker)
-        c->border.worker->move(c->border.worker);
-    c->fitted = c->homes.around;
+    for (int i = 0; i < 2; ++i)
+        if (c->workers[i])
+            c->workers[i]->move(c->workers[i]);
+    c->fitted = c->owned.around;
+    c->n_placed = c->owned.n_placed;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/objects.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/origin.h"
@@ -134,15 +135,6 @@ bool reaches_meet(const reach *a, const reach *b)
 {
     for (int k = 0; k < 3; ++k)
         if (a->lower[k] > b->upper[k] || b->lower[k] > a->upper[k])
-            return false;
-    return true;
-}
-
-bool reach_holds(const reach *r, const double point[3], double width)
-{
-    double margin = 1.01 * width;
-    for (int k = 0; k < 3; ++k)
-        if (!(point[k] - margin > r->lower[k] && point[k] + margin < r->upper[k]))
             return false;
     return true;
 }
@@ -362,30 +354,21 @@ double skim_widest(const skim *s, const object_form *form)
 
 // ---------------------------------------------------------------- rows
 
-bool object_rows_reserve(object_rows *rows, const object_form *form, uint64_t n, duet_error *err)
+bool object_rows_begin(object_rows *rows, const object_form *form, uint64_t n, duet_error *err)
 {
+    *rows = (object_rows){0};
     if (n > DUET_MOST_OBJECTS)
         return error_set(err, DUET_STATUS_TOO_MANY,
                          "%" PRIu64 " objects on one rank; a rank holds at most %u", n,
                          DUET_MOST_OBJECTS);
-    if (!rows->ids || n > rows->capacity) {
-        object_rows_end(rows);
-        rows->capacity = n + n / 16;
-        rows->ids = malloc((rows->capacity + 1) * sizeof *rows->ids);
-        rows->objects = malloc((rows->capacity + 1) * form->bytes);
-    }
-    if (!rows->ids || !rows->objects) {
-        object_rows_end(rows);
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
-    }
     rows->n = (uint32_t)n;
-    return true;
-}
-
-bool object_rows_begin(object_rows *rows, const object_form *form, uint64_t n, duet_error *err)
-{
-    *rows = (object_rows){0};
-    return object_rows_reserve(rows, form, n, err);
+    rows->capacity = n + n / 16;
+    rows->ids = malloc((rows->capacity + 1) * sizeof *rows->ids);
+    rows->objects = malloc((rows->capacity + 1) * form->bytes);
+    if (rows->ids && rows->objects)
+        return true;
+    object_rows_end(rows);
+    return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
 }
 
 void object_rows_end(object_rows *rows)
@@ -444,33 +427,6 @@ void object_write_message(const object_form *form, void *message, uint64_t id, c
     memcpy((unsigned char *)message + sizeof id, object, form->bytes);
 }
 
-static int by_id(const void *left, const void *right)
-{
-    const arrival *p = left, *q = right;
-    return (p->id > q->id) - (p->id < q->id);
-}
-
-void arrivals_sort(arrival *arrivals, uint64_t n)
-{
-    qsort(arrivals, n, sizeof *arrivals, by_id);
-}
-
-arrival *arrivals_read(const object_form *form, const void *messages, uint64_t n, duet_error *err)
-{
-    const unsigned char *message = messages;
-    arrival *arrivals = malloc((n + 1) * sizeof *arrivals);
-    if (!arrivals) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects that arrive: no memory", n);
-        return NULL;
-    }
-    for (uint64_t i = 0; i < n; ++i, message += object_message_bytes(form)) {
-        memcpy(&arrivals[i].id, message, sizeof arrivals[i].id);
-        arrivals[i].object = message + sizeof arrivals[i].id;
-    }
-    arrivals_sort(arrivals, n);
-    return arrivals;
-}
-
 void object_rows_append(object_rows *to, const object_form *form, const uint64_t *ids,
                         const void *objects, uint32_t n)
 {
@@ -481,85 +437,44 @@ void object_rows_append(object_rows *to, const object_form *form, const uint64_t
     to->n += n;
 }
 
-// False where the first of them has the id of the row before it.
-static bool append(object_rows *to, const object_form *form, const uint64_t *ids,
-                   const void *objects, uint32_t n, duet_error *err)
+// An id and the row that has it.
+typedef struct id_row {
+    uint64_t id;
+    uint32_t row;
+} id_row;
+
+static int by_id(const void *left, const void *right)
 {
-    uint32_t at = to->n;
-    object_rows_append(to, form, ids, objects, n);
-    return n == 0 || at == 0 || to->ids[at] != to->ids[at - 1] ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "object %" PRIu64 " is there twice",
-                     to->ids[at]);
+    return compare_uint64(&((const id_row *)left)->id, &((const id_row *)right)->id);
 }
 
-uint32_t object_rows_find(const object_rows *rows, uint32_t first, uint32_t end, uint64_t id)
+static id_row *sort_ids(const uint64_t *ids, uint32_t n)
 {
-    uint32_t width = 1; // it is near, where few come among many
-    while (width < end - first && rows->ids[first + width] < id)
-        width *= 2;
-    uint32_t last = width < end - first ? first + width : end;
-    while (first < last) {
-        uint32_t middle = first + (last - first) / 2;
-        if (rows->ids[middle] < id)
-            first = middle + 1;
-        else
-            last = middle;
-    }
-    return first;
-}
-
-bool object_rows_merge(object_rows *to, const object_form *form, const object_rows *homes,
-                       const uint32_t *leavers, uint64_t n_leavers, const arrival *arrivals,
-                       uint64_t n, duet_error *err)
-{
-    uint64_t leaver = 0, next = 0;
-    uint32_t i = 0;
-    bool ok = true;
-    to->n = 0;
-    while (ok && (i < homes->n || next < n)) {
-        uint32_t end = leaver < n_leavers ? leavers[leaver] : homes->n;
-        uint32_t run = next < n ? object_rows_find(homes, i, end, arrivals[next].id) : end;
-        ok = append(to, form, homes->ids ? homes->ids + i : NULL, object_row(homes, form, i),
-                    run - i, err);
-        i = run;
-        if (i == end && leaver < n_leavers) {
-            ++leaver;
-            ++i;
-        } else if (ok && next < n) {
-            ok = append(to, form, &arrivals[next].id, arrivals[next].object, 1, err);
-            ++next;
-        }
-    }
-    return ok;
-}
-
-static bool do_ascend(const uint64_t *ids, uint32_t n)
-{
+    id_row *sorted = malloc(((size_t)n + 1) * sizeof *sorted);
     bool ascend = true;
-    for (uint32_t i = 1; ascend && i < n; ++i)
-        ascend = ids[i - 1] < ids[i];
-    return ascend;
+    for (uint32_t i = 0; sorted && i < n; ++i) {
+        sorted[i] = (id_row){ids[i], i};
+        ascend = ascend && (i == 0 || ids[i - 1] < ids[i]);
+    }
+    if (sorted && !ascend)
+        qsort(sorted, n, sizeof *sorted, by_id);
+    return sorted;
 }
 
 bool object_rows_copy(object_rows *rows, const object_form *form, const uint64_t *ids,
                       const void *objects, uint32_t n, duet_error *err)
 {
-    const object_rows none = {0};
-    if (do_ascend(ids, n)) {
-        bool begun = object_rows_begin(rows, form, n, err);
-        rows->n = 0;
-        if (begun)
-            object_rows_append(rows, form, ids, objects, n);
-        return begun;
-    }
-    arrival *arrivals = malloc(((size_t)n + 1) * sizeof *arrivals);
-    bool ok = arrivals || error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
-    for (uint32_t i = 0; ok && i < n; ++i)
-        arrivals[i] = (arrival){ids[i], (const char *)objects + (size_t)i * form->bytes};
-    if (ok)
-        arrivals_sort(arrivals, n);
+    id_row *sorted = sort_ids(ids, n);
+    bool ok = sorted || error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
     ok = ok && object_rows_begin(rows, form, n, err);
-    ok = ok && object_rows_merge(rows, form, &none, NULL, 0, arrivals, n, err);
-    free(arrivals);
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        if (i > 0 && sorted[i].id == sorted[i - 1].id)
+            ok = error_set(err, DUET_STATUS_BAD_ARGUMENT, "object %" PRIu64 " is there twice",
+                           sorted[i].id);
+        rows->ids[i] = sorted[i].id;
+        memcpy(object_row(rows, form, i),
+               (const char *)objects + (size_t)sorted[i].row * form->bytes, form->bytes);
+    }
+    free(sorted);
     return ok;
 }

@@ -19,6 +19,8 @@ typedef struct worker_found {
     uint32_t first_bad;
 } worker_found;
 
+enum { WORKER_ORDER_SCRATCH = 16 };
+
 struct worker {
     const char *name; // of its devices, "A,B", or of the one
     // Space for n objects, which are to be written before the next find. Where there were as many
@@ -28,9 +30,6 @@ struct worker {
     // devices while others are written behind them. So may ids, which tell_ids will name (NULL:
     // none).
     void (*begin)(worker *w, uint32_t n, const global_ids *ids);
-    // That memory of the caller's is read often, and stays where it is until other memory is named
-    // in its place, or none, of 0 bytes. NULL: that changes nothing.
-    void (*lock)(worker *w, const void *memory, size_t bytes);
     // Which of these lie deep inside of a box, found where they are on their way to: NULL, or
     // false, where the host must look at all. The other one waits for the blocks of objects from
     // `from` on, 0 at first, and returns up to which object they are there.
@@ -38,12 +37,9 @@ struct worker {
     uint32_t (*await_skim)(worker *w, uint32_t from, const skim_block **blocks);
     // Space for n objects, of which the first `kept` stay; the others are to be written.
     void *(*extend)(worker *w, uint32_t n, uint32_t kept, duet_error *err);
-    // The objects are n that lie elsewhere, until others are mapped or lent: they stay there, and
-    // as they are while the worker finds, from the next `begin` on.
-    void (*lend)(worker *w, const void *objects, uint32_t n);
-    // Of the objects that were mapped and written, or lent, the order in which they are best kept:
+    // Of the objects that were mapped and written, the order in which they are best kept:
     // order[i] becomes the one that comes i-th, by so many threads, with the caller's. scratch is
-    // memory of as many bytes as the objects have. NULL: any.
+    // memory of WORKER_ORDER_SCRATCH bytes for each. NULL: any.
     bool (*order)(worker *w, uint32_t n_threads, uint32_t *order, void *scratch, duet_error *err);
     // The objects lie elsewhere than those before: a grid that was fitted to these is of no use.
     void (*move)(worker *w);

@@ -19,7 +19,6 @@ static void *map(worker *w, uint32_t n, duet_error *err)
         p->objects = objects;
         p->capacity = most;
     }
-    p->lent = NULL;
     p->n = n;
     return p->objects;
 }
@@ -33,13 +32,6 @@ static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
 {
     (void)kept;
     return map(w, n, err);
-}
-
-static void lend(worker *w, const void *objects, uint32_t n)
-{
-    worker_host *p = (worker_host *)w;
-    p->lent = objects;
-    p->n = n;
 }
 
 static void move(worker *w)
@@ -84,7 +76,6 @@ void *worker_host_open(size_t bytes, const char *name, const duet_world_def *def
                        .map = map,
                        .begin = begin,
                        .extend = extend,
-                       .lend = lend,
                        .move = move,
                        .set_level = set_level,
                        .set_plan = set_plan,

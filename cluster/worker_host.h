@@ -12,16 +12,9 @@ typedef struct worker_host {
     object_form form;
     duet_level level;
     void *objects;
-    const void *lent; // what is seen in their place; else NULL
     uint32_t n;
     uint64_t capacity; // objects for which there is memory
 } worker_host;
-
-// What it sees.
-static inline const void *worker_host_objects(const worker_host *w)
-{
-    return w->lent ? w->lent : w->objects;
-}
 
 // A worker of `bytes`, which begins with a worker_host; all else is 0. It needs a `find`, and ends
 // by worker_host_close unless it has a `close` of its own. NULL with NO_MEMORY.

@@ -8,7 +8,6 @@
 #include "runtime/broadphase/order.h"
 #include "runtime/broadphase/world.h"
 
-#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,13 +24,7 @@ static void begin(worker *w, uint32_t n, const global_ids *ids)
     world_send_ahead(((worker_pair *)w)->world, n, ids);
 }
 
-static void lock(worker *w, const void *memory, size_t bytes)
-{
-    worker_pair *p = (worker_pair *)w;
-    host_lock_take(&p->locked, p->world->def.pair->devices, 2, memory, bytes);
-}
-
-static bool skim_homes(worker *w, const float inside_lower[3], const float inside_upper[3])
+static bool skim_objects(worker *w, const float inside_lower[3], const float inside_upper[3])
 {
     return world_skim(((worker_pair *)w)->world, inside_lower, inside_upper);
 }
@@ -68,17 +61,10 @@ static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
     return objects ? objects : grow(p, n, kept, err);
 }
 
-static void lend(worker *w, const void *objects, uint32_t n)
-{
-    worker_pair *p = (worker_pair *)w;
-    world_stop_ahead(p->world);
-    world_lend_objects(p->world, objects, n);
-}
-
 // Pairs are then of objects that lie near each other.
 static bool order(worker *w, uint32_t n_threads, uint32_t *order_of, void *scratch, duet_error *err)
 {
-    static_assert(ORDER_SCRATCH <= sizeof(duet_sphere), "the smallest object has space for it");
+    _Static_assert((int)ORDER_SCRATCH == (int)WORKER_ORDER_SCRATCH, "what it needs");
     return world_order(((worker_pair *)w)->world, n_threads, order_of, scratch, err);
 }
 
@@ -177,7 +163,6 @@ static bool load_profile(worker *w, const char *path, duet_profile *profile, due
 
 static void close_pair(worker *w)
 {
-    host_lock_release(&((worker_pair *)w)->locked);
     duet_world_destroy(((worker_pair *)w)->world);
     free(((worker_pair *)w)->fits);
     free(w);
@@ -204,11 +189,9 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
     own.keep_bad = true; // so that it is the cluster that names a bad object
     p->base = (worker){.map = map,
                        .begin = begin,
-                       .lock = lock,
-                       .skim = skim_homes,
+                       .skim = skim_objects,
                        .await_skim = await_skim,
                        .extend = extend,
-                       .lend = lend,
                        .order = order,
                        .move = move,
                        .turn_to = turn_to,

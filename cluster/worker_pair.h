@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The worker of a device pair: a world, whose memory the homes lie in.
+// The worker of a device pair: a world, whose memory the objects lie in.
 #ifndef CLUSTER_WORKER_PAIR_H
 #define CLUSTER_WORKER_PAIR_H
 
 #include "cluster/worker.h"
-#include "runtime/opencl/buffer.h"
 
 typedef struct worker_pair {
     worker base;
@@ -15,7 +14,6 @@ typedef struct worker_pair {
     uint32_t bytes; // of an object
     char name[132];
     const global_ids *ids; // for the next find, or NULL
-    host_lock locked;
 } worker_pair;
 
 #endif

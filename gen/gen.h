@@ -21,7 +21,7 @@ typedef struct gen gen;
 gen *gen_open(const char *kernel_dir, duet_error *err);
 void gen_close(gen *g);
 
-// Limits of a device that decide which configs are valid.
+// Limits of a device, which decide which configs are valid.
 typedef struct gen_limits {
     uint32_t max_group;
     uint64_t local_bytes;
@@ -35,20 +35,20 @@ typedef struct gen_setting {
     int64_t value;
 } gen_setting;
 
-// An offer: a parameter's value from a maker of several kernels. The last offer for a parameter
+// An offer for a parameter, by a caller that makes several kernels. The last of several offers
 // counts.
 typedef enum gen_manner {
     GEN_REQUIRED, // the kernel must have the parameter
-    GEN_OFFERED,  // a kernel without it ignores the offer
-    GEN_CAPPED,   // likewise; a kernel with a lower greatest value takes that
+    GEN_OFFERED,  // a kernel that has it not is made without
+    GEN_CAPPED,   // likewise; one whose greatest value is less takes that
 } gen_manner;
 
 typedef struct gen_offer {
-    const char *kernel; // the kernel that it is for; NULL or empty: all
+    const char *kernel; // the one that it is for; NULL or empty: all of them
     const char *name;
     int64_t value;
     gen_manner manner;
-    bool *taken; // becomes true if a kernel has the parameter; may be NULL
+    bool *taken; // becomes true where a kernel has the parameter; NULL: nobody asks
 } gen_offer;
 
 enum { GEN_NAME = 48, GEN_MAX_ARGS = 28 };
@@ -56,8 +56,8 @@ enum { GEN_NAME = 48, GEN_MAX_ARGS = 28 };
 // An argument of a kernel.
 typedef struct gen_arg {
     char name[GEN_NAME];
-    char type[24];  // the card's type, with " *" behind it for a buffer: "real4 *"
-    uint32_t bytes; // size of a value under the config; 0: a buffer
+    char type[24];  // as the card writes it, with " *" behind it for a buffer: "real4 *"
+    uint32_t bytes; // of a value under the config; 0: a buffer
     bool is_const, is_constant, is_volatile, is_double; // is_double: real is double
 } gen_arg;
 
@@ -70,7 +70,7 @@ typedef struct gen_entry {
 
 typedef struct gen_variant {
     char name[160];     // "pair_search_gpu.DIMS3.WG128.BUF512"
-    char sha256[65];    // hash of the text, lower-case hex
+    char sha256[65];    // of the text, lower-case hex
     char *text;         // OpenCL C; owned, given back by gen_variant_free
     uint32_t group;     // work-group size that the card asks for
     uint32_t per_item;  // work-units (objects, pairs, cells) one work-item does
@@ -78,9 +78,10 @@ typedef struct gen_variant {
     uint32_t n_entries;
 } gen_variant;
 
-// Parameters that settings leaves out take the card's default, which may depend on limits.
-// BUILD_FAILED with file:line if the card or template is wrong, BAD_ARGUMENT if a parameter or
-// value is unknown or the config is not valid: the line says what is expected.
+// Parameters that settings leaves out take the card's default, which may
+// depend on limits. BUILD_FAILED with file:line where the card or template is
+// wrong, BAD_ARGUMENT where a parameter or value is unknown or the config is
+// not valid: the line says what would be.
 bool gen_make(gen *g, const char *kernel, const gen_setting *settings, uint32_t n_settings,
               const gen_limits *limits, gen_variant *variant, duet_error *err);
 // The same with what the offers say of this kernel.
@@ -88,18 +89,18 @@ bool gen_make_offered(gen *g, const char *kernel, const gen_offer *offers, uint3
                       const gen_limits *limits, gen_variant *variant, duet_error *err);
 void gen_variant_free(gen_variant *variant);
 
-// Returns the name of kernel i; NULL past the end.
+// The kernels there are: NULL past the end.
 const char *gen_kernel(const gen *g, uint32_t i);
 
-// Returns declarations of all built-in functions that the carried kernels call; NULL if the kernels
-// come from a folder, which may call others.
+// Declarations of all built-in functions that the carried kernels call; NULL where the kernels
+// are a folder's, which may call others.
 const char *gen_built_ins(const gen *g);
 
-// A parameter of a kernel. The strings and values are the gen's.
+// A parameter that a kernel lets vary. The strings and values are the gen's.
 typedef struct gen_param {
     const char *name;
     const char *about; // one line of the card
-    int64_t fallback;  // the default value
+    int64_t fallback;  // the value where none is set
     const int64_t *values;
     uint32_t n_values;
     bool silent;         // at 0 it is neither in the text nor in the name

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A private Lua state for text that a person wrote, with bounded memory, instructions and time.
-// sandbox.h fills its globals.
+// A private Lua state for text that a person wrote, with bounded memory,
+// instructions and time. sandbox.h says what a script finds in it.
 #ifndef GEN_SCRIPT_H
 #define GEN_SCRIPT_H
 
@@ -14,11 +14,11 @@
 typedef struct script script;
 
 typedef struct script_limits {
-    size_t memory_bytes;   // memory of the whole state
-    size_t host_bytes;     // memory that the host holds for it (base/budget.h); 0: any
-    uint64_t instructions; // instructions of one script_load, script_call or script_run
-    double seconds;        // time of one, because few instructions can move many bytes
-    duet_status failure;   // status of a script's error; 0: BAD_INPUT
+    size_t memory_bytes;   // of the whole state
+    size_t host_bytes;     // of what the host holds for it (base/budget.h); 0: any
+    uint64_t instructions; // of one script_load, script_call or script_run
+    double seconds;        // of one too: few instructions can move many bytes
+    duet_status failure;   // what a script's error is; 0: BAD_INPUT
 } script_limits;
 
 script_limits script_default_limits(void); // 64 MiB, 100 million, 10 s
@@ -28,18 +28,19 @@ script_limits script_default_limits(void); // 64 MiB, 100 million, 10 s
 script *script_open(const script_limits *limits, duet_error *err);
 void script_close(script *s);
 
-// Returns the state, for pushing arguments and reading results. Calls that may raise or allocate
-// (lua_newtable, lua_pushstring, luaL_check...) belong in a C function called through script_call:
-// outside of one an error ends the process. lua_pushcfunction and lua_pushlightuserdata do neither.
+// The state, to push arguments and read results. Whatever may raise or allocate
+// there (lua_newtable, lua_pushstring, luaL_check...) belongs in a C function
+// called through script_call: outside of one an error ends the process.
+// lua_pushcfunction and lua_pushlightuserdata do neither.
 lua_State *script_lua(script *s);
 
-// Loads the text of a chunk and leaves it as a function on the stack. name, a file's path, is for
-// messages. limits.failure with name:line.
+// Loads the text of a chunk and leaves it as a function on the stack. name is
+// what messages call it: a file's path. limits.failure with name:line.
 bool script_load(script *s, const char *name, const char *chars, size_t n, duet_error *err);
 
-// Calls the function that lies under its n_args arguments; they give way to n_results results (or
-// LUA_MULTRET), or to nothing on failure: limits.failure with file:line if the script raises an
-// error or passes a limit.
+// Calls the function that lies under its n_args arguments; they give way to
+// n_results results (or LUA_MULTRET), or to nothing on failure: limits.failure
+// with file:line where the script raises an error or passes a limit.
 bool script_call(script *s, int n_args, int n_results, duet_error *err);
 
 // Both of the above, without arguments.
@@ -49,12 +50,12 @@ bool script_run(script *s, const char *name, const char *chars, size_t n, int n_
 // The text of the chunk loaded last, and its name, until the next is loaded.
 const char *script_chunk(lua_State *L, const char **name);
 
-// Charges instructions to the running call; raises an error if too few are left. C functions whose
-// work a script can choose call it.
+// Takes from what the running call has left; raises an error where that is not
+// enough. C functions call it whose work a script can choose.
 void script_spend(lua_State *L, uint64_t instructions);
 
-// Sets the status of the errors that follow, and returns the one before. A C function uses it for
-// wrong text of the caller's, while a script's own errors stay limits.failure.
+// Makes the status that of the errors that follow, and returns the one before. A C function
+// that finds text of its caller's wrong uses it; a script's own errors are limits.failure.
 duet_status script_set_failure(lua_State *L, duet_status status);
 
 // Pushes what tostring shows of the value at index. A table, function or

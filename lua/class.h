@@ -26,12 +26,12 @@ typedef struct lua_class {
     const luaL_Reg *metas;                  // __len ...; NULL: none
     const member *members;                  // NULL: none
     const void *(*struct_of)(lua_State *L); // the struct of the userdata at 1; raises if closed
-    lua_CFunction about; // for a class without members: pushes a description; raises if closed
-    void (*destroy)(void *object); // for a class whose userdata begins with a handle: its "close"
-    const char *noun;              // name of such a handle: "tree"
+    lua_CFunction about; // of one without members: pushes what it is in words; raises if closed
+    void (*destroy)(void *object); // of one whose userdata begins with a handle: its "close"
+    const char *noun;              // of such a one: "tree"
 } lua_class;
 
-// The handle of such a userdata; NULL: it is closed.
+// The object of such a userdata. NULL: it is closed.
 typedef struct lua_handle {
     void *object;
 } lua_handle;

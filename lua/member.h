@@ -21,8 +21,8 @@ struct member {
     const char *name;
     const member_type *type;
     size_t offset;
-    size_t size;                       // size of the member
-    const char *(*name_of)(int value); // name of an enum's value; NULL past the last
+    size_t size;                       // of the member
+    const char *(*name_of)(int value); // of an enum: NULL past the last
 };
 
 // A row for a member of a struct; the table of rows ends with {0}.
@@ -69,7 +69,7 @@ void member_push(lua_State *L, const member *m, const void *from);
 // others by their type, since an address would be another one on each run.
 const char *member_push_shown(lua_State *L, int index);
 
-// Raises the error of a read function: "field 'n': a string, not a whole number".
+// Read functions refuse by it: "field 'n': a string, not a whole number".
 int member_refuse(lua_State *L, const member *m, const char *wanted);
 
 #endif

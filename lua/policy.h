@@ -15,9 +15,9 @@ void policy_restrict(lua_State *L, const char *const *paths, int n_paths);
 void policy_check_read(lua_State *L, const char *path);
 void policy_check_trusted(lua_State *L, const char *what);
 
-// Whether a path stays below the current folder: false for one that begins at the root, has a part
-// "..", or goes through or to a link, wherever that leads. A path that does not exist leads
-// nowhere.
+// Whether a path stays below the current folder: false for one that begins at the
+// root, has a part "..", or goes through or to a link, wherever that leads. A
+// path that does not exist leads nowhere.
 bool path_is_beneath(const char *path);
 
 #endif

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The time of one device's part as a function of the workload's size, and predictions for two
-// devices.
+// The time of one device's part as a function of the workload's size, and what
+// those of two devices predict.
 //
 //     time = base + each * n + own * w + crowd * w * occupancy
 //
-// A device does w of n objects: base is its fixed cost, each the cost of every object, own the cost
-// of its own objects, and crowd grows with the objects in a cell. If the measurements leave a term
-// open, the covariance says so, and predictions that depend on it have a wide interval.
+// for a device that does w of n objects: what it costs to begin, what is done
+// for every object by each device, what is done for its own, and what grows
+// with how many share a cell. The covariance says if the measurements leave
+// a term open, and predictions that depend on it come with a wide interval.
 #ifndef PROFILES_FIT_H
 #define PROFILES_FIT_H
 
@@ -33,7 +34,7 @@ typedef struct fit {
 
 typedef struct fit_time {
     double ns;
-    double sd_ns; // standard deviation of the prediction, with the noise of a measurement
+    double sd_ns; // of the prediction, noise of a measurement included
 } fit_time;
 
 // Least squares of relative errors, without times that were disturbed;
@@ -47,8 +48,8 @@ bool fit_all(store *s, duet_error *err);
 
 // ---------------------------------------------------------------- forecasts
 
-// A forecast from the fits of two devices for a workload that they never did together, or not at
-// that size.
+// A question to the fits of two devices, about a workload that they never did
+// together, or not at that size.
 typedef struct forecast_ask {
     const char *env_a; // keys
     const char *env_b;
@@ -65,9 +66,9 @@ typedef struct forecast {
     double share;      // A's part where both end together, 0 to 1
     double share_sd;
     fit_time both; // at that share
-    double doubt;  // its relative standard deviation
+    double doubt;  // of it, relative, one standard deviation
     fit_time alone[2];
-    bool a_is_best; // A alone is faster than B alone
+    bool a_is_best; // of the two alone
     double n_min;   // sizes measured
     double n_max;
     uint32_t points;

@@ -18,7 +18,7 @@
 typedef enum profile_grade {
     PROFILE_EXACT,        // measured on these devices, drivers, kernels and workload
     PROFILE_OTHER_DRIVER, // the same, under another version of a driver
-    PROFILE_INTERPOLATED, // this pair and a scene like this: next to a size measured, or between
+    PROFILE_INTERPOLATED, // of this pair and a scene like this: next to a size measured, or between
     PROFILE_TRANSFERRED,  // a plan without figures: of the pair's nearest workload, as far as that
                           // is surely the faster one, or from each device's fits
     PROFILE_STALE,        // the kernels changed since: only a place to start a search from
@@ -45,33 +45,32 @@ profile_request profile_default_request(void);
 typedef struct profile_found {
     profile_grade grade;
     profile_plan plan;
-    uint32_t share_low; // bounds of the best share: equal to the share if it was measured
+    uint32_t share_low; // where the best share may lie: equal to the share where it was measured
     uint32_t share_high;
-    double median_ns; // time of a step; predicted if interpolated; this and the following are 0 if
-                      // transferred
-    double low_ns;    // its interval; 0 if predicted, like others below
+    double median_ns; // of a step; predicted if interpolated; 0 if transferred, as all below
+    double low_ns;    // its interval; 0 where predicted, as what is not said below
     double high_ns;
     double single_ns; // by the best single device; NaN: not known
     double gain;      // over the best single device
     double gain_low;
     double gain_high;
     char verdict[16];
-    uint32_t rounds;     // rounds of the race that gave the gain; 0: not known
+    uint32_t rounds;     // of the race that the gain is of; 0 where not known
     uint32_t watched;    // launches whose threads were watched; 0: not known
-    uint32_t disturbed;  // watched launches that waited for a core
-    uint32_t best_share; // share of the best plan that shares the work, whose gain this is
+    uint32_t disturbed;  // and those of them that waited for a core
+    uint32_t best_share; // of the best plan that shares the work, which the gain is of
     char best_mode[16];
-    char terms[512];   // its equations 4 to 6, as JSON; empty: not known
+    char terms[512];   // its equations 4 to 6, as JSON; empty where not known
     double whole_ns;   // a step by the undivided device of A and B; NaN: it was not raced
-    double whole_gain; // gain of the plan over it
+    double whole_gain; // of the plan over it
     double whole_gain_low;
     double whole_gain_high;
     double missed_rate; // by true pairs, as measured at that level
     double false_rate;
     int64_t true_pairs; // -1: the rates were not measured
-    int64_t created_ns; // calendar; 0: predicted
+    int64_t created_ns; // calendar; 0 where predicted
     char session[PROFILE_ID];
-    char uid[PROFILE_ID]; // uid of the profile; empty: predicted
+    char uid[PROFILE_ID]; // of the profile; empty where predicted
     char unused[128];     // why it is not live; empty: it is
 } profile_found;
 
@@ -83,9 +82,10 @@ bool profile_lookup(store *s, const profile_request *request, profile_found *fou
 // The one stored profile of that uid, live or not: as of grade exact.
 bool profile_read(store *s, const char *uid, profile_found *found, duet_error *err);
 
-// Looks up as an application does at its start: in the user's file and, unless that is exact, in
-// the system's; neither is written, created, or waited for. A missing file is no failure. On any
-// failure found has the best that the other file gave, or the default grade.
+// Looks in the user's file, as an application does at its start, and in the
+// system's if that has nothing better; neither is written, made, or waited for.
+// A missing file is no failure. On any failure found has the best
+// that the other file gave, or the default grade.
 bool profile_lookup_files(const char *user_path, const char *system_path,
                           const profile_request *request, profile_found *found, text *why,
                           duet_error *err);

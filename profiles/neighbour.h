@@ -16,7 +16,7 @@ typedef enum neighbour_quantity {
     NEIGHBOUR_OCCUPANCY, // objects a cell, in the mean
     NEIGHBOUR_CROWDING,  // and in the fullest hundredth of the cells
     NEIGHBOUR_SIZES,     // the largest extent by the smallest
-    NEIGHBOUR_LAYERS,    // layers of cells, along the axis that slabs are cut from
+    NEIGHBOUR_LAYERS,    // of cells, along the axis that slabs are cut from
     NEIGHBOUR_QUANTITIES
 } neighbour_quantity;
 
@@ -50,17 +50,18 @@ bool neighbour_is_next(const double a[NEIGHBOUR_QUANTITIES], const double b[NEIG
 // measured.
 double neighbour_safe_ratio(const profile_found *found);
 
-// Copies a neighbour's plan to a workload, without any figure.
+// Predicts a workload from a neighbour: its plan, without any figure.
 void neighbour_copy_plan(const profile_found *near, profile_found *found);
 
-// Copies a neighbour's plan to a workload next to it, with predicted figures. Times are in
-// proportion to the objects, the interval of the gain widened by how far they are apart.
+// Predicts a workload next to the neighbour: its plan, and figures. Times are in proportion to
+// the objects, the interval of the gain widened by how far they are apart.
 void neighbour_scale(const neighbour *near, const double at[NEIGHBOUR_QUANTITIES],
                      profile_found *found);
 
-// Interpolates between two neighbours that are alike. Times lie on the line through both, the gain
-// between both gains. If one shares the work and the other does not, the predicted times decide.
-// False if one says A alone and the other B alone: no time of either device is known between.
+// Predicts a workload between two neighbours that are alike. Times lie on the line through both,
+// the gain between both gains. If one shares the work and the other does not, the predicted times
+// decide. False if one says A alone and the other B alone: no time of either device is known
+// between.
 bool neighbour_between(const neighbour *below, const neighbour *above,
                        const double at[NEIGHBOUR_QUANTITIES], profile_found *found);
 

@@ -9,7 +9,7 @@
 typedef struct profile_row {
     int64_t pair_id;
     int64_t workload_id;
-    const char *kernels;   // hash of the kernels, as in the session
+    const char *kernels;   // as in the session
     const char *objective; // "time"
     profile_plan plan;
     double median_ns; // a step by this plan
@@ -23,25 +23,25 @@ typedef struct profile_row {
     double false_rate;     // pairs reported in excess, by true pairs
     int64_t true_pairs;    // that the rates are of; -1: they were not measured
     double single_ns;      // a step by the best single device; 0 or NaN: not known
-    uint32_t best_share;   // share of the best plan that shares the work, whose gain this is
+    uint32_t best_share;   // of the best plan that shares the work, which the gain is of
     const char *best_mode; // NULL: the plan is that one
-    const char *terms;     // terms of the best plan, a JSON object as a trial's; NULL: not known
-    uint32_t rounds;       // rounds of the race that gave the gain; 0: there was none, or not known
+    const char *terms;     // of the best plan, a JSON object as a trial's; NULL: not known
+    uint32_t rounds;       // of the race that the gain is of; 0: there was none, or not known
     double whole_ns;       // a step by the undivided device of A and B; 0 or NaN: it was not raced
-    double whole_gain;     // gain of the plan over it
+    double whole_gain;     // of the plan over it
     double whole_gain_low;
     double whole_gain_high;
     uint32_t watched;     // launches whose threads were watched; 0: not known
-    uint32_t disturbed;   // watched launches that waited for a core
+    uint32_t disturbed;   // and those of them that waited for a core
     const char *origin;   // "measured", "online" or "manual"
     const char *session;  // NULL only for "manual"
-    int64_t trial_number; // the plan's trial in that session; -1: none
+    int64_t trial_number; // of that session, the plan's trial; -1: none
 } profile_row;
 
 // A plan that was not raced often enough is never loaded.
 #define PROFILE_TOO_FEW_ROUNDS "too few rounds for a verdict"
 
-// Where a stored row is, and whether it is used.
+// The place that a row got.
 typedef struct profile_placed {
     char uid[PROFILE_ID];
     char unused[128]; // why it is not live; empty: it is
@@ -106,7 +106,7 @@ typedef struct profile_entry {
     int64_t n;
     const char *query; // "rays closest", of whose items n is; NULL: of steps
     int64_t boxes;     // that are asked
-    bool moving;       // measured on steps of a motion
+    bool moving;       // of steps of a motion
     const char *family;
     profile_row row; // without session and trial_number
     int64_t created_ns;
@@ -125,8 +125,8 @@ bool profile_entry_each(store *s, const char *uid, bool dead_too, profile_entry_
 
 // ---------------------------------------------------------------- levels
 
-// A level's pairs, and the time of a step at it. From a workload's table a level is chosen within a
-// budget, any budget, without measuring again.
+// The finds of a level, and the time of a step at it. A workload's table serves to
+// choose a level within any budget, without measuring again.
 enum { PROFILE_LEVEL_COSTS = 16 }; // the most levels of a list
 
 typedef struct profile_level_cost {
@@ -137,7 +137,7 @@ typedef struct profile_level_cost {
     uint64_t invented; // pairs reported that are none
 } profile_level_cost;
 
-// What a table of level costs is of. workload_id is that of level "auto".
+// The subject of a table of level costs. workload_id is that of level "auto".
 typedef struct profile_level_cost_key {
     int64_t pair_id;
     int64_t workload_id;

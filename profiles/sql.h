@@ -20,13 +20,13 @@
 
 struct store {
     sqlite3 *db;
-    char *path; // path of the store, also for messages
-    char *file; // temporary path while it is created; else path
+    char *path; // for messages, and where it lies
+    char *file; // where it lies while it is being made; else the path
     text note;
     bool writable;
-    uint32_t depth;        // depth of nested transactions
+    uint32_t depth;        // of nested transactions
     bool broken;           // one inside failed: the outermost undoes all
-    unlocked_read reading; // the file as it was opened, if it is read without locks
+    unlocked_read reading; // as it was opened, where it is read without locks
 };
 
 typedef struct sql {
@@ -75,7 +75,7 @@ typedef struct sql_column {
             sizeof((struct_ *)0)->member                                      \
     }
 
-// The columns of a profile_plan.
+// Columns of a profile_plan.
 #define SQL_PLAN_COLUMNS(struct_, plan)                                               \
     SQL_COLUMN("share", struct_, plan.share), SQL_COLUMN("mode", struct_, plan.mode), \
         SQL_COLUMN("level", struct_, plan.level),                                     \
@@ -90,7 +90,7 @@ void sql_add_names(text *t, const char *prefix, const sql_column *columns);
 sql sql_insert(store *s, const char *table, const sql_column *columns, const char *more,
                const char *end, duet_error *err);
 
-// Makes the statement of a text, which it frees.
+// Makes the statement of a text, which is freed.
 sql sql_make_text(store *s, text *statement, duet_error *err);
 
 // SELECT the columns, and what `rest` adds to them and says of where.
@@ -127,8 +127,9 @@ void sql_copy(char *to, size_t size, const char *from);
 // object. SQL's own check is off in a store, whose text is not trusted.
 bool sql_check_object(const char *what, const char *chars, duet_error *err);
 
-// The joins of a query on profiles p, with their devices da and db under a and b, workload w and
-// session s. Parameters: the uid's first digits, whether dead ones are wanted too.
+// Joins of the rows of profiles, for a query on p, its devices da and db
+// under a and b, its workload w and session s. Parameters: the uid's first digits,
+// whether dead ones are wanted too.
 extern const char profile_entry_from[];
 
 // One row in the audit table.
@@ -141,12 +142,13 @@ void store_file_name(const char *path, text *name);
 // the folders of one to be written.
 bool store_validate_path(const char *path, store_access access, duet_error *err);
 
-// Creates or upgrades the tables of an open database if it is opened for writing, and refuses a
-// file that is no store.
+// Makes or upgrades the file of an open database that is to be written, and
+// refuses one that is none of ours.
 bool store_validate(store *s, duet_error *err);
 
-// Opens for one look-up of a moment. If nobody is writing, not even SQLite's side files are
-// touched; the result counts only if store_undisturbed says so afterwards.
+// Opens for one look-up of a moment. If nobody is writing, not even SQLite's
+// side files are touched; whatever was read then counts only if
+// store_undisturbed afterwards.
 store *store_open_look(const char *path, duet_error *err);
 bool store_undisturbed(const store *s);
 

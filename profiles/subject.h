@@ -42,8 +42,7 @@ typedef struct profile_pair {
     profile_env b;
 } profile_pair;
 
-// The sha256 of the canonical fields; a seat (the environment without versions) leaves out the
-// versions.
+// The sha256 of the canonical fields; a seat leaves out the versions.
 void profile_device_key(const profile_device *device, char key[PROFILE_SHA]);
 void profile_env_key(const profile_env *env, char key[PROFILE_SHA]);
 void profile_env_keys(const profile_env *env, char key[PROFILE_SHA], char seat[PROFILE_SHA]);
@@ -67,17 +66,17 @@ typedef struct profile_workload {
     double size_ratio;   // largest extent by smallest; 1: all alike
     const char *shape;   // "poses", "bounds", "rounded boxes" or "spheres"
     bool rotated;        // some object has a rotation
-    const char *effects; // words in any order, "gravity motion"; NULL: none. PROFILE_MOVING: bodies
-                         // that move, as they lie at the start
-    const char *level;   // level of accuracy, "certified"; "auto": any that meets the budget
+    const char *effects; // words in any order, "gravity motion"; NULL: none. Of bodies that move,
+                         // as they lie at the start, one is PROFILE_MOVING
+    const char *level;   // of accuracy, "certified"; "auto": any that meets the budget
     const char *query;   // "rays closest": asked of a tree, and n are its items; NULL: steps of a
                          // world. A query has no cells, occupancy and sizes
     uint64_t boxes;      // in the tree
     const char *name;    // the scene's; told to people and not part of the key
 } profile_workload;
 
-// The text that the key is made of. Measures of the objects are rounded to parts of an octave, so
-// that two draws of one scene are one workload.
+// The text that the key is made of. Measures of the objects are rounded
+// to parts of an octave, so that two draws of one scene are one workload.
 void profile_workload_text(const profile_workload *w, text *t);
 
 #define PROFILE_MOVING "moving"
@@ -87,7 +86,7 @@ void profile_workload_text(const profile_workload *w, text *t);
 // Whether it is the steps of a motion, and not of a still world or a query.
 bool profile_workload_moves(const profile_workload *w);
 
-// The text that workloads of different size must share to be neighbours.
+// The part of the key that workloads of different size share if they are neighbours.
 void profile_workload_family(const profile_workload *w, text *t);
 
 bool profile_workload_key(const profile_workload *w, char key[PROFILE_SHA], duet_error *err);

@@ -172,7 +172,7 @@ static bool step(run_state *r, duet_error *err)
     uint32_t n;
     uint64_t hash = r->result.hash;
     bool first = r->result.total_ms == 0;
-    duet_object_kind kind = object_form_kind(&r->cluster->homes.form);
+    duet_object_kind kind = object_form_kind(&r->cluster->owned.form);
     if (!first && !r->args->resident && !duet_cluster_map_homes(r->cluster, kind, &ids, &n, err))
         return false;
     return duet_cluster_step(r->cluster, &r->result, err) &&
@@ -201,7 +201,7 @@ static bool run_steps(run_state *r, duet_error *err)
 {
     uint64_t repeat = r->args->repeat;
     bool ok = ranks_agree(&r->cluster->ranks, reserve(r, err), err);
-    interrupt_note();
+    interrupt_react(INTERRUPT_NOTED);
     ok = ok && step(r, err);
     progress p = progress_begin("step", repeat);
     while (ok && r->n_steps < repeat && !r->cluster->is_stopped) {

@@ -200,7 +200,7 @@ static void hand_over(duet_cluster *c, uint32_t n, uint64_t seed)
     MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, poses, n, &err), err);
 }
 
-enum { WALKS = 12, FORGETS = 3, LEAPS = 4, SWELLS = 6, SPOILS = 8 };
+enum { DRIFTS = 12, LEAPS = 4, SWELLS = 6, SPOILS = 8 };
 enum { STEPS = 14, AGAIN = 3, GROWS = 4, SHRINKS = 7, FAILS = 9, CROWDS = 11 };
 
 // Where an object is at a step is known by its id alone: some leap far, once one becomes wide, and
@@ -281,12 +281,12 @@ static void must_find_again(duet_cluster *c, const duet_cluster_result *first)
     duet_error err = {0};
     for (int i = 0; i < 2; ++i) {
         duet_cluster_result again;
-        bool was_apart = c->border.done;
+        bool was_apart = (c->search == SEARCH_OVERLAPPED);
         if (i == 1)
             MUST_OK(duet_cluster_set_plan(c, &c->def.world.plan, &err), err);
         MUST_OK(duet_cluster_step(c, &again, &err), err);
         MUST(again.hash == first->hash && again.pairs == first->pairs, "they are found again");
-        MUST(c->border.done == (was_apart && i == 0), "by two searches where that holds");
+        MUST((c->search == SEARCH_OVERLAPPED) == (was_apart && i == 0), "by two searches where that holds");
     }
 }
 
@@ -312,7 +312,7 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
                 MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
         }
         MUST(!is_quiet(at) || (n_skims == 1 && b->objects.n_chunks > 1), "a look is enough, in chunks");
-        left += clusters[0]->homes.n_gone;
+        left += clusters[0]->owned.leavers.n;
         b->least_chunk = 1;
         timed += !b->times.untimed;
         if (at == FAILS)
@@ -320,8 +320,8 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
         MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs &&
                  results[0].pairs > 1000,
              "the pairs are the reference's");
-        apart += clusters[0]->border.done;
-        left_apart += clusters[0]->border.done ? clusters[0]->homes.n_gone : 0;
+        apart += (clusters[0]->search == SEARCH_OVERLAPPED);
+        left_apart += (clusters[0]->search == SEARCH_OVERLAPPED) ? clusters[0]->owned.leavers.n : 0;
         must_be_listed(comm, clusters[0], results[0].hash);
         if (at == AGAIN)
             must_find_again(clusters[0], &results[0]);
@@ -348,22 +348,22 @@ static void homes_leave_in_the_order_of_their_rows(MPI_Comm *comm, uint64_t seed
     duet_error err = {0};
     duet_cluster_result result;
     duet_cluster *c = open_cluster(comm, true, 1);
-    const homes *h = &c->homes;
+    const row_list *l = &c->owned.leavers;
     take_all_threads(c);
     hand_over(c, MANY, seed);
     for (uint32_t at = 1; at < 4; ++at) {
         MUST_OK(duet_cluster_step(c, &result, &err), err);
         worker_of(c)->world->parts[1].least_chunk = 1;
-        for (uint32_t i = 1; i < h->n_gone; ++i)
-            MUST(h->gone[i - 1] < h->gone[i], "ascending");
-        MUST(at < 3 || (h->n_gone > 100 && worker_of(c)->world->parts[1].skimmed.done[1]),
+        for (uint32_t i = 1; i < l->n; ++i)
+            MUST(l->rows[i - 1] < l->rows[i], "ascending");
+        MUST(at < 3 || (l->n > 100 && worker_of(c)->world->parts[1].skimmed.done[1]),
              "some left");
         move_homes(c, move, at);
     }
     duet_cluster_destroy(c);
 }
 
-// So many that several threads look at those at edges.
+// So many that several threads look at boundaries.
 static void large_parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
 {
     enum { PARTS = 3, SEVERAL = 1 << 12 };
@@ -384,9 +384,8 @@ static void large_parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
         MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs &&
                  results[0].pairs > 1000,
              "the pairs are those of one part");
-        MUST(clusters[0]->homes.n_ranges == PARTS, "parts lie in place");
-        MUST(at == 0 || clusters[0]->homes.edges.n > SEVERAL, "many are at edges");
-        strayed += at > 0 ? clusters[0]->parts.n_strays : 0;
+        MUST(at == 0 || clusters[0]->owned.boundary.n > SEVERAL, "many are at boundaries");
+        strayed += at > 0 ? clusters[0]->owned.leavers.n : 0;
     }
     MUST(strayed > 100, "objects changed parts");
     for (int i = 0; i < 2; ++i)
@@ -417,52 +416,40 @@ static void spoil(duet_cluster *clusters[2])
              err.text);
 }
 
-// Parts are searched alone, and then their edges; or, where one leaps or swells, with ghosts.
-static void walks_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
+// Whether pairs are listed or only counted, and also if objects leap, swell or are bad for a moment.
+static void parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
 {
     enum { PARTS = 5 };
     duet_cluster *clusters[] = {open_cluster(comm, true, PARTS), open_cluster(comm, false, 1)};
     duet_cluster *c = clusters[0];
-    uint64_t strayed = 0, walks = 0, gone = 0;
+    uint64_t moved = 0;
     c->def.drops_pairs = drops;
     take_all_threads(c);
     for (int i = 0; i < 2; ++i)
         hand_over(clusters[i], N, seed);
-    for (uint32_t at = 0; at < WALKS; ++at) {
+    for (uint32_t at = 0; at < DRIFTS; ++at) {
         duet_error err = {0};
         duet_cluster_result results[2];
         for (int i = 0; at > 0 && i < 2; ++i)
             move_homes(clusters[i], drift, at);
-        c->walk.pauses = 0;
-        if (at == FORGETS) // as a step leaves it that had counted and then lacked memory to move
-            c->parts.list[1].n /= 2;
         if (at == SPOILS) {
             spoil(clusters);
             continue;
         }
         for (int i = 0; i < 2; ++i)
             MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
-        for (int i = 0; i < 2; ++i)
-            ((worker_pair *)c->workers[i])->world->parts[1].least_chunk = 1;
         MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs &&
                  results[0].pairs > 1000,
              "the pairs are the reference's");
-        bool is_plain = at > 0 && at != LEAPS && at != SWELLS && at != SPOILS + 1;
-        uint64_t all = sum_of(comm, c->walk.done);
-        MUST(!is_plain || all == (uint64_t)c->ranks.n, "all walk");
-        MUST(at != LEAPS || all < (uint64_t)c->ranks.n, "a leap is seen");
-        MUST(at != SWELLS || all == 0, "levels are known before");
-        if (c->walk.done && at % 3 == 0) { // and again, as they are
+        if (at % 3 == 0) { // and again, as they are
             MUST_OK(duet_cluster_step(c, &results[0], &err), err);
             MUST(results[0].hash == results[1].hash, "the same");
         }
-        walks += all;
-        strayed += sum_of(comm, c->parts.n_strays);
-        gone += sum_of(comm, c->homes.n_gone);
+        moved += sum_of(comm, c->owned.leavers.n);
         if (!drops)
             must_be_listed(comm, c, results[1].hash);
     }
-    MUST(walks > 2 && strayed > 100 && (c->ranks.n == 1 || gone > 10), "objects changed parts");
+    MUST(moved > 100, "objects changed domains");
     for (int i = 0; i < 2; ++i)
         duet_cluster_destroy(clusters[i]);
 }
@@ -476,7 +463,7 @@ static void change(duet_cluster *c, uint32_t what)
         MUST_OK(duet_cluster_set_level(c, DUET_LEVEL_AABB, &err), err);
     if (what == 2)
         MUST_OK(duet_cluster_set_level(c, DUET_LEVEL_CERTIFIED, &err), err);
-    if (what == 3) // homes lie in the order of their ids, and go back
+    if (what == 3) // and back
         MUST_OK(duet_cluster_set_level(c, DUET_LEVEL_SPHERE, &err) &&
                     duet_cluster_set_level(c, DUET_LEVEL_CERTIFIED, &err),
                 err);
@@ -498,14 +485,14 @@ static void any_order_of_calls_finds_the_same_pairs(MPI_Comm *comm, uint64_t see
         bool steps_now = what > MOVES + 2;
         for (int i = 0; i < 2; ++i) {
             if (what > MOVES && what <= MOVES + 5)
-                move_homes(clusters[i], drift, WALKS + at);
+                move_homes(clusters[i], drift, DRIFTS + at);
             else if (what < CHANGES)
                 change(clusters[i], what);
             if (steps_now)
                 MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
         }
         steps += steps_now;
-        apart += steps_now && clusters[0]->border.done;
+        apart += steps_now && (clusters[0]->search == SEARCH_OVERLAPPED);
         MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs,
              "the pairs are the reference's");
         if (steps_now && what % 2)
@@ -536,15 +523,15 @@ int main(int argc, char **argv)
         a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_BOUNDS, "simd skim.WG=128");
         ranks_that_skim_find_the_same_pairs(&self, seed);
         large_parts_find_the_same_pairs(&self, seed);
-        walks_find_the_same_pairs(&self, seed, true);
-        walks_find_the_same_pairs(&self, seed, false);
+        parts_find_the_same_pairs(&self, seed, true);
+        parts_find_the_same_pairs(&self, seed, false);
     }
     MPI_Barrier(MPI_COMM_WORLD);
     ranks_that_skim_find_the_same_pairs(&world, seed);
     any_order_of_calls_finds_the_same_pairs(&world, seed);
     homes_leave_in_the_order_of_their_rows(&world, seed);
-    walks_find_the_same_pairs(&world, seed, true);
-    walks_find_the_same_pairs(&world, seed, false);
+    parts_find_the_same_pairs(&world, seed, true);
+    parts_find_the_same_pairs(&world, seed, false);
     duet_device_pair_destroy(devices);
     MUST(device_live_objects() == 0, "no OpenCL object is left");
     if (rank == 0)

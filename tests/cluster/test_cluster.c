@@ -81,7 +81,7 @@ static void write_platform(const char *path, const char *inside)
 static void write_network(void)
 {
     write_platform(NETWORK, "<cluster id='hosts' prefix='host' suffix='' radical='0-63' "
-                           "speed='1Gf' bw='1GBps' lat='10us'/>");
+                            "speed='1Gf' bw='1GBps' lat='10us'/>");
 }
 
 static void simulated_ranks_find_the_pairs_of_run(void **state)
@@ -143,16 +143,17 @@ static void a_forecast_takes_the_times_of_a_profile(void **state)
     assert_null(cJSON_GetObjectItem(one, "hash"));
     char variables[160];
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
-    program p =
-        program_run_with(variables, "cluster --simulate " NETWORK " --ranks 2 --profile none still");
+    program p = program_run_with(variables,
+                                 "cluster --simulate " NETWORK " --ranks 2 --profile none still");
     program_assert_refused(&p, 2, "--profile 'none': 0 profiles begin so");
     p = program_run_with(variables,
                          "cluster --simulate " NETWORK " --ranks 2 --profile %.8s paper2d -n 9",
                          profile->uid);
     program_assert_refused(&p, 2, "': a profile in 3D, and paper2d is in 2D; expected the same");
-    p = program_run_with(
-        variables, "cluster --simulate " NETWORK " --ranks 2 --profile %.8s paper -n 9 --level aabb",
-        profile->uid);
+    p = program_run_with(variables,
+                         "cluster --simulate " NETWORK
+                         " --ranks 2 --profile %.8s paper -n 9 --level aabb",
+                         profile->uid);
     program_assert_refused(&p, 2,
                            "': a profile at level certified, and this is at level aabb; expected "
                            "the same");
@@ -212,9 +213,10 @@ static void a_platform_that_is_none_is_one_line(void **state)
     } wrong[] = {
         {"no.xml --ranks 2 still", 1, "no.xml: No such file or directory"},
         {"/dev/null --ranks 2 still", 1, "/dev/null: no platform of SimGrid: "},
-        {NO_ROUTE " --ranks 2 still", 1, NO_ROUTE ": no platform of SimGrid: no route leads from a to b"},
+        {NO_ROUTE " --ranks 2 still", 1,
+         NO_ROUTE ": no platform of SimGrid: no route leads from a to b"},
         {NETWORK " still", 2, "--simulate does nothing without --ranks"},
-        {NETWORK " --ranks 2 --pair cpu still", 2, "--simulate and --pair do not go together"},
+        {NETWORK " --ranks 2 --pair cpu still", 2, "--pair and --simulate do not go together"},
         {NETWORK " --ranks 2 papr", 2, "rank 0 on host0: papr: no such file or scene"},
         {NETWORK " --ranks 2 --stands-for 9 still", 2, "--stands-for does nothing without "},
     };
@@ -368,7 +370,7 @@ static void a_failure_is_one_line(void **state)
         {"cluster --ranks 2 --hosts '' still", 2,
          "--hosts: expected names of machines, as one,two"},
         {"cluster --verbose still", 2, "--verbose does nothing without --ranks"},
-        {"cluster --plain --mode own still", 2, "--plain and --mode do not go together"},
+        {"cluster --plain --mode own still", 2, "--mode and --plain do not go together"},
         {"cluster --mode abacus still", 2, "--mode 'abacus': the modes are"},
         {"cluster --level abacus still", 2, "--level 'abacus': the levels are"},
         {"cluster --ranks 0 still", 2, "--ranks '0': give a whole number"},
