@@ -7,14 +7,14 @@
 #include <stddef.h>
 
 typedef struct blob {
-    const char *path;  // path in the source tree, "kernels/narrowphase/narrow.cl"
+    const char *path;  // as in the source tree, "kernels/narrowphase/narrow.cl"
     const char *bytes; // followed by a NUL
     size_t length;
-    const char *sha256; // hash of the bytes, lower-case hex
+    const char *sha256; // of the bytes, lower-case hex
 } blob;
 
 extern const blob blobs[]; // ends with a NULL path
 
-const blob *blob_find(const char *path); // NULL: none is carried
+const blob *blob_find(const char *path); // NULL if none is carried
 
 #endif

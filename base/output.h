@@ -19,47 +19,47 @@
 
 typedef struct output {
     FILE *stream;
-    int folder; // folder of both names; -1: written directly
-    text path;  // the path of the caller
+    int folder; // that holds both names; -1: written directly
+    text path;  // as it was asked for
     text name;
-    text part; // temporary name
-    int slot;  // entry of output_remove_parts; -1: none
+    text part; // the name until all is written
+    int slot;  // where output_remove_parts finds that; -1: nowhere
 } output;
 
 // IO_FAILED, naming the path. Call output_close whatever this returns.
 bool output_open(output *o, const char *path, duet_error *err);
 
-// Opens an output by its name in an open folder, which becomes the output's; follows no link. The
-// file's mode is `mode` less the umask.
+// The same for a name in an open folder, which becomes the output's, and where
+// no link is followed. The file's mode is `mode` less the umask.
 bool output_open_in(output *o, int folder, const char *name, mode_t mode, duet_error *err);
 
-// Renames the file to its path if `keep` is true and all was written; otherwise removes it. Returns
-// whether the file is in its place.
+// Puts the file in its place where `keep` holds and all of it was written; else
+// removes what there is. Gives back whether the file is in its place.
 bool output_close(output *o, bool keep, duet_error *err);
 
-// Checks, before long work, whether a file can be written at that path, and leaves an existing one
-// as it is. IO_FAILED if not. Pipes and devices that may be written are not opened, and pass.
+// Whether a file can be written at that path, before the work that it is for; what is there stays
+// as it is. IO_FAILED else. Pipes and devices that may be written are not opened, and pass.
 bool output_check(const char *path, duet_error *err);
 
-// Says whether both paths lead to one plain file, or would if it were made, so that writing one
-// replaces the other. "-" is stdin as the first, and as the second no file.
+// Whether both paths lead to one plain file, or would if it were made: what is written to the one
+// takes the place of the other. "-" is stdin as the first, and as the second no file.
 bool output_replaces(const char *read_or_written, const char *path);
 
-// Makes the missing folders above a path. Returns false with errno, and the path of the folder that
-// cannot be made in `failed`, an empty text or NULL.
+// Makes the folders that a path lies in, those that are missing. false with errno, and the
+// path of the one that cannot be made in `failed`, an empty text or NULL.
 bool output_make_folders(const char *path, mode_t mode, text *failed);
 
-// Gets the whole path of the temporary name, for others who write into the file. IO_FAILED if it is
-// written directly.
+// The whole path of the temporary name, for others who write into the file. IO_FAILED if
+// there is none: it is written directly.
 bool output_part_path(const output *o, text *path, duet_error *err);
 
-// Lets output_remove_parts remove the file of such a path, which another process has opened, until
-// it is forgotten. -1: no entry is free.
+// Has output_remove_parts remove the file of such a path, which another process has opened,
+// until it is forgotten. -1: it does not.
 int output_watch_part(const char *path);
 void output_forget_part(int slot);
 
-// Removes half-written files, for a program that ends early. It takes no lock, and makes only calls
-// that a signal's handler may make.
+// Removes what is half-written, for a program that is about to end in the middle. It
+// takes no lock, and makes only calls that a signal's handler may make.
 void output_remove_parts(void);
 
 #endif

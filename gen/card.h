@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A card (NAME.lua): a kernel's parameters, which configs are valid, how a config is launched.
+// A card (NAME.lua): what a kernel lets vary, which configs are valid, how a
+// config is launched.
 //
 // Each card has a Lua state of its own, so that none can disturb another. A
 // card that is wrong is BUILD_FAILED with file:line.
@@ -28,7 +29,7 @@ typedef struct card {
     uint32_t n_params;
     card_names uses;       // headers, "object.clh"
     card_names emit;       // modules of gen/emit, "stencil"
-    signature *signatures; // signatures of the entries, by name
+    signature *signatures; // of the entries, by name
     uint32_t n_signatures;
 } card;
 
@@ -40,15 +41,15 @@ typedef struct card_launch {
 bool card_open(card *c, const char *kernel, const char *path, const text *chars, duet_error *err);
 void card_close(card *c);
 
-// Fills in each parameter's default, which may depend on limits.
+// Fills in what each parameter is where it is not set; it may depend on limits.
 bool card_set_fallbacks(card *c, const gen_limits *limits, duet_error *err);
 
-// Fills in a config from n offers and the defaults of the other parameters. BAD_ARGUMENT if a
-// required parameter is missing, or has no such value.
+// Fills in a config: what n offers say, and what the other parameters are where they are not
+// set. BAD_ARGUMENT if a parameter that must be there is not, or has no such value.
 bool card_fill(card *c, const gen_offer *offers, uint32_t n, const gen_limits *limits,
                gen_setting *config, duet_error *err);
 
-// BAD_ARGUMENT with the card's reason if the config is not valid.
+// BAD_ARGUMENT with the card's reason where the config is not valid.
 bool card_check(card *c, const gen_limits *limits, const gen_setting *config, card_launch *launch,
                 duet_error *err);
 
