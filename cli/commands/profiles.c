@@ -74,8 +74,7 @@ static const command_line show_line = {
     .least_operands = 1,
     .most_operands = 1,
     .about = "Shows a profile, named by the first digits that 'duet profiles list' prints,\n"
-             "with the session it comes from and all its trials; or a run of a cluster, with\n"
-             "its ranks and the network between them.",
+             "with the session it comes from and all its trials.",
     .options = show_options,
 };
 
