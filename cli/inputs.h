@@ -33,25 +33,24 @@ typedef struct plan_options {
 // Rows of an option table; member is one of the arguments.
 #define SCENE_OPTION_ROWS(member)                                                            \
     OPTION_COUNT("objects", member.n, "N",                                                   \
-                 "number of objects, as 1000 or 250k, where the scene lets it be chosen", 0, \
+                 "number of objects, such as 1000 or 250k, if the scene lets you choose", 0, \
                  DUET_MOST_OBJECTS),                                                         \
         OPTION_COUNT("seed", member.seed, "S", "seed of the scene's random numbers", 0,      \
                      UINT32_MAX),                                                            \
         OPTION_SETTINGS("set", member.settings, "K=V",                                       \
                         "any other parameter of the scene; may be repeated")
 
-#define PAIR_OPTION_ROW(member) \
-    OPTION_TEXT(                \
-        "pair", member, "A,B",  \
-        "the devices: cpu,gpu; cpu alone; halves of the CPU; or names from 'duet devices'")
+#define PAIR_OPTION_ROW(member)        \
+    OPTION_TEXT("pair", member, "A,B", \
+                "devices: cpu,gpu; cpu alone; halves of the CPU; or names from 'duet devices'")
 
-#define PLAN_OPTION_ROWS(member)                                                      \
-    OPTION_SHARE("share", member.share, "R", "A's part of the work, as 0.25 or 1/4"), \
-        OPTION_TEXT("mode", member.mode, "M",                                         \
-                    "how grids are built: shared, own, slab or default"),             \
-        OPTION_TEXT("variant", member.variant, "V",                                   \
-                    "kernels of both devices: auto, simd, gpu or paper"),             \
-        OPTION_TEXT("variant-a", member.variants[0], "V", "kernels of A"),            \
+#define PLAN_OPTION_ROWS(member)                                                           \
+    OPTION_SHARE("share", member.share, "R", "A's part of the work, such as 0.25 or 1/4"), \
+        OPTION_TEXT("mode", member.mode, "M",                                              \
+                    "how grids are built: shared, own, slab or default"),                  \
+        OPTION_TEXT("variant", member.variant, "V",                                        \
+                    "kernels of both devices: auto, simd, gpu or paper"),                  \
+        OPTION_TEXT("variant-a", member.variants[0], "V", "kernels of A"),                 \
         OPTION_TEXT("variant-b", member.variants[1], "V", "kernels of B")
 
 // The accuracy that a world is asked for: the scene's, or this one.
@@ -68,17 +67,19 @@ typedef struct level_options {
 
 #define LEVEL_OPTION_ROW(member)      \
     OPTION_TEXT("level", member, "L", \
-                "of accuracy: certified (the default), aabb, sphere, sat6, sat15 or double")
-#define ACCURACY_OPTION_ROWS(member)                                                              \
-    OPTION_NUMBER("missed", member.missed, "R",                                                   \
-                  "accept any level that misses at most this part of the pairs, as 0.001", 0, 1), \
-        OPTION_NUMBER(                                                                            \
-            "false-rate", member.false_rate, "R",                                                 \
-            "accept any level that adds at most so many false pairs for each true one, as 0.02",  \
-            0, 0)
-#define SCENE_LEVEL_OPTION_ROWS(member)                                                       \
-    OPTION_TEXT("level", member.level, "L",                                                   \
-                "of accuracy: certified, aabb, sphere, sat6, sat15 or double (the scene's)"), \
+                "level of accuracy: certified (the default), aabb, sphere, sat6, sat15 or double")
+#define ACCURACY_OPTION_ROWS(member)                                                               \
+    OPTION_NUMBER("missed", member.missed, "R",                                                    \
+                  "accept any level that misses at most this part of the pairs, such as 0.001", 0, \
+                  1),                                                                              \
+        OPTION_NUMBER(                                                                             \
+            "false-rate", member.false_rate, "R",                                                  \
+            "accept any level that adds at most R false pairs for each true one, such as 0.02", 0, \
+            0)
+#define SCENE_LEVEL_OPTION_ROWS(member)                                                     \
+    OPTION_TEXT(                                                                            \
+        "level", member.level, "L",                                                         \
+        "level of accuracy: certified, aabb, sphere, sat6, sat15 or double (the scene's)"), \
         ACCURACY_OPTION_ROWS(member)
 
 // NULL: certified. BAD_ARGUMENT for a name that no level has.

@@ -19,20 +19,20 @@ static const struct {
     int (*run)(int argc, char **argv);
     const char *about;
 } commands[] = {
-    {"accuracy", command_accuracy, "what each level of accuracy costs, and gets wrong"},
-    {"bench", command_bench, "a standard set of measurements, compared with earlier ones"},
-    {"cluster", command_cluster, "all pairs of a scene, found by several machines or devices"},
-    {"devices", command_devices, "what OpenCL offers here, and the selectors for --pair"},
-    {"explain", command_explain, "which effects or kernels a scene calls for, and what each costs"},
-    {"lua", command_lua, "scripts that use all of this, and a prompt to try it at"},
-    {"picture", command_picture, "a drawing of a scene, its cells and its pairs"},
-    {"profiles", command_profiles, "what was measured, and what applications load"},
-    {"query", command_query, "pairs of boxes from a file, each colliding or separated"},
-    {"report", command_report, "one page for a browser with all that was measured"},
-    {"run", command_run, "all pairs of a scene, and where the time went"},
-    {"scenes", command_scenes, "the scenes that come with Duet"},
-    {"source", command_source, "the exact text of a kernel, and what it lets vary"},
-    {"tune", command_tune, "how two devices share a scene's work best, and keeps it"},
+    {"accuracy", command_accuracy, "measure what each level of accuracy costs, and gets wrong"},
+    {"bench", command_bench, "run a standard set of measurements, or compare two"},
+    {"cluster", command_cluster, "find all pairs of a scene on several machines or devices"},
+    {"devices", command_devices, "list the OpenCL devices here, with selectors for --pair"},
+    {"explain", command_explain, "show the effects or kernels of a scene, and what each costs"},
+    {"lua", command_lua, "run a script that uses all of this, or a prompt"},
+    {"picture", command_picture, "draw a scene, its cells and its pairs"},
+    {"profiles", command_profiles, "manage what was measured, and what applications load"},
+    {"query", command_query, "test pairs of boxes from a file: colliding or separated"},
+    {"report", command_report, "write one HTML page with all that was measured"},
+    {"run", command_run, "find all pairs of a scene, and show where the time went"},
+    {"scenes", command_scenes, "list the scenes that come with Duet"},
+    {"source", command_source, "print the exact text of a kernel, or its parameters"},
+    {"tune", command_tune, "find how two devices share a scene's work best, and store it"},
 };
 
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
@@ -45,11 +45,11 @@ static void print_help(void)
     for (int i = 0; i < N_COMMANDS; ++i)
         printf("  %-10s %s\n", commands[i].name, commands[i].about);
     printf("\n'duet SUBCOMMAND --help' lists its options.\n\n"
-           "DUET_PAIR        the devices without --pair, as that takes them\n"
+           "DUET_PAIR        devices without --pair, as --pair takes them\n"
            "DUET_PROFILE     the profile file\n"
-           "DUET_WAIT        seconds that a tuning waits for other programs, as --wait\n"
-           "DUET_KERNEL_DIR  a folder to read kernels from instead of the carried ones\n"
-           "DUET_CACHE       a folder to keep built kernels in, or off\n\n"
+           "DUET_WAIT        seconds that a tuning waits for other programs, as with --wait\n"
+           "DUET_KERNEL_DIR  folder to read kernels from, instead of the built-in ones\n"
+           "DUET_CACHE       folder that keeps built kernels, or off\n\n"
            "exit status: 0 done, 1 failed (or 'bench --against': slower), 2 wrong usage, "
            "130 interrupted\n");
 }

@@ -30,7 +30,7 @@ add_dependencies(duet duet-cluster)
 
 add_library(duet_cluster_shared SHARED $<TARGET_OBJECTS:duet_cluster> ${duet_objects})
 set_target_properties(duet_cluster_shared PROPERTIES OUTPUT_NAME duet_cluster EXPORT_NAME cluster
-  VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
+  VERSION ${PROJECT_VERSION} SOVERSION ${duet_abi})
 # An application, or a Lua that loads it, may have a copy of Duet besides.
 target_link_options(duet_cluster_shared PRIVATE -Wl,-Bsymbolic)
 target_link_libraries(duet_cluster_shared PRIVATE ${duet_needs} ${duet_cluster_needs}

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
-// What is read of a kernel: its card, the headers that it uses, and its text
-// or template. From the carried files, or from a folder and nowhere else. And what is
-// made of it: the text of a variant.
+// A kernel's files, its card, the headers that it uses, and its text or template, carried or from
+// one folder; and the variants made from them.
 #ifndef GEN_KERNEL_H
 #define GEN_KERNEL_H
 
 #include "gen/card.h"
 #include "gen/template.h"
 
-// How many valid configs there are, for some limits.
+// The number of valid configs, for some limits.
 typedef struct valid_configs {
     gen_limits limits;
     uint64_t *before; // [n_blocks + 1] before each block of the numbering; NULL: not counted
@@ -32,8 +31,8 @@ typedef struct kernel {
     card card;
     valid_configs valid;
     text plain;         // common.clh, what the card uses, and a .cl, with #lines
-    template *choices;  // of these, where some line is Lua, else NULL
-    template *template; // of a .cl.in, else NULL
+    template *choices;  // template of plain, if some line is Lua, else NULL
+    template *template; // template of a .cl.in, else NULL
     made_text made[KERNEL_MADE];
     uint32_t n_made; // so far; the latest replaces the oldest
 } kernel;

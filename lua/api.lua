@@ -117,7 +117,7 @@ api.others = {
 }
 
 api.names = {
-  { "duet.version", "string", "\"1.0.0\"", c = "duet_version" },
+  { "duet.version", "string", "\"0.9.0\"", c = "duet_version" },
   { "duet.devices", {}, "duet.Device[]",
     "All root devices of all platforms; in its absent is for each platform without one why, as a line.",
     fails = true,

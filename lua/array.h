@@ -55,7 +55,7 @@ typedef struct array {
     uint64_t n;
     bool owned;            // rows are given back by duet_free
     bool fixed;            // must not be written
-    const uint64_t *epoch; // of the owner, the uservalue: a view holds while it is epoch_made
+    const uint64_t *epoch; // the owner's epoch; a view is valid while it equals epoch_made
     uint64_t epoch_made;
 } array;
 

@@ -11,7 +11,7 @@ DUET_C_BEGIN
 
 struct lua_State;
 
-// Leaves the module's table on the stack. 0, and nothing done, for NULL, as those below.
+// Leaves the module's table on the stack. Returns 0 and does nothing for NULL, as the calls below.
 DUET_API int luaopen_duet(struct lua_State *L);
 
 // require "duet.frame": rows in named columns; "duet.plot": pictures by

@@ -46,13 +46,14 @@ int motion_advance_by(lua_State *L, int index, advance_call *advance, void *by);
 
 duet_tree *tree_check(lua_State *L, int index);
 enum { TREE_LARGE_POSES = DUET_SHAPES };
-int tree_shape(lua_State *L, int index); // of its objects, a duet_shape, or TREE_LARGE_POSES
+int tree_shape(lua_State *L, int index); // shape of its objects, a duet_shape, or TREE_LARGE_POSES
 
 array_kind shape_array_kind(duet_shape shape);
 
 duet_motion *motion_check_lua(lua_State *L); // the one at 1
 duet_motion *motion_check_at(lua_State *L, int index);
-uint64_t *motion_maps_lua(lua_State *L); // of the one at 1, by part: views of others no longer hold
+// Counts mappings of the motion at 1, by part: views of earlier ones are invalid.
+uint64_t *motion_maps_lua(lua_State *L);
 
 typedef struct world_box {
     duet_world *world;

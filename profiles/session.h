@@ -21,7 +21,7 @@ typedef struct profile_session {
     const char *options;   // a JSON object: budget and what else decides the result; NULL: {}
     uint64_t seed;
     const char *script;       // text of the tune.lua; NULL: none
-    const char *tool_version; // "1.0.0"
+    const char *tool_version; // "0.9.0"
     double load;              // of the machine at the start, by its run queue
     double timer_ns;          // resolution of the clock that measured
 } profile_session;

@@ -32,7 +32,7 @@ bool store_check_read(const store *s, duet_error *err);
 
 const char *store_path(const store *s);
 bool store_writable(const store *s);
-const char *store_note(const store *s); // what a user should know of this file; NULL: nothing
+const char *store_note(const store *s); // a note on this file for the user; NULL: none
 
 // Opens a transaction. May be nested: only the outermost writes, and a failure
 // anywhere inside undoes all of it. A begin that succeeded is ended by

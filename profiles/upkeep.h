@@ -6,7 +6,7 @@
 #include "profiles/store.h"
 
 typedef struct profile_prune_def {
-    uint32_t keep_samples; // of each trial, spread evenly; medians and intervals stay
+    uint32_t keep_samples; // samples kept of each trial, spread evenly; medians and intervals stay
     int64_t before_ns;     // thins only what is older; calendar; INT64_MAX: all
     bool drop_dead;        // forgets profiles that were replaced
 } profile_prune_def;

@@ -8,17 +8,17 @@
 // allowed). A def is filled by its duet_default_..._def() first. Two worlds in
 // two threads are independent; one world belongs to one thread at a time.
 //
-// A pointer that is NULL is BAD_ARGUMENT, unless its call says what NULL means; rows
-// may be NULL where there are 0 of them. Calls without a duet_error answer NULL, or a
-// place past the end, with NULL, false or 0, unless they say otherwise. Destroying NULL
-// does nothing.
+// A NULL pointer is BAD_ARGUMENT, unless its call says what NULL means; an array of 0 rows
+// may be NULL. Calls without a duet_error answer NULL, or an index past the end, with NULL,
+// false or 0, unless they say otherwise. Destroying NULL does nothing.
 //
 // Owners can be destroyed in any order: what was made on a device pair holds it open, and
-// a share that is kept on line holds its world. Each is destroyed once, by who made it,
-// and is not used after that. Memory that a call hands out goes with the owner it names.
+// a duet_online holds its world. Each owner is destroyed once, by its maker, and is not used
+// after that. Memory that a call returns belongs to the owner that the call names, and ends with
+// it.
 //
 // Units are the caller's (metres, say); floats are IEEE single; ids are the
-// objects' places in the input, from 0. Sets are closed: touching collides.
+// objects' indices in the input, from 0. Sets are closed: touching collides.
 #ifndef DUET_H
 #define DUET_H
 
@@ -45,9 +45,9 @@
 
 DUET_C_BEGIN
 
-DUET_API const char *duet_version(void); // "1.0.0"
+DUET_API const char *duet_version(void); // "0.9.0"
 
-// Memory that a call says the caller frees. NULL does nothing.
+// Frees memory that a call says the caller frees. NULL does nothing.
 DUET_API void duet_free(void *memory);
 
 DUET_C_END

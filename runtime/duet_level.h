@@ -10,7 +10,7 @@
 
 DUET_C_BEGIN
 
-// Levels of accuracy: what may be taken for a collision, and what may be missed.
+// Levels of accuracy: which pairs a level may add, and which it may miss.
 // Every level starts from the pairs whose bounds, rounded outward, overlap, and
 // finds the same pairs on every device, at every share and in every grid.
 typedef enum duet_level {
@@ -19,37 +19,37 @@ typedef enum duet_level {
     DUET_LEVEL_SPHERE,    // bounding spheres: misses none
     DUET_LEVEL_SAT6,      // the faces' axes: misses none
     DUET_LEVEL_SAT15,     // 15 axes in float as textbooks have it: wrong both ways, within bounds
-    DUET_LEVEL_DOUBLE     // 15 axes in double (the devices must have it): the same, far closer
+    DUET_LEVEL_DOUBLE     // 15 axes in double, if the devices have it: likewise, far closer
 } duet_level;
 
 #define DUET_LEVELS 6
 
-// What a level promises for boxes of which |t|_1 and all half extents add up to
-// S, 2^-70 <= S <= 2^100. A separation is the greatest of the 15 axes (4 in 2D), where
-// an axis across two edges has the length of the sine between them. Where
-// nothing is rotated all levels but aabb and sphere are exact.
+// What a level promises for two boxes with 2^-70 <= S <= 2^100, S being the sum of |t|_1 and all
+// half extents. A separation is the greatest of the 15 axes (4 in 2D); an axis across two edges
+// has the length of the sine between them. If nothing is rotated, all levels but aabb and
+// sphere are exact.
 typedef struct duet_level_info {
     const char *name;
     const char *about; // what is tested
-    double missed;     // a colliding pair is missed only where its separation is above -missed * S
-    double added;      // a separated one is reported only where it is at most added * S
+    double missed;     // misses a colliding pair only if its separation is above -missed * S
+    double added;      // reports a separated pair only if its separation is at most added * S
 } duet_level_info;
 
 DUET_API const duet_level_info *duet_level_get_info(duet_level level); // NULL outside
 
-// False where no level is called that.
+// Returns false if no level has this name.
 DUET_API bool duet_level_from_name(const char *name, duet_level *level);
 
-// Whether a level promises all that another does: certified does so for all,
-// aabb, sphere and sat6 for each other (none is missed), double for sat15. False for
-// what is no level.
+// Says whether a level promises all that another does: certified covers all,
+// aabb, sphere and sat6 each other (none misses a pair), double covers sat15. False for
+// values outside the enum.
 DUET_API bool duet_level_covers(duet_level level, duet_level other);
 
-// How much may be wrong, by the number of pairs that collide: 0.02 is two in a
-// hundred. Levels are measured for it on a workload; certified is within any.
+// How much may be wrong, as a share of the pairs that collide: 0.02 is two in a
+// hundred. Levels are measured for it on a workload; certified is within any accuracy.
 typedef struct duet_accuracy {
-    double missed;     // of those pairs, not found; 0 to 1
-    double false_rate; // found besides those pairs; >= 0
+    double missed;     // colliding pairs that are not found; 0 to 1
+    double false_rate; // pairs found that do not collide; >= 0
 } duet_accuracy;
 
 DUET_C_END

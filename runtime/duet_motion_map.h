@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// States of a motion in place: what is written there is what the next step begins with.
+// States of a motion in place: the next step begins with what is written there.
 #ifndef DUET_MOTION_MAP_H
 #define DUET_MOTION_MAP_H
 
@@ -22,19 +22,19 @@ typedef enum duet_map_access {
     DUET_MAP_WRITE // and read
 } duet_map_access;
 
-// Rows [n] of the objects at the places first .. first + n - 1. Where B works on host memory they
-// are the motion's own, without a copy; else they are fetched, and what was written is sent by
-// unmap. Each part can be mapped once at a time, and until it is unmapped all other calls to the
-// motion but this one, duet_motion_destroy and those without a duet_error are BAD_ARGUMENT.
+// Maps rows [n] of the objects at the places first .. first + n - 1. If B works on host memory,
+// they are the motion's own, without a copy; otherwise they are fetched, and unmap sends what was
+// written. Each part can be mapped once at a time. Until it is unmapped, only this call,
+// duet_motion_destroy and calls without a duet_error can be used; others are BAD_ARGUMENT.
 DUET_API void *duet_motion_map_states(duet_motion *motion, duet_state_part part,
                                       duet_map_access access, uint32_t first, uint32_t n,
                                       duet_error *err);
 
 // Ends a mapping. With WRITE the two calls are a command to those bodies, in the order of the
-// calls (duet_motion_commands.h): map takes away their targets, and unmap wakes them. Rotations
+// calls (duet_motion_commands.h): map removes their targets, and unmap wakes them. Rotations
 // need not have length 1. A disabled body stands still whatever is written. Refused while the
 // motion is recorded (duet_replay.h). BAD_OBJECT names the first row that is not finite, or is no
-// rotation: all stays mapped, to be mended.
+// rotation; all stays mapped, so that it can be mended.
 DUET_API bool duet_motion_unmap_states(duet_motion *motion, duet_state_part part, duet_error *err);
 
 DUET_C_END

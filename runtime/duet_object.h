@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Objects: boxes, however they are given, and the pairs of those that collide.
+// Objects: boxes, however they are given, and the pairs of boxes that collide.
 #ifndef DUET_OBJECT_H
 #define DUET_OBJECT_H
 
@@ -14,11 +14,11 @@ DUET_C_BEGIN
 // legal. In 2D centre[2], half[2], rotation[0] and rotation[1] are not read.
 typedef struct duet_pose {
     float centre[3];
-    float half_extents[3]; // half extents, >= 0
+    float half_extents[3]; // >= 0
     float rotation[4];     // quaternion x y z w
 } duet_pose;
 
-// Where a box is, apart from its size: what changes from step to step.
+// A box's position and rotation without its size: what changes from step to step.
 typedef struct duet_transform {
     float centre[3];
     float rotation[4]; // as a pose's
@@ -31,14 +31,14 @@ typedef struct duet_compact_transform {
     int16_t rotation[4]; // x y z w; in 2D the first two are not read
 } duet_compact_transform;
 
-// The nearest compact transform: its box is turned by at most 5.3e-5 rad from the given one.
-// In 2D the rotation's first two parts must be 0. BAD_OBJECT where the rotation is zero or not
+// Sets the nearest compact transform: it turns a box by at most 5.3e-5 rad from the given one.
+// In 2D the rotation's first two parts must be 0. BAD_OBJECT if the rotation is zero or not
 // finite.
 DUET_API bool duet_compact_transform_set(duet_compact_transform *compact,
                                          const duet_transform *transform, duet_error *err);
 
 typedef struct duet_size {
-    float half_extents[3]; // half extents, >= 0
+    float half_extents[3]; // >= 0
 } duet_size;
 
 // An oriented box however far from 0: along each axis its centre is at
@@ -52,7 +52,7 @@ typedef struct duet_large_pose {
 } duet_large_pose;
 
 // Sets cell and pose.centre to the position nearest to a centre. BAD_ARGUMENT
-// for another edge than a power of two, BAD_OBJECT beyond 2^30 edges.
+// if edge is not a power of two, BAD_OBJECT beyond 2^30 edges.
 DUET_API bool duet_large_pose_set(duet_large_pose *pose, const double centre[3], float edge,
                                   duet_error *err);
 
@@ -62,14 +62,14 @@ typedef struct duet_bounds {
     float upper[3]; // >= lower
 } duet_bounds;
 
-// A rounded box: all points that are at most `radius` from the pose's box, its core. Where all
-// half extents are 0 that is a sphere, where one is not a capsule.
+// A rounded box: all points at most `radius` from the pose's box, its core. It is a sphere if all
+// half extents are 0, and a capsule if all but one are.
 typedef struct duet_rounded_box {
     duet_pose pose;
     float radius; // >= 0
 } duet_rounded_box;
 
-// A sphere, in 2D a disc; then centre[2] is not read.
+// A sphere, in 2D a disc; centre[2] is then not read.
 typedef struct duet_sphere {
     float centre[3];
     float radius; // >= 0
@@ -81,7 +81,7 @@ typedef struct duet_pair {
     uint32_t b;
 } duet_pair;
 
-// The sum over pairs that every variant, device and share must agree on: see
+// Sums a hash over n pairs, on which every variant, device and share must agree: see
 // duet_result_get_hash. Independent of the pairs' order.
 DUET_API uint64_t duet_pairs_hash(const duet_pair *pairs, uint64_t n);
 
@@ -90,8 +90,8 @@ typedef enum duet_object_kind {
     DUET_OBJECT_POSES,              // duet_pose
     DUET_OBJECT_BOUNDS,             // duet_bounds
     DUET_OBJECT_LARGE_POSES,        // duet_large_pose
-    DUET_OBJECT_TRANSFORMS,         // duet_transform, with
-    DUET_OBJECT_SIZES,              // duet_size; or
+    DUET_OBJECT_TRANSFORMS,         // duet_transform, with sizes
+    DUET_OBJECT_SIZES,              // duet_size
     DUET_OBJECT_COMPACT_TRANSFORMS, // duet_compact_transform, with sizes
     DUET_OBJECT_ROUNDED_BOXES,      // duet_rounded_box
     DUET_OBJECT_SPHERES             // duet_sphere
@@ -109,24 +109,24 @@ typedef enum duet_shape {
 
 #define DUET_SHAPES 4
 
-// true where the exact boxes share a point; false where one is no box, or dims is
+// Says whether the exact boxes share a point; false if one is invalid, or dims is
 // neither 2 nor 3.
 DUET_API bool duet_poses_collide(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
-// The same of rounded boxes.
+// Says the same of rounded boxes.
 DUET_API bool duet_rounded_boxes_collide(const duet_rounded_box *a, const duet_rounded_box *b,
                                          uint32_t dims);
 
-// How far two boxes are apart along the best of the 15 (4) axes, each of length
-// one, in double; below 0 it is how deep they are in each other. NaN where there is none.
+// Computes in double how far two boxes are separated along the best of the 15 (4) axes, each of
+// length one; below 0 it is their penetration. NaN if a box is invalid.
 DUET_API double duet_poses_separation(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
-// How far two rounded boxes are apart, in double: the distance of their cores less both radii, or
-// where the cores collide their separation less both.
+// Computes in double how far two rounded boxes are separated: the distance of their cores, or if
+// the cores collide their separation, less both radii.
 DUET_API double duet_rounded_boxes_separation(const duet_rounded_box *a, const duet_rounded_box *b,
                                               uint32_t dims);
 
-// The same for large poses, in origin cells of that edge.
+// The same two for large poses, in origin cells of that edge.
 DUET_API bool duet_large_poses_collide(const duet_large_pose *a, const duet_large_pose *b,
                                        float edge, uint32_t dims);
 DUET_API double duet_large_poses_separation(const duet_large_pose *a, const duet_large_pose *b,

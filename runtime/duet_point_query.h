@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which boxes of a tree contain a point, or are nearest to it.
+// Point queries: which boxes of a tree contain a point, or are nearest to it.
 #ifndef DUET_POINT_QUERY_H
 #define DUET_POINT_QUERY_H
 
@@ -17,11 +17,11 @@ typedef struct duet_large_point {
     int32_t cell[3];
 } duet_large_point;
 
-// distance: to the box, 0 inside. Of its error docs/accuracy.md, "Points".
+// docs/accuracy.md, "Points", bounds the error of distance.
 typedef struct duet_point_hit {
     uint32_t point;
-    uint32_t id; // of the box; DUET_NO_OBJECT: the tree has no more boxes
-    float distance;
+    uint32_t id;    // id of the box; DUET_NO_OBJECT: the tree has no more boxes
+    float distance; // to the box, 0 inside
 } duet_point_hit;
 
 #define DUET_MOST_NEAREST 1024u
@@ -30,35 +30,35 @@ typedef struct duet_point_query duet_point_query;
 
 typedef struct duet_point_query_def {
     duet_tree *tree;  // held until the query is destroyed
-    uint32_t nearest; // so many of the nearest boxes of each point, at most DUET_MOST_NEAREST;
-                      // 0: those that contain it
-    const duet_filter *filter; // of its points; copied. NULL: every object is found
+    uint32_t nearest; // finds so many nearest boxes of each point, at most DUET_MOST_NEAREST;
+                      // 0: the boxes that contain it
+    const duet_filter *filter; // filter of the points; copied. NULL: finds every object
     int cookie;
 } duet_point_query_def;
 
-DUET_API duet_point_query_def duet_default_point_query_def(void); // those that contain it
+DUET_API duet_point_query_def duet_default_point_query_def(void); // nearest 0
 
 typedef struct duet_point_query_result {
     const duet_point_hit *hits; // [n_hits] the query's, until its next call
     uint64_t n_hits;
     uint64_t undecided;  // hits that float left open and the host decided
     double total_ms;     // wall clock
-    double device_ms[2]; // of each device's part
+    double device_ms[2]; // time of each device's part
 } duet_point_query_result;
 
-// Builds the kernels that it needs.
+// Creates a query and builds its kernels.
 DUET_API duet_point_query *duet_point_query_create(const duet_point_query_def *def,
                                                    duet_error *err);
 DUET_API void duet_point_query_destroy(duet_point_query *query);
 
-// Asks about n points, fewer than 2^32. Which boxes contain a point is exact, their faces
-// included; those hits come by point and id. Nearest ones are `nearest` a point, by distance
-// and id. All are the same on every device and at every share. BAD_OBJECT names the first
-// point that is not a number or above 2^100.
+// Finds the boxes of n points, fewer than 2^32. Which boxes contain a point is exact, their faces
+// included; these hits come by point and id. Nearest boxes are `nearest` hits a point, by distance
+// and id. Hits are the same on every device and at every share. BAD_OBJECT names the first
+// point that is not finite or above 2^100.
 DUET_API bool duet_point_query_run(duet_point_query *query, const duet_point *points, uint64_t n,
                                    duet_point_query_result *result, duet_error *err);
 
-// The same for a tree in origin cells. A point is at the nearest 2^-24 of a cell's edge.
+// The same for a tree in origin cells. Points are rounded to 2^-24 of a cell's edge.
 DUET_API bool duet_point_query_run_large(duet_point_query *query, const duet_large_point *points,
                                          uint64_t n, duet_point_query_result *result,
                                          duet_error *err);

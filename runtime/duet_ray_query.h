@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which boxes of a tree rays meet: the nearest, whether there is any, or every one.
+// Ray queries: the nearest box of a tree that a ray meets, whether it meets any, or all of them.
 #ifndef DUET_RAY_QUERY_H
 #define DUET_RAY_QUERY_H
 
@@ -11,7 +11,7 @@
 DUET_C_BEGIN
 
 // The points origin + t direction for t from 0 to t_max, both included. The direction may
-// have any length, and 0: the ray is then its origin. In 2D z counts for nothing.
+// have any length, and 0: the ray is then its origin. In 2D z is not read.
 typedef struct duet_ray {
     float origin[3];
     float direction[3];
@@ -24,12 +24,11 @@ typedef struct duet_large_ray {
     int32_t cell[3];
 } duet_large_ray;
 
-// t: where the ray enters the box, 0 if it begins inside. Of the error of t
-// docs/accuracy.md, "Rays".
+// docs/accuracy.md, "Rays", bounds the error of t.
 typedef struct duet_ray_hit {
     uint32_t ray;
-    uint32_t id; // of the box; DUET_NO_OBJECT: the ray meets none
-    float t;
+    uint32_t id; // id of the box; DUET_NO_OBJECT: the ray meets none
+    float t;     // enters the box there; 0 if it begins inside
 } duet_ray_hit;
 
 typedef struct duet_ray_query duet_ray_query;
@@ -37,42 +36,42 @@ typedef struct duet_ray_query duet_ray_query;
 typedef struct duet_ray_query_def {
     duet_tree *tree; // held until the query is destroyed
     duet_query_wants wants;
-    bool normals;              // results have them; not with ANY
-    const duet_filter *filter; // of its rays; copied. NULL: every object is found
+    bool normals;              // results have normals; not with ANY
+    const duet_filter *filter; // filter of the rays; copied. NULL: finds every object
     int cookie;
 } duet_ray_query_def;
 
 DUET_API duet_ray_query_def duet_default_ray_query_def(void); // closest, no normals
 
-// Of length 1 and out of the box that the hit is on: that of the face that the ray enters by, on
-// an edge or a corner of one of the faces there, of a rounded box that of its surface. 0 if the
-// ray begins in the box, its surface included, and if it meets none. Of its error
-// docs/accuracy.md, "Rays".
+// The outward normal of the box at the hit, of length 1: that of the face by which the ray enters,
+// on an edge or a corner that of one of the faces there, of a rounded box that of its surface. 0 if
+// the ray begins in the box, its surface included, or meets none. docs/accuracy.md, "Rays", bounds
+// its error.
 typedef struct duet_ray_normal {
     float normal[3];
 } duet_ray_normal;
 
 typedef struct duet_ray_query_result {
-    const duet_ray_hit *hits; // [n_hits] the query's, until its next call: one a ray, or every
-    const duet_ray_normal *normals; // [n_hits] likewise, of each hit; NULL unless the def asks
+    const duet_ray_hit
+        *hits; // [n_hits] the query's, until its next call; EVERY: all, else one a ray
+    const duet_ray_normal *normals; // [n_hits] of each hit, likewise; NULL unless the def asks
     uint64_t n_hits;
     uint64_t undecided;  // hits that float left open and the host decided
     double total_ms;     // wall clock
-    double device_ms[2]; // of each device's part
+    double device_ms[2]; // time of each device's part
 } duet_ray_query_result;
 
-// Builds the kernels that it needs.
+// Creates a query and builds its kernels.
 DUET_API duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error *err);
 DUET_API void duet_ray_query_destroy(duet_ray_query *query);
 
 // Casts n rays, fewer than 2^32. Which boxes they meet is exact, touching included, and the
-// same on every device and at every share. BAD_OBJECT names the first ray that is not valid: a
-// number that is none, an origin above 2^100, a direction above 2^100 or, unless 0, below
-// 2^-100, or a t_max below 0.
+// same on every device and at every share. BAD_OBJECT names the first invalid ray: a NaN, an
+// origin above 2^100, a direction above 2^100 or, unless 0, below 2^-100, or a t_max below 0.
 DUET_API bool duet_ray_query_run(duet_ray_query *query, const duet_ray *rays, uint64_t n,
                                  duet_ray_query_result *result, duet_error *err);
 
-// The same for a tree in origin cells. A ray begins at the nearest 2^-24 of a cell's edge.
+// The same for a tree in origin cells. Origins are rounded to 2^-24 of a cell's edge.
 DUET_API bool duet_ray_query_run_large(duet_ray_query *query, const duet_large_ray *rays,
                                        uint64_t n, duet_ray_query_result *result, duet_error *err);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Recorded commands: what a motion was told and how often it was advanced, as a file that
-// gives the same state on any device.
+// Recordings: a motion's commands and steps as a file, which gives the same state on any
+// device.
 #ifndef DUET_REPLAY_H
 #define DUET_REPLAY_H
 
@@ -8,12 +8,12 @@
 
 DUET_C_BEGIN
 
-// Records the motion's commands and steps from here on, and forgets what was recorded
-// before. A load, and a step that fails, end the recording.
+// Records the motion's commands and steps from now on, and drops an earlier recording. A load,
+// and a step that fails, end the recording.
 DUET_API bool duet_motion_record(duet_motion *motion, duet_error *err);
 
 // Writes what was recorded so far, and the state's hash; the recording goes on. BAD_ARGUMENT
-// where nothing is recorded.
+// if nothing is recorded.
 DUET_API bool duet_motion_save_recording(duet_motion *motion, const char *path, duet_error *err);
 
 // A file of recorded commands; it may come from anyone.
@@ -25,17 +25,17 @@ typedef struct duet_replay_info {
     uint64_t steps_done;
 } duet_replay_info;
 
-// Reads the file. BAD_INPUT where it is not whole, or no recording.
+// Reads the file. BAD_INPUT if it is truncated, or no recording.
 DUET_API duet_replay *duet_replay_create(const char *path, duet_error *err);
 DUET_API void duet_replay_destroy(duet_replay *replay);
 
 DUET_API duet_replay_info duet_replay_get_info(const duet_replay *replay);
 
 // Gives the motion the commands that come before the next step, and advances it. After the
-// last step it also gives those that were recorded after it, and compares the state's hash.
+// last step it also gives the commands recorded after it, and compares the state's hash.
 //
-// The motion must be what the recorded one was when its recording began: BAD_INPUT where its
-// places, step or hash differ, and where it refuses a command. WRONG_RESULT where the last
+// The motion must be as the recorded one was when its recording began: BAD_INPUT if its
+// places, step or hash differ, or if it refuses a command. WRONG_RESULT if the last
 // hash differs. BAD_ARGUMENT after the last step.
 DUET_API bool duet_replay_advance(duet_replay *replay, duet_motion *motion,
                                   duet_motion_result *result, duet_error *err);

@@ -15,23 +15,23 @@ DUET_C_BEGIN
 typedef struct duet_scene duet_scene;
 
 typedef struct duet_scene_info {
-    const char *name; // of the file or the scene's own; the scene's
+    const char *name; // the file's or the scene's own name; the scene's
     uint32_t dims;    // 2 or 3
     duet_shape shape;
     uint32_t n;
     bool rotated;    // some object has a rotation other than the identity
-    float cell;      // cell edge asked for; 0: chosen from the objects
-    bool cell_fixed; // refuse rather than widen a cell that is too small
+    float cell;      // cell edge that the scene asks for; 0: chosen from the objects
+    bool cell_fixed; // refuses rather than widens a cell that is too small
     bool has_world;  // lower and upper are given
     float lower[3];
     float upper[3];
-    duet_level level;  // that the scene wants; certified where it says nothing
-    bool has_accuracy; // it leaves the level to a profile within accuracy
+    duet_level level;  // level that the scene asks for; certified by default
+    bool has_accuracy; // leaves the level to a profile within accuracy
     duet_accuracy accuracy;
     float origin_edge; // above 0: objects are large poses, in origin cells of that edge
 } duet_scene_info;
 
-// A scene's parameter set from outside, for Lua scenes: "n" = "1000".
+// A parameter of a Lua scene, set from outside: "n" = "1000".
 typedef struct duet_setting {
     const char *name;
     const char *value; // a number, true, false, or else a string
@@ -39,27 +39,26 @@ typedef struct duet_setting {
 
 // Reads .lua, .npy, or numbers as text (.csv, .txt, any other ending), and "-", stdin; the
 // number of columns says what a row is (docs/formats.md). A word without '/' and '.' is
-// first the name of a scene that comes with Duet, as "paper". Values that are not
+// first the name of a scene that comes with Duet, such as "paper". Values that are not
 // finite, negative extents and radii, and zero quaternions are refused with their place. A
-// file whose objects have radii has the shape ROUNDED_BOXES, or SPHERES where all are.
+// file whose objects have radii has the shape ROUNDED_BOXES, or SPHERES if all are spheres.
 DUET_API duet_scene *duet_scene_load(const char *path, const duet_setting *settings,
                                      uint32_t n_settings, duet_error *err);
 // Reads pairs for duet_pair_query_run, .npy or text: two poses a row, 20 numbers or in
 // 2D 10. Objects 2 i and 2 i + 1 are row i's.
 DUET_API duet_scene *duet_scene_load_pairs(const char *path, duet_error *err);
 // Copies n objects: POSES, BOUNDS, LARGE_POSES, ROUNDED_BOXES or SPHERES. dims is 2 or 3.
-// origin_edge is that of the origin cells of LARGE_POSES, a power of two, else 0.
+// origin_edge is the edge of the origin cells of LARGE_POSES, a power of two, else 0.
 DUET_API duet_scene *duet_scene_create(duet_object_kind kind, const void *objects, uint32_t n,
                                        uint32_t dims, float origin_edge, duet_error *err);
 DUET_API void duet_scene_destroy(duet_scene *scene);
 DUET_API const duet_scene_info *duet_scene_get_info(const duet_scene *scene);
-// [n] of the kind, which the scene owns; NULL where it has none of it. LARGE_POSES are
-// there as POSES too, rounded.
+// Returns objects [n] of the kind, the scene's; NULL if it has none of the kind. A scene of
+// LARGE_POSES has them as POSES too, rounded.
 DUET_API const void *duet_scene_get_objects(const duet_scene *scene, duet_object_kind kind);
 
-// The plain-C twin: all pairs that a level of accuracy finds in the scene, operation for
-// operation; certified is exact. The caller frees *pairs with duet_free; they are
-// ascending.
+// Finds all pairs of a scene in plain C, operation for operation as a level of accuracy does;
+// certified is exact. The pairs are ascending. The caller frees *pairs with duet_free.
 DUET_API bool duet_reference(const duet_scene *scene, duet_level level, duet_pair **pairs,
                              uint64_t *n, duet_error *err);
 

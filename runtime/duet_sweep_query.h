@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which boxes of a tree boxes meet that move along a straight line: shape casts.
+// Sweep queries (shape casts): which boxes of a tree a box meets that moves along a straight line.
 #ifndef DUET_SWEEP_QUERY_H
 #define DUET_SWEEP_QUERY_H
 
@@ -8,7 +8,7 @@
 DUET_C_BEGIN
 
 // The box at centre + t direction for t from 0 to t_max, both included; it does not turn. The
-// direction may have any length, and 0: the box then stays. In 2D z counts for nothing.
+// direction may have any length, and 0: the box then stays. In 2D z is not read.
 typedef struct duet_sweep {
     duet_pose box;
     float direction[3];
@@ -42,12 +42,12 @@ typedef struct duet_sphere_sweep {
     float t_max;
 } duet_sphere_sweep;
 
-// Of the error of t docs/accuracy.md, "Swept boxes".
+// docs/accuracy.md, "Swept boxes", bounds the error of t.
 typedef struct duet_sweep_hit {
     uint32_t sweep;
-    uint32_t id;     // of the object; DUET_NO_OBJECT: the box meets none
-    float t;         // where it first touches it, 0 where it does so at the begin
-    float normal[3]; // of length 1, towards the box that moves; 0 where t is 0, and for ANY
+    uint32_t id;     // id of the object; DUET_NO_OBJECT: the box meets none
+    float t;         // first touches it there; 0 if it does so at the start
+    float normal[3]; // of length 1, towards the box that moves; 0 if t is 0, and for ANY
 } duet_sweep_hit;
 
 typedef struct duet_sweep_query duet_sweep_query;
@@ -55,30 +55,31 @@ typedef struct duet_sweep_query duet_sweep_query;
 typedef struct duet_sweep_query_def {
     duet_tree *tree; // held until the query is destroyed
     duet_query_wants wants;
-    const duet_filter *filter; // of its sweeps; copied. NULL: every object is found
+    const duet_filter *filter; // filter of the sweeps; copied. NULL: finds every object
     int cookie;
 } duet_sweep_query_def;
 
 DUET_API duet_sweep_query_def duet_default_sweep_query_def(void); // closest
 
 typedef struct duet_sweep_query_result {
-    const duet_sweep_hit *hits; // [n_hits] the query's, until its next call: one a sweep, or every
+    const duet_sweep_hit *hits; // [n_hits] the query's, until its next call; EVERY: all, else one a
+                                // sweep
     uint64_t n_hits;
     uint64_t undecided;  // hits that float left open and the host decided
     double total_ms;     // wall clock
-    double device_ms[2]; // of each device's part
+    double device_ms[2]; // time of each device's part
 } duet_sweep_query_result;
 
-// Builds the kernels that it needs.
+// Creates a query and builds its kernels.
 DUET_API duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def,
                                                    duet_error *err);
 DUET_API void duet_sweep_query_destroy(duet_sweep_query *query);
 
-// Moves n boxes, fewer than 2^32: duet_sweep for the kind POSES, duet_bounds_sweep for BOUNDS,
-// duet_rounded_sweep for ROUNDED_BOXES, duet_sphere_sweep for SPHERES, duet_large_sweep for
-// LARGE_POSES, as the tree's objects. Which objects they meet is exact, touching included, and the
-// same on every device and at every share. BAD_OBJECT names the first that is not valid: no box, a
-// number above 2^100, a direction that is below 2^-100 and not 0, or a t_max below 0.
+// Moves n boxes, fewer than 2^32. kind is the kind of the tree's objects; sweeps holds duet_sweep
+// for POSES, duet_bounds_sweep for BOUNDS, duet_rounded_sweep for ROUNDED_BOXES, duet_sphere_sweep
+// for SPHERES, duet_large_sweep for LARGE_POSES. Which objects they meet is exact, touching
+// included, and the same on every device and at every share. BAD_OBJECT names the first invalid
+// sweep: no box, a number above 2^100, a direction below 2^-100 that is not 0, or a t_max below 0.
 DUET_API bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kind,
                                    const void *sweeps, uint64_t n, duet_sweep_query_result *result,
                                    duet_error *err);

@@ -15,33 +15,33 @@ DUET_C_BEGIN
 // ---------------------------------------------------------------- plans
 
 #define DUET_SHARE_ONE 65536u
-#define DUET_SHARE_DEFAULT UINT32_MAX // that of duet_default_plan for the device pair
+#define DUET_SHARE_DEFAULT UINT32_MAX // the share of duet_default_plan for the device pair
 
 typedef enum duet_mode {
     DUET_MODE_SHARED, // B builds the grid and A receives it (the paper, section 4.1)
     DUET_MODE_OWN,    // each device builds the whole grid from its own poses
     DUET_MODE_SLAB,   // each device builds only its slab of the grid and the ghost rows ahead
-    DUET_MODE_DEFAULT // slab between parts of one CPU, or two equal devices, where objects are of
-                      // about one size; own elsewhere
+    DUET_MODE_DEFAULT // slab between parts of one CPU, or two equal devices, if objects have about
+                      // one size; otherwise own
 } duet_mode;
 
 DUET_API const char *duet_mode_name(duet_mode mode); // "shared"; NULL outside
 
-#define DUET_VARIANT 192 // bytes of a variant's text, its end counted
+#define DUET_VARIANT 192 // bytes of a variant's text, with its end
 
-// How a step is to be done: what a tuner chooses and a profile stores.
+// How a step is done: what a tuner chooses and a profile stores.
 typedef struct duet_plan {
     uint32_t share; // A's part of the objects, out of DUET_SHARE_ONE (r in the paper), or
                     // DUET_SHARE_DEFAULT
     duet_mode mode;
     char variant_a[DUET_VARIANT]; // "auto", "simd", "gpu" or "paper", or with settings: "auto
-                                  // sort=radix";
-    char variant_b[DUET_VARIANT]; // "" is the default one for the device
+                                  // sort=radix"; "": the device's default
+    char variant_b[DUET_VARIANT]; // likewise
 } duet_plan;
 
-// What is done on this device pair where nothing was measured: "simd" on a CPU and "auto"
-// elsewhere, a share by units between parts of one CPU, or two equal devices, else 0. For
-// NULL a plan that leaves these to the world it is given to, as the default defs have it.
+// Returns the plan of a device pair without measurements: "simd" on a CPU and "auto" elsewhere; a
+// share by units between parts of one CPU, or two equal devices, else 0. NULL: a plan that leaves
+// these to the world that it is given to, as the default defs have it.
 DUET_API duet_plan duet_default_plan(const duet_device_pair *pair);
 
 // ---------------------------------------------------------------- worlds
@@ -54,78 +54,75 @@ typedef struct duet_world_def {
     duet_plan plan;
     uint32_t dims; // 2 or 3
     duet_shape shape;
-    duet_level level; // of accuracy, for poses; bounds are exact
+    duet_level level; // accuracy for poses; bounds are exact
     // With has_accuracy a profile may bring any level that was measured to be
     // within accuracy; until then level holds. Without, level always holds.
     bool has_accuracy;
     duet_accuracy accuracy;
     bool rotated;    // false promises identity rotations: fewer axes are tested
     float cell;      // cell edge; 0: the largest extent found
-    bool cell_fixed; // CELL_TOO_SMALL instead of widening
+    bool cell_fixed; // fails with CELL_TOO_SMALL instead of widening
     bool has_world;  // lower and upper are given; objects outside are still found
     float lower[3];
     float upper[3];
     float origin_edge;       // above 0: large poses, in origin cells of that edge, a power of two
-    bool separate_sizes;     // objects are transforms, and their sizes are set by themselves
-    bool compact_transforms; // these are compact; means separate_sizes too
+    bool separate_sizes;     // objects are transforms; their sizes are set by themselves
+    bool compact_transforms; // transforms are compact; means separate_sizes too
     bool ordered;            // promises that objects are kept in about duet_world_order's order
-    bool keep_bad;           // leave bad objects out and count them, instead of BAD_OBJECT
-    uint64_t max_pairs;      // TOO_MANY above it; 0: as memory allows
-    // Every step is timed by stages. Without, a device with memory of its own times one step in
-    // 16, because asking costs its driver up to half as long as a small step takes.
+    bool keep_bad;           // leaves bad objects out and counts them, instead of BAD_OBJECT
+    uint64_t max_pairs;      // fails with TOO_MANY above it; 0: as memory allows
+    // Times every step by stages. Without, a device with memory of its own times one step in
+    // 16, because its driver takes up to half as long as a small step for that.
     bool stage_times;
     int cookie;
 } duet_world_def;
 
 DUET_API duet_world_def duet_default_world_def(void);
-// A def with the scene's dims, shape, cell, world, level and accuracy; the default one
+// Makes a def with the scene's dims, shape, cell, world, level and accuracy; the default def
 // for NULL.
 DUET_API duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *pair);
 
 DUET_API duet_world *duet_world_create(const duet_world_def *def, duet_error *err);
 DUET_API void duet_world_destroy(duet_world *world);
 
-// Copies n objects of the kind that the world was made for: BOUNDS for the shape
-// bounds, else POSES, or LARGE_POSES where it has an origin_edge. POSES may also be set
-// in a world with separate_sizes, which takes them apart, and where its transforms are
-// compact rounds them (duet_compact_transform_set).
+// Copies n objects of the world's kind: BOUNDS for the shape bounds, otherwise POSES, or
+// LARGE_POSES with an origin_edge. A world with separate_sizes takes POSES too, and splits them;
+// if its transforms are compact, it rounds them (duet_compact_transform_set).
 DUET_API bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void *objects,
                                      uint32_t n, duet_error *err);
 DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err);
 
-// Space for n objects in memory that the devices read without a copy of ours; for the
-// same n it keeps what it held. Valid until the next map, set or destroy: map, write,
-// then step. Objects that were neither set nor mapped since the last step are not sent
-// again.
+// Maps space for n objects, in memory that the devices read without a further copy; it keeps its
+// contents as long as n is the same. Valid until the next map, set or destroy: map, write,
+// then step. Objects that were neither set nor mapped since the last step are not sent again.
 //
 // Offsets of LARGE_POSES must be multiples of 2^-24 of an edge, from 0 up to below it, as
 // duet_large_pose_set makes them: others are bad objects.
 //
-// In a world with separate_sizes TRANSFORMS are what a step sends, 28 bytes an object
-// instead of 40, or with compact_transforms COMPACT_TRANSFORMS, 20 bytes. SIZES are sent
-// again only once they were mapped again. There must be as many of both when the world is
-// stepped.
+// A world with separate_sizes sends TRANSFORMS in each step, 28 bytes an object instead of 40, or
+// with compact_transforms COMPACT_TRANSFORMS, 20 bytes. It sends SIZES only after they
+// were mapped again. There must be as many sizes as transforms when the world is stepped.
 DUET_API void *duet_world_map_objects(duet_world *world, duet_object_kind kind, uint32_t n,
                                       duet_error *err);
 
 DUET_API bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err);
 DUET_API const duet_plan *duet_world_get_plan(const duet_world *world);
 
-// From the next step on, and whatever profile is loaded later.
+// Sets the level of the following steps, whatever profile is loaded later.
 DUET_API bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err);
 DUET_API duet_level duet_world_get_level(const duet_world *world); // certified for NULL
 
-// The order by cell: (*order)[i] is the id of the object that comes i-th in the world's grid, row
-// after row of cells; objects of one cell come by id. *n is the number of the world's objects.
+// Finds the order of the objects by cell: (*order)[i] is the id of the i-th object in the world's
+// grid, row after row of cells, and within a cell by id. *n is the number of the world's objects.
 // The caller frees *order with duet_free, and may move its objects into this order now and then:
-// objects that are near each other in the world are then near each other in memory. Where sizes
-// are apart they must be there too. The processors that the host has to spare find it, in 16 bytes
-// of memory for each object besides *order.
+// objects that are near each other in the world are then near each other in memory. A world with
+// separate_sizes needs its sizes for it. It uses the host's idle processors, and 16 bytes of memory
+// an object besides *order.
 DUET_API bool duet_world_order(duet_world *world, uint32_t **order, uint32_t *n, duet_error *err);
 
 // ---------------------------------------------------------------- results
 
-// Where a step's time went: one kernel or transfer on one device.
+// One kernel or transfer of a step on one device.
 typedef struct duet_stage {
     const char *name; // "hash", "sort", ... ; static
     int device;       // 0: A, 1: B
@@ -149,17 +146,17 @@ typedef struct duet_result {
     uint64_t undecided;  // pairs that float left open and the host decided
     double total_ms;     // wall clock, poses in to pairs on the host
     double device_ms[2]; // wall clock of each device's part
-    double kernel_ms[2]; // from the begin of its first kernel to the end of its last
+    double kernel_ms[2]; // from the start of its first kernel to the end of its last
     const duet_stage *stages;
     uint32_t n_stages;
-    bool timed;           // stages and kernel_ms are of this step; else of the last that was timed
+    bool timed;           // stages and kernel_ms are of this step; otherwise of the last timed one
     uint64_t bytes[2];    // memory held on each device
-    uint32_t cells[3];    // of the grid's finest level
+    uint32_t cells[3];    // cells of the grid's finest level along each axis
     float cell;           // their least edge
     uint32_t grid_levels; // each with cells of its own size
     bool hashed;          // cells share a table's entries, as in a sparse world
-    bool cell_widened;    // the edge asked for was below the largest object
-    uint32_t runs;        // 1, or more where a buffer had to grow
+    bool cell_widened;    // the cell edge asked for was below the largest object
+    uint32_t runs;        // 1, or more if a buffer had to grow
 } duet_result;
 
 // Finds all pairs among the world's objects.
@@ -170,15 +167,15 @@ typedef struct duet_result {
 // stepped again.
 DUET_API bool duet_world_step(duet_world *world, duet_result *result, duet_error *err);
 
-// A step in two halves: begin returns at once and a thread of Duet's own carries the step, while
-// the caller does other things; end waits for it, and is the step's result or failure. What was
-// mapped is not to be written meanwhile. Between the two the only other calls to the world are
-// duet_world_destroy, which waits, and duet_world_get_level; duet_world_get_plan is NULL and the
-// others are BAD_ARGUMENT.
+// A step in two halves: begin returns at once, and a thread of Duet's own carries the step while
+// the caller does other things; end waits for it and returns the step's result or failure. Do not
+// write to mapped objects in between. Between the two, duet_world_destroy waits,
+// duet_world_get_level works, duet_world_get_plan is NULL, and all other calls on the world
+// are BAD_ARGUMENT.
 DUET_API bool duet_world_step_begin(duet_world *world, duet_error *err);
 DUET_API bool duet_world_step_end(duet_world *world, duet_result *result, duet_error *err);
 
-// Pair i of both spans, i < result->pairs; 0 and 0, which is no pair, past the end.
+// Returns pair i of both spans, i < result->pairs; 0 and 0, which is no pair, past the end.
 DUET_API duet_pair duet_result_get_pair(const duet_result *result, uint64_t i);
 
 // The pair hash: for each pair k = a << 32 | b; k *= 0x9E3779B97F4A7C15;
@@ -187,27 +184,27 @@ DUET_API uint64_t duet_result_get_hash(const duet_result *result);
 
 // ---------------------------------------------------------------- profiles
 
-// How good the grounds of a plan are, best first; docs/store.md says more.
+// How much evidence there is for a plan, best first; docs/store.md says more.
 typedef enum duet_grade {
     DUET_GRADE_EXACT,        // measured on these devices, drivers and kernels, for such objects
     DUET_GRADE_OTHER_DRIVER, // the same, under another version of a driver
     DUET_GRADE_INTERPOLATED, // next to, or between, sizes that were measured of a scene like this
-    DUET_GRADE_TRANSFERRED,  // the plan of another workload, which lends no figure
+    DUET_GRADE_TRANSFERRED,  // the plan of another workload, without its figures
     DUET_GRADE_STALE,        // measured with other kernels: not used
     DUET_GRADE_DEFAULT       // nothing is known
 } duet_grade;
 
 DUET_API const char *duet_grade_name(duet_grade grade); // "other driver"; NULL outside
 
-// What a store of profiles knows of a world.
+// What a store of profiles knows about a world.
 typedef struct duet_profile {
     duet_plan plan; // the world's after the call
     duet_grade grade;
-    duet_level level;       // and its level
+    duet_level level;       // the world's after the call
     duet_accuracy accuracy; // of that level, as measured with the plan for this workload
-    uint64_t true_pairs;    // that it was measured on; 0: it was not
+    uint64_t true_pairs;    // pairs that accuracy was measured on; 0: it was not
     double step_ms; // by that plan; predicted if INTERPOLATED. From TRANSFERRED on this and what
-                    // follows is 0, since nothing is known of this workload
+                    // follows is 0, because nothing is known about this workload
     double gain;    // over the best single device: 0.25 is a quarter faster
     double gain_low;
     double gain_high;
@@ -216,18 +213,18 @@ typedef struct duet_profile {
 } duet_profile;
 
 // Gives the world the best plan that is known for its objects, which must be
-// set. A world with a level gets what was measured at that level and keeps it.
-// One with has_accuracy gets, of the levels that were measured to be within its
-// accuracy, the best founded and then the fastest, and that level with it; where
-// there is none it keeps its own. So no profile ever brings less than was asked
-// for. path is the store; NULL is the user's (DUET_PROFILE) and under it the
-// system's. Nothing is written, and no file need be there. On failure (a store
-// that cannot be read) the plan is still that of whatever could be, or as it
-// was: an application may go on.
+// set. A world with a level gets what was measured at that level and keeps it. A world with
+// has_accuracy gets, among the levels measured to be within its accuracy, the plan with the best
+// evidence and then the fastest, and its level; if there is none, it keeps its own. So no profile
+// ever brings less than was asked for.
+//
+// path is the store; NULL is the user's (DUET_PROFILE) and under it the system's. Nothing is
+// written, and the file need not exist. After a failure (a store that cannot be read) the plan
+// comes from the stores that could be read, or is as before: an application may go on.
 DUET_API bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *profile,
                                       duet_error *err);
 
-// Why: a line for each ground that was looked for, from the best down, and what
+// Explains the choice: a line for each grade that was looked up, from the best down, and what
 // came of it. The caller frees *why with duet_free. The world stays as it is.
 DUET_API bool duet_world_explain_profile(duet_world *world, const char *path, char **why,
                                          duet_error *err);

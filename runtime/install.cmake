@@ -27,7 +27,7 @@ add_dependencies(duet_static ${duet_library}) # make knows how objects are made 
 set_target_properties(duet_static PROPERTIES LINKER_LANGUAGE C)
 add_library(duet_shared SHARED ${duet_objects})
 set_target_properties(duet_shared PROPERTIES OUTPUT_NAME duet EXPORT_NAME duet
-  VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
+  VERSION ${PROJECT_VERSION} SOVERSION ${duet_abi})
 set_target_properties(duet_static PROPERTIES OUTPUT_NAME duet EXPORT_NAME static)
 foreach(library duet_static duet_shared)
   target_link_libraries(${library} PRIVATE ${duet_needs} $<BUILD_INTERFACE:duet_options>)
@@ -42,7 +42,7 @@ set(pc_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 file(RELATIVE_PATH pc_to_prefix /${pc_dir} /)
 configure_package_config_file(runtime/duet-config.cmake.in duet-config.cmake
   INSTALL_DESTINATION ${config_dir})
-write_basic_package_version_file(duet-config-version.cmake COMPATIBILITY SameMajorVersion)
+write_basic_package_version_file(duet-config-version.cmake COMPATIBILITY SameMinorVersion)
 configure_file(runtime/duet.pc.in duet.pc @ONLY)
 
 install(TARGETS duet COMPONENT program)

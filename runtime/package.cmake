@@ -1,4 +1,4 @@
-# Debian packages of what `cmake --install` installs: duet, libduet1, libduet-dev, lua-duet,
+# Debian packages of what `cmake --install` installs: duet, libduet0.9, libduet-dev, lua-duet,
 # and duet-cluster where MPI is there. The preset `package` makes them:
 #
 #   cmake --preset package && cmake --build --preset package
@@ -61,7 +61,7 @@ ${box_words}
 .
 This package has the program, which measures, tunes, draws and runs scripts,
 with example scenes and experiments.")
-duet_package(library libduet1 libs "collisions among millions of boxes - shared library
+duet_package(library libduet${duet_abi} libs "collisions among millions of boxes - shared library
 ${box_words}
 .
 This package has the library that applications load.")
@@ -92,7 +92,7 @@ set(CPACK_DEBIAN_CLUSTER_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_BINARY_DIR}/trigg
 set(CPACK_DEBIAN_CLUSTER_PACKAGE_DEPENDS
   "duet (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), openmpi-bin")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "libduet1 (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+  "libduet${duet_abi} (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 # What the static library needs, and duet_opencl.h of the first.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS
   "ocl-icd-opencl-dev, liblua5.4-dev, libsqlite3-dev, libcjson-dev, libmd-dev, libgmp-dev")

@@ -29,10 +29,10 @@ static const option options[] = {
     PAIR_OPTION_ROW(pair),
     OPTION_COUNT("repeat", repeat, "K", "timed steps of each level and device, in turn (9)", 1,
                  LEVEL_COSTS_ROUNDS),
-    OPTION_FLAG("still", still, "levels of accuracy also of a scene that moves, as it begins"),
-    OPTION_NUMBER("time", time, "S", "seconds of a moving scene, for each time step (1)", 1e-6,
-                  1e6),
-    OPTION_NUMBER("limit", limit, "S", "begin no other run after S seconds (120)", 0, 1e6),
+    OPTION_FLAG("still", still, "measure levels of accuracy of a moving scene, at its start"),
+    OPTION_NUMBER("time", time, "S", "simulate S seconds of a moving scene with each time step (1)",
+                  1e-6, 1e6),
+    OPTION_NUMBER("limit", limit, "S", "start no other run after S seconds (120)", 0, 1e6),
     OPTION_OUTPUT("csv", csv, "OUT.csv", "write the table, a line each"),
     OPTION_OUTPUT("plot", plot, "OUT.svg", "draw it, as .svg or .png"),
     OPTION_FLAG("json", json, "print one JSON object"),
@@ -46,10 +46,10 @@ static const command_line line = {
     .operands = "SCENE|FILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Measures what accuracy costs in time. Of a still scene: each level of accuracy,\n"
-             "and what it gets wrong. Of one that moves: time steps and substeps (in free\n"
-             "flight the integrator), how far each comes from a much finer run, how its\n"
-             "energy drifts and how deep contacts get.",
+    .about = "Measures what accuracy costs. A still scene: the time of each level of accuracy,\n"
+             "and what it gets wrong. A moving scene: time steps and substeps (in free flight\n"
+             "integrators), how far each ends from a much finer run, how its energy drifts\n"
+             "and how deep contacts get.",
     .options = options,
     .rules = rules,
 };

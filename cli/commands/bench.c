@@ -30,23 +30,23 @@ typedef struct arguments {
 static const option options[] = {
     PAIR_OPTION_ROW(pair),
     OPTION_TEXT("scene", scene, "NAME",
-                "only this one: paper, paper2d, clustered, mixed, planes, falling"),
-    OPTION_OUTPUT("output", out, "FILE.json", "keep the results, with all samples"),
-    OPTION_INPUT("against", against, "OLD.json", "compare with results that were kept"),
+                "measure this scene only: paper, paper2d, clustered, mixed, planes, falling"),
+    OPTION_OUTPUT("output", out, "FILE.json", "write the results, with all samples"),
+    OPTION_INPUT("against", against, "OLD.json", "compare with results written by --output"),
     OPTION_COUNT("repeat", repeat, "K", "steps of each plan, after one to warm up (9)", 1,
                  BENCH_SAMPLES_MOST),
-    OPTION_FLAG("quick", quick, "small scenes: does it all work, in seconds"),
-    OPTION_FLAG("json", json, "print one JSON object, as --output keeps it"),
+    OPTION_FLAG("quick", quick, "use small scenes, to see in seconds that all works"),
+    OPTION_FLAG("json", json, "print one JSON object, as --output writes it"),
     {0},
 };
 
 static const command_line line = {
     .name = "bench",
     .operands = "",
-    .about = "Measures a standard set. On five scenes: each device alone, shares in between,\n"
-             "the modes, the kernels and the levels of accuracy. On a sixth: what each effect\n"
-             "costs. With --against says what became faster or slower, and ends with exit\n"
-             "code 1 where something surely became slower.",
+    .about = "Measures a standard set: each device alone, shares in between, the modes, the\n"
+             "kernels and the levels of accuracy on five scenes, and what each effect costs\n"
+             "on a sixth. --against says what became faster or slower; the exit status is 1\n"
+             "if something surely became slower.",
     .options = options,
 };
 

@@ -39,9 +39,9 @@ static const command_line line = {
     .operands = "SCENE",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Tells what a scene calls for. If it moves: its effects, what calls for each,\n"
-             "their kernels and bytes an object. If not: the kernels that find its pairs,\n"
-             "those that are left out, and which property of the scene decides that.",
+    .about = "Shows what a scene calls for. A moving scene has effects: what calls for each,\n"
+             "its kernels and its bytes an object. A still scene has kernels that find its\n"
+             "pairs, kernels left out, and the property of the scene that decides it.",
     .options = options,
     .rules = rules,
 };

@@ -27,9 +27,10 @@ typedef struct arguments {
 static const option options[] = {
     OPTION_TEXT("eval", code, "CODE", "run this text, before FILE"),
     OPTION_FLAG("interactive", interactive, "run what is typed, after FILE; Ctrl-D ends"),
-    OPTION_FLAG("trust", trust, "the whole language: files, processes, modules, no limits"),
-    OPTION_COUNT("memory", memory_mib, "MIB", "of Lua, without --trust (256)", 1, 1 << 20),
-    OPTION_NUMBER("seconds", seconds, "S", "of one run, without --trust (60)", 0.001, 1e6),
+    OPTION_FLAG("trust", trust, "allow the whole language: files, processes, modules, no limits"),
+    OPTION_COUNT("memory", memory_mib, "MIB", "memory of a script without --trust (256)", 1,
+                 1 << 20),
+    OPTION_NUMBER("seconds", seconds, "S", "time of a script without --trust (60)", 0.001, 1e6),
     {0},
 };
 
@@ -41,9 +42,9 @@ static const command_line line = {
     .most_operands = 1 << 20,
     .rest_is_operands = true,
     .about = "Runs a Lua script that uses the module 'duet'; its arguments are in 'arg'.\n"
-             "Without FILE and CODE it runs what is typed; 'help' there says how to begin.\n"
-             "Without --trust it can compute, print and use devices, read what lies below the\n"
-             "current folder or is named as an argument, and change nothing.",
+             "Runs what is typed if there is neither FILE nor CODE; 'help' there says how to\n"
+             "begin. A script without --trust can compute, print and use devices, read files\n"
+             "below the current folder or named as arguments, and change nothing.",
     .options = options,
     .rules = rules,
 };

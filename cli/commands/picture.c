@@ -26,9 +26,8 @@ typedef struct arguments {
 static const option options[] = {
     OPTION_OUTPUT("output", out, "FILE", "the picture, a .svg or .png"),
     SCENE_OPTION_ROWS(scene),
-    OPTION_COUNT("boxes", most, "K", "boxes that are drawn at most (500 in 2D, 400 in 3D)", 1,
-                 100000),
-    OPTION_COUNT("width", width, "PIXELS", "of the picture (1000)", 200, 8000),
+    OPTION_COUNT("boxes", most, "K", "draw at most K boxes (500 in 2D, 400 in 3D)", 1, 100000),
+    OPTION_COUNT("width", width, "PIXELS", "width of the picture (1000)", 200, 8000),
     {0},
 };
 
@@ -45,8 +44,8 @@ static const command_line line = {
     .operands = "SCENE|FILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Draws a scene with its cells and its pairs, and a bar for scale; of a large one\n"
-             "the boxes about a collision, and the whole of it in a corner.",
+    .about = "Draws a scene with its cells, its pairs and a scale bar. A large scene is drawn\n"
+             "around a collision, with the whole of it in a corner.",
     .options = options,
     .refuse = refuse,
 };

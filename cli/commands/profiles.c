@@ -42,7 +42,7 @@ store *profiles_open(const char *path, store_access access, duet_error *err)
 
 static const option list_options[] = {
     PROFILE_OPTION_ROW(store),
-    OPTION_FLAG("dead", dead, "those that are not used, too, with the reason"),
+    OPTION_FLAG("dead", dead, "list unused profiles too, with the reason"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
@@ -74,8 +74,7 @@ static const command_line show_line = {
     .least_operands = 1,
     .most_operands = 1,
     .about = "Shows a profile, named by the first digits that 'duet profiles list' prints,\n"
-             "with the session it comes from and all its trials; or a run of a cluster, with\n"
-             "its ranks and the network between them.",
+             "with the session it comes from and all its trials.",
     .options = show_options,
 };
 
@@ -91,7 +90,7 @@ static const command_line diff_line = {
     .operands = "PROFILE PROFILE",
     .least_operands = 2,
     .most_operands = 2,
-    .about = "Shows two profiles side by side, and which of them is the quicker.",
+    .about = "Shows two profiles side by side, and which one is faster.",
     .options = show_options,
 };
 
@@ -113,8 +112,7 @@ static const command_line use_line = {
     .least_operands = 1,
     .most_operands = 1,
     .about = "Makes a stored profile the one that applications load in its place, as it was\n"
-             "before another replaced it. 'duet profiles list --dead' shows those that are\n"
-             "not used.",
+             "before another replaced it. 'duet profiles list --dead' shows unused ones.",
     .options = uid_options,
 };
 
@@ -150,7 +148,7 @@ static bool forget(store *s, const arguments *args, char **operands, duet_error 
 
 static const option export_options[] = {
     PROFILE_OPTION_ROW(store),
-    OPTION_FLAG("t4", t4, "the trials alone, as one T4 document for other tuners' tools"),
+    OPTION_FLAG("t4", t4, "write the trials alone, as one T4 document for other tuners' tools"),
     {0},
 };
 
@@ -183,7 +181,7 @@ static const command_line import_line = {
     .operands = "FILE|-",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Takes in the rows of an export: all of them or, where a line is wrong, none.",
+    .about = "Adds the rows of an export: all of them or, if a line is wrong, none.",
     .options = import_options,
 };
 
@@ -192,7 +190,7 @@ static const command_line merge_line = {
     .operands = "OTHER.db",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Takes in the rows of another store, which is only read. Every row stays with\n"
+    .about = "Adds the rows of another store, which is only read. Every row stays with\n"
              "its own devices and machine; the store's own profiles stay live.",
     .options = import_options,
 };
@@ -321,18 +319,18 @@ struct verb {
 };
 
 static const verb verbs[] = {
-    {"list", "the profiles there are", &list_line, STORE_READ, list},
-    {"show", "one of them, with its trials and where it comes from", &show_line, STORE_READ, show},
-    {"diff", "two of them, side by side", &diff_line, STORE_READ, diff},
-    {"use", "makes one the profile that applications load", &use_line, STORE_WRITE, use},
-    {"forget", "removes one", &forget_line, STORE_WRITE, forget},
-    {"why", "which profile a scene would get here, and on which grounds", NULL, STORE_READ, NULL},
-    {"export", "the store as JSON lines, or its trials as T4", &export_line, STORE_READ,
+    {"list", "list the profiles", &list_line, STORE_READ, list},
+    {"show", "show one, with its trials and where it comes from", &show_line, STORE_READ, show},
+    {"diff", "compare two, side by side", &diff_line, STORE_READ, diff},
+    {"use", "make one the profile that applications load", &use_line, STORE_WRITE, use},
+    {"forget", "remove one", &forget_line, STORE_WRITE, forget},
+    {"why", "say which profile a scene would get here, and why", NULL, STORE_READ, NULL},
+    {"export", "write the store as JSON lines, or its trials as T4", &export_line, STORE_READ,
      export_rows},
-    {"import", "takes such lines in", &import_line, STORE_WRITE, import_rows},
-    {"merge", "takes the rows of another store in", &merge_line, STORE_WRITE, merge_rows},
-    {"prune", "thins the single launches", &prune_line, STORE_WRITE, prune},
-    {"check", "whether the store is sound", &check_line, STORE_READ, check},
+    {"import", "add the rows of such lines", &import_line, STORE_WRITE, import_rows},
+    {"merge", "add the rows of another store", &merge_line, STORE_WRITE, merge_rows},
+    {"prune", "thin out the stored launches", &prune_line, STORE_WRITE, prune},
+    {"check", "check that the store is sound", &check_line, STORE_READ, check},
 };
 
 enum { N_VERBS = sizeof verbs / sizeof verbs[0] };

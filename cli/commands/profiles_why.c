@@ -25,7 +25,7 @@ static const option options[] = {
     PAIR_OPTION_ROW(pair),
     SCENE_LEVEL_OPTION_ROWS(level),
     PROFILE_OPTION_ROW(store),
-    OPTION_FLAG("moving", moving, "for the steps of a scene that moves, as 'duet run --steps'"),
+    OPTION_FLAG("moving", moving, "look up a moving scene's steps, as 'duet run --steps' does"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };

@@ -26,11 +26,11 @@ typedef struct arguments {
 
 static const option options[] = {
     LEVEL_OPTION_ROW(level),
-    OPTION_TEXT("device", device, "D", "one device alone, as 'duet devices' names it"),
+    OPTION_TEXT("device", device, "D", "use one device alone, as 'duet devices' names it"),
     PAIR_OPTION_ROW(pair),
-    OPTION_SHARE("share", share, "R", "A's part of the pairs, as 0.25 or 1/4"),
+    OPTION_SHARE("share", share, "R", "A's part of the pairs, such as 0.25 or 1/4"),
     OPTION_OUTPUT("output", out, "V.npy",
-                  "write the answers, uint8 or, for another ending, lines; - is stdout"),
+                  "write the answers: .npy as uint8, other endings as lines; - is stdout"),
     OPTION_FLAG("separations", separations,
                 "write the separations along the best axis too, float64 as V.separations.npy"),
     OPTION_FLAG("json", json, "print one JSON object"),

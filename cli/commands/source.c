@@ -34,12 +34,12 @@ typedef struct arguments {
 
 static const option options[] = {
     OPTION_SETTINGS("set", settings, "K=V", "a parameter of the kernel; may be repeated"),
-    OPTION_TEXT("scene", scene, "SCENE", "what the scene compiles in: DIMS, SHAPE, ROTATED"),
-    OPTION_TEXT("device", device, "D", "defaults and limits of this device; else a small GPU's"),
-    OPTION_FLAG("list", list, "the kernels, what they let vary and how many configs are valid"),
+    OPTION_TEXT("scene", scene, "SCENE", "set what the scene compiles in: DIMS, SHAPE, ROTATED"),
+    OPTION_TEXT("device", device, "D", "use defaults and limits of this device (a small GPU)"),
+    OPTION_FLAG("list", list, "list the kernels, their parameters and how many configs are valid"),
     OPTION_FLAG("check", check, "compile the valid configs on the device (else B of the pair)"),
-    OPTION_COUNT("most", most, "N", "configs a kernel that --check compiles (32; 0: all)", 0, 0),
-    OPTION_COUNT("seed", seed, "S", "which ones, where there are more (1)", 0, 0),
+    OPTION_COUNT("most", most, "N", "compile at most N configs a kernel (32; 0: all)", 0, 0),
+    OPTION_COUNT("seed", seed, "S", "seed that chooses them, if there are more (1)", 0, 0),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };

@@ -48,14 +48,14 @@ static const option options[] = {
     OPTION_TEXT("config", config, "FILE", "a tune.lua: workloads, strategy, budget, variants"),
     OPTION_TEXT("objects", numbers, "LIST", "numbers of objects, with commas between them"),
     OPTION_COUNT("seed", scene.seed, "S",
-                 "seed of the scene's random numbers; of --replay: of what is drawn (0)", 0,
+                 "seed of the scene's random numbers; with --replay of its draws (0)", 0,
                  UINT32_MAX),
     OPTION_SETTINGS("set", scene.settings, "K=V", "any other parameter of the scene"),
     PAIR_OPTION_ROW(pair),
     OPTION_TEXT("strategy", strategy, "S",
                 "how the share is searched: balance (default), fig12, grid, chunks"),
     OPTION_TEXT("strategy-lua", strategy_path, "FILE",
-                "a script that returns a function from the history to the next share"),
+                "script that returns a function from the history to the next share"),
     OPTION_TEXT(
         "variants", variants, "LIST",
         "kernels to choose from, with commas between them (auto,simd,auto sort=radix,paper)"),
@@ -63,15 +63,16 @@ static const option options[] = {
                 "search the parameters of one kernel too, or of all: 'kernels'"),
     OPTION_TEXT(
         "query", query, "WHAT",
-        "instead of a step tune a query: 'rays' or 'sweeps' with 'closest', 'any' or 'every'; "
+        "tune a query instead of a step: 'rays' or 'sweeps' with 'closest', 'any' or 'every'; "
         "'boxes', 'boxes itself', 'points', 'points nearest K'"),
     OPTION_COUNT("items", items, "N", "rays, boxes or points of the query (as many as objects)", 1,
                  UINT32_MAX),
     OPTION_COUNT("steps", steps, "K",
-                 "instead of a still step tune a scene that moves, by runs of K steps", 2, 1000000),
-    OPTION_TEXT("level", level.level, "LIST",
-                "of accuracy, or several to choose from (the scene's; all of them with --missed or "
-                "--false-rate)"),
+                 "tune a moving scene instead of a still step, by runs of K steps", 2, 1000000),
+    OPTION_TEXT(
+        "level", level.level, "LIST",
+        "level of accuracy, or several to choose from (the scene's; all of them with --missed or "
+        "--false-rate)"),
     ACCURACY_OPTION_ROWS(level),
     OPTION_NUMBER("budget", budget_seconds, "SECONDS", "time for each workload (no limit)", 0.001,
                   0),
@@ -84,11 +85,11 @@ static const option options[] = {
                   0, 0),
     OPTION_TEXT("profile", store, "FILE", "the profile file (DUET_PROFILE, or the user's own)"),
     OPTION_INPUT("replay", replay, "STORE",
-                 "measure nothing: run strategies on the launches that a profile file keeps"),
+                 "measure nothing: run strategies on the launches that a store keeps"),
     OPTION_FLAG("ordered", ordered, "put the objects into the order of their cells beforehand"),
     OPTION_FLAG("fresh", fresh, "measure again what an earlier run has finished"),
     OPTION_FLAG("keep", keep,
-                "let applications load what a strategy other than balance found, too"),
+                "let applications load also what a strategy other than balance found"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
@@ -110,10 +111,9 @@ static const command_line line = {
              "work best, and keeps them in the profile file for 'duet run' and for\n"
              "applications. With --config a file names the scenes and fills the fields that\n"
              "no option gives. A profile that applications load is replaced only by one that\n"
-             "is as well measured. Launches that other programs disturb are repeated; where\n"
-             "most are, the tuning waits.\n"
-             "With --replay nothing is measured, no device is needed, and\n"
-             "SCENE and -n choose among the workloads of the store.",
+             "is as well measured. Launches that other programs disturb are repeated; if most\n"
+             "are, the tuning waits. --replay measures nothing and needs no device; SCENE and\n"
+             "-n then choose among the workloads of the store.",
     .options = options,
     .rules = rules,
 };

@@ -23,7 +23,7 @@ void exact_integer(mpz_t out, double value, int power);
 void exact_axes(mpz_t axis[3][3], mpz_t norm, mpz_t q[4], const float rotation[4]);
 
 void exact_dot(mpz_t out, mpz_t u[3], mpz_t v[3]);
-void exact_cross(mpz_t *out, mpz_t *u, mpz_t *v); // of three each
+void exact_cross(mpz_t *out, mpz_t *u, mpz_t *v); // the cross product; three numbers each
 
 // The way from t = 0 to t_max by direction, in units of 2^p; without an end the direction, in any
 // unit. Returns p, which is power or less.

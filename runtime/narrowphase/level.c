@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define SLACK (NARROW_SLACK * 0x1p-24f)
-// What the textbook adds to each cosine, lest nearly parallel edges separate.
+// The textbook adds this to each cosine, lest nearly parallel edges separate.
 #define TEXTBOOK_EPSILON 1e-6f
 
 typedef bool (*level_test)(const duet_pose *a, const duet_pose *b, const double shift[3],

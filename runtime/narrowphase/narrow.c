@@ -44,7 +44,7 @@ static double smaller(double x, double y)
     return x < y ? x : y;
 }
 
-// What is known of the separations of the axes seen so far.
+// The separations of the axes tried so far.
 typedef struct separations {
     double slack;    // bounds the error of each separation
     double greatest; // of all axes
@@ -186,7 +186,7 @@ static double sum_of_sizes(const double t[3], const double a[3], const double b[
     return size;
 }
 
-// What is known before the axes are tried.
+// The state before any axis is tried.
 typedef struct approach {
     box a, b;
     double t[3];

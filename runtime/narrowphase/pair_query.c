@@ -16,7 +16,7 @@ enum { COOKIE = 0x0d0e7007 };
 // Some 20 MB of poses: launches cost nothing beside it, and few devices lack it.
 enum { CHUNK = 1 << 18 };
 
-// What a device says of a pair besides 0 and 1, as in kernels/narrowphase/pair_query.cl.
+// Answers of a device for a pair besides 0 and 1, as in kernels/narrowphase/pair_query.cl.
 enum { UNDECIDED = 2, NO_BOX = 3 };
 
 // One device, and what it does of a call.
@@ -25,10 +25,10 @@ typedef struct side {
     kernel *kernel;
     buffer poses;
     buffer found;
-    cl_uint n; // of the pairs that were launched last
+    cl_uint n; // the pairs launched last
     uint32_t dims;
 
-    const duet_pose *all_poses; // what the caller brought
+    const duet_pose *all_poses; // the caller's poses
     uint8_t *answers;
     double *separations;
     uint64_t colliding, undecided;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Whether two rounded boxes share a point: whether their cores are as near as both radii.
 //
-// As with boxes, what the devices leave open comes here: double with a bound, then integers.
+// Pairs that the devices leave open come here, as with boxes: double with a bound, then integers.
 // Touching collides, and every answer is the same for (a, b) and (b, a).
 #ifndef RUNTIME_ROUNDED_H
 #define RUNTIME_ROUNDED_H

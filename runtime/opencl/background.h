@@ -9,7 +9,7 @@
 typedef struct background {
     thread_pool *thread;
     bool under_way; // the caller's alone to read
-    bool ok;        // what the step came to, from its thread
+    bool ok;        // result of the step, from its thread
     duet_error err;
 } background;
 

@@ -54,7 +54,7 @@ void mem_release(cl_mem *mem)
     *mem = NULL;
 }
 
-// Of the device's own, or around the host memory that is there.
+// Allocates device memory, or wraps the given host memory (CL_MEM_USE_HOST_PTR).
 static bool create(buffer *b, const device *d, duet_error *err)
 {
     cl_int code = CL_SUCCESS;

@@ -10,7 +10,7 @@
 
 typedef struct buffer {
     cl_mem mem; // NULL while empty
-    void *host; // where the device works on host memory, else NULL
+    void *host; // set if the device works on host memory, else NULL
     size_t bytes;
     bool borrowed; // host belongs to someone else
 } buffer;
@@ -27,7 +27,7 @@ bool buffer_hold(buffer *b, const device *d, void *host, size_t bytes, duet_erro
 
 void buffer_release(buffer *b);
 
-// Lets go of one that was made or held; it is NULL then, and NULL is passed over.
+// Releases a buffer that was made or held, and sets it to NULL; NULL does nothing.
 void mem_release(cl_mem *mem);
 
 // Each has the other's memory afterwards; nothing is moved.
@@ -38,7 +38,7 @@ void buffer_swap(buffer *a, buffer *b);
 typedef struct host_block {
     void *bytes;
     size_t size;
-    const device *owner; // whose driver locked it; NULL for plain memory
+    const device *owner; // device whose driver locked it; NULL: plain memory
     cl_mem mem;
 } host_block;
 

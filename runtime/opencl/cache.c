@@ -189,7 +189,7 @@ bool cache_get(const char *dir, const char key[65], text *binary)
     return found;
 }
 
-// What is no plain file, a link say, makes space for the entry.
+// Anything but a plain file, such as a link, makes space for the entry.
 static void make_room(int folder, const char *name)
 {
     struct stat info;
@@ -217,7 +217,7 @@ static int by_use(const void *a, const void *b)
     return x->tv_nsec < y->tv_nsec ? -1 : x->tv_nsec > y->tv_nsec;
 }
 
-// Whether the name is an entry's. What a killed process left half-written goes.
+// Whether the name is an entry's. Files that a killed process left half-written are removed.
 static bool note_entry(int folder, const char *name, entry_file *file)
 {
     enum { WRITTEN_BY_THEN_S = 3600 };

@@ -7,7 +7,7 @@
 
 typedef enum buffer_use { BUFFER_READ, BUFFER_WRITTEN } buffer_use;
 
-// What a public call needs of a buffer.
+// A public call's requirements of a buffer.
 typedef struct buffer_need {
     const char *call;
     const char *argument;
@@ -25,8 +25,8 @@ bool callers_buffer_check(cl_mem mem, const buffer_need *need, const device devi
 bool callers_events_check(cl_uint n, const cl_event *events, cl_context context, const char *call,
                           duet_error *err);
 
-// What a call of Duet's waits for before it touches the caller's buffers. It does so on the host:
-// PoCL 3.1 aborts, or hangs, where a command waits for an event that has failed.
+// Events that a call waits for before it touches the caller's buffers. It waits on the host,
+// because PoCL 3.1 aborts, or hangs, if a command waits for an event that has failed.
 typedef struct callers_events {
     cl_event *list;
     cl_uint n;

@@ -21,14 +21,14 @@ typedef struct device {
     cl_context context;
     cl_command_queue queue;   // in order, with profiling
     cl_command_queue beside;  // the same, for what is sent while kernels run
-    cl_command_queue callers; // whose context and device these are; NULL: our own
+    cl_command_queue callers; // queue whose context and device these are; NULL: our own
     duet_device_info info;
     driver driver;
     bool owns_part; // id is a part that we cut off, or the caller's that we hold
     program_pool *built;
 } device;
 
-// Where built programs are kept, and who is told of those that are compiled.
+// The folder of built programs, and the callback for compiled ones.
 typedef struct program_builder {
     const char *cache_dir; // NULL: no cache of ours
     bool is_default;       // the user's folder, which nobody named
@@ -49,8 +49,8 @@ bool device_open_beside(device *d, const char *selector, const device *first, du
 bool device_open_on_queue(device *d, cl_command_queue queue, duet_error *err);
 void device_close(device *d); // an empty one is passed over
 
-// What the driver says of a device. Everything but the selector, which is the list's to give. What
-// a driver does not answer stays empty or 0.
+// Gets all that the driver says about a device; the list sets the selector. Fields that a driver
+// does not answer stay empty or 0.
 void device_info_read(cl_device_id id, duet_device_info *info);
 
 // OpenCL objects of ours that are alive. Drivers hide a forgotten release from

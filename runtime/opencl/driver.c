@@ -19,8 +19,8 @@ static const char third_axis[] =
     "#define get_global_size(axis) (get_num_groups(2) * get_local_size(0))\n"
     "#line 1\n";
 
-// Not one that PoCL reaches through another driver or on another machine. What PoCL builds a
-// device's kernels with stands last in its version: "OpenCL 3.0 PoCL HSTR: pthread-x86_64-...".
+// Not one that PoCL reaches through another driver or on another machine. PoCL's version ends with
+// what it builds a device's kernels with: "OpenCL 3.0 PoCL HSTR: pthread-x86_64-...".
 static bool is_pocls_own_cpu(const duet_device_info *info)
 {
     static const char *const own[] = {"pthread-", "cpu-", "basic-"};

@@ -14,9 +14,8 @@
 #include "runtime/duet.h"
 
 typedef struct driver {
-    // What stands before the text of each kernel where groups lie along the third axis: the
-    // functions of OpenCL by which a kernel asks for its place along the first. NULL where they
-    // lie along it.
+    // Text before each kernel if groups lie along the third axis: the functions of OpenCL by which
+    // a kernel asks for its place along the first. NULL if groups lie along the first.
     const char *third_axis;
 
     // The option that leaves out the header of OpenCL's functions, where the driver reads one for

@@ -25,8 +25,8 @@ typedef union arg_real4 {
 
 typedef struct binding {
     const char *name;
-    const char *type; // as a card writes it; "float4 *" for a buffer of float4
-    uint32_t at;      // of the cl_mem or the value in the struct
+    const char *type; // the card's type; "float4 *" for a buffer of float4
+    uint32_t at;      // offset of the cl_mem or the value in the struct
 } binding;
 
 // Ends with a binding without a name.
@@ -52,7 +52,7 @@ typedef const binding *bindings;
         name, type, offsetof(owner, member.mem) \
     }
 
-// Where the arguments of one kernel are, in the order of its parameters.
+// The places of one kernel's arguments, in the order of its parameters.
 typedef struct launcher {
     struct {
         uint32_t at;

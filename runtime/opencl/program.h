@@ -16,7 +16,7 @@ typedef struct kernel {
     cl_kernel cl;      // NULL before it is built
     uint32_t group;    // work-items a group
     uint32_t per_item; // objects, pairs or values a work-item does
-    char name[160];    // of the variant: "radix.BITS8.WG1.PER_ITEM16384"
+    char name[160];    // the variant's name: "radix.BITS8.WG1.PER_ITEM16384"
     launcher launcher;
 } kernel;
 
@@ -27,7 +27,7 @@ int64_t kernel_param(const kernel *k, const char *param);
 // Whether k is a variant of the kernel of that name; false for NULL.
 bool kernel_is(const kernel *k, const char *name);
 
-// What of a device its variants depend on.
+// Returns the limits of a device that its variants depend on.
 gen_limits program_limits(const duet_device_info *info);
 
 typedef struct program_set program_set;
@@ -49,7 +49,7 @@ kernel *program_set_kernel(program_set *set, const char *kernel_name, const char
 
 // A kernel that somebody wants, in a list of those that are asked for together.
 typedef struct kernel_request {
-    kernel **at; // where it is to be; NULL there where it is not wanted
+    kernel **at; // receives the kernel; NULL if it is not wanted
     bool wanted;
     const char *name;
     const char *entry;

@@ -133,7 +133,8 @@ static bool build_declared(const program_set *set, program *p)
     return build_sources(set, p, 2, sources, options, NULL);
 }
 
-// What a driver refuses with our declarations is built with its own, and its messages count.
+// A program that a driver refuses with our declarations is built with its own, whose messages
+// count.
 bool program_compile(const program_set *set, program *p, duet_error *err)
 {
     if (set->built_ins && build_declared(set, p))

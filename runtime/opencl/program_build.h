@@ -13,11 +13,11 @@ enum { PROGRAM_MOST_ENTRIES = 5 };
 
 typedef struct program {
     struct program *next;
-    char sha256[65]; // of the variant's text
+    char sha256[65]; // hash of the variant's text
     char key[65];    // in the folder of built programs
     char name[160];
     char *text;   // NULL once everything that was asked for is there
-    char *binary; // what the folder has of it, until it is built; or NULL
+    char *binary; // the folder's binary, until it is built; or NULL
     size_t binary_bytes;
     cl_program cl; // NULL: asked for, and not yet built
     bool is_new;   // it was built, and no other set knows of it
@@ -34,7 +34,7 @@ struct program_set {
     gen_limits limits;
     program_builder builder;
     const char *cache_dir; // NULL: this device's programs are not kept there
-    const char *built_ins; // what stands in the place of the driver's header, or NULL
+    const char *built_ins; // text in the place of the driver's header, or NULL
     program *first;
 };
 

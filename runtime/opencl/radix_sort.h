@@ -15,7 +15,7 @@ typedef struct radix_sort {
     cl_uint n, shift, first_pass;
 } radix_sort;
 
-// What is sorted, each [n] words: keys, and buffers to write to in turn.
+// The sorted arrays, each [n] words: keys, and buffers to write to in turn.
 typedef struct radix_lists {
     buffer *keys, *ids;
     buffer *keys_spare, *ids_spare;

@@ -31,7 +31,7 @@ void scan_close(scan *s);
 bool scan_reserve(scan *s, uint32_t n, duet_error *err);
 
 // Writes to each of n words the sum of the values before its own; `to` may be the values
-// themselves. Where the kernels were built with EMPTIES it may not, and the values become zero.
+// themselves. Kernels built with EMPTIES do not allow that, and set the values to zero.
 bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, const buffer *to,
               uint32_t n, duet_error *err);
 

@@ -8,13 +8,13 @@
 #include "runtime/opencl/thread_pool.h"
 #include "runtime/opencl/timeline.h"
 
-// One device's part. What a kind of work needs besides is behind it.
+// One device's part. A kind of work puts its own members behind it.
 typedef struct work_side {
     const device *device; // NULL where it has no share
     gen *gen;
     program_set *programs;
     timeline times;       // begun and finished around a run
-    uint64_t first, last; // of the items of a run
+    uint64_t first, last; // items of a run
     double wall_ms;
     bool ok;
     duet_error err;

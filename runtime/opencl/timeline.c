@@ -122,7 +122,7 @@ bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, si
     return keep_command(t, stage, event, err);
 }
 
-// Where kernels work in place the host sees all once the queue is empty.
+// If kernels work in place, the host sees all once the queue is empty.
 static bool await_queue(timeline *t, duet_error *err)
 {
     cl_int code = clFinish(t->device->queue);
@@ -368,7 +368,7 @@ bool timeline_collect_to(timeline *t, cl_event last, duet_error *err)
     return n == t->n_events || ran_well(t, collect(t, n + 1), err);
 }
 
-// What has no event of its own is over when a marker behind it is.
+// A command without an event is over when a marker behind it is.
 static cl_int mark_end(timeline *t, duet_error *err)
 {
     cl_event event = NULL;

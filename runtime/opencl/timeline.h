@@ -21,9 +21,9 @@ typedef struct timeline {
     bool untimed;         // commands on the device's memory have no events
     bool unheard;         // some of those may be under way
     bool seen;            // the host has seen the end of all that was sent
-    uint32_t n_launches;  // of kernels
+    uint32_t n_launches;  // launches of kernels
     uint32_t n_waits;     // reads that the host waited for
-    cl_ulong first_begin; // of the kernels, on the device's clock; 0: none ran
+    cl_ulong first_begin; // begin of the first kernel, on the device's clock; 0: none ran
     cl_ulong last_end;
     bool beside; // something was written beside the kernels
     cl_int lost; // the device did not say how a command stands; the step has failed
@@ -51,10 +51,9 @@ bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint
 bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, size_t from,
                    size_t to, duet_error *err);
 
-// Copies between host and device. Where the device works on host memory and
-// the bytes are already in place nothing is moved; the device has then at
-// least seen the host's writes, or the host the device's. A read is complete
-// on return, a write may still be under way.
+// Copies between host and device. If the device works on host memory and the bytes are already in
+// place, nothing is moved; the device has then at least seen the host's writes, or the host the
+// device's. A read is complete on return, a write may still be under way.
 bool timeline_write(timeline *t, const char *stage, buffer *b, const void *from, size_t bytes,
                     duet_error *err);
 bool timeline_write_at(timeline *t, const char *stage, buffer *b, size_t at, const void *from,
@@ -82,16 +81,16 @@ bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, v
                          size_t bytes, duet_error *err);
 
 // Waits, and the host sees these buffers where the device works on them: all with one wait, which
-// costs a CPU's driver two wake-ups. Buffers that there are none of are passed over, the last
-// one apart. What was sent before is over then.
+// costs a CPU's driver two wake-ups. Buffers that there are none of are passed over, the last one
+// apart. Earlier commands are over then.
 bool timeline_see(timeline *t, const char *stage, const buffer *const list[], int n,
                   duet_error *err);
 
-// Of what was sent to the queue last; the timeline's until it finishes.
+// Returns the event of the last command in the queue; the timeline's until it finishes.
 cl_event timeline_last_event(const timeline *t);
 
-// Whether a command is over, without waiting. Where the device does not say, it is, and
-// what is collected next fails.
+// Says whether a command is over, without waiting. If the device does not say, it counts as over,
+// and the next collection fails.
 bool timeline_is_over(timeline *t, cl_event event);
 
 // Waits for a flushed event without sleeping: waiting for the queue or the event

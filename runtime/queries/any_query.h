@@ -8,10 +8,10 @@
 
 typedef struct any_query any_query;
 
-// What a run found, as the public queries tell it; the query's, until its next.
+// The result of a run, like the public queries'; the query's, until its next run.
 typedef struct query_result {
     const uint32_t *hits;
-    const float *normals; // [n_hits][3], of rays that ask for them; else NULL
+    const float *normals; // [n_hits][3], for rays that ask for them; else NULL
     uint64_t n_hits;
     uint64_t undecided;
     double total_ms;
@@ -20,7 +20,7 @@ typedef struct query_result {
 
 typedef struct any_query_def {
     query_name name;
-    duet_level level; // of boxes
+    duet_level level; // for boxes
     bool normals;     // of rays
     const duet_filter *filter;
 } any_query_def;
@@ -32,7 +32,7 @@ void any_query_destroy(any_query *q);
 bool any_query_run(any_query *q, const void *items, uint64_t n, query_result *found,
                    duet_error *err);
 
-// Of boxes: duet_box_query_run_itself.
+// Runs duet_box_query_run_itself; for boxes.
 bool any_query_run_itself(any_query *q, const duet_filter *filters, uint64_t n, query_result *found,
                           duet_error *err);
 

@@ -20,21 +20,21 @@ typedef struct box_tree {
 
     buffer objects; // [n] poses, bounds or rounded boxes
     buffer keys, ids, keys_spare, ids_spare;
-    buffer items;  // whose order is sought
+    buffer items;  // items to be ordered
     buffer boxes;  // [slots][TREE_BOX_WORDS]
     buffer nodes;  // [..][NODE_WORDS]
     buffer levels; // [n_levels]
     buffer extent; // [EXTENT_WORDS]
     buffer counters;
-    cl_uint n, slots, n_levels; // of an empty tree 0
+    cl_uint n, slots, n_levels; // 0 in an empty tree
     cl_uint first_item, item_words, item_cell;
-    cl_uint n_listed, step;              // of what is measured or gets keys: boxes or items
-    cl_uint below, n_below, at, n_slots; // of the level that is made
+    cl_uint n_listed, step;              // boxes or items that are measured or get keys
+    cl_uint below, n_below, at, n_slots; // the level being built
 } box_tree;
 
 enum { TREE_MOST_BOXES = 1 << 30 };
 
-// As the tree has them: spheres are rounded boxes without a core.
+// Returns the shape that the tree stores: spheres are rounded boxes without a core.
 duet_shape box_tree_shape(duet_shape shape);
 size_t box_tree_width(duet_shape shape, float origin); // bytes of one
 

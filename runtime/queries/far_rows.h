@@ -13,7 +13,7 @@ typedef struct far_rows {
     uint32_t words, cell_word;
 } far_rows;
 
-// Of a duet_large_pose.
+// Layout of a duet_large_pose.
 #define FAR_POSE_WORDS 14
 #define FAR_POSE_CELL 10
 

@@ -241,7 +241,7 @@ static met approach(const chase *c, double target, double *t, gap *g)
     return OPEN;
 }
 
-// Of cores that do not meet.
+// Computes it for cores that do not meet.
 static met meet_in_double(const chase *c)
 {
     double t = 0, near = c->reach - c->doubt;
@@ -256,7 +256,7 @@ static met meet_in_double(const chase *c)
     return g.length < near ? MET : OPEN;
 }
 
-// What is reported: no t above t_max, and no normal where t is 0.
+// Trims the report: no t above t_max, and no normal where t is 0.
 static float report(double t, const gap *g, float t_max, float normal[3])
 {
     float rounded = (float)t < t_max ? (float)t : t_max;

@@ -15,7 +15,7 @@ bool rounded_sweep_meets(const duet_rounded_sweep *sweep, const duet_rounded_box
 bool rounded_sweep_meets_exactly(const duet_rounded_sweep *sweep, const duet_rounded_box *box,
                                  uint32_t dims);
 
-// As sweep_enter, for boxes that meet.
+// Like sweep_enter, for boxes that meet.
 float rounded_sweep_enter(const duet_rounded_sweep *sweep, const duet_rounded_box *box,
                           uint32_t dims, float normal[3]);
 

@@ -176,7 +176,7 @@ static met meet_in_double(const duet_sweep *sweep, const duet_pose *box, const d
     return is_sure(&p.surely[0]) || is_sure(&p.surely[1]) ? MET : OPEN;
 }
 
-// What is reported: no t above t_max, no 0 below 0, and no normal where t is 0.
+// Trims the report: no t above t_max, no 0 below 0, and no normal where t is 0.
 static float report(const passage *p, float t_max, float normal[3])
 {
     float rounded = (float)p->enter, t = rounded < t_max ? rounded : t_max;

@@ -272,7 +272,7 @@ bool tree_fetch_objects(duet_tree *tree, duet_error *err)
     return tree->fetched;
 }
 
-// What devices wrap is given back before it moves.
+// Memory that devices wrap is released before it moves.
 bool tree_reserve_objects(duet_tree *tree, uint32_t n, duet_error *err)
 {
     if (n > TREE_MOST_BOXES)

@@ -13,12 +13,12 @@
 typedef struct tree_side {
     const device *device;
     gen *gen;
-    program_set *programs; // of the tree's kernels and its queries'
+    program_set *programs; // kernels of the tree and of its queries
     box_tree boxes;
     buffer filters;         // [n] of the objects
     uint64_t filters_known; // the tree's filters_set when they were sent; 0: they were not
     timeline times;
-    bool ok; // of the work that both sides did last
+    bool ok; // result of the last work of both sides
     duet_error err;
 } tree_side;
 
@@ -51,7 +51,7 @@ const char *tree_shape_name(const duet_tree *tree); // "rounded boxes"
 
 // n objects of the tree's kind, as the tree has them; in origin cells settled, but from 0.
 void tree_copy_rows(const duet_tree *tree, const void *objects, uint64_t n, void *rows);
-size_t tree_row_bytes(const duet_tree *tree); // of one
+size_t tree_row_bytes(const duet_tree *tree); // bytes of a row
 
 // The objects' cells count from their middle from now on, which all are that the host has.
 void tree_find_middle(duet_tree *tree);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A tree of a motion's bodies. Where the motion is on the tree's devices, B writes them from its
-// state; the host gets them where A or an open hit needs them.
+// A tree of a motion's bodies. If the motion is on the tree's devices, B writes them from its
+// state; the host gets them if A or an open hit needs them.
 #include "base/error.h"
 #include "runtime/dynamics/motion_poses.h"
 #include "runtime/queries/tree.h"

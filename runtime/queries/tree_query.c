@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A takes the first share of the items and B the rest, at the same time; each has the whole
-// tree. What float leaves open the host decides, a chunk of items at a time. While a device with
+// A takes the first share of the items and B the rest, at the same time; each has the whole tree.
+// The host decides hits that float leaves open, a chunk of items at a time. While a device with
 // memory of its own traces a chunk, the host copies the next one for it and decides the one before.
 #include "runtime/queries/tree_query.h"
 
@@ -419,7 +419,7 @@ static void finish_hits(query_side *s, uint64_t begin, uint64_t end)
         thread_pool_share(s->helpers, finish_some, &rows, end - begin, PIECE);
 }
 
-// Where the chunk's hits are: each item's have a place of their own, or they follow those before.
+// The place of the chunk's hits: one for each item, or behind the hits before.
 static uint64_t hits_begin(const query_side *s)
 {
     return s->each > 0 ? (s->first_item - s->first) * s->each : s->found.n;

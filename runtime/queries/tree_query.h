@@ -21,8 +21,8 @@ typedef enum query_wants {
 typedef struct query_kind {
     const char *item;   // "ray"
     const char *items;  // "rays"
-    const char *wrong;  // what may be wrong with one, in a message
-    const char *kernel; // of kernels/queries, and its entry
+    const char *wrong;  // mistakes in an item, for messages
+    const char *kernel; // kernel of kernels/queries, and its entry
     uint32_t hit_words;
     // Copies items as the caller has them to items as the kernel does; NULL: they are that.
     void (*copy)(const duet_tree *tree, const void *items, uint64_t n, void *to);
@@ -51,7 +51,7 @@ typedef struct query_flow {
     buffer items, hits, open, counters;
     uint64_t first;
     cl_uint n;
-    cl_event over; // of what it did last; the timeline's
+    cl_event over; // event of its last command; the timeline's
 } query_flow;
 
 // One device's part of a run.
@@ -60,7 +60,7 @@ typedef struct query_side {
     tree_side *tree;
     kernel *kernel;
     buffer items, hits, open, counters;
-    cl_uint n, first_item, hits_capacity, open_capacity; // of the chunk that was launched last
+    cl_uint n, first_item, hits_capacity, open_capacity; // the chunk launched last
     cl_uint n_levels, n_boxes, in_order, each;
     cl_uint group, mask;                                  // the query's filter
     buffer objects, boxes, nodes, levels, order, filters; // the tree's
@@ -68,7 +68,7 @@ typedef struct query_side {
     uint64_t first, last;
     hit_list found;
     hit_list open_hits;
-    query_flow flows[2];  // of two chunks that follow each other
+    query_flow flows[2];  // two chunks that follow each other
     thread_pool *helpers; // copy items and finish hits; NULL: one thread does
     uint64_t undecided;
     double wall_ms;
@@ -83,14 +83,14 @@ typedef struct tree_query {
     uint32_t item_cell;        // in origin cells: the word of an item's cell
     uint32_t each;             // hits an item; 0 for QUERY_EVERY
     bool itself;               // its items are the tree's objects
-    const duet_filter *filter; // of the items, own_filter; NULL: they find every object
+    const duet_filter *filter; // filter of the items, own_filter; NULL: they find every object
     duet_filter own_filter;
     gen_setting settings[QUERY_SETTINGS];
     uint32_t n_settings;
     query_side sides[2];
-    const char *items;          // of the run
+    const char *items;          // items of the run
     void *own_items;            // copies, of spheres and in origin cells: as the tree has them
-    const duet_filter *filters; // of the objects, where these are the items; NULL: all touch
+    const duet_filter *filters; // the objects' filters, if objects are the items; NULL: all touch
     hit_list joined;
     query_normal *normal; // NULL: not asked for
     float *normals;       // [most_normals][3] of the hits, 0 where there is none

@@ -8,13 +8,13 @@
 const duet_tree_def *tree_def(const duet_tree *tree);
 uint32_t tree_count(const duet_tree *tree);
 
-// Of its objects.
+// Returns the kind of its objects.
 duet_object_kind tree_kind(const duet_tree *tree);
 
-// Of queries of that name: their own, or else the tree's.
+// Returns the share of queries of that name: their own, or else the tree's.
 uint32_t tree_share_of(const duet_tree *tree, const char *query);
 
-// As duet_tree_set_share, for queries of that name alone.
+// Sets the share like duet_tree_set_share, for queries of that name alone.
 bool tree_tune(duet_tree *tree, const query_name *query, uint32_t share, duet_error *err);
 
 #endif

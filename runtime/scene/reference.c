@@ -296,9 +296,8 @@ static bool meet_column(finder *f, const entry *e, size_t from, size_t to, doubl
     return true;
 }
 
-// The entries from..to are of one class, at or above e's. Those that meet e
-// have their centres at most half an edge outside its bounds, and rounding
-// keeps that order.
+// The entries from..to are of one class, at or above e's. Objects that meet e have their centres at
+// most half an edge outside its bounds, and rounding keeps that order.
 static bool meet_class(finder *f, const entry *e, size_t from, size_t to)
 {
     double edge = f->entries[from].edge;
@@ -317,7 +316,7 @@ static bool meet_class(finder *f, const entry *e, size_t from, size_t to)
     return true;
 }
 
-// Where each class's entries end.
+// Finds the end of each class's entries.
 static int mark_classes(const finder *f, size_t ends[MAX_CLASSES])
 {
     int n = 0;

@@ -17,7 +17,7 @@ typedef struct reference_objects {
     const duet_rounded_box *rounded_boxes;
     const duet_sphere *spheres;
     duet_level level; // but of bounds; by default certified
-    bool rotated;     // for other levels: false promises identity rotations
+    bool rotated;     // false promises identity rotations, at levels other than certified
     float origin;     // the edge of origin cells, or 0
 } reference_objects;
 
@@ -26,7 +26,7 @@ typedef enum reference_way {
     REFERENCE_COLUMNS         // objects by size, then by column of the world
 } reference_way;
 
-// What was found. The pairs are ascending by (a, b), each with a < b.
+// The result. The pairs are ascending by (a, b), each with a < b.
 typedef struct reference_found {
     duet_pair *pairs; // given back by duet_free
     uint64_t n;

@@ -13,9 +13,9 @@
 struct duet_scene {
     duet_scene_info info;
     char *name;           // info.name
-    uint32_t columns;     // of a row; 0: none was read yet
+    uint32_t columns;     // columns of a row; 0: none was read yet
     uint32_t per_row;     // objects in a row: 1, or 2 in a file of pairs
-    void *objects;        // as info.shape says, or with an origin duet_large_pose
+    void *objects;        // [n] by info.shape, or with an origin duet_large_pose
     duet_pose *rounded;   // with an origin: the poses with their centres rounded to float
     float *radii;         // [n] of poses while they are read, where one has some
     bool mixes;           // rows with and without a radius may stand side by side
@@ -23,12 +23,12 @@ struct duet_scene {
     double (*centres)[3]; // [n] poses' centres as they were read
     uint64_t capacity;    // objects that fit
     uint64_t n_read;      // objects so far, kept or not
-    uint64_t first, end;  // of those the ones that are kept: [first, end)
+    uint64_t first, end;  // objects that are kept: [first, end)
     bool defers;          // `each` makes only its first object, and
     uint64_t n_deferred;  // these are left out
 
-    duet_motion_def motion; // as far as the scene says it
-    duet_body body;         // of objects that have none of their own
+    duet_motion_def motion; // the scene's settings of motion
+    duet_body body;         // body of objects without their own
     bool has_body;
     struct scene_body *given; // bodies of single objects, as far as given
     uint32_t n_given;
@@ -67,7 +67,7 @@ uint64_t scene_pass_over(duet_scene *scene, uint64_t n);
 // Moves the objects: the i-th is then the one that was order[i].
 bool scene_reorder(duet_scene *scene, const uint32_t *order, duet_error *err);
 
-// Of which kind a scene's objects are.
+// Returns the kind of a scene's objects.
 duet_object_kind scene_kind(const duet_scene_info *info);
 
 // ---------------------------------------------------------------- scene_radii.c

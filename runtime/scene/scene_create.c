@@ -37,7 +37,7 @@ static duet_scene *start_copy(duet_shape shape, const void *objects, uint32_t n,
 
 static void write_pose(const duet_pose *pose, uint32_t dims, double *row)
 {
-    const uint32_t first = dims == 2 ? 2 : 0; // of the quaternion
+    const uint32_t first = dims == 2 ? 2 : 0; // part of the quaternion
     for (uint32_t k = 0; k < dims; ++k) {
         row[k] = pose->centre[k];
         row[dims + k] = pose->half_extents[k];

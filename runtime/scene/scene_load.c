@@ -34,7 +34,7 @@ static bool has_ending(const char *path, const char *ending)
     return length >= n && strcmp(path + length - n, ending) == 0;
 }
 
-// What can be set of a file that is data alone: origin=cell, and the cells' edge.
+// Settings of a file that is data alone: origin=cell, and the cells' edge.
 static bool read_origin(const char *path, const duet_setting *settings, uint32_t n_settings,
                         double *edge, duet_error *err)
 {
@@ -84,7 +84,7 @@ static bool refuse_path(const char *path, const duet_error *why, duet_error *err
                      "%s: no such file or scene; 'duet scenes' lists the scenes", path);
 }
 
-// Of a .npy file only the rows that are kept are read, so it stays where it is.
+// Only the kept rows of a .npy file are read, so it stays where it is.
 static bool open_rows(const char *path, scene_source *source)
 {
     struct stat info;
@@ -98,9 +98,8 @@ static bool open_rows(const char *path, scene_source *source)
     return false;
 }
 
-// What the path means: a scene that comes with Duet by its name, also by its path in the
-// source tree where that is not; "-", which is stdin; or a file. The bytes of the last two
-// are in *file.
+// The meaning of a path: a scene that comes with Duet by its name, also by its path in the source
+// tree where that is not; "-", which is stdin; or a file. The bytes of the last two are in *file.
 static bool open_source(const char *path, scene_source *source, text *file, duet_error *err)
 {
     shipped_scene shipped;

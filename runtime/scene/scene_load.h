@@ -11,9 +11,8 @@
 duet_scene *scene_load_range(const char *path, const duet_setting *settings, uint32_t n_settings,
                              uint64_t first, uint64_t end, uint64_t *n, duet_error *err);
 
-// duet_scene_load in which `each` makes only its first object, and of a .npy file no other is
-// read: *deferred are left out of all *n. Where there are any, parts of the scene are better read
-// by their ranges.
+// duet_scene_load in which `each` makes only its first object, and of a .npy file no other is read:
+// *deferred are left out of all *n. If there are any, read parts of the scene by their ranges.
 duet_scene *scene_load_deferred(const char *path, const duet_setting *settings, uint32_t n_settings,
                                 uint64_t *n, uint64_t *deferred, duet_error *err);
 

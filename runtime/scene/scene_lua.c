@@ -230,8 +230,7 @@ static int word_random(lua_State *L)
 // ---------------------------------------------------------------- objects
 // One object as a scene's script writes it, made into a row.
 
-// What an object costs of a script's instructions, so that an endless loop of
-// them ends before memory does.
+// Instructions that a script pays for an object, so that an endless loop ends before memory does.
 #define ADD_INSTRUCTIONS 20
 
 // The named parts that an object can have, and how many numbers each takes.
@@ -367,8 +366,8 @@ static part read_part(lua_State *L, const scene_reading *reading, part_id id)
     return p;
 }
 
-// Bounds are two corners; a pose is centre and half extents, and a rotation
-// of the kind that its dimensions have. What has a radius may have no extents besides.
+// Bounds are two corners; a pose is centre and half extents, and a rotation of the kind that its
+// dimensions have. An object with a radius may have no extents besides.
 static bool fit_together(const part *p)
 {
     bool corners = p[LOWER].n > 0 && p[LOWER].n == p[UPPER].n;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A scene while its script runs, and what it says of motion: bodies of its objects, and a
-// motion's def. What is wrong is raised as a Lua error; the reading's err keeps the status where
-// a check of the scene's own refused an object.
+// A scene while its script runs, and what it says of motion: bodies of its objects, and a motion's
+// def. Mistakes are raised as Lua errors; the reading's err keeps the status if a check of the
+// scene's own refused an object.
 #ifndef RUNTIME_SCENE_LUA_H
 #define RUNTIME_SCENE_LUA_H
 

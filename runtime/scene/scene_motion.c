@@ -154,7 +154,7 @@ void scene_read_body(lua_State *L, scene_reading *reading)
     lua_pop(L, 1);
 }
 
-// As many finite numbers as there are dimensions, from the top of the stack.
+// Reads `dims` finite numbers from the top of the stack.
 static void read_doubles(lua_State *L, const char *name, uint32_t dims, double *v)
 {
     bool ok = lua_rawlen(L, -1) == dims;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Objects as NumPy writes them: an array of floats of shape (n, columns).
 //
-// A file is a magic, a version, a header that is a Python literal, and the
-// array. The sizes are checked against the file's length before anything is
-// taken from it, so that a wrong header never leads past the end. Of a large file only the
-// rows that a scene keeps are read.
+// A file is a magic, a version, a header that is a Python literal, and the array. The sizes are
+// checked against the file's length before anything is taken from it, so that a wrong header never
+// leads past the end. Only the rows that a scene keeps are read from a large file.
 #define _POSIX_C_SOURCE 200809L // pread
 #include "runtime/scene/scene_source.h"
 
@@ -43,7 +42,7 @@ static bool refuse(const npy *file, duet_error *err, const char *what)
 
 // ----------------------------------------------------------------- literal
 
-// What is left of the literal.
+// The rest of the literal.
 typedef struct cursor {
     const char *at;
     const char *end;
@@ -300,8 +299,7 @@ static bool add_rows(duet_scene *scene, const npy *file, uint64_t n, const unsig
     return ok;
 }
 
-// Rows, from `first` on, that are of interest at once; 0 at the end. Those that are not kept are
-// passed over.
+// Rows, from `first` on, that are of interest at once; 0 at the end. Other rows are passed over.
 static uint64_t next_rows(duet_scene *scene, uint64_t *first, uint64_t end)
 {
     for (uint64_t passed = 1; scene->per_row == 1 && passed > 0; *first += passed)

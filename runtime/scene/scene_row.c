@@ -146,7 +146,7 @@ static const scene_layout layouts[] = {
     {11, 3, DUET_SHAPE_POSES, pose_3d, store_pose_3d},
 };
 
-// What duet_scene_create makes of a pose in 2D; in no file.
+// The row of a 2D pose from duet_scene_create; in no file.
 const scene_layout scene_layout_pose_2d = {6, 2, DUET_SHAPE_POSES, pose_2d, store_pose_2d};
 
 const scene_layout *scene_layout_find(uint32_t columns)

@@ -5,12 +5,11 @@
 
 #include "runtime/duet.h"
 
-#define SCENE_MAX_COLUMNS 11 // of an object
-#define SCENE_MAX_NUMBERS 20 // of a row: two poses in a file of pairs
+#define SCENE_MAX_COLUMNS 11 // columns of an object
+#define SCENE_MAX_NUMBERS 20 // numbers of a row: two poses in a file of pairs
 
-// Where a row comes from, for messages: "path:line: ", "path: " for line 0,
-// nothing for path NULL. Objects 2 i and 2 i + 1 of a file of pairs are called
-// the poses of pair i.
+// The origin of a row, for messages: "path:line: ", "path: " for line 0, nothing for path NULL.
+// Objects 2 i and 2 i + 1 of a file of pairs are called the poses of pair i.
 typedef struct scene_place {
     const char *path;
     uint64_t line;

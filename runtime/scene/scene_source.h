@@ -5,9 +5,9 @@
 
 #include "runtime/scene/scene.h"
 
-// What a scene is read from: a file, stdin, or what the library carries.
+// The source of a scene: a file, stdin, or a file that the library carries.
 typedef struct scene_source {
-    const char *name;  // what messages call it: the path
+    const char *name;  // the path, for messages
     const char *bytes; // followed by a NUL; NULL: they are in the file
     size_t length;
     int file; // open, where bytes is NULL

@@ -19,7 +19,7 @@ bool shipped_at(unsigned i, shipped_scene *scene);
 // A name is a word without '/' and '.'; a file that is called so is read as "./paper".
 bool shipped_find(const char *name, shipped_scene *scene);
 
-// What a mistyped name was probably meant to be; false where none is near.
+// Finds the name that a mistyped one was probably meant to be; false if none is near.
 bool shipped_find_nearest(const char *typed, shipped_scene *scene);
 
 #endif

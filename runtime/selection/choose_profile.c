@@ -19,7 +19,7 @@ const char *duet_grade_name(duet_grade grade)
     return (unsigned)grade <= DUET_GRADE_DEFAULT ? profile_grade_name((profile_grade)grade) : NULL;
 }
 
-// What was found is good enough to be used.
+// Says whether the found profile is good enough to be used.
 static bool is_trusted(const profile_found *found)
 {
     return found->grade < PROFILE_STALE;

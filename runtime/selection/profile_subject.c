@@ -62,8 +62,8 @@ static bool find_part(const char *selector, char name[PROFILE_PART])
     return true;
 }
 
-// Of a part that the caller cut off OpenCL tells how many units it has and not which: A's are
-// taken to be the first ones, and B's the next.
+// OpenCL says how many units a part of the caller's has, and not which: A's are taken to be the
+// first ones, and B's the next.
 static bool name_part(const device devices[2], int side, char name[PROFILE_PART])
 {
     const device *a = &devices[0], *d = &devices[side];
@@ -114,8 +114,8 @@ static bool hash_file(const char *dir, const char *name, char key[PROFILE_SHA], 
     return ok;
 }
 
-// All kernels and what generates them: whichever of it changes, a time may.
-// What is carried was hashed when it was built.
+// All kernels and what generates them: whichever of it changes, a time may. Carried kernels were
+// hashed at build time.
 static bool hash_kernels(const char *dir, char kernels[PROFILE_SHA], duet_error *err)
 {
     static const char folder[] = "kernels/";
@@ -246,7 +246,7 @@ bool profile_subject_read_query(const duet_tree *tree, const query_name *query, 
 
 // ---------------------------------------------------------------- motions
 
-// What decides the text of its kernels, and how often they run.
+// The settings that decide the text of its kernels, and how often they run.
 static void list_effects(const duet_motion *m, char words[PROFILE_EFFECTS])
 {
     int n = snprintf(words, PROFILE_EFFECTS, PROFILE_MOVING " substeps=%u%s", m->def.substeps,
@@ -271,7 +271,7 @@ static void *copy_bodies(const duet_motion *m, duet_object_kind kind, duet_error
     return large ? (void *)large : boxes;
 }
 
-// As a still world that the bodies are in.
+// Describes the still world that holds the bodies.
 static bool read_bodies(const duet_motion *m, profile_subject *p, duet_error *err)
 {
     duet_world_def def = duet_default_world_def();

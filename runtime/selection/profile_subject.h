@@ -17,7 +17,7 @@ typedef struct profile_subject {
     char parts[2][PROFILE_PART];     // "0-0" of a part of a CPU, "second" of an equal device
     char query[QUERY_NAME];          // the workload's
     char effects[PROFILE_EFFECTS];   // a motion's
-    char kernels[PROFILE_SHA];       // of all kernel text
+    char kernels[PROFILE_SHA];       // hash of all kernel text
     const char *levels[DUET_LEVELS]; // that may be within the accuracy asked for
     uint32_t n_levels;               // 0: the workload's own level is asked for
     duet_accuracy accuracy;
@@ -33,8 +33,8 @@ bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err
 bool profile_subject_read_query(const duet_tree *tree, const query_name *query, uint64_t n,
                                 profile_subject *p, duet_error *err);
 
-// Of a motion's bodies as they were given. BAD_ARGUMENT for a motion without bodies, or in which
-// nothing happens.
+// Makes the subject of a motion's bodies as they were created. BAD_ARGUMENT for a motion without
+// bodies, or in which nothing happens.
 bool profile_subject_read_motion(const duet_motion *motion, profile_subject *p, duet_error *err);
 
 // From here on it is the workload at that level, whatever was asked for.
@@ -44,7 +44,7 @@ void profile_subject_settle(profile_subject *p, duet_level level);
 profile_request profile_subject_request(const profile_subject *p);
 
 // Looks in the store at the path alone; without one in the user's and, where that has nothing
-// better, in the system's. As profile_lookup_files else.
+// better, in the system's. Otherwise like profile_lookup_files.
 bool profile_subject_look(const char *path, const profile_request *request, profile_found *found,
                           text *why, duet_error *err);
 

@@ -25,6 +25,7 @@ static const struct {
 #endif
     {"commands", bench_commands,
      "bodies that come and go before each step, and the same only woken"},
+    {"cost", bench_cost, "processor time and instructions of a step of six scenes, for .ci/cost"},
     {"generate", bench_generate, "the text of each kernel, and its number of configs"},
     {"lookup", bench_lookup, "opening the profile store and looking up, with --n profiles in it"},
     {"loss", bench_loss,

@@ -27,6 +27,7 @@ typedef bool bench_run(const bench_options *options, duet_error *err);
 bench_run bench_candidates;
 bench_run bench_cells;
 bench_run bench_commands;
+bench_run bench_cost;
 bench_run bench_generate;
 bench_run bench_growth;
 bench_run bench_join;

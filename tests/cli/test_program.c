@@ -18,7 +18,7 @@ TEST(help_and_version_are_printed)
 {
     program p = program_run("--version");
     assert_int_equal(p.exit_code, 0);
-    assert_string_equal(p.out, "duet 1.0.0\n");
+    assert_string_equal(p.out, "duet 0.9.0\n");
     program_free(&p);
     p = program_run("--help");
     assert_non_null(strstr(p.out, "\nexit status: 0 done, 1 failed (or 'bench --against': slower), "

@@ -43,7 +43,7 @@ run(${CMAKE_COMMAND} -S ${SOURCE} -B ${FOLDER}/build -G Ninja -DCMAKE_INSTALL_PR
   -DBUILD_TESTING=OFF "-DCMAKE_C_COMPILER_LAUNCHER=${LAUNCHER}")
 run(${CMAKE_COMMAND} --build ${FOLDER}/build --target package)
 
-set(packages duet libduet1 libduet-dev lua-duet)
+set(packages duet libduet0.9 libduet-dev lua-duet)
 file(GLOB cluster ${FOLDER}/build/duet-cluster)
 if(cluster)
   list(APPEND packages duet-cluster)
@@ -60,7 +60,7 @@ foreach(package IN LISTS packages)
   endif()
 endforeach()
 file(GLOB deb ${FOLDER}/build/libduet-dev_*.deb)
-run_says("^libduet1 \\(= 1" dpkg-deb -f ${deb} Depends)
+run_says("^libduet0.9 \\(= 0" dpkg-deb -f ${deb} Depends)
 foreach(file share/doc/duet/README.md share/doc/duet/docs/guide.md share/doc/duet/examples/hello.c
     share/man/man1/duet.1.gz share/man/man1/duet-run.1.gz share/bash-completion/completions/duet
     share/duet/lua/scenes/paper.lua share/duet/lua/definitions/duet.lua)
@@ -69,7 +69,7 @@ endforeach()
 
 set(duet ${root}/usr/bin/duet)
 set(experiments ${root}/usr/share/duet/lua/experiments)
-run_says("^duet 1" ${duet} --version)
+run_says("^duet 0" ${duet} --version)
 if(cluster)
   must_exist(usr/bin/duet-cluster)
   must_exist(usr/include/duet/duet_cluster.h)

@@ -30,7 +30,7 @@ static void assert_prints(const char *arguments, const char *output)
 
 TEST(text_file_and_arguments_run)
 {
-    assert_prints("lua -e 'print(1 + 1, duet.version)'", "2\t1.0.0\n");
+    assert_prints("lua -e 'print(1 + 1, duet.version)'", "2\t0.9.0\n");
     test_write_file(SCRIPT,
                     "#!/usr/bin/env duet\nprint(arg[0], #arg, arg[1], require 'duet' == duet)\n");
     assert_prints("lua -e 'x = 1' " SCRIPT " --json b", SCRIPT "\t2\t--json\ttrue\n");

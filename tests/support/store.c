@@ -113,7 +113,7 @@ profile_session test_session(int64_t pair_id, int64_t workload_id)
         .options = "{\"launches\":16}",
         .seed = 1,
         .script = "return { n = 1000 }",
-        .tool_version = "1.0.0",
+        .tool_version = "0.9.0",
         .load = 0.5,
         .timer_ns = 30,
     };

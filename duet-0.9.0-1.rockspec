@@ -2,7 +2,7 @@
 -- For LuaRocks, in a checkout: luarocks --lua-version 5.4 make
 rockspec_format = "3.0"
 package = "duet"
-version = "1.0.0-1"
+version = "0.9.0-1"
 source = { url = "file://." } -- built from the checkout that it lies in
 description = {
   summary = "Collisions among millions of boxes, shared between two OpenCL devices",
