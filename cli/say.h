@@ -50,9 +50,9 @@ bool say_to_file(struct text *chars, const char *path, duet_error *err);
 bool say_finish(void);
 
 // A line on the terminal that tells how far long work is: its rate and the
-// time left. Nothing is shown where stderr is not a terminal. Of works that are
-// a part of another the outermost is shown, and how far the innermost is in it:
-// "case 3 of 24, 40 s left; kernel 2 of 9".
+// time left. Nothing is shown where stderr is not a terminal. Nested works
+// are shown by the outermost and the innermost: "case 3 of 24, 40 s left; kernel 2
+// of 9".
 typedef struct progress {
     const char *what; // "step", "launch"; up to 100 characters
     uint64_t total;   // 0: not known

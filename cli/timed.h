@@ -24,7 +24,7 @@ typedef struct timed {
     uint64_t hash;
 } timed;
 
-// What each step is sent.
+// The input of each step.
 typedef enum timed_input {
     TIMED_INPUT_HOST,       // all of the objects, as a frame of a game would
     TIMED_INPUT_RESIDENT,   // nothing: the objects stay on the devices

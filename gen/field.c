@@ -112,7 +112,7 @@ void field_only(lua_State *L, int table, const char *what, const char *const *na
     }
 }
 
-// For the value on top: what it is and what it should be.
+// Says what the value on top is and what it should be.
 static void raise_type(lua_State *L, const char *name, const char *wanted)
 {
     if (lua_type(L, -1) == LUA_TSTRING)

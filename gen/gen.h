@@ -21,7 +21,7 @@ typedef struct gen gen;
 gen *gen_open(const char *kernel_dir, duet_error *err);
 void gen_close(gen *g);
 
-// What of a device decides which configs are valid.
+// Limits of a device, which decide which configs are valid.
 typedef struct gen_limits {
     uint32_t max_group;
     uint64_t local_bytes;
@@ -35,7 +35,7 @@ typedef struct gen_setting {
     int64_t value;
 } gen_setting;
 
-// What somebody who makes several kernels says of a parameter. Of several such offers the last
+// An offer for a parameter, by a caller that makes several kernels. The last of several offers
 // counts.
 typedef enum gen_manner {
     GEN_REQUIRED, // the kernel must have the parameter
@@ -96,7 +96,7 @@ const char *gen_kernel(const gen *g, uint32_t i);
 // are a folder's, which may call others.
 const char *gen_built_ins(const gen *g);
 
-// What a kernel lets vary. The strings and values are the gen's.
+// A parameter that a kernel lets vary. The strings and values are the gen's.
 typedef struct gen_param {
     const char *name;
     const char *about; // one line of the card

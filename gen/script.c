@@ -176,8 +176,8 @@ static void set_hook(script *s)
 
 // ---------------------------------------------------------------- memory
 
-// Where there was no block, Lua says what kind of object it is for. Tables do
-// not count here: no instruction looks at the whole of one.
+// Lua says what kind of object a new block is for. Tables do not count here: no
+// instruction looks at the whole of one.
 static void note_size(script *s, size_t kind, size_t bytes)
 {
     if ((kind != LUA_TSTRING && kind != LUA_TUSERDATA) || bytes <= s->largest_bytes)
@@ -308,7 +308,7 @@ static const char *after_cut_name(const char *message, const text *name)
     return same ? message + 3 + kept : NULL;
 }
 
-// What the running call has passed, as a line.
+// The limit that the running call has passed, as a line.
 static bool report_limit(script *s, duet_status status, duet_error *err)
 {
     const char *place = *s->place ? s->place : s->name.chars;

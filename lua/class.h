@@ -31,7 +31,7 @@ typedef struct lua_class {
     const char *noun;              // of such a one: "tree"
 } lua_class;
 
-// What such a userdata is of; NULL: it is closed.
+// The object of such a userdata. NULL: it is closed.
 typedef struct lua_handle {
     void *object;
 } lua_handle;

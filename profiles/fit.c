@@ -424,8 +424,8 @@ static bool covers(const forecast_ask *ask, const forecast *f)
     return ask->n * REACH >= f->n_min && ask->n <= f->n_max * REACH;
 }
 
-// Of many plans, the one that looks quickest is likely one that little is known
-// of; so the slow end of the interval decides.
+// The plan that looks quickest among many is likely one that little is known of;
+// so the slow end of the interval decides.
 static double cautious_ns(const forecast *f)
 {
     return f->both.ns * (1 + 2 * f->doubt);

@@ -82,9 +82,9 @@ bool profile_lookup(store *s, const profile_request *request, profile_found *fou
 // The one stored profile of that uid, live or not: as of grade exact.
 bool profile_read(store *s, const char *uid, profile_found *found, duet_error *err);
 
-// What an application does at its start: looks in the user's file and, where
-// that has nothing better, in the system's; neither is written, made, or
-// waited for. A missing file is no failure. On any failure found has the best
+// Looks in the user's file, as an application does at its start, and in the
+// system's if that has nothing better; neither is written, made, or waited for.
+// A missing file is no failure. On any failure found has the best
 // that the other file gave, or the default grade.
 bool profile_lookup_files(const char *user_path, const char *system_path,
                           const profile_request *request, profile_found *found, text *why,

@@ -41,7 +41,7 @@ typedef struct profile_row {
 // A plan that was not raced often enough is never loaded.
 #define PROFILE_TOO_FEW_ROUNDS "too few rounds for a verdict"
 
-// Where a row went.
+// The place that a row got.
 typedef struct profile_placed {
     char uid[PROFILE_ID];
     char unused[128]; // why it is not live; empty: it is
@@ -125,8 +125,8 @@ bool profile_entry_each(store *s, const char *uid, bool dead_too, profile_entry_
 
 // ---------------------------------------------------------------- levels
 
-// What a level finds, and what a step takes at it. From a workload's table a level
-// is chosen within a budget, any budget, without measuring again.
+// The finds of a level, and the time of a step at it. A workload's table serves to
+// choose a level within any budget, without measuring again.
 enum { PROFILE_LEVEL_COSTS = 16 }; // the most levels of a list
 
 typedef struct profile_level_cost {
@@ -137,7 +137,7 @@ typedef struct profile_level_cost {
     uint64_t invented; // pairs reported that are none
 } profile_level_cost;
 
-// What a table of level costs is of. workload_id is that of level "auto".
+// The subject of a table of level costs. workload_id is that of level "auto".
 typedef struct profile_level_cost_key {
     int64_t pair_id;
     int64_t workload_id;

@@ -94,7 +94,7 @@ typedef enum profile_sample_flag {
     PROFILE_SAMPLE_DISTURBED = 4 // other programs disturbed it, so that it does not count
 } profile_sample_flag;
 
-// One launch. What was not measured is 0.
+// One launch. Times that were not measured are 0.
 typedef struct profile_sample {
     int64_t total_ns;
     int64_t a_ns;

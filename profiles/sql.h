@@ -75,7 +75,7 @@ typedef struct sql_column {
             sizeof((struct_ *)0)->member                                      \
     }
 
-// Those of a profile_plan.
+// Columns of a profile_plan.
 #define SQL_PLAN_COLUMNS(struct_, plan)                                               \
     SQL_COLUMN("share", struct_, plan.share), SQL_COLUMN("mode", struct_, plan.mode), \
         SQL_COLUMN("level", struct_, plan.level),                                     \
@@ -90,7 +90,7 @@ void sql_add_names(text *t, const char *prefix, const sql_column *columns);
 sql sql_insert(store *s, const char *table, const sql_column *columns, const char *more,
                const char *end, duet_error *err);
 
-// Of a text, which is freed.
+// Makes the statement of a text, which is freed.
 sql sql_make_text(store *s, text *statement, duet_error *err);
 
 // SELECT the columns, and what `rest` adds to them and says of where.
@@ -127,7 +127,7 @@ void sql_copy(char *to, size_t size, const char *from);
 // object. SQL's own check is off in a store, whose text is not trusted.
 bool sql_check_object(const char *what, const char *chars, duet_error *err);
 
-// What the rows of profiles are joined with, for a query on p, its devices da and db
+// Joins of the rows of profiles, for a query on p, its devices da and db
 // under a and b, its workload w and session s. Parameters: the uid's first digits,
 // whether dead ones are wanted too.
 extern const char profile_entry_from[];
@@ -142,12 +142,12 @@ void store_file_name(const char *path, text *name);
 // the folders of one to be written.
 bool store_validate_path(const char *path, store_access access, duet_error *err);
 
-// Of an open database: makes or upgrades the file where it is to be written,
-// and refuses it where it is none of ours.
+// Makes or upgrades the file of an open database that is to be written, and
+// refuses one that is none of ours.
 bool store_validate(store *s, duet_error *err);
 
-// Opens for one look-up of a moment. Where nobody is writing, not even
-// SQLite's side files are touched; whatever was read then counts only if
+// Opens for one look-up of a moment. If nobody is writing, not even SQLite's
+// side files are touched; whatever was read then counts only if
 // store_undisturbed afterwards.
 store *store_open_look(const char *path, duet_error *err);
 bool store_undisturbed(const store *s);

@@ -112,7 +112,7 @@ int main(int argc, char **argv)
     simulated_job job = {.args = CLUSTER_ARGUMENTS_DEFAULT};
     setlocale(LC_CTYPE, "");
     interrupt_watch();
-    interrupt_at_once(true);
+    interrupt_react(INTERRUPT_ENDS);
     int status = options_run(&cluster_line, argc, argv, &job, run);
     return status == EXIT_OK && !say_finish() ? EXIT_FAILED : status;
 }

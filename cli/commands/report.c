@@ -40,7 +40,7 @@ static const command_line line = {
     .options = options,
 };
 
-// What the files hold; a scene's costs are the latest, in place of earlier ones.
+// The contents of the files; later costs of a scene replace earlier ones.
 typedef struct results {
     cJSON *files[RESULTS_MOST];
     cJSON *bench[RESULTS_MOST]; // the earliest first

@@ -101,7 +101,7 @@ static bool has_param(const gen_param *params, uint32_t n, const char *name)
     return false;
 }
 
-// Those that the kernel has of what a scene decides.
+// Sets the parameters of the kernel that a scene decides.
 static bool add_scene(gen *g, const char *name, const gen_limits *limits, const char *path,
                       settings *s, duet_error *err)
 {

@@ -70,8 +70,8 @@ bool json_require(const cJSON *o, const json_field *fields, const char *where, d
 bool json_require_each(const cJSON *list, const json_field *fields, const char *path,
                        const char *what, duet_error *err);
 
-// For such tables: a whole number, or any, from 0 to 2^53, beyond which no result
-// goes; whole numbers are exact up to there.
+// Kinds for such tables: a whole number, or any, from 0 to 2^53, beyond which no
+// result goes; whole numbers are exact up to there.
 #define JSON_COUNT json_is_count, "a whole number from 0 to 2^53"
 #define JSON_AMOUNT json_is_amount, "a number from 0 to 2^53"
 cJSON_bool json_is_count(const cJSON *item);
@@ -83,7 +83,7 @@ double json_number(const cJSON *o, const char *name);
 const char *json_string(const cJSON *o, const char *name);
 bool json_true(const cJSON *o, const char *name);
 
-// Of a list under that name: what cJSON_ArrayForEach goes over.
+// The list under that name, for cJSON_ArrayForEach.
 const cJSON *json_list(const cJSON *o, const char *name);
 
 #endif

@@ -109,7 +109,7 @@ static void add_terms(cJSON *o, const duet_tune_terms *t)
         cJSON_AddNumberToObject(terms, f->name, terms_value(f, t));
 }
 
-// What was searched of either device's kernels.
+// The searches of either device's kernels.
 static void add_kernels(cJSON *row, const duet_tune_outcome *o)
 {
     cJSON *list = cJSON_AddArrayToObject(row, "kernels");
@@ -295,7 +295,7 @@ static void print_use(const tune_report *r, const cJSON *row)
     print_use_command(r, row);
 }
 
-// What the table has no column for.
+// Prints what the table has no column for.
 static void print_details(const tune_report *r, const cJSON *row)
 {
     const char *query = json_string(row, "query");

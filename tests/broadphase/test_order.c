@@ -39,14 +39,6 @@ static void fill_poses(rng *r, uint32_t n, uint32_t dims)
         poses[i] = random_pose(r, edge);
 }
 
-static duet_world *make_world(const duet_world_def *def)
-{
-    duet_error err = {0};
-    duet_world *world = duet_world_create(def, &err);
-    assert_ok(world != NULL, err);
-    return world;
-}
-
 static void set_large_poses(duet_world *world, uint32_t n)
 {
     static duet_large_pose large[CAPACITY];
@@ -156,7 +148,7 @@ static void the_order_is_a_permutation_by_cell_then_id(void **state)
             duet_world_def def = duet_default_world_def();
             def.pair = devices;
             def.dims = dims;
-            duet_world *world = make_world(&def);
+            duet_world *world = create_world(&def);
             fill_poses(&r, numbers[i], dims);
             set_poses(world, numbers[i]);
             assert_is_by_cell(world, numbers[i]);
@@ -172,7 +164,7 @@ static duet_world *make_hashed_world(duet_shape shape)
     def.plan.mode = DUET_MODE_OWN;
     strcpy(def.plan.variant_a, "simd grid=hashed");
     strcpy(def.plan.variant_b, "simd grid=hashed");
-    return make_world(&def);
+    return create_world(&def);
 }
 
 // Mixed sizes have several levels, far crowds a hashed grid, and what is no number a cell too.
@@ -187,7 +179,7 @@ static void any_grid_has_an_order(void **state)
     poses[7].centre[1] = NAN;
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     set_poses(world, N);
     assert_is_by_cell(world, N);
     assert_true(world->grid.n_levels > 1);
@@ -239,7 +231,7 @@ static void objects_of_one_cell_are_in_the_order_of_their_ids(void **state)
     (void)state;
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     rng r = {test_seed()};
     for (uint32_t i = 0; i < MANY; ++i)
         poses[i] = random_pose(&r, 0.0);
@@ -408,7 +400,7 @@ static void any_order_share_and_number_gives_the_reference_pairs(void **state)
     rng r = {test_seed()};
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         duet_world_def def = ordered_def(dims, "simd");
-        duet_world *world = make_world(&def);
+        duet_world *world = create_world(&def);
         for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
             fill_poses(&r, numbers[i], dims);
             assert_finds_all_in_any_order(world, &r, numbers[i]);
@@ -429,7 +421,7 @@ static void every_sort_takes_stretches(void **state)
         for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
             duet_world_def def = ordered_def(3, variants[v]);
             set_memory(host);
-            duet_world *world = make_world(&def);
+            duet_world *world = create_world(&def);
             fill_poses(&r, N, 3);
             put_in_order(world, N);
             stray(&r, N);
@@ -450,7 +442,7 @@ static void whole_grids_of_ordered_objects_are_right(void **state)
     for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
         duet_world_def def = ordered_def(3, variants[v]);
         def.plan.mode = DUET_MODE_OWN;
-        duet_world *world = make_world(&def);
+        duet_world *world = create_world(&def);
         fill_poses(&r, N, 3);
         assert_finds_all_in_any_order(world, &r, N);
         for (uint32_t i = 0; i < N; i += 100)
@@ -509,13 +501,13 @@ static void objects_in_order_are_in_their_work_item_s_own_cells(void **state)
     devices->devices[1].info.units = 0; // few objects are enough
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     assert_finds_all_in_any_order(world, &r, N);
     duet_world_destroy(world);
     def.plan.mode = DUET_MODE_OWN;
     def.plan.share = 0;
-    world = make_world(&def);
+    world = create_world(&def);
     put_in_order(world, N);
     if (!has_own_cells(world)) {
         duet_world_destroy(world);
@@ -541,7 +533,7 @@ static void crowds_are_found_by_lanes_that_list_first(void **state)
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "gpu FUSED=1 JOINED=1");
     def.plan.mode = DUET_MODE_OWN;
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     for (uint32_t i = 0; i < N; ++i)
         for (int k = 0; k < 3; ++k)
@@ -595,7 +587,7 @@ static void a_step_leaves_its_counts_at_zero_for_the_next_one(void **state)
     def.plan.mode = DUET_MODE_OWN;
     def.max_pairs = N;
     def.stage_times = true;
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, 4 * N, 3);
     assert_counts_from_zero(world, N, both);
     for (int i = 0; i < 3; ++i)
@@ -621,7 +613,7 @@ static void a_world_may_change_its_mode_from_step_to_step(void **state)
                                       DUET_MODE_SLAB, DUET_MODE_SHARED, DUET_MODE_SLAB};
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     uint64_t truth = reference_hash(N, 3);
     for (size_t i = 0; i < sizeof modes / sizeof *modes; ++i) {
@@ -648,7 +640,7 @@ static void a_device_that_takes_nothing_finds_nothing(void **state)
     duet_world_def def = ordered_def(3, "gpu FROM_IDS=0");
     def.has_world = true;
     def.upper[0] = def.upper[1] = def.upper[2] = 100.0f;
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     put_in_order(world, N);
     set_poses(world, N);
@@ -676,7 +668,7 @@ static void giants_and_crowds_are_found(void **state)
     enum { N = 3000 };
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     for (uint32_t i = 0; i < N; i += 1000)
         poses[i].half_extents[1] = 3.0f;
@@ -696,7 +688,7 @@ static void objects_in_origin_cells_are_found_in_any_order(void **state)
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
     def.origin_edge = 4.0f;
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     for (uint32_t i = 0; i < N; ++i)
         for (int k = 0; k < 3; ++k) // so that a cell and an offset are the same number
@@ -721,7 +713,7 @@ static void a_device_takes_its_own_half_and_the_blocks_with_strays(void **state)
         duet_result result;
         duet_world_def def = ordered_def(3, "simd");
         set_memory(host);
-        duet_world *world = make_world(&def);
+        duet_world *world = create_world(&def);
         fill_poses(&r, N, 3);
         set_poses(world, N);
         step(world, &result);
@@ -752,7 +744,7 @@ static void objects_that_move_are_found_in_every_step(void **state)
     for (int host = 0; host < 2; ++host) {
         duet_world_def def = ordered_def(3, "simd");
         set_memory(host);
-        duet_world *world = make_world(&def);
+        duet_world *world = create_world(&def);
         fill_poses(&r, N, 3);
         put_in_order(world, N);
         for (int i = 0; i < STEPS; ++i) {
@@ -888,7 +880,7 @@ static void a_bad_object_is_named_wherever_it_strays(void **state)
     enum { N = 5003 };
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     put_in_order(world, N);
     poses[N - 1].centre[2] = NAN;
@@ -927,9 +919,9 @@ static void a_workload_tells_how_many_objects_stray(void **state)
     (void)state;
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     def.ordered = false;
-    duet_world *plain = make_world(&def);
+    duet_world *plain = create_world(&def);
     fill_poses(&r, CAPACITY, 3);
     assert_is_called(world, NULL);
     put_in_order(world, CAPACITY);

@@ -28,9 +28,8 @@ static void write_text(const char *path, const char *chars)
 
 // ------------------------------------------------------------ reading
 
-static void rows_of_text_become_two_poses_each(void **state)
+TEST(rows_of_text_become_two_poses_each)
 {
-    (void)state;
     duet_error err = {0};
     write_text("pairs.csv", "# two pairs\n" TOUCHING APART);
     duet_scene *pairs = duet_scene_load_pairs("pairs.csv", &err);
@@ -47,7 +46,6 @@ static void rows_of_text_become_two_poses_each(void **state)
     assert_int_equal(duet_scene_get_info(pairs)->n, 2);
     assert_int_equal(duet_scene_get_info(pairs)->dims, 2);
     duet_scene_destroy(pairs);
-    remove("pairs.csv");
 }
 
 // An array of shape (n, 20) as NumPy writes it.
@@ -65,9 +63,8 @@ static void write_array(const char *path, const char *descr, const void *items, 
     text_free(&file);
 }
 
-static void doubles_are_rounded_to_the_nearest_float_and_floats_are_kept(void **state)
+TEST(doubles_are_rounded_to_the_nearest_float_and_floats_are_kept)
 {
-    (void)state;
     duet_error err = {0};
     double row[20] = {0.1, 0, 0, 1, 1, 1, 0, 0, 0, 1, 16777217, 0, 0, 1, 1, 1, 0, 0, 0, 1};
     float single[20];
@@ -85,13 +82,10 @@ static void doubles_are_rounded_to_the_nearest_float_and_floats_are_kept(void **
                         2 * sizeof *poses);
     duet_scene_destroy(doubles);
     duet_scene_destroy(floats);
-    remove("doubles.npy");
-    remove("floats.npy");
 }
 
-static void wrong_files_are_refused_with_pair_and_pose(void **state)
+TEST(wrong_files_are_refused_with_pair_and_pose)
 {
-    (void)state;
     static const struct {
         const char *text, *says;
     } wrong[] = {
@@ -117,14 +111,12 @@ static void wrong_files_are_refused_with_pair_and_pose(void **state)
     write_text("pairs.lua", "return {}");
     assert_null(duet_scene_load_pairs("pairs.lua", &err));
     assert_string_equal(err.text, "pairs.lua: pairs are read from .npy or text");
-    remove("pairs.lua");
 }
 
 // ------------------------------------------------------------ writing
 
-static void arrays_are_written_as_numpy_reads_them(void **state)
+TEST(arrays_are_written_as_numpy_reads_them)
 {
-    (void)state;
     duet_error err = {0};
     text bytes = {0};
     const uint8_t answers[3] = {1, 0, 1};
@@ -159,9 +151,8 @@ static double number_in(const cJSON *o, const char *name)
     return item->valuedouble;
 }
 
-static void the_program_tests_a_file_at_every_level(void **state)
+TEST(the_program_tests_a_file_at_every_level)
 {
-    (void)state;
     write_text("pairs.csv", TOUCHING APART TOUCHING);
     for (int l = 0; l < DUET_LEVELS; ++l) {
         program p = program_run_with(CACHED, "query pairs.csv --json --share 1/3 --level %s",
@@ -175,7 +166,6 @@ static void the_program_tests_a_file_at_every_level(void **state)
         cJSON_Delete(o);
         program_free(&p);
     }
-    remove("pairs.csv");
 }
 
 static void assert_file(const char *path, const char *expected)
@@ -185,12 +175,10 @@ static void assert_file(const char *path, const char *expected)
     assert_ok(text_read_file(&bytes, path, &err), err);
     assert_string_equal(text_chars(&bytes), expected);
     text_free(&bytes);
-    remove(path);
 }
 
-static void the_program_writes_answers_and_separations(void **state)
+TEST(the_program_writes_answers_and_separations)
 {
-    (void)state;
     duet_error err = {0};
     text bytes = {0};
     write_text("pairs.csv", TOUCHING APART);
@@ -208,14 +196,10 @@ static void the_program_writes_answers_and_separations(void **state)
     assert_ok(text_read_file(&bytes, "answers.separations.npy", &err), err);
     assert_memory_equal(bytes.chars + 128, ((const double[2]){0, 1}), 16);
     text_free(&bytes);
-    remove("answers.npy");
-    remove("answers.separations.npy");
-    remove("pairs.csv");
 }
 
-static void wrong_usage_is_told(void **state)
+TEST(wrong_usage_is_told)
 {
-    (void)state;
     write_text("pairs.csv", TOUCHING);
     static const struct {
         const char *arguments;
@@ -235,19 +219,6 @@ static void wrong_usage_is_told(void **state)
         program p = program_run("%s", wrong[i].arguments);
         program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
     }
-    remove("pairs.csv");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rows_of_text_become_two_poses_each),
-        cmocka_unit_test(doubles_are_rounded_to_the_nearest_float_and_floats_are_kept),
-        cmocka_unit_test(wrong_files_are_refused_with_pair_and_pose),
-        cmocka_unit_test(arrays_are_written_as_numpy_reads_them),
-        cmocka_unit_test(the_program_tests_a_file_at_every_level),
-        cmocka_unit_test(the_program_writes_answers_and_separations),
-        cmocka_unit_test(wrong_usage_is_told),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

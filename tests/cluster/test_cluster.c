@@ -216,7 +216,7 @@ static void a_platform_that_is_none_is_one_line(void **state)
         {NO_ROUTE " --ranks 2 still", 1,
          NO_ROUTE ": no platform of SimGrid: no route leads from a to b"},
         {NETWORK " still", 2, "--simulate does nothing without --ranks"},
-        {NETWORK " --ranks 2 --pair cpu still", 2, "--simulate and --pair do not go together"},
+        {NETWORK " --ranks 2 --pair cpu still", 2, "--pair and --simulate do not go together"},
         {NETWORK " --ranks 2 papr", 2, "rank 0 on host0: papr: no such file or scene"},
         {NETWORK " --ranks 2 --stands-for 9 still", 2, "--stands-for does nothing without "},
     };
@@ -370,7 +370,7 @@ static void a_failure_is_one_line(void **state)
         {"cluster --ranks 2 --hosts '' still", 2,
          "--hosts: expected names of machines, as one,two"},
         {"cluster --verbose still", 2, "--verbose does nothing without --ranks"},
-        {"cluster --plain --mode own still", 2, "--plain and --mode do not go together"},
+        {"cluster --plain --mode own still", 2, "--mode and --plain do not go together"},
         {"cluster --mode abacus still", 2, "--mode 'abacus': the modes are"},
         {"cluster --level abacus still", 2, "--level 'abacus': the levels are"},
         {"cluster --ranks 0 still", 2, "--ranks '0': give a whole number"},

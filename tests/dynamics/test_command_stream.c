@@ -433,9 +433,8 @@ static uint64_t play_once(world_kind kind, int n_steps, uint64_t seed)
     return hash;
 }
 
-static void the_same_commands_give_the_same_bits(void **state)
+TEST(the_same_commands_give_the_same_bits)
 {
-    (void)state;
     uint64_t seed = test_seed();
     print_message("DUET_TEST_SEED=%llu\n", (unsigned long long)seed);
     for (int kind = first_world; kind < n_worlds; ++kind)
@@ -449,9 +448,8 @@ static void set_host_memory(bool host)
 }
 
 // Rows are then fetched, changed and sent back.
-static void devices_with_memory_of_their_own_give_the_same_bits(void **state)
+TEST(devices_with_memory_of_their_own_give_the_same_bits)
 {
-    (void)state;
     uint64_t seed = test_seed();
     bool host = mover_pair()->devices[1].info.host_memory;
     uint64_t hash = play_once(USUAL, 30, seed);
@@ -469,9 +467,5 @@ int main(int argc, char **argv)
         n_bodies = 2000;
         n_worlds = WORLD_KINDS;
     }
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_same_commands_give_the_same_bits),
-        cmocka_unit_test(devices_with_memory_of_their_own_give_the_same_bits),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
+    return test_run(mover_open_pair, mover_close_pair);
 }

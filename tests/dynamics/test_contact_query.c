@@ -267,16 +267,14 @@ static void contacts_are_those_of_the_boxes(uint32_t dims, float margin)
     free(pairs);
 }
 
-static void contacts_in_3d(void **state)
+TEST(contacts_in_3d)
 {
-    (void)state;
     contacts_are_those_of_the_boxes(3, 0);
     contacts_are_those_of_the_boxes(3, 0.05f);
 }
 
-static void contacts_in_2d(void **state)
+TEST(contacts_in_2d)
 {
-    (void)state;
     contacts_are_those_of_the_boxes(2, 0);
     contacts_are_those_of_the_boxes(2, 0.05f);
 }
@@ -299,9 +297,8 @@ static duet_contact contact_of(uint32_t dims, duet_pose a, duet_pose b)
     return c;
 }
 
-static void a_box_on_a_plane_has_its_corners_at_its_depth(void **state)
+TEST(a_box_on_a_plane_has_its_corners_at_its_depth)
 {
-    (void)state;
     const duet_pose floor = box_at(0, -8, 0, 8);
     for (int i = 0; i < 3; ++i) {
         double depth = i == 0 ? 0 : i == 1 ? 0.125 : 0.25;
@@ -326,9 +323,8 @@ static void a_box_on_a_plane_has_its_corners_at_its_depth(void **state)
     }
 }
 
-static void a_corner_in_a_plane_is_one_point(void **state)
+TEST(a_corner_in_a_plane_is_one_point)
 {
-    (void)state;
     duet_pose box = box_at(0, sqrt(3) - 0.01, 0, 1);
     const double angle = acos(1 / sqrt(3)) / 2; // its diagonal upright
     const double s = sin(angle) / sqrt(2);
@@ -350,9 +346,8 @@ static void a_corner_in_a_plane_is_one_point(void **state)
 }
 
 // Two beams that cross with their edges: turned by an eighth about x and about z.
-static void edges_that_cross_are_one_point(void **state)
+TEST(edges_that_cross_are_one_point)
 {
-    (void)state;
     const float s = (float)sin(acos(-1) / 8), w = (float)cos(acos(-1) / 8);
     duet_pose along_x = {{0, 0, 0}, {5, 1, 1}, {s, 0, 0, w}};
     duet_pose along_z = {{0, (float)(2 * sqrt(2) - 0.1), 0}, {1, 1, 5}, {0, 0, s, w}};
@@ -366,9 +361,8 @@ static void edges_that_cross_are_one_point(void **state)
 }
 
 // Faces, edges and corners that just touch, and boxes without extent.
-static void what_touches_has_a_point(void **state)
+TEST(what_touches_has_a_point)
 {
-    (void)state;
     duet_pose poses[28];
     duet_pair pairs[54];
     uint64_t n = 0;
@@ -392,9 +386,8 @@ static void what_touches_has_a_point(void **state)
 
 // ---------------------------------------------------------------- the same
 
-static void the_other_way_round_has_the_same_points(void **state)
+TEST(the_other_way_round_has_the_same_points)
 {
-    (void)state;
     duet_pose poses[BOXES];
     rng r = rng_seed(test_seed());
     for (uint32_t dims = 2; dims <= 3; ++dims) {
@@ -426,9 +419,8 @@ static void the_other_way_round_has_the_same_points(void **state)
 }
 
 // On a GPU a work-item takes one pair.
-static void share_and_launch_change_no_bit(void **state)
+TEST(share_and_launch_change_no_bit)
 {
-    (void)state;
     const uint32_t shares[] = {0, DUET_SHARE_ONE, DUET_SHARE_ONE / 3, 1, 0};
     enum { WAYS = sizeof shares / sizeof shares[0] };
     duet_pose poses[BOXES];
@@ -454,9 +446,8 @@ static void share_and_launch_change_no_bit(void **state)
 }
 
 // A world's pairs as its result has them.
-static void the_pairs_of_a_world_have_points(void **state)
+TEST(the_pairs_of_a_world_have_points)
 {
-    (void)state;
     duet_error err = {0};
     duet_pose poses[BOXES];
     rng r = rng_seed(test_seed());
@@ -488,9 +479,8 @@ static void the_pairs_of_a_world_have_points(void **state)
 // ---------------------------------------------------------------- from step to step
 
 // Against a matrix of the pairs, two steps of a world whose boxes move.
-static void a_delta_is_what_two_steps_differ_by(void **state)
+TEST(a_delta_is_what_two_steps_differ_by)
 {
-    (void)state;
     duet_error err = {0};
     duet_pose poses[BOXES];
     static bool was[BOXES][BOXES], is[BOXES][BOXES];
@@ -556,9 +546,8 @@ static void assert_refused(const duet_pose *poses, uint32_t n, duet_pair pair, d
     duet_contact_query_destroy(query);
 }
 
-static void what_is_no_pair_of_boxes_is_refused(void **state)
+TEST(what_is_no_pair_of_boxes_is_refused)
 {
-    (void)state;
     duet_pose poses[3] = {box_at(0, 0, 0, 1), box_at(1, 0, 0, 1), box_at(NAN, 0, 0, 1)};
     assert_refused(poses, 3, (duet_pair){1, 3}, DUET_STATUS_BAD_ARGUMENT,
                    "pair 1 is of objects 1 and 3; expected two of 3");
@@ -568,20 +557,4 @@ static void what_is_no_pair_of_boxes_is_refused(void **state)
                    "object 2 of 3 is not a number, infinite, negative or without rotation");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_box_on_a_plane_has_its_corners_at_its_depth),
-        cmocka_unit_test(a_corner_in_a_plane_is_one_point),
-        cmocka_unit_test(edges_that_cross_are_one_point),
-        cmocka_unit_test(what_touches_has_a_point),
-        cmocka_unit_test(contacts_in_3d),
-        cmocka_unit_test(contacts_in_2d),
-        cmocka_unit_test(the_other_way_round_has_the_same_points),
-        cmocka_unit_test(share_and_launch_change_no_bit),
-        cmocka_unit_test(the_pairs_of_a_world_have_points),
-        cmocka_unit_test(a_delta_is_what_two_steps_differ_by),
-        cmocka_unit_test(what_is_no_pair_of_boxes_is_refused),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

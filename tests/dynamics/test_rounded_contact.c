@@ -184,9 +184,8 @@ static void check_world(duet_rounded_box *boxes, uint32_t dims, float margin)
     duet_contact_query_destroy(query);
 }
 
-static void contacts_are_those_of_the_rounded_boxes(void **state)
+TEST(contacts_are_those_of_the_rounded_boxes)
 {
-    (void)state;
     duet_rounded_box boxes[BOXES];
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 3; ++round)
@@ -198,9 +197,8 @@ static void contacts_are_those_of_the_rounded_boxes(void **state)
 }
 
 // Capsules that cross at angles down to where float sees none, a hair apart or in each other.
-static void edges_that_are_nearly_parallel_touch_where_they_cross(void **state)
+TEST(edges_that_are_nearly_parallel_touch_where_they_cross)
 {
-    (void)state;
     duet_rounded_box boxes[BOXES];
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < BOXES; i += 2) {
@@ -242,9 +240,8 @@ static void assert_vector(const float v[3], double x, double y, double z)
     assert_close(v[2], z, 1e-5);
 }
 
-static void closed_forms_hold(void **state)
+TEST(closed_forms_hold)
 {
-    (void)state;
     // Two spheres 3 4 0 apart, 5 away from each other.
     duet_contact c = contact_of(round_at(0, 0, 0, 0, 0, 0, 2), round_at(3, 4, 0, 0, 0, 0, 4), 0);
     assert_true(c.n == 1);
@@ -288,9 +285,8 @@ static void closed_forms_hold(void **state)
 // ---------------------------------------------------------------- the same
 
 // Lengths and places of no other pair count, nor does who computes it, nor the order of the two.
-static void shares_launches_and_order_change_no_bit(void **state)
+TEST(shares_launches_and_order_change_no_bit)
 {
-    (void)state;
     static duet_pair pairs[MOST_PAIRS];
     duet_rounded_box boxes[BOXES];
     rng r = rng_seed(test_seed());
@@ -326,9 +322,8 @@ static void shares_launches_and_order_change_no_bit(void **state)
     free(first);
 }
 
-static void boxes_without_radii_have_the_contacts_of_poses(void **state)
+TEST(boxes_without_radii_have_the_contacts_of_poses)
 {
-    (void)state;
     static duet_pair pairs[MOST_PAIRS];
     duet_rounded_box boxes[BOXES];
     duet_pose poses[BOXES];
@@ -349,9 +344,8 @@ static void boxes_without_radii_have_the_contacts_of_poses(void **state)
     duet_contact_query_destroy(plain);
 }
 
-static void spheres_have_the_contacts_of_rounded_boxes(void **state)
+TEST(spheres_have_the_contacts_of_rounded_boxes)
 {
-    (void)state;
     static duet_pair pairs[MOST_PAIRS];
     duet_rounded_box boxes[BOXES];
     duet_sphere spheres[BOXES];
@@ -374,9 +368,8 @@ static void spheres_have_the_contacts_of_rounded_boxes(void **state)
 }
 
 // A motion keeps points up to four slops.
-static void a_motion_has_the_same_contacts(void **state)
+TEST(a_motion_has_the_same_contacts)
 {
-    (void)state;
     duet_error err = {0};
     duet_rounded_box boxes[BOXES];
     duet_pose poses[BOXES];
@@ -428,9 +421,8 @@ static void a_motion_has_the_same_contacts(void **state)
 
 // ---------------------------------------------------------------- refusals
 
-static void what_is_no_object_of_the_shape_is_refused(void **state)
+TEST(what_is_no_object_of_the_shape_is_refused)
 {
-    (void)state;
     duet_error err = {0};
     duet_contact_query_result result;
     duet_rounded_box boxes[2] = {round_at(0, 0, 0, 1, 1, 1, 1), round_at(1, 0, 0, 1, 1, 1, -1)};
@@ -463,17 +455,4 @@ static void what_is_no_object_of_the_shape_is_refused(void **state)
                         "shape is 1; contacts are those of poses, rounded boxes or spheres");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(closed_forms_hold),
-        cmocka_unit_test(contacts_are_those_of_the_rounded_boxes),
-        cmocka_unit_test(edges_that_are_nearly_parallel_touch_where_they_cross),
-        cmocka_unit_test(shares_launches_and_order_change_no_bit),
-        cmocka_unit_test(boxes_without_radii_have_the_contacts_of_poses),
-        cmocka_unit_test(spheres_have_the_contacts_of_rounded_boxes),
-        cmocka_unit_test(a_motion_has_the_same_contacts),
-        cmocka_unit_test(what_is_no_object_of_the_shape_is_refused),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -64,14 +64,14 @@
 //   found  [found_capacity]      pairs of places (IDS 0) or of ids (IDS 1), least id
 // as in the template: 75
     __global const float4 *boxes;
-// as in the template: 56
+// as in the template: 57
     __global const float4 *boxes;
 // as in the template: 35
     float4 at = in->boxes[BOX_QUADS * (size_t)place];
 // as in the template: 44
 #if IDS
 // as in the template: 60
-#line 291 "kernels/grid/pair_search_gpu.cl.in"
+#line 292 "kernels/grid/pair_search_gpu.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
 #ifndef GPU
@@ -79,25 +79,25 @@
 #else /* GPU */
         cells.z = z;
 // as in the template: 2
-#line 291 "kernels/grid/pair_search_gpu.cl.in"
+#line 292 "kernels/grid/pair_search_gpu.cl.in"
     if (y > 0 && z + 1 < nz) {
         cells.y = y - 1;
         cells.z = z + 1;
 // as in the template: 2
-#line 291 "kernels/grid/pair_search_gpu.cl.in"
+#line 292 "kernels/grid/pair_search_gpu.cl.in"
     if (z + 1 < nz) {
         cells.y = y;
         cells.z = z + 1;
 // as in the template: 2
-#line 291 "kernels/grid/pair_search_gpu.cl.in"
+#line 292 "kernels/grid/pair_search_gpu.cl.in"
     if (y + 1 < ny && z + 1 < nz) {
         cells.y = y + 1;
         cells.z = z + 1;
 #endif /* GPU */
 // as in the template: 2
-#line 297 "kernels/grid/pair_search_gpu.cl.in"
+#line 298 "kernels/grid/pair_search_gpu.cl.in"
 // as in the template: 4
-#line 303 "kernels/grid/pair_search_gpu.cl.in"
+#line 304 "kernels/grid/pair_search_gpu.cl.in"
     uint from_1 = 0, to_1 = 0;
     if (y + 1 < ny) {
 #ifndef GPU
@@ -109,21 +109,21 @@
         to_1 = in->starts[key + right + 1];
 // as in the template: 1
 #ifdef GPU
-#line 303 "kernels/grid/pair_search_gpu.cl.in"
+#line 304 "kernels/grid/pair_search_gpu.cl.in"
     uint from_2 = 0, to_2 = 0;
     if (y > 0 && z + 1 < nz) {
         key = row_key(y - 1, z + 1, grid, level) - in->key_from;
         from_2 = in->starts[key + left];
         to_2 = in->starts[key + right + 1];
 // as in the template: 1
-#line 303 "kernels/grid/pair_search_gpu.cl.in"
+#line 304 "kernels/grid/pair_search_gpu.cl.in"
     uint from_3 = 0, to_3 = 0;
     if (z + 1 < nz) {
         key = row_key(y, z + 1, grid, level) - in->key_from;
         from_3 = in->starts[key + left];
         to_3 = in->starts[key + right + 1];
 // as in the template: 1
-#line 303 "kernels/grid/pair_search_gpu.cl.in"
+#line 304 "kernels/grid/pair_search_gpu.cl.in"
     uint from_4 = 0, to_4 = 0;
     if (y + 1 < ny && z + 1 < nz) {
         key = row_key(y + 1, z + 1, grid, level) - in->key_from;
@@ -131,19 +131,19 @@
         to_4 = in->starts[key + right + 1];
 // as in the template: 1
 #endif /* GPU */
-#line 310 "kernels/grid/pair_search_gpu.cl.in"
+#line 311 "kernels/grid/pair_search_gpu.cl.in"
 // as in the template: 5
-#line 316 "kernels/grid/pair_search_gpu.cl.in"
+#line 317 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_1 = from_1 - end_0, end_1 = end_0 + to_1 - from_1;
 #ifdef GPU
-#line 316 "kernels/grid/pair_search_gpu.cl.in"
+#line 317 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_2 = from_2 - end_1, end_2 = end_1 + to_2 - from_2;
-#line 316 "kernels/grid/pair_search_gpu.cl.in"
+#line 317 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_3 = from_3 - end_2, end_3 = end_2 + to_3 - from_3;
-#line 316 "kernels/grid/pair_search_gpu.cl.in"
+#line 317 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_4 = from_4 - end_3, end_4 = end_3 + to_4 - from_4;
 #endif /* GPU */
-#line 323 "kernels/grid/pair_search_gpu.cl.in"
+#line 324 "kernels/grid/pair_search_gpu.cl.in"
 #ifndef GPU
     uint end = end_1;
 #else /* GPU */
@@ -162,19 +162,19 @@
             add_met(sink, in, me, k + (k >= end_3 ? shift_4 : (k >= end_2 ? shift_3 : (k >= end_1 ? shift_2 : (k >= end_0 ? shift_1 : shift_0)))));
 #endif /* GPU */
 // as in the template: 3
-#line 337 "kernels/grid/pair_search_gpu.cl.in"
+#line 338 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_0, to_0);
-#line 337 "kernels/grid/pair_search_gpu.cl.in"
+#line 338 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_1, to_1);
 #ifdef GPU
-#line 337 "kernels/grid/pair_search_gpu.cl.in"
+#line 338 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_2, to_2);
-#line 337 "kernels/grid/pair_search_gpu.cl.in"
+#line 338 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_3, to_3);
-#line 337 "kernels/grid/pair_search_gpu.cl.in"
+#line 338 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_4, to_4);
 #endif /* GPU */
-#line 339 "kernels/grid/pair_search_gpu.cl.in"
+#line 340 "kernels/grid/pair_search_gpu.cl.in"
 // as in the template: 75
     tester to = {boxes, colliding, &n_colliding, pairs, pair_capacity, undecided, undecided_capacity};
 // as in the template: 2

@@ -39,18 +39,3 @@ void test_kernels_write(const char *folder, const char *changed, const char *bef
         text_free(&path);
     }
 }
-
-void test_kernels_remove(const char *folder)
-{
-    for (const blob *b = blobs; b->path; ++b) {
-        if (strncmp(b->path, "kernels/", 8) != 0)
-            continue;
-        text path = {0};
-        text_add(&path, "%s/%s", folder, b->path + 8);
-        remove(path.chars);
-        *strrchr(path.chars, '/') = '\0';
-        rmdir(path.chars);
-        text_free(&path);
-    }
-    rmdir(folder);
-}
