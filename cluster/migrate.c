@@ -65,7 +65,7 @@ static int rank_of(const migration *m, uint32_t row)
 {
     const owned *o = m->owned;
     double centre[3];
-    object_centre(&o->form, object_row(&o->rows, &o->form, row), centre);
+    object_row_centre(&o->rows, &o->form, row, centre);
     return partition_rank(m->partition, centre);
 }
 

@@ -104,7 +104,6 @@ void owned_end(owned *o)
 void owned_forget_renamed(owned *o)
 {
     o->renamed = (row_list){.rows = o->renamed.rows, .capacity = o->renamed.capacity};
-    o->all_renamed = false;
 }
 
 static bool no_memory(uint64_t n, duet_error *err)
@@ -406,7 +405,7 @@ static void exchange_rows(owned *o, uint32_t a, uint32_t b)
 static bool lies_below(const owned *o, const bisection_plane *plane, uint32_t row)
 {
     double centre[3];
-    object_centre(&o->form, object_row(&o->rows, &o->form, row), centre);
+    object_row_centre(&o->rows, &o->form, row, centre);
     return centre[plane->axis] < plane->at;
 }
 
@@ -538,7 +537,7 @@ static bool move_in(owned *o, worker *w, duet_error *err)
     free(o->rows.objects);
     o->rows.objects = objects;
     o->holder = w;
-    o->all_renamed = true;
+    o->renamed.failed = true;
     return true;
 }
 

@@ -227,7 +227,7 @@ static global_ids ids_of(const search_set *s)
         .n_without = (uint32_t)s->leavers.n,
         .changed = o->renamed.rows,
         .n_changed = in_place ? o->renamed.n : 0,
-        .all_changed = !in_place || o->all_renamed || o->renamed.failed,
+        .all_changed = !in_place || o->renamed.failed,
     };
 }
 

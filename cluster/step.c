@@ -89,7 +89,7 @@ static bool has_thin_boundary(const duet_cluster *c)
         const extent inside = domain_inside(at, o->widest);
         for (uint32_t row = at->first_new; thin && row < at->first_new + at->n_new; ++row) {
             double centre[3];
-            object_centre(&o->form, object_row(&o->rows, &o->form, row), centre);
+            object_row_centre(&o->rows, &o->form, row, centre);
             thin = !extent_holds(&inside, centre);
         }
     }
@@ -272,8 +272,8 @@ static bool find(duet_cluster *c, bool ok, tally *t, duet_error *own)
     c->is_cold = false;
     if (ok && c->owned.n_domains == 1 && owned_count(&c->owned) > 0)
         owned_forget_renamed(&c->owned);
-    *t = (tally){.sums = {ranks_stand_for(&c->ranks) * owned_count(&c->owned), c->own.n,
-                          c->own.hash, !budget_check_stop(NULL)}};
+    *t = (tally){.sums = {c->ranks.stands_for * owned_count(&c->owned), c->own.n, c->own.hash,
+                          !budget_check_stop(NULL)}};
     return ranks_agree_and(&c->ranks, ok, t, own);
 }
 
@@ -291,7 +291,7 @@ static void keep_times(duet_cluster *c, uint64_t begun_ns)
 {
     double total_ms = ms_since(begun_ns);
     double wait_ms = (double)c->ranks.wait_ns * 1e-6;
-    uint64_t stands_for = ranks_stand_for(&c->ranks);
+    uint64_t stands_for = c->ranks.stands_for;
     duet_cluster_rank *last = &c->last;
     *last = (duet_cluster_rank){.objects = stands_for * owned_count(&c->owned),
                                 .ghosts = stands_for * ghosts_of_others(&c->ghosts, &c->ranks),
