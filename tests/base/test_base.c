@@ -5,7 +5,6 @@
 #include "base/rng.h"
 #include "base/text_file.h"
 
-#include <stdio.h>
 #include <string.h>
 
 TEST(the_first_failure_is_kept)

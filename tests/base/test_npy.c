@@ -6,7 +6,6 @@
 #include "base/text_file.h"
 #include "runtime/scene/scene_load.h"
 
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -9,7 +9,6 @@
 #include "runtime/broadphase/world.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { CAPACITY = 6000 };

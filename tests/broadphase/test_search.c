@@ -9,7 +9,6 @@
 #include "runtime/scene/reference.h"
 
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { MOST = 2500 };

@@ -8,7 +8,6 @@
 #include "runtime/duet.h"
 
 #include <cjson/cJSON.h>
-#include <stdio.h>
 #include <string.h>
 
 #define SCENE "test_accuracy.scene.lua"
@@ -40,18 +39,12 @@ static const char stack_text[] =
     "add { centre = { 0, 0, -0.5 }, half_extents = { 5, 5, 0.5 }, mass = 0 }\n"
     "return { dims = 3, gravity = { 0, 0, -10 }, wants = { 'contact_response' } }\n";
 
-static void write_file(const char *path, const char *content)
-{
-    duet_error err = {0};
-    assert_ok(text_write_file(path, content, strlen(content), &err), err);
-}
-
 static int make_scene(void **state)
 {
     (void)state;
-    write_file(SCENE, scene_text);
-    write_file(ORBIT, orbit_text);
-    write_file(STACK, stack_text);
+    test_write_file(SCENE, scene_text);
+    test_write_file(ORBIT, orbit_text);
+    test_write_file(STACK, stack_text);
     return 0;
 }
 
@@ -148,9 +141,7 @@ TEST(the_table_and_the_plot_name_every_level)
     for (int l = 0; l < DUET_LEVELS; ++l)
         assert_non_null(strstr(p.out, duet_level_get_info((duet_level)l)->name));
     for (int f = 0; f < 2; ++f) {
-        text content = {0};
-        duet_error err = {0};
-        assert_ok(text_read_file(&content, files[f], &err), err);
+        text content = test_read_file(files[f]);
         assert_true(content.length > 200);
         text_free(&content);
     }

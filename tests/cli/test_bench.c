@@ -16,9 +16,7 @@
 
 static cJSON *read_json(const char *path)
 {
-    text t = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&t, path, &err), err);
+    text t = test_read_file(path);
     cJSON *o = cJSON_Parse(text_chars(&t));
     text_free(&t);
     assert_non_null(o);

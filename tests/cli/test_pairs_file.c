@@ -9,7 +9,6 @@
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define TOUCHING "0 0 0 .5 .5 .5 0 0 0 1   1 0 0 .5 .5 .5 0 0 0 1\n"
@@ -21,17 +20,12 @@ static void write_file(const char *path, const void *bytes, size_t n)
     assert_ok(text_write_file(path, bytes, n, &err), err);
 }
 
-static void write_text(const char *path, const char *chars)
-{
-    write_file(path, chars, strlen(chars));
-}
-
 // ------------------------------------------------------------ reading
 
 TEST(rows_of_text_become_two_poses_each)
 {
     duet_error err = {0};
-    write_text("pairs.csv", "# two pairs\n" TOUCHING APART);
+    test_write_file("pairs.csv", "# two pairs\n" TOUCHING APART);
     duet_scene *pairs = duet_scene_load_pairs("pairs.csv", &err);
     assert_ok(pairs, err);
     const duet_scene_info *info = duet_scene_get_info(pairs);
@@ -40,7 +34,7 @@ TEST(rows_of_text_become_two_poses_each)
     assert_int_equal(info->dims, 3);
     assert_true(poses[1].centre[0] == 1 && poses[3].centre[1] == 2 && poses[3].rotation[2] == 1);
     duet_scene_destroy(pairs);
-    write_text("pairs.csv", "0 0 1 1 0  3 0 1 1 3.14159\n");
+    test_write_file("pairs.csv", "0 0 1 1 0  3 0 1 1 3.14159\n");
     pairs = duet_scene_load_pairs("pairs.csv", &err);
     assert_ok(pairs, err);
     assert_int_equal(duet_scene_get_info(pairs)->n, 2);
@@ -102,13 +96,13 @@ TEST(wrong_files_are_refused_with_pair_and_pose)
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         duet_error err = {0};
-        write_text("pairs.csv", wrong[i].text);
+        test_write_file("pairs.csv", wrong[i].text);
         assert_null(duet_scene_load_pairs("pairs.csv", &err));
         assert_string_equal(err.text, wrong[i].says);
     }
     remove("pairs.csv");
     duet_error err = {0};
-    write_text("pairs.lua", "return {}");
+    test_write_file("pairs.lua", "return {}");
     assert_null(duet_scene_load_pairs("pairs.lua", &err));
     assert_string_equal(err.text, "pairs.lua: pairs are read from .npy or text");
 }
@@ -118,10 +112,9 @@ TEST(wrong_files_are_refused_with_pair_and_pose)
 TEST(arrays_are_written_as_numpy_reads_them)
 {
     duet_error err = {0};
-    text bytes = {0};
     const uint8_t answers[3] = {1, 0, 1};
     assert_ok(npy_write("answers.npy", NPY_UINT8, answers, 3, &err), err);
-    assert_ok(text_read_file(&bytes, "answers.npy", &err), err);
+    text bytes = test_read_file("answers.npy");
     assert_int_equal(bytes.length, 128 + 3);
     assert_memory_equal(bytes.chars, "\x93NUMPY\1\0\x76\0", 10);
     static const char literal[] = "{'descr': '|u1', 'fortran_order': False, 'shape': (3,), } ";
@@ -153,7 +146,7 @@ static double number_in(const cJSON *o, const char *name)
 
 TEST(the_program_tests_a_file_at_every_level)
 {
-    write_text("pairs.csv", TOUCHING APART TOUCHING);
+    test_write_file("pairs.csv", TOUCHING APART TOUCHING);
     for (int l = 0; l < DUET_LEVELS; ++l) {
         program p = program_run_with(CACHED, "query pairs.csv --json --share 1/3 --level %s",
                                      duet_level_get_info((duet_level)l)->name);
@@ -170,9 +163,7 @@ TEST(the_program_tests_a_file_at_every_level)
 
 static void assert_file(const char *path, const char *expected)
 {
-    duet_error err = {0};
-    text bytes = {0};
-    assert_ok(text_read_file(&bytes, path, &err), err);
+    text bytes = test_read_file(path);
     assert_string_equal(text_chars(&bytes), expected);
     text_free(&bytes);
 }
@@ -181,7 +172,7 @@ TEST(the_program_writes_answers_and_separations)
 {
     duet_error err = {0};
     text bytes = {0};
-    write_text("pairs.csv", TOUCHING APART);
+    test_write_file("pairs.csv", TOUCHING APART);
     static const char *const outs[] = {"answers.csv", "answers.npy"};
     for (int i = 0; i < 2; ++i) {
         program p = program_run_with(CACHED, "query pairs.csv --separations -o %s", outs[i]);
@@ -200,7 +191,7 @@ TEST(the_program_writes_answers_and_separations)
 
 TEST(wrong_usage_is_told)
 {
-    write_text("pairs.csv", TOUCHING);
+    test_write_file("pairs.csv", TOUCHING);
     static const struct {
         const char *arguments;
         int exit_code;

@@ -5,7 +5,6 @@
 
 #include "base/text_file.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #define SCENE "test_picture.txt"
@@ -18,8 +17,7 @@ static const char alone[] = "fill:rgb(66%,76%,88%)";
 
 static void write_scene(const char *content)
 {
-    duet_error err = {0};
-    assert_ok(text_write_file(SCENE, content, strlen(content), &err), err);
+    test_write_file(SCENE, content);
 }
 
 // Cairo 1.16 writes style="fill:rgb(1%,2%,3%)", Cairo 1.18 fill="rgb(1%, 2%, 3%)": both

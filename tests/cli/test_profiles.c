@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 // A store with two profiles, one of them replaced once.
 static test_folder make_store(void)
@@ -318,9 +317,8 @@ TEST(every_query_of_the_documentation_works)
     store *s = store_open(folder.store, STORE_WRITE, &err);
     assert_ok(s, err);
     text path = {0};
-    text doc = {0};
     text_add(&path, "%s/../../docs/store.md", getenv("DUET_TEST_DATA"));
-    assert_ok(text_read_file(&doc, text_chars(&path), &err), err);
+    text doc = test_read_file(text_chars(&path));
     int n = 0;
     for (char *at = doc.chars; (at = strstr(at, "```sql\n")); ++n) {
         at += strlen("```sql\n");

@@ -49,9 +49,9 @@ static int make_store(void **state)
         "\"effects\":[{\"effect\":\"gravity\",\"active\":true,\"called_by\":\"gravity\","
         "\"bytes\":0,\"ms\":0.375},{\"effect\":\"drag\",\"active\":false,"
         "\"called_by\":\"drag\",\"bytes\":0}]}";
-    assert_ok(text_write_file(RESULTS, results, strlen(results), &err), err);
-    assert_ok(text_write_file(LEVELS, levels, strlen(levels), &err), err);
-    assert_ok(text_write_file(EFFECTS, effects, strlen(effects), &err), err);
+    test_write_file(RESULTS, results);
+    test_write_file(LEVELS, levels);
+    test_write_file(EFFECTS, effects);
     return 0;
 }
 
@@ -230,10 +230,9 @@ TEST(what_cannot_be_read_or_written_is_one_line)
     program_assert_refused(&p, 1, "no/such.json");
     p = program_run("report -o " PAGE " %s", folder.store);
     program_assert_refused(&p, 1, "so this is no text");
-    duet_error err = {0};
     static const char unmeasured[] = "{\"type\":\"duet explain\",\"scene\":\"s\",\"objects\":1,"
                                      "\"steps\":0,\"effects\":[]}";
-    assert_ok(text_write_file(PAGE, unmeasured, strlen(unmeasured), &err), err);
+    test_write_file(PAGE, unmeasured);
     p = program_run("report -o x.html " PAGE);
     program_assert_refused(&p, 1, PAGE ": no times; 'duet explain --measure' takes them");
     p = program_run("report --profile %s -o no/such/folder.html", folder.store);

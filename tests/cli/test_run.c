@@ -141,9 +141,7 @@ TEST(an_accuracy_that_no_profile_knows_is_told_of)
 TEST(the_pairs_file_holds_each_pair_once_ascending)
 {
     cJSON *o = run_json(SCENE " --pairs test_run.csv --repeat 1 --share 0.5");
-    text t = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&t, "test_run.csv", &err), err);
+    text t = test_read_file("test_run.csv");
     uint64_t n = 0;
     uint64_t last = 0;
     duet_pair *pairs = calloc(t.length, sizeof *pairs);

@@ -5,6 +5,7 @@
 
 #include "support/devices.h"
 #include "support/mover.h"
+#include "support/trees.h"
 
 #include "base/rng.h"
 #include "runtime/opencl/device_pair.h"
@@ -12,31 +13,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static duet_contact_query *open_query(uint32_t dims, uint32_t share, float margin)
-{
-    duet_error err = {0};
-    duet_contact_query_def def = duet_default_contact_query_def();
-    def.pair = devices;
-    def.dims = dims;
-    def.share = share;
-    def.margin = margin;
-    duet_contact_query *query = duet_contact_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
-}
-
-static duet_contact_query_result run(duet_contact_query *query, const duet_pose *poses, uint32_t n,
-                                     const duet_pair *pairs, uint64_t n_pairs)
-{
-    duet_error err = {0};
-    const duet_span spans[2] = {{pairs, n_pairs / 3}, {pairs + n_pairs / 3, n_pairs - n_pairs / 3}};
-    duet_contact_query_result result;
-    assert_ok(duet_contact_query_run(query, DUET_OBJECT_POSES, poses, n, spans, &result, &err),
-              err);
-    assert_int_equal(result.n_contacts, n_pairs);
-    return result;
-}
 
 // ---------------------------------------------------------------- truth
 
@@ -243,8 +219,10 @@ static void contacts_are_those_of_the_boxes(uint32_t dims, float margin)
     fill(&r, poses, dims);
     uint64_t n, colliding = 0, points = 0;
     duet_pair *pairs = all_pairs(&n);
-    duet_contact_query *query = open_query(dims, DUET_SHARE_ONE / 3, margin);
-    duet_contact_query_result found = run(query, poses, BOXES, pairs, n);
+    duet_contact_query *query =
+        open_contact_query(DUET_SHAPE_POSES, dims, DUET_SHARE_ONE / 3, margin);
+    duet_contact_query_result found =
+        find_contacts(query, DUET_OBJECT_POSES, poses, BOXES, pairs, n);
     uint64_t touching = 0;
     for (uint64_t i = 0; i < n; ++i) {
         const duet_contact *c = &found.contacts[i];
@@ -291,8 +269,8 @@ static duet_contact contact_of(uint32_t dims, duet_pose a, duet_pose b)
 {
     const duet_pose poses[2] = {a, b};
     const duet_pair pair = {0, 1};
-    duet_contact_query *query = open_query(dims, 0, 0);
-    duet_contact c = run(query, poses, 2, &pair, 1).contacts[0];
+    duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, dims, 0, 0);
+    duet_contact c = find_contacts(query, DUET_OBJECT_POSES, poses, 2, &pair, 1).contacts[0];
     duet_contact_query_destroy(query);
     return c;
 }
@@ -373,8 +351,8 @@ TEST(what_touches_has_a_point)
         if (i != 13)
             pairs[n++] = (duet_pair){i, 13};
     pairs[n++] = (duet_pair){13, 27};
-    duet_contact_query *query = open_query(3, 0, 0);
-    duet_contact_query_result found = run(query, poses, 28, pairs, n);
+    duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, 3, 0, 0);
+    duet_contact_query_result found = find_contacts(query, DUET_OBJECT_POSES, poses, 28, pairs, n);
     for (uint64_t i = 0; i < n; ++i) {
         assert_true(found.contacts[i].n > 0);
         for (uint32_t k = 0; i + 1 < n && k < found.contacts[i].n; ++k)
@@ -394,11 +372,14 @@ TEST(the_other_way_round_has_the_same_points)
         fill(&r, poses, dims);
         uint64_t n;
         duet_pair *pairs = all_pairs(&n);
-        duet_contact_query *query = open_query(dims, 0, 0), *back = open_query(dims, 0, 0);
-        duet_contact_query_result one = run(query, poses, BOXES, pairs, n);
+        duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, dims, 0, 0),
+                           *back = open_contact_query(DUET_SHAPE_POSES, dims, 0, 0);
+        duet_contact_query_result one =
+            find_contacts(query, DUET_OBJECT_POSES, poses, BOXES, pairs, n);
         for (uint64_t i = 0; i < n; ++i)
             pairs[i] = (duet_pair){pairs[i].b, pairs[i].a};
-        duet_contact_query_result other = run(back, poses, BOXES, pairs, n);
+        duet_contact_query_result other =
+            find_contacts(back, DUET_OBJECT_POSES, poses, BOXES, pairs, n);
         for (uint64_t i = 0; i < n; ++i) {
             const duet_contact *c = &one.contacts[i], *d = &other.contacts[i];
             assert_true(c->a == d->b && c->b == d->a && c->n == d->n);
@@ -433,9 +414,10 @@ TEST(share_and_launch_change_no_bit)
     duet_contact *first = malloc((size_t)n * sizeof *first);
     for (int i = 0; i < WAYS; ++i) {
         info->kind = i + 1 == WAYS ? DUET_KIND_GPU : kind;
-        duet_contact_query *query = open_query(3, shares[i], 0.01f);
+        duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, 3, shares[i], 0.01f);
         info->kind = kind;
-        duet_contact_query_result found = run(query, poses, BOXES, pairs, n);
+        duet_contact_query_result found =
+            find_contacts(query, DUET_OBJECT_POSES, poses, BOXES, pairs, n);
         if (i == 0)
             memcpy(first, found.contacts, (size_t)n * sizeof *first);
         assert_memory_equal(first, found.contacts, (size_t)n * sizeof *first);
@@ -461,7 +443,7 @@ TEST(the_pairs_of_a_world_have_points)
     assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, BOXES, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
     assert_true(result.spans[0].n > 0 && result.spans[1].n > 0);
-    duet_contact_query *query = open_query(3, DUET_SHARE_DEFAULT, 0);
+    duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, 3, DUET_SHARE_DEFAULT, 0);
     duet_contact_query_result found;
     assert_ok(
         duet_contact_query_run(query, DUET_OBJECT_POSES, poses, BOXES, result.spans, &found, &err),
@@ -538,11 +520,11 @@ static void assert_refused(const duet_pose *poses, uint32_t n, duet_pair pair, d
     duet_error err = {0};
     duet_contact_query_result result;
     const duet_span spans[2] = {{&(duet_pair){0, 1}, 1}, {&pair, 1}};
-    duet_contact_query *query = open_query(3, 0, 0);
+    duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, 3, 0, 0);
     assert_false(duet_contact_query_run(query, DUET_OBJECT_POSES, poses, n, spans, &result, &err));
     assert_int_equal(err.status, status);
     assert_string_equal(err.text, says);
-    run(query, poses, 2, &(duet_pair){0, 1}, 1); // and goes on
+    find_contacts(query, DUET_OBJECT_POSES, poses, 2, &(duet_pair){0, 1}, 1); // and goes on
     duet_contact_query_destroy(query);
 }
 

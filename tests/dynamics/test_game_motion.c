@@ -4,7 +4,6 @@
 
 #include "support/devices.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { FLOOR, BOX, SLIDER, SENSOR, GHOST, WALL, BULLET, LIFTED, BODIES };

@@ -7,8 +7,6 @@
 #include "runtime/dynamics/motion_commands.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 static const char path[] = "motion"; // of what a test saves
 
@@ -381,9 +379,7 @@ TEST(recorded_commands_give_the_same_hash_with_any_plan)
 
 static void sum_file(unsigned char *bytes, size_t n)
 {
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
-    for (size_t i = 0; i + 8 < n; ++i)
-        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
+    uint64_t sum = text_checksum((const char *)bytes, n - 8);
     memcpy(bytes + n - 8, &sum, 8);
 }
 

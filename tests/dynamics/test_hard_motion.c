@@ -7,8 +7,6 @@
 #include "base/rng.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const char path[] = "motion"; // of what a test saves

@@ -5,6 +5,7 @@
 
 #include "support/devices.h"
 #include "support/mover.h"
+#include "support/trees.h"
 
 #include "base/rng.h"
 #include "runtime/narrowphase/rounded.h"
@@ -15,32 +16,6 @@
 #include <string.h>
 
 enum { BOXES = 160, MOST_PAIRS = BOXES * BOXES / 2 };
-
-static duet_contact_query *open_query(duet_shape shape, uint32_t dims, uint32_t share, float margin)
-{
-    duet_error err = {0};
-    duet_contact_query_def def = duet_default_contact_query_def();
-    def.pair = devices;
-    def.shape = shape;
-    def.dims = dims;
-    def.share = share;
-    def.margin = margin;
-    duet_contact_query *query = duet_contact_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
-}
-
-static duet_contact_query_result run(duet_contact_query *query, duet_object_kind kind,
-                                     const void *objects, uint32_t n, const duet_pair *pairs,
-                                     uint64_t n_pairs)
-{
-    duet_error err = {0};
-    const duet_span spans[2] = {{pairs, n_pairs / 3}, {pairs + n_pairs / 3, n_pairs - n_pairs / 3}};
-    duet_contact_query_result result;
-    assert_ok(duet_contact_query_run(query, kind, objects, n, spans, &result, &err), err);
-    assert_int_equal(result.n_contacts, n_pairs);
-    return result;
-}
 
 // Every two boxes.
 static uint64_t all_pairs(duet_pair *pairs)
@@ -164,8 +139,9 @@ static void check_world(duet_rounded_box *boxes, uint32_t dims, float margin)
     static duet_pair pairs[MOST_PAIRS];
     uint64_t n = all_pairs(pairs), colliding = 0, touching = 0;
     duet_contact_query *query =
-        open_query(DUET_SHAPE_ROUNDED_BOXES, dims, DUET_SHARE_ONE / 3, margin);
-    duet_contact_query_result found = run(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
+        open_contact_query(DUET_SHAPE_ROUNDED_BOXES, dims, DUET_SHARE_ONE / 3, margin);
+    duet_contact_query_result found =
+        find_contacts(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
     for (uint64_t i = 0; i < n; ++i) {
         const duet_contact *c = &found.contacts[i];
         const duet_rounded_box *a = &boxes[pairs[i].a], *b = &boxes[pairs[i].b];
@@ -219,8 +195,9 @@ static duet_contact contact_of(duet_rounded_box a, duet_rounded_box b, float mar
 {
     const duet_rounded_box boxes[2] = {a, b};
     const duet_pair pair = {0, 1};
-    duet_contact_query *query = open_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, margin);
-    duet_contact c = run(query, DUET_OBJECT_ROUNDED_BOXES, boxes, 2, &pair, 1).contacts[0];
+    duet_contact_query *query = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, margin);
+    duet_contact c =
+        find_contacts(query, DUET_OBJECT_ROUNDED_BOXES, boxes, 2, &pair, 1).contacts[0];
     duet_contact_query_destroy(query);
     return c;
 }
@@ -297,11 +274,11 @@ TEST(shares_launches_and_order_change_no_bit)
     duet_device_kind kind = info->kind;
     for (int way = 0; way < 3; ++way) {
         info->kind = way == 2 ? DUET_KIND_GPU : kind;
-        duet_contact_query *query =
-            open_query(DUET_SHAPE_ROUNDED_BOXES, 3, way == 1 ? DUET_SHARE_ONE / 3 : 0, 0.05f);
+        duet_contact_query *query = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3,
+                                                       way == 1 ? DUET_SHARE_ONE / 3 : 0, 0.05f);
         info->kind = kind;
         duet_contact_query_result found =
-            run(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
+            find_contacts(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
         if (way == 0)
             memcpy(first, found.contacts, (size_t)n * sizeof *first);
         assert_memory_equal(first, found.contacts, (size_t)n * sizeof *first);
@@ -309,8 +286,9 @@ TEST(shares_launches_and_order_change_no_bit)
     }
     for (uint64_t i = 0; i < n; ++i)
         pairs[i] = (duet_pair){pairs[i].b, pairs[i].a};
-    duet_contact_query *back = open_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.05f);
-    duet_contact_query_result found = run(back, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
+    duet_contact_query *back = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.05f);
+    duet_contact_query_result found =
+        find_contacts(back, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
     for (uint64_t i = 0; i < n; ++i) {
         assert_int_equal(found.contacts[i].n, first[i].n);
         for (int k = 0; k < 3; ++k)
@@ -334,10 +312,12 @@ TEST(boxes_without_radii_have_the_contacts_of_poses)
         boxes[i].radius = 0;
         poses[i] = boxes[i].pose;
     }
-    duet_contact_query *rounded = open_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.05f);
-    duet_contact_query *plain = open_query(DUET_SHAPE_POSES, 3, 0, 0.05f);
-    duet_contact_query_result one = run(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
-    duet_contact_query_result other = run(plain, DUET_OBJECT_POSES, poses, BOXES, pairs, n);
+    duet_contact_query *rounded = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.05f);
+    duet_contact_query *plain = open_contact_query(DUET_SHAPE_POSES, 3, 0, 0.05f);
+    duet_contact_query_result one =
+        find_contacts(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
+    duet_contact_query_result other =
+        find_contacts(plain, DUET_OBJECT_POSES, poses, BOXES, pairs, n);
     assert_true(one.touching > BOXES / 4);
     assert_memory_equal(one.contacts, other.contacts, (size_t)n * sizeof *one.contacts);
     duet_contact_query_destroy(rounded);
@@ -357,10 +337,12 @@ TEST(spheres_have_the_contacts_of_rounded_boxes)
         spheres[i].radius = boxes[i].radius * 2;
         boxes[i] = rounded_of_sphere(&spheres[i]);
     }
-    duet_contact_query *rounded = open_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0);
-    duet_contact_query *round = open_query(DUET_SHAPE_SPHERES, 3, DUET_SHARE_ONE / 3, 0);
-    duet_contact_query_result one = run(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
-    duet_contact_query_result other = run(round, DUET_OBJECT_SPHERES, spheres, BOXES, pairs, n);
+    duet_contact_query *rounded = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0);
+    duet_contact_query *round = open_contact_query(DUET_SHAPE_SPHERES, 3, DUET_SHARE_ONE / 3, 0);
+    duet_contact_query_result one =
+        find_contacts(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
+    duet_contact_query_result other =
+        find_contacts(round, DUET_OBJECT_SPHERES, spheres, BOXES, pairs, n);
     assert_true(one.touching > BOXES / 4);
     assert_memory_equal(one.contacts, other.contacts, (size_t)n * sizeof *one.contacts);
     duet_contact_query_destroy(rounded);
@@ -395,8 +377,9 @@ TEST(a_motion_has_the_same_contacts)
     duet_pair *pairs = malloc((size_t)n * sizeof *pairs);
     for (uint64_t i = 0; i < n; ++i)
         pairs[i] = (duet_pair){moving[i].a, moving[i].b};
-    duet_contact_query *query = open_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.02f);
-    duet_contact_query_result still = run(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
+    duet_contact_query *query = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.02f);
+    duet_contact_query_result still =
+        find_contacts(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
     for (uint64_t i = 0; i < n; ++i) {
         const duet_contact *c = &still.contacts[i], *m = &moving[i];
         double along = 0, e = 0x1p-16 * size_of(&boxes[c->a], &boxes[c->b], 3);
@@ -429,8 +412,8 @@ TEST(what_is_no_object_of_the_shape_is_refused)
     const duet_sphere spheres[2] = {{{0, 0, 0}, 1}, {{1, NAN, 0}, 1}};
     const duet_pair pair = {0, 1};
     const duet_span spans[2] = {{&pair, 1}, {NULL, 0}};
-    duet_contact_query *rounded = open_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0);
-    duet_contact_query *round = open_query(DUET_SHAPE_SPHERES, 3, DUET_SHARE_ONE / 3, 0);
+    duet_contact_query *rounded = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0);
+    duet_contact_query *round = open_contact_query(DUET_SHAPE_SPHERES, 3, DUET_SHARE_ONE / 3, 0);
     assert_false(
         duet_contact_query_run(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, 2, spans, &result, &err));
     assert_string_equal(err.text,

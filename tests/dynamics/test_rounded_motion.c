@@ -7,9 +7,7 @@
 #include "base/rng.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 static uint32_t add_round(mover *m, double x, double y, double z, const double half[3],
                           double radius)

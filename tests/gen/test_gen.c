@@ -7,13 +7,10 @@
 #include "base/text_file.h"
 #include "gen/gen.h"
 
-#include <inttypes.h>
 #include <sha256.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static const gen_limits gpu = {.max_group = 1024, .local_bytes = 48 << 10, .fp64 = true};
 static const gen_limits cpu = {

@@ -12,7 +12,6 @@
 #include "gen/gen.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const gen_limits gpu = {.max_group = 1024, .local_bytes = 48 << 10, .fp64 = true};

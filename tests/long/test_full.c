@@ -9,7 +9,6 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 // Bytes that a device may hold for an object, and for a pair.
 enum { OBJECT_BYTES = 200, PAIR_BYTES = 16 };

@@ -9,7 +9,6 @@
 #include "base/rng.h"
 #include "runtime/narrowphase/origin.h"
 
-#include <math.h>
 #include <string.h>
 
 static uint64_t check_cloud(const duet_world_def *def, double at, double most, uint64_t seed)

@@ -9,7 +9,6 @@
 #include "base/rng.h"
 #include "runtime/duet.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { OBJECTS = 600 };

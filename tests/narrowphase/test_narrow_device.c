@@ -13,7 +13,6 @@
 #include "runtime/opencl/program.h"
 #include "support/narrow_float.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define PLAIN "-cl-std=CL1.2"

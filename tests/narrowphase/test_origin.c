@@ -15,10 +15,7 @@
 #include "runtime/narrowphase/origin.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 // ------------------------------------------------------------ positions
 

@@ -6,8 +6,6 @@
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/scan.h"
 
-#include <stdlib.h>
-
 enum { MOST = 300000 };
 
 // Where the host reads them again once a timeline has shown them.

@@ -13,8 +13,7 @@
 
 TEST(a_pair_and_a_workload_are_stored_once)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     duet_error err = {0};
     profile_pair pair = test_pair();
     profile_pair swapped = {.a = pair.b, .b = pair.a};
@@ -149,9 +148,7 @@ static bool count_trial(void *context, int64_t number, const profile_trial *tria
 
 TEST(a_trial_comes_back_as_it_went_in)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune_usual(s);
+    store *s = test_store_tuned();
     duet_error err = {0};
     sql q = sql_make(s, "SELECT id FROM session", &err);
     assert_true(sql_row(&q));
@@ -170,9 +167,7 @@ TEST(a_trial_comes_back_as_it_went_in)
 
 TEST(a_trial_without_measurements_needs_a_reason_and_no_times)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune_usual(s);
+    store *s = test_store_tuned();
     duet_error err = {0};
     profile_session session = test_session(1, 1);
     char id[PROFILE_ID];
@@ -190,9 +185,7 @@ TEST(a_trial_without_measurements_needs_a_reason_and_no_times)
 
 TEST(a_replaced_profile_stays_dead_with_its_reason)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune_usual(s);
+    store *s = test_store_tuned();
     test_tune_usual(s);
     assert_int_equal(test_count(s, "profile"), 2);
     assert_int_equal(test_count(s, "profile WHERE live = 1"), 1);
@@ -256,8 +249,7 @@ TEST(a_live_profile_gives_way_only_to_one_that_is_founded_as_well)
         {{"faster", 0.16, 0.31, 0}, {"faster", 0.02, 0.9, 8}, true}, // of an older version
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        test_folder folder = test_folder_make();
-        store *s = test_store_open(folder.store, STORE_WRITE);
+        store *s = test_store_fresh();
         profile_row live = gained(s, cases[i].live.verdict, cases[i].live.low, cases[i].live.high,
                                   cases[i].live.rounds);
         profile_row next = gained(s, cases[i].next.verdict, cases[i].next.low, cases[i].next.high,
@@ -290,8 +282,7 @@ TEST(quiet_comes_before_all_other_grounds)
     };
     for (int next = 0; next < N; ++next)
         for (int live = 0; live < N; ++live) {
-            test_folder folder = test_folder_make();
-            store *s = test_store_open(folder.store, STORE_WRITE);
+            store *s = test_store_fresh();
             bool narrow = next == live || !replaces[next][live];
             profile_row rows[2] = {gained(s, "faster", 0.16, 0.31, 20),
                                    gained(s, narrow ? "slower" : "same", narrow ? -0.30 : -0.5,
@@ -313,8 +304,7 @@ TEST(quiet_comes_before_all_other_grounds)
 static bool replaces(const char *options, const profile_row *gain, const double before_ns[2],
                      const double ns[2])
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     duet_error err = {0};
     char ids[2][PROFILE_ID];
     profile_row row = gained(s, gain->verdict, gain->gain_low, gain->gain_high, gain->rounds);
@@ -366,8 +356,7 @@ static int64_t is_live(store *s, const profile_placed *placed)
 
 TEST(a_stored_profile_is_put_to_use_and_forgotten)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     duet_error err = {0};
     profile_row row = gained(s, "faster", 0.1, 0.2, 20);
     profile_row unfounded = gained(s, "ambiguous", -0.1, 0.2, 3);
@@ -402,8 +391,7 @@ TEST(a_stored_profile_is_put_to_use_and_forgotten)
 
 TEST(what_is_not_json_is_refused)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     static const char *const bad[] = {"", "[1]", "{\"a\":}", "{} trailing", "{\"a\":1"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         duet_error err = {0};

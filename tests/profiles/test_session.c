@@ -14,9 +14,7 @@
 
 TEST(a_stopped_session_is_resumed_with_its_state)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune_usual(s);
+    store *s = test_store_tuned();
     duet_error err = {0};
     profile_session session = test_session(1, 1);
     profile_resumed resumed;
@@ -45,9 +43,7 @@ TEST(a_stopped_session_is_resumed_with_its_state)
 
 TEST(another_search_is_not_resumed)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune_usual(s);
+    store *s = test_store_tuned();
     duet_error err = {0};
     profile_session session = test_session(1, 1);
     char id[PROFILE_ID];
@@ -71,9 +67,7 @@ TEST(another_search_is_not_resumed)
 // What was asked is part of what is finished.
 TEST(what_was_asked_and_finished_is_known)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune_usual(s);
+    store *s = test_store_tuned();
     duet_error err = {0};
     char uid[PROFILE_ID];
     profile_session session = test_session(1, 1);
@@ -104,8 +98,7 @@ TEST(what_was_asked_and_finished_is_known)
 
 TEST(one_process_measures_a_workload_whatever_it_asks)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     duet_error err = {0};
     profile_pair pair = test_pair(), swapped = {.a = pair.b, .b = pair.a};
     profile_workload workloads[2] = {test_workload(1000), test_workload(2000)};
@@ -147,9 +140,7 @@ TEST(a_dead_owners_session_is_resumed)
         "UPDATE session SET host = 'elsewhere', heartbeat_ns = 1", // long silent
     };
     for (size_t i = 0; i < sizeof owners / sizeof owners[0]; ++i) {
-        test_folder folder = test_folder_make();
-        store *s = test_store_open(folder.store, STORE_WRITE);
-        test_tune_usual(s);
+        store *s = test_store_tuned();
         duet_error err = {0};
         profile_session session = test_session(1, 1);
         char id[PROFILE_ID];
@@ -166,9 +157,7 @@ TEST(a_dead_owners_session_is_resumed)
 
 TEST(a_silent_owner_elsewhere_is_given_ten_minutes)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune_usual(s);
+    store *s = test_store_tuned();
     duet_error err = {0};
     profile_session session = test_session(1, 1);
     char id[PROFILE_ID];

@@ -340,8 +340,7 @@ TEST(a_view_or_trigger_of_a_stranger_is_refused)
 
 TEST(a_failure_inside_undoes_the_whole_transaction)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     duet_error err = {0};
     assert_ok(store_begin(s, &err), err);
     assert_ok(store_audit(s, "outer", "", &err), err);

@@ -10,7 +10,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 
 static const char *const failures[][2] = {
@@ -84,8 +83,7 @@ TEST(every_trial_is_a_result_that_says_whether_it_is_correct)
 
 TEST(a_store_without_trials_is_a_document_without_results)
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     cJSON *document = document_of(s);
     json_array(document, "results", 0);
     cJSON_Delete(document);

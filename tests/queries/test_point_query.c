@@ -11,7 +11,6 @@
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/queries/ray.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

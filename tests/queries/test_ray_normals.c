@@ -9,7 +9,6 @@
 #include "base/rng.h"
 #include "runtime/narrowphase/rounded.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -12,7 +12,6 @@
 #include "runtime/queries/ray.h"
 
 #include <float.h>
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

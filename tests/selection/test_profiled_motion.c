@@ -8,7 +8,6 @@
 #include "runtime/selection/profile_subject.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { CUBES = 60, STEPS = 12 };

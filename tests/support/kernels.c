@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 // Of a file within the folder; its own folder is made.
 static void file_path(text *path, const char *folder, const char *file)

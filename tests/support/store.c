@@ -6,7 +6,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 test_folder test_folder_make(void)
@@ -17,16 +16,23 @@ test_folder test_folder_make(void)
     return folder;
 }
 
-void test_folder_remove(const test_folder *folder)
-{
-    test_remove_folder(folder->path);
-}
-
 store *test_store_open(const char *path, store_access access)
 {
     duet_error err = {0};
     store *s = store_open(path, access, &err);
     assert_ok(s, err);
+    return s;
+}
+
+store *test_store_fresh(void)
+{
+    return test_store_open(test_folder_make().store, STORE_WRITE);
+}
+
+store *test_store_tuned(void)
+{
+    store *s = test_store_fresh();
+    test_tune_usual(s);
     return s;
 }
 

@@ -18,8 +18,8 @@
 
 enum { MOST_TESTS = 64 };
 
-static struct CMUnitTest tests[MOST_TESTS];
-static int lines[MOST_TESTS]; // ascending
+static struct CMUnitTest tests[MOST_TESTS]; // CMocka passes over those without a name
+static int lines[MOST_TESTS];               // ascending
 static int n_tests;
 static CMFixtureFunction each_begin, each_end;
 
@@ -46,7 +46,7 @@ static char own_folder[] = "/tmp/duet_test.XXXXXX";
 
 void test_make_folder(char path[64])
 {
-    snprintf(path, 64, "%s%s", own_folder, strstr(own_folder, "XXXXXX") ? "" : "/XXXXXX");
+    snprintf(path, 64, "%s/XXXXXX", own_folder);
     assert_non_null(mkdtemp(path));
 }
 
@@ -69,11 +69,6 @@ static int remove_one(const char *path, const struct stat *info, int type, struc
     return remove(path);
 }
 
-void test_remove_folder(const char *path)
-{
-    nftw(path, remove_one, 8, FTW_DEPTH | FTW_PHYS);
-}
-
 int test_run(CMFixtureFunction begin, CMFixtureFunction end)
 {
     for (int i = 0; i < n_tests; ++i) {
@@ -82,8 +77,8 @@ int test_run(CMFixtureFunction begin, CMFixtureFunction end)
     }
     if (!mkdtemp(own_folder) || chmod(own_folder, 0755) != 0 || chdir(own_folder) != 0)
         abort();
-    int n_failed = _cmocka_run_group_tests("tests", tests, (size_t)n_tests, begin, end);
-    test_remove_folder(own_folder);
+    int n_failed = cmocka_run_group_tests(tests, begin, end);
+    nftw(own_folder, remove_one, 8, FTW_DEPTH | FTW_PHYS);
     return n_failed;
 }
 

@@ -40,7 +40,6 @@ int test_run(CMFixtureFunction begin, CMFixtureFunction end);
 
 // Makes an empty folder within the program's own; path is absolute.
 void test_make_folder(char path[64]);
-void test_remove_folder(const char *path);
 
 int test_enter_folder(void **state); // one for each test, by test_each
 

@@ -106,3 +106,30 @@ duet_sweep_query_result run_sweeps(duet_sweep_query *query, duet_object_kind kin
     assert_ok(duet_sweep_query_run(query, kind, sweeps, n, &result, &err), err);
     return result;
 }
+
+duet_contact_query *open_contact_query(duet_shape shape, uint32_t dims, uint32_t share,
+                                       float margin)
+{
+    duet_error err = {0};
+    duet_contact_query_def def = duet_default_contact_query_def();
+    def.pair = devices;
+    def.shape = shape;
+    def.dims = dims;
+    def.share = share;
+    def.margin = margin;
+    duet_contact_query *query = duet_contact_query_create(&def, &err);
+    assert_ok(query, err);
+    return query;
+}
+
+duet_contact_query_result find_contacts(duet_contact_query *query, duet_object_kind kind,
+                                        const void *objects, uint32_t n, const duet_pair *pairs,
+                                        uint64_t n_pairs)
+{
+    duet_error err = {0};
+    const duet_span spans[2] = {{pairs, n_pairs / 3}, {pairs + n_pairs / 3, n_pairs - n_pairs / 3}};
+    duet_contact_query_result result;
+    assert_ok(duet_contact_query_run(query, kind, objects, n, spans, &result, &err), err);
+    assert_int_equal(result.n_contacts, n_pairs);
+    return result;
+}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Trees on the tests' devices, and what is asked of them.
+// Trees and queries on the tests' devices, and what is asked of them.
 #ifndef TESTS_TREES_H
 #define TESTS_TREES_H
 
@@ -20,5 +20,12 @@ duet_point_query_result seek_points(duet_point_query *query, const duet_point *p
 duet_sweep_query *open_sweep_query(duet_tree *tree, duet_query_wants wants);
 duet_sweep_query_result run_sweeps(duet_sweep_query *query, duet_object_kind kind,
                                    const void *sweeps, uint64_t n);
+
+duet_contact_query *open_contact_query(duet_shape shape, uint32_t dims, uint32_t share,
+                                       float margin);
+// The pairs are given as two spans, one a third of them.
+duet_contact_query_result find_contacts(duet_contact_query *query, duet_object_kind kind,
+                                        const void *objects, uint32_t n, const duet_pair *pairs,
+                                        uint64_t n_pairs);
 
 #endif

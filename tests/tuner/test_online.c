@@ -7,7 +7,6 @@
 #include "tuner/record.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #define STORE "test_online.db"
