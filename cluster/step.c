@@ -58,8 +58,8 @@ static bool count(duet_cluster *c, int i, duet_error *err)
 
 // ---------------------------------------------------------------- inner and boundary
 
-// Its devices have memory of their own, and search it while the host exchanges ghosts, which are
-// few. One thread alone has nothing to do meanwhile.
+// Whether devices with memory of their own can search the domain while the host exchanges ghosts,
+// and few objects lie at the boundary. With one thread nothing is gained.
 static bool can_overlap(const duet_cluster *c)
 {
     const owned *o = &c->owned;
@@ -67,7 +67,7 @@ static bool can_overlap(const duet_cluster *c)
            cluster_spares_host(c) && o->boundary.n < o->rows.n / 4;
 }
 
-// The second worker; without it there is one search, of objects and ghosts.
+// Opens the second worker. Without it there is one search, of objects and ghosts.
 static bool has_boundary_worker(duet_cluster *c)
 {
     duet_world_def def = c->def.world;
@@ -156,7 +156,7 @@ static bool search_each(duet_cluster *c, fill_set *fill, duet_error *err)
     return ok && count(c, (int)((n - 1) % 2), err);
 }
 
-// Objects between domains have a grid of their own.
+// Searches what lies between domains, with a grid of its own.
 static bool search_between(duet_cluster *c, duet_error *err)
 {
     worker *w = c->workers[0];
@@ -303,7 +303,7 @@ static void keep_times(duet_cluster *c, uint64_t begun_ns)
     snprintf(last->pair, sizeof last->pair, "%s", c->workers[0]->name);
 }
 
-// The plan or the level may be another than that of a boundary's worker.
+// Closes a boundary's worker, whose plan or level may be another than the first one's.
 static void begin_cold(duet_cluster *c)
 {
     if (cluster_workers(c) == 2 || !c->workers[1])
