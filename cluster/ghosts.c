@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Each domain publishes, for each level, the box around its objects of that level and all finer
-// ones. An object of level l goes to a lower place where it meets the box of level l, and to a
-// higher one where it meets that of level l - 1: where it would not be the owner (owner.h).
+// ones. An object of level l goes to a lower place if it meets the box of level l, and to a higher
+// one if it meets the box of level l - 1: to places that may own the pair (owner.h).
 #include "cluster/ghosts.h"
 
 #include "base/error.h"
@@ -130,7 +130,7 @@ static uint32_t message_bytes(const object_form *form)
     return object_message_bytes(form) + 2 * (uint32_t)sizeof(uint32_t);
 }
 
-// The visits that the same part of the search has found.
+// Writes the visits that the same part of the search has found.
 static void write_part(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
     const search *s = context;

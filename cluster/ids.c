@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
-// If ranges overlap, each rank gets all ids of one piece of them, as a sample of all ranks' ids
-// divides them, and looks for neighbours that are equal.
+// If the ranges of ranks overlap, a hash of each id names the rank that gets it from all others,
+// and looks for equal ones.
 #include "cluster/ids.h"
 
 #include "base/compare.h"
 #include "base/error.h"
+#include "runtime/broadphase/pair_hash.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { MOST_SAMPLES = 1 << 16, MOST_OF_RANK = 64 };
 
 // A rank without ids has first above last.
 typedef struct range {
@@ -53,43 +52,25 @@ static uint64_t first_not_below(const uint64_t *ids, uint64_t n, uint64_t id)
     return first;
 }
 
-// How many of its own ids each rank tells all others: those without as many repeat theirs.
-static int sample_size(const ranks *r)
+static uint64_t rank_of(const ranks *r, uint64_t id)
 {
-    int each = MOST_SAMPLES / r->n;
-    return each < 1 ? 1 : each < MOST_OF_RANK ? each : MOST_OF_RANK;
+    return pair_hash(id) % (uint64_t)r->n;
 }
 
-// sample [n of ranks][sample_size], of which ranks without ids have the greatest number: the last
-// pieces then are short.
-static void gather_sample(uint64_t *sample, ranks *r, const uint64_t *ids, uint32_t n)
+static bool send_pieces(parcels *in, ranks *r, const uint64_t *ids, uint32_t n, duet_error *err)
 {
-    uint64_t own[MOST_OF_RANK];
-    int each = sample_size(r);
-    for (int i = 0; i < each; ++i)
-        own[i] = n > 0 ? ids[(uint64_t)n * (uint64_t)i / (uint64_t)each] : UINT64_MAX;
-    ranks_gather(r, own, sample, each * (int)sizeof *own);
-    qsort(sample, (size_t)r->n * (size_t)each, sizeof *sample, compare_uint64);
-}
-
-// Its ids ascend, so those of a piece lie together, and the pieces in order.
-static bool send_pieces(parcels *in, ranks *r, const uint64_t *sample, const uint64_t *ids,
-                        uint32_t n, duet_error *err)
-{
+    uint64_t *places = calloc((size_t)r->n, sizeof *places);
     parcels out = {0};
-    bool ok = parcels_begin(&out, r, sizeof *ids, err);
-    for (uint64_t q = 0, from = 0; ok && q < (uint64_t)r->n; ++q) {
-        uint64_t to = n;
-        if (q + 1 < (uint64_t)r->n)
-            to = first_not_below(ids, n, sample[(q + 1) * (uint64_t)sample_size(r)]);
-        out.counts[q] = to - from;
-        from = to;
-    }
-    ok = ok && parcels_reserve(&out, r, NULL, err);
-    if (ok && n > 0)
-        memcpy(out.rows, ids, n * sizeof *ids);
+    bool ok = places || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
+    ok = parcels_begin(&out, r, sizeof *ids, err) && ok;
+    for (uint32_t i = 0; ok && i < n; ++i)
+        ++out.counts[rank_of(r, ids[i])];
+    ok = ok && parcels_reserve(&out, r, places, err);
+    for (uint32_t i = 0; ok && i < n; ++i)
+        ((uint64_t *)out.rows)[places[rank_of(r, ids[i])]++] = ids[i];
     ok = ranks_exchange(r, ok, &out, in, err);
     parcels_end(&out);
+    free(places);
     return ok;
 }
 
@@ -120,12 +101,10 @@ static bool refuse(ranks *r, uint64_t id, const uint64_t *ids, uint32_t n, duet_
                      id, ends[0], UINT64_MAX - ends[1]);
 }
 
-static bool compare_all(ranks *r, uint64_t *sample, const uint64_t *ids, uint32_t n,
-                        duet_error *err)
+static bool compare_all(ranks *r, const uint64_t *ids, uint32_t n, duet_error *err)
 {
     parcels piece = {0};
-    gather_sample(sample, r, ids, n);
-    if (!send_pieces(&piece, r, sample, ids, n, err))
+    if (!send_pieces(&piece, r, ids, n, err))
         return false;
     uint64_t none_and_id[2];
     find_double(&piece, &none_and_id[0], &none_and_id[1]);
@@ -138,19 +117,15 @@ bool ids_are_distinct(ranks *r, const uint64_t *ids, uint32_t n, duet_error *err
 {
     if (r->n == 1)
         return true;
-    size_t samples = (size_t)r->n * (size_t)sample_size(r);
     range own = {1, 0}, *all = malloc((size_t)r->n * sizeof *all);
-    uint64_t *sample = malloc(samples * sizeof *sample);
-    bool ok = (all && sample) ||
-              error_set(err, DUET_STATUS_NO_MEMORY, "the ids of %d ranks: no memory", r->n);
+    bool ok = all || error_set(err, DUET_STATUS_NO_MEMORY, "the ids of %d ranks: no memory", r->n);
     ok = ranks_agree(r, ok, err);
     if (n > 0)
         own = (range){ids[0], ids[n - 1]};
     if (ok) {
         ranks_gather(r, &own, all, sizeof own);
-        ok = are_apart(all, r->n) || compare_all(r, sample, ids, n, err);
+        ok = are_apart(all, r->n) || compare_all(r, ids, n, err);
     }
-    free(sample);
     free(all);
     return ok;
 }

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-// A extent is a little wider the farther an object is from 0.
+// An extent is a little wider the farther an object is from 0.
 #define ROOM_TO_MOVE 1.01
 
 // The sums and maxima of all ranks' classes.
@@ -49,8 +49,8 @@ static bool classify_all(migration *m, duet_error *err)
                      m->classes.all.boundary.n + m->classes.all.leavers.n);
 }
 
-// Levels are those of a little more than the widest object there was: until one is wider, or they
-// are too fine by far. The same on all ranks.
+// Keeps the width that levels are relative to, until an object is wider or levels are too fine by
+// far. Returns whether it did; the same on all ranks.
 static bool keep_widest(owned *o, double widest)
 {
     if (widest <= o->widest && o->widest <= 4 * widest)
@@ -65,7 +65,7 @@ static int rank_of(const migration *m, uint32_t row)
 {
     const owned *o = m->owned;
     double centre[3];
-    object_centre(&o->form, object_row(&o->rows, &o->form, row), centre);
+    object_row_centre(&o->rows, &o->form, row, centre);
     return partition_rank(m->partition, centre);
 }
 
@@ -88,7 +88,7 @@ static bool write_leavers(const migration *m, const ranks *r, parcels *out, duet
     return ok;
 }
 
-// An object that comes is near the border, as one that leaves is.
+// A newcomer counts as a boundary object: it came through the boundary.
 static void add_newcomer(owned *o, uint32_t row)
 {
     extent e = extent_of(&o->form, object_row(&o->rows, &o->form, row));
@@ -98,7 +98,7 @@ static void add_newcomer(owned *o, uint32_t row)
         row_list_add(&o->renamed, row);
 }
 
-// Objects that leave are let go of once all ranks have taken those that came to them.
+// Releases the objects that leave once all ranks have taken those that came to them.
 static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
 {
     owned *o = m->owned;
@@ -124,14 +124,14 @@ static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
 
 // ---------------------------------------------------------------- partitioning
 
-// Local.
+// Brings this rank's objects to its domains; not collective.
 static bool place(migration *m, duet_error *err)
 {
     const extent box = partition_box(m->partition);
     return owned_tidy(m->owned, err) && owned_place(m->owned, &box, m->workers, err);
 }
 
-// After this all objects are their rank's, and where this rank is well in their domains.
+// Brings all objects to their ranks by a new partition, and if *ok to their domains.
 static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet_error *err)
 {
     owned *o = m->owned;
@@ -158,7 +158,7 @@ static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet
 
 // ---------------------------------------------------------------- all of it
 
-// Rows of one domain begin to travel to its worker's devices.
+// Tidies the rows, and begins to send those of a single domain to its worker's devices.
 static bool begin(migration *m, duet_error *err)
 {
     owned *o = m->owned;

@@ -297,47 +297,31 @@ static inline bool skim_add(skim *to, const extent *inside, const double at[3], 
     return true;
 }
 
-static uint32_t skim_bounds(const object_rows *rows, uint32_t dims, uint32_t first, uint32_t end,
-                            const extent *inside, skim *to)
+// Returns half the width of a sound object.
+static double half_of(const object_form *form, const void *object)
 {
-    const object_form form = {
-        .dims = dims, .shape = DUET_SHAPE_BOUNDS, .bytes = sizeof(duet_bounds)};
-    for (; first < end; ++first) {
-        const duet_bounds *b = object_row(rows, &form, first);
-        double at[3], widest = 0;
-        object_centre(&form, b, at);
-        for (uint32_t k = 0; k < dims; ++k)
-            widest = greater(widest, (double)b->upper[k] - (double)b->lower[k]);
-        if (!object_is_sound(&form, b) || !skim_add(to, inside, at, 0.5 * widest))
-            break;
-    }
-    return first;
-}
-
-static uint32_t skim_with_radii(const object_rows *rows, const object_form *form, uint32_t first,
-                                uint32_t end, const extent *inside, skim *to)
-{
-    for (; first < end; ++first) {
-        const void *object = object_row(rows, form, first);
-        double at[3];
-        object_centre(form, object, at);
-        if (!object_is_sound(form, object) || !skim_add(to, inside, at, half_width(form, object)))
-            break;
-    }
-    return first;
+    if (form->shape != DUET_SHAPE_BOUNDS)
+        return half_width(form, object);
+    extent e = extent_of(form, object);
+    return 0.5 * extent_widest(&e);
 }
 
 uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint32_t first,
                           uint32_t end, const extent *inside, skim *s)
 {
-    if (form->shape == DUET_SHAPE_BOUNDS)
-        return skim_bounds(rows, form->dims, first, end, inside, s);
-    if (form->shape != DUET_SHAPE_POSES)
-        return skim_with_radii(rows, form, first, end, inside, s);
-    if (form->origin > 0.0f)
+    if (form->shape == DUET_SHAPE_POSES && form->origin > 0.0f)
         return first;
-    return skim_poses((const duet_pose *)(const void *)rows->objects, form->dims, first, end,
-                      inside, s);
+    if (form->shape == DUET_SHAPE_POSES)
+        return skim_poses((const duet_pose *)(const void *)rows->objects, form->dims, first, end,
+                          inside, s);
+    for (; first < end; ++first) {
+        const void *object = object_row(rows, form, first);
+        double at[3];
+        object_centre(form, object, at);
+        if (!object_is_sound(form, object) || !skim_add(s, inside, at, half_of(form, object)))
+            break;
+    }
+    return first;
 }
 
 double skim_widest(const skim *s, const object_form *form)
@@ -376,6 +360,12 @@ void object_rows_end(object_rows *rows)
     free(rows->ids);
     free(rows->objects);
     *rows = (object_rows){0};
+}
+
+void object_row_centre(const object_rows *rows, const object_form *form, uint32_t i,
+                       double centre[3])
+{
+    object_centre(form, object_row(rows, form, i), centre);
 }
 
 enum { ROWS_AHEAD = 8 }; // that are asked for; they lie anywhere

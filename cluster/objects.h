@@ -80,6 +80,9 @@ static inline void *object_row(const object_rows *rows, const object_form *form,
     return rows->objects ? rows->objects + (size_t)i * form->bytes : NULL;
 }
 
+void object_row_centre(const object_rows *rows, const object_form *form, uint32_t i,
+                       double centre[3]);
+
 // The bytes of a message's row: an id and its object.
 uint32_t object_message_bytes(const object_form *form);
 void object_write_message(const object_form *form, void *message, uint64_t id, const void *object);

@@ -44,7 +44,6 @@ bool owned_begin(owned *o, uint32_t n_domains, uint32_t most_domains, parallel *
            bisection_begin(&o->planes, n_domains, err);
 }
 
-// All rows become those of the first domain, which has no box.
 void owned_forget_domains(owned *o)
 {
     memset(o->domains, 0, o->n_domains * sizeof *o->domains);
@@ -53,7 +52,7 @@ void owned_forget_domains(owned *o)
         o->domains[d] = (domain){.box = extent_none, .first = o->rows.n, .first_new = o->rows.n};
 }
 
-// Devices read several domains where they lie.
+// Locks the rows of several domains, which devices read where they lie.
 static void lock_rows(owned *o)
 {
     if (o->n_domains == 1 || !o->pair)
@@ -104,7 +103,6 @@ void owned_end(owned *o)
 void owned_forget_renamed(owned *o)
 {
     o->renamed = (row_list){.rows = o->renamed.rows, .capacity = o->renamed.capacity};
-    o->all_renamed = false;
 }
 
 static bool no_memory(uint64_t n, duet_error *err)
@@ -197,7 +195,7 @@ static void close_gaps(owned *o)
     o->leavers.n = 0;
 }
 
-// The last newcomers fill the gap behind the only domain that has rows.
+// Fills the gap behind the only domain that has rows with the last newcomers.
 static void join_newcomers(owned *o)
 {
     domain *d = &o->domains[0];
@@ -313,7 +311,7 @@ static uint32_t domain_at(const owned *o, const void *object)
     return bisection_part(&o->planes, centre);
 }
 
-// The messages in the order of their domains; false without memory.
+// Sorts the messages by their domains. False without memory.
 static bool sort_messages(owned *o, parcels *messages)
 {
     size_t bytes = messages->row_bytes;
@@ -406,11 +404,11 @@ static void exchange_rows(owned *o, uint32_t a, uint32_t b)
 static bool lies_below(const owned *o, const bisection_plane *plane, uint32_t row)
 {
     double centre[3];
-    object_centre(&o->form, object_row(&o->rows, &o->form, row), centre);
+    object_row_centre(&o->rows, &o->form, row, centre);
     return centre[plane->axis] < plane->at;
 }
 
-// Rows are read and written from both ends on: to exchange rows that lie anywhere takes longer.
+// Brings the rows of a span to the lower and the upper half of its domains, from both ends on.
 static void halve(void *context, uint32_t job, uint64_t unused_first, uint64_t unused_end)
 {
     const sorting *s = context;
@@ -437,7 +435,7 @@ static void halve(void *context, uint32_t job, uint64_t unused_first, uint64_t u
     halves[1] = (span){middle, all.end, i, all.end_row};
 }
 
-// Row by row to the halves of all domains that their half has, until each domain is alone.
+// Halves the rows by the planes, all spans of domains at once, until each span is one domain.
 static bool sort_rows(owned *o, duet_error *err)
 {
     uint32_t n = 1;
@@ -521,7 +519,7 @@ static bool order_domain(owned *o, const domain *d, worker *w, duet_error *err)
     return ok;
 }
 
-// The last rows go first, and the memory that they leave is given back.
+// Moves the rows to the worker's memory, the last ones first, and gives back the memory they leave.
 static bool move_in(owned *o, worker *w, duet_error *err)
 {
     unsigned char *objects = w->extend(w, o->rows.n, 0, err);
@@ -538,7 +536,7 @@ static bool move_in(owned *o, worker *w, duet_error *err)
     free(o->rows.objects);
     o->rows.objects = objects;
     o->holder = w;
-    o->all_renamed = true;
+    o->renamed.failed = true;
     return true;
 }
 

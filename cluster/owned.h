@@ -73,8 +73,8 @@ typedef struct owned {
     double unevenness;     // the most objects of a domain by their mean, as the planes left it
     row_list leavers;      // ascending
     row_list boundary;     // rows that objects of other domains may touch
-    row_list renamed;      // rows whose id changed, arrived or left since owned_forget_renamed
-    bool all_renamed;
+    // Rows whose id changed, arrived or left since owned_forget_renamed; failed: any may have.
+    row_list renamed;
     double widest;     // of all ranks' objects, or a little more; 0: not known
     extent around;     // all of this rank's objects, or a little more
     uint64_t n_placed; // times that rows were brought to their domains all at once

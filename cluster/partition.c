@@ -83,7 +83,7 @@ uint32_t partition_sample(bisection_point *points, uint64_t n, const object_form
     uint32_t own = rows->n < n ? rows->n : (uint32_t)n;
     for (uint32_t i = 0; i < own; ++i) {
         uint32_t row = (uint32_t)((uint64_t)rows->n * i / own);
-        object_centre(form, object_row(rows, form, row), points[i].at);
+        object_row_centre(rows, form, row, points[i].at);
         points[i].weight = (double)rows->n / own;
     }
     return own;

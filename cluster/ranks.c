@@ -87,6 +87,7 @@ bool ranks_begin(ranks *r, const MPI_Comm *comm, const simulation *s, duet_error
 {
     int length = 0;
     *r = (ranks){.comm = MPI_COMM_NULL, .host = MPI_COMM_NULL, .simulation = s};
+    r->stands_for = s ? s->stands_for : 1;
     if (!begin_mpi(r, err))
         return false;
     MPI_Comm_dup(comm ? *comm : MPI_COMM_WORLD, &r->comm);
@@ -342,7 +343,7 @@ bool parcels_reserve(parcels *p, const ranks *r, uint64_t *places, duet_error *e
 // Bytes of the objects that a rank's rows stand for and that are not there.
 static int ballast_bytes(const ranks *r, const parcels *p, int rank)
 {
-    uint64_t bytes = p->counts[rank] * p->row_bytes * (ranks_stand_for(r) - 1);
+    uint64_t bytes = p->counts[rank] * p->row_bytes * (r->stands_for - 1);
     return rank == r->self ? 0 : bytes < INT_MAX ? (int)bytes : INT_MAX;
 }
 
@@ -350,7 +351,7 @@ static int ballast_bytes(const ranks *r, const parcels *p, int rank)
 static int post_ballast(ranks *r, const parcels *out, const parcels *in, MPI_Request *requests)
 {
     int n = 0;
-    for (int q = 0; ranks_stand_for(r) > 1 && q < r->n; ++q) {
+    for (int q = 0; r->stands_for > 1 && q < r->n; ++q) {
         void *bytes = r->simulation->ballast;
         int received = ballast_bytes(r, in, q), sent = ballast_bytes(r, out, q);
         if (received > 0)
@@ -377,7 +378,7 @@ static void send_and_receive(ranks *r, const parcels *out, parcels *in, MPI_Requ
         if (out->counts[q] == 0)
             continue;
         MPI_Isend(from, (int)out->counts[q], row, q, TAG_ROWS, r->comm, &requests[n++]);
-        r->sent_bytes += q == r->self ? 0 : out->counts[q] * out->row_bytes * ranks_stand_for(r);
+        r->sent_bytes += q == r->self ? 0 : out->counts[q] * out->row_bytes * r->stands_for;
     }
     n += post_ballast(r, out, in, requests + n);
     MPI_Waitall(n, requests, MPI_STATUSES_IGNORE);

@@ -32,6 +32,7 @@ typedef struct ranks {
     double processors; // of the host, for this rank: those that it may use, each divided among the
                        // ranks of the host that may use it, too
     const simulation *simulation; // NULL: they are real
+    uint32_t stands_for;          // objects of a larger scene, for each object; 1 if they are real
     bool goes_first;              // on this host, where the others wait
     bool began_mpi;
     uint64_t *counts; // [2][n] that are told to each, and that each tells
@@ -89,11 +90,6 @@ void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes);
 // Between the two calls nothing is said to other ranks.
 void ranks_await_turn(ranks *r, bool has_work);
 void ranks_end_turn(ranks *r);
-
-static inline uint32_t ranks_stand_for(const ranks *r)
-{
-    return r->simulation ? r->simulation->stands_for : 1;
-}
 
 // Rows of one size for each rank: those for rank 0 come first, counts[q] for rank q.
 typedef struct parcels {

@@ -95,7 +95,7 @@ static void write_some(void *context, uint32_t part, uint64_t first, uint64_t en
     }
 }
 
-// Behind the own rows, in space that is there.
+// Writes ghosts behind the own rows, where there is space.
 static bool write_ghosts(search_set *s, const ghosts *g, uint32_t d, duet_error *err)
 {
     uint64_t n = g->first[d + 1] - g->first[d];
@@ -142,7 +142,7 @@ bool search_set_inner(search_set *s, const owned *o, const ranks *r, uint32_t in
     return mark_leavers(s, d->first, s->n_own, err);
 }
 
-// Space for copies, in a worker's memory.
+// Makes space for copies in a worker's memory.
 static bool map(search_set *s, uint64_t n_own, uint64_t n_ghosts, worker *w, duet_error *err)
 {
     uint64_t n = n_own + n_ghosts;
@@ -227,7 +227,7 @@ static global_ids ids_of(const search_set *s)
         .n_without = (uint32_t)s->leavers.n,
         .changed = o->renamed.rows,
         .n_changed = in_place ? o->renamed.n : 0,
-        .all_changed = !in_place || o->all_renamed || o->renamed.failed,
+        .all_changed = !in_place || o->renamed.failed,
     };
 }
 

@@ -58,8 +58,8 @@ static bool count(duet_cluster *c, int i, duet_error *err)
 
 // ---------------------------------------------------------------- inner and boundary
 
-// Its devices have memory of their own, and search it while the host exchanges ghosts, which are
-// few. One thread alone has nothing to do meanwhile.
+// Whether devices with memory of their own can search the domain while the host exchanges ghosts,
+// and few objects lie at the boundary. With one thread nothing is gained.
 static bool can_overlap(const duet_cluster *c)
 {
     const owned *o = &c->owned;
@@ -67,7 +67,7 @@ static bool can_overlap(const duet_cluster *c)
            cluster_spares_host(c) && o->boundary.n < o->rows.n / 4;
 }
 
-// The second worker; without it there is one search, of objects and ghosts.
+// Opens the second worker. Without it there is one search, of objects and ghosts.
 static bool has_boundary_worker(duet_cluster *c)
 {
     duet_world_def def = c->def.world;
@@ -89,7 +89,7 @@ static bool has_thin_boundary(const duet_cluster *c)
         const extent inside = domain_inside(at, o->widest);
         for (uint32_t row = at->first_new; thin && row < at->first_new + at->n_new; ++row) {
             double centre[3];
-            object_centre(&o->form, object_row(&o->rows, &o->form, row), centre);
+            object_row_centre(&o->rows, &o->form, row, centre);
             thin = !extent_holds(&inside, centre);
         }
     }
@@ -156,7 +156,7 @@ static bool search_each(duet_cluster *c, fill_set *fill, duet_error *err)
     return ok && count(c, (int)((n - 1) % 2), err);
 }
 
-// Objects between domains have a grid of their own.
+// Searches what lies between domains, with a grid of its own.
 static bool search_between(duet_cluster *c, duet_error *err)
 {
     worker *w = c->workers[0];
@@ -272,8 +272,8 @@ static bool find(duet_cluster *c, bool ok, tally *t, duet_error *own)
     c->is_cold = false;
     if (ok && c->owned.n_domains == 1 && owned_count(&c->owned) > 0)
         owned_forget_renamed(&c->owned);
-    *t = (tally){.sums = {ranks_stand_for(&c->ranks) * owned_count(&c->owned), c->own.n,
-                          c->own.hash, !budget_check_stop(NULL)}};
+    *t = (tally){.sums = {c->ranks.stands_for * owned_count(&c->owned), c->own.n, c->own.hash,
+                          !budget_check_stop(NULL)}};
     return ranks_agree_and(&c->ranks, ok, t, own);
 }
 
@@ -291,7 +291,7 @@ static void keep_times(duet_cluster *c, uint64_t begun_ns)
 {
     double total_ms = ms_since(begun_ns);
     double wait_ms = (double)c->ranks.wait_ns * 1e-6;
-    uint64_t stands_for = ranks_stand_for(&c->ranks);
+    uint64_t stands_for = c->ranks.stands_for;
     duet_cluster_rank *last = &c->last;
     *last = (duet_cluster_rank){.objects = stands_for * owned_count(&c->owned),
                                 .ghosts = stands_for * ghosts_of_others(&c->ghosts, &c->ranks),
@@ -303,7 +303,7 @@ static void keep_times(duet_cluster *c, uint64_t begun_ns)
     snprintf(last->pair, sizeof last->pair, "%s", c->workers[0]->name);
 }
 
-// The plan or the level may be another than that of a boundary's worker.
+// Closes a boundary's worker, whose plan or level may be another than the first one's.
 static void begin_cold(duet_cluster *c)
 {
     if (cluster_workers(c) == 2 || !c->workers[1])
