@@ -216,7 +216,7 @@ static void take_counts(duet_motion *copy, const saved_head *h)
     copy->graph.n_contacts = h->n_contacts;
     copy->graph.n_pairs = (cl_uint)h->n_pairs;
     copy->products = products_of_saved(h->has_graph);
-    copy->altered.n = 0;
+    altered_forget(&copy->altered);
     if (h->rows_stale)
         motion_alter_all(copy);
     motion_forget_events(&copy->told);

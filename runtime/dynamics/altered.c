@@ -32,7 +32,7 @@ void motion_alter_all(duet_motion *m)
 {
     product_forget(&m->products, PRODUCT_BOUNDS);
     product_forget(&m->products, PRODUCT_PAIRS);
-    m->altered.n = 0;
+    altered_forget(&m->altered);
 }
 
 void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n)

@@ -19,6 +19,11 @@ typedef struct altered_bodies {
     cl_float per_edge;
 } altered_bodies;
 
+static inline void altered_forget(altered_bodies *a)
+{
+    a->n = 0;
+}
+
 // Rows are to be searched about these places, or as a whole if that is no more work.
 void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n);
 void motion_alter_all(duet_motion *m);

@@ -38,7 +38,7 @@ static bool keep_bounds(duet_motion *m, duet_error *err)
 
 static bool compute_bounds(duet_motion *m, duet_error *err)
 {
-    m->altered.n = 0;
+    altered_forget(&m->altered);
     product_renew(&m->products, PRODUCT_BOUNDS);
     return motion_launch(m, "grid", m->kernels.compute_fat_aabbs, m->n, err);
 }
@@ -116,7 +116,7 @@ bool motion_make_pairs(duet_motion *m, duet_error *err)
     bool listed = m->altered.n > 0;
     if (listed && !motion_search_altered(m, &n, err))
         return false;
-    m->altered.n = 0;
+    altered_forget(&m->altered);
     if (listed && n <= m->altered.pair_capacity)
         return note_pairs(m, n, &m->buffers[PAIRS], err);
     return (!listed || compute_bounds(m, err)) && search_all(m, err);

@@ -89,8 +89,8 @@ typedef struct motion_halves {
 // What commands (runtime/duet_motion_commands.h) leave behind.
 typedef struct motion_commands motion_commands;
 
-// Each file changes its own struct, and the products that it makes; the rest it reads. What has no
-// struct is changed by motion.c, by commands between steps, and by motion_file.c.
+// In a step each file changes its own struct and the products that it makes, and reads the rest.
+// Between steps commands change bodies and forget what they made wrong; a load changes all.
 struct duet_motion {
     // what moves
     duet_motion_def def;
