@@ -29,7 +29,7 @@ static const double devices_widen = 1.0 + 0x1p-16;
 // 1 / edge is a float.
 static const double least_edge_along = 0x1p-125;
 
-// What the edge of so many cells has above the widest object.
+// The part of the edge of so many cells that is above the widest object.
 static double margin(double cells, bool dense)
 {
     return 1.0 + 0x1p-16 + (dense ? cells * 0x1p-21 : 0.0);
@@ -121,7 +121,7 @@ static void classify(size_classes *classes, const grid_needs *needs)
 
 // ---------------------------------------------------------------- cells
 
-// As many cells as hold the edge with its margin.
+// Counts the cells that hold the edge with its margin.
 static double count_along(double length, double edge, bool dense)
 {
     double most = dense ? most_dense_along : most_hashed_along;
@@ -357,7 +357,7 @@ static bool count_crowd(double *others, const grid *g, const grid_objects *objec
 
 // ---------------------------------------------------------------- fit
 
-// Where the grid lies. Nothing there: a point at the origin.
+// The corner and the lengths of the grid: a point at the origin if there are no objects.
 static void place_world(double lower[3], double length[3], const grid_needs *needs,
                         const grid_wish *wish, uint32_t dims)
 {

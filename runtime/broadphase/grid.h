@@ -35,7 +35,7 @@ typedef struct grid {
     bool varies;         // the world's grid had other cells before
 } grid;
 
-// Where a level begins along an axis.
+// The begin of a level along an axis.
 double grid_corner(const grid_level *level, float origin, uint32_t axis);
 
 // How a grid is to be made; zero where that is open.

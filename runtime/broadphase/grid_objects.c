@@ -92,7 +92,7 @@ bool grid_objects_collide(const grid_objects *objects, uint32_t a, uint32_t b)
 
 // ---------------------------------------------------------------- needs
 
-// What the objects ask of a grid: where they are, and how wide.
+// The needs of the objects: where they are, and how wide.
 
 // Unlike fmin and fmax these are no calls, which would take longer than the rest.
 static inline double lesser(double a, double b)
@@ -171,8 +171,9 @@ static double widest_of_bounds(const duet_bounds *b, uint32_t dims)
     return narrowest < 0.0 ? narrowest : widest;
 }
 
-// What the rounding of a device's bounds adds to an extent (kernels/narrowphase/object.clh,
-// object_extent): on either side three roundings of a corner and 2^-23 of it.
+// The part that the rounding of a device's bounds adds to an extent
+// (kernels/narrowphase/object.clh, object_extent): on either side three roundings of a corner and
+// 2^-23 of it.
 static inline double rounding_of_pose(const duet_pose *p, const grid_objects *objects)
 {
     double farthest = 0.0;

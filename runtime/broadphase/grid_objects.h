@@ -9,9 +9,9 @@
 #include <assert.h>
 #include <stddef.h>
 
-// What objects a grid is for: as the shape says, with origin cells large poses, or
-// with sizes transforms. A row begins with the point that decides its cell, and with its pose
-// where it has one whole.
+// The objects that a grid is for, as the shape says; with origin cells large poses, with sizes
+// transforms. A row begins with the point that decides its cell, and with its pose if it has one
+// whole.
 typedef struct grid_objects {
     const void *array;   // NULL if the host does not see the objects
     uint64_t generation; // changes with the content
@@ -59,7 +59,7 @@ bool grid_objects_collide(const grid_objects *objects, uint32_t a, uint32_t b);
 
 enum { GRID_OCTAVES = 300 };
 
-// What the objects need. Bad ones are not counted.
+// The grid that the objects need. Bad ones are not counted.
 typedef struct grid_needs {
     double lower[3]; // of the points that decide cells
     double upper[3];

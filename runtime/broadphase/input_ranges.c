@@ -97,7 +97,7 @@ static bool is_empty(const part_range *slab)
     return slab->key_from == slab->key_to;
 }
 
-// Where A's slab ends among objects that are in order, rounded down: A reads some of B's objects
+// The end of A's slab among objects that are in order, rounded down: A reads some of B's objects
 // anyway, its ghosts, and B then reads none of A's. Beside an empty slab the other device has all.
 static uint32_t cut_of(const part_range slabs[2], uint32_t n)
 {

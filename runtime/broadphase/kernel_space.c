@@ -53,7 +53,7 @@ static bool is_free(const kernel_space_source *from, const char *name, const gen
 
 // ---------------------------------------------------------------- configs
 
-// What is offered to the kernel, and then the space's parameters.
+// Lists what is offered to the kernel, and then the space's parameters.
 typedef struct settings {
     gen_offer at[KERNEL_SPACE_OFFERS + KERNEL_SPACE_PARAMS];
     gen_offer *free;
@@ -83,7 +83,7 @@ static bool list_params(const kernel_space_source *from, kernel_space *space, se
     return true;
 }
 
-// What the card and the device allow; a card that is broken is an error.
+// Lists the configs that the card and the device allow; a card that is broken is an error.
 static bool check_config(const kernel_space_source *from, const kernel_space *space,
                          const settings *s, bool *valid, duet_error *err)
 {

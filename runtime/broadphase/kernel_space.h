@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is free to be set of a kernel that a world runs: the parameters of its card that
-// neither the scene nor the variant decides, and the configs that are valid on the
-// device.
+// The free parameters of a kernel that a world runs: those of its card that neither the scene nor
+// the variant decides, and the configs that are valid on the device.
 #ifndef RUNTIME_KERNEL_SPACE_H
 #define RUNTIME_KERNEL_SPACE_H
 
@@ -32,7 +31,7 @@ typedef struct kernel_space {
     uint32_t now; // the config that ran
 } kernel_space;
 
-// What makes a kernel: what its offers name is not free.
+// The source of a kernel: a parameter that its offers name is not free.
 typedef struct kernel_space_source {
     gen *gen;
     gen_limits limits;
@@ -40,7 +39,7 @@ typedef struct kernel_space_source {
     uint32_t n_offers; // at most KERNEL_SPACE_OFFERS
 } kernel_space_source;
 
-// Of a kernel of that name that was made from there, k.
+// Reads the space of the kernel k of that name, which was made from `from`.
 bool kernel_space_read(const kernel_space_source *from, const char *name,
                        const char *const stages[KERNEL_SPACE_STAGES], const struct kernel *k,
                        kernel_space *space, duet_error *err);

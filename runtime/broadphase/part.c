@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a device's part is made of: its buffers, its kernels and what these are told.
+// A part's buffers, its kernels and their arguments.
 #include "runtime/broadphase/part.h"
 
 #include "base/error.h"
@@ -10,10 +10,10 @@
 #include <stddef.h>
 #include <string.h>
 
-// Of 5 MB: they travel for 0.1 ms, a launch takes some 3 microseconds.
+// A chunk is at least 5 MB: it travels for 0.1 ms, a launch takes some 3 microseconds.
 enum { LEAST_CHUNK = 1 << 17 };
 
-// Where a part has its buffers.
+// The places of a part's buffers.
 static const size_t buffers[] = {
     offsetof(part, objects.own), offsetof(part, objects.ids),    offsetof(part, sizes.own),
     offsetof(part, levels.own),  offsetof(part, global_ids.own), offsetof(part, keys),
@@ -28,7 +28,7 @@ static const size_t buffers[] = {
 #define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
 #define VALUE(name) BIND_VALUE(part, #name, args.name)
 
-// What the arguments in kernels/grid and kernels/narrowphase mean. Bounds and boxes are
+// The arguments in kernels/grid and kernels/narrowphase. Bounds and boxes are
 // laid out as the search asks for.
 static const binding part_bindings[] = {BUFFER("objects", "float *", args.objects),
                                         BUFFER("sizes", "float *", sizes.own),
@@ -325,7 +325,7 @@ static void choose(const part *p, part_choice choices[PART_CHOICES])
     memcpy(choices, all, sizeof all);
 }
 
-// Of two lists, which have the same names.
+// Compares two lists, which have the same names.
 static bool are_same(const part_choice a[PART_CHOICES], const part_choice b[PART_CHOICES])
 {
     for (int i = 0; i < PART_CHOICES; ++i)
@@ -355,7 +355,8 @@ static bool is_prepared(const part *p, const variant *asked)
            (k->count_pairs || !p->task.ids);
 }
 
-// What the scene and the stage decide, and then what the variant sets, which counts where both do.
+// Lists the choices of the scene and the stage, and then the settings of the variant, which count
+// if both name a parameter.
 static bool list_offers(part *p, duet_error *err)
 {
     p->n_offers = 0;

@@ -14,14 +14,14 @@
 #include "runtime/broadphase/variant.h"
 #include "runtime/opencl/radix_sort.h"
 
-// Where a part's grid comes from (the paper, section 4.1).
+// The source of a part's grid (the paper, section 4.1).
 typedef enum grid_role {
     GRID_OWN,     // each part builds its own
     GRID_BUILT,   // built here, and sent to the other part
     GRID_RECEIVED // built by the other part
 } grid_role;
 
-// What a part does in a step. Lists and ranges need slabs, and slabs GRID_OWN; all other
+// The work of a part in a step. Lists and ranges need slabs, and slabs GRID_OWN; all other
 // combinations of the selection, the role, the pairs and the ids are legal (test_views).
 typedef struct part_task {
     const duet_world_def *def; // with the mode that the grid suits
@@ -33,7 +33,7 @@ typedef struct part_task {
     selection wanted;      // of the objects
     compaction *lists;     // that find a wanted LIST
     const global_ids *ids; // pairs of objects that have one stay there, and are counted; or NULL
-    bool keeps_pairs;      // the pairs stay on the device
+    bool pairs_on_device;  // the pairs stay on the device
 } part_task;
 
 // How far a part is. CROWDED: its list or its grid had no space for its objects, so that nothing
@@ -68,7 +68,7 @@ typedef struct part_kernels {
     bool guarded;        // the search finds nothing where the grid got more than it has space for
 } part_kernels;
 
-// What the scene and the stage decide of the kernels. A choice that is open may be set
+// A parameter of the kernels that the scene or the stage decides. A choice that is open may be set
 // otherwise by the variant.
 typedef struct part_choice {
     const char *name;
@@ -78,7 +78,7 @@ typedef struct part_choice {
 
 enum { PART_CHOICES = 27, PART_OFFERS = PART_CHOICES + VARIANT_SETTINGS + 1 };
 
-// What kernels are told besides the part's buffers, by the names that their cards use.
+// Arguments of kernels besides the part's buffers, by the names that their cards use.
 typedef struct part_args {
     cl_uint n, n_levels, n_cells;
     cl_uint n_hashed;
@@ -97,7 +97,7 @@ typedef struct part_args {
     buffer found; // pairs, or candidates where they are tested later
 } part_args;
 
-// What the counters say (kernels/counters.h).
+// The counters, read (kernels/counters.h).
 typedef struct part_found {
     uint64_t candidates; // that were listed
     uint64_t tested;     // candidates that were tested where they were found
@@ -110,14 +110,14 @@ typedef struct part_found {
 
 part_found part_found_of(const uint32_t counts[COUNTERS]);
 
-// Of the pairs that stay on the device.
+// A summary of the pairs that stay on the device.
 typedef struct part_counted {
     uint64_t n;
     uint64_t hash; // by global ids (kernels/grid/count_pairs.cl)
     uint64_t left; // others, which come to the host
 } part_counted;
 
-// What a step found, and what it took.
+// The findings of a step, and its cost.
 typedef struct part_result {
     part_found found; // by what was read last of the counters
     part_counted counted;

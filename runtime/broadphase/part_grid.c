@@ -329,7 +329,7 @@ static bool receive_piece(part *to, grid_piece piece, void *host, duet_error *er
            timeline_write(&to->times, "receive grid", piece.to, host, piece.bytes, err);
 }
 
-// Where both work on host memory the bounds and boxes are there already.
+// The bounds and boxes are there already if both devices work on host memory.
 static bool borrow_places(part *to, const part *from, duet_error *err)
 {
     place_bytes bytes = bytes_of_places(from, from->place_capacity);

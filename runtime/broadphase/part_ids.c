@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-// As kernels/grid/count_pairs.cl reads it.
+// A row that kernels/grid/count_pairs.cl reads.
 typedef struct id_change {
     uint32_t place;
     uint32_t low, high;

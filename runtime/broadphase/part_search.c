@@ -200,7 +200,7 @@ static bool read_found(part *p, duet_error *err)
     cl_event counters_read = NULL;
     if (p->device->info.host_memory)
         return see_found(p, err);
-    if (p->task.keeps_pairs)
+    if (p->task.pairs_on_device)
         return read_counters(p, err);
     if ((p->task.ids && !count_pairs(p, err)) || !start_early_read(p, &counters_read, err))
         return false;
@@ -216,7 +216,7 @@ static bool read_found(part *p, duet_error *err)
     return true;
 }
 
-// Where candidates are tested as they are found, the narrow kernel gets what a
+// If candidates are tested as they are found, the narrow kernel gets what a
 // group had no space for, which is mostly nothing.
 static bool test_listed(part *p, duet_error *err)
 {
@@ -285,7 +285,7 @@ static bool check_placed(part *p, duet_error *err)
 
 // ---------------------------------------------------------------- fetching
 
-// Where pairs come to lie on the host, with space behind them for the undecided.
+// Reserves host memory for the pairs, with space behind them for the undecided.
 // A block that must grow loses what was read early, and locking its pages takes longer than a step:
 // it grows by more than it must.
 static bool reserve_span(part *p, uint64_t n, duet_pair **pairs, duet_error *err)
@@ -404,7 +404,7 @@ static bool fetch_and_decide(part *p, duet_pair *colliding, duet_error *err)
 
 // The pairs stay where they are, those that are decided follow them, and the span only
 // counts them.
-static bool keep_and_decide(part *p, duet_pair *colliding, duet_error *err)
+static bool decide_on_device(part *p, duet_pair *colliding, duet_error *err)
 {
     uint64_t n_colliding = 0;
     open_objects seen = {0};
@@ -429,8 +429,8 @@ static bool fetch(part *p, duet_error *err)
     duet_pair *colliding = malloc(bytes + 1);
     if (!colliding)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu bytes", bytes);
-    bool ok = p->task.keeps_pairs ? keep_and_decide(p, colliding, err)
-                                  : fetch_and_decide(p, colliding, err);
+    bool ok = p->task.pairs_on_device ? decide_on_device(p, colliding, err)
+                                      : fetch_and_decide(p, colliding, err);
     free(colliding);
     return ok;
 }
@@ -453,7 +453,7 @@ bool part_search(part *p, duet_error *err)
     return fetch(p, err);
 }
 
-// Those that the host decided stand at the span's end, and nowhere else.
+// The pairs that the host decided stand at the span's end, and nowhere else.
 bool part_read_counted(part *p, duet_error *err)
 {
     uint64_t n = p->result.found.pairs, n_decided = p->result.span.n - p->result.counted.left;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a step hands out: its result, and the pairs on the host or, where the caller wants them
+// Hands out what a step found: its result, and the pairs on the host or, if the caller wants them
 // there, in a buffer on a device.
 #include "runtime/broadphase/pair_hash.h"
 #include "runtime/broadphase/world.h"

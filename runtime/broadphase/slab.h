@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-// Where the grid is cut in two.
-//
 // The grid is cut by the work that lies on each side.
 //
 // A cut lies between two rows of cells, so that each slab is one run of keys. Pairs are found from

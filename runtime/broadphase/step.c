@@ -23,7 +23,7 @@
 
 // Leaves pairs on a device if the other one can read them there. A device on host memory gains
 // nothing by it, unless the pairs are wanted in its own buffer.
-static bool keeps_pairs(const duet_world *world, int side)
+static bool pairs_on_device(const duet_world *world, int side)
 {
     const device *to = world->left.device, *from = world->parts[side].device;
     return to && (from == to || (!from->info.host_memory && from->context == to->context));
@@ -204,7 +204,7 @@ static bool give_tasks(duet_world *world, const grid_objects *objects, duet_erro
             .wanted = select_objects(world, objects, ranges, side),
             .lists = &world->lists,
             .ids = p->device->info.host_memory ? NULL : world->ids.list,
-            .keeps_pairs = keeps_pairs(world, side),
+            .pairs_on_device = pairs_on_device(world, side),
         };
     }
     return true;

@@ -4,8 +4,8 @@
 
 #include "base/error.h"
 
-// What waits for a failed event hangs under PoCL 3.1, or ends the process: a step that failed has
-// rather left 0 pairs.
+// A command that waits for a failed event hangs under PoCL 3.1, or ends the process: a step that
+// failed has rather left 0 pairs.
 static void complete(step_half *h, bool ok)
 {
     if (!h->done)

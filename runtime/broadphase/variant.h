@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a variant's text asks for: "auto", "simd", "gpu", "paper", "auto
+// A variant's text, read: "auto", "simd", "gpu", "paper", "auto
 // sort=radix BUF=512".
 //
 // The first word names the search. auto is the one over merged rows in the

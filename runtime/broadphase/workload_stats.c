@@ -117,7 +117,7 @@ static workload_stats see_bounds(workload_stats c, const duet_world *world, uint
     return c;
 }
 
-// Of many millions of objects it takes seconds, and tells how far it is.
+// Takes seconds for many millions of objects, and tells how far it is.
 static workload_stats see_all(const duet_world *world)
 {
     enum { AT_ONCE = 1 << 18 };

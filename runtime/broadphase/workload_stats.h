@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
-// What of a world's objects decides how long a step takes: the workload that
+// The facts of a world's objects that decide how long a step takes: the workload that
 // profiles are kept for. It is the scene's, whatever grid a plan makes of it.
 #ifndef RUNTIME_WORKLOAD_STATS_H
 #define RUNTIME_WORKLOAD_STATS_H
 
 #include "runtime/duet.h"
 
-// Of all objects. What is not a number is passed over: no comparison holds.
+// Statistics of all objects. NaN is passed over: no comparison holds.
 typedef struct workload_stats {
     uint64_t generation; // of the objects that were counted; 0: none
-    float lower[3];   // of the centres
+    float lower[3];      // of the centres
     float upper[3];
     float widest;    // by what decides an extent: squares of half diagonals of boxes that
     float narrowest; // may be turned, else half or, of bounds, whole sides; above 0
@@ -19,7 +19,7 @@ typedef struct workload_stats {
 // Reads all objects of a world that has some.
 void workload_stats_take(workload_stats *c, const duet_world *world);
 
-// What profiles of a workload are told apart by.
+// The numbers that tell profiles of a workload apart.
 typedef struct workload_summary {
     uint32_t cells[3];
     double cell;           // edge

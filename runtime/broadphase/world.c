@@ -37,7 +37,7 @@ static const char *default_variant(const duet_device_info *info)
     return info->kind == DUET_KIND_CPU ? "simd" : "auto";
 }
 
-// What a plan leaves to the device pair.
+// Fills in what a plan leaves to the device pair.
 static duet_plan resolve_plan(duet_plan plan, const duet_device_pair *pair)
 {
     if (plan.share == DUET_SHARE_DEFAULT)
@@ -151,7 +151,7 @@ static bool check_ends(const char *name, const char *chars, size_t capacity, due
                      capacity);
 }
 
-// What the plan asks of the grid and of each device.
+// Reads what the plan asks of the grid and of each device.
 static bool read_plan(grid_wish *wish, variant variants[2], const duet_plan *plan,
                       const duet_world_def *def, duet_error *err)
 {

@@ -29,7 +29,7 @@ typedef struct pair_buffers {
     duet_pair_buffers last; // of the last step; its mems may be a part's
 } pair_buffers;
 
-// What a step in two halves leaves for the second.
+// The first half of a step leaves these for the second.
 typedef struct step_half {
     cl_event done; // the caller's commands may wait for it; NULL: none do
     duet_result result;
@@ -93,8 +93,8 @@ struct duet_world {
 bool world_is_under_way(const duet_world *world);
 bool world_is_idle(const duet_world *world, const char *call, duet_error *err);
 
-// What a kind of objects is called, "poses", and how long a row of it is; of which kind the objects
-// of such a world are, and what they are called.
+// The name of a kind of objects, "poses", and the bytes of its row; the kind of the objects of such
+// a world, and its name.
 const char *world_kind_name(duet_object_kind kind);
 size_t world_kind_bytes(duet_object_kind kind);
 duet_object_kind world_objects_kind(const duet_world_def *def);
@@ -179,10 +179,10 @@ bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n
 
 void pair_buffers_drop(pair_buffers *b);
 
-// What a step that began at `begun` hands out once its parts have `found` their pairs: its result,
-// unless it failed until then or, BAD_OBJECT, found bad objects that the world does not keep; and
-// where pairs are left on a device all in one buffer, TOO_MANY where the caller's has no space for
-// them. After a failure their number there is 0, so that kernels which read it do nothing.
+// Hands out the result of a step that began at `begun`, if its parts `found` their pairs.
+// BAD_OBJECT if there are bad objects that the world does not keep. Pairs that are left on a device
+// are joined in one buffer; TOO_MANY if the caller's has no space for them. After a failure their
+// number there is 0, so that kernels which read it do nothing.
 bool world_hand_out(duet_world *world, bool found, uint64_t begun, duet_result *result,
                     duet_error *err);
 

@@ -120,7 +120,7 @@ static const char *why_not(const part *p, reason left_out)
     return searches[p->variant.search];
 }
 
-// What the part launches of what it has prepared.
+// The kernel of that name, if the part launches it.
 static const kernel *launched(const part *p, const char *name)
 {
     const kernel *k = part_kernel(p, name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a public call asks of a world first: that no step is under way.
+// A public call asks a world first whether a step is under way.
 #include "runtime/broadphase/world.h"
 
 #include "base/error.h"
