@@ -4,7 +4,7 @@
 //
 // A budget is the calling thread's while the script runs. Work of the host that
 // a script can make long asks budget_check now and then, and budget_space before
-// it takes much memory. Where no script runs both are true at once.
+// it takes much memory. Both are true at once if no script runs.
 #ifndef BASE_BUDGET_H
 #define BASE_BUDGET_H
 
@@ -35,23 +35,23 @@ typedef struct budget_watch {
 
 void budget_set_watch(budget_watch *watch);
 
-// Has `told` hear how far the work of the thread is, until NULL is given; total is 0 where
+// Has `told` hear how far the work of the thread is, until NULL is given; total is 0 if
 // it is not known. While it does, `stopped` ends work outside of scripts too.
 void budget_listen(void (*told)(void *listener, uint64_t done, uint64_t total), void *listener);
 
-// Makes b the thread's. What is inside ends no later and has no more memory than
-// the one around it.
+// Makes b the thread's. A budget inside another ends no later and has no more
+// memory than that one.
 void budget_enter(budget *b);
 void budget_leave(budget *b);
 
-// What long work of the host says.
+// Long work of the host says how far it is.
 void budget_tell(uint64_t done, uint64_t total);
 
-// false with INTERRUPTED where the thread's program was told to stop, with
-// BAD_INPUT where the time is over.
+// false with INTERRUPTED if the thread's program was told to stop, with
+// BAD_INPUT if the time is over.
 bool budget_check(duet_error *err);
 
-// false with INTERRUPTED where the thread's program was told to stop, also where no script
+// false with INTERRUPTED if the thread's program was told to stop, also if no script
 // runs: for what takes seconds and has brought nothing yet.
 bool budget_check_stop(duet_error *err);
 

@@ -32,7 +32,7 @@ typedef struct thread_table {
     uint32_t capacity;
 } thread_table;
 
-// What the clocks said at a moment.
+// Readings of the clocks at a moment.
 typedef struct look {
     uint64_t at_ns;
     double busy_s; // of the cores of this process, by all programs
@@ -104,7 +104,7 @@ static bool read_threads(thread_table *t)
     return ok && t->n > 0;
 }
 
-// What a thread did since the launch began; one that began with the launch did all of it.
+// The time of a thread since the launch began; a thread that is new did all of it.
 static thread_row difference(const thread_table *before, const thread_row *after)
 {
     thread_row row = *after;

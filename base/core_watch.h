@@ -14,7 +14,7 @@
 // The threads of this process, as one launch after another uses them.
 typedef struct core_watch core_watch;
 
-// What the threads got of the cores during a launch.
+// The threads' use of the cores during a launch.
 //
 // A launch ends when its slowest thread does. So it lost no more than the longest that one thread
 // waited for a core, and no more than the time in which neither the caller nor the busiest other

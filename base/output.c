@@ -56,7 +56,7 @@ static int own_descriptor(const char *path)
     return is_own ? (int)number : -1;
 }
 
-// Takes one link at the path's end. false where there is none.
+// Takes one link at the path's end. false if there is none.
 static bool follow_link(text *path)
 {
     char to[4096];
@@ -325,7 +325,7 @@ bool output_make_folders(const char *path, mode_t mode, text *failed)
     return ok;
 }
 
-// Of two names that no file has.
+// Compares two names that no file has.
 static bool is_same_new_place(const char *a, const char *b)
 {
     text places[2] = {{0}}, folders[2] = {{0}};

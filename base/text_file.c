@@ -36,7 +36,7 @@ static bool check_text(const text *t, const char *block, size_t n, size_t *line,
                      TEXT_LINE_MOST >> 20);
 }
 
-// What comes through a pipe may come late or never: Ctrl-C is heard meanwhile.
+// Bytes of a pipe may come late or never: Ctrl-C is heard meanwhile.
 static size_t read_block(FILE *file, char *block, size_t size)
 {
     enum { PATIENCE_MS = 100 };

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// Bytes of the character at `at`, 1 to 4; 0 where there is no UTF-8 character.
+// Bytes of the character at `at`, 1 to 4; 0 if there is no UTF-8 character.
 size_t utf8_length(const char *at);
 
 bool utf8_is_valid(const char *chars);
@@ -16,7 +16,7 @@ bool utf8_is_valid(const char *chars);
 bool utf8_is_control(const char *at, size_t length);
 
 // How the first character of n bytes is shown: as it is, or, where it is a control character or
-// not UTF-8, as \x1b for each byte. Those of `kept`, "\n" say, stay as they are. Returns how many
+// not UTF-8, as \x1b for each byte. Characters of `kept`, "\n" say, stay. Returns how many
 // bytes that was.
 enum { VISIBLE_MOST = 4 * 4 + 1 };
 size_t visible_show(const char *at, size_t n, const char *kept, char shown[VISIBLE_MOST]);

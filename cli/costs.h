@@ -29,14 +29,14 @@ typedef struct costs {
 bool costs_measure(costs *c, const duet_motion_def *def, const duet_scene *scene, uint64_t steps,
                    duet_error *err);
 
-// What `duet explain` tells: a table, JSON.
+// The output of `duet explain`: a table, JSON.
 void costs_report_text(const costs *c);
 cJSON *costs_report_json(const costs *c, const duet_scene_info *scene,
                          const duet_device_pair *pair);
 
 #define COSTS_TYPE "duet explain"
 
-// BAD_INPUT where an object that is called that is none of ours, with costs.
+// BAD_INPUT if an object that is called that is none of ours, with costs.
 bool costs_report_check(const cJSON *o, const char *path, duet_error *err);
 
 #endif

@@ -54,7 +54,7 @@ typedef struct plan_options {
         OPTION_TEXT("variant-a", member.variants[0], "V", "kernels of A"),            \
         OPTION_TEXT("variant-b", member.variants[1], "V", "kernels of B")
 
-// What a world is asked to find: as the scene says, or as these do.
+// The accuracy that a world is asked for: the scene's, or this one.
 typedef struct level_options {
     const char *level; // NULL: not given
     double missed;     // below 0: not given
@@ -97,7 +97,7 @@ void inputs_show_compiling(void *context, const duet_device_info *device, const 
 // NULL selectors: the default pair.
 duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err);
 
-// What a scene is asked to be, as the library takes it.
+// Settings of a scene, as the library takes them.
 typedef struct scene_settings {
     duet_setting list[OPTION_LIST_MOST + 2];
     uint32_t n;
@@ -108,7 +108,7 @@ typedef struct scene_settings {
 
 bool inputs_make_settings(scene_settings *s, const scene_options *options, duet_error *err);
 void inputs_free_settings(scene_settings *s);
-void inputs_tell_empty(const duet_scene_info *info); // a note where there are no objects
+void inputs_tell_empty(const duet_scene_info *info); // a note if there are no objects
 
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err);
 // The same where a scene without objects is BAD_ARGUMENT.

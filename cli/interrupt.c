@@ -25,12 +25,11 @@ enum { LEAST_NS_APART = 200000000 };
 static _Atomic uint64_t asked_ns; // 0: not asked
 static _Atomic int asked_by;      // the signal
 static _Atomic bool insisted;     // a second time
-static _Atomic bool is_interactive;
-static _Atomic bool at_once;
-static _Atomic bool told;
-static _Atomic bool told_waiting;
-static sigset_t heard; // by the guard
-static int also_heard; // 0: no other signal
+static _Atomic interrupt_reaction reaction;
+static _Atomic bool told;         // that the program was stopped
+static _Atomic bool told_waiting; // that the command must be waited for
+static sigset_t heard;            // by the guard
+static int also_heard;            // 0: no other signal
 
 static void note(int number)
 {
@@ -72,25 +71,16 @@ void interrupt_pass(bool passes)
     pthread_sigmask(passes ? SIG_UNBLOCK : SIG_BLOCK, &heard, NULL);
 }
 
-void interrupt_wait(void)
-{
-    atomic_store(&is_interactive, true);
-}
-
 void interrupt_told(void)
 {
     atomic_store(&told, true);
 }
 
-void interrupt_at_once(bool tells)
+void interrupt_react(interrupt_reaction to)
 {
-    atomic_store(&told, !tells);
-    atomic_store(&at_once, true);
-}
-
-void interrupt_note(void)
-{
-    atomic_store(&at_once, false);
+    if (to == INTERRUPT_ENDS_SILENTLY)
+        interrupt_told();
+    atomic_store(&reaction, to);
 }
 
 void interrupt_hear(int number)
@@ -144,6 +134,16 @@ static void say(const char *line, size_t n)
 
 #define SAY(line) say(line, sizeof(line) - 1)
 
+// By that signal; 0: by the one that asked.
+static _Noreturn void end_with_line(int number)
+{
+    if (!atomic_load(&told))
+        SAY("duet: stopped\n");
+    if (number > 0)
+        end_by(number);
+    interrupt_end();
+}
+
 // ---------------------------------------------------------------- the guard
 
 #define LATE_NS 2000000000u
@@ -164,15 +164,11 @@ static void look(void)
         output_remove_parts();
         _exit(EXIT_FAILED);
     }
-    bool waits = interrupt_age_ns() > WAITS_NS && atomic_load(&is_interactive);
-    if (waits && !atomic_exchange(&told_waiting, true))
+    bool is_interactive = atomic_load(&reaction) == INTERRUPT_INTERACTIVE;
+    if (is_interactive && interrupt_age_ns() > WAITS_NS && !atomic_exchange(&told_waiting, true))
         SAY("duet: stops once the call under way returns; Ctrl-C again ends the program\n");
-    bool deaf = interrupt_age_ns() > DEAF_NS && !atomic_load(&is_interactive);
-    if (!deaf && !atomic_load(&insisted))
-        return;
-    if (!atomic_load(&told))
-        SAY("duet: stopped\n");
-    interrupt_end();
+    if (atomic_load(&insisted) || (!is_interactive && interrupt_age_ns() > DEAF_NS))
+        end_with_line(0);
 }
 
 static void *guard(void *unused)
@@ -180,11 +176,8 @@ static void *guard(void *unused)
     const struct timespec pause = {.tv_nsec = PAUSE_NS};
     for (;;) {
         int number = sigtimedwait(&heard, NULL, &pause);
-        if (number > 0 && atomic_load(&at_once)) {
-            if (!atomic_load(&told))
-                SAY("duet: stopped\n");
-            end_by(number);
-        }
+        if (number > 0 && atomic_load(&reaction) >= INTERRUPT_ENDS)
+            end_with_line(number);
         if (number > 0)
             note(number);
         look();

@@ -30,16 +30,17 @@ void interrupt_pass(bool passes);
 // Has a signal of this number mean the same. Before interrupt_watch.
 void interrupt_hear(int number);
 
-// From here on a person types commands: Ctrl-C ends the one that runs. If it must be waited for, a
-// line says so, and a second Ctrl-C meanwhile ends the program.
-void interrupt_wait(void);
+// The effect of a signal from here on.
+typedef enum interrupt_reaction {
+    INTERRUPT_NOTED,       // as it is at first: work asks between two steps
+    INTERRUPT_INTERACTIVE, // ends the command that runs. If it must be waited for, a line says so,
+                           // and a second Ctrl-C meanwhile ends the program
+    INTERRUPT_ENDS,        // ends the program at once
+    INTERRUPT_ENDS_SILENTLY, // the same without a line: the process that started this one sent the
+                             // signal, and waits for it
+} interrupt_reaction;
 
-// From here on a signal ends the program at once. Without tells there is no line: the process that
-// started this one sent the signal, and waits for it.
-void interrupt_at_once(bool tells);
-
-// From here on it is noted again, as it is at first.
-void interrupt_note(void);
+void interrupt_react(interrupt_reaction reaction);
 
 // A line has said that the program was stopped.
 void interrupt_told(void);

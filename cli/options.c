@@ -15,6 +15,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+// Says what is wrong with the command line; false.
+#define REFUSE(line, ...) (say_wrong((line)->name, __VA_ARGS__), false)
+
 static const struct {
     char letter;
     const char *name;
@@ -112,12 +115,9 @@ static bool refuse_range(const command_line *line, const option *o, const char *
                          const char *what)
 {
     if (o->most > 0)
-        say_wrong(line->name, "--%s '%s': give %s from %.10g to %.10g", o->name, written, what,
-                  o->least, o->most);
-    else
-        say_wrong(line->name, "--%s '%s': give %s of at least %.10g", o->name, written, what,
-                  o->least);
-    return false;
+        return REFUSE(line, "--%s '%s': give %s from %.10g to %.10g", o->name, written, what,
+                      o->least, o->most);
+    return REFUSE(line, "--%s '%s': give %s of at least %.10g", o->name, written, what, o->least);
 }
 
 static bool is_within(const option *o, double value)
@@ -129,14 +129,10 @@ static bool add_setting(const command_line *line, const option *o, const char *w
                         option_list *list)
 {
     const char *equals = strchr(written, '=');
-    if (!equals || equals == written) {
-        say_wrong(line->name, "--%s '%s': give a name and a value, as seed=7", o->name, written);
-        return false;
-    }
-    if (list->n == OPTION_LIST_MOST) {
-        say_wrong(line->name, "--%s is given more than %d times", o->name, OPTION_LIST_MOST);
-        return false;
-    }
+    if (!equals || equals == written)
+        return REFUSE(line, "--%s '%s': give a name and a value, as seed=7", o->name, written);
+    if (list->n == OPTION_LIST_MOST)
+        return REFUSE(line, "--%s is given more than %d times", o->name, OPTION_LIST_MOST);
     list->items[list->n++] = written;
     return true;
 }
@@ -169,11 +165,9 @@ static bool set_value(const command_line *line, const option *o, const char *wri
         *(double *)at = number;
         return true;
     case KIND_SHARE:
-        if (!options_read_share(written, at)) {
-            say_wrong(line->name, "--%s '%s': give a part from 0 to 1, as 0.25 or 1/4", o->name,
-                      written);
-            return false;
-        }
+        if (!options_read_share(written, at))
+            return REFUSE(line, "--%s '%s': give a part from 0 to 1, as 0.25 or 1/4", o->name,
+                          written);
         return true;
     }
     return false;
@@ -199,7 +193,7 @@ static void print_help(const command_line *line)
     table_print(&t, stdout);
 }
 
-// What one argument asks for: an option with or without its value in it.
+// One argument: an option with or without its value in it.
 typedef struct asked {
     const option *option;
     const char *value; // after "=", or NULL
@@ -221,12 +215,10 @@ static bool refuse_unknown(const command_line *line, const char *argument)
         }
     }
     if (n.name)
-        say_wrong(line->name, "there is no option '%s'; did you mean '%s%s'?", argument, dashes,
-                  n.name);
-    else
-        say_wrong(line->name, "there is no option '%s'; 'duet %s --help' lists those there are",
-                  argument, line->name);
-    return false;
+        return REFUSE(line, "there is no option '%s'; did you mean '%s%s'?", argument, dashes,
+                      n.name);
+    return REFUSE(line, "there is no option '%s'; 'duet %s --help' lists those there are", argument,
+                  line->name);
 }
 
 // "--objects", "--objects=9"
@@ -266,15 +258,11 @@ static bool take_option(const command_line *line, const asked *a, int argc, char
 {
     const option *o = a->option;
     const char *value = a->value;
-    if (o->kind == KIND_FLAG && value) {
-        say_wrong(line->name, "--%s takes no value", o->name);
-        return false;
-    }
+    if (o->kind == KIND_FLAG && value)
+        return REFUSE(line, "--%s takes no value", o->name);
     if (o->kind != KIND_FLAG && !value) {
-        if (*i + 1 >= argc) {
-            say_wrong(line->name, "--%s needs a value: --%s %s", o->name, o->name, o->value);
-            return false;
-        }
+        if (*i + 1 >= argc)
+            return REFUSE(line, "--%s needs a value: --%s %s", o->name, o->name, o->value);
         value = argv[++*i];
     }
     return set_value(line, o, value, args);
@@ -299,7 +287,7 @@ bool options_is_stdout(const char *path)
     return path && strcmp(path, "-") == 0;
 }
 
-// What stdout holds is one thing: one output, or the object of --json.
+// stdout holds one thing: one output, or the object of --json.
 static bool check_stdout(const command_line *line, const given_options *given, const void *args)
 {
     const option *first = NULL;
@@ -309,10 +297,8 @@ static bool check_stdout(const command_line *line, const given_options *given, c
                                              : strcmp(o->name, "json") == 0;
         if (!prints || !given->at[o - line->options])
             continue;
-        if (first) {
-            say_wrong(line->name, "--%s and --%s would both write to stdout", first->name, o->name);
-            return false;
-        }
+        if (first)
+            return REFUSE(line, "--%s and --%s would both write to stdout", first->name, o->name);
         first = o;
     }
     return true;
@@ -340,12 +326,10 @@ static bool check_place(const command_line *line, const option *out, const char 
         also = before && output_replaces(before, path) ? o : also;
     }
     if (is_read)
-        say_wrong(line->name, "--%s %s would overwrite what is read", out->name,
-                  say_name(path).chars);
-    else if (also)
-        say_wrong(line->name, "--%s and --%s would both write %s", also->name, out->name,
-                  say_name(path).chars);
-    return !is_read && !also;
+        return REFUSE(line, "--%s %s would overwrite what is read", out->name,
+                      say_name(path).chars);
+    return !also || REFUSE(line, "--%s and --%s would both write %s", also->name, out->name,
+                           say_name(path).chars);
 }
 
 static bool check_places(const command_line *line, const void *args, char **operands)
@@ -364,13 +348,11 @@ static bool check_rules(const command_line *line, const given_options *given)
         for (const char *at = r->options; *at; at += strspn(at, " ")) {
             size_t length = strcspn(at, " ");
             if (is_given(line, given, at, length) &&
-                is_given(line, given, r->other, strlen(r->other)) != (r->kind == OPTION_NEEDS)) {
-                say_wrong(line->name,
-                          r->kind == OPTION_NEEDS ? "--%.*s does nothing without --%s"
-                                                  : "--%.*s and --%s do not go together",
-                          (int)length, at, r->other);
-                return false;
-            }
+                is_given(line, given, r->other, strlen(r->other)) != (r->kind == OPTION_NEEDS))
+                return REFUSE(line,
+                              r->kind == OPTION_NEEDS ? "--%.*s does nothing without --%s"
+                                                      : "--%.*s and --%s do not go together",
+                              (int)length, at, r->other);
             at += length;
         }
     return true;
@@ -378,27 +360,23 @@ static bool check_rules(const command_line *line, const given_options *given)
 
 static bool check_operands(const command_line *line, int n, char **operands)
 {
-    if (n < line->least_operands) {
-        say_wrong(line->name, "%s is missing; 'duet %s --help' says what it is", line->operands,
-                  line->name);
-        return false;
-    }
-    if (n > line->most_operands) {
-        say_wrong(line->name, "unexpected argument '%s'; 'duet %s --help' shows the form",
-                  operands[line->most_operands], line->name);
-        return false;
-    }
+    if (n < line->least_operands)
+        return REFUSE(line, "%s is missing; 'duet %s --help' says what it is", line->operands,
+                      line->name);
+    if (n > line->most_operands)
+        return REFUSE(line, "unexpected argument '%s'; 'duet %s --help' shows the form",
+                      operands[line->most_operands], line->name);
     return true;
 }
 
-// What is parsed: the operands, and how the program ends where there is nothing to run.
+// The operands, and how the program ends if there is nothing to run.
 typedef struct parsed {
     char **operands; // argv moved together; NULL after the last
     int n;
     int exit_code;
 } parsed;
 
-// False where help was asked for and printed, or the command line is wrong and a
+// False if help was asked for and printed, or the command line is wrong and a
 // line on stderr says how.
 static bool parse(const command_line *line, int argc, char **argv, void *args, parsed *p)
 {
@@ -454,7 +432,7 @@ int options_run(const command_line *line, int argc, char **argv, void *args, com
         return say_wrong(line->name, "%s", wrong);
     if (!check_outputs(line, args, &err))
         return say_failed(&err);
-    // What was done until Ctrl-C may be worth telling: it is not all that was asked for.
+    // Work until Ctrl-C may be worth telling, but is not all that was asked for.
     if (run(args, p.operands, &err) && interrupt_check(&err))
         return EXIT_OK;
     int status = say_failed(&err);

@@ -81,11 +81,11 @@ typedef struct command_line {
     const option *options;    // ends with a row without name
     const option_rule *rules; // ends with {0}; NULL: none
     bool rest_is_operands;    // what follows the first operand is passed on unread
-    // What is wrong between options that are each right; NULL: nothing.
+    // Says what is wrong between options that are each right. NULL: nothing is wrong.
     const char *(*refuse)(const void *args, char **operands);
 } command_line;
 
-// What a subcommand does with its arguments. operands end with NULL.
+// Runs a subcommand with its arguments. operands end with NULL.
 typedef bool command_body(void *args, char **operands, duet_error *err);
 
 // Reads argv[1...] into args, which holds the defaults, and runs the subcommand.
@@ -96,7 +96,7 @@ int options_run(const command_line *line, int argc, char **argv, void *args, com
 bool options_is_stdout(const char *path);
 
 // "1000", "1e6", "250k", "1.5M", "2G": a whole number of at most 2^64 - 1. Returns what
-// follows it, NULL where there is none.
+// follows it, NULL if there is none.
 const char *options_read_count(const char *text, uint64_t *count);
 
 #endif

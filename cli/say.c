@@ -112,7 +112,7 @@ static bool shows_on_terminal;
 static int depth;             // of works that are one a part of another
 static char whole[LINE_MOST]; // how far the outermost is, without its rate
 
-// What the library tells is of no unit that a person would know.
+// The library counts in units of its own, so that a part or seconds are shown.
 static int add_part(const progress *p, uint64_t done, double seconds, char *to, size_t size)
 {
     if (p->total >= done && p->total > 0)

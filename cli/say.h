@@ -28,7 +28,7 @@ int say_wrong(const char *command, const char *format, ...) __attribute__((forma
 // "duet: note: LINE" on stderr: something that a person should know, and no failure.
 void say_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-// Prints the object on stdout and deletes it. false where memory ran out.
+// Prints the object on stdout and deletes it. false if memory ran out.
 bool say_json(struct cJSON *object, duet_error *err);
 
 // A name from a file, a store or a driver, on one line and without what a
@@ -50,9 +50,9 @@ bool say_to_file(struct text *chars, const char *path, duet_error *err);
 bool say_finish(void);
 
 // A line on the terminal that tells how far long work is: its rate and the
-// time left. Nothing is shown where stderr is not a terminal. Of works that are
-// a part of another the outermost is shown, and how far the innermost is in it:
-// "case 3 of 24, 40 s left; kernel 2 of 9".
+// time left. Nothing is shown where stderr is not a terminal. Nested works
+// are shown by the outermost and the innermost: "case 3 of 24, 40 s left; kernel 2
+// of 9".
 typedef struct progress {
     const char *what; // "step", "launch"; up to 100 characters
     uint64_t total;   // 0: not known

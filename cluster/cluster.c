@@ -41,15 +41,15 @@ static bool check_def(const duet_cluster_def *def, duet_error *err)
 void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *workers[2])
 {
     object_rows none = {0};
-    homes_take(&c->homes, &none);
+    owned_take(&c->owned, &none);
     cluster_close_workers(c->workers);
-    walk_free(&c->walk);
-    border_close(&c->border);
     memcpy(c->workers, workers, sizeof c->workers);
     c->def.world = *world;
-    c->homes.form = object_form_of(world);
-    c->fitted = (reach){0};
-    c->changed = c->is_cold = true;
+    c->owned.form = object_form_of(world);
+    c->owned.pair = c->def.plain ? NULL : world->pair;
+    c->fitted = (extent){0};
+    c->state = STATE_CHANGED;
+    c->is_cold = true;
 }
 
 static bool open_pair(duet_cluster *c, duet_error *err)
@@ -61,10 +61,10 @@ static bool open_pair(duet_cluster *c, duet_error *err)
     return c->own_pair;
 }
 
-// Where a device leaves the processors to others, one thread waits for it and one does the rest.
-static bool begin_threads(duet_cluster *c, const worker *w, duet_error *err)
+// If devices leave the processors to others, one thread waits for them and one does the rest.
+static bool begin_threads(duet_cluster *c, duet_error *err)
 {
-    uint32_t least = w->spares_host && w->spares_host(w) ? 2 : 1;
+    uint32_t least = cluster_spares_host(c) ? 2 : 1;
     return parallel_begin(&c->threads, c->ranks.processors, least, err);
 }
 
@@ -89,18 +89,23 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
         return NULL;
     }
     c->def = *def;
+    double most_parts = def->parts < MOST_PARTS ? def->parts : MOST_PARTS;
     bool ok = ranks_begin(&c->ranks, def->comm, s, err);
     if (ok) {
-        c->homes.threads = &c->threads;
-        c->homes.walk = walk_parts;
-        c->homes.walk_context = c;
+        ranks_greatest(&c->ranks, &most_parts, 1);
+        c->migration.owned = &c->owned;
+        c->migration.partition = &c->partition;
+        c->migration.workers = c->workers;
+        c->migration.imbalance = def->imbalance;
         ok = ranks_reserve(&c->ranks, &own) && check_def(def, &own) &&
-             parts_begin(&c->parts, def->parts, &c->ranks, &own) && open_pair(c, &own) &&
+             owned_begin(&c->owned, def->parts, (uint32_t)most_parts, &c->threads, &own) &&
+             ghosts_begin(&c->ghosts, &c->owned, &c->ranks, &own) && open_pair(c, &own) &&
              cluster_open_workers(c, &c->def.world, workers, &own);
         if (ok)
             cluster_take_workers(c, &c->def.world, workers);
-        ok = ok && begin_threads(c, workers[0], &own);
-        ok = ranks_agree(&c->ranks, ok, &own) && cut_begin(&c->cut, &c->ranks, def->weight, &own);
+        ok = ok && begin_threads(c, &own);
+        ok = ranks_agree(&c->ranks, ok, &own) &&
+             partition_begin(&c->partition, &c->ranks, def->weight, &own);
         if (!ok)
             error_copy(err, &own);
     }
@@ -116,17 +121,15 @@ void duet_cluster_destroy(duet_cluster *c)
     if (!c)
         return;
     ranks_await_end(&c->ranks, __func__);
-    border_close(&c->border);
-    homes_end(&c->homes);
+    owned_end(&c->owned);
+    classes_end(&c->migration.classes);
     cluster_close_workers(c->workers);
     duet_device_pair_destroy(c->own_pair);
     own_pairs_end(&c->own);
     for (int i = 0; i < 2; ++i)
-        seen_end(&c->seen[i]);
-    parts_end(&c->parts);
-    walk_free(&c->walk);
+        search_set_end(&c->sets[i]);
     ghosts_end(&c->ghosts);
-    cut_end(&c->cut);
+    partition_end(&c->partition);
     parallel_end(&c->threads);
     ranks_end(&c->ranks);
     free(c->scene_name);
@@ -150,23 +153,17 @@ bool cluster_agree_on(duet_cluster *c, const char *call, bool ok, duet_error *ow
 
 // ---------------------------------------------------------------- objects
 
-void cluster_forget_found(duet_cluster *c)
-{
-    c->is_found = c->own.lists = false;
-}
-
 void cluster_take(duet_cluster *c, object_rows *rows)
 {
-    cluster_forget_found(c);
-    homes_take(&c->homes, rows);
+    owned_take(&c->owned, rows);
     own_pairs_end(&c->own);
-    c->fitted = (reach){0};
-    c->changed = true;
+    c->fitted = (extent){0};
+    c->state = STATE_CHANGED;
 }
 
 static bool check_kind(const duet_cluster *c, duet_object_kind kind, duet_error *err)
 {
-    duet_object_kind right = object_form_kind(&c->homes.form);
+    duet_object_kind right = object_form_kind(&c->owned.form);
     static const char *const names[] = {[DUET_OBJECT_POSES] = "poses",
                                         [DUET_OBJECT_BOUNDS] = "bounds",
                                         [DUET_OBJECT_LARGE_POSES] = "large poses",
@@ -188,7 +185,7 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
     bool ok = check_kind(c, kind, &own);
     ok = ok && (n == 0 || (error_given(ids, __func__, "ids", &own) &&
                            error_given(objects, __func__, "objects", &own)));
-    ok = ok && object_rows_copy(&rows, &c->homes.form, ids, objects, n, &own);
+    ok = ok && object_rows_copy(&rows, &c->owned.form, ids, objects, n, &own);
     ok = ranks_agree_on(&c->ranks, __func__, ok, NULL, &own) &&
          ids_are_distinct(&c->ranks, rows.ids, rows.n, &own);
     if (ok)
@@ -199,32 +196,28 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
 
 // ---------------------------------------------------------------- results
 
-bool cluster_take_found(duet_cluster *c, bool lists, duet_error *err)
+// Lists the pairs of a single domain, which its workers still have.
+static bool list_found(duet_cluster *c, duet_error *err)
 {
-    const border *b = &c->border;
-    own_pairs_begin(&c->own, lists);
-    c->is_found = own_pairs_add(&c->own, &c->seen[0], &c->found, err) &&
-                  (!b->done || own_pairs_add(&c->own, &b->seen, &b->found, err));
-    return c->is_found;
+    set_search *s = c->searches;
+    worker *w = c->workers[0];
+    own_pairs_begin(&c->own, true);
+    return (s[0].found.n_counted == 0 || w->bring(w, &s[0].found, err)) &&
+           own_pairs_add(&c->own, s[0].set, &s[0].found, err) &&
+           (c->search == SEARCH_WHOLE || own_pairs_add(&c->own, s[1].set, &s[1].found, err));
 }
 
-// Of one part, what its worker found is still there.
 bool cluster_list_pairs(duet_cluster *c, duet_error *err)
 {
-    worker *w = c->workers[0];
     if (c->def.drops_pairs)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "this cluster drops its pairs; expected a def without drops_pairs");
-    if (c->own.lists)
-        return true;
-    if (!c->is_found)
+    if (c->state < STATE_FOUND)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "no pairs were found of the objects as they are; expected a step");
-    c->is_found = c->found.n_counted == 0 || w->bring(w, &c->found, err);
-    if (!c->is_found)
-        return false;
-    c->own.lists = cluster_take_found(c, true, err);
-    return c->own.lists;
+    if (c->state == STATE_FOUND)
+        c->state = list_found(c, err) ? STATE_LISTED : STATE_SETTLED;
+    return c->state == STATE_LISTED;
 }
 
 bool duet_cluster_get_own_pairs(duet_cluster *c, const duet_pair64 **pairs, uint64_t *n,
@@ -266,9 +259,13 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
         error_copy(err, &own);
         return NULL; // where objects are bad all are where they were, to be mended
     }
-    c->changed = true;
-    cluster_forget_found(c);
-    *n = homes_open(&c->homes);
-    *ids = c->homes.rows.ids;
-    return c->homes.rows.objects;
+    owned *o = &c->owned;
+    c->state = STATE_CHANGED;
+    if (!owned_tidy(o, err))
+        return NULL;
+    if (o->holder)
+        o->rows.objects = o->holder->map(o->holder, o->rows.n, NULL);
+    *n = o->rows.n;
+    *ids = o->rows.ids;
+    return o->rows.objects;
 }

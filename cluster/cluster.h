@@ -4,38 +4,65 @@
 #define CLUSTER_CLUSTER_H
 
 #include "cluster/balance.h"
-#include "cluster/border.h"
 #include "cluster/duet_cluster.h"
 #include "cluster/ghosts.h"
-#include "cluster/parts.h"
-#include "cluster/walk.h"
+#include "cluster/migrate.h"
+#include "cluster/own_pairs.h"
+
+// How far the objects are from being searched. Each state includes those before it; mapping,
+// setting or loading objects goes back to the first.
+//
+//   CHANGED --settle--> SETTLED --search--> FOUND --list--> LISTED
+//      ^                   |                  |               |
+//      '------ map, set, load, partition -----+---------------'
+typedef enum cluster_state {
+    STATE_CHANGED, // objects may belong to other ranks; on one rank alone, or on all
+    STATE_SETTLED, // all objects are where they belong, and ghosts have come
+    STATE_FOUND,   // own counts this rank's pairs, and found has them
+    STATE_LISTED,  // own lists them
+} cluster_state;
+
+// The sets in which objects are searched. Chosen anew when objects are settled.
+typedef enum cluster_search {
+    SEARCH_WHOLE,      // sets[0], a single domain with its ghosts
+    SEARCH_OVERLAPPED, // sets[0] without ghosts while these travel, and then its boundary, sets[1]
+    SEARCH_DOMAINS,    // several where they lie, without ghosts, and then their boundary
+    SEARCH_COPIES,     // several, each a copy with its ghosts
+} cluster_search;
+
+// A search by a worker, beside what its caller does.
+typedef struct set_search {
+    search_set *set;
+    worker *worker;
+    bool counts; // as search_set_find has it
+    worker_found found;
+    duet_error err;
+    bool ok;
+    parallel *beside; // the threads of which one makes it; NULL: none is under way
+} set_search;
 
 struct duet_cluster {
     duet_cluster_def def;       // with this rank's pair
     duet_device_pair *own_pair; // NULL: the caller's
     ranks ranks;
     parallel threads;
-    cut cut;
-    homes homes;
+    partition partition;
+    owned owned;
+    migration migration;
     balance balance;
     ghosts ghosts;
-    parts parts;
-    walk walk;
-    border border;
-    worker *workers[2]; // one is filled while the other finds; the second is of several parts
-    seen seen[2];
-    uint32_t filled[2]; // by which part, from 1; 0: it has to be
-    reach fitted;       // around the homes, when workers were last told that they moved
+    worker *workers[2]; // the second one is of several domains, or of a boundary
+    search_set sets[2];
+    set_search searches[2];
+    cluster_state state;
+    cluster_search search;
     own_pairs own;
-    worker_found found; // in the only part, where is_found; without what border found
-    bool is_found;      // it is of the objects as they are
-    uint64_t n_ghosts;
-    bool changed;    // objects, since the worker got them
-    bool is_stopped; // a rank was asked to stop before the last step ended, which is known to all
-    bool is_cold;    // kernels may have to be built
-    bool has_scene;
+    extent fitted;     // around the objects, when workers were last told that they moved
+    uint64_t n_placed; // of the owned objects then
+    bool is_stopped;   // a rank was asked to stop before the last step ended, which is known to all
+    bool is_cold;      // kernels may have to be built
     duet_scene_info scene;
-    char *scene_name;
+    char *scene_name;       // NULL: no scene was loaded
     duet_cluster_rank last; // of this rank
 };
 
@@ -52,32 +79,30 @@ bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *s
 
 // ---------------------------------------------------------------- of its own files
 
-// Two where one is filled while the other searches.
+// Returns how many workers take turns: one is filled while the other searches.
 static inline int cluster_workers(const duet_cluster *c)
 {
-    return c->parts.n > 1 ? 2 : 1;
+    return c->owned.n_domains > 1 ? 2 : 1;
 }
 
-// Where objects lie elsewhere than before, workers are told.
+// Returns whether this rank's devices leave the host's processors to others.
+bool cluster_spares_host(const duet_cluster *c);
+// Tells the workers if the objects lie elsewhere than before.
 void cluster_follow(duet_cluster *c);
 worker *cluster_open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err);
-// As many as it has, for such worlds: all or none.
+// Opens cluster_workers(c) workers for this world def. On failure none is open.
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
                           duet_error *err);
 void cluster_close_workers(worker *workers[2]);
-// These in the place of those that there were, and without objects.
+// Replaces the workers. The new ones hold no objects.
 void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *workers[2]);
-// These objects, in the place of those that there were.
+// Replaces the objects.
 void cluster_take(duet_cluster *c, object_rows *rows);
-// A call's failure on one rank, NULL arguments included, becomes that of all.
+// Makes a call's failure on one rank, NULL arguments included, that of all.
 bool cluster_agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err);
-// Rows that change places are no longer those that pairs were found of.
-void cluster_forget_found(duet_cluster *c);
-// What a worker is told of homes in any order.
-global_ids cluster_ids_of_homes(const duet_cluster *c);
-// This rank's pairs become those of what was found in its only part, and at its border.
-bool cluster_take_found(duet_cluster *c, bool lists, duet_error *err);
-// All objects are where they belong: on all ranks, or on none.
+// Copies the domain that has the most objects to each worker, so that it can look up its profile.
+bool cluster_show_domain(duet_cluster *c, duet_error *err);
+// Brings all objects where they belong: on all ranks, or on none.
 bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *own,
                         duet_error *err);
 

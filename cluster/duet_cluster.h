@@ -9,9 +9,8 @@
 // create one, and destroy until all destroy it.
 // Getters and destroy's argument NULL are a rank's own. One thread of a rank calls MPI.
 //
-// A global id is 64 bits. A rank's homes are the objects that it is responsible for; its
-// ghosts are objects of others that its homes may touch. Which rank is an object's home
-// never changes a result.
+// A global id is 64 bits. A rank's homes are the objects that it owns; its ghosts are objects of
+// others that its homes may touch. Which rank owns an object never changes a result.
 #ifndef DUET_CLUSTER_H
 #define DUET_CLUSTER_H
 
@@ -73,10 +72,9 @@ DUET_API bool duet_cluster_set_objects(duet_cluster *cluster, duet_object_kind k
                                        duet_error *err);
 
 // This rank's homes, to be written in place, and their ids, in no order: which object a row is
-// may change with each step. Valid until the next call but a getter. Where the level is certified
-// or aabb this is memory that the devices read without a copy, in parts or not. Objects that
-// leave their rank's part of the world change homes in the next step. After BAD_OBJECT all homes
-// are there as they were, to be mended.
+// may change with each step. Valid until the next call but a getter. With one part this is memory
+// that the devices read without a copy. Objects that leave their rank's box change homes in the
+// next step. After BAD_OBJECT all homes are there as they were, to be mended.
 DUET_API void *duet_cluster_map_homes(duet_cluster *cluster, duet_object_kind kind,
                                       const uint64_t **ids, uint32_t *n, duet_error *err);
 

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Each rank publishes, for each level, the box around its homes of that level and all finer
-// ones. An object of level l goes to a lower rank where it meets the box of level l, and to a
+// Each domain publishes, for each level, the box around its objects of that level and all finer
+// ones. An object of level l goes to a lower place where it meets the box of level l, and to a
 // higher one where it meets that of level l - 1: where it would not be the owner (owner.h).
 #include "cluster/ghosts.h"
 
 #include "base/error.h"
-#include "cluster/owner.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static bool add_visit(visits *v, uint32_t home, uint32_t neighbour)
+static bool add_visit(visits *v, visit added)
 {
     if (v->n == v->capacity) {
         uint64_t capacity = v->capacity ? 2 * v->capacity : 1024;
@@ -20,48 +19,61 @@ static bool add_visit(visits *v, uint32_t home, uint32_t neighbour)
         v->list = list;
         v->capacity = capacity;
     }
-    v->list[v->n++] = (visit){home, neighbour};
+    v->list[v->n++] = added;
     return true;
 }
 
 typedef struct search {
-    const homes *h;
-    const level_boxes *all; // [n of ranks]
-    int self;
-    int *neighbours; // [n_neighbours] ranks
-    uint32_t n_neighbours;
-    visits *parts;    // [PARALLEL_MOST]
-    uint64_t *counts; // [PARALLEL_MOST][stride], of each part's visits, and then where they go
-    size_t stride;
+    const owned *o;
+    ghosts *g;
+    uint32_t first_place; // of this rank
+    uint32_t *neighbours; // places: of each domain those whose boxes meet its own
+    uint64_t *first;      // [n_domains + 1] of each domain's neighbours
+    uint64_t *counts;     // [PARALLEL_MOST][n_ranks] of each part's visits, and then where they go
+    int n_ranks;
+    bool within; // this rank's domains are neighbours, too
     bool failed[PARALLEL_MOST];
-    parcels *out;
 } search;
 
-// Numbers of two parts lie so far apart that threads do not wait for each other's.
-enum { APART = 64 / sizeof(uint64_t) };
-
-// Which ranks' boxes meet any home at all; few do.
-static bool find_neighbours(search *s, const ranks *r, duet_error *err)
+static const extent *all_of(const ghosts *g, uint32_t place)
 {
-    s->neighbours = malloc((size_t)r->n * sizeof *s->neighbours);
-    for (int q = 0; s->neighbours && q < r->n; ++q)
-        if (q != s->self &&
-            reaches_meet(&s->all[q].upto[LEVELS - 1], &s->all[s->self].upto[LEVELS - 1]))
-            s->neighbours[s->n_neighbours++] = q;
-    s->stride = (size_t)s->n_neighbours + APART;
-    s->counts = calloc(PARALLEL_MOST * s->stride, sizeof *s->counts);
-    return (s->neighbours && s->counts) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "ghosts: no memory");
+    return &g->boxes[place].upto[LEVELS - 1];
 }
 
-// No reach is longer than `widest`; most homes are farther than that from all neighbours.
-static bool is_near(const search *s, const double centre[3])
+static bool list_neighbours(search *s)
 {
-    double far = s->h->widest;
-    const reach around = {{centre[0] - far, centre[1] - far, centre[2] - far},
-                          {centre[0] + far, centre[1] + far, centre[2] + far}};
-    for (uint32_t k = 0; k < s->n_neighbours; ++k)
-        if (reaches_meet(&s->all[s->neighbours[k]].upto[LEVELS - 1], &around))
+    uint32_t n = s->o->n_domains, n_places = s->o->most_domains * (uint32_t)s->n_ranks;
+    uint64_t at = 0, capacity = 0;
+    s->first = malloc((n + 1) * sizeof *s->first);
+    for (uint32_t d = 0; s->first && d < n; ++d) {
+        s->first[d] = at;
+        for (uint32_t q = 0; q < n_places; ++q) {
+            bool is_own = q - s->first_place < s->o->most_domains;
+            if (q == s->first_place + d || (is_own && !s->within) ||
+                !extents_meet(all_of(s->g, q), all_of(s->g, s->first_place + d)))
+                continue;
+            if (at == capacity) {
+                capacity = 2 * capacity + 16;
+                uint32_t *more = realloc(s->neighbours, capacity * sizeof *more);
+                if (!more)
+                    return false;
+                s->neighbours = more;
+            }
+            s->neighbours[at++] = q;
+        }
+        s->first[d + 1] = at;
+    }
+    return s->first;
+}
+
+// No extent is longer than `widest`; most objects are farther than that from all neighbours.
+static bool is_near(const search *s, uint32_t d, const double centre[3])
+{
+    double far = s->o->widest;
+    const extent around = {{centre[0] - far, centre[1] - far, centre[2] - far},
+                           {centre[0] + far, centre[1] + far, centre[2] + far}};
+    for (uint64_t k = s->first[d]; k < s->first[d + 1]; ++k)
+        if (extents_meet(all_of(s->g, s->neighbours[k]), &around))
             return true;
     return false;
 }
@@ -71,115 +83,203 @@ enum { ROWS_AHEAD = 8 }; // that are asked for; they lie anywhere
 static void search_part(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
     search *s = context;
-    const homes *h = s->h;
-    visits found = s->parts[part]; // apart from what other threads write
-    uint64_t *counts = s->counts + part * s->stride;
+    const owned *o = s->o;
+    visits found = s->g->parts[part]; // apart from what other threads write
+    uint64_t *counts = s->counts + part * (size_t)s->n_ranks;
     bool failed = false;
     for (uint64_t at = first; at < end; ++at) {
-        uint32_t i = h->border.rows[at];
-        const void *object = object_row(&h->rows, &h->form, i);
+        uint32_t row = o->boundary.rows[at], d = owned_domain_of(o, row);
+        uint32_t from = s->first_place + d;
+        const void *object = object_row(&o->rows, &o->form, row);
         double centre[3];
         if (at + ROWS_AHEAD < end)
-            __builtin_prefetch(object_row(&h->rows, &h->form, h->border.rows[at + ROWS_AHEAD]));
-        object_centre(&h->form, object, centre);
-        if (!is_near(s, centre))
+            __builtin_prefetch(object_row(&o->rows, &o->form, o->boundary.rows[at + ROWS_AHEAD]));
+        object_centre(&o->form, object, centre);
+        if (!is_near(s, d, centre))
             continue;
-        reach e = reach_of(&h->form, object);
-        int own_level = level_of(reach_widest(&e), h->widest);
-        for (uint32_t k = 0; k < s->n_neighbours; ++k) {
-            int rank = s->neighbours[k],
-                level = owners_upto(own_level, (uint32_t)s->self, (uint32_t)rank);
-            if (level < 0 || homes_came_from(h, i, rank) ||
-                !reaches_meet(&s->all[rank].upto[level], &e))
+        extent e = extent_of(&o->form, object);
+        int own_level = level_of(extent_widest(&e), o->widest);
+        for (uint64_t k = s->first[d]; k < s->first[d + 1]; ++k) {
+            uint32_t to = s->neighbours[k];
+            int level = owners_upto(own_level, from, to);
+            if (level < 0 || !extents_meet(&s->g->boxes[to].upto[level], &e))
                 continue;
-            failed |= !add_visit(&found, i, k);
-            ++counts[k];
+            failed |= !add_visit(&found, (visit){row, from, to});
+            ++counts[to / o->most_domains];
         }
     }
-    s->parts[part] = found;
+    s->g->parts[part] = found;
     s->failed[part] = failed;
 }
 
-static bool find_visits(search *s, const ranks *r, duet_error *err)
+static bool find_visits(search *s, duet_error *err)
 {
-    bool ok = find_neighbours(s, r, err);
+    s->counts = calloc(PARALLEL_MOST * (size_t)s->n_ranks, sizeof *s->counts);
+    bool ok = s->counts && list_neighbours(s);
     for (int part = 0; part < PARALLEL_MOST; ++part)
-        s->parts[part].n = 0;
-    if (ok && s->n_neighbours > 0)
-        parallel_each(s->h->threads, s->h->border.n, search_part, s);
+        s->g->parts[part].n = 0;
+    if (ok && s->first[s->o->n_domains] > 0)
+        parallel_each(s->o->threads, s->o->boundary.n, search_part, s);
     for (int part = 0; ok && part < PARALLEL_MOST; ++part)
-        if (s->failed[part])
-            ok = error_set(err, DUET_STATUS_NO_MEMORY, "ghosts: no memory");
-    return ok;
+        ok = !s->failed[part];
+    return ok || error_set(err, DUET_STATUS_NO_MEMORY, "ghosts: no memory");
+}
+
+static uint32_t message_bytes(const object_form *form)
+{
+    return object_message_bytes(form) + 2 * (uint32_t)sizeof(uint32_t);
 }
 
 // The visits that the same part of the search has found.
 static void write_part(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
     const search *s = context;
-    const homes *h = s->h;
-    const visits *found = &s->parts[part];
-    uint64_t *places = s->counts + part * s->stride;
-    unsigned char *messages = s->out->rows;
+    const owned *o = s->o;
+    const visits *found = &s->g->parts[part];
+    uint64_t *places = s->counts + part * (size_t)s->n_ranks;
     (void)first, (void)end;
     for (uint64_t i = 0; i < found->n; ++i) {
         visit v = found->list[i];
         if (i + ROWS_AHEAD < found->n) {
-            uint32_t next = found->list[i + ROWS_AHEAD].home;
-            __builtin_prefetch(object_row(&h->rows, &h->form, next));
-            __builtin_prefetch(&h->rows.ids[next]);
+            uint32_t next = found->list[i + ROWS_AHEAD].row;
+            __builtin_prefetch(object_row(&o->rows, &o->form, next));
+            __builtin_prefetch(&o->rows.ids[next]);
         }
-        object_write_message(&h->form, messages + places[v.neighbour]++ * s->out->row_bytes,
-                             h->rows.ids[v.home], object_row(&h->rows, &h->form, v.home));
+        unsigned char *to = (unsigned char *)s->g->out.rows +
+                            places[v.to / o->most_domains]++ * s->g->out.row_bytes;
+        object_write_message(&o->form, to, o->rows.ids[v.row],
+                             object_row(&o->rows, &o->form, v.row));
+        memcpy(to + object_message_bytes(&o->form), &v.from, 2 * sizeof v.from);
     }
 }
 
-// Of each neighbour those of a part come behind those of the parts before it.
-static void place_visits(search *s, const uint64_t *places)
-{
-    for (uint32_t k = 0; k < s->n_neighbours; ++k) {
-        uint64_t place = places[s->neighbours[k]];
-        for (int part = 0; part < PARALLEL_MOST; ++part) {
-            uint64_t *count = &s->counts[part * s->stride + k], n = *count;
-            *count = place;
-            place += n;
-        }
-    }
-}
+_Static_assert(offsetof(visit, to) == offsetof(visit, from) + sizeof(uint32_t), "side by side");
 
+// Makes counts where each part's visits of a rank go: behind those of the parts before it.
 static bool write_visits(search *s, const ranks *r, duet_error *err)
 {
+    parcels *out = &s->g->out;
     uint64_t *places = calloc((size_t)r->n, sizeof *places);
     bool ok = places || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
-    for (uint32_t k = 0; ok && k < s->n_neighbours; ++k)
-        for (int part = 0; part < PARALLEL_MOST; ++part)
-            s->out->counts[s->neighbours[k]] += s->counts[part * s->stride + k];
-    ok = ok && parcels_reserve(s->out, r, places, err);
-    if (ok)
-        place_visits(s, places);
-    if (ok && s->out->n > 0)
-        parallel_each(s->h->threads, s->h->border.n, write_part, s);
+    for (int part = 0; ok && part < PARALLEL_MOST; ++part)
+        for (int q = 0; q < r->n; ++q)
+            out->counts[q] += s->counts[part * (size_t)r->n + (size_t)q];
+    ok = ok && parcels_reserve(out, r, places, err);
+    for (int q = 0; ok && q < r->n; ++q)
+        for (int part = 0; part < PARALLEL_MOST; ++part) {
+            uint64_t *count = &s->counts[part * (size_t)r->n + (size_t)q], n = *count;
+            *count = places[q];
+            places[q] += n;
+        }
+    if (ok && out->n > 0)
+        parallel_each(s->o->threads, s->o->boundary.n, write_part, s);
     free(places);
     return ok;
 }
 
-bool ghosts_exchange(ghosts *g, const homes *h, ranks *r, bool ok, duet_error *err)
+// ---------------------------------------------------------------- those that came
+
+static const unsigned char *message_at(const ghosts *g, uint64_t i)
 {
-    search s = {.h = h, .all = h->all, .self = r->self, .parts = g->parts, .out = &g->out};
-    ranks_gather(r, &h->boxes, h->all, sizeof h->boxes);
-    ok = ok && find_visits(&s, r, err);
-    ok = parcels_begin(&g->out, r, object_message_bytes(&h->form), err) && ok;
+    return (const unsigned char *)g->in.rows + i * g->in.row_bytes;
+}
+
+static uint32_t place_in(const ghosts *g, uint64_t i, uint32_t which)
+{
+    uint32_t place;
+    memcpy(&place, message_at(g, i) + g->in.row_bytes - (2 - which) * sizeof place, sizeof place);
+    return place;
+}
+
+ghost ghosts_get(const ghosts *g, uint64_t i)
+{
+    uint64_t at = g->list ? g->list[i] : i;
+    const unsigned char *message = message_at(g, at);
+    ghost found = {.object = message + sizeof found.id, .from = place_in(g, at, 0)};
+    memcpy(&found.id, message, sizeof found.id);
+    return found;
+}
+
+static uint64_t id_of(const ghosts *g, uint64_t i)
+{
+    uint64_t id;
+    memcpy(&id, message_at(g, i), sizeof id);
+    return id;
+}
+
+// A ghost that goes to several domains of a rank comes in messages that follow each other.
+static void list_once(ghosts *g, uint32_t n_domains)
+{
+    uint64_t n = 0;
+    for (uint64_t i = 0; i < g->in.n; ++i)
+        if (i == 0 || id_of(g, i) != id_of(g, i - 1))
+            g->list[n++] = (uint32_t)i;
+    for (uint32_t d = 1; d <= n_domains; ++d)
+        g->first[d] = n;
+}
+
+static void list_by_domain(ghosts *g, uint32_t n_domains, uint32_t first_place)
+{
+    uint64_t before = 0;
+    for (uint64_t i = 0; i < g->in.n; ++i)
+        ++g->first[place_in(g, i, 1) - first_place + 1];
+    for (uint32_t d = 1; d <= n_domains; ++d) {
+        uint64_t own = g->first[d];
+        g->first[d] = before;
+        before += own;
+    }
+    for (uint64_t i = 0; i < g->in.n; ++i)
+        g->list[g->first[place_in(g, i, 1) - first_place + 1]++] = (uint32_t)i;
+}
+
+bool ghosts_sort(ghosts *g, const owned *o, const ranks *r, bool within, duet_error *err)
+{
+    uint32_t n = o->n_domains;
+    free(g->list);
+    g->list = n > 1 ? malloc((g->in.n + 1) * sizeof *g->list) : NULL;
+    if (n > 1 && !g->list)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "ghosts: no memory");
+    memset(g->first, 0, (n + 1) * sizeof *g->first);
+    if (n == 1)
+        g->first[1] = g->in.n;
+    else if (within)
+        list_by_domain(g, n, (uint32_t)r->self * o->most_domains);
+    else
+        list_once(g, n);
+    return true;
+}
+
+bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, bool within, bool ok, duet_error *err)
+{
+    search s = {.o = o, .g = g, .n_ranks = r->n, .within = within};
+    s.first_place = (uint32_t)r->self * o->most_domains;
+    ranks_gather(r, o->boxes, g->boxes, (int)(o->most_domains * sizeof *g->boxes));
+    ok = ok && find_visits(&s, err);
+    ok = parcels_begin(&g->out, r, message_bytes(&o->form), err) && ok;
     ok = ok && write_visits(&s, r, err);
     free(s.neighbours);
+    free(s.first);
     free(s.counts);
     return ranks_exchange(r, ok, &g->out, &g->in, err);
+}
+
+bool ghosts_begin(ghosts *g, const owned *o, const ranks *r, duet_error *err)
+{
+    *g = (ghosts){0};
+    g->boxes = malloc((size_t)r->n * o->most_domains * sizeof *g->boxes);
+    g->first = malloc((o->n_domains + 1) * sizeof *g->first);
+    return (g->boxes && g->first) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "boxes of %d ranks: no memory", r->n);
 }
 
 void ghosts_end(ghosts *g)
 {
     for (int part = 0; part < PARALLEL_MOST; ++part)
         free(g->parts[part].list);
-    parcels_end(&g->out);
+    free(g->boxes);
+    free(g->first);
+    free(g->list);
     parcels_end(&g->in);
+    parcels_end(&g->out);
     *g = (ghosts){0};
 }

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Ghosts: objects of other ranks that this rank's homes may touch, and whose pairs with them
-// this rank finds. Exact whatever the objects' sizes: no width is chosen.
+// Ghosts: objects of other domains that a domain's objects may touch, and whose pairs with them
+// that domain finds. Exact whatever the objects' sizes: no width is chosen. Domains of one rank
+// exchange ghosts as those of several do.
 #ifndef CLUSTER_GHOSTS_H
 #define CLUSTER_GHOSTS_H
 
-#include "cluster/homes.h"
+#include "cluster/owned.h"
 
-// A home that is a ghost elsewhere.
+// A boundary object that is a ghost elsewhere.
 typedef struct visit {
-    uint32_t home;
-    uint32_t neighbour; // of those that the search knows
+    uint32_t row;
+    uint32_t from, to; // places
 } visit;
 
 typedef struct visits {
@@ -18,15 +19,40 @@ typedef struct visits {
     uint64_t capacity;
 } visits;
 
-// Those of the last exchange, whose memory the next one uses.
+// The ghosts of the last exchange, whose memory the next one uses.
 typedef struct ghosts {
-    parcels in; // messages of other ranks
+    parcels in; // the messages: an object's, and two places behind it
     parcels out;
     visits parts[PARALLEL_MOST];
+    level_boxes *boxes; // [n of places]
+    uint64_t *first;    // [n_domains + 1] of each domain's in list
+    uint32_t *list;     // [in.n] messages, domain after domain; NULL: there is one domain
 } ghosts;
 
-// The messages that arrive become g->in. Collective; ok: whether this rank is well.
-bool ghosts_exchange(ghosts *g, const homes *h, ranks *r, bool ok, duet_error *err);
+bool ghosts_begin(ghosts *g, const owned *o, const ranks *r, duet_error *err);
+
+// Sends ghosts to where they belong; in has those that came. within: this rank's domains need those
+// of each other. Collective; ok: whether this rank is well.
+bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, bool within, bool ok, duet_error *err);
 void ghosts_end(ghosts *g);
+
+// Lists the ghosts that came by their domains: those of domain d are [first[d], first[d + 1]). If
+// not `within`, domain 0 gets all of them, each once.
+bool ghosts_sort(ghosts *g, const owned *o, const ranks *r, bool within, duet_error *err);
+
+// Returns how many of them came from other ranks.
+static inline uint64_t ghosts_of_others(const ghosts *g, const ranks *r)
+{
+    return g->in.counts ? g->in.n - g->in.counts[r->self] : 0;
+}
+
+typedef struct ghost {
+    uint64_t id;
+    const void *object;
+    uint32_t from; // place
+} ghost;
+
+// Returns the i-th ghost in that order.
+ghost ghosts_get(const ghosts *g, uint64_t i);
 
 #endif

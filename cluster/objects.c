@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/objects.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/origin.h"
@@ -57,7 +58,7 @@ static double radius_of(const object_form *form, const void *object)
                                                : 0;
 }
 
-const reach reach_none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+const extent extent_none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 
 // Unlike fmin and fmax these are no calls, which would take longer than the rest.
 static inline double lesser(double a, double b)
@@ -70,13 +71,13 @@ static inline double greater(double a, double b)
     return a > b ? a : b;
 }
 
-double reach_widest(const reach *r)
+double extent_widest(const extent *r)
 {
     double widest = greater(r->upper[0] - r->lower[0], r->upper[1] - r->lower[1]);
     return greater(widest, r->upper[2] - r->lower[2]);
 }
 
-static void widen(reach *r, const double slack[3], uint32_t dims)
+static void widen(extent *r, const double slack[3], uint32_t dims)
 {
     for (uint32_t k = 0; k < dims; ++k) {
         r->lower[k] -= slack[k];
@@ -86,11 +87,11 @@ static void widen(reach *r, const double slack[3], uint32_t dims)
 
 // Around the bounding sphere where boxes are rotated: which rank needs an object is decided
 // faster than its bounds are found.
-static reach reach_of_pose(const object_form *form, const void *object)
+static extent extent_of_pose(const object_form *form, const void *object)
 {
     const duet_pose *p = pose_of(form, object);
     double corner[3], half[3], slack[3], squares = 0, radius = radius_of(form, object);
-    reach r = {{0}, {0}};
+    extent r = {{0}, {0}};
     origin_corner(corner, object, form->origin, 0);
     for (uint32_t k = 0; k < form->dims; ++k) {
         half[k] = p ? (double)p->half_extents[k] : 0;
@@ -109,12 +110,12 @@ static reach reach_of_pose(const object_form *form, const void *object)
     return r;
 }
 
-reach reach_of(const object_form *form, const void *object)
+extent extent_of(const object_form *form, const void *object)
 {
     if (form->shape != DUET_SHAPE_BOUNDS)
-        return reach_of_pose(form, object);
+        return extent_of_pose(form, object);
     const duet_bounds *b = object;
-    reach r = {{0}, {0}};
+    extent r = {{0}, {0}};
     for (uint32_t k = 0; k < form->dims; ++k) {
         r.lower[k] = (double)b->lower[k];
         r.upper[k] = (double)b->upper[k];
@@ -122,7 +123,7 @@ reach reach_of(const object_form *form, const void *object)
     return r;
 }
 
-void reach_add(reach *to, const reach *other)
+void extent_join(extent *to, const extent *other)
 {
     for (int k = 0; k < 3; ++k) {
         to->lower[k] = lesser(to->lower[k], other->lower[k]);
@@ -130,19 +131,10 @@ void reach_add(reach *to, const reach *other)
     }
 }
 
-bool reaches_meet(const reach *a, const reach *b)
+bool extents_meet(const extent *a, const extent *b)
 {
     for (int k = 0; k < 3; ++k)
         if (a->lower[k] > b->upper[k] || b->lower[k] > a->upper[k])
-            return false;
-    return true;
-}
-
-bool reach_holds(const reach *r, const double point[3], double width)
-{
-    double margin = 1.01 * width;
-    for (int k = 0; k < 3; ++k)
-        if (!(point[k] - margin > r->lower[k] && point[k] + margin < r->upper[k]))
             return false;
     return true;
 }
@@ -158,7 +150,7 @@ void object_centre(const object_form *form, const void *object, double centre[3]
                       : corner[k] + (double)centre_of(object)[k];
 }
 
-// Of a reach around what has a radius, but for what is rounded.
+// Returns half the width of an object with a radius, before rounding.
 static double half_width(const object_form *form, const void *object)
 {
     const duet_pose *core = pose_of(form, object);
@@ -221,7 +213,7 @@ static float below(float rounded, double number)
     return (double)rounded > number ? nextafterf(rounded, -INFINITY) : rounded;
 }
 
-void skim_box(const reach *inside, float lower[3], float upper[3])
+void skim_box(const extent *inside, float lower[3], float upper[3])
 {
     for (int k = 0; k < 3; ++k) {
         lower[k] = above((float)inside->lower[k], inside->lower[k]);
@@ -229,7 +221,7 @@ void skim_box(const reach *inside, float lower[3], float upper[3])
     }
 }
 
-// Of bounds a block has more than their centres; squares are short by less than 2^-21.
+// A block of bounds has more than their centres; squares are short by less than 2^-21.
 void skim_add_block(skim *s, const skim_block *block)
 {
     for (int k = 0; k < 3; ++k) {
@@ -245,7 +237,7 @@ enum { SIDE_BY_SIDE = 4 }; // numbers that a compiler takes together
 // the rotation. Without a branch but the one that ends it, so that it takes little longer than
 // reading the rows.
 static uint32_t skim_poses(const duet_pose *poses, uint32_t dims, uint32_t first, uint32_t end,
-                           const reach *inside, skim *to)
+                           const extent *inside, skim *to)
 {
     float lower[SIDE_BY_SIDE], upper[SIDE_BY_SIDE], least[SIDE_BY_SIDE], most[SIDE_BY_SIDE];
     double square = to->square, in_3d = dims == 3;
@@ -290,7 +282,7 @@ static uint32_t skim_poses(const duet_pose *poses, uint32_t dims, uint32_t first
 }
 
 // An object of that half width, or nothing and false where it does not lie inside.
-static inline bool skim_add(skim *to, const reach *inside, const double at[3], double half)
+static inline bool skim_add(skim *to, const extent *inside, const double at[3], double half)
 {
     bool deep = true;
     for (int k = 0; k < 3; ++k)
@@ -306,7 +298,7 @@ static inline bool skim_add(skim *to, const reach *inside, const double at[3], d
 }
 
 static uint32_t skim_bounds(const object_rows *rows, uint32_t dims, uint32_t first, uint32_t end,
-                            const reach *inside, skim *to)
+                            const extent *inside, skim *to)
 {
     const object_form form = {
         .dims = dims, .shape = DUET_SHAPE_BOUNDS, .bytes = sizeof(duet_bounds)};
@@ -323,7 +315,7 @@ static uint32_t skim_bounds(const object_rows *rows, uint32_t dims, uint32_t fir
 }
 
 static uint32_t skim_with_radii(const object_rows *rows, const object_form *form, uint32_t first,
-                                uint32_t end, const reach *inside, skim *to)
+                                uint32_t end, const extent *inside, skim *to)
 {
     for (; first < end; ++first) {
         const void *object = object_row(rows, form, first);
@@ -336,7 +328,7 @@ static uint32_t skim_with_radii(const object_rows *rows, const object_form *form
 }
 
 uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint32_t first,
-                          uint32_t end, const reach *inside, skim *s)
+                          uint32_t end, const extent *inside, skim *s)
 {
     if (form->shape == DUET_SHAPE_BOUNDS)
         return skim_bounds(rows, form->dims, first, end, inside, s);
@@ -362,30 +354,21 @@ double skim_widest(const skim *s, const object_form *form)
 
 // ---------------------------------------------------------------- rows
 
-bool object_rows_reserve(object_rows *rows, const object_form *form, uint64_t n, duet_error *err)
+bool object_rows_begin(object_rows *rows, const object_form *form, uint64_t n, duet_error *err)
 {
+    *rows = (object_rows){0};
     if (n > DUET_MOST_OBJECTS)
         return error_set(err, DUET_STATUS_TOO_MANY,
                          "%" PRIu64 " objects on one rank; a rank holds at most %u", n,
                          DUET_MOST_OBJECTS);
-    if (!rows->ids || n > rows->capacity) {
-        object_rows_end(rows);
-        rows->capacity = n + n / 16;
-        rows->ids = malloc((rows->capacity + 1) * sizeof *rows->ids);
-        rows->objects = malloc((rows->capacity + 1) * form->bytes);
-    }
-    if (!rows->ids || !rows->objects) {
-        object_rows_end(rows);
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
-    }
     rows->n = (uint32_t)n;
-    return true;
-}
-
-bool object_rows_begin(object_rows *rows, const object_form *form, uint64_t n, duet_error *err)
-{
-    *rows = (object_rows){0};
-    return object_rows_reserve(rows, form, n, err);
+    rows->capacity = n + n / 16;
+    rows->ids = malloc((rows->capacity + 1) * sizeof *rows->ids);
+    rows->objects = malloc((rows->capacity + 1) * form->bytes);
+    if (rows->ids && rows->objects)
+        return true;
+    object_rows_end(rows);
+    return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
 }
 
 void object_rows_end(object_rows *rows)
@@ -414,7 +397,7 @@ static duet_rounded_box rounded_box_of(const object_form *form, const void *obje
                                              : (duet_rounded_box){.pose = *pose_of(form, object)};
 }
 
-// Where they lie, from the last one on, for none becomes smaller.
+// In place, and from the last one on, because none becomes smaller.
 bool object_rows_round(object_rows *rows, object_form *form, duet_error *err)
 {
     if (form->shape == DUET_SHAPE_ROUNDED_BOXES)
@@ -444,33 +427,6 @@ void object_write_message(const object_form *form, void *message, uint64_t id, c
     memcpy((unsigned char *)message + sizeof id, object, form->bytes);
 }
 
-static int by_id(const void *left, const void *right)
-{
-    const arrival *p = left, *q = right;
-    return (p->id > q->id) - (p->id < q->id);
-}
-
-void arrivals_sort(arrival *arrivals, uint64_t n)
-{
-    qsort(arrivals, n, sizeof *arrivals, by_id);
-}
-
-arrival *arrivals_read(const object_form *form, const void *messages, uint64_t n, duet_error *err)
-{
-    const unsigned char *message = messages;
-    arrival *arrivals = malloc((n + 1) * sizeof *arrivals);
-    if (!arrivals) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects that arrive: no memory", n);
-        return NULL;
-    }
-    for (uint64_t i = 0; i < n; ++i, message += object_message_bytes(form)) {
-        memcpy(&arrivals[i].id, message, sizeof arrivals[i].id);
-        arrivals[i].object = message + sizeof arrivals[i].id;
-    }
-    arrivals_sort(arrivals, n);
-    return arrivals;
-}
-
 void object_rows_append(object_rows *to, const object_form *form, const uint64_t *ids,
                         const void *objects, uint32_t n)
 {
@@ -481,85 +437,44 @@ void object_rows_append(object_rows *to, const object_form *form, const uint64_t
     to->n += n;
 }
 
-// False where the first of them has the id of the row before it.
-static bool append(object_rows *to, const object_form *form, const uint64_t *ids,
-                   const void *objects, uint32_t n, duet_error *err)
+// An id and the row that has it.
+typedef struct id_row {
+    uint64_t id;
+    uint32_t row;
+} id_row;
+
+static int by_id(const void *left, const void *right)
 {
-    uint32_t at = to->n;
-    object_rows_append(to, form, ids, objects, n);
-    return n == 0 || at == 0 || to->ids[at] != to->ids[at - 1] ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "object %" PRIu64 " is there twice",
-                     to->ids[at]);
+    return compare_uint64(&((const id_row *)left)->id, &((const id_row *)right)->id);
 }
 
-uint32_t object_rows_find(const object_rows *rows, uint32_t first, uint32_t end, uint64_t id)
+static id_row *sort_ids(const uint64_t *ids, uint32_t n)
 {
-    uint32_t width = 1; // it is near, where few come among many
-    while (width < end - first && rows->ids[first + width] < id)
-        width *= 2;
-    uint32_t last = width < end - first ? first + width : end;
-    while (first < last) {
-        uint32_t middle = first + (last - first) / 2;
-        if (rows->ids[middle] < id)
-            first = middle + 1;
-        else
-            last = middle;
-    }
-    return first;
-}
-
-bool object_rows_merge(object_rows *to, const object_form *form, const object_rows *homes,
-                       const uint32_t *leavers, uint64_t n_leavers, const arrival *arrivals,
-                       uint64_t n, duet_error *err)
-{
-    uint64_t leaver = 0, next = 0;
-    uint32_t i = 0;
-    bool ok = true;
-    to->n = 0;
-    while (ok && (i < homes->n || next < n)) {
-        uint32_t end = leaver < n_leavers ? leavers[leaver] : homes->n;
-        uint32_t run = next < n ? object_rows_find(homes, i, end, arrivals[next].id) : end;
-        ok = append(to, form, homes->ids ? homes->ids + i : NULL, object_row(homes, form, i),
-                    run - i, err);
-        i = run;
-        if (i == end && leaver < n_leavers) {
-            ++leaver;
-            ++i;
-        } else if (ok && next < n) {
-            ok = append(to, form, &arrivals[next].id, arrivals[next].object, 1, err);
-            ++next;
-        }
-    }
-    return ok;
-}
-
-static bool do_ascend(const uint64_t *ids, uint32_t n)
-{
+    id_row *sorted = malloc(((size_t)n + 1) * sizeof *sorted);
     bool ascend = true;
-    for (uint32_t i = 1; ascend && i < n; ++i)
-        ascend = ids[i - 1] < ids[i];
-    return ascend;
+    for (uint32_t i = 0; sorted && i < n; ++i) {
+        sorted[i] = (id_row){ids[i], i};
+        ascend = ascend && (i == 0 || ids[i - 1] < ids[i]);
+    }
+    if (sorted && !ascend)
+        qsort(sorted, n, sizeof *sorted, by_id);
+    return sorted;
 }
 
 bool object_rows_copy(object_rows *rows, const object_form *form, const uint64_t *ids,
                       const void *objects, uint32_t n, duet_error *err)
 {
-    const object_rows none = {0};
-    if (do_ascend(ids, n)) {
-        bool begun = object_rows_begin(rows, form, n, err);
-        rows->n = 0;
-        if (begun)
-            object_rows_append(rows, form, ids, objects, n);
-        return begun;
-    }
-    arrival *arrivals = malloc(((size_t)n + 1) * sizeof *arrivals);
-    bool ok = arrivals || error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
-    for (uint32_t i = 0; ok && i < n; ++i)
-        arrivals[i] = (arrival){ids[i], (const char *)objects + (size_t)i * form->bytes};
-    if (ok)
-        arrivals_sort(arrivals, n);
+    id_row *sorted = sort_ids(ids, n);
+    bool ok = sorted || error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
     ok = ok && object_rows_begin(rows, form, n, err);
-    ok = ok && object_rows_merge(rows, form, &none, NULL, 0, arrivals, n, err);
-    free(arrivals);
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        if (i > 0 && sorted[i].id == sorted[i - 1].id)
+            ok = error_set(err, DUET_STATUS_BAD_ARGUMENT, "object %" PRIu64 " is there twice",
+                           sorted[i].id);
+        rows->ids[i] = sorted[i].id;
+        memcpy(object_row(rows, form, i),
+               (const char *)objects + (size_t)sorted[i].row * form->bytes, form->bytes);
+    }
+    free(sorted);
     return ok;
 }

@@ -8,7 +8,7 @@
 
 typedef struct object_rows object_rows;
 
-// What every rank's objects have in common.
+// The form of all ranks' objects.
 typedef struct object_form {
     uint32_t dims;
     duet_shape shape;
@@ -22,23 +22,28 @@ duet_object_kind object_form_kind(const object_form *form);
 
 // Bounds that contain all that the devices or the reference take for the object's, however a
 // box is turned, and in 2D 0 along z.
-typedef struct reach {
+typedef struct extent {
     double lower[3];
     double upper[3];
-} reach;
+} extent;
 
-extern const reach reach_none; // of nothing
-reach reach_of(const object_form *form, const void *object);
-void reach_add(reach *to, const reach *other);
-bool reaches_meet(const reach *a, const reach *b);
-// Whether an object around this point meets none whose centre lies outside, where none of the two
-// is wider than that.
-bool reach_holds(const reach *r, const double point[3], double width);
-double reach_widest(const reach *e);
+extern const extent extent_none; // of nothing
+extent extent_of(const object_form *form, const void *object);
+void extent_join(extent *to, const extent *other);
+bool extents_meet(const extent *a, const extent *b);
+// Whether a point lies inside, and not on its surface.
+static inline bool extent_holds(const extent *r, const double point[3])
+{
+    bool inside = true;
+    for (int k = 0; k < 3; ++k)
+        inside &= (point[k] > r->lower[k]) & (point[k] < r->upper[k]);
+    return inside;
+}
+double extent_widest(const extent *e);
 
-// What is known of rows that lie deep inside of a place, seen together.
+// Summary of rows that lie deep inside of a box.
 typedef struct skim {
-    reach centres;
+    extent centres;
     double square; // of the greatest half extent along any axis, however they are turned
 } skim;
 
@@ -47,18 +52,18 @@ extern const skim skim_none;
 // Adds the rows from `first` on whose centre lies inside of that, and returns the first of which
 // that cannot be told at a glance, or which is not sound; `end` where there is none.
 uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint32_t first,
-                          uint32_t end, const reach *inside, skim *s);
+                          uint32_t end, const extent *inside, skim *s);
 // The same by a device: the box as it takes it, and a block of its answer.
-void skim_box(const reach *inside, float lower[3], float upper[3]);
+void skim_box(const extent *inside, float lower[3], float upper[3]);
 void skim_add_block(skim *s, const skim_block *block);
-// No less than the width of any of them, nor than that of their reaches.
+// Returns no less than the width of any of them.
 double skim_widest(const skim *s, const object_form *form);
 
-// The point that decides an object's home.
+// The point that decides which domain an object belongs to.
 void object_centre(const object_form *form, const void *object, double centre[3]);
 bool object_is_sound(const object_form *form, const void *object);
 
-// Objects in one array and their ids in another, by ascending id.
+// Objects in one array and their ids in another.
 struct object_rows {
     uint64_t *ids;
     unsigned char *objects; // [n][form.bytes]
@@ -66,8 +71,7 @@ struct object_rows {
     uint64_t capacity; // rows for which there is memory
 };
 
-// Space for n rows, of which it says that they are n; what it held is lost where it grows.
-bool object_rows_reserve(object_rows *rows, const object_form *form, uint64_t n, duet_error *err);
+// Makes space for n rows.
 bool object_rows_begin(object_rows *rows, const object_form *form, uint64_t n, duet_error *err);
 void object_rows_end(object_rows *rows);
 // NULL of rows that were never reserved.
@@ -79,20 +83,6 @@ static inline void *object_row(const object_rows *rows, const object_form *form,
 // The bytes of a message's row: an id and its object.
 uint32_t object_message_bytes(const object_form *form);
 void object_write_message(const object_form *form, void *message, uint64_t id, const void *object);
-
-// An object in a message.
-typedef struct arrival {
-    uint64_t id;
-    const void *object;
-} arrival;
-
-void arrivals_sort(arrival *arrivals, uint64_t n); // by ascending id
-
-// Those of n messages, sorted, to be freed; NULL with NO_MEMORY.
-arrival *arrivals_read(const object_form *form, const void *messages, uint64_t n, duet_error *err);
-
-// The first of rows [first, end) whose id is not below that one; end where there is none.
-uint32_t object_rows_find(const object_rows *rows, uint32_t first, uint32_t end, uint64_t id);
 
 // n rows become *rows, by ascending id; false with BAD_ARGUMENT where one is there twice.
 bool object_rows_copy(object_rows *rows, const object_form *form, const uint64_t *ids,
@@ -108,11 +98,5 @@ void object_rows_gather(object_rows *to, const object_form *form, uint64_t at,
 // Adds n rows, for which there is space.
 void object_rows_append(object_rows *to, const object_form *form, const uint64_t *ids,
                         const void *objects, uint32_t n);
-
-// The homes but the leavers, places that ascend, and n arrivals become *to, which has space for
-// them, by ascending id. False with BAD_ARGUMENT where an id is there twice.
-bool object_rows_merge(object_rows *to, const object_form *form, const object_rows *homes,
-                       const uint32_t *leavers, uint64_t n_leavers, const arrival *arrivals,
-                       uint64_t n, duet_error *err);
 
 #endif

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: MIT
-// A step is a list of phases. Each ends on all ranks in the same way, so that what follows it
-// is done by all or by none.
+// A step of a cluster is a list of phases. Each ends on all ranks in the same way, so that what
+// follows it is done by all or by none.
+//
+//   migrate           objects go to the rank and the domain whose box holds them   migrate.c
+//   search the inner  a single domain, while ghosts travel, if its devices can     search_set.c
+//   exchange ghosts   what other domains' objects may touch goes there             ghosts.c
+//   search            the domains with their ghosts, or the boundary               search_set.c
+//   count             this rank's pairs, and all ranks' sums                       own_pairs.c
 #include "cluster/cluster.h"
 
 #include "base/budget.h"
@@ -15,186 +21,218 @@ static double ms_since(uint64_t begun_ns)
     return (double)(ranks_now_ns() - begun_ns) * 1e-6;
 }
 
-// ---------------------------------------------------------------- parts
+// ---------------------------------------------------------------- one search
 
-// The part that comes i-th: first every other one, so that two that follow each other are seldom
-// neighbours among the homes, where the ghosts of one lie in the other's place.
-static uint32_t part_of_turn(const duet_cluster *c, uint32_t turn)
+static void search_set_now(void *search)
 {
-    uint32_t n_even = (c->parts.n + 1) / 2;
-    return turn < n_even ? 2 * turn : 2 * (turn - n_even) + 1;
+    set_search *s = search;
+    s->ok = search_set_find(s->set, s->worker, s->counts, &s->found, &s->err);
 }
 
-static bool fill_by_copies(duet_cluster *c, uint32_t turn, duet_error *own)
+// Begins to search a set, by a thread of `beside`; NULL: at once.
+static void begin_search(duet_cluster *c, int i, parallel *beside)
 {
-    sight from = parts_sight(&c->parts, part_of_turn(c, turn));
-    return seen_fill(&c->seen[turn % 2], &c->homes, &from, c->workers[turn % 2], own);
+    set_search *s = &c->searches[i];
+    *s = (set_search){.set = &c->sets[i], .worker = c->workers[i], .beside = beside};
+    s->counts = !c->own.lists;
+    if (beside)
+        parallel_call_begin(beside, search_set_now, s);
+    else
+        search_set_now(s);
 }
 
-static void lend_part(duet_cluster *c, uint32_t turn)
+// Waits for it. It may be under way or over, or never have begun.
+static bool end_search(set_search *s, duet_error *err)
 {
-    worker *w = c->workers[turn % 2];
-    seen *s = &c->seen[turn % 2];
-    sight_in_place from = parts_sight_in_place(&c->parts, part_of_turn(c, turn));
-    seen_in_place(s, &c->homes, &from);
-    w->lend(w, s->rows.objects, s->rows.n);
-    w->begin(w, s->rows.n, NULL);
+    if (s->beside)
+        parallel_call_end(s->beside);
+    s->beside = NULL;
+    return s->ok || error_copy(err, &s->err);
 }
 
-// Parts take turns in the places that there are workers for.
-static bool fill(duet_cluster *c, uint32_t turn, duet_error *own)
+static bool count(duet_cluster *c, int i, duet_error *err)
 {
-    uint32_t part = part_of_turn(c, turn);
-    worker *w = c->workers[turn % 2];
-    bool in_place = c->homes.n_ranges > 0;
-    if (in_place)
-        parts_open(&c->parts, &c->homes, part);
-    if (c->filled[turn % 2] == part + 1)
-        return true;
-    c->filled[turn % 2] = 0;
-    bool ok = !w->turn_to || w->turn_to(w, part, own);
-    if (ok && in_place)
-        lend_part(c, turn);
-    else if (ok)
-        ok = fill_by_copies(c, turn, own);
-    c->filled[turn % 2] = ok ? part + 1 : 0;
-    return ok;
+    const set_search *s = &c->searches[i];
+    return own_pairs_add(&c->own, s->set, &s->found, err);
 }
 
-static bool fill_by_ids(duet_cluster *c, duet_error *own)
+// ---------------------------------------------------------------- inner and boundary
+
+// Its devices have memory of their own, and search it while the host exchanges ghosts, which are
+// few. One thread alone has nothing to do meanwhile.
+static bool can_overlap(const duet_cluster *c)
 {
-    bool ok = parts_divide(&c->parts, &c->homes, &c->cut, &c->ranks, &c->ghosts.in, own);
+    const owned *o = &c->owned;
+    return o->n_domains == 1 && c->ranks.n > 1 && c->threads.n > 1 && !c->is_cold && o->holder &&
+           cluster_spares_host(c) && o->boundary.n < o->rows.n / 4;
+}
+
+// The second worker; without it there is one search, of objects and ghosts.
+static bool has_boundary_worker(duet_cluster *c)
+{
+    duet_world_def def = c->def.world;
+    duet_error unheard;
+    def.plan = c->workers[0]->plan(c->workers[0]);
+    if (!c->workers[1])
+        c->workers[1] = cluster_open_worker(c, &def, &unheard);
+    return c->workers[1];
+}
+
+// Whether few lie at the boundary, and no newcomer deeper in its domain than any object is wide:
+// such a one may touch objects that are not at the boundary.
+static bool has_thin_boundary(const duet_cluster *c)
+{
+    const owned *o = &c->owned;
+    bool thin = o->boundary.n < o->rows.n / 4;
+    for (uint32_t d = 0; thin && d < o->n_domains; ++d) {
+        const domain *at = &o->domains[d];
+        const extent inside = domain_inside(at, o->widest);
+        for (uint32_t row = at->first_new; thin && row < at->first_new + at->n_new; ++row) {
+            double centre[3];
+            object_centre(&o->form, object_row(&o->rows, &o->form, row), centre);
+            thin = !extent_holds(&inside, centre);
+        }
+    }
+    return thin;
+}
+
+static void choose_search(duet_cluster *c, bool may_overlap)
+{
+    duet_error unheard;
+    c->search = c->owned.n_domains == 1 ? SEARCH_WHOLE
+                : has_thin_boundary(c)  ? SEARCH_DOMAINS
+                                        : SEARCH_COPIES;
+    if (!may_overlap || !can_overlap(c) || !has_boundary_worker(c) ||
+        !search_set_inner(&c->sets[0], &c->owned, &c->ranks, 0, &unheard))
+        return;
+    c->search = SEARCH_OVERLAPPED;
     cluster_follow(c);
-    for (int i = 0; ok && i < cluster_workers(c); ++i)
-        ok = fill(c, (uint32_t)i, own);
-    return ok;
+    begin_search(c, 0, &c->threads);
 }
 
-// Without its ghosts, which others' homes are in the place of.
-static bool lend_homes(duet_cluster *c, uint32_t part, worker *w, duet_error *own)
+static bool search_overlapped(duet_cluster *c, bool ok, duet_error *err)
 {
-    sight_in_place from = parts_sight_in_place(&c->parts, part);
-    if (w->turn_to && !w->turn_to(w, part, own))
+    if (ok && !c->searches[0].beside)
+        begin_search(c, 0, &c->threads);
+    if (ok)
+        begin_search(c, 1, NULL);
+    ok = ok && end_search(&c->searches[1], err);
+    ok = end_search(&c->searches[0], ok ? err : NULL) && ok;
+    return ok && count(c, 0, err) && count(c, 1, err);
+}
+
+// ---------------------------------------------------------------- domains in turn
+
+static bool copy_domain(duet_cluster *c, int i, uint32_t d, duet_error *err)
+{
+    worker *w = c->workers[i];
+    return w->use_grid(w, d, err) &&
+           search_set_copy_domain(&c->sets[i], &c->owned, &c->ghosts, &c->ranks, d, w, err);
+}
+
+static bool send_domain(duet_cluster *c, int i, uint32_t d, duet_error *err)
+{
+    worker *w = c->workers[i];
+    if (!w->use_grid(w, d, err) || !search_set_inner(&c->sets[i], &c->owned, &c->ranks, d, err))
         return false;
-    w->lend(w, object_row(&c->homes.rows, &c->homes.form, from.first), from.n);
+    search_set_send(&c->sets[i], w, !c->own.lists);
     return true;
 }
 
-// Within a part, homes lie as its worker has them best.
-static bool cut_parts(duet_cluster *c, duet_error *own)
+typedef bool fill_set(duet_cluster *c, int i, uint32_t d, duet_error *err);
+
+// While a domain is searched the next one is filled, and the pairs of the one before are counted.
+static bool search_each(duet_cluster *c, fill_set *fill, duet_error *err)
 {
-    if (!parts_cut_in_place(&c->parts, &c->homes, own))
-        return false;
-    cluster_follow(c);
-    reordering memory = {0};
-    bool ok = true;
-    for (uint32_t i = 0; ok && i < c->parts.n; ++i) {
-        worker *w = c->workers[i % 2];
-        uint32_t part = part_of_turn(c, i);
-        sight_in_place from = parts_sight_in_place(&c->parts, part);
-        ok = lend_homes(c, part, w, own) &&
-             homes_put_in_order(&c->homes, from.first, from.n, w, &memory, own);
+    uint32_t n = c->owned.n_domains;
+    parallel *beside = c->ranks.simulation ? NULL : &c->threads;
+    bool ok = fill(c, 0, 0, err);
+    for (uint32_t d = 0; ok && d < n; ++d) {
+        int now = (int)(d % 2);
+        begin_search(c, now, beside);
+        ok = (d == 0 || count(c, 1 - now, err)) && (d + 1 == n || fill(c, 1 - now, d + 1, err));
+        ok = end_search(&c->searches[now], ok ? err : NULL) && ok;
     }
-    reordering_end(&memory);
-    return ok && homes_find_edges(&c->homes, &c->cut, own);
+    return ok && count(c, (int)((n - 1) % 2), err);
 }
 
-// So that each worker can be asked for its profile.
-static bool lend_largest(duet_cluster *c, duet_error *own)
-{
-    uint32_t largest = parts_largest(&c->parts);
-    return lend_homes(c, largest, c->workers[0], own) && lend_homes(c, largest, c->workers[1], own);
-}
-
-static bool fill_parts(duet_cluster *c, duet_error *own)
-{
-    bool even = true, ok;
-    if (!walk_settle(c, own))
-        return false;
-    if (c->walk.done)
-        return true;
-    c->parts.is_cut_anew = false;
-    ok = parts_look(&c->parts, &c->homes, &even, own);
-    if (ok && !even)
-        ok = cut_parts(c, own) && parts_look(&c->parts, &c->homes, &even, own);
-    else
-        cluster_follow(c);
-    ok = ok && parts_settle(&c->parts, &c->homes, &c->ghosts.in, own);
-    if (ok)
-        homes_lock_ids(&c->homes);
-    return ok && lend_largest(c, own);
-}
-
-static bool move_homes_in(duet_cluster *c, duet_error *own)
+// Objects between domains have a grid of their own.
+static bool search_between(duet_cluster *c, duet_error *err)
 {
     worker *w = c->workers[0];
-    if (!homes_move_in(&c->homes, w, own))
+    if (!w->use_grid(w, c->owned.n_domains, err) ||
+        !search_set_copy_boundary(&c->sets[0], &c->owned, &c->ghosts, &c->ranks, w, err))
         return false;
-    if (c->parts.n > 1)
-        return true;
-    reordering memory = {0};
-    bool ok = homes_put_in_order(&c->homes, 0, c->homes.rows.n, w, &memory, own);
-    reordering_end(&memory);
-    return ok && w->map(w, c->homes.rows.n, own);
+    begin_search(c, 0, NULL);
+    return end_search(&c->searches[0], err) && count(c, 0, err);
 }
 
-// Homes are where their worker has them.
-static bool fill_in_place(duet_cluster *c, duet_error *own)
+static bool search_domains(duet_cluster *c, duet_error *err)
 {
-    if (!c->homes.holder && !move_homes_in(c, own))
-        return false;
-    if (c->parts.n > 1)
-        return fill_parts(c, own);
-    if (c->border.is_searching)
-        return border_take_ghosts(c, own);
-    cluster_follow(c);
-    return seen_append(&c->seen[0], &c->homes, &c->ranks, &c->ghosts.in, own);
+    bool ok = search_each(c, send_domain, err);
+    for (int i = 0; i < 2; ++i) // rows may be elsewhere when they are bound again
+        c->workers[i]->bind(c->workers[i], NULL, 0);
+    return ok && search_between(c, err);
 }
 
-// ---------------------------------------------------------------- all to their places
-
-// Brings homes and ghosts to where they belong, on all ranks or on none, and hands the first to
-// this rank's workers. What fails in that is of this rank alone, and *settled is then false. Homes
-// that left or came are known to both ranks where they lie in place on all, or on none: where
-// one rank failed to bring its homes there, the others begin anew.
-static bool settle(duet_cluster *c, uint64_t n_in_place, bool *settled, duet_error *own)
+bool cluster_show_domain(duet_cluster *c, duet_error *err)
 {
-    bool in_place = seen_in_any_order(c->def.world.level);
-    cluster_forget_found(c);
-    memset(c->filled, 0, sizeof c->filled);
-    c->walk.done = c->border.done = false;
-    bool stay = in_place && n_in_place == (uint64_t)c->ranks.n;
-    *settled = stay || !c->homes.holder || homes_move_out(&c->homes, own);
-    bool are_new = c->homes.widest == 0; // and all of them travel
-    uint64_t begun_ns = ranks_now_ns(), n_cuts = c->homes.n_cuts;
-    bool ok = homes_settle(&c->homes, &c->ranks, &c->cut, c->def.imbalance, settled, own);
-    if (c->homes.n_cuts > n_cuts)
-        balance_begin(&c->balance, are_new ? 0 : ms_since(begun_ns));
-    if (ok && *settled && stay && c->walk.wanted)
-        border_begin(c);
-    ok = ok && ghosts_exchange(&c->ghosts, &c->homes, &c->ranks, *settled, own);
-    if (ok) {
-        c->n_ghosts = c->ghosts.in.n + c->homes.n_gone;
-        *settled = in_place ? fill_in_place(c, own) : fill_by_ids(c, own);
-    }
+    const owned *o = &c->owned;
+    uint32_t largest = 0;
+    bool ok = true;
+    for (uint32_t d = 1; d < o->n_domains; ++d)
+        largest = o->domains[d].n > o->domains[largest].n ? d : largest;
+    for (int i = 0; ok && o->n_domains > 1 && i < 2; ++i)
+        ok = copy_domain(c, i, largest, err);
     return ok;
 }
 
-// A call that needs all objects where they belong: begins it, and settles them. One that searches
-// them, and may do so on the way, needs more than a step leaves that did.
-static bool begin_settled(duet_cluster *c, const char *call, bool searches, bool ok, bool *settled,
-                          duet_error *own)
+// ---------------------------------------------------------------- settling
+
+static bool take_ghosts(duet_cluster *c, duet_error *err)
 {
-    bool is_apart = c->walk.done || c->border.done;
-    tally t = {.sums = {c->changed || (searches && is_apart), c->homes.holder != NULL}};
-    c->walk.wanted = searches;
+    const owned *o = &c->owned;
+    cluster_follow(c);
+    if (!ghosts_sort(&c->ghosts, o, &c->ranks, c->search == SEARCH_COPIES, err))
+        return false;
+    if (c->search == SEARCH_WHOLE)
+        return search_set_in_place(&c->sets[0], &c->owned, &c->ghosts, &c->ranks, err);
+    return c->search != SEARCH_OVERLAPPED ||
+           search_set_copy_boundary(&c->sets[1], o, &c->ghosts, &c->ranks, c->workers[1], err);
+}
+
+// Brings objects and ghosts to where they belong, on all ranks or on none. *settled: whether this
+// rank is well, which may fail alone at the end.
+static bool settle(duet_cluster *c, bool may_overlap, bool *settled, duet_error *own)
+{
+    bool are_new = c->owned.widest == 0; // and all of them travel
+    uint64_t begun_ns = ranks_now_ns(), n = c->migration.n_partitions;
+    *settled = true;
+    bool ok = migrate(&c->migration, &c->ranks, settled, own);
+    if (c->migration.n_partitions > n)
+        balance_begin(&c->balance, are_new ? 0 : ms_since(begun_ns));
+    if (ok && *settled)
+        choose_search(c, may_overlap);
+    ok = ok && ghosts_exchange(&c->ghosts, &c->owned, &c->ranks, c->search == SEARCH_COPIES,
+                               *settled, own);
+    if (ok)
+        *settled = take_ghosts(c, own);
+    return ok;
+}
+
+// Begins a call that needs all objects where they belong, and settles them if any rank's changed.
+static bool begin_settled(duet_cluster *c, const char *call, bool may_overlap, bool ok,
+                          bool *settled, duet_error *own)
+{
+    tally t = {.sums = {c->state == STATE_CHANGED || c->migration.unevenness == 0}};
     *settled = true;
     if (!ranks_agree_on(&c->ranks, call, ok, &t, own))
         return false;
     if (t.sums[0] == 0)
         return true;
-    c->changed = true; // until all of it is done, on all ranks
-    return settle(c, t.sums[1], settled, own);
+    c->state = STATE_CHANGED; // until all of it is done, on all ranks
+    own_pairs_begin(&c->own, false);
+    return settle(c, may_overlap, settled, own);
 }
 
 bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *own,
@@ -202,93 +240,24 @@ bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *
 {
     bool settled;
     ok = begin_settled(c, call, false, ok, &settled, own) && ranks_agree(&c->ranks, settled, own);
-    c->changed = c->changed && !ok;
+    if (ok && c->state == STATE_CHANGED)
+        c->state = STATE_SETTLED;
     return ok || error_copy(err, own);
 }
 
-// ---------------------------------------------------------------- searching
+// ---------------------------------------------------------------- the step
 
-global_ids cluster_ids_of_homes(const duet_cluster *c)
+static bool search_all(duet_cluster *c, bool ok, duet_error *own)
 {
-    const homes *h = &c->homes;
-    return (global_ids){
-        .list = h->rows.ids,
-        .n = h->rows.n,
-        .without = h->gone,
-        .n_without = h->n_gone,
-        .changed = h->renamed.rows,
-        .n_changed = h->renamed.n,
-        .all_changed = h->all_renamed || h->renamed.failed,
-    };
-}
-
-// The ids of a part are told anew each time, and not where its pairs are listed.
-static void begin_search(duet_cluster *c, uint32_t turn, worker_search *s)
-{
-    const seen *what = &c->seen[turn % 2];
-    bool is_only = c->parts.n == 1;
-    *s = (worker_search){.worker = c->workers[turn % 2], .seen = what};
-    s->tells_ids = c->homes.holder && !c->own.lists;
-    s->ids = is_only ? cluster_ids_of_homes(c)
-                     : (global_ids){.list = what->rows.ids, .n = what->behind, .all_changed = true};
-    worker_search_begin(s, is_only || c->ranks.simulation ? NULL : &c->threads);
-    if (is_only && s->ok && seen_homes(what) > 0 && s->tells_ids)
-        homes_forget_renamed(&c->homes);
-}
-
-// A search that has ended needs its ghosts no longer.
-static bool leave(duet_cluster *c, uint32_t turn, worker_search *s, duet_error *own)
-{
-    bool ok = worker_search_end(s, own);
-    if (c->homes.n_ranges > 0)
-        parts_close(&c->parts, &c->homes, part_of_turn(c, turn));
-    return ok;
-}
-
-// Nothing of any part is on its way any more.
-static void give_up(duet_cluster *c)
-{
-    for (int i = 0; c->homes.n_ranges > 0 && i < cluster_workers(c); ++i)
-        c->workers[i]->lend(c->workers[i], NULL, 0);
-    for (uint32_t i = 0; c->homes.n_ranges > 0 && i < c->parts.n; ++i)
-        parts_close(&c->parts, &c->homes, i);
-    memset(c->filled, 0, sizeof c->filled);
-}
-
-// Whether a part cannot be written while the one before is searched.
-static bool must_wait(const duet_cluster *c, uint32_t turn)
-{
-    return c->homes.n_ranges > 0 &&
-           parts_clash(&c->parts, part_of_turn(c, turn - 1), part_of_turn(c, turn));
-}
-
-// While a part is searched the next one is written, and the pairs of the one before are taken.
-static bool find_own(duet_cluster *c, duet_error *own)
-{
-    uint32_t n = c->parts.n;
-    worker_search searches[2] = {{0}};
-    bool ok = true;
-    own_pairs_begin(&c->own, n > 1 && !c->def.drops_pairs);
-    for (uint32_t i = 0; ok && i <= n; ++i) {
-        worker_search *now = &searches[i % 2], *before = &searches[(i + 1) % 2];
-        bool has_next = i < n, waits = has_next && i > 0 && must_wait(c, i);
-        ok = !has_next || n == 1 || waits || fill(c, i, own);
-        if (i > 0)
-            ok = leave(c, i - 1, before, ok ? own : NULL) && ok;
-        if (ok && waits)
-            ok = own_pairs_add(&c->own, before->seen, &before->found, own) && fill(c, i, own);
-        if (ok && has_next)
-            begin_search(c, i, now);
-        if (ok && i > 0 && !waits)
-            ok = own_pairs_add(&c->own, before->seen, &before->found, own);
-        if (!ok)
-            worker_search_end(now, NULL);
-    }
-    if (!ok)
-        give_up(c);
-    c->is_found = ok && n == 1;
-    c->found = searches[0].found;
-    return ok;
+    own_pairs_begin(&c->own, c->search >= SEARCH_DOMAINS && !c->def.drops_pairs);
+    if (c->search == SEARCH_OVERLAPPED)
+        return search_overlapped(c, ok, own);
+    if (!ok || c->search == SEARCH_DOMAINS)
+        return ok && search_domains(c, own);
+    if (c->search == SEARCH_COPIES)
+        return search_each(c, copy_domain, own);
+    begin_search(c, 0, NULL);
+    return end_search(&c->searches[0], own) && count(c, 0, own);
 }
 
 // The first time one rank of a host builds kernels, which the others then find in the cache. t
@@ -296,30 +265,26 @@ static bool find_own(duet_cluster *c, duet_error *own)
 static bool find(duet_cluster *c, bool ok, tally *t, duet_error *own)
 {
     if (c->is_cold)
-        ranks_await_turn(&c->ranks, homes_count(&c->homes) > 0);
-    if (c->border.is_searching)
-        ok = border_end(c, ok, own);
-    else
-        ok = ok && (c->walk.done ? walk_end(c, own) && lend_largest(c, own) : find_own(c, own));
+        ranks_await_turn(&c->ranks, owned_count(&c->owned) > 0);
+    ok = search_all(c, ok, own);
     if (c->is_cold)
         ranks_end_turn(&c->ranks);
     c->is_cold = false;
-    *t = (tally){.sums = {ranks_stand_for(&c->ranks) * homes_count(&c->homes), c->own.n,
+    if (ok && c->owned.n_domains == 1 && owned_count(&c->owned) > 0)
+        owned_forget_renamed(&c->owned);
+    *t = (tally){.sums = {ranks_stand_for(&c->ranks) * owned_count(&c->owned), c->own.n,
                           c->own.hash, !budget_check_stop(NULL)}};
     return ranks_agree_and(&c->ranks, ok, t, own);
 }
 
-// ---------------------------------------------------------------- the step
-
-// Where weights are not given they follow from the steps. One that cut, or that may have built
+// If weights are not given they follow from the steps. One that partitioned, or that may have built
 // kernels, is no measure of others.
 static void balance_ranks(duet_cluster *c, bool is_typical)
 {
     if (is_typical && c->def.weight == 0 &&
-        balance_note(&c->balance, &c->ranks, &c->cut, c->last.busy_ms, homes_count(&c->homes))) {
-        c->homes.is_cut = false;
-        c->changed = true;
-    }
+        balance_note(&c->balance, &c->ranks, &c->partition, c->last.busy_ms,
+                     owned_count(&c->owned)))
+        c->migration.unevenness = 0;
 }
 
 static void keep_times(duet_cluster *c, uint64_t begun_ns)
@@ -328,14 +293,24 @@ static void keep_times(duet_cluster *c, uint64_t begun_ns)
     double wait_ms = (double)c->ranks.wait_ns * 1e-6;
     uint64_t stands_for = ranks_stand_for(&c->ranks);
     duet_cluster_rank *last = &c->last;
-    *last = (duet_cluster_rank){.objects = stands_for * homes_count(&c->homes),
-                                .ghosts = stands_for * c->n_ghosts,
+    *last = (duet_cluster_rank){.objects = stands_for * owned_count(&c->owned),
+                                .ghosts = stands_for * ghosts_of_others(&c->ghosts, &c->ranks),
                                 .pairs = c->own.n,
                                 .sent_bytes = c->ranks.sent_bytes,
                                 .busy_ms = fmax(total_ms - wait_ms, 0),
                                 .wait_ms = wait_ms};
     snprintf(last->host, sizeof last->host, "%.63s", c->ranks.host_name);
     snprintf(last->pair, sizeof last->pair, "%s", c->workers[0]->name);
+}
+
+// The plan or the level may be another than that of a boundary's worker.
+static void begin_cold(duet_cluster *c)
+{
+    if (cluster_workers(c) == 2 || !c->workers[1])
+        return;
+    c->workers[1]->close(c->workers[1]);
+    c->workers[1] = NULL;
+    c->state = c->search == SEARCH_OVERLAPPED ? STATE_CHANGED : c->state;
 }
 
 bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error *err)
@@ -347,29 +322,25 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     tally t;
     bool settled = true, ok = error_given(result, __func__, "result", &own);
     bool was_cold = c->is_cold;
-    uint64_t begun_ns = ranks_now_ns(), n_cuts = c->homes.n_cuts;
+    uint64_t begun_ns = ranks_now_ns(), n_partitions = c->migration.n_partitions;
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
-    if (was_cold) { // the plan or the level may be another
-        c->changed |= c->border.done;
-        border_close(&c->border);
-    }
-    parallel_be_keen(&c->threads,
-                     c->workers[0]->spares_host && c->workers[0]->spares_host(c->workers[0]));
+    if (was_cold)
+        begin_cold(c);
+    parallel_be_keen(&c->threads, cluster_spares_host(c));
     ok = begin_settled(c, __func__, true, ok, &settled, &own) && find(c, settled, &t, &own);
-    c->changed = c->changed && !ok;
     if (!ok) {
-        if (c->border.is_searching)
-            border_end(c, false, NULL);
-        cluster_forget_found(c);
+        end_search(&c->searches[0], NULL);
+        c->state = STATE_CHANGED;
         own_pairs_end(&c->own);
         return error_copy(err, &own);
     }
+    c->state = c->own.lists ? STATE_LISTED : STATE_FOUND;
     c->is_stopped = t.sums[3] > 0;
     keep_times(c, begun_ns);
     double total_ms = ms_since(begun_ns);
     ranks_greatest(&c->ranks, &total_ms, 1);
-    balance_ranks(c, !was_cold && c->homes.n_cuts == n_cuts);
     *result = (duet_cluster_result){
         .objects = t.sums[0], .pairs = t.sums[1], .hash = t.sums[2], .total_ms = total_ms};
+    balance_ranks(c, !was_cold && c->migration.n_partitions == n_partitions);
     return true;
 }

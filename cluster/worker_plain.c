@@ -12,9 +12,10 @@ typedef struct plain_worker {
     reference_found found;
 } plain_worker;
 
-static bool find(worker *w, worker_found *found, duet_error *err)
+static bool find(worker *w, const global_ids *ids, worker_found *found, duet_error *err)
 {
     plain_worker *p = (plain_worker *)w;
+    (void)ids;
     reference_objects objects = {
         .dims = p->host.form.dims,
         .shape = p->host.form.shape,

@@ -242,7 +242,7 @@ void card_close(card *c)
 
 // ---------------------------------------------------------------- asking
 
-// What a C function in the state is to do, and what came of it.
+// The argument of a C function in the state, and its result.
 typedef struct question {
     card *card;
     const gen_limits *limits;
@@ -362,7 +362,7 @@ static bool is_said(const gen_param *param, const gen_setting *setting)
     return !param->silent || setting->value != 0;
 }
 
-// What varies, in the card's order; a range is the scene's and not named.
+// Names what varies, in the card's order; a range is the scene's and not named.
 static bool name_variant(const card *c, const gen_setting *config, gen_variant *v, duet_error *err)
 {
     text name = {0};

@@ -21,7 +21,7 @@ typedef struct gen gen;
 gen *gen_open(const char *kernel_dir, duet_error *err);
 void gen_close(gen *g);
 
-// What of a device decides which configs are valid.
+// Limits of a device, which decide which configs are valid.
 typedef struct gen_limits {
     uint32_t max_group;
     uint64_t local_bytes;
@@ -35,7 +35,7 @@ typedef struct gen_setting {
     int64_t value;
 } gen_setting;
 
-// What somebody who makes several kernels says of a parameter. Of several such offers the last
+// An offer for a parameter, by a caller that makes several kernels. The last of several offers
 // counts.
 typedef enum gen_manner {
     GEN_REQUIRED, // the kernel must have the parameter
@@ -48,7 +48,7 @@ typedef struct gen_offer {
     const char *name;
     int64_t value;
     gen_manner manner;
-    bool *taken; // becomes true where a kernel has the parameter; NULL: nobody asks
+    bool *taken; // becomes true if a kernel has the parameter; NULL: nobody asks
 } gen_offer;
 
 enum { GEN_NAME = 48, GEN_MAX_ARGS = 28 };
@@ -82,7 +82,7 @@ typedef struct gen_variant {
 
 // Parameters that settings leaves out take the card's default, which may
 // depend on limits. BUILD_FAILED with file:line where the card or template is
-// wrong, BAD_ARGUMENT where a parameter or value is unknown or the config is
+// wrong, BAD_ARGUMENT if a parameter or value is unknown or the config is
 // not valid: the line says what would be.
 bool gen_make(gen *g, const char *kernel, const gen_setting *settings, uint32_t n_settings,
               const gen_limits *limits, gen_variant *variant, duet_error *err);
@@ -94,15 +94,15 @@ void gen_variant_free(gen_variant *variant);
 // The kernels there are: NULL past the end.
 const char *gen_kernel(const gen *g, uint32_t i);
 
-// Declarations of all built-in functions that the carried kernels call; NULL where the kernels
+// Declarations of all built-in functions that the carried kernels call; NULL if the kernels
 // are a folder's, which may call others.
 const char *gen_built_ins(const gen *g);
 
-// What a kernel lets vary. The strings and values are the gen's.
+// A parameter that a kernel lets vary. The strings and values are the gen's.
 typedef struct gen_param {
     const char *name;
     const char *about; // one line of the card
-    int64_t fallback;  // the value where none is set
+    int64_t fallback;  // the value if none is set
     const int64_t *values;
     uint32_t n_values;
     bool silent;         // at 0 it is neither in the text nor in the name

@@ -19,7 +19,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-// What a function's work costs in instructions.
+// The cost of a function's work in instructions.
 enum { BYTES_AN_INSTRUCTION = 32, VALUES_AN_INSTRUCTION = 4 };
 
 // string.format writes up to 400 bytes for a number, slowly.

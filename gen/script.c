@@ -176,8 +176,8 @@ static void set_hook(script *s)
 
 // ---------------------------------------------------------------- memory
 
-// Where there was no block, Lua says what kind of object it is for. Tables do
-// not count here: no instruction looks at the whole of one.
+// Lua says what kind of object a new block is for. Tables do not count here: no
+// instruction looks at the whole of one.
 static void note_size(script *s, size_t kind, size_t bytes)
 {
     if ((kind != LUA_TSTRING && kind != LUA_TUSERDATA) || bytes <= s->largest_bytes)
@@ -196,7 +196,7 @@ static bool may_grow(script *s, size_t bytes)
     return s->passed == NOTHING && (s->asked_bytes < CLOCK_BYTES || check_clock(s));
 }
 
-// Lua collects its garbage and asks once more, which takes long where there is
+// Lua collects its garbage and asks once more, which takes long if there is
 // much: the clock is looked at before.
 static void *refuse_memory(script *s)
 {
@@ -298,7 +298,7 @@ static bool has_place(const char *message, const text *name)
 }
 
 // Lua keeps only the end of a long chunk name: "...end/of/path.lua:12: ...".
-// The rest of the message after that end, or NULL where it does not begin so.
+// The rest of the message after that end, or NULL if it does not begin so.
 static const char *after_cut_name(const char *message, const text *name)
 {
     size_t kept = LUA_IDSIZE - 1 - 3;
@@ -308,7 +308,7 @@ static const char *after_cut_name(const char *message, const text *name)
     return same ? message + 3 + kept : NULL;
 }
 
-// What the running call has passed, as a line.
+// The limit that the running call has passed, as a line.
 static bool report_limit(script *s, duet_status status, duet_error *err)
 {
     const char *place = *s->place ? s->place : s->name.chars;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A private Lua state for text that a person wrote, with bounded memory,
-// instructions and time. What a script finds in it is sandbox.h's.
+// instructions and time. sandbox.h says what a script finds in it.
 #ifndef GEN_SCRIPT_H
 #define GEN_SCRIPT_H
 
@@ -28,7 +28,7 @@ script_limits script_default_limits(void); // 64 MiB, 100 million, 10 s
 script *script_open(const script_limits *limits, duet_error *err);
 void script_close(script *s);
 
-// For pushing arguments and reading results. Whatever may raise or allocate
+// The state, to push arguments and read results. Whatever may raise or allocate
 // there (lua_newtable, lua_pushstring, luaL_check...) belongs in a C function
 // called through script_call: outside of one an error ends the process.
 // lua_pushcfunction and lua_pushlightuserdata do neither.
@@ -50,12 +50,12 @@ bool script_run(script *s, const char *name, const char *chars, size_t n, int n_
 // The text of the chunk loaded last, and its name, until the next is loaded.
 const char *script_chunk(lua_State *L, const char **name);
 
-// Takes from what the running call has left; raises an error where that is not
-// enough. For C functions whose work a script can choose.
+// Takes from what the running call has left; raises an error if that is not
+// enough. C functions call it whose work a script can choose.
 void script_spend(lua_State *L, uint64_t instructions);
 
-// Makes the status that of the errors that follow, and returns the one before. For text of the
-// caller's that a C function finds wrong, where a script's own errors are limits.failure.
+// Makes the status that of the errors that follow, and returns the one before. A C function
+// that finds text of its caller's wrong uses it; a script's own errors are limits.failure.
 duet_status script_set_failure(lua_State *L, duet_status status);
 
 // Pushes what tostring shows of the value at index. A table, function or

@@ -22,7 +22,7 @@ static bool is_real(const char *type)
     return strncmp(type, "real", 4) == 0;
 }
 
-// What a value of the type takes; 0 where none is passed as a value.
+// The bytes of a value of the type; 0 if none is passed as a value.
 static uint32_t value_bytes(const char *type, bool doubles)
 {
     for (size_t i = 0; i < sizeof value_types / sizeof value_types[0]; ++i)

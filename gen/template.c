@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What lies at the bottom of the state's stack for good.
+// Places at the bottom of the state's stack, which hold for good:
 enum { LIBRARY = 1, RUN = 2 };
 
 struct template
@@ -15,7 +15,7 @@ struct template
     script *script;
 };
 
-// What a C function in the state works on. Its own stack has what lies at the
+// The work of a C function in the state. Its own stack has what lies at the
 // bottom, and above that a pointer to this.
 typedef struct job {
     const text *chars;

@@ -85,7 +85,7 @@ static int pair_about(lua_State *L);
 static const luaL_Reg methods[] = {
     {"device", pair_device}, {"plan", pair_plan}, {"check_cache", pair_check_cache}, {NULL, NULL}};
 
-// What was made on the pair holds it open.
+// Objects that were made on the pair hold it open.
 static void destroy_pair(void *pair)
 {
     duet_device_pair_destroy(pair);

@@ -191,7 +191,7 @@ static void read_double(lua_State *L, const member *m, void *at)
     read_numbers(L, m, at, sizeof(double));
 }
 
-// What several members of one type become: a sequence, or the one value.
+// Pushes several members of one type as a sequence, and one as its value.
 #define PUSH_SEVERAL(name, type, push_one)                          \
     static void name(lua_State *L, const member *m, const void *at) \
     {                                                               \

@@ -132,7 +132,7 @@ static int game_motion_def(lua_State *L)
     return 1;
 }
 
-// What a motion is made of.
+// The objects that a motion is made of.
 typedef struct motion_objects {
     duet_motion_def def;
     const duet_pose *poses;
@@ -166,7 +166,7 @@ static motion_objects objects_of_arrays(lua_State *L, duet_device_pair *pair)
     return o;
 }
 
-// What the motion on top of the stack needs: the pair at 1, and the script of the def.
+// Keeps what the motion on top of the stack needs: the pair at 1, and the script of the def.
 static void keep_owners(lua_State *L, int def)
 {
     lua_pushvalue(L, 1);
@@ -443,7 +443,7 @@ static int motion_set_plan(lua_State *L)
     return class_push_done(L, duet_motion_set_plan(motion, &plan, &err), &err);
 }
 
-// motion:plan() -> the plan by which it seeks pairs; nil where it seeks none
+// motion:plan() -> the plan by which it seeks pairs; nil if it seeks none
 static int motion_plan(lua_State *L)
 {
     const duet_plan *plan = duet_motion_get_plan(motion_check_lua(L));

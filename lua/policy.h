@@ -16,8 +16,8 @@ void policy_check_read(lua_State *L, const char *path);
 void policy_check_trusted(lua_State *L, const char *what);
 
 // Whether a path stays below the current folder: false for one that begins at the
-// root, has a part "..", or goes through or to a link, wherever that leads. What
-// does not exist leads nowhere.
+// root, has a part "..", or goes through or to a link, wherever that leads. A
+// path that does not exist leads nowhere.
 bool path_is_beneath(const char *path);
 
 #endif

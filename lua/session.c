@@ -23,7 +23,7 @@
 
 struct session {
     session_def def;
-    script *script; // NULL where trusted
+    script *script; // NULL if trusted
     lua_State *lua; // the script's, or one of its own
 };
 
@@ -163,7 +163,7 @@ static void load_carried(lua_State *L, const char *name)
         lua_error(L);
 }
 
-// What is typed is shown and completed by these, and the global help is for it too.
+// Loads what shows and completes typed words, and the global help.
 static void load_prompt(lua_State *L)
 {
     load_carried(L, "lua/show.lua");

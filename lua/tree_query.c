@@ -11,7 +11,7 @@ static const member result_members[] = {
     {0},
 };
 
-// What a script says in place of a def.
+// A script's form of a def.
 typedef struct query_def {
     any_query_def asked;
     duet_filter filter;

@@ -65,7 +65,7 @@ static void read_keep(lua_State *L, const member *m, void *at)
 
 static const member_type member_keep = {read_keep, NULL};
 
-// What a script says; the rest of the C def follows from it.
+// A script's form of the def; the rest of the C def follows from it.
 typedef struct tune_def {
     duet_tune_def def;
     name_list variants;
@@ -328,7 +328,7 @@ typedef struct online_box {
 
 static const lua_class online_class;
 
-// What a script says; the rest of the C def follows from it.
+// A script's form of the def; the rest of the C def follows from it.
 typedef struct online_def {
     duet_online_def def;
     name_list variants;
@@ -400,7 +400,7 @@ static int online_tunings(lua_State *L)
     return 1;
 }
 
-// What was learned may be kept only here, and that can fail.
+// Keeps what was learned if nothing did before, which can fail.
 static int online_close(lua_State *L)
 {
     duet_error err = {0};

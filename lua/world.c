@@ -170,7 +170,7 @@ static int world_plan(lua_State *L)
     return 1;
 }
 
-// What the table leaves out stays as it is.
+// Fields that the table leaves out stay as they are.
 static int world_set_plan(lua_State *L)
 {
     duet_error err = {0};
@@ -256,7 +256,7 @@ static const lua_shared shared[] = {
     {"map_sizes", world_map_objects, ARRAY_SIZES},
     {NULL, NULL, 0}};
 
-// What its next step does.
+// Says what its next step does.
 static int world_about(lua_State *L)
 {
     const duet_world *world = world_check(L, 1)->world;

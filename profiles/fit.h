@@ -6,9 +6,8 @@
 //
 // for a device that does w of n objects: what it costs to begin, what is done
 // for every object by each device, what is done for its own, and what grows
-// with how many share a cell. Where the measurements leave a term open, the
-// covariance says so, and predictions that depend on it come with a wide
-// interval.
+// with how many share a cell. The covariance says if the measurements leave
+// a term open, and predictions that depend on it come with a wide interval.
 #ifndef PROFILES_FIT_H
 #define PROFILES_FIT_H
 
@@ -49,7 +48,7 @@ bool fit_all(store *s, duet_error *err);
 
 // ---------------------------------------------------------------- forecasts
 
-// What the fits of two devices say about a workload that they never did
+// A question to the fits of two devices, about a workload that they never did
 // together, or not at that size.
 typedef struct forecast_ask {
     const char *env_a; // keys

@@ -73,7 +73,7 @@ static bool is_accurate_anywhere(const lookup *l)
 
 enum { MOTION_REACH = 4 }; // kernels suit a motion of as many times more or fewer bodies
 
-// What a step of one motion takes says nothing of another's, whose bodies may meet at another time:
+// The time of one motion's step says nothing of another's, whose bodies may meet at another time:
 // only the plan is taken, and no figure.
 static bool transfer_to_motion(lookup *l, const neighbour *near, bool *held)
 {

@@ -65,7 +65,7 @@ static const sql_column found_columns[] = {
     "AND p.pair_id IN (SELECT pair.id FROM env a JOIN pair ON env_a = a.id JOIN env b ON " \
     "env_b = b.id WHERE a.seat = ?6 AND b.seat = ?7) ORDER BY p.created_ns DESC LIMIT 1"
 
-// Where a query looks, and which of the rows there it takes.
+// The place where a query looks, and which of the rows there it takes.
 typedef struct rows_query {
     const char *columns; // beside the id
     const char *of;
@@ -85,9 +85,9 @@ static double limit(double rate)
     return isfinite(rate) ? rate : 1e300;
 }
 
-// For the ids of rows, with what all queries ask for bound; `key` is of the workload, or of its
-// family. Only what limits the rows is in the statement, and the columns are read by another
-// where there is a row: an application's start pays for each word of SQL that is compiled.
+// Asks for the ids of rows, with what all queries have in common bound; `key` is of the workload,
+// or of its family. Only what limits the rows is in the statement, and the columns are read by
+// another if there is a row: an application's start pays for each word of SQL that is compiled.
 static sql ask_rows(lookup *l, const rows_query *query, const char *key)
 {
     double missed = limit(l->request->max_missed_rate), added = limit(l->request->max_false_rate);
@@ -104,7 +104,7 @@ static sql ask_rows(lookup *l, const rows_query *query, const char *key)
     return q;
 }
 
-// The first id; 0 where there is none.
+// The first id; 0 if there is none.
 static bool close_rows(sql *q, int64_t *id)
 {
     *id = sql_row(q) ? sql_get_int(q, 0) : 0;

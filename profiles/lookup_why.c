@@ -52,7 +52,7 @@ static void bind_question(const lookup *l, sql *q)
     }
 }
 
-// Of profiles for just this: by the workload, the pair, the kernels and the objective.
+// Asks for profiles of just this workload, pair, kernels and objective.
 static sql ask_exact(lookup *l, const char *query)
 {
     sql q = sql_make(l->s, query, l->err);
@@ -63,7 +63,7 @@ static sql ask_exact(lookup *l, const char *query)
     return q;
 }
 
-// What the profile that is there gets wrong.
+// Says what the profile that is there gets wrong.
 static bool tell_inaccuracy(lookup *l)
 {
     sql q = ask_exact(l, "SELECT p.missed_rate, p.false_rate, coalesce(p.true_pairs, -1) "

@@ -10,7 +10,7 @@
 
 #include "profiles/lookup.h"
 
-// What the time of a step follows from, within a family of workloads.
+// Quantities that the time of a step follows from, within a family of workloads.
 typedef enum neighbour_quantity {
     NEIGHBOUR_OBJECTS,
     NEIGHBOUR_OCCUPANCY, // objects a cell, in the mean
@@ -50,16 +50,16 @@ bool neighbour_is_next(const double a[NEIGHBOUR_QUANTITIES], const double b[NEIG
 // measured.
 double neighbour_safe_ratio(const profile_found *found);
 
-// What a neighbour says of a workload: its plan, without any figure.
+// Predicts a workload from a neighbour: its plan, without any figure.
 void neighbour_copy_plan(const profile_found *near, profile_found *found);
 
-// What it says of a workload next to it: its plan, and predicted figures. Times are in proportion
-// to the objects, the interval of the gain widened by how far they are apart.
+// Predicts a workload next to the neighbour: its plan, and figures. Times are in proportion to
+// the objects, the interval of the gain widened by how far they are apart.
 void neighbour_scale(const neighbour *near, const double at[NEIGHBOUR_QUANTITIES],
                      profile_found *found);
 
-// What two that are alike say of a workload between them. Times lie on the line through both, the
-// gain between both gains. If one shares the work and the other does not, the predicted times
+// Predicts a workload between two neighbours that are alike. Times lie on the line through both,
+// the gain between both gains. If one shares the work and the other does not, the predicted times
 // decide. False if one says A alone and the other B alone: no time of either device is known
 // between.
 bool neighbour_between(const neighbour *below, const neighbour *above,

@@ -41,7 +41,7 @@ typedef struct profile_row {
 // A plan that was not raced often enough is never loaded.
 #define PROFILE_TOO_FEW_ROUNDS "too few rounds for a verdict"
 
-// Where a row went.
+// The place that a row got.
 typedef struct profile_placed {
     char uid[PROFILE_ID];
     char unused[128]; // why it is not live; empty: it is
@@ -77,7 +77,7 @@ typedef struct profile_entry_device {
     const char *platform_version;
 } profile_entry_device;
 
-// The session that a profile comes from; all NULL and 0 where it has none.
+// The session that a profile comes from; all NULL and 0 if it has none.
 typedef struct profile_entry_session {
     const char *id;
     const char *state;
@@ -125,8 +125,8 @@ bool profile_entry_each(store *s, const char *uid, bool dead_too, profile_entry_
 
 // ---------------------------------------------------------------- levels
 
-// What a level finds, and what a step takes at it. From a workload's table a level
-// is chosen within a budget, any budget, without measuring again.
+// The finds of a level, and the time of a step at it. A workload's table serves to
+// choose a level within any budget, without measuring again.
 enum { PROFILE_LEVEL_COSTS = 16 }; // the most levels of a list
 
 typedef struct profile_level_cost {
@@ -137,7 +137,7 @@ typedef struct profile_level_cost {
     uint64_t invented; // pairs reported that are none
 } profile_level_cost;
 
-// What a table of level costs is of. workload_id is that of level "auto".
+// The subject of a table of level costs. workload_id is that of level "auto".
 typedef struct profile_level_cost_key {
     int64_t pair_id;
     int64_t workload_id;
@@ -148,7 +148,7 @@ typedef struct profile_level_cost_key {
 bool profile_level_costs_put(store *s, const profile_level_cost_key *key,
                              const profile_level_cost *costs, uint32_t n, duet_error *err);
 
-// Fills costs [PROFILE_LEVEL_COSTS] by level; n is 0 where none are stored.
+// Fills costs [PROFILE_LEVEL_COSTS] by level; n is 0 if none are stored.
 bool profile_level_costs_get(store *s, const profile_level_cost_key *key, profile_level_cost *costs,
                              uint32_t *n, duet_error *err);
 

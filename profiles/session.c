@@ -21,7 +21,7 @@
 
 #define SILENT_NS 600000000000 // ten minutes without a heartbeat: another machine's owner has gone
 
-// When the process was started, in the kernel's ticks; 0 where it is not known,
+// When the process was started, in the kernel's ticks; 0 if it is not known,
 // or where it ended and only waits for its parent.
 static int64_t process_start(int64_t pid)
 {
@@ -68,7 +68,7 @@ static const char *options_of(const profile_session *session)
     return session->options ? session->options : "{}";
 }
 
-// What decides whether two sessions ask for the same, but the script.
+// Columns that decide whether two sessions ask for the same, but the script.
 static const sql_column question_columns[] = {
     SQL_COLUMN("workload_id", profile_session, workload_id),
     SQL_COLUMN("pair_id", profile_session, pair_id),
@@ -129,7 +129,7 @@ bool profile_session_begin(store *s, const profile_session *session, char id[PRO
     return store_end(s, ok, err);
 }
 
-// A session s that asks for the same. What is in a script decides only where the
+// A session s that asks for the same. The text of a script decides only if the
 // script is the strategy.
 #define SAME_QUESTION                                                                   \
     "s.workload_id = ?1 AND s.pair_id = ?2 AND s.kernels = ?3 AND s.strategy = ?4 AND " \

@@ -40,7 +40,7 @@ typedef struct sql {
 sql sql_make(store *s, const char *statement, duet_error *err);
 void sql_text(sql *q, const char *value); // NULL is bound as NULL; must live until sql_close
 void sql_int(sql *q, int64_t value);
-void sql_real(sql *q, double value); // NULL where not finite
+void sql_real(sql *q, double value); // NULL if not finite
 bool sql_row(sql *q);                // false at the end and after a failure
 void sql_again(sql *q);              // to bind and run once more
 bool sql_run(sql *q);                // to the end, and closes it
@@ -48,7 +48,7 @@ bool sql_close(sql *q);
 
 int64_t sql_get_int(const sql *q, int column);
 double sql_get_real(const sql *q, int column);
-const char *sql_get_text(const sql *q, int column); // NULL where NULL; until the next row
+const char *sql_get_text(const sql *q, int column); // NULL if NULL; until the next row
 
 // ---------------------------------------------------------------- columns
 
@@ -75,7 +75,7 @@ typedef struct sql_column {
             sizeof((struct_ *)0)->member                                      \
     }
 
-// Those of a profile_plan.
+// Columns of a profile_plan.
 #define SQL_PLAN_COLUMNS(struct_, plan)                                               \
     SQL_COLUMN("share", struct_, plan.share), SQL_COLUMN("mode", struct_, plan.mode), \
         SQL_COLUMN("level", struct_, plan.level),                                     \
@@ -90,7 +90,7 @@ void sql_add_names(text *t, const char *prefix, const sql_column *columns);
 sql sql_insert(store *s, const char *table, const sql_column *columns, const char *more,
                const char *end, duet_error *err);
 
-// Of a text, which is freed.
+// Makes the statement of a text, which is freed.
 sql sql_make_text(store *s, text *statement, duet_error *err);
 
 // SELECT the columns, and what `rest` adds to them and says of where.
@@ -111,10 +111,10 @@ void *sql_rows(sql *q, const sql_column *columns, size_t size, uint32_t *n);
 // Runs a text of statements that give no rows.
 bool sql_script(store *s, const char *statements, duet_error *err);
 
-// The one number that a query gives; 0 where it gives none.
+// The one number that a query gives; 0 if it gives none.
 bool sql_number(store *s, const char *query, int64_t *number, duet_error *err);
 
-// The id that a query with one text parameter gives; 0 where it gives none.
+// The id that a query with one text parameter gives; 0 if it gives none.
 bool sql_find(store *s, const char *query, const char *key, int64_t *id, duet_error *err);
 
 // Says in one line why SQLite refused: which file, and what would help.
@@ -127,7 +127,7 @@ void sql_copy(char *to, size_t size, const char *from);
 // object. SQL's own check is off in a store, whose text is not trusted.
 bool sql_check_object(const char *what, const char *chars, duet_error *err);
 
-// What the rows of profiles are joined with, for a query on p, its devices da and db
+// Joins of the rows of profiles, for a query on p, its devices da and db
 // under a and b, its workload w and session s. Parameters: the uid's first digits,
 // whether dead ones are wanted too.
 extern const char profile_entry_from[];
@@ -142,12 +142,12 @@ void store_file_name(const char *path, text *name);
 // the folders of one to be written.
 bool store_validate_path(const char *path, store_access access, duet_error *err);
 
-// Of an open database: makes or upgrades the file where it is to be written,
-// and refuses it where it is none of ours.
+// Makes or upgrades the file of an open database that is to be written, and
+// refuses one that is none of ours.
 bool store_validate(store *s, duet_error *err);
 
-// Opens for one look-up of a moment. Where nobody is writing, not even
-// SQLite's side files are touched; whatever was read then counts only if
+// Opens for one look-up of a moment. If nobody is writing, not even SQLite's
+// side files are touched; whatever was read then counts only if
 // store_undisturbed afterwards.
 store *store_open_look(const char *path, duet_error *err);
 bool store_undisturbed(const store *s);

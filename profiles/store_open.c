@@ -168,8 +168,8 @@ static bool open_resting(store *s, int busy_ms, duet_error *err)
 }
 
 // A file that rests needs no lock, no side file, no space and no rights to be
-// read. Where a writer is at work, or was killed, its side file must be read
-// too; SQLite clears that away at the end where this user may write.
+// read. If a writer is at work, or was killed, its side file must be read too;
+// SQLite clears that away at the end if this user may write.
 static bool open_for_reading(store *s, duet_error *err)
 {
     s->reading = unlocked_read_begin(s->file);

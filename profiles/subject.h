@@ -75,8 +75,8 @@ typedef struct profile_workload {
     const char *name;    // the scene's; told to people and not part of the key
 } profile_workload;
 
-// The text that the key is made of. What is measured from the objects is
-// rounded to parts of an octave, so that two draws of one scene are one workload.
+// The text that the key is made of. Measures of the objects are rounded
+// to parts of an octave, so that two draws of one scene are one workload.
 void profile_workload_text(const profile_workload *w, text *t);
 
 #define PROFILE_MOVING "moving"
@@ -86,7 +86,7 @@ void profile_workload_text(const profile_workload *w, text *t);
 // Whether it is the steps of a motion, and not of a still world or a query.
 bool profile_workload_moves(const profile_workload *w);
 
-// What workloads of different size must share to be neighbours.
+// The part of the key that workloads of different size share if they are neighbours.
 void profile_workload_family(const profile_workload *w, text *t);
 
 bool profile_workload_key(const profile_workload *w, char key[PROFILE_SHA], duet_error *err);
@@ -98,7 +98,7 @@ bool profile_workload_put(store *s, const profile_workload *w, int64_t *workload
 // ---------------------------------------------------------------- keys
 
 // Makes the key of a row of "device", "env", "workload" or "script" again from its
-// fields. right is true where it is the one that is stored.
+// fields. right is true if it is the one that is stored.
 bool key_check(store *s, const char *table, int64_t id, bool *right, duet_error *err);
 
 #endif

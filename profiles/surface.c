@@ -7,7 +7,7 @@
 
 #define LEAST_PLANS "16" // a mode's search with a coarse grid
 
-// What a launch can take that no other program disturbed; a file may say anything. Eleven days are
+// The time of a launch that no other program disturbed; a file may say anything. Eleven days are
 // 1e15 ns.
 #define IS_SOUND                                                                           \
     "x.total_ns BETWEEN 1 AND 1000000000000000 AND x.a_ns BETWEEN 0 AND 1000000000000000 " \

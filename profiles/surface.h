@@ -32,7 +32,8 @@ typedef struct profile_launch {
     int64_t b_ns;
 } profile_launch;
 
-// Those with both single devices and at least 16 plans, by scene and size. The caller frees them.
+// Gets the surfaces with both single devices and at least 16 plans, by scene and size. The caller
+// frees them.
 bool profile_surfaces_get(store *s, profile_surface **surfaces, uint32_t *n, duet_error *err);
 
 // All launches of a surface by mode, share, warm_up and total_ns. The caller frees them.

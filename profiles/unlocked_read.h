@@ -21,8 +21,8 @@ bool unlocked_read_holds(const char *path, const unlocked_read *before);
 // count as one that rests.
 unlocked_read unlocked_read_begin(const char *path);
 
-// Whether the file itself is as it was; false with a line where not. What a writer
-// has only in its side file is no part of it.
+// Whether the file itself is as it was; false with a line if not. The side file
+// of a writer is no part of it.
 bool unlocked_read_check(const char *path, const unlocked_read *before, duet_error *err);
 
 // Whether a writer is at work, or was killed: a side file holds something.

@@ -43,7 +43,7 @@ int main(int argc, char **argv)
     interrupt_hear(MPIRUN_STOPS);
     interrupt_watch(); // before MPI's threads, so that the guard alone hears signals
     bool is_alone = !cluster_job(&job_rank, &job_ranks);
-    interrupt_at_once(is_alone);
+    interrupt_react(is_alone ? INTERRUPT_ENDS : INTERRUPT_ENDS_SILENTLY);
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     const char *started = getenv(MPIRUN_STARTED);

@@ -23,7 +23,7 @@
 // A run on this rank.
 typedef struct run_state {
     const cluster_arguments *args;
-    const simulation *simulation; // NULL: the ranks are real
+    const simulation *simulation;       // NULL: the ranks are real
     const duet_stored_profile *profile; // whose times they take; NULL: their own
     duet_cluster *cluster;
     duet_scene *scene; // rank 0's
@@ -152,7 +152,7 @@ static bool check_profile(const run_state *r, duet_error *err)
                      r->args->profile, p->level, level);
 }
 
-// As in duet run, a given plan is kept; else each rank loads its profile.
+// A given plan is kept, as in duet run; else each rank loads its profile.
 static bool choose_plan(run_state *r, duet_error *err)
 {
     duet_profile profile;
@@ -172,7 +172,7 @@ static bool step(run_state *r, duet_error *err)
     uint32_t n;
     uint64_t hash = r->result.hash;
     bool first = r->result.total_ms == 0;
-    duet_object_kind kind = object_form_kind(&r->cluster->homes.form);
+    duet_object_kind kind = object_form_kind(&r->cluster->owned.form);
     if (!first && !r->args->resident && !duet_cluster_map_homes(r->cluster, kind, &ids, &n, err))
         return false;
     return duet_cluster_step(r->cluster, &r->result, err) &&
@@ -201,7 +201,7 @@ static bool run_steps(run_state *r, duet_error *err)
 {
     uint64_t repeat = r->args->repeat;
     bool ok = ranks_agree(&r->cluster->ranks, reserve(r, err), err);
-    interrupt_note();
+    interrupt_react(INTERRUPT_NOTED);
     ok = ok && step(r, err);
     progress p = progress_begin("step", repeat);
     while (ok && r->n_steps < repeat && !r->cluster->is_stopped) {

@@ -50,7 +50,7 @@ static bool check_steps(const simulated_job *job, const duet_stored_profile *p, 
                      job->args.profile, p->query);
 }
 
-// What a rank's step takes of each object at most.
+// The most that a rank's step can take for each object.
 static const double MOST_OBJECT_S = 1;
 
 // Reads the step's time by the objects of the profile. A store may have been written by anybody.
@@ -112,7 +112,7 @@ int main(int argc, char **argv)
     simulated_job job = {.args = CLUSTER_ARGUMENTS_DEFAULT};
     setlocale(LC_CTYPE, "");
     interrupt_watch();
-    interrupt_at_once(true);
+    interrupt_react(INTERRUPT_ENDS);
     int status = options_run(&cluster_line, argc, argv, &job, run);
     return status == EXIT_OK && !say_finish() ? EXIT_FAILED : status;
 }

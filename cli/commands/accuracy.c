@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// duet accuracy: what accuracy costs in time. Of a moving scene: each time step,
-// and how far the scene comes from where it should; of poses: each level of
-// accuracy on each device, and what it gets wrong.
+// duet accuracy: what accuracy costs in time. A scene that moves is run at each
+// time step, against a much finer run; poses are searched at each level of
+// accuracy on each device, against the exact pairs.
 #include "base/error.h"
 #include "cli/commands.h"
 #include "cli/draw/canvas.h"

@@ -129,7 +129,7 @@ static uint32_t bench_plans(const bench_scene *scene, const duet_device_pair *pa
 
 // ---------------------------------------------------------------- measuring
 
-// What a run holds, given back in one place.
+// Everything that a run holds, given back in one place.
 typedef struct bench {
     const arguments *args;
     duet_device_pair *pair;
@@ -180,10 +180,9 @@ static bool measure(bench *b, duet_world *world, const duet_scene *scene, const 
     const duet_scene_info *info = duet_scene_get_info(scene);
     duet_error failure = {0};
     timed t = {0};
-    bool ok =
-        duet_world_set_plan(world, plan, &failure) &&
-        timed_run(&t, world, scene, (uint32_t)b->args->repeat, TIMED_INPUT_HOST, &failure) &&
-        check_pairs(&t, hash, info, plan, &failure);
+    bool ok = duet_world_set_plan(world, plan, &failure) &&
+              timed_run(&t, world, scene, (uint32_t)b->args->repeat, TIMED_INPUT_HOST, &failure) &&
+              check_pairs(&t, hash, info, plan, &failure);
     if (ok)
         bench_add(b->results, info, plan, &t, NULL);
     else

@@ -47,24 +47,19 @@ static const option options[] = {
                 "find nothing, in the time that this profile of the store says"),
     OPTION_COUNT("stands-for", stands_for, "K", "each object stands for K of a larger scene (1)", 1,
                  1000000),
-    OPTION_FLAG("verbose", verbose,
-                "show what mpirun says of a rank that fails, too"),
+    OPTION_FLAG("verbose", verbose, "show what mpirun says of a rank that fails, too"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
 
 static const option_rule rules[] = {
-    {"hosts", OPTION_NEEDS, "ranks"},           {"sorted", OPTION_NEEDS, "pairs"},
-    {"verbose", OPTION_NEEDS, "ranks"},         {"simulate", OPTION_EXCLUDES, "verbose"},
-    {"plain", OPTION_EXCLUDES, "pair"},         {"plain", OPTION_EXCLUDES, "share"},
-    {"plain", OPTION_EXCLUDES, "mode"},         {"plain", OPTION_EXCLUDES, "variant"},
-    {"plain", OPTION_EXCLUDES, "variant-a"},    {"plain", OPTION_EXCLUDES, "variant-b"},
-    {"simulate", OPTION_EXCLUDES, "pair"},      {"simulate", OPTION_EXCLUDES, "share"},
-    {"simulate", OPTION_EXCLUDES, "mode"},      {"simulate", OPTION_EXCLUDES, "variant"},
-    {"simulate", OPTION_EXCLUDES, "variant-a"}, {"simulate", OPTION_EXCLUDES, "variant-b"},
-    {"simulate", OPTION_EXCLUDES, "hosts"},     {"simulate", OPTION_NEEDS, "ranks"},
-    {"profile", OPTION_NEEDS, "simulate"},      {"profile", OPTION_EXCLUDES, "check"},
-    {"profile", OPTION_EXCLUDES, "pairs"},      {"stands-for", OPTION_NEEDS, "profile"},
+    {"hosts verbose simulate", OPTION_NEEDS, "ranks"},
+    {"sorted", OPTION_NEEDS, "pairs"},
+    {"profile", OPTION_NEEDS, "simulate"},
+    {"stands-for", OPTION_NEEDS, "profile"},
+    {"pair share mode variant variant-a variant-b", OPTION_EXCLUDES, "plain"},
+    {"pair share mode variant variant-a variant-b hosts verbose", OPTION_EXCLUDES, "simulate"},
+    {"check pairs", OPTION_EXCLUDES, "profile"},
     {0},
 };
 
@@ -231,8 +226,8 @@ static bool run(void *given, char **operands, duet_error *err)
            inputs_read_level(l->args.level, &level, err) && start(l, err);
 }
 
-// options_run moves the operands together in argv, and the ranks need it as it was. What is
-// wrong with it is told by rank 0; the others hear of it when that one ends.
+// options_run moves the operands together in argv, and the ranks need it as it was. Rank 0
+// says what is wrong with it; the others hear of it when that one ends.
 int command_cluster(int argc, char **argv)
 {
     unsigned long rank = 0, n_ranks = 0;

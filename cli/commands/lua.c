@@ -147,7 +147,7 @@ static char *read_line(const char *prompt, bool *dropped)
     return typed;
 }
 
-// For the arrow keys.
+// Keeps the line for the arrow keys.
 static void remember(const char *typed)
 {
     if (*typed && is_terminal())
@@ -210,7 +210,7 @@ static bool talk(session *s, duet_error *err)
     text history_path = {0};
     begin_typing(s, &history_path);
     if (is_terminal()) {
-        interrupt_wait();
+        interrupt_react(INTERRUPT_INTERACTIVE);
         printf("duet %s, Lua 5.4; help says how to begin, Ctrl-D ends\n", duet_version());
     }
     bool ok = read_all(s, err);

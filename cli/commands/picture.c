@@ -63,7 +63,7 @@ typedef struct sketch {
     uint64_t n_pairs;
     uint32_t n_colliding; // boxes that are in some pair
 
-    // What is drawn.
+    // The drawn boxes:
     uint32_t n;
     duet_rounded_box *boxes; // from far to near
     bool *colliding;

@@ -123,7 +123,7 @@ static bool count_entry(void *context, const profile_entry *e)
     return true;
 }
 
-// Where there is nothing to list: why.
+// Says why there is nothing to list.
 static bool print_none(store *s, duet_error *err)
 {
     uint64_t n_dead = 0;

@@ -44,7 +44,7 @@ static const command_line line = {
     .rules = rules,
 };
 
-// What was asked and what came of it.
+// A question and its answer.
 typedef struct answer {
     profile_subject asked;
     profile_found found;

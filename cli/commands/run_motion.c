@@ -16,7 +16,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-// Where each step is timed by stages though a GPU then takes longer.
+// A run of so few steps is timed by stages, though a GPU then takes longer.
 enum { FEW_STEPS = 64 };
 enum { STAGES_MOST = 32, ROWS_TOLD = 10, FRAMES_A_SECOND = 30 };
 
@@ -127,7 +127,7 @@ static bool step(moved *r, duet_error *err)
     return tell_step(r, err) && draw_frame(r, err);
 }
 
-// Where no pairs are sought B does all.
+// B does all if no pairs are sought.
 static duet_plan plan_used(const moved *r)
 {
     const duet_plan *of_pairs = duet_motion_get_plan(r->motion);
@@ -191,7 +191,7 @@ static void tell_stage(table *t, const char *name, double ms, double whole)
     table_cell(t, "%s", table_bar(part, 24).chars);
 }
 
-// What no stage has is the host's own work and waits. Stages of two devices may take more
+// The rest of a step is the host's own work and waits. Stages of two devices may take more
 // together than the step does.
 static void tell_times(const moved *r)
 {
@@ -256,7 +256,7 @@ static bool tell_json(moved *r, uint64_t hash, duet_error *err)
     return say_json(o, err);
 }
 
-// As choose_plan. Where nothing happens there is nothing to choose.
+// As choose_plan; a motion in which nothing happens has no plan.
 static void choose_motion_plan(moved *r)
 {
     duet_error failure = {0};

@@ -93,7 +93,7 @@ static const option options[] = {
     {0},
 };
 
-// What a replay has from its store, or does not do.
+// A replay has these from its store, or does not do them.
 static const option_rule rules[] = {
     {"config set pair variants search query items level missed false-rate budget trials profile "
      "ordered fresh keep",
@@ -176,7 +176,7 @@ static bool read_levels(const char *list, tune_config *config, duet_error *err)
     return true;
 }
 
-// What is given on the command line is all that is asked for.
+// Levels on the command line replace those of the file.
 static bool change_levels(const level_options *asked, tune_config *config, duet_error *err)
 {
     duet_accuracy accuracy;
@@ -323,8 +323,8 @@ static bool put_in_order(const duet_tune_def *def, duet_scene *scene, duet_error
     return ok;
 }
 
-// What a tune file chooses from for still steps is not for its queries, and its levels are not for
-// its motions.
+// A tune file's variants for still steps are not for its queries, and its levels are not for its
+// motions.
 static void aim_at(duet_tune_def *def, const config_workload *w, bool from_file)
 {
     def->query = w->query;

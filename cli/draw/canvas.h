@@ -22,7 +22,7 @@ typedef struct colour {
     double alpha; // 1: opaque
 } colour;
 
-// Of words and frames.
+// Colours of words and frames.
 extern const colour canvas_ink;
 extern const colour canvas_grey;
 

@@ -55,7 +55,7 @@ static bool is_there(const body_states *c, uint32_t place)
     return c->ids[place] != DUET_NO_BODY;
 }
 
-// What commands brought was shot too.
+// A body that commands brought was shot too.
 static bool was_shot(const snapshot *s, const body_states *c, uint32_t place)
 {
     return c->ids[place] >= s->n || s->is_shot[place];
@@ -143,7 +143,7 @@ static colour lit(colour t, double light)
     return (colour){light * t.red, light * t.green, light * t.blue, 1};
 }
 
-// Where an object began: how high, or how far from what attracts.
+// The height at which an object began, or its distance from what attracts.
 static double place_of(const duet_motion_def *d, const duet_state *s)
 {
     if (d->attraction == 0.0)
@@ -176,7 +176,7 @@ static void colour_objects(snapshot *s, const duet_state *start)
     }
 }
 
-// What calls for the effect `continuous`: more than half its least half extent a step.
+// A speed that calls for the effect `continuous`: more than half the least half extent a step.
 static bool moves_fast(const duet_motion_def *d, const duet_rounded_box *body, const duet_state *s)
 {
     const duet_pose *p = &body->pose;
@@ -189,7 +189,7 @@ static bool moves_fast(const duet_motion_def *d, const duet_rounded_box *body, c
     return speed * d->dt > 0.5 * (least + body->radius);
 }
 
-// Where all are that fast, as on orbits, none was shot.
+// None was shot if all are that fast, as on orbits.
 static void find_shot(snapshot *s, const duet_state *start)
 {
     uint32_t n = 0;
@@ -276,7 +276,7 @@ static block block_of(const snapshot *s, const view *v, const body_states *c, ui
     return b;
 }
 
-// What is far outside, or nowhere, is more than Cairo can be told.
+// Cairo takes no coordinates that are far outside.
 static bool is_near_picture(const view *v, const block *b)
 {
     bool near = true;

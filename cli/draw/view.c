@@ -137,7 +137,7 @@ static void draw_faces(const view *v, canvas *c, const corners *all, const box_i
     }
 }
 
-// What a rounded box covers: the outline of its corners, a radius further out.
+// The area of a rounded box: the outline of its corners, a radius further out.
 static void draw_outline(const view *v, canvas *c, const corners *all, const box_ink *ink)
 {
     enum { SIDES = 64 };

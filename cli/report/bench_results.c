@@ -233,7 +233,7 @@ static double least_of(const cJSON *one)
     return own * own;
 }
 
-// What other programs may be to blame for is neither faster nor slower.
+// A difference that other programs may have made is neither faster nor slower.
 static race_gain doubt(race_gain gain, const cJSON *one, const cJSON *before)
 {
     bool decided = gain.verdict == RACE_FASTER || gain.verdict == RACE_SLOWER;

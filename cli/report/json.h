@@ -11,14 +11,14 @@
 #include <cjson/cJSON.h>
 #include <stdbool.h>
 
-// A whole file; BAD_INPUT where it is no JSON.
+// A whole file; BAD_INPUT if it is no JSON.
 cJSON *json_read(const char *path, duet_error *err);
 
 // Adds the object's text, in UTF-8 and without control characters, whatever its
 // strings hold.
 bool json_write(const cJSON *o, text *t, duet_error *err);
 
-// Adds a field from an object's text; none where the text is not one object.
+// Adds a field from an object's text; none if the text is not one object.
 void json_add_object(cJSON *o, const char *name, const char *chars);
 
 // Adds the fields that every plan has: share (0 to 1), mode, variant_a, variant_b.
@@ -70,20 +70,20 @@ bool json_require(const cJSON *o, const json_field *fields, const char *where, d
 bool json_require_each(const cJSON *list, const json_field *fields, const char *path,
                        const char *what, duet_error *err);
 
-// For such tables: a whole number, or any, from 0 to 2^53, beyond which no result
-// goes; whole numbers are exact up to there.
+// Kinds for such tables: a whole number, or any, from 0 to 2^53, beyond which no
+// result goes; whole numbers are exact up to there.
 #define JSON_COUNT json_is_count, "a whole number from 0 to 2^53"
 #define JSON_AMOUNT json_is_amount, "a number from 0 to 2^53"
 cJSON_bool json_is_count(const cJSON *item);
 cJSON_bool json_is_amount(const cJSON *item);
 
-// 0, "" and false where the field is missing or of another kind; 0 for a number
+// 0, "" and false if the field is missing or of another kind; 0 for a number
 // beyond 2^53 too.
 double json_number(const cJSON *o, const char *name);
 const char *json_string(const cJSON *o, const char *name);
 bool json_true(const cJSON *o, const char *name);
 
-// Of a list under that name: what cJSON_ArrayForEach goes over.
+// The list under that name, for cJSON_ArrayForEach.
 const cJSON *json_list(const cJSON *o, const char *name);
 
 #endif

@@ -59,7 +59,7 @@ bool page_add_store(cJSON *shown, store *s, duet_error *err)
 
 // ---------------------------------------------------------------- the script
 
-// What a C function gets that pushes an object; its text outlives what Lua raises.
+// The argument of a C function that pushes an object; its text outlives what Lua raises.
 typedef struct pushing {
     const cJSON *shown;
     text words;

@@ -7,8 +7,8 @@
 #include "cli/report/json.h"
 #include "profiles/store.h"
 
-// What the page shows: lists "levels", "effects" and "bench" of results, which are
-// empty. NULL without memory.
+// Makes the contents of a page: empty lists "levels", "effects" and "bench" of results.
+// NULL without memory.
 cJSON *page_begin(void);
 
 // Adds the store's profiles, live or replaced; live ones with their trials.

@@ -20,7 +20,7 @@ bool profile_report_is_here(const profile_entry *e);
 // Whether A and B are the same: a pair of one device.
 bool profile_report_is_one(const profile_entry *e);
 
-// For a visit of one entry, which prints it while it is there.
+// The context of a visit of one entry, which prints it while it is there.
 typedef struct profile_showing {
     store *s;
     bool json;

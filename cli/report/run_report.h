@@ -30,7 +30,7 @@ typedef struct run_report {
     reference_check check;
 } run_report;
 
-// What the scene is, and how the pairs compare with the reference's: a line each, and as a field.
+// The scene, and how the pairs compare with the reference's: a line each, and as a field.
 struct cJSON;
 void run_report_scene(const duet_scene_info *info);
 void run_report_check(const reference_check *check);

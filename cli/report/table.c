@@ -66,7 +66,7 @@ static void measure(const table *t, uint32_t n_columns, int *widths)
     }
 }
 
-// What no terminal shows keeps its rows whole, as grep wants them.
+// Output that no terminal shows keeps its rows whole, as grep wants them.
 static int width_to_fill(FILE *out)
 {
     struct winsize size;

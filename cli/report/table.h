@@ -43,8 +43,8 @@ table_text table_rate(double a_second);
 // "12.3 MB"
 table_text table_bytes(uint64_t bytes);
 
-// What a plan with that share gains; where one device does it all, which one, and
-// what sharing would gain, which is why it does.
+// The gain of a plan with that share; if one device does it all, which one, and what
+// sharing would gain, which is why it does.
 table_text table_gain(uint32_t share, double gain, double low, double high, const char *verdict);
 
 // How one device by itself compares with a plan that gains so much over it. selector: what

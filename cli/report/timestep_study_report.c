@@ -16,7 +16,7 @@ enum { BAR = 16 };
 
 // ---------------------------------------------------------------- as text
 
-// What the bars are drawn against.
+// The ends of the bars.
 typedef struct scale {
     double least_error; // above 0
     double most_error;

@@ -46,7 +46,7 @@ static void clear_line(const tune_report *r)
         fprintf(stderr, "\r\033[K");
 }
 
-// At most, by the trials or the time that are left; below 0 where nothing bounds it.
+// At most, by the trials or the time that are left; below 0 if nothing bounds it.
 static double seconds_left(const tune_report *r, const duet_tune_progress *p)
 {
     double by_time = r->budget_seconds > 0 ? fmax(r->budget_seconds - p->seconds, 0) : -1;
@@ -109,7 +109,7 @@ static void add_terms(cJSON *o, const duet_tune_terms *t)
         cJSON_AddNumberToObject(terms, f->name, terms_value(f, t));
 }
 
-// What was searched of either device's kernels.
+// The searches of either device's kernels.
 static void add_kernels(cJSON *row, const duet_tune_outcome *o)
 {
     cJSON *list = cJSON_AddArrayToObject(row, "kernels");
@@ -295,7 +295,7 @@ static void print_use(const tune_report *r, const cJSON *row)
     print_use_command(r, row);
 }
 
-// What the table has no column for.
+// Prints what the table has no column for.
 static void print_details(const tune_report *r, const cJSON *row)
 {
     const char *query = json_string(row, "query");

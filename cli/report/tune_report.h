@@ -27,8 +27,8 @@ typedef struct tune_report {
 
 tune_report tune_report_begin(bool json, const char *store_path);
 
-// What is to come, for the line while it measures. budget_seconds is of each workload;
-// 0: no limit.
+// Says what is to come, for the line while it measures. budget_seconds is of each
+// workload; 0: no limit.
 void tune_report_expect(tune_report *r, const duet_device_pair *pair, uint32_t n_workloads,
                         double budget_seconds);
 
@@ -38,8 +38,8 @@ void tune_report_workload(tune_report *r, const duet_scene_info *scene, const du
 // A duet_tune_watch; stops after Ctrl-C.
 bool tune_report_watch(void *report, const duet_tune_progress *p);
 
-// What came of that workload. command is what runs it, to which the plan is added here; empty
-// for a query, which no command runs.
+// Adds the outcome of that workload. command runs it, and the plan is added to it here; it is
+// empty for a query, which no command runs.
 void tune_report_add(tune_report *r, const duet_tune_outcome *o, text *command);
 
 // Prints the table, or the object. After a failure only the table, of what was

@@ -1059,9 +1059,16 @@ static void check_header(const char *header)
     text_free(&file);
 }
 
-static void every_public_call_has_a_row_and_its_own_failure(void **state)
+TEST(every_call_refuses_what_it_cannot_use)
 {
-    (void)state;
+    for (int i = 0; i < ROWS; ++i) {
+        call_name = rows[i].calls;
+        rows[i].check();
+    }
+}
+
+TEST(every_public_call_has_a_row_and_its_own_failure)
+{
     uint32_t said = 0;
     for (size_t i = 0; i < sizeof headers / sizeof headers[0]; ++i)
         check_header(headers[i]);
@@ -1072,9 +1079,8 @@ static void every_public_call_has_a_row_and_its_own_failure(void **state)
     assert_true(n_fallible > 90);
 }
 
-static void every_symbol_of_the_library_has_a_row(void **state)
+TEST(every_symbol_of_the_library_has_a_row)
 {
-    (void)state;
     char command[4096], name[80];
     uint32_t found = 0;
     snprintf(command, sizeof command, "nm -D --defined-only '%s'", getenv("DUET_LIBRARY"));
@@ -1088,19 +1094,9 @@ static void every_symbol_of_the_library_has_a_row(void **state)
     assert_int_equal(found, n_called);
 }
 
-static void every_call_refuses_what_it_cannot_use(void **state)
-{
-    (void)state;
-    for (int i = 0; i < ROWS; ++i) {
-        call_name = rows[i].calls;
-        rows[i].check();
-    }
-}
-
 // What was refused has changed nothing.
-static void what_refused_goes_on(void **state)
+TEST(what_refused_goes_on)
 {
-    (void)state;
     duet_error err = {0};
     duet_motion_result moved;
     assert_ok(duet_world_step(world, &result, &err), err);
@@ -1208,13 +1204,4 @@ static int close_all(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_call_refuses_what_it_cannot_use),
-        cmocka_unit_test(every_public_call_has_a_row_and_its_own_failure),
-        cmocka_unit_test(every_symbol_of_the_library_has_a_row),
-        cmocka_unit_test(what_refused_goes_on),
-    };
-    return cmocka_run_group_tests(tests, open_all, close_all);
-}
+TEST_MAIN(open_all, close_all)

@@ -50,18 +50,16 @@ static void step_default(int wide, duet_mode mode)
     duet_world_destroy(world);
 }
 
-static void a_default_world_uses_both_devices(void **state)
+TEST(a_default_world_uses_both_devices)
 {
-    (void)state;
     skip_on_one_device();
     step_default(0, DUET_MODE_SLAB);
     step_default(100, DUET_MODE_OWN);
 }
 
 // What a plan says is done, and what it leaves open is the default's.
-static void a_plan_may_leave_things_to_the_world(void **state)
+TEST(a_plan_may_leave_things_to_the_world)
 {
-    (void)state;
     duet_device_pair *pair = devices;
     duet_world_def def = duet_default_world_def();
     def.pair = pair;
@@ -85,9 +83,8 @@ static void a_plan_may_leave_things_to_the_world(void **state)
 }
 
 // A def of another kind, or one that nobody filled in, is told by its cookie.
-static void no_two_defs_have_the_same_cookie(void **state)
+TEST(no_two_defs_have_the_same_cookie)
 {
-    (void)state;
     const int cookies[] = {
         duet_default_device_pair_def().cookie,   duet_default_world_def().cookie,
         duet_default_motion_def().cookie,        duet_default_pair_query_def().cookie,
@@ -103,12 +100,4 @@ static void no_two_defs_have_the_same_cookie(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_default_world_uses_both_devices),
-        cmocka_unit_test(a_plan_may_leave_things_to_the_world),
-        cmocka_unit_test(no_two_defs_have_the_same_cookie),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

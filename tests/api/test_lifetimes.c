@@ -158,9 +158,17 @@ static void close_in(const owner order[OWNERS], bool with_use)
     assert_int_equal(device_live_objects(), 0);
 }
 
+static bool takes_all;
+
+// What is left is used after each closing of each 60th order; with --all the others end, too.
+static void visit(const owner order[OWNERS], int place)
+{
+    if (place % 60 == 7 || takes_all)
+        close_in(order, place % 60 == 7);
+}
+
 // Calls visit for each of the 720 orders; place counts them.
-static void for_orders(owner order[OWNERS], int from, int *place,
-                       void (*visit)(const owner order[OWNERS], int place))
+static void for_orders(owner order[OWNERS], int from, int *place)
 {
     if (from == OWNERS)
         visit(order, (*place)++);
@@ -168,50 +176,23 @@ static void for_orders(owner order[OWNERS], int from, int *place,
         owner first = order[from];
         order[from] = order[i];
         order[i] = first;
-        for_orders(order, from + 1, place, visit);
+        for_orders(order, from + 1, place);
         order[i] = order[from];
         order[from] = first;
     }
 }
 
-// Of all orders each 60th, and what is left is used after each closing.
-static void visit_some(const owner order[OWNERS], int place)
+TEST(what_is_open_goes_on_in_any_order_of_closing)
 {
-    if (place % 60 == 7)
-        close_in(order, true);
-}
-
-static void what_is_open_goes_on_in_any_order_of_closing(void **state)
-{
-    (void)state;
     owner order[OWNERS] = {PAIR, SCENE, WORLD, ONLINE, MOTION, TEST};
     int n_orders = 0;
     close_in(order, true);
-    for_orders(order, 0, &n_orders, visit_some);
-    assert_int_equal(n_orders, 720);
-}
-
-static void visit_each(const owner order[OWNERS], int place)
-{
-    (void)place;
-    close_in(order, false);
-}
-
-static void each_order_of_closing_ends_without_a_leak(void **state)
-{
-    (void)state;
-    owner order[OWNERS] = {PAIR, SCENE, WORLD, ONLINE, MOTION, TEST};
-    int n_orders = 0;
-    for_orders(order, 0, &n_orders, visit_each);
+    for_orders(order, 0, &n_orders);
     assert_int_equal(n_orders, 720);
 }
 
 int main(int argc, char **argv)
 {
-    const struct CMUnitTest all[] = {cmocka_unit_test(each_order_of_closing_ends_without_a_leak)};
-    const struct CMUnitTest some[] = {
-        cmocka_unit_test(what_is_open_goes_on_in_any_order_of_closing)};
-    return argc > 1 && strcmp(argv[1], "--all") == 0
-               ? cmocka_run_group_tests(all, make_poses, NULL)
-               : cmocka_run_group_tests(some, make_poses, NULL);
+    takes_all = argc > 1 && strcmp(argv[1], "--all") == 0;
+    return test_run(make_poses, NULL);
 }

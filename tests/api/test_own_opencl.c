@@ -176,9 +176,8 @@ static void refused(const duet_error *err, duet_status status, const char *says)
 
 // ------------------------------------------------------------ device pairs
 
-static void a_pair_holds_what_it_uses_and_lets_all_of_it_go(void **state)
+TEST(a_pair_holds_what_it_uses_and_lets_all_of_it_go)
 {
-    (void)state;
     const cl_uint before = context_references();
     duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
     assert_true(context_references() > before);
@@ -193,9 +192,8 @@ static void a_pair_holds_what_it_uses_and_lets_all_of_it_go(void **state)
     assert_int_equal(queue_references(0), 1);
 }
 
-static void one_queue_is_a_pair_of_one(void **state)
+TEST(one_queue_is_a_pair_of_one)
 {
-    (void)state;
     for (int i = 0; i < 2; ++i) {
         duet_device_pair *pair = open_pair(i ? NULL : own.queues[0], i ? own.queues[0] : NULL);
         assert_true(duet_device_pair_is_one(pair));
@@ -204,9 +202,8 @@ static void one_queue_is_a_pair_of_one(void **state)
     }
 }
 
-static void a_device_without_a_queue_is_opened_by_its_selector(void **state)
+TEST(a_device_without_a_queue_is_opened_by_its_selector)
 {
-    (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = "cpu";
@@ -224,9 +221,8 @@ static void a_device_without_a_queue_is_opened_by_its_selector(void **state)
 }
 
 // A profile that was measured on the device by its selector is one for the caller's queue.
-static void profiles_are_those_of_the_device(void **state)
+TEST(profiles_are_those_of_the_device)
 {
-    (void)state;
     duet_error err = {0};
     cl_device_id root = first_device();
     cl_context context = clCreateContext(NULL, 1, &root, NULL, NULL, NULL);
@@ -258,9 +254,8 @@ static void profiles_are_those_of_the_device(void **state)
 }
 
 // Parts that the program cut off are described as those that Duet cuts off.
-static void profiles_are_those_of_the_parts(void **state)
+TEST(profiles_are_those_of_the_parts)
 {
-    (void)state;
     duet_error err = {0};
     if (!own.cut)
         skip();
@@ -392,9 +387,8 @@ static void set_host_memory(duet_device_pair *pair, bool a, bool b)
     pair->devices[1].info.host_memory = b;
 }
 
-static void objects_of_a_buffer_are_those_of_the_host(void **state)
+TEST(objects_of_a_buffer_are_those_of_the_host)
 {
-    (void)state;
     fill_kinds();
     duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
     every_kind(pair, 3);
@@ -402,9 +396,8 @@ static void objects_of_a_buffer_are_those_of_the_host(void **state)
     duet_device_pair_destroy(pair);
 }
 
-static void a_device_of_another_context_gets_them_through_the_host(void **state)
+TEST(a_device_of_another_context_gets_them_through_the_host)
 {
-    (void)state;
     duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     duet_device_pair_def devices = duet_default_device_pair_def();
@@ -419,9 +412,8 @@ static void a_device_of_another_context_gets_them_through_the_host(void **state)
 }
 
 // Such devices are told of them here; the CPU does what they would.
-static void devices_with_memory_of_their_own_find_the_same(void **state)
+TEST(devices_with_memory_of_their_own_find_the_same)
 {
-    (void)state;
     fill_kinds();
     duet_world_def def = duet_default_world_def();
     for (int i = 0; i < 2; ++i) {
@@ -437,9 +429,8 @@ static void devices_with_memory_of_their_own_find_the_same(void **state)
     }
 }
 
-static void objects_are_checked_as_the_hosts(void **state)
+TEST(objects_are_checked_as_the_hosts)
 {
-    (void)state;
     duet_error err = {0}, own_err = {0};
     duet_result result;
     duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
@@ -478,9 +469,8 @@ static void objects_are_checked_as_the_hosts(void **state)
     duet_device_pair_destroy(pair);
 }
 
-static void a_step_reads_objects_once_what_it_waits_for_is_over(void **state)
+TEST(a_step_reads_objects_once_what_it_waits_for_is_over)
 {
-    (void)state;
     duet_error err = {0};
     duet_result result;
     duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
@@ -519,9 +509,8 @@ static void a_step_reads_objects_once_what_it_waits_for_is_over(void **state)
     duet_device_pair_destroy(pair);
 }
 
-static void what_was_waited_for_in_vain_is_told(void **state)
+TEST(what_was_waited_for_in_vain_is_told)
 {
-    (void)state;
     duet_error err = {0};
     duet_result result;
     duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
@@ -596,9 +585,8 @@ static void leave_everywhere(duet_device_pair *pair)
     duet_world_destroy(world);
 }
 
-static void pairs_are_left_in_buffers(void **state)
+TEST(pairs_are_left_in_buffers)
 {
-    (void)state;
     for (int i = 0; i < 3; ++i) {
         duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
         set_host_memory(pair, i > 1, i > 0);
@@ -610,9 +598,8 @@ static void pairs_are_left_in_buffers(void **state)
 
 // Of a pair that Duet opened the caller knows the context by a buffer that a step left, and there
 // is no queue of the caller's to wait for.
-static void buffers_come_from_the_context_of_a_pair_without_queues(void **state)
+TEST(buffers_come_from_the_context_of_a_pair_without_queues)
 {
-    (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     duet_device_pair *pair = duet_device_pair_create(&def, &err);
@@ -638,9 +625,8 @@ static void buffers_come_from_the_context_of_a_pair_without_queues(void **state)
     duet_device_pair_destroy(pair);
 }
 
-static void a_buffer_too_small_for_the_pairs_is_left_as_it_was(void **state)
+TEST(a_buffer_too_small_for_the_pairs_is_left_as_it_was)
 {
-    (void)state;
     duet_error err = {0};
     duet_result result;
     duet_pair_buffers buffers;
@@ -666,9 +652,8 @@ static void a_buffer_too_small_for_the_pairs_is_left_as_it_was(void **state)
 
 // ------------------------------------------------------------ two halves
 
-static void commands_that_wait_for_a_step_see_its_pairs(void **state)
+TEST(commands_that_wait_for_a_step_see_its_pairs)
 {
-    (void)state;
     duet_error err = {0};
     duet_result result;
     duet_pair_buffers buffers;
@@ -717,9 +702,8 @@ static void commands_that_wait_for_a_step_see_its_pairs(void **state)
     duet_device_pair_destroy(pair);
 }
 
-static void between_the_halves_of_a_step_nothing_else_is_taken(void **state)
+TEST(between_the_halves_of_a_step_nothing_else_is_taken)
 {
-    (void)state;
     duet_error err = {0};
     duet_result result;
     duet_pair_buffers buffers;
@@ -771,9 +755,8 @@ static void between_the_halves_of_a_step_nothing_else_is_taken(void **state)
 
 // ------------------------------------------------------------ states
 
-static void states_are_copied_into_a_buffer(void **state)
+TEST(states_are_copied_into_a_buffer)
 {
-    (void)state;
     enum { SOME = 20 };
     duet_error err = {0};
     duet_motion_result result;
@@ -819,9 +802,8 @@ static void states_are_copied_into_a_buffer(void **state)
 
 // ------------------------------------------------------------ misuse
 
-static void what_is_no_fit_buffer_is_refused_by_name(void **state)
+TEST(what_is_no_fit_buffer_is_refused_by_name)
 {
-    (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
@@ -892,26 +874,6 @@ static void what_is_no_fit_buffer_is_refused_by_name(void **state)
 
 int main(void)
 {
-#define FACT(name) cmocka_unit_test_teardown(name, nothing_is_left)
-    const struct CMUnitTest tests[] = {
-        FACT(a_pair_holds_what_it_uses_and_lets_all_of_it_go),
-        FACT(one_queue_is_a_pair_of_one),
-        FACT(a_device_without_a_queue_is_opened_by_its_selector),
-        FACT(profiles_are_those_of_the_device),
-        FACT(profiles_are_those_of_the_parts),
-        FACT(objects_of_a_buffer_are_those_of_the_host),
-        FACT(a_device_of_another_context_gets_them_through_the_host),
-        FACT(devices_with_memory_of_their_own_find_the_same),
-        FACT(objects_are_checked_as_the_hosts),
-        FACT(a_step_reads_objects_once_what_it_waits_for_is_over),
-        FACT(what_was_waited_for_in_vain_is_told),
-        FACT(pairs_are_left_in_buffers),
-        FACT(buffers_come_from_the_context_of_a_pair_without_queues),
-        FACT(a_buffer_too_small_for_the_pairs_is_left_as_it_was),
-        FACT(commands_that_wait_for_a_step_see_its_pairs),
-        FACT(between_the_halves_of_a_step_nothing_else_is_taken),
-        FACT(states_are_copied_into_a_buffer),
-        FACT(what_is_no_fit_buffer_is_refused_by_name),
-    };
-    return cmocka_run_group_tests(tests, open_program, close_program);
+    test_each(NULL, nothing_is_left);
+    return test_run(open_program, close_program);
 }

@@ -5,12 +5,10 @@
 #include "base/rng.h"
 #include "base/text_file.h"
 
-#include <stdio.h>
 #include <string.h>
 
-static void the_first_failure_is_kept(void **state)
+TEST(the_first_failure_is_kept)
 {
-    (void)state;
     duet_error err = {0};
     assert_false(error_set(&err, DUET_STATUS_NOT_FOUND, "a\nb"));
     assert_false(error_set_cl(&err, -5, "later"));
@@ -38,9 +36,8 @@ static bool call_within(bool before, bool first, bool second, duet_error *err)
     return call_twice(first, second, err) && before;
 }
 
-static void each_public_call_has_its_own_first_failure(void **state)
+TEST(each_public_call_has_its_own_first_failure)
 {
-    (void)state;
     duet_error err = {
         .cl_code = -5, .status = DUET_STATUS_DEVICE_FAILED, .text = "an earlier call"};
     const duet_error earlier = err;
@@ -64,9 +61,8 @@ static void each_public_call_has_its_own_first_failure(void **state)
 }
 
 // Whatever a path's length, the line says what is wrong with it.
-static void what_is_too_long_loses_its_middle(void **state)
+TEST(what_is_too_long_loses_its_middle)
 {
-    (void)state;
     enum { MOST = 1200 };
     static const char *const letters[] = {"a", "\xc3\xa9", "\xe2\x82\xac"};
     char path[3 * MOST + 1] = "";
@@ -86,9 +82,8 @@ static void what_is_too_long_loses_its_middle(void **state)
     }
 }
 
-static void an_opencl_failure_names_its_code(void **state)
+TEST(an_opencl_failure_names_its_code)
 {
-    (void)state;
     duet_error err = {0};
     error_set_cl(&err, -5, "clFinish on %s", "pocl:0");
     assert_string_equal(err.text, "clFinish on pocl:0: CL_OUT_OF_RESOURCES (-5)");
@@ -96,26 +91,22 @@ static void an_opencl_failure_names_its_code(void **state)
     assert_int_equal(err.status, DUET_STATUS_DEVICE_FAILED);
 }
 
-static void a_text_grows_and_survives_a_file(void **state)
+TEST(a_text_grows_and_survives_a_file)
 {
-    (void)state;
     text t = {0};
     duet_error err = {0};
     for (int i = 0; i < 1000; ++i)
         text_add(&t, "%d,", i);
     assert_ok(text_write_file("test_base.tmp", t.chars, t.length, &err), err);
-    text back = {0};
-    assert_ok(text_read_file(&back, "test_base.tmp", &err), err);
+    text back = test_read_file("test_base.tmp");
     assert_int_equal(back.length, t.length);
     assert_memory_equal(back.chars, t.chars, t.length);
-    remove("test_base.tmp");
     text_free(&t);
     text_free(&back);
 }
 
-static void a_missing_file_and_a_folder_are_named(void **state)
+TEST(a_missing_file_and_a_folder_are_named)
 {
-    (void)state;
     text t = {0};
     duet_error err = {0};
     assert_false(text_read_file(&t, "no/such/file", &err));
@@ -127,9 +118,8 @@ static void a_missing_file_and_a_folder_are_named(void **state)
     text_free(&t);
 }
 
-static void random_numbers_are_the_same_everywhere(void **state)
+TEST(random_numbers_are_the_same_everywhere)
 {
-    (void)state;
     rng r = rng_seed(42);
     rng s = rng_seed(42);
     uint32_t counts[7] = {0};
@@ -142,16 +132,4 @@ static void random_numbers_are_the_same_everywhere(void **state)
         assert_in_range(counts[i], 9500, 10500);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_first_failure_is_kept),
-        cmocka_unit_test(each_public_call_has_its_own_first_failure),
-        cmocka_unit_test(what_is_too_long_loses_its_middle),
-        cmocka_unit_test(an_opencl_failure_names_its_code),
-        cmocka_unit_test(a_text_grows_and_survives_a_file),
-        cmocka_unit_test(a_missing_file_and_a_folder_are_named),
-        cmocka_unit_test(random_numbers_are_the_same_everywhere),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -53,9 +53,8 @@ static pid_t burn(void)
     return burner;
 }
 
-static void a_program_on_the_same_core_disturbs_a_launch(void **state)
+TEST(a_program_on_the_same_core_disturbs_a_launch)
 {
-    (void)state;
     cpu_set_t all = keep_one_core();
     core_watch *w = core_watch_open();
     if (!w)
@@ -82,9 +81,8 @@ static void a_program_on_the_same_core_disturbs_a_launch(void **state)
 }
 
 // It is not on the way of the launch.
-static void a_thread_that_waits_while_another_works_loses_nothing(void **state)
+TEST(a_thread_that_waits_while_another_works_loses_nothing)
 {
-    (void)state;
     core_watch *w = core_watch_open();
     if (!w)
         skip();
@@ -103,9 +101,8 @@ static void a_thread_that_waits_while_another_works_loses_nothing(void **state)
     sched_setaffinity(0, sizeof all, &all);
 }
 
-static void nobody_watching_sees_nothing(void **state)
+TEST(nobody_watching_sees_nothing)
 {
-    (void)state;
     core_watch_start(NULL);
     core_use use = core_watch_stop(NULL);
     assert_false(use.disturbed);
@@ -114,12 +111,4 @@ static void nobody_watching_sees_nothing(void **state)
     core_watch_close(NULL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_program_on_the_same_core_disturbs_a_launch),
-        cmocka_unit_test(a_thread_that_waits_while_another_works_loses_nothing),
-        cmocka_unit_test(nobody_watching_sees_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -6,7 +6,6 @@
 #include "base/text_file.h"
 #include "runtime/scene/scene_load.h"
 
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -79,9 +78,8 @@ static const double rows[3 * 10] = {
     6, 7, 8, 0,   0,    0,     0, 0, 1, 1,
 };
 
-static void every_version_type_and_order_gives_the_same_objects(void **state)
+TEST(every_version_type_and_order_gives_the_same_objects)
 {
-    (void)state;
     static const char *const descrs[] = {"<f4", "<f8", ">f4", ">f8"};
     for (int version = 1; version <= 3; ++version)
         for (int k = 0; k < 4; ++k)
@@ -100,9 +98,8 @@ static void every_version_type_and_order_gives_the_same_objects(void **state)
 }
 
 // Row by row, and column by column; more rows than are read at once.
-static void a_range_is_that_part_of_the_whole(void **state)
+TEST(a_range_is_that_part_of_the_whole)
 {
-    (void)state;
     enum { ROWS = 40000, COLUMNS = 6 };
     static const uint64_t ranges[][2] = {{0, ROWS},     {0, 1},        {0, 0}, {16383, 16386},
                                          {30000, ROWS}, {39999, ROWS}, {7, 7}, {5, UINT64_MAX}};
@@ -137,14 +134,12 @@ static void a_range_is_that_part_of_the_whole(void **state)
         assert_int_equal(deferred, ROWS - 1);
         duet_scene_destroy(first);
         text_free(&t);
-        remove(FILE_NAME);
     }
     free(many);
 }
 
-static void the_second_number_of_the_shape_says_what_a_row_is(void **state)
+TEST(the_second_number_of_the_shape_says_what_a_row_is)
 {
-    (void)state;
     static const struct {
         uint32_t columns;
         uint32_t dims;
@@ -168,9 +163,8 @@ static void the_second_number_of_the_shape_says_what_a_row_is(void **state)
         }
 }
 
-static void a_double_that_no_float_holds_is_refused(void **state)
+TEST(a_double_that_no_float_holds_is_refused)
 {
-    (void)state;
     const double row[] = {0, 0, 0, 1e300};
     text t = npy_of(1, "<f8", false, row, 1, 4);
     assert_refused(&t, DUET_STATUS_BAD_OBJECT,
@@ -178,9 +172,8 @@ static void a_double_that_no_float_holds_is_refused(void **state)
     text_free(&t);
 }
 
-static void a_bad_object_is_refused_by_its_id(void **state)
+TEST(a_bad_object_is_refused_by_its_id)
 {
-    (void)state;
     double bad[30];
     memcpy(bad, rows, sizeof bad);
     bad[20 + 4] = -1;
@@ -189,9 +182,8 @@ static void a_bad_object_is_refused_by_its_id(void **state)
     text_free(&t);
 }
 
-static void a_wrong_header_is_refused(void **state)
+TEST(a_wrong_header_is_refused)
 {
-    (void)state;
     static const struct {
         const char *literal;
         duet_status status;
@@ -239,9 +231,8 @@ static void a_wrong_header_is_refused(void **state)
     }
 }
 
-static void other_files_and_later_versions_are_refused(void **state)
+TEST(other_files_and_later_versions_are_refused)
 {
-    (void)state;
     scene_assert_refused(FILE_NAME, "1,2,3,4\n", DUET_STATUS_BAD_INPUT, "does not begin as a .npy");
     scene_assert_refused(FILE_NAME, "", DUET_STATUS_BAD_INPUT, "does not begin as a .npy");
     text t = npy_of(4, "<f4", false, rows, 3, 10);
@@ -249,9 +240,8 @@ static void other_files_and_later_versions_are_refused(void **state)
     text_free(&t);
 }
 
-static void every_truncation_is_refused(void **state)
+TEST(every_truncation_is_refused)
 {
-    (void)state;
     for (int version = 1; version <= 2; ++version) {
         text t = npy_of(version, "<f8", false, rows, 3, 10);
         for (size_t n = 0; n < t.length; ++n) {
@@ -266,9 +256,8 @@ static void every_truncation_is_refused(void **state)
     }
 }
 
-static void bytes_after_the_array_are_refused(void **state)
+TEST(bytes_after_the_array_are_refused)
 {
-    (void)state;
     text t = npy_of(1, "<f4", false, rows, 3, 10);
     text_add_bytes(&t, "", 1);
     assert_refused(&t, DUET_STATUS_BAD_INPUT,
@@ -276,9 +265,8 @@ static void bytes_after_the_array_are_refused(void **state)
     text_free(&t);
 }
 
-static void changed_bytes_are_read_or_refused(void **state)
+TEST(changed_bytes_are_read_or_refused)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     text good = npy_of(1, "<f4", false, rows, 3, 10);
     for (int round = 0; round < 5000; ++round) {
@@ -296,19 +284,4 @@ static void changed_bytes_are_read_or_refused(void **state)
     text_free(&good);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_version_type_and_order_gives_the_same_objects),
-        cmocka_unit_test(a_range_is_that_part_of_the_whole),
-        cmocka_unit_test(the_second_number_of_the_shape_says_what_a_row_is),
-        cmocka_unit_test(a_double_that_no_float_holds_is_refused),
-        cmocka_unit_test(a_bad_object_is_refused_by_its_id),
-        cmocka_unit_test(a_wrong_header_is_refused),
-        cmocka_unit_test(other_files_and_later_versions_are_refused),
-        cmocka_unit_test(every_truncation_is_refused),
-        cmocka_unit_test(bytes_after_the_array_are_refused),
-        cmocka_unit_test(changed_bytes_are_read_or_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -20,24 +20,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static test_folder folder;
-static char start[4096]; // the folder that the tests were started in
-
-static int enter_folder(void **state)
-{
-    (void)state;
-    folder = test_folder_make();
-    return getcwd(start, sizeof start) && chdir(folder.path) == 0 ? 0 : -1;
-}
-
-static int leave_folder(void **state)
-{
-    (void)state;
-    int code = chdir(start);
-    test_folder_remove(&folder);
-    return code;
-}
-
 static void write_in(const char *path, const char *content)
 {
     FILE *file = fopen(path, "w");
@@ -72,9 +54,8 @@ static void assert_refused(const char *path, const char *says)
         fail_msg("'%s' for '%s' and '%s'", err.text, path, says);
 }
 
-static void a_file_takes_the_place_of_nothing_or_of_a_file(void **state)
+TEST(a_file_takes_the_place_of_nothing_or_of_a_file)
 {
-    (void)state;
     mode_t umask_before = umask(027);
     test_write_file("out", "one");
     assert_int_equal(mode_of("out"), S_IFREG | 0640);
@@ -91,9 +72,8 @@ static void a_file_takes_the_place_of_nothing_or_of_a_file(void **state)
 }
 
 // Names that can be told in advance are of no use to whoever puts links there.
-static void a_link_at_a_guessed_name_leads_nowhere(void **state)
+TEST(a_link_at_a_guessed_name_leads_nowhere)
 {
-    (void)state;
     write_in("victim", "safe");
     assert_int_equal(symlink("victim", "out.part"), 0);
     for (int i = 0; i < 8; ++i) {
@@ -106,9 +86,8 @@ static void a_link_at_a_guessed_name_leads_nowhere(void **state)
     assert_content("victim", "safe");
 }
 
-static void a_link_stays_and_its_file_is_replaced(void **state)
+TEST(a_link_stays_and_its_file_is_replaced)
 {
-    (void)state;
     assert_int_equal(mkdir("below", 0755), 0);
     assert_int_equal(symlink("below/second", "first"), 0);
     assert_int_equal(symlink("../file", "below/second"), 0);
@@ -121,18 +100,16 @@ static void a_link_stays_and_its_file_is_replaced(void **state)
     assert_int_equal(test_count_files(), 3);
 }
 
-static void links_in_a_ring_are_refused(void **state)
+TEST(links_in_a_ring_are_refused)
 {
-    (void)state;
     assert_int_equal(symlink("b", "a"), 0);
     assert_int_equal(symlink("a", "b"), 0);
     assert_refused("a", "cannot be written");
     assert_int_equal(test_count_files(), 2);
 }
 
-static void a_folder_is_refused(void **state)
+TEST(a_folder_is_refused)
 {
-    (void)state;
     assert_int_equal(mkdir("here", 0755), 0);
     assert_refused("here", "directory");
     assert_refused("here/", "directory");
@@ -141,9 +118,8 @@ static void a_folder_is_refused(void **state)
     assert_int_equal(test_count_files(), 1);
 }
 
-static void a_check_leaves_everything_as_it_is(void **state)
+TEST(a_check_leaves_everything_as_it_is)
 {
-    (void)state;
     duet_error err = {0};
     write_in("file", "old");
     assert_int_equal(mkfifo("pipe", 0600), 0); // would wait for a reader
@@ -155,9 +131,8 @@ static void a_check_leaves_everything_as_it_is(void **state)
     assert_int_equal(test_count_files(), 2);
 }
 
-static void one_file_is_known_by_all_its_names(void **state)
+TEST(one_file_is_known_by_all_its_names)
 {
-    (void)state;
     write_in("file", "old");
     assert_int_equal(mkdir("here", 0755), 0);
     assert_int_equal(symlink("file", "link"), 0);
@@ -179,9 +154,8 @@ static void one_file_is_known_by_all_its_names(void **state)
     assert_content("file", "old");
 }
 
-static void a_check_refuses_what_only_reads(void **state)
+TEST(a_check_refuses_what_only_reads)
 {
-    (void)state;
     int ends[2];
     char name[32];
     duet_error err = {0};
@@ -205,9 +179,8 @@ static void a_check_refuses_what_only_reads(void **state)
     assert_int_equal(test_count_files(), 3);
 }
 
-static void a_pipe_is_written_to_and_stays(void **state)
+TEST(a_pipe_is_written_to_and_stays)
 {
-    (void)state;
     assert_int_equal(mkfifo("pipe", 0600), 0);
     pid_t child = fork();
     if (child == 0)
@@ -227,9 +200,8 @@ static const char *full_device(void)
     return mknod("full", S_IFCHR | 0600, makedev(1, 7)) == 0 ? "full" : "/dev/full";
 }
 
-static void a_full_device_fails_and_stays(void **state)
+TEST(a_full_device_fails_and_stays)
 {
-    (void)state;
     const char *full = full_device();
     skip_without_device(full);
     assert_refused(full, "No space left");
@@ -241,9 +213,8 @@ static void a_full_device_fails_and_stays(void **state)
 }
 
 // An open file of the process is written to where it stands.
-static void stdout_is_written_to_whatever_it_is(void **state)
+TEST(stdout_is_written_to_whatever_it_is)
 {
-    (void)state;
     skip_without_device("/dev/stdout");
     skip_without_device("/dev/fd/1");
     store_close(test_store_open("p.db", STORE_WRITE));
@@ -263,9 +234,8 @@ static void stdout_is_written_to_whatever_it_is(void **state)
 }
 
 // What is put at the place while the file is written is not taken for it.
-static void what_comes_between_is_not_replaced(void **state)
+TEST(what_comes_between_is_not_replaced)
 {
-    (void)state;
     write_in("victim", "safe");
     output o;
     duet_error err = {0};
@@ -278,9 +248,8 @@ static void what_comes_between_is_not_replaced(void **state)
     assert_int_equal(test_count_files(), 2);
 }
 
-static void what_is_not_kept_leaves_nothing(void **state)
+TEST(what_is_not_kept_leaves_nothing)
 {
-    (void)state;
     output o;
     assert_true(output_open(&o, "out", NULL));
     fputs("half_extents", o.stream);
@@ -289,9 +258,8 @@ static void what_is_not_kept_leaves_nothing(void **state)
 }
 
 // As a program does that ends in the middle of two outputs.
-static void what_is_half_written_is_removed(void **state)
+TEST(what_is_half_written_is_removed)
 {
-    (void)state;
     static const char *const names[] = {"one", "two", "three"};
     output o[3];
     duet_error err = {0};
@@ -312,9 +280,8 @@ static void what_is_half_written_is_removed(void **state)
 }
 
 // Another process has opened the file, and any of those that write into it may outlive it.
-static void what_others_began_is_removed_until_it_is_forgotten(void **state)
+TEST(what_others_began_is_removed_until_it_is_forgotten)
 {
-    (void)state;
     duet_error err = {0};
     output o;
     text path = {0};
@@ -361,9 +328,8 @@ static void write_too_much(void)
     _exit(!written && strstr(err.text, "out: cannot be written: File too large") ? 0 : 1);
 }
 
-static void what_does_not_fit_leaves_the_file_as_it_was(void **state)
+TEST(what_does_not_fit_leaves_the_file_as_it_was)
 {
-    (void)state;
     test_write_file("out", "old");
     pid_t child = fork();
     if (child == 0)
@@ -376,13 +342,10 @@ static void what_does_not_fit_leaves_the_file_as_it_was(void **state)
 }
 
 // The program itself, which such a limit would end by a signal.
-static void the_program_says_that_a_file_became_too_large(void **state)
+TEST(the_program_says_that_a_file_became_too_large)
 {
-    (void)state;
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
     store *s = test_store_open("p.db", STORE_WRITE);
-    test_tune(s, &pair, &workload);
+    test_tune_usual(s);
     store_close(s);
     test_write_file("rows", "old");
     int names = test_count_files();
@@ -392,28 +355,8 @@ static void the_program_says_that_a_file_became_too_large(void **state)
     assert_int_equal(test_count_files(), names);
 }
 
-#define IN_A_FOLDER(test) cmocka_unit_test_setup_teardown(test, enter_folder, leave_folder)
-
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        IN_A_FOLDER(a_file_takes_the_place_of_nothing_or_of_a_file),
-        IN_A_FOLDER(a_link_at_a_guessed_name_leads_nowhere),
-        IN_A_FOLDER(a_link_stays_and_its_file_is_replaced),
-        IN_A_FOLDER(links_in_a_ring_are_refused),
-        IN_A_FOLDER(a_folder_is_refused),
-        IN_A_FOLDER(one_file_is_known_by_all_its_names),
-        IN_A_FOLDER(a_check_refuses_what_only_reads),
-        IN_A_FOLDER(a_check_leaves_everything_as_it_is),
-        IN_A_FOLDER(a_pipe_is_written_to_and_stays),
-        IN_A_FOLDER(a_full_device_fails_and_stays),
-        IN_A_FOLDER(stdout_is_written_to_whatever_it_is),
-        IN_A_FOLDER(what_comes_between_is_not_replaced),
-        IN_A_FOLDER(what_is_not_kept_leaves_nothing),
-        IN_A_FOLDER(what_is_half_written_is_removed),
-        IN_A_FOLDER(what_others_began_is_removed_until_it_is_forgotten),
-        IN_A_FOLDER(what_does_not_fit_leaves_the_file_as_it_was),
-        IN_A_FOLDER(the_program_says_that_a_file_became_too_large),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    test_each(test_enter_folder, NULL);
+    return test_run(NULL, NULL);
 }

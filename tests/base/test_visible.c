@@ -12,7 +12,6 @@
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 // Decodes by the definition: how many bits each byte adds, then what a code
@@ -36,9 +35,8 @@ static size_t length_by_definition(const unsigned char *u, size_t n, uint32_t *p
     return right ? length : 0;
 }
 
-static void characters_are_those_of_the_definition(void **state)
+TEST(characters_are_those_of_the_definition)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     uint32_t n_right = 0;
     for (int round = 0; round < 300000; ++round) {
@@ -55,9 +53,8 @@ static void characters_are_those_of_the_definition(void **state)
     assert_true(n_right > 1000);
 }
 
-static void nothing_that_a_terminal_obeys_comes_through(void **state)
+TEST(nothing_that_a_terminal_obeys_comes_through)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 20000; ++round) {
         char bytes[24];
@@ -85,9 +82,8 @@ static void nothing_that_a_terminal_obeys_comes_through(void **state)
     }
 }
 
-static void what_is_harmless_stays_as_it_is(void **state)
+TEST(what_is_harmless_stays_as_it_is)
 {
-    (void)state;
     static const char plain[] = "a b\\x \"c\" \xc3\xa9\xe2\x82\xac\xf0\x9f\xa6\x86";
     static const char odd[] = "\x1b[2J\n\t\x7f\xc2\x9b\xff\xc3";
     text shown = {0};
@@ -103,9 +99,8 @@ static void what_is_harmless_stays_as_it_is(void **state)
     text_free(&shown);
 }
 
-static void an_error_line_is_visible_and_whole(void **state)
+TEST(an_error_line_is_visible_and_whole)
 {
-    (void)state;
     duet_error err = {0};
     error_set(&err, DUET_STATUS_NOT_FOUND, "\x1b]0;x\x07 and\ntwo \xff: %s", "\xc3\xa9");
     assert_string_equal(err.text, "\\x1b]0;x\\x07 and two \\xff: \xc3\xa9");
@@ -182,9 +177,8 @@ static const char *const hostile[] = {
     "</title><b>&\"\x7f",
 };
 
-static void names_from_a_store_do_no_harm_anywhere(void **state)
+TEST(names_from_a_store_do_no_harm_anywhere)
 {
-    (void)state;
     static const char *const commands[] = {"list",  "list --json",  "list --dead",
                                            "check", "check --json", "export"};
     for (size_t i = 0; i < sizeof hostile / sizeof hostile[0]; ++i) {
@@ -199,13 +193,11 @@ static void names_from_a_store_do_no_harm_anywhere(void **state)
             assert_int_equal(p.exit_code, strncmp(commands[k], "check", 5) == 0);
             program_free(&p);
         }
-        test_folder_remove(&folder);
     }
 }
 
-static void a_profile_is_shown_without_what_was_smuggled_in(void **state)
+TEST(a_profile_is_shown_without_what_was_smuggled_in)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof hostile / sizeof hostile[0]; ++i) {
         test_folder folder = test_folder_make();
         make_hostile(folder.store, hostile[i]);
@@ -219,13 +211,11 @@ static void a_profile_is_shown_without_what_was_smuggled_in(void **state)
         assert_int_equal(p.exit_code, 0);
         assert_fit("show", p.out);
         program_free(&p);
-        test_folder_remove(&folder);
     }
 }
 
-static void a_page_of_such_a_store_is_utf8_and_holds_no_markup_of_it(void **state)
+TEST(a_page_of_such_a_store_is_utf8_and_holds_no_markup_of_it)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof hostile / sizeof hostile[0]; ++i) {
         test_folder folder = test_folder_make();
         make_hostile(folder.store, hostile[i]);
@@ -233,20 +223,16 @@ static void a_page_of_such_a_store_is_utf8_and_holds_no_markup_of_it(void **stat
         assert_int_equal(p.exit_code, 0);
         program_free(&p);
         char path[96];
-        text page = {0};
-        duet_error err = {0};
         snprintf(path, sizeof path, "%s/page.html", folder.path);
-        assert_ok(text_read_file(&page, path, &err), err);
+        text page = test_read_file(path);
         assert_fit("the page", text_chars(&page));
         assert_null(strstr(text_chars(&page), "</title><b>"));
         text_free(&page);
-        test_folder_remove(&folder);
     }
 }
 
-static void a_scenes_name_is_shown_harmlessly(void **state)
+TEST(a_scenes_name_is_shown_harmlessly)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     char path[160];
     duet_error err = {0};
@@ -259,20 +245,6 @@ static void a_scenes_name_is_shown_harmlessly(void **state)
         assert_null(strchr(duet_scene_get_info(scene)->name, '\n'));
         duet_scene_destroy(scene);
     }
-    test_folder_remove(&folder);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(characters_are_those_of_the_definition),
-        cmocka_unit_test(nothing_that_a_terminal_obeys_comes_through),
-        cmocka_unit_test(what_is_harmless_stays_as_it_is),
-        cmocka_unit_test(an_error_line_is_visible_and_whole),
-        cmocka_unit_test(names_from_a_store_do_no_harm_anywhere),
-        cmocka_unit_test(a_profile_is_shown_without_what_was_smuggled_in),
-        cmocka_unit_test(a_page_of_such_a_store_is_utf8_and_holds_no_markup_of_it),
-        cmocka_unit_test(a_scenes_name_is_shown_harmlessly),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -230,7 +230,8 @@ static void check_magnitude(duet_world *world, duet_shape shape, uint32_t dims, 
              shape == DUET_SHAPE_BOUNDS ? "bounds" : "poses", exponent, kind_names[what]);
     for (size_t way = 0; way < N_WAYS; ++way) {
         bool its_turn = dims == 2 ? ways[way].in_2d : way % 2 == first_way;
-        if (its_turn && test_takes(way / 2, 5) && (shape == DUET_SHAPE_POSES || !ways[way].needs_boxes))
+        if (its_turn && test_takes(way / 2, 5) &&
+            (shape == DUET_SHAPE_POSES || !ways[way].needs_boxes))
             step(world, way, scene, hash, n_pairs);
     }
 }
@@ -245,24 +246,21 @@ static void check_shape(duet_shape shape, uint32_t dims)
     duet_world_destroy(world);
 }
 
-static void bounds_of_any_width_in_spacings_of_floats_are_found(void **state)
+TEST(bounds_of_any_width_in_spacings_of_floats_are_found)
 {
-    (void)state;
     check_shape(DUET_SHAPE_BOUNDS, 2);
     check_shape(DUET_SHAPE_BOUNDS, 3);
 }
 
-static void poses_of_any_width_in_spacings_of_floats_are_found(void **state)
+TEST(poses_of_any_width_in_spacings_of_floats_are_found)
 {
-    (void)state;
     check_shape(DUET_SHAPE_POSES, 2);
     check_shape(DUET_SHAPE_POSES, 3);
 }
 
 // What the devices count as candidates is what their bounds say, object by object.
-static void candidates_among_tiny_boxes_are_those_of_the_bounds(void **state)
+TEST(candidates_among_tiny_boxes_are_those_of_the_bounds)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     static const int exponents[] = {-140, -60, 0, 40};
     for (int i = 0; i < 4; ++i) {
@@ -279,9 +277,8 @@ static void candidates_among_tiny_boxes_are_those_of_the_bounds(void **state)
 }
 
 // Origin cells: a unit is a quantum, and boxes lie on both sides of cells' borders.
-static void placed_boxes_of_a_few_quanta_are_found(void **state)
+TEST(placed_boxes_of_a_few_quanta_are_found)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     static const int64_t cells[] = {0, -1, 123456789, -(1 << 30) + 4, (1 << 30) - 4};
     for (int i = 0; i < 5; ++i) {
@@ -319,9 +316,8 @@ static void placed_boxes_of_a_few_quanta_are_found(void **state)
     }
 }
 
-static void thousands_of_boxes_an_ulp_wide_are_found_by_the_default_plan(void **state)
+TEST(thousands_of_boxes_an_ulp_wide_are_found_by_the_default_plan)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     lattice_box *boxes = calloc(MANY, sizeof *boxes);
     assert_non_null(boxes);
@@ -343,12 +339,5 @@ static void thousands_of_boxes_an_ulp_wide_are_found_by_the_default_plan(void **
 int main(int argc, char **argv)
 {
     test_begin(argc, argv);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bounds_of_any_width_in_spacings_of_floats_are_found),
-        cmocka_unit_test(poses_of_any_width_in_spacings_of_floats_are_found),
-        cmocka_unit_test(candidates_among_tiny_boxes_are_those_of_the_bounds),
-        cmocka_unit_test(placed_boxes_of_a_few_quanta_are_found),
-        cmocka_unit_test(thousands_of_boxes_an_ulp_wide_are_found_by_the_default_plan),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
+    return test_run(open_devices, close_devices);
 }

@@ -71,9 +71,8 @@ static uint64_t reference_hash(uint32_t dims, uint32_t n)
     return hash;
 }
 
-static void compiled_cells_give_the_same_pairs(void **state)
+TEST(compiled_cells_give_the_same_pairs)
 {
-    (void)state;
     static const char *const searches[] = {"simd cells=fixed", "gpu cells=fixed",
                                            "paper cells=fixed"};
     // powers of two, and others with an axis of one cell
@@ -94,9 +93,8 @@ static void compiled_cells_give_the_same_pairs(void **state)
         }
 }
 
-static void only_cells_that_stay_are_compiled_in(void **state)
+TEST(only_cells_that_stay_are_compiled_in)
 {
-    (void)state;
     static const float upper[3] = {10, 10, 10};
     rng r = rng_seed(test_seed());
     uint64_t hash;
@@ -122,9 +120,8 @@ static void only_cells_that_stay_are_compiled_in(void **state)
 }
 
 // Two places, far apart: a grid that was fitted anew would begin elsewhere.
-static void objects_that_take_turns_keep_their_grids(void **state)
+TEST(objects_that_take_turns_keep_their_grids)
 {
-    (void)state;
     static const float upper[3] = {10, 10, 10};
     rng r = rng_seed(test_seed());
     duet_world *world = make_world(3, upper);
@@ -150,9 +147,8 @@ static void objects_that_take_turns_keep_their_grids(void **state)
     duet_world_destroy(world);
 }
 
-static void a_word_for_cells_that_there_is_not_is_refused(void **state)
+TEST(a_word_for_cells_that_there_is_not_is_refused)
 {
-    (void)state;
     duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
@@ -162,13 +158,4 @@ static void a_word_for_cells_that_there_is_not_is_refused(void **state)
     assert_string_equal(err.text, "variant: cells=both is not possible; expected free or fixed");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(compiled_cells_give_the_same_pairs),
-        cmocka_unit_test(only_cells_that_stay_are_compiled_in),
-        cmocka_unit_test(objects_that_take_turns_keep_their_grids),
-        cmocka_unit_test(a_word_for_cells_that_there_is_not_is_refused),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -6,6 +6,7 @@
 // takes every config of small spaces and a larger sample of the others; a kernel's
 // name behind it leaves out the other kernels.
 #include "guard/guard.h"
+#include "support/devices.h"
 #include "support/test.h"
 
 #include "base/rng.h"
@@ -16,7 +17,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // Slabs have space for some hundred objects more than they get.
@@ -31,28 +31,20 @@ enum {
 
 static bool take_all;
 static const char *only;
-static duet_device_pair *devices;
 static gen *generator;
 
-static int open_devices(void **state)
+static int begin(void **state)
 {
-    (void)state;
     duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_create(&def, &err);
-    assert_ok(devices, err);
     generator = gen_open(NULL, &err);
     assert_ok(generator, err);
-    return 0;
+    return open_devices(state);
 }
 
-static int close_devices(void **state)
+static int end(void **state)
 {
-    (void)state;
     gen_close(generator);
-    duet_device_pair_destroy(devices);
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
+    return close_devices(state);
 }
 
 // ------------------------------------------------------------ configs
@@ -364,9 +356,8 @@ static uint32_t try_subject(const subject *of, rng *r)
     return tried;
 }
 
-static void any_config_finds_the_pairs_and_writes_nothing_else(void **state)
+TEST(any_config_finds_the_pairs_and_writes_nothing_else)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (uint32_t k = 0; k < SUBJECTS; ++k) {
         if (only && strcmp(only, subjects[k].kernel) != 0)
@@ -381,8 +372,5 @@ int main(int argc, char **argv)
 {
     take_all = argc > 1 && strcmp(argv[1], "--all") == 0;
     only = argc > 2 ? argv[2] : NULL;
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(any_config_finds_the_pairs_and_writes_nothing_else),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
+    return test_run(begin, end);
 }

@@ -10,7 +10,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { CAPACITY = 20000 };
@@ -67,9 +66,8 @@ static void scatter(uint32_t n, rng *r, double from, double to, double half)
 
 // ------------------------------------------------------------ borders
 
-static void centres_on_cell_borders_meet_all_neighbours(void **state)
+TEST(centres_on_cell_borders_meet_all_neighbours)
 {
-    (void)state;
     duet_world_def def = def_of_cells(4, 4, 4);
     uint32_t n = 0;
     for (int x = 0; x <= 8; ++x)
@@ -82,9 +80,8 @@ static void centres_on_cell_borders_meet_all_neighbours(void **state)
     agreement_check(&def, poses, n);
 }
 
-static void objects_on_and_an_ulp_beyond_the_world_s_faces_are_found(void **state)
+TEST(objects_on_and_an_ulp_beyond_the_world_s_faces_are_found)
 {
-    (void)state;
     duet_world_def def = def_of_cells(8, 8, 8);
     const float along[] = {0, -FLT_TRUE_MIN, 8, nextafterf(8, 9), nextafterf(8, 7), 4};
     uint32_t n = 0;
@@ -95,9 +92,8 @@ static void objects_on_and_an_ulp_beyond_the_world_s_faces_are_found(void **stat
     assert_true(agreement_check(&def, poses, n) > 0);
 }
 
-static void negative_coordinates_are_rounded_down(void **state)
+TEST(negative_coordinates_are_rounded_down)
 {
-    (void)state;
     duet_world_def def = def_of_cells(2, 2, 2);
     for (int k = 0; k < 3; ++k)
         def.lower[k] = -2;
@@ -110,9 +106,8 @@ static void negative_coordinates_are_rounded_down(void **state)
     assert_true(agreement_check(&def, poses, n) > 0);
 }
 
-static void objects_far_outside_the_world_are_found(void **state)
+TEST(objects_far_outside_the_world_are_found)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of_cells(5, 5, 5);
     uint32_t n = 0;
@@ -126,9 +121,8 @@ static void objects_far_outside_the_world_are_found(void **state)
     assert_true(agreement_check(&def, poses, n) > 27);
 }
 
-static void zeros_of_either_sign_are_alike(void **state)
+TEST(zeros_of_either_sign_are_alike)
 {
-    (void)state;
     duet_world_def def = def_of_cells(2, 2, 2);
     for (uint32_t i = 0; i < 64; ++i) {
         poses[i] = box_at(i & 1 ? -0.0 : 0.0, i & 2 ? -0.0 : 1.0, i & 4 ? 0.0 : -0.0, 0.5);
@@ -139,9 +133,8 @@ static void zeros_of_either_sign_are_alike(void **state)
 
 // ------------------------------------------------------------ the cell's edge
 
-static void turned_cubes_with_a_cell_of_their_edge_are_refused_or_widened(void **state)
+TEST(turned_cubes_with_a_cell_of_their_edge_are_refused_or_widened)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of_cells(10, 10, 10);
     def.rotated = true;
@@ -159,9 +152,8 @@ static void turned_cubes_with_a_cell_of_their_edge_are_refused_or_widened(void *
     assert_true(agreement_check(&def, poses, 500) > 0);
 }
 
-static void a_cell_an_ulp_below_the_largest_object_loses_nothing(void **state)
+TEST(a_cell_an_ulp_below_the_largest_object_loses_nothing)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of_cells(10, 10, 10);
     for (uint32_t i = 0; i < 800; ++i)
@@ -170,9 +162,8 @@ static void a_cell_an_ulp_below_the_largest_object_loses_nothing(void **state)
     assert_true(agreement_check(&def, poses, 800) > 0);
 }
 
-static void grids_of_one_to_three_cells_an_axis_find_each_pair_once(void **state)
+TEST(grids_of_one_to_three_cells_an_axis_find_each_pair_once)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     const float dims[][3] = {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {1, 40, 1}, {2, 1, 40}, {40, 3, 2}};
     for (size_t d = 0; d < sizeof dims / sizeof *dims; ++d) {
@@ -185,18 +176,16 @@ static void grids_of_one_to_three_cells_an_axis_find_each_pair_once(void **state
     }
 }
 
-static void dims_that_are_no_power_of_two_lose_nothing(void **state)
+TEST(dims_that_are_no_power_of_two_lose_nothing)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(2);
     scatter(5000, &r, 0, 127, 0.5);
     assert_true(agreement_check(&def, poses, 5000) > 0);
 }
 
-static void a_world_of_more_cells_than_32_bits_count_is_no_trouble(void **state)
+TEST(a_world_of_more_cells_than_32_bits_count_is_no_trouble)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of_cells(1e9f, 1e9f, 1e9f);
     for (uint32_t i = 0; i < 2000; ++i)
@@ -206,9 +195,8 @@ static void a_world_of_more_cells_than_32_bits_count_is_no_trouble(void **state)
     assert_true(agreement_check(&def, poses, 2000) >= 500);
 }
 
-static void memory_follows_the_objects_and_not_the_world(void **state)
+TEST(memory_follows_the_objects_and_not_the_world)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of_cells(1e9f, 1e9f, 1e9f);
     for (uint32_t i = 0; i < CAPACITY; ++i)
@@ -226,9 +214,8 @@ static void memory_follows_the_objects_and_not_the_world(void **state)
 
 // ------------------------------------------------------------ crowds
 
-static void all_objects_in_one_place_make_all_pairs(void **state)
+TEST(all_objects_in_one_place_make_all_pairs)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(3);
     const uint32_t counts[] = {257, 513};
@@ -239,9 +226,8 @@ static void all_objects_in_one_place_make_all_pairs(void **state)
     }
 }
 
-static void many_small_objects_in_one_cell_are_told_apart(void **state)
+TEST(many_small_objects_in_one_cell_are_told_apart)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(3);
     for (uint32_t i = 0; i < 4100; ++i)
@@ -250,9 +236,8 @@ static void many_small_objects_in_one_cell_are_told_apart(void **state)
     assert_true(agreement_check(&def, poses, 4101) > 0);
 }
 
-static void identical_boxes_on_a_lattice_touch_their_neighbours(void **state)
+TEST(identical_boxes_on_a_lattice_touch_their_neighbours)
 {
-    (void)state;
     duet_world_def def = def_of(3);
     for (uint32_t i = 0; i < 4096; ++i)
         poses[i] = box_at(i % 16, i / 16 % 16, i / 256, 0.5);
@@ -261,9 +246,8 @@ static void identical_boxes_on_a_lattice_touch_their_neighbours(void **state)
     agreement_check(&def, poses, 4096);
 }
 
-static void objects_on_a_line_or_a_plane_are_like_any_others(void **state)
+TEST(objects_on_a_line_or_a_plane_are_like_any_others)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(3);
     for (int flat = 1; flat < 7; ++flat) {
@@ -278,9 +262,8 @@ static void objects_on_a_line_or_a_plane_are_like_any_others(void **state)
     }
 }
 
-static void one_giant_meets_exactly_all_others(void **state)
+TEST(one_giant_meets_exactly_all_others)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(3);
     scatter(1999, &r, 0, 1000, 0.01);
@@ -288,9 +271,8 @@ static void one_giant_meets_exactly_all_others(void **state)
     assert_true(agreement_check(&def, poses, 2000) >= 1999);
 }
 
-static void sizes_of_one_to_a_thousand_lose_nothing(void **state)
+TEST(sizes_of_one_to_a_thousand_lose_nothing)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(3);
     for (uint32_t i = 0; i < 1500; ++i) {
@@ -300,9 +282,8 @@ static void sizes_of_one_to_a_thousand_lose_nothing(void **state)
     assert_true(agreement_check(&def, poses, 1500) > 0);
 }
 
-static void points_are_objects_too(void **state)
+TEST(points_are_objects_too)
 {
-    (void)state;
     duet_world_def def = def_of(3);
     for (uint32_t i = 0; i < 300; ++i)
         poses[i] = box_at(i % 10, i / 10 % 10, 0, 0);
@@ -314,9 +295,8 @@ static void points_are_objects_too(void **state)
 
 // ------------------------------------------------------------ numbers of objects
 
-static void scenes_of_any_small_number_of_objects_are_whole(void **state)
+TEST(scenes_of_any_small_number_of_objects_are_whole)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     const uint32_t counts[] = {0, 1, 2, 3, 7, 31, 61, 63, 64, 65, 127, 257, 1021};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i) {
@@ -335,9 +315,8 @@ static duet_world *open_world(const duet_world_def *def, uint32_t n)
     return world;
 }
 
-static void a_limit_of_pairs_holds_to_the_last_one(void **state)
+TEST(a_limit_of_pairs_holds_to_the_last_one)
 {
-    (void)state;
     for (uint32_t i = 0; i < 200; ++i)
         poses[i] = box_at(0, 0, 0, 0.5);
     duet_world_def def = def_of(3);
@@ -354,9 +333,8 @@ static void a_limit_of_pairs_holds_to_the_last_one(void **state)
     }
 }
 
-static void a_world_steps_on_as_its_pairs_become_more_and_fewer(void **state)
+TEST(a_world_steps_on_as_its_pairs_become_more_and_fewer)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(3);
     duet_world *world = open_world(&def, 0);
@@ -375,9 +353,8 @@ static void a_world_steps_on_as_its_pairs_become_more_and_fewer(void **state)
 
 // ------------------------------------------------------------ bad objects
 
-static void one_nan_among_thousands_changes_nothing_else(void **state)
+TEST(one_nan_among_thousands_changes_nothing_else)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(3);
     scatter(3000, &r, 0, 12, 0.5);
@@ -405,9 +382,8 @@ static void one_nan_among_thousands_changes_nothing_else(void **state)
     duet_world_destroy(world);
 }
 
-static void each_kind_of_bad_pose_is_named(void **state)
+TEST(each_kind_of_bad_pose_is_named)
 {
-    (void)state;
     for (int kind = 0; kind < 6; ++kind) {
         for (uint32_t i = 0; i < 10; ++i)
             poses[i] = box_at(2 * i, 0, 0, 0.5);
@@ -427,9 +403,8 @@ static void each_kind_of_bad_pose_is_named(void **state)
     }
 }
 
-static void bounds_with_lower_above_upper_are_named(void **state)
+TEST(bounds_with_lower_above_upper_are_named)
 {
-    (void)state;
     for (uint32_t i = 0; i < 10; ++i)
         bounds[i] = (duet_bounds){{(float)i, 0, 0}, {(float)i + 1, 1, 1}};
     bounds[4].lower[1] = 2;
@@ -468,9 +443,8 @@ static void scatter_on_1024ths(uint32_t n, rng *r)
                           rng_below(r, 10240) / 1024.0, rng_below(r, 512) / 1024.0);
 }
 
-static void moving_and_mirroring_a_scene_changes_no_pair(void **state)
+TEST(moving_and_mirroring_a_scene_changes_no_pair)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(3);
     scatter_on_1024ths(2000, &r);
@@ -487,9 +461,8 @@ static void moving_and_mirroring_a_scene_changes_no_pair(void **state)
     assert_int_equal(hash_of(&def, 2000), hash);
 }
 
-static void the_order_of_the_objects_changes_only_their_names(void **state)
+TEST(the_order_of_the_objects_changes_only_their_names)
 {
-    (void)state;
     enum { N = 1500 };
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(3);
@@ -516,9 +489,8 @@ static void the_order_of_the_objects_changes_only_their_names(void **state)
 
 // ------------------------------------------------------------ bounds, and hard pairs
 
-static void bounds_touch_and_miss_by_an_ulp(void **state)
+TEST(bounds_touch_and_miss_by_an_ulp)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         duet_world_def def = def_of(dims);
@@ -534,9 +506,8 @@ static void bounds_touch_and_miss_by_an_ulp(void **state)
     }
 }
 
-static void crowds_of_hard_pairs_are_decided_as_the_reference_does(void **state)
+TEST(crowds_of_hard_pairs_are_decided_as_the_reference_does)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (const hard_class *c = hard_classes; c->name; ++c)
         for (uint32_t dims = 2; dims <= 3; ++dims) {
@@ -555,9 +526,8 @@ static void crowds_of_hard_pairs_are_decided_as_the_reference_does(void **state)
 
 // The devices' bounds are a little wider than the boxes, and a world may be just
 // as long as its cells.
-static void cells_that_fit_the_world_tightly_hold_their_objects(void **state)
+TEST(cells_that_fit_the_world_tightly_hold_their_objects)
 {
-    (void)state;
     enum { N = 101, ROUNDS = 40 };
     duet_error err = {0};
     duet_world_def def = def_of(2);
@@ -581,36 +551,5 @@ static void cells_that_fit_the_world_tightly_hold_their_objects(void **state)
 int main(int argc, char **argv)
 {
     test_begin(argc, argv);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cells_that_fit_the_world_tightly_hold_their_objects),
-        cmocka_unit_test(centres_on_cell_borders_meet_all_neighbours),
-        cmocka_unit_test(objects_on_and_an_ulp_beyond_the_world_s_faces_are_found),
-        cmocka_unit_test(negative_coordinates_are_rounded_down),
-        cmocka_unit_test(objects_far_outside_the_world_are_found),
-        cmocka_unit_test(zeros_of_either_sign_are_alike),
-        cmocka_unit_test(turned_cubes_with_a_cell_of_their_edge_are_refused_or_widened),
-        cmocka_unit_test(a_cell_an_ulp_below_the_largest_object_loses_nothing),
-        cmocka_unit_test(grids_of_one_to_three_cells_an_axis_find_each_pair_once),
-        cmocka_unit_test(dims_that_are_no_power_of_two_lose_nothing),
-        cmocka_unit_test(a_world_of_more_cells_than_32_bits_count_is_no_trouble),
-        cmocka_unit_test(memory_follows_the_objects_and_not_the_world),
-        cmocka_unit_test(all_objects_in_one_place_make_all_pairs),
-        cmocka_unit_test(many_small_objects_in_one_cell_are_told_apart),
-        cmocka_unit_test(identical_boxes_on_a_lattice_touch_their_neighbours),
-        cmocka_unit_test(objects_on_a_line_or_a_plane_are_like_any_others),
-        cmocka_unit_test(one_giant_meets_exactly_all_others),
-        cmocka_unit_test(sizes_of_one_to_a_thousand_lose_nothing),
-        cmocka_unit_test(points_are_objects_too),
-        cmocka_unit_test(scenes_of_any_small_number_of_objects_are_whole),
-        cmocka_unit_test(a_limit_of_pairs_holds_to_the_last_one),
-        cmocka_unit_test(a_world_steps_on_as_its_pairs_become_more_and_fewer),
-        cmocka_unit_test(one_nan_among_thousands_changes_nothing_else),
-        cmocka_unit_test(each_kind_of_bad_pose_is_named),
-        cmocka_unit_test(bounds_with_lower_above_upper_are_named),
-        cmocka_unit_test(moving_and_mirroring_a_scene_changes_no_pair),
-        cmocka_unit_test(the_order_of_the_objects_changes_only_their_names),
-        cmocka_unit_test(bounds_touch_and_miss_by_an_ulp),
-        cmocka_unit_test(crowds_of_hard_pairs_are_decided_as_the_reference_does),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
+    return test_run(open_devices, close_devices);
 }

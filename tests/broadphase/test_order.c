@@ -39,14 +39,6 @@ static void fill_poses(rng *r, uint32_t n, uint32_t dims)
         poses[i] = random_pose(r, edge);
 }
 
-static duet_world *make_world(const duet_world_def *def)
-{
-    duet_error err = {0};
-    duet_world *world = duet_world_create(def, &err);
-    assert_ok(world != NULL, err);
-    return world;
-}
-
 static void set_large_poses(duet_world *world, uint32_t n)
 {
     static duet_large_pose large[CAPACITY];
@@ -146,9 +138,8 @@ static void assert_is_by_cell(duet_world *world, uint32_t n)
     duet_free(order);
 }
 
-static void the_order_is_a_permutation_by_cell_then_id(void **state)
+TEST(the_order_is_a_permutation_by_cell_then_id)
 {
-    (void)state;
     static const uint32_t numbers[] = {0, 1, 2, 5, 997, 6000, (1 << 15) - 1, 1 << 15, MANY};
     rng r = {test_seed()};
     for (uint32_t dims = 2; dims <= 3; ++dims)
@@ -156,7 +147,7 @@ static void the_order_is_a_permutation_by_cell_then_id(void **state)
             duet_world_def def = duet_default_world_def();
             def.pair = devices;
             def.dims = dims;
-            duet_world *world = make_world(&def);
+            duet_world *world = create_world(&def);
             fill_poses(&r, numbers[i], dims);
             set_poses(world, numbers[i]);
             assert_is_by_cell(world, numbers[i]);
@@ -172,13 +163,12 @@ static duet_world *make_hashed_world(duet_shape shape)
     def.plan.mode = DUET_MODE_OWN;
     strcpy(def.plan.variant_a, "simd grid=hashed");
     strcpy(def.plan.variant_b, "simd grid=hashed");
-    return make_world(&def);
+    return create_world(&def);
 }
 
 // Mixed sizes have several levels, far crowds a hashed grid, and what is no number a cell too.
-static void any_grid_has_an_order(void **state)
+TEST(any_grid_has_an_order)
 {
-    (void)state;
     enum { N = 3000 };
     rng r = {test_seed()};
     fill_poses(&r, N, 3);
@@ -187,7 +177,7 @@ static void any_grid_has_an_order(void **state)
     poses[7].centre[1] = NAN;
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     set_poses(world, N);
     assert_is_by_cell(world, N);
     assert_true(world->grid.n_levels > 1);
@@ -226,20 +216,18 @@ static void order_crowds(rng *r, float apart, double least_cells, double most_ce
     duet_world_destroy(world);
 }
 
-static void cells_beyond_32_and_beyond_63_bits_are_in_order(void **state)
+TEST(cells_beyond_32_and_beyond_63_bits_are_in_order)
 {
-    (void)state;
     rng r = {test_seed()};
     order_crowds(&r, 1e4f, 0x1p32, 0x1p63);
     order_crowds(&r, 8e6f, 0x1p63, INFINITY);
 }
 
-static void objects_of_one_cell_are_in_the_order_of_their_ids(void **state)
+TEST(objects_of_one_cell_are_in_the_order_of_their_ids)
 {
-    (void)state;
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     rng r = {test_seed()};
     for (uint32_t i = 0; i < MANY; ++i)
         poses[i] = random_pose(&r, 0.0);
@@ -255,9 +243,8 @@ static void objects_of_one_cell_are_in_the_order_of_their_ids(void **state)
 }
 
 // Boxes of two sizes, of which several are the widest, and some that are bad.
-static void threads_find_what_one_finds_of_a_grid_s_needs(void **state)
+TEST(threads_find_what_one_finds_of_a_grid_s_needs)
 {
-    (void)state;
     static const uint32_t numbers[] = {0, 1, 127, 128, 129, CAPACITY};
     rng r = {test_seed()};
     duet_error err = {0};
@@ -401,14 +388,13 @@ static void set_memory(bool host)
     is_known = true;
 }
 
-static void any_order_share_and_number_gives_the_reference_pairs(void **state)
+TEST(any_order_share_and_number_gives_the_reference_pairs)
 {
-    (void)state;
     static const uint32_t numbers[] = {0, 1, 5, 1023, 5003};
     rng r = {test_seed()};
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         duet_world_def def = ordered_def(dims, "simd");
-        duet_world *world = make_world(&def);
+        duet_world *world = create_world(&def);
         for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
             fill_poses(&r, numbers[i], dims);
             assert_finds_all_in_any_order(world, &r, numbers[i]);
@@ -417,9 +403,8 @@ static void any_order_share_and_number_gives_the_reference_pairs(void **state)
     }
 }
 
-static void every_sort_takes_stretches(void **state)
+TEST(every_sort_takes_stretches)
 {
-    (void)state;
     enum { N = 5003 };
     static const char *const variants[] = {
         "simd sort=radix", "gpu",         "gpu FROM_IDS=0", "gpu sort=radix", "gpu send=chunks",
@@ -429,7 +414,7 @@ static void every_sort_takes_stretches(void **state)
         for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
             duet_world_def def = ordered_def(3, variants[v]);
             set_memory(host);
-            duet_world *world = make_world(&def);
+            duet_world *world = create_world(&def);
             fill_poses(&r, N, 3);
             put_in_order(world, N);
             stray(&r, N);
@@ -441,16 +426,15 @@ static void every_sort_takes_stretches(void **state)
 
 // They go straight to their places there, and boxes are read where they are: of one size and of
 // several, in a dense grid and in a hashed one.
-static void whole_grids_of_ordered_objects_are_right(void **state)
+TEST(whole_grids_of_ordered_objects_are_right)
 {
-    (void)state;
     enum { N = 3000 };
     static const char *const variants[] = {"gpu FUSED=1 JOINED=1", "gpu grid=hashed", "simd"};
     rng r = {test_seed()};
     for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
         duet_world_def def = ordered_def(3, variants[v]);
         def.plan.mode = DUET_MODE_OWN;
-        duet_world *world = make_world(&def);
+        duet_world *world = create_world(&def);
         fill_poses(&r, N, 3);
         assert_finds_all_in_any_order(world, &r, N);
         for (uint32_t i = 0; i < N; i += 100)
@@ -501,21 +485,20 @@ static bool has_own_cells(duet_world *world)
 }
 
 // Of a work-item's 1 024 objects the first ones may be in cells that are another's.
-static void objects_in_order_are_in_their_work_item_s_own_cells(void **state)
+TEST(objects_in_order_are_in_their_work_item_s_own_cells)
 {
-    (void)state;
     enum { N = 5003 };
     const uint32_t units = devices->devices[1].info.units;
     devices->devices[1].info.units = 0; // few objects are enough
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     assert_finds_all_in_any_order(world, &r, N);
     duet_world_destroy(world);
     def.plan.mode = DUET_MODE_OWN;
     def.plan.share = 0;
-    world = make_world(&def);
+    world = create_world(&def);
     put_in_order(world, N);
     if (!has_own_cells(world)) {
         duet_world_destroy(world);
@@ -534,14 +517,13 @@ static void objects_in_order_are_in_their_work_item_s_own_cells(void **state)
 }
 
 // Each cell and those around it hold hundreds, many more than a lane lists at once.
-static void crowds_are_found_by_lanes_that_list_first(void **state)
+TEST(crowds_are_found_by_lanes_that_list_first)
 {
-    (void)state;
     enum { N = 1200 };
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "gpu FUSED=1 JOINED=1");
     def.plan.mode = DUET_MODE_OWN;
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     for (uint32_t i = 0; i < N; ++i)
         for (int k = 0; k < 3; ++k)
@@ -585,9 +567,8 @@ static void assert_counts_from_zero(duet_world *world, uint32_t n, const bool cl
     }
 }
 
-static void a_step_leaves_its_counts_at_zero_for_the_next_one(void **state)
+TEST(a_step_leaves_its_counts_at_zero_for_the_next_one)
 {
-    (void)state;
     enum { N = CAPACITY / 4 };
     static const bool both[2] = {true, true}, none[2];
     rng r = {test_seed()};
@@ -595,7 +576,7 @@ static void a_step_leaves_its_counts_at_zero_for_the_next_one(void **state)
     def.plan.mode = DUET_MODE_OWN;
     def.max_pairs = N;
     def.stage_times = true;
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, 4 * N, 3);
     assert_counts_from_zero(world, N, both);
     for (int i = 0; i < 3; ++i)
@@ -613,15 +594,14 @@ static void a_step_leaves_its_counts_at_zero_for_the_next_one(void **state)
 }
 
 // Modes take other kernels, which leave other sums behind.
-static void a_world_may_change_its_mode_from_step_to_step(void **state)
+TEST(a_world_may_change_its_mode_from_step_to_step)
 {
-    (void)state;
     enum { N = CAPACITY };
     static const duet_mode modes[] = {DUET_MODE_OWN,  DUET_MODE_SHARED, DUET_MODE_OWN,
                                       DUET_MODE_SLAB, DUET_MODE_SHARED, DUET_MODE_SLAB};
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     uint64_t truth = reference_hash(N, 3);
     for (size_t i = 0; i < sizeof modes / sizeof *modes; ++i) {
@@ -640,15 +620,14 @@ static void a_world_may_change_its_mode_from_step_to_step(void **state)
 
 // B's slab has rows of cells, but no object is in them, and B takes none: what it counted when it
 // had some is not told again.
-static void a_device_that_takes_nothing_finds_nothing(void **state)
+TEST(a_device_that_takes_nothing_finds_nothing)
 {
-    (void)state;
     enum { N = 2 * INPUT_BLOCK }; // A's own range ends with the last block
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "gpu FROM_IDS=0");
     def.has_world = true;
     def.upper[0] = def.upper[1] = def.upper[2] = 100.0f;
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     put_in_order(world, N);
     set_poses(world, N);
@@ -670,13 +649,12 @@ static void a_device_that_takes_nothing_finds_nothing(void **state)
 }
 
 // Giants make the cells wide, and a crowd makes one cell hold half of all.
-static void giants_and_crowds_are_found(void **state)
+TEST(giants_and_crowds_are_found)
 {
-    (void)state;
     enum { N = 3000 };
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     for (uint32_t i = 0; i < N; i += 1000)
         poses[i].half_extents[1] = 3.0f;
@@ -689,14 +667,13 @@ static void giants_and_crowds_are_found(void **state)
 }
 
 // The devices alone compute cells of objects in origin cells, and mark strays by them.
-static void objects_in_origin_cells_are_found_in_any_order(void **state)
+TEST(objects_in_origin_cells_are_found_in_any_order)
 {
-    (void)state;
     enum { N = 3000 };
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
     def.origin_edge = 4.0f;
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     for (uint32_t i = 0; i < N; ++i)
         for (int k = 0; k < 3; ++k) // so that a cell and an offset are the same number
@@ -712,16 +689,15 @@ static uint32_t count_taken(const duet_world *world, int side)
 }
 
 // Of objects in order a device takes its half and the ghosts at the border.
-static void a_device_takes_its_own_half_and_the_blocks_with_strays(void **state)
+TEST(a_device_takes_its_own_half_and_the_blocks_with_strays)
 {
-    (void)state;
     enum { N = CAPACITY };
     rng r = {test_seed()};
     for (int host = 0; host < 2; ++host) {
         duet_result result;
         duet_world_def def = ordered_def(3, "simd");
         set_memory(host);
-        duet_world *world = make_world(&def);
+        duet_world *world = create_world(&def);
         fill_poses(&r, N, 3);
         set_poses(world, N);
         step(world, &result);
@@ -744,15 +720,14 @@ static void a_device_takes_its_own_half_and_the_blocks_with_strays(void **state)
 }
 
 // Objects that drift over the cut are in blocks that nobody guessed: the step finds that out.
-static void objects_that_move_are_found_in_every_step(void **state)
+TEST(objects_that_move_are_found_in_every_step)
 {
-    (void)state;
     enum { N = 6000, STEPS = 8 };
     rng r = {test_seed()};
     for (int host = 0; host < 2; ++host) {
         duet_world_def def = ordered_def(3, "simd");
         set_memory(host);
-        duet_world *world = make_world(&def);
+        duet_world *world = create_world(&def);
         fill_poses(&r, N, 3);
         put_in_order(world, N);
         for (int i = 0; i < STEPS; ++i) {
@@ -809,9 +784,8 @@ static bool guesses(input_ranges *s, const uint32_t *blocks, uint32_t n)
     return input_ranges_held(s, marks);
 }
 
-static void a_guess_follows_what_was_wanted(void **state)
+TEST(a_guess_follows_what_was_wanted)
 {
-    (void)state;
     static const uint32_t ghosts[] = {50, 51, 52}, far[] = {50, 51, 52, 70},
                           back[] = {50, 51, 70, 10};
     input_ranges s = {0};
@@ -832,9 +806,8 @@ static void a_guess_follows_what_was_wanted(void **state)
 }
 
 // What B takes of A is one more command for a device with memory of its own.
-static void b_takes_none_of_as_objects_where_all_are_in_order(void **state)
+TEST(b_takes_none_of_as_objects_where_all_are_in_order)
 {
-    (void)state;
     static const uint32_t more[] = {0, 1, INPUT_BLOCK / 2, INPUT_BLOCK - 1};
     for (size_t i = 0; i < sizeof more / sizeof *more; ++i) {
         input_ranges s = {0};
@@ -847,9 +820,8 @@ static void b_takes_none_of_as_objects_where_all_are_in_order(void **state)
 }
 
 // One launch reads them.
-static void blocks_beside_the_own_range_are_one_with_it(void **state)
+TEST(blocks_beside_the_own_range_are_one_with_it)
 {
-    (void)state;
     static const uint32_t beside[] = {50, 51, 48, 49}, apart[] = {60, 40};
     input_ranges s = {0};
     begin_ranges(&s, true);
@@ -866,9 +838,8 @@ static void blocks_beside_the_own_range_are_one_with_it(void **state)
 }
 
 // Blocks far apart have more around them than is requested, and keep it.
-static void the_same_guess_is_no_new_one(void **state)
+TEST(the_same_guess_is_no_new_one)
 {
-    (void)state;
     static const uint32_t ghosts[] = {50, 51, 52}, apart[] = {60, 75, 90}, moved[] = {61, 76, 91};
     input_ranges s = {0};
     begin_ranges(&s, true);
@@ -882,13 +853,12 @@ static void the_same_guess_is_no_new_one(void **state)
     input_ranges_close(&s);
 }
 
-static void a_bad_object_is_named_wherever_it_strays(void **state)
+TEST(a_bad_object_is_named_wherever_it_strays)
 {
-    (void)state;
     enum { N = 5003 };
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     put_in_order(world, N);
     poses[N - 1].centre[2] = NAN;
@@ -922,14 +892,13 @@ static void assert_is_called(duet_world *world, const char *effects)
 }
 
 // A profile is of objects at random, in order, or in an order with strays.
-static void a_workload_tells_how_many_objects_stray(void **state)
+TEST(a_workload_tells_how_many_objects_stray)
 {
-    (void)state;
     rng r = {test_seed()};
     duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = make_world(&def);
+    duet_world *world = create_world(&def);
     def.ordered = false;
-    duet_world *plain = make_world(&def);
+    duet_world *plain = create_world(&def);
     fill_poses(&r, CAPACITY, 3);
     assert_is_called(world, NULL);
     put_in_order(world, CAPACITY);
@@ -943,32 +912,4 @@ static void a_workload_tells_how_many_objects_stray(void **state)
     duet_world_destroy(world);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_order_is_a_permutation_by_cell_then_id),
-        cmocka_unit_test(any_grid_has_an_order),
-        cmocka_unit_test(cells_beyond_32_and_beyond_63_bits_are_in_order),
-        cmocka_unit_test(objects_of_one_cell_are_in_the_order_of_their_ids),
-        cmocka_unit_test(threads_find_what_one_finds_of_a_grid_s_needs),
-        cmocka_unit_test(any_order_share_and_number_gives_the_reference_pairs),
-        cmocka_unit_test(every_sort_takes_stretches),
-        cmocka_unit_test(whole_grids_of_ordered_objects_are_right),
-        cmocka_unit_test(objects_in_order_are_in_their_work_item_s_own_cells),
-        cmocka_unit_test(crowds_are_found_by_lanes_that_list_first),
-        cmocka_unit_test(a_step_leaves_its_counts_at_zero_for_the_next_one),
-        cmocka_unit_test(a_world_may_change_its_mode_from_step_to_step),
-        cmocka_unit_test(a_device_that_takes_nothing_finds_nothing),
-        cmocka_unit_test(giants_and_crowds_are_found),
-        cmocka_unit_test(objects_in_origin_cells_are_found_in_any_order),
-        cmocka_unit_test(a_device_takes_its_own_half_and_the_blocks_with_strays),
-        cmocka_unit_test(objects_that_move_are_found_in_every_step),
-        cmocka_unit_test(a_guess_follows_what_was_wanted),
-        cmocka_unit_test(b_takes_none_of_as_objects_where_all_are_in_order),
-        cmocka_unit_test(blocks_beside_the_own_range_are_one_with_it),
-        cmocka_unit_test(the_same_guess_is_no_new_one),
-        cmocka_unit_test(a_workload_tells_how_many_objects_stray),
-        cmocka_unit_test(a_bad_object_is_named_wherever_it_strays),
-    };
-    return cmocka_run_group_tests_name("order", tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -9,7 +9,6 @@
 #include "runtime/broadphase/world.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { CAPACITY = 6000 };
@@ -78,9 +77,7 @@ enum { SHARES = sizeof shares / sizeof *shares };
 // Packs in more chunks than there are slots.
 static duet_world *make_world(const duet_world_def *def)
 {
-    duet_error err = {0};
-    duet_world *world = duet_world_create(def, &err);
-    assert_ok(world != NULL, err);
+    duet_world *world = create_world(def);
     world->lists.least_chunk = 64;
     return world;
 }

@@ -20,9 +20,8 @@ static duet_pair *open_list(uint64_t n)
     return list;
 }
 
-static void places_beyond_32_bits_lead_to_their_pairs(void **state)
+TEST(places_beyond_32_bits_lead_to_their_pairs)
 {
-    (void)state;
     duet_pair *a = open_list(MANY), *b = open_list(MANY);
     duet_result result = {.pairs = 2 * MANY, .spans = {{a, MANY}, {b, MANY}}};
     a[0] = (duet_pair){1, 2};
@@ -37,20 +36,12 @@ static void places_beyond_32_bits_lead_to_their_pairs(void **state)
     munmap(b, MANY * sizeof *b);
 }
 
-static void a_device_s_counters_have_64_bits(void **state)
+TEST(a_device_s_counters_have_64_bits)
 {
-    (void)state;
     const uint32_t counts[COUNTERS] = {[COUNT_PAIRS] = 5, [COUNT_PAIRS + 1] = 3};
     part_found found = part_found_of(counts);
     assert_true(found.pairs == 3 * ((uint64_t)1 << 32) + 5);
     assert_true(found.candidates == 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(places_beyond_32_bits_lead_to_their_pairs),
-        cmocka_unit_test(a_device_s_counters_have_64_bits),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Worlds of rounded boxes and of spheres: on any device, at any share, in any grid and mode the
 // pairs are the reference's, and what has no radius, or a bad one, is named.
+#include "support/devices.h"
 #include "support/test.h"
 
 #include "base/rng.h"
@@ -13,27 +14,8 @@
 
 enum { OBJECTS = 900, EDGE = 7 };
 
-static duet_device_pair *devices;
 static duet_rounded_box boxes[OBJECTS];
 static duet_sphere spheres[OBJECTS];
-
-static int open_devices(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_create(&def, &err);
-    assert_ok(devices, err);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_destroy(devices);
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
 
 // ------------------------------------------------------------ scenes
 
@@ -138,9 +120,8 @@ static const scene scenes[] = {
 
 enum { SCENES = sizeof scenes / sizeof *scenes };
 
-static void both_searches_find_the_references_pairs(void **state)
+TEST(both_searches_find_the_references_pairs)
 {
-    (void)state;
     uint64_t seed = test_seed();
     rng r = rng_seed(seed);
     print_message("DUET_TEST_SEED=%" PRIu64 "\n", seed);
@@ -153,9 +134,8 @@ static void both_searches_find_the_references_pairs(void **state)
     }
 }
 
-static void grids_modes_and_sorts_make_no_difference(void **state)
+TEST(grids_modes_and_sorts_make_no_difference)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     const scene mixed = {3, DUET_SHAPE_ROUNDED_BOXES, true, true};
     fill(&mixed, &r);
@@ -170,9 +150,8 @@ static void grids_modes_and_sorts_make_no_difference(void **state)
                                "gpu FUSED=1 send=packed");
 }
 
-static void levels_are_those_of_the_reference(void **state)
+TEST(levels_are_those_of_the_reference)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     fill(&scenes[0], &r);
     for (int l = 0; l < DUET_LEVELS; ++l)
@@ -184,9 +163,8 @@ static void levels_are_those_of_the_reference(void **state)
 }
 
 // From where float does not trust itself to where it does, and beyond.
-static void any_size_has_the_references_pairs(void **state)
+TEST(any_size_has_the_references_pairs)
 {
-    (void)state;
     static const int powers[] = {-130, -75, -45, 45, 95};
     rng r = rng_seed(test_seed());
     for (size_t p = 0; p < sizeof powers / sizeof *powers; ++p) {
@@ -207,9 +185,8 @@ static void any_size_has_the_references_pairs(void **state)
     }
 }
 
-static void touching_spheres_of_a_lattice_collide(void **state)
+TEST(touching_spheres_of_a_lattice_collide)
 {
-    (void)state;
     duet_error err = {0};
     duet_result result;
     enum { N = EDGE * EDGE * EDGE };
@@ -227,9 +204,8 @@ static void touching_spheres_of_a_lattice_collide(void **state)
 
 // ------------------------------------------------------------ refused
 
-static void bad_radii_are_named(void **state)
+TEST(bad_radii_are_named)
 {
-    (void)state;
     const float bad[] = {-1.0f, NAN, INFINITY};
     duet_error err = {0};
     duet_result result;
@@ -260,9 +236,8 @@ static void refuse(duet_world_def def, const char *why)
         fail_msg("'%s' says nothing of '%s'", err.text, why);
 }
 
-static void what_knows_no_radii_says_so(void **state)
+TEST(what_knows_no_radii_says_so)
 {
-    (void)state;
     duet_error err = {0};
     duet_world_def def = def_of(&scenes[3], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "simd");
     duet_world_def other = def;
@@ -301,16 +276,4 @@ static void what_knows_no_radii_says_so(void **state)
     duet_scene_destroy(made);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(both_searches_find_the_references_pairs),
-        cmocka_unit_test(grids_modes_and_sorts_make_no_difference),
-        cmocka_unit_test(levels_are_those_of_the_reference),
-        cmocka_unit_test(any_size_has_the_references_pairs),
-        cmocka_unit_test(touching_spheres_of_a_lattice_collide),
-        cmocka_unit_test(bad_radii_are_named),
-        cmocka_unit_test(what_knows_no_radii_says_so),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

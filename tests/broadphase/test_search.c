@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Every search finds the reference's pairs, whatever the objects are and
 // wherever they are cut.
+#include "support/devices.h"
 #include "support/test.h"
 
 #include "base/rng.h"
@@ -8,7 +9,6 @@
 #include "runtime/scene/reference.h"
 
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { MOST = 2500 };
@@ -64,33 +64,6 @@ static uint64_t reference_hash(const crowd *c, uint64_t *n_pairs)
     return hash;
 }
 
-static duet_device_pair *open_pair(const char *a, const char *b)
-{
-    duet_device_pair_def def = duet_default_device_pair_def();
-    def.a = a;
-    def.b = b;
-    duet_error err = {0};
-    duet_device_pair *pair = duet_device_pair_create(&def, &err);
-    assert_ok(pair, err);
-    return pair;
-}
-
-static duet_device_pair *first_two; // one pair for all tests: few kernels, many worlds
-
-static int open_devices(void **state)
-{
-    (void)state;
-    first_two = open_pair(NULL, NULL);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_destroy(first_two);
-    return 0;
-}
-
 static duet_world *open_world(duet_device_pair *pair, const crowd *c)
 {
     duet_world_def def = duet_default_world_def();
@@ -141,7 +114,7 @@ static const double widths[] = {0.1, 1.2, 2.0, 3.0, 20.0};
 static void try_crowds(const char *search, crowd *c, rng *r)
 {
     static const uint32_t counts[] = {0, 1, 2, 7, 8, 9, 100, 300, 1501};
-    duet_world *world = open_world(first_two, c);
+    duet_world *world = open_world(devices, c);
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
         for (size_t w = 0; w < sizeof widths / sizeof widths[0]; ++w) {
             if (counts[i] > 300 && widths[w] < 3.0)
@@ -184,11 +157,10 @@ static void fill_around_zero(crowd *c, int width)
     }
 }
 
-static void boxes_touch_where_one_ends_at_minus_zero(void **state)
+TEST(boxes_touch_where_one_ends_at_minus_zero)
 {
-    (void)state;
     static crowd c = {.dims = 3, .shape = DUET_SHAPE_BOUNDS};
-    duet_world *world = open_world(first_two, &c);
+    duet_world *world = open_world(devices, &c);
     for (int width = 2; width <= 8;
          width += 6) { // narrow grids, and those that eight are sought in
         fill_around_zero(&c, width);
@@ -199,15 +171,13 @@ static void boxes_touch_where_one_ends_at_minus_zero(void **state)
     duet_world_destroy(world);
 }
 
-static void lanes_find_the_references_pairs(void **state)
+TEST(lanes_find_the_references_pairs)
 {
-    (void)state;
     try_search("simd");
 }
 
-static void listed_candidates_give_the_same_pairs(void **state)
+TEST(listed_candidates_give_the_same_pairs)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     static crowd c = {.shape = DUET_SHAPE_POSES, .rotated = true};
     for (c.dims = 2; c.dims <= 3; ++c.dims)
@@ -215,15 +185,13 @@ static void listed_candidates_give_the_same_pairs(void **state)
             try_crowds("simd FUSED=0", &c, &r);
 }
 
-static void rows_find_the_references_pairs(void **state)
+TEST(rows_find_the_references_pairs)
 {
-    (void)state;
     try_search("gpu");
 }
 
-static void the_papers_search_finds_the_references_pairs(void **state)
+TEST(the_papers_search_finds_the_references_pairs)
 {
-    (void)state;
     try_search("paper");
 }
 
@@ -241,17 +209,15 @@ static void try_sizes(const char *search)
     }
 }
 
-static void lanes_find_pairs_of_all_sizes(void **state)
+TEST(lanes_find_pairs_of_all_sizes)
 {
-    (void)state;
     try_sizes("simd grid=dense");
     try_sizes("simd grid=hashed");
 }
 
 // Devices of several threads put the objects of a cell into no certain order.
-static void parts_agree_where_a_cell_is_cut(void **state)
+TEST(parts_agree_where_a_cell_is_cut)
 {
-    (void)state;
     static const char *const searches[] = {"gpu", "simd", "paper"};
     rng r = rng_seed(test_seed());
     static crowd c = {.dims = 3, .shape = DUET_SHAPE_POSES, .rotated = true, .n = MOST};
@@ -269,14 +235,5 @@ static void parts_agree_where_a_cell_is_cut(void **state)
 int main(int argc, char **argv)
 {
     test_begin(argc, argv);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lanes_find_the_references_pairs),
-        cmocka_unit_test(boxes_touch_where_one_ends_at_minus_zero),
-        cmocka_unit_test(listed_candidates_give_the_same_pairs),
-        cmocka_unit_test(rows_find_the_references_pairs),
-        cmocka_unit_test(the_papers_search_finds_the_references_pairs),
-        cmocka_unit_test(lanes_find_pairs_of_all_sizes),
-        cmocka_unit_test(parts_agree_where_a_cell_is_cut),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
+    return test_run(open_devices, close_devices);
 }

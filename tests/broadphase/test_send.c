@@ -2,6 +2,7 @@
 // Devices with memory of their own are sent objects in chunks where that is asked
 // for, and send pairs before they are asked, or count them. The CPU's parts here are told that they
 // have such memory.
+#include "support/devices.h"
 #include "support/test.h"
 
 #include "base/rng.h"
@@ -12,25 +13,12 @@
 
 enum { CAPACITY = 5003 };
 
-static duet_device_pair *devices;
 static duet_pose poses[CAPACITY];
 
-static int open_devices(void **state)
+static int begin(void **state)
 {
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_create(&def, &err);
-    assert_ok(devices != NULL, err);
+    open_devices(state);
     devices->devices[0].info.host_memory = devices->devices[1].info.host_memory = false;
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_destroy(devices);
-    assert_int_equal(device_live_objects(), 0);
     return 0;
 }
 
@@ -467,5 +455,5 @@ int main(void)
         cmocka_unit_test(a_bad_object_of_any_chunk_is_named),
         cmocka_unit_test(stages_have_times_where_they_are_asked_for),
     };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
+    return cmocka_run_group_tests(tests, begin, close_devices);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Sizes apart from transforms: the pairs of whole poses, and sizes travel once.
+#include "support/devices.h"
 #include "support/test.h"
 
 #include "base/rng.h"
@@ -10,28 +11,15 @@
 
 enum { CAPACITY = 3000 };
 
-static duet_device_pair *devices;
 static bool have_host_memory[2];
 static duet_pose poses[CAPACITY];
 static bool compact; // worlds have compact transforms
 
-static int open_devices(void **state)
+static int begin(void **state)
 {
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_create(&def, &err);
-    assert_ok(devices != NULL, err);
+    open_devices(state);
     for (int side = 0; side < 2; ++side)
         have_host_memory[side] = devices->devices[side].info.host_memory;
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_destroy(devices);
-    assert_int_equal(device_live_objects(), 0);
     return 0;
 }
 
@@ -156,9 +144,8 @@ static void follow(uint32_t dims, duet_mode mode, const char *text, rng *r)
     duet_world_destroy(world);
 }
 
-static void transforms_and_sizes_have_the_pairs_of_their_poses(void **state)
+static void follow_plans(void)
 {
-    (void)state;
     static const struct {
         duet_mode mode;
         const char *variant;
@@ -177,10 +164,15 @@ static void transforms_and_sizes_have_the_pairs_of_their_poses(void **state)
     }
 }
 
-static void compact_transforms_have_the_pairs_of_their_poses(void **state)
+TEST(transforms_and_sizes_have_the_pairs_of_their_poses)
+{
+    follow_plans();
+}
+
+TEST(compact_transforms_have_the_pairs_of_their_poses)
 {
     compact = true;
-    transforms_and_sizes_have_the_pairs_of_their_poses(state);
+    follow_plans();
     compact = false;
 }
 
@@ -200,9 +192,8 @@ static double turned(const float q[4], const int16_t c[4])
     return 2 * atan2(sqrt(across), fabs(dot)) * (qq > 0 && cc > 0);
 }
 
-static void the_nearest_compact_transform_is_as_near_as_is_said(void **state)
+TEST(the_nearest_compact_transform_is_as_near_as_is_said)
 {
-    (void)state;
     rng r = {test_seed()};
     double worst = 0;
     for (int i = 0; i < 200000; ++i) {
@@ -221,9 +212,8 @@ static void the_nearest_compact_transform_is_as_near_as_is_said(void **state)
     assert_true(worst > 3e-5); // else less could be said
 }
 
-static void what_has_no_rotation_has_no_compact_one(void **state)
+TEST(what_has_no_rotation_has_no_compact_one)
 {
-    (void)state;
     static const float wrong[][4] = {{0, 0, 0, 0}, {NAN, 0, 0, 1}, {0, 0, INFINITY, 1}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         duet_transform t = {{0}, {0}};
@@ -246,9 +236,8 @@ static void what_has_no_rotation_has_no_compact_one(void **state)
     compact = false;
 }
 
-static void sizes_are_sent_once(void **state)
+TEST(sizes_are_sent_once)
 {
-    (void)state;
     duet_error err = {0};
     duet_result result;
     rng r = {test_seed()};
@@ -269,9 +258,8 @@ static void sizes_are_sent_once(void **state)
     duet_world_destroy(world);
 }
 
-static void poses_are_taken_apart(void **state)
+TEST(poses_are_taken_apart)
 {
-    (void)state;
     duet_error err = {0};
     rng r = {test_seed()};
     tell_of_memory(true);
@@ -284,9 +272,8 @@ static void poses_are_taken_apart(void **state)
 
 // Cubes that touch, all turned the same way: float cannot tell, and the host
 // decides with the sizes.
-static void what_float_leaves_open_is_decided(void **state)
+TEST(what_float_leaves_open_is_decided)
 {
-    (void)state;
     enum { SIDE = 10, N = SIDE * SIDE * SIDE };
     duet_error err = {0};
     duet_result result;
@@ -306,9 +293,8 @@ static void what_float_leaves_open_is_decided(void **state)
     duet_world_destroy(world);
 }
 
-static void bad_sizes_are_named(void **state)
+TEST(bad_sizes_are_named)
 {
-    (void)state;
     duet_error err = {0};
     duet_result result;
     rng r = {test_seed()};
@@ -329,9 +315,8 @@ static void bad_sizes_are_named(void **state)
     }
 }
 
-static void as_many_sizes_as_transforms(void **state)
+TEST(as_many_sizes_as_transforms)
 {
-    (void)state;
     duet_error err = {0};
     duet_result result;
     rng r = {test_seed()};
@@ -364,9 +349,8 @@ static void refuse(duet_world_def def, const char *why)
     assert_non_null(strstr(err.text, why));
 }
 
-static void only_what_has_sizes_has_them_apart(void **state)
+TEST(only_what_has_sizes_has_them_apart)
 {
-    (void)state;
     duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
@@ -391,19 +375,4 @@ static void only_what_has_sizes_has_them_apart(void **state)
     duet_world_destroy(world);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(transforms_and_sizes_have_the_pairs_of_their_poses),
-        cmocka_unit_test(compact_transforms_have_the_pairs_of_their_poses),
-        cmocka_unit_test(the_nearest_compact_transform_is_as_near_as_is_said),
-        cmocka_unit_test(what_has_no_rotation_has_no_compact_one),
-        cmocka_unit_test(sizes_are_sent_once),
-        cmocka_unit_test(poses_are_taken_apart),
-        cmocka_unit_test(what_float_leaves_open_is_decided),
-        cmocka_unit_test(bad_sizes_are_named),
-        cmocka_unit_test(as_many_sizes_as_transforms),
-        cmocka_unit_test(only_what_has_sizes_has_them_apart),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(begin, close_devices)

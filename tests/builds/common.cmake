@@ -5,22 +5,8 @@
 #   FOLDER    to work in; made anew
 #   LAUNCHER  of the compiler, or nothing
 cmake_minimum_required(VERSION 3.22)
+include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
 set(build ${FOLDER}/build)
-
-function(run)
-  execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE out)
-  if(NOT status EQUAL 0)
-    message(FATAL_ERROR "${ARGV}: ${status}\n${out}")
-  endif()
-  set(out "${out}" PARENT_SCOPE)
-endfunction()
-
-function(run_says expected)
-  run(${ARGN})
-  if(NOT out MATCHES "${expected}")
-    message(FATAL_ERROR "${ARGN} says '${out}', not '${expected}'")
-  endif()
-endfunction()
 
 # Runs those of Duet's tests that look for files of the build, by options of ctest.
 function(run_tests)

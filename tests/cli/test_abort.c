@@ -150,11 +150,16 @@ static test_folder folder;
 static char path[128]; // of what the child writes
 static int *told;      // by the child, in memory that both see
 
+static void enter_folder(void)
+{
+    folder = test_folder_make();
+    snprintf(path, sizeof path, "%s/out", folder.path);
+}
+
 static int make_folder(void **state)
 {
     (void)state;
-    folder = test_folder_make();
-    snprintf(path, sizeof path, "%s/out", folder.path);
+    enter_folder();
     told = mmap(NULL, sizeof *told, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     return told == MAP_FAILED ? -1 : 0;
 }
@@ -163,14 +168,7 @@ static int remove_folder(void **state)
 {
     (void)state;
     munmap(told, sizeof *told);
-    test_folder_remove(&folder);
     return 0;
-}
-
-static void empty_folder(void)
-{
-    test_folder_remove(&folder);
-    assert_int_equal(mkdir(folder.path, 0700), 0);
 }
 
 // Whether the child was ended by its k-th call; false where it came to its end.
@@ -205,16 +203,15 @@ static bool write_output(void)
     return text_write_file(path, new_content, sizeof new_content, NULL);
 }
 
-static void an_output_is_the_old_one_or_the_new_one(void **state)
+TEST(an_output_is_the_old_one_or_the_new_one)
 {
-    (void)state;
     memset(new_content, 'n', sizeof new_content);
     int k = 1;
     bool was_new = false;
     for (bool ended = true; ended; ++k) {
         text found = {0};
         duet_error err = {0};
-        empty_folder();
+        enter_folder();
         test_write_file(path, "old");
         ended = ends_at(k, &calls_left, write_output);
         assert_ok(text_read_file(&found, path, &err), err);
@@ -230,12 +227,11 @@ static void an_output_is_the_old_one_or_the_new_one(void **state)
 }
 
 // The system ends a process that writes beyond its limit, in the middle of a write.
-static void an_output_is_whole_wherever_a_limit_ends_its_writer(void **state)
+TEST(an_output_is_whole_wherever_a_limit_ends_its_writer)
 {
-    (void)state;
     for (rlim_t limit = 0; limit < sizeof new_content + 2000; limit += 1500) {
         struct stat info;
-        empty_folder();
+        enter_folder();
         pid_t child = fork();
         if (child == 0) {
             setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
@@ -260,9 +256,8 @@ static bool put_entry(void)
     return cache_put(path, key, new_content, sizeof new_content);
 }
 
-static void a_cache_gives_the_kernel_or_nothing(void **state)
+TEST(a_cache_gives_the_kernel_or_nothing)
 {
-    (void)state;
     int n_found = 0;
     for (int k = 1; ends_at(k, &calls_left, put_entry); ++k) {
         text found = {0};
@@ -271,7 +266,7 @@ static void a_cache_gives_the_kernel_or_nothing(void **state)
                              memcmp(found.chars, new_content, found.length) == 0));
         n_found += got;
         text_free(&found);
-        empty_folder();
+        enter_folder();
     }
     assert_true(n_found > 0);
     text found = {0};
@@ -307,12 +302,11 @@ static void assert_committed(int64_t least)
     store_close(s);
 }
 
-static void a_store_keeps_all_that_was_committed(void **state)
+TEST(a_store_keeps_all_that_was_committed)
 {
-    (void)state;
     int k = 1;
     for (bool ended = true; ended && k < MOST_CALLS; ++k) {
-        empty_folder();
+        enter_folder();
         ended = ends_at(k, &calls_left, commit_some);
         if (*told > 0 || access(folder.store, F_OK) == 0)
             assert_committed(*told);
@@ -338,23 +332,20 @@ static bool import_rows(void)
 
 static void make_rows(void)
 {
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
     store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune(s, &pair, &workload);
+    test_tune_usual(s);
     FILE *out = open_memstream(&rows, &row_bytes);
     assert_true(profile_export(s, out, "rows", NULL));
     fclose(out);
     store_close(s);
 }
 
-static void an_import_is_all_or_nothing(void **state)
+TEST(an_import_is_all_or_nothing)
 {
-    (void)state;
     make_rows();
     int k = 1, n_all = 0;
     for (bool ended = true; ended && k < MOST_CALLS; k += 1 + k / 20) {
-        empty_folder();
+        enter_folder();
         ended = ends_at(k, &calls_left, import_rows);
         store *s = test_store_open(folder.store, STORE_WRITE);
         int64_t profiles = test_count(s, "profile");
@@ -413,9 +404,8 @@ static bool run_a_frame(void)
     return ok && n == N_BOXES - 1;
 }
 
-static void a_driver_that_aborts_leaves_nothing_half_done(void **state)
+TEST(a_driver_that_aborts_leaves_nothing_half_done)
 {
-    (void)state;
     bool ended = true;
     int k = 1, n_ended = 0;
     for (; ended && k < 200; k += 1 + k / 3) {
@@ -434,20 +424,10 @@ static void a_driver_that_aborts_leaves_nothing_half_done(void **state)
     }
     print_message("ended at %d calls of the driver\n", n_ended);
     assert_true(!ended && n_ended > 3);
-    remove("test_abort.pairs");
 }
-
-#define IN_A_FOLDER(test) cmocka_unit_test_setup_teardown(test, make_folder, remove_folder)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        IN_A_FOLDER(an_output_is_the_old_one_or_the_new_one),
-        IN_A_FOLDER(an_output_is_whole_wherever_a_limit_ends_its_writer),
-        IN_A_FOLDER(a_cache_gives_the_kernel_or_nothing),
-        IN_A_FOLDER(a_store_keeps_all_that_was_committed),
-        IN_A_FOLDER(an_import_is_all_or_nothing),
-        IN_A_FOLDER(a_driver_that_aborts_leaves_nothing_half_done),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    test_each(make_folder, remove_folder);
+    return test_run(NULL, NULL);
 }

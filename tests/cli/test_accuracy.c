@@ -8,7 +8,6 @@
 #include "runtime/duet.h"
 
 #include <cjson/cJSON.h>
-#include <stdio.h>
 #include <string.h>
 
 #define SCENE "test_accuracy.scene.lua"
@@ -40,29 +39,12 @@ static const char stack_text[] =
     "add { centre = { 0, 0, -0.5 }, half_extents = { 5, 5, 0.5 }, mass = 0 }\n"
     "return { dims = 3, gravity = { 0, 0, -10 }, wants = { 'contact_response' } }\n";
 
-static void write_file(const char *path, const char *content)
-{
-    duet_error err = {0};
-    assert_ok(text_write_file(path, content, strlen(content), &err), err);
-}
-
 static int make_scene(void **state)
 {
     (void)state;
-    write_file(SCENE, scene_text);
-    write_file(ORBIT, orbit_text);
-    write_file(STACK, stack_text);
-    return 0;
-}
-
-static int remove_files(void **state)
-{
-    (void)state;
-    remove(SCENE);
-    remove(ORBIT);
-    remove(STACK);
-    remove(PLOT);
-    remove(TABLE);
+    test_write_file(SCENE, scene_text);
+    test_write_file(ORBIT, orbit_text);
+    test_write_file(STACK, stack_text);
     return 0;
 }
 
@@ -91,9 +73,8 @@ static void assert_row_is_what_its_level_promises(const cJSON *row, double truth
         assert_true(added > 0 && number_of(row, "widest_false") > 0);
 }
 
-static void each_levels_cost_is_told_for_each_device(void **state)
+TEST(each_levels_cost_is_told_for_each_device)
 {
-    (void)state;
     program p = program_run("accuracy --json --repeat 1 --csv " TABLE " --plot " PLOT " " SCENE);
     if (p.exit_code != 0)
         fail_msg("accuracy: %s", p.err);
@@ -113,9 +94,8 @@ static void each_levels_cost_is_told_for_each_device(void **state)
     program_free(&p);
 }
 
-static void an_only_device_is_measured_once(void **state)
+TEST(an_only_device_is_measured_once)
 {
-    (void)state;
     program p = program_run("accuracy --repeat 1 --pair cpu " SCENE);
     assert_int_equal(p.exit_code, 0);
     const char *first = strstr(p.out, "certified");
@@ -126,9 +106,8 @@ static void an_only_device_is_measured_once(void **state)
 }
 
 // One of 95 % from 7 rounds leaves out none of them; from 5 rounds there is none.
-static void a_difference_from_sat15_is_noise_or_not(void **state)
+TEST(a_difference_from_sat15_is_noise_or_not)
 {
-    (void)state;
     static const int rounds[] = {5, 7};
     for (int i = 0; i < 2; ++i) {
         program p = program_run("accuracy --json --repeat %d " SCENE, rounds[i]);
@@ -154,27 +133,23 @@ static void a_difference_from_sat15_is_noise_or_not(void **state)
     program_free(&p);
 }
 
-static void the_table_and_the_plot_name_every_level(void **state)
+TEST(the_table_and_the_plot_name_every_level)
 {
-    (void)state;
     static const char *const files[] = {TABLE, PLOT};
     program p = program_run("accuracy --repeat 1 --csv " TABLE " --plot " PLOT " " SCENE);
     assert_int_equal(p.exit_code, 0);
     for (int l = 0; l < DUET_LEVELS; ++l)
         assert_non_null(strstr(p.out, duet_level_get_info((duet_level)l)->name));
     for (int f = 0; f < 2; ++f) {
-        text content = {0};
-        duet_error err = {0};
-        assert_ok(text_read_file(&content, files[f], &err), err);
+        text content = test_read_file(files[f]);
         assert_true(content.length > 200);
         text_free(&content);
     }
     program_free(&p);
 }
 
-static void a_plot_of_another_kind_is_refused(void **state)
+TEST(a_plot_of_another_kind_is_refused)
 {
-    (void)state;
     program p = program_run("accuracy --repeat 1 --plot plot.gif " SCENE);
     assert_int_equal(p.exit_code, 2);
     assert_non_null(strstr(p.err, ".svg"));
@@ -218,9 +193,8 @@ static int count_true(const cJSON *rows, const char *key)
 }
 
 // Errors shrink with dt as the integrator's order has it.
-static void flights_compare_integrators(void **state)
+TEST(flights_compare_integrators)
 {
-    (void)state;
     cJSON *o = measure("--csv " TABLE " --plot " PLOT " " ORBIT);
     const cJSON *timesteps = cJSON_GetObjectItemCaseSensitive(o, "timesteps");
     assert_int_equal(cJSON_GetArraySize(timesteps), 12);
@@ -240,9 +214,8 @@ static void flights_compare_integrators(void **state)
     cJSON_Delete(o);
 }
 
-static void contacts_compare_dt_and_substeps(void **state)
+TEST(contacts_compare_dt_and_substeps)
 {
-    (void)state;
     cJSON *o = measure("--time 0.5 " STACK);
     const cJSON *timesteps = cJSON_GetObjectItemCaseSensitive(o, "timesteps");
     assert_int_equal(cJSON_GetArraySize(timesteps), 16);
@@ -254,35 +227,19 @@ static void contacts_compare_dt_and_substeps(void **state)
     cJSON_Delete(o);
 }
 
-static void a_limit_ends_it_after_a_run(void **state)
+TEST(a_limit_ends_it_after_a_run)
 {
-    (void)state;
     program p = program_run("accuracy --limit 0 --time 0.1 " STACK);
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "15 dearer ones were not begun"));
     program_free(&p);
 }
 
-static void still_asks_for_levels_of_what_moves(void **state)
+TEST(still_asks_for_levels_of_what_moves)
 {
-    (void)state;
     cJSON *o = measure("--still --repeat 1 " STACK);
     assert_non_null(cJSON_GetObjectItemCaseSensitive(o, "levels"));
     cJSON_Delete(o);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_levels_cost_is_told_for_each_device),
-        cmocka_unit_test(an_only_device_is_measured_once),
-        cmocka_unit_test(a_difference_from_sat15_is_noise_or_not),
-        cmocka_unit_test(the_table_and_the_plot_name_every_level),
-        cmocka_unit_test(a_plot_of_another_kind_is_refused),
-        cmocka_unit_test(flights_compare_integrators),
-        cmocka_unit_test(contacts_compare_dt_and_substeps),
-        cmocka_unit_test(a_limit_ends_it_after_a_run),
-        cmocka_unit_test(still_asks_for_levels_of_what_moves),
-    };
-    return cmocka_run_group_tests(tests, make_scene, remove_files);
-}
+TEST_MAIN(make_scene, NULL)

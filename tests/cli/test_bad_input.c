@@ -10,29 +10,14 @@
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #define OUT "test_bad_input.out"
 
-static void write_bytes(const char *path, const void *bytes, size_t n)
-{
-    duet_error err = {0};
-    assert_ok(text_write_file(path, bytes, n, &err), err);
-}
-
-static void write_text(const char *path, const char *chars)
-{
-    write_bytes(path, chars, strlen(chars));
-}
-
 static void assert_file_holds(const char *path, const char *chars)
 {
-    text t = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&t, path, &err), err);
+    text t = test_read_file(path);
     assert_string_equal(text_chars(&t), chars);
     text_free(&t);
 }
@@ -40,7 +25,7 @@ static void assert_file_holds(const char *path, const char *chars)
 // The refusal leaves stdout empty and the file for the pairs as it was.
 static void assert_run_refused(int exit_code, const char *arguments, const char *says)
 {
-    write_text(OUT, "before");
+    test_write_file(OUT, "before");
     program p = program_run("run %s --pairs " OUT, arguments);
     program_assert_refused(&p, exit_code, says);
     assert_file_holds(OUT, "before");
@@ -50,82 +35,32 @@ static void assert_run_refused(int exit_code, const char *arguments, const char 
     assert_null(fopen(OUT, "rb"));
 }
 
-static void a_missing_file_is_named(void **state)
+TEST(a_missing_file_is_named)
 {
-    (void)state;
     assert_run_refused(1, "no/such/boxes.csv", "no/such/boxes.csv: No such file or directory");
     assert_run_refused(1, "no/such/boxes.npy", "no/such/boxes.npy: No such file or directory");
     assert_run_refused(1, "no/such/scene.lua", "no/such/scene.lua: No such file or directory");
     assert_run_refused(1, ".", ".: is a folder, not a file");
 }
 
-static void a_wrong_row_is_named_by_line_and_object(void **state)
+// Their other lines are facts of test_scene_text, test_npy and test_scene_lua.
+TEST(what_a_reader_refuses_is_one_line)
 {
-    (void)state;
-    static const struct {
-        const char *chars;
-        const char *says;
-    } wrong[] = {
-        {"0,0,1,1\n1,2,3,4,5,6,7\n", ".csv:2: object 1 has 7 numbers"},
-        {"1,2,3,4,5,6,7,8\n", ".csv:1: object 0 has 8 numbers; it must have 4, 5, 6, 7, 10 or 11"},
-        {"0,0,1,1\n0,nan,1,1\n", ".csv:2: object 1: min y is nan"},
-        {"0,0,1,1\n0,0,inf,1\n", ".csv:2: object 1: max x is inf"},
-        {"0,0,1,1,0\n0,0,-1,1,0\n", ".csv:2: object 1: hx = -1 is negative"},
-        {"0,0,0,1,1,1,0,0,0,0\n", ".csv:1: object 0: the quaternion is zero"},
-        {"0,0,0,1,-1,1\n", ".csv:1: object 0: min y = 0 is above max y = -1"},
-        {"zero\none\n", ".csv:2: column 1: 'one' is not a number"},
+    static const char *const wrong[][3] = {
+        {"bad.csv", "0,0,1,1\n0,nan,1,1\n", "bad.csv:2: object 1: min y is nan"},
+        {"bad.npy", "NUMPY", "bad.npy: does not begin as a .npy file does"},
+        {"bad.lua", "return {\n  wrld = {},\n}\n", "bad.lua:2: a scene has no field 'wrld'"},
+        {"bad.lua", "\nerror('no boxes today')\n", "bad.lua:2: no boxes today"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
-        write_text("test_bad_input.csv", wrong[i].chars);
-        assert_run_refused(1, "test_bad_input.csv", wrong[i].says);
+        test_write_file(wrong[i][0], wrong[i][1]);
+        assert_run_refused(1, wrong[i][0], wrong[i][2]);
     }
-    remove("test_bad_input.csv");
-}
-
-static text npy_with(const char *literal, size_t data_bytes)
-{
-    text t = {0};
-    text_add_bytes(&t, "\x93NUMPY\x01\x00\x76\x00", 10);
-    text_add(&t, "%-117s\n", literal);
-    for (size_t i = 0; i < data_bytes; ++i)
-        text_add_bytes(&t, "", 1);
-    return t;
-}
-
-static void a_wrong_array_is_refused(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *literal;
-        size_t data_bytes;
-        const char *says;
-    } wrong[] = {
-        {"{'descr': '<f4', 'fortran_order': False, 'shape': (2, 4), }", 31,
-         ".npy: cut short: the shape (2, 4) needs 32 bytes of data, and 31 follow the header"},
-        {"{'descr': '<f4', 'fortran_order': False, 'shape': (2, 8), }", 64,
-         ".npy: the shape is (2, 8); the second number must be 4, 5, 6, 7, 10 or 11"},
-        {"{'descr': '<f4', 'fortran_order': False, 'shape': (8,), }", 32,
-         ".npy: the array has 1 dimensions"},
-        {"{'descr': '<i4', 'fortran_order': False, 'shape': (2, 4), }", 32,
-         ".npy: the numbers are '<i4'; they must be float32 or float64"},
-        {"{'descr': '<f4', 'fortran_order': False, 'shape': (1, 10), }", 40,
-         ".npy: object 0: the quaternion is zero"},
-    };
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
-        text t = npy_with(wrong[i].literal, wrong[i].data_bytes);
-        write_bytes("test_bad_input.npy", t.chars, t.length);
-        assert_run_refused(1, "test_bad_input.npy", wrong[i].says);
-        text_free(&t);
-    }
-    write_bytes("test_bad_input.npy", "\x93NUMPY\x01", 7);
-    assert_run_refused(1, "test_bad_input.npy", ".npy: does not begin as a .npy file does");
-    remove("test_bad_input.npy");
 }
 
 // What never ends is left at the first byte or line that no text has.
-static void what_is_no_text_is_refused_at_once(void **state)
+TEST(what_is_no_text_is_refused_at_once)
 {
-    (void)state;
     static const struct {
         const char *command;
         const char *says;
@@ -147,57 +82,30 @@ static void what_is_no_text_is_refused_at_once(void **state)
     }
 }
 
-static void a_line_that_is_too_long_is_refused(void **state)
+TEST(a_line_that_is_too_long_is_refused)
 {
-    (void)state;
     text line = {0};
     for (size_t i = 0; i < TEXT_LINE_MOST / 8 + 1; ++i)
         text_add(&line, "0,0,0,1,");
-    write_bytes("test_bad_input.csv", line.chars, line.length);
+    test_write_file("test_bad_input.csv", line.chars);
     text_free(&line);
     assert_run_refused(1, "test_bad_input.csv",
                        "test_bad_input.csv: has a line of more than 16 MiB");
-    remove("test_bad_input.csv");
 }
 
-static void a_wrong_scene_is_named_by_line(void **state)
+TEST(a_wrong_option_is_wrong_usage)
 {
-    (void)state;
-    static const struct {
-        const char *chars;
-        const char *says;
-    } wrong[] = {
-        {"return {\n  wrld = {},\n}\n", ".lua:2: a scene has no field 'wrld'"},
-        {"return {\n  dims = 3\n  cell = 1\n}\n", ".lua:3: '}' expected"},
-        {"\nadd(0, 0, 0/0, 1)\nreturn {}\n", ".lua:2: object 0: max x is"},
-        {"\nerror('no boxes today')\n", ".lua:2: no boxes today"},
-        {"return {\n  objects = { { 0, 0, 1 } },\n}\n", ".lua: object 0 has 3 numbers"},
-    };
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
-        write_text("test_bad_input.lua", wrong[i].chars);
-        assert_run_refused(1, "test_bad_input.lua", wrong[i].says);
-    }
-    remove("test_bad_input.lua");
-}
-
-static void a_wrong_option_is_wrong_usage(void **state)
-{
-    (void)state;
-    write_text("test_bad_input.csv", "0,0,1,1\n");
-    assert_run_refused(2, "test_bad_input.csv --share 1.5", "--share '1.5'");
-    assert_run_refused(2, "test_bad_input.csv --share -0.1", "--share '-0.1'");
+    test_write_file("test_bad_input.csv", "0,0,1,1\n");
     assert_run_refused(2, "test_bad_input.csv --share half", "--share 'half'");
     assert_run_refused(2, "paper -n 4294967294",
                        "--objects '4294967294': give a whole number from 0 to 4294967293");
     assert_run_refused(2, "test_bad_input.csv -n 1",
                        "'n' cannot be chosen, since this is data and no .lua scene");
-    remove("test_bad_input.csv");
 }
 
 // By whatever name it is called, and before it is read: it is no scene.
-static void an_output_that_would_replace_what_is_read_is_refused(void **state)
+TEST(an_output_that_would_replace_what_is_read_is_refused)
 {
-    (void)state;
     static const struct {
         const char *arguments;
         const char *says;
@@ -218,7 +126,7 @@ static void an_output_that_would_replace_what_is_read_is_refused(void **state)
         {"run in.npy --pairs ./in.npy", "--pairs ./in.npy would overwrite what is read"},
         {"accuracy in.csv --csv out --plot ./out", "--csv and --plot would both write ./out"},
     };
-    write_text("in.csv", "no scene");
+    test_write_file("in.csv", "no scene");
     assert_int_equal(symlink("in.csv", "link.csv"), 0);
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         program p = program_run("%s", wrong[i].arguments);
@@ -226,18 +134,6 @@ static void an_output_that_would_replace_what_is_read_is_refused(void **state)
         assert_file_holds("in.csv", "no scene");
         assert_int_not_equal(access("out", F_OK), 0);
     }
-    remove("link.csv");
-    remove("in.csv");
-}
-
-static void a_parameter_that_the_scene_lacks_is_named(void **state)
-{
-    (void)state;
-    char arguments[600];
-    snprintf(arguments, sizeof arguments, "%s/paper.lua -n 10 --set boxes=3",
-             getenv("DUET_TEST_SCENES"));
-    assert_run_refused(2, arguments,
-                       "no parameter 'boxes'; the scene has euler, giants, n, rotated, ");
 }
 
 static double number_in(const cJSON *object, const char *name)
@@ -247,12 +143,11 @@ static double number_in(const cJSON *object, const char *name)
     return item->valuedouble;
 }
 
-static void none_and_one_and_two_objects_are_no_error(void **state)
+TEST(none_and_one_and_two_objects_are_no_error)
 {
-    (void)state;
     static const char *const rows[] = {"", "0,0,0,1,1,1\n", "0,0,0,1,1,1\n1,1,1,2,2,2\n"};
     for (int n = 0; n <= 2; ++n) {
-        write_text("test_bad_input.csv", rows[n]);
+        test_write_file("test_bad_input.csv", rows[n]);
         program p = program_run("run test_bad_input.csv --repeat 1 --json --pairs " OUT);
         assert_int_equal(p.exit_code, 0);
         assert_string_equal(p.err,
@@ -265,7 +160,6 @@ static void none_and_one_and_two_objects_are_no_error(void **state)
         program_free(&p);
         remove(OUT);
     }
-    remove("test_bad_input.csv");
 }
 
 // ------------------------------------------------------------------ kernels
@@ -284,9 +178,8 @@ static void drop_compiler_count(program *p)
     memmove(start, rest, strlen(rest) + 1);
 }
 
-static void a_kernel_that_does_not_compile_is_named(void **state)
+TEST(a_kernel_that_does_not_compile_is_named)
 {
-    (void)state;
     static const struct {
         const char *file;
         const char *more;
@@ -295,10 +188,10 @@ static void a_kernel_that_does_not_compile_is_named(void **state)
         {"grid/hash.cl", "this is no OpenCL C;\n", "kernels/grid/hash.cl:"},
         {"grid/hash.lua", "this is no Lua\n", "hash.lua:"},
     };
-    write_text("test_bad_input.csv", "0,0,1,1\n1,1,2,2\n");
+    test_write_file("test_bad_input.csv", "0,0,1,1\n1,1,2,2\n");
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         test_kernels_write("test_bad_input.kernels", wrong[i].file, "", wrong[i].more);
-        write_text(OUT, "before");
+        test_write_file(OUT, "before");
         program p = program_run_with("DUET_KERNEL_DIR=test_bad_input.kernels",
                                      "run test_bad_input.csv --pairs " OUT);
         drop_compiler_count(&p);
@@ -306,34 +199,13 @@ static void a_kernel_that_does_not_compile_is_named(void **state)
         assert_file_holds(OUT, "before");
         remove(OUT);
     }
-    test_kernels_remove("test_bad_input.kernels");
-    remove("test_bad_input.csv");
 }
 
-static void a_missing_folder_of_kernels_is_named(void **state)
+TEST(a_missing_folder_of_kernels_is_named)
 {
-    (void)state;
-    write_text("test_bad_input.csv", "0,0,1,1\n");
+    test_write_file("test_bad_input.csv", "0,0,1,1\n");
     program p = program_run_with("DUET_KERNEL_DIR=no/such/folder", "run test_bad_input.csv");
     program_assert_refused(&p, 1, "no/such/folder: No such file or directory");
-    remove("test_bad_input.csv");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_missing_file_is_named),
-        cmocka_unit_test(a_wrong_row_is_named_by_line_and_object),
-        cmocka_unit_test(a_wrong_array_is_refused),
-        cmocka_unit_test(what_is_no_text_is_refused_at_once),
-        cmocka_unit_test(a_line_that_is_too_long_is_refused),
-        cmocka_unit_test(a_wrong_scene_is_named_by_line),
-        cmocka_unit_test(a_wrong_option_is_wrong_usage),
-        cmocka_unit_test(an_output_that_would_replace_what_is_read_is_refused),
-        cmocka_unit_test(a_parameter_that_the_scene_lacks_is_named),
-        cmocka_unit_test(none_and_one_and_two_objects_are_no_error),
-        cmocka_unit_test(a_kernel_that_does_not_compile_is_named),
-        cmocka_unit_test(a_missing_folder_of_kernels_is_named),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

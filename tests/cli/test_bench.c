@@ -16,9 +16,7 @@
 
 static cJSON *read_json(const char *path)
 {
-    text t = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&t, path, &err), err);
+    text t = test_read_file(path);
     cJSON *o = cJSON_Parse(text_chars(&t));
     text_free(&t);
     assert_non_null(o);
@@ -69,9 +67,8 @@ static void assert_verdicts(const char *arguments, const char *verdict)
     cJSON_Delete(o);
 }
 
-static void results_hold_every_sample_and_the_devices(void **state)
+TEST(results_hold_every_sample_and_the_devices)
 {
-    (void)state;
     cJSON *o = read_json(OUT);
     assert_string_equal(cJSON_GetObjectItem(o, "type")->valuestring, "duet bench");
     assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(o, "devices")), 2);
@@ -90,9 +87,8 @@ static void results_hold_every_sample_and_the_devices(void **state)
     cJSON_Delete(o);
 }
 
-static void a_millionfold_difference_is_seen_and_few_samples_are_ambiguous(void **state)
+TEST(a_millionfold_difference_is_seen_and_few_samples_are_ambiguous)
 {
-    (void)state;
     write_old(1e6, 0);
     assert_verdicts("--repeat 7", "faster");
     assert_verdicts("--repeat 2", "ambiguous");
@@ -100,16 +96,14 @@ static void a_millionfold_difference_is_seen_and_few_samples_are_ambiguous(void 
     assert_verdicts("--repeat 7", "slower");
 }
 
-static void what_other_programs_may_be_to_blame_for_is_ambiguous(void **state)
+TEST(what_other_programs_may_be_to_blame_for_is_ambiguous)
 {
-    (void)state;
     write_old(150, 0.99);
     assert_verdicts("--repeat 7", "ambiguous");
 }
 
-static void an_only_device_has_no_share(void **state)
+TEST(an_only_device_has_no_share)
 {
-    (void)state;
     program p = program_run("bench --quick --scene paper2d --repeat 1 --pair cpu");
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "kernels"));
@@ -118,9 +112,8 @@ static void an_only_device_has_no_share(void **state)
     program_free(&p);
 }
 
-static void the_whole_set_costs_levels_and_effects(void **state)
+TEST(the_whole_set_costs_levels_and_effects)
 {
-    (void)state;
     cJSON *o = read_json(OUT);
     const cJSON *levels = cJSON_GetObjectItem(cJSON_GetObjectItem(o, "accuracy")->child, "levels");
     assert_true(cJSON_GetArraySize(levels) >= (devices_are_two() ? 2 : 1) * 5);
@@ -142,9 +135,8 @@ static void the_whole_set_costs_levels_and_effects(void **state)
     cJSON_Delete(o);
 }
 
-static void text_says_what_it_was_compared_with(void **state)
+TEST(text_says_what_it_was_compared_with)
 {
-    (void)state;
     write_old(1e6, 0);
     program p = program_run(BENCH "--repeat 7 --against " OLD);
     assert_int_equal(p.exit_code, 0);
@@ -159,9 +151,8 @@ static void text_says_what_it_was_compared_with(void **state)
     program_free(&p);
 }
 
-static void a_stopped_run_says_what_its_file_holds(void **state)
+TEST(a_stopped_run_says_what_its_file_holds)
 {
-    (void)state;
     char says[128];
     program p = program_run_with("timeout --foreground --preserve-status -s INT 1",
                                  "bench --quick --repeat 512 -o " OLD);
@@ -175,9 +166,8 @@ static void a_stopped_run_says_what_its_file_holds(void **state)
     program_free(&p);
 }
 
-static void what_is_no_result_is_refused_in_one_line(void **state)
+TEST(what_is_no_result_is_refused_in_one_line)
 {
-    (void)state;
     static const char *const bad[][2] = {
         {"", OLD ": not JSON"},
         {"{", OLD ": not JSON"},
@@ -203,25 +193,4 @@ static void what_is_no_result_is_refused_in_one_line(void **state)
     program_assert_refused(&p, 1, "no/such.json");
 }
 
-static int remove_files(void **state)
-{
-    (void)state;
-    remove(OUT);
-    remove(OLD);
-    return 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(results_hold_every_sample_and_the_devices),
-        cmocka_unit_test(a_millionfold_difference_is_seen_and_few_samples_are_ambiguous),
-        cmocka_unit_test(what_other_programs_may_be_to_blame_for_is_ambiguous),
-        cmocka_unit_test(an_only_device_has_no_share),
-        cmocka_unit_test(the_whole_set_costs_levels_and_effects),
-        cmocka_unit_test(text_says_what_it_was_compared_with),
-        cmocka_unit_test(a_stopped_run_says_what_its_file_holds),
-        cmocka_unit_test(what_is_no_result_is_refused_in_one_line),
-    };
-    return cmocka_run_group_tests(tests, measure, remove_files);
-}
+TEST_MAIN(measure, NULL)

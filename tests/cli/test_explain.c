@@ -81,9 +81,8 @@ static cJSON *explain_paper(const char *options)
     return explain(arguments);
 }
 
-static void the_kernels_of_each_search_run_and_the_others_are_left_out(void **state)
+TEST(the_kernels_of_each_search_run_and_the_others_are_left_out)
 {
-    (void)state;
     static const struct {
         const char *words;
         const char *run[6];
@@ -113,9 +112,8 @@ static void the_kernels_of_each_search_run_and_the_others_are_left_out(void **st
     }
 }
 
-static void properties_of_the_scene_are_told_by_their_parameter(void **state)
+TEST(properties_of_the_scene_are_told_by_their_parameter)
 {
-    (void)state;
     cJSON *b = explain_paper("");
     assert_int_equal(value_of(b, "DIMS"), 3);
     assert_int_equal(value_of(b, "SHAPE"), 0);
@@ -129,9 +127,8 @@ static void properties_of_the_scene_are_told_by_their_parameter(void **state)
     cJSON_Delete(b);
 }
 
-static void bounds_that_overlap_are_the_answer(void **state)
+TEST(bounds_that_overlap_are_the_answer)
 {
-    (void)state;
     cJSON *b = explain_paper("--level aabb");
     assert_false(runs(b, "narrow_simd"));
     assert_string_equal(string_of(kernel_of(b, "narrow_simd"), "why"),
@@ -139,9 +136,8 @@ static void bounds_that_overlap_are_the_answer(void **state)
     cJSON_Delete(b);
 }
 
-static void a_still_scene_is_told_as_text(void **state)
+TEST(a_still_scene_is_told_as_text)
 {
-    (void)state;
     program p = program_run("explain %s -n 500 --share 0 --variant simd", scene("paper.lua"));
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "ROTATED=1"));
@@ -151,9 +147,8 @@ static void a_still_scene_is_told_as_text(void **state)
     program_free(&p);
 }
 
-static void a_scene_that_moves_is_told_by_its_effects(void **state)
+TEST(a_scene_that_moves_is_told_by_its_effects)
 {
-    (void)state;
     program p = program_run("explain %s -n 50", scene("falling.lua"));
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "gravity"));
@@ -161,9 +156,8 @@ static void a_scene_that_moves_is_told_by_its_effects(void **state)
     program_free(&p);
 }
 
-static void what_is_wrong_with_a_plan_is_one_line(void **state)
+TEST(what_is_wrong_with_a_plan_is_one_line)
 {
-    (void)state;
     program p = program_run("explain %s -n 50 --variant abacus", scene("paper.lua"));
     program_assert_refused(&p, 2, "variant 'abacus': expected auto, simd, gpu or paper");
     p = program_run("explain %s -n 50 --level best", scene("paper.lua"));
@@ -171,9 +165,8 @@ static void what_is_wrong_with_a_plan_is_one_line(void **state)
 }
 
 // The scene decides whether these say anything.
-static void what_a_scene_has_no_use_for_is_refused(void **state)
+TEST(what_a_scene_has_no_use_for_is_refused)
 {
-    (void)state;
     static const struct {
         const char *command;
         const char *scene;
@@ -193,16 +186,4 @@ static void what_a_scene_has_no_use_for_is_refused(void **state)
     program_assert_refused(&p, 2, "--mode 'nowhere'");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_kernels_of_each_search_run_and_the_others_are_left_out),
-        cmocka_unit_test(properties_of_the_scene_are_told_by_their_parameter),
-        cmocka_unit_test(bounds_that_overlap_are_the_answer),
-        cmocka_unit_test(a_still_scene_is_told_as_text),
-        cmocka_unit_test(a_scene_that_moves_is_told_by_its_effects),
-        cmocka_unit_test(what_is_wrong_with_a_plan_is_one_line),
-        cmocka_unit_test(what_a_scene_has_no_use_for_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -242,9 +242,8 @@ static void check(size_t reader, const hostile *h)
 static void check_each(const hostile *scripts, size_t n)
 {
     for (size_t i = 0; i < n; ++i) {
-        duet_error err = {0};
         const char *chunk = scripts[i].script;
-        assert_ok(text_write_file(FILE_NAME, chunk, strlen(chunk), &err), err);
+        test_write_file(FILE_NAME, chunk);
         for (size_t reader = 0; reader < sizeof readers / sizeof readers[0]; ++reader)
             check(reader, &scripts[i]);
     }
@@ -252,27 +251,23 @@ static void check_each(const hostile *scripts, size_t n)
 
 #define CHECK_EACH(scripts) check_each(scripts, sizeof(scripts) / sizeof(scripts)[0])
 
-static void what_runs_long_ends_at_its_limit(void **state)
+TEST(what_runs_long_ends_at_its_limit)
 {
-    (void)state;
     CHECK_EACH(long_runs);
 }
 
-static void what_takes_much_memory_ends_at_a_limit(void **state)
+TEST(what_takes_much_memory_ends_at_a_limit)
 {
-    (void)state;
     CHECK_EACH(greedy);
 }
 
-static void what_goes_deep_is_an_error_and_no_crash(void **state)
+TEST(what_goes_deep_is_an_error_and_no_crash)
 {
-    (void)state;
     CHECK_EACH(deep);
 }
 
-static void what_wants_out_of_the_sandbox_is_an_error(void **state)
+TEST(what_wants_out_of_the_sandbox_is_an_error)
 {
-    (void)state;
     CHECK_EACH(escapes);
 }
 
@@ -290,9 +285,8 @@ static void add_deep_text(text *t)
         text_add(t, "x=x ");
 }
 
-static void the_parser_ends_at_the_limit(void **state)
+TEST(the_parser_ends_at_the_limit)
 {
-    (void)state;
     text deep_text = {0};
     text choices = {0};
     text labels = {0};
@@ -323,21 +317,4 @@ static void the_parser_ends_at_the_limit(void **state)
     text_free(&labels);
 }
 
-static int remove_files(void **state)
-{
-    (void)state;
-    remove(FILE_NAME);
-    return 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_runs_long_ends_at_its_limit),
-        cmocka_unit_test(what_takes_much_memory_ends_at_a_limit),
-        cmocka_unit_test(what_goes_deep_is_an_error_and_no_crash),
-        cmocka_unit_test(what_wants_out_of_the_sandbox_is_an_error),
-        cmocka_unit_test(the_parser_ends_at_the_limit),
-    };
-    return cmocka_run_group_tests(tests, NULL, remove_files);
-}
+TEST_MAIN(NULL, NULL)

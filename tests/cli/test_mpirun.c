@@ -34,9 +34,8 @@ static void skip_without_mpi(void)
     }
 }
 
-static void a_job_that_fails_is_one_line(void **state)
+TEST(a_job_that_fails_is_one_line)
 {
-    (void)state;
     static const struct {
         const char *says, *then, *arguments, *told;
     } jobs[] = {
@@ -69,15 +68,11 @@ static void a_job_that_fails_is_one_line(void **state)
     assert_string_equal(p.out, "found\n");
     assert_string_equal(p.err, "ssh: no\ndriver: a warning\n\r\033[Kstep 3");
     program_free(&p);
-    unlink("mpirun_of_test/mpirun");
-    unlink("mpirun_of_test/says");
-    rmdir("mpirun_of_test");
 }
 
 // mpirun says less unless a person asks for it.
-static void mpirun_is_quiet_unless_verbose(void **state)
+TEST(mpirun_is_quiet_unless_verbose)
 {
-    (void)state;
     skip_without_mpi();
     mkdir("mpirun_of_test", 0755);
     be_mpirun(BEGUN, "echo $OMPI_MCA_orte_execute_quiet $PRTE_MCA_prte_execute_quiet");
@@ -87,15 +82,11 @@ static void mpirun_is_quiet_unless_verbose(void **state)
         assert_string_equal(p.out, verbose ? "\n" : "1 1\n");
         program_free(&p);
     }
-    unlink("mpirun_of_test/mpirun");
-    unlink("mpirun_of_test/says");
-    rmdir("mpirun_of_test");
 }
 
 // What a shell's loop reads stays there. A scene may come from there, by any of its names.
-static void ranks_get_stdin_only_where_they_read_the_scene_from_it(void **state)
+TEST(ranks_get_stdin_only_where_they_read_the_scene_from_it)
 {
-    (void)state;
     skip_without_mpi();
     mkdir("mpirun_of_test", 0755);
     be_mpirun(BEGUN, "cat");
@@ -107,9 +98,6 @@ static void ranks_get_stdin_only_where_they_read_the_scene_from_it(void **state)
         assert_string_equal(p.out, jobs[i][1]);
         program_free(&p);
     }
-    unlink("mpirun_of_test/mpirun");
-    unlink("mpirun_of_test/says");
-    rmdir("mpirun_of_test");
 }
 
 #define OLD_BINDING "OMPI_MCA_hwloc_base_binding_policy"
@@ -118,9 +106,8 @@ static void ranks_get_stdin_only_where_they_read_the_scene_from_it(void **state)
 #define NEW_SHARING "PRTE_MCA_rmaps_default_mapping_policy"
 
 // Open MPI 4 and 5 have names of their own for it. What the user says goes before.
-static void ranks_share_the_machine_with_any_open_mpi(void **state)
+TEST(ranks_share_the_machine_with_any_open_mpi)
 {
-    (void)state;
     skip_without_mpi();
     mkdir("mpirun_of_test", 0755);
     be_mpirun(BEGUN, "echo $" OLD_BINDING " $" OLD_SHARING " $" NEW_BINDING " $" NEW_SHARING);
@@ -139,18 +126,6 @@ static void ranks_share_the_machine_with_any_open_mpi(void **state)
         assert_string_equal(p.out, given[i][1]);
         program_free(&p);
     }
-    unlink("mpirun_of_test/mpirun");
-    unlink("mpirun_of_test/says");
-    rmdir("mpirun_of_test");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_job_that_fails_is_one_line),
-        cmocka_unit_test(mpirun_is_quiet_unless_verbose),
-        cmocka_unit_test(ranks_get_stdin_only_where_they_read_the_scene_from_it),
-        cmocka_unit_test(ranks_share_the_machine_with_any_open_mpi),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

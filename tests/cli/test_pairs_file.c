@@ -9,7 +9,6 @@
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define TOUCHING "0 0 0 .5 .5 .5 0 0 0 1   1 0 0 .5 .5 .5 0 0 0 1\n"
@@ -21,18 +20,12 @@ static void write_file(const char *path, const void *bytes, size_t n)
     assert_ok(text_write_file(path, bytes, n, &err), err);
 }
 
-static void write_text(const char *path, const char *chars)
-{
-    write_file(path, chars, strlen(chars));
-}
-
 // ------------------------------------------------------------ reading
 
-static void rows_of_text_become_two_poses_each(void **state)
+TEST(rows_of_text_become_two_poses_each)
 {
-    (void)state;
     duet_error err = {0};
-    write_text("pairs.csv", "# two pairs\n" TOUCHING APART);
+    test_write_file("pairs.csv", "# two pairs\n" TOUCHING APART);
     duet_scene *pairs = duet_scene_load_pairs("pairs.csv", &err);
     assert_ok(pairs, err);
     const duet_scene_info *info = duet_scene_get_info(pairs);
@@ -41,13 +34,12 @@ static void rows_of_text_become_two_poses_each(void **state)
     assert_int_equal(info->dims, 3);
     assert_true(poses[1].centre[0] == 1 && poses[3].centre[1] == 2 && poses[3].rotation[2] == 1);
     duet_scene_destroy(pairs);
-    write_text("pairs.csv", "0 0 1 1 0  3 0 1 1 3.14159\n");
+    test_write_file("pairs.csv", "0 0 1 1 0  3 0 1 1 3.14159\n");
     pairs = duet_scene_load_pairs("pairs.csv", &err);
     assert_ok(pairs, err);
     assert_int_equal(duet_scene_get_info(pairs)->n, 2);
     assert_int_equal(duet_scene_get_info(pairs)->dims, 2);
     duet_scene_destroy(pairs);
-    remove("pairs.csv");
 }
 
 // An array of shape (n, 20) as NumPy writes it.
@@ -65,9 +57,8 @@ static void write_array(const char *path, const char *descr, const void *items, 
     text_free(&file);
 }
 
-static void doubles_are_rounded_to_the_nearest_float_and_floats_are_kept(void **state)
+TEST(doubles_are_rounded_to_the_nearest_float_and_floats_are_kept)
 {
-    (void)state;
     duet_error err = {0};
     double row[20] = {0.1, 0, 0, 1, 1, 1, 0, 0, 0, 1, 16777217, 0, 0, 1, 1, 1, 0, 0, 0, 1};
     float single[20];
@@ -85,13 +76,10 @@ static void doubles_are_rounded_to_the_nearest_float_and_floats_are_kept(void **
                         2 * sizeof *poses);
     duet_scene_destroy(doubles);
     duet_scene_destroy(floats);
-    remove("doubles.npy");
-    remove("floats.npy");
 }
 
-static void wrong_files_are_refused_with_pair_and_pose(void **state)
+TEST(wrong_files_are_refused_with_pair_and_pose)
 {
-    (void)state;
     static const struct {
         const char *text, *says;
     } wrong[] = {
@@ -108,28 +96,25 @@ static void wrong_files_are_refused_with_pair_and_pose(void **state)
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         duet_error err = {0};
-        write_text("pairs.csv", wrong[i].text);
+        test_write_file("pairs.csv", wrong[i].text);
         assert_null(duet_scene_load_pairs("pairs.csv", &err));
         assert_string_equal(err.text, wrong[i].says);
     }
     remove("pairs.csv");
     duet_error err = {0};
-    write_text("pairs.lua", "return {}");
+    test_write_file("pairs.lua", "return {}");
     assert_null(duet_scene_load_pairs("pairs.lua", &err));
     assert_string_equal(err.text, "pairs.lua: pairs are read from .npy or text");
-    remove("pairs.lua");
 }
 
 // ------------------------------------------------------------ writing
 
-static void arrays_are_written_as_numpy_reads_them(void **state)
+TEST(arrays_are_written_as_numpy_reads_them)
 {
-    (void)state;
     duet_error err = {0};
-    text bytes = {0};
     const uint8_t answers[3] = {1, 0, 1};
     assert_ok(npy_write("answers.npy", NPY_UINT8, answers, 3, &err), err);
-    assert_ok(text_read_file(&bytes, "answers.npy", &err), err);
+    text bytes = test_read_file("answers.npy");
     assert_int_equal(bytes.length, 128 + 3);
     assert_memory_equal(bytes.chars, "\x93NUMPY\1\0\x76\0", 10);
     static const char literal[] = "{'descr': '|u1', 'fortran_order': False, 'shape': (3,), } ";
@@ -159,10 +144,9 @@ static double number_in(const cJSON *o, const char *name)
     return item->valuedouble;
 }
 
-static void the_program_tests_a_file_at_every_level(void **state)
+TEST(the_program_tests_a_file_at_every_level)
 {
-    (void)state;
-    write_text("pairs.csv", TOUCHING APART TOUCHING);
+    test_write_file("pairs.csv", TOUCHING APART TOUCHING);
     for (int l = 0; l < DUET_LEVELS; ++l) {
         program p = program_run_with(CACHED, "query pairs.csv --json --share 1/3 --level %s",
                                      duet_level_get_info((duet_level)l)->name);
@@ -175,25 +159,20 @@ static void the_program_tests_a_file_at_every_level(void **state)
         cJSON_Delete(o);
         program_free(&p);
     }
-    remove("pairs.csv");
 }
 
 static void assert_file(const char *path, const char *expected)
 {
-    duet_error err = {0};
-    text bytes = {0};
-    assert_ok(text_read_file(&bytes, path, &err), err);
+    text bytes = test_read_file(path);
     assert_string_equal(text_chars(&bytes), expected);
     text_free(&bytes);
-    remove(path);
 }
 
-static void the_program_writes_answers_and_separations(void **state)
+TEST(the_program_writes_answers_and_separations)
 {
-    (void)state;
     duet_error err = {0};
     text bytes = {0};
-    write_text("pairs.csv", TOUCHING APART);
+    test_write_file("pairs.csv", TOUCHING APART);
     static const char *const outs[] = {"answers.csv", "answers.npy"};
     for (int i = 0; i < 2; ++i) {
         program p = program_run_with(CACHED, "query pairs.csv --separations -o %s", outs[i]);
@@ -208,15 +187,11 @@ static void the_program_writes_answers_and_separations(void **state)
     assert_ok(text_read_file(&bytes, "answers.separations.npy", &err), err);
     assert_memory_equal(bytes.chars + 128, ((const double[2]){0, 1}), 16);
     text_free(&bytes);
-    remove("answers.npy");
-    remove("answers.separations.npy");
-    remove("pairs.csv");
 }
 
-static void wrong_usage_is_told(void **state)
+TEST(wrong_usage_is_told)
 {
-    (void)state;
-    write_text("pairs.csv", TOUCHING);
+    test_write_file("pairs.csv", TOUCHING);
     static const struct {
         const char *arguments;
         int exit_code;
@@ -235,19 +210,6 @@ static void wrong_usage_is_told(void **state)
         program p = program_run("%s", wrong[i].arguments);
         program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
     }
-    remove("pairs.csv");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rows_of_text_become_two_poses_each),
-        cmocka_unit_test(doubles_are_rounded_to_the_nearest_float_and_floats_are_kept),
-        cmocka_unit_test(wrong_files_are_refused_with_pair_and_pose),
-        cmocka_unit_test(arrays_are_written_as_numpy_reads_them),
-        cmocka_unit_test(the_program_tests_a_file_at_every_level),
-        cmocka_unit_test(the_program_writes_answers_and_separations),
-        cmocka_unit_test(wrong_usage_is_told),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

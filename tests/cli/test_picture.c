@@ -5,7 +5,6 @@
 
 #include "base/text_file.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #define SCENE "test_picture.txt"
@@ -18,8 +17,7 @@ static const char alone[] = "fill:rgb(66%,76%,88%)";
 
 static void write_scene(const char *content)
 {
-    duet_error err = {0};
-    assert_ok(text_write_file(SCENE, content, strlen(content), &err), err);
+    test_write_file(SCENE, content);
 }
 
 // Cairo 1.16 writes style="fill:rgb(1%,2%,3%)", Cairo 1.18 fill="rgb(1%, 2%, 3%)": both
@@ -60,9 +58,8 @@ static int count(const text *svg, const char *fill)
     return n;
 }
 
-static void boxes_that_collide_are_filled_in_their_own_colour(void **state)
+TEST(boxes_that_collide_are_filled_in_their_own_colour)
 {
-    (void)state;
     write_scene("0 0 1 1\n0.5 0.5 1.5 1.5\n3 3 4 4\n5 3 6 4\n6 4 7 5\n9 9 9.5 9.5\n");
     text svg = draw(SVG, "");
     assert_int_equal(count(&svg, colliding), 4);
@@ -70,9 +67,8 @@ static void boxes_that_collide_are_filled_in_their_own_colour(void **state)
     text_free(&svg);
 }
 
-static void of_a_box_in_3d_three_faces_are_seen(void **state)
+TEST(of_a_box_in_3d_three_faces_are_seen)
 {
-    (void)state;
     write_scene("0 0 0 1 1 1\n5 5 5 6 6 6\n");
     text svg = draw(SVG, "");
     int faces = 0;
@@ -83,9 +79,8 @@ static void of_a_box_in_3d_three_faces_are_seen(void **state)
 }
 
 // A disc is a polygon of its fill; its bounds are those of the disc.
-static void what_has_a_radius_is_round(void **state)
+TEST(what_has_a_radius_is_round)
 {
-    (void)state;
     write_scene("0 0 0 0 0 1 0.5\n3 0 1 0.2 0 1 0.3\n");
     text svg = draw(SVG, "");
     assert_int_equal(count(&svg, alone), 2);
@@ -98,9 +93,8 @@ static void what_has_a_radius_is_round(void **state)
     text_free(&svg);
 }
 
-static void a_sample_has_as_many_boxes_as_asked(void **state)
+TEST(a_sample_has_as_many_boxes_as_asked)
 {
-    (void)state;
     text boxes = {0};
     for (int i = 0; i < 50; ++i)
         text_add(&boxes, "%d 0 %d.5 1\n", i, i);
@@ -112,18 +106,16 @@ static void a_sample_has_as_many_boxes_as_asked(void **state)
 }
 
 // A box of edge 1 fills 860 pixels: a tenth of it is the greatest bar below 140.
-static void a_bar_shows_the_scale(void **state)
+TEST(a_bar_shows_the_scale)
 {
-    (void)state;
     write_scene("0 0 1 1\n");
     text svg = draw(SVG, "");
     assert_non_null(strstr(svg.chars, "M24908L110908"));
     text_free(&svg);
 }
 
-static void a_png_has_the_asked_width(void **state)
+TEST(a_png_has_the_asked_width)
 {
-    (void)state;
     write_scene("0 0 1 1\n");
     text png = draw(PNG, "--width 300");
     assert_true(png.length > 24);
@@ -132,9 +124,8 @@ static void a_png_has_the_asked_width(void **state)
     text_free(&png);
 }
 
-static void extreme_scenes_are_drawn(void **state)
+TEST(extreme_scenes_are_drawn)
 {
-    (void)state;
     static const char *const scenes[] = {
         "",
         "1 1 1 1\n",
@@ -152,9 +143,8 @@ static void extreme_scenes_are_drawn(void **state)
     }
 }
 
-static void what_cannot_be_drawn_is_one_line(void **state)
+TEST(what_cannot_be_drawn_is_one_line)
 {
-    (void)state;
     write_scene("0 0 1 1\n");
     program p = program_run("picture %s", SCENE);
     program_assert_refused(&p, 2, "-o is missing");
@@ -166,26 +156,4 @@ static void what_cannot_be_drawn_is_one_line(void **state)
     program_assert_refused(&p, 1, "no/such/folder.svg");
 }
 
-static int remove_files(void **state)
-{
-    (void)state;
-    remove(SCENE);
-    remove(SVG);
-    remove(PNG);
-    return 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(boxes_that_collide_are_filled_in_their_own_colour),
-        cmocka_unit_test(of_a_box_in_3d_three_faces_are_seen),
-        cmocka_unit_test(what_has_a_radius_is_round),
-        cmocka_unit_test(a_sample_has_as_many_boxes_as_asked),
-        cmocka_unit_test(a_bar_shows_the_scale),
-        cmocka_unit_test(a_png_has_the_asked_width),
-        cmocka_unit_test(extreme_scenes_are_drawn),
-        cmocka_unit_test(what_cannot_be_drawn_is_one_line),
-    };
-    return cmocka_run_group_tests(tests, NULL, remove_files);
-}
+TEST_MAIN(NULL, NULL)

@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 // A store with two profiles, one of them replaced once.
 static test_folder make_store(void)
@@ -60,9 +59,8 @@ static void assert_refused(const test_folder *folder, const char *arguments, int
     program_assert_refused(&p, code, says);
 }
 
-static void list_shows_what_an_application_would_load(void **state)
+TEST(list_shows_what_an_application_would_load)
 {
-    (void)state;
     test_folder folder = make_store();
     cJSON *o = run_json(&folder, "list --json");
     const cJSON *profiles = json_array(o, "profiles", 2);
@@ -85,12 +83,10 @@ static void list_shows_what_an_application_would_load(void **state)
     for (const char *line = p.out; *line; line += strcspn(line, "\n") + 1)
         assert_in_range(strcspn(line, "\n"), 0, 80);
     program_free(&p);
-    test_folder_remove(&folder);
 }
 
-static void show_gives_a_profile_with_its_trials(void **state)
+TEST(show_gives_a_profile_with_its_trials)
 {
-    (void)state;
     test_folder folder = make_store();
     cJSON *all = run_json(&folder, "list --json");
     const cJSON *first = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(all, "profiles"), 0);
@@ -111,13 +107,11 @@ static void show_gives_a_profile_with_its_trials(void **state)
     cJSON_Delete(all);
     assert_refused(&folder, "show zz", 2, "no profile begins with 'zz'");
     assert_refused(&folder, "show ''", 2, "3 profiles begin with ''");
-    test_folder_remove(&folder);
 }
 
 // The store's third profile is dead, of 250 000 objects.
-static void a_stored_profile_is_compared_put_to_use_and_forgotten(void **state)
+TEST(a_stored_profile_is_compared_put_to_use_and_forgotten)
 {
-    (void)state;
     test_folder folder = make_store();
     char uids[3][40];
     char arguments[160];
@@ -150,7 +144,6 @@ static void a_stored_profile_is_compared_put_to_use_and_forgotten(void **state)
     assert_prints(&folder, arguments, "");
     assert_prints(&folder, "list", "no profile is in use; --dead shows the 1 that is not");
     assert_refused(&folder, "diff 1", 2, "PROFILE PROFILE is missing");
-    test_folder_remove(&folder);
 }
 
 static void assert_null_figures(const cJSON *o, const char *const *names, int n)
@@ -160,9 +153,8 @@ static void assert_null_figures(const cJSON *o, const char *const *names, int n)
             fail_msg("'%s' is not null", names[i]);
 }
 
-static void a_figure_that_was_not_measured_is_null(void **state)
+TEST(a_figure_that_was_not_measured_is_null)
 {
-    (void)state;
     static const char *const figures[] = {"whole_ms",        "whole_gain", "whole_gain_low",
                                           "whole_gain_high", "single_ms",  "missed_rate",
                                           "false_rate",      "true_pairs"};
@@ -187,14 +179,12 @@ static void a_figure_that_was_not_measured_is_null(void **state)
     program_free(&p);
     cJSON_Delete(o);
     cJSON_Delete(all);
-    test_folder_remove(&folder);
 }
 
 // A row of one device says which, and what sharing would do; not the gain of a plan that
 // is not used.
-static void what_one_device_does_alone_is_told_as_such(void **state)
+TEST(what_one_device_does_alone_is_told_as_such)
 {
-    (void)state;
     test_folder folder = make_store();
     duet_error err = {0};
     char arguments[64];
@@ -214,13 +204,11 @@ static void what_one_device_does_alone_is_told_as_such(void **state)
     assert_prints(&folder, "list", "B alone");
     assert_prints(&folder, "list", "by itself is 25.0 % faster");
     cJSON_Delete(o);
-    test_folder_remove(&folder);
 }
 
 // The store tells two cards of one model not apart, but what shares is no single device.
-static void two_equal_devices_that_share_are_two(void **state)
+TEST(two_equal_devices_that_share_are_two)
 {
-    (void)state;
     test_folder folder = make_store();
     char arguments[64];
     test_store_run(folder.store, "UPDATE pair SET env_b = env_a; UPDATE profile SET share = 32768");
@@ -230,12 +218,10 @@ static void two_equal_devices_that_share_are_two(void **state)
     assert_prints(&folder, arguments, "share 0.50000");
     assert_prints(&folder, "list", "\nB: ");
     cJSON_Delete(o);
-    test_folder_remove(&folder);
 }
 
-static void rows_go_out_and_into_another_store(void **state)
+TEST(rows_go_out_and_into_another_store)
 {
-    (void)state;
     test_folder folder = make_store();
     test_folder other = test_folder_make();
     char arguments[160];
@@ -264,13 +250,10 @@ static void rows_go_out_and_into_another_store(void **state)
     p = run_on(&folder, "export");
     assert_int_equal(p.exit_code, 0);
     program_free(&p);
-    test_folder_remove(&folder);
-    test_folder_remove(&other);
 }
 
-static void a_bad_line_is_named_and_the_store_untouched(void **state)
+TEST(a_bad_line_is_named_and_the_store_untouched)
 {
-    (void)state;
     test_folder folder = make_store();
     test_folder other = test_folder_make();
     char arguments[256];
@@ -285,13 +268,10 @@ static void a_bad_line_is_named_and_the_store_untouched(void **state)
     cJSON *o = run_json(&other, "list --json");
     json_array(o, "profiles", 0);
     cJSON_Delete(o);
-    test_folder_remove(&folder);
-    test_folder_remove(&other);
 }
 
-static void prune_and_check_say_what_they_found(void **state)
+TEST(prune_and_check_say_what_they_found)
 {
-    (void)state;
     test_folder folder = make_store();
     cJSON *o = run_json(&folder, "prune --samples 1 --dead --json");
     assert_int_equal(json_number(o, "samples"), 27 * 3);
@@ -311,12 +291,10 @@ static void prune_and_check_say_what_they_found(void **state)
     assert_non_null(strstr(p.out, "its key is not that of its fields"));
     assert_non_null(strstr(p.err, "rows are not sound"));
     program_free(&p);
-    test_folder_remove(&folder);
 }
 
-static void what_is_wrong_is_said_in_one_line(void **state)
+TEST(what_is_wrong_is_said_in_one_line)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     assert_refused(&folder, "", 2, "what to do is missing: give one of list, show,");
     assert_refused(&folder, "juggle", 2, "there is no 'juggle': give one of list, show,");
@@ -329,21 +307,18 @@ static void what_is_wrong_is_said_in_one_line(void **state)
     assert_ok(text_write_file(folder.store, "rubbish", 7, &err), err);
     assert_refused(&folder, "list", 1, "is not a profile store and was left as it is");
     assert_refused(&folder, "prune", 1, "is not a profile store and was left as it is");
-    test_folder_remove(&folder);
 }
 
 // The queries that docs/store.md shows, each run on a store.
-static void every_query_of_the_documentation_works(void **state)
+TEST(every_query_of_the_documentation_works)
 {
-    (void)state;
     test_folder folder = make_store();
     duet_error err = {0};
     store *s = store_open(folder.store, STORE_WRITE, &err);
     assert_ok(s, err);
     text path = {0};
-    text doc = {0};
     text_add(&path, "%s/../../docs/store.md", getenv("DUET_TEST_DATA"));
-    assert_ok(text_read_file(&doc, text_chars(&path), &err), err);
+    text doc = test_read_file(text_chars(&path));
     int n = 0;
     for (char *at = doc.chars; (at = strstr(at, "```sql\n")); ++n) {
         at += strlen("```sql\n");
@@ -362,23 +337,6 @@ static void every_query_of_the_documentation_works(void **state)
     text_free(&path);
     text_free(&doc);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(list_shows_what_an_application_would_load),
-        cmocka_unit_test(show_gives_a_profile_with_its_trials),
-        cmocka_unit_test(a_stored_profile_is_compared_put_to_use_and_forgotten),
-        cmocka_unit_test(a_figure_that_was_not_measured_is_null),
-        cmocka_unit_test(what_one_device_does_alone_is_told_as_such),
-        cmocka_unit_test(two_equal_devices_that_share_are_two),
-        cmocka_unit_test(rows_go_out_and_into_another_store),
-        cmocka_unit_test(a_bad_line_is_named_and_the_store_untouched),
-        cmocka_unit_test(prune_and_check_say_what_they_found),
-        cmocka_unit_test(what_is_wrong_is_said_in_one_line),
-        cmocka_unit_test(every_query_of_the_documentation_works),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -49,20 +49,9 @@ static int make_store(void **state)
         "\"effects\":[{\"effect\":\"gravity\",\"active\":true,\"called_by\":\"gravity\","
         "\"bytes\":0,\"ms\":0.375},{\"effect\":\"drag\",\"active\":false,"
         "\"called_by\":\"drag\",\"bytes\":0}]}";
-    assert_ok(text_write_file(RESULTS, results, strlen(results), &err), err);
-    assert_ok(text_write_file(LEVELS, levels, strlen(levels), &err), err);
-    assert_ok(text_write_file(EFFECTS, effects, strlen(effects), &err), err);
-    return 0;
-}
-
-static int remove_files(void **state)
-{
-    (void)state;
-    test_folder_remove(&folder);
-    remove(PAGE);
-    remove(RESULTS);
-    remove(LEVELS);
-    remove(EFFECTS);
+    test_write_file(RESULTS, results);
+    test_write_file(LEVELS, levels);
+    test_write_file(EFFECTS, effects);
     return 0;
 }
 
@@ -80,9 +69,8 @@ static text make_page(void)
     return page;
 }
 
-static void the_page_shows_profile_search_stages_and_history(void **state)
+TEST(the_page_shows_profile_search_stages_and_history)
 {
-    (void)state;
     text page = make_page();
     static const char *const has[] = {"100 000 objects",
                                       "<h2>Searches</h2>",
@@ -108,9 +96,8 @@ static void the_page_shows_profile_search_stages_and_history(void **state)
     text_free(&page);
 }
 
-static void of_one_device_the_page_shows_no_share(void **state)
+TEST(of_one_device_the_page_shows_no_share)
 {
-    (void)state;
     static const char results[] =
         "{\"type\":\"duet bench\",\"version\":1,\"duet\":\"1.0.0\",\"time\":\"then\","
         "\"devices\":[{\"selector\":\"x:0\",\"name\":\"only\"},{\"selector\":\"x:0\","
@@ -165,9 +152,8 @@ static text profile_row_of(double share)
     return row;
 }
 
-static void a_plan_of_one_device_has_no_gain_and_no_verdict(void **state)
+TEST(a_plan_of_one_device_has_no_gain_and_no_verdict)
 {
-    (void)state;
     static const char *const plans[] = {"B alone", "A alone"};
     for (int share = 0; share < 2; ++share) {
         text row = profile_row_of(share);
@@ -183,9 +169,8 @@ static void a_plan_of_one_device_has_no_gain_and_no_verdict(void **state)
     text_free(&shared);
 }
 
-static void a_page_without_a_name_is_told_of(void **state)
+TEST(a_page_without_a_name_is_told_of)
 {
-    (void)state;
     program p = program_run("report --profile %s", folder.store);
     assert_int_equal(p.exit_code, 0);
     assert_string_equal(p.out, "-> duet-report.html\n");
@@ -193,9 +178,8 @@ static void a_page_without_a_name_is_told_of(void **state)
     program_free(&p);
 }
 
-static void one_slow_step_does_not_flatten_the_others(void **state)
+TEST(one_slow_step_does_not_flatten_the_others)
 {
-    (void)state;
     text results = {0};
     text page = {0};
     duet_error err = {0};
@@ -220,9 +204,8 @@ static void one_slow_step_does_not_flatten_the_others(void **state)
     program_free(&p);
 }
 
-static void the_page_loads_nothing(void **state)
+TEST(the_page_loads_nothing)
 {
-    (void)state;
     text page = make_page();
     static const char *const outside[] = {"http:", "https:", "url(", "src=", "<script", "@import"};
     for (size_t i = 0; i < sizeof outside / sizeof outside[0]; ++i)
@@ -231,28 +214,25 @@ static void the_page_loads_nothing(void **state)
     text_free(&page);
 }
 
-static void names_are_words_and_no_markup(void **state)
+TEST(names_are_words_and_no_markup)
 {
-    (void)state;
     text page = make_page();
     assert_null(strstr(page.chars, "<b>"));
     assert_non_null(strstr(page.chars, "&lt;b&gt;boxes&lt;/b&gt; &amp; more"));
     text_free(&page);
 }
 
-static void what_cannot_be_read_or_written_is_one_line(void **state)
+TEST(what_cannot_be_read_or_written_is_one_line)
 {
-    (void)state;
     program p = program_run("report --profile no/such.db -o " PAGE);
     program_assert_refused(&p, 1, "no/such.db");
     p = program_run("report -o " PAGE " no/such.json");
     program_assert_refused(&p, 1, "no/such.json");
     p = program_run("report -o " PAGE " %s", folder.store);
     program_assert_refused(&p, 1, "so this is no text");
-    duet_error err = {0};
     static const char unmeasured[] = "{\"type\":\"duet explain\",\"scene\":\"s\",\"objects\":1,"
                                      "\"steps\":0,\"effects\":[]}";
-    assert_ok(text_write_file(PAGE, unmeasured, strlen(unmeasured), &err), err);
+    test_write_file(PAGE, unmeasured);
     p = program_run("report -o x.html " PAGE);
     program_assert_refused(&p, 1, PAGE ": no times; 'duet explain --measure' takes them");
     p = program_run("report --profile %s -o no/such/folder.html", folder.store);
@@ -260,9 +240,8 @@ static void what_cannot_be_read_or_written_is_one_line(void **state)
 }
 
 // Each is a result with one number that nothing measures.
-static void numbers_that_nothing_measures_are_refused(void **state)
+TEST(numbers_that_nothing_measures_are_refused)
 {
-    (void)state;
     static const char accuracy[] =
         "{\"type\":\"duet accuracy\",\"scene\":\"s\",\"objects\":9,\"pairs\":%s,\"a\":\"x\","
         "\"b\":\"y\",\"levels\":[{\"level\":\"aabb\",\"device\":\"A\",\"step_ms\":%s,"
@@ -288,18 +267,4 @@ static void numbers_that_nothing_measures_are_refused(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_page_shows_profile_search_stages_and_history),
-        cmocka_unit_test(of_one_device_the_page_shows_no_share),
-        cmocka_unit_test(a_plan_of_one_device_has_no_gain_and_no_verdict),
-        cmocka_unit_test(a_page_without_a_name_is_told_of),
-        cmocka_unit_test(one_slow_step_does_not_flatten_the_others),
-        cmocka_unit_test(the_page_loads_nothing),
-        cmocka_unit_test(names_are_words_and_no_markup),
-        cmocka_unit_test(what_cannot_be_read_or_written_is_one_line),
-        cmocka_unit_test(numbers_that_nothing_measures_are_refused),
-    };
-    return cmocka_run_group_tests(tests, make_store, remove_files);
-}
+TEST_MAIN(make_store, NULL)

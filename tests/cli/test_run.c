@@ -12,10 +12,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #define SCENE "test_run.scene.lua"
-#define DATA "test_run.data"
 
 // 400 boxes, drawn with the scene's own seed.
 static const char scene_text[] =
@@ -34,24 +32,14 @@ static int make_scene(void **state)
     return 0;
 }
 
-static int remove_files(void **state)
-{
-    (void)state;
-    remove(SCENE);
-    remove(DATA);
-    remove("test_run.csv");
-    return 0;
-}
-
 static cJSON *run_json(const char *arguments)
 {
     program p = program_run("run --json %s", arguments);
     return json_of_program(&p);
 }
 
-static void json_has_what_a_script_needs(void **state)
+TEST(json_has_what_a_script_needs)
 {
-    (void)state;
     cJSON *o = run_json(SCENE " --share 1/4 --mode own --variant auto --repeat 3 --check");
     assert_int_equal(json_number(o, "objects"), 400);
     assert_int_equal(json_number(o, "dims"), 3);
@@ -80,9 +68,8 @@ static void json_has_what_a_script_needs(void **state)
     cJSON_Delete(o);
 }
 
-static void share_is_a_decimal_or_a_fraction(void **state)
+TEST(share_is_a_decimal_or_a_fraction)
 {
-    (void)state;
     static const struct {
         const char *given;
         double share;
@@ -103,9 +90,8 @@ static void share_is_a_decimal_or_a_fraction(void **state)
     }
 }
 
-static void n_and_seed_choose_the_scene(void **state)
+TEST(n_and_seed_choose_the_scene)
 {
-    (void)state;
     cJSON *a = run_json(SCENE " -n 300 --seed 5 --repeat 1");
     cJSON *b = run_json(SCENE " --set n=300 --set seed=5 --repeat 1");
     cJSON *c = run_json(SCENE " -n 300 --seed=6 --repeat 1");
@@ -118,9 +104,8 @@ static void n_and_seed_choose_the_scene(void **state)
 }
 
 // Also for none, one and two objects.
-static void any_number_of_objects_gives_the_references_pairs(void **state)
+TEST(any_number_of_objects_gives_the_references_pairs)
 {
-    (void)state;
     static const int counts[] = {0, 1, 2, 3, 1000};
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
         program p = program_run("run %s -n %d --repeat 1 --check", SCENE, counts[i]);
@@ -132,18 +117,16 @@ static void any_number_of_objects_gives_the_references_pairs(void **state)
     }
 }
 
-static void one_pair_is_no_pairs(void **state)
+TEST(one_pair_is_no_pairs)
 {
-    (void)state;
     program p =
         program_run_with("printf '0,0,0,1,1,1\\n1,1,1,2,2,2\\n' |", "run - --repeat 1 --check");
     assert_non_null(strstr(p.out, "check: the same 1 pair as the plain C reference\n"));
     program_free(&p);
 }
 
-static void an_accuracy_that_no_profile_knows_is_told_of(void **state)
+TEST(an_accuracy_that_no_profile_knows_is_told_of)
 {
-    (void)state;
     static const char *const plans[] = {"", "--share 0"};
     for (size_t i = 0; i < sizeof plans / sizeof *plans; ++i) {
         program p = program_run("run " SCENE " --repeat 1 --missed 1 %s", plans[i]);
@@ -155,13 +138,10 @@ static void an_accuracy_that_no_profile_knows_is_told_of(void **state)
     program_free(&p);
 }
 
-static void the_pairs_file_holds_each_pair_once_ascending(void **state)
+TEST(the_pairs_file_holds_each_pair_once_ascending)
 {
-    (void)state;
     cJSON *o = run_json(SCENE " --pairs test_run.csv --repeat 1 --share 0.5");
-    text t = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&t, "test_run.csv", &err), err);
+    text t = test_read_file("test_run.csv");
     uint64_t n = 0;
     uint64_t last = 0;
     duet_pair *pairs = calloc(t.length, sizeof *pairs);
@@ -183,9 +163,8 @@ static void the_pairs_file_holds_each_pair_once_ascending(void **state)
     cJSON_Delete(o);
 }
 
-static void objects_in_order_keep_the_ids_of_the_scene(void **state)
+TEST(objects_in_order_keep_the_ids_of_the_scene)
 {
-    (void)state;
     static const char *const orders[] = {"", "--ordered --mode slab"};
     text lines[2] = {{0}};
     cJSON *o[2];
@@ -206,9 +185,8 @@ static void objects_in_order_keep_the_ids_of_the_scene(void **state)
     }
 }
 
-static void text_names_devices_stages_and_pairs(void **state)
+TEST(text_names_devices_stages_and_pairs)
 {
-    (void)state;
     program p = program_run("run %s --repeat 2", SCENE);
     assert_int_equal(p.exit_code, 0);
     bool two = devices_are_two();
@@ -220,9 +198,8 @@ static void text_names_devices_stages_and_pairs(void **state)
     program_free(&p);
 }
 
-static void wrong_usage_is_one_line_and_exit_2(void **state)
+TEST(wrong_usage_is_one_line_and_exit_2)
 {
-    (void)state;
     static const char *const wrong[][2] = {
         {"run", "SCENE|FILE is missing"},
         {"run a.lua b.lua", "unexpected argument 'b.lua'"},
@@ -252,55 +229,11 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
     }
 }
 
-static void bad_input_is_one_line(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *content;
-        const char *says;
-    } bad[] = {
-        {"0 0 0 1 1 1 1 1\n", DATA ":1"},     {"0 0 0 1 1 1\n0 0 nan 1 1 1\n", DATA ":2"},
-        {"0 0 0 1 1 inf\n", DATA ":1"},       {"0 0 0 1 1 -1\n", DATA ":1"},
-        {"0 0 0 1 1 1 0 0 0 0\n", DATA ":1"},
-    };
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
-        test_write_file(DATA, bad[i].content);
-        program p = program_run("run %s", DATA);
-        program_assert_refused(&p, 1, bad[i].says);
-    }
-    program p = program_run("run no/such/scene.lua");
-    program_assert_refused(&p, 1, "no/such/scene.lua");
-    p = program_run("run %s --set abacus=1", SCENE);
-    program_assert_refused(&p, 2, "abacus");
-    p = program_run("run %s --pair abacus:0,abacus:1", SCENE);
-    program_assert_refused(&p, 2, "no device 'abacus:0'");
-    p = program_run_with("OCL_ICD_FILENAMES= OCL_ICD_VENDORS=no/such/folder", "run %s", SCENE);
-    program_assert_refused(&p, 1, "apt install pocl-opencl-icd");
-    p = program_run_with("DUET_KERNEL_DIR=no/such/folder", "run %s", SCENE);
-    program_assert_refused(&p, 1, "no/such/folder");
-}
-
-static void what_cannot_be_written_is_not_half_written(void **state)
-{
-    (void)state;
-    program p = program_run("run %s --repeat 1 --pairs no/such/folder/pairs.csv", SCENE);
-    program_assert_refused(&p, 1, "no/such/folder/pairs.csv");
-}
-
-static void a_full_disk_is_told_of(void **state)
-{
-    (void)state;
-    skip_without_device("/dev/full");
-    program p = program_run("run %s --repeat 1 --json >/dev/full", SCENE);
-    program_assert_refused(&p, 1, "No space left on device");
-}
-
 // On a slow machine nothing may have been timed yet, which is said in the same
 // line. All kernels are built before: a driver's compiler that hears of the signal
 // has complaints of its own.
-static void ctrl_c_shows_what_was_timed(void **state)
+TEST(ctrl_c_shows_what_was_timed)
 {
-    (void)state;
     cJSON_Delete(run_json(SCENE " -n 3000 --repeat 20"));
     // in the foreground timeout(1) sends its signal once, as a person does
     program p = program_run_with("timeout --foreground --preserve-status -s INT 2",
@@ -315,9 +248,8 @@ static void ctrl_c_shows_what_was_timed(void **state)
     program_free(&p);
 }
 
-static void a_level_is_compared_with_its_own_reference(void **state)
+TEST(a_level_is_compared_with_its_own_reference)
 {
-    (void)state;
     double found[DUET_LEVELS];
     for (int l = 0; l < DUET_LEVELS; ++l) {
         const char *name = duet_level_get_info((duet_level)l)->name;
@@ -332,35 +264,4 @@ static void a_level_is_compared_with_its_own_reference(void **state)
     assert_true(found[DUET_LEVEL_SAT6] > found[DUET_LEVEL_CERTIFIED]);
 }
 
-static void a_level_of_no_name_is_refused_with_those_there_are(void **state)
-{
-    (void)state;
-    program p = program_run("run --level gjk " SCENE);
-    assert_int_equal(p.exit_code, 2);
-    assert_string_equal(p.err, "duet: --level 'gjk': the levels are certified, aabb, sphere, sat6, "
-                               "sat15, double\n");
-    program_free(&p);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(json_has_what_a_script_needs),
-        cmocka_unit_test(share_is_a_decimal_or_a_fraction),
-        cmocka_unit_test(n_and_seed_choose_the_scene),
-        cmocka_unit_test(any_number_of_objects_gives_the_references_pairs),
-        cmocka_unit_test(one_pair_is_no_pairs),
-        cmocka_unit_test(an_accuracy_that_no_profile_knows_is_told_of),
-        cmocka_unit_test(the_pairs_file_holds_each_pair_once_ascending),
-        cmocka_unit_test(objects_in_order_keep_the_ids_of_the_scene),
-        cmocka_unit_test(text_names_devices_stages_and_pairs),
-        cmocka_unit_test(wrong_usage_is_one_line_and_exit_2),
-        cmocka_unit_test(bad_input_is_one_line),
-        cmocka_unit_test(what_cannot_be_written_is_not_half_written),
-        cmocka_unit_test(a_full_disk_is_told_of),
-        cmocka_unit_test(ctrl_c_shows_what_was_timed),
-        cmocka_unit_test(a_level_is_compared_with_its_own_reference),
-        cmocka_unit_test(a_level_of_no_name_is_refused_with_those_there_are),
-    };
-    return cmocka_run_group_tests(tests, make_scene, remove_files);
-}
+TEST_MAIN(make_scene, NULL)

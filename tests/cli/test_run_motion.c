@@ -35,25 +35,7 @@ static const char scene_text[] =
 static int make_scene(void **state)
 {
     (void)state;
-    duet_error err = {0};
-    assert_ok(text_write_file(SCENE, scene_text, strlen(scene_text), &err), err);
-    return 0;
-}
-
-static int remove_files(void **state)
-{
-    (void)state;
-    char path[64];
-    for (int i = 0; i < 9; ++i) {
-        snprintf(path, sizeof path, FRAMES "/%05d.png", i);
-        remove(path);
-    }
-    remove(FRAMES);
-    remove(PICTURE);
-    remove(RECORDING);
-    remove(BALL);
-    remove(SCRIPT);
-    remove(SCENE);
+    test_write_file(SCENE, scene_text);
     return 0;
 }
 
@@ -61,17 +43,14 @@ static int remove_files(void **state)
 // is a PNG whose size is that of a page with something on it.
 static void assert_is_picture(const char *path)
 {
-    text bytes = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&bytes, path, &err), err);
+    text bytes = test_read_file(path);
     assert_true(bytes.length > 4000);
     assert_memory_equal(text_chars(&bytes), "\x89PNG\r\n", 6);
     text_free(&bytes);
 }
 
-static void a_picture_and_frames_are_drawn(void **state)
+TEST(a_picture_and_frames_are_drawn)
 {
-    (void)state;
     program p = program_run("run --steps 8 --picture " PICTURE " --frames " FRAMES " " SCENE);
     if (p.exit_code != 0)
         fail_msg("run --steps: %s", p.err);
@@ -104,9 +83,8 @@ static double column_of(const char *row, int column)
     return number;
 }
 
-static void the_parts_of_a_step_add_up_to_it(void **state)
+TEST(the_parts_of_a_step_add_up_to_it)
 {
-    (void)state;
     program p = program_run("run --steps 8 " SCENE);
     assert_int_equal(p.exit_code, 0);
     const char *table = strstr(p.out, "ms a step ");
@@ -129,9 +107,8 @@ static void the_parts_of_a_step_add_up_to_it(void **state)
     program_free(&p);
 }
 
-static void json_says_what_the_table_does(void **state)
+TEST(json_says_what_the_table_does)
 {
-    (void)state;
     program p = program_run("run --steps 8 --json " SCENE);
     assert_int_equal(p.exit_code, 0);
     cJSON *o = cJSON_Parse(p.out);
@@ -143,9 +120,8 @@ static void json_says_what_the_table_does(void **state)
     program_free(&p);
 }
 
-static void what_cannot_be_drawn_is_refused_before_the_steps(void **state)
+TEST(what_cannot_be_drawn_is_refused_before_the_steps)
 {
-    (void)state;
     static const struct {
         const char *arguments;
         int exit_code;
@@ -164,9 +140,8 @@ static void what_cannot_be_drawn_is_refused_before_the_steps(void **state)
     }
 }
 
-static void what_is_of_a_scene_at_rest_is_refused_with_steps(void **state)
+TEST(what_is_of_a_scene_at_rest_is_refused_with_steps)
 {
-    (void)state;
     static const char *const options[] = {"--repeat 3",    "--input host",  "--ordered",
                                           "--pairs x.csv", "--check",       "--level sat6",
                                           "--missed 0",    "--false-rate 1"};
@@ -178,22 +153,19 @@ static void what_is_of_a_scene_at_rest_is_refused_with_steps(void **state)
 }
 
 // What is no file is neither replaced nor removed.
-static void a_full_disk_is_told_of(void **state)
+TEST(a_full_disk_is_told_of)
 {
-    (void)state;
     skip_without_device("/dev/full");
     assert_int_equal(symlink("/dev/full", FULL), 0);
     program p = program_run("run --steps 1000000000 --json --picture " FULL " " SCENE);
     struct stat info;
     assert_int_equal(stat(FULL, &info), 0);
     assert_true(S_ISCHR(info.st_mode));
-    remove(FULL);
     program_assert_refused(&p, 1, "No space left");
 }
 
-static void a_recording_gives_the_same_hash_with_another_plan(void **state)
+TEST(a_recording_gives_the_same_hash_with_another_plan)
 {
-    (void)state;
     program p = program_run("run --steps 8 --record " RECORDING " --share 0 " SCENE);
     if (p.exit_code != 0)
         fail_msg("run --record: %s", p.err);
@@ -236,7 +208,7 @@ static text draw_one_that_comes(double radius)
     duet_error err = {0};
     char given[sizeof script + 16];
     int n = snprintf(given, sizeof given, script, radius);
-    assert_ok(text_write_file(BALL, scene, strlen(scene), &err), err);
+    test_write_file(BALL, scene);
     assert_ok(text_write_file(SCRIPT, given, (size_t)n, &err), err);
     program p = program_run("lua --trust " SCRIPT);
     if (p.exit_code != 0)
@@ -246,15 +218,13 @@ static text draw_one_that_comes(double radius)
     if (p.exit_code != 0)
         fail_msg("run --replay: %s", p.err);
     program_free(&p);
-    text png = {0};
-    assert_ok(text_read_file(&png, PICTURE, &err), err);
+    text png = test_read_file(PICTURE);
     return png;
 }
 
 // Nothing else differs.
-static void what_commands_bring_is_drawn_with_its_radius(void **state)
+TEST(what_commands_bring_is_drawn_with_its_radius)
 {
-    (void)state;
     text sharp = draw_one_that_comes(0.0), round = draw_one_that_comes(0.5);
     assert_true(sharp.length > 100 && round.length > 100);
     assert_false(sharp.length == round.length &&
@@ -263,17 +233,4 @@ static void what_commands_bring_is_drawn_with_its_radius(void **state)
     text_free(&round);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_picture_and_frames_are_drawn),
-        cmocka_unit_test(the_parts_of_a_step_add_up_to_it),
-        cmocka_unit_test(json_says_what_the_table_does),
-        cmocka_unit_test(what_cannot_be_drawn_is_refused_before_the_steps),
-        cmocka_unit_test(what_is_of_a_scene_at_rest_is_refused_with_steps),
-        cmocka_unit_test(a_recording_gives_the_same_hash_with_another_plan),
-        cmocka_unit_test(what_commands_bring_is_drawn_with_its_radius),
-        cmocka_unit_test(a_full_disk_is_told_of),
-    };
-    return cmocka_run_group_tests(tests, make_scene, remove_files);
-}
+TEST_MAIN(make_scene, NULL)

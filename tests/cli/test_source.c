@@ -4,14 +4,10 @@
 #include "support/program.h"
 #include "support/test.h"
 
-#include "base/text_file.h"
-
 #include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static char data_dir[512]; // "DUET_KERNEL_DIR=..." of the test kernels
 
@@ -50,9 +46,8 @@ static double number_of(const cJSON *o, const char *name)
     return cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(o, name));
 }
 
-static void the_text_is_printed_and_nothing_else(void **state)
+TEST(the_text_is_printed_and_nothing_else)
 {
-    (void)state;
     program p = program_run("source scan --set WG=64 --set PER_ITEM=4");
     assert_int_equal(p.exit_code, 0);
     assert_string_equal(p.err, "");
@@ -63,9 +58,8 @@ static void the_text_is_printed_and_nothing_else(void **state)
     program_free(&p);
 }
 
-static void json_has_the_text_and_its_hash(void **state)
+TEST(json_has_the_text_and_its_hash)
 {
-    (void)state;
     program p = program_run("source scan --json");
     cJSON *o = parse(&p);
     p = program_run("source scan | sha256sum");
@@ -75,9 +69,8 @@ static void json_has_the_text_and_its_hash(void **state)
     program_free(&p);
 }
 
-static void a_device_decides_defaults(void **state)
+TEST(a_device_decides_defaults)
 {
-    (void)state;
     program p = program_run("source scan --device pocl:0");
     assert_non_null(strstr(p.out, "#define WG 1\n"));
     program_free(&p);
@@ -86,12 +79,10 @@ static void a_device_decides_defaults(void **state)
     program_free(&p);
 }
 
-static void a_scene_decides_what_is_compiled_in(void **state)
+TEST(a_scene_decides_what_is_compiled_in)
 {
-    (void)state;
-    duet_error err = {0};
     const char flat[] = "0 0 1 1\n2 2 3 3\n"; // 2D bounds
-    assert_ok(text_write_file("test_source.csv", flat, strlen(flat), &err), err);
+    test_write_file("test_source.csv", flat);
     program p = program_run("source hash --scene test_source.csv");
     assert_non_null(strstr(p.out, "#define DIMS 2\n#define SHAPE 1\n#define ROTATED 0\n"));
     program_free(&p);
@@ -100,12 +91,10 @@ static void a_scene_decides_what_is_compiled_in(void **state)
     program_free(&p);
     p = program_run("source hash --scene no_such.csv");
     program_assert_refused(&p, 1, "no_such.csv");
-    remove("test_source.csv");
 }
 
-static void kernels_are_listed_with_what_varies(void **state)
+TEST(kernels_are_listed_with_what_varies)
 {
-    (void)state;
     program p = program_run_with(data_dir, "source --list --json");
     cJSON *o = parse(&p);
     const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(o, "kernels");
@@ -124,9 +113,8 @@ static void kernels_are_listed_with_what_varies(void **state)
     program_free(&p);
 }
 
-static void a_folder_replaces_the_carried_kernels(void **state)
+TEST(a_folder_replaces_the_carried_kernels)
 {
-    (void)state;
     program p = program_run_with("DUET_KERNEL_DIR=", "source scan"); // as if not set
     assert_int_equal(p.exit_code, 0);
     program_free(&p);
@@ -136,9 +124,8 @@ static void a_folder_replaces_the_carried_kernels(void **state)
     program_assert_refused(&p, 1, "kernel folder no/such: No such file or directory");
 }
 
-static void every_config_of_a_small_space_is_compiled(void **state)
+TEST(every_config_of_a_small_space_is_compiled)
 {
-    (void)state;
     program p = program_run_with(data_dir, "source --check --device pocl:0 --json");
     cJSON *o = parse(&p);
     const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(o, "kernels");
@@ -154,17 +141,14 @@ static void every_config_of_a_small_space_is_compiled(void **state)
 static void write_kernel(const char *dir, const char *file, const char *chars)
 {
     char path[128];
-    duet_error err = {0};
     snprintf(path, sizeof path, "%s/%s", dir, file);
-    assert_ok(text_write_file(path, chars, strlen(chars), &err), err);
+    test_write_file(path, chars);
 }
 
-static void what_does_not_compile_is_told_with_our_file_and_line(void **state)
+TEST(what_does_not_compile_is_told_with_our_file_and_line)
 {
-    (void)state;
-    char dir[] = "test_source_XXXXXX";
-    char variables[64], command[64];
-    assert_non_null(mkdtemp(dir));
+    char dir[64], variables[96];
+    test_make_folder(dir);
     write_kernel(dir, "common.clh", "// shared\n");
     write_kernel(dir, "bad.lua",
                  "return {\n  params = { { 'A', values = { 1, 2 } } },\n"
@@ -180,13 +164,10 @@ static void what_does_not_compile_is_told_with_our_file_and_line(void **state)
     assert_non_null(strstr(p.err, "kernels/bad.cl.in:5:"));
     assert_non_null(strstr(p.err, "duet: 2 configs failed to compile on pocl:0\n"));
     program_free(&p);
-    snprintf(command, sizeof command, "rm -r %s", dir);
-    assert_int_equal(system(command), 0);
 }
 
-static void wrong_usage_is_one_line(void **state)
+TEST(wrong_usage_is_one_line)
 {
-    (void)state;
     static const struct {
         const char *arguments;
         int exit_code;
@@ -210,18 +191,4 @@ static void wrong_usage_is_one_line(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_text_is_printed_and_nothing_else),
-        cmocka_unit_test(json_has_the_text_and_its_hash),
-        cmocka_unit_test(a_device_decides_defaults),
-        cmocka_unit_test(a_scene_decides_what_is_compiled_in),
-        cmocka_unit_test(kernels_are_listed_with_what_varies),
-        cmocka_unit_test(a_folder_replaces_the_carried_kernels),
-        cmocka_unit_test(every_config_of_a_small_space_is_compiled),
-        cmocka_unit_test(what_does_not_compile_is_told_with_our_file_and_line),
-        cmocka_unit_test(wrong_usage_is_one_line),
-    };
-    return cmocka_run_group_tests(tests, find_data, NULL);
-}
+TEST_MAIN(find_data, NULL)

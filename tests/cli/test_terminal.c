@@ -86,9 +86,8 @@ static bool sees(const terminal *t, const char *words)
 // ---------------------------------------------------------------- Ctrl-C
 
 // Each would take minutes; what it says at its begin is awaited.
-static void ctrl_c_ends_a_loop_of_commands_in_bash(void **state)
+TEST(ctrl_c_ends_a_loop_of_commands_in_bash)
 {
-    (void)state;
     static const struct {
         const char *command;
         const char *sign;
@@ -121,13 +120,11 @@ static void ctrl_c_ends_a_loop_of_commands_in_bash(void **state)
     }
     assert_int_not_equal(access("out.csv", F_OK), 0);
     assert_int_not_equal(access("out.svg", F_OK), 0);
-    remove("out.json"); // what was measured is kept
 }
 
 // What mpirun started is told of by mpirun; this rank is alone.
-static void a_single_rank_tells_that_it_was_stopped(void **state)
+TEST(a_single_rank_tells_that_it_was_stopped)
 {
-    (void)state;
     char script[512];
     snprintf(script, sizeof script, "%s-cluster", getenv("DUET_PROGRAM"));
     if (access(script, X_OK) != 0)
@@ -182,9 +179,8 @@ static terminal run_until_told(const work *w, int columns)
     }
 }
 
-static void long_work_tells_how_far_it_is(void **state)
+TEST(long_work_tells_how_far_it_is)
 {
-    (void)state;
     static const work works[] = {
         {"run orbit2d -n 300 --steps %d --json >out", 150, " of "},
         {"run paper -n %d --pairs out --repeat 1 --check", 100000, "reference"},
@@ -198,13 +194,10 @@ static void long_work_tells_how_far_it_is(void **state)
         terminal t = run_until_told(&works[i], 100);
         text_free(&t.seen);
     }
-    remove("out");
-    remove("out.svg");
 }
 
-static void a_line_of_progress_is_no_wider_than_the_terminal(void **state)
+TEST(a_line_of_progress_is_no_wider_than_the_terminal)
 {
-    (void)state;
     enum { COLUMNS = 20 };
     static const work works[] = {
         {"run orbit2d -n 300 --steps %d --json >out", 150, "step "},
@@ -216,13 +209,10 @@ static void a_line_of_progress_is_no_wider_than_the_terminal(void **state)
             fail_msg("%s", text_chars(&t.seen));
         text_free(&t.seen);
     }
-    remove("out");
-    remove("out.db");
 }
 
-static void tables_are_folded_to_the_terminal(void **state)
+TEST(tables_are_folded_to_the_terminal)
 {
-    (void)state;
     enum { COLUMNS = 80 };
     static const char *const commands[] = {"explain paper -n 100", "explain falling -n 100",
                                            "run --help", "tune --help", "cluster --help"};
@@ -236,14 +226,4 @@ static void tables_are_folded_to_the_terminal(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ctrl_c_ends_a_loop_of_commands_in_bash),
-        cmocka_unit_test(a_single_rank_tells_that_it_was_stopped),
-        cmocka_unit_test(long_work_tells_how_far_it_is),
-        cmocka_unit_test(a_line_of_progress_is_no_wider_than_the_terminal),
-        cmocka_unit_test(tables_are_folded_to_the_terminal),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -33,21 +33,11 @@ static const char scene_text[] =
     "end\n"
     "return { dims = 3 }\n";
 
-static int remove_files(void **state)
-{
-    (void)state;
-    static const char *const files[] = {SCENE, CONFIG,       STRATEGY,    AWKWARD,
-                                        STORE, STORE "-wal", STORE "-shm"};
-    for (size_t i = 0; i < sizeof files / sizeof *files; ++i)
-        remove(files[i]);
-    return 0;
-}
-
 static int begin_afresh(void **state)
 {
-    remove_files(state);
+    int code = test_enter_folder(state);
     test_write_file(SCENE, scene_text);
-    return 0;
+    return code;
 }
 
 // The rows of "workloads"; the caller deletes their root.
@@ -60,9 +50,8 @@ static cJSON *tune_json(const char *arguments, const cJSON **rows)
     return root;
 }
 
-static void a_workload_is_tuned_once_and_known_ever_after(void **state)
+TEST(a_workload_is_tuned_once_and_known_ever_after)
 {
-    (void)state;
     const cJSON *rows;
     cJSON *first = tune_json(QUICK FEW SCENE " -n 1000,2000", &rows);
     assert_int_equal(cJSON_GetArraySize(rows), 2);
@@ -106,9 +95,8 @@ static double launches_of(const char *arguments)
 
 // And what is not the default search changes nothing that applications load, unless it
 // is to.
-static void what_was_not_asked_before_is_measured(void **state)
+TEST(what_was_not_asked_before_is_measured)
 {
-    (void)state;
     skip_on_one_device();
     static const char *const questions[] = {
         "",
@@ -148,9 +136,8 @@ static void what_was_not_asked_before_is_measured(void **state)
     program_free(&p);
 }
 
-static void every_line_of_the_table_fits_a_terminal(void **state)
+TEST(every_line_of_the_table_fits_a_terminal)
 {
-    (void)state;
     program p = program_run("tune " FEW "--variants auto,simd --trials 80 --profile " STORE
                             " " SCENE " -n 1000,2000");
     assert_int_equal(p.exit_code, 0);
@@ -216,9 +203,8 @@ static void assert_tuning_prints_what_runs(const char *tuning, const char *asked
     program_free(&told);
 }
 
-static void a_plan_that_is_printed_runs_as_printed(void **state)
+TEST(a_plan_that_is_printed_runs_as_printed)
 {
-    (void)state;
     static const struct {
         const char *tuning, *asked;
         int k; // which of its workloads
@@ -246,9 +232,8 @@ static void a_plan_that_is_printed_runs_as_printed(void **state)
     }
 }
 
-static void the_tuning_that_a_run_names_measures_what_it_then_loads(void **state)
+TEST(the_tuning_that_a_run_names_measures_what_it_then_loads)
 {
-    (void)state;
     static const char *const runs[] = {SCENE " -n 500 --set seed=3 --pair cpu",
                                        SCENE " -n 500 --pair halves --ordered --false-rate .1"};
     for (size_t i = 0; i < sizeof runs / sizeof *runs; ++i) {
@@ -266,9 +251,8 @@ static void the_tuning_that_a_run_names_measures_what_it_then_loads(void **state
     }
 }
 
-static void the_command_that_uses_a_plan_names_its_store(void **state)
+TEST(the_command_that_uses_a_plan_names_its_store)
 {
-    (void)state;
     skip_on_one_device();
     program p = program_run("tune " QUICK FEW SCENE " -n 500 --strategy grid");
     char *command = printed_command(p.out, "profiles", 0);
@@ -283,9 +267,8 @@ static void the_command_that_uses_a_plan_names_its_store(void **state)
     free(command);
 }
 
-static void the_terms_of_a_known_workload_are_those_that_were_measured(void **state)
+TEST(the_terms_of_a_known_workload_are_those_that_were_measured)
 {
-    (void)state;
     const cJSON *rows;
     cJSON *first = tune_json(QUICK FEW SCENE, &rows);
     const cJSON *measured = cJSON_GetArrayItem(rows, 0);
@@ -308,9 +291,8 @@ static void the_terms_of_a_known_workload_are_those_that_were_measured(void **st
 }
 
 // Every level but certified is within it; what is chosen is stored at its level.
-static void an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more(void **state)
+TEST(an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more)
 {
-    (void)state;
     const cJSON *rows;
     cJSON *root = tune_json(QUICK FEW "--level sat6,aabb --false-rate 99 " SCENE, &rows);
     const cJSON *row = cJSON_GetArrayItem(rows, 0);
@@ -346,16 +328,14 @@ static void an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more(void **s
     program_free(&why);
 }
 
-static void an_accuracy_out_of_reach_names_the_nearest_level(void **state)
+TEST(an_accuracy_out_of_reach_names_the_nearest_level)
 {
-    (void)state;
     program p = program_run("tune " QUICK "--level aabb,sat6,sphere --missed 0 " SCENE);
     program_assert_refused(&p, 1, "'sat6' comes nearest, with 0 and 0.");
 }
 
-static void a_scene_says_which_level_it_wants(void **state)
+TEST(a_scene_says_which_level_it_wants)
 {
-    (void)state;
     const cJSON *rows;
     char scene[1024];
     snprintf(scene, sizeof scene, "%.*s{ dims = 3, level = 'sat6' }\n",
@@ -382,9 +362,8 @@ static int64_t count_trials(void)
 
 // Stopped at several moments, by kill -9 and by Ctrl-C; what was measured
 // before each stays measured. A slow machine is given more time, until it has measured.
-static void a_stopped_tuning_is_taken_up_again(void **state)
+TEST(a_stopped_tuning_is_taken_up_again)
 {
-    (void)state;
     static const char *const signals[] = {"KILL", "INT", "KILL", "KILL", "INT"};
     enum { STOPS = sizeof signals / sizeof *signals };
     const char *duet = getenv("DUET_PROGRAM");
@@ -408,9 +387,8 @@ static void a_stopped_tuning_is_taken_up_again(void **state)
 
 // A loop of tunings in a shell ends with the first, as its user meant; nothing is stored
 // of what was not measured. Tests that run in the background may have the signal ignored.
-static void ctrl_c_ends_a_loop_of_tunings(void **state)
+TEST(ctrl_c_ends_a_loop_of_tunings)
 {
-    (void)state;
     text command = {0};
     text_add(&command,
              "setsid --wait env --default-signal=INT bash -c '(sleep 1; kill -INT 0) & "
@@ -432,9 +410,8 @@ static void ctrl_c_ends_a_loop_of_tunings(void **state)
     store_close(s);
 }
 
-static void a_budget_of_trials_is_kept(void **state)
+TEST(a_budget_of_trials_is_kept)
 {
-    (void)state;
     skip_on_one_device();
     const cJSON *rows;
     cJSON *root = tune_json(QUICK FEW "--repeat 1 --strategy fig12 " SCENE, &rows);
@@ -457,9 +434,8 @@ static void assert_other_way_round_is_known(const char *search)
 
 // Searched once, followed by a run, and not searched again; what was tuned without
 // a search is.
-static void kernels_are_searched_once_and_runs_follow(void **state)
+TEST(kernels_are_searched_once_and_runs_follow)
 {
-    (void)state;
     static const char search[] = "--variants simd --trials 80 --repeat 1 --profile " STORE
                                  " --search pair_search_simd " SCENE;
     const cJSON *rows;
@@ -493,9 +469,8 @@ static void kernels_are_searched_once_and_runs_follow(void **state)
     cJSON_Delete(o);
 }
 
-static void a_tune_file_sweeps_with_a_strategy_of_its_own(void **state)
+TEST(a_tune_file_sweeps_with_a_strategy_of_its_own)
 {
-    (void)state;
     skip_on_one_device();
     test_write_file(CONFIG, "return {\n"
                             "  workloads = { { scene = '" SCENE
@@ -518,9 +493,8 @@ static void a_tune_file_sweeps_with_a_strategy_of_its_own(void **state)
 }
 
 // No share, and so no column about one.
-static void one_device_is_told_its_kernels(void **state)
+TEST(one_device_is_told_its_kernels)
 {
-    (void)state;
     program p = program_run("tune " QUICK SCENE " --pair cpu");
     assert_int_equal(p.exit_code, 0);
     assert_int_equal(strncmp(p.out, "workload  ", 10), 0);
@@ -541,9 +515,8 @@ static void assert_runs(const char *arguments, const char *plan)
     program_free(&p);
 }
 
-static void a_motion_is_tuned_by_runs_and_run_follows(void **state)
+TEST(a_motion_is_tuned_by_runs_and_run_follows)
 {
-    (void)state;
     static const char motion[] = QUICK "falling -n 30 --pair cpu --search bodies --repeat 1 ";
     char arguments[256];
     const cJSON *rows;
@@ -580,9 +553,8 @@ static void a_motion_is_tuned_by_runs_and_run_follows(void **state)
     program_free(&p);
 }
 
-static void what_is_wrong_on_the_command_line_is_one_line(void **state)
+TEST(what_is_wrong_on_the_command_line_is_one_line)
 {
-    (void)state;
     static const struct {
         const char *arguments;
         int exit_code;
@@ -623,9 +595,8 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
     }
 }
 
-static void a_strategy_or_query_that_there_is_not_is_one_line(void **state)
+TEST(a_strategy_or_query_that_there_is_not_is_one_line)
 {
-    (void)state;
     skip_on_one_device();
     program p = program_run("tune " QUICK SCENE " --strategy guess");
     program_assert_refused(&p, 2, "there are balance, fig12");
@@ -636,9 +607,8 @@ static void a_strategy_or_query_that_there_is_not_is_one_line(void **state)
     program_assert_refused(&p, 2, "query 'rays both': expected 'rays closest'");
 }
 
-static void what_is_wrong_in_a_tune_file_is_said_with_its_line(void **state)
+TEST(what_is_wrong_in_a_tune_file_is_said_with_its_line)
 {
-    (void)state;
     static const struct {
         const char *content;
         const char *says;
@@ -678,30 +648,6 @@ static void what_is_wrong_in_a_tune_file_is_said_with_its_line(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(a_workload_is_tuned_once_and_known_ever_after, begin_afresh),
-        cmocka_unit_test_setup(what_was_not_asked_before_is_measured, begin_afresh),
-        cmocka_unit_test_setup(every_line_of_the_table_fits_a_terminal, begin_afresh),
-        cmocka_unit_test_setup(a_plan_that_is_printed_runs_as_printed, begin_afresh),
-        cmocka_unit_test_setup(the_tuning_that_a_run_names_measures_what_it_then_loads,
-                               begin_afresh),
-        cmocka_unit_test_setup(the_command_that_uses_a_plan_names_its_store, begin_afresh),
-        cmocka_unit_test_setup(the_terms_of_a_known_workload_are_those_that_were_measured,
-                               begin_afresh),
-        cmocka_unit_test_setup(an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more,
-                               begin_afresh),
-        cmocka_unit_test_setup(an_accuracy_out_of_reach_names_the_nearest_level, begin_afresh),
-        cmocka_unit_test_setup(a_scene_says_which_level_it_wants, begin_afresh),
-        cmocka_unit_test_setup(a_stopped_tuning_is_taken_up_again, begin_afresh),
-        cmocka_unit_test_setup(ctrl_c_ends_a_loop_of_tunings, begin_afresh),
-        cmocka_unit_test_setup(a_budget_of_trials_is_kept, begin_afresh),
-        cmocka_unit_test_setup(kernels_are_searched_once_and_runs_follow, begin_afresh),
-        cmocka_unit_test_setup(a_tune_file_sweeps_with_a_strategy_of_its_own, begin_afresh),
-        cmocka_unit_test_setup(one_device_is_told_its_kernels, begin_afresh),
-        cmocka_unit_test_setup(a_motion_is_tuned_by_runs_and_run_follows, begin_afresh),
-        cmocka_unit_test_setup(what_is_wrong_on_the_command_line_is_one_line, begin_afresh),
-        cmocka_unit_test_setup(a_strategy_or_query_that_there_is_not_is_one_line, begin_afresh),
-        cmocka_unit_test_setup(what_is_wrong_in_a_tune_file_is_said_with_its_line, begin_afresh),
-    };
-    return cmocka_run_group_tests(tests, NULL, remove_files);
+    test_each(begin_afresh, NULL);
+    return test_run(NULL, NULL);
 }

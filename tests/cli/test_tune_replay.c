@@ -8,7 +8,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define NO_DEVICE "OCL_ICD_VENDORS=/nowhere"
@@ -26,21 +25,13 @@ static int make_store(void **state)
     return 0;
 }
 
-static int remove_store(void **state)
-{
-    (void)state;
-    test_folder_remove(&folder);
-    return 0;
-}
-
 static program replay(const char *arguments)
 {
     return program_run_with(NO_DEVICE, "tune --replay %s %s", folder.store, arguments);
 }
 
-static void every_workload_and_strategy_is_replayed_without_a_device(void **state)
+TEST(every_workload_and_strategy_is_replayed_without_a_device)
 {
-    (void)state;
     program p = replay("--json");
     cJSON *o = json_of_program(&p);
     const cJSON *workload;
@@ -61,9 +52,8 @@ static void every_workload_and_strategy_is_replayed_without_a_device(void **stat
     cJSON_Delete(o);
 }
 
-static void a_seed_a_scene_and_a_strategy_are_chosen(void **state)
+TEST(a_seed_a_scene_and_a_strategy_are_chosen)
 {
-    (void)state;
     static const char chosen[] = "paper -n 20k --strategy balance --json --seed 3";
     program first = replay(chosen), again = replay(chosen);
     assert_string_equal(first.out, again.out);
@@ -77,9 +67,8 @@ static void a_seed_a_scene_and_a_strategy_are_chosen(void **state)
     cJSON_Delete(o);
 }
 
-static void a_script_is_replayed_as_a_strategy(void **state)
+TEST(a_script_is_replayed_as_a_strategy)
 {
-    (void)state;
     char script[128], arguments[192];
     snprintf(script, sizeof script, "%s/half.lua", folder.path);
     test_write_file(script, "return function(history)\n"
@@ -94,9 +83,8 @@ static void a_script_is_replayed_as_a_strategy(void **state)
     cJSON_Delete(o);
 }
 
-static void the_table_fits_a_terminal(void **state)
+TEST(the_table_fits_a_terminal)
 {
-    (void)state;
     program p = replay("-n 100000");
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "paper, 100 000\nA: "));
@@ -105,9 +93,8 @@ static void the_table_fits_a_terminal(void **state)
     program_free(&p);
 }
 
-static void what_cannot_be_replayed_is_said_in_a_line(void **state)
+TEST(what_cannot_be_replayed_is_said_in_a_line)
 {
-    (void)state;
     program p = replay("clustered");
     program_assert_refused(&p, 2, "does not have that workload; it has paper -n 20000, paper -n");
     p = replay("--fresh");
@@ -122,17 +109,6 @@ static void what_cannot_be_replayed_is_said_in_a_line(void **state)
     store_close(test_store_open(empty.store, STORE_WRITE));
     p = program_run("tune --replay %s", empty.store);
     program_assert_refused(&p, 1, "no workload's shares were all measured; expected one that");
-    test_folder_remove(&empty);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_workload_and_strategy_is_replayed_without_a_device),
-        cmocka_unit_test(a_seed_a_scene_and_a_strategy_are_chosen),
-        cmocka_unit_test(a_script_is_replayed_as_a_strategy),
-        cmocka_unit_test(the_table_fits_a_terminal),
-        cmocka_unit_test(what_cannot_be_replayed_is_said_in_a_line),
-    };
-    return cmocka_run_group_tests(tests, make_store, remove_store);
-}
+TEST_MAIN(make_store, NULL)

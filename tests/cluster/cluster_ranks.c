@@ -462,11 +462,11 @@ static void move_homes(duet_cluster *cluster, const crowd *c)
         memcpy(own + i * form.bytes, row_of(c, ids[i]), form.bytes);
 }
 
-// Of each group: in place, in parts or not, and the last but one by ascending id.
+// Of each group in parts or not, and the last but one at a level that rounds.
 static void objects_that_move_have_the_references_pairs(uint64_t seed)
 {
     static const uint32_t parts_of[N_GROUPS] = {16, 2, 5, 3, 1};
-    enum { BY_IDS = 3 };
+    enum { ROUNDS = 3 };
     static crowd c;
     rng r = rng_seed(seed);
     make_crowd(&c, &r, 3); // poses in 3D
@@ -481,9 +481,9 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
         clusters[g] = open_cluster(&comms[g], &c.world, 1 + rank % 2);
         n_parts = 1;
         hand_over(clusters[g], &c, 0, 7);
-        MUST_OK(g != BY_IDS || duet_cluster_set_level(clusters[g], DUET_LEVEL_DOUBLE, &err), err);
+        MUST_OK(g != ROUNDS || duet_cluster_set_level(clusters[g], DUET_LEVEL_DOUBLE, &err), err);
     }
-    uint64_t left = 0, merged = 0, strayed = 0;
+    uint64_t left = 0, moved = 0;
     for (uint32_t at = 0; at < 200; ++at) {
         for (uint32_t id = 0; id < c.n; ++id)
             move(c.poses[id].centre, id, at);
@@ -498,24 +498,16 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
             MUST_OK(own, err);
             for (uint32_t i = 0; i < n; ++i)
                 move(own[i].centre, ids[i], at);
-            uint64_t first = n > 0 ? ids[0] : 0;
             must_find(clusters[g], &c);
-            const homes *h = &clusters[g]->homes;
-            left += h->n_gone;
-            MUST(homes_count(h) == 0 || h->renamed.n == 0, "a list that grows no further");
-            MUST(g == BY_IDS ||
-                     h->n_ranges == (clusters[g]->parts.n > 1 ? clusters[g]->parts.n : 0),
-                 "parts lie in place");
-            strayed += h->n_ranges > 0 ? clusters[g]->parts.n_strays : 0;
-            merged += n > 0 && !clusters[g]->homes.holder && homes_count(&clusters[g]->homes) > 0 &&
-                      clusters[g]->homes.rows.ids[0] != first;
+            const owned *o = &clusters[g]->owned;
+            MUST(owned_count(o) == 0 || o->renamed.n == 0, "a list that grows no further");
+            left += o->n_domains == 1 ? o->leavers.n : 0;
+            moved += o->n_domains > 1 ? o->leavers.n : 0;
         }
     }
     MPI_Allreduce(MPI_IN_PLACE, &left, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
-    MPI_Allreduce(MPI_IN_PLACE, &merged, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
-    MPI_Allreduce(MPI_IN_PLACE, &strayed, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
-    MUST(left > 100 && merged > 0, "objects changed ranks, in place and by ascending id");
-    MUST(strayed > 1000, "and parts");
+    MPI_Allreduce(MPI_IN_PLACE, &moved, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+    MUST(left > 100 && moved > 1000, "objects changed ranks and domains");
     for (int g = 0; g < N_GROUPS; ++g) {
         duet_cluster_destroy(clusters[g]);
         if (comms[g] != MPI_COMM_NULL)
@@ -542,15 +534,13 @@ static void must_list(duet_cluster *cluster, const duet_cluster_result *result, 
 // How many pairs of two homes came to the host.
 static uint64_t count_brought(const duet_cluster *cluster)
 {
-    const homes *h = &cluster->homes;
+    const search_set *set = &cluster->sets[0];
+    const worker_found *found = &cluster->searches[0].found;
     uint64_t brought = 0;
     for (int side = 0; side < 2; ++side)
-        for (uint64_t i = 0; i < cluster->found.spans[side].n; ++i) {
-            duet_pair p = cluster->found.spans[side].pairs[i];
-            bool both = p.a < h->rows.n && p.b < h->rows.n;
-            for (uint32_t k = 0; k < h->n_gone; ++k)
-                both &= p.a != h->gone[k] && p.b != h->gone[k];
-            brought += both;
+        for (uint64_t i = 0; i < found->spans[side].n; ++i) {
+            duet_pair p = found->spans[side].pairs[i];
+            brought += p.a < set->n_own && p.b < set->n_own && search_set_owns(set, p);
         }
     return brought;
 }
@@ -645,9 +635,9 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
                 give_share(cluster, again ? DUET_SHARE_ONE / 2 : 0);
             duet_cluster_result result = step(cluster);
             MUST(result.pairs == c.n_pairs && result.hash == expected, "the reference's pairs");
-            counted += cluster->found.n_counted;
+            counted += cluster->searches[0].found.n_counted;
             brought += rank == 2 ? 0 : count_brought(cluster);
-            gone += cluster->homes.n_gone;
+            gone += cluster->owned.leavers.n;
             if (at % 4 == 3)
                 must_list(cluster, &result, comm);
         }
@@ -709,14 +699,19 @@ static void devices_find_the_pairs_of_parts_in_place(uint64_t seed, uint32_t cro
 // Any planes at all, or some of a lattice, the same on all ranks of the group.
 static void deal_homes_anew(duet_cluster *cluster, MPI_Comm comm, bool on_lattice, rng *r)
 {
-    bisection *b = &cluster->cut.parts;
+    partition *p = &cluster->partition;
+    bisection *b = &p->parts;
+    owned *o = &cluster->owned;
     for (uint32_t i = 1; i < b->n; ++i) {
         double at = rng_between(r, -8, 8);
         b->planes[i] = (bisection_plane){on_lattice ? rint(at) : at, rng_below(r, 3)};
     }
     MPI_Bcast(b->planes, (int)(b->n * sizeof *b->planes), MPI_BYTE, 0, comm);
-    bisection_box(b, (uint32_t)duet_cluster_get_rank(cluster), cluster->cut.lower,
-                  cluster->cut.upper);
+    bisection_box(b, (uint32_t)duet_cluster_get_rank(cluster), p->lower, p->upper);
+    MUST(owned_tidy(o, NULL), "tidy");
+    o->placement = PLACED_BY_RANK; // as a rank is that could not bring them to its domains
+    owned_forget_domains(o);
+    cluster->state = STATE_CHANGED;
 }
 
 // Whose an object is never reaches a result: all homes change at random before each step.
@@ -731,7 +726,7 @@ static void homes_that_are_dealt_anew_change_nothing(uint64_t seed)
             continue;
         duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
         uint64_t least = UINT64_MAX, most = 0;
-        cluster->def.imbalance = 1e9; // the cut stays as it is made here
+        cluster->migration.imbalance = 1e9; // the cut stays as it is made here
         hand_over(cluster, &c, 0, 5);
         must_find(cluster, &c);
         for (int at = 0; at < 40; ++at) {
@@ -836,7 +831,7 @@ static void radii_that_touch_across_ranks_collide(uint64_t seed)
             duet_cluster *cluster = comm == MPI_COMM_NULL ? NULL : open_cluster(&comm, &c.world, 1);
             n_parts = 1;
             if (cluster) {
-                cluster->def.imbalance = 1e9; // the cut stays as it is made here
+                cluster->migration.imbalance = 1e9; // the cut stays as it is made here
                 hand_over(cluster, &c, 0, i);
             }
             for (int at = 0; at < 3; ++at) {
@@ -882,7 +877,7 @@ static void homes_go_on_after_one_rank_had_no_memory(void)
         return;
     duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
     worker *w = cluster->workers[0];
-    cluster->def.imbalance = 1e9; // the cut stays as it is made here
+    cluster->migration.imbalance = 1e9; // the cut stays as it is made here
     hand_over(cluster, &c, 0, 5);
     extend_in_truth = w->extend;
     w->extend = rank == 1 ? extend_by_nothing : w->extend;
@@ -891,19 +886,18 @@ static void homes_go_on_after_one_rank_had_no_memory(void)
     w->extend = extend_in_truth;
     for (int at = 0; at < 5; ++at) {
         deal_homes_anew(cluster, comm, false, &r);
-        cluster->changed = true;
         must_find(cluster, &c);
     }
     duet_cluster_destroy(cluster);
     MPI_Comm_free(&comm);
 }
 
-static bool (*find_in_truth)(worker *, worker_found *, duet_error *);
+static bool (*find_in_truth)(worker *, const global_ids *, worker_found *, duet_error *);
 static int finds_left;
 
-static bool find_some_times(worker *w, worker_found *found, duet_error *err)
+static bool find_some_times(worker *w, const global_ids *ids, worker_found *found, duet_error *err)
 {
-    return finds_left-- > 0 ? find_in_truth(w, found, err)
+    return finds_left-- > 0 ? find_in_truth(w, ids, found, err)
                             : error_set(err, DUET_STATUS_DEVICE_FAILED, "not in this test");
 }
 
@@ -983,12 +977,12 @@ static void grids_follow_objects_that_travel(void)
     if (comm == MPI_COMM_NULL)
         return;
     duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
-    cluster->workers[0]->move = count_move;
+    cluster->workers[0]->forget_grids = count_move;
     hand_over(cluster, &c, 0, 1);
     step(cluster);
     int before = n_moves;
     MUST(before > 0, "what is new has moved");
-    reach box = cluster->homes.around;
+    extent box = cluster->owned.around;
     float little = (float)((box.upper[0] - box.lower[0]) / 18);
     for (int at = 1; at <= 12; ++at) {
         duet_error err = {0};
@@ -1031,14 +1025,16 @@ static void parts_stay_while_they_are_even(void)
         const uint64_t *ids;
         uint32_t n;
         int before = n_moves;
+        uint64_t n_placed = cluster->owned.n_placed;
         duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
         MUST_OK(own, err);
         for (uint32_t i = 0; i < n; ++i)
             own[i] = c.poses[ids[i]];
         for (int i = 0; i < 2; ++i)
-            cluster->workers[i]->move = count_move;
+            cluster->workers[i]->forget_grids = count_move;
         must_find(cluster, &c);
-        MUST(at == 0 || cluster->parts.is_cut_anew == crowds, "parts are cut where uneven");
+        MUST(at == 0 || (cluster->owned.n_placed > n_placed) == crowds,
+             "parts are cut where uneven");
         MUST(at == 0 || (n_moves == before + 2) == crowds, "and both workers know of it");
     }
     duet_cluster_destroy(cluster);
@@ -1083,7 +1079,7 @@ static bool some_profile(worker *w, const char *path, duet_profile *profile, due
     (void)w, (void)err;
     *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
     if (!path || rank > 0)
-        profile->step_ms = 1 + each * homes_count(&asked->homes);
+        profile->step_ms = 1 + each * owned_count(&asked->owned);
     return true;
 }
 
@@ -1102,7 +1098,7 @@ static void ranks_are_weighed_by_their_stored_times(void)
     cluster->workers[0]->load_profile = some_profile;
     hand_over(cluster, &c, 0, 1);
     MUST_OK(duet_cluster_load_profile(cluster, "not of rank 0", &profile, NULL, &err), err);
-    MUST(homes_count(&cluster->homes) > 97 && homes_count(&cluster->homes) < 103,
+    MUST(owned_count(&cluster->owned) > 97 && owned_count(&cluster->owned) < 103,
          "alike while one is not known");
     MUST_OK(duet_cluster_load_profile(cluster, NULL, &profile, NULL, &err), err);
     must_find(cluster, &c);
@@ -1120,7 +1116,7 @@ static void ranks_are_weighed_by_their_stored_times(void)
 
 // Of three ranks the first takes three times as long for each of its objects: it gets fewer, once
 // that has cost more than a cut, and pairs stay as they are.
-static bool (*find_pairs)(worker *w, worker_found *found, duet_error *err);
+static bool (*find_pairs)(worker *w, const global_ids *ids, worker_found *found, duet_error *err);
 static uint64_t told_ns;
 
 // Nothing takes time but finding pairs.
@@ -1129,10 +1125,10 @@ static uint64_t tell_ns(void)
     return told_ns;
 }
 
-static bool find_slowly(worker *w, worker_found *found, duet_error *err)
+static bool find_slowly(worker *w, const global_ids *ids, worker_found *found, duet_error *err)
 {
-    told_ns += (rank == 0 ? 30 : 10) * 1000 * (uint64_t)homes_count(&asked->homes);
-    return find_pairs(w, found, err);
+    told_ns += (rank == 0 ? 30 : 10) * 1000 * (uint64_t)owned_count(&asked->owned);
+    return find_pairs(w, ids, found, err);
 }
 
 static void ranks_that_prove_slow_get_fewer_objects(void)
@@ -1150,12 +1146,12 @@ static void ranks_that_prove_slow_get_fewer_objects(void)
     cluster->workers[0]->find = find_slowly;
     hand_over(cluster, &c, 0, 1);
     must_find(cluster, &c);
-    uint64_t n = homes_count(&cluster->homes);
+    uint64_t n = owned_count(&cluster->owned);
     MPI_Bcast(&n, 1, MPI_UINT64_T, 0, comm);
     MUST(n > 97 && n < 103, "alike at first");
     for (int at = 0; at < 160; ++at)
         must_find(cluster, &c);
-    n = homes_count(&cluster->homes);
+    n = owned_count(&cluster->owned);
     MPI_Bcast(&n, 1, MPI_UINT64_T, 0, comm);
     MUST(n > 40 && n < 47, "3 : 1 : 1 in speed is 43 of 300 objects");
     ranks_now_ns = now_ns;
@@ -1195,9 +1191,9 @@ static void a_cut_must_pay(void)
         return;
     duet_error err = {0};
     ranks of_two;
-    cut c;
+    partition c;
     MUST_OK(ranks_begin(&of_two, &comm, NULL, &err) && ranks_reserve(&of_two, &err), err);
-    MUST_OK(cut_begin(&c, &of_two, 0, &err), err);
+    MUST_OK(partition_begin(&c, &of_two, 0, &err), err);
     balance b;
     balance_begin(&b, rank == 0 ? 50 : 100);
     for (int at = 0; at < 800; ++at)
@@ -1210,7 +1206,7 @@ static void a_cut_must_pay(void)
     MUST(steps == 32,
          "10 ms are lost a step, and a cut takes 100: the first 8 steps past 3 of them");
     MUST(fabs(c.due - (rank == 0 ? 0.75 : 0.25)) < 1e-9, "by their speeds");
-    cut_end(&c);
+    partition_end(&c);
     ranks_end(&of_two);
     MPI_Comm_free(&comm);
 }
@@ -1722,7 +1718,7 @@ static void what_is_skimmed_is_deep_inside(void)
 {
     static crowd c;
     rng r = rng_seed(15);
-    const reach inside = {{-2.5, -2.25, -3}, {2.5, 3, 2.7}};
+    const extent inside = {{-2.5, -2.25, -3}, {2.5, 3, 2.7}};
     uint32_t skimmed = 0;
     for (uint32_t i = 0; i < 12; ++i) {
         make_crowd(&c, &r, i < 8 ? i : SPHERES - 8 + i);
@@ -1736,14 +1732,14 @@ static void what_is_skimmed_is_deep_inside(void)
             MUST(end >= first && end <= c.n, "a row");
             for (uint32_t k = first; k < end; ++k, ++skimmed) {
                 double at[3];
-                reach e = reach_of(&form, object_row(&rows, &form, k));
+                extent e = extent_of(&form, object_row(&rows, &form, k));
                 object_centre(&form, object_row(&rows, &form, k), at);
                 MUST(object_is_sound(&form, object_row(&rows, &form, k)), "sound");
                 for (int d = 0; d < 3; ++d)
                     MUST(at[d] > inside.lower[d] && at[d] < inside.upper[d] &&
                              at[d] >= s.centres.lower[d] && at[d] <= s.centres.upper[d],
                          "inside");
-                MUST(reach_widest(&e) <= skim_widest(&s, &form), "no wider");
+                MUST(extent_widest(&e) <= skim_widest(&s, &form), "no wider");
             }
         }
     }
@@ -1761,7 +1757,7 @@ static duet_bounds bounds_in_float(const crowd *c, uint32_t id)
 }
 
 // Of boxes that turn and of those that do not, of all sizes, and of points at 0.
-static void reaches_hold_what_devices_take(void)
+static void extents_hold_what_devices_take(void)
 {
     static crowd c;
     static const uint32_t crowds[] = {0, 3, 6, SPHERES, SPHERES + 1, ROUNDED, ROUNDED + 1, 54};
@@ -1773,7 +1769,7 @@ static void reaches_hold_what_devices_take(void)
         for (uint32_t id = 0; id < c.n; ++id) {
             uint32_t numbers = c.world.shape == DUET_SHAPE_SPHERES ? 4 : 6;
             memset(row_of(&c, id), 0, id == 0 ? numbers * sizeof(float) : 0);
-            reach e = reach_of(&form, row_of(&c, id));
+            extent e = extent_of(&form, row_of(&c, id));
             duet_bounds b = bounds_in_float(&c, id);
             for (uint32_t k = 0; k < c.world.dims; ++k)
                 MUST(e.lower[k] <= (double)b.lower[k] && e.upper[k] >= (double)b.upper[k], c.name);
@@ -1781,63 +1777,89 @@ static void reaches_hold_what_devices_take(void)
     }
 }
 
-static uint32_t range_of_bounds(const void *context, const void *object)
+enum { ROWS_OF_TIDY = 64, DOMAINS_OF_TIDY = 7 };
+
+// Whether each row is that of its id, and lies in its domain's box.
+static void must_be_tidy(const owned *o, uint64_t there)
 {
-    (void)context;
-    return (uint32_t)((const duet_bounds *)object)->upper[0];
+    uint64_t seen = 0;
+    uint32_t first = 0;
+    for (uint32_t i = 0; i < o->n_domains; ++i) {
+        const domain *d = &o->domains[i];
+        MUST(d->first == first && d->n_new == 0, "no gaps");
+        first += d->n;
+        for (uint32_t row = d->first; row < first; ++row) {
+            double centre[3];
+            const duet_bounds *b = object_row(&o->rows, &o->form, row);
+            object_centre(&o->form, b, centre);
+            MUST(bisection_part(&o->planes, centre) == i && owned_domain_of(o, row) == i,
+                 "each lies in its domain");
+            MUST(b->upper[1] == (float)o->rows.ids[row], "rows stay whole");
+            seen |= UINT64_C(1) << o->rows.ids[row];
+        }
+    }
+    MUST(first == o->rows.n && seen == there, "all are there");
 }
 
-// Rows of random ranges, some empty: where each id belongs is known apart.
-static void rows_come_to_their_ranges(void)
+static duet_bounds some_bounds(uint64_t id, rng *r)
 {
-    enum { ROWS = 60, RANGES = 7 };
-    const object_form form = {.dims = 3, .shape = DUET_SHAPE_BOUNDS, .bytes = sizeof(duet_bounds)};
+    float x = (float)rng_between(r, 0, 9);
+    return (duet_bounds){.lower = {x, -1, -1}, .upper = {x, (float)id, 1}};
+}
+
+// Rows come to their domains, some of which are empty, and stay there as random ones leave and
+// come.
+static void rows_come_to_their_domains(void)
+{
+    static const extent all = {{-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}};
     rng r = rng_seed(16);
-    static const uint32_t n_threads[] = {1, 2, 3, 7};
-    enum { TEAMS = sizeof n_threads / sizeof *n_threads };
-    parallel teams[TEAMS];
-    duet_error none = {0};
-    for (int i = 0; i < TEAMS; ++i)
-        MUST_OK(parallel_begin(&teams[i], n_threads[i], 1, &none), none);
-    for (int round = 0; round < 400; ++round) {
-        uint64_t ids[ROWS];
-        duet_bounds bounds[ROWS];
-        stray strays[ROWS];
-        uint32_t belongs[ROWS], ends[RANGES], n = rng_below(&r, ROWS + 1);
-        uint32_t n_ranges = 1 + rng_below(&r, RANGES), n_strays = 0;
-        duet_error err = {0};
-        object_rows rows = {.ids = ids, .objects = (unsigned char *)bounds, .n = n};
-        for (uint32_t i = 0, end = 0; i < n_ranges; ++i)
-            ends[i] = end += i + 1 < n_ranges ? rng_below(&r, n - end + 1) / 2 : n - end;
-        uint32_t few = rng_below(&r, 3) > 0 ? 20 : 2;
-        for (uint32_t i = 0, range = 0; i < n; ++i) {
-            while (i >= ends[range])
-                ++range;
-            belongs[i] = range;
-            if (rng_below(&r, few) == 0)
-                belongs[i] = rng_below(&r, n_ranges);
-            if (belongs[i] != range)
-                strays[n_strays++] = (stray){i, belongs[i]};
-            ids[i] = i;
-            bounds[i] = (duet_bounds){.lower = {(float)i}, .upper = {(float)belongs[i]}};
-        }
-        if (round % 4 == 0)
-            rows_sort(&rows, &form, n, ends, n_ranges, range_of_bounds, NULL,
-                      &teams[round / 4 % TEAMS]);
-        else
-            MUST_OK(rows_arrange(&rows, &form, ends, n_ranges, strays, n_strays, &err), err);
+    parallel team;
+    duet_error err = {0};
+    duet_world_def def = duet_default_world_def();
+    def.shape = DUET_SHAPE_BOUNDS;
+    worker *w = worker_open_plain(&def, &err), *const workers[2] = {w, w};
+    MUST_OK(w && parallel_begin(&team, 3, 1, &err), err);
+    for (int round = 0; round < 300; ++round) {
+        owned o;
+        object_rows rows;
+        uint32_t n_domains = 2 + rng_below(&r, DOMAINS_OF_TIDY - 1);
+        uint32_t n = rng_below(&r, ROWS_OF_TIDY / 2);
         uint64_t there = 0;
-        for (uint32_t i = 0, range = 0; i < n; ++i) {
-            while (range + 1 < n_ranges && i >= ends[range])
-                ++range;
-            MUST(belongs[ids[i]] == range, "each lies in its range");
-            MUST(bounds[i].lower[0] == (float)ids[i], "rows stay whole");
-            there |= UINT64_C(1) << ids[i];
+        MUST_OK(owned_begin(&o, n_domains, n_domains, &team, &err), err);
+        o.form = (object_form){.dims = 3, .shape = DUET_SHAPE_BOUNDS, .bytes = sizeof(duet_bounds)};
+        MUST_OK(object_rows_begin(&rows, &o.form, n, &err), err);
+        for (uint32_t i = 0; i < n; ++i) {
+            duet_bounds b = some_bounds(i, &r);
+            rows.ids[i] = i;
+            memcpy(object_row(&rows, &o.form, i), &b, sizeof b);
+            there |= UINT64_C(1) << i;
         }
-        MUST(there == (UINT64_C(1) << n) - 1, "all are there");
+        owned_take(&o, &rows);
+        MUST_OK(owned_place(&o, &all, workers, &err), err);
+        must_be_tidy(&o, there);
+        for (int step = 0; step < 9; ++step) {
+            unsigned char messages[ROWS_OF_TIDY][sizeof(uint64_t) + sizeof(duet_bounds)];
+            parcels in = {.rows = messages, .row_bytes = sizeof *messages};
+            uint32_t few = rng_below(&r, 3) > 0 ? 9 : 1; // or all
+            for (uint32_t row = 0; row < o.rows.n; ++row)
+                if (rng_below(&r, few) == 0) {
+                    row_list_add(&o.leavers, row);
+                    there &= ~(UINT64_C(1) << o.rows.ids[row]);
+                }
+            uint64_t taken = there;
+            for (uint64_t id = 0; id < ROWS_OF_TIDY; ++id)
+                if (!(taken >> id & 1) && rng_below(&r, 9) == 0) {
+                    duet_bounds b = some_bounds(id, &r);
+                    object_write_message(&o.form, messages[in.n++], id, &b);
+                    there |= UINT64_C(1) << id;
+                }
+            MUST_OK(owned_add_newcomers(&o, &in, &err) && owned_tidy(&o, &err), err);
+            must_be_tidy(&o, there);
+        }
+        owned_end(&o);
     }
-    for (int i = 0; i < TEAMS; ++i)
-        parallel_end(&teams[i]);
+    w->close(w);
+    parallel_end(&team);
 }
 
 static void count_call(void *context)
@@ -1889,8 +1911,8 @@ int main(int argc, char **argv)
     levels_are_octaves_below_the_widest();
     a_part_is_its_box();
     what_is_skimmed_is_deep_inside();
-    reaches_hold_what_devices_take();
-    rows_come_to_their_ranges();
+    extents_hold_what_devices_take();
+    rows_come_to_their_domains();
     if (rank == 0)
         calls_are_made_beside_loops();
     nothing_is_refused();

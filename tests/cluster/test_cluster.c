@@ -50,9 +50,8 @@ static void assert_same_pairs(const char *scene, int ranks, int parts)
     cJSON_Delete(found);
 }
 
-static void ranks_with_devices_find_the_pairs_of_run(void **state)
+TEST(ranks_with_devices_find_the_pairs_of_run)
 {
-    (void)state;
     skip_without_mpi();
     assert_same_pairs("paper -n 900 --set world=18", 2, 1);
     assert_same_pairs("paper2d -n 900 --set world=40", 3, 4);
@@ -81,12 +80,11 @@ static void write_platform(const char *path, const char *inside)
 static void write_network(void)
 {
     write_platform(NETWORK, "<cluster id='hosts' prefix='host' suffix='' radical='0-63' "
-                           "speed='1Gf' bw='1GBps' lat='10us'/>");
+                            "speed='1Gf' bw='1GBps' lat='10us'/>");
 }
 
-static void simulated_ranks_find_the_pairs_of_run(void **state)
+TEST(simulated_ranks_find_the_pairs_of_run)
 {
-    (void)state;
     skip_without("duet-simulate", "SimGrid");
     static const char *const scenes[] = {
         "paper -n 900 --set world=18", "clustered -n 900",       "mixed -n 900",
@@ -108,7 +106,6 @@ static void simulated_ranks_find_the_pairs_of_run(void **state)
             cJSON_Delete(expected);
             cJSON_Delete(found);
         }
-    remove(NETWORK);
 }
 
 static cJSON *forecast(const char *path, const char *uid, const char *arguments)
@@ -121,9 +118,8 @@ static cJSON *forecast(const char *path, const char *uid, const char *arguments)
 }
 
 // One object that stands for K travels as K would, and takes a device as long.
-static void a_forecast_takes_the_times_of_a_profile(void **state)
+TEST(a_forecast_takes_the_times_of_a_profile)
 {
-    (void)state;
     skip_without("duet-simulate", "SimGrid");
     test_folder folder = test_folder_make();
     duet_error err = {0};
@@ -143,16 +139,17 @@ static void a_forecast_takes_the_times_of_a_profile(void **state)
     assert_null(cJSON_GetObjectItem(one, "hash"));
     char variables[160];
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
-    program p =
-        program_run_with(variables, "cluster --simulate " NETWORK " --ranks 2 --profile none still");
+    program p = program_run_with(variables,
+                                 "cluster --simulate " NETWORK " --ranks 2 --profile none still");
     program_assert_refused(&p, 2, "--profile 'none': 0 profiles begin so");
     p = program_run_with(variables,
                          "cluster --simulate " NETWORK " --ranks 2 --profile %.8s paper2d -n 9",
                          profile->uid);
     program_assert_refused(&p, 2, "': a profile in 3D, and paper2d is in 2D; expected the same");
-    p = program_run_with(
-        variables, "cluster --simulate " NETWORK " --ranks 2 --profile %.8s paper -n 9 --level aabb",
-        profile->uid);
+    p = program_run_with(variables,
+                         "cluster --simulate " NETWORK
+                         " --ranks 2 --profile %.8s paper -n 9 --level aabb",
+                         profile->uid);
     program_assert_refused(&p, 2,
                            "': a profile at level certified, and this is at level aabb; expected "
                            "the same");
@@ -197,13 +194,10 @@ static void a_forecast_takes_the_times_of_a_profile(void **state)
         program_assert_refused(&p, 1, "its time of a step or its objects cannot be");
     }
     duet_profile_list_destroy(list);
-    test_folder_remove(&folder);
-    remove(NETWORK);
 }
 
-static void a_platform_that_is_none_is_one_line(void **state)
+TEST(a_platform_that_is_none_is_one_line)
 {
-    (void)state;
     skip_without("duet-simulate", "SimGrid");
     static const struct {
         const char *arguments;
@@ -212,9 +206,10 @@ static void a_platform_that_is_none_is_one_line(void **state)
     } wrong[] = {
         {"no.xml --ranks 2 still", 1, "no.xml: No such file or directory"},
         {"/dev/null --ranks 2 still", 1, "/dev/null: no platform of SimGrid: "},
-        {NO_ROUTE " --ranks 2 still", 1, NO_ROUTE ": no platform of SimGrid: no route leads from a to b"},
+        {NO_ROUTE " --ranks 2 still", 1,
+         NO_ROUTE ": no platform of SimGrid: no route leads from a to b"},
         {NETWORK " still", 2, "--simulate does nothing without --ranks"},
-        {NETWORK " --ranks 2 --pair cpu still", 2, "--simulate and --pair do not go together"},
+        {NETWORK " --ranks 2 --pair cpu still", 2, "--pair and --simulate do not go together"},
         {NETWORK " --ranks 2 papr", 2, "rank 0 on host0: papr: no such file or scene"},
         {NETWORK " --ranks 2 --stands-for 9 still", 2, "--stands-for does nothing without "},
     };
@@ -224,8 +219,6 @@ static void a_platform_that_is_none_is_one_line(void **state)
         program p = program_run("cluster --simulate %s", wrong[i].arguments);
         program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
     }
-    remove(NETWORK);
-    remove(NO_ROUTE);
 }
 
 // ---------------------------------------------------------------- what is told
@@ -240,9 +233,8 @@ static double number_of_row(int columns, int i, int k)
 }
 
 // Each rank reads its rows; with --check rank 0 reads all.
-static void an_array_is_read_in_parts(void **state)
+TEST(an_array_is_read_in_parts)
 {
-    (void)state;
     skip_without_mpi();
     for (int columns = 6; columns <= 11; columns += 5) {
         text file = {0};
@@ -264,13 +256,11 @@ static void an_array_is_read_in_parts(void **state)
         cJSON_Delete(found);
         text_free(&file);
     }
-    remove("rows.npy");
 }
 
 // Its pair, the sums of all ranks, and nothing of stdin lost.
-static void each_rank_has_its_row_and_its_part_of_the_devices(void **state)
+TEST(each_rank_has_its_row_and_its_part_of_the_devices)
 {
-    (void)state;
     skip_without_mpi();
     program p =
         program_run_with("printf '0,0,0,1,1,1\\n.5,.5,.5,2,2,2\\n9,9,9,9,9,9\\n' | DUET_PAIR=",
@@ -294,9 +284,8 @@ static void each_rank_has_its_row_and_its_part_of_the_devices(void **state)
     cJSON_Delete(o);
 }
 
-static void a_rank_that_is_bound_to_one_core_of_several_is_told_of(void **state)
+TEST(a_rank_that_is_bound_to_one_core_of_several_is_told_of)
 {
-    (void)state;
     skip_without_mpi();
     program list = program_run("devices --json");
     cJSON *devices = json_of_program(&list);
@@ -310,9 +299,8 @@ static void a_rank_that_is_bound_to_one_core_of_several_is_told_of(void **state)
     program_free(&p);
 }
 
-static void a_person_reads_a_table(void **state)
+TEST(a_person_reads_a_table)
 {
-    (void)state;
     skip_without_mpi();
     program p = program_run("cluster --ranks 3 --plain --check --resident planes -n 60");
     assert_int_equal(p.exit_code, 0);
@@ -323,9 +311,8 @@ static void a_person_reads_a_table(void **state)
     program_free(&p);
 }
 
-static void the_file_of_pairs_is_that_of_one_rank(void **state)
+TEST(the_file_of_pairs_is_that_of_one_rank)
 {
-    (void)state;
     skip_without_mpi();
     text files[2] = {{0}, {0}};
     duet_error err = {0};
@@ -345,9 +332,8 @@ static void the_file_of_pairs_is_that_of_one_rank(void **state)
     text_free(&files[1]);
 }
 
-static void a_failure_is_one_line(void **state)
+TEST(a_failure_is_one_line)
 {
-    (void)state;
     skip_without_mpi();
     static const struct {
         const char *arguments;
@@ -368,7 +354,7 @@ static void a_failure_is_one_line(void **state)
         {"cluster --ranks 2 --hosts '' still", 2,
          "--hosts: expected names of machines, as one,two"},
         {"cluster --verbose still", 2, "--verbose does nothing without --ranks"},
-        {"cluster --plain --mode own still", 2, "--plain and --mode do not go together"},
+        {"cluster --plain --mode own still", 2, "--mode and --plain do not go together"},
         {"cluster --mode abacus still", 2, "--mode 'abacus': the modes are"},
         {"cluster --level abacus still", 2, "--level 'abacus': the levels are"},
         {"cluster --ranks 0 still", 2, "--ranks '0': give a whole number"},
@@ -389,9 +375,8 @@ static void a_failure_is_one_line(void **state)
 }
 
 // One rank of a job says so, and no other is in its way.
-static void run_is_refused_in_a_job(void **state)
+TEST(run_is_refused_in_a_job)
 {
-    (void)state;
     program p = program_run_with("OMPI_COMM_WORLD_SIZE=4 OMPI_COMM_WORLD_RANK=0", "run still");
     program_assert_refused(&p, 2,
                            "an MPI job of 4 ranks, and each would find all pairs; expected "
@@ -410,9 +395,8 @@ static void run_is_refused_in_a_job(void **state)
 
 // mpirun is the program's child, and the ranks are mpirun's. Some seconds later that one would
 // still be at work. It may have no name for a rank that has just been started.
-static void a_rank_that_is_killed_ends_the_job_and_leaves_no_file(void **state)
+TEST(a_rank_that_is_killed_ends_the_job_and_leaves_no_file)
 {
-    (void)state;
     skip_without_mpi();
     static const char kill_one[] =
         "& job=$!; children() { cat /proc/$1/task/*/children 2>/dev/null; }; rank=; "
@@ -428,9 +412,8 @@ static void a_rank_that_is_killed_ends_the_job_and_leaves_no_file(void **state)
 }
 
 // The ranks are there once rank 0 opens the scene, which is a pipe.
-static void a_rank_that_is_stopped_is_told_of_and_goes_on(void **state)
+TEST(a_rank_that_is_stopped_is_told_of_and_goes_on)
 {
-    (void)state;
     skip_without_mpi();
     static const char stop_one[] =
         "2>stopped.says & job=$!; "
@@ -451,15 +434,12 @@ static void a_rank_that_is_stopped_is_told_of_and_goes_on(void **state)
     cJSON *o = json_of_program(&p);
     assert_true(json_number(o, "pairs") == 1);
     cJSON_Delete(o);
-    remove("stopped.csv");
-    remove("stopped.says");
 }
 
 // On a slow machine nothing may have been timed yet. In the foreground timeout(1) sends its signal
 // to the program alone, else to mpirun, too, as a terminal does, which then ends the ranks soon.
-static void ctrl_c_shows_what_was_timed(void **state)
+TEST(ctrl_c_shows_what_was_timed)
 {
-    (void)state;
     skip_without_mpi();
     static const struct {
         const char *how, *arguments;
@@ -488,21 +468,5 @@ static void ctrl_c_shows_what_was_timed(void **state)
 int main(int argc, char **argv)
 {
     asks_all = argc > 1 && strcmp(argv[1], "--all") == 0;
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ranks_with_devices_find_the_pairs_of_run),
-        cmocka_unit_test(simulated_ranks_find_the_pairs_of_run),
-        cmocka_unit_test(a_forecast_takes_the_times_of_a_profile),
-        cmocka_unit_test(a_platform_that_is_none_is_one_line),
-        cmocka_unit_test(an_array_is_read_in_parts),
-        cmocka_unit_test(each_rank_has_its_row_and_its_part_of_the_devices),
-        cmocka_unit_test(a_rank_that_is_bound_to_one_core_of_several_is_told_of),
-        cmocka_unit_test(a_person_reads_a_table),
-        cmocka_unit_test(the_file_of_pairs_is_that_of_one_rank),
-        cmocka_unit_test(a_failure_is_one_line),
-        cmocka_unit_test(a_rank_that_is_stopped_is_told_of_and_goes_on),
-        cmocka_unit_test(run_is_refused_in_a_job),
-        cmocka_unit_test(ctrl_c_shows_what_was_timed),
-        cmocka_unit_test(a_rank_that_is_killed_ends_the_job_and_leaves_no_file),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return test_run(NULL, NULL);
 }

@@ -8,9 +8,11 @@
 #include "runtime/opencl/device_pair.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static const char saved[] = "saved";
+static const char *const past[2] = {"past", "past with a skin"};
 
 enum { PLAYERS = 5, MOST_IDS = 4096 };
 
@@ -30,12 +32,10 @@ typedef struct play {
     uint64_t ids[MOST_IDS], stale[MOST_IDS];
     uint32_t n_ids, n_stale;
     uint32_t n_searched_some; // steps of the last player
-    char path[64];
     struct {
         uint64_t ids[MOST_IDS], stale[MOST_IDS];
         uint32_t n_ids, n_stale;
         bool known;
-        char paths[2][80]; // of a motion without skin, and of one with
     } past;
 } play;
 
@@ -252,12 +252,12 @@ static void save_and_load(play *p)
 {
     uint32_t from = rng_below(&p->r, PLAYERS), to = rng_below(&p->r, PLAYERS);
     to = p->movers[from]->def.skin == p->movers[to]->def.skin ? to : from;
-    assert_done(duet_motion_save(p->movers[from]->motion, p->path, &err));
+    assert_done(duet_motion_save(p->movers[from]->motion, saved, &err));
     if (rng_below(&p->r, 2)) {
         mover_restart(p->movers[to]);
         mover_run(p->movers[to], 0);
     }
-    assert_done(duet_motion_load(p->movers[to]->motion, p->path, &err));
+    assert_done(duet_motion_load(p->movers[to]->motion, saved, &err));
 }
 
 // All go back to where they were once, or will come back to where they are.
@@ -267,9 +267,9 @@ static void remember_or_go_back(play *p)
         bool skin = p->movers[k]->def.skin > 0;
         duet_motion *m = p->movers[k]->motion;
         if (p->past.known)
-            assert_done(duet_motion_load(m, p->past.paths[skin], &err));
+            assert_done(duet_motion_load(m, past[skin], &err));
         else if (k == 0 || skin)
-            assert_done(duet_motion_save(m, p->past.paths[skin], &err));
+            assert_done(duet_motion_save(m, past[skin], &err));
     }
     if (p->past.known) {
         memcpy(p->ids, p->past.ids, sizeof p->ids);
@@ -348,9 +348,6 @@ static play begin_play(world_kind kind, uint64_t seed)
     };
     play p = {.kind = kind, .r = rng_seed(seed), .n_ids = n_bodies};
     p.size = 12 * cbrt(n_bodies / 200.0);
-    name_file(p.path);
-    for (int k = 0; k < 2; ++k)
-        snprintf(p.past.paths[k], sizeof p.past.paths[k], "%s-%d", p.path, k);
     for (int k = 0; k < PLAYERS; ++k) {
         mover *m = p.movers[k] = mover_new(kind == FLAT ? 2 : 3);
         m->def.plan.share = ways[k].share;
@@ -427,15 +424,11 @@ static uint64_t play_once(world_kind kind, int n_steps, uint64_t seed)
         asker_close(p.askers[k]);
         mover_free(p.movers[k]);
     }
-    remove(p.path);
-    remove(p.past.paths[0]);
-    remove(p.past.paths[1]);
     return hash;
 }
 
-static void the_same_commands_give_the_same_bits(void **state)
+TEST(the_same_commands_give_the_same_bits)
 {
-    (void)state;
     uint64_t seed = test_seed();
     print_message("DUET_TEST_SEED=%llu\n", (unsigned long long)seed);
     for (int kind = first_world; kind < n_worlds; ++kind)
@@ -449,9 +442,8 @@ static void set_host_memory(bool host)
 }
 
 // Rows are then fetched, changed and sent back.
-static void devices_with_memory_of_their_own_give_the_same_bits(void **state)
+TEST(devices_with_memory_of_their_own_give_the_same_bits)
 {
-    (void)state;
     uint64_t seed = test_seed();
     bool host = mover_pair()->devices[1].info.host_memory;
     uint64_t hash = play_once(USUAL, 30, seed);
@@ -469,9 +461,5 @@ int main(int argc, char **argv)
         n_bodies = 2000;
         n_worlds = WORLD_KINDS;
     }
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_same_commands_give_the_same_bits),
-        cmocka_unit_test(devices_with_memory_of_their_own_give_the_same_bits),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
+    return test_run(mover_open_pair, mover_close_pair);
 }

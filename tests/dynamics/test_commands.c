@@ -8,9 +8,9 @@
 #include "runtime/dynamics/motion.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
+
+static const char path[] = "motion"; // of what a test saves
 
 static uint32_t n_asleep(mover *m)
 {
@@ -22,9 +22,8 @@ static uint32_t n_asleep(mover *m)
 
 // ------------------------------------------------------------ what is set
 
-static void a_field_that_is_set_is_what_the_step_begins_with(void **state)
+TEST(a_field_that_is_set_is_what_the_step_begins_with)
 {
-    (void)state;
     mover *m = make_rows(3, 1);
     mover_run(m, 60);
     assert_int_equal(n_asleep(m), 4);
@@ -42,9 +41,8 @@ static void a_field_that_is_set_is_what_the_step_begins_with(void **state)
     mover_free(m);
 }
 
-static void a_pose_that_is_set_wakes_and_falls(void **state)
+TEST(a_pose_that_is_set_wakes_and_falls)
 {
-    (void)state;
     mover *m = make_rows(2, 1);
     mover_run(m, 60);
     duet_pose high = m->poses[1];
@@ -58,9 +56,8 @@ static void a_pose_that_is_set_wakes_and_falls(void **state)
     mover_free(m);
 }
 
-static void wrong_commands_are_refused_by_name_and_change_nothing(void **state)
+TEST(wrong_commands_are_refused_by_name_and_change_nothing)
 {
-    (void)state;
     mover *m = mover_new(3);
     mover_add_floor(m, 50);
     m->bodies[0].friction = 0;
@@ -109,9 +106,8 @@ static void wrong_commands_are_refused_by_name_and_change_nothing(void **state)
 }
 
 // A weight alone pushes nothing, nor does a rough thing without one.
-static void what_two_bodies_call_for_together_is_asked_of_the_motion(void **state)
+TEST(what_two_bodies_call_for_together_is_asked_of_the_motion)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT;
     m->bodies[mover_add_cube(m, 0, 0, 0, 1)].mass = 0;
@@ -129,9 +125,8 @@ static void what_two_bodies_call_for_together_is_asked_of_the_motion(void **stat
     mover_free(m);
 }
 
-static void gravity_can_change_while_all_sleep(void **state)
+TEST(gravity_can_change_while_all_sleep)
 {
-    (void)state;
     mover *m = make_rows(2, 1);
     mover_run(m, 60);
     assert_int_equal(n_asleep(m), 3);
@@ -145,9 +140,8 @@ static void gravity_can_change_while_all_sleep(void **state)
 
 // ------------------------------------------------------------ what pushes
 
-static void a_force_holds_for_one_step_and_can_carry_a_weight(void **state)
+TEST(a_force_holds_for_one_step_and_can_carry_a_weight)
 {
-    (void)state;
     for (int free_flight = 0; free_flight < 2; ++free_flight)
         for (int doubles = 0; doubles < 2; ++doubles) {
             mover *m = mover_new(3);
@@ -173,9 +167,8 @@ static void a_force_holds_for_one_step_and_can_carry_a_weight(void **state)
         }
 }
 
-static void an_impulse_beside_the_centre_turns(void **state)
+TEST(an_impulse_beside_the_centre_turns)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_ANGULAR_VELOCITY;
     uint32_t id = mover_add_cube(m, 0, 0, 0, 2);
@@ -192,9 +185,8 @@ static void an_impulse_beside_the_centre_turns(void **state)
 
 // ------------------------------------------------------------ kinematic bodies
 
-static void a_target_is_reached_exactly_and_carries_what_lies_on_it(void **state)
+TEST(a_target_is_reached_exactly_and_carries_what_lies_on_it)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_SLEEP;
     m->def.sleep_after = 0.1;
@@ -226,9 +218,8 @@ static void a_target_is_reached_exactly_and_carries_what_lies_on_it(void **state
     mover_free(m);
 }
 
-static void what_has_no_mass_and_moves_wakes_what_it_newly_reaches(void **state)
+TEST(what_has_no_mass_and_moves_wakes_what_it_newly_reaches)
 {
-    (void)state;
     mover *m = make_rows(2, 1);
     uint32_t ram = mover_add_cube(m, -3, 0, 0.6, 1);
     m->bodies[ram].mass = 0;
@@ -241,9 +232,8 @@ static void what_has_no_mass_and_moves_wakes_what_it_newly_reaches(void **state)
     mover_free(m);
 }
 
-static void a_target_wakes_what_it_reaches_in_one_step(void **state)
+TEST(a_target_wakes_what_it_reaches_in_one_step)
 {
-    (void)state;
     mover *m = make_rows(1, 1);
     uint32_t ram = mover_add_cube(m, 8, 0, 0.6, 1);
     m->bodies[ram].mass = 0;
@@ -256,9 +246,8 @@ static void a_target_wakes_what_it_reaches_in_one_step(void **state)
     mover_free(m);
 }
 
-static void what_has_no_mass_and_is_put_elsewhere_wakes_its_neighbours(void **state)
+TEST(what_has_no_mass_and_is_put_elsewhere_wakes_its_neighbours)
 {
-    (void)state;
     mover *m = make_rows(2, 1);
     uint32_t shelf = mover_add(m, 20, 0, 3, 1, 1, 0.25);
     m->bodies[shelf].mass = 0;
@@ -277,9 +266,8 @@ static void what_has_no_mass_and_is_put_elsewhere_wakes_its_neighbours(void **st
 
 // ------------------------------------------------------------ bodies that come and go
 
-static void ids_are_handles_and_places_are_used_again(void **state)
+TEST(ids_are_handles_and_places_are_used_again)
 {
-    (void)state;
     mover *m = make_rows(4, 1);
     mover_run(m, 1);
     duet_motion *motion = m->motion;
@@ -312,9 +300,8 @@ static void ids_are_handles_and_places_are_used_again(void **state)
     mover_free(m);
 }
 
-static void what_lay_on_a_removed_body_falls(void **state)
+TEST(what_lay_on_a_removed_body_falls)
 {
-    (void)state;
     for (int disabled = 0; disabled < 2; ++disabled) {
         mover *m = make_rows(2, 3);
         m->def.skin = disabled ? 0.2 : 0;
@@ -344,9 +331,8 @@ static void what_lay_on_a_removed_body_falls(void **state)
     }
 }
 
-static void a_body_that_comes_falls_as_one_that_was_there(void **state)
+TEST(a_body_that_comes_falls_as_one_that_was_there)
 {
-    (void)state;
     duet_state states[2][8];
     for (int late = 0; late < 2; ++late) {
         mover *m = make_rows(2, 1);
@@ -373,9 +359,8 @@ static void a_body_that_comes_falls_as_one_that_was_there(void **state)
     assert_memory_equal(states[0], states[1], 4 * sizeof states[0][0]);
 }
 
-static void a_motion_can_begin_empty(void **state)
+TEST(a_motion_can_begin_empty)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.gravity[2] = -10;
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_GRAVITY | DUET_EFFECT_FRICTION |
@@ -392,9 +377,8 @@ static void a_motion_can_begin_empty(void **state)
     mover_free(m);
 }
 
-static void a_floor_can_get_a_mass(void **state)
+TEST(a_floor_can_get_a_mass)
 {
-    (void)state;
     mover *m = make_rows(4, 2);
     uint32_t plate = mover_add(m, 0, 20, 10, 3, 3, 0.25);
     m->bodies[plate].mass = 0;
@@ -411,9 +395,8 @@ static void a_floor_can_get_a_mass(void **state)
 }
 
 // Whether a search dropped what it touched before or kept it within its skin is the same.
-static void what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin(void **state)
+TEST(what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin)
 {
-    (void)state;
     enum { N = 60 };
     uint64_t hashes[2];
     for (int k = 0; k < 2; ++k) {
@@ -449,9 +432,8 @@ static double depth_of(const duet_pose *p)
 
 // Boxes just above a floor or a wall turn and fly so fast that the next step would bring many of
 // them there, but they are sent to sleep where they are.
-static void what_is_sent_to_sleep_on_its_way_never_arrives(void **state)
+TEST(what_is_sent_to_sleep_on_its_way_never_arrives)
 {
-    (void)state;
     enum { N = 60 };
     uint64_t ids[N];
     for (int k = 0; k < 4; ++k) {
@@ -528,9 +510,8 @@ static void assert_rests_alike(mover *twins[2], bool some)
         assert_done(call);                       \
     }
 
-static void only_what_commands_altered_is_searched_within_a_skin(void **state)
+TEST(only_what_commands_altered_is_searched_within_a_skin)
 {
-    (void)state;
     enum { ROWS = 16, HIGH = 4, PEBBLES = 7 };
     // The last one is wider than the table of the others.
     duet_pose poses[PEBBLES + 1] = {
@@ -571,11 +552,8 @@ static void only_what_commands_altered_is_searched_within_a_skin(void **state)
 // ------------------------------------------------------------ two halves
 
 // While a step is under way the motion is for those who ask what does not change in it.
-static void nothing_is_done_to_a_motion_between_the_halves_of_its_step(void **state)
+TEST(nothing_is_done_to_a_motion_between_the_halves_of_its_step)
 {
-    (void)state;
-    char path[64];
-    name_file(path);
     mover *m = make_rows(4, 2), *twin = make_rows(4, 2);
     mover_run(m, 1);
     mover_run(twin, 1);
@@ -648,9 +626,8 @@ static void nothing_is_done_to_a_motion_between_the_halves_of_its_step(void **st
 }
 
 // Where a body is disabled, bounds are looked at for what is wrong while the step is under way.
-static void a_step_that_fails_is_told_in_its_second_half(void **state)
+TEST(a_step_that_fails_is_told_in_its_second_half)
 {
-    (void)state;
     for (int disabled = 0; disabled < 2; ++disabled) {
         mover *m = make_rows(3, 1);
         m->def.dt = 100;
@@ -670,11 +647,8 @@ static void a_step_that_fails_is_told_in_its_second_half(void **state)
 
 // ------------------------------------------------------------ files
 
-static void a_file_of_another_version_is_refused_by_name(void **state)
+TEST(a_file_of_another_version_is_refused_by_name)
 {
-    (void)state;
-    char path[64];
-    name_file(path);
     mover *m = make_rows(2, 1);
     mover_run(m, 1);
     uint64_t hash = mover_hash(m);
@@ -688,16 +662,12 @@ static void a_file_of_another_version_is_refused_by_name(void **state)
     assert_done(text_write_file(path, "\x1b\n", 1, &err));
     assert_refused(duet_motion_load(m->motion, path, &err), ": begins with \"\\x1b\"");
     assert_true(mover_hash(m) == hash);
-    remove(path);
     mover_free(m);
 }
 
 // A saved motion has its bodies, so it matters not which ones the motion has meanwhile.
-static void a_motion_that_got_commands_loads_a_file_from_before_them(void **state)
+TEST(a_motion_that_got_commands_loads_a_file_from_before_them)
 {
-    (void)state;
-    char path[64];
-    name_file(path);
     mover *m = make_rows(3, 2);
     mover_run(m, 5);
     assert_done(duet_motion_save(m->motion, path, &err));
@@ -711,15 +681,11 @@ static void a_motion_that_got_commands_loads_a_file_from_before_them(void **stat
     assert_true(mover_hash(m) == saved);
     mover_run(m, 10);
     assert_true(mover_hash(m) == later);
-    remove(path);
     mover_free(m);
 }
 
-static void what_commands_left_is_saved(void **state)
+TEST(what_commands_left_is_saved)
 {
-    (void)state;
-    char path[64];
-    name_file(path);
     mover *m = make_rows(4, 2), *fresh = make_rows(4, 2);
     uint32_t lift = mover_add(m, 3, 0, 5, 0.5, 0.5, 0.5);
     m->bodies[lift].mass = 0;
@@ -758,38 +724,8 @@ static void what_commands_left_is_saved(void **state)
     assert_true(read == data);
     assert_refused(duet_motion_wake_bodies(fresh->motion, one(3), &err), "was removed");
     assert_true(duet_motion_get_def(fresh->motion)->gravity[0] == 0.5);
-    remove(path);
     mover_free(m);
     mover_free(fresh);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_field_that_is_set_is_what_the_step_begins_with),
-        cmocka_unit_test(a_pose_that_is_set_wakes_and_falls),
-        cmocka_unit_test(wrong_commands_are_refused_by_name_and_change_nothing),
-        cmocka_unit_test(what_two_bodies_call_for_together_is_asked_of_the_motion),
-        cmocka_unit_test(gravity_can_change_while_all_sleep),
-        cmocka_unit_test(a_force_holds_for_one_step_and_can_carry_a_weight),
-        cmocka_unit_test(an_impulse_beside_the_centre_turns),
-        cmocka_unit_test(a_target_is_reached_exactly_and_carries_what_lies_on_it),
-        cmocka_unit_test(what_has_no_mass_and_moves_wakes_what_it_newly_reaches),
-        cmocka_unit_test(a_target_wakes_what_it_reaches_in_one_step),
-        cmocka_unit_test(what_has_no_mass_and_is_put_elsewhere_wakes_its_neighbours),
-        cmocka_unit_test(ids_are_handles_and_places_are_used_again),
-        cmocka_unit_test(what_lay_on_a_removed_body_falls),
-        cmocka_unit_test(a_body_that_comes_falls_as_one_that_was_there),
-        cmocka_unit_test(a_motion_can_begin_empty),
-        cmocka_unit_test(a_floor_can_get_a_mass),
-        cmocka_unit_test(what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin),
-        cmocka_unit_test(what_is_sent_to_sleep_on_its_way_never_arrives),
-        cmocka_unit_test(only_what_commands_altered_is_searched_within_a_skin),
-        cmocka_unit_test(nothing_is_done_to_a_motion_between_the_halves_of_its_step),
-        cmocka_unit_test(a_step_that_fails_is_told_in_its_second_half),
-        cmocka_unit_test(a_file_of_another_version_is_refused_by_name),
-        cmocka_unit_test(a_motion_that_got_commands_loads_a_file_from_before_them),
-        cmocka_unit_test(what_commands_left_is_saved),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -13,9 +13,8 @@
 
 // ---------------------------------------------------------------- stacks
 
-static void stacks_stand(void **state)
+TEST(stacks_stand)
 {
-    (void)state;
     stack_figures f = stack_figures_read();
     for (uint32_t dims = 2; dims <= 3; ++dims)
         for (int i = 0; i < 2; ++i) {
@@ -24,17 +23,15 @@ static void stacks_stand(void **state)
         }
 }
 
-static void stacks_stand_far_away_in_doubles(void **state)
+TEST(stacks_stand_far_away_in_doubles)
 {
-    (void)state;
     stack s = {.dims = 3, .height = 10, .substeps = 4, .x = 1e7, .doubles = true};
     stack_assert_stands(&s, 20);
 }
 
 // Points of contact that left their corners for a step would kick it.
-static void a_stack_comes_to_rest(void **state)
+TEST(a_stack_comes_to_rest)
 {
-    (void)state;
     for (int doubles = 0; doubles < 2; ++doubles) {
         if (!test_takes((uint64_t)doubles, 2))
             continue;
@@ -73,9 +70,8 @@ static bool leaning_stack_falls(uint32_t dims, double aside)
 // The seven upper boxes have their middle 4 times as far aside as one box from the next, and
 // half an edge below it is the last that holds them. That a manifold is kept hides no such
 // lever.
-static void a_stack_that_leans_too_far_falls(void **state)
+TEST(a_stack_that_leans_too_far_falls)
 {
-    (void)state;
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         assert_false(leaning_stack_falls(dims, 0.1));
         assert_true(leaning_stack_falls(dims, 0.13));
@@ -84,9 +80,8 @@ static void a_stack_that_leans_too_far_falls(void **state)
 
 // ---------------------------------------------------------------- masses
 
-static void heavy_boxes_rest_on_light_ones(void **state)
+TEST(heavy_boxes_rest_on_light_ones)
 {
-    (void)state;
     double f[8];
     figures("effects.md",
             "heavy on light, 1 : #, 1 : # and 1 : # | #, # and # substeps, less than a tenth of an "
@@ -112,9 +107,8 @@ static void heavy_boxes_rest_on_light_ones(void **state)
 }
 
 // A spring stiffer than its substeps rocks what stands on it, and it walks.
-static void heavy_boxes_do_not_creep(void **state)
+TEST(heavy_boxes_do_not_creep)
 {
-    (void)state;
     double f[4];
     figures("effects.md", "1 : #, 1 : # and 1 : # with 4 substeps, after 5 s | slower than # mm/s",
             4, f);
@@ -135,9 +129,8 @@ static void heavy_boxes_do_not_creep(void **state)
     }
 }
 
-static void what_has_no_mass_stays(void **state)
+TEST(what_has_no_mass_stays)
 {
-    (void)state;
     mover *m = mover_new(3);
     uint32_t floor = mover_add_floor(m, 5);
     uint32_t other = mover_add_cube(m, 0, 0, 0.2, 1); // into the floor
@@ -177,9 +170,8 @@ static flight shoot(double speed, double dt, uint32_t wants, double angle)
     return f;
 }
 
-static void bullets_do_not_pass_a_wall(void **state)
+TEST(bullets_do_not_pass_a_wall)
 {
-    (void)state;
     double f[5]; // an edge, two speeds, a wall, a part that comes back
     figures("effects.md",
             "bullet # at # and # m/s, wall # | never behind it, and # of the speed comes back", 5,
@@ -201,15 +193,13 @@ static void bullets_do_not_pass_a_wall(void **state)
 
 // A slow one is not asked about: 0.4 of a half extent a step is in reach of a
 // contact's margin or of its depth.
-static void slow_boxes_need_no_sweep(void **state)
+TEST(slow_boxes_need_no_sweep)
 {
-    (void)state;
     assert_true(shoot(0.4 * 0.05 * 60, 1.0 / 60, 0, 0).furthest < 10.0);
 }
 
-static void a_bullet_that_misses_is_not_held(void **state)
+TEST(a_bullet_that_misses_is_not_held)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     uint32_t wall = mover_add(m, 10, 0, 0, 0.05, 1, 1);
@@ -225,9 +215,8 @@ static void a_bullet_that_misses_is_not_held(void **state)
 
 // ---------------------------------------------------------------- overlap
 
-static void deep_overlap_is_left_without_a_shot(void **state)
+TEST(deep_overlap_is_left_without_a_shot)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     uint32_t a = mover_add_cube(m, 0, 0, 0, 1);
@@ -243,9 +232,8 @@ static void deep_overlap_is_left_without_a_shot(void **state)
     mover_free(m);
 }
 
-static void boxes_in_one_place_give_no_nan(void **state)
+TEST(boxes_in_one_place_give_no_nan)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     for (int i = 0; i < 5; ++i)
@@ -260,9 +248,8 @@ static void boxes_in_one_place_give_no_nan(void **state)
 
 // ---------------------------------------------------------------- bounces
 
-static void an_elastic_ball_keeps_its_energy(void **state)
+TEST(an_elastic_ball_keeps_its_energy)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.boundary = DUET_BOUNDARY_WALLS;
     for (int k = 0; k < 3; ++k)
@@ -284,9 +271,8 @@ static void an_elastic_ball_keeps_its_energy(void **state)
 
 // Corners of boxes that tumble come at different speeds, and a push at one changes
 // the others': some of the energy is lost, none is made.
-static void tumbling_elastic_boxes_gain_nothing(void **state)
+TEST(tumbling_elastic_boxes_gain_nothing)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     mover *m = mover_new(3);
     m->def.boundary = DUET_BOUNDARY_WALLS;
@@ -319,9 +305,8 @@ static void tumbling_elastic_boxes_gain_nothing(void **state)
     mover_free(m);
 }
 
-static void a_falling_elastic_ball_gains_nothing(void **state)
+TEST(a_falling_elastic_ball_gains_nothing)
 {
-    (void)state;
     mover *m = mover_new(3);
     mover_add_floor(m, 5);
     m->bodies[0].restitution = 1.0f;
@@ -364,9 +349,8 @@ static double loss_of_a_bounce(double drop, uint32_t substeps, double *n)
     return 1 - pow(left, 1 / *n);
 }
 
-static void an_elastic_bounce_keeps_its_height(void **state)
+TEST(an_elastic_bounce_keeps_its_height)
 {
-    (void)state;
     static const struct {
         double drop;
         uint32_t substeps;
@@ -410,9 +394,8 @@ static double height_after(const bounce *b)
     return peak;
 }
 
-static void a_bounce_keeps_the_square_of_the_restitution(void **state)
+TEST(a_bounce_keeps_the_square_of_the_restitution)
 {
-    (void)state;
     double f[5]; // drops and restitutions from and to, per cent
     figures("effects.md",
             "falls # to # m with a restitution of # to # | comes up to its square of the height "
@@ -436,9 +419,8 @@ static void a_bounce_keeps_the_square_of_the_restitution(void **state)
     }
 }
 
-static void an_inelastic_ball_comes_to_rest(void **state)
+TEST(an_inelastic_ball_comes_to_rest)
 {
-    (void)state;
     mover *m = mover_new(3);
     mover_add_floor(m, 5);
     uint32_t ball = mover_add_rough_cube(m, 0, 0, 3);
@@ -457,9 +439,8 @@ static double kept_momentum(int which)
 }
 
 // Equal boxes in a row without gravity: the last one takes the speed.
-static void a_cradle_hands_the_speed_on(void **state)
+TEST(a_cradle_hands_the_speed_on)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.restitution_threshold = 0.0;
     for (int i = 0; i < 5; ++i) {
@@ -475,9 +456,8 @@ static void a_cradle_hands_the_speed_on(void **state)
     mover_free(m);
 }
 
-static void momentum_is_kept_in_a_collision(void **state)
+TEST(momentum_is_kept_in_a_collision)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     for (int i = 0; i < 3; ++i) {
@@ -524,9 +504,8 @@ static void strike(uint32_t axis, double speed, double ratio, double dt, double 
     mover_free(m);
 }
 
-static void a_plastic_hit_leaves_one_velocity_and_no_spin(void **state)
+TEST(a_plastic_hit_leaves_one_velocity_and_no_spin)
 {
-    (void)state;
     static const double ways[] = {1 / 60.0, 1 / 30.0, 1 / 15.0}, ratios[] = {1, 3, 20},
                         times[] = {1.0 / 60, 1.0 / 240};
     double most = figure("effects.md", "one velocity, and no spin, within # of the speed");
@@ -565,9 +544,8 @@ static duet_state slide(const slope *s)
     return end;
 }
 
-static void friction_holds_up_to_its_angle(void **state)
+TEST(friction_holds_up_to_its_angle)
 {
-    (void)state;
     double f[2];
     figures("effects.md", "holds at # tan, slides at # tan;", 2, f);
     for (uint32_t dims = 2; dims <= 3; ++dims) {
@@ -578,9 +556,8 @@ static void friction_holds_up_to_its_angle(void **state)
     }
 }
 
-static void friction_slows_as_its_closed_form(void **state)
+TEST(friction_slows_as_its_closed_form)
 {
-    (void)state;
     static const double slopes[] = {0.2, 0.5, 1}, parts[] = {0, 0.6, 0.9, 0.98};
     static const double times[] = {1.0 / 60, 1.0 / 240};
     double most = figure("effects.md", "its speed is the closed form's within g h / #");
@@ -599,9 +576,8 @@ static void friction_slows_as_its_closed_form(void **state)
     }
 }
 
-static void a_box_slides_over_a_seam(void **state)
+TEST(a_box_slides_over_a_seam)
 {
-    (void)state;
     mover *m = mover_new(3);
     mover_add_floor(m, 2);
     uint32_t next = mover_add(m, 4, 0, -0.5, 2, 2, 0.5);
@@ -622,9 +598,8 @@ static void a_box_slides_over_a_seam(void **state)
 
 // ---------------------------------------------------------------- sleep, events
 
-static void what_rests_sleeps_and_is_woken(void **state)
+TEST(what_rests_sleeps_and_is_woken)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP;
     m->def.gravity[2] = -9.81;
@@ -646,9 +621,8 @@ static void what_rests_sleeps_and_is_woken(void **state)
 
 // The lower of two boxes that sleep is shot away, within one step further than
 // anything that touches the upper one.
-static void what_slept_on_a_box_that_is_gone_falls(void **state)
+TEST(what_slept_on_a_box_that_is_gone_falls)
 {
-    (void)state;
     for (int skin = 0; skin < 2; ++skin) {
         mover *m = mover_new(3);
         m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_CONTINUOUS;
@@ -688,16 +662,14 @@ static bool hopping_box_sleeps(float speed)
 }
 
 // A box that hops, up to six fifths of the speed below which it rests, or to four times.
-static void what_is_mostly_slow_sleeps(void **state)
+TEST(what_is_mostly_slow_sleeps)
 {
-    (void)state;
     assert_true(hopping_box_sleeps(0.06f));
     assert_false(hopping_box_sleeps(0.2f));
 }
 
-static void events_begin_and_end(void **state)
+TEST(events_begin_and_end)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_EVENTS;
     uint32_t a = mover_add_cube(m, 0, 0, 0, 1);
@@ -725,9 +697,8 @@ static void events_begin_and_end(void **state)
 
 // The state is equal bit for bit, however the search for pairs is shared.
 // Half a skin is passed in two steps, and what the bounds reach ahead in four more.
-static void bounds_last_while_a_body_flies(void **state)
+TEST(bounds_last_while_a_body_flies)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS;
     m->def.skin = 0.05;
@@ -745,9 +716,8 @@ static void bounds_last_while_a_body_flies(void **state)
     mover_free(m);
 }
 
-static void the_share_changes_nothing(void **state)
+TEST(the_share_changes_nothing)
 {
-    (void)state;
     static const struct {
         uint32_t share;
         duet_mode mode;
@@ -778,9 +748,8 @@ static void the_share_changes_nothing(void **state)
 }
 
 // A CPU solves eight contacts side by side and a GPU one a work-item.
-static void one_lane_gives_the_bits_of_eight(void **state)
+TEST(one_lane_gives_the_bits_of_eight)
 {
-    (void)state;
     uint64_t hashes[2];
     duet_device_info *info = &mover_pair()->devices[1].info;
     duet_device_kind kind = info->kind;
@@ -797,9 +766,8 @@ static void one_lane_gives_the_bits_of_eight(void **state)
     assert_true(hashes[0] == hashes[1]);
 }
 
-static void a_pile_stays_between_its_walls_and_rests(void **state)
+TEST(a_pile_stays_between_its_walls_and_rests)
 {
-    (void)state;
     mover *m = mover_new(3);
     mover_add_pile(m, 200);
     double before = mover_total(m);
@@ -824,39 +792,5 @@ static void a_pile_stays_between_its_walls_and_rests(void **state)
 int main(int argc, char **argv)
 {
     test_begin(argc, argv);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(stacks_stand),
-        cmocka_unit_test(stacks_stand_far_away_in_doubles),
-        cmocka_unit_test(a_stack_comes_to_rest),
-        cmocka_unit_test(a_stack_that_leans_too_far_falls),
-        cmocka_unit_test(heavy_boxes_rest_on_light_ones),
-        cmocka_unit_test(heavy_boxes_do_not_creep),
-        cmocka_unit_test(what_has_no_mass_stays),
-        cmocka_unit_test(bullets_do_not_pass_a_wall),
-        cmocka_unit_test(slow_boxes_need_no_sweep),
-        cmocka_unit_test(a_bullet_that_misses_is_not_held),
-        cmocka_unit_test(deep_overlap_is_left_without_a_shot),
-        cmocka_unit_test(boxes_in_one_place_give_no_nan),
-        cmocka_unit_test(an_elastic_ball_keeps_its_energy),
-        cmocka_unit_test(tumbling_elastic_boxes_gain_nothing),
-        cmocka_unit_test(a_falling_elastic_ball_gains_nothing),
-        cmocka_unit_test(an_elastic_bounce_keeps_its_height),
-        cmocka_unit_test(a_bounce_keeps_the_square_of_the_restitution),
-        cmocka_unit_test(an_inelastic_ball_comes_to_rest),
-        cmocka_unit_test(a_cradle_hands_the_speed_on),
-        cmocka_unit_test(momentum_is_kept_in_a_collision),
-        cmocka_unit_test(a_plastic_hit_leaves_one_velocity_and_no_spin),
-        cmocka_unit_test(friction_holds_up_to_its_angle),
-        cmocka_unit_test(friction_slows_as_its_closed_form),
-        cmocka_unit_test(a_box_slides_over_a_seam),
-        cmocka_unit_test(what_rests_sleeps_and_is_woken),
-        cmocka_unit_test(what_slept_on_a_box_that_is_gone_falls),
-        cmocka_unit_test(what_is_mostly_slow_sleeps),
-        cmocka_unit_test(events_begin_and_end),
-        cmocka_unit_test(bounds_last_while_a_body_flies),
-        cmocka_unit_test(the_share_changes_nothing),
-        cmocka_unit_test(one_lane_gives_the_bits_of_eight),
-        cmocka_unit_test(a_pile_stays_between_its_walls_and_rests),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
+    return test_run(mover_open_pair, mover_close_pair);
 }

@@ -5,6 +5,7 @@
 
 #include "support/devices.h"
 #include "support/mover.h"
+#include "support/trees.h"
 
 #include "base/rng.h"
 #include "runtime/opencl/device_pair.h"
@@ -12,31 +13,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static duet_contact_query *open_query(uint32_t dims, uint32_t share, float margin)
-{
-    duet_error err = {0};
-    duet_contact_query_def def = duet_default_contact_query_def();
-    def.pair = devices;
-    def.dims = dims;
-    def.share = share;
-    def.margin = margin;
-    duet_contact_query *query = duet_contact_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
-}
-
-static duet_contact_query_result run(duet_contact_query *query, const duet_pose *poses, uint32_t n,
-                                     const duet_pair *pairs, uint64_t n_pairs)
-{
-    duet_error err = {0};
-    const duet_span spans[2] = {{pairs, n_pairs / 3}, {pairs + n_pairs / 3, n_pairs - n_pairs / 3}};
-    duet_contact_query_result result;
-    assert_ok(duet_contact_query_run(query, DUET_OBJECT_POSES, poses, n, spans, &result, &err),
-              err);
-    assert_int_equal(result.n_contacts, n_pairs);
-    return result;
-}
 
 // ---------------------------------------------------------------- truth
 
@@ -243,8 +219,10 @@ static void contacts_are_those_of_the_boxes(uint32_t dims, float margin)
     fill(&r, poses, dims);
     uint64_t n, colliding = 0, points = 0;
     duet_pair *pairs = all_pairs(&n);
-    duet_contact_query *query = open_query(dims, DUET_SHARE_ONE / 3, margin);
-    duet_contact_query_result found = run(query, poses, BOXES, pairs, n);
+    duet_contact_query *query =
+        open_contact_query(DUET_SHAPE_POSES, dims, DUET_SHARE_ONE / 3, margin);
+    duet_contact_query_result found =
+        find_contacts(query, DUET_OBJECT_POSES, poses, BOXES, pairs, n);
     uint64_t touching = 0;
     for (uint64_t i = 0; i < n; ++i) {
         const duet_contact *c = &found.contacts[i];
@@ -267,16 +245,14 @@ static void contacts_are_those_of_the_boxes(uint32_t dims, float margin)
     free(pairs);
 }
 
-static void contacts_in_3d(void **state)
+TEST(contacts_in_3d)
 {
-    (void)state;
     contacts_are_those_of_the_boxes(3, 0);
     contacts_are_those_of_the_boxes(3, 0.05f);
 }
 
-static void contacts_in_2d(void **state)
+TEST(contacts_in_2d)
 {
-    (void)state;
     contacts_are_those_of_the_boxes(2, 0);
     contacts_are_those_of_the_boxes(2, 0.05f);
 }
@@ -293,15 +269,14 @@ static duet_contact contact_of(uint32_t dims, duet_pose a, duet_pose b)
 {
     const duet_pose poses[2] = {a, b};
     const duet_pair pair = {0, 1};
-    duet_contact_query *query = open_query(dims, 0, 0);
-    duet_contact c = run(query, poses, 2, &pair, 1).contacts[0];
+    duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, dims, 0, 0);
+    duet_contact c = find_contacts(query, DUET_OBJECT_POSES, poses, 2, &pair, 1).contacts[0];
     duet_contact_query_destroy(query);
     return c;
 }
 
-static void a_box_on_a_plane_has_its_corners_at_its_depth(void **state)
+TEST(a_box_on_a_plane_has_its_corners_at_its_depth)
 {
-    (void)state;
     const duet_pose floor = box_at(0, -8, 0, 8);
     for (int i = 0; i < 3; ++i) {
         double depth = i == 0 ? 0 : i == 1 ? 0.125 : 0.25;
@@ -326,9 +301,8 @@ static void a_box_on_a_plane_has_its_corners_at_its_depth(void **state)
     }
 }
 
-static void a_corner_in_a_plane_is_one_point(void **state)
+TEST(a_corner_in_a_plane_is_one_point)
 {
-    (void)state;
     duet_pose box = box_at(0, sqrt(3) - 0.01, 0, 1);
     const double angle = acos(1 / sqrt(3)) / 2; // its diagonal upright
     const double s = sin(angle) / sqrt(2);
@@ -350,9 +324,8 @@ static void a_corner_in_a_plane_is_one_point(void **state)
 }
 
 // Two beams that cross with their edges: turned by an eighth about x and about z.
-static void edges_that_cross_are_one_point(void **state)
+TEST(edges_that_cross_are_one_point)
 {
-    (void)state;
     const float s = (float)sin(acos(-1) / 8), w = (float)cos(acos(-1) / 8);
     duet_pose along_x = {{0, 0, 0}, {5, 1, 1}, {s, 0, 0, w}};
     duet_pose along_z = {{0, (float)(2 * sqrt(2) - 0.1), 0}, {1, 1, 5}, {0, 0, s, w}};
@@ -366,9 +339,8 @@ static void edges_that_cross_are_one_point(void **state)
 }
 
 // Faces, edges and corners that just touch, and boxes without extent.
-static void what_touches_has_a_point(void **state)
+TEST(what_touches_has_a_point)
 {
-    (void)state;
     duet_pose poses[28];
     duet_pair pairs[54];
     uint64_t n = 0;
@@ -379,8 +351,8 @@ static void what_touches_has_a_point(void **state)
         if (i != 13)
             pairs[n++] = (duet_pair){i, 13};
     pairs[n++] = (duet_pair){13, 27};
-    duet_contact_query *query = open_query(3, 0, 0);
-    duet_contact_query_result found = run(query, poses, 28, pairs, n);
+    duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, 3, 0, 0);
+    duet_contact_query_result found = find_contacts(query, DUET_OBJECT_POSES, poses, 28, pairs, n);
     for (uint64_t i = 0; i < n; ++i) {
         assert_true(found.contacts[i].n > 0);
         for (uint32_t k = 0; i + 1 < n && k < found.contacts[i].n; ++k)
@@ -392,20 +364,22 @@ static void what_touches_has_a_point(void **state)
 
 // ---------------------------------------------------------------- the same
 
-static void the_other_way_round_has_the_same_points(void **state)
+TEST(the_other_way_round_has_the_same_points)
 {
-    (void)state;
     duet_pose poses[BOXES];
     rng r = rng_seed(test_seed());
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         fill(&r, poses, dims);
         uint64_t n;
         duet_pair *pairs = all_pairs(&n);
-        duet_contact_query *query = open_query(dims, 0, 0), *back = open_query(dims, 0, 0);
-        duet_contact_query_result one = run(query, poses, BOXES, pairs, n);
+        duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, dims, 0, 0),
+                           *back = open_contact_query(DUET_SHAPE_POSES, dims, 0, 0);
+        duet_contact_query_result one =
+            find_contacts(query, DUET_OBJECT_POSES, poses, BOXES, pairs, n);
         for (uint64_t i = 0; i < n; ++i)
             pairs[i] = (duet_pair){pairs[i].b, pairs[i].a};
-        duet_contact_query_result other = run(back, poses, BOXES, pairs, n);
+        duet_contact_query_result other =
+            find_contacts(back, DUET_OBJECT_POSES, poses, BOXES, pairs, n);
         for (uint64_t i = 0; i < n; ++i) {
             const duet_contact *c = &one.contacts[i], *d = &other.contacts[i];
             assert_true(c->a == d->b && c->b == d->a && c->n == d->n);
@@ -426,9 +400,8 @@ static void the_other_way_round_has_the_same_points(void **state)
 }
 
 // On a GPU a work-item takes one pair.
-static void share_and_launch_change_no_bit(void **state)
+TEST(share_and_launch_change_no_bit)
 {
-    (void)state;
     const uint32_t shares[] = {0, DUET_SHARE_ONE, DUET_SHARE_ONE / 3, 1, 0};
     enum { WAYS = sizeof shares / sizeof shares[0] };
     duet_pose poses[BOXES];
@@ -441,9 +414,10 @@ static void share_and_launch_change_no_bit(void **state)
     duet_contact *first = malloc((size_t)n * sizeof *first);
     for (int i = 0; i < WAYS; ++i) {
         info->kind = i + 1 == WAYS ? DUET_KIND_GPU : kind;
-        duet_contact_query *query = open_query(3, shares[i], 0.01f);
+        duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, 3, shares[i], 0.01f);
         info->kind = kind;
-        duet_contact_query_result found = run(query, poses, BOXES, pairs, n);
+        duet_contact_query_result found =
+            find_contacts(query, DUET_OBJECT_POSES, poses, BOXES, pairs, n);
         if (i == 0)
             memcpy(first, found.contacts, (size_t)n * sizeof *first);
         assert_memory_equal(first, found.contacts, (size_t)n * sizeof *first);
@@ -454,9 +428,8 @@ static void share_and_launch_change_no_bit(void **state)
 }
 
 // A world's pairs as its result has them.
-static void the_pairs_of_a_world_have_points(void **state)
+TEST(the_pairs_of_a_world_have_points)
 {
-    (void)state;
     duet_error err = {0};
     duet_pose poses[BOXES];
     rng r = rng_seed(test_seed());
@@ -470,7 +443,7 @@ static void the_pairs_of_a_world_have_points(void **state)
     assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, BOXES, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
     assert_true(result.spans[0].n > 0 && result.spans[1].n > 0);
-    duet_contact_query *query = open_query(3, DUET_SHARE_DEFAULT, 0);
+    duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, 3, DUET_SHARE_DEFAULT, 0);
     duet_contact_query_result found;
     assert_ok(
         duet_contact_query_run(query, DUET_OBJECT_POSES, poses, BOXES, result.spans, &found, &err),
@@ -488,9 +461,8 @@ static void the_pairs_of_a_world_have_points(void **state)
 // ---------------------------------------------------------------- from step to step
 
 // Against a matrix of the pairs, two steps of a world whose boxes move.
-static void a_delta_is_what_two_steps_differ_by(void **state)
+TEST(a_delta_is_what_two_steps_differ_by)
 {
-    (void)state;
     duet_error err = {0};
     duet_pose poses[BOXES];
     static bool was[BOXES][BOXES], is[BOXES][BOXES];
@@ -548,17 +520,16 @@ static void assert_refused(const duet_pose *poses, uint32_t n, duet_pair pair, d
     duet_error err = {0};
     duet_contact_query_result result;
     const duet_span spans[2] = {{&(duet_pair){0, 1}, 1}, {&pair, 1}};
-    duet_contact_query *query = open_query(3, 0, 0);
+    duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, 3, 0, 0);
     assert_false(duet_contact_query_run(query, DUET_OBJECT_POSES, poses, n, spans, &result, &err));
     assert_int_equal(err.status, status);
     assert_string_equal(err.text, says);
-    run(query, poses, 2, &(duet_pair){0, 1}, 1); // and goes on
+    find_contacts(query, DUET_OBJECT_POSES, poses, 2, &(duet_pair){0, 1}, 1); // and goes on
     duet_contact_query_destroy(query);
 }
 
-static void what_is_no_pair_of_boxes_is_refused(void **state)
+TEST(what_is_no_pair_of_boxes_is_refused)
 {
-    (void)state;
     duet_pose poses[3] = {box_at(0, 0, 0, 1), box_at(1, 0, 0, 1), box_at(NAN, 0, 0, 1)};
     assert_refused(poses, 3, (duet_pair){1, 3}, DUET_STATUS_BAD_ARGUMENT,
                    "pair 1 is of objects 1 and 3; expected two of 3");
@@ -568,20 +539,4 @@ static void what_is_no_pair_of_boxes_is_refused(void **state)
                    "object 2 of 3 is not a number, infinite, negative or without rotation");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_box_on_a_plane_has_its_corners_at_its_depth),
-        cmocka_unit_test(a_corner_in_a_plane_is_one_point),
-        cmocka_unit_test(edges_that_cross_are_one_point),
-        cmocka_unit_test(what_touches_has_a_point),
-        cmocka_unit_test(contacts_in_3d),
-        cmocka_unit_test(contacts_in_2d),
-        cmocka_unit_test(the_other_way_round_has_the_same_points),
-        cmocka_unit_test(share_and_launch_change_no_bit),
-        cmocka_unit_test(the_pairs_of_a_world_have_points),
-        cmocka_unit_test(a_delta_is_what_two_steps_differ_by),
-        cmocka_unit_test(what_is_no_pair_of_boxes_is_refused),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -13,7 +13,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+
+static const char path[] = "motion"; // of what a test saves
 
 // ---------------------------------------------------------------- inference
 
@@ -23,9 +24,8 @@ static uint32_t effects_of(mover *m)
     return duet_motion_get_effects(m->motion);
 }
 
-static void a_still_scene_calls_for_nothing(void **state)
+TEST(a_still_scene_calls_for_nothing)
 {
-    (void)state;
     mover *m = mover_new(3);
     mover_add_cube(m, 0, 0, 0, 1);
     assert_int_equal(effects_of(m), 0);
@@ -33,9 +33,8 @@ static void a_still_scene_calls_for_nothing(void **state)
 }
 
 // Each cause calls for its effect, and for nothing but that and what it needs.
-static void each_cause_calls_for_its_effect(void **state)
+TEST(each_cause_calls_for_its_effect)
 {
-    (void)state;
     enum { VELOCITY, TURNED, TURNING, GRAVITY, DRAG, WALLS, ROUGH, QUICK, GROUPS, SKIN, CAUSES };
     const uint32_t motion = DUET_EFFECT_MOTION;
     const uint32_t push = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_CONTACT | DUET_EFFECT_MOTION |
@@ -198,9 +197,8 @@ static bool is_in(uint32_t set, const uint32_t *sets, int n)
 
 // Pairs of effects: the step with these alone equals the step with every effect, bit
 // for bit. All pairs are some hundreds of kernels.
-static void pairs_of_effects_equal_the_general_step(void **state)
+TEST(pairs_of_effects_equal_the_general_step)
 {
-    (void)state;
     uint32_t done[N_EFFECTS * N_EFFECTS];
     int n_done = 0;
     for (int i = 0; i < N_EFFECTS; ++i)
@@ -212,9 +210,8 @@ static void pairs_of_effects_equal_the_general_step(void **state)
         }
 }
 
-static void sampled_sets_equal_the_general_step(void **state)
+TEST(sampled_sets_equal_the_general_step)
 {
-    (void)state;
     uint64_t seed = test_seed();
     for (int round = 0; round < 2; ++round) {
         seed = seed * UINT64_C(6364136223846793005) + 1442695040888963407u;
@@ -235,9 +232,8 @@ static uint32_t general_in(medium in, uint32_t set)
 }
 
 // Each effect with what it needs, in the other media.
-static void each_effect_equals_the_general_step_in_2d_and_in_doubles(void **state)
+TEST(each_effect_equals_the_general_step_in_2d_and_in_doubles)
 {
-    (void)state;
     static const medium media[] = {{2, false}, {2, true}, {3, true}};
     for (int k = 0; k < 3; ++k) {
         uint32_t done[N_EFFECTS];
@@ -336,9 +332,8 @@ static uint32_t n_arguments(const gen_variant *v)
 
 // The parameter is the constant 0 in the text, so its code is not compiled, and no kernel takes what
 // the effect alone would read.
-static void kernels_take_no_argument_of_what_is_left_out(void **state)
+TEST(kernels_take_no_argument_of_what_is_left_out)
 {
-    (void)state;
     const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
     duet_error err = {0};
     gen *g = gen_open(NULL, &err);
@@ -369,9 +364,8 @@ static void kernels_take_no_argument_of_what_is_left_out(void **state)
 }
 
 // Every kernel that an effect changes is among those that explain names.
-static void an_effect_names_all_its_kernels(void **state)
+TEST(an_effect_names_all_its_kernels)
 {
-    (void)state;
     const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
     duet_error err = {0};
     gen *g = gen_open(NULL, &err);
@@ -401,9 +395,8 @@ static void an_effect_names_all_its_kernels(void **state)
 // ---------------------------------------------------------------- memory
 
 // An effect adds its buffers, and without it they are empty.
-static void buffers_are_those_that_are_called_for(void **state)
+TEST(buffers_are_those_that_are_called_for)
 {
-    (void)state;
     static const struct {
         uint32_t effect;
         motion_buffer buffer;
@@ -435,9 +428,8 @@ static void buffers_are_those_that_are_called_for(void **state)
 }
 
 // Kernels too: free flight is one, and a still scene has none.
-static void kernels_are_those_that_are_called_for(void **state)
+TEST(kernels_are_those_that_are_called_for)
 {
-    (void)state;
     mover *m = make_scene(0);
     mover_run(m, 1);
     motion_kernels only = {.integrate_free_flight = m->motion->kernels.integrate_free_flight};
@@ -458,9 +450,8 @@ static void kernels_are_those_that_are_called_for(void **state)
 }
 
 // On a device with memory of its own each step has times only where that is asked for.
-static void stages_have_times_where_they_are_asked_for(void **state)
+TEST(stages_have_times_where_they_are_asked_for)
 {
-    (void)state;
     bool *host = &mover_pair()->devices[1].info.host_memory, had = *host;
     *host = false;
     mover *m = make_scene(0);
@@ -477,9 +468,8 @@ static void stages_have_times_where_they_are_asked_for(void **state)
     mover_free(m);
 }
 
-static void explain_tells_effects_and_bytes(void **state)
+TEST(explain_tells_effects_and_bytes)
 {
-    (void)state;
     static const uint32_t four_bytes[] = {DUET_EFFECT_FRICTION, DUET_EFFECT_SENSORS};
     for (int k = 0; k < 2; ++k) {
         mover *m = make_scene(with_needs(four_bytes[k]));
@@ -518,9 +508,8 @@ static traffic step_once(mover *m)
 // A pile this small has no colour that needs more than a work-group. What varies is how
 // many rounds the colouring takes, at two launches each; a launch for each colour and
 // substep would be 50 more.
-static void launches_do_not_grow_with_colours(void **state)
+TEST(launches_do_not_grow_with_colours)
 {
-    (void)state;
     mover *m = mover_new(3);
     mover_add_pile(m, 100);
     m->def.wants |= DUET_EFFECT_SLEEP;
@@ -552,11 +541,8 @@ static mover *make_sleepers(void)
 }
 
 // What changes a motion from outside is a load.
-static void a_step_at_rest_sends_nothing(void **state)
+TEST(a_step_at_rest_sends_nothing)
 {
-    (void)state;
-    char path[64];
-    snprintf(path, sizeof path, "/tmp/duet-rest-%ld", (long)getpid());
     duet_error err = {0};
     mover *m = make_sleepers();
     mover_run(m, 9);
@@ -574,12 +560,10 @@ static void a_step_at_rest_sends_nothing(void **state)
     assert_true(step_once(m).launches > 10);
     assert_int_equal(m->last.step, 11);
     mover_free(m);
-    remove(path);
 }
 
-static void what_moves_without_mass_keeps_a_step_from_resting(void **state)
+TEST(what_moves_without_mass_keeps_a_step_from_resting)
 {
-    (void)state;
     mover *m = make_sleepers();
     uint32_t cart = mover_add_cube(m, 0, 5, 3, 1);
     m->bodies[cart].mass = 0.0f;
@@ -594,12 +578,9 @@ static void what_moves_without_mass_keeps_a_step_from_resting(void **state)
 // ---------------------------------------------------------------- files
 
 // Saved in the middle, loaded into another motion, it goes on bit for bit.
-static void a_loaded_motion_goes_on_as_the_saved_one(void **state)
+TEST(a_loaded_motion_goes_on_as_the_saved_one)
 {
-    (void)state;
     static const uint32_t wants[] = {0, DUET_EFFECT_SLEEP, DUET_EFFECT_EVENTS};
-    char path[64];
-    snprintf(path, sizeof path, "/tmp/duet-motion-%ld", (long)getpid());
     for (int i = 0; i < 6; ++i) {
         uint32_t set =
             with_needs(DUET_EFFECT_ROTATION | DUET_EFFECT_ANGULAR_VELOCITY |
@@ -621,14 +602,10 @@ static void a_loaded_motion_goes_on_as_the_saved_one(void **state)
         mover_free(saved);
         mover_free(loaded);
     }
-    remove(path);
 }
 
-static void a_damaged_file_is_refused(void **state)
+TEST(a_damaged_file_is_refused)
 {
-    (void)state;
-    char path[64];
-    snprintf(path, sizeof path, "/tmp/duet-motion-%ld", (long)getpid());
     duet_error err = {0};
     mover *m = make_scene(with_needs(DUET_EFFECT_CONTACT_RESPONSE));
     mover_run(m, 5);
@@ -647,29 +624,10 @@ static void a_damaged_file_is_refused(void **state)
     assert_non_null(strstr(err.text, "effects"));
     mover_free(other);
     mover_free(m);
-    remove(path);
 }
 
 int main(int argc, char **argv)
 {
     test_begin(argc, argv);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_still_scene_calls_for_nothing),
-        cmocka_unit_test(each_cause_calls_for_its_effect),
-        cmocka_unit_test(kernels_take_no_argument_of_what_is_left_out),
-        cmocka_unit_test(an_effect_names_all_its_kernels),
-        cmocka_unit_test(buffers_are_those_that_are_called_for),
-        cmocka_unit_test(kernels_are_those_that_are_called_for),
-        cmocka_unit_test(stages_have_times_where_they_are_asked_for),
-        cmocka_unit_test(explain_tells_effects_and_bytes),
-        cmocka_unit_test(launches_do_not_grow_with_colours),
-        cmocka_unit_test(a_step_at_rest_sends_nothing),
-        cmocka_unit_test(what_moves_without_mass_keeps_a_step_from_resting),
-        cmocka_unit_test(a_loaded_motion_goes_on_as_the_saved_one),
-        cmocka_unit_test(a_damaged_file_is_refused),
-        cmocka_unit_test(pairs_of_effects_equal_the_general_step),
-        cmocka_unit_test(each_effect_equals_the_general_step_in_2d_and_in_doubles),
-        cmocka_unit_test(sampled_sets_equal_the_general_step),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
+    return test_run(mover_open_pair, mover_close_pair);
 }

@@ -6,9 +6,10 @@
 #include "runtime/dynamics/motion.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static const char path[] = "motion"; // of what a test saves
 
 // ---------------------------------------------------------------- against the records
 
@@ -131,9 +132,8 @@ static counts run_and_compare(mover *m, uint32_t steps)
     return c;
 }
 
-static void events_are_those_of_the_records(void **state)
+TEST(events_are_those_of_the_records)
 {
-    (void)state;
     for (int way = 0; way < 3; ++way) {
         mover *m = new_pile();
         m->def.skin = way == 1 ? 0.2 : 0;
@@ -146,9 +146,8 @@ static void events_are_those_of_the_records(void **state)
     }
 }
 
-static void a_mask_leaves_the_events_of_its_groups(void **state)
+TEST(a_mask_leaves_the_events_of_its_groups)
 {
-    (void)state;
     mover *m = new_pile();
     for (uint32_t id = 0; id < m->n; ++id)
         m->bodies[id].group = id % 6 == 0 ? 2 : 1;
@@ -160,9 +159,8 @@ static void a_mask_leaves_the_events_of_its_groups(void **state)
     mover_free(m);
 }
 
-static void without_response_events_are_overlaps(void **state)
+TEST(without_response_events_are_overlaps)
 {
-    (void)state;
     mover *m = mover_new(2);
     m->def.wants = DUET_EFFECT_EVENTS;
     for (uint32_t i = 0; i < PILE; ++i) {
@@ -220,9 +218,8 @@ static story run_story(mover *m, uint32_t steps)
     return s;
 }
 
-static void a_cube_that_falls_begins_once_and_hits_once(void **state)
+TEST(a_cube_that_falls_begins_once_and_hits_once)
 {
-    (void)state;
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         mover *m = new_fall(dims, 0);
         m->def.wants |= DUET_EFFECT_SLEEP;
@@ -244,9 +241,8 @@ static void a_cube_that_falls_begins_once_and_hits_once(void **state)
     }
 }
 
-static void a_cube_that_bounces_ends_when_it_leaves(void **state)
+TEST(a_cube_that_bounces_ends_when_it_leaves)
 {
-    (void)state;
     mover *m = new_fall(3, 1);
     const uint32_t bounce = (uint32_t)(2 * sqrt(2 * fall / gravity) / m->def.dt);
     story s = run_story(m, 4 * bounce);
@@ -257,9 +253,8 @@ static void a_cube_that_bounces_ends_when_it_leaves(void **state)
     mover_free(m);
 }
 
-static void a_hit_far_away_is_where_it_is(void **state)
+TEST(a_hit_far_away_is_where_it_is)
 {
-    (void)state;
     for (int way = 0; way < 2; ++way) {
         mover *m = new_fall(3, 0);
         m->def.doubles = way == 0;
@@ -294,9 +289,8 @@ static uint64_t hash_events(const mover *m, uint64_t sum)
     return sum;
 }
 
-static void share_and_launch_change_no_event(void **state)
+TEST(share_and_launch_change_no_event)
 {
-    (void)state;
     uint64_t expected = 0;
     duet_device_info *info = &mover_pair()->devices[1].info;
     duet_device_kind kind = info->kind;
@@ -318,9 +312,8 @@ static void share_and_launch_change_no_event(void **state)
     }
 }
 
-static void a_loaded_motion_tells_what_the_saved_one_does(void **state)
+TEST(a_loaded_motion_tells_what_the_saved_one_does)
 {
-    (void)state;
     duet_error err = {0};
     mover *m = new_pile(), *other = new_pile();
     m->def.skin = other->def.skin = 0.2;
@@ -328,7 +321,6 @@ static void a_loaded_motion_tells_what_the_saved_one_does(void **state)
     assert_ok(duet_motion_save(m->motion, "events.motion", &err), err);
     mover_run(other, 30);
     assert_ok(duet_motion_load(other->motion, "events.motion", &err), err);
-    remove("events.motion");
     for (int i = 0; i < 60; ++i) {
         mover_run(m, 1);
         mover_run(other, 1);
@@ -386,9 +378,8 @@ static counts run_sensor(mover *m, uint32_t id, uint32_t steps)
     return sum;
 }
 
-static void what_falls_through_a_sensor_is_told_and_not_pushed(void **state)
+TEST(what_falls_through_a_sensor_is_told_and_not_pushed)
 {
-    (void)state;
     for (int doubles = 0; doubles < 2; ++doubles) {
         mover *m = make_cubes(doubles), *without = make_cubes(doubles);
         uint32_t sensor = add_sensor(m, 5, 2, 0.25);
@@ -402,9 +393,8 @@ static void what_falls_through_a_sensor_is_told_and_not_pushed(void **state)
     }
 }
 
-static void a_sensor_sees_what_sleeps_and_does_not_wake_it(void **state)
+TEST(a_sensor_sees_what_sleeps_and_does_not_wake_it)
 {
-    (void)state;
     mover *m = make_cubes(false);
     uint32_t still = add_sensor(m, 0, 1, 0.3), guide = add_sensor(m, -5, 0.5, 0.3);
     mover_run(m, 120);
@@ -429,9 +419,8 @@ static void a_sensor_sees_what_sleeps_and_does_not_wake_it(void **state)
 }
 
 // What has no mass is seen as well: a lift that passes while all sleeps, and a floor.
-static void a_sensor_without_mass_sees_what_has_none(void **state)
+TEST(a_sensor_without_mass_sees_what_has_none)
 {
-    (void)state;
     for (int skin = 0; skin < 2; ++skin) {
         mover *m = make_cubes(false), *without = make_cubes(false);
         m->def.skin = without->def.skin = 0.1 * skin;
@@ -468,9 +457,8 @@ static void a_sensor_without_mass_sees_what_has_none(void **state)
 }
 
 // Sensors fall through floors, walls and each other, and see what their masks allow.
-static void sensors_do_not_see_sensors_and_fall_through_all(void **state)
+TEST(sensors_do_not_see_sensors_and_fall_through_all)
 {
-    (void)state;
     mover *m = make_cubes(false);
     m->def.boundary = DUET_BOUNDARY_WALLS;
     for (int k = 0; k < 3; ++k) {
@@ -489,11 +477,8 @@ static void sensors_do_not_see_sensors_and_fall_through_all(void **state)
     mover_free(m);
 }
 
-static void a_sensor_that_came_by_a_command_is_saved(void **state)
+TEST(a_sensor_that_came_by_a_command_is_saved)
 {
-    (void)state;
-    char path[64];
-    name_file(path);
     mover *m = make_cubes(false), *fresh = make_cubes(false);
     mover_run(m, 10);
     mover_run(fresh, 1);
@@ -509,27 +494,8 @@ static void a_sensor_that_came_by_a_command_is_saved(void **state)
     counts c = run_sensor(m, 3, 90), d = run_sensor(fresh, 3, 90);
     assert_true(c.begins == 1 && c.ends == 1 && c.stays == d.stays && d.begins == 1);
     assert_true(mover_hash(m) == mover_hash(fresh));
-    remove(path);
     mover_free(m);
     mover_free(fresh);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(events_are_those_of_the_records),
-        cmocka_unit_test(a_mask_leaves_the_events_of_its_groups),
-        cmocka_unit_test(without_response_events_are_overlaps),
-        cmocka_unit_test(a_cube_that_falls_begins_once_and_hits_once),
-        cmocka_unit_test(a_cube_that_bounces_ends_when_it_leaves),
-        cmocka_unit_test(a_hit_far_away_is_where_it_is),
-        cmocka_unit_test(share_and_launch_change_no_event),
-        cmocka_unit_test(a_loaded_motion_tells_what_the_saved_one_does),
-        cmocka_unit_test(what_falls_through_a_sensor_is_told_and_not_pushed),
-        cmocka_unit_test(a_sensor_sees_what_sleeps_and_does_not_wake_it),
-        cmocka_unit_test(a_sensor_without_mass_sees_what_has_none),
-        cmocka_unit_test(sensors_do_not_see_sensors_and_fall_through_all),
-        cmocka_unit_test(a_sensor_that_came_by_a_command_is_saved),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

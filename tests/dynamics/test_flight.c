@@ -46,17 +46,15 @@ static void assert_order(duet_integrator integrator, double order, uint32_t step
         fail_msg("slope %g where the order is %g", slope, order);
 }
 
-static void errors_follow_the_integrators_order(void **state)
+TEST(errors_follow_the_integrators_order)
 {
-    (void)state;
     assert_order(DUET_INTEGRATOR_EULER, 1.0, 4000);
     assert_order(DUET_INTEGRATOR_VERLET, 2.0, 500);
     assert_order(DUET_INTEGRATOR_YOSHIDA, 4.0, 200);
 }
 
-static void verlet_is_exact_in_uniform_gravity(void **state)
+TEST(verlet_is_exact_in_uniform_gravity)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.doubles = true;
     m->def.integrator = DUET_INTEGRATOR_VERLET;
@@ -70,9 +68,8 @@ static void verlet_is_exact_in_uniform_gravity(void **state)
     mover_free(m);
 }
 
-static void drag_decays_exponentially(void **state)
+TEST(drag_decays_exponentially)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.doubles = true;
     m->def.drag = 0.5;
@@ -87,9 +84,8 @@ static void drag_decays_exponentially(void **state)
 
 // ---------------------------------------------------------------- orbits
 
-static void an_orbit_keeps_its_energy(void **state)
+TEST(an_orbit_keeps_its_energy)
 {
-    (void)state;
     mover *m = mover_new(2);
     m->def.doubles = true;
     m->def.integrator = DUET_INTEGRATOR_YOSHIDA;
@@ -108,9 +104,8 @@ static void an_orbit_keeps_its_energy(void **state)
 
 // A box with three different sides turns over about its middle axis: energy
 // and angular momentum stay, for long.
-static void a_turning_box_keeps_energy_and_momentum(void **state)
+TEST(a_turning_box_keeps_energy_and_momentum)
 {
-    (void)state;
     for (int doubles = 0; doubles < 2; ++doubles) {
         mover *m = mover_new(3);
         m->def.doubles = doubles;
@@ -147,9 +142,8 @@ static double four_k(double k2)
 
 // Dzhanibekov's effect: the spin about the middle axis changes its sign with a
 // period that Jacobi's elliptic functions give.
-static void the_flips_come_with_the_elliptic_period(void **state)
+TEST(the_flips_come_with_the_elliptic_period)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.doubles = true;
     m->def.dt = 0.001;
@@ -194,9 +188,8 @@ static void the_flips_come_with_the_elliptic_period(void **state)
     mover_free(m);
 }
 
-static void a_thin_plate_spins_without_gain(void **state)
+TEST(a_thin_plate_spins_without_gain)
 {
-    (void)state;
     mover *m = mover_new(3);
     uint32_t id = mover_add(m, 0, 0, 0, 1, 1, 1e-3);
     m->bodies[id].angular_velocity[0] = 70.0f;
@@ -212,9 +205,8 @@ static void a_thin_plate_spins_without_gain(void **state)
     mover_free(m);
 }
 
-static void a_cube_turns_steadily(void **state)
+TEST(a_cube_turns_steadily)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.doubles = true;
     uint32_t id = mover_add_cube(m, 0, 0, 0, 1);
@@ -227,9 +219,8 @@ static void a_cube_turns_steadily(void **state)
 
 // ---------------------------------------------------------------- bounds
 
-static void walls_are_mirrors_without_response(void **state)
+TEST(walls_are_mirrors_without_response)
 {
-    (void)state;
     mover *m = mover_new(2);
     m->def.boundary = DUET_BOUNDARY_WALLS;
     m->def.upper[0] = m->def.upper[1] = 10.0;
@@ -246,9 +237,8 @@ static void walls_are_mirrors_without_response(void **state)
     mover_free(m);
 }
 
-static void a_periodic_world_comes_round(void **state)
+TEST(a_periodic_world_comes_round)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.doubles = true;
     m->def.boundary = DUET_BOUNDARY_PERIODIC;
@@ -267,9 +257,8 @@ static void a_periodic_world_comes_round(void **state)
 
 // ---------------------------------------------------------------- nothing
 
-static void a_step_of_no_time_changes_nothing(void **state)
+TEST(a_step_of_no_time_changes_nothing)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.dt = 0.0;
     m->def.gravity[2] = -9.81;
@@ -283,9 +272,8 @@ static void a_step_of_no_time_changes_nothing(void **state)
 }
 
 // A million steps of a world in which nothing happens take no launch.
-static void a_million_empty_steps_change_nothing(void **state)
+TEST(a_million_empty_steps_change_nothing)
 {
-    (void)state;
     mover *m = mover_new(3);
     for (int i = 0; i < 10; ++i)
         mover_add_cube(m, 3 * i, 0, 0, 1);
@@ -306,9 +294,8 @@ static void assert_refused(mover *m, duet_status status, const char *says)
         fail_msg("'%s' does not say '%s'", err.text, says);
 }
 
-static void wrong_numbers_are_refused(void **state)
+TEST(wrong_numbers_are_refused)
 {
-    (void)state;
     mover *m = mover_new(3);
     mover_add_cube(m, 0, 0, 0, 1);
     mover_add_cube(m, 3, 0, 0, 1);
@@ -338,22 +325,4 @@ static void wrong_numbers_are_refused(void **state)
     mover_free(m);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(errors_follow_the_integrators_order),
-        cmocka_unit_test(verlet_is_exact_in_uniform_gravity),
-        cmocka_unit_test(drag_decays_exponentially),
-        cmocka_unit_test(an_orbit_keeps_its_energy),
-        cmocka_unit_test(a_turning_box_keeps_energy_and_momentum),
-        cmocka_unit_test(the_flips_come_with_the_elliptic_period),
-        cmocka_unit_test(a_thin_plate_spins_without_gain),
-        cmocka_unit_test(a_cube_turns_steadily),
-        cmocka_unit_test(walls_are_mirrors_without_response),
-        cmocka_unit_test(a_periodic_world_comes_round),
-        cmocka_unit_test(a_step_of_no_time_changes_nothing),
-        cmocka_unit_test(a_million_empty_steps_change_nothing),
-        cmocka_unit_test(wrong_numbers_are_refused),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

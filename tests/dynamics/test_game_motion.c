@@ -4,7 +4,6 @@
 
 #include "support/devices.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { FLOOR, BOX, SLIDER, SENSOR, GHOST, WALL, BULLET, LIFTED, BODIES };
@@ -91,17 +90,10 @@ static void play(uint32_t dims)
     duet_motion_destroy(motion);
 }
 
-static void a_game_begins_empty_and_takes_what_comes(void **state)
+TEST(a_game_begins_empty_and_takes_what_comes)
 {
-    (void)state;
     play(3);
     play(2);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_game_begins_empty_and_takes_what_comes),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

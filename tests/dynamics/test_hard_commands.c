@@ -7,12 +7,11 @@
 #include "runtime/dynamics/motion_commands.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
-static void numbers_that_overflow_are_refused(void **state)
+static const char path[] = "motion"; // of what a test saves
+
+TEST(numbers_that_overflow_are_refused)
 {
-    (void)state;
     mover *m = make_rows(1, 1);
     uint32_t ram = mover_add_cube(m, 8, 0, 0.6, 1);
     m->bodies[ram].mass = 0;
@@ -36,9 +35,8 @@ static void numbers_that_overflow_are_refused(void **state)
     mover_free(m);
 }
 
-static void what_events_are_told_of_cannot_change(void **state)
+TEST(what_events_are_told_of_cannot_change)
 {
-    (void)state;
     mover *m = make_rows(1, 1);
     m->def.wants |= DUET_EFFECT_EVENTS;
     m->def.hit_speed = 1;
@@ -53,9 +51,8 @@ static void what_events_are_told_of_cannot_change(void **state)
 }
 
 // With bodies that come, walls get other numbers; what touched them stays.
-static void walls_that_get_other_numbers_are_touched_all_the_same(void **state)
+TEST(walls_that_get_other_numbers_are_touched_all_the_same)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.wants |= DUET_EFFECT_EVENTS;
     m->def.boundary = DUET_BOUNDARY_WALLS;
@@ -81,8 +78,6 @@ typedef struct event_sums {
 // Of three cubes on a floor: the first changes its group, the second goes.
 static event_sums events_of_changed_groups(bool saved)
 {
-    char path[64];
-    name_file(path);
     mover *m = make_rows(3, 1);
     m->def.wants |= DUET_EFFECT_EVENTS | DUET_EFFECT_FILTER;
     m->def.event_mask = 4;
@@ -97,7 +92,6 @@ static event_sums events_of_changed_groups(bool saved)
         mover_restart(m);
         mover_run(m, 0);
         assert_done(duet_motion_load(m->motion, path, &err));
-        remove(path);
     }
     mover_run(m, 1);
     event_sums sums = {.stays = m->last.n_stays};
@@ -109,9 +103,8 @@ static event_sums events_of_changed_groups(bool saved)
     return sums;
 }
 
-static void events_of_changed_groups_do_not_depend_on_a_file(void **state)
+TEST(events_of_changed_groups_do_not_depend_on_a_file)
 {
-    (void)state;
     const event_sums usual = events_of_changed_groups(false),
                      saved = events_of_changed_groups(true);
     assert_true(usual.begins == saved.begins && usual.ends == saved.ends &&
@@ -120,9 +113,8 @@ static void events_of_changed_groups_do_not_depend_on_a_file(void **state)
     assert_int_equal(usual.ends, 0); // nobody asked for those of the body that went
 }
 
-static void a_place_that_had_all_its_bodies_is_used_no_more(void **state)
+TEST(a_place_that_had_all_its_bodies_is_used_no_more)
 {
-    (void)state;
     mover *m = make_rows(1, 1);
     mover_run(m, 1);
     const duet_pose pose = {{-5, 0, 5}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
@@ -140,9 +132,8 @@ static void a_place_that_had_all_its_bodies_is_used_no_more(void **state)
     mover_free(m);
 }
 
-static void a_list_of_none_changes_nothing(void **state)
+TEST(a_list_of_none_changes_nothing)
 {
-    (void)state;
     mover *m = make_rows(2, 1);
     m->def.skin = 0.2;
     mover_run(m, 60);
@@ -169,11 +160,8 @@ static void a_list_of_none_changes_nothing(void **state)
 }
 
 // What the step's end sent to the device is waited for once; the group's end counts.
-static void a_file_can_be_loaded_right_after_a_step_with_forces(void **state)
+TEST(a_file_can_be_loaded_right_after_a_step_with_forces)
 {
-    (void)state;
-    char path[64];
-    name_file(path);
     mover *m = make_rows(2, 1);
     mover_run(m, 1);
     const duet_force lift = {.force = {0, 0, 30}};
@@ -185,15 +173,11 @@ static void a_file_can_be_loaded_right_after_a_step_with_forces(void **state)
     }
     mover_run(m, 1);
     assert_true(m->states[1].velocity[2] > 0.1);
-    remove(path);
     mover_free(m);
 }
 
-static void a_body_that_came_by_a_file_is_told_as_moved(void **state)
+TEST(a_body_that_came_by_a_file_is_told_as_moved)
 {
-    (void)state;
-    char path[64];
-    name_file(path);
     mover *m = make_rows(2, 1);
     mover_run(m, 60);
     duet_moved moved;
@@ -205,16 +189,12 @@ static void a_body_that_came_by_a_file_is_told_as_moved(void **state)
     assert_done(duet_motion_load(m->motion, path, &err));
     assert_done(duet_motion_get_moved(m->motion, &moved, &err));
     assert_int_equal(moved.n, 3);
-    remove(path);
     mover_free(m);
 }
 
 // What went has left no trace in how the others are computed.
-static void a_body_of_another_kind_that_went_is_forgotten_in_a_file_too(void **state)
+TEST(a_body_of_another_kind_that_went_is_forgotten_in_a_file_too)
 {
-    (void)state;
-    char path[64];
-    name_file(path);
     mover *m = make_rows(3, 2);
     m->bodies[1].angular_velocity[0] = 2;
     m->bodies[1].angular_velocity[2] = 1;
@@ -242,14 +222,12 @@ static void a_body_of_another_kind_that_went_is_forgotten_in_a_file_too(void **s
         mover_run(fresh, 10);
         assert_true(mover_hash(m) == mover_hash(fresh));
     }
-    remove(path);
     mover_free(m);
     mover_free(fresh);
 }
 
-static void all_bodies_can_go_and_others_come(void **state)
+TEST(all_bodies_can_go_and_others_come)
 {
-    (void)state;
     for (uint32_t dims = 2; dims <= 3; ++dims)
         for (int mode = 0; mode < 3; ++mode) {
             mover *m = mover_new(dims);
@@ -279,9 +257,8 @@ static void all_bodies_can_go_and_others_come(void **state)
 }
 
 // At once, and one in the place of the other.
-static void bodies_in_the_same_place_part(void **state)
+TEST(bodies_in_the_same_place_part)
 {
-    (void)state;
     mover *m = make_rows(2, 1);
     mover_run(m, 60);
     duet_pose poses[8];
@@ -294,9 +271,8 @@ static void bodies_in_the_same_place_part(void **state)
     mover_free(m);
 }
 
-static void what_moves_without_mass_wakes_in_every_kind_of_world(void **state)
+TEST(what_moves_without_mass_wakes_in_every_kind_of_world)
 {
-    (void)state;
     for (int kind = 0; kind < 5; ++kind) {
         mover *m = make_rows(2, 1);
         uint32_t ram = mover_add(m, -4, 0, 0.6, 1, 0.5, 0.5);
@@ -368,11 +344,8 @@ static void command_all(mover *m)
     assert_done(duet_motion_remove_bodies(motion, by_ids(ids, 1), &err));
 }
 
-static void recorded_commands_give_the_same_hash_with_any_plan(void **state)
+TEST(recorded_commands_give_the_same_hash_with_any_plan)
 {
-    (void)state;
-    char path[64];
-    name_file(path);
     mover *m = make_player(0, DUET_MODE_OWN);
     assert_done(duet_motion_record(m->motion, &err));
     command_all(m);
@@ -400,26 +373,20 @@ static void recorded_commands_give_the_same_hash_with_any_plan(void **state)
     assert_done(duet_motion_save(m->motion, path, &err));
     assert_done(duet_motion_load(m->motion, path, &err));
     assert_refused(duet_motion_save_recording(m->motion, path, &err), "nothing is recorded");
-    remove(path);
     mover_free(m);
     mover_free(other);
 }
 
 static void sum_file(unsigned char *bytes, size_t n)
 {
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
-    for (size_t i = 0; i + 8 < n; ++i)
-        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
+    uint64_t sum = text_checksum((const char *)bytes, n - 8);
     memcpy(bytes + n - 8, &sum, 8);
 }
 
 // Words of a recording that are changed, with a sum that is right: each is refused by one
 // line, or is done.
-static void forged_recordings_are_refused_or_done(void **state)
+TEST(forged_recordings_are_refused_or_done)
 {
-    (void)state;
-    char path[64];
-    name_file(path);
     mover *m = make_player(0, DUET_MODE_OWN);
     assert_done(duet_motion_record(m->motion, &err));
     command_all(m);
@@ -454,29 +421,9 @@ static void forged_recordings_are_refused_or_done(void **state)
             mover_free(other);
     }
     assert_true(refused > tries / 4);
-    remove(path);
     text_free(&file);
     text_free(&forged);
     mover_free(m);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_that_overflow_are_refused),
-        cmocka_unit_test(what_events_are_told_of_cannot_change),
-        cmocka_unit_test(walls_that_get_other_numbers_are_touched_all_the_same),
-        cmocka_unit_test(events_of_changed_groups_do_not_depend_on_a_file),
-        cmocka_unit_test(a_place_that_had_all_its_bodies_is_used_no_more),
-        cmocka_unit_test(a_list_of_none_changes_nothing),
-        cmocka_unit_test(a_file_can_be_loaded_right_after_a_step_with_forces),
-        cmocka_unit_test(a_body_that_came_by_a_file_is_told_as_moved),
-        cmocka_unit_test(a_body_of_another_kind_that_went_is_forgotten_in_a_file_too),
-        cmocka_unit_test(all_bodies_can_go_and_others_come),
-        cmocka_unit_test(bodies_in_the_same_place_part),
-        cmocka_unit_test(what_moves_without_mass_wakes_in_every_kind_of_world),
-        cmocka_unit_test(recorded_commands_give_the_same_hash_with_any_plan),
-        cmocka_unit_test(forged_recordings_are_refused_or_done),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -7,10 +7,9 @@
 #include "base/rng.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+
+static const char path[] = "motion"; // of what a test saves
 
 static duet_contact *contacts_of(mover *m, uint64_t *n)
 {
@@ -30,9 +29,8 @@ static uint64_t count_contacts(mover *m)
 // ------------------------------------------------------------ manifolds
 
 // A quaternion a hair off the other's must not make an edge of the face.
-static void a_resting_face_stays_a_face_under_noise(void **state)
+TEST(a_resting_face_stays_a_face_under_noise)
 {
-    (void)state;
     for (double noise = 1e-14; noise < 1e-5; noise *= 1e4) {
         mover *m = mover_new(3);
         m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
@@ -99,9 +97,8 @@ static void jitter(mover *m, rng *r)
 
 // Where more than four points would do, a hair may decide which are kept, but not
 // where corners are among them: one in a thousand at most was seen to change.
-static void a_millionth_changes_few_manifolds(void **state)
+TEST(a_millionth_changes_few_manifolds)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     mover *m = resting_boxes(&r);
     uint32_t before[RESTING], after[RESTING], changed = 0, touching = 0;
@@ -137,9 +134,8 @@ static mover *lying_boxes(rng *r)
     return m;
 }
 
-static void edges_that_cross_flat_are_a_face(void **state)
+TEST(edges_that_cross_flat_are_a_face)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     mover *m = lying_boxes(&r);
     uint32_t counts[RESTING];
@@ -179,9 +175,8 @@ static bool may_touch(const duet_body *a, const duet_body *b)
     return (a->group & b->mask) && (b->group & a->mask);
 }
 
-static void a_filter_leaves_exactly_the_contacts_it_lets_through(void **state)
+TEST(a_filter_leaves_exactly_the_contacts_it_lets_through)
 {
-    (void)state;
     mover *all = crowd_of(false), *some = crowd_of(true);
     uint64_t n_all = 0, n_some = 0, kept = 0;
     duet_contact *of_all = contacts_of(all, &n_all), *of_some = contacts_of(some, &n_some);
@@ -205,16 +200,14 @@ static void a_filter_leaves_exactly_the_contacts_it_lets_through(void **state)
 
 // ------------------------------------------------------------ skins
 
-static void a_skin_misses_no_contact(void **state)
+TEST(a_skin_misses_no_contact)
 {
-    (void)state;
     skin_run(120);
 }
 
 // Ten metres a step.
-static void an_object_that_leaps_out_of_its_skin_is_found_where_it_lands(void **state)
+TEST(an_object_that_leaps_out_of_its_skin_is_found_where_it_lands)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT;
     m->def.skin = 0.5;
@@ -231,11 +224,8 @@ static void an_object_that_leaps_out_of_its_skin_is_found_where_it_lands(void **
     mover_free(m);
 }
 
-static void objects_put_back_by_a_file_are_searched_anew(void **state)
+TEST(objects_put_back_by_a_file_are_searched_anew)
 {
-    (void)state;
-    char path[64];
-    snprintf(path, sizeof path, "skin-%ld.motion", (long)getpid());
     duet_error err = {0};
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT;
@@ -251,20 +241,7 @@ static void objects_put_back_by_a_file_are_searched_anew(void **state)
     assert_ok(duet_motion_load(m->motion, path, &err), err);
     mover_run(m, 1);
     assert_int_equal(count_contacts(m), 1);
-    remove(path);
     mover_free(m);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_resting_face_stays_a_face_under_noise),
-        cmocka_unit_test(a_millionth_changes_few_manifolds),
-        cmocka_unit_test(edges_that_cross_flat_are_a_face),
-        cmocka_unit_test(a_filter_leaves_exactly_the_contacts_it_lets_through),
-        cmocka_unit_test(a_skin_misses_no_contact),
-        cmocka_unit_test(an_object_that_leaps_out_of_its_skin_is_found_where_it_lands),
-        cmocka_unit_test(objects_put_back_by_a_file_are_searched_anew),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

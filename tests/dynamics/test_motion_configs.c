@@ -185,9 +185,8 @@ static void try_launches(uint32_t dims, bool pushes, rng *r)
     }
 }
 
-static void any_launch_gives_the_same_state_and_writes_nothing_else(void **state)
+TEST(any_launch_gives_the_same_state_and_writes_nothing_else)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_error err = {0};
     generator = gen_open(NULL, &err);
@@ -205,8 +204,5 @@ static void any_launch_gives_the_same_state_and_writes_nothing_else(void **state
 int main(int argc, char **argv)
 {
     take_all = argc > 1 && strcmp(argv[1], "--all") == 0;
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(any_launch_gives_the_same_state_and_writes_nothing_else),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
+    return test_run(mover_open_pair, mover_close_pair);
 }

@@ -104,9 +104,8 @@ static void written_is_as_set_in(uint32_t dims, bool doubles)
     mover_free(by_command);
 }
 
-static void what_is_written_is_what_is_set(void **state)
+TEST(what_is_written_is_what_is_set)
 {
-    (void)state;
     bool host = mover_pair()->devices[1].info.host_memory;
     written_is_as_set_in(3, false);
     written_is_as_set_in(2, false);
@@ -117,9 +116,8 @@ static void what_is_written_is_what_is_set(void **state)
         written_is_as_set_in(3, true);
 }
 
-static void what_is_read_is_the_state_without_a_copy(void **state)
+TEST(what_is_read_is_the_state_without_a_copy)
 {
-    (void)state;
     static const duet_state_part all[] = {DUET_STATE_CENTRES, DUET_STATE_ROTATIONS,
                                           DUET_STATE_VELOCITIES, DUET_STATE_ANGULAR_VELOCITIES};
     static const motion_buffer buffers[] = {CENTRES, ROTATIONS, VELOCITIES, ANGULAR_VELOCITIES};
@@ -147,9 +145,8 @@ static void what_is_read_is_the_state_without_a_copy(void **state)
 }
 
 // But that everything wakes.
-static void what_is_mapped_and_not_written_stays_bit_for_bit(void **state)
+TEST(what_is_mapped_and_not_written_stays_bit_for_bit)
 {
-    (void)state;
     mover *m = make_shower(3, false), *same = make_shower(3, false);
     for (int i = 0; i < 3; ++i) {
         for (int part = 0; part < 4; ++part)
@@ -164,9 +161,8 @@ static void what_is_mapped_and_not_written_stays_bit_for_bit(void **state)
     mover_free(same);
 }
 
-static void a_row_that_is_no_number_stays_mapped_to_be_mended(void **state)
+TEST(a_row_that_is_no_number_stays_mapped_to_be_mended)
 {
-    (void)state;
     duet_error err = {0};
     mover *m = make_shower(3, false);
     float *centres = map(m, DUET_STATE_CENTRES, DUET_MAP_WRITE, 2, 4);
@@ -190,9 +186,8 @@ static void a_row_that_is_no_number_stays_mapped_to_be_mended(void **state)
     mover_free(m);
 }
 
-static void a_sleeper_that_is_written_wakes_and_a_target_is_forgotten(void **state)
+TEST(a_sleeper_that_is_written_wakes_and_a_target_is_forgotten)
 {
-    (void)state;
     duet_error err = {0};
     mover *m = make_shower(3, false);
     mover_run(m, 240);
@@ -215,9 +210,8 @@ static void a_sleeper_that_is_written_wakes_and_a_target_is_forgotten(void **sta
     mover_free(m);
 }
 
-static void a_disabled_body_stands_still_whatever_is_written(void **state)
+TEST(a_disabled_body_stands_still_whatever_is_written)
 {
-    (void)state;
     duet_error err = {0};
     mover *m = make_shower(3, false);
     const duet_body_list fifth = {.first = 5, .n = 1};
@@ -233,9 +227,8 @@ static void a_disabled_body_stands_still_whatever_is_written(void **state)
     mover_free(m);
 }
 
-static void while_states_are_mapped_other_calls_are_refused(void **state)
+TEST(while_states_are_mapped_other_calls_are_refused)
 {
-    (void)state;
     duet_error err = {0};
     duet_motion_result result;
     duet_state states[CUBES + 1];
@@ -265,9 +258,8 @@ static void while_states_are_mapped_other_calls_are_refused(void **state)
     mover_free(m); // mapped as it is
 }
 
-static void what_cannot_be_mapped_is_refused_by_name(void **state)
+TEST(what_cannot_be_mapped_is_refused_by_name)
 {
-    (void)state;
     duet_error err = {0};
     mover *plain = mover_new(3);
     mover_add_cube(plain, 0, 0, 0, 1);
@@ -307,17 +299,4 @@ static void what_cannot_be_mapped_is_refused_by_name(void **state)
     mover_free(plain);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_written_is_what_is_set),
-        cmocka_unit_test(what_is_read_is_the_state_without_a_copy),
-        cmocka_unit_test(what_is_mapped_and_not_written_stays_bit_for_bit),
-        cmocka_unit_test(a_row_that_is_no_number_stays_mapped_to_be_mended),
-        cmocka_unit_test(a_sleeper_that_is_written_wakes_and_a_target_is_forgotten),
-        cmocka_unit_test(a_disabled_body_stands_still_whatever_is_written),
-        cmocka_unit_test(while_states_are_mapped_other_calls_are_refused),
-        cmocka_unit_test(what_cannot_be_mapped_is_refused_by_name),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

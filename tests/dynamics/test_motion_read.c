@@ -28,9 +28,8 @@ static mover *new_pile(int way)
     return m;
 }
 
-static void states_of_ids_are_those_of_all(void **state)
+TEST(states_of_ids_are_those_of_all)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int way = 0; way < 3; ++way) {
         mover *m = new_pile(way);
@@ -55,9 +54,8 @@ static bool is_elsewhere(const duet_state *a, const duet_state *b)
            memcmp(a->rotation, b->rotation, sizeof a->rotation) != 0;
 }
 
-static void what_moved_is_what_differs_from_the_last_read(void **state)
+TEST(what_moved_is_what_differs_from_the_last_read)
 {
-    (void)state;
     for (int way = 0; way < 3; ++way) {
         mover *m = new_pile(way);
         static duet_state last[SOME];
@@ -85,9 +83,8 @@ static void what_moved_is_what_differs_from_the_last_read(void **state)
     }
 }
 
-static void nothing_moved_where_everything_rests(void **state)
+TEST(nothing_moved_where_everything_rests)
 {
-    (void)state;
     duet_error err = {0};
     duet_moved moved;
     mover *m = mover_new(2);
@@ -102,9 +99,8 @@ static void nothing_moved_where_everything_rests(void **state)
 }
 
 // A turn of 90 degrees about z, and half of it.
-static void half_way_is_half_of_the_turn(void **state)
+TEST(half_way_is_half_of_the_turn)
 {
-    (void)state;
     const double half = sqrt(0.5);
     const duet_state from = {.centre = {1, 2, 3}, .rotation = {0, 0, 0, 1}, .velocity = {4, 0, 0}};
     const duet_state to = {.centre = {3, 2, 7}, .rotation = {0, 0, -half, -half}}; // as half, half
@@ -125,13 +121,4 @@ static void half_way_is_half_of_the_turn(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(states_of_ids_are_those_of_all),
-        cmocka_unit_test(what_moved_is_what_differs_from_the_last_read),
-        cmocka_unit_test(nothing_moved_where_everything_rests),
-        cmocka_unit_test(half_way_is_half_of_the_turn),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -4,8 +4,6 @@
 #include "support/test.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double far[3] = {1e7, -1e6, 1e4};
@@ -81,16 +79,14 @@ static void check_stack(uint32_t dims, uint32_t height, uint32_t steps)
     mover_free(near);
 }
 
-static void a_stack_far_away_ends_as_the_one_at_0(void **state)
+TEST(a_stack_far_away_ends_as_the_one_at_0)
 {
-    (void)state;
     check_stack(3, 10, 200);
     check_stack(2, 5, 100);
 }
 
-static void a_flight_far_away_is_the_one_at_0(void **state)
+TEST(a_flight_far_away_is_the_one_at_0)
 {
-    (void)state;
     const double here[3] = {0};
     const duet_integrator integrators[] = {DUET_INTEGRATOR_EULER, DUET_INTEGRATOR_YOSHIDA};
     for (int i = 0; i < 2; ++i) {
@@ -121,9 +117,8 @@ static mover *round_pile_at(uint32_t dims, const double at[3])
     return m;
 }
 
-static void round_bodies_far_away_fall_as_those_at_0(void **state)
+TEST(round_bodies_far_away_fall_as_those_at_0)
 {
-    (void)state;
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         const double here[3] = {0}, at[3] = {far[0], far[1], dims == 3 ? far[2] : 0};
         mover *near = round_pile_at(dims, here), *m = round_pile_at(dims, at);
@@ -146,9 +141,8 @@ static void round_bodies_far_away_fall_as_those_at_0(void **state)
 }
 
 // Without a rotation, an angular velocity or a drag the way is known.
-static void a_fall_far_away_follows_its_parabola(void **state)
+TEST(a_fall_far_away_follows_its_parabola)
 {
-    (void)state;
     mover *m = mover_in_cells(3, far);
     m->def.integrator = DUET_INTEGRATOR_VERLET;
     uint32_t id = mover_add_cube(m, 0.5, 0.25, 0, 1);
@@ -160,9 +154,8 @@ static void a_fall_far_away_follows_its_parabola(void **state)
     mover_free(m);
 }
 
-static void a_loaded_motion_is_in_the_saved_one_s_cells(void **state)
+TEST(a_loaded_motion_is_in_the_saved_one_s_cells)
 {
-    (void)state;
     duet_error err = {0};
     const char *path = "test_origin_motion.saved";
     mover *saved = stack_at(3, 4, far), *loaded = stack_at(3, 4, far);
@@ -181,7 +174,6 @@ static void a_loaded_motion_is_in_the_saved_one_s_cells(void **state)
     assert_false(duet_motion_load(loaded->motion, path, &err));
     mover_free(saved);
     mover_free(loaded);
-    remove(path);
 }
 
 static void refuse(const mover *m, const char *words)
@@ -193,9 +185,8 @@ static void refuse(const mover *m, const char *words)
         fail_msg("'%s' lacks '%s'", err.text, words);
 }
 
-static void a_motion_says_what_origin_cells_do_not_go_with(void **state)
+TEST(a_motion_says_what_origin_cells_do_not_go_with)
 {
-    (void)state;
     mover *m = stack_at(3, 1, far);
     m->def.pair = mover_pair();
     m->def.origin_edge = 0.3f;
@@ -209,9 +200,8 @@ static void a_motion_says_what_origin_cells_do_not_go_with(void **state)
     mover_free(m);
 }
 
-static void explain_names_the_cells_and_their_bytes(void **state)
+TEST(explain_names_the_cells_and_their_bytes)
 {
-    (void)state;
     for (int with = 0; with < 2; ++with) {
         mover *m = stack_at(3, 1, (double[]){0, 0, 0});
         m->def.origin_edge = (float)with;
@@ -230,16 +220,4 @@ static void explain_names_the_cells_and_their_bytes(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_stack_far_away_ends_as_the_one_at_0),
-        cmocka_unit_test(a_flight_far_away_is_the_one_at_0),
-        cmocka_unit_test(round_bodies_far_away_fall_as_those_at_0),
-        cmocka_unit_test(a_fall_far_away_follows_its_parabola),
-        cmocka_unit_test(a_loaded_motion_is_in_the_saved_one_s_cells),
-        cmocka_unit_test(a_motion_says_what_origin_cells_do_not_go_with),
-        cmocka_unit_test(explain_names_the_cells_and_their_bytes),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -5,6 +5,7 @@
 
 #include "support/devices.h"
 #include "support/mover.h"
+#include "support/trees.h"
 
 #include "base/rng.h"
 #include "runtime/narrowphase/rounded.h"
@@ -15,32 +16,6 @@
 #include <string.h>
 
 enum { BOXES = 160, MOST_PAIRS = BOXES * BOXES / 2 };
-
-static duet_contact_query *open_query(duet_shape shape, uint32_t dims, uint32_t share, float margin)
-{
-    duet_error err = {0};
-    duet_contact_query_def def = duet_default_contact_query_def();
-    def.pair = devices;
-    def.shape = shape;
-    def.dims = dims;
-    def.share = share;
-    def.margin = margin;
-    duet_contact_query *query = duet_contact_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
-}
-
-static duet_contact_query_result run(duet_contact_query *query, duet_object_kind kind,
-                                     const void *objects, uint32_t n, const duet_pair *pairs,
-                                     uint64_t n_pairs)
-{
-    duet_error err = {0};
-    const duet_span spans[2] = {{pairs, n_pairs / 3}, {pairs + n_pairs / 3, n_pairs - n_pairs / 3}};
-    duet_contact_query_result result;
-    assert_ok(duet_contact_query_run(query, kind, objects, n, spans, &result, &err), err);
-    assert_int_equal(result.n_contacts, n_pairs);
-    return result;
-}
 
 // Every two boxes.
 static uint64_t all_pairs(duet_pair *pairs)
@@ -164,8 +139,9 @@ static void check_world(duet_rounded_box *boxes, uint32_t dims, float margin)
     static duet_pair pairs[MOST_PAIRS];
     uint64_t n = all_pairs(pairs), colliding = 0, touching = 0;
     duet_contact_query *query =
-        open_query(DUET_SHAPE_ROUNDED_BOXES, dims, DUET_SHARE_ONE / 3, margin);
-    duet_contact_query_result found = run(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
+        open_contact_query(DUET_SHAPE_ROUNDED_BOXES, dims, DUET_SHARE_ONE / 3, margin);
+    duet_contact_query_result found =
+        find_contacts(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
     for (uint64_t i = 0; i < n; ++i) {
         const duet_contact *c = &found.contacts[i];
         const duet_rounded_box *a = &boxes[pairs[i].a], *b = &boxes[pairs[i].b];
@@ -184,9 +160,8 @@ static void check_world(duet_rounded_box *boxes, uint32_t dims, float margin)
     duet_contact_query_destroy(query);
 }
 
-static void contacts_are_those_of_the_rounded_boxes(void **state)
+TEST(contacts_are_those_of_the_rounded_boxes)
 {
-    (void)state;
     duet_rounded_box boxes[BOXES];
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 3; ++round)
@@ -198,9 +173,8 @@ static void contacts_are_those_of_the_rounded_boxes(void **state)
 }
 
 // Capsules that cross at angles down to where float sees none, a hair apart or in each other.
-static void edges_that_are_nearly_parallel_touch_where_they_cross(void **state)
+TEST(edges_that_are_nearly_parallel_touch_where_they_cross)
 {
-    (void)state;
     duet_rounded_box boxes[BOXES];
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < BOXES; i += 2) {
@@ -221,8 +195,9 @@ static duet_contact contact_of(duet_rounded_box a, duet_rounded_box b, float mar
 {
     const duet_rounded_box boxes[2] = {a, b};
     const duet_pair pair = {0, 1};
-    duet_contact_query *query = open_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, margin);
-    duet_contact c = run(query, DUET_OBJECT_ROUNDED_BOXES, boxes, 2, &pair, 1).contacts[0];
+    duet_contact_query *query = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, margin);
+    duet_contact c =
+        find_contacts(query, DUET_OBJECT_ROUNDED_BOXES, boxes, 2, &pair, 1).contacts[0];
     duet_contact_query_destroy(query);
     return c;
 }
@@ -242,9 +217,8 @@ static void assert_vector(const float v[3], double x, double y, double z)
     assert_close(v[2], z, 1e-5);
 }
 
-static void closed_forms_hold(void **state)
+TEST(closed_forms_hold)
 {
-    (void)state;
     // Two spheres 3 4 0 apart, 5 away from each other.
     duet_contact c = contact_of(round_at(0, 0, 0, 0, 0, 0, 2), round_at(3, 4, 0, 0, 0, 0, 4), 0);
     assert_true(c.n == 1);
@@ -288,9 +262,8 @@ static void closed_forms_hold(void **state)
 // ---------------------------------------------------------------- the same
 
 // Lengths and places of no other pair count, nor does who computes it, nor the order of the two.
-static void shares_launches_and_order_change_no_bit(void **state)
+TEST(shares_launches_and_order_change_no_bit)
 {
-    (void)state;
     static duet_pair pairs[MOST_PAIRS];
     duet_rounded_box boxes[BOXES];
     rng r = rng_seed(test_seed());
@@ -301,11 +274,11 @@ static void shares_launches_and_order_change_no_bit(void **state)
     duet_device_kind kind = info->kind;
     for (int way = 0; way < 3; ++way) {
         info->kind = way == 2 ? DUET_KIND_GPU : kind;
-        duet_contact_query *query =
-            open_query(DUET_SHAPE_ROUNDED_BOXES, 3, way == 1 ? DUET_SHARE_ONE / 3 : 0, 0.05f);
+        duet_contact_query *query = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3,
+                                                       way == 1 ? DUET_SHARE_ONE / 3 : 0, 0.05f);
         info->kind = kind;
         duet_contact_query_result found =
-            run(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
+            find_contacts(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
         if (way == 0)
             memcpy(first, found.contacts, (size_t)n * sizeof *first);
         assert_memory_equal(first, found.contacts, (size_t)n * sizeof *first);
@@ -313,8 +286,9 @@ static void shares_launches_and_order_change_no_bit(void **state)
     }
     for (uint64_t i = 0; i < n; ++i)
         pairs[i] = (duet_pair){pairs[i].b, pairs[i].a};
-    duet_contact_query *back = open_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.05f);
-    duet_contact_query_result found = run(back, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
+    duet_contact_query *back = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.05f);
+    duet_contact_query_result found =
+        find_contacts(back, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
     for (uint64_t i = 0; i < n; ++i) {
         assert_int_equal(found.contacts[i].n, first[i].n);
         for (int k = 0; k < 3; ++k)
@@ -326,9 +300,8 @@ static void shares_launches_and_order_change_no_bit(void **state)
     free(first);
 }
 
-static void boxes_without_radii_have_the_contacts_of_poses(void **state)
+TEST(boxes_without_radii_have_the_contacts_of_poses)
 {
-    (void)state;
     static duet_pair pairs[MOST_PAIRS];
     duet_rounded_box boxes[BOXES];
     duet_pose poses[BOXES];
@@ -339,19 +312,20 @@ static void boxes_without_radii_have_the_contacts_of_poses(void **state)
         boxes[i].radius = 0;
         poses[i] = boxes[i].pose;
     }
-    duet_contact_query *rounded = open_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.05f);
-    duet_contact_query *plain = open_query(DUET_SHAPE_POSES, 3, 0, 0.05f);
-    duet_contact_query_result one = run(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
-    duet_contact_query_result other = run(plain, DUET_OBJECT_POSES, poses, BOXES, pairs, n);
+    duet_contact_query *rounded = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.05f);
+    duet_contact_query *plain = open_contact_query(DUET_SHAPE_POSES, 3, 0, 0.05f);
+    duet_contact_query_result one =
+        find_contacts(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
+    duet_contact_query_result other =
+        find_contacts(plain, DUET_OBJECT_POSES, poses, BOXES, pairs, n);
     assert_true(one.touching > BOXES / 4);
     assert_memory_equal(one.contacts, other.contacts, (size_t)n * sizeof *one.contacts);
     duet_contact_query_destroy(rounded);
     duet_contact_query_destroy(plain);
 }
 
-static void spheres_have_the_contacts_of_rounded_boxes(void **state)
+TEST(spheres_have_the_contacts_of_rounded_boxes)
 {
-    (void)state;
     static duet_pair pairs[MOST_PAIRS];
     duet_rounded_box boxes[BOXES];
     duet_sphere spheres[BOXES];
@@ -363,10 +337,12 @@ static void spheres_have_the_contacts_of_rounded_boxes(void **state)
         spheres[i].radius = boxes[i].radius * 2;
         boxes[i] = rounded_of_sphere(&spheres[i]);
     }
-    duet_contact_query *rounded = open_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0);
-    duet_contact_query *round = open_query(DUET_SHAPE_SPHERES, 3, DUET_SHARE_ONE / 3, 0);
-    duet_contact_query_result one = run(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
-    duet_contact_query_result other = run(round, DUET_OBJECT_SPHERES, spheres, BOXES, pairs, n);
+    duet_contact_query *rounded = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0);
+    duet_contact_query *round = open_contact_query(DUET_SHAPE_SPHERES, 3, DUET_SHARE_ONE / 3, 0);
+    duet_contact_query_result one =
+        find_contacts(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
+    duet_contact_query_result other =
+        find_contacts(round, DUET_OBJECT_SPHERES, spheres, BOXES, pairs, n);
     assert_true(one.touching > BOXES / 4);
     assert_memory_equal(one.contacts, other.contacts, (size_t)n * sizeof *one.contacts);
     duet_contact_query_destroy(rounded);
@@ -374,9 +350,8 @@ static void spheres_have_the_contacts_of_rounded_boxes(void **state)
 }
 
 // A motion keeps points up to four slops.
-static void a_motion_has_the_same_contacts(void **state)
+TEST(a_motion_has_the_same_contacts)
 {
-    (void)state;
     duet_error err = {0};
     duet_rounded_box boxes[BOXES];
     duet_pose poses[BOXES];
@@ -402,8 +377,9 @@ static void a_motion_has_the_same_contacts(void **state)
     duet_pair *pairs = malloc((size_t)n * sizeof *pairs);
     for (uint64_t i = 0; i < n; ++i)
         pairs[i] = (duet_pair){moving[i].a, moving[i].b};
-    duet_contact_query *query = open_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.02f);
-    duet_contact_query_result still = run(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
+    duet_contact_query *query = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.02f);
+    duet_contact_query_result still =
+        find_contacts(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
     for (uint64_t i = 0; i < n; ++i) {
         const duet_contact *c = &still.contacts[i], *m = &moving[i];
         double along = 0, e = 0x1p-16 * size_of(&boxes[c->a], &boxes[c->b], 3);
@@ -428,17 +404,16 @@ static void a_motion_has_the_same_contacts(void **state)
 
 // ---------------------------------------------------------------- refusals
 
-static void what_is_no_object_of_the_shape_is_refused(void **state)
+TEST(what_is_no_object_of_the_shape_is_refused)
 {
-    (void)state;
     duet_error err = {0};
     duet_contact_query_result result;
     duet_rounded_box boxes[2] = {round_at(0, 0, 0, 1, 1, 1, 1), round_at(1, 0, 0, 1, 1, 1, -1)};
     const duet_sphere spheres[2] = {{{0, 0, 0}, 1}, {{1, NAN, 0}, 1}};
     const duet_pair pair = {0, 1};
     const duet_span spans[2] = {{&pair, 1}, {NULL, 0}};
-    duet_contact_query *rounded = open_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0);
-    duet_contact_query *round = open_query(DUET_SHAPE_SPHERES, 3, DUET_SHARE_ONE / 3, 0);
+    duet_contact_query *rounded = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0);
+    duet_contact_query *round = open_contact_query(DUET_SHAPE_SPHERES, 3, DUET_SHARE_ONE / 3, 0);
     assert_false(
         duet_contact_query_run(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, 2, spans, &result, &err));
     assert_string_equal(err.text,
@@ -463,17 +438,4 @@ static void what_is_no_object_of_the_shape_is_refused(void **state)
                         "shape is 1; contacts are those of poses, rounded boxes or spheres");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(closed_forms_hold),
-        cmocka_unit_test(contacts_are_those_of_the_rounded_boxes),
-        cmocka_unit_test(edges_that_are_nearly_parallel_touch_where_they_cross),
-        cmocka_unit_test(shares_launches_and_order_change_no_bit),
-        cmocka_unit_test(boxes_without_radii_have_the_contacts_of_poses),
-        cmocka_unit_test(spheres_have_the_contacts_of_rounded_boxes),
-        cmocka_unit_test(a_motion_has_the_same_contacts),
-        cmocka_unit_test(what_is_no_object_of_the_shape_is_refused),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -7,9 +7,7 @@
 #include "base/rng.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 static uint32_t add_round(mover *m, double x, double y, double z, const double half[3],
                           double radius)
@@ -109,9 +107,8 @@ static void assert_has_contact(const mover *m, const duet_contact *contacts, uin
 }
 
 // Without any response, so that nothing moves.
-static void points_are_between_the_surfaces(void **state)
+TEST(points_are_between_the_surfaces)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     enum { PAIRS = 400 };
     for (uint32_t dims = 2; dims <= 3; ++dims) {
@@ -162,9 +159,8 @@ static duet_contact contact_of_two(const double half[3], double radius, const do
     return one;
 }
 
-static void spheres_have_one_point_capsules_two_and_faces_four(void **state)
+TEST(spheres_have_one_point_capsules_two_and_faces_four)
 {
-    (void)state;
     const double ball[3] = {0, 0, 0}, capsule[3] = {1, 0, 0}, box[3] = {1, 1, 0.5};
     assert_int_equal(contact_of_two(ball, 0.5, ball, 0.5, (double[3]){0.7, 0.7, 0}).n, 1);
     assert_int_equal(contact_of_two(ball, 0.5, box, 0.2, (double[3]){0.3, 0, 1.2}).n, 1);
@@ -189,9 +185,8 @@ static mover *on_a_floor(double friction)
     return m;
 }
 
-static void balls_rest_at_their_radius(void **state)
+TEST(balls_rest_at_their_radius)
 {
-    (void)state;
     mover *m = on_a_floor(0.5);
     m->def.wants |= DUET_EFFECT_SLEEP;
     uint32_t ball = add_ball(m, 0, 0, 0.6, 0.5);
@@ -208,9 +203,8 @@ static void balls_rest_at_their_radius(void **state)
 }
 
 // Without slip a = 5/7 g sin(slope), a capsule or disc by its own inertia.
-static void balls_roll_down_a_slope(void **state)
+TEST(balls_roll_down_a_slope)
 {
-    (void)state;
     const double slope = 0.3, g = 9.81;
     mover *m = mover_new(3);
     uint32_t floor = mover_add_floor(m, 50);
@@ -229,9 +223,8 @@ static void balls_roll_down_a_slope(void **state)
 }
 
 // That a ball turns far in a step lifts it off nothing: it neither hops nor sinks.
-static void fast_balls_roll_level(void **state)
+TEST(fast_balls_roll_level)
 {
-    (void)state;
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         mover *m = mover_new(dims);
         uint32_t floor = mover_add_floor(m, 200);
@@ -251,9 +244,8 @@ static void fast_balls_roll_level(void **state)
     }
 }
 
-static void bouncing_balls_come_back_to_their_height(void **state)
+TEST(bouncing_balls_come_back_to_their_height)
 {
-    (void)state;
     mover *m = on_a_floor(0);
     uint32_t ball = add_ball(m, 0, 0, 2.5, 0.5);
     m->bodies[ball].restitution = 0.8f;
@@ -271,9 +263,8 @@ static void bouncing_balls_come_back_to_their_height(void **state)
 }
 
 // Off centre: the momenta along the line of centres change hands, the others stay.
-static void elastic_spheres_exchange_momenta(void **state)
+TEST(elastic_spheres_exchange_momenta)
 {
-    (void)state;
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     uint32_t a = add_ball(m, -2, 0, 0, 0.5), b = add_ball(m, 0, 0.6, 0, 0.5);
@@ -291,9 +282,8 @@ static void elastic_spheres_exchange_momenta(void **state)
 }
 
 // Fast ones are followed on their way: neither past a thin wall nor held where they miss.
-static void fast_balls_meet_what_is_in_their_way(void **state)
+TEST(fast_balls_meet_what_is_in_their_way)
 {
-    (void)state;
     for (int misses = 0; misses < 2; ++misses) {
         mover *m = mover_new(3);
         m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
@@ -318,9 +308,8 @@ static void fast_balls_meet_what_is_in_their_way(void **state)
 }
 
 // Boxes, and capsules across each other.
-static void round_stacks_stand(void **state)
+TEST(round_stacks_stand)
 {
-    (void)state;
     for (int crossed = 0; crossed < 2; ++crossed) {
         mover *m = on_a_floor(0.6);
         const double box[3] = {0.4, 0.4, 0.4}, capsule[3] = {1, 0, 0};
@@ -338,9 +327,8 @@ static void round_stacks_stand(void **state)
     }
 }
 
-static void piles_come_to_rest(void **state)
+TEST(piles_come_to_rest)
 {
-    (void)state;
     mover *m = mover_new(3);
     mover_add_pile(m, 40);
     m->def.wants |= DUET_EFFECT_SLEEP;
@@ -383,9 +371,8 @@ static double turning_energy(uint32_t dims, const double half[3], double radius,
 }
 
 // A ball, a disc; a capsule is a cylinder and a ball in two halves.
-static void inertias_are_the_closed_forms(void **state)
+TEST(inertias_are_the_closed_forms)
 {
-    (void)state;
     const double r = 0.5, h = 0.7, pi = 3.14159265358979323846;
     const double none[3] = {0, 0, 0}, capsule[3] = {h, 0, 0};
     assert_close(turning_energy(3, none, r, 1), 0.4 * r * r, 1e-7);
@@ -403,9 +390,8 @@ static void inertias_are_the_closed_forms(void **state)
 
 // ---------------------------------------------------------------- with the rest
 
-static void hits_and_sensors_are_told(void **state)
+TEST(hits_and_sensors_are_told)
 {
-    (void)state;
     mover *m = on_a_floor(0.5);
     m->def.hit_speed = 1;
     uint32_t ball = add_ball(m, 0.3, 0, 1.5, 0.5), sensor = add_ball(m, 0.3, 0, 1, 0.2);
@@ -446,9 +432,8 @@ static void advance(duet_motion *motion, uint32_t steps)
         assert_ok(duet_motion_advance(motion, &result, &err), err);
 }
 
-static void recordings_and_saved_motions_have_radii(void **state)
+TEST(recordings_and_saved_motions_have_radii)
 {
-    (void)state;
     static const char recording[] = "rounded.replay", saved[] = "rounded.motion";
     duet_error err = {0};
     uint64_t id, hash[2];
@@ -488,13 +473,10 @@ static void recordings_and_saved_motions_have_radii(void **state)
     mover_free(m);
     mover_free(other);
     mover_free(third);
-    unlink(recording);
-    unlink(saved);
 }
 
-static void radii_need_their_effect(void **state)
+TEST(radii_need_their_effect)
 {
-    (void)state;
     duet_error err = {0};
     mover *m = on_a_floor(0.5);
     mover_add_rough_cube(m, 0, 0, 0.5);
@@ -512,9 +494,8 @@ static void radii_need_their_effect(void **state)
 }
 
 // Two devices, shares and modes; and a scene's objects instead of poses and bodies.
-static void any_plan_gives_the_same_bits(void **state)
+TEST(any_plan_gives_the_same_bits)
 {
-    (void)state;
     duet_error err = {0};
     duet_rounded_box boxes[60];
     rng r = rng_seed(test_seed());
@@ -549,25 +530,4 @@ static void any_plan_gives_the_same_bits(void **state)
     mover_free(m);
 }
 
-static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(points_are_between_the_surfaces),
-    cmocka_unit_test(spheres_have_one_point_capsules_two_and_faces_four),
-    cmocka_unit_test(balls_rest_at_their_radius),
-    cmocka_unit_test(balls_roll_down_a_slope),
-    cmocka_unit_test(fast_balls_roll_level),
-    cmocka_unit_test(bouncing_balls_come_back_to_their_height),
-    cmocka_unit_test(elastic_spheres_exchange_momenta),
-    cmocka_unit_test(fast_balls_meet_what_is_in_their_way),
-    cmocka_unit_test(round_stacks_stand),
-    cmocka_unit_test(piles_come_to_rest),
-    cmocka_unit_test(inertias_are_the_closed_forms),
-    cmocka_unit_test(hits_and_sensors_are_told),
-    cmocka_unit_test(recordings_and_saved_motions_have_radii),
-    cmocka_unit_test(radii_need_their_effect),
-    cmocka_unit_test(any_plan_gives_the_same_bits),
-};
-
-int main(void)
-{
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -11,9 +11,8 @@
 // ---------------------------------------------------------------- time steps
 
 // Steps far too short or too long show nothing true, but numbers.
-static void any_time_step_leaves_numbers(void **state)
+TEST(any_time_step_leaves_numbers)
 {
-    (void)state;
     static const double times[] = {1e-9, 1.0, 10.0};
     for (int i = 0; i < 3; ++i) {
         mover *m = mover_new(3);
@@ -28,9 +27,8 @@ static void any_time_step_leaves_numbers(void **state)
 
 // The same time in more steps comes to the same place: time is counted in
 // steps, not summed.
-static void more_steps_come_to_the_same_time(void **state)
+TEST(more_steps_come_to_the_same_time)
 {
-    (void)state;
     double places[3];
     for (int i = 0; i < 3; ++i) {
         mover *m = mover_new(3);
@@ -67,18 +65,16 @@ static double height_of_heavy(float ratio, uint32_t substeps)
 }
 
 // What docs/effects.md says of substeps, from its other side.
-static void too_few_substeps_sink_in(void **state)
+TEST(too_few_substeps_sink_in)
 {
-    (void)state;
     double f[2];
     figures("effects.md", "a tenth of an edge deep; with # substeps 1 : # sinks in", 2, f);
     assert_true(height_of_heavy(1000, 2) < 1.4);
     assert_true(height_of_heavy((float)f[1], (uint32_t)f[0]) < 1.4);
 }
 
-static void a_light_box_on_a_heavy_one_needs_nothing(void **state)
+TEST(a_light_box_on_a_heavy_one_needs_nothing)
 {
-    (void)state;
     double height = height_of_heavy(1e-4f, 4);
     assert_close(height, 1.5, 0.02);
 }
@@ -86,9 +82,8 @@ static void a_light_box_on_a_heavy_one_needs_nothing(void **state)
 // ---------------------------------------------------------------- rest
 
 // The whole of them are in tests/long/test_stacks.c.
-static void a_small_pyramid_does_not_tremble(void **state)
+TEST(a_small_pyramid_does_not_tremble)
 {
-    (void)state;
     mover *m = mover_new(3);
     mover_add_pyramid(m, 8);
     mover_run(m, 480);
@@ -96,9 +91,8 @@ static void a_small_pyramid_does_not_tremble(void **state)
     mover_free(m);
 }
 
-static void a_small_house_of_cards_stands(void **state)
+TEST(a_small_house_of_cards_stands)
 {
-    (void)state;
     mover *m = mover_new(3);
     mover_add_card_house(m, 3);
     double height = m->poses[m->n - 1].centre[2];
@@ -123,9 +117,8 @@ static double deepest_contact(mover *m)
     return deepest;
 }
 
-static void a_pile_does_not_fall_asleep_deep(void **state)
+TEST(a_pile_does_not_fall_asleep_deep)
 {
-    (void)state;
     double f[3];
     figures("effects.md", "# boxes that fell and sleep, # s | no contact is deeper than # slops", 3,
             f);
@@ -158,9 +151,8 @@ static mover *make_sleeping_row(uint32_t n, double depth)
     return m;
 }
 
-static void what_sleeps_deep_in_others_is_pushed_out(void **state)
+TEST(what_sleeps_deep_in_others_is_pushed_out)
 {
-    (void)state;
     const double slops = 20;
     mover *m = make_sleeping_row(4, slops * 0.005);
     mover_run(m, 1);
@@ -191,9 +183,8 @@ static mover *make_pushed_into_another(double skin)
     return m;
 }
 
-static void what_is_pushed_meets_the_same_with_a_skin(void **state)
+TEST(what_is_pushed_meets_the_same_with_a_skin)
 {
-    (void)state;
     mover *plain = make_pushed_into_another(0), *with_skin = make_pushed_into_another(0.2);
     bool met = false;
     for (int step = 0; step < 30; ++step) {
@@ -208,9 +199,8 @@ static void what_is_pushed_meets_the_same_with_a_skin(void **state)
 }
 
 // One between two of mass 0 that leave it no space. It is pushed for as long as it is long.
-static void what_has_no_space_sleeps_all_the_same(void **state)
+TEST(what_has_no_space_sleeps_all_the_same)
 {
-    (void)state;
     mover *m = make_sleeping_row(3, 0.1);
     mover_restart(m);
     m->bodies[0].mass = m->bodies[2].mass = 0.0f;
@@ -252,9 +242,8 @@ static double fall(uint32_t dims, bool doubles, uint32_t wants, double height, d
 // Whether `fast` is called for is seen from the start alone; what only becomes
 // fast asks for it. Without it what moves further in a step than both are thick
 // may pass.
-static void what_becomes_fast_is_held_where_that_is_asked_for(void **state)
+TEST(what_becomes_fast_is_held_where_that_is_asked_for)
 {
-    (void)state;
     // 268 m/s at the floor: 4.5 m a step, where box and floor are 0.3 thick
     for (uint32_t dims = 2; dims <= 3; ++dims)
         for (int doubles = 0; doubles < 2; ++doubles) {
@@ -264,9 +253,8 @@ static void what_becomes_fast_is_held_where_that_is_asked_for(void **state)
         }
 }
 
-static void filters_hold_in_2d_and_in_doubles(void **state)
+TEST(filters_hold_in_2d_and_in_doubles)
 {
-    (void)state;
     for (uint32_t dims = 2; dims <= 3; ++dims)
         for (int doubles = 0; doubles < 2; ++doubles) {
             mover *m = mover_new(dims);
@@ -303,9 +291,8 @@ static double speed_after_impact(double speed)
     return back;
 }
 
-static void impacts_bounce_from_a_speed_on(void **state)
+TEST(impacts_bounce_from_a_speed_on)
 {
-    (void)state;
     assert_close(duet_default_motion_def().restitution_threshold, 1.0, 0.0);
     assert_close(speed_after_impact(1.1), 0.55, 1e-3);
     assert_close(speed_after_impact(0.9), 0.0, 1e-3);
@@ -313,9 +300,8 @@ static void impacts_bounce_from_a_speed_on(void **state)
 
 // Nothing adds energy to a pile. What it has rises only by what contacts, which
 // are springs, were pressed with in an impact and give back.
-static void a_pile_gets_back_little_of_an_impact(void **state)
+TEST(a_pile_gets_back_little_of_an_impact)
 {
-    (void)state;
     double f[2];
     figures("effects.md", "# boxes get back less than # % of their greatest kinetic energy", 2, f);
     for (int fast = 0; fast < 2; ++fast) {
@@ -339,23 +325,4 @@ static void a_pile_gets_back_little_of_an_impact(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(any_time_step_leaves_numbers),
-        cmocka_unit_test(more_steps_come_to_the_same_time),
-        cmocka_unit_test(too_few_substeps_sink_in),
-        cmocka_unit_test(a_light_box_on_a_heavy_one_needs_nothing),
-        cmocka_unit_test(a_small_pyramid_does_not_tremble),
-        cmocka_unit_test(a_small_house_of_cards_stands),
-        cmocka_unit_test(a_pile_does_not_fall_asleep_deep),
-        cmocka_unit_test(what_sleeps_deep_in_others_is_pushed_out),
-        cmocka_unit_test(what_is_pushed_meets_the_same_with_a_skin),
-        cmocka_unit_test(what_has_no_space_sleeps_all_the_same),
-        cmocka_unit_test(what_becomes_fast_is_held_where_that_is_asked_for),
-        cmocka_unit_test(filters_hold_in_2d_and_in_doubles),
-        cmocka_unit_test(impacts_bounce_from_a_speed_on),
-        cmocka_unit_test(a_pile_gets_back_little_of_an_impact),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -73,9 +73,8 @@ static double most_energy(void)
     return 1.0 + f[0] / 100;
 }
 
-static void a_rod_that_sweeps_stops_at_a_thin_wall(void **state)
+TEST(a_rod_that_sweeps_stops_at_a_thin_wall)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     double most = most_energy();
     for (uint32_t dims = 2; dims <= 3; ++dims)
@@ -96,9 +95,8 @@ static void a_rod_that_sweeps_stops_at_a_thin_wall(void **state)
 }
 
 // The post stands still, or is as heavy as the rod and is struck away.
-static void a_rod_that_sweeps_past_a_post_strikes_it(void **state)
+TEST(a_rod_that_sweeps_past_a_post_strikes_it)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     double most = most_energy();
     for (int i = 0; i < 4 * RATES; ++i) {
@@ -119,9 +117,8 @@ static void a_rod_that_sweeps_past_a_post_strikes_it(void **state)
 
 // ---------------------------------------------------------------- bullets
 
-static void a_bullet_out_of_line_does_not_pass_a_wall(void **state)
+TEST(a_bullet_out_of_line_does_not_pass_a_wall)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int i = 0; i < 16; ++i) {
         mover *m = mover_new(3);
@@ -141,12 +138,4 @@ static void a_bullet_out_of_line_does_not_pass_a_wall(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_rod_that_sweeps_stops_at_a_thin_wall),
-        cmocka_unit_test(a_rod_that_sweeps_past_a_post_strikes_it),
-        cmocka_unit_test(a_bullet_out_of_line_does_not_pass_a_wall),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

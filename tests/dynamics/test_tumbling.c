@@ -94,9 +94,8 @@ static void assert_worst(drift d, const char *says)
     assert_true(d.worst.energy < worst[1]);
 }
 
-static void tumbling_in_float_keeps_momentum_and_energy(void **state)
+TEST(tumbling_in_float_keeps_momentum_and_energy)
 {
-    (void)state;
     drift d = drift_of(false, 5);
     assert_worst(d, "in float none loses or gains more than # of its momentum and # of its energy");
     double mean[2];
@@ -106,9 +105,8 @@ static void tumbling_in_float_keeps_momentum_and_energy(void **state)
     assert_worst(drift_of(false, 0.5), "ten times as slow, # and #");
 }
 
-static void tumbling_in_double_keeps_its_momentum(void **state)
+TEST(tumbling_in_double_keeps_its_momentum)
 {
-    (void)state;
     assert_worst(drift_of(true, 5), "in double # of the momentum and # of the energy");
 }
 
@@ -135,9 +133,8 @@ static mover *thin_boxes(rng *r, uint32_t substeps)
 }
 
 // A free body keeps both for ever, however far it turns in a step.
-static void thin_boxes_that_turn_far_keep_their_energy(void **state)
+TEST(thin_boxes_that_turn_far_keep_their_energy)
 {
-    (void)state;
     static kept before[BOXES];
     rng r = rng_seed(test_seed());
     print_message("DUET_TEST_SEED=%llu\n", (unsigned long long)test_seed());
@@ -164,12 +161,4 @@ static void thin_boxes_that_turn_far_keep_their_energy(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(tumbling_in_float_keeps_momentum_and_energy),
-        cmocka_unit_test(tumbling_in_double_keeps_its_momentum),
-        cmocka_unit_test(thin_boxes_that_turn_far_keep_their_energy),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -3,20 +3,13 @@
 #include "support/fuzz.h"
 #include "support/motions.h"
 
+#include "base/text.h"
+
 #include <string.h>
 
 static duet_motion *motions[MOTIONS];
 
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t n, size_t most, unsigned seed);
-
-// The sum at a state's end, as docs/formats.md has it.
-static uint64_t sum_of(const uint8_t *bytes, size_t n)
-{
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
-    for (size_t i = 0; i < n; ++i)
-        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
-    return sum;
-}
 
 // Most changes stay within the state's length and are summed again; anything else
 // is refused before it is looked at.
@@ -28,7 +21,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t n, size_t most, unsigned se
     size_t body = n - sizeof sum;
     size_t at = seed / 8 % (body + 1), span = body - at < 16 ? body - at : 16;
     LLVMFuzzerMutate(data + at, span, span);
-    sum = sum_of(data, body);
+    sum = text_checksum((const char *)data, body);
     memcpy(data + body, &sum, sizeof sum);
     return n;
 }

@@ -4,8 +4,6 @@
 #include "support/fuzz.h"
 #include "support/objects.h"
 
-#include <string.h>
-
 void fuzz_one(const uint8_t *data, size_t n)
 {
     bool npy = n > 0 && data[0] == 0x93;

@@ -3,6 +3,8 @@
 #include "support/fuzz.h"
 #include "support/motions.h"
 
+#include "base/text.h"
+
 #include <string.h>
 
 static duet_device_pair *pair;
@@ -11,15 +13,6 @@ enum { MOST_STEPS = 4 };
 
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t n, size_t most, unsigned seed);
 
-// As docs/formats.md has it.
-static uint64_t sum_of(const uint8_t *bytes, size_t n)
-{
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
-    for (size_t i = 0; i < n; ++i)
-        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
-    return sum;
-}
-
 // Mostly the sum is right, for anything else is refused before it is looked at.
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t n, size_t most, unsigned seed)
 {
@@ -27,7 +20,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t n, size_t most, unsigned se
     if (n < sizeof sum || seed % 8 == 0)
         return LLVMFuzzerMutate(data, n, most);
     size_t body = LLVMFuzzerMutate(data, n - sizeof sum, most - sizeof sum);
-    sum = sum_of(data, body);
+    sum = text_checksum((const char *)data, body);
     memcpy(data + body, &sum, sizeof sum);
     return body + sizeof sum;
 }

@@ -40,9 +40,8 @@ static bool read(script *s, const char *chars, settings *found, duet_error *err)
     return script_call(s, 2, 0, err);
 }
 
-static void a_table_is_read_with_fallbacks(void **state)
+TEST(a_table_is_read_with_fallbacks)
 {
-    (void)state;
     duet_error err = {0};
     script *s = sandbox_open(NULL, &err);
     assert_ok(s, err);
@@ -56,9 +55,8 @@ static void a_table_is_read_with_fallbacks(void **state)
     script_close(s);
 }
 
-static void what_is_wrong_is_told_with_its_line(void **state)
+TEST(what_is_wrong_is_told_with_its_line)
 {
-    (void)state;
     static const char *const cases[][2] = {
         {"return {\n  cel = 1 }",
          "scene.lua:2: a scene has no field 'cel': there are n, cell, fixed, name, world"},
@@ -91,11 +89,4 @@ static void what_is_wrong_is_told_with_its_line(void **state)
     script_close(s);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_table_is_read_with_fallbacks),
-        cmocka_unit_test(what_is_wrong_is_told_with_its_line),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -7,13 +7,10 @@
 #include "base/text_file.h"
 #include "gen/gen.h"
 
-#include <inttypes.h>
 #include <sha256.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static const gen_limits gpu = {.max_group = 1024, .local_bytes = 48 << 10, .fp64 = true};
 static const gen_limits cpu = {
@@ -38,24 +35,15 @@ static char made[4096]; // the text that make_with made
 static void write_file(const char *name, const char *chars)
 {
     char path[128];
-    duet_error err = {0};
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    assert_ok(text_write_file(path, chars, strlen(chars), &err), err);
-}
-
-static void remove_file(const char *name)
-{
-    char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    remove(path);
+    test_write_file(path, chars);
 }
 
 // A kernel k in a folder of its own; returns what making it with the settings
 // says.
 static duet_error make_with(const char *card, const char *body_file, const char *body)
 {
-    snprintf(folder, sizeof folder, "test_gen_XXXXXX");
-    assert_non_null(mkdtemp(folder));
+    test_make_folder(folder);
     write_file("common.clh", "// shared\n");
     write_file("k.lua", card);
     write_file(body_file, body);
@@ -68,10 +56,6 @@ static duet_error make_with(const char *card, const char *body_file, const char 
     snprintf(made, sizeof made, "%s", ok ? v.text : "");
     gen_variant_free(&v);
     gen_close(g);
-    remove_file("common.clh");
-    remove_file("k.lua");
-    remove_file(body_file);
-    rmdir(folder);
     return err;
 }
 
@@ -87,9 +71,8 @@ static void expect(duet_error err, duet_status status, const char *wanted)
 
 // ------------------------------------------------------- texts
 
-static void the_same_config_gives_the_same_bytes(void **state)
+TEST(the_same_config_gives_the_same_bytes)
 {
-    (void)state;
     duet_error err = {0};
     gen_setting settings[] = {{"FACTOR", 2}, {"WG", 256}};
     gen_variant first, second;
@@ -109,9 +92,8 @@ static void the_same_config_gives_the_same_bytes(void **state)
 }
 
 // In any order, and for both kinds of device: as a gen makes it that never made another.
-static void what_was_made_before_changes_no_text(void **state)
+TEST(what_was_made_before_changes_no_text)
 {
-    (void)state;
     duet_error err = {0};
     rng r = rng_seed(test_seed());
     gen *g = gen_open(NULL, &err);
@@ -144,9 +126,8 @@ static void what_was_made_before_changes_no_text(void **state)
     gen_close(g);
 }
 
-static void the_hash_is_of_the_text(void **state)
+TEST(the_hash_is_of_the_text)
 {
-    (void)state;
     duet_error err = {0};
     gen *g = open_test_kernels();
     gen_variant v;
@@ -158,9 +139,8 @@ static void the_hash_is_of_the_text(void **state)
     gen_close(g);
 }
 
-static void texts_are_as_expected(void **state)
+TEST(texts_are_as_expected)
 {
-    (void)state;
     duet_error err = {0};
     gen *g = open_test_kernels();
     gen_variant v;
@@ -176,9 +156,8 @@ static void texts_are_as_expected(void **state)
     gen_close(g);
 }
 
-static void a_variant_is_named_by_what_varies(void **state)
+TEST(a_variant_is_named_by_what_varies)
 {
-    (void)state;
     duet_error err = {0};
     gen_setting settings[] = {{"SHIFT", 5}, {"PER_ITEM", 1}, {"FACTOR", 3}};
     gen *g = open_test_kernels();
@@ -194,9 +173,8 @@ static void a_variant_is_named_by_what_varies(void **state)
 
 // ------------------------------------------------------- configs
 
-static void settings_that_do_not_fit_are_refused(void **state)
+TEST(settings_that_do_not_fit_are_refused)
 {
-    (void)state;
     static const struct {
         const char *kernel;
         gen_setting setting;
@@ -229,9 +207,8 @@ static void settings_that_do_not_fit_are_refused(void **state)
     gen_close(g);
 }
 
-static void a_kernel_takes_the_offers_that_are_for_it(void **state)
+TEST(a_kernel_takes_the_offers_that_are_for_it)
 {
-    (void)state;
     duet_error err = {0};
     bool taken[5] = {false};
     const gen_offer offers[] = {
@@ -253,9 +230,8 @@ static void a_kernel_takes_the_offers_that_are_for_it(void **state)
     gen_close(g);
 }
 
-static void offers_that_do_not_fit_are_refused(void **state)
+TEST(offers_that_do_not_fit_are_refused)
 {
-    (void)state;
     static const struct {
         gen_offer offer;
         const char *wanted;
@@ -275,9 +251,8 @@ static void offers_that_do_not_fit_are_refused(void **state)
     gen_close(g);
 }
 
-static void a_group_above_the_device_is_never_valid(void **state)
+TEST(a_group_above_the_device_is_never_valid)
 {
-    (void)state;
     duet_error err = {0};
     gen_limits small = gpu;
     small.max_group = 32;
@@ -288,9 +263,8 @@ static void a_group_above_the_device_is_never_valid(void **state)
     gen_close(g);
 }
 
-static void defaults_follow_the_limits(void **state)
+TEST(defaults_follow_the_limits)
 {
-    (void)state;
     duet_error err = {0};
     const gen_param *params = NULL;
     uint32_t n = 0;
@@ -311,9 +285,8 @@ static void defaults_follow_the_limits(void **state)
 }
 
 // Every config by number, against three loops.
-static void configs_are_counted_and_found_by_number(void **state)
+TEST(configs_are_counted_and_found_by_number)
 {
-    (void)state;
     duet_error err = {0};
     gen_limits small = gpu;
     small.local_bytes = 256; // no group of 256
@@ -337,12 +310,10 @@ static void configs_are_counted_and_found_by_number(void **state)
     gen_close(g);
 }
 
-static void a_large_space_is_counted_block_by_block(void **state)
+TEST(a_large_space_is_counted_block_by_block)
 {
-    (void)state;
     duet_error err = {0};
-    snprintf(folder, sizeof folder, "test_gen_XXXXXX");
-    assert_non_null(mkdtemp(folder));
+    test_make_folder(folder);
     write_file("k.lua",
                CARD("{ 'A', values = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9 } },"
                     "{ 'B', values = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9 } },"
@@ -361,15 +332,10 @@ static void a_large_space_is_counted_block_by_block(void **state)
         assert_int_equal(100 * p[0].value + 10 * p[1].value + p[2].value, 7 * i + 3);
     }
     gen_close(g);
-    remove_file("k.lua");
-    remove_file("common.clh");
-    remove_file("k.cl");
-    rmdir(folder);
 }
 
-static void a_card_s_arguments_become_parameters(void **state)
+TEST(a_card_s_arguments_become_parameters)
 {
-    (void)state;
     const char *card =
         CARD("{ 'DOUBLE', values = { 0, 1 }, default = 1 }, { 'A', values = { 1, 2 } }",
              "args = { take = [[\n volatile uint *counters\n const real4 *centres if A == 1\n"
@@ -390,9 +356,8 @@ static void a_card_s_arguments_become_parameters(void **state)
 
 // ------------------------------------------------------- what is broken
 
-static void a_broken_card_is_told_with_its_line(void **state)
+TEST(a_broken_card_is_told_with_its_line)
 {
-    (void)state;
     static const struct {
         const char *card;
         const char *wanted;
@@ -450,9 +415,8 @@ static void a_broken_card_is_told_with_its_line(void **state)
     }
 }
 
-static void a_broken_template_is_told_with_its_line(void **state)
+TEST(a_broken_template_is_told_with_its_line)
 {
-    (void)state;
     static const struct {
         const char *body;
         const char *wanted;
@@ -473,9 +437,8 @@ static void a_broken_template_is_told_with_its_line(void **state)
     }
 }
 
-static void a_template_without_lua_comes_out_as_it_went_in(void **state)
+TEST(a_template_without_lua_comes_out_as_it_went_in)
 {
-    (void)state;
     const char *body = "a \"%d\\n\" @ {b}\n\n  \\\n]]\n";
     duet_error err = make_with(CARD("", ""), "k.cl.in", body);
     assert_ok(err.status == DUET_STATUS_OK, err);
@@ -484,9 +447,8 @@ static void a_template_without_lua_comes_out_as_it_went_in(void **state)
     assert_string_equal(begin, body);
 }
 
-static void lines_of_lua_choose_in_plain_text(void **state)
+TEST(lines_of_lua_choose_in_plain_text)
 {
-    (void)state;
     static const struct {
         const char *body;
         const char *end; // of the text
@@ -506,12 +468,10 @@ static void lines_of_lua_choose_in_plain_text(void **state)
            DUET_STATUS_BUILD_FAILED, "k and its headers:");
 }
 
-static void a_broken_kernel_does_not_stop_the_others(void **state)
+TEST(a_broken_kernel_does_not_stop_the_others)
 {
-    (void)state;
     duet_error err = {0};
-    snprintf(folder, sizeof folder, "test_gen_XXXXXX");
-    assert_non_null(mkdtemp(folder));
+    test_make_folder(folder);
     write_file("bad.lua", "return {");
     write_file("good.lua", CARD("", ""));
     write_file("good.cl", "int good;\n");
@@ -531,20 +491,14 @@ static void a_broken_kernel_does_not_stop_the_others(void **state)
     assert_ok(gen_make(g, "bad", NULL, 0, &gpu, &v, &err), err);
     gen_variant_free(&v);
     gen_close(g);
-    const char *const files[] = {"bad.lua", "bad.cl", "good.lua", "good.cl", "common.clh"};
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; ++i)
-        remove_file(files[i]);
-    rmdir(folder);
 }
 
-static void a_folder_is_never_mixed_with_carried_files(void **state)
+TEST(a_folder_is_never_mixed_with_carried_files)
 {
-    (void)state;
     duet_error err = {0};
     assert_null(gen_open("no/such/folder", &err));
     expect(err, DUET_STATUS_NOT_FOUND, "kernel folder no/such/folder");
-    snprintf(folder, sizeof folder, "test_gen_XXXXXX");
-    assert_non_null(mkdtemp(folder));
+    test_make_folder(folder);
     err = (duet_error){0};
     assert_null(gen_open(folder, &err));
     expect(err, DUET_STATUS_NOT_FOUND, "no card (*.lua) in it");
@@ -565,11 +519,6 @@ static void a_folder_is_never_mixed_with_carried_files(void **state)
     assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));
     expect(err, DUET_STATUS_BUILD_FAILED, "scan.cl stands beside scan.cl.in: keep one of them");
     gen_close(g);
-    remove_file("scan.lua");
-    remove_file("scan.cl");
-    remove_file("scan.cl.in");
-    remove_file("common.clh");
-    rmdir(folder);
 }
 
 // ------------------------------------------------------- damage
@@ -584,9 +533,8 @@ static void damage(char *chars, rng *r)
 
 // A card and a template with a few wrong characters make a variant or one line
 // that says why not.
-static void damage_is_an_error_or_a_variant(void **state)
+TEST(damage_is_an_error_or_a_variant)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int i = 0; i < 400; ++i) {
         char card[] = CARD("{ 'A', values = { 1, 2 }, default = function(l) return 1 end }",
@@ -600,29 +548,4 @@ static void damage_is_an_error_or_a_variant(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_same_config_gives_the_same_bytes),
-        cmocka_unit_test(what_was_made_before_changes_no_text),
-        cmocka_unit_test(the_hash_is_of_the_text),
-        cmocka_unit_test(texts_are_as_expected),
-        cmocka_unit_test(a_variant_is_named_by_what_varies),
-        cmocka_unit_test(settings_that_do_not_fit_are_refused),
-        cmocka_unit_test(a_kernel_takes_the_offers_that_are_for_it),
-        cmocka_unit_test(offers_that_do_not_fit_are_refused),
-        cmocka_unit_test(a_group_above_the_device_is_never_valid),
-        cmocka_unit_test(defaults_follow_the_limits),
-        cmocka_unit_test(configs_are_counted_and_found_by_number),
-        cmocka_unit_test(a_large_space_is_counted_block_by_block),
-        cmocka_unit_test(a_card_s_arguments_become_parameters),
-        cmocka_unit_test(a_broken_card_is_told_with_its_line),
-        cmocka_unit_test(a_broken_template_is_told_with_its_line),
-        cmocka_unit_test(a_template_without_lua_comes_out_as_it_went_in),
-        cmocka_unit_test(lines_of_lua_choose_in_plain_text),
-        cmocka_unit_test(a_broken_kernel_does_not_stop_the_others),
-        cmocka_unit_test(damage_is_an_error_or_a_variant),
-        cmocka_unit_test(a_folder_is_never_mixed_with_carried_files),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

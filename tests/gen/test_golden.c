@@ -12,7 +12,6 @@
 #include "gen/gen.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const gen_limits gpu = {.max_group = 1024, .local_bytes = 48 << 10, .fp64 = true};
@@ -114,8 +113,6 @@ static void check(gen *g, const char *kernel)
     for (size_t n; (n = fread(bytes, 1, sizeof bytes, diff)) > 0;)
         text_add_bytes(&both, bytes, n);
     assert_true(pclose(diff) >= 0);
-    remove("golden.cpu.cl");
-    remove("golden.gpu.cl");
     snprintf(file, sizeof file, "%s.cl", kernel);
     golden_check(file, text_chars(&both));
     text_free(&both);
@@ -133,9 +130,8 @@ static bool is_template(const char *kernel)
     return false;
 }
 
-static void templates_have_the_expected_text(void **state)
+TEST(templates_have_the_expected_text)
 {
-    (void)state;
     duet_error err = {0};
     gen *g = gen_open(NULL, &err);
     assert_ok(g, err);
@@ -149,8 +145,4 @@ static void templates_have_the_expected_text(void **state)
     gen_close(g);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(templates_have_the_expected_text)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

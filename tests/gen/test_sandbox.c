@@ -14,9 +14,8 @@ static void assert_says(const char *chunk, const char *wanted)
     script_close(s);
 }
 
-static void find_finds_plain_text_as_lua_does(void **state)
+TEST(find_finds_plain_text_as_lua_does)
 {
-    (void)state;
     assert_says("local s, out = 'aXbXc', {}\n"
                 "for i, row in ipairs({ { 'X' }, { 'X', 3 }, { 'X', -2 }, { 'X', -9 }, { '' },\n"
                 "                       { '', 6 }, { '', 7 }, { 'Xc', 0 }, { 'x' },\n"
@@ -29,9 +28,8 @@ static void find_finds_plain_text_as_lua_does(void **state)
     assert_says("return ('1+1'):find('+', 1, true) .. ''", "2");
 }
 
-static void patterns_are_refused_with_their_line(void **state)
+TEST(patterns_are_refused_with_their_line)
 {
-    (void)state;
     static const char *const chunks[] = {"('a'):find('a*')", "('a'):match('a')",
                                          "for x in ('a'):gmatch('a') do end",
                                          "string.gsub('a', 'a', 'b')"};
@@ -46,9 +44,8 @@ static void patterns_are_refused_with_their_line(void **state)
     }
 }
 
-static void sort_keeps_equal_values_in_their_order(void **state)
+TEST(sort_keeps_equal_values_in_their_order)
 {
-    (void)state;
     assert_says("local t = {}\n"
                 "for i = 1, 1000 do t[i] = { key = i * 7 % 10, place = i } end\n"
                 "table.sort(t, function(a, b) return a.key < b.key end)\n"
@@ -64,9 +61,8 @@ static void sort_keeps_equal_values_in_their_order(void **state)
                 " a ab b");
 }
 
-static void move_moves_as_lua_does(void **state)
+TEST(move_moves_as_lua_does)
 {
-    (void)state;
     assert_says("local t = table.move({ 1, 2, 3, 4, 5 }, 1, 4, 2) return table.concat(t, ' ')",
                 "1 1 2 3 4");
     assert_says("local t = table.move({ 1, 2, 3, 4, 5 }, 2.0, 5, 1) return table.concat(t, ' ')",
@@ -75,9 +71,8 @@ static void move_moves_as_lua_does(void **state)
                 "8 9 1 2");
 }
 
-static void no_address_is_shown(void **state)
+TEST(no_address_is_shown)
 {
-    (void)state;
     assert_says("local t, f = {}, function() end\n"
                 "return table.concat({ tostring(t), tostring(f), tostring(t), tostring(print),\n"
                 "                      ('%s %5s %%s %q'):format({}, 'x', 'y') }, ', ')",
@@ -87,14 +82,4 @@ static void no_address_is_shown(void **state)
                 "11.5aniltrue");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(find_finds_plain_text_as_lua_does),
-        cmocka_unit_test(patterns_are_refused_with_their_line),
-        cmocka_unit_test(sort_keeps_equal_values_in_their_order),
-        cmocka_unit_test(move_moves_as_lua_does),
-        cmocka_unit_test(no_address_is_shown),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

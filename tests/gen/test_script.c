@@ -44,9 +44,8 @@ static void refuse_each(const script_limits *limits, const char *const *chunks, 
 #define REFUSE_EACH(limits, chunks, why) \
     refuse_each(limits, chunks, sizeof(chunks) / sizeof(chunks)[0], why)
 
-static void results_are_left_on_the_stack(void **state)
+TEST(results_are_left_on_the_stack)
 {
-    (void)state;
     duet_error err = {0};
     script *s = sandbox_open(NULL, &err);
     assert_ok(s, err);
@@ -56,9 +55,8 @@ static void results_are_left_on_the_stack(void **state)
     script_close(s);
 }
 
-static void an_endless_script_ends_with_its_line(void **state)
+TEST(an_endless_script_ends_with_its_line)
 {
-    (void)state;
     static const char *const chunks[] = {
         "\nwhile true do end",
         "\nrepeat until false",
@@ -72,9 +70,8 @@ static void an_endless_script_ends_with_its_line(void **state)
     REFUSE_EACH(&tight, chunks, "card.lua:2: runs for more than the 2000000 instructions");
 }
 
-static void a_greedy_script_ends_at_its_memory(void **state)
+TEST(a_greedy_script_ends_at_its_memory)
 {
-    (void)state;
     static const char *const chunks[] = {
         "local s = ('x'):rep(1 << 30)",
         "local s = 'x' while true do s = s .. s end",
@@ -87,9 +84,8 @@ static void a_greedy_script_ends_at_its_memory(void **state)
     REFUSE_EACH(&tight, chunks, "card.lua:1: needs more than the 4 MiB of memory");
 }
 
-static void a_search_takes_what_it_looks_at(void **state)
+TEST(a_search_takes_what_it_looks_at)
 {
-    (void)state;
     duet_error err = {0};
     script *s = sandbox_open(&tight, &err);
     assert_ok(s, err);
@@ -104,9 +100,8 @@ static void a_search_takes_what_it_looks_at(void **state)
     script_close(s);
 }
 
-static void deep_recursion_is_an_error_and_no_crash(void **state)
+TEST(deep_recursion_is_an_error_and_no_crash)
 {
-    (void)state;
     static const char *const chunks[] = {
         "local function f() return 1 + f() end f()",
         "local function f() table.sort({ 1, 2 }, f) end f()",
@@ -116,18 +111,16 @@ static void deep_recursion_is_an_error_and_no_crash(void **state)
     REFUSE_EACH(&roomy, chunks, "overflow");
 }
 
-static void deep_nesting_of_the_text_is_an_error(void **state)
+TEST(deep_nesting_of_the_text_is_an_error)
 {
-    (void)state;
     static char nested[20000];
     memset(nested, '(', sizeof nested - 1);
     const char *chunk = nested;
     refuse_each(&tight, &chunk, 1, "overflow");
 }
 
-static void an_error_of_any_kind_is_one_line_with_a_place(void **state)
+TEST(an_error_of_any_kind_is_one_line_with_a_place)
 {
-    (void)state;
     duet_error err = {0};
     script *s = sandbox_open(&tight, &err);
     assert_ok(s, err);
@@ -148,9 +141,8 @@ static void an_error_of_any_kind_is_one_line_with_a_place(void **state)
     script_close(s);
 }
 
-static void a_long_path_is_named_whole(void **state)
+TEST(a_long_path_is_named_whole)
 {
-    (void)state;
     duet_error err = {0};
     script *s = sandbox_open(NULL, &err);
     assert_ok(s, err);
@@ -162,9 +154,8 @@ static void a_long_path_is_named_whole(void **state)
     script_close(s);
 }
 
-static void nothing_dangerous_is_within_reach(void **state)
+TEST(nothing_dangerous_is_within_reach)
 {
-    (void)state;
     static const char *const names[] = {
         "io",       "os",           "package",      "debug",  "require", "coroutine",      "load",
         "loadfile", "loadstring",   "dofile",       "print",  "warn",    "collectgarbage", "pcall",
@@ -185,9 +176,8 @@ static void nothing_dangerous_is_within_reach(void **state)
 }
 
 // What one state answers, a second one answers too.
-static void every_run_gives_the_same(void **state)
+TEST(every_run_gives_the_same)
 {
-    (void)state;
     static const char chunk[] =
         "local t = { 3, 1, 2, [0.5] = 'half', [true] = 'yes', [false] = 'no' }\n"
         "for i = 1, 200 do t['k' .. math.random(1e6)] = i end\n"
@@ -208,9 +198,8 @@ static void every_run_gives_the_same(void **state)
 }
 
 // Each call may take the whole limit; a script cannot use up the next one's.
-static void limits_begin_again_with_each_call(void **state)
+TEST(limits_begin_again_with_each_call)
 {
-    (void)state;
     duet_error err = {0};
     script *s = sandbox_open(&tight, &err);
     assert_ok(s, err);
@@ -220,9 +209,8 @@ static void limits_begin_again_with_each_call(void **state)
     script_close(s);
 }
 
-static void few_instructions_that_move_many_bytes_end_in_time(void **state)
+TEST(few_instructions_that_move_many_bytes_end_in_time)
 {
-    (void)state;
     script_limits limits = {
         .memory_bytes = 64 << 20, .instructions = (uint64_t)1 << 60, .seconds = 0.2};
     duet_error err = {0};
@@ -233,9 +221,8 @@ static void few_instructions_that_move_many_bytes_end_in_time(void **state)
     script_close(s);
 }
 
-static void too_little_memory_for_a_state_is_an_error(void **state)
+TEST(too_little_memory_for_a_state_is_an_error)
 {
-    (void)state;
     for (size_t bytes = 0; bytes < 40000; bytes += 1000) {
         script_limits limits = {.memory_bytes = bytes, .instructions = 1000000, .seconds = 5};
         duet_error err = {0};
@@ -246,9 +233,8 @@ static void too_little_memory_for_a_state_is_an_error(void **state)
 }
 
 // From 5.4.6 on Lua's stack cannot be looked at while it grows.
-static void memory_that_ends_while_the_stack_grows_is_told_with_a_line(void **state)
+TEST(memory_that_ends_while_the_stack_grows_is_told_with_a_line)
 {
-    (void)state;
     for (size_t bytes = 100000; bytes < 600000; bytes += 20000) {
         script_limits limits = {.memory_bytes = bytes, .instructions = 10000000, .seconds = 5};
         duet_error err = {0};
@@ -260,23 +246,4 @@ static void memory_that_ends_while_the_stack_grows_is_told_with_a_line(void **st
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(results_are_left_on_the_stack),
-        cmocka_unit_test(an_endless_script_ends_with_its_line),
-        cmocka_unit_test(a_greedy_script_ends_at_its_memory),
-        cmocka_unit_test(a_search_takes_what_it_looks_at),
-        cmocka_unit_test(deep_recursion_is_an_error_and_no_crash),
-        cmocka_unit_test(deep_nesting_of_the_text_is_an_error),
-        cmocka_unit_test(an_error_of_any_kind_is_one_line_with_a_place),
-        cmocka_unit_test(a_long_path_is_named_whole),
-        cmocka_unit_test(nothing_dangerous_is_within_reach),
-        cmocka_unit_test(every_run_gives_the_same),
-        cmocka_unit_test(limits_begin_again_with_each_call),
-        cmocka_unit_test(few_instructions_that_move_many_bytes_end_in_time),
-        cmocka_unit_test(too_little_memory_for_a_state_is_an_error),
-        cmocka_unit_test(memory_that_ends_while_the_stack_grows_is_told_with_a_line),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

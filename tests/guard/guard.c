@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "runtime/opencl/buffer.h"
 
-#include <inttypes.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>

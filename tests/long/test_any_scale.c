@@ -92,9 +92,8 @@ static void give_world(duet_world_def *def, const drawing *d, rng *r)
     }
 }
 
-static void scenes_of_any_scale_are_found_whole(void **state)
+TEST(scenes_of_any_scale_are_found_whole)
 {
-    (void)state;
     const char *asked = getenv("DUET_TEST_ROUNDS");
     int rounds = asked ? atoi(asked) : ROUNDS;
     rng r = rng_seed(test_seed());
@@ -130,8 +129,5 @@ static void scenes_of_any_scale_are_found_whole(void **state)
 int main(void)
 {
     test_take_all();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(scenes_of_any_scale_are_found_whole),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
+    return test_run(open_devices, close_devices);
 }

@@ -15,7 +15,6 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -177,9 +176,8 @@ static void show_progress(uint64_t begun)
     fprintf(stderr, "\r%60s\r", "");
 }
 
-static void a_hundred_million_contacts_are_decided_rightly(void **state)
+TEST(a_hundred_million_contacts_are_decided_rightly)
 {
-    (void)state;
     static worker workers[MOST_THREADS];
     long cores = sysconf(_SC_NPROCESSORS_ONLN);
     int n = cores < 1 ? 1 : cores > MOST_THREADS ? MOST_THREADS : (int)cores;
@@ -207,10 +205,4 @@ static void a_hundred_million_contacts_are_decided_rightly(void **state)
     assert_false(sum.wrong);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_hundred_million_contacts_are_decided_rightly),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

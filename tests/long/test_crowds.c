@@ -43,9 +43,8 @@ static duet_pose *room_for(uint32_t n)
     return poses;
 }
 
-static void none_of_65537_objects_in_a_cell_is_missed(void **state)
+TEST(none_of_65537_objects_in_a_cell_is_missed)
 {
-    (void)state;
     enum { N = 65537 };
     static const char *const variants[] = {"auto", "gpu"};
     duet_error err = {0};
@@ -92,25 +91,15 @@ static void expect_too_many(uint32_t n, uint64_t max_pairs, const char *says)
     free(poses);
 }
 
-static void more_pairs_than_31_bits_count_are_counted(void **state)
+TEST(more_pairs_than_31_bits_count_are_counted)
 {
-    (void)state;
     expect_too_many(65537, 1000000, "2147516416 pairs on "); // 65537 * 65536 / 2
 }
 
-static void more_pairs_than_32_bits_count_are_counted(void **state)
+TEST(more_pairs_than_32_bits_count_are_counted)
 {
-    (void)state;
     expect_too_many(92683, 1000000, "4295022903 pairs"); // 92683 * 92682 / 2
     expect_too_many(92683, 0, ", more than the 4294967295 that one device can list");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(none_of_65537_objects_in_a_cell_is_missed),
-        cmocka_unit_test(more_pairs_than_31_bits_count_are_counted),
-        cmocka_unit_test(more_pairs_than_32_bits_count_are_counted),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

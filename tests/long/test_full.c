@@ -9,7 +9,6 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 // Bytes that a device may hold for an object, and for a pair.
 enum { OBJECT_BYTES = 200, PAIR_BYTES = 16 };
@@ -66,44 +65,29 @@ static void check_scene(const char *name, const char *n)
     duet_scene_destroy(scene);
 }
 
-static void a_million_boxes_of_the_paper(void **state)
+TEST(a_million_boxes_of_the_paper)
 {
-    (void)state;
     check_scene("paper", "1000000");
 }
 
-static void a_hundred_thousand_in_2d(void **state)
+TEST(a_hundred_thousand_in_2d)
 {
-    (void)state;
     check_scene("paper2d", "100000");
 }
 
-static void a_hundred_thousand_in_clusters(void **state)
+TEST(a_hundred_thousand_in_clusters)
 {
-    (void)state;
     check_scene("clustered", "100000");
 }
 
-static void a_hundred_thousand_of_mixed_sizes(void **state)
+TEST(a_hundred_thousand_of_mixed_sizes)
 {
-    (void)state;
     check_scene("mixed", "100000");
 }
 
-static void a_hundred_thousand_on_planes(void **state)
+TEST(a_hundred_thousand_on_planes)
 {
-    (void)state;
     check_scene("planes", "100000");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_million_boxes_of_the_paper),
-        cmocka_unit_test(a_hundred_thousand_in_2d),
-        cmocka_unit_test(a_hundred_thousand_in_clusters),
-        cmocka_unit_test(a_hundred_thousand_of_mixed_sizes),
-        cmocka_unit_test(a_hundred_thousand_on_planes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

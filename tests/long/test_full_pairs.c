@@ -17,15 +17,13 @@
 
 enum { EACH = 10000 };
 
-static void hard_pairs_in_3d_get_what_their_level_promises(void **state)
+TEST(hard_pairs_in_3d_get_what_their_level_promises)
 {
-    (void)state;
     hard_test_run(devices, 3, EACH);
 }
 
-static void hard_pairs_in_2d_get_what_their_level_promises(void **state)
+TEST(hard_pairs_in_2d_get_what_their_level_promises)
 {
-    (void)state;
     hard_test_run(devices, 2, EACH);
 }
 
@@ -72,9 +70,8 @@ static void fill_block(duet_pose *poses)
     }
 }
 
-static void more_pairs_than_31_bits_count_are_counted(void **state)
+TEST(more_pairs_than_31_bits_count_are_counted)
 {
-    (void)state;
     const uint64_t n = ((uint64_t)1 << 31) + 12345;
     tiles poses = tiles_open(2 * sizeof(duet_pose) * PAIRS_A_BLOCK, 2 * sizeof(duet_pose) * n);
     tiles answers = tiles_open(PAIRS_A_BLOCK, n);
@@ -89,12 +86,4 @@ static void more_pairs_than_31_bits_count_are_counted(void **state)
     tiles_close(&poses);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hard_pairs_in_3d_get_what_their_level_promises),
-        cmocka_unit_test(hard_pairs_in_2d_get_what_their_level_promises),
-        cmocka_unit_test(more_pairs_than_31_bits_count_are_counted),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -4,60 +4,25 @@
 
 #include "support/agreement.h"
 #include "support/devices.h"
+#include "support/large.h"
 
 #include "base/rng.h"
 #include "runtime/narrowphase/origin.h"
 
-#include <math.h>
 #include <string.h>
-
-enum { CAPACITY = 1000 };
-
-// Of the worlds' origin cells: boxes reach over many.
-#define EDGE 0.125f
-
-static duet_large_pose placed[CAPACITY];
-
-static duet_world_def def_of(uint32_t dims, bool rotated)
-{
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
-    def.dims = dims;
-    def.rotated = rotated;
-    def.origin_edge = EDGE;
-    return def;
-}
-
-// n boxes about a place, of sizes up to `most` times the least.
-static void scatter(uint32_t from, uint32_t n, const double at[3], double side, double most,
-                    bool rotated, rng *r)
-{
-    for (uint32_t i = from; i < from + n; ++i) {
-        double centre[3];
-        placed[i] = (duet_large_pose){.pose.rotation = {0, 0, 0, 1}};
-        for (int k = 0; k < 3; ++k) {
-            centre[k] = at[k] + 0x1p-10 * floor(0x1p10 * rng_between(r, 0, side));
-            placed[i].pose.half_extents[k] = (float)(0.5 * pow(most, rng_between(r, 0, 1)));
-        }
-        for (int k = 0; rotated && k < 4; ++k)
-            placed[i].pose.rotation[k] = (float)rng_normal(r);
-        assert_true(origin_place(&placed[i], centre, EDGE));
-    }
-}
 
 static uint64_t check_cloud(const duet_world_def *def, double at, double most, uint64_t seed)
 {
     rng r = rng_seed(seed);
     const double where[3] = {at, -at, at / 2};
-    scatter(0, 300, where, def->dims == 3 ? 6 : 14, most, def->rotated, &r);
-    return agreement_check(def, placed, 300);
+    scatter_large(0, 300, where, def->dims == 3 ? 6 : 14, most, def->rotated, &r);
+    return agreement_check(def, large_poses, 300);
 }
 
-static void a_cloud_far_away_has_the_pairs_of_the_one_at_0(void **state)
+TEST(a_cloud_far_away_has_the_pairs_of_the_one_at_0)
 {
-    (void)state;
     uint64_t seed = test_seed();
-    const duet_world_def defs[] = {def_of(2, true), def_of(3, false), def_of(3, true)};
+    const duet_world_def defs[] = {large_def(2, true), large_def(3, false), large_def(3, true)};
     for (int i = 0; i < 3; ++i) {
         uint64_t here = check_cloud(&defs[i], 0, 1, seed);
         assert_true(here > 300);
@@ -65,37 +30,35 @@ static void a_cloud_far_away_has_the_pairs_of_the_one_at_0(void **state)
     }
 }
 
-static void boxes_of_many_sizes_far_away_are_all_found(void **state)
+TEST(boxes_of_many_sizes_far_away_are_all_found)
 {
-    (void)state;
     uint64_t seed = test_seed();
-    duet_world_def def = def_of(3, true);
+    duet_world_def def = large_def(3, true);
     assert_int_equal(check_cloud(&def, -1e7, 40, seed), check_cloud(&def, 0, 40, seed));
 }
 
-static void clouds_at_both_ends_of_a_world_are_searched(void **state)
+TEST(clouds_at_both_ends_of_a_world_are_searched)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
-    duet_world_def def = def_of(3, true);
-    scatter(0, 200, (double[]){-1e7, 1e7, 0}, 5, 2, true, &r);
-    scatter(200, 200, (double[]){1e7, -1e7, 1e3}, 5, 2, true, &r);
-    assert_true(agreement_check(&def, placed, 400) > 200);
+    duet_world_def def = large_def(3, true);
+    scatter_large(0, 200, (double[]){-1e7, 1e7, 0}, 5, 2, true, &r);
+    scatter_large(200, 200, (double[]){1e7, -1e7, 1e3}, 5, 2, true, &r);
+    assert_true(agreement_check(&def, large_poses, 400) > 200);
     def.has_world = true; // one of them outside
     for (int k = 0; k < 3; ++k) {
         def.lower[k] = -1.5e7f;
         def.upper[k] = 1e6f;
     }
-    assert_true(agreement_check(&def, placed, 400) > 200);
+    assert_true(agreement_check(&def, large_poses, 400) > 200);
 }
 
-static void every_level_finds_its_reference_s_pairs_far_away(void **state)
+TEST(every_level_finds_its_reference_s_pairs_far_away)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
-    scatter(0, 300, (double[]){1e7, -1e7, 3}, 6, 2, true, &r);
+    scatter_large(0, 300, (double[]){1e7, -1e7, 3}, 6, 2, true, &r);
     duet_error err = {0};
-    duet_scene *scene = duet_scene_create(DUET_OBJECT_LARGE_POSES, placed, 300, 3, EDGE, &err);
+    duet_scene *scene =
+        duet_scene_create(DUET_OBJECT_LARGE_POSES, large_poses, 300, 3, LARGE_EDGE, &err);
     assert_ok(scene != NULL, err);
     duet_world_def def = duet_scene_world_def(scene, devices);
     duet_world *world = duet_world_create(&def, &err);
@@ -122,11 +85,5 @@ static void every_level_finds_its_reference_s_pairs_far_away(void **state)
 int main(void)
 {
     test_take_all();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_cloud_far_away_has_the_pairs_of_the_one_at_0),
-        cmocka_unit_test(boxes_of_many_sizes_far_away_are_all_found),
-        cmocka_unit_test(clouds_at_both_ends_of_a_world_are_searched),
-        cmocka_unit_test(every_level_finds_its_reference_s_pairs_far_away),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
+    return test_run(open_devices, close_devices);
 }

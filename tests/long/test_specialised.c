@@ -9,7 +9,6 @@
 #include "base/rng.h"
 #include "runtime/duet.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { OBJECTS = 600 };
@@ -115,9 +114,8 @@ static void compare_all(const scene *s)
     compare_grids(s, &def, general);
 }
 
-static void every_combination_of_properties_gives_the_general_kernels_pairs(void **state)
+TEST(every_combination_of_properties_gives_the_general_kernels_pairs)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     static scene s;
     for (int properties = 0; properties < 16; ++properties) {
@@ -130,10 +128,4 @@ static void every_combination_of_properties_gives_the_general_kernels_pairs(void
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_combination_of_properties_gives_the_general_kernels_pairs),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

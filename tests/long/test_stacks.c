@@ -7,9 +7,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-static void tall_stacks_stand_for_a_minute(void **state)
+TEST(tall_stacks_stand_for_a_minute)
 {
-    (void)state;
     stack_figures f = stack_figures_read();
     for (int i = 0; i < 3; ++i)
         for (uint32_t dims = i < 2 ? 2 : 3; dims <= 3; ++dims) {
@@ -18,17 +17,15 @@ static void tall_stacks_stand_for_a_minute(void **state)
         }
 }
 
-static void a_higher_stack_falls(void **state)
+TEST(a_higher_stack_falls)
 {
-    (void)state;
     stack_figures f = stack_figures_read();
     stack s = {.dims = 3, .height = f.falling_height, .substeps = f.falling_substeps};
     assert_false(stack_stands(&s, f.seconds));
 }
 
-static void a_stack_stands_as_well_far_away(void **state)
+TEST(a_stack_stands_as_well_far_away)
 {
-    (void)state;
     static const double places[] = {1e4, 1e6, 1e7};
     for (int i = 0; i < 3; ++i) {
         stack s = {.dims = 3, .height = 10, .substeps = 4, .x = places[i], .doubles = true};
@@ -36,9 +33,8 @@ static void a_stack_stands_as_well_far_away(void **state)
     }
 }
 
-static void a_pyramid_does_not_tremble(void **state)
+TEST(a_pyramid_does_not_tremble)
 {
-    (void)state;
     double f[3], fastest = 0.0;
     figures("effects.md", "pyramid of # rows, after # s | nothing is faster than # mm/s", 3, f);
     mover *m = mover_new(3);
@@ -53,9 +49,8 @@ static void a_pyramid_does_not_tremble(void **state)
     mover_free(m);
 }
 
-static void a_house_of_cards_stands(void **state)
+TEST(a_house_of_cards_stands)
 {
-    (void)state;
     double f[3];
     figures("effects.md", "house of # cards, 20 x 400 x 400 mm, # s | sinks by less than # mm", 3,
             f);
@@ -70,9 +65,8 @@ static void a_house_of_cards_stands(void **state)
     mover_free(m);
 }
 
-static void a_great_pile_does_not_sleep_deep(void **state)
+TEST(a_great_pile_does_not_sleep_deep)
 {
-    (void)state;
     double f[3];
     figures("effects.md",
             "| # boxes of `falling.lua`, # s | all sleep, and no contact is deeper than # slops", 3,
@@ -105,15 +99,4 @@ static void a_great_pile_does_not_sleep_deep(void **state)
     duet_scene_destroy(scene);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(tall_stacks_stand_for_a_minute),
-        cmocka_unit_test(a_higher_stack_falls),
-        cmocka_unit_test(a_stack_stands_as_well_far_away),
-        cmocka_unit_test(a_pyramid_does_not_tremble),
-        cmocka_unit_test(a_house_of_cards_stands),
-        cmocka_unit_test(a_great_pile_does_not_sleep_deep),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -6,25 +6,18 @@
 #include "support/program.h"
 #include "support/store.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 // inside/deep/file, links to it and to what lies outside, and a folder "file:".
 static test_folder folder;
-static char start[2048];
-static char outside[2200];
 
 static int make_folders(void **state)
 {
     (void)state;
     folder = test_folder_make();
-    if (!getcwd(start, sizeof start))
-        return -1;
     store_close(test_store_open(folder.store, STORE_WRITE));
-    snprintf(outside, sizeof outside, "%s/%s", start, folder.path);
     if (chdir(folder.path) || mkdir("inside", 0755) || chdir("inside") || mkdir("deep", 0755) ||
         mkdir("file:", 0755))
         return -1;
@@ -34,17 +27,8 @@ static int make_folders(void **state)
            symlink("..", "up") || symlink("deep", "across") || symlink("nowhere", "dangling");
 }
 
-static int remove_folders(void **state)
+TEST(only_straight_paths_are_beneath)
 {
-    (void)state;
-    int code = chdir(start);
-    test_folder_remove(&folder);
-    return code;
-}
-
-static void only_straight_paths_are_beneath(void **state)
-{
-    (void)state;
     static const char *const straight[] = {"deep/boxes.csv",
                                            "./deep//boxes.csv",
                                            "deep/./boxes.csv",
@@ -79,9 +63,8 @@ static void only_straight_paths_are_beneath(void **state)
             fail_msg("'%s' is taken", others[i]);
 }
 
-static void no_descriptor_is_left_open(void **state)
+TEST(no_descriptor_is_left_open)
 {
-    (void)state;
     int before = dup(0);
     close(before);
     for (int i = 0; i < 50; ++i) {
@@ -94,9 +77,8 @@ static void no_descriptor_is_left_open(void **state)
     assert_int_equal(after, before);
 }
 
-static void an_untrusted_script_reads_nothing_through_a_link(void **state)
+TEST(an_untrusted_script_reads_nothing_through_a_link)
 {
-    (void)state;
     program p = program_run("lua -e \"assert(duet.scene('deep/boxes.csv'))\"");
     assert_string_equal(p.err, "");
     assert_int_equal(p.exit_code, 0);
@@ -111,22 +93,14 @@ static void an_untrusted_script_reads_nothing_through_a_link(void **state)
 }
 
 // To SQLite the path after "file:" was a whole one.
-static void a_folder_called_file_is_no_way_out(void **state)
+TEST(a_folder_called_file_is_no_way_out)
 {
-    (void)state;
-    program p = program_run("lua -e \"assert(duet.profiles('file:%s/profiles.db'))\"", outside);
+    program p = program_run("lua -e \"assert(duet.profiles('file:%s/profiles.db'))\"", folder.path);
     program_assert_refused(&p, 1, "there is no profile store");
 }
 
-#define IN_FOLDERS(test) cmocka_unit_test_setup_teardown(test, make_folders, remove_folders)
-
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        IN_FOLDERS(only_straight_paths_are_beneath),
-        IN_FOLDERS(no_descriptor_is_left_open),
-        IN_FOLDERS(an_untrusted_script_reads_nothing_through_a_link),
-        IN_FOLDERS(a_folder_called_file_is_no_way_out),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    test_each(make_folders, NULL);
+    return test_run(NULL, NULL);
 }

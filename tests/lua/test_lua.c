@@ -18,20 +18,6 @@
 
 #define SCRIPT "test_lua.script.lua"
 
-static void write_script(const char *content)
-{
-    duet_error err = {0};
-    assert_ok(text_write_file(SCRIPT, content, strlen(content), &err), err);
-}
-
-static int remove_files(void **state)
-{
-    (void)state;
-    remove(SCRIPT);
-    remove("test_lua.out");
-    return 0;
-}
-
 static void assert_prints(const char *arguments, const char *output)
 {
     program p = program_run("%s", arguments);
@@ -42,56 +28,54 @@ static void assert_prints(const char *arguments, const char *output)
     program_free(&p);
 }
 
-static void text_file_and_arguments_run(void **state)
+TEST(text_file_and_arguments_run)
 {
-    (void)state;
     assert_prints("lua -e 'print(1 + 1, duet.version)'", "2\t1.0.0\n");
-    write_script("#!/usr/bin/env duet\nprint(arg[0], #arg, arg[1], require 'duet' == duet)\n");
+    test_write_file(SCRIPT,
+                    "#!/usr/bin/env duet\nprint(arg[0], #arg, arg[1], require 'duet' == duet)\n");
     assert_prints("lua -e 'x = 1' " SCRIPT " --json b", SCRIPT "\t2\t--json\ttrue\n");
 }
 
-static void trust_gives_the_whole_language(void **state)
+TEST(trust_gives_the_whole_language)
 {
-    (void)state;
     assert_prints("lua --trust -e 'io.write(type(os.time), type(load), type(pcall))'",
                   "functionfunctionfunction");
     assert_prints("lua -e 'print(io, os, load, dofile, pcall, debug, package, coroutine)'",
                   "nil\tnil\tnil\tnil\tnil\tnil\tnil\tnil\n");
 }
 
-static void what_is_typed_is_run_and_shown(void **state)
+TEST(what_is_typed_is_run_and_shown)
 {
-    (void)state;
-    write_script("x = { 3, 4, name = 'a b' }\n"
-                 "x\n"
-                 "function twice(n)\n"
-                 "  return 2 * n\n"
-                 "end\n"
-                 "twice(\n"
-                 "  21), 'text'\n"
-                 "40 +\n"
-                 "2\n"
-                 "{ { n = 1, s = 'a' }, { n = 100, s = 'b' } }\n");
+    test_write_file(SCRIPT, "x = { 3, 4, name = 'a b' }\n"
+                            "x\n"
+                            "function twice(n)\n"
+                            "  return 2 * n\n"
+                            "end\n"
+                            "twice(\n"
+                            "  21), 'text'\n"
+                            "40 +\n"
+                            "2\n"
+                            "{ { n = 1, s = 'a' }, { n = 100, s = 'b' } }\n");
     assert_prints("lua -i <" SCRIPT,
                   "{ 3, 4, name = \"a b\" }\n42\ttext\n42\nn    s\n  1  a\n100  b\n");
 }
 
-static void what_is_shown_says_what_it_is(void **state)
+TEST(what_is_shown_says_what_it_is)
 {
-    (void)state;
-    write_script("p = duet.device_pair('halves')\n"
-                 "a, b = p:device('A'), p:device('B')\n"
-                 "one = ('duet.device_pair { A = B = %s %s }'):format(a.selector, a.name)\n"
-                 "two = ('duet.device_pair { A = %s %s, B = %s %s }'):format(\n"
-                 "a.selector, a.name, b.selector, b.name)\n"
-                 "tostring(p) == (a.selector == b.selector and one or two)\n"
-                 "tostring(duet.device_pair(a.selector)) == one\n"
-                 "p:world { plan = { share = 0.25, mode = 'own', variant_a = 'simd', variant_b = "
-                 "'gpu' } }\n"
-                 "s = duet.scene(duet.poses { { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1 } }, 3)\n"
-                 "p:motion(s)\n"
-                 "s:close()\n"
-                 "s\n");
+    test_write_file(
+        SCRIPT, "p = duet.device_pair('halves')\n"
+                "a, b = p:device('A'), p:device('B')\n"
+                "one = ('duet.device_pair { A = B = %s %s }'):format(a.selector, a.name)\n"
+                "two = ('duet.device_pair { A = %s %s, B = %s %s }'):format(\n"
+                "a.selector, a.name, b.selector, b.name)\n"
+                "tostring(p) == (a.selector == b.selector and one or two)\n"
+                "tostring(duet.device_pair(a.selector)) == one\n"
+                "p:world { plan = { share = 0.25, mode = 'own', variant_a = 'simd', variant_b = "
+                "'gpu' } }\n"
+                "s = duet.scene(duet.poses { { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1 } }, 3)\n"
+                "p:motion(s)\n"
+                "s:close()\n"
+                "s\n");
     assert_prints(
         "lua <" SCRIPT,
         "true\ntrue\n"
@@ -99,11 +83,11 @@ static void what_is_shown_says_what_it_is(void **state)
         "certified }\n"
         "duet.motion { objects = 1, effects = {  } }\n"
         "duet.scene (closed)\n");
-    write_script("duet.bounds { { 0, 0, 0, 1, 2, 3.5 }, { -10, 0, 0, 1, 1, 1 } }\n"
-                 "duet.pairs(9)\n"
-                 "s = duet.scene(duet.bounds(2), 3)\n"
-                 "s\n"
-                 "duet.kernels()\n");
+    test_write_file(SCRIPT, "duet.bounds { { 0, 0, 0, 1, 2, 3.5 }, { -10, 0, 0, 1, 1, 1 } }\n"
+                            "duet.pairs(9)\n"
+                            "s = duet.scene(duet.bounds(2), 3)\n"
+                            "s\n"
+                            "duet.kernels()\n");
     program p = program_run("lua <" SCRIPT);
     assert_int_equal(p.exit_code, 0);
     static const char rows[] = "duet.bounds of 2 rows\n"
@@ -118,10 +102,10 @@ static void what_is_shown_says_what_it_is(void **state)
     program_free(&p);
 }
 
-static void help_is_of_the_prompt(void **state)
+TEST(help_is_of_the_prompt)
 {
-    (void)state;
-    write_script("help\nhelp(duet.scene)\nhelp(duet.bounds(1))\nhelp 'DevicePair'\nhelp 'no'\n");
+    test_write_file(SCRIPT,
+                    "help\nhelp(duet.scene)\nhelp(duet.bounds(1))\nhelp 'DevicePair'\nhelp 'no'\n");
     program p = program_run("lua <" SCRIPT);
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "Tab completes names"));
@@ -201,9 +185,8 @@ static int terminal_close(terminal *t)
 
 #define HISTORY "test_lua.state/duet/lua_history"
 
-static void tab_completes_and_history_is_kept(void **state)
+TEST(tab_completes_and_history_is_kept)
 {
-    (void)state;
     char here[4096];
     text home = {0};
     text_add(&home, "%s/test_lua.state", getcwd(here, sizeof here));
@@ -240,14 +223,13 @@ static void tab_completes_and_history_is_kept(void **state)
     assert_int_equal(terminal_close(&t), 0);
 }
 
-static void a_step_can_be_made_without_trust(void **state)
+TEST(a_step_can_be_made_without_trust)
 {
-    (void)state;
-    write_script("local pair <close> = assert(duet.device_pair())\n"
-                 "local world <close> = assert(pair:world { dims = 3 })\n"
-                 "assert(world:set_poses { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1,\n"
-                 "                         1, 0, 0, 1, 1, 1, 0, 0, 0, 1 })\n"
-                 "for a, b in assert(world:step()):pairs() do print(a, b) end\n");
+    test_write_file(SCRIPT, "local pair <close> = assert(duet.device_pair())\n"
+                            "local world <close> = assert(pair:world { dims = 3 })\n"
+                            "assert(world:set_poses { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1,\n"
+                            "                         1, 0, 0, 1, 1, 1, 0, 0, 0, 1 })\n"
+                            "for a, b in assert(world:step()):pairs() do print(a, b) end\n");
     assert_prints("lua " SCRIPT, "0\t1\n");
 }
 
@@ -259,18 +241,16 @@ static void assert_refused(const char *arguments, int exit_code, const char *say
     program_assert_refused(&p, exit_code, says);
 }
 
-static void a_wrong_command_line_is_refused(void **state)
+TEST(a_wrong_command_line_is_refused)
 {
-    (void)state;
     assert_refused("lua nowhere.lua", 1, "nowhere.lua: No such file");
     assert_refused("lua -e 'x x'", 1, "-e:1: syntax error near 'x'");
     assert_refused("lua --trust -e 'x x'", 1, "-e:1: syntax error near 'x'");
     assert_refused("lua --trust -e 'error {}'", 1, "an error that is not a text");
 }
 
-static void a_hostile_script_ends_with_its_line(void **state)
+TEST(a_hostile_script_ends_with_its_line)
 {
-    (void)state;
     static const struct {
         const char *script;
         const char *says;
@@ -304,7 +284,7 @@ static void a_hostile_script_ends_with_its_line(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         char says[160];
         snprintf(says, sizeof says, SCRIPT "%s", cases[i].says);
-        write_script(cases[i].script);
+        test_write_file(SCRIPT, cases[i].script);
         bool by_time = strstr(says, "0.5 s");
         assert_refused(by_time ? "lua --seconds 0.5 --memory 16 " SCRIPT
                                : "lua --seconds 30 --memory 16 " SCRIPT,
@@ -318,23 +298,22 @@ static void a_hostile_script_ends_with_its_line(void **state)
     "local scene = assert(duet.scene(boxes, 3))\n"
 
 // Each of 20000 boxes touches each: 1.6 GB of pairs.
-static void work_of_the_host_is_held_to_the_limits(void **state)
+TEST(work_of_the_host_is_held_to_the_limits)
 {
-    (void)state;
-    write_script(CROWD "assert(scene:reference())\n");
+    test_write_file(SCRIPT, CROWD "assert(scene:reference())\n");
     assert_refused("lua --seconds 60 --memory 16 " SCRIPT, 1,
                    SCRIPT ":4: needs more than the 16 MiB of the host's memory it may take");
     assert_refused("lua --seconds 0.3 --memory 8192 " SCRIPT, 1,
                    SCRIPT ":4: runs for more than the 0.3 s it may take");
-    write_script("local kept = {}\n"
-                 "for i = 1, 100 do kept[i] = assert(duet.scene(duet.bounds(100000), 3)) end\n");
+    test_write_file(SCRIPT,
+                    "local kept = {}\n"
+                    "for i = 1, 100 do kept[i] = assert(duet.scene(duet.bounds(100000), 3)) end\n");
     assert_refused("lua --memory 64 " SCRIPT, 1, SCRIPT ":2: needs more than the 64 MiB");
 }
 
 // What is kept fills the limit; what is dropped is collected before it does.
-static void what_a_script_opens_counts_as_its_memory(void **state)
+TEST(what_a_script_opens_counts_as_its_memory)
 {
-    (void)state;
     static const char *const makers[] = {
         "duet.device_pair()",   "pair:world { dims = 3 }",
         "pair:tree()",          "pair:motion(poses, bodies, { wants = { 'contact_response' } })",
@@ -353,23 +332,22 @@ static void what_a_script_opens_counts_as_its_memory(void **state)
         snprintf(script, sizeof script,
                  "%slocal kept = {}\nwhile true do kept[#kept + 1] = assert(%s) end\n", begin,
                  makers[i]);
-        write_script(script);
+        test_write_file(SCRIPT, script);
         if (holds_devices)
             assert_refused("lua --seconds 600 --memory 16 " SCRIPT, 1,
                            "needs more than the 16 MiB of the host's memory it may take");
         snprintf(script, sizeof script, "%sfor i = 1, %d do assert(%s) end\nprint(7)\n", begin,
                  holds_devices ? 50 : 5000, makers[i]);
-        write_script(script);
+        test_write_file(SCRIPT, script);
         assert_prints("lua --seconds 600 --memory 16 " SCRIPT, "7\n");
     }
 }
 
 // A step on devices cannot be ended by the library; this one takes seconds.
-static void a_script_that_goes_on_in_the_host_is_ended_by_the_program(void **state)
+TEST(a_script_that_goes_on_in_the_host_is_ended_by_the_program)
 {
-    (void)state;
-    write_script(CROWD "local world = assert(assert(duet.device_pair()):world(scene))\n"
-                       "while true do assert(world:step()) end\n");
+    test_write_file(SCRIPT, CROWD "local world = assert(assert(duet.device_pair()):world(scene))\n"
+                                  "while true do assert(world:step()) end\n");
     uint64_t begun = clock_steady_ns();
     program p = program_run("lua --seconds 0.5 " SCRIPT);
     double seconds = (double)(clock_steady_ns() - begun) * 1e-9;
@@ -385,9 +363,8 @@ static void a_script_that_goes_on_in_the_host_is_ended_by_the_program(void **sta
 
 // The first signal is heard, whatever the script does; a second one would end
 // the program without a line.
-static void a_signal_is_heard_whatever_runs(void **state)
+TEST(a_signal_is_heard_whatever_runs)
 {
-    (void)state;
     static const struct {
         const char *options;
         const char *script;
@@ -400,7 +377,7 @@ static void a_signal_is_heard_whatever_runs(void **state)
                     "while true do end"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        write_script(cases[i].script);
+        test_write_file(SCRIPT, cases[i].script);
         uint64_t begun = clock_steady_ns();
         program p = program_run_with("timeout --foreground --preserve-status -s TERM 0.5",
                                      "lua %s " SCRIPT, cases[i].options);
@@ -411,33 +388,13 @@ static void a_signal_is_heard_whatever_runs(void **state)
     }
 }
 
-static void a_file_named_on_the_command_line_can_be_read(void **state)
+TEST(a_file_named_on_the_command_line_can_be_read)
 {
-    (void)state;
     char path[512];
     snprintf(path, sizeof path, "lua /dev/stdin '%s/paper.lua' <" SCRIPT,
              getenv("DUET_TEST_SCENES"));
-    write_script("print(#assert(duet.scene(arg[1], { n = 7 })))\n");
+    test_write_file(SCRIPT, "print(#assert(duet.scene(arg[1], { n = 7 })))\n");
     assert_prints(path, "7\n");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(text_file_and_arguments_run),
-        cmocka_unit_test(trust_gives_the_whole_language),
-        cmocka_unit_test(what_is_typed_is_run_and_shown),
-        cmocka_unit_test(what_is_shown_says_what_it_is),
-        cmocka_unit_test(help_is_of_the_prompt),
-        cmocka_unit_test(tab_completes_and_history_is_kept),
-        cmocka_unit_test(a_step_can_be_made_without_trust),
-        cmocka_unit_test(a_wrong_command_line_is_refused),
-        cmocka_unit_test(a_hostile_script_ends_with_its_line),
-        cmocka_unit_test(work_of_the_host_is_held_to_the_limits),
-        cmocka_unit_test(what_a_script_opens_counts_as_its_memory),
-        cmocka_unit_test(a_script_that_goes_on_in_the_host_is_ended_by_the_program),
-        cmocka_unit_test(a_signal_is_heard_whatever_runs),
-        cmocka_unit_test(a_file_named_on_the_command_line_can_be_read),
-    };
-    return cmocka_run_group_tests(tests, NULL, remove_files);
-}
+TEST_MAIN(NULL, NULL)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Each level of accuracy is one set of pairs: its reference's, bit by bit, on
 // both devices, at any share, by any search.
+#include "support/devices.h"
 #include "support/hard_pairs.h"
 #include "support/test.h"
 
@@ -8,7 +9,6 @@
 #include "runtime/scene/reference.h"
 
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 
 // The first of the hard classes are of ordinary sizes.
@@ -134,45 +134,30 @@ static void try_levels(duet_device_pair *pair, const crowd *c)
     duet_world_destroy(world);
 }
 
-static void devices_find_each_levels_reference(void **state)
+TEST(devices_find_each_levels_reference)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     static crowd c;
-    duet_device_pair_def def = duet_default_device_pair_def();
-    duet_error err = {0};
-    duet_device_pair *pair = duet_device_pair_create(&def, &err);
-    assert_ok(pair, err);
     for (c.dims = 2; c.dims <= 3; ++c.dims)
         for (int rotated = 0; rotated < 2; ++rotated) {
             c.rotated = rotated;
             fill(&c, &r);
-            try_levels(pair, &c);
+            try_levels(devices, &c);
         }
-    duet_device_pair_destroy(pair);
 }
 
-static void a_level_that_there_is_not_is_refused(void **state)
+TEST(a_level_that_there_is_not_is_refused)
 {
-    (void)state;
-    duet_device_pair_def def = duet_default_device_pair_def();
     duet_error err = {0};
-    duet_device_pair *pair = duet_device_pair_create(&def, &err);
-    assert_ok(pair, err);
     duet_world_def world = duet_default_world_def();
-    world.pair = pair;
+    world.pair = devices;
     world.level = (duet_level)DUET_LEVELS;
     assert_null(duet_world_create(&world, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    duet_device_pair_destroy(pair);
 }
 
 int main(int argc, char **argv)
 {
     test_begin(argc, argv);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(devices_find_each_levels_reference),
-        cmocka_unit_test(a_level_that_there_is_not_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return test_run(open_devices, close_devices);
 }

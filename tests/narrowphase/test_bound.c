@@ -68,9 +68,8 @@ static double climb(hard_pair p, rng *r, uint32_t dims)
     return worst;
 }
 
-static void errors_that_a_search_drives_up_stay_below_the_bound(void **state)
+TEST(errors_that_a_search_drives_up_stay_below_the_bound)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     double worst = 0;
     for (int i = 0; i < CLIMBS; ++i) {
@@ -85,10 +84,4 @@ static void errors_that_a_search_drives_up_stay_below_the_bound(void **state)
     assert_true(worst > 1); // else the search seeks nothing
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(errors_that_a_search_drives_up_stay_below_the_bound),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

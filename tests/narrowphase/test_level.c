@@ -21,9 +21,8 @@ static bool promise_holds(duet_level l, const hard_pair *p, uint32_t dims)
     return promise_allows(info->missed, info->added, p, dims, answer);
 }
 
-static void each_level_keeps_its_promise_on_hard_pairs(void **state)
+TEST(each_level_keeps_its_promise_on_hard_pairs)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     double said = figure("notes/accuracy.md", "every level keeps its promise on # generated pairs");
     int n = 0;
@@ -48,9 +47,8 @@ static void assert_printed(double value, double printed)
     assert_true(fabs(value / printed - 1) < 0.04);
 }
 
-static void the_document_s_bounds_are_the_levels(void **state)
+TEST(the_document_s_bounds_are_the_levels)
 {
-    (void)state;
     double f[4];
     const duet_level_info *textbook = duet_level_get_info(DUET_LEVEL_SAT15);
     figures("accuracy.md",
@@ -64,22 +62,9 @@ static void the_document_s_bounds_are_the_levels(void **state)
     assert_printed(in_double->added, f[3]);
 }
 
-static duet_pose random_box(rng *r, double spread)
-{
-    duet_pose pose;
-    for (int i = 0; i < 3; ++i) {
-        pose.centre[i] = (float)rng_between(r, 0, spread);
-        pose.half_extents[i] = (float)rng_between(r, 0.1, 1);
-    }
-    for (int i = 0; i < 4; ++i)
-        pose.rotation[i] = (float)rng_normal(r);
-    return pose;
-}
-
 // Each level reports no less than a better one, but for rounding.
-static void better_levels_report_fewer_random_pairs(void **state)
+TEST(better_levels_report_fewer_random_pairs)
 {
-    (void)state;
     static const duet_level ladder[] = {DUET_LEVEL_AABB, DUET_LEVEL_SAT6, DUET_LEVEL_SAT15,
                                         DUET_LEVEL_CERTIFIED};
     enum { N = 20000, STEPS = sizeof ladder / sizeof *ladder };
@@ -141,9 +126,8 @@ static hard_pair spheres_that_nearly_touch(rng *r, int power)
 
 // Neither misses spheres that touch nor reports what is 2^-18 of its reach apart, for
 // sizes from 2^-70 to 2^100.
-static void spheres_are_told_apart_in_the_whole_range(void **state)
+TEST(spheres_are_told_apart_in_the_whole_range)
 {
-    (void)state;
     static float origin[3];
     int n_apart = 0, n_near = 0;
     rng r = rng_seed(test_seed());
@@ -178,9 +162,8 @@ static duet_pose plate_at(int k, float at)
     return plate;
 }
 
-static void bounds_contain_their_box(void **state)
+TEST(bounds_contain_their_box)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (const hard_class *c = hard_classes; c->name; ++c)
         for (int i = 0; i < 200; ++i) {
@@ -196,9 +179,8 @@ static void bounds_contain_their_box(void **state)
         }
 }
 
-static void names_name_levels(void **state)
+TEST(names_name_levels)
 {
-    (void)state;
     duet_level found;
     for (int l = 0; l < DUET_LEVELS; ++l) {
         assert_true(duet_level_from_name(duet_level_get_info((duet_level)l)->name, &found));
@@ -208,15 +190,4 @@ static void names_name_levels(void **state)
     assert_null(duet_level_get_info(DUET_LEVELS));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_level_keeps_its_promise_on_hard_pairs),
-        cmocka_unit_test(the_document_s_bounds_are_the_levels),
-        cmocka_unit_test(better_levels_report_fewer_random_pairs),
-        cmocka_unit_test(spheres_are_told_apart_in_the_whole_range),
-        cmocka_unit_test(bounds_contain_their_box),
-        cmocka_unit_test(names_name_levels),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

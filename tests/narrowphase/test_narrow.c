@@ -17,18 +17,6 @@ static duet_pose cube_at(float x, float y, float z)
     return (duet_pose){{x, y, z}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
 }
 
-static duet_pose random_box(rng *r, double spread)
-{
-    duet_pose pose;
-    for (int i = 0; i < 3; ++i) {
-        pose.centre[i] = (float)rng_between(r, 0, spread);
-        pose.half_extents[i] = (float)rng_between(r, 0.1, 1);
-    }
-    for (int i = 0; i < 4; ++i)
-        pose.rotation[i] = (float)rng_normal(r);
-    return pose;
-}
-
 // Does `check` for n pairs of each class, in 3D and in 2D; it says whether the
 // fact holds.
 static void for_hard_pairs(int n, bool (*check)(const hard_pair *pair, uint32_t dims))
@@ -52,15 +40,13 @@ static bool exact_is_what_the_oracle_says(const hard_pair *p, uint32_t dims)
     return narrow_exact(&p->a, &p->b, dims) == oracle_collide(&p->a, &p->b, dims);
 }
 
-static void exact_agrees_with_elimination(void **state)
+TEST(exact_agrees_with_elimination)
 {
-    (void)state;
     for_hard_pairs(40, exact_is_what_the_oracle_says);
 }
 
-static void pairs_that_touch_by_construction_collide(void **state)
+TEST(pairs_that_touch_by_construction_collide)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (const hard_class *c = hard_classes; c->name; ++c)
         for (uint32_t i = 0; c->touching && i < 2000; ++i) {
@@ -72,9 +58,8 @@ static void pairs_that_touch_by_construction_collide(void **state)
 }
 
 // Otherwise a test on them shows nothing.
-static void hard_pairs_are_hard(void **state)
+TEST(hard_pairs_are_hard)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (const hard_class *c = hard_classes; c->name; ++c) {
         int collide = 0, undecided = 0;
@@ -103,15 +88,13 @@ static bool float_and_double_do_not_err(const hard_pair *p, uint32_t dims)
            narrow_decide(&p->a, &p->b, dims) == truth;
 }
 
-static void float_and_double_never_contradict_exact(void **state)
+TEST(float_and_double_never_contradict_exact)
 {
-    (void)state;
     for_hard_pairs(2000, float_and_double_do_not_err);
 }
 
-static void there_are_as_many_classes_as_the_document_says(void **state)
+TEST(there_are_as_many_classes_as_the_document_says)
 {
-    (void)state;
     int n = 0;
     while (hard_classes[n].name)
         ++n;
@@ -128,9 +111,8 @@ static float of_bits(uint32_t bits)
 
 // How far 1 / x is off, by every mantissa: what is guessed from the bits, and after
 // three steps, as runtime/narrowphase/sat_frame.c has them.
-static void a_reciprocal_is_as_near_as_the_document_says(void **state)
+TEST(a_reciprocal_is_as_near_as_the_document_says)
 {
-    (void)state;
     double f[2], guess_off = 0, off = 0;
     figures("notes/accuracy.md", "from a guess within # % (bits", 1, f);
     figures("notes/accuracy.md", "three Newton steps by fma leave # u, found by trying", 1, f + 1);
@@ -159,16 +141,14 @@ static bool upright_float_is_exact(const hard_pair *p, uint32_t dims)
            narrow_double(&a, &b, dims) == (truth ? NARROW_COLLIDING : NARROW_SEPARATED);
 }
 
-static void boxes_without_rotation_are_decided_exactly_in_float(void **state)
+TEST(boxes_without_rotation_are_decided_exactly_in_float)
 {
-    (void)state;
     for_hard_pairs(1000, upright_float_is_exact);
 }
 
 // The 48 quaternions that turn axes into axes: parts of one size or 0.
-static void quarter_turns_are_decided_exactly_in_double(void **state)
+TEST(quarter_turns_are_decided_exactly_in_double)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     int turns = 0;
     for (int code = 0; code < 81; ++code) {
@@ -195,9 +175,8 @@ static void quarter_turns_are_decided_exactly_in_double(void **state)
     assert_int_equal(turns, 48);
 }
 
-static void float_leaves_few_ordinary_pairs_undecided(void **state)
+TEST(float_leaves_few_ordinary_pairs_undecided)
 {
-    (void)state;
     enum { N = 200000 };
     rng r = rng_seed(test_seed());
     int undecided = 0;
@@ -211,9 +190,8 @@ static void float_leaves_few_ordinary_pairs_undecided(void **state)
 }
 
 // Cubes on a floor: nearly upright, no two quite alike.
-static void float_leaves_few_nearly_parallel_pairs_undecided(void **state)
+TEST(float_leaves_few_nearly_parallel_pairs_undecided)
 {
-    (void)state;
     enum { N = 200000 };
     rng r = rng_seed(test_seed());
     int undecided = 0;
@@ -251,15 +229,13 @@ static bool order_and_sign_do_not_count(const hard_pair *p, uint32_t dims)
            narrow_float(&minus_a, &minus_b, dims, true) == narrow_float(&p->a, &p->b, dims, true);
 }
 
-static void a_b_and_b_a_and_q_and_minus_q_agree(void **state)
+TEST(a_b_and_b_a_and_q_and_minus_q_agree)
 {
-    (void)state;
     for_hard_pairs(500, order_and_sign_do_not_count);
 }
 
-static void a_quaternion_s_length_does_not_count(void **state)
+TEST(a_quaternion_s_length_does_not_count)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int i = 0; i < 5000; ++i) {
         uint32_t dims = 2 + (uint32_t)i % 2;
@@ -270,9 +246,8 @@ static void a_quaternion_s_length_does_not_count(void **state)
     }
 }
 
-static void signed_zeros_do_not_count(void **state)
+TEST(signed_zeros_do_not_count)
 {
-    (void)state;
     duet_pose a = cube_at(0, 0, 0), b = cube_at(1, 0.0f, 0.0f), c = cube_at(1, -0.0f, -0.0f);
     assert_true(narrow_decide(&a, &b, 3));
     assert_true(narrow_decide(&a, &c, 3));
@@ -281,9 +256,8 @@ static void signed_zeros_do_not_count(void **state)
     assert_int_equal(narrow_double(&a, &c, 3), NARROW_COLLIDING);
 }
 
-static void flat_pairs_are_alike_in_2d_and_in_3d(void **state)
+TEST(flat_pairs_are_alike_in_2d_and_in_3d)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int i = 0; i < 20000; ++i) {
         hard_pair p = hard_classes[0].make(&r, 2);
@@ -296,9 +270,8 @@ static void flat_pairs_are_alike_in_2d_and_in_3d(void **state)
 
 // ------------------------------------------------------------ single cases
 
-static void touching_cubes_collide_and_one_ulp_apart_do_not(void **state)
+TEST(touching_cubes_collide_and_one_ulp_apart_do_not)
 {
-    (void)state;
     duet_pose a = cube_at(1, 2, 3), b = cube_at(2, 2, 3);
     assert_int_equal(narrow_double(&a, &b, 3), NARROW_COLLIDING);
     assert_true(narrow_exact(&a, &b, 3));
@@ -307,9 +280,8 @@ static void touching_cubes_collide_and_one_ulp_apart_do_not(void **state)
     assert_false(narrow_exact(&a, &b, 3));
 }
 
-static void a_cube_turned_by_a_right_angle_touches_all_the_same(void **state)
+TEST(a_cube_turned_by_a_right_angle_touches_all_the_same)
 {
-    (void)state;
     duet_pose a = cube_at(0, 0, 0), b = cube_at(1, 1, 1);
     memcpy(b.rotation, (float[]){1, 0, 0, 1}, sizeof b.rotation); // 90 degrees about x
     assert_true(narrow_decide(&a, &b, 3));
@@ -317,9 +289,8 @@ static void a_cube_turned_by_a_right_angle_touches_all_the_same(void **state)
     assert_false(narrow_decide(&a, &b, 3));
 }
 
-static void plates_a_hair_apart_are_separated(void **state)
+TEST(plates_a_hair_apart_are_separated)
 {
-    (void)state;
     duet_pose a = {{0}, {20, 20, 0.02f}, {0.1f, 0.2f, 0.3f, 0.9f}};
     duet_pose b = a;
     const float q[4] = {0.1f, 0.2f, 0.3f, 0.9f};
@@ -335,9 +306,8 @@ static void plates_a_hair_apart_are_separated(void **state)
     assert_true(narrow_decide(&a, &b, 3));
 }
 
-static void a_point_on_a_face_collides_and_off_it_does_not(void **state)
+TEST(a_point_on_a_face_collides_and_off_it_does_not)
 {
-    (void)state;
     duet_pose box = {{0}, {25, 50, 75}, {1, 2, 2, 4}}; // axes are whole 25ths
     duet_pose point = {{0}, {0}, {0.3f, -0.1f, 0.2f, 0.7f}};
     const float axis[3] = {9, 20, -12}; // 25 times edge 0
@@ -349,9 +319,8 @@ static void a_point_on_a_face_collides_and_off_it_does_not(void **state)
     assert_true(narrow_decide(&box, &point, 3));
 }
 
-static void coplanar_rectangles_touch_along_an_edge(void **state)
+TEST(coplanar_rectangles_touch_along_an_edge)
 {
-    (void)state;
     duet_pose a = {{0}, {1, 2, 0}, {0, 0, 0, 1}}, b = {{2, 0, 0}, {1, 2, 0}, {0, 0, 0, 1}};
     assert_true(narrow_decide(&a, &b, 3));
     b.centre[2] = FLT_TRUE_MIN;
@@ -363,9 +332,8 @@ static void coplanar_rectangles_touch_along_an_edge(void **state)
 
 // A cube about a face diagonal, a corner passing the other's face: it collides
 // from one angle on to another, without flicker between.
-static void a_turning_cube_enters_and_leaves_once(void **state)
+TEST(a_turning_cube_enters_and_leaves_once)
 {
-    (void)state;
     duet_pose fixed = cube_at(0, 0, 0), turning = cube_at(0, 0, 1.3f);
     int changes = 0;
     bool before = false;
@@ -381,9 +349,8 @@ static void a_turning_cube_enters_and_leaves_once(void **state)
     assert_int_equal(changes, 2);
 }
 
-static void coordinates_near_the_greatest_float_are_no_trouble(void **state)
+TEST(coordinates_near_the_greatest_float_are_no_trouble)
 {
-    (void)state;
     duet_pose a = cube_at(-FLT_MAX, 0, 0), b = cube_at(FLT_MAX, 0, 0);
     assert_false(narrow_decide(&a, &b, 3));
     a.half_extents[0] = FLT_MAX;
@@ -396,9 +363,8 @@ static void coordinates_near_the_greatest_float_are_no_trouble(void **state)
     assert_int_equal(narrow_float(&a, &b, 3, false), NARROW_UNDECIDED);
 }
 
-static void a_pose_that_is_no_box_collides_with_nothing(void **state)
+TEST(a_pose_that_is_no_box_collides_with_nothing)
 {
-    (void)state;
     duet_pose good = cube_at(0, 0, 0);
     duet_pose bad[] = {good, good, good, good, good};
     bad[0].centre[0] = NAN;
@@ -414,9 +380,8 @@ static void a_pose_that_is_no_box_collides_with_nothing(void **state)
     assert_true(duet_poses_collide(&good, &bad[4], 2));
 }
 
-static void bounds_that_touch_collide(void **state)
+TEST(bounds_that_touch_collide)
 {
-    (void)state;
     duet_bounds a = {{0, 0, 0}, {1, 1, 1}}, b = {{1, 1, 1}, {2, 2, 2}};
     assert_true(narrow_bounds(&a, &b, 3));
     b.lower[2] = nextafterf(1, 2);
@@ -425,32 +390,4 @@ static void bounds_that_touch_collide(void **state)
     assert_true(narrow_bounds(&a, &b, 2));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(exact_agrees_with_elimination),
-        cmocka_unit_test(pairs_that_touch_by_construction_collide),
-        cmocka_unit_test(hard_pairs_are_hard),
-        cmocka_unit_test(float_and_double_never_contradict_exact),
-        cmocka_unit_test(boxes_without_rotation_are_decided_exactly_in_float),
-        cmocka_unit_test(quarter_turns_are_decided_exactly_in_double),
-        cmocka_unit_test(there_are_as_many_classes_as_the_document_says),
-        cmocka_unit_test(a_reciprocal_is_as_near_as_the_document_says),
-        cmocka_unit_test(float_leaves_few_ordinary_pairs_undecided),
-        cmocka_unit_test(float_leaves_few_nearly_parallel_pairs_undecided),
-        cmocka_unit_test(a_b_and_b_a_and_q_and_minus_q_agree),
-        cmocka_unit_test(a_quaternion_s_length_does_not_count),
-        cmocka_unit_test(signed_zeros_do_not_count),
-        cmocka_unit_test(flat_pairs_are_alike_in_2d_and_in_3d),
-        cmocka_unit_test(touching_cubes_collide_and_one_ulp_apart_do_not),
-        cmocka_unit_test(a_cube_turned_by_a_right_angle_touches_all_the_same),
-        cmocka_unit_test(plates_a_hair_apart_are_separated),
-        cmocka_unit_test(a_point_on_a_face_collides_and_off_it_does_not),
-        cmocka_unit_test(coplanar_rectangles_touch_along_an_edge),
-        cmocka_unit_test(a_turning_cube_enters_and_leaves_once),
-        cmocka_unit_test(coordinates_near_the_greatest_float_are_no_trouble),
-        cmocka_unit_test(a_pose_that_is_no_box_collides_with_nothing),
-        cmocka_unit_test(bounds_that_touch_collide),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -3,6 +3,7 @@
 // specification in C says, whatever its compiler may fuse.
 #include "support/test.h"
 
+#include "support/devices.h"
 #include "support/hard_pairs.h"
 #include "support/promise.h"
 
@@ -12,7 +13,6 @@
 #include "runtime/opencl/program.h"
 #include "support/narrow_float.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define PLAIN "-cl-std=CL1.2"
@@ -21,27 +21,20 @@ enum { PAIRS = 3000, OBJECTS = 2 * PAIRS, LISTS = 2 };
 
 typedef enum list { COLLIDING, UNDECIDED } list;
 
-static duet_device_pair *devices;
 static gen *kernels;
 
-static int open_devices(void **state)
+static int begin(void **state)
 {
-    (void)state;
     duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_create(&def, &err);
-    assert_ok(devices, err);
     kernels = gen_open(NULL, &err);
     assert_ok(kernels, err);
-    return 0;
+    return open_devices(state);
 }
 
-static int close_devices(void **state)
+static int end(void **state)
 {
-    (void)state;
     gen_close(kernels);
-    duet_device_pair_destroy(devices);
-    return 0;
+    return close_devices(state);
 }
 
 static gen_variant make_narrow(const device *d, uint32_t dims)
@@ -197,17 +190,15 @@ static void compare_with_specification(int side, uint32_t dims, const char *opti
     }
 }
 
-static void a_device_says_what_the_specification_says(void **state)
+TEST(a_device_says_what_the_specification_says)
 {
-    (void)state;
     for (int side = 0; side < 2; ++side)
         for (uint32_t dims = 2; dims <= 3; ++dims)
             compare_with_specification(side, dims, PLAIN);
 }
 
-static void fusing_products_and_sums_changes_no_answer(void **state)
+TEST(fusing_products_and_sums_changes_no_answer)
 {
-    (void)state;
     for (int side = 0; side < 2; ++side)
         for (uint32_t dims = 2; dims <= 3; ++dims)
             compare_with_specification(side, dims, PLAIN " -cl-mad-enable");
@@ -263,9 +254,8 @@ static void ask_level(const device *d, duet_level level, bool contracted, duet_p
 
 // A level is defined operation by operation, so contraction may change what it says of a pair, and
 // does on NVIDIA's devices; but not beyond what the level promises.
-static void contraction_breaks_no_promise_of_any_level(void **state)
+TEST(contraction_breaks_no_promise_of_any_level)
 {
-    (void)state;
     static duet_pose poses[OBJECTS];
     static uint8_t plain[PAIRS], contracted[PAIRS];
     const device *d = &devices->devices[1];
@@ -285,9 +275,8 @@ static void contraction_breaks_no_promise_of_any_level(void **state)
     }
 }
 
-static void relaxed_arithmetic_is_refused_by_every_kernel(void **state)
+TEST(relaxed_arithmetic_is_refused_by_every_kernel)
 {
-    (void)state;
     duet_error err = {0};
     const device *d = &devices->devices[1];
     gen_limits limits = program_limits(&d->info);
@@ -299,13 +288,4 @@ static void relaxed_arithmetic_is_refused_by_every_kernel(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_device_says_what_the_specification_says),
-        cmocka_unit_test(fusing_products_and_sums_changes_no_answer),
-        cmocka_unit_test(contraction_breaks_no_promise_of_any_level),
-        cmocka_unit_test(relaxed_arithmetic_is_refused_by_every_kernel),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(begin, end)

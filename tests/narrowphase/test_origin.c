@@ -3,9 +3,9 @@
 #include "support/test.h"
 
 #include "support/devices.h"
-
 #include "support/hard_pairs.h"
 #include "support/kernels.h"
+#include "support/large.h"
 #include "support/oracle.h"
 #include "support/scene_file.h"
 
@@ -15,23 +15,12 @@
 #include "runtime/narrowphase/origin.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-enum { CAPACITY = 1000 };
-
-// Of the worlds' origin cells: boxes reach over many.
-#define EDGE 0.125f
-
-static duet_large_pose placed[CAPACITY];
 
 // ------------------------------------------------------------ positions
 
-static void a_position_is_kept_to_2_25_of_an_edge_anywhere(void **state)
+TEST(a_position_is_kept_to_2_25_of_an_edge_anywhere)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     const float edges[] = {1, 0x1p-4f, 1024};
     for (int i = 0; i < 30000; ++i) {
@@ -50,9 +39,8 @@ static void a_position_is_kept_to_2_25_of_an_edge_anywhere(void **state)
     }
 }
 
-static void an_offset_outside_its_cell_is_settled_in_another(void **state)
+TEST(an_offset_outside_its_cell_is_settled_in_another)
 {
-    (void)state;
     duet_large_pose p = {{{-0.25f, 3.5f, 0}, {1, 1, 1}, {0, 0, 0, 1}}, {10, 10, 10}, 0};
     assert_true(origin_settle(&p, 1));
     assert_int_equal(p.cell[0], 9);
@@ -60,9 +48,8 @@ static void an_offset_outside_its_cell_is_settled_in_another(void **state)
     assert_true(p.pose.centre[0] == 0.75f && p.pose.centre[1] == 0.5f && p.pose.centre[2] == 0);
 }
 
-static void what_is_too_far_or_no_edge_is_refused(void **state)
+TEST(what_is_too_far_or_no_edge_is_refused)
 {
-    (void)state;
     duet_large_pose p = {0};
     duet_error err = {0};
     assert_false(duet_large_pose_set(&p, (double[]){0, 2e9, 0}, 1, &err));
@@ -132,9 +119,8 @@ static void check_moved(const hard_pair *pair, uint32_t dims, rng *r)
     assert_memory_equal(&separation, &separation_off, sizeof separation);
 }
 
-static void hard_pairs_have_one_answer_wherever_they_are(void **state)
+TEST(hard_pairs_have_one_answer_wherever_they_are)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     uint32_t n = 0;
     for (const hard_class *c = hard_classes; c->name; ++c)
@@ -150,9 +136,8 @@ static void hard_pairs_have_one_answer_wherever_they_are(void **state)
 }
 
 // Positions that a float near 0 has, too: then the oracle knows the answer.
-static void far_pairs_collide_where_the_same_near_0_do(void **state)
+TEST(far_pairs_collide_where_the_same_near_0_do)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     uint32_t n_colliding = 0;
     for (int i = 0; i < 1000; ++i) {
@@ -175,9 +160,8 @@ static void far_pairs_collide_where_the_same_near_0_do(void **state)
 
 // What is lost without: a coordinate is off by up to 2^-24 of itself, so that
 // boxes 1e7 away that meet by 0.1 are told to be 0.5 apart.
-static void a_float_coordinate_loses_what_cells_keep(void **state)
+TEST(a_float_coordinate_loses_what_cells_keep)
 {
-    (void)state;
     const double at[2][3] = {{1e7 + 0.3, 0, 0}, {1e7 + 1.7, 0, 0}};
     duet_pose poses[2];
     duet_large_pose both[2];
@@ -194,33 +178,6 @@ static void a_float_coordinate_loses_what_cells_keep(void **state)
 }
 
 // ------------------------------------------------------------ worlds
-
-static duet_world_def def_of(uint32_t dims, bool rotated)
-{
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
-    def.dims = dims;
-    def.rotated = rotated;
-    def.origin_edge = EDGE;
-    return def;
-}
-
-// n boxes about a place, of sizes up to `most` times the least.
-static void scatter(uint32_t from, uint32_t n, const double at[3], double side, double most,
-                    bool rotated, rng *r)
-{
-    for (uint32_t i = from; i < from + n; ++i) {
-        double centre[3];
-        placed[i] = (duet_large_pose){.pose.rotation = {0, 0, 0, 1}};
-        for (int k = 0; k < 3; ++k) {
-            centre[k] = at[k] + 0x1p-10 * floor(0x1p10 * rng_between(r, 0, side));
-            placed[i].pose.half_extents[k] = (float)(0.5 * pow(most, rng_between(r, 0, 1)));
-        }
-        for (int k = 0; rotated && k < 4; ++k)
-            placed[i].pose.rotation[k] = (float)rng_normal(r);
-        assert_true(origin_place(&placed[i], centre, EDGE));
-    }
-}
 
 static uint64_t step_hash(duet_world *world, const duet_plan *plan, duet_result *result)
 {
@@ -239,9 +196,10 @@ static uint64_t check_cloud(const double at[3])
     } ways[] = {
         {DUET_MODE_OWN, "gpu FUSED=1"}, {DUET_MODE_SLAB, "simd"}, {DUET_MODE_SHARED, "simd"}};
     rng r = rng_seed(test_seed());
-    scatter(0, 300, at, 6, 20, true, &r);
+    scatter_large(0, 300, at, 6, 20, true, &r);
     duet_error err = {0};
-    duet_scene *scene = duet_scene_create(DUET_OBJECT_LARGE_POSES, placed, 300, 3, EDGE, &err);
+    duet_scene *scene =
+        duet_scene_create(DUET_OBJECT_LARGE_POSES, large_poses, 300, 3, LARGE_EDGE, &err);
     assert_ok(scene != NULL, err);
     duet_world_def def = duet_scene_world_def(scene, devices);
     duet_world *world = duet_world_create(&def, &err);
@@ -266,9 +224,8 @@ static uint64_t check_cloud(const double at[3])
     return hash + candidates;
 }
 
-static void a_cloud_far_away_has_the_pairs_of_the_one_at_0(void **state)
+TEST(a_cloud_far_away_has_the_pairs_of_the_one_at_0)
 {
-    (void)state;
     uint64_t here = check_cloud((double[]){0, 0, 0});
     assert_true(check_cloud((double[]){1e7, -1e7, 5e6}) == here);
 }
@@ -283,10 +240,9 @@ static void refuse_world(const duet_world_def *def, const char *words)
     assert_non_null(strstr(err.text, words));
 }
 
-static void a_world_says_what_origin_cells_do_not_go_with(void **state)
+TEST(a_world_says_what_origin_cells_do_not_go_with)
 {
-    (void)state;
-    duet_world_def def = def_of(3, true);
+    duet_world_def def = large_def(3, true);
     def.origin_edge = 3;
     refuse_world(&def, "power of two");
     def.origin_edge = 1;
@@ -304,11 +260,10 @@ static void a_world_says_what_origin_cells_do_not_go_with(void **state)
     duet_world_destroy(world);
 }
 
-static void an_offset_that_is_not_settled_is_a_bad_object(void **state)
+TEST(an_offset_that_is_not_settled_is_a_bad_object)
 {
-    (void)state;
-    const float wrong[] = {EDGE, -EDGE / 2, 0.05f, EDGE * 0x1p-25f, NAN};
-    duet_world_def def = def_of(3, true);
+    const float wrong[] = {LARGE_EDGE, -LARGE_EDGE / 2, 0.05f, LARGE_EDGE * 0x1p-25f, NAN};
+    duet_world_def def = large_def(3, true);
     duet_error err = {0};
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world != NULL, err);
@@ -335,42 +290,40 @@ static bool find_pairs(float origin, const char *variant, duet_error *err)
     duet_device_pair_def def = duet_default_device_pair_def();
     def.kernel_dir = "test_origin.kernels";
     duet_device_pair *poisoned = duet_device_pair_create(&def, err);
-    duet_world_def world_def = def_of(3, true);
+    duet_world_def world_def = large_def(3, true);
     world_def.pair = poisoned;
     world_def.origin_edge = origin;
     world_def.plan.share = 0;
     strcpy(world_def.plan.variant_b, variant);
     duet_world *world = duet_world_create(&world_def, err);
-    duet_pose poses[2] = {placed[0].pose, placed[1].pose};
+    duet_pose poses[2] = {large_poses[0].pose, large_poses[1].pose};
     duet_result result;
-    bool ok = world &&
-              (origin > 0 ? duet_world_set_objects(world, DUET_OBJECT_LARGE_POSES, placed, 2, err)
-                          : duet_world_set_objects(world, DUET_OBJECT_POSES, poses, 2, err));
+    bool ok =
+        world &&
+        (origin > 0 ? duet_world_set_objects(world, DUET_OBJECT_LARGE_POSES, large_poses, 2, err)
+                    : duet_world_set_objects(world, DUET_OBJECT_POSES, poses, 2, err));
     ok = ok && duet_world_step(world, &result, err);
     duet_world_destroy(world);
     duet_device_pair_destroy(poisoned);
     return ok;
 }
 
-static void what_is_not_asked_for_is_not_compiled(void **state)
+TEST(what_is_not_asked_for_is_not_compiled)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     duet_error err = {0};
-    scatter(0, 2, (double[]){0, 0, 0}, 1, 1, true, &r);
+    scatter_large(0, 2, (double[]){0, 0, 0}, 1, 1, true, &r);
     test_kernels_write("test_origin.kernels", "common.clh", POISON, "");
     assert_ok(find_pairs(0, "gpu FUSED=1", &err), err);
     assert_ok(find_pairs(0, "simd", &err), err);
-    assert_false(find_pairs(EDGE, "simd", &err));
+    assert_false(find_pairs(LARGE_EDGE, "simd", &err));
     assert_int_equal(err.status, DUET_STATUS_BUILD_FAILED);
-    test_kernels_remove("test_origin.kernels");
 }
 
 // ------------------------------------------------------------ scenes
 
-static void a_script_s_doubles_reach_their_cells(void **state)
+TEST(a_script_s_doubles_reach_their_cells)
 {
-    (void)state;
     const char *text = "add(1e7 + 0.3, 0, 0, 0.5, 0.5, 0.5, 0, 0, 0, 1)\n"
                        "add(1e7 + 1.2, 0, 0, 0.5, 0.5, 0.5, 0, 0, 0, 1)\n"
                        "add{centre = {1e7 + 2.3, 0, 0}, half_extents = {0.5, 0.5, 0.5}}\n"
@@ -400,9 +353,8 @@ static void refuse_scene(const char *name, const char *text, const char *setting
         fail_msg("'%s' lacks '%s'", err.text, words);
 }
 
-static void a_scene_says_what_is_wrong_with_its_origin(void **state)
+TEST(a_scene_says_what_is_wrong_with_its_origin)
 {
-    (void)state;
     refuse_scene("a.lua", "return {origin = 'cells'}", NULL, "origin is 'cells'; it must be");
     refuse_scene("a.lua", "return {origin = 'cell', origin_edge = 3}", NULL, "power of two");
     refuse_scene("a.lua", "add(0, 0, 1, 1) return {origin = 'cell'}", NULL, "not by corners");
@@ -410,9 +362,8 @@ static void a_scene_says_what_is_wrong_with_its_origin(void **state)
     refuse_scene("a.csv", "0 0 1 1 0\n", "yes", "only origin=cell and origin_edge can be set");
 }
 
-static void data_are_placed_where_that_is_asked_for(void **state)
+TEST(data_are_placed_where_that_is_asked_for)
 {
-    (void)state;
     duet_error err = {0};
     const char *text = "10000000.25 0 1 1 0\n10000000.75 0 1 1 0\n";
     const duet_setting settings[] = {{"origin", "cell"}, {"origin_edge", "0.5"}};
@@ -424,22 +375,4 @@ static void data_are_placed_where_that_is_asked_for(void **state)
     duet_scene_destroy(scene);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_position_is_kept_to_2_25_of_an_edge_anywhere),
-        cmocka_unit_test(an_offset_outside_its_cell_is_settled_in_another),
-        cmocka_unit_test(what_is_too_far_or_no_edge_is_refused),
-        cmocka_unit_test(hard_pairs_have_one_answer_wherever_they_are),
-        cmocka_unit_test(far_pairs_collide_where_the_same_near_0_do),
-        cmocka_unit_test(a_float_coordinate_loses_what_cells_keep),
-        cmocka_unit_test(a_cloud_far_away_has_the_pairs_of_the_one_at_0),
-        cmocka_unit_test(a_world_says_what_origin_cells_do_not_go_with),
-        cmocka_unit_test(an_offset_that_is_not_settled_is_a_bad_object),
-        cmocka_unit_test(what_is_not_asked_for_is_not_compiled),
-        cmocka_unit_test(a_script_s_doubles_reach_their_cells),
-        cmocka_unit_test(a_scene_says_what_is_wrong_with_its_origin),
-        cmocka_unit_test(data_are_placed_where_that_is_asked_for),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

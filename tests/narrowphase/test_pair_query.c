@@ -43,15 +43,13 @@ static void fill_row(duet_pose *poses, uint64_t n)
 
 enum { EACH = 250 };
 
-static void hard_pairs_in_3d_get_what_their_level_promises(void **state)
+TEST(hard_pairs_in_3d_get_what_their_level_promises)
 {
-    (void)state;
     hard_test_run(devices, 3, EACH);
 }
 
-static void hard_pairs_in_2d_get_what_their_level_promises(void **state)
+TEST(hard_pairs_in_2d_get_what_their_level_promises)
 {
-    (void)state;
     hard_test_run(devices, 2, EACH);
 }
 
@@ -81,9 +79,8 @@ static void step_at(duet_world *world, duet_level level, duet_result *result)
 }
 
 // The pairs of level aabb are the candidates; tested, they are the step's pairs.
-static void a_step_s_candidates_tested_alone_are_its_pairs(void **state)
+TEST(a_step_s_candidates_tested_alone_are_its_pairs)
 {
-    (void)state;
     static duet_pose objects[OBJECTS];
     duet_error err = {0};
     duet_result result;
@@ -125,9 +122,8 @@ static void a_step_s_candidates_tested_alone_are_its_pairs(void **state)
 // ------------------------------------------------------------ numbers of pairs
 
 // More than two chunks of 2^18 for one device, and all small remainders.
-static void any_number_of_pairs_is_tested_and_nothing_else_written(void **state)
+TEST(any_number_of_pairs_is_tested_and_nothing_else_written)
 {
-    (void)state;
     static const uint64_t counts[] = {0, 1, 2, 7, 8, 9, 513, 262143, 262145, 524289 + 5};
     enum { MOST = 524289 + 5, GUARD = 64 };
     duet_pose *poses = malloc(2 * MOST * sizeof *poses);
@@ -155,9 +151,8 @@ static void any_number_of_pairs_is_tested_and_nothing_else_written(void **state)
     free(poses);
 }
 
-static void gaps_are_those_of_the_best_axis_at_any_share(void **state)
+TEST(gaps_are_those_of_the_best_axis_at_any_share)
 {
-    (void)state;
     enum { N = 100 };
     duet_pose poses[2 * N];
     uint8_t answers[N];
@@ -176,9 +171,8 @@ static void gaps_are_those_of_the_best_axis_at_any_share(void **state)
     }
 }
 
-static void touching_pairs_are_decided_on_the_host_and_counted(void **state)
+TEST(touching_pairs_are_decided_on_the_host_and_counted)
 {
-    (void)state;
     duet_error err = {0};
     duet_pair_query_result result;
     uint8_t answers[2];
@@ -207,9 +201,8 @@ static void expect_refused(const duet_pose *poses, uint64_t n, uint32_t share, c
     free(answers);
 }
 
-static void each_kind_of_bad_pose_is_named_with_its_pair(void **state)
+TEST(each_kind_of_bad_pose_is_named_with_its_pair)
 {
-    (void)state;
     enum { N = 20 };
     static const char because[] = "pose is not a number, infinite, negative or without rotation";
     for (int kind = 0; kind < 6; ++kind) {
@@ -226,9 +219,8 @@ static void each_kind_of_bad_pose_is_named_with_its_pair(void **state)
     }
 }
 
-static void of_several_bad_pairs_the_first_is_named(void **state)
+TEST(of_several_bad_pairs_the_first_is_named)
 {
-    (void)state;
     enum { N = 600000 };
     duet_pose *poses = malloc(2 * N * sizeof *poses);
     assert_non_null(poses);
@@ -243,9 +235,8 @@ static void of_several_bad_pairs_the_first_is_named(void **state)
     free(poses);
 }
 
-static void a_test_goes_on_after_a_refusal(void **state)
+TEST(a_test_goes_on_after_a_refusal)
 {
-    (void)state;
     duet_error err = {0};
     duet_pair_query_result result;
     uint8_t answer;
@@ -261,9 +252,8 @@ static void a_test_goes_on_after_a_refusal(void **state)
     duet_pair_query_destroy(test);
 }
 
-static void a_wrong_def_is_told(void **state)
+TEST(a_wrong_def_is_told)
 {
-    (void)state;
     duet_pair_query_def right = duet_default_pair_query_def();
     right.pair = devices;
     duet_pair_query_def wrong[5] = {right, right, right, right, right};
@@ -286,19 +276,4 @@ static void a_wrong_def_is_told(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hard_pairs_in_3d_get_what_their_level_promises),
-        cmocka_unit_test(hard_pairs_in_2d_get_what_their_level_promises),
-        cmocka_unit_test(a_step_s_candidates_tested_alone_are_its_pairs),
-        cmocka_unit_test(any_number_of_pairs_is_tested_and_nothing_else_written),
-        cmocka_unit_test(gaps_are_those_of_the_best_axis_at_any_share),
-        cmocka_unit_test(touching_pairs_are_decided_on_the_host_and_counted),
-        cmocka_unit_test(each_kind_of_bad_pose_is_named_with_its_pair),
-        cmocka_unit_test(of_several_bad_pairs_the_first_is_named),
-        cmocka_unit_test(a_test_goes_on_after_a_refusal),
-        cmocka_unit_test(a_wrong_def_is_told),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -161,9 +161,8 @@ static void round_to_floats(double row[NUMBERS])
 }
 
 // Whatever float32 can hold, from 1e-45 to 3e38, is the rotation that is tested.
-static void floats_of_any_size_are_kept_by_every_way_in(void **state)
+TEST(floats_of_any_size_are_kept_by_every_way_in)
 {
-    (void)state;
     static const way_in ways[] = {by_text, by_short_text, by_floats, by_doubles, by_lua, by_poses};
     rng r = rng_seed(test_seed());
     int apart = 0;
@@ -182,9 +181,8 @@ static void floats_of_any_size_are_kept_by_every_way_in(void **state)
     assert_in_range(apart, ROUNDS / 4, ROUNDS - ROUNDS / 8);
 }
 
-static void the_greatest_beside_the_least_float_is_kept(void **state)
+TEST(the_greatest_beside_the_least_float_is_kept)
 {
-    (void)state;
     double row[NUMBERS];
     memcpy(row, cube_and_needle, sizeof row);
     row[COLUMNS + 8] = 0x1p-149;
@@ -207,9 +205,8 @@ static double spread_of(const double q[4])
     return log2(greatest) - log2(least);
 }
 
-static void doubles_are_told_truly_or_refused(void **state)
+TEST(doubles_are_told_truly_or_refused)
 {
-    (void)state;
     static const way_in ways[] = {by_text, by_doubles, by_lua};
     rng r = rng_seed(test_seed());
     int refused = 0;
@@ -230,9 +227,8 @@ static void doubles_are_told_truly_or_refused(void **state)
 }
 
 // Rounding to 24 bits is all that happens to the ratio of two parts.
-static void doubles_keep_24_bits(void **state)
+TEST(doubles_keep_24_bits)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 200; ++round) {
         double row[NUMBERS], middle = rng_between(&r, -900, 900);
@@ -254,9 +250,8 @@ static void doubles_keep_24_bits(void **state)
     }
 }
 
-static void what_cannot_be_kept_is_refused_by_its_line(void **state)
+TEST(what_cannot_be_kept_is_refused_by_its_line)
 {
-    (void)state;
     scene_assert_refused("test_rotations.csv",
                          "0 0 0 1 1 1 0 0 0 1\n1 0 0 1 1 1 0 0 1e-300 1e300\n",
                          DUET_STATUS_BAD_OBJECT,
@@ -269,9 +264,8 @@ static void what_cannot_be_kept_is_refused_by_its_line(void **state)
 
 // ------------------------------------------------------------ angles
 
-static void an_angle_however_small_turns(void **state)
+TEST(an_angle_however_small_turns)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 300; ++round) {
         double angle = ldexp(rng_between(&r, 0.5, 1), -(int)rng_below(&r, 340));
@@ -288,15 +282,4 @@ static void an_angle_however_small_turns(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(floats_of_any_size_are_kept_by_every_way_in),
-        cmocka_unit_test(the_greatest_beside_the_least_float_is_kept),
-        cmocka_unit_test(doubles_are_told_truly_or_refused),
-        cmocka_unit_test(doubles_keep_24_bits),
-        cmocka_unit_test(what_cannot_be_kept_is_refused_by_its_line),
-        cmocka_unit_test(an_angle_however_small_turns),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

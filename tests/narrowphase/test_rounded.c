@@ -55,9 +55,8 @@ static bool truth_in_whole_numbers(const duet_rounded_box *a, const duet_rounded
     return squared <= reach * reach;
 }
 
-static void whole_numbers_are_decided_exactly(void **state)
+TEST(whole_numbers_are_decided_exactly)
 {
-    (void)state;
     rng r = begin(__func__);
     int touching = 0;
     for (int i = 0; i < WHOLE_PAIRS; ++i) {
@@ -198,9 +197,8 @@ static duet_rounded_box flat_of(duet_rounded_box b, uint32_t dims)
     return b;
 }
 
-static void distances_are_those_of_all_faces(void **state)
+TEST(distances_are_those_of_all_faces)
 {
-    (void)state;
     rng r = begin(__func__);
     int near = 0, exact = 0;
     for (int i = 0; i < RANDOM_PAIRS; ++i) {
@@ -292,9 +290,8 @@ static const touching cases[] = {
      {{{-8, 6, 0}, {2, 3, 1}, TURNED}, 5}},
 };
 
-static void what_touches_collides_and_an_ulp_less_does_not(void **state)
+TEST(what_touches_collides_and_an_ulp_less_does_not)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         touching t = cases[i];
         if (!rounded_decide(&t.a, &t.b, t.dims) || !rounded_exact(&t.b, &t.a, t.dims))
@@ -306,9 +303,8 @@ static void what_touches_collides_and_an_ulp_less_does_not(void **state)
 }
 
 // 2^-60 of their sizes from touching, on either side.
-static void what_double_does_not_see_is_seen(void **state)
+TEST(what_double_does_not_see_is_seen)
 {
-    (void)state;
     duet_rounded_box ball = {{{0, 0, 0}, {0, 0, 0}, STRAIGHT}, 1};
     duet_rounded_box other = {{{1, 0x1p-30f, 0}, {0, 0, 0}, STRAIGHT}, 0};
     assert_false(rounded_decide(&ball, &other, 3));
@@ -322,9 +318,8 @@ static void what_double_does_not_see_is_seen(void **state)
     }
 }
 
-static void a_box_without_a_radius_is_a_box(void **state)
+TEST(a_box_without_a_radius_is_a_box)
 {
-    (void)state;
     rng r = begin(__func__);
     for (int i = 0; i < RANDOM_PAIRS; ++i) {
         duet_rounded_box a = random_box(&r, NULL), b = random_box(&r, &a);
@@ -336,9 +331,8 @@ static void a_box_without_a_radius_is_a_box(void **state)
 }
 
 // aabb and sphere miss none; the others are exact.
-static void levels_keep_their_promises(void **state)
+TEST(levels_keep_their_promises)
 {
-    (void)state;
     rng r = begin(__func__);
     int more = 0;
     for (int i = 0; i < RANDOM_PAIRS; ++i) {
@@ -355,9 +349,8 @@ static void levels_keep_their_promises(void **state)
     assert_true(more > RANDOM_PAIRS / 10);
 }
 
-static void what_is_no_rounded_box_collides_with_nothing(void **state)
+TEST(what_is_no_rounded_box_collides_with_nothing)
 {
-    (void)state;
     const float bad[] = {-1.0f, NAN, INFINITY};
     duet_rounded_box good = {{{0, 0, 0}, {1, 1, 1}, STRAIGHT}, 1};
     assert_true(duet_rounded_boxes_collide(&good, &good, 3));
@@ -369,16 +362,4 @@ static void what_is_no_rounded_box_collides_with_nothing(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(whole_numbers_are_decided_exactly),
-        cmocka_unit_test(distances_are_those_of_all_faces),
-        cmocka_unit_test(what_touches_collides_and_an_ulp_less_does_not),
-        cmocka_unit_test(what_double_does_not_see_is_seen),
-        cmocka_unit_test(a_box_without_a_radius_is_a_box),
-        cmocka_unit_test(levels_keep_their_promises),
-        cmocka_unit_test(what_is_no_rounded_box_collides_with_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

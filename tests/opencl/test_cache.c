@@ -26,8 +26,8 @@ static const char binary[] = "\x7f"
 static int make_dir(void **state)
 {
     (void)state;
-    snprintf(dir, sizeof dir, "test_cache_XXXXXX");
-    return mkdtemp(dir) ? 0 : -1;
+    test_make_folder(dir);
+    return 0;
 }
 
 static int remove_dir(void **state)
@@ -56,9 +56,8 @@ static void assert_kept(bool kept)
     text_free(&found);
 }
 
-static void what_was_kept_comes_back(void **state)
+TEST(what_was_kept_comes_back)
 {
-    (void)state;
     assert_kept(false);
     assert_true(cache_put(dir, key, binary, sizeof binary));
     assert_kept(true);
@@ -72,9 +71,8 @@ static void what_was_kept_comes_back(void **state)
 }
 
 // Every entry that is cut anywhere, or has any one byte changed.
-static void a_damaged_entry_is_as_if_it_were_not_there(void **state)
+TEST(a_damaged_entry_is_as_if_it_were_not_there)
 {
-    (void)state;
     char path[160];
     text whole = {0};
     duet_error err = {0};
@@ -97,9 +95,8 @@ static void a_damaged_entry_is_as_if_it_were_not_there(void **state)
     text_free(&whole);
 }
 
-static void an_entry_under_anothers_name_is_not_taken(void **state)
+TEST(an_entry_under_anothers_name_is_not_taken)
 {
-    (void)state;
     char path[160], other[160];
     entry_path(path);
     assert_true(cache_put(dir, key, binary, sizeof binary));
@@ -113,9 +110,8 @@ static void an_entry_under_anothers_name_is_not_taken(void **state)
     assert_false(cache_get(dir, other_key, &found));
 }
 
-static void what_is_no_file_is_passed_over(void **state)
+TEST(what_is_no_file_is_passed_over)
 {
-    (void)state;
     char path[160];
     entry_path(path);
     assert_int_equal(mkfifo(path, 0600), 0);
@@ -131,9 +127,8 @@ static void what_is_no_file_is_passed_over(void **state)
     assert_kept(true);
 }
 
-static void a_missing_folder_is_made_and_an_impossible_one_passed_over(void **state)
+TEST(a_missing_folder_is_made_and_an_impossible_one_passed_over)
 {
-    (void)state;
     char below[100];
     snprintf(below, sizeof below, "%s/new", dir);
     assert_true(cache_put(below, key, binary, sizeof binary));
@@ -173,9 +168,8 @@ static void assert_folder_refused(const char *says)
     assert_false(cache_put(dir, key, binary, sizeof binary));
 }
 
-static void a_folder_of_another_user_is_refused(void **state)
+TEST(a_folder_of_another_user_is_refused)
 {
-    (void)state;
     if (!may_change_user())
         skip();
     assert_true(cache_check(dir, NULL));
@@ -188,9 +182,8 @@ static void a_folder_of_another_user_is_refused(void **state)
     assert_folder_refused("belongs to another user"); // and a user's, for root
 }
 
-static void a_folder_that_others_can_write_is_refused(void **state)
+TEST(a_folder_that_others_can_write_is_refused)
 {
-    (void)state;
     assert_true(cache_put(dir, key, binary, sizeof binary));
     assert_int_equal(chmod(dir, 0770), 0);
     assert_folder_refused("can be written by other users");
@@ -200,9 +193,8 @@ static void a_folder_that_others_can_write_is_refused(void **state)
     assert_kept(true);
 }
 
-static void a_link_to_a_folder_is_refused(void **state)
+TEST(a_link_to_a_folder_is_refused)
 {
-    (void)state;
     char own[64];
     assert_true(cache_put(dir, key, binary, sizeof binary));
     memcpy(own, dir, sizeof own);
@@ -213,9 +205,8 @@ static void a_link_to_a_folder_is_refused(void **state)
     memcpy(dir, own, sizeof dir);
 }
 
-static void a_pair_of_devices_does_not_open_on_such_a_folder(void **state)
+TEST(a_pair_of_devices_does_not_open_on_such_a_folder)
 {
-    (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     def.cache_dir = dir;
@@ -225,9 +216,8 @@ static void a_pair_of_devices_does_not_open_on_such_a_folder(void **state)
     assert_non_null(strstr(err.text, dir));
 }
 
-static void an_entry_of_another_user_is_not_taken(void **state)
+TEST(an_entry_of_another_user_is_not_taken)
 {
-    (void)state;
     char path[160];
     entry_path(path);
     assert_true(cache_put(dir, key, binary, sizeof binary));
@@ -270,9 +260,8 @@ static void make_evil(const char *path, const char *bytes)
     memcpy(dir, own, sizeof dir);
 }
 
-static void a_link_that_flips_while_it_is_read_gives_nobody_elses_code(void **state)
+TEST(a_link_that_flips_while_it_is_read_gives_nobody_elses_code)
 {
-    (void)state;
     char path[160], evil[160], good[160], evil_bytes[sizeof binary];
     entry_path(path);
     snprintf(evil, sizeof evil, "%s/evil.file", dir);
@@ -300,9 +289,8 @@ static void a_link_that_flips_while_it_is_read_gives_nobody_elses_code(void **st
 }
 
 // What a killed process left goes with the next entry, once it is old.
-static void what_was_left_half_written_is_cleared_away(void **state)
+TEST(what_was_left_half_written_is_cleared_away)
 {
-    (void)state;
     char old[160], young[160];
     snprintf(old, sizeof old, "%s/%s.bin.0123456789abcdef.part", dir, key);
     snprintf(young, sizeof young, "%s/%s.bin.fedcba9876543210.part", dir, key);
@@ -316,9 +304,8 @@ static void what_was_left_half_written_is_cleared_away(void **state)
     assert_kept(true);
 }
 
-static void each_part_of_the_key_counts(void **state)
+TEST(each_part_of_the_key_counts)
 {
-    (void)state;
     duet_device_info a = {.name = "x", .vendor = "v", .driver = "1", .platform = "p"};
     char keys[8][65];
     duet_device_info b = a;
@@ -363,9 +350,8 @@ static void *write_and_read(void *unused)
     return NULL;
 }
 
-static void threads_and_processes_may_share_a_folder(void **state)
+TEST(threads_and_processes_may_share_a_folder)
 {
-    (void)state;
     pid_t child = fork();
     if (child == 0)
         _exit(write_and_read(NULL) ? 1 : 0);
@@ -384,9 +370,8 @@ static void threads_and_processes_may_share_a_folder(void **state)
 }
 
 // The least recently used go until a quarter is free; sparse files count by their length.
-static void a_cache_that_outgrew_its_limit_loses_what_was_not_used(void **state)
+TEST(a_cache_that_outgrew_its_limit_loses_what_was_not_used)
 {
-    (void)state;
     enum { FILES = 5 };
     char path[FILES][200];
     assert_true(cache_put(dir, key, binary, sizeof binary)); // makes the folder
@@ -405,9 +390,8 @@ static void a_cache_that_outgrew_its_limit_loses_what_was_not_used(void **state)
         assert_int_equal(access(path[i], F_OK), i < 3 ? -1 : 0);
 }
 
-static void a_folder_that_cannot_be_written_is_said(void **state)
+TEST(a_folder_that_cannot_be_written_is_said)
 {
-    (void)state;
     duet_error err = {0};
     char missing[96];
     snprintf(missing, sizeof missing, "%.40s/a/b", dir);
@@ -481,9 +465,8 @@ static void only_entry(text *entry, char path[160], duet_error *err)
     assert_ok(text_read_file(entry, path, err), *err);
 }
 
-static void a_program_is_built_from_its_entry_or_else_again(void **state)
+TEST(a_program_is_built_from_its_entry_or_else_again)
 {
-    (void)state;
     duet_error err = {0};
     char path[160];
     text entry = {0}, again = {0};
@@ -519,9 +502,8 @@ static void a_program_is_built_from_its_entry_or_else_again(void **state)
 
 // On an open device a program is not even looked for in the folder again, nor
 // does it go with the world that had it built.
-static void a_device_keeps_what_was_built_last(void **state)
+TEST(a_device_keeps_what_was_built_last)
 {
-    (void)state;
     duet_error err = {0};
     device d;
     char path[160];
@@ -537,29 +519,8 @@ static void a_device_keeps_what_was_built_last(void **state)
     assert_int_equal(device_live_objects(), 0);
 }
 
-#define IN_A_FOLDER(test) cmocka_unit_test_setup_teardown(test, make_dir, remove_dir)
-
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        IN_A_FOLDER(what_was_kept_comes_back),
-        IN_A_FOLDER(a_damaged_entry_is_as_if_it_were_not_there),
-        IN_A_FOLDER(an_entry_under_anothers_name_is_not_taken),
-        IN_A_FOLDER(what_is_no_file_is_passed_over),
-        IN_A_FOLDER(a_missing_folder_is_made_and_an_impossible_one_passed_over),
-        IN_A_FOLDER(a_folder_of_another_user_is_refused),
-        IN_A_FOLDER(a_folder_that_others_can_write_is_refused),
-        IN_A_FOLDER(a_link_to_a_folder_is_refused),
-        IN_A_FOLDER(a_pair_of_devices_does_not_open_on_such_a_folder),
-        IN_A_FOLDER(an_entry_of_another_user_is_not_taken),
-        IN_A_FOLDER(a_link_that_flips_while_it_is_read_gives_nobody_elses_code),
-        IN_A_FOLDER(what_was_left_half_written_is_cleared_away),
-        IN_A_FOLDER(a_cache_that_outgrew_its_limit_loses_what_was_not_used),
-        IN_A_FOLDER(a_folder_that_cannot_be_written_is_said),
-        cmocka_unit_test(each_part_of_the_key_counts),
-        IN_A_FOLDER(threads_and_processes_may_share_a_folder),
-        IN_A_FOLDER(a_program_is_built_from_its_entry_or_else_again),
-        IN_A_FOLDER(a_device_keeps_what_was_built_last),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    test_each(make_dir, remove_dir);
+    return test_run(NULL, NULL);
 }

@@ -49,9 +49,8 @@ static void expect_place(const char *message, const char *place, const char *res
     assert_string_equal(to, place);
 }
 
-static void a_message_that_counts_all_lines_is_one_of_a_file(void **state)
+TEST(a_message_that_counts_all_lines_is_one_of_a_file)
 {
-    (void)state;
     expect_place("<kernel>:2:5: error: x", "kernels/common.clh:1", ":5: error: x");
     expect_place("<kernel>:4:1: error: x", "kernels/a.cl:7", ":1: error: x");
     expect_place("<kernel>:5:1: error: x", "kernels/a.cl:8", ":1: error: x");
@@ -79,9 +78,8 @@ static int no_object_is_left(void **state)
     return 0;
 }
 
-static void every_listed_device_can_be_opened_by_its_selector(void **state)
+TEST(every_listed_device_can_be_opened_by_its_selector)
 {
-    (void)state;
     duet_error err = {0};
     duet_device_list *list = duet_device_list_create(&err);
     assert_ok(list, err);
@@ -99,9 +97,8 @@ static void every_listed_device_can_be_opened_by_its_selector(void **state)
     duet_device_list_destroy(list);
 }
 
-static void selectors_are_unique(void **state)
+TEST(selectors_are_unique)
 {
-    (void)state;
     const device_root *roots = NULL;
     uint32_t n = 0;
     assert_true(device_list_roots(&roots, &n, NULL));
@@ -110,9 +107,8 @@ static void selectors_are_unique(void **state)
             assert_string_not_equal(roots[i].info.selector, roots[j].info.selector);
 }
 
-static void a_part_has_the_units_it_names(void **state)
+TEST(a_part_has_the_units_it_names)
 {
-    (void)state;
     const duet_device_info *cpu = cuttable_cpu();
     duet_error err = {0};
     for (uint32_t first = 0; first < cpu->units && first < 4; ++first) {
@@ -142,9 +138,8 @@ static void check_contexts(const char *a, const char *b, bool is_one)
     duet_device_pair_destroy(pair);
 }
 
-static void devices_have_contexts_of_their_own_and_one_that_is_both_has_one(void **state)
+TEST(devices_have_contexts_of_their_own_and_one_that_is_both_has_one)
 {
-    (void)state;
     const duet_device_info *cpu = cuttable_cpu();
     char first[96], last[96];
     snprintf(first, sizeof first, "%s[1/2]", cpu->selector);
@@ -155,9 +150,8 @@ static void devices_have_contexts_of_their_own_and_one_that_is_both_has_one(void
 }
 
 // A folder that nobody named holds what drivers do not keep themselves, as PoCL does.
-static void without_a_folder_the_users_cache_is_taken(void **state)
+TEST(without_a_folder_the_users_cache_is_taken)
 {
-    (void)state;
     duet_error err = {0};
     unsetenv("DUET_CACHE");
     setenv("XDG_CACHE_HOME", "/proc/nowhere", 1);
@@ -179,9 +173,8 @@ static void without_a_folder_the_users_cache_is_taken(void **state)
 }
 
 // Where there is a GPU the pair is a CPU and the GPU; else one CPU is both, and B has all.
-static void without_selectors_a_whole_machine_is_chosen(void **state)
+TEST(without_selectors_a_whole_machine_is_chosen)
 {
-    (void)state;
     duet_error err = {0};
     duet_device_pair *pair = open_pair(NULL, NULL, &err);
     assert_ok(pair, err);
@@ -194,9 +187,8 @@ static void without_selectors_a_whole_machine_is_chosen(void **state)
     duet_device_pair_destroy(pair);
 }
 
-static void halves_hold_all_units_between_them(void **state)
+TEST(halves_hold_all_units_between_them)
 {
-    (void)state;
     const duet_device_info *cpu = cuttable_cpu();
     duet_error err = {0};
     duet_device_pair *pair = open_pair("halves", NULL, &err);
@@ -215,9 +207,8 @@ static void halves_hold_all_units_between_them(void **state)
     duet_device_pair_destroy(pair);
 }
 
-static void one_selector_is_a_pair_of_one(void **state)
+TEST(one_selector_is_a_pair_of_one)
 {
-    (void)state;
     duet_error err = {0};
     duet_device_pair *pair = open_pair("cpu", NULL, &err);
     assert_ok(pair, err);
@@ -235,9 +226,8 @@ static void one_selector_is_a_pair_of_one(void **state)
 }
 
 // The k-th of n equal parts: they follow each other, and the last ends with the device.
-static void equal_parts_are_cut_one_after_the_other(void **state)
+TEST(equal_parts_are_cut_one_after_the_other)
 {
-    (void)state;
     const duet_device_info *cpu = cuttable_cpu();
     duet_error err = {0};
     uint32_t sum = 0;
@@ -259,9 +249,8 @@ static void equal_parts_are_cut_one_after_the_other(void **state)
     refused("cpu[1/2]x", DUET_STATUS_BAD_ARGUMENT, "1 <= k <= n");
 }
 
-static void an_unknown_selector_is_answered_with_those_there_are(void **state)
+TEST(an_unknown_selector_is_answered_with_those_there_are)
 {
-    (void)state;
     const device_root *roots = NULL;
     uint32_t n = 0;
     assert_true(device_list_roots(&roots, &n, NULL));
@@ -271,9 +260,8 @@ static void an_unknown_selector_is_answered_with_those_there_are(void **state)
     refused("[0-0]", DUET_STATUS_BAD_ARGUMENT, roots[0].info.selector);
 }
 
-static void a_part_out_of_range_is_refused_with_the_range(void **state)
+TEST(a_part_out_of_range_is_refused_with_the_range)
 {
-    (void)state;
     const duet_device_info *cpu = cuttable_cpu();
     const char *parts[] = {"[0-99999]", "[1-0]",  "[0]",  "[0-",   "[-1-0]",
                            "[]",        "[0-0]x", "[0-0", "[a-b]", "[4294967296-4294967297]"};
@@ -284,9 +272,8 @@ static void a_part_out_of_range_is_refused_with_the_range(void **state)
     }
 }
 
-static void a_part_of_what_cannot_be_cut_is_refused(void **state)
+TEST(a_part_of_what_cannot_be_cut_is_refused)
 {
-    (void)state;
     const device_root *roots = NULL;
     uint32_t n = 0;
     assert_true(device_list_roots(&roots, &n, NULL));
@@ -302,9 +289,8 @@ static void a_part_of_what_cannot_be_cut_is_refused(void **state)
     skip();
 }
 
-static void a_failed_second_device_gives_the_first_back(void **state)
+TEST(a_failed_second_device_gives_the_first_back)
 {
-    (void)state;
     const device_root *roots = NULL;
     uint32_t n = 0;
     assert_true(device_list_roots(&roots, &n, NULL));
@@ -313,9 +299,8 @@ static void a_failed_second_device_gives_the_first_back(void **state)
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
 }
 
-static void half_a_pair_and_a_def_without_defaults_are_refused(void **state)
+TEST(half_a_pair_and_a_def_without_defaults_are_refused)
 {
-    (void)state;
     duet_error err = {0};
     assert_null(open_pair(NULL, "pocl:0", &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
@@ -332,9 +317,8 @@ static void half_a_pair_and_a_def_without_defaults_are_refused(void **state)
     assert_null(open_pair("abacus:0", "abacus:0", NULL));
 }
 
-static void folders_come_from_the_environment_and_are_copied(void **state)
+TEST(folders_come_from_the_environment_and_are_copied)
 {
-    (void)state;
     char folder[] = "some/folder";
     setenv("DUET_KERNEL_DIR", folder, 1);
     setenv("DUET_CACHE", "off", 1);
@@ -359,9 +343,8 @@ static void *open_and_close(void *failed)
 }
 
 // Comes first, so that its threads are the ones that ask OpenCL.
-static void threads_may_open_pairs_together(void **state)
+TEST(threads_may_open_pairs_together)
 {
-    (void)state;
     pthread_t threads[4];
     bool failed[4];
     for (int i = 0; i < 4; ++i)
@@ -374,9 +357,8 @@ static void threads_may_open_pairs_together(void **state)
 
 // ------------------------------------------------------------ one program on two devices
 
-static void pocls_cpus_are_known(void **state)
+TEST(pocls_cpus_are_known)
 {
-    (void)state;
     static const struct {
         const char *platform, *version;
         duet_device_kind kind;
@@ -472,9 +454,8 @@ static void *clear_ranges(void *arg)
 }
 
 // PoCL below 6.0 aborted here, where launches of one program had ranges along the first axis.
-static void two_devices_launch_one_program_over_any_ranges_at_once(void **state)
+TEST(two_devices_launch_one_program_over_any_ranges_at_once)
 {
-    (void)state;
     uint64_t seed = test_seed();
     const duet_device_info *cpu = cuttable_cpu();
     duet_error err = {0};
@@ -495,9 +476,8 @@ static void two_devices_launch_one_program_over_any_ranges_at_once(void **state)
 }
 
 // Stages stay those of the step that had times, and no command has an event.
-static void what_is_not_timed_is_done_all_the_same(void **state)
+TEST(what_is_not_timed_is_done_all_the_same)
 {
-    (void)state;
     const duet_device_info *cpu = cuttable_cpu();
     clearing c = {0};
     gen *g = gen_open(NULL, &c.err);
@@ -526,9 +506,8 @@ static void what_is_not_timed_is_done_all_the_same(void **state)
 }
 
 // What nobody will wait for otherwise is over before its memory goes.
-static void what_has_no_event_is_waited_for_when_it_is_forgotten(void **state)
+TEST(what_has_no_event_is_waited_for_when_it_is_forgotten)
 {
-    (void)state;
     const duet_device_info *cpu = cuttable_cpu();
     clearing c = {0};
     gen *g = gen_open(NULL, &c.err);
@@ -563,9 +542,8 @@ static void count_things(void *arg, uint64_t first, uint64_t last)
         atomic_fetch_add((atomic_uchar *)arg + i, 1);
 }
 
-static void what_threads_share_is_done_once_each(void **state)
+TEST(what_threads_share_is_done_once_each)
 {
-    (void)state;
     duet_error err = {0};
     static atomic_uchar done[SHARED_THINGS + 1];
     thread_pool *pool = thread_pool_open(3, &err);
@@ -605,9 +583,8 @@ static void compile_declared(const device *d, gen *g, const char *name, uint64_t
 }
 
 // Of each kernel the first config and the last, which differ in every parameter.
-static void every_built_in_function_that_a_kernel_calls_is_declared(void **state)
+TEST(every_built_in_function_that_a_kernel_calls_is_declared)
 {
-    (void)state;
     duet_error err = {0};
     device d;
     const char *selector = cuttable_cpu()->selector; // skips where there is none
@@ -627,31 +604,6 @@ static void every_built_in_function_that_a_kernel_calls_is_declared(void **state
 
 int main(void)
 {
-#define FACT(name) cmocka_unit_test_teardown(name, no_object_is_left)
-    const struct CMUnitTest tests[] = {
-        FACT(threads_may_open_pairs_together),
-        FACT(every_listed_device_can_be_opened_by_its_selector),
-        FACT(selectors_are_unique),
-        FACT(a_part_has_the_units_it_names),
-        FACT(devices_have_contexts_of_their_own_and_one_that_is_both_has_one),
-        FACT(without_selectors_a_whole_machine_is_chosen),
-        FACT(halves_hold_all_units_between_them),
-        FACT(one_selector_is_a_pair_of_one),
-        FACT(equal_parts_are_cut_one_after_the_other),
-        FACT(a_message_that_counts_all_lines_is_one_of_a_file),
-        FACT(without_a_folder_the_users_cache_is_taken),
-        FACT(an_unknown_selector_is_answered_with_those_there_are),
-        FACT(a_part_out_of_range_is_refused_with_the_range),
-        FACT(a_part_of_what_cannot_be_cut_is_refused),
-        FACT(a_failed_second_device_gives_the_first_back),
-        FACT(half_a_pair_and_a_def_without_defaults_are_refused),
-        FACT(folders_come_from_the_environment_and_are_copied),
-        FACT(pocls_cpus_are_known),
-        FACT(two_devices_launch_one_program_over_any_ranges_at_once),
-        FACT(what_is_not_timed_is_done_all_the_same),
-        FACT(what_has_no_event_is_waited_for_when_it_is_forgotten),
-        FACT(what_threads_share_is_done_once_each),
-        FACT(every_built_in_function_that_a_kernel_calls_is_declared),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    test_each(NULL, no_object_is_left);
+    return test_run(NULL, NULL);
 }

@@ -285,18 +285,16 @@ static void fail_each(duet_mode mode, call first, call last)
     duet_world_destroy(world);
 }
 
-static void a_failing_command_is_told_and_the_next_step_is_right(void **state)
+TEST(a_failing_command_is_told_and_the_next_step_is_right)
 {
-    (void)state;
     map_memory(true);
     for (duet_mode mode = DUET_MODE_SHARED; mode <= DUET_MODE_SLAB; ++mode)
         fail_each(mode, LAUNCH, MAP);
     map_memory(false);
 }
 
-static void where_kernels_work_in_place_nothing_is_mapped(void **state)
+TEST(where_kernels_work_in_place_nothing_is_mapped)
 {
-    (void)state;
     int before = atomic_load(&maps);
     fail_each(DUET_MODE_SHARED, LAUNCH, MAP);
     fail_each(DUET_MODE_SLAB, LAUNCH, MAP);
@@ -305,9 +303,8 @@ static void where_kernels_work_in_place_nothing_is_mapped(void **state)
 }
 
 // As if the CPU's parts had memory of their own, which all is copied to and from.
-static void so_it_is_where_everything_is_copied(void **state)
+TEST(so_it_is_where_everything_is_copied)
 {
-    (void)state;
     bool host[2];
     for (int side = 0; side < 2; ++side) {
         host[side] = devices->devices[side].info.host_memory;
@@ -322,9 +319,8 @@ static void so_it_is_where_everything_is_copied(void **state)
 }
 
 // Of the many buffers and kernels a sample.
-static void a_failing_first_step_is_told_and_the_next_one_is_right(void **state)
+TEST(a_failing_first_step_is_told_and_the_next_one_is_right)
 {
-    (void)state;
     static const int strides[CALLS] = {[WRITE] = 1, [FILL] = 1, [CREATE] = 7, [BUILD] = 7};
     for (int c = WRITE; c <= BUILD; ++c) {
         bool reached = true;
@@ -337,9 +333,8 @@ static void a_failing_first_step_is_told_and_the_next_one_is_right(void **state)
     }
 }
 
-static void a_test_of_pairs_survives_as_well(void **state)
+TEST(a_test_of_pairs_survives_as_well)
 {
-    (void)state;
     static const call used[] = {LAUNCH, READ, CREATE, MAP};
     uint8_t verdicts[N / 2];
     uint8_t again[N / 2];
@@ -370,9 +365,8 @@ static void a_test_of_pairs_survives_as_well(void **state)
 }
 
 // A kernel is then compiled once for all ranges (runtime/opencl/driver.h).
-static void every_launch_of_a_pocl_cpu_has_one_width(void **state)
+TEST(every_launch_of_a_pocl_cpu_has_one_width)
 {
-    (void)state;
     assert_true(atomic_load(&launches) > 0);
     if (driver_of(&devices->devices[0].info).third_axis &&
         driver_of(&devices->devices[1].info).third_axis)
@@ -381,15 +375,4 @@ static void every_launch_of_a_pocl_cpu_has_one_width(void **state)
         assert_true(atomic_load(&wide) > 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_failing_command_is_told_and_the_next_step_is_right),
-        cmocka_unit_test(where_kernels_work_in_place_nothing_is_mapped),
-        cmocka_unit_test(so_it_is_where_everything_is_copied),
-        cmocka_unit_test(a_failing_first_step_is_told_and_the_next_one_is_right),
-        cmocka_unit_test(a_test_of_pairs_survives_as_well),
-        cmocka_unit_test(every_launch_of_a_pocl_cpu_has_one_width),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

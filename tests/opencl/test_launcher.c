@@ -47,7 +47,6 @@ static void open_folder(void)
 static void close_folder(void)
 {
     duet_device_pair_destroy(pair);
-    test_kernels_remove(FOLDER);
 }
 
 // ---------------------------------------------------------------- what launches
@@ -112,9 +111,8 @@ static bool launch_all(duet_error *err)
 // Of the entry `hash` alone.
 #define BEHIND_CELLS "\n      uint key_from\n      uint key_home_to"
 
-static void a_card_that_the_host_does_not_know_is_refused(void **state)
+TEST(a_card_that_the_host_does_not_know_is_refused)
 {
-    (void)state;
     static const struct {
         const char *card, *from, *to, *wanted;
     } cases[] = {
@@ -160,9 +158,8 @@ static void a_card_that_the_host_does_not_know_is_refused(void **state)
     }
 }
 
-static void the_order_is_the_card_s_own(void **state)
+TEST(the_order_is_the_card_s_own)
 {
-    (void)state;
     duet_error err = {0};
     duet_result before, after;
     uint64_t hash_before, hash_after;
@@ -197,11 +194,4 @@ static int set_up(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_card_that_the_host_does_not_know_is_refused),
-        cmocka_unit_test(the_order_is_the_card_s_own),
-    };
-    return cmocka_run_group_tests(tests, set_up, NULL);
-}
+TEST_MAIN(set_up, NULL)

@@ -15,13 +15,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 enum { N = 3000, MOVING = 12, STEPS = 3 };
 
 static duet_device_pair *pair;
 static duet_pose even[N], mixed[N]; // of one size, of many
-static char saved[64], scratch[80];
+static const char saved[] = "saved", scratch[] = "scratch";
 static uint64_t moved_right; // hash of the motion after its steps
 static uint32_t n_points;
 static uint32_t n_wanted = 1; // points of each scenario and way; 0: all
@@ -317,9 +316,8 @@ static uint64_t right_of(const duet_pose objects[N])
     return right;
 }
 
-static void nothing_crashes_hangs_or_leaks(void **state)
+TEST(nothing_crashes_hangs_or_leaks)
 {
-    (void)state;
     uint64_t even_right = right_of(even), mixed_right = right_of(mixed);
     const uint32_t pile = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS;
     const duet_mode shared = DUET_MODE_SHARED, own = DUET_MODE_OWN, slab = DUET_MODE_SLAB;
@@ -355,9 +353,8 @@ static void nothing_crashes_hangs_or_leaks(void **state)
 }
 
 // Of those kernels one is not made; the next step runs none that are left of either kind.
-static void kernels_that_were_not_made_are_made_again(void **state)
+TEST(kernels_that_were_not_made_are_made_again)
 {
-    (void)state;
     uint64_t right = right_of(even);
     const scenario s = {
         "replanned", live_as_replanned_world, DUET_MODE_SLAB, "gpu send=packed", even, 2, true, 0,
@@ -385,9 +382,8 @@ static bool change_shape(duet_motion *m, duet_error *err)
 }
 
 // What calls for kernels that a motion lacks leaves it as it was where one of these is not made.
-static void a_motion_goes_on_without_kernels_that_were_not_made(void **state)
+TEST(a_motion_goes_on_without_kernels_that_were_not_made)
 {
-    (void)state;
     bool (*const calls[])(duet_motion *, duet_error *) = {into_tree, change_shape};
     const scenario s = {
         "pile", live_as_motion, DUET_MODE_OWN, "", NULL, 2, false, DUET_EFFECT_CONTACT_RESPONSE,
@@ -425,9 +421,8 @@ static void a_motion_goes_on_without_kernels_that_were_not_made(void **state)
 
 // Buffers that are new have nothing to wait for: they are cleared and written in
 // one go.
-static void what_is_made_waits_no_more_for_more_buffers(void **state)
+TEST(what_is_made_waits_no_more_for_more_buffers)
 {
-    (void)state;
     const scenario s = {.share = 2, .wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP};
     duet_error err = {0};
     set_memory(false);
@@ -453,8 +448,6 @@ static int open_devices(void **state)
     for (int side = 0; side < 2; ++side)
         have_host_memory[side] = pair->devices[side].info.host_memory;
     lost_know(pair);
-    snprintf(saved, sizeof saved, "/tmp/duet-lost-%ld", (long)getpid());
-    snprintf(scratch, sizeof scratch, "%s-scratch", saved);
     rng r = rng_seed(7);
     for (int i = 0; i < N; ++i) {
         even[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}};
@@ -475,8 +468,6 @@ static int close_devices(void **state)
     (void)state;
     duet_device_pair_destroy(pair);
     assert_int_equal(device_live_objects(), 0);
-    remove(saved);
-    remove(scratch);
     return 0;
 }
 
@@ -486,11 +477,5 @@ int main(int argc, char **argv)
         n_wanted = (uint32_t)strtoul(argv[2], NULL, 10);
     if (argc > 3)
         only = argv[3];
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(kernels_that_were_not_made_are_made_again),
-        cmocka_unit_test(a_motion_goes_on_without_kernels_that_were_not_made),
-        cmocka_unit_test(what_is_made_waits_no_more_for_more_buffers),
-        cmocka_unit_test(nothing_crashes_hangs_or_leaks),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
+    return test_run(open_devices, close_devices);
 }

@@ -6,8 +6,6 @@
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/scan.h"
 
-#include <stdlib.h>
-
 enum { MOST = 300000 };
 
 // Where the host reads them again once a timeline has shown them.
@@ -105,26 +103,23 @@ static void try_numbers(rng *r, bool emptying, bool grouped)
     close_bench();
 }
 
-static void each_word_becomes_the_sum_of_those_before_it(void **state)
+TEST(each_word_becomes_the_sum_of_those_before_it)
 {
-    (void)state;
     rng r = {test_seed()};
     try_numbers(&r, false, false);
     try_numbers(&r, false, true);
 }
 
-static void sums_go_elsewhere_and_leave_zeros(void **state)
+TEST(sums_go_elsewhere_and_leave_zeros)
 {
-    (void)state;
     rng r = {test_seed()};
     try_numbers(&r, true, false);
     try_numbers(&r, true, true);
 }
 
 // Its caller closes it, or opens it again; nothing is left of what was there before.
-static void a_scan_that_cannot_be_opened_has_no_kernels(void **state)
+TEST(a_scan_that_cannot_be_opened_has_no_kernels)
 {
-    (void)state;
     duet_error err = {0};
     open_bench(false, false);
     const gen_offer offer = {NULL, "NO_SUCH", 1, GEN_REQUIRED, NULL};
@@ -136,12 +131,4 @@ static void a_scan_that_cannot_be_opened_has_no_kernels(void **state)
     close_bench();
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_word_becomes_the_sum_of_those_before_it),
-        cmocka_unit_test(sums_go_elsewhere_and_leave_zeros),
-        cmocka_unit_test(a_scan_that_cannot_be_opened_has_no_kernels),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -36,7 +36,6 @@ static void close_two(two_stores *two)
 {
     store_close(two->s);
     store_close(two->other);
-    test_folder_remove(&two->folder);
 }
 
 // The store as lines; the caller frees them.
@@ -87,9 +86,8 @@ static void cost_one(store *s)
         err);
 }
 
-static void what_went_out_comes_in_as_it_was(void **state)
+TEST(what_went_out_comes_in_as_it_was)
 {
-    (void)state;
     two_stores two = open_two();
     tune_one(two.s, 1000);
     tune_one(two.s, 2000);
@@ -109,9 +107,8 @@ static void what_went_out_comes_in_as_it_was(void **state)
     close_two(&two);
 }
 
-static void numbers_of_full_length_survive(void **state)
+TEST(numbers_of_full_length_survive)
 {
-    (void)state;
     two_stores two = open_two();
     tune_one(two.s, 1000);
     duet_error err = {0};
@@ -142,9 +139,8 @@ static void replace_once(char **lines, const char *from, const char *to)
 }
 
 // Versions before the fourth loaded plans without a verdict.
-static void a_plan_without_a_verdict_comes_in_unused(void **state)
+TEST(a_plan_without_a_verdict_comes_in_unused)
 {
-    (void)state;
     two_stores two = open_two();
     tune_one(two.s, 1000);
     char *lines = lines_of(two.s);
@@ -159,9 +155,8 @@ static void a_plan_without_a_verdict_comes_in_unused(void **state)
     close_two(&two);
 }
 
-static void rows_that_are_known_are_not_taken_twice(void **state)
+TEST(rows_that_are_known_are_not_taken_twice)
 {
-    (void)state;
     two_stores two = open_two();
     tune_one(two.s, 1000);
     char *lines = lines_of(two.s);
@@ -176,9 +171,8 @@ static void rows_that_are_known_are_not_taken_twice(void **state)
     close_two(&two);
 }
 
-static void a_file_without_lines_is_refused(void **state)
+TEST(a_file_without_lines_is_refused)
 {
-    (void)state;
     two_stores two = open_two();
     profile_import_counts counts;
     static const char *const empty[] = {"", "\n \n"};
@@ -201,9 +195,8 @@ static int line_of(const char *lines, const char *what)
 
 // Each spoils one line of a good export; the message names it and nothing of
 // the file is kept.
-static void one_bad_line_refuses_the_file_and_is_named(void **state)
+TEST(one_bad_line_refuses_the_file_and_is_named)
 {
-    (void)state;
     static const struct {
         const char *from;
         const char *to;
@@ -257,9 +250,8 @@ static void one_bad_line_refuses_the_file_and_is_named(void **state)
 }
 
 // A store that somebody tampered with goes out without what is no object.
-static void a_poisoned_store_is_told_of_and_still_goes_out(void **state)
+TEST(a_poisoned_store_is_told_of_and_still_goes_out)
 {
-    (void)state;
     two_stores two = open_two();
     tune_one(two.s, 1000);
     duet_error err = {0};
@@ -287,9 +279,8 @@ static void a_poisoned_store_is_told_of_and_still_goes_out(void **state)
     close_two(&two);
 }
 
-static void a_row_whose_pair_is_nowhere_is_refused(void **state)
+TEST(a_row_whose_pair_is_nowhere_is_refused)
 {
-    (void)state;
     two_stores two = open_two();
     tune_one(two.s, 1000);
     char *lines = lines_of(two.s);
@@ -306,9 +297,8 @@ static void a_row_whose_pair_is_nowhere_is_refused(void **state)
 
 // Whatever a line holds, the import ends with all rows or with one line of
 // error, and the store stays sound.
-static void spoilt_bytes_never_break_the_store(void **state)
+TEST(spoilt_bytes_never_break_the_store)
 {
-    (void)state;
     two_stores two = open_two();
     tune_one(two.s, 1000);
     rng r = rng_seed(test_seed());
@@ -337,9 +327,8 @@ static void spoilt_bytes_never_break_the_store(void **state)
     close_two(&two);
 }
 
-static void a_merge_keeps_two_machines_apart(void **state)
+TEST(a_merge_keeps_two_machines_apart)
 {
-    (void)state;
     two_stores two = open_two();
     profile_pair pair = test_pair();
     profile_pair theirs = test_pair();
@@ -368,9 +357,8 @@ static void a_merge_keeps_two_machines_apart(void **state)
     close_two(&two);
 }
 
-static void a_merge_does_not_replace_the_stores_own_profile(void **state)
+TEST(a_merge_does_not_replace_the_stores_own_profile)
 {
-    (void)state;
     two_stores two = open_two();
     tune_one(two.s, 1000);
     tune_one(two.other, 1000);
@@ -390,9 +378,8 @@ static void a_merge_does_not_replace_the_stores_own_profile(void **state)
     close_two(&two);
 }
 
-static void a_store_is_not_merged_into_itself(void **state)
+TEST(a_store_is_not_merged_into_itself)
 {
-    (void)state;
     two_stores two = open_two();
     profile_import_counts counts;
     duet_error err = {0};
@@ -403,9 +390,8 @@ static void a_store_is_not_merged_into_itself(void **state)
 
 // ------------------------------------------------------------------- prune, check
 
-static void pruning_thins_samples_and_keeps_medians(void **state)
+TEST(pruning_thins_samples_and_keeps_medians)
 {
-    (void)state;
     two_stores two = open_two();
     tune_one(two.s, 1000);
     tune_one(two.s, 1000);
@@ -425,9 +411,8 @@ static void pruning_thins_samples_and_keeps_medians(void **state)
     close_two(&two);
 }
 
-static void pruning_leaves_an_unfinished_search_whole(void **state)
+TEST(pruning_leaves_an_unfinished_search_whole)
 {
-    (void)state;
     two_stores two = open_two();
     tune_one(two.s, 1000);
     duet_error err = {0};
@@ -439,9 +424,8 @@ static void pruning_leaves_an_unfinished_search_whole(void **state)
     close_two(&two);
 }
 
-static void a_check_finds_what_was_tampered_with(void **state)
+TEST(a_check_finds_what_was_tampered_with)
 {
-    (void)state;
     static const struct {
         const char *tampering;
         const char *says;
@@ -470,24 +454,4 @@ static void a_check_finds_what_was_tampered_with(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_went_out_comes_in_as_it_was),
-        cmocka_unit_test(numbers_of_full_length_survive),
-        cmocka_unit_test(a_plan_without_a_verdict_comes_in_unused),
-        cmocka_unit_test(rows_that_are_known_are_not_taken_twice),
-        cmocka_unit_test(one_bad_line_refuses_the_file_and_is_named),
-        cmocka_unit_test(a_poisoned_store_is_told_of_and_still_goes_out),
-        cmocka_unit_test(a_row_whose_pair_is_nowhere_is_refused),
-        cmocka_unit_test(a_file_without_lines_is_refused),
-        cmocka_unit_test(spoilt_bytes_never_break_the_store),
-        cmocka_unit_test(a_merge_keeps_two_machines_apart),
-        cmocka_unit_test(a_merge_does_not_replace_the_stores_own_profile),
-        cmocka_unit_test(a_store_is_not_merged_into_itself),
-        cmocka_unit_test(pruning_thins_samples_and_keeps_medians),
-        cmocka_unit_test(pruning_leaves_an_unfinished_search_whole),
-        cmocka_unit_test(a_check_finds_what_was_tampered_with),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

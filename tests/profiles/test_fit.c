@@ -6,9 +6,8 @@
 
 #include <math.h>
 
-static void a_fit_finds_the_times_it_was_made_from(void **state)
+TEST(a_fit_finds_the_times_it_was_made_from)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     fit_point points[60];
     for (int i = 0; i < 60; ++i) {
@@ -32,9 +31,8 @@ static void a_fit_finds_the_times_it_was_made_from(void **state)
 }
 
 // A third of the times is disturbed, by up to the tenfold.
-static void a_fit_heeds_no_disturbed_times(void **state)
+TEST(a_fit_heeds_no_disturbed_times)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 50; ++round) {
         fit_point points[45];
@@ -53,9 +51,8 @@ static void a_fit_heeds_no_disturbed_times(void **state)
     }
 }
 
-static void a_fit_knows_what_it_does_not_know(void **state)
+TEST(a_fit_knows_what_it_does_not_know)
 {
-    (void)state;
     fit_point points[9]; // of one size and one occupancy
     for (int i = 0; i < 9; ++i)
         points[i] = (fit_point){
@@ -70,12 +67,4 @@ static void a_fit_knows_what_it_does_not_know(void **state)
     assert_true(denser.sd_ns / denser.ns > 0.2);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_fit_finds_the_times_it_was_made_from),
-        cmocka_unit_test(a_fit_heeds_no_disturbed_times),
-        cmocka_unit_test(a_fit_knows_what_it_does_not_know),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

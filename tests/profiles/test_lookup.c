@@ -8,12 +8,26 @@
 #include <stdio.h>
 #include <string.h>
 
-// ----------------------------------------------------------------------- the grades
+static look_fixture f; // of the test
 
-static void what_was_measured_here_is_exact(void **state)
+static int begin(void **state)
 {
     (void)state;
-    look_fixture f = look_open();
+    f = look_open();
+    return 0;
+}
+
+static int end(void **state)
+{
+    (void)state;
+    look_close(&f);
+    return 0;
+}
+
+// ----------------------------------------------------------------------- the grades
+
+TEST(what_was_measured_here_is_exact)
+{
     look_tune(&f, 100000);
     profile_found found = look_for(&f, &f.pair, 100000);
     assert_int_equal(found.grade, PROFILE_EXACT);
@@ -26,21 +40,15 @@ static void what_was_measured_here_is_exact(void **state)
     assert_string_equal(found.verdict, "faster");
     assert_true(found.gain == 0.12);
     assert_int_equal(strlen(found.session), PROFILE_ID - 1);
-    look_close(&f);
 }
 
-static void an_empty_store_gives_the_default(void **state)
+TEST(an_empty_store_gives_the_default)
 {
-    (void)state;
-    look_fixture f = look_open();
     assert_int_equal(look_for(&f, &f.pair, 1000).grade, PROFILE_DEFAULT);
-    look_close(&f);
 }
 
-static void another_driver_is_said(void **state)
+TEST(another_driver_is_said)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     profile_pair newer = f.pair;
     newer.b.driver = "560.1";
@@ -48,14 +56,11 @@ static void another_driver_is_said(void **state)
     profile_found found = look_for(&f, &newer, 100000);
     assert_int_equal(found.grade, PROFILE_OTHER_DRIVER);
     assert_int_equal(found.plan.share, 8192);
-    look_close(&f);
 }
 
 // The rule above all: nothing measured on other devices is handed out.
-static void another_devices_row_is_never_handed_out(void **state)
+TEST(another_devices_row_is_never_handed_out)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     profile_pair others[6];
     for (int i = 0; i < 6; ++i)
@@ -79,29 +84,25 @@ static void another_devices_row_is_never_handed_out(void **state)
         else
             assert_int_equal(found.grade, PROFILE_DEFAULT);
     }
-    look_close(&f);
 }
 
 // A is also B; or B is another device that nothing tells from A.
-static profile_pair equal_pair(const look_fixture *f, bool two)
+static profile_pair equal_pair(bool two)
 {
-    profile_pair pair = {f->pair.a, f->pair.a};
+    profile_pair pair = {f.pair.a, f.pair.a};
     pair.b.part = two ? PROFILE_SECOND : pair.a.part;
     return pair;
 }
 
-static void two_equal_devices_are_not_one_of_them(void **state)
+TEST(two_equal_devices_are_not_one_of_them)
 {
-    (void)state;
-    look_fixture f = look_open();
-    f.pair = equal_pair(&f, true);
+    f.pair = equal_pair(true);
     look_tune(&f, 100000);
     look_tune(&f, 400000);
-    profile_pair one = equal_pair(&f, false);
+    profile_pair one = equal_pair(false);
     assert_int_equal(look_for(&f, &f.pair, 100000).grade, PROFILE_EXACT);
     assert_int_equal(look_for(&f, &one, 100000).grade, PROFILE_DEFAULT);
     assert_int_equal(look_for(&f, &one, 200000).grade, PROFILE_DEFAULT);
-    look_close(&f);
 }
 
 // Where both of test_time's devices end together.
@@ -111,22 +112,22 @@ static double best_share(uint64_t n)
     return 10.0 / 60.0;
 }
 
-static void assert_why_of(look_fixture *f, const profile_request *request, const char *says)
+static void assert_why_of(const profile_request *request, const char *says)
 {
     profile_found found;
     duet_error err = {0};
     text why = {0};
-    assert_ok(profile_lookup(f->s, request, &found, &why, &err), err);
+    assert_ok(profile_lookup(f.s, request, &found, &why, &err), err);
     if (!strstr(text_chars(&why), says))
         fail_msg("'%s' is not in:\n%s", says, text_chars(&why));
     text_free(&why);
 }
 
-static void assert_why(look_fixture *f, uint64_t n, const char *says)
+static void assert_why(uint64_t n, const char *says)
 {
     profile_workload workload = test_workload(n);
-    profile_request request = test_request(&f->pair, &workload);
-    assert_why_of(f, &request, says);
+    profile_request request = test_request(&f.pair, &workload);
+    assert_why_of(&request, says);
 }
 
 // Nothing of another workload is handed over as this one's.
@@ -161,10 +162,8 @@ static void assert_no_figures(const profile_found *found)
 #define AT_100000(changes) AT("100000", changes)
 
 // Fits would say another share; the race at both sizes said this one.
-static void a_size_between_two_is_interpolated(void **state)
+TEST(a_size_between_two_is_interpolated)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     look_tune(&f, 400000);
     profile_found found = look_for(&f, &f.pair, 200000);
@@ -176,15 +175,12 @@ static void a_size_between_two_is_interpolated(void **state)
     assert_string_equal(found.verdict, "faster");
     assert_true(fabs(found.gain - 0.12) < 1e-9 && found.gain_low == 0.1 && found.gain_high == 0.14);
     assert_figures_are_predicted(&found);
-    look_close(&f);
 }
 
 // Of two devices with straight lines for times, both end together at a share of
 // x + y / n.
-static void a_share_between_two_follows_both(void **state)
+TEST(a_share_between_two_follows_both)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     look_tune(&f, 400000);
     look_change(
@@ -198,13 +194,10 @@ static void a_share_between_two_follows_both(void **state)
         assert_int_equal(found.share_low, 13107);
         assert_int_equal(found.share_high, 19661);
     }
-    look_close(&f);
 }
 
-static void a_size_next_to_one_that_was_measured_takes_its_plan(void **state)
+TEST(a_size_next_to_one_that_was_measured_takes_its_plan)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     look_change(&f, "UPDATE profile SET missed_rate = 0.5, true_pairs = 6883, terms = '{\"a\":1}'");
     profile_found found = look_for(&f, &f.pair, 104000);
@@ -216,18 +209,15 @@ static void a_size_next_to_one_that_was_measured_takes_its_plan(void **state)
     assert_true(fabs(found.gain_high - (1.14 * 1.04 - 1)) < 1e-9);
     assert_true(fabs(found.median_ns / measured.median_ns - 1.04) < 1e-9);
     assert_figures_are_predicted(&found);
-    look_close(&f);
 }
 
 // As many objects in as many cells, but eight times as crowded, as `clustered` beside `paper`; or
 // of another density, other sizes, or in a flat world.
-static void a_scene_that_is_not_alike_lends_no_figure(void **state)
+TEST(a_scene_that_is_not_alike_lends_no_figure)
 {
-    (void)state;
     static const char *const says[] = {"objects in the fullest cells 3 there, 24 here",
                                        "objects a cell 0.66 there, 0.22 here",
                                        "layers of cells 42 there, 6 here"};
-    look_fixture f = look_open();
     look_tune(&f, 50000);
     look_tune(&f, 100000);
     look_tune(&f, 200000);
@@ -240,7 +230,7 @@ static void a_scene_that_is_not_alike_lends_no_figure(void **state)
         others[2].cells[2] = 6;
         profile_request request = test_request(&f.pair, &others[i]);
         assert_int_equal(look_up(f.s, &request).grade, PROFILE_DEFAULT);
-        assert_why_of(&f, &request, says[i]);
+        assert_why_of(&request, says[i]);
         // Sharing gains so much that it surely does here, too; by how much is not known.
         look_change(&f, "UPDATE profile SET gain = 3, gain_low = 2.9, gain_high = 3.1");
         profile_found found = look_up(f.s, &request);
@@ -249,14 +239,11 @@ static void a_scene_that_is_not_alike_lends_no_figure(void **state)
         assert_no_figures(&found);
         look_change(&f, "UPDATE profile SET gain = 0.12, gain_low = 0.1, gain_high = 0.14");
     }
-    look_close(&f);
 }
 
 // A scene that is not alike hides none that is.
-static void a_scene_beside_others_is_interpolated_from_its_own(void **state)
+TEST(a_scene_beside_others_is_interpolated_from_its_own)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     look_tune(&f, 400000);
     static const uint64_t sizes[] = {150000, 200000, 250000};
@@ -271,14 +258,11 @@ static void a_scene_beside_others_is_interpolated_from_its_own(void **state)
     profile_found found = look_for(&f, &f.pair, 200000);
     assert_int_equal(found.grade, PROFILE_INTERPOLATED);
     assert_int_equal(found.plan.share, 8192);
-    look_close(&f);
 }
 
 // However the fits see it: both sizes were raced.
-static void what_two_sizes_agree_on_is_not_contradicted_between_them(void **state)
+TEST(what_two_sizes_agree_on_is_not_contradicted_between_them)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 50000);
     look_tune(&f, 100000);
     look_tune(&f, 200000);
@@ -291,14 +275,11 @@ static void what_two_sizes_agree_on_is_not_contradicted_between_them(void **stat
         assert_int_equal(found.plan.share, 0);
         assert_string_equal(found.verdict, "same");
     }
-    look_close(&f);
 }
 
 // Sharing was 44 % faster: it still is where all else changes by less than the square of that.
-static void one_size_lends_its_plan_as_far_as_it_is_surely_faster(void **state)
+TEST(one_size_lends_its_plan_as_far_as_it_is_surely_faster)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     look_change(&f, "UPDATE profile SET gain = 0.5, gain_low = 0.44, gain_high = 0.55");
     static const struct {
@@ -315,13 +296,11 @@ static void one_size_lends_its_plan_as_far_as_it_is_surely_faster(void **state)
             assert_no_figures(&found);
         }
     }
-    look_close(&f);
 }
 
 // B alone was faster by as much; A alone may be slower than B elsewhere; a tie says nothing.
-static void one_size_lends_one_device_only_if_that_is_sure(void **state)
+TEST(one_size_lends_one_device_only_if_that_is_sure)
 {
-    (void)state;
     static const struct {
         const char *change;
         profile_grade grade;
@@ -331,7 +310,6 @@ static void one_size_lends_one_device_only_if_that_is_sure(void **state)
         {"share = 0, gain = -0.1, gain_low = -0.3, gain_high = 0.1", PROFILE_DEFAULT},
         {"share = 8192, gain = 0.1, gain_low = -0.1, gain_high = 0.3", PROFILE_DEFAULT},
     };
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char change[200];
@@ -339,24 +317,18 @@ static void one_size_lends_one_device_only_if_that_is_sure(void **state)
         look_change(&f, change);
         assert_int_equal(look_for(&f, &f.pair, 120000).grade, cases[i].grade);
     }
-    look_close(&f);
 }
 
-static void a_size_far_beyond_those_measured_is_a_guess_at_most(void **state)
+TEST(a_size_far_beyond_those_measured_is_a_guess_at_most)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     assert_int_equal(look_for(&f, &f.pair, 100000000).grade, PROFILE_DEFAULT);
     assert_int_equal(look_for(&f, &f.pair, 1000).grade, PROFILE_DEFAULT);
-    look_close(&f);
 }
 
 // Each has its own mode and kernels: the nearer one's are lent, with its share.
-static void two_sizes_with_other_kernels_lend_those_of_the_nearer(void **state)
+TEST(two_sizes_with_other_kernels_lend_those_of_the_nearer)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     look_tune(&f, 400000);
     look_change(
@@ -369,15 +341,12 @@ static void two_sizes_with_other_kernels_lend_those_of_the_nearer(void **state)
     assert_string_equal(high.plan.mode, "slab");
     assert_string_equal(high.plan.variant_a, "simd");
     assert_int_equal(high.plan.share, 9000);
-    look_close(&f);
 }
 
 // Sharing gains 12 % at one size and loses 30 % at the other: lines through both sides' times cross
 // at 120 000, far from half the way.
-static void predicted_times_decide_between_sharing_and_one_device(void **state)
+TEST(predicted_times_decide_between_sharing_and_one_device)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     look_tune(&f, 400000);
     look_change(&f, AT("400000", "share = 0, gain = -0.3, gain_low = -0.32, gain_high = -0.28, "
@@ -391,18 +360,15 @@ static void predicted_times_decide_between_sharing_and_one_device(void **state)
     assert_true(one.gain < 0);
     assert_string_equal(one.verdict, "same");
     assert_true(shared.median_ns < one.median_ns);
-    look_close(&f);
 }
 
 // Also without fits, as where both devices are one.
-static void a_size_between_two_of_one_device_has_its_plan(void **state)
+TEST(a_size_between_two_of_one_device_has_its_plan)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     look_tune(&f, 400000);
     look_change(&f, "UPDATE profile SET share = 0; DELETE FROM trial; DELETE FROM fit");
-    assert_why(&f, 200000, "yes: it lies between 100000 and 400000 objects");
+    assert_why(200000, "yes: it lies between 100000 and 400000 objects");
     double low_ms = look_for(&f, &f.pair, 100000).median_ns * 1e-6;
     double high_ms = look_for(&f, &f.pair, 400000).median_ns * 1e-6;
     for (uint64_t n = 105000; n <= 400000; n += 59000) {
@@ -414,40 +380,31 @@ static void a_size_between_two_of_one_device_has_its_plan(void **state)
     look_change(&f, AT("400000", "variant_b = 'simd'"));
     assert_string_equal(look_for(&f, &f.pair, 150000).plan.variant_b, "auto sort=radix");
     assert_string_equal(look_for(&f, &f.pair, 300000).plan.variant_b, "simd");
-    look_close(&f);
 }
 
-static void a_size_that_cannot_be_interpolated_is_told_the_true_reason(void **state)
+TEST(a_size_that_cannot_be_interpolated_is_told_the_true_reason)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     look_tune(&f, 400000);
-    assert_why(&f, 40000, "no: the size is below those measured, the nearest of which is 100000");
-    assert_why(&f, 900000, "no: the size is above those measured, the nearest of which is 400000");
+    assert_why(40000, "no: the size is below those measured, the nearest of which is 100000");
+    assert_why(900000, "no: the size is above those measured, the nearest of which is 400000");
     look_change(&f, "UPDATE profile SET share = 0; " AT_100000("share = 65536"));
-    assert_why(&f, 200000,
+    assert_why(200000,
                "no: at 100000 and at 400000 objects the work is divided in other ways, and which "
                "is the quicker one here is not known");
-    look_close(&f);
 }
 
 // However it came to be live no more.
-static void a_plan_without_a_verdict_is_not_followed(void **state)
+TEST(a_plan_without_a_verdict_is_not_followed)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     look_change(&f, "UPDATE profile SET live = 0, dead_reason = 'too few rounds'");
     assert_int_not_equal(look_for(&f, &f.pair, 100000).grade, PROFILE_EXACT);
-    assert_why(&f, 100000, " is not used: too few rounds");
-    look_close(&f);
+    assert_why(100000, " is not used: too few rounds");
 }
 
-static void devices_measured_apart_are_transferred(void **state)
+TEST(devices_measured_apart_are_transferred)
 {
-    (void)state;
-    look_fixture f = look_open();
     profile_pair first = f.pair;
     profile_pair second = f.pair;
     first.b.device.name = "GPU one";
@@ -459,13 +416,10 @@ static void devices_measured_apart_are_transferred(void **state)
         look_for(&f, &f.pair, 100000); // part 0-0 from one, the GPU from the other
     assert_int_equal(found.grade, PROFILE_TRANSFERRED);
     assert_true(fabs(found.plan.share / 65536.0 - best_share(100000)) < 0.02);
-    look_close(&f);
 }
 
-static void fits_of_two_machines_are_not_joined(void **state)
+TEST(fits_of_two_machines_are_not_joined)
 {
-    (void)state;
-    look_fixture f = look_open();
     profile_pair first = f.pair;
     profile_pair second = f.pair;
     first.b.device.name = "GPU one";
@@ -475,13 +429,10 @@ static void fits_of_two_machines_are_not_joined(void **state)
     look_change(&f, "UPDATE session SET host = 'elsewhere'; UPDATE fit SET host = 'elsewhere'");
     test_tune(f.s, &second, &workload);
     assert_int_equal(look_for(&f, &f.pair, 100000).grade, PROFILE_DEFAULT);
-    look_close(&f);
 }
 
-static void changed_kernels_make_a_row_a_starting_point(void **state)
+TEST(changed_kernels_make_a_row_a_starting_point)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     profile_workload workload = test_workload(100000);
     profile_request request = test_request(&f.pair, &workload);
@@ -489,13 +440,10 @@ static void changed_kernels_make_a_row_a_starting_point(void **state)
     profile_found found = look_up(f.s, &request);
     assert_int_equal(found.grade, PROFILE_STALE);
     assert_int_equal(found.plan.share, 8192);
-    look_close(&f);
 }
 
-static void a_workload_of_another_kind_is_not_a_neighbour(void **state)
+TEST(a_workload_of_another_kind_is_not_a_neighbour)
 {
-    (void)state;
-    look_fixture f = look_open();
     look_tune(&f, 100000);
     profile_workload others[5];
     for (int i = 0; i < 5; ++i)
@@ -509,13 +457,12 @@ static void a_workload_of_another_kind_is_not_a_neighbour(void **state)
         profile_request request = test_request(&f.pair, &others[i]);
         assert_int_equal(look_up(f.s, &request).grade, PROFILE_DEFAULT);
     }
-    look_close(&f);
 }
 
 // --------------------------------------------------------------------- accuracy
 
 // A profile at a level of its own, as a tuning leaves it.
-static void tune_at(look_fixture *f, const char *level, double ms, double missed, double invented)
+static void tune_at(const char *level, double ms, double missed, double invented)
 {
     duet_error err = {0};
     profile_workload workload = test_workload(100000);
@@ -535,16 +482,14 @@ static void tune_at(look_fixture *f, const char *level, double ms, double missed
         .trial_number = -1,
     };
     snprintf(row.plan.level, sizeof row.plan.level, "%s", level);
-    assert_ok(profile_pair_put(f->s, &f->pair, &row.pair_id, &err), err);
-    assert_ok(profile_workload_put(f->s, &workload, &row.workload_id, &err), err);
-    assert_ok(profile_put(f->s, &row, NULL, "replaced by a later tuning", NULL, &err), err);
+    assert_ok(profile_pair_put(f.s, &f.pair, &row.pair_id, &err), err);
+    assert_ok(profile_workload_put(f.s, &workload, &row.workload_id, &err), err);
+    assert_ok(profile_put(f.s, &row, NULL, "replaced by a later tuning", NULL, &err), err);
 }
 
-static void more_accuracy_than_was_given_is_not_served(void **state)
+TEST(more_accuracy_than_was_given_is_not_served)
 {
-    (void)state;
-    look_fixture f = look_open();
-    tune_at(&f, "sat15", 9, 0.001, 0.02);
+    tune_at("sat15", 9, 0.001, 0.02);
     profile_workload workload = test_workload(100000);
     workload.level = "sat15";
     profile_request request = test_request(&f.pair, &workload);
@@ -556,14 +501,13 @@ static void more_accuracy_than_was_given_is_not_served(void **state)
     request.max_false_rate = 0.02;
     request.max_missed_rate = 0;
     assert_int_equal(look_up(f.s, &request).grade, PROFILE_DEFAULT);
-    look_close(&f);
 }
 
-static profile_request request_within(const look_fixture *f, const profile_workload *workload,
-                                      double missed, double invented)
+static profile_request request_within(const profile_workload *workload, double missed,
+                                      double invented)
 {
     static const char *const levels[] = {"certified", "aabb", "sat6", "sat15"};
-    profile_request request = test_request(&f->pair, workload);
+    profile_request request = test_request(&f.pair, workload);
     request.levels = levels;
     request.n_levels = 4;
     request.max_missed_rate = missed;
@@ -571,14 +515,12 @@ static profile_request request_within(const look_fixture *f, const profile_workl
     return request;
 }
 
-static void an_accuracy_takes_the_quickest_level_within_it(void **state)
+TEST(an_accuracy_takes_the_quickest_level_within_it)
 {
-    (void)state;
-    look_fixture f = look_open();
-    tune_at(&f, "certified", 10, 0, 0);
-    tune_at(&f, "sat15", 9, 0.001, 0);
-    tune_at(&f, "sat6", 8, 0, 0.01);
-    tune_at(&f, "aabb", 7, 0, 1.5);
+    tune_at("certified", 10, 0, 0);
+    tune_at("sat15", 9, 0.001, 0);
+    tune_at("sat6", 8, 0, 0.01);
+    tune_at("aabb", 7, 0, 1.5);
     static const struct {
         double missed, invented;
         const char *level;
@@ -587,51 +529,42 @@ static void an_accuracy_takes_the_quickest_level_within_it(void **state)
     profile_workload workload = test_workload(100000);
     workload.level = "auto";
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        profile_request request = request_within(&f, &workload, cases[i].missed, cases[i].invented);
+        profile_request request = request_within(&workload, cases[i].missed, cases[i].invented);
         profile_found found = look_up(f.s, &request);
         assert_int_equal(found.grade, PROFILE_EXACT);
         assert_string_equal(found.plan.level, cases[i].level);
     }
-    look_close(&f);
 }
 
-static void a_level_is_served_by_that_level_alone(void **state)
+TEST(a_level_is_served_by_that_level_alone)
 {
-    (void)state;
-    look_fixture f = look_open();
-    tune_at(&f, "sat6", 8, 0, 0);
-    tune_at(&f, "sat15", 8, 0, 0);
+    tune_at("sat6", 8, 0, 0);
+    tune_at("sat15", 8, 0, 0);
     profile_workload workload = test_workload(100000);
     profile_request request = test_request(&f.pair, &workload);
     assert_int_equal(look_up(f.s, &request).grade, PROFILE_DEFAULT);
     workload.level = "sat15";
     assert_string_equal(look_up(f.s, &request).plan.level, "sat15");
-    look_close(&f);
 }
 
 // However fast it is: the rung decides before the time does.
-static void a_better_ground_comes_before_a_quicker_level(void **state)
+TEST(a_better_ground_comes_before_a_quicker_level)
 {
-    (void)state;
-    look_fixture f = look_open();
-    tune_at(&f, "certified", 10, 0, 0);
-    tune_at(&f, "sat6", 1, 0, 0.01);
+    tune_at("certified", 10, 0, 0);
+    tune_at("sat6", 1, 0, 0.01);
     look_change(&f, "UPDATE profile SET kernels = 'older' WHERE level = 'sat6'");
     profile_workload workload = test_workload(100000);
-    profile_request request = request_within(&f, &workload, 0, 0.5);
+    profile_request request = request_within(&workload, 0, 0.5);
     assert_string_equal(look_up(f.s, &request).plan.level, "certified");
-    look_close(&f);
 }
 
-static void a_profile_comes_back_with_all_that_was_measured(void **state)
+TEST(a_profile_comes_back_with_all_that_was_measured)
 {
-    (void)state;
-    look_fixture f = look_open();
-    tune_at(&f, "sat6", 8, 0, 0.01);
+    tune_at("sat6", 8, 0, 0.01);
     look_change(&f, "UPDATE profile SET single_ns = 9e6, best_share = 4096, best_mode = 'slab', "
                     "terms = '{\"T_1\":1.5}'");
     profile_workload workload = test_workload(100000);
-    profile_request request = request_within(&f, &workload, 0, 0.5);
+    profile_request request = request_within(&workload, 0, 0.5);
     profile_found found = look_up(f.s, &request);
     assert_true(found.low_ns == 8e6 && found.high_ns == 8e6 && found.single_ns == 9e6);
     assert_true(found.missed_rate == 0 && found.false_rate == 0.01);
@@ -639,40 +572,10 @@ static void a_profile_comes_back_with_all_that_was_measured(void **state)
     assert_int_equal(found.best_share, 4096);
     assert_string_equal(found.best_mode, "slab");
     assert_string_equal(found.terms, "{\"T_1\":1.5}");
-    look_close(&f);
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_was_measured_here_is_exact),
-        cmocka_unit_test(an_empty_store_gives_the_default),
-        cmocka_unit_test(another_driver_is_said),
-        cmocka_unit_test(another_devices_row_is_never_handed_out),
-        cmocka_unit_test(two_equal_devices_are_not_one_of_them),
-        cmocka_unit_test(a_size_between_two_is_interpolated),
-        cmocka_unit_test(a_share_between_two_follows_both),
-        cmocka_unit_test(a_size_next_to_one_that_was_measured_takes_its_plan),
-        cmocka_unit_test(a_scene_that_is_not_alike_lends_no_figure),
-        cmocka_unit_test(a_scene_beside_others_is_interpolated_from_its_own),
-        cmocka_unit_test(what_two_sizes_agree_on_is_not_contradicted_between_them),
-        cmocka_unit_test(one_size_lends_its_plan_as_far_as_it_is_surely_faster),
-        cmocka_unit_test(one_size_lends_one_device_only_if_that_is_sure),
-        cmocka_unit_test(a_size_far_beyond_those_measured_is_a_guess_at_most),
-        cmocka_unit_test(two_sizes_with_other_kernels_lend_those_of_the_nearer),
-        cmocka_unit_test(predicted_times_decide_between_sharing_and_one_device),
-        cmocka_unit_test(a_size_between_two_of_one_device_has_its_plan),
-        cmocka_unit_test(a_size_that_cannot_be_interpolated_is_told_the_true_reason),
-        cmocka_unit_test(a_plan_without_a_verdict_is_not_followed),
-        cmocka_unit_test(devices_measured_apart_are_transferred),
-        cmocka_unit_test(fits_of_two_machines_are_not_joined),
-        cmocka_unit_test(changed_kernels_make_a_row_a_starting_point),
-        cmocka_unit_test(a_workload_of_another_kind_is_not_a_neighbour),
-        cmocka_unit_test(more_accuracy_than_was_given_is_not_served),
-        cmocka_unit_test(an_accuracy_takes_the_quickest_level_within_it),
-        cmocka_unit_test(a_level_is_served_by_that_level_alone),
-        cmocka_unit_test(a_better_ground_comes_before_a_quicker_level),
-        cmocka_unit_test(a_profile_comes_back_with_all_that_was_measured),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    test_each(begin, end);
+    return test_run(NULL, NULL);
 }

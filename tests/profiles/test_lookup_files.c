@@ -10,7 +10,6 @@
 
 #include <dirent.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -28,16 +27,14 @@ static int count_entries(const char *path)
     return n;
 }
 
-static void a_look_up_leaves_no_trace(void **state)
+TEST(a_look_up_leaves_no_trace)
 {
-    (void)state;
     look_fixture f = look_open();
     look_tune(&f, 100000);
     store_close(f.s);
     duet_error err = {0};
-    text before = {0};
     text after = {0};
-    assert_ok(text_read_file(&before, f.folder.store, &err), err);
+    text before = test_read_file(f.folder.store);
     usleep(100000); // until the file counts as settled
     int entries = count_entries(f.folder.path);
     profile_workload workload = test_workload(100000);
@@ -55,9 +52,8 @@ static void a_look_up_leaves_no_trace(void **state)
     look_close(&f);
 }
 
-static void a_look_up_sees_what_a_tuner_at_work_has_stored(void **state)
+TEST(a_look_up_sees_what_a_tuner_at_work_has_stored)
 {
-    (void)state;
     look_fixture f = look_open();
     look_tune(&f, 100000); // still open: the rows are in the side file
     profile_workload workload = test_workload(100000);
@@ -69,9 +65,8 @@ static void a_look_up_sees_what_a_tuner_at_work_has_stored(void **state)
     look_close(&f);
 }
 
-static void missing_files_give_the_default_without_failure(void **state)
+TEST(missing_files_give_the_default_without_failure)
 {
-    (void)state;
     profile_pair pair = test_pair();
     profile_workload workload = test_workload(1000);
     profile_request request = test_request(&pair, &workload);
@@ -85,9 +80,8 @@ static void missing_files_give_the_default_without_failure(void **state)
     text_free(&why);
 }
 
-static void the_users_row_comes_before_the_systems(void **state)
+TEST(the_users_row_comes_before_the_systems)
 {
-    (void)state;
     look_fixture user = look_open();
     look_fixture system = look_open();
     look_tune(&user, 100000);
@@ -112,9 +106,8 @@ static void the_users_row_comes_before_the_systems(void **state)
     look_close(&system);
 }
 
-static void a_broken_user_file_leaves_the_systems(void **state)
+TEST(a_broken_user_file_leaves_the_systems)
 {
-    (void)state;
     look_fixture user = look_open();
     look_fixture system = look_open();
     look_tune(&system, 100000);
@@ -146,9 +139,8 @@ static void assert_why(store *s, const profile_request *request, const char *say
     text_free(&why);
 }
 
-static void why_says_what_is_missing(void **state)
+TEST(why_says_what_is_missing)
 {
-    (void)state;
     look_fixture f = look_open();
     profile_workload workload = test_workload(100000);
     profile_request request = test_request(&f.pair, &workload);
@@ -176,9 +168,8 @@ static void why_says_what_is_missing(void **state)
     look_close(&f);
 }
 
-static void why_says_when_the_row_is_of_another_machine(void **state)
+TEST(why_says_when_the_row_is_of_another_machine)
 {
-    (void)state;
     look_fixture f = look_open();
     look_tune(&f, 100000);
     look_change(&f, "UPDATE session SET host = 'elsewhere'");
@@ -219,9 +210,8 @@ static void explain(store *s, const char *statement, text *plan)
 }
 
 // No rung may read a table from end to end, however many profiles there are.
-static void every_look_up_goes_by_an_index(void **state)
+TEST(every_look_up_goes_by_an_index)
 {
-    (void)state;
     look_fixture f = look_open();
     test_fill(f.s, 100);
     statements kept = {0};
@@ -246,9 +236,8 @@ static void every_look_up_goes_by_an_index(void **state)
     look_close(&f);
 }
 
-static void one_of_ten_thousand_is_found(void **state)
+TEST(one_of_ten_thousand_is_found)
 {
-    (void)state;
     look_fixture f = look_open();
     test_fill(f.s, 10000);
     assert_int_equal(test_count(f.s, "profile WHERE live = 1"), 10000);
@@ -262,18 +251,4 @@ static void one_of_ten_thousand_is_found(void **state)
     look_close(&f);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_look_up_leaves_no_trace),
-        cmocka_unit_test(a_look_up_sees_what_a_tuner_at_work_has_stored),
-        cmocka_unit_test(missing_files_give_the_default_without_failure),
-        cmocka_unit_test(the_users_row_comes_before_the_systems),
-        cmocka_unit_test(a_broken_user_file_leaves_the_systems),
-        cmocka_unit_test(why_says_what_is_missing),
-        cmocka_unit_test(why_says_when_the_row_is_of_another_machine),
-        cmocka_unit_test(every_look_up_goes_by_an_index),
-        cmocka_unit_test(one_of_ten_thousand_is_found),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

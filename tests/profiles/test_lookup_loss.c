@@ -186,9 +186,8 @@ static void ask(look_fixture *f, const char *family, const truth *t, double n, l
                       plan->mode, 100 * loss);
 }
 
-static void no_plan_that_is_looked_up_loses_to_the_default(void **state)
+TEST(no_plan_that_is_looked_up_loses_to_the_default)
 {
-    (void)state;
     enum { ROUNDS = 80, QUESTIONS = 25 };
     uint64_t seed = test_seed();
     rng r = rng_seed(seed);
@@ -214,10 +213,4 @@ static void no_plan_that_is_looked_up_loses_to_the_default(void **state)
     look_close(&f);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_plan_that_is_looked_up_loses_to_the_default),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -9,9 +9,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static void a_store_of_another_version_is_refused_and_left_as_it_is(void **state)
+TEST(a_store_of_another_version_is_refused_and_left_as_it_is)
 {
-    (void)state;
     static const int versions[] = {1, STORE_FIRST_VERSION - 1, STORE_VERSION + 1, 99};
     test_folder folder = test_folder_make();
     store_close(test_store_open(folder.store, STORE_WRITE));
@@ -23,7 +22,6 @@ static void a_store_of_another_version_is_refused_and_left_as_it_is(void **state
         assert_non_null(strstr(test_store_refusal(folder.store, STORE_READ).text, words));
         assert_non_null(strstr(test_store_refusal(folder.store, STORE_WRITE).text, words));
     }
-    test_folder_remove(&folder);
 }
 
 // One step, as a later version would bring it.
@@ -47,9 +45,8 @@ static int64_t version_of(store *s)
     return version;
 }
 
-static void an_older_store_is_copied_and_upgraded(void **state)
+TEST(an_older_store_is_copied_and_upgraded)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     profile_pair pair = test_pair();
     profile_workload workload = test_workload(1000);
@@ -68,29 +65,17 @@ static void an_older_store_is_copied_and_upgraded(void **state)
     assert_int_equal(test_count(s, "profile"), 1);
     assert_int_equal(test_count(s, "sqlite_schema WHERE name = 'extra'"), 0);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-static void an_upgrade_that_fails_changes_nothing(void **state)
+TEST(an_upgrade_that_fails_changes_nothing)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     duet_error err = {0};
     assert_false(migrate_upgrade(s, broken_upgrades, &err));
     assert_int_equal(err.status, DUET_STATUS_STORE_FAILED);
     assert_int_equal(version_of(s), STORE_FIRST_VERSION);
     assert_int_equal(test_count(s, "pragma_table_info('profile') WHERE name = 'colour'"), 0);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_store_of_another_version_is_refused_and_left_as_it_is),
-        cmocka_unit_test(an_older_store_is_copied_and_upgraded),
-        cmocka_unit_test(an_upgrade_that_fails_changes_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -11,11 +11,9 @@
 
 // ------------------------------------------------------------------------- rows
 
-static void a_pair_and_a_workload_are_stored_once(void **state)
+TEST(a_pair_and_a_workload_are_stored_once)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     duet_error err = {0};
     profile_pair pair = test_pair();
     profile_pair swapped = {.a = pair.b, .b = pair.a};
@@ -32,12 +30,10 @@ static void a_pair_and_a_workload_are_stored_once(void **state)
     assert_int_equal(test_count(s, "device"), 2);
     assert_int_equal(test_count(s, "env"), 2);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-static void every_field_of_a_device_tells_devices_apart(void **state)
+TEST(every_field_of_a_device_tells_devices_apart)
 {
-    (void)state;
     profile_env env = test_pair().b;
     profile_env others[12];
     for (int i = 0; i < 12; ++i)
@@ -66,9 +62,8 @@ static void every_field_of_a_device_tells_devices_apart(void **state)
     }
 }
 
-static void a_drivers_version_changes_the_key_and_not_the_seat(void **state)
+TEST(a_drivers_version_changes_the_key_and_not_the_seat)
 {
-    (void)state;
     profile_env env = test_pair().b;
     profile_env newer = env;
     newer.driver = "560.1";
@@ -79,9 +74,8 @@ static void a_drivers_version_changes_the_key_and_not_the_seat(void **state)
     assert_string_equal(keys[2], keys[3]);
 }
 
-static void a_hosts_memory_does_not_change_its_cpu(void **state)
+TEST(a_hosts_memory_does_not_change_its_cpu)
 {
-    (void)state;
     profile_device cpu = test_pair().a.device;
     char keys[2][PROFILE_SHA];
     profile_device_key(&cpu, keys[0]);
@@ -90,9 +84,8 @@ static void a_hosts_memory_does_not_change_its_cpu(void **state)
     assert_string_equal(keys[0], keys[1]);
 }
 
-static void two_draws_of_one_scene_are_one_workload(void **state)
+TEST(two_draws_of_one_scene_are_one_workload)
 {
-    (void)state;
     profile_workload w = test_workload(1000000);
     profile_workload other = w;
     other.occ_mean *= 1.001;
@@ -105,9 +98,8 @@ static void two_draws_of_one_scene_are_one_workload(void **state)
     assert_string_equal(keys[0], keys[1]);
 }
 
-static void the_order_of_effects_does_not_matter_and_the_effects_do(void **state)
+TEST(the_order_of_effects_does_not_matter_and_the_effects_do)
 {
-    (void)state;
     static const char *const effects[] = {"gravity motion", " motion  gravity motion", "motion"};
     char keys[3][PROFILE_SHA];
     duet_error err = {0};
@@ -120,9 +112,8 @@ static void the_order_of_effects_does_not_matter_and_the_effects_do(void **state
     assert_string_not_equal(keys[0], keys[2]);
 }
 
-static void a_workload_that_cannot_be_is_refused(void **state)
+TEST(a_workload_that_cannot_be_is_refused)
 {
-    (void)state;
     profile_workload bad[4] = {test_workload(1), test_workload(1), test_workload(1),
                                test_workload(1)};
     bad[0].dims = 4;
@@ -155,14 +146,9 @@ static bool count_trial(void *context, int64_t number, const profile_trial *tria
     return t->trials < 5;
 }
 
-static void a_trial_comes_back_as_it_went_in(void **state)
+TEST(a_trial_comes_back_as_it_went_in)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    test_tune(s, &pair, &workload);
+    store *s = test_store_tuned();
     duet_error err = {0};
     sql q = sql_make(s, "SELECT id FROM session", &err);
     assert_true(sql_row(&q));
@@ -177,17 +163,11 @@ static void a_trial_comes_back_as_it_went_in(void **state)
     assert_true(t.last.a_ns == test_time(0, 1000, 0.5));
     assert_int_equal(t.last_total, (int64_t)test_time(0, 1000, 0.5) + 3);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-static void a_trial_without_measurements_needs_a_reason_and_no_times(void **state)
+TEST(a_trial_without_measurements_needs_a_reason_and_no_times)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    test_tune(s, &pair, &workload);
+    store *s = test_store_tuned();
     duet_error err = {0};
     profile_session session = test_session(1, 1);
     char id[PROFILE_ID];
@@ -201,23 +181,16 @@ static void a_trial_without_measurements_needs_a_reason_and_no_times(void **stat
     assert_false(profile_trial_add(s, id, &trial, NULL, &number, &err));
     assert_int_equal(test_count(s, "trial WHERE session_id <> ''"), 10);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-static void a_replaced_profile_stays_dead_with_its_reason(void **state)
+TEST(a_replaced_profile_stays_dead_with_its_reason)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    test_tune(s, &pair, &workload);
-    test_tune(s, &pair, &workload);
+    store *s = test_store_tuned();
+    test_tune_usual(s);
     assert_int_equal(test_count(s, "profile"), 2);
     assert_int_equal(test_count(s, "profile WHERE live = 1"), 1);
     assert_int_equal(test_count(s, "profile WHERE dead_reason = 'replaced by a later tuning'"), 1);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
 // ------------------------------------------------------------- which one is live
@@ -254,9 +227,8 @@ static profile_placed put(store *s, const profile_row *row, const char *unused)
     return placed;
 }
 
-static void a_live_profile_gives_way_only_to_one_that_is_founded_as_well(void **state)
+TEST(a_live_profile_gives_way_only_to_one_that_is_founded_as_well)
 {
-    (void)state;
     static const struct {
         struct {
             const char *verdict;
@@ -277,8 +249,7 @@ static void a_live_profile_gives_way_only_to_one_that_is_founded_as_well(void **
         {{"faster", 0.16, 0.31, 0}, {"faster", 0.02, 0.9, 8}, true}, // of an older version
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        test_folder folder = test_folder_make();
-        store *s = test_store_open(folder.store, STORE_WRITE);
+        store *s = test_store_fresh();
         profile_row live = gained(s, cases[i].live.verdict, cases[i].live.low, cases[i].live.high,
                                   cases[i].live.rounds);
         profile_row next = gained(s, cases[i].next.verdict, cases[i].next.low, cases[i].next.high,
@@ -293,14 +264,12 @@ static void a_live_profile_gives_way_only_to_one_that_is_founded_as_well(void **
         if (strcmp(next.verdict, "ambiguous") != 0)
             assert_string_equal(put(s, &next, NULL).unused, "");
         store_close(s);
-        test_folder_remove(&folder);
     }
 }
 
 // Times that other programs disturbed are narrow and wrong.
-static void quiet_comes_before_all_other_grounds(void **state)
+TEST(quiet_comes_before_all_other_grounds)
 {
-    (void)state;
     enum { UNKNOWN, DISTURBED, QUIET, N };
     static const struct {
         uint32_t watched, disturbed;
@@ -313,8 +282,7 @@ static void quiet_comes_before_all_other_grounds(void **state)
     };
     for (int next = 0; next < N; ++next)
         for (int live = 0; live < N; ++live) {
-            test_folder folder = test_folder_make();
-            store *s = test_store_open(folder.store, STORE_WRITE);
+            store *s = test_store_fresh();
             bool narrow = next == live || !replaces[next][live];
             profile_row rows[2] = {gained(s, "faster", 0.16, 0.31, 20),
                                    gained(s, narrow ? "slower" : "same", narrow ? -0.30 : -0.5,
@@ -328,7 +296,6 @@ static void quiet_comes_before_all_other_grounds(void **state)
             if ((*placed.unused == '\0') != replaces[next][live])
                 fail_msg("next %d, live %d: '%s'", next, live, placed.unused);
             store_close(s);
-            test_folder_remove(&folder);
         }
 }
 
@@ -337,8 +304,7 @@ static void quiet_comes_before_all_other_grounds(void **state)
 static bool replaces(const char *options, const profile_row *gain, const double before_ns[2],
                      const double ns[2])
 {
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     duet_error err = {0};
     char ids[2][PROFILE_ID];
     profile_row row = gained(s, gain->verdict, gain->gain_low, gain->gain_high, gain->rounds);
@@ -356,14 +322,12 @@ static bool replaces(const char *options, const profile_row *gain, const double 
     row.median_ns = row.high_ns = ns[1];
     bool replaced = *put(s, &row, NULL).unused == '\0';
     store_close(s);
-    test_folder_remove(&folder);
     return replaced;
 }
 
 // What a search among fewer kernels finds is as sure, and a worse plan.
-static void another_search_replaces_no_faster_plan(void **state)
+TEST(another_search_replaces_no_faster_plan)
 {
-    (void)state;
     static const profile_row gain = {
         .verdict = "faster", .gain_low = 0.1, .gain_high = 0.2, .rounds = 20};
     static const double before[] = {3e6, 3e6}, slower[] = {9e6, 9e6}, faster[] = {2e6, 2e6};
@@ -373,9 +337,8 @@ static void another_search_replaces_no_faster_plan(void **state)
 }
 
 // One device has nothing to race against.
-static void another_search_of_one_device_replaces_no_better_measured_step(void **state)
+TEST(another_search_of_one_device_replaces_no_better_measured_step)
 {
-    (void)state;
     static const profile_row gain = {.verdict = "same"};
     static const double before[] = {2.9e6, 3.1e6}, wider[] = {2e6, 5e6},
                         narrower[] = {2.95e6, 3.05e6};
@@ -391,11 +354,9 @@ static int64_t is_live(store *s, const profile_placed *placed)
     return test_count(s, query);
 }
 
-static void a_stored_profile_is_put_to_use_and_forgotten(void **state)
+TEST(a_stored_profile_is_put_to_use_and_forgotten)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     duet_error err = {0};
     profile_row row = gained(s, "faster", 0.1, 0.2, 20);
     profile_row unfounded = gained(s, "ambiguous", -0.1, 0.2, 3);
@@ -426,14 +387,11 @@ static void a_stored_profile_is_put_to_use_and_forgotten(void **state)
     assert_non_null(strstr(err.text, "an empty name is no profile's"));
     assert_int_equal(test_count(s, "audit WHERE what IN ('use', 'forget')"), 3);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-static void what_is_not_json_is_refused(void **state)
+TEST(what_is_not_json_is_refused)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     static const char *const bad[] = {"", "[1]", "{\"a\":}", "{} trailing", "{\"a\":1"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         duet_error err = {0};
@@ -444,28 +402,6 @@ static void what_is_not_json_is_refused(void **state)
         assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     }
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_pair_and_a_workload_are_stored_once),
-        cmocka_unit_test(every_field_of_a_device_tells_devices_apart),
-        cmocka_unit_test(a_drivers_version_changes_the_key_and_not_the_seat),
-        cmocka_unit_test(a_hosts_memory_does_not_change_its_cpu),
-        cmocka_unit_test(two_draws_of_one_scene_are_one_workload),
-        cmocka_unit_test(the_order_of_effects_does_not_matter_and_the_effects_do),
-        cmocka_unit_test(a_workload_that_cannot_be_is_refused),
-        cmocka_unit_test(a_trial_comes_back_as_it_went_in),
-        cmocka_unit_test(a_trial_without_measurements_needs_a_reason_and_no_times),
-        cmocka_unit_test(a_replaced_profile_stays_dead_with_its_reason),
-        cmocka_unit_test(a_live_profile_gives_way_only_to_one_that_is_founded_as_well),
-        cmocka_unit_test(quiet_comes_before_all_other_grounds),
-        cmocka_unit_test(another_search_replaces_no_faster_plan),
-        cmocka_unit_test(another_search_of_one_device_replaces_no_better_measured_step),
-        cmocka_unit_test(a_stored_profile_is_put_to_use_and_forgotten),
-        cmocka_unit_test(what_is_not_json_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -12,14 +12,9 @@
 
 // ----------------------------------------------------------------------- sessions
 
-static void a_stopped_session_is_resumed_with_its_state(void **state)
+TEST(a_stopped_session_is_resumed_with_its_state)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    test_tune(s, &pair, &workload);
+    store *s = test_store_tuned();
     duet_error err = {0};
     profile_session session = test_session(1, 1);
     profile_resumed resumed;
@@ -44,17 +39,11 @@ static void a_stopped_session_is_resumed_with_its_state(void **state)
     assert_int_equal(resumed.trials, 1);
     profile_resumed_free(&resumed);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-static void another_search_is_not_resumed(void **state)
+TEST(another_search_is_not_resumed)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    test_tune(s, &pair, &workload);
+    store *s = test_store_tuned();
     duet_error err = {0};
     profile_session session = test_session(1, 1);
     char id[PROFILE_ID];
@@ -73,18 +62,12 @@ static void another_search_is_not_resumed(void **state)
         profile_resumed_free(&resumed);
     }
     store_close(s);
-    test_folder_remove(&folder);
 }
 
 // What was asked is part of what is finished.
-static void what_was_asked_and_finished_is_known(void **state)
+TEST(what_was_asked_and_finished_is_known)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    test_tune(s, &pair, &workload);
+    store *s = test_store_tuned();
     duet_error err = {0};
     char uid[PROFILE_ID];
     profile_session session = test_session(1, 1);
@@ -111,14 +94,11 @@ static void what_was_asked_and_finished_is_known(void **state)
     assert_ok(profile_session_known(s, &others[5], uid, &err), err);
     assert_int_equal(strlen(uid), PROFILE_ID - 1);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-static void one_process_measures_a_workload_whatever_it_asks(void **state)
+TEST(one_process_measures_a_workload_whatever_it_asks)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     duet_error err = {0};
     profile_pair pair = test_pair(), swapped = {.a = pair.b, .b = pair.a};
     profile_workload workloads[2] = {test_workload(1000), test_workload(2000)};
@@ -150,23 +130,17 @@ static void one_process_measures_a_workload_whatever_it_asks(void **state)
         profile_resumed_free(&resumed);
     }
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-static void a_dead_owners_session_is_resumed(void **state)
+TEST(a_dead_owners_session_is_resumed)
 {
-    (void)state;
     static const char *const owners[] = {
         "UPDATE session SET pid_start = pid_start + 1",            // the number went to another
         "UPDATE session SET pid = 999999999",                      // no such process
         "UPDATE session SET host = 'elsewhere', heartbeat_ns = 1", // long silent
     };
     for (size_t i = 0; i < sizeof owners / sizeof owners[0]; ++i) {
-        test_folder folder = test_folder_make();
-        store *s = test_store_open(folder.store, STORE_WRITE);
-        profile_pair pair = test_pair();
-        profile_workload workload = test_workload(1000);
-        test_tune(s, &pair, &workload);
+        store *s = test_store_tuned();
         duet_error err = {0};
         profile_session session = test_session(1, 1);
         char id[PROFILE_ID];
@@ -178,18 +152,12 @@ static void a_dead_owners_session_is_resumed(void **state)
         assert_string_equal(resumed.id, id);
         profile_resumed_free(&resumed);
         store_close(s);
-        test_folder_remove(&folder);
     }
 }
 
-static void a_silent_owner_elsewhere_is_given_ten_minutes(void **state)
+TEST(a_silent_owner_elsewhere_is_given_ten_minutes)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    test_tune(s, &pair, &workload);
+    store *s = test_store_tuned();
     duet_error err = {0};
     profile_session session = test_session(1, 1);
     char id[PROFILE_ID];
@@ -200,18 +168,6 @@ static void a_silent_owner_elsewhere_is_given_ten_minutes(void **state)
     assert_int_equal(resumed.claim, PROFILE_CLAIM_BUSY);
     profile_resumed_free(&resumed);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_stopped_session_is_resumed_with_its_state),
-        cmocka_unit_test(another_search_is_not_resumed),
-        cmocka_unit_test(what_was_asked_and_finished_is_known),
-        cmocka_unit_test(one_process_measures_a_workload_whatever_it_asks),
-        cmocka_unit_test(a_dead_owners_session_is_resumed),
-        cmocka_unit_test(a_silent_owner_elsewhere_is_given_ten_minutes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

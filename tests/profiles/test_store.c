@@ -22,9 +22,7 @@ static void write_bytes(const char *path, const char *bytes, size_t n)
 
 static void assert_file_is(const char *path, const char *bytes, size_t n)
 {
-    text t = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&t, path, &err), err);
+    text t = test_read_file(path);
     assert_int_equal(t.length, n);
     assert_memory_equal(t.chars, bytes, n);
     text_free(&t);
@@ -32,9 +30,8 @@ static void assert_file_is(const char *path, const char *bytes, size_t n)
 
 // ------------------------------------------------------------- making and opening
 
-static void a_store_is_made_with_its_folders(void **state)
+TEST(a_store_is_made_with_its_folders)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     char path[128];
     snprintf(path, sizeof path, "%s/a/b/profiles.db", folder.path);
@@ -44,12 +41,10 @@ static void a_store_is_made_with_its_folders(void **state)
     assert_int_equal(test_count(s, "profile"), 0);
     store_close(s);
     store_close(test_store_open(path, STORE_READ));
-    test_folder_remove(&folder);
 }
 
-static void a_path_comes_from_the_environment(void **state)
+TEST(a_path_comes_from_the_environment)
 {
-    (void)state;
     text path = {0};
     duet_error err = {0};
     setenv("DUET_PROFILE", "/p/q.db", 1);
@@ -72,9 +67,8 @@ static void a_path_comes_from_the_environment(void **state)
     text_free(&path);
 }
 
-static void the_system_store_is_the_first_that_exists(void **state)
+TEST(the_system_store_is_the_first_that_exists)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     char path[128];
     snprintf(path, sizeof path, "%s/duet/profiles.db", folder.path);
@@ -89,32 +83,27 @@ static void the_system_store_is_the_first_that_exists(void **state)
     setenv("XDG_DATA_DIRS", "/nowhere", 1);
     assert_false(store_system_path(&found));
     unsetenv("XDG_DATA_DIRS");
-    test_folder_remove(&folder);
 }
 
-static void a_missing_store_is_not_made_by_reading(void **state)
+TEST(a_missing_store_is_not_made_by_reading)
 {
-    (void)state;
     duet_error err = test_store_refusal("no/such/profiles.db", STORE_READ);
     assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
     assert_int_not_equal(access("no", F_OK), 0);
 }
 
-static void an_empty_file_becomes_a_store_only_by_writing(void **state)
+TEST(an_empty_file_becomes_a_store_only_by_writing)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     write_bytes(folder.store, "", 0);
     assert_int_equal(test_store_refusal(folder.store, STORE_READ).status, DUET_STATUS_NOT_FOUND);
     assert_file_is(folder.store, "", 0);
     store_close(test_store_open(folder.store, STORE_WRITE));
     store_close(test_store_open(folder.store, STORE_READ));
-    test_folder_remove(&folder);
 }
 
-static void network_file_systems_keep_a_rollback_journal(void **state)
+TEST(network_file_systems_keep_a_rollback_journal)
 {
-    (void)state;
     assert_string_equal(store_journal(0x6969), "delete");     // NFS
     assert_string_equal(store_journal(0xff534d42), "delete"); // CIFS
     assert_string_equal(store_journal((unsigned long)(int32_t)0xff534d42), "delete");
@@ -181,13 +170,10 @@ static void take_a_store_through(const char *path)
 }
 
 // One file with exactly that name, in the folder one is in and by its whole path.
-static void a_path_names_that_very_file(void **state)
+TEST(a_path_names_that_very_file)
 {
-    (void)state;
-    char start[2048];
-    char whole[4096];
+    char whole[256];
     test_folder folder = test_folder_make();
-    assert_non_null(getcwd(start, sizeof start));
     assert_int_equal(chdir(folder.path), 0);
     for (size_t i = 0; i < sizeof odd_names / sizeof odd_names[0]; ++i) {
         take_a_store_through(odd_names[i]);
@@ -198,36 +184,27 @@ static void a_path_names_that_very_file(void **state)
         assert_int_equal(test_count_files(), 1);
         assert_int_equal(remove(odd_names[i]), 0);
     }
-    assert_int_equal(chdir(start), 0);
-    test_folder_remove(&folder);
 }
 
-static void a_folder_called_file_leads_nowhere_else(void **state)
+TEST(a_folder_called_file_leads_nowhere_else)
 {
-    (void)state;
-    char start[2048], whole[2200];
+    char whole[128];
     test_folder folder = test_folder_make();
     store_close(test_store_open(folder.store, STORE_WRITE));
-    assert_non_null(getcwd(start, sizeof start));
-    assert_int_equal(chdir(folder.path), 0);
-    snprintf(whole, sizeof whole, "file:%s/%s", start, folder.store);
+    snprintf(whole, sizeof whole, "file:%s", folder.store);
     assert_int_equal(test_store_refusal(whole, STORE_READ).status, DUET_STATUS_NOT_FOUND);
-    assert_int_equal(chdir(start), 0);
-    test_folder_remove(&folder);
 }
 
-static void an_empty_path_is_refused(void **state)
+TEST(an_empty_path_is_refused)
 {
-    (void)state;
     assert_non_null(strstr(test_store_refusal("", STORE_WRITE).text, "path is empty"));
     assert_non_null(strstr(test_store_refusal("", STORE_READ).text, "path is empty"));
 }
 
 // --------------------------------------------------------------- what is not ours
 
-static void a_file_that_is_no_database_is_left_as_it_is(void **state)
+TEST(a_file_that_is_no_database_is_left_as_it_is)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     rng r = rng_seed(test_seed());
     for (size_t n = 1; n < 9000; n = n * 3 + 1) {
@@ -243,12 +220,10 @@ static void a_file_that_is_no_database_is_left_as_it_is(void **state)
         assert_file_is(folder.store, bytes, n);
         free(bytes);
     }
-    test_folder_remove(&folder);
 }
 
-static void another_programs_database_is_left_as_it_is(void **state)
+TEST(another_programs_database_is_left_as_it_is)
 {
-    (void)state;
     static const char *const others[] = {
         "CREATE TABLE t (x); INSERT INTO t VALUES (1)",
         "PRAGMA application_id = 252006675; CREATE TABLE t (x)",
@@ -257,64 +232,50 @@ static void another_programs_database_is_left_as_it_is(void **state)
     for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
         test_folder folder = test_folder_make();
         test_store_run(folder.store, others[i]);
-        text before = {0};
-        duet_error err = {0};
-        assert_ok(text_read_file(&before, folder.store, &err), err);
+        text before = test_read_file(folder.store);
         assert_non_null(
             strstr(test_store_refusal(folder.store, STORE_WRITE).text, "another program's"));
         assert_non_null(
             strstr(test_store_refusal(folder.store, STORE_READ).text, "another program's"));
         assert_file_is(folder.store, before.chars, before.length);
         text_free(&before);
-        test_folder_remove(&folder);
     }
 }
 
-static void a_folder_and_a_pipe_are_no_store(void **state)
+TEST(a_folder_and_a_pipe_are_no_store)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     assert_non_null(strstr(test_store_refusal(folder.path, STORE_WRITE).text, "is a folder"));
     assert_int_equal(mkfifo(folder.store, 0600), 0);
     assert_non_null(
         strstr(test_store_refusal(folder.store, STORE_READ).text, "a device or a pipe"));
-    test_folder_remove(&folder);
 }
 
-static void a_truncated_store_is_reported_and_kept(void **state)
+TEST(a_truncated_store_is_reported_and_kept)
 {
-    (void)state;
     test_folder folder = test_folder_make();
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
     store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune(s, &pair, &workload);
+    test_tune_usual(s);
     store_close(s);
-    text whole = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&whole, folder.store, &err), err);
+    text whole = test_read_file(folder.store);
     for (size_t n = whole.length - 4096; n > 100; n /= 3) {
         write_bytes(folder.store, whole.chars, n);
         assert_non_null(strstr(test_store_refusal(folder.store, STORE_WRITE).text, "damaged"));
         assert_file_is(folder.store, whole.chars, n);
     }
     text_free(&whole);
-    test_folder_remove(&folder);
 }
 
 // Wherever bytes are spoilt, every call ends, with rows or with one line.
-static void a_damaged_store_never_crashes_a_look_up(void **state)
+TEST(a_damaged_store_never_crashes_a_look_up)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     profile_pair pair = test_pair();
     profile_workload workload = test_workload(1000);
     store *s = test_store_open(folder.store, STORE_WRITE);
     test_tune(s, &pair, &workload);
     store_close(s);
-    text whole = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&whole, folder.store, &err), err);
+    text whole = test_read_file(folder.store);
     rng r = rng_seed(test_seed());
     profile_request request = test_request(&pair, &workload);
     int refused = 0;
@@ -343,13 +304,11 @@ static void a_damaged_store_never_crashes_a_look_up(void **state)
     }
     assert_true(refused > 0);
     text_free(&whole);
-    test_folder_remove(&folder);
 }
 
 // Whatever such a file says to be is run when a table of that name is read.
-static void a_view_or_trigger_of_a_stranger_is_refused(void **state)
+TEST(a_view_or_trigger_of_a_stranger_is_refused)
 {
-    (void)state;
     static const struct {
         const char *statements, *says;
     } cases[] = {
@@ -374,17 +333,14 @@ static void a_view_or_trigger_of_a_stranger_is_refused(void **state)
             if (!strstr(err.text, cases[i].says))
                 fail_msg("'%s' does not say '%s'", err.text, cases[i].says);
         }
-        test_folder_remove(&folder);
     }
 }
 
 // ----------------------------------------------------------------------- transactions
 
-static void a_failure_inside_undoes_the_whole_transaction(void **state)
+TEST(a_failure_inside_undoes_the_whole_transaction)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     duet_error err = {0};
     assert_ok(store_begin(s, &err), err);
     assert_ok(store_audit(s, "outer", "", &err), err);
@@ -394,28 +350,6 @@ static void a_failure_inside_undoes_the_whole_transaction(void **state)
     assert_false(store_end(s, true, &err));
     assert_int_equal(test_count(s, "audit"), 0);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_store_is_made_with_its_folders),
-        cmocka_unit_test(a_path_comes_from_the_environment),
-        cmocka_unit_test(the_system_store_is_the_first_that_exists),
-        cmocka_unit_test(a_missing_store_is_not_made_by_reading),
-        cmocka_unit_test(an_empty_file_becomes_a_store_only_by_writing),
-        cmocka_unit_test(network_file_systems_keep_a_rollback_journal),
-        cmocka_unit_test(a_path_names_that_very_file),
-        cmocka_unit_test(a_folder_called_file_leads_nowhere_else),
-        cmocka_unit_test(an_empty_path_is_refused),
-        cmocka_unit_test(a_file_that_is_no_database_is_left_as_it_is),
-        cmocka_unit_test(another_programs_database_is_left_as_it_is),
-        cmocka_unit_test(a_folder_and_a_pipe_are_no_store),
-        cmocka_unit_test(a_truncated_store_is_reported_and_kept),
-        cmocka_unit_test(a_damaged_store_never_crashes_a_look_up),
-        cmocka_unit_test(a_view_or_trigger_of_a_stranger_is_refused),
-        cmocka_unit_test(a_failure_inside_undoes_the_whole_transaction),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -66,21 +66,17 @@ static void write_without_rights(const test_folder *folder)
            "a read-only file is looked up in", &err);
 }
 
-static void a_read_only_store_is_looked_up_in_and_not_tuned_into(void **state)
+TEST(a_read_only_store_is_looked_up_in_and_not_tuned_into)
 {
-    (void)state;
     test_folder folder = test_folder_make();
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
     store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune(s, &pair, &workload);
+    test_tune_usual(s);
     store_close(s);
     usleep(100000); // until the file counts as settled
     chmod(folder.store, 0444);
     chmod(folder.path, 0555);
     in_a_process(write_without_rights, &folder);
     chmod(folder.path, 0755);
-    test_folder_remove(&folder);
 }
 
 static void make_without_rights(const test_folder *folder)
@@ -97,9 +93,8 @@ static void make_without_rights(const test_folder *folder)
            "a file that cannot be made is named", &err);
 }
 
-static void reading_leaves_no_file_behind(void **state)
+TEST(reading_leaves_no_file_behind)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     store_close(test_store_open(folder.store, STORE_WRITE));
     store *s = test_store_open(folder.store, STORE_READ);
@@ -110,17 +105,14 @@ static void reading_leaves_no_file_behind(void **state)
     char side[128];
     snprintf(side, sizeof side, "%s-shm", folder.store);
     assert_int_not_equal(access(side, F_OK), 0);
-    test_folder_remove(&folder);
 }
 
-static void a_read_only_folder_is_named(void **state)
+TEST(a_read_only_folder_is_named)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     chmod(folder.path, 0555);
     in_a_process(make_without_rights, &folder);
     chmod(folder.path, 0755);
-    test_folder_remove(&folder);
 }
 
 static void tune_until_full(const test_folder *folder)
@@ -148,14 +140,11 @@ static void tune_until_full(const test_folder *folder)
     store_close(s);
 }
 
-static void a_full_disk_loses_only_what_did_not_fit(void **state)
+TEST(a_full_disk_loses_only_what_did_not_fit)
 {
-    (void)state;
     test_folder folder = test_folder_make();
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
     store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune(s, &pair, &workload);
+    test_tune_usual(s);
     store_close(s);
     in_a_process(tune_until_full, &folder);
     s = test_store_open(folder.store, STORE_WRITE);
@@ -166,7 +155,6 @@ static void a_full_disk_loses_only_what_did_not_fit(void **state)
                      0);
     assert_int_equal(test_count(s, "pragma_integrity_check WHERE integrity_check <> 'ok'"), 0);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
 // ------------------------------------------------------------------ what fails at once
@@ -186,13 +174,11 @@ static void make_under_a_limit(const test_folder *folder)
     }
 }
 
-static void a_store_that_does_not_fit_leaves_nothing(void **state)
+TEST(a_store_that_does_not_fit_leaves_nothing)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     in_a_process(make_under_a_limit, &folder);
     store_close(test_store_open(folder.store, STORE_WRITE));
-    test_folder_remove(&folder);
 }
 
 // Every means by which a store is read, on one that is not to be written.
@@ -223,10 +209,8 @@ static void read_by_all_means(const test_folder *folder)
 
 static void tune_one(const char *path)
 {
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
     store *s = test_store_open(path, STORE_WRITE);
-    test_tune(s, &pair, &workload);
+    test_tune_usual(s);
     store_close(s);
 }
 
@@ -273,12 +257,10 @@ static void read_on_a_full_disk(const test_folder *folder)
     expect(access(other, F_OK) != 0, "and is not there either", &err);
 }
 
-static void a_full_disk_is_read(void **state)
+TEST(a_full_disk_is_read)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     in_a_process(read_on_a_full_disk, &folder);
-    test_folder_remove(&folder);
 }
 
 static void read_as_another(const test_folder *folder)
@@ -289,16 +271,14 @@ static void read_as_another(const test_folder *folder)
 }
 
 // Not its owner, and in no way able to write: neither the file nor beside it.
-static void a_store_of_another_user_is_read(void **state)
+TEST(a_store_of_another_user_is_read)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     tune_one(folder.store);
     chmod(folder.path, 0555);
     usleep(100000); // until the file counts as settled
     in_a_process(read_as_another, &folder);
     chmod(folder.path, 0755);
-    test_folder_remove(&folder);
 }
 
 // Ends without closing: the rows are in the side file only.
@@ -344,9 +324,8 @@ static void be_refused_what_was_left(const test_folder *folder)
 
 // Whoever may not write reads them too, or is told who must open it first; the
 // owner puts them into the file.
-static void rows_of_a_killed_writer_are_read_or_their_owner_is_named(void **state)
+TEST(rows_of_a_killed_writer_are_read_or_their_owner_is_named)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     char side[128];
     snprintf(side, sizeof side, "%s-shm", folder.store);
@@ -362,13 +341,11 @@ static void rows_of_a_killed_writer_are_read_or_their_owner_is_named(void **stat
     duet_error err = {0};
     assert_int_equal(count_killed(&folder, &err), 1);
     assert_int_not_equal(access(side, F_OK), 0);
-    test_folder_remove(&folder);
 }
 
 // A text that anybody may have put there is not held in memory to be shown.
-static void a_text_that_is_too_long_is_told_of_with_its_row(void **state)
+TEST(a_text_that_is_too_long_is_told_of_with_its_row)
 {
-    (void)state;
     static const char *const texts[][2] = {
         {"device SET name = %s WHERE id = 1", "row 1 of table device is longer than 16 MiB"},
         {"profile SET verdict = 'same', kernels = %s", "row 1 of table profile is longer"},
@@ -394,22 +371,7 @@ static void a_text_that_is_too_long_is_told_of_with_its_row(void **state)
         if (!strstr(err.text, texts[i][1]))
             fail_msg("'%s', not '%s'", err.text, texts[i][1]);
         store_close(s);
-        test_folder_remove(&folder);
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_read_only_store_is_looked_up_in_and_not_tuned_into),
-        cmocka_unit_test(reading_leaves_no_file_behind),
-        cmocka_unit_test(a_read_only_folder_is_named),
-        cmocka_unit_test(a_full_disk_loses_only_what_did_not_fit),
-        cmocka_unit_test(a_store_that_does_not_fit_leaves_nothing),
-        cmocka_unit_test(a_full_disk_is_read),
-        cmocka_unit_test(a_store_of_another_user_is_read),
-        cmocka_unit_test(rows_of_a_killed_writer_are_read_or_their_owner_is_named),
-        cmocka_unit_test(a_text_that_is_too_long_is_told_of_with_its_row),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -12,7 +12,6 @@
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -152,9 +151,8 @@ static void read_rows(const char *path, int who)
     }
 }
 
-static void writers_and_readers_do_not_disturb_each_other(void **state)
+TEST(writers_and_readers_do_not_disturb_each_other)
 {
-    (void)state;
     test_folder folder = test_folder_make(); // the first writer makes the file
     pid_t children[WRITERS + READERS];
     for (int i = 0; i < WRITERS; ++i)
@@ -172,7 +170,6 @@ static void writers_and_readers_do_not_disturb_each_other(void **state)
     assert_int_equal(test_count(s, "pair"), 1);
     assert_sound(s);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
 // Of many processes that want one session exactly one gets it. They live until all have asked.
@@ -196,9 +193,8 @@ static void claim(const char *path, int who)
     store_close(s);
 }
 
-static void one_of_many_takes_up_a_stopped_session(void **state)
+TEST(one_of_many_takes_up_a_stopped_session)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     duet_error err = {0};
     store *s = store_open(folder.store, STORE_WRITE, &err);
@@ -224,7 +220,6 @@ static void one_of_many_takes_up_a_stopped_session(void **state)
     assert_int_equal(resumed, 1);
     close(claim_pipe[0]);
     close(end_pipe[0]);
-    test_folder_remove(&folder);
 }
 
 static int told_pipe[2];
@@ -287,9 +282,8 @@ static void assert_resumes(store *s, int32_t told)
     profile_resumed_free(&resumed);
 }
 
-static void a_killed_writer_loses_at_most_one_trial(void **state)
+TEST(a_killed_writer_loses_at_most_one_trial)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     rng r = rng_seed(test_seed());
     int64_t trials = 0;
@@ -311,13 +305,11 @@ static void a_killed_writer_loses_at_most_one_trial(void **state)
     }
     assert_true(trials > 0);
     print_message("%" PRId64 " trials survived %d kills\n", trials, KILLS);
-    test_folder_remove(&folder);
 }
 
 // A killed writer leaves side files; a look-up still sees what it had stored.
-static void a_look_up_works_after_a_kill(void **state)
+TEST(a_look_up_works_after_a_kill)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     duet_error err = {0};
     assert_int_equal(pipe(told_pipe), 0);
@@ -337,16 +329,6 @@ static void a_look_up_works_after_a_kill(void **state)
     assert_ok(profile_lookup_files(folder.store, NULL, &request, &found, &why, &err), err);
     assert_non_null(strstr(text_chars(&why), "this workload was never measured on these two"));
     text_free(&why);
-    test_folder_remove(&folder);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(writers_and_readers_do_not_disturb_each_other),
-        cmocka_unit_test(one_of_many_takes_up_a_stopped_session),
-        cmocka_unit_test(a_killed_writer_loses_at_most_one_trial),
-        cmocka_unit_test(a_look_up_works_after_a_kill),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -10,7 +10,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 
 static const char *const failures[][2] = {
@@ -54,9 +53,8 @@ static cJSON *document_of(store *s)
     return document;
 }
 
-static void every_trial_is_a_result_that_says_whether_it_is_correct(void **state)
+TEST(every_trial_is_a_result_that_says_whether_it_is_correct)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     store *s = make_store(&folder);
     cJSON *document = document_of(s);
@@ -81,24 +79,19 @@ static void every_trial_is_a_result_that_says_whether_it_is_correct(void **state
     }
     cJSON_Delete(document);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-static void a_store_without_trials_is_a_document_without_results(void **state)
+TEST(a_store_without_trials_is_a_document_without_results)
 {
-    (void)state;
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_fresh();
     cJSON *document = document_of(s);
     json_array(document, "results", 0);
     cJSON_Delete(document);
     store_close(s);
-    test_folder_remove(&folder);
 }
 
-static void kernel_tuners_schema_finds_it_valid(void **state)
+TEST(kernel_tuners_schema_finds_it_valid)
 {
-    (void)state;
     char path[128], command[512];
     duet_error err = {0};
     test_folder folder = test_folder_make();
@@ -109,7 +102,6 @@ static void kernel_tuners_schema_finds_it_valid(void **state)
              getenv("DUET_TEST_DATA"), path);
     int status = system(command);
     store_close(s);
-    test_folder_remove(&folder);
     bool absent = WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127;
     if (absent) {
         print_message("no kernel-tuner here: its schema is not asked\n");
@@ -118,12 +110,4 @@ static void kernel_tuners_schema_finds_it_valid(void **state)
     assert_int_equal(status, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_trial_is_a_result_that_says_whether_it_is_correct),
-        cmocka_unit_test(a_store_without_trials_is_a_document_without_results),
-        cmocka_unit_test(kernel_tuners_schema_finds_it_valid),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -99,9 +99,8 @@ static void hits_are_those_of_a_sweep_in(uint32_t dims, uint32_t share)
     free(asked);
 }
 
-static void hits_are_those_of_a_sweep(void **state)
+TEST(hits_are_those_of_a_sweep)
 {
-    (void)state;
     hits_are_those_of_a_sweep_in(3, DUET_SHARE_ONE / 3);
     hits_are_those_of_a_sweep_in(2, 0);
 }
@@ -133,9 +132,8 @@ static uint64_t count_by_pairs(duet_level level, const duet_pose *boxes, uint32_
     return result.colliding;
 }
 
-static void every_level_answers_as_a_pair_query(void **state)
+TEST(every_level_answers_as_a_pair_query)
 {
-    (void)state;
     enum { N = 150, M = 100 };
     duet_pose boxes[N], asked[M];
     rng r = rng_seed(test_seed());
@@ -164,9 +162,8 @@ static void every_level_answers_as_a_pair_query(void **state)
     duet_tree_destroy(tree);
 }
 
-static void bounds_meet_where_comparisons_say_so(void **state)
+TEST(bounds_meet_where_comparisons_say_so)
 {
-    (void)state;
     enum { N = 600 };
     duet_bounds bounds[N];
     rng r = rng_seed(test_seed());
@@ -213,9 +210,8 @@ static void meets_itself(duet_box_query *query, const duet_filter *filters, uint
 }
 
 // A tree without objects, and one with a body that was taken out of its motion.
-static void what_is_not_there_meets_nothing(void **state)
+TEST(what_is_not_there_meets_nothing)
 {
-    (void)state;
     duet_error err = {0};
     const duet_pose poses[3] = {{{0}, {1, 1, 1}, {0, 0, 0, 1}},
                                 {{0}, {1, 1, 1}, {0, 0, 0, 1}},
@@ -241,9 +237,8 @@ static void what_is_not_there_meets_nothing(void **state)
 }
 
 // Enough boxes to be sorted before they are asked about, and lists that grow.
-static void a_set_joined_with_itself_has_a_worlds_pairs(void **state)
+TEST(a_set_joined_with_itself_has_a_worlds_pairs)
 {
-    (void)state;
     enum { N = 20000 };
     duet_error err = {0};
     duet_pose *poses = calloc(N, sizeof *poses);
@@ -287,9 +282,8 @@ static void a_set_joined_with_itself_has_a_worlds_pairs(void **state)
     duet_world_destroy(world);
 }
 
-static void what_is_no_box_is_refused_by_its_number(void **state)
+TEST(what_is_no_box_is_refused_by_its_number)
 {
-    (void)state;
     const duet_pose good = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     duet_pose asked[3] = {good, good, good};
     duet_error err = {0};
@@ -306,15 +300,4 @@ static void what_is_no_box_is_refused_by_its_number(void **state)
     duet_box_query_destroy(query);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hits_are_those_of_a_sweep),
-        cmocka_unit_test(every_level_answers_as_a_pair_query),
-        cmocka_unit_test(bounds_meet_where_comparisons_say_so),
-        cmocka_unit_test(a_set_joined_with_itself_has_a_worlds_pairs),
-        cmocka_unit_test(what_is_not_there_meets_nothing),
-        cmocka_unit_test(what_is_no_box_is_refused_by_its_number),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -4,6 +4,7 @@
 #include "support/test.h"
 
 #include "support/devices.h"
+#include "support/trees.h"
 
 #include "base/rng.h"
 #include "runtime/narrowphase/narrow.h"
@@ -158,11 +159,8 @@ static void ask_rays(const scene *s, duet_tree *tree, int wants, answer *found)
 {
     duet_error err = {0};
     duet_ray_query_result result;
-    duet_ray_query_def def = duet_default_ray_query_def();
-    def.tree = tree;
-    def.wants = (duet_query_wants)wants;
-    duet_ray_query *query = duet_ray_query_create(&def, &err);
-    assert_ok(query && duet_ray_query_run_large(query, s->large_rays, ASKED, &result, &err), err);
+    duet_ray_query *query = open_ray_query(tree, (duet_query_wants)wants, false);
+    assert_ok(duet_ray_query_run_large(query, s->large_rays, ASKED, &result, &err), err);
     keep(found, result.hits, result.n_hits, sizeof *result.hits);
     duet_ray_query_destroy(query);
 }
@@ -171,12 +169,8 @@ static void ask_points(const scene *s, duet_tree *tree, int nearest, answer *fou
 {
     duet_error err = {0};
     duet_point_query_result result;
-    duet_point_query_def def = duet_default_point_query_def();
-    def.tree = tree;
-    def.nearest = (uint32_t)nearest;
-    duet_point_query *query = duet_point_query_create(&def, &err);
-    assert_ok(query && duet_point_query_run_large(query, s->large_points, ASKED, &result, &err),
-              err);
+    duet_point_query *query = open_point_query(tree, (uint32_t)nearest);
+    assert_ok(duet_point_query_run_large(query, s->large_points, ASKED, &result, &err), err);
     keep(found, result.hits, result.n_hits, sizeof *result.hits);
     duet_point_query_destroy(query);
 }
@@ -185,13 +179,10 @@ static void ask_sweeps(const scene *s, duet_tree *tree, int wants, answer *found
 {
     duet_error err = {0};
     duet_sweep_query_result result;
-    duet_sweep_query_def def = duet_default_sweep_query_def();
-    def.tree = tree;
-    def.wants = (duet_query_wants)wants;
-    duet_sweep_query *query = duet_sweep_query_create(&def, &err);
-    assert_ok(query && duet_sweep_query_run(query, DUET_OBJECT_LARGE_POSES, s->large_sweeps, ASKED,
-                                            &result, &err),
-              err);
+    duet_sweep_query *query = open_sweep_query(tree, (duet_query_wants)wants);
+    assert_ok(
+        duet_sweep_query_run(query, DUET_OBJECT_LARGE_POSES, s->large_sweeps, ASKED, &result, &err),
+        err);
     keep(found, result.hits, result.n_hits, sizeof *result.hits);
     duet_sweep_query_destroy(query);
 }
@@ -272,17 +263,15 @@ static void all_hits_of_rays_are_those_of_integers_in(uint32_t dims)
     free(s);
 }
 
-static void all_hits_of_rays_are_those_of_integers_wherever_they_are(void **state)
+TEST(all_hits_of_rays_are_those_of_integers_wherever_they_are)
 {
-    (void)state;
     all_hits_of_rays_are_those_of_integers_in(2);
     all_hits_of_rays_are_those_of_integers_in(3);
 }
 
 // The closest hits are the first of all hits, t included.
-static void a_closest_hit_is_the_first_of_all(void **state)
+TEST(a_closest_hit_is_the_first_of_all)
 {
-    (void)state;
     scene *s = make_scene(3);
     answer closest = ask_everywhere(s, ask_rays, DUET_QUERY_CLOSEST, 3);
     answer every;
@@ -305,9 +294,8 @@ static void a_closest_hit_is_the_first_of_all(void **state)
 }
 
 // Where a box stands upright the surface that a ray enters is known.
-static void t_is_where_the_ray_enters_as_exactly_as_near_0(void **state)
+TEST(t_is_where_the_ray_enters_as_exactly_as_near_0)
 {
-    (void)state;
     scene *s = make_scene(3);
     answer found = ask_everywhere(s, ask_rays, DUET_QUERY_EVERY, 3);
     uint32_t n_seen = 0;
@@ -335,9 +323,8 @@ static void t_is_where_the_ray_enters_as_exactly_as_near_0(void **state)
 }
 
 // A ray across the whole of what cells can say, along the face of a box at its other end.
-static void a_face_is_met_or_missed_by_a_quantum_a_billion_cells_away(void **state)
+TEST(a_face_is_met_or_missed_by_a_quantum_a_billion_cells_away)
 {
-    (void)state;
     const int32_t far = (1 << 30) - 4;
     duet_large_pose box = {{{0}, {1, 1, 1}, {0, 0, 0, 1}}, {far, far, -far}, 0};
     duet_large_ray rays[4];
@@ -364,9 +351,8 @@ static void a_face_is_met_or_missed_by_a_quantum_a_billion_cells_away(void **sta
 
 // ---------------------------------------------------------------- points and boxes
 
-static void points_lie_in_the_boxes_that_integers_say(void **state)
+TEST(points_lie_in_the_boxes_that_integers_say)
 {
-    (void)state;
     scene *s = make_scene(3);
     answer found = ask_everywhere(s, ask_points, 0, 3);
     const duet_point_hit *hits = found.hits;
@@ -406,9 +392,8 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void the_nearest_are_those_of_a_sweep(void **state)
+TEST(the_nearest_are_those_of_a_sweep)
 {
-    (void)state;
     enum { NEAREST = 5 };
     scene *s = make_scene(3);
     answer found = ask_everywhere(s, ask_points, NEAREST, 3);
@@ -429,9 +414,8 @@ static void the_nearest_are_those_of_a_sweep(void **state)
     free(s);
 }
 
-static void boxes_meet_where_integers_say_so(void **state)
+TEST(boxes_meet_where_integers_say_so)
 {
-    (void)state;
     scene *s = make_scene(3);
     answer found = ask_everywhere(s, ask_boxes, DUET_LEVEL_CERTIFIED, 3);
     answer itself = ask_everywhere(s, ask_boxes, -1, 3);
@@ -457,9 +441,8 @@ static void boxes_meet_where_integers_say_so(void **state)
 }
 
 // And t and the normal are those of the same sweep near 0.
-static void sweeps_meet_what_integers_say(void **state)
+TEST(sweeps_meet_what_integers_say)
 {
-    (void)state;
     scene *s = make_scene(3);
     answer found = ask_everywhere(s, ask_sweeps, DUET_QUERY_EVERY, 3);
     const duet_sweep_hit *hits = found.hits;
@@ -485,9 +468,8 @@ static void sweeps_meet_what_integers_say(void **state)
     free(s);
 }
 
-static void cheaper_levels_answer_alike_everywhere(void **state)
+TEST(cheaper_levels_answer_alike_everywhere)
 {
-    (void)state;
     scene *s = make_scene(3);
     answer aabb = ask_everywhere(s, ask_boxes, DUET_LEVEL_AABB, 3);
     answer axes = ask_everywhere(s, ask_boxes, DUET_LEVEL_SAT15, 3);
@@ -500,9 +482,8 @@ static void cheaper_levels_answer_alike_everywhere(void **state)
 // ---------------------------------------------------------------- many, and bodies
 
 // So many that they are sorted by where they begin.
-static void many_are_answered_as_few(void **state)
+TEST(many_are_answered_as_few)
 {
-    (void)state;
     enum { MANY = 15 * ASKED };
     scene *s = make_scene(3);
     duet_error err = {0};
@@ -530,9 +511,8 @@ static void many_are_answered_as_few(void **state)
     free(s);
 }
 
-static void a_gpu_gives_the_same_answers(void **state)
+TEST(a_gpu_gives_the_same_answers)
 {
-    (void)state;
     const struct {
         ask *kind;
         int what;
@@ -560,9 +540,8 @@ static void a_gpu_gives_the_same_answers(void **state)
 }
 
 // Bodies fall alike near 0 and far away, and rays see them alike.
-static void bodies_of_a_motion_are_seen_where_they_are(void **state)
+TEST(bodies_of_a_motion_are_seen_where_they_are)
 {
-    (void)state;
     scene *s = make_scene(3);
     const int32_t *const at[2] = {here, there};
     answer seen[2];
@@ -600,9 +579,8 @@ static void bodies_of_a_motion_are_seen_where_they_are(void **state)
     free(s);
 }
 
-static void a_motion_with_other_cells_is_refused(void **state)
+TEST(a_motion_with_other_cells_is_refused)
 {
-    (void)state;
     duet_error err = {0};
     const duet_pose box = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     duet_motion_def def = duet_default_motion_def();
@@ -619,9 +597,8 @@ static void a_motion_with_other_cells_is_refused(void **state)
 
 // ---------------------------------------------------------------- refusals
 
-static void what_has_no_cells_is_refused_by_name(void **state)
+TEST(what_has_no_cells_is_refused_by_name)
 {
-    (void)state;
     duet_error err = {0};
     duet_large_pose box = {{{0}, {1, 1, 1}, {0, 0, 0, 1}}, {5, 6, 7}, 0};
     duet_tree *tree = open_far_tree(3, 0, &box, 1);
@@ -650,9 +627,8 @@ static void what_has_no_cells_is_refused_by_name(void **state)
     duet_tree_destroy(tree);
 }
 
-static void an_edge_that_is_none_is_refused(void **state)
+TEST(an_edge_that_is_none_is_refused)
 {
-    (void)state;
     const float edges[] = {3, -1, NAN, 0x1p70f, 0x1p-101f};
     duet_tree_def def = duet_default_tree_def();
     def.pair = devices;
@@ -670,24 +646,4 @@ static void an_edge_that_is_none_is_refused(void **state)
     assert_non_null(strstr(err.text, "origin cells are for poses"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_hits_of_rays_are_those_of_integers_wherever_they_are),
-        cmocka_unit_test(a_closest_hit_is_the_first_of_all),
-        cmocka_unit_test(t_is_where_the_ray_enters_as_exactly_as_near_0),
-        cmocka_unit_test(a_face_is_met_or_missed_by_a_quantum_a_billion_cells_away),
-        cmocka_unit_test(points_lie_in_the_boxes_that_integers_say),
-        cmocka_unit_test(the_nearest_are_those_of_a_sweep),
-        cmocka_unit_test(boxes_meet_where_integers_say_so),
-        cmocka_unit_test(sweeps_meet_what_integers_say),
-        cmocka_unit_test(cheaper_levels_answer_alike_everywhere),
-        cmocka_unit_test(many_are_answered_as_few),
-        cmocka_unit_test(a_gpu_gives_the_same_answers),
-        cmocka_unit_test(bodies_of_a_motion_are_seen_where_they_are),
-        cmocka_unit_test(a_motion_with_other_cells_is_refused),
-        cmocka_unit_test(what_has_no_cells_is_refused_by_name),
-        cmocka_unit_test(an_edge_that_is_none_is_refused),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

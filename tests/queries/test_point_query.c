@@ -11,29 +11,9 @@
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/queries/ray.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static duet_point_query *open_query(duet_tree *tree, uint32_t nearest)
-{
-    duet_error err = {0};
-    duet_point_query_def def = duet_default_point_query_def();
-    def.tree = tree;
-    def.nearest = nearest;
-    duet_point_query *query = duet_point_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
-}
-
-static duet_point_query_result ask(duet_point_query *query, const duet_point *points, uint64_t n)
-{
-    duet_error err = {0};
-    duet_point_query_result result;
-    assert_ok(duet_point_query_run(query, points, n, &result, &err), err);
-    return result;
-}
 
 enum { BOXES = 400, POINTS = 900, NEAREST = 7 };
 
@@ -89,8 +69,8 @@ static bool contains(const world *w, bool bounds, uint32_t id, const duet_point 
 static void containing_boxes_are_exact_in(duet_tree *tree, const world *w, bool bounds,
                                           uint32_t dims)
 {
-    duet_point_query *query = open_query(tree, 0);
-    duet_point_query_result found = ask(query, w->points, POINTS);
+    duet_point_query *query = open_point_query(tree, 0);
+    duet_point_query_result found = seek_points(query, w->points, POINTS);
     uint64_t at = 0;
     for (uint32_t i = 0; i < POINTS; ++i)
         for (uint32_t id = 0; id < BOXES; ++id) {
@@ -106,9 +86,8 @@ static void containing_boxes_are_exact_in(duet_tree *tree, const world *w, bool 
     duet_tree_destroy(tree);
 }
 
-static void containing_boxes_are_exact(void **state)
+TEST(containing_boxes_are_exact)
 {
-    (void)state;
     world *w = make_world();
     const uint32_t third = DUET_SHARE_ONE / 3;
     for (uint32_t dims = 2; dims <= 3; ++dims) {
@@ -192,8 +171,8 @@ static void check_nearest(const world *w, bool bounds, const duet_point_hit *hit
 
 static void nearest_boxes_are_near_in(duet_tree *tree, const world *w, bool bounds, uint32_t dims)
 {
-    duet_point_query *query = open_query(tree, NEAREST);
-    duet_point_query_result found = ask(query, w->points, POINTS);
+    duet_point_query *query = open_point_query(tree, NEAREST);
+    duet_point_query_result found = seek_points(query, w->points, POINTS);
     assert_int_equal(found.n_hits, POINTS * NEAREST);
     for (uint32_t i = 0; i < POINTS; ++i)
         check_nearest(w, bounds, found.hits + (size_t)i * NEAREST, i, dims);
@@ -201,9 +180,8 @@ static void nearest_boxes_are_near_in(duet_tree *tree, const world *w, bool boun
     duet_tree_destroy(tree);
 }
 
-static void nearest_boxes_are_near(void **state)
+TEST(nearest_boxes_are_near)
 {
-    (void)state;
     world *w = make_world();
     const uint32_t third = DUET_SHARE_ONE / 3;
     for (uint32_t dims = 2; dims <= 3; ++dims) {
@@ -213,21 +191,21 @@ static void nearest_boxes_are_near(void **state)
     free(w);
 }
 
-static void share_and_order_of_boxes_change_nothing(void **state)
+TEST(share_and_order_of_boxes_change_nothing)
 {
-    (void)state;
     world *w = make_world();
     duet_pose turned[BOXES];
     for (uint32_t id = 0; id < BOXES; ++id)
         turned[id] = w->boxes[(id + 77) % BOXES];
     duet_tree *one = open_tree(3, 0, w->boxes, BOXES);
     duet_tree *two = open_tree(3, DUET_SHARE_ONE, w->boxes, BOXES);
-    duet_point_query *of_one = open_query(one, NEAREST), *of_two = open_query(two, NEAREST);
-    duet_point_query_result a = ask(of_one, w->points, POINTS);
-    duet_point_query_result b = ask(of_two, w->points, POINTS);
+    duet_point_query *of_one = open_point_query(one, NEAREST),
+                     *of_two = open_point_query(two, NEAREST);
+    duet_point_query_result a = seek_points(of_one, w->points, POINTS);
+    duet_point_query_result b = seek_points(of_two, w->points, POINTS);
     assert_memory_equal(a.hits, b.hits, POINTS * NEAREST * sizeof *a.hits);
     set_poses(two, turned, BOXES);
-    b = ask(of_two, w->points, POINTS);
+    b = seek_points(of_two, w->points, POINTS);
     for (uint32_t i = 0; i < POINTS * NEAREST; ++i)
         assert_true(a.hits[i].distance == b.hits[i].distance);
     duet_tree_destroy(one);
@@ -238,9 +216,8 @@ static void share_and_order_of_boxes_change_nothing(void **state)
 }
 
 // Hard boxes of all sizes, from near and from far: the error is looked for where it is large.
-static void distances_keep_their_bound_on_hard_boxes(void **state)
+TEST(distances_keep_their_bound_on_hard_boxes)
 {
-    (void)state;
     enum { N = 600 };
     static duet_pose boxes[N];
     static duet_point points[N];
@@ -263,10 +240,10 @@ static void distances_keep_their_bound_on_hard_boxes(void **state)
     }
     assert_true(n > N / 3);
     duet_tree *tree = open_tree(3, 0, NULL, 0);
-    duet_point_query *query = open_query(tree, 1);
+    duet_point_query *query = open_point_query(tree, 1);
     for (uint32_t i = 0; i < n; ++i) {
         set_poses(tree, &boxes[i], 1);
-        duet_point_query_result found = ask(query, &points[i], 1);
+        duet_point_query_result found = seek_points(query, &points[i], 1);
         long double size, distance = distance_to(&boxes[i], &points[i], 3, &size);
         long double error = fabsl(found.hits[0].distance - distance);
         if (error > 48 * 0x1p-24L * size + 0x1p-61L)
@@ -278,16 +255,15 @@ static void distances_keep_their_bound_on_hard_boxes(void **state)
     print_message("the worst error is %.2Lf u S, of 48\n", worst);
 }
 
-static void fewer_boxes_than_asked_for_are_no_error(void **state)
+TEST(fewer_boxes_than_asked_for_are_no_error)
 {
-    (void)state;
     const duet_pose box = {{3, 0, 0}, {1, 1, 1}, {0, 0, 0, 1}};
     const duet_point points[2] = {{{0, 0, 0}}, {{NAN, 0, 0}}};
     duet_error err = {0};
     duet_point_query_result found;
     duet_tree *tree = open_tree(3, 0, &box, 1);
-    duet_point_query *query = open_query(tree, 2);
-    found = ask(query, points, 1);
+    duet_point_query *query = open_point_query(tree, 2);
+    found = seek_points(query, points, 1);
     const duet_point_hit expected[2] = {{0, 0, 2}, {0, DUET_NO_OBJECT, INFINITY}};
     assert_int_equal(found.n_hits, 2);
     assert_memory_equal(found.hits, expected, sizeof expected);
@@ -295,19 +271,9 @@ static void fewer_boxes_than_asked_for_are_no_error(void **state)
     assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_non_null(strstr(err.text, "point 1:"));
     set_poses(tree, NULL, 0);
-    assert_true(ask(query, points, 1).hits[0].id == DUET_NO_OBJECT);
+    assert_true(seek_points(query, points, 1).hits[0].id == DUET_NO_OBJECT);
     duet_point_query_destroy(query);
     duet_tree_destroy(tree);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(containing_boxes_are_exact),
-        cmocka_unit_test(nearest_boxes_are_near),
-        cmocka_unit_test(share_and_order_of_boxes_change_nothing),
-        cmocka_unit_test(distances_keep_their_bound_on_hard_boxes),
-        cmocka_unit_test(fewer_boxes_than_asked_for_are_no_error),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -212,9 +212,8 @@ static void assert_filtered(const scene *s, duet_tree *tree, bool round, way w,
     free(known);
 }
 
-static void a_query_finds_what_its_filter_can_touch(void **state)
+TEST(a_query_finds_what_its_filter_can_touch)
 {
-    (void)state;
     duet_error err = {0};
     scene *s = draw_scene();
     const duet_filter filters[] = {{1, 3}, {6, 15}, {15, 0}};
@@ -241,9 +240,8 @@ static uint64_t count_rays(const scene *s, duet_tree *tree, duet_filter filter)
 }
 
 // Until the objects are set again; a run of the objects with each other has filters of its own.
-static void objects_keep_their_filters_until_they_are_set(void **state)
+TEST(objects_keep_their_filters_until_they_are_set)
 {
-    (void)state;
     duet_error err = {0};
     scene *s = draw_scene();
     const duet_filter all = {UINT32_MAX, UINT32_MAX}, some = {1, 1};
@@ -272,9 +270,8 @@ static void objects_keep_their_filters_until_they_are_set(void **state)
     free(s);
 }
 
-static void bodies_of_a_motion_bring_their_filters(void **state)
+TEST(bodies_of_a_motion_bring_their_filters)
 {
-    (void)state;
     duet_error err = {0};
     scene *s = draw_scene();
     duet_body bodies[BOXES];
@@ -326,9 +323,8 @@ static bool has_word(const char *kernel, int64_t filtered, const char *word)
     return found;
 }
 
-static void kernels_without_a_filter_have_no_word_of_it(void **state)
+TEST(kernels_without_a_filter_have_no_word_of_it)
 {
-    (void)state;
     static const char *const kernels[] = {"ray_query", "point_query", "box_query"};
     for (int i = 0; i < 3; ++i) {
         assert_true(has_word(kernels[i], 1, "can_touch"));
@@ -339,13 +335,4 @@ static void kernels_without_a_filter_have_no_word_of_it(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_query_finds_what_its_filter_can_touch),
-        cmocka_unit_test(objects_keep_their_filters_until_they_are_set),
-        cmocka_unit_test(bodies_of_a_motion_bring_their_filters),
-        cmocka_unit_test(kernels_without_a_filter_have_no_word_of_it),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -9,7 +9,6 @@
 #include "base/rng.h"
 #include "runtime/narrowphase/rounded.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,26 +16,6 @@
 enum { BOXES = 120, RAYS = 1500 };
 
 static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE};
-
-static duet_ray_query *open_rays(duet_tree *tree, duet_query_wants wants, bool normals)
-{
-    duet_error err = {0};
-    duet_ray_query_def def = duet_default_ray_query_def();
-    def.tree = tree;
-    def.wants = wants;
-    def.normals = normals;
-    duet_ray_query *query = duet_ray_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
-}
-
-static duet_ray_query_result cast(duet_ray_query *query, const duet_ray *rays, uint64_t n)
-{
-    duet_error err = {0};
-    duet_ray_query_result result;
-    assert_ok(duet_ray_query_run(query, rays, n, &result, &err), err);
-    return result;
-}
 
 // ---------------------------------------------------------------- truth
 
@@ -216,9 +195,10 @@ static void compare_normals(duet_shape shape, uint32_t dims, duet_query_wants wa
                           shape == DUET_SHAPE_BOUNDS);
     for (int s = 0; s < 3; ++s) {
         duet_tree *tree = open_shape(shape, dims, shares[s], c);
-        duet_ray_query *with = open_rays(tree, wants, true), *plain = open_rays(tree, wants, false);
-        duet_ray_query_result found = cast(with, c->rays, RAYS);
-        duet_ray_query_result bare = cast(plain, c->rays, RAYS);
+        duet_ray_query *with = open_ray_query(tree, wants, true),
+                       *plain = open_ray_query(tree, wants, false);
+        duet_ray_query_result found = cast_rays(with, c->rays, RAYS);
+        duet_ray_query_result bare = cast_rays(plain, c->rays, RAYS);
         size_t bytes = found.n_hits * sizeof *known;
         assert_null(bare.normals);
         assert_int_equal(bare.n_hits, found.n_hits);
@@ -243,9 +223,8 @@ static void compare_normals(duet_shape shape, uint32_t dims, duet_query_wants wa
     free(c);
 }
 
-static void normals_are_the_gradient_of_the_distance(void **state)
+TEST(normals_are_the_gradient_of_the_distance)
 {
-    (void)state;
     for (uint32_t dims = 2; dims <= 3; ++dims)
         for (int shape = 0; shape < DUET_SHAPE_SPHERES; ++shape) {
             compare_normals((duet_shape)shape, dims, DUET_QUERY_CLOSEST);
@@ -291,17 +270,16 @@ static const known_hit knowns[] = {
     {{{{0}, {2, 2, 2}, UPRIGHT}, 1e-30f}, {{1, 1, 9}, {0, 0, -1}, 9}, {0, 0, 1}},
 };
 
-static void normals_have_their_closed_forms(void **state)
+TEST(normals_have_their_closed_forms)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof knowns / sizeof *knowns; ++i) {
         const known_hit *k = &knowns[i];
         for (int as_box = 0; as_box <= (k->box.radius == 0); ++as_box) {
             duet_tree *tree = as_box
                                   ? open_tree(3, 0, &k->box.pose, 1)
                                   : open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, &k->box, 1);
-            duet_ray_query *query = open_rays(tree, DUET_QUERY_CLOSEST, true);
-            duet_ray_query_result found = cast(query, &k->ray, 1);
+            duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, true);
+            duet_ray_query_result found = cast_rays(query, &k->ray, 1);
             assert_int_equal(found.hits[0].id, 0);
             for (int x = 0; x < 3; ++x)
                 assert_float_equal(found.normals[0].normal[x], k->normal[x], 1e-6);
@@ -312,9 +290,8 @@ static void normals_have_their_closed_forms(void **state)
 }
 
 // An ulp decides, on every kind of surface.
-static void a_ray_that_begins_on_a_surface_has_no_normal(void **state)
+TEST(a_ray_that_begins_on_a_surface_has_no_normal)
 {
-    (void)state;
     const duet_rounded_box cube = {{{0}, {1, 1, 1}, UPRIGHT}, 0}, ball = {{{0}, {0}, UPRIGHT}, 5};
     const duet_bounds bounds = {{-1, -1, -1}, {1, 1, 1}};
     for (int i = 0; i < 4; ++i) {
@@ -322,14 +299,14 @@ static void a_ray_that_begins_on_a_surface_has_no_normal(void **state)
                           : i == 1 ? open_bounds_tree(3, 0, &bounds, 1)
                                    : open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES,
                                                        i == 2 ? &cube : &ball, 1);
-        duet_ray_query *query = open_rays(tree, DUET_QUERY_CLOSEST, true);
+        duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, true);
         duet_ray on = {{1, 0.25f, 0}, {-1, 0, 0}, INFINITY};
         if (i == 3)
             on = (duet_ray){{3, 4, 0}, {-3, -4, 0}, INFINITY};
         duet_ray rays[3] = {on, on, on};
         rays[1].origin[0] = nextafterf(on.origin[0], INFINITY);
         rays[2].origin[0] = nextafterf(on.origin[0], 0);
-        duet_ray_query_result found = cast(query, rays, 3);
+        duet_ray_query_result found = cast_rays(query, rays, 3);
         for (int k = 0; k < 3; ++k) {
             assert_int_equal(found.hits[k].id, 0);
             assert_float_equal(found.normals[k].normal[0], k != 1 ? 0 : i == 3 ? 0.6 : 1, 1e-6);
@@ -342,9 +319,8 @@ static void a_ray_that_begins_on_a_surface_has_no_normal(void **state)
 
 // ---------------------------------------------------------------- far away
 
-static void a_scene_moved_by_whole_cells_has_the_same_normals(void **state)
+TEST(a_scene_moved_by_whole_cells_has_the_same_normals)
 {
-    (void)state;
     enum { N = 300 };
     crowd *c = draw_crowd(test_seed(), 3, false, false);
     duet_ray_normal known[N];
@@ -367,7 +343,7 @@ static void a_scene_moved_by_whole_cells_has_the_same_normals(void **state)
             memcpy(rays[i].cell, cell, sizeof cell);
         }
         assert_ok(duet_tree_set_objects(tree, DUET_OBJECT_LARGE_POSES, boxes, BOXES, &err), err);
-        duet_ray_query *query = open_rays(tree, DUET_QUERY_CLOSEST, true);
+        duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, true);
         duet_ray_query_result found;
         assert_ok(duet_ray_query_run_large(query, rays, N, &found, &err), err);
         uint32_t compared = 0;
@@ -384,9 +360,8 @@ static void a_scene_moved_by_whole_cells_has_the_same_normals(void **state)
     free(c);
 }
 
-static void any_hit_has_no_normal(void **state)
+TEST(any_hit_has_no_normal)
 {
-    (void)state;
     duet_error err = {0};
     const duet_pose box = {{0}, {1, 1, 1}, UPRIGHT};
     duet_ray_query_def def = duet_default_ray_query_def();
@@ -396,20 +371,10 @@ static void any_hit_has_no_normal(void **state)
     assert_null(duet_ray_query_create(&def, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     assert_non_null(strstr(err.text, "normals with wants any"));
-    duet_ray_query *query = open_rays(tree, DUET_QUERY_CLOSEST, true);
-    assert_null(cast(query, NULL, 0).normals);
+    duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, true);
+    assert_null(cast_rays(query, NULL, 0).normals);
     duet_ray_query_destroy(query);
     duet_tree_destroy(tree);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(normals_have_their_closed_forms),
-        cmocka_unit_test(normals_are_the_gradient_of_the_distance),
-        cmocka_unit_test(a_ray_that_begins_on_a_surface_has_no_normal),
-        cmocka_unit_test(a_scene_moved_by_whole_cells_has_the_same_normals),
-        cmocka_unit_test(any_hit_has_no_normal),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -13,37 +13,17 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static duet_ray_query *open_query(duet_tree *tree, duet_query_wants wants)
-{
-    duet_error err = {0};
-    duet_ray_query_def def = duet_default_ray_query_def();
-    def.tree = tree;
-    def.wants = wants;
-    duet_ray_query *query = duet_ray_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
-}
 
 // With a tree of its own.
 static duet_ray_query *open_alone(duet_query_wants wants, uint32_t dims, uint32_t share,
                                   const duet_pose *poses, uint32_t n)
 {
     duet_tree *tree = open_tree(dims, share, poses, n);
-    duet_ray_query *query = open_query(tree, wants);
+    duet_ray_query *query = open_ray_query(tree, wants, false);
     duet_tree_destroy(tree);
     return query;
-}
-
-static duet_ray_query_result cast(duet_ray_query *query, const duet_ray *rays, uint64_t n)
-{
-    duet_error err = {0};
-    duet_ray_query_result result;
-    assert_ok(duet_ray_query_run(query, rays, n, &result, &err), err);
-    return result;
 }
 
 // ---------------------------------------------------------------- worlds
@@ -183,7 +163,7 @@ static void every_hit_is_found_and_no_other(uint32_t dims, uint32_t share)
 {
     world *w = make_world(dims);
     duet_ray_query *query = open_alone(DUET_QUERY_EVERY, dims, share, w->boxes, BOXES);
-    duet_ray_query_result found = cast(query, w->rays, RAYS);
+    duet_ray_query_result found = cast_rays(query, w->rays, RAYS);
     uint64_t at = 0, expected = 0;
     for (uint32_t i = 0; i < RAYS; ++i) {
         bool met[BOXES] = {false};
@@ -213,15 +193,13 @@ static void every_hit_is_found_and_no_other(uint32_t dims, uint32_t share)
     free(w);
 }
 
-static void every_hit_in_3d(void **state)
+TEST(every_hit_in_3d)
 {
-    (void)state;
     every_hit_is_found_and_no_other(3, DUET_SHARE_ONE / 3);
 }
 
-static void every_hit_in_2d(void **state)
+TEST(every_hit_in_2d)
 {
-    (void)state;
     every_hit_is_found_and_no_other(2, 0);
 }
 
@@ -273,8 +251,8 @@ static void hits_of_bounds_are_exact_in(uint32_t dims)
             w->rays[i].origin[k] =
                 i % 2 ? bounds[i % BOXES].upper[k] : roundf(w->rays[i].origin[k]);
     duet_tree *tree = open_bounds_tree(dims, DUET_SHARE_ONE / 3, bounds, BOXES);
-    duet_ray_query *query = open_query(tree, DUET_QUERY_EVERY);
-    duet_ray_query_result found = cast(query, w->rays, RAYS);
+    duet_ray_query *query = open_ray_query(tree, DUET_QUERY_EVERY, false);
+    duet_ray_query_result found = cast_rays(query, w->rays, RAYS);
     uint64_t at = 0;
     for (uint32_t i = 0; i < RAYS; ++i) {
         bool met[BOXES] = {false};
@@ -295,25 +273,23 @@ static void hits_of_bounds_are_exact_in(uint32_t dims)
     free(w);
 }
 
-static void hits_of_bounds_are_exact(void **state)
+TEST(hits_of_bounds_are_exact)
 {
-    (void)state;
     hits_of_bounds_are_exact_in(3);
     hits_of_bounds_are_exact_in(2);
 }
 
 // Towards the faces across y the ray is too slow for float: the host finds where it enters.
-static void a_slow_ray_enters_bounds_where_it_does(void **state)
+TEST(a_slow_ray_enters_bounds_where_it_does)
 {
-    (void)state;
     const float slow = 0x1p-70f;
     const duet_bounds bounds[] = {{{0, 2 * slow, 0}, {4, 1, 1}}, {{1, 0, 0}, {4, 1, 1}}};
     const duet_ray ray = {{0, 0, 0}, {1, slow, 0}, INFINITY};
     duet_tree *tree = open_bounds_tree(3, 0, bounds, 2);
-    duet_ray_query *closest = open_query(tree, DUET_QUERY_CLOSEST);
-    duet_ray_query *every = open_query(tree, DUET_QUERY_EVERY);
-    duet_ray_hit first = cast(closest, &ray, 1).hits[0];
-    duet_ray_query_result all = cast(every, &ray, 1);
+    duet_ray_query *closest = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
+    duet_ray_query *every = open_ray_query(tree, DUET_QUERY_EVERY, false);
+    duet_ray_hit first = cast_rays(closest, &ray, 1).hits[0];
+    duet_ray_query_result all = cast_rays(every, &ray, 1);
     assert_int_equal(first.id, 1);
     assert_true(first.t == 1);
     assert_int_equal(all.n_hits, 2);
@@ -326,9 +302,8 @@ static void a_slow_ray_enters_bounds_where_it_does(void **state)
 }
 
 // A box that is not turned is bounds too, where its corners are floats.
-static void integers_agree_on_poses_and_bounds(void **state)
+TEST(integers_agree_on_poses_and_bounds)
 {
-    (void)state;
     rng r = rng_seed(test_seed() + 2);
     for (int i = 0; i < 20000; ++i) {
         duet_pose pose = {.rotation = {0, 0, 0, 1}};
@@ -348,18 +323,17 @@ static void integers_agree_on_poses_and_bounds(void **state)
 
 // ---------------------------------------------------------------- the other two questions
 
-static void closest_and_any_are_of_every_hit(void **state)
+TEST(closest_and_any_are_of_every_hit)
 {
-    (void)state;
     world *w = make_world(3);
     duet_ray_query *every = open_alone(DUET_QUERY_EVERY, 3, 0, w->boxes, BOXES);
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, w->boxes, BOXES);
-    duet_ray_query *closest = open_query(tree, DUET_QUERY_CLOSEST);
-    duet_ray_query *any = open_query(tree, DUET_QUERY_ANY);
+    duet_ray_query *closest = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
+    duet_ray_query *any = open_ray_query(tree, DUET_QUERY_ANY, false);
     duet_tree_destroy(tree);
-    duet_ray_query_result all = cast(every, w->rays, RAYS);
-    duet_ray_query_result nearest = cast(closest, w->rays, RAYS);
-    duet_ray_query_result some = cast(any, w->rays, RAYS);
+    duet_ray_query_result all = cast_rays(every, w->rays, RAYS);
+    duet_ray_query_result nearest = cast_rays(closest, w->rays, RAYS);
+    duet_ray_query_result some = cast_rays(any, w->rays, RAYS);
     assert_int_equal(nearest.n_hits, RAYS);
     assert_int_equal(some.n_hits, RAYS);
     uint64_t at = 0;
@@ -378,14 +352,13 @@ static void closest_and_any_are_of_every_hit(void **state)
     free(w);
 }
 
-static void share_and_order_of_boxes_change_nothing(void **state)
+TEST(share_and_order_of_boxes_change_nothing)
 {
-    (void)state;
     world *w = make_world(3);
     duet_ray_query *one = open_alone(DUET_QUERY_CLOSEST, 3, 0, w->boxes, BOXES);
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE, w->boxes, BOXES);
-    duet_ray_query *two = open_query(tree, DUET_QUERY_CLOSEST);
-    duet_ray_query_result a = cast(one, w->rays, RAYS), b = cast(two, w->rays, RAYS);
+    duet_ray_query *two = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
+    duet_ray_query_result a = cast_rays(one, w->rays, RAYS), b = cast_rays(two, w->rays, RAYS);
     assert_memory_equal(a.hits, b.hits, RAYS * sizeof *a.hits);
     assert_int_equal(a.undecided, b.undecided);
     // Another box first makes another tree.
@@ -393,7 +366,7 @@ static void share_and_order_of_boxes_change_nothing(void **state)
     for (uint32_t id = 0; id < BOXES; ++id)
         turned[id] = w->boxes[(id + 77) % BOXES];
     set_poses(tree, turned, BOXES);
-    b = cast(two, w->rays, RAYS);
+    b = cast_rays(two, w->rays, RAYS);
     for (uint32_t i = 0; i < RAYS; ++i) {
         assert_true(a.hits[i].t == b.hits[i].t);
         assert_true((a.hits[i].id == DUET_NO_OBJECT) == (b.hits[i].id == DUET_NO_OBJECT));
@@ -405,7 +378,7 @@ static void share_and_order_of_boxes_change_nothing(void **state)
     set_poses(tree, w->boxes, BOXES);
     for (size_t i = 0; i < sizeof shares / sizeof *shares; ++i) {
         assert_ok(duet_tree_set_share(tree, shares[i], &err), err);
-        b = cast(two, w->rays, RAYS);
+        b = cast_rays(two, w->rays, RAYS);
         assert_memory_equal(a.hits, b.hits, RAYS * sizeof *a.hits);
         if (shares[i] != DUET_SHARE_DEFAULT)
             assert_true((b.device_ms[0] > 0) == (shares[i] > 0));
@@ -421,9 +394,8 @@ static void share_and_order_of_boxes_change_nothing(void **state)
 // ---------------------------------------------------------------- moving worlds
 
 // A body falls through the ray; the motion goes on as one that nobody asks about.
-static void rays_meet_bodies_where_they_are(void **state)
+TEST(rays_meet_bodies_where_they_are)
 {
-    (void)state;
     duet_error err = {0};
     const duet_pose start = {{5, 0, 2}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
     const duet_ray ray = {{0, 0, 0}, {1, 0, 0}, INFINITY};
@@ -435,7 +407,7 @@ static void rays_meet_bodies_where_they_are(void **state)
     for (int i = 0; i < 2; ++i)
         assert_ok(asked[i] = duet_motion_create(&def, &start, NULL, 1, &err), err);
     duet_tree *tree = open_tree(3, 0, NULL, 0);
-    duet_ray_query *query = open_query(tree, DUET_QUERY_CLOSEST);
+    duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
     uint32_t met = 0;
     for (int step = 0; step < 60; ++step) {
         duet_state where;
@@ -446,7 +418,7 @@ static void rays_meet_bodies_where_they_are(void **state)
         assert_ok(duet_motion_get_poses(asked[0], &pose, &err), err);
         set_poses(tree, &pose, 1);
         bool meets = fabs(where.centre[2]) <= 0.5;
-        assert_int_equal(cast(query, &ray, 1).hits[0].id, meets ? 0 : DUET_NO_OBJECT);
+        assert_int_equal(cast_rays(query, &ray, 1).hits[0].id, meets ? 0 : DUET_NO_OBJECT);
         met += meets;
     }
     assert_true(met > 5 && met < 50);
@@ -519,10 +491,10 @@ static void meet_the_bodies_of(bool doubles, bool contact)
     duet_motion_result result;
     duet_motion *asked = drop_boxes(doubles, contact), *alone = drop_boxes(doubles, contact);
     duet_tree *by_host = open_tree(3, 0, NULL, 0), *trees[3];
-    duet_ray_query *expected = open_query(by_host, DUET_QUERY_EVERY), *queries[3];
+    duet_ray_query *expected = open_ray_query(by_host, DUET_QUERY_EVERY, false), *queries[3];
     for (uint32_t i = 0; i < 3; ++i) {
         trees[i] = open_tree(3, DUET_SHARE_ONE / 2 * i, NULL, 0);
-        queries[i] = open_query(trees[i], DUET_QUERY_EVERY);
+        queries[i] = open_ray_query(trees[i], DUET_QUERY_EVERY, false);
     }
     for (int step = 0; step < 12; ++step) {
         if (step == 6) {
@@ -530,11 +502,11 @@ static void meet_the_bodies_of(bool doubles, bool contact)
             change_bodies(alone);
         }
         set_bodies(by_host, asked, step >= 6);
-        duet_ray_query_result known = cast(expected, w->rays, 300);
+        duet_ray_query_result known = cast_rays(expected, w->rays, 300);
         assert_true(known.n_hits > 0);
         for (int i = 0; i < 3; ++i) {
             assert_ok(duet_tree_set_motion(trees[i], asked, &err), err);
-            duet_ray_query_result found = cast(queries[i], w->rays, 300);
+            duet_ray_query_result found = cast_rays(queries[i], w->rays, 300);
             assert_int_equal(found.n_hits, known.n_hits);
             assert_memory_equal(found.hits, known.hits, known.n_hits * sizeof *known.hits);
         }
@@ -546,9 +518,9 @@ static void meet_the_bodies_of(bool doubles, bool contact)
     assert_ok(duet_tree_set_motion(trees[0], asked, &err), err);
     assert_ok(duet_tree_set_share(trees[2], 0, &err), err);
     assert_ok(duet_tree_set_share(trees[0], DUET_SHARE_ONE, &err), err);
-    duet_ray_query_result known = cast(expected, w->rays, 300);
+    duet_ray_query_result known = cast_rays(expected, w->rays, 300);
     for (int i = 0; i < 3; i += 2) {
-        duet_ray_query_result found = cast(queries[i], w->rays, 300);
+        duet_ray_query_result found = cast_rays(queries[i], w->rays, 300);
         assert_int_equal(found.n_hits, known.n_hits);
         assert_memory_equal(found.hits, known.hits, known.n_hits * sizeof *known.hits);
     }
@@ -559,7 +531,7 @@ static void meet_the_bodies_of(bool doubles, bool contact)
     duet_motion_destroy(asked);
     duet_motion_destroy(alone);
     for (int i = 0; i < 3; ++i) { // a tree outlives its motion
-        cast(queries[i], w->rays, 300);
+        cast_rays(queries[i], w->rays, 300);
         duet_tree_destroy(trees[i]);
         duet_ray_query_destroy(queries[i]);
     }
@@ -568,17 +540,15 @@ static void meet_the_bodies_of(bool doubles, bool contact)
     free(w);
 }
 
-static void a_tree_of_a_motion_has_its_bodies(void **state)
+TEST(a_tree_of_a_motion_has_its_bodies)
 {
-    (void)state;
     meet_the_bodies_of(false, true);
     meet_the_bodies_of(true, true);
     meet_the_bodies_of(false, false); // by way of the host
 }
 
-static void a_motion_that_no_tree_takes_is_refused(void **state)
+TEST(a_motion_that_no_tree_takes_is_refused)
 {
-    (void)state;
     duet_error err = {0};
     duet_motion_def def = duet_default_motion_def();
     const duet_pose far[2] = {{{0, 0, 0}, {1, 1, 1}, {0, 0, 0, 1}},
@@ -599,8 +569,8 @@ static void a_motion_that_no_tree_takes_is_refused(void **state)
     assert_false(duet_tree_set_motion(tree, motion, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_non_null(strstr(err.text, "object 1 "));
-    duet_ray_query *query = open_query(tree, DUET_QUERY_ANY);
-    assert_int_equal(cast(query, &(duet_ray){.t_max = 1}, 1).hits[0].id, DUET_NO_OBJECT);
+    duet_ray_query *query = open_ray_query(tree, DUET_QUERY_ANY, false);
+    assert_int_equal(cast_rays(query, &(duet_ray){.t_max = 1}, 1).hits[0].id, DUET_NO_OBJECT);
     duet_ray_query_destroy(query);
     duet_tree_destroy(bounds);
     duet_tree_destroy(flat);
@@ -612,9 +582,8 @@ static void a_motion_that_no_tree_takes_is_refused(void **state)
 
 // A wall of unit cubes on whole numbers: a ray along their common faces touches the cubes
 // of both sides, and one along an edge those of four.
-static void touching_counts(void **state)
+TEST(touching_counts)
 {
-    (void)state;
     enum { WIDE = 6 };
     duet_pose cubes[WIDE * WIDE * WIDE];
     for (int i = 0; i < WIDE * WIDE * WIDE; ++i)
@@ -643,7 +612,7 @@ static void touching_counts(void **state)
     for (int i = 0; i < N; ++i)
         rays[i] = known[i].ray;
     duet_ray_query *query = open_alone(DUET_QUERY_EVERY, 3, 0, cubes, WIDE * WIDE * WIDE);
-    duet_ray_query_result found = cast(query, rays, N);
+    duet_ray_query_result found = cast_rays(query, rays, N);
     uint64_t hits[N] = {0};
     for (uint64_t i = 0; i < found.n_hits; ++i)
         ++hits[found.hits[i].ray];
@@ -654,9 +623,8 @@ static void touching_counts(void **state)
 }
 
 // More hits than the lists hold at first.
-static void lists_grow(void **state)
+TEST(lists_grow)
 {
-    (void)state;
     enum { N = 300 };
     duet_pose *boxes = calloc(N, sizeof *boxes);
     duet_ray *rays = calloc(N, sizeof *rays);
@@ -665,7 +633,7 @@ static void lists_grow(void **state)
         rays[i] = (duet_ray){{i % 2 ? 1.0f : 0.5f, 0, -5}, {0, 0, 1}, INFINITY};
     }
     duet_ray_query *query = open_alone(DUET_QUERY_EVERY, 3, 0, boxes, N);
-    duet_ray_query_result found = cast(query, rays, N);
+    duet_ray_query_result found = cast_rays(query, rays, N);
     assert_int_equal(found.n_hits, N * N);
     assert_int_equal(found.undecided, N * N / 2);
     for (uint64_t i = 0; i < found.n_hits; ++i)
@@ -679,9 +647,8 @@ static void lists_grow(void **state)
 // On GPUs with memory of their own, as the CPU's parts are told here to be, chunks follow each
 // other, and a ray goes its own way. In B's second chunk float leaves more open than is read along
 // with it.
-static void chunks_that_follow_each_other_lose_nothing(void **state)
+TEST(chunks_that_follow_each_other_lose_nothing)
 {
-    (void)state;
     enum { FLOW = 1 << 18, N = 2 * FLOW + 5000, CUBES = 27 };
     duet_pose cubes[CUBES];
     duet_ray *rays = calloc(N, sizeof *rays);
@@ -698,9 +665,9 @@ static void chunks_that_follow_each_other_lose_nothing(void **state)
     for (int own = 0; own < 2; ++own) {
         devices_seem_gpus(own);
         duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 8, cubes, CUBES);
-        duet_ray_query *query = open_query(tree, DUET_QUERY_CLOSEST);
+        duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
         for (int run = 0; run < 1 + own; ++run) { // with lists that were used before, too
-            duet_ray_query_result found = cast(query, rays, N - run);
+            duet_ray_query_result found = cast_rays(query, rays, N - run);
             assert_int_equal(found.n_hits, N - run);
             assert_true(found.undecided > (1 << 12));
             if (!own)
@@ -722,15 +689,14 @@ static void chunks_that_follow_each_other_lose_nothing(void **state)
     free(expected);
 }
 
-static void a_gpu_walks_to_the_same_hits(void **state)
+TEST(a_gpu_walks_to_the_same_hits)
 {
-    (void)state;
     world *w = make_world(3);
     duet_ray_query *on_cpu = open_alone(DUET_QUERY_CLOSEST, 3, 0, w->boxes, BOXES);
-    duet_ray_query_result expected = cast(on_cpu, w->rays, RAYS);
+    duet_ray_query_result expected = cast_rays(on_cpu, w->rays, RAYS);
     devices_seem_gpus(true);
     duet_ray_query *on_gpu = open_alone(DUET_QUERY_CLOSEST, 3, 0, w->boxes, BOXES);
-    duet_ray_query_result found = cast(on_gpu, w->rays, RAYS);
+    duet_ray_query_result found = cast_rays(on_gpu, w->rays, RAYS);
     assert_memory_equal(found.hits, expected.hits, RAYS * sizeof *found.hits);
     assert_int_equal(found.undecided, expected.undecided);
     duet_ray_query_destroy(on_gpu);
@@ -739,29 +705,27 @@ static void a_gpu_walks_to_the_same_hits(void **state)
     free(w);
 }
 
-static void no_boxes_and_no_rays_are_no_error(void **state)
+TEST(no_boxes_and_no_rays_are_no_error)
 {
-    (void)state;
     const duet_pose box = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     const duet_ray ray = {{0, 0, -5}, {0, 0, 1}, INFINITY};
     duet_tree *tree = open_tree(3, 0, NULL, 0);
-    duet_ray_query *query = open_query(tree, DUET_QUERY_CLOSEST);
-    duet_ray_query_result found = cast(query, &ray, 1);
+    duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
+    duet_ray_query_result found = cast_rays(query, &ray, 1);
     assert_true(found.n_hits == 1 && found.hits[0].id == DUET_NO_OBJECT);
     set_poses(tree, &box, 1);
-    found = cast(query, &ray, 1);
+    found = cast_rays(query, &ray, 1);
     assert_true(found.n_hits == 1 && found.hits[0].id == 0 && found.hits[0].t == 4);
-    assert_int_equal(cast(query, NULL, 0).n_hits, 0);
+    assert_int_equal(cast_rays(query, NULL, 0).n_hits, 0);
     duet_tree_destroy(tree);
     duet_ray_query_destroy(query);
 }
 
-static void what_is_no_ray_or_box_is_refused_by_its_number(void **state)
+TEST(what_is_no_ray_or_box_is_refused_by_its_number)
 {
-    (void)state;
     const duet_pose good = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     duet_tree *tree = open_tree(3, 0, &good, 1);
-    duet_ray_query *query = open_query(tree, DUET_QUERY_CLOSEST);
+    duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
     const duet_ray bad_rays[] = {{{NAN, 0, 0}, {1, 0, 0}, 1},      {{0, 0, 0}, {INFINITY, 0, 0}, 1},
                                  {{0, 0, 0}, {1, 0, 0}, -1},       {{0, 0, 0}, {1, 0, 0}, NAN},
                                  {{0x1p101f, 0, 0}, {1, 0, 0}, 1}, {{0, 0, 0}, {1e-35f, 0, 0}, 1}};
@@ -780,30 +744,9 @@ static void what_is_no_ray_or_box_is_refused_by_its_number(void **state)
     assert_non_null(strstr(err.text, "object 1 "));
     // It has no boxes now.
     const duet_ray ray = {{0, 0, -5}, {0, 0, 1}, INFINITY};
-    assert_int_equal(cast(query, &ray, 1).hits[0].id, DUET_NO_OBJECT);
+    assert_int_equal(cast_rays(query, &ray, 1).hits[0].id, DUET_NO_OBJECT);
     duet_tree_destroy(tree);
     duet_ray_query_destroy(query);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_hit_in_3d),
-        cmocka_unit_test(every_hit_in_2d),
-        cmocka_unit_test(hits_of_bounds_are_exact),
-        cmocka_unit_test(a_slow_ray_enters_bounds_where_it_does),
-        cmocka_unit_test(integers_agree_on_poses_and_bounds),
-        cmocka_unit_test(closest_and_any_are_of_every_hit),
-        cmocka_unit_test(share_and_order_of_boxes_change_nothing),
-        cmocka_unit_test(rays_meet_bodies_where_they_are),
-        cmocka_unit_test(a_tree_of_a_motion_has_its_bodies),
-        cmocka_unit_test(a_motion_that_no_tree_takes_is_refused),
-        cmocka_unit_test(touching_counts),
-        cmocka_unit_test(lists_grow),
-        cmocka_unit_test(chunks_that_follow_each_other_lose_nothing),
-        cmocka_unit_test(a_gpu_walks_to_the_same_hits),
-        cmocka_unit_test(no_boxes_and_no_rays_are_no_error),
-        cmocka_unit_test(what_is_no_ray_or_box_is_refused_by_its_number),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

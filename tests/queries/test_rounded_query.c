@@ -12,7 +12,6 @@
 #include "runtime/queries/ray.h"
 
 #include <float.h>
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -99,28 +98,6 @@ static void scale_world(world *w, float scale)
     }
 }
 
-static duet_ray_query *open_rays(duet_tree *tree, duet_query_wants wants)
-{
-    duet_error err = {0};
-    duet_ray_query_def def = duet_default_ray_query_def();
-    def.tree = tree;
-    def.wants = wants;
-    duet_ray_query *query = duet_ray_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
-}
-
-static duet_point_query *open_points(duet_tree *tree, uint32_t nearest)
-{
-    duet_error err = {0};
-    duet_point_query_def def = duet_default_point_query_def();
-    def.tree = tree;
-    def.nearest = nearest;
-    duet_point_query *query = duet_point_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
-}
-
 // ---------------------------------------------------------------- long double
 
 typedef long double real;
@@ -173,9 +150,8 @@ static real least_distance(const duet_ray *ray, const duet_rounded_box *box, uin
     return fminl(distance_at(ray, box, dims, from), distance_at(ray, box, dims, to));
 }
 
-static void integers_agree_with_the_least_distance(void **state)
+TEST(integers_agree_with_the_least_distance)
 {
-    (void)state;
     world *w = make_world();
     uint32_t near = 0, clear = 0;
     for (uint32_t i = 0; i < RAYS; i += 3 + i % 2)
@@ -253,19 +229,12 @@ static void check_rays(const world *w, const duet_rounded_box *boxes, uint32_t d
     assert_true(found->undecided < expected / 2);
 }
 
-static duet_ray_query_result cast(duet_ray_query *query, const world *w)
-{
-    duet_error err = {0};
-    duet_ray_query_result found;
-    assert_ok(duet_ray_query_run(query, w->rays, RAYS, &found, &err), err);
-    return found;
-}
-
 static void rays_in(const world *w, duet_tree *tree, const duet_rounded_box *boxes, uint32_t dims)
 {
-    duet_ray_query *every = open_rays(tree, DUET_QUERY_EVERY);
-    duet_ray_query *closest = open_rays(tree, DUET_QUERY_CLOSEST);
-    duet_ray_query_result all = cast(every, w), first = cast(closest, w);
+    duet_ray_query *every = open_ray_query(tree, DUET_QUERY_EVERY, false);
+    duet_ray_query *closest = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
+    duet_ray_query_result all = cast_rays(every, w->rays, RAYS),
+                          first = cast_rays(closest, w->rays, RAYS);
     check_rays(w, boxes, dims, &all);
     uint64_t next = 0;
     for (uint32_t i = 0; i < RAYS; ++i) {
@@ -279,9 +248,8 @@ static void rays_in(const world *w, duet_tree *tree, const duet_rounded_box *box
     duet_ray_query_destroy(closest);
 }
 
-static void rays_meet_what_the_host_says(void **state)
+TEST(rays_meet_what_the_host_says)
 {
-    (void)state;
     world *w = make_world();
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         duet_tree *tree =
@@ -294,9 +262,8 @@ static void rays_meet_what_the_host_says(void **state)
 
 // A ray that begins in a sphere, nearer to its surface than float sees, and goes along it: whether
 // it comes nearer or goes away is rounding.
-static void rays_that_begin_at_a_surface_meet_it(void **state)
+TEST(rays_that_begin_at_a_surface_meet_it)
 {
-    (void)state;
     const duet_rounded_box spheres[] = {
         {{{-0x1.122f76p-1f, 0x1.14ea64p-1f, 0x1.b295c4p-3f},
           {0, 0, 0},
@@ -323,12 +290,10 @@ static void rays_that_begin_at_a_surface_meet_it(void **state)
          2},
     };
     for (uint32_t i = 0; i < 3; ++i) {
-        duet_error err = {0};
-        duet_ray_query_result found;
         duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, &spheres[i], 1);
-        duet_ray_query *query = open_rays(tree, DUET_QUERY_EVERY);
+        duet_ray_query *query = open_ray_query(tree, DUET_QUERY_EVERY, false);
         assert_true(distance_at(&rays[i], &spheres[i], 3, 0) < 5);
-        assert_ok(duet_ray_query_run(query, &rays[i], 1, &found, &err), err);
+        duet_ray_query_result found = cast_rays(query, &rays[i], 1);
         if (found.n_hits != 1)
             fail_msg("ray %u misses the sphere in which it begins", i);
         assert_true(distance_at(&rays[i], &spheres[i], 3, found.hits[0].t) < 5.0001L);
@@ -338,9 +303,8 @@ static void rays_that_begin_at_a_surface_meet_it(void **state)
 }
 
 // Squares of such lengths are no floats.
-static void rays_of_any_scale_meet_as_many(void **state)
+TEST(rays_of_any_scale_meet_as_many)
 {
-    (void)state;
     const float scales[] = {0x1p75f, 0x1p-60f};
     for (size_t i = 0; i < sizeof scales / sizeof *scales; ++i) {
         world *w = make_world();
@@ -379,10 +343,9 @@ static void check_nearest(const world *w, const duet_rounded_box *boxes, uint32_
 
 static void points_in(const world *w, duet_tree *tree, const duet_rounded_box *boxes, uint32_t dims)
 {
-    duet_error err = {0};
-    duet_point_query_result found;
-    duet_point_query *containing = open_points(tree, 0), *nearest = open_points(tree, NEAREST);
-    assert_ok(duet_point_query_run(containing, w->points, RAYS, &found, &err), err);
+    duet_point_query *containing = open_point_query(tree, 0);
+    duet_point_query *nearest = open_point_query(tree, NEAREST);
+    duet_point_query_result found = seek_points(containing, w->points, RAYS);
     uint64_t next = 0;
     for (uint32_t i = 0; i < RAYS; ++i)
         for (uint32_t id = 0; id < BOXES; ++id) {
@@ -395,16 +358,15 @@ static void points_in(const world *w, duet_tree *tree, const duet_rounded_box *b
             next += hit;
         }
     assert_true(next == found.n_hits && next > 20);
-    assert_ok(duet_point_query_run(nearest, w->points, RAYS, &found, &err), err);
+    found = seek_points(nearest, w->points, RAYS);
     for (uint32_t i = 0; i < RAYS; ++i)
         check_nearest(w, boxes, dims, found.hits + (size_t)i * NEAREST, i);
     duet_point_query_destroy(containing);
     duet_point_query_destroy(nearest);
 }
 
-static void points_are_in_and_near_what_the_host_says(void **state)
+TEST(points_are_in_and_near_what_the_host_says)
 {
-    (void)state;
     world *w = make_world();
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         duet_tree *tree =
@@ -454,9 +416,8 @@ static void boxes_in(duet_tree *tree, duet_object_kind kind, const void *objects
     duet_box_query_destroy(query);
 }
 
-static void boxes_collide_as_a_worlds(void **state)
+TEST(boxes_collide_as_a_worlds)
 {
-    (void)state;
     world *w = make_world();
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         duet_tree *tree =
@@ -468,9 +429,8 @@ static void boxes_collide_as_a_worlds(void **state)
 }
 
 // Spheres are rounded boxes without a core.
-static void spheres_are_asked_about_as_rounded_boxes(void **state)
+TEST(spheres_are_asked_about_as_rounded_boxes)
 {
-    (void)state;
     world *w = make_world();
     duet_rounded_box rounded[BOXES];
     for (uint32_t i = 0; i < BOXES; ++i)
@@ -529,9 +489,10 @@ static void change_bodies(duet_motion *motion, duet_rounded_box boxes[BOXES + 1]
 
 static void assert_same_rays(const world *w, duet_tree *tree, duet_tree *by_hand)
 {
-    duet_ray_query *asked = open_rays(tree, DUET_QUERY_EVERY);
-    duet_ray_query *known = open_rays(by_hand, DUET_QUERY_EVERY);
-    duet_ray_query_result found = cast(asked, w), expected = cast(known, w);
+    duet_ray_query *asked = open_ray_query(tree, DUET_QUERY_EVERY, false);
+    duet_ray_query *known = open_ray_query(by_hand, DUET_QUERY_EVERY, false);
+    duet_ray_query_result found = cast_rays(asked, w->rays, RAYS),
+                          expected = cast_rays(known, w->rays, RAYS);
     assert_true(expected.n_hits > RAYS / 10);
     assert_int_equal(found.n_hits, expected.n_hits);
     assert_memory_equal(found.hits, expected.hits, expected.n_hits * sizeof *expected.hits);
@@ -573,9 +534,8 @@ static void ask_bodies(const world *w, duet_motion *motion)
     duet_motion_destroy(motion);
 }
 
-static void a_tree_of_a_motion_has_its_radii(void **state)
+TEST(a_tree_of_a_motion_has_its_radii)
 {
-    (void)state;
     world *w = make_world();
     ask_bodies(w, open_motion(w, DUET_EFFECT_CONTACT, false));
     ask_bodies(w, open_motion(w, DUET_EFFECT_CONTACT, true));
@@ -584,9 +544,8 @@ static void a_tree_of_a_motion_has_its_radii(void **state)
 }
 
 // Bodies with radii, bodies that may get some, boxes, and boxes in origin cells.
-static void the_def_of_a_motion_makes_a_tree_that_takes_it(void **state)
+TEST(the_def_of_a_motion_makes_a_tree_that_takes_it)
 {
-    (void)state;
     const duet_pose pose = {{0, 0, 2}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
     const duet_ray ray = {{0, 0, 9}, {0, 0, -1}, 9};
     duet_body body = duet_default_body();
@@ -607,10 +566,8 @@ static void the_def_of_a_motion_makes_a_tree_that_takes_it(void **state)
         assert_ok(tree, err);
         assert_ok(duet_tree_set_motion(tree, motion, &err), err);
         if (!flat && of_motion.origin_edge == 0) {
-            duet_ray_query *query = open_rays(tree, DUET_QUERY_CLOSEST);
-            duet_ray_query_result found;
-            assert_ok(duet_ray_query_run(query, &ray, 1, &found, &err), err);
-            assert_float_equal(found.hits[0].t, round ? 6.25 : 6.5, 1e-5);
+            duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
+            assert_float_equal(cast_rays(query, &ray, 1).hits[0].t, round ? 6.25 : 6.5, 1e-5);
             duet_ray_query_destroy(query);
         }
         duet_tree_destroy(tree);
@@ -620,9 +577,8 @@ static void the_def_of_a_motion_makes_a_tree_that_takes_it(void **state)
 }
 
 // Poses are rounded boxes without a radius.
-static void a_tree_of_rounded_boxes_takes_bodies_without_radii(void **state)
+TEST(a_tree_of_rounded_boxes_takes_bodies_without_radii)
 {
-    (void)state;
     duet_error err = {0};
     world *w = make_world();
     for (uint32_t i = 0; i < BOXES; ++i)
@@ -644,9 +600,8 @@ static void a_tree_of_rounded_boxes_takes_bodies_without_radii(void **state)
 
 // ---------------------------------------------------------------- refusals
 
-static void what_is_no_rounded_box_is_refused(void **state)
+TEST(what_is_no_rounded_box_is_refused)
 {
-    (void)state;
     duet_error err = {0};
     const duet_rounded_box good = {{{0}, {1, 1, 1}, {0, 0, 0, 1}}, 0.5f};
     duet_rounded_box boxes[3] = {good, good, good};
@@ -664,20 +619,4 @@ static void what_is_no_rounded_box_is_refused(void **state)
     duet_tree_destroy(tree);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(integers_agree_with_the_least_distance),
-        cmocka_unit_test(rays_meet_what_the_host_says),
-        cmocka_unit_test(rays_that_begin_at_a_surface_meet_it),
-        cmocka_unit_test(rays_of_any_scale_meet_as_many),
-        cmocka_unit_test(points_are_in_and_near_what_the_host_says),
-        cmocka_unit_test(boxes_collide_as_a_worlds),
-        cmocka_unit_test(spheres_are_asked_about_as_rounded_boxes),
-        cmocka_unit_test(a_tree_of_a_motion_has_its_radii),
-        cmocka_unit_test(a_tree_of_rounded_boxes_takes_bodies_without_radii),
-        cmocka_unit_test(the_def_of_a_motion_makes_a_tree_that_takes_it),
-        cmocka_unit_test(what_is_no_rounded_box_is_refused),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

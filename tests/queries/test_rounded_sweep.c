@@ -96,9 +96,8 @@ static double least_separation(const duet_rounded_sweep *s, const duet_rounded_b
     return fmin(least, fmin(separation_at(s, box, from, dims), separation_at(s, box, to, dims)));
 }
 
-static void integers_agree_with_a_search_in_time(void **state)
+TEST(integers_agree_with_a_search_in_time)
 {
-    (void)state;
     world *w = make_world();
     uint32_t met = 0, told = 0;
     for (uint32_t i = 0; i < SWEEPS; ++i)
@@ -282,9 +281,8 @@ static duet_rounded_sweep sweep_of(const known *k)
         k->moving, {k->direction[0], k->direction[1], k->direction[2]}, k->t_max};
 }
 
-static void touching_is_meeting_and_an_ulp_less_is_not(void **state)
+TEST(touching_is_meeting_and_an_ulp_less_is_not)
 {
-    (void)state;
     for (int i = 0; i < CLOSED; ++i) {
         const known *k = &closed[i].k;
         duet_rounded_sweep s = sweep_of(k);
@@ -306,9 +304,8 @@ static void touching_is_meeting_and_an_ulp_less_is_not(void **state)
 }
 
 // Cores that miss each other by less than double sees, and radii that are no greater.
-static void radii_that_vanish_leave_a_normal(void **state)
+TEST(radii_that_vanish_leave_a_normal)
 {
-    (void)state;
     const known cases[] = {
         {"edges that end at one height",
          {{{3, -1, -0x1p-149f}, {0, 0, 1e6f}, {0, 0, 1, 1}}, 0x1p-149f},
@@ -402,9 +399,8 @@ static void every_hit_in(uint32_t dims, uint32_t share)
     free(w);
 }
 
-static void every_hit_is_found_and_no_other(void **state)
+TEST(every_hit_is_found_and_no_other)
 {
-    (void)state;
     every_hit_in(3, DUET_SHARE_ONE / 3);
     every_hit_in(2, DUET_SHARE_ONE);
     devices_seem_gpus(true);
@@ -413,9 +409,8 @@ static void every_hit_is_found_and_no_other(void **state)
 }
 
 // What only just touches is none of float's business.
-static void closed_forms_hold_on_devices(void **state)
+TEST(closed_forms_hold_on_devices)
 {
-    (void)state;
     for (int i = 0; i < CLOSED; ++i) {
         const known *k = &closed[i].k;
         duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, &k->still, 1);
@@ -431,9 +426,8 @@ static void closed_forms_hold_on_devices(void **state)
 }
 
 // The closest is one of all, and none is closer by more than float is wrong by.
-static void closest_and_any_are_of_every_hit(void **state)
+TEST(closest_and_any_are_of_every_hit)
 {
-    (void)state;
     world *w = make_world();
     duet_tree *tree =
         open_rounded_tree(3, DUET_SHARE_ONE / 2, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
@@ -468,9 +462,8 @@ static void closest_and_any_are_of_every_hit(void **state)
     free(w);
 }
 
-static void boxes_without_radii_have_the_hits_of_poses(void **state)
+TEST(boxes_without_radii_have_the_hits_of_poses)
 {
-    (void)state;
     world *w = make_world();
     duet_pose poses[BOXES];
     duet_sweep sweeps[SWEEPS];
@@ -509,9 +502,8 @@ static void scale_box(duet_rounded_box *box, float scale)
 }
 
 // Squares of such lengths are no floats.
-static void lengths_of_any_scale_have_the_same_hits(void **state)
+TEST(lengths_of_any_scale_have_the_same_hits)
 {
-    (void)state;
     const float scales[] = {1, 0x1p75f, 0x1p-60f};
     duet_sweep_hit *first = NULL;
     uint64_t n = 0;
@@ -542,9 +534,8 @@ static void lengths_of_any_scale_have_the_same_hits(void **state)
     free(first);
 }
 
-static void spheres_move_as_rounded_boxes(void **state)
+TEST(spheres_move_as_rounded_boxes)
 {
-    (void)state;
     world *w = make_world();
     duet_sphere spheres[BOXES];
     duet_sphere_sweep sweeps[SWEEPS];
@@ -578,9 +569,8 @@ static void spheres_move_as_rounded_boxes(void **state)
 
 // ---------------------------------------------------------------- refusals
 
-static void what_is_no_sweep_of_the_shape_is_refused(void **state)
+TEST(what_is_no_sweep_of_the_shape_is_refused)
 {
-    (void)state;
     const duet_rounded_box box = round_at(0, 0, 0, 1, 1, 1, 1);
     duet_rounded_sweep sweeps[2] = {{box, {1, 0, 0}, 1}, {box, {1, 0, 0}, 1}};
     duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, &box, 1);
@@ -603,19 +593,4 @@ static void what_is_no_sweep_of_the_shape_is_refused(void **state)
     duet_tree_destroy(tree);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(touching_is_meeting_and_an_ulp_less_is_not),
-        cmocka_unit_test(integers_agree_with_a_search_in_time),
-        cmocka_unit_test(radii_that_vanish_leave_a_normal),
-        cmocka_unit_test(every_hit_is_found_and_no_other),
-        cmocka_unit_test(closed_forms_hold_on_devices),
-        cmocka_unit_test(closest_and_any_are_of_every_hit),
-        cmocka_unit_test(boxes_without_radii_have_the_hits_of_poses),
-        cmocka_unit_test(lengths_of_any_scale_have_the_same_hits),
-        cmocka_unit_test(spheres_move_as_rounded_boxes),
-        cmocka_unit_test(what_is_no_sweep_of_the_shape_is_refused),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

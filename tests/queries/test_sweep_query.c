@@ -63,9 +63,8 @@ static world *make_world(void)
 
 // ---------------------------------------------------------------- truth of the truth
 
-static void integers_agree_with_rays_and_with_boxes_that_stand(void **state)
+TEST(integers_agree_with_rays_and_with_boxes_that_stand)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     world *w = make_world();
     uint32_t n_met = 0;
@@ -95,9 +94,8 @@ static void integers_agree_with_rays_and_with_boxes_that_stand(void **state)
 }
 
 // Hard pairs that are pushed apart and back: the way has t = 1 on it, where they stand.
-static void double_agrees_with_integers_on_hard_pairs(void **state)
+TEST(double_agrees_with_integers_on_hard_pairs)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     uint32_t n_classes = 0, n_met = 0;
     while (hard_classes[n_classes].name)
@@ -189,17 +187,15 @@ static void every_hit_in(uint32_t dims, uint32_t share)
     free(w);
 }
 
-static void every_hit_is_found_and_no_other(void **state)
+TEST(every_hit_is_found_and_no_other)
 {
-    (void)state;
     every_hit_in(3, DUET_SHARE_ONE / 3);
     every_hit_in(2, DUET_SHARE_ONE);
 }
 
 // The closest is one of all, and none is closer by more than float is wrong by.
-static void closest_and_any_are_of_every_hit(void **state)
+TEST(closest_and_any_are_of_every_hit)
 {
-    (void)state;
     world *w = make_world();
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, w->boxes, BOXES);
     duet_tree *other = open_tree(3, 0, w->boxes, BOXES);
@@ -283,18 +279,16 @@ static void moving_bounds_are_exact_in(uint32_t dims)
     duet_tree_destroy(tree);
 }
 
-static void moving_bounds_are_exact(void **state)
+TEST(moving_bounds_are_exact)
 {
-    (void)state;
     moving_bounds_are_exact_in(3);
     moving_bounds_are_exact_in(2);
 }
 
 // ---------------------------------------------------------------- closed forms
 
-static void a_cube_stops_at_a_wall(void **state)
+TEST(a_cube_stops_at_a_wall)
 {
-    (void)state;
     const duet_pose wall = {{5, 0, 0}, {1, 9, 9}, {0, 0, 0, 1}};
     const duet_pose cube = {{0, 0, 0}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
     const duet_sweep sweeps[] = {
@@ -326,9 +320,8 @@ static void a_cube_stops_at_a_wall(void **state)
 }
 
 // Turned boxes that touch exactly: where they do is rounded, and yet no way is left.
-static void what_touches_at_the_begin_has_no_normal(void **state)
+TEST(what_touches_at_the_begin_has_no_normal)
 {
-    (void)state;
     const duet_pose box = {{1, 2, 2}, {4, 2, 3}, {1, 1, 1, 1}};
     const duet_pose mover = {{4, -2, 0}, {0, 2, 4}, {3, 1, -2, 5}};
     const duet_sweep sweeps[] = {{mover, {0, 0, 2}, 0},
@@ -348,9 +341,8 @@ static void what_touches_at_the_begin_has_no_normal(void **state)
     duet_tree_destroy(tree);
 }
 
-static void what_is_no_sweep_is_refused_by_its_number(void **state)
+TEST(what_is_no_sweep_is_refused_by_its_number)
 {
-    (void)state;
     const duet_pose box = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     duet_tree *tree = open_tree(3, 0, &box, 1);
     duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_CLOSEST);
@@ -372,17 +364,4 @@ static void what_is_no_sweep_is_refused_by_its_number(void **state)
     duet_tree_destroy(tree);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(integers_agree_with_rays_and_with_boxes_that_stand),
-        cmocka_unit_test(double_agrees_with_integers_on_hard_pairs),
-        cmocka_unit_test(every_hit_is_found_and_no_other),
-        cmocka_unit_test(closest_and_any_are_of_every_hit),
-        cmocka_unit_test(moving_bounds_are_exact),
-        cmocka_unit_test(a_cube_stops_at_a_wall),
-        cmocka_unit_test(what_touches_at_the_begin_has_no_normal),
-        cmocka_unit_test(what_is_no_sweep_is_refused_by_its_number),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

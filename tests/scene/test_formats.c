@@ -31,21 +31,14 @@ static int read_examples(const char *document, const char *kind)
     return n;
 }
 
-static void the_documents_examples_are_read(void **state)
+TEST(the_documents_examples_are_read)
 {
-    (void)state;
     char path[512];
     snprintf(path, sizeof path, "%s/../../docs/formats.md", getenv("DUET_TEST_SCENES"));
-    text document = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&document, path, &err), err);
+    text document = test_read_file(path);
     assert_int_equal(read_examples(document.chars, "csv"), 1);
     assert_int_equal(read_examples(document.chars, "lua"), 6);
     text_free(&document);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_documents_examples_are_read)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -113,9 +113,8 @@ static void assert_same(const reference_found *a, const reference_found *b)
         assert_memory_equal(a->pairs, b->pairs, a->n * sizeof *a->pairs);
 }
 
-static void columns_find_what_each_with_each_finds(void **state)
+TEST(columns_find_what_each_with_each_finds)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (size_t i = 0; i < 4 * sizeof makers / sizeof *makers; ++i) {
         duet_shape shape = i % 2 ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES;
@@ -132,9 +131,8 @@ static void columns_find_what_each_with_each_finds(void **state)
     }
 }
 
-static void each_level_has_its_set_however_it_is_found(void **state)
+TEST(each_level_has_its_set_however_it_is_found)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int l = 0; l < DUET_LEVELS; ++l) {
         crowd *c = make_crowd(of_mixed_size, 3, DUET_SHAPE_POSES, &r);
@@ -155,9 +153,8 @@ static void each_level_has_its_set_however_it_is_found(void **state)
     }
 }
 
-static void pairs_ascend(void **state)
+TEST(pairs_ascend)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     crowd *c = make_crowd(of_mixed_size, 3, DUET_SHAPE_POSES, &r);
     reference_found found;
@@ -175,9 +172,8 @@ static void pairs_ascend(void **state)
 }
 
 // 8 x 8 x 8 cubes that touch along faces, edges and corners.
-static void all_neighbours_on_a_lattice_touch(void **state)
+TEST(all_neighbours_on_a_lattice_touch)
 {
-    (void)state;
     rng r = rng_seed(1);
     crowd *c = make_crowd(on_a_lattice, 3, DUET_SHAPE_POSES, &r);
     c->objects.n = 512;
@@ -190,9 +186,8 @@ static void all_neighbours_on_a_lattice_touch(void **state)
     free(c);
 }
 
-static void none_one_and_two_objects_are_scenes_too(void **state)
+TEST(none_one_and_two_objects_are_scenes_too)
 {
-    (void)state;
     duet_pose two[] = {box_at(0, 0, 0, 0.5), box_at(1, 1, 1, 0.5)};
     for (uint32_t n = 0; n <= 2; ++n)
         for (int way = REFERENCE_EACH_WITH_EACH; way <= REFERENCE_COLUMNS; ++way) {
@@ -205,9 +200,8 @@ static void none_one_and_two_objects_are_scenes_too(void **state)
         }
 }
 
-static void a_scene_gives_the_pairs_of_its_objects(void **state)
+TEST(a_scene_gives_the_pairs_of_its_objects)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     crowd *c = make_crowd(even, 3, DUET_SHAPE_POSES, &r);
     duet_error err = {0};
@@ -226,15 +220,4 @@ static void a_scene_gives_the_pairs_of_its_objects(void **state)
     free(c);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(columns_find_what_each_with_each_finds),
-        cmocka_unit_test(each_level_has_its_set_however_it_is_found),
-        cmocka_unit_test(pairs_ascend),
-        cmocka_unit_test(all_neighbours_on_a_lattice_touch),
-        cmocka_unit_test(a_scene_gives_the_pairs_of_its_objects),
-        cmocka_unit_test(none_one_and_two_objects_are_scenes_too),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -23,9 +23,8 @@ static void assert_pose_refused(const duet_pose *pose, uint32_t dims, const char
         fail_msg("'%s', not '%s'", err.text, says);
 }
 
-static void a_bad_pose_is_refused_by_its_id(void **state)
+TEST(a_bad_pose_is_refused_by_its_id)
 {
-    (void)state;
     duet_pose pose = UNIT_CUBE;
     pose.centre[1] = NAN;
     assert_pose_refused(&pose, 3, "object 2: cy is nan; every number must be finite");
@@ -42,9 +41,8 @@ static void a_bad_pose_is_refused_by_its_id(void **state)
     assert_pose_refused(&pose, 3, "object 2: qx is nan");
 }
 
-static void bad_bounds_are_refused_by_their_id(void **state)
+TEST(bad_bounds_are_refused_by_their_id)
 {
-    (void)state;
     duet_bounds bounds[2] = {{{0, 0, 0}, {1, 1, 1}}, {{0, 2, 0}, {1, 1, 1}}};
     duet_error err = {0};
     assert_null(duet_scene_create(DUET_OBJECT_BOUNDS, bounds, 2, 3, 0, &err));
@@ -56,9 +54,8 @@ static void bad_bounds_are_refused_by_their_id(void **state)
     assert_non_null(strstr(err.text, "object 1: min y is -inf"));
 }
 
-static void dims_other_than_2_and_3_are_refused(void **state)
+TEST(dims_other_than_2_and_3_are_refused)
 {
-    (void)state;
     duet_error err = {0};
     assert_null(duet_scene_create(DUET_OBJECT_POSES, NULL, 0, 4, 0, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
@@ -66,9 +63,8 @@ static void dims_other_than_2_and_3_are_refused(void **state)
     assert_null(duet_scene_create(DUET_OBJECT_BOUNDS, NULL, 0, 0, 0, NULL));
 }
 
-static void missing_memory_and_paths_are_refused(void **state)
+TEST(missing_memory_and_paths_are_refused)
 {
-    (void)state;
     duet_error err = {0};
     assert_null(duet_scene_create(DUET_OBJECT_POSES, NULL, 1, 3, 0, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
@@ -77,9 +73,8 @@ static void missing_memory_and_paths_are_refused(void **state)
     duet_scene_destroy(NULL);
 }
 
-static void none_and_one_and_two_objects_make_a_scene(void **state)
+TEST(none_and_one_and_two_objects_make_a_scene)
 {
-    (void)state;
     const duet_pose poses[2] = {UNIT_CUBE, UNIT_CUBE};
     for (uint32_t n = 0; n <= 2; ++n) {
         duet_error err = {0};
@@ -92,9 +87,8 @@ static void none_and_one_and_two_objects_make_a_scene(void **state)
     }
 }
 
-static void what_2d_does_not_read_is_zero_in_the_scene(void **state)
+TEST(what_2d_does_not_read_is_zero_in_the_scene)
 {
-    (void)state;
     const duet_pose pose = {{1, 2, NAN}, {3, 4, -1}, {NAN, INFINITY, 0, 2}};
     duet_error err = {0};
     duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, &pose, 1, 2, 0, &err);
@@ -122,9 +116,8 @@ static duet_scene *scene_of_rotation(float x, float y, float z, float w)
     return scene;
 }
 
-static void a_scene_is_rotated_where_a_vector_part_is_not_zero(void **state)
+TEST(a_scene_is_rotated_where_a_vector_part_is_not_zero)
 {
-    (void)state;
     static const struct {
         float q[4];
         bool rotated;
@@ -141,9 +134,8 @@ static void a_scene_is_rotated_where_a_vector_part_is_not_zero(void **state)
 }
 
 // The scale is a power of two, so the parts keep their ratios bit for bit.
-static void a_quaternion_of_any_length_keeps_its_rotation(void **state)
+TEST(a_quaternion_of_any_length_keeps_its_rotation)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 10000; ++round) {
         int shift = (int)rng_below(&r, 220) - 110;
@@ -162,9 +154,8 @@ static void a_quaternion_of_any_length_keeps_its_rotation(void **state)
     }
 }
 
-static void the_pair_hash_does_not_depend_on_order_or_spans(void **state)
+TEST(the_pair_hash_does_not_depend_on_order_or_spans)
 {
-    (void)state;
     const duet_pair pairs[] = {{0, 1}, {1, 2}, {5, 4294967294u}};
     const duet_pair turned[] = {{5, 4294967294u}, {0, 1}, {1, 2}};
     uint64_t hash = duet_pairs_hash(pairs, 3);
@@ -180,9 +171,8 @@ static void the_pair_hash_does_not_depend_on_order_or_spans(void **state)
 }
 
 // Worked out by hand from the definition in duet.h: k = 1 for the pair (0, 1).
-static void the_pair_hash_is_the_documented_one(void **state)
+TEST(the_pair_hash_is_the_documented_one)
 {
-    (void)state;
     const duet_pair pair = {0, 1};
     uint64_t k = 0x9E3779B97F4A7C15u;
     k ^= k >> 29;
@@ -191,19 +181,4 @@ static void the_pair_hash_is_the_documented_one(void **state)
     assert_true(duet_pairs_hash(&pair, 1) == k);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_bad_pose_is_refused_by_its_id),
-        cmocka_unit_test(bad_bounds_are_refused_by_their_id),
-        cmocka_unit_test(dims_other_than_2_and_3_are_refused),
-        cmocka_unit_test(missing_memory_and_paths_are_refused),
-        cmocka_unit_test(none_and_one_and_two_objects_make_a_scene),
-        cmocka_unit_test(what_2d_does_not_read_is_zero_in_the_scene),
-        cmocka_unit_test(a_scene_is_rotated_where_a_vector_part_is_not_zero),
-        cmocka_unit_test(a_quaternion_of_any_length_keeps_its_rotation),
-        cmocka_unit_test(the_pair_hash_does_not_depend_on_order_or_spans),
-        cmocka_unit_test(the_pair_hash_is_the_documented_one),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -26,9 +26,8 @@ static duet_scene *assert_scene(const char *chars)
     return scene;
 }
 
-static void a_scene_says_its_world_and_cell(void **state)
+TEST(a_scene_says_its_world_and_cell)
 {
-    (void)state;
     duet_scene *scene = assert_scene(
         "return { name = 'shed', dims = 2, world = { lower = {-1, -2}, upper = {3, 4} },"
         "         cell = 1.5, cell_fixed = true, accuracy = { false_rate = 0.02 },"
@@ -51,9 +50,8 @@ static void a_scene_says_its_world_and_cell(void **state)
     duet_scene_destroy(scene);
 }
 
-static void what_a_scene_leaves_out_has_a_default(void **state)
+TEST(what_a_scene_leaves_out_has_a_default)
 {
-    (void)state;
     duet_scene *scene = assert_scene("return {}");
     const duet_scene_info *info = duet_scene_get_info(scene);
     assert_string_equal(info->name, "test_scene_lua");
@@ -64,9 +62,8 @@ static void what_a_scene_leaves_out_has_a_default(void **state)
     duet_scene_destroy(scene);
 }
 
-static void all_ways_to_write_an_object_agree(void **state)
+TEST(all_ways_to_write_an_object_agree)
 {
-    (void)state;
     duet_scene *scene = assert_scene(
         "add(1, 2, 3, 4, 5, 6, 0, 0, 0, 1)\n"
         "add { 1, 2, 3, 4, 5, 6, 0, 0, 0, 1 }\n"
@@ -143,9 +140,8 @@ static void assert_euler_is_the_papers(double phi, double theta, double psi)
     duet_scene_destroy(scene);
 }
 
-static void euler_angles_turn_in_the_papers_order(void **state)
+TEST(euler_angles_turn_in_the_papers_order)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 200; ++round)
         assert_euler_is_the_papers(rng_between(&r, -7, 7), rng_between(&r, -7, 7),
@@ -154,9 +150,8 @@ static void euler_angles_turn_in_the_papers_order(void **state)
 
 // With theta a quarter turn, phi and psi turn about the same axis: the angles
 // are ambiguous, but the rotation is not.
-static void a_gimbal_lock_is_a_rotation_as_any_other(void **state)
+TEST(a_gimbal_lock_is_a_rotation_as_any_other)
 {
-    (void)state;
     const double quarter = acos(0);
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 100; ++round) {
@@ -174,9 +169,8 @@ static void a_gimbal_lock_is_a_rotation_as_any_other(void **state)
 
 // ------------------------------------------------------------------- errors
 
-static void a_wrong_scene_is_refused_with_its_place(void **state)
+TEST(a_wrong_scene_is_refused_with_its_place)
 {
-    (void)state;
     static const struct {
         const char *chars;
         duet_status status;
@@ -282,9 +276,8 @@ script *__wrap_script_open(const script_limits *limits, duet_error *err)
     return __real_script_open(&less, err);
 }
 
-static void an_endless_scene_ends_with_its_line(void **state)
+TEST(an_endless_scene_ends_with_its_line)
 {
-    (void)state;
     limited = true;
     scene_assert_refused(FILE_NAME, "\nwhile true do add(0, 0, 1, 1) end", DUET_STATUS_BAD_INPUT,
                          FILE_NAME ":2: runs for more than");
@@ -305,9 +298,8 @@ static bool runs_with_n(const char *chars, const char *n)
     return scene != NULL;
 }
 
-static void who_asks_for_more_objects_lets_the_script_run_longer(void **state)
+TEST(who_asks_for_more_objects_lets_the_script_run_longer)
 {
-    (void)state;
     const char *two_million = "parameters { n = 30000000 } for i = 1, 2e6 do end return {}";
     assert_false(runs_with_n(two_million, NULL));
     assert_false(runs_with_n(two_million, "1000"));
@@ -322,9 +314,8 @@ static void who_asks_for_more_objects_lets_the_script_run_longer(void **state)
     "for i = 1, p.n do add(i, 0, p.size, 1, p.turned and 1 or 0) end\n"         \
     "return { name = p.label }"
 
-static void settings_take_the_place_of_defaults(void **state)
+TEST(settings_take_the_place_of_defaults)
 {
-    (void)state;
     const duet_setting settings[] = {
         {"n", "1e1"}, {"size", "3"}, {"turned", "true"}, {"label", "b c"}};
     duet_error err = {0};
@@ -339,9 +330,8 @@ static void settings_take_the_place_of_defaults(void **state)
     duet_scene_destroy(scene);
 }
 
-static void a_wrong_setting_says_what_is_right(void **state)
+TEST(a_wrong_setting_says_what_is_right)
 {
-    (void)state;
     static const struct {
         duet_setting setting;
         const char *says;
@@ -391,9 +381,8 @@ static duet_scene *load_shipped(const char *name, const char *n, const char *par
     return scene;
 }
 
-static void shipped_scenes_have_as_many_objects_as_asked_for(void **state)
+TEST(shipped_scenes_have_as_many_objects_as_asked_for)
 {
-    (void)state;
     static const char *const counts[] = {"0", "1", "2", "3", "17", "1000"};
     for (size_t i = 0; i < N_SHIPPED; ++i)
         for (size_t k = 0; k < sizeof counts / sizeof counts[0]; ++k) {
@@ -407,9 +396,8 @@ static void shipped_scenes_have_as_many_objects_as_asked_for(void **state)
         }
 }
 
-static void scenes_with_radii_have_the_shape_that_costs_least(void **state)
+TEST(scenes_with_radii_have_the_shape_that_costs_least)
 {
-    (void)state;
     duet_scene *scene = load_shipped("spheres", "300", NULL, NULL);
     const duet_sphere *spheres = duet_scene_get_objects(scene, DUET_OBJECT_SPHERES);
     assert_int_equal(duet_scene_get_info(scene)->shape, DUET_SHAPE_SPHERES);
@@ -427,9 +415,8 @@ static void scenes_with_radii_have_the_shape_that_costs_least(void **state)
 }
 
 // A box may stand before the first that has a radius, and behind it.
-static void radii_may_stand_beside_none(void **state)
+TEST(radii_may_stand_beside_none)
 {
-    (void)state;
     duet_error err = {0};
     duet_scene *scene = scene_from_text(FILE_NAME,
                                         "add(1, 2, .5, .5, 0)\n"
@@ -448,9 +435,8 @@ static void radii_may_stand_beside_none(void **state)
     duet_scene_destroy(scene);
 }
 
-static void shipped_scenes_turn_their_boxes_only_if_asked_to(void **state)
+TEST(shipped_scenes_turn_their_boxes_only_if_asked_to)
 {
-    (void)state;
     for (size_t i = 0; i < N_SHIPPED; ++i)
         for (int rotated = 0; rotated < 2; ++rotated) {
             duet_scene *scene =
@@ -460,15 +446,12 @@ static void shipped_scenes_turn_their_boxes_only_if_asked_to(void **state)
         }
 }
 
-static void shipped_scenes_open_with_what_they_are_for(void **state)
+TEST(shipped_scenes_open_with_what_they_are_for)
 {
-    (void)state;
     for (size_t i = 0; i < N_SHIPPED; ++i) {
         char path[512];
         snprintf(path, sizeof path, "%s/%s.lua", getenv("DUET_TEST_SCENES"), shipped[i]);
-        text t = {0};
-        duet_error err = {0};
-        assert_ok(text_read_file(&t, path, &err), err);
+        text t = test_read_file(path);
         assert_int_equal(strncmp(t.chars, "-- SPDX-License-Identifier: MIT\n-- ", 35), 0);
         text_free(&t);
     }
@@ -486,9 +469,8 @@ static uint64_t count_pairs(const duet_scene *scene)
 
 // Unit cubes side by side touch where no coordinate of their centres differs by
 // more than 1; turned by quarters they are the same cubes.
-static void neighbours_on_planes_touch_exactly(void **state)
+TEST(neighbours_on_planes_touch_exactly)
 {
-    (void)state;
     for (int rotated = 0; rotated < 2; ++rotated) {
         duet_scene *scene = load_shipped("planes", "500", "rotated", rotated ? "true" : "false");
         const duet_pose *p = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
@@ -520,9 +502,8 @@ static uint64_t hash_bits(const duet_scene *scene)
 }
 
 // The figure was written down once; a scene that changes it is another scene.
-static void the_papers_scene_is_the_same_on_every_machine(void **state)
+TEST(the_papers_scene_is_the_same_on_every_machine)
 {
-    (void)state;
     duet_scene *scene = load_shipped("paper", "1000", NULL, NULL);
     duet_scene *other = load_shipped("paper", "1000", "seed", "2");
     char shown[17];
@@ -564,8 +545,7 @@ static duet_scene *load_range(const char *path, uint64_t first, uint64_t end)
 // Every range holds the objects, and the bodies, of the whole.
 static void assert_ranges_hold_the_whole(const char *path, const char *chars)
 {
-    duet_error err = {0};
-    assert_ok(text_write_file(path, chars, strlen(chars), &err), err);
+    test_write_file(path, chars);
     duet_scene *whole = load_range(path, 0, UINT64_MAX);
     const duet_pose *all = duet_scene_get_objects(whole, DUET_OBJECT_POSES);
     const duet_body *bodies = duet_scene_get_bodies(whole);
@@ -584,12 +564,10 @@ static void assert_ranges_hold_the_whole(const char *path, const char *chars)
         }
     }
     duet_scene_destroy(whole);
-    remove(path);
 }
 
-static void a_range_of_a_scene_is_that_part_of_the_whole(void **state)
+TEST(a_range_of_a_scene_is_that_part_of_the_whole)
 {
-    (void)state;
     text rows = {0};
     for (int i = 0; i < IN_ALL; ++i)
         text_add(&rows, "%d 0 %d 1 1 1 0 0 %d 1\n", i, 2 * i, i % 3);
@@ -599,9 +577,8 @@ static void a_range_of_a_scene_is_that_part_of_the_whole(void **state)
 }
 
 // What one box draws depends on its number and its each, and on nothing else.
-static void sources_of_each_are_independent(void **state)
+TEST(sources_of_each_are_independent)
 {
-    (void)state;
     duet_scene *scene = assert_scene(IN_PARTS);
     const duet_pose *p = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
     for (int i = 3; i < 12; ++i)
@@ -611,9 +588,8 @@ static void sources_of_each_are_independent(void **state)
 }
 
 // Of a thousand million only what is kept is made.
-static void a_range_of_a_great_scene_is_quick(void **state)
+TEST(a_range_of_a_great_scene_is_quick)
 {
-    (void)state;
     duet_error err = {0};
     uint64_t n = 0;
     const duet_setting setting = {"n", "1000000000"};
@@ -643,16 +619,14 @@ static void assert_scene_or_line(const char *bytes, size_t n)
     duet_scene_destroy(scene);
 }
 
-static void every_beginning_of_a_scene_is_read_or_refused(void **state)
+TEST(every_beginning_of_a_scene_is_read_or_refused)
 {
-    (void)state;
     for (size_t n = 0; n <= strlen(SAMPLE); ++n)
         assert_scene_or_line(SAMPLE, n);
 }
 
-static void changed_bytes_are_read_or_refused(void **state)
+TEST(changed_bytes_are_read_or_refused)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 2000; ++round) {
         char bytes[] = SAMPLE;
@@ -662,31 +636,4 @@ static void changed_bytes_are_read_or_refused(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_scene_says_its_world_and_cell),
-        cmocka_unit_test(what_a_scene_leaves_out_has_a_default),
-        cmocka_unit_test(all_ways_to_write_an_object_agree),
-        cmocka_unit_test(euler_angles_turn_in_the_papers_order),
-        cmocka_unit_test(a_gimbal_lock_is_a_rotation_as_any_other),
-        cmocka_unit_test(a_wrong_scene_is_refused_with_its_place),
-        cmocka_unit_test(an_endless_scene_ends_with_its_line),
-        cmocka_unit_test(who_asks_for_more_objects_lets_the_script_run_longer),
-        cmocka_unit_test(settings_take_the_place_of_defaults),
-        cmocka_unit_test(a_wrong_setting_says_what_is_right),
-        cmocka_unit_test(shipped_scenes_have_as_many_objects_as_asked_for),
-        cmocka_unit_test(shipped_scenes_turn_their_boxes_only_if_asked_to),
-        cmocka_unit_test(shipped_scenes_open_with_what_they_are_for),
-        cmocka_unit_test(scenes_with_radii_have_the_shape_that_costs_least),
-        cmocka_unit_test(radii_may_stand_beside_none),
-        cmocka_unit_test(neighbours_on_planes_touch_exactly),
-        cmocka_unit_test(the_papers_scene_is_the_same_on_every_machine),
-        cmocka_unit_test(a_range_of_a_scene_is_that_part_of_the_whole),
-        cmocka_unit_test(sources_of_each_are_independent),
-        cmocka_unit_test(a_range_of_a_great_scene_is_quick),
-        cmocka_unit_test(every_beginning_of_a_scene_is_read_or_refused),
-        cmocka_unit_test(changed_bytes_are_read_or_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -5,9 +5,8 @@
 
 #include "runtime/duet.h"
 
-static void a_scene_says_what_moves(void **state)
+TEST(a_scene_says_what_moves)
 {
-    (void)state;
     duet_error err = {0};
     duet_scene *s = scene_from_text(
         "moving.lua",
@@ -38,9 +37,8 @@ static void a_scene_says_what_moves(void **state)
     duet_scene_destroy(s);
 }
 
-static void a_scene_that_says_nothing_of_bodies_has_none(void **state)
+TEST(a_scene_that_says_nothing_of_bodies_has_none)
 {
-    (void)state;
     duet_error err = {0};
     duet_scene *s =
         scene_from_text("still.lua", "add(0, 0, 0, 1, 1, 1, 0, 0, 0, 1) return {}", &err);
@@ -49,9 +47,8 @@ static void a_scene_that_says_nothing_of_bodies_has_none(void **state)
     duet_scene_destroy(s);
 }
 
-static void what_is_wrong_is_refused_with_its_name(void **state)
+TEST(what_is_wrong_is_refused_with_its_name)
 {
-    (void)state;
     static const struct {
         const char *chars;
         const char *says;
@@ -77,12 +74,4 @@ static void what_is_wrong_is_refused_with_its_name(void **state)
         scene_assert_refused("wrong.lua", wrong[i].chars, DUET_STATUS_BAD_INPUT, wrong[i].says);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_scene_says_what_moves),
-        cmocka_unit_test(a_scene_that_says_nothing_of_bodies_has_none),
-        cmocka_unit_test(what_is_wrong_is_refused_with_its_name),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

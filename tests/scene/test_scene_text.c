@@ -12,9 +12,8 @@
 
 #define FILE_NAME "test_scene_text.csv"
 
-static void the_columns_say_what_a_row_is(void **state)
+TEST(the_columns_say_what_a_row_is)
 {
-    (void)state;
     static const struct {
         const char *row;
         uint32_t dims;
@@ -39,9 +38,8 @@ static void the_columns_say_what_a_row_is(void **state)
     }
 }
 
-static void a_box_turned_in_2d_becomes_a_quaternion(void **state)
+TEST(a_box_turned_in_2d_becomes_a_quaternion)
 {
-    (void)state;
     duet_error err = {0};
     duet_scene *scene = scene_from_text(FILE_NAME, "1 2 3 4 0.7\n1 2 3 4 0\n", &err);
     assert_ok(scene, err);
@@ -53,9 +51,8 @@ static void a_box_turned_in_2d_becomes_a_quaternion(void **state)
     duet_scene_destroy(scene);
 }
 
-static void ways_of_writing_make_no_difference(void **state)
+TEST(ways_of_writing_make_no_difference)
 {
-    (void)state;
     static const char *const ways[] = {
         "1,2,3,4\n5,6,7,8\n",
         "1 2 3 4\n5\t6  7 8",
@@ -75,9 +72,8 @@ static void ways_of_writing_make_no_difference(void **state)
     }
 }
 
-static void a_file_without_rows_is_a_scene_without_objects(void **state)
+TEST(a_file_without_rows_is_a_scene_without_objects)
 {
-    (void)state;
     static const char *const empty[] = {"", "\n\n", "# nothing", "cx cy cz", "\xEF\xBB\xBF"};
     for (size_t i = 0; i < sizeof empty / sizeof empty[0]; ++i) {
         duet_error err = {0};
@@ -88,9 +84,8 @@ static void a_file_without_rows_is_a_scene_without_objects(void **state)
     }
 }
 
-static void a_number_is_rounded_to_the_nearest_float(void **state)
+TEST(a_number_is_rounded_to_the_nearest_float)
 {
-    (void)state;
     duet_error err = {0};
     duet_scene *scene =
         scene_from_text(FILE_NAME, "0.1,1e-46,16777217,3.40282346e38,0.30000001192092896", &err);
@@ -101,9 +96,8 @@ static void a_number_is_rounded_to_the_nearest_float(void **state)
     duet_scene_destroy(scene);
 }
 
-static void a_wrong_line_is_named(void **state)
+TEST(a_wrong_line_is_named)
 {
-    (void)state;
     static const struct {
         const char *chars;
         duet_status status;
@@ -137,6 +131,8 @@ static void a_wrong_line_is_named(void **state)
         {"1,2,3,4,\n", DUET_STATUS_BAD_INPUT, ":1: column 5 is empty"},
         {",1,2,3", DUET_STATUS_BAD_INPUT, ":1: column 1 is empty"},
         {"1,2,\x01z,4", DUET_STATUS_BAD_INPUT, ":1: column 3: '?z' is not a number"},
+        {"0,0,1,1\n0,nan,1,1", DUET_STATUS_BAD_OBJECT, ":2: object 1: min y is nan"},
+        {"0,0,1,1\n0,0,inf,1", DUET_STATUS_BAD_OBJECT, ":2: object 1: max x is inf"},
         {"0,0,1,1,0\n0,nan,1,1,0", DUET_STATUS_BAD_OBJECT, ":2: object 1: cy is nan"},
         {"0,0,1,1,-inf", DUET_STATUS_BAD_OBJECT, ":1: object 0: angle is -inf"},
         {"1e999,0,1,1,0", DUET_STATUS_BAD_OBJECT, ":1: object 0: cx is inf"},
@@ -149,18 +145,16 @@ static void a_wrong_line_is_named(void **state)
         scene_assert_refused(FILE_NAME, wrong[i].chars, wrong[i].status, wrong[i].says);
 }
 
-static void bytes_are_not_read_as_text(void **state)
+TEST(bytes_are_not_read_as_text)
 {
-    (void)state;
     duet_error err = {0};
     assert_null(scene_from_bytes(FILE_NAME, "1 2 3 4\n\0 1", 11, NULL, 0, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
     assert_non_null(strstr(err.text, "byte 8 is NUL"));
 }
 
-static void a_missing_file_and_a_folder_are_named(void **state)
+TEST(a_missing_file_and_a_folder_are_named)
 {
-    (void)state;
     duet_error err = {0};
     assert_null(duet_scene_load("no/such/boxes.csv", NULL, 0, &err));
     assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
@@ -170,9 +164,8 @@ static void a_missing_file_and_a_folder_are_named(void **state)
     assert_int_equal(err.status, DUET_STATUS_IO_FAILED);
 }
 
-static void data_have_no_parameters(void **state)
+TEST(data_have_no_parameters)
 {
-    (void)state;
     const duet_setting setting = {"n", "10"};
     duet_error err = {0};
     assert_null(scene_from_bytes(FILE_NAME, "0 0 1 1", 7, &setting, 1, &err));
@@ -181,9 +174,8 @@ static void data_have_no_parameters(void **state)
 }
 
 // Another language's decimal comma must not reach the numbers.
-static void the_language_of_the_application_does_not_matter(void **state)
+TEST(the_language_of_the_application_does_not_matter)
 {
-    (void)state;
     if (!setlocale(LC_NUMERIC, "de_DE.UTF-8"))
         skip();
     duet_error err = {0};
@@ -213,16 +205,14 @@ static void assert_scene_or_line(const char *bytes, size_t n)
     duet_scene_destroy(scene);
 }
 
-static void every_beginning_of_a_file_is_read_or_refused(void **state)
+TEST(every_beginning_of_a_file_is_read_or_refused)
 {
-    (void)state;
     for (size_t n = 0; n <= strlen(SAMPLE); ++n)
         assert_scene_or_line(SAMPLE, n);
 }
 
-static void changed_bytes_are_read_or_refused(void **state)
+TEST(changed_bytes_are_read_or_refused)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 3000; ++round) {
         char bytes[] = SAMPLE;
@@ -232,21 +222,4 @@ static void changed_bytes_are_read_or_refused(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_columns_say_what_a_row_is),
-        cmocka_unit_test(a_box_turned_in_2d_becomes_a_quaternion),
-        cmocka_unit_test(ways_of_writing_make_no_difference),
-        cmocka_unit_test(a_file_without_rows_is_a_scene_without_objects),
-        cmocka_unit_test(a_number_is_rounded_to_the_nearest_float),
-        cmocka_unit_test(a_wrong_line_is_named),
-        cmocka_unit_test(bytes_are_not_read_as_text),
-        cmocka_unit_test(a_missing_file_and_a_folder_are_named),
-        cmocka_unit_test(data_have_no_parameters),
-        cmocka_unit_test(the_language_of_the_application_does_not_matter),
-        cmocka_unit_test(every_beginning_of_a_file_is_read_or_refused),
-        cmocka_unit_test(changed_bytes_are_read_or_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -99,9 +99,8 @@ static void key_of(const fixture *f, char key[PROFILE_SHA])
     assert_ok(profile_workload_key(&p.workload, key, &err), err);
 }
 
-static void a_worlds_numbers_are_those_of_its_scene(void **state)
+TEST(a_worlds_numbers_are_those_of_its_scene)
 {
-    (void)state;
     fixture f = make_world(16000, test_seed(), 0, "auto");
     profile_subject p = describe(&f);
     assert_int_equal(p.workload.n, 16000);
@@ -117,9 +116,8 @@ static void a_worlds_numbers_are_those_of_its_scene(void **state)
     drop_world(&f);
 }
 
-static void the_workload_is_the_scenes_and_not_the_draws_or_the_plans(void **state)
+TEST(the_workload_is_the_scenes_and_not_the_draws_or_the_plans)
 {
-    (void)state;
     uint64_t seed = test_seed();
     fixture a = make_world(16000, seed, 0, "auto");
     fixture b = make_world(16000, seed + 1, 0, "auto grid=hashed");
@@ -138,9 +136,8 @@ static void the_workload_is_the_scenes_and_not_the_draws_or_the_plans(void **sta
 }
 
 // The first objects are counted when they are set, all others when somebody asks.
-static void a_workload_is_of_the_objects_that_a_world_has(void **state)
+TEST(a_workload_is_of_the_objects_that_a_world_has)
 {
-    (void)state;
     enum { N = 16000 };
     duet_error err = {0};
     fixture f = make_world(N, test_seed(), 0, "auto");
@@ -158,9 +155,8 @@ static void a_workload_is_of_the_objects_that_a_world_has(void **state)
     drop_world(&f);
 }
 
-static void a_world_without_objects_is_refused(void **state)
+TEST(a_world_without_objects_is_refused)
 {
-    (void)state;
     fixture f = make_world(1, 1, 0, "auto");
     profile_subject p;
     duet_error err = {0};
@@ -170,9 +166,8 @@ static void a_world_without_objects_is_refused(void **state)
     drop_world(&f);
 }
 
-static void a_plan_survives_being_stored(void **state)
+TEST(a_plan_survives_being_stored)
 {
-    (void)state;
     duet_plan plan = {.share = 12345, .mode = DUET_MODE_OWN};
     strcpy(plan.variant_a, "auto sort=radix");
     strcpy(plan.variant_b, "paper");
@@ -224,9 +219,8 @@ static void put_for(const char *path, duet_world *world, const char *kernels)
     put_subject(path, &p, kernels);
 }
 
-static void a_world_takes_its_profile_and_finds_the_same_pairs(void **state)
+TEST(a_world_takes_its_profile_and_finds_the_same_pairs)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     fixture f = make_world(3000, test_seed(), 0, "auto");
     duet_error err = {0};
@@ -244,21 +238,18 @@ static void a_world_takes_its_profile_and_finds_the_same_pairs(void **state)
     assert_ok(duet_world_step(f.world, &result, &err), err);
     assert_true(duet_result_get_hash(&result) == hash);
     drop_world(&f);
-    test_folder_remove(&folder);
 }
 
 // Stored at sat6 with two false pairs in a hundred.
 // The parts of a CPU are shown as two devices that nothing but their places tells apart.
-static void two_equal_devices_are_another_pair_than_one(void **state)
+TEST(two_equal_devices_are_another_pair_than_one)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     duet_error err = {0};
     fixture f = make_world(300, 8, 0, "simd");
     device *own = f.pair->devices;
     if (duet_device_pair_is_one(f.pair)) {
         drop_world(&f);
-        test_folder_remove(&folder);
         print_message("the device pair is one device\n");
         skip();
     }
@@ -281,12 +272,10 @@ static void two_equal_devices_are_another_pair_than_one(void **state)
     }
     own[1] = kept;
     drop_world(&f);
-    test_folder_remove(&folder);
 }
 
-static void a_world_gets_no_less_than_it_asked_for(void **state)
+TEST(a_world_gets_no_less_than_it_asked_for)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     fixture f = make_world(3000, test_seed(), 0, "auto");
     duet_error err = {0};
@@ -310,12 +299,10 @@ static void a_world_gets_no_less_than_it_asked_for(void **state)
     assert_true(profile.accuracy.missed == 0 && profile.accuracy.false_rate == 0.02);
     assert_int_equal(profile.true_pairs, 100);
     drop_world(&f);
-    test_folder_remove(&folder);
 }
 
-static void an_accuracy_that_cannot_be_is_refused(void **state)
+TEST(an_accuracy_that_cannot_be_is_refused)
 {
-    (void)state;
     fixture f = make_world(10, test_seed(), 0, "auto");
     static const duet_accuracy bad[] = {{-0.1, 0}, {1.5, 0}, {0, -1}, {0, INFINITY}, {NAN, 0}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
@@ -330,9 +317,8 @@ static void an_accuracy_that_cannot_be_is_refused(void **state)
     drop_world(&f);
 }
 
-static void without_a_profile_the_plan_stays(void **state)
+TEST(without_a_profile_the_plan_stays)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     fixture f = make_world(3000, test_seed(), 0, "auto");
     duet_plan before = *duet_world_get_plan(f.world);
@@ -351,7 +337,6 @@ static void without_a_profile_the_plan_stays(void **state)
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     assert_memory_equal(duet_world_get_plan(f.world), &before, sizeof before);
     drop_world(&f);
-    test_folder_remove(&folder);
 }
 
 // As if it had been measured on twice as many objects, where sharing gained as much as that.
@@ -359,9 +344,8 @@ static void without_a_profile_the_plan_stays(void **state)
     "UPDATE profile SET gain = 3, gain_low = 2, gain_high = 4, true_pairs = 100; " \
     "UPDATE workload SET n = 2 * n, key = 'another'"
 
-static void a_plan_of_another_workload_comes_without_figures(void **state)
+TEST(a_plan_of_another_workload_comes_without_figures)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     fixture f = make_world(3000, test_seed(), 0, "auto");
     duet_error err = {0};
@@ -376,7 +360,6 @@ static void a_plan_of_another_workload_comes_without_figures(void **state)
                 profile.gain_high == 0 && profile.true_pairs == 0 && profile.measured_s == 0);
     assert_string_equal(profile.verdict, "");
     drop_world(&f);
-    test_folder_remove(&folder);
 }
 
 // ------------------------------------------------------------- duet profiles why
@@ -431,13 +414,11 @@ static void assert_why(const cJSON *o, const char *grade, const char *says)
         fail_msg("nothing says '%s'", says);
 }
 
-static void a_file_that_is_named_is_all_that_why_looks_in(void **state)
+TEST(a_file_that_is_named_is_all_that_why_looks_in)
 {
-    (void)state;
     test_folder user = test_folder_make(), system = test_folder_make();
     char installed[128], variables[256];
-    duet_error err = {0};
-    assert_ok(text_write_file(SCENE, scene_text, strlen(scene_text), &err), err);
+    test_write_file(SCENE, scene_text);
     snprintf(installed, sizeof installed, "%s/duet", system.path);
     assert_int_equal(mkdir(installed, 0755), 0);
     snprintf(installed, sizeof installed, "%s/duet/profiles.db", system.path);
@@ -453,17 +434,12 @@ static void a_file_that_is_named_is_all_that_why_looks_in(void **state)
     assert_non_null(strstr(p.out, "\ndefault: "));
     assert_null(strstr(p.out, system.path));
     program_free(&p);
-    remove(SCENE);
-    test_folder_remove(&user);
-    test_folder_remove(&system);
 }
 
-static void why_names_the_plan_and_run_uses_it(void **state)
+TEST(why_names_the_plan_and_run_uses_it)
 {
-    (void)state;
     test_folder folder = test_folder_make();
-    duet_error err = {0};
-    assert_ok(text_write_file(SCENE, scene_text, strlen(scene_text), &err), err);
+    test_write_file(SCENE, scene_text);
     cJSON *o = ask_why(folder.store);
     assert_why(o, "default", "there is no profile store");
     cJSON_Delete(o);
@@ -504,17 +480,13 @@ static void why_names_the_plan_and_run_uses_it(void **state)
     if (devices_are_two())
         assert_non_null(strstr(p.out, "exact; B alone; no share promises more"));
     program_free(&p);
-    remove(SCENE);
-    test_folder_remove(&folder);
 }
 
-static void why_and_run_say_that_no_figure_is_known(void **state)
+TEST(why_and_run_say_that_no_figure_is_known)
 {
-    (void)state;
     static const char *const figures[] = {"ms", "gain", "gain_low", "gain_high", "verdict"};
     test_folder folder = test_folder_make();
-    duet_error err = {0};
-    assert_ok(text_write_file(SCENE, scene_text, strlen(scene_text), &err), err);
+    test_write_file(SCENE, scene_text);
     put_for_scene(folder.store);
     test_store_run(folder.store, OF_TWICE_AS_MANY);
     cJSON *o = ask_why(folder.store);
@@ -534,8 +506,6 @@ static void why_and_run_say_that_no_figure_is_known(void **state)
     assert_non_null(strstr(p.out, "plan: from the profile of another workload; what it gains here "
                                   "is not known"));
     program_free(&p);
-    remove(SCENE);
-    test_folder_remove(&folder);
 }
 
 // ------------------------------------------------------------ queries
@@ -562,9 +532,8 @@ static duet_grade load_query(duet_tree *tree, const char *query, uint64_t n, con
 }
 
 // Also for a tenth more items, and for boxes of the same octave.
-static void a_query_takes_its_profile_and_others_keep_their_share(void **state)
+TEST(a_query_takes_its_profile_and_others_keep_their_share)
 {
-    (void)state;
     enum { RAYS = 640, SHARE = 3 * DUET_SHARE_ONE / 8 };
     test_folder folder = test_folder_make();
     fixture f = make_world(1000, test_seed(), 0, "auto");
@@ -609,12 +578,10 @@ static void a_query_takes_its_profile_and_others_keep_their_share(void **state)
     duet_ray_query_destroy(other);
     duet_tree_destroy(tree);
     drop_world(&f);
-    test_folder_remove(&folder);
 }
 
-static void names_of_queries_are_read_as_they_are_written(void **state)
+TEST(names_of_queries_are_read_as_they_are_written)
 {
-    (void)state;
     static const char *const names[] = {
         "rays closest", "rays any", "rays every",       "sweeps any",         "boxes",
         "boxes itself", "points",   "points nearest 8", "points nearest 1024"};
@@ -643,25 +610,4 @@ static void names_of_queries_are_read_as_they_are_written(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_worlds_numbers_are_those_of_its_scene),
-        cmocka_unit_test(the_workload_is_the_scenes_and_not_the_draws_or_the_plans),
-        cmocka_unit_test(a_workload_is_of_the_objects_that_a_world_has),
-        cmocka_unit_test(a_world_without_objects_is_refused),
-        cmocka_unit_test(a_plan_survives_being_stored),
-        cmocka_unit_test(a_world_takes_its_profile_and_finds_the_same_pairs),
-        cmocka_unit_test(two_equal_devices_are_another_pair_than_one),
-        cmocka_unit_test(a_world_gets_no_less_than_it_asked_for),
-        cmocka_unit_test(an_accuracy_that_cannot_be_is_refused),
-        cmocka_unit_test(without_a_profile_the_plan_stays),
-        cmocka_unit_test(a_query_takes_its_profile_and_others_keep_their_share),
-        cmocka_unit_test(names_of_queries_are_read_as_they_are_written),
-        cmocka_unit_test(a_file_that_is_named_is_all_that_why_looks_in),
-        cmocka_unit_test(why_names_the_plan_and_run_uses_it),
-        cmocka_unit_test(why_and_run_say_that_no_figure_is_known),
-        cmocka_unit_test(a_plan_of_another_workload_comes_without_figures),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -8,7 +8,6 @@
 #include "runtime/selection/profile_subject.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { CUBES = 60, STEPS = 12 };
@@ -95,9 +94,8 @@ static void assert_own_kernels(const mover *m)
     assert_int_equal(k->build_manifolds->per_item, 1);
 }
 
-static void a_plan_changes_kernels_between_steps_and_no_bit(void **state)
+TEST(a_plan_changes_kernels_between_steps_and_no_bit)
 {
-    (void)state;
     mover *m = make_pile(CUBES);
     duet_error err = {0};
     mover_run(m, 2 * STEPS);
@@ -118,9 +116,8 @@ static void a_plan_changes_kernels_between_steps_and_no_bit(void **state)
     mover_free(m);
 }
 
-static void a_plan_that_cannot_be_leaves_the_motion_as_it_was(void **state)
+TEST(a_plan_that_cannot_be_leaves_the_motion_as_it_was)
 {
-    (void)state;
     static const struct {
         const char *settings, *line;
     } wrong[] = {
@@ -167,9 +164,8 @@ static uint32_t count_searches(mover *m, uint32_t steps)
     return n;
 }
 
-static void a_plans_skin_changes_how_often_pairs_are_searched_and_no_bit(void **state)
+TEST(a_plans_skin_changes_how_often_pairs_are_searched_and_no_bit)
 {
-    (void)state;
     enum { LONG = 3 * STEPS };
     mover *m = make_pile(CUBES);
     duet_error err = {0};
@@ -203,9 +199,8 @@ static void a_plans_skin_changes_how_often_pairs_are_searched_and_no_bit(void **
 
 // ------------------------------------------------------------ profiles
 
-static void a_motion_takes_its_profile_and_keeps_its_bits(void **state)
+TEST(a_motion_takes_its_profile_and_keeps_its_bits)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     mover *m = make_pile(CUBES);
     mover_run(m, STEPS);
@@ -231,12 +226,10 @@ static void a_motion_takes_its_profile_and_keeps_its_bits(void **state)
     mover_run(m, STEPS);
     assert_true(mover_hash(m) == hash);
     mover_free(m);
-    test_folder_remove(&folder);
 }
 
-static void a_motion_without_contact_takes_the_kernels_alone(void **state)
+TEST(a_motion_without_contact_takes_the_kernels_alone)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     mover *m = mover_new(3);
     for (uint32_t i = 0; i < CUBES; ++i)
@@ -251,7 +244,6 @@ static void a_motion_without_contact_takes_the_kernels_alone(void **state)
     mover_run(m, STEPS);
     assert_true(mover_hash(m) == hash);
     mover_free(m);
-    test_folder_remove(&folder);
 }
 
 static duet_world *make_world(const mover *m)
@@ -265,9 +257,8 @@ static duet_world *make_world(const mover *m)
     return world;
 }
 
-static void a_still_worlds_profile_is_no_motions_nor_the_reverse(void **state)
+TEST(a_still_worlds_profile_is_no_motions_nor_the_reverse)
 {
-    (void)state;
     test_folder still = test_folder_make(), moving = test_folder_make();
     mover *m = make_pile(CUBES);
     duet_error err = {0};
@@ -286,14 +277,11 @@ static void a_still_worlds_profile_is_no_motions_nor_the_reverse(void **state)
     assert_int_equal(load(m, moving.store).grade, DUET_GRADE_EXACT);
     duet_world_destroy(world);
     mover_free(m);
-    test_folder_remove(&still);
-    test_folder_remove(&moving);
 }
 
 // As many as make no motion of another kind.
-static void another_number_of_bodies_takes_the_plan_and_no_figure(void **state)
+TEST(another_number_of_bodies_takes_the_plan_and_no_figure)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     mover *m = make_pile(CUBES), *more = make_pile(2 * CUBES), *many = make_pile(10 * CUBES);
     create(m);
@@ -310,12 +298,10 @@ static void another_number_of_bodies_takes_the_plan_and_no_figure(void **state)
     mover_free(m);
     mover_free(more);
     mover_free(many);
-    test_folder_remove(&folder);
 }
 
-static void other_effects_or_substeps_are_another_workload(void **state)
+TEST(other_effects_or_substeps_are_another_workload)
 {
-    (void)state;
     test_folder folder = test_folder_make();
     mover *m = make_pile(CUBES);
     create(m);
@@ -329,12 +315,10 @@ static void other_effects_or_substeps_are_another_workload(void **state)
     create(m);
     assert_int_equal(load(m, folder.store).grade, DUET_GRADE_DEFAULT);
     mover_free(m);
-    test_folder_remove(&folder);
 }
 
-static void what_nothing_happens_to_has_no_profile(void **state)
+TEST(what_nothing_happens_to_has_no_profile)
 {
-    (void)state;
     mover *m = mover_new(3);
     duet_profile profile;
     for (uint32_t n = 0; n < 2; ++n) {
@@ -348,18 +332,4 @@ static void what_nothing_happens_to_has_no_profile(void **state)
     mover_free(m);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_plan_changes_kernels_between_steps_and_no_bit),
-        cmocka_unit_test(a_plan_that_cannot_be_leaves_the_motion_as_it_was),
-        cmocka_unit_test(a_plans_skin_changes_how_often_pairs_are_searched_and_no_bit),
-        cmocka_unit_test(a_motion_takes_its_profile_and_keeps_its_bits),
-        cmocka_unit_test(a_motion_without_contact_takes_the_kernels_alone),
-        cmocka_unit_test(a_still_worlds_profile_is_no_motions_nor_the_reverse),
-        cmocka_unit_test(another_number_of_bodies_takes_the_plan_and_no_figure),
-        cmocka_unit_test(other_effects_or_substeps_are_another_workload),
-        cmocka_unit_test(what_nothing_happens_to_has_no_profile),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

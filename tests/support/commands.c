@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "support/commands.h"
 
-#include <stdio.h>
-#include <unistd.h>
-
 duet_body_list one(uint32_t place)
 {
     return (duet_body_list){.first = place, .n = 1};
@@ -24,9 +21,4 @@ mover *make_rows(uint32_t n, uint32_t high)
         for (uint32_t k = 0; k < high; ++k)
             mover_add_rough_cube(m, 3.0 * i, 0, k + 0.5);
     return m;
-}
-
-void name_file(char path[64])
-{
-    snprintf(path, 64, "/tmp/duet-commands-%ld", (long)getpid());
 }

@@ -29,7 +29,4 @@ duet_body_list by_ids(const uint64_t *ids, uint32_t n);
 // Rows of unit cubes on a floor, that rest soon; place 0 is the floor.
 mover *make_rows(uint32_t n, uint32_t high);
 
-// A file of this process's own.
-void name_file(char path[64]);
-
 #endif

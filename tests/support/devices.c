@@ -8,13 +8,29 @@
 
 duet_device_pair *devices;
 
+duet_device_pair *open_pair(const char *a, const char *b)
+{
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.a = a;
+    def.b = b;
+    duet_device_pair *pair = duet_device_pair_create(&def, &err);
+    assert_ok(pair, err);
+    return pair;
+}
+
+duet_world *create_world(const duet_world_def *def)
+{
+    duet_error err = {0};
+    duet_world *world = duet_world_create(def, &err);
+    assert_ok(world, err);
+    return world;
+}
+
 int open_devices(void **state)
 {
     (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_create(&def, &err);
-    assert_ok(devices != NULL, err);
+    devices = open_pair(NULL, NULL);
     return 0;
 }
 

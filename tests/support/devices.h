@@ -11,6 +11,10 @@ extern duet_device_pair *devices;
 int open_devices(void **state);
 int close_devices(void **state);
 
+// Fail the test if they cannot be made; the caller destroys them.
+duet_device_pair *open_pair(const char *a, const char *b);
+duet_world *create_world(const duet_world_def *def);
+
 // Whether the default device pair is two: halves of a CPU with one unit are that CPU, twice.
 bool devices_are_two(void);
 void skip_on_one_device(void); // with a line

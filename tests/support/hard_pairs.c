@@ -492,3 +492,15 @@ void hard_pair_print(const hard_pair *pair, uint32_t dims)
     print_row(&b);
     print_message("\n");
 }
+
+duet_pose random_box(rng *r, double spread)
+{
+    duet_pose pose;
+    for (int i = 0; i < 3; ++i) {
+        pose.centre[i] = (float)rng_between(r, 0, spread);
+        pose.half_extents[i] = (float)rng_between(r, 0.1, 1);
+    }
+    for (int i = 0; i < 4; ++i)
+        pose.rotation[i] = (float)rng_normal(r);
+    return pose;
+}

@@ -20,6 +20,8 @@ typedef struct hard_class {
 
 extern const hard_class hard_classes[]; // ends with a NULL name
 
+duet_pose random_box(rng *r, double spread); // an ordinary one
+
 // Prints a pair as C and as a row of a file for `duet query`, so that a failure can
 // be repeated.
 void hard_pair_print(const hard_pair *pair, uint32_t dims);

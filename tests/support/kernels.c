@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 // Of a file within the folder; its own folder is made.
 static void file_path(text *path, const char *folder, const char *file)
@@ -38,19 +37,4 @@ void test_kernels_write(const char *folder, const char *changed, const char *bef
         fclose(file);
         text_free(&path);
     }
-}
-
-void test_kernels_remove(const char *folder)
-{
-    for (const blob *b = blobs; b->path; ++b) {
-        if (strncmp(b->path, "kernels/", 8) != 0)
-            continue;
-        text path = {0};
-        text_add(&path, "%s/%s", folder, b->path + 8);
-        remove(path.chars);
-        *strrchr(path.chars, '/') = '\0';
-        rmdir(path.chars);
-        text_free(&path);
-    }
-    rmdir(folder);
 }

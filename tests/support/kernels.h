@@ -7,6 +7,5 @@
 // text of the file `changed`, "grid/hash.cl".
 void test_kernels_write(const char *folder, const char *changed, const char *before,
                         const char *after);
-void test_kernels_remove(const char *folder);
 
 #endif

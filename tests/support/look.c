@@ -14,7 +14,6 @@ look_fixture look_open(void)
 void look_close(look_fixture *f)
 {
     store_close(f->s);
-    test_folder_remove(&f->folder);
 }
 
 void look_tune(look_fixture *f, uint64_t n)

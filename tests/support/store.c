@@ -1,38 +1,19 @@
 // SPDX-License-Identifier: MIT
-#define _GNU_SOURCE
 #include "support/store.h"
 
 #include "profiles/sql.h"
 #include "support/test.h"
 
-#include <ftw.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 test_folder test_folder_make(void)
 {
     test_folder folder;
-    // Where any user may enter: the clone of these sources may lie in a home that is closed.
-    snprintf(folder.path, sizeof folder.path, "/tmp/duet_test_store.XXXXXX");
-    assert_non_null(mkdtemp(folder.path));
+    test_make_folder(folder.path);
     snprintf(folder.store, sizeof folder.store, "%s/profiles.db", folder.path);
     return folder;
-}
-
-static int remove_one(const char *path, const struct stat *info, int type, struct FTW *at)
-{
-    (void)info;
-    (void)type;
-    (void)at;
-    return remove(path);
-}
-
-void test_folder_remove(const test_folder *folder)
-{
-    nftw(folder->path, remove_one, 8, FTW_DEPTH | FTW_PHYS);
 }
 
 store *test_store_open(const char *path, store_access access)
@@ -40,6 +21,18 @@ store *test_store_open(const char *path, store_access access)
     duet_error err = {0};
     store *s = store_open(path, access, &err);
     assert_ok(s, err);
+    return s;
+}
+
+store *test_store_fresh(void)
+{
+    return test_store_open(test_folder_make().store, STORE_WRITE);
+}
+
+store *test_store_tuned(void)
+{
+    store *s = test_store_fresh();
+    test_tune_usual(s);
     return s;
 }
 
@@ -218,6 +211,13 @@ void test_tune(store *s, const profile_pair *pair, const profile_workload *workl
     row.high_ns = row.median_ns * 1.01;
     assert_ok(profile_put(s, &row, NULL, "replaced by a later tuning", NULL, &err), err);
     assert_ok(profile_session_end(s, id, "complete", &err), err);
+}
+
+void test_tune_usual(store *s)
+{
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    test_tune(s, &pair, &workload);
 }
 
 void test_fill(store *s, uint32_t n)

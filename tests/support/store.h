@@ -7,17 +7,17 @@
 
 #define TEST_KERNELS "5b1d0c0ffee00000000000000000000000000000000000000000000000000001"
 
-// A fresh folder, and a path in it; removed with all it holds by
-// test_folder_remove. The strings live as long as the struct.
+// A fresh folder, and a path in it.
 typedef struct test_folder {
     char path[64];
     char store[96]; // PATH/profiles.db, not made yet
 } test_folder;
 
 test_folder test_folder_make(void);
-void test_folder_remove(const test_folder *folder);
 
 store *test_store_open(const char *path, store_access access);
+store *test_store_fresh(void); // in a folder of its own
+store *test_store_tuned(void); // with what test_tune_usual leaves
 duet_error test_store_refusal(const char *path, store_access access); // the line must be one
 void test_store_run(const char *path, const char *statements);        // past the store's own code
 
@@ -36,6 +36,8 @@ double test_time(int device, uint64_t n, double share);
 
 // A whole session of nine shares, 0 and 1 among them, with its profile.
 void test_tune(store *s, const profile_pair *pair, const profile_workload *workload);
+
+void test_tune_usual(store *s); // test_pair's, of 1000 objects
 
 // n profiles of the test's pair, for workloads of 1000 + i objects, with the
 // share i out of 65536.

@@ -7,11 +7,80 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <ftw.h>
 #include <inttypes.h>
 #include <pty.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+enum { MOST_TESTS = 64 };
+
+static struct CMUnitTest tests[MOST_TESTS]; // CMocka passes over those without a name
+static int lines[MOST_TESTS];               // ascending
+static int n_tests;
+static CMFixtureFunction each_begin, each_end;
+
+void test_add(const char *name, CMUnitTestFunction test, int line)
+{
+    int at = n_tests++;
+    if (n_tests > MOST_TESTS)
+        abort();
+    for (; at > 0 && lines[at - 1] > line; --at) {
+        tests[at] = tests[at - 1];
+        lines[at] = lines[at - 1];
+    }
+    tests[at] = (struct CMUnitTest){.name = name, .test_func = test};
+    lines[at] = line;
+}
+
+void test_each(CMFixtureFunction begin, CMFixtureFunction end)
+{
+    each_begin = begin;
+    each_end = end;
+}
+
+static char own_folder[] = "/tmp/duet_test.XXXXXX";
+
+void test_make_folder(char path[64])
+{
+    snprintf(path, 64, "%s/XXXXXX", own_folder);
+    assert_non_null(mkdtemp(path));
+}
+
+int test_enter_folder(void **state)
+{
+    char path[64];
+    (void)state;
+    test_make_folder(path);
+    return chdir(path);
+}
+
+static int begin_test(void **state)
+{
+    return chdir(own_folder) == 0 && (!each_begin || each_begin(state) == 0) ? 0 : -1;
+}
+
+static int remove_one(const char *path, const struct stat *info, int type, struct FTW *at)
+{
+    (void)info, (void)type, (void)at;
+    return remove(path);
+}
+
+int test_run(CMFixtureFunction begin, CMFixtureFunction end)
+{
+    for (int i = 0; i < n_tests; ++i) {
+        tests[i].setup_func = begin_test;
+        tests[i].teardown_func = each_end;
+    }
+    if (!mkdtemp(own_folder) || chmod(own_folder, 0755) != 0 || chdir(own_folder) != 0)
+        abort();
+    int n_failed = cmocka_run_group_tests(tests, begin, end);
+    nftw(own_folder, remove_one, 8, FTW_DEPTH | FTW_PHYS);
+    return n_failed;
+}
 
 static uint64_t seed_of_run(void)
 {
@@ -48,6 +117,14 @@ void test_write_file(const char *path, const char *content)
 {
     duet_error err = {0};
     assert_ok(text_write_file(path, content, strlen(content), &err), err);
+}
+
+text test_read_file(const char *path)
+{
+    text content = {0};
+    duet_error err = {0};
+    assert_ok(text_read_file(&content, path, &err), err);
+    return content;
 }
 
 void skip_without_device(const char *path)

@@ -12,6 +12,37 @@
 
 #include "runtime/duet.h"
 
+// A test, named by the fact it shows: TEST(fact) { ... }. A program's tests run in the order in
+// which they stand in its file.
+#define TEST(fact)                                            \
+    static void fact(void **state);                           \
+    __attribute__((constructor)) static void add_##fact(void) \
+    {                                                         \
+        test_add(#fact, fact, __LINE__);                      \
+    }                                                         \
+    static void fact(__attribute__((unused)) void **state)
+
+void test_add(const char *name, CMUnitTestFunction test, int line);
+
+// Sets what is called before and after each test; either may be NULL.
+void test_each(CMFixtureFunction begin, CMFixtureFunction end);
+
+// Runs the program's tests, with begin before all of them and end behind. Each starts in the
+// program's folder, which any user may enter; it is removed at the end with all that is left in it.
+// Returns how many failed.
+int test_run(CMFixtureFunction begin, CMFixtureFunction end);
+
+#define TEST_MAIN(begin, end)        \
+    int main(void)                   \
+    {                                \
+        return test_run(begin, end); \
+    }
+
+// Makes an empty folder within the program's own; path is absolute.
+void test_make_folder(char path[64]);
+
+int test_enter_folder(void **state); // one for each test, by test_each
+
 // DUET_TEST_SEED where set, else a fixed one; printed, so that a failing run
 // can be repeated.
 uint64_t test_seed(void);
@@ -23,6 +54,7 @@ void test_take_all(void);
 bool test_takes(uint64_t way, unsigned of);
 
 void test_write_file(const char *path, const char *content);
+struct text test_read_file(const char *path); // base/text.h; the caller frees it
 
 // A scene's objects by their type.
 static inline const duet_pose *test_poses(const duet_scene *scene)

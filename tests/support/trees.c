@@ -48,6 +48,45 @@ duet_tree *open_rounded_tree(uint32_t dims, uint32_t share, duet_object_kind kin
     return tree;
 }
 
+duet_ray_query *open_ray_query(duet_tree *tree, duet_query_wants wants, bool normals)
+{
+    duet_error err = {0};
+    duet_ray_query_def def = duet_default_ray_query_def();
+    def.tree = tree;
+    def.wants = wants;
+    def.normals = normals;
+    duet_ray_query *query = duet_ray_query_create(&def, &err);
+    assert_ok(query, err);
+    return query;
+}
+
+duet_ray_query_result cast_rays(duet_ray_query *query, const duet_ray *rays, uint64_t n)
+{
+    duet_error err = {0};
+    duet_ray_query_result result;
+    assert_ok(duet_ray_query_run(query, rays, n, &result, &err), err);
+    return result;
+}
+
+duet_point_query *open_point_query(duet_tree *tree, uint32_t nearest)
+{
+    duet_error err = {0};
+    duet_point_query_def def = duet_default_point_query_def();
+    def.tree = tree;
+    def.nearest = nearest;
+    duet_point_query *query = duet_point_query_create(&def, &err);
+    assert_ok(query, err);
+    return query;
+}
+
+duet_point_query_result seek_points(duet_point_query *query, const duet_point *points, uint64_t n)
+{
+    duet_error err = {0};
+    duet_point_query_result result;
+    assert_ok(duet_point_query_run(query, points, n, &result, &err), err);
+    return result;
+}
+
 duet_sweep_query *open_sweep_query(duet_tree *tree, duet_query_wants wants)
 {
     duet_error err = {0};
@@ -65,5 +104,32 @@ duet_sweep_query_result run_sweeps(duet_sweep_query *query, duet_object_kind kin
     duet_error err = {0};
     duet_sweep_query_result result;
     assert_ok(duet_sweep_query_run(query, kind, sweeps, n, &result, &err), err);
+    return result;
+}
+
+duet_contact_query *open_contact_query(duet_shape shape, uint32_t dims, uint32_t share,
+                                       float margin)
+{
+    duet_error err = {0};
+    duet_contact_query_def def = duet_default_contact_query_def();
+    def.pair = devices;
+    def.shape = shape;
+    def.dims = dims;
+    def.share = share;
+    def.margin = margin;
+    duet_contact_query *query = duet_contact_query_create(&def, &err);
+    assert_ok(query, err);
+    return query;
+}
+
+duet_contact_query_result find_contacts(duet_contact_query *query, duet_object_kind kind,
+                                        const void *objects, uint32_t n, const duet_pair *pairs,
+                                        uint64_t n_pairs)
+{
+    duet_error err = {0};
+    const duet_span spans[2] = {{pairs, n_pairs / 3}, {pairs + n_pairs / 3, n_pairs - n_pairs / 3}};
+    duet_contact_query_result result;
+    assert_ok(duet_contact_query_run(query, kind, objects, n, spans, &result, &err), err);
+    assert_int_equal(result.n_contacts, n_pairs);
     return result;
 }

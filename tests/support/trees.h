@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Trees on the tests' devices, and what is asked of them.
+// Trees and queries on the tests' devices, and what is asked of them.
 #ifndef TESTS_TREES_H
 #define TESTS_TREES_H
 
@@ -12,9 +12,20 @@ duet_tree *open_rounded_tree(uint32_t dims, uint32_t share, duet_object_kind kin
                              const void *objects, uint32_t n);
 void set_poses(duet_tree *tree, const duet_pose *poses, uint32_t n);
 
+// Queries, and what they answer, valid until the query's next run.
+duet_ray_query *open_ray_query(duet_tree *tree, duet_query_wants wants, bool normals);
+duet_ray_query_result cast_rays(duet_ray_query *query, const duet_ray *rays, uint64_t n);
+duet_point_query *open_point_query(duet_tree *tree, uint32_t nearest);
+duet_point_query_result seek_points(duet_point_query *query, const duet_point *points, uint64_t n);
 duet_sweep_query *open_sweep_query(duet_tree *tree, duet_query_wants wants);
-// Valid until the query's next run.
 duet_sweep_query_result run_sweeps(duet_sweep_query *query, duet_object_kind kind,
                                    const void *sweeps, uint64_t n);
+
+duet_contact_query *open_contact_query(duet_shape shape, uint32_t dims, uint32_t share,
+                                       float margin);
+// The pairs are given as two spans, one a third of them.
+duet_contact_query_result find_contacts(duet_contact_query *query, duet_object_kind kind,
+                                        const void *objects, uint32_t n, const duet_pair *pairs,
+                                        uint64_t n_pairs);
 
 #endif

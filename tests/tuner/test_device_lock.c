@@ -62,9 +62,8 @@ static bool watch(void *context, const duet_tune_progress *progress)
     return !w->stops;
 }
 
-static void a_second_tuning_waits_for_the_end_of_the_first(void **state)
+TEST(a_second_tuning_waits_for_the_end_of_the_first)
 {
-    (void)state;
     waiting w = {0};
     duet_error err = {0};
     duet_tune_def def = duet_default_tune_def();
@@ -85,9 +84,8 @@ static void a_second_tuning_waits_for_the_end_of_the_first(void **state)
     duet_device_pair_destroy(def.pair);
 }
 
-static void a_wait_is_stopped_by_the_watch(void **state)
+TEST(a_wait_is_stopped_by_the_watch)
 {
-    (void)state;
     waiting w = {.stops = true};
     duet_error err = {0};
     duet_tune_def def = duet_default_tune_def();
@@ -105,9 +103,8 @@ static void a_wait_is_stopped_by_the_watch(void **state)
     duet_device_pair_destroy(def.pair);
 }
 
-static void a_tuning_that_does_not_wait_runs_beside_others(void **state)
+TEST(a_tuning_that_does_not_wait_runs_beside_others)
 {
-    (void)state;
     duet_error err = {0};
     duet_tune_def def = duet_default_tune_def();
     def.pair = open_pair();
@@ -122,12 +119,4 @@ static void a_tuning_that_does_not_wait_runs_beside_others(void **state)
     duet_device_pair_destroy(def.pair);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_second_tuning_waits_for_the_end_of_the_first),
-        cmocka_unit_test(a_wait_is_stopped_by_the_watch),
-        cmocka_unit_test(a_tuning_that_does_not_wait_runs_beside_others),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

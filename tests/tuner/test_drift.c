@@ -16,39 +16,28 @@ static int steps_until_alarm(rng *r, double factor, double noise, int most)
     return -1;
 }
 
-static void a_steady_machine_raises_no_alarm(void **state)
+TEST(a_steady_machine_raises_no_alarm)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     assert_int_equal(steps_until_alarm(&r, 1, 0.02, 100000), -1);
     assert_int_equal(steps_until_alarm(&r, 1, 0.20, 100000), -1);
     assert_int_equal(steps_until_alarm(&r, 1.02, 0.02, 100000), -1);
 }
 
-static void a_shift_raises_the_alarm_soon(void **state)
+TEST(a_shift_raises_the_alarm_soon)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     assert_in_range(steps_until_alarm(&r, 1.3, 0.02, 1000), 2, 20);
     assert_in_range(steps_until_alarm(&r, 0.7, 0.02, 1000), 2, 20);
     assert_in_range(steps_until_alarm(&r, 1.1, 0.05, 1000), 2, 60);
 }
 
-static void one_hiccup_raises_no_alarm(void **state)
+TEST(one_hiccup_raises_no_alarm)
 {
-    (void)state;
     drift d = {0};
     for (int i = 0; i < 100; ++i)
         assert_false(drift_update(&d, i == 50 ? 1e9 : 1e6, 1e6));
     assert_false(drift_update(&d, 0.0 / 0.0, 1e6));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_steady_machine_raises_no_alarm),
-        cmocka_unit_test(a_shift_raises_the_alarm_soon),
-        cmocka_unit_test(one_hiccup_raises_no_alarm),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -214,9 +214,8 @@ static double excess(const fake *f, const char *variant)
 }
 
 // A search of all configs would launch each of them seven times.
-static void a_search_comes_near_the_best_in_few_launches(void **state)
+TEST(a_search_comes_near_the_best_in_few_launches)
 {
-    (void)state;
     enum { TIMES = 200, REPEATS = 7 };
     static const struct {
         const char *name;
@@ -251,9 +250,8 @@ static void a_search_comes_near_the_best_in_few_launches(void **state)
 }
 
 // A hair's breadth is noise, and what was chosen by it may not suit the next parameter.
-static void a_value_is_left_only_for_one_that_gains(void **state)
+TEST(a_value_is_left_only_for_one_that_gains)
 {
-    (void)state;
     static const struct {
         double other; // time of the other value
         bool taken;
@@ -271,9 +269,8 @@ static void a_value_is_left_only_for_one_that_gains(void **state)
 }
 
 // Every other value takes longer: neither noise nor the best of many may hide it.
-static void what_is_slower_is_not_chosen(void **state)
+TEST(what_is_slower_is_not_chosen)
 {
-    (void)state;
     enum { TIMES = 300 };
     fake f = {.random = rng_seed(test_seed()), .sigma = 0.06, .spike_chance = 0.1};
     duet_tune_def def = fake_def(&f);
@@ -296,9 +293,8 @@ static void what_is_slower_is_not_chosen(void **state)
     assert_int_equal(changed, 0);
 }
 
-static void what_finds_other_pairs_or_does_not_build_is_not_chosen(void **state)
+TEST(what_finds_other_pairs_or_does_not_build_is_not_chosen)
 {
-    (void)state;
     fake f = {.random = rng_seed(test_seed()), .sigma = 0.01};
     duet_tune_def def = fake_def(&f);
     trial_log log = {0};
@@ -316,9 +312,8 @@ static void what_finds_other_pairs_or_does_not_build_is_not_chosen(void **state)
     trial_log_free(&log);
 }
 
-static void kernels_that_do_not_build_at_all_are_said_with_their_reason(void **state)
+TEST(kernels_that_do_not_build_at_all_are_said_with_their_reason)
 {
-    (void)state;
     fake f = {.random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&f);
     trial_log log = {0};
@@ -333,9 +328,8 @@ static void kernels_that_do_not_build_at_all_are_said_with_their_reason(void **s
 }
 
 // A value that is valid only beside another one of the others is reached all the same.
-static void values_that_go_together_are_reached(void **state)
+TEST(values_that_go_together_are_reached)
 {
-    (void)state;
     fake f = {.random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&f);
     trial_log log = {0};
@@ -353,9 +347,8 @@ static void values_that_go_together_are_reached(void **state)
 }
 
 // Stopped after every few trials, and taken up from JSON each time.
-static void a_resumed_search_ends_as_an_uninterrupted_one(void **state)
+TEST(a_resumed_search_ends_as_an_uninterrupted_one)
 {
-    (void)state;
     fake whole = {.random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&whole);
     trial_log log = {0};
@@ -384,9 +377,8 @@ static void a_resumed_search_ends_as_an_uninterrupted_one(void **state)
     trial_log_free(&log);
 }
 
-static void a_budget_ends_the_search_and_leaves_the_rest_of_the_tuning(void **state)
+TEST(a_budget_ends_the_search_and_leaves_the_rest_of_the_tuning)
 {
-    (void)state;
     fake f = {.random = rng_seed(test_seed()), .sigma = 0.02};
     duet_tune_def def = fake_def(&f);
     invent(&f, gpu_values);
@@ -415,9 +407,8 @@ static bool launch_clearing(void *context, const duet_plan *plan, bool staged,
     return true;
 }
 
-static void a_kernels_least_time_is_that_of_all_launches_whatever_else_they_did(void **state)
+TEST(a_kernels_least_time_is_that_of_all_launches_whatever_else_they_did)
 {
-    (void)state;
     static const char *const stages[] = {"search"};
     uint32_t launched = 0;
     const measure_machine machine = {
@@ -429,18 +420,4 @@ static void a_kernels_least_time_is_that_of_all_launches_whatever_else_they_did(
     assert_int_equal(measure_stages_ns(&m.launch, 1, stages, 1), 1000000);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_search_comes_near_the_best_in_few_launches),
-        cmocka_unit_test(a_value_is_left_only_for_one_that_gains),
-        cmocka_unit_test(what_is_slower_is_not_chosen),
-        cmocka_unit_test(what_finds_other_pairs_or_does_not_build_is_not_chosen),
-        cmocka_unit_test(kernels_that_do_not_build_at_all_are_said_with_their_reason),
-        cmocka_unit_test(values_that_go_together_are_reached),
-        cmocka_unit_test(a_resumed_search_ends_as_an_uninterrupted_one),
-        cmocka_unit_test(a_budget_ends_the_search_and_leaves_the_rest_of_the_tuning),
-        cmocka_unit_test(a_kernels_least_time_is_that_of_all_launches_whatever_else_they_did),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

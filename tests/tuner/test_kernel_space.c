@@ -73,7 +73,7 @@ static const kernel_space *find(const kernel_space *spaces, uint32_t n, const ch
 }
 
 // Neither what the scene decides nor what has one value is free.
-static void the_search_of_a_cpu_has_48_configs(void **state)
+TEST(the_search_of_a_cpu_has_48_configs)
 {
     static const char *const names[] = {"BUF", "AHEAD", "PER_ITEM"};
     static const int64_t now[] = {512, 32, 1024};
@@ -90,7 +90,7 @@ static void the_search_of_a_cpu_has_48_configs(void **state)
     free(spaces);
 }
 
-static void what_a_variant_sets_is_not_free(void **state)
+TEST(what_a_variant_sets_is_not_free)
 {
     uint32_t n;
     kernel_space *spaces = read_b(*state, "simd pair_search_simd.BUF=256", &n);
@@ -100,7 +100,7 @@ static void what_a_variant_sets_is_not_free(void **state)
 
 // What the card rules out is no config: on a CPU 2 * 3 * 4 * 2 less those whose BATCH is
 // no multiple of LANES.
-static void configs_that_are_not_valid_are_left_out(void **state)
+TEST(configs_that_are_not_valid_are_left_out)
 {
     uint32_t n;
     kernel_space *spaces = read_b(*state, "simd", &n);
@@ -108,7 +108,7 @@ static void configs_that_are_not_valid_are_left_out(void **state)
     free(spaces);
 }
 
-static void a_config_as_text_runs_and_finds_the_same_pairs(void **state)
+TEST(a_config_as_text_runs_and_finds_the_same_pairs)
 {
     fixture *f = *state;
     uint32_t n;
@@ -134,7 +134,7 @@ static void a_config_as_text_runs_and_finds_the_same_pairs(void **state)
 }
 
 // The search of a CPU tests what it finds: its stage is a part of T_GPU2 all the same.
-static void terms_count_the_search_that_tests(void **state)
+TEST(terms_count_the_search_that_tests)
 {
     static const char *const stages[] = {"search"};
     fixture *f = *state;
@@ -149,14 +149,4 @@ static void terms_count_the_search_that_tests(void **state)
     assert_true(launch.terms.gpu2 > 0.999 * ms);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_search_of_a_cpu_has_48_configs),
-        cmocka_unit_test(what_a_variant_sets_is_not_free),
-        cmocka_unit_test(configs_that_are_not_valid_are_left_out),
-        cmocka_unit_test(a_config_as_text_runs_and_finds_the_same_pairs),
-        cmocka_unit_test(terms_count_the_search_that_tests),
-    };
-    return cmocka_run_group_tests(tests, begin, end);
-}
+TEST_MAIN(begin, end)

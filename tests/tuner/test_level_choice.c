@@ -25,9 +25,8 @@ static duet_level choose(const profile_level_cost *costs, double missed, double 
     return level;
 }
 
-static void the_quickest_level_within_the_accuracy_is_chosen(void **state)
+TEST(the_quickest_level_within_the_accuracy_is_chosen)
 {
-    (void)state;
     assert_int_equal(choose(list, 1, 9), DUET_LEVEL_AABB);
     assert_int_equal(choose(list, 0, 1), DUET_LEVEL_SPHERE);
     assert_int_equal(choose(list, 0, 0.09), DUET_LEVEL_SAT6);
@@ -36,9 +35,8 @@ static void the_quickest_level_within_the_accuracy_is_chosen(void **state)
     assert_int_equal(choose(list, 0.0001, 0.0001), DUET_LEVEL_CERTIFIED);
 }
 
-static void a_level_that_promises_more_for_2_percent_comes_first(void **state)
+TEST(a_level_that_promises_more_for_2_percent_comes_first)
 {
-    (void)state;
     profile_level_cost near[N];
     memcpy(near, list, sizeof list);
     near[1].step_ns = 91.8; // certified, against sat6's 90
@@ -47,9 +45,8 @@ static void a_level_that_promises_more_for_2_percent_comes_first(void **state)
     assert_int_equal(choose(near, 0, 0.09), DUET_LEVEL_SAT6);
 }
 
-static void what_no_level_reaches_names_the_nearest(void **state)
+TEST(what_no_level_reaches_names_the_nearest)
 {
-    (void)state;
     static const duet_level some[] = {DUET_LEVEL_AABB, DUET_LEVEL_SAT6, DUET_LEVEL_SPHERE};
     const duet_accuracy accuracy = {0, 0.02};
     duet_level level;
@@ -60,9 +57,8 @@ static void what_no_level_reaches_names_the_nearest(void **state)
                                   "'sat6' comes nearest, with 0 and 0.09");
 }
 
-static void a_level_without_a_cost_is_not_chosen(void **state)
+TEST(a_level_without_a_cost_is_not_chosen)
 {
-    (void)state;
     static const duet_level only[] = {DUET_LEVEL_DOUBLE};
     const duet_accuracy accuracy = {0, 0};
     duet_level level;
@@ -72,9 +68,8 @@ static void a_level_without_a_cost_is_not_chosen(void **state)
 }
 
 // Which level does where another was asked for: docs/accuracy.md has the table.
-static void levels_cover_what_they_promise(void **state)
+TEST(levels_cover_what_they_promise)
 {
-    (void)state;
     static const char covers[DUET_LEVELS][DUET_LEVELS + 1] = {
         [DUET_LEVEL_CERTIFIED] = "111111", [DUET_LEVEL_AABB] = "011100",
         [DUET_LEVEL_SPHERE] = "011100",    [DUET_LEVEL_SAT6] = "011100",
@@ -85,14 +80,4 @@ static void levels_cover_what_they_promise(void **state)
             assert_int_equal(duet_level_covers((duet_level)a, (duet_level)b), covers[a][b] == '1');
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_quickest_level_within_the_accuracy_is_chosen),
-        cmocka_unit_test(a_level_that_promises_more_for_2_percent_comes_first),
-        cmocka_unit_test(what_no_level_reaches_names_the_nearest),
-        cmocka_unit_test(a_level_without_a_cost_is_not_chosen),
-        cmocka_unit_test(levels_cover_what_they_promise),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -43,9 +43,8 @@ static bool launch_watched(void *context, const duet_plan *plan, bool staged,
 }
 
 // Three measurements are more steps than those of which a GPU times one in any world.
-static void a_gpus_launches_that_count_are_not_timed_by_stages(void **state)
+TEST(a_gpus_launches_that_count_are_not_timed_by_stages)
 {
-    (void)state;
     static const struct {
         bool staged;
         uint32_t timed;
@@ -72,10 +71,4 @@ static void a_gpus_launches_that_count_are_not_timed_by_stages(void **state)
     devices_seem_gpus(false);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_gpus_launches_that_count_are_not_timed_by_stages),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -7,7 +7,6 @@
 #include "tuner/record.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #define STORE "test_online.db"
@@ -126,9 +125,8 @@ static online begin_learned(const listed_plan *plan, machine *m)
     return o;
 }
 
-static void a_device_that_slows_down_gets_less_work(void **state)
+TEST(a_device_that_slows_down_gets_less_work)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     machine m = make_machine(&(simulated_pair){.ratio = 1, .sigma = 0.03}, &r);
     online o = begin_at(SEARCH_ONE / 2);
@@ -145,9 +143,8 @@ static void a_device_that_slows_down_gets_less_work(void **state)
     online_end(&o);
 }
 
-static void a_steady_machine_is_seldom_tuned_again(void **state)
+TEST(a_steady_machine_is_seldom_tuned_again)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     simulated_pair model = {.ratio = 3, .sigma = 0.05, .spike_chance = 0.03, .spike_most = 3};
     machine m = make_machine(&model, &r);
@@ -159,9 +156,8 @@ static void a_steady_machine_is_seldom_tuned_again(void **state)
     online_end(&o);
 }
 
-static void a_trial_costs_no_more_than_was_allowed(void **state)
+TEST(a_trial_costs_no_more_than_was_allowed)
 {
-    (void)state;
     static const double slower[] = {0.1, 0.5, 3, 10};
     for (int i = 0; i < 4; ++i) {
         machine m = make_machine(&(simulated_pair){.ratio = 1}, NULL);
@@ -174,9 +170,8 @@ static void a_trial_costs_no_more_than_was_allowed(void **state)
     }
 }
 
-static void a_plan_of_one_device_stays_if_nothing_is_known_of_others(void **state)
+TEST(a_plan_of_one_device_stays_if_nothing_is_known_of_others)
 {
-    (void)state;
     machine m = make_machine(&(simulated_pair){.ratio = 4}, NULL);
     online o = begin_at(0);
     run_on(&o, &m, 50);
@@ -213,9 +208,8 @@ static machine any_machine(rng *r, double sigma)
     return m;
 }
 
-static void any_start_leads_to_the_best_mode_kernels_and_share(void **state)
+TEST(any_start_leads_to_the_best_mode_kernels_and_share)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     double worst = 0, sum = 0;
     uint32_t near = 0;
@@ -238,9 +232,8 @@ static void any_start_leads_to_the_best_mode_kernels_and_share(void **state)
 }
 
 // A device slows down and recovers; plans of one device are left and come back.
-static void other_plans_are_followed_when_devices_change(void **state)
+TEST(other_plans_are_followed_when_devices_change)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     uint32_t alone = 0, shared = 0, near = 0;
     enum { MACHINES = 100, CHANGES = 4 };
@@ -266,9 +259,8 @@ static void other_plans_are_followed_when_devices_change(void **state)
 
 // The machine has no noise: what is expected is what a frame takes, unless a device that nothing
 // used has changed meanwhile.
-static void no_frame_is_longer_than_was_allowed(void **state)
+TEST(no_frame_is_longer_than_was_allowed)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     trials all = {0};
     uint32_t unseen = 0;
@@ -294,9 +286,8 @@ static void no_frame_is_longer_than_was_allowed(void **state)
 }
 
 // And one that comes back is seen, though nothing uses it.
-static void an_idle_device_that_recovers_is_used_again(void **state)
+TEST(an_idle_device_that_recovers_is_used_again)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int i = 0; i < 50; ++i) {
         machine m = make_machine(&(simulated_pair){.ratio = 1, .sigma = 0.02}, &r);
@@ -312,9 +303,8 @@ static void an_idle_device_that_recovers_is_used_again(void **state)
     }
 }
 
-static void a_machine_that_does_not_change_is_left_alone(void **state)
+TEST(a_machine_that_does_not_change_is_left_alone)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     uint32_t taken = 0, tried = 0;
     enum { MACHINES = 50, FRAMES = 10000 };
@@ -335,9 +325,8 @@ static void a_machine_that_does_not_change_is_left_alone(void **state)
 }
 
 // But a plan of one device has the kernels of mode own.
-static void kernels_that_take_too_long_to_change_are_left(void **state)
+TEST(kernels_that_take_too_long_to_change_are_left)
 {
-    (void)state;
     machine m = make_machine(&(simulated_pair){.ratio = 1}, NULL);
     m.switch_ns = 0.5 * best_time(&m);
     m.kernels[0][0] = m.kernels[1][0] = 2;
@@ -350,9 +339,8 @@ static void kernels_that_take_too_long_to_change_are_left(void **state)
     online_end(&o);
 }
 
-static void a_rival_that_cannot_run_is_not_tried_again(void **state)
+TEST(a_rival_that_cannot_run_is_not_tried_again)
 {
-    (void)state;
     machine m = make_machine(&(simulated_pair){.ratio = 1}, NULL);
     listed_plan start = {.share = 0, .mode = DUET_MODE_OWN};
     online o = begin_learned(&start, &m);
@@ -384,13 +372,6 @@ typedef struct fixture {
     duet_world *world;
 } fixture;
 
-static void remove_store(void)
-{
-    static const char *const files[] = {STORE, STORE "-wal", STORE "-shm"};
-    for (size_t i = 0; i < sizeof files / sizeof *files; ++i)
-        remove(files[i]);
-}
-
 static void make_world(fixture *f)
 {
     duet_error err = {0};
@@ -416,9 +397,8 @@ static void destroy_world(fixture *f)
     duet_device_pair_destroy(f->pair);
 }
 
-static void steps_find_the_same_pairs_while_the_share_is_watched(void **state)
+TEST(steps_find_the_same_pairs_while_the_share_is_watched)
 {
-    (void)state;
     fixture f;
     duet_error err = {0};
     duet_result plain, watched;
@@ -462,15 +442,13 @@ static void put_tuned(record *r, const duet_plan *plan, const char *level)
 }
 
 // A share that nobody compared with one device alone is not followed.
-static void what_was_learned_is_loaded_at_the_next_start_of_what_was_tuned(void **state)
+TEST(what_was_learned_is_loaded_at_the_next_start_of_what_was_tuned)
 {
-    (void)state;
     fixture f;
     profile_subject known;
     record r;
     duet_profile profile;
     duet_error err = {0};
-    remove_store();
     make_world(&f);
     assert_ok(profile_subject_read(f.world, &known, &err), err);
     profile_request request = profile_subject_request(&known);
@@ -488,35 +466,14 @@ static void what_was_learned_is_loaded_at_the_next_start_of_what_was_tuned(void 
     }
     assert_string_equal(profile.verdict, "faster");
     destroy_world(&f);
-    remove_store();
 }
 
-static void a_def_that_is_no_def_is_refused(void **state)
+TEST(a_def_that_is_no_def_is_refused)
 {
-    (void)state;
     duet_online_def zero = {0};
     duet_error err = {0};
     assert_null(duet_online_create(&zero, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_device_that_slows_down_gets_less_work),
-        cmocka_unit_test(a_steady_machine_is_seldom_tuned_again),
-        cmocka_unit_test(a_trial_costs_no_more_than_was_allowed),
-        cmocka_unit_test(a_plan_of_one_device_stays_if_nothing_is_known_of_others),
-        cmocka_unit_test(any_start_leads_to_the_best_mode_kernels_and_share),
-        cmocka_unit_test(other_plans_are_followed_when_devices_change),
-        cmocka_unit_test(no_frame_is_longer_than_was_allowed),
-        cmocka_unit_test(an_idle_device_that_recovers_is_used_again),
-        cmocka_unit_test(a_machine_that_does_not_change_is_left_alone),
-        cmocka_unit_test(kernels_that_take_too_long_to_change_are_left),
-        cmocka_unit_test(a_rival_that_cannot_run_is_not_tried_again),
-        cmocka_unit_test(steps_find_the_same_pairs_while_the_share_is_watched),
-        cmocka_unit_test(what_was_learned_is_loaded_at_the_next_start_of_what_was_tuned),
-        cmocka_unit_test(a_def_that_is_no_def_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -6,9 +6,8 @@
 
 #include <math.h>
 
-static void medians_and_deviations_of_few_values(void **state)
+TEST(medians_and_deviations_of_few_values)
 {
-    (void)state;
     const double odd[] = {9, 1, 5}, even[] = {4, 1, 3, 2};
     assert_true(stats_median(odd, 3) == 5);
     assert_true(stats_median(even, 4) == 2.5);
@@ -16,9 +15,8 @@ static void medians_and_deviations_of_few_values(void **state)
     assert_true(stats_mad(odd, 1) == 0);
 }
 
-static void a_disturbed_time_is_marked_and_counted(void **state)
+TEST(a_disturbed_time_is_marked_and_counted)
 {
-    (void)state;
     const double times[] = {10, 11, 10.5, 30, 10.2, 10.8};
     bool marks[6];
     assert_int_equal(stats_mark_outliers(times, 6, marks), 1);
@@ -28,9 +26,8 @@ static void a_disturbed_time_is_marked_and_counted(void **state)
 
 // Ranks 1..n: the interval is between the order statistics of the binomial
 // table (Conover, table A3).
-static void the_interval_of_a_median_follows_the_binomial_table(void **state)
+TEST(the_interval_of_a_median_follows_the_binomial_table)
 {
-    (void)state;
     double ranks[20];
     for (int i = 0; i < 20; ++i)
         ranks[i] = i + 1;
@@ -44,9 +41,8 @@ static void the_interval_of_a_median_follows_the_binomial_table(void **state)
     assert_true(of_3.low == 1 && of_3.high == 3 && fabs(of_3.confidence - 0.75) < 0.0001);
 }
 
-static void an_interval_of_95_percent_holds_the_median_that_often(void **state)
+TEST(an_interval_of_95_percent_holds_the_median_that_often)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     int held = 0;
     for (int round = 0; round < 2000; ++round) {
@@ -59,9 +55,8 @@ static void an_interval_of_95_percent_holds_the_median_that_often(void **state)
     assert_in_range(held, 1890, 2000);
 }
 
-static void a_sign_is_decided_once_it_is_sure(void **state)
+TEST(a_sign_is_decided_once_it_is_sure)
 {
-    (void)state;
     const double differences[] = {0.1, 0.12, 0.09, 0.11};
     assert_int_equal(stats_sign(differences, 1, 0.05, 3), 0);
     assert_int_equal(stats_sign(differences, 4, 0.05, 3), 1);
@@ -98,9 +93,8 @@ static int count_same(double sigma, int races, rng *random)
 
 // One race in a hundred may err, as its interval says; asking after every round
 // adds none. 980 of 1000 are four deviations below that.
-static void equal_plans_are_called_the_same(void **state)
+TEST(equal_plans_are_called_the_same)
 {
-    (void)state;
     static const double sigmas[] = {0.003, 0.03, 0.1};
     rng random = rng_seed(test_seed());
     for (size_t i = 0; i < sizeof sigmas / sizeof *sigmas; ++i) {
@@ -110,9 +104,8 @@ static void equal_plans_are_called_the_same(void **state)
     }
 }
 
-static void a_quiet_tie_ends_with_the_least_rounds(void **state)
+TEST(a_quiet_tie_ends_with_the_least_rounds)
 {
-    (void)state;
     race r = race_begin(3, NULL);
     uint32_t rival;
     while (race_next(&r, &rival))
@@ -125,9 +118,8 @@ static void a_quiet_tie_ends_with_the_least_rounds(void **state)
 }
 
 // Its interval holds 1 and more than the margin: it may yet win.
-static void a_rival_that_may_be_much_faster_is_raced_on(void **state)
+TEST(a_rival_that_may_be_much_faster_is_raced_on)
 {
-    (void)state;
     race r = race_begin(2, NULL);
     uint32_t rival;
     while (race_next(&r, &rival))
@@ -135,9 +127,8 @@ static void a_rival_that_may_be_much_faster_is_raced_on(void **state)
     assert_true(r.rivals[0].rounds > r.options.least_rounds);
 }
 
-static void a_plan_that_is_a_tenth_faster_wins_even_if_the_machine_slows_down(void **state)
+TEST(a_plan_that_is_a_tenth_faster_wins_even_if_the_machine_slows_down)
 {
-    (void)state;
     rng random = rng_seed(test_seed());
     const double ns[] = {1.1e7, 1e7, 1.3e7};
     int won = 0;
@@ -152,9 +143,8 @@ static void a_plan_that_is_a_tenth_faster_wins_even_if_the_machine_slows_down(vo
     assert_true(won >= 95);
 }
 
-static void a_clear_loser_drops_out_early(void **state)
+TEST(a_clear_loser_drops_out_early)
 {
-    (void)state;
     rng random = rng_seed(test_seed());
     const double ns[] = {1e7, 5e7};
     race r = race_begin(2, NULL);
@@ -165,9 +155,8 @@ static void a_clear_loser_drops_out_early(void **state)
 
 // In most rounds 1 is ahead, though its times have the larger median: what is
 // slow for a while is slow for all.
-static void the_best_is_who_is_ahead_in_most_rounds(void **state)
+TEST(the_best_is_who_is_ahead_in_most_rounds)
 {
-    (void)state;
     race r = race_begin(2, NULL);
     static const double ns[3][2] = {{100, 130}, {101, 100}, {112, 110}};
     for (int round = 0; round < 9; ++round) {
@@ -181,9 +170,8 @@ static void the_best_is_who_is_ahead_in_most_rounds(void **state)
     assert_int_equal(race_best(&r, 1, 1), 1);
 }
 
-static void too_few_rounds_are_called_ambiguous(void **state)
+TEST(too_few_rounds_are_called_ambiguous)
 {
-    (void)state;
     race_options few = race_default_options();
     few.least_rounds = few.most_rounds = 3;
     race r = race_begin(2, &few);
@@ -196,9 +184,8 @@ static void too_few_rounds_are_called_ambiguous(void **state)
     assert_false(race_next(&r, &rival));
 }
 
-static void a_rival_that_cannot_run_leaves_the_others_racing(void **state)
+TEST(a_rival_that_cannot_run_leaves_the_others_racing)
 {
-    (void)state;
     race r = race_begin(3, NULL);
     race_drop(&r, 0);
     uint32_t rival, counts[3] = {0};
@@ -214,9 +201,8 @@ static void a_rival_that_cannot_run_leaves_the_others_racing(void **state)
     assert_int_equal(race_leader(&r), 3);
 }
 
-static void times_measured_apart_are_told_by_both_intervals(void **state)
+TEST(times_measured_apart_are_told_by_both_intervals)
 {
-    (void)state;
     const double slow[] = {20, 21, 22, 20.5, 21.5, 22.5, 23};
     const double fast[] = {10, 10.5, 11, 11.5, 12, 10.2, 10.8};
     race_gain gain = race_compare_apart(fast, 7, slow, 7, 0.95);
@@ -229,23 +215,4 @@ static void times_measured_apart_are_told_by_both_intervals(void **state)
     assert_int_equal(race_compare_apart(fast, 6, slow, 6, 0.95).verdict, RACE_AMBIGUOUS);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(medians_and_deviations_of_few_values),
-        cmocka_unit_test(a_disturbed_time_is_marked_and_counted),
-        cmocka_unit_test(the_interval_of_a_median_follows_the_binomial_table),
-        cmocka_unit_test(an_interval_of_95_percent_holds_the_median_that_often),
-        cmocka_unit_test(a_sign_is_decided_once_it_is_sure),
-        cmocka_unit_test(equal_plans_are_called_the_same),
-        cmocka_unit_test(a_quiet_tie_ends_with_the_least_rounds),
-        cmocka_unit_test(a_rival_that_may_be_much_faster_is_raced_on),
-        cmocka_unit_test(a_plan_that_is_a_tenth_faster_wins_even_if_the_machine_slows_down),
-        cmocka_unit_test(a_clear_loser_drops_out_early),
-        cmocka_unit_test(the_best_is_who_is_ahead_in_most_rounds),
-        cmocka_unit_test(too_few_rounds_are_called_ambiguous),
-        cmocka_unit_test(a_rival_that_cannot_run_leaves_the_others_racing),
-        cmocka_unit_test(times_measured_apart_are_told_by_both_intervals),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

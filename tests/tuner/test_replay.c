@@ -40,7 +40,6 @@ static int close_store(void **state)
 {
     (void)state;
     store_close(recorded);
-    test_folder_remove(&folder);
     return 0;
 }
 
@@ -110,9 +109,8 @@ static double replayed_ns(const replay *r, double share)
 }
 
 // Each device's times are a line over the shares at which both work.
-static void a_share_between_two_takes_what_lies_between(void **state)
+TEST(a_share_between_two_takes_what_lies_between)
 {
-    (void)state;
     replay r;
     test_folder own = test_folder_make();
     store *s = test_store_open(own.store, STORE_WRITE);
@@ -136,13 +134,11 @@ static void a_share_between_two_takes_what_lies_between(void **state)
     replay_close(&r);
     free(surface);
     store_close(s);
-    test_folder_remove(&own);
 }
 
 // A takes five times as long for an object as B: the best of all twentieths is 3.
-static void a_strategy_ends_where_the_invented_devices_are_in_balance(void **state)
+TEST(a_strategy_ends_where_the_invented_devices_are_in_balance)
 {
-    (void)state;
     replay r;
     test_folder own = test_folder_make();
     store *s = test_store_open(own.store, STORE_WRITE);
@@ -161,12 +157,10 @@ static void a_strategy_ends_where_the_invented_devices_are_in_balance(void **sta
     replay_close(&r);
     free(surface);
     store_close(s);
-    test_folder_remove(&own);
 }
 
-static void the_same_seed_gives_the_same_tuning(void **state)
+TEST(the_same_seed_gives_the_same_tuning)
 {
-    (void)state;
     replay r;
     profile_surface *surface = open_surface(recorded, 20000, &r);
     for (uint32_t i = 0; strategy_at(i) && strategy_at(i) != &strategy_lua; ++i) {
@@ -196,9 +190,8 @@ static double median_loss(replay *r, const char *name)
 }
 
 // What was recorded has noise of some percent, and the best of a hundred medians is a lucky one.
-static void on_recorded_surfaces_grid_and_balance_come_near_the_best(void **state)
+TEST(on_recorded_surfaces_grid_and_balance_come_near_the_best)
 {
-    (void)state;
     static const uint64_t sizes[] = {20000, 100000};
     for (int i = 0; i < 2; ++i) {
         replay r;
@@ -211,13 +204,4 @@ static void on_recorded_surfaces_grid_and_balance_come_near_the_best(void **stat
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_share_between_two_takes_what_lies_between),
-        cmocka_unit_test(a_strategy_ends_where_the_invented_devices_are_in_balance),
-        cmocka_unit_test(the_same_seed_gives_the_same_tuning),
-        cmocka_unit_test(on_recorded_surfaces_grid_and_balance_come_near_the_best),
-    };
-    return cmocka_run_group_tests(tests, open_store, close_store);
-}
+TEST_MAIN(open_store, close_store)

@@ -41,9 +41,8 @@ static const fig12_row fig12_table[] = {
     {20, .03125, 1.7, 34, 48.9}, {50, .015625, 0.4, 20, 107.5},
 };
 
-static void fig12_gives_the_table_of_the_paper_in_exact_arithmetic(void **state)
+TEST(fig12_gives_the_table_of_the_paper_in_exact_arithmetic)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof fig12_table / sizeof *fig12_table; ++i) {
         const fig12_row *row = &fig12_table[i];
         simulated_pair model = {.ratio = row->ratio};
@@ -61,9 +60,8 @@ static void fig12_gives_the_table_of_the_paper_in_exact_arithmetic(void **state)
     }
 }
 
-static void fig12_never_comes_nearer_with_more_launches(void **state)
+TEST(fig12_never_comes_nearer_with_more_launches)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof fig12_table / sizeof *fig12_table; ++i) {
         simulated_pair model = {.ratio = fig12_table[i].ratio};
         search_options options = search_default_options();
@@ -85,9 +83,8 @@ static double ratio_at(uint32_t i)
     return pow(64, (i + 0.5) / N_RATIOS);
 }
 
-static void fig12_loses_the_best_share_for_92_percent_of_speed_ratios(void **state)
+TEST(fig12_loses_the_best_share_for_92_percent_of_speed_ratios)
 {
-    (void)state;
     uint32_t lost = 0, far = 0;
     double sum = 0;
     for (uint32_t i = 0; i < N_RATIOS; ++i) {
@@ -111,9 +108,8 @@ static void fig12_loses_the_best_share_for_92_percent_of_speed_ratios(void **sta
     assert_true(fabs(100 * sum / N_RATIOS - 2.1) < 0.1);
 }
 
-static void without_noise_bisect_golden_and_grid_find_the_best_share(void **state)
+TEST(without_noise_bisect_golden_and_grid_find_the_best_share)
 {
-    (void)state;
     static const struct {
         const char *name;
         double off;
@@ -145,9 +141,8 @@ static simulated_pair monotone_model(simulated_row *rows, rng *r)
     return (simulated_pair){.rows = rows, .n_rows = N_ROWS};
 }
 
-static void the_bracket_holds_the_best_share_at_every_step(void **state)
+TEST(the_bracket_holds_the_best_share_at_every_step)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 200; ++round) {
         simulated_row rows[N_ROWS];
@@ -175,9 +170,8 @@ static simulated_pair affine_model(uint32_t i, double overhead, bool mirrored)
     return (simulated_pair){.ratio = ratio, .overhead = {part, 0.7 * part}};
 }
 
-static void balance_is_within_1_percent_in_9_launches_without_noise(void **state)
+TEST(balance_is_within_1_percent_in_9_launches_without_noise)
 {
-    (void)state;
     search_options nine = search_default_options();
     nine.launches = 9;
     for (uint32_t i = 0; i < 6 * N_RATIOS; i += 19) {
@@ -197,9 +191,8 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void balance_is_within_3_percent_on_average_in_16_noisy_launches(void **state)
+TEST(balance_is_within_3_percent_on_average_in_16_noisy_launches)
 {
-    (void)state;
     enum { N_PAIRS = 300 };
     double mean = 0, p95 = 0;
     rng r = rng_seed(test_seed());
@@ -228,9 +221,8 @@ static void balance_is_within_3_percent_on_average_in_16_noisy_launches(void **s
     assert_true(p95 <= 0.09);
 }
 
-static void balance_never_launches_at_a_share_that_is_dear(void **state)
+TEST(balance_never_launches_at_a_share_that_is_dear)
 {
-    (void)state;
     for (uint32_t i = 0; i < N_RATIOS; i += 3) {
         simulated_pair model = affine_model(i, 0.1, false);
         double alone = (double)simulated_launch(&model, 0, NULL).total_ns;
@@ -250,9 +242,8 @@ static void balance_never_launches_at_a_share_that_is_dear(void **state)
 }
 
 // Two cores shared by both devices: no gain at all and two dips (tuning.md).
-static void balance_keeps_one_device_where_sharing_only_costs(void **state)
+TEST(balance_keeps_one_device_where_sharing_only_costs)
 {
-    (void)state;
     static const simulated_row rows[] = {
         {0, 0, 0, 27100000},
         {64, 0, 3000000, 27500000},
@@ -267,9 +258,8 @@ static void balance_keeps_one_device_where_sharing_only_costs(void **state)
     assert_in_range(launches, 3, 32);
 }
 
-static void a_neighbours_share_is_the_first_probe(void **state)
+TEST(a_neighbours_share_is_the_first_probe)
 {
-    (void)state;
     search_options options = search_default_options();
     options.has_start = true;
     options.start = SEARCH_ONE / 11;
@@ -285,9 +275,8 @@ static void a_neighbours_share_is_the_first_probe(void **state)
     search_end(&s);
 }
 
-static void chunks_follow_a_device_that_slows_down(void **state)
+TEST(chunks_follow_a_device_that_slows_down)
 {
-    (void)state;
     search_options endless = search_default_options();
     endless.launches = 1000;
     simulated_pair fast = {.ratio = 1}, slow = {.ratio = 5};
@@ -307,9 +296,8 @@ static void chunks_follow_a_device_that_slows_down(void **state)
 }
 
 // Times that make no sense lead to no share outside the range, and to an end.
-static void senseless_times_do_no_harm(void **state)
+TEST(senseless_times_do_no_harm)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < 500; ++i) {
         search s;
@@ -365,9 +353,8 @@ static uint32_t run_with_stops(const char *name, const simulated_pair *model, bo
     return share;
 }
 
-static void a_resumed_search_ends_as_an_uninterrupted_one(void **state)
+TEST(a_resumed_search_ends_as_an_uninterrupted_one)
 {
-    (void)state;
     uint64_t seed = test_seed();
     simulated_pair model = {.ratio = 7, .overhead = {0.1, 0.05}, .sigma = 0.05};
     for (uint32_t i = 0; any_strategies[i]; ++i) {
@@ -379,9 +366,8 @@ static void a_resumed_search_ends_as_an_uninterrupted_one(void **state)
     }
 }
 
-static void each_strategy_is_in_the_help(void **state)
+TEST(each_strategy_is_in_the_help)
 {
-    (void)state;
     program help = program_run("tune --help");
     const char *row = strstr(help.out, "--strategy S "), *end = strstr(help.out, "--strategy-lua");
     assert_true(row && end && row < end);
@@ -393,23 +379,4 @@ static void each_strategy_is_in_the_help(void **state)
     program_free(&help);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fig12_gives_the_table_of_the_paper_in_exact_arithmetic),
-        cmocka_unit_test(fig12_never_comes_nearer_with_more_launches),
-        cmocka_unit_test(fig12_loses_the_best_share_for_92_percent_of_speed_ratios),
-        cmocka_unit_test(without_noise_bisect_golden_and_grid_find_the_best_share),
-        cmocka_unit_test(the_bracket_holds_the_best_share_at_every_step),
-        cmocka_unit_test(balance_is_within_1_percent_in_9_launches_without_noise),
-        cmocka_unit_test(balance_is_within_3_percent_on_average_in_16_noisy_launches),
-        cmocka_unit_test(balance_never_launches_at_a_share_that_is_dear),
-        cmocka_unit_test(balance_keeps_one_device_where_sharing_only_costs),
-        cmocka_unit_test(a_neighbours_share_is_the_first_probe),
-        cmocka_unit_test(chunks_follow_a_device_that_slows_down),
-        cmocka_unit_test(senseless_times_do_no_harm),
-        cmocka_unit_test(a_resumed_search_ends_as_an_uninterrupted_one),
-        cmocka_unit_test(each_strategy_is_in_the_help),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

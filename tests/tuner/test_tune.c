@@ -161,9 +161,8 @@ static duet_tune_outcome tune_parts(fake *f, fake *whole, const duet_tune_def *d
     return tune_task_fake(&task);
 }
 
-static void two_equal_halves_are_shared_evenly_and_gain(void **state)
+TEST(two_equal_halves_are_shared_evenly_and_gain)
 {
-    (void)state;
     fake f = {.model = {.ratio = 1, .overhead = {0.02, 0.02}, .sigma = 0.02},
               .random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&f);
@@ -176,9 +175,8 @@ static void two_equal_halves_are_shared_evenly_and_gain(void **state)
 }
 
 // Timing a GPU's stages makes its launches longer.
-static void what_counts_is_launched_as_applications_launch_it(void **state)
+TEST(what_counts_is_launched_as_applications_launch_it)
 {
-    (void)state;
     fake f = {.model = {.ratio = 1, .overhead = {0.02, 0.02}},
               .random = rng_seed(test_seed()),
               .staging = 3};
@@ -202,9 +200,8 @@ static const simulated_row flat_rows[] = {
 // as long for a while, now one, now the other, alone as together; and every fourth
 // launch something takes its core away. Divided evenly a step takes 1 / 1.9 of a
 // single device's in three rounds of four.
-static void devices_that_are_slow_for_a_while_hide_neither_share_nor_gain(void **state)
+TEST(devices_that_are_slow_for_a_while_hide_neither_share_nor_gain)
 {
-    (void)state;
     enum { TIMES = 200 };
     int near = 0, gains = 0;
     rng random = rng_seed(test_seed());
@@ -238,9 +235,8 @@ static duet_tune_outcome tune_equal(fake *f)
 }
 
 // Times that vary by 15 % lead a search to shares from .4 to .6.
-static void equal_devices_share_fairly_on_a_noisy_machine(void **state)
+TEST(equal_devices_share_fairly_on_a_noisy_machine)
 {
-    (void)state;
     enum { TIMES = 200 };
     int near = 0;
     rng random = rng_seed(test_seed());
@@ -262,9 +258,8 @@ static void equal_devices_share_fairly_on_a_noisy_machine(void **state)
 }
 
 // Two devices of one name, one of which is hot.
-static void devices_that_only_look_equal_are_told_apart(void **state)
+TEST(devices_that_only_look_equal_are_told_apart)
 {
-    (void)state;
     rng random = rng_seed(test_seed());
     for (int i = 0; i < 50; ++i) {
         fake f = {.model = {.ratio = 1.5, .overhead = {0.02, 0.02}, .sigma = 0.03},
@@ -277,9 +272,8 @@ static void devices_that_only_look_equal_are_told_apart(void **state)
 
 // The best of several plans that are all the same is one more of them, however
 // fast it looked when it was chosen.
-static void sharing_that_changes_nothing_is_called_the_same(void **state)
+TEST(sharing_that_changes_nothing_is_called_the_same)
 {
-    (void)state;
     enum { TIMES = 500 };
     int same = 0;
     rng random = rng_seed(test_seed());
@@ -300,9 +294,8 @@ static void sharing_that_changes_nothing_is_called_the_same(void **state)
 }
 
 // What is left of a race once it no longer matters who wins is not run.
-static void modes_that_tie_are_not_raced_to_the_end(void **state)
+TEST(modes_that_tie_are_not_raced_to_the_end)
 {
-    (void)state;
     enum { TIMES = 50 };
     rng random = rng_seed(test_seed());
     uint64_t launches = 0;
@@ -319,9 +312,8 @@ static void modes_that_tie_are_not_raced_to_the_end(void **state)
     assert_true(launches < 330 * TIMES); // 418 each in full races
 }
 
-static void sharing_that_only_costs_chooses_the_better_single_device(void **state)
+TEST(sharing_that_only_costs_chooses_the_better_single_device)
 {
-    (void)state;
     static const double ratios[] = {20, 0.05};
     for (int i = 0; i < 2; ++i) {
         double best = ratios[i] / (ratios[i] + 1);
@@ -335,9 +327,8 @@ static void sharing_that_only_costs_chooses_the_better_single_device(void **stat
     }
 }
 
-static void the_tuned_plan_is_never_slower_than_a_single_device(void **state)
+TEST(the_tuned_plan_is_never_slower_than_a_single_device)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     for (int i = 0; i < 200; ++i) {
         fake f = {.model = simulated_invent((simulated_family)(i % 3), i % 2, &r), .random = r};
@@ -353,9 +344,8 @@ static void the_tuned_plan_is_never_slower_than_a_single_device(void **state)
     }
 }
 
-static void each_device_gets_its_best_variant(void **state)
+TEST(each_device_gets_its_best_variant)
 {
-    (void)state;
     static const char *const variants[] = {"slow", "broken", "auto", "wrong"};
     fake f = {.model = {.ratio = 4, .sigma = 0.02}, .random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&f);
@@ -367,9 +357,8 @@ static void each_device_gets_its_best_variant(void **state)
     assert_true(fabs(outcome.plan.share / 65536.0 - 0.2) < 0.03);
 }
 
-static void a_default_that_finds_wrong_pairs_ends_the_tuning(void **state)
+TEST(a_default_that_finds_wrong_pairs_ends_the_tuning)
 {
-    (void)state;
     static const char *const wrong[] = {"wrong"};
     fake f = {.model = {.ratio = 4}};
     duet_tune_def def = fake_def(&f);
@@ -387,9 +376,8 @@ static void a_default_that_finds_wrong_pairs_ends_the_tuning(void **state)
     trial_log_free(&kept);
 }
 
-static void nothing_that_builds_is_said_with_its_reason(void **state)
+TEST(nothing_that_builds_is_said_with_its_reason)
 {
-    (void)state;
     static const char *const broken[] = {"broken"};
     fake f = {.model = {.ratio = 4}};
     duet_tune_def def = fake_def(&f);
@@ -415,9 +403,8 @@ static void assert_same(const duet_tune_outcome *a, const duet_tune_outcome *b)
 }
 
 // Stopped after every few trials, and taken up from JSON each time.
-static void a_resumed_tuning_ends_as_an_uninterrupted_one(void **state)
+TEST(a_resumed_tuning_ends_as_an_uninterrupted_one)
 {
-    (void)state;
     uint64_t seed = test_seed();
     fake whole = {.model = {.ratio = 6, .overhead = {0.1, 0.05}, .sigma = 0.04},
                   .random = rng_seed(seed)};
@@ -448,9 +435,8 @@ static void a_resumed_tuning_ends_as_an_uninterrupted_one(void **state)
 }
 
 // Whatever is chosen from, from the least budget on.
-static void a_budget_ends_the_search_and_leaves_room_for_a_verdict(void **state)
+TEST(a_budget_ends_the_search_and_leaves_room_for_a_verdict)
 {
-    (void)state;
     static const char *const variants[] = {"auto", "slow", "slow"};
     static const duet_mode modes[] = {DUET_MODE_OWN, DUET_MODE_SLAB};
     static const char *const searches[] = {"balance", "fig12", "grid"};
@@ -476,9 +462,8 @@ static void a_budget_ends_the_search_and_leaves_room_for_a_verdict(void **state)
 }
 
 // A step takes 10 ms alone.
-static void seconds_that_cannot_do_are_refused_after_the_first_trial(void **state)
+TEST(seconds_that_cannot_do_are_refused_after_the_first_trial)
 {
-    (void)state;
     fake f = {.model = {.ratio = 3}};
     duet_tune_def def = fake_def(&f);
     tune_task task = fake_task(&f, &def);
@@ -495,9 +480,8 @@ static void seconds_that_cannot_do_are_refused_after_the_first_trial(void **stat
 
 // ---------------------------------------------------------------- parts of one device
 
-static void parts_are_raced_against_the_undivided_device(void **state)
+TEST(parts_are_raced_against_the_undivided_device)
 {
-    (void)state;
     rng r = rng_seed(test_seed());
     static const double slower[] = {0.25, 4}; // than A and B: both times of the whole
     for (int i = 0; i < 2; ++i) {
@@ -515,9 +499,8 @@ static void parts_are_raced_against_the_undivided_device(void **state)
     }
 }
 
-static void one_device_gets_its_best_kernels_and_no_share(void **state)
+TEST(one_device_gets_its_best_kernels_and_no_share)
 {
-    (void)state;
     static const char *const variants[] = {"slow", "auto"};
     fake f = {.model = {.ratio = 1, .sigma = 0.02}, .random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&f);
@@ -537,9 +520,8 @@ static void one_device_gets_its_best_kernels_and_no_share(void **state)
 }
 
 // Luck in a quick race is no reason to leave the usual kernels.
-static void one_device_keeps_its_usual_kernels_unless_others_are_surely_faster(void **state)
+TEST(one_device_keeps_its_usual_kernels_unless_others_are_surely_faster)
 {
-    (void)state;
     enum { TIMES = 200 };
     static const char *const variants[] = {"auto", "other", "another"};
     fake f = {.model = {.ratio = 1, .sigma = 0.1}, .random = rng_seed(test_seed())};
@@ -556,9 +538,8 @@ static void one_device_keeps_its_usual_kernels_unless_others_are_surely_faster(v
 }
 
 // However long its kernels race.
-static void a_budget_leaves_an_only_device_its_time(void **state)
+TEST(a_budget_leaves_an_only_device_its_time)
 {
-    (void)state;
     static const char *const variants[] = {"auto", "other"};
     fake f = {.model = {.ratio = 1, .sigma = 0.2}, .random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&f);
@@ -606,9 +587,8 @@ static bool count_recorded(void *context, const duet_plan *plan, const measureme
     return true;
 }
 
-static void a_stop_while_a_kernel_is_built_is_no_trial(void **state)
+TEST(a_stop_while_a_kernel_is_built_is_no_trial)
 {
-    (void)state;
     static budget_watch stops = {.stopped = is_stopped};
     fake f = {.model = {.ratio = 3}};
     duet_tune_def def = fake_def(&f);
@@ -630,9 +610,8 @@ static void a_stop_while_a_kernel_is_built_is_no_trial(void **state)
     trial_log_free(&kept);
 }
 
-static void a_start_from_a_neighbour_saves_trials(void **state)
+TEST(a_start_from_a_neighbour_saves_trials)
 {
-    (void)state;
     fake f = {.model = {.ratio = 9, .overhead = {0.05, 0.05}}};
     duet_tune_def def = fake_def(&f);
     tune_task task = fake_task(&f, &def);
@@ -646,9 +625,8 @@ static void a_start_from_a_neighbour_saves_trials(void **state)
     trial_log_free(&kept);
 }
 
-static void a_log_of_another_tuning_is_forgotten_where_it_differs(void **state)
+TEST(a_log_of_another_tuning_is_forgotten_where_it_differs)
 {
-    (void)state;
     fake f = {.model = {.ratio = 3, .sigma = 0.02}, .random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&f);
     tune_task task = fake_task(&f, &def);
@@ -670,9 +648,8 @@ static fake halves(uint64_t seed)
 }
 
 // Times of a disturbed launch are narrow and wrong: repeated ones must not count.
-static void launches_that_other_programs_disturb_do_not_count(void **state)
+TEST(launches_that_other_programs_disturb_do_not_count)
 {
-    (void)state;
     uint64_t seed = test_seed();
     fake f = halves(seed);
     f.disturbed = 0.6;
@@ -691,9 +668,8 @@ static void launches_that_other_programs_disturb_do_not_count(void **state)
     assert_string_not_equal(tune_fake(&f, &def).verdict, "faster");
 }
 
-static void a_tuning_waits_until_other_programs_are_gone(void **state)
+TEST(a_tuning_waits_until_other_programs_are_gone)
 {
-    (void)state;
     fake f = halves(test_seed());
     f.disturbed = 1;
     f.looks = 4;
@@ -705,9 +681,8 @@ static void a_tuning_waits_until_other_programs_are_gone(void **state)
     assert_true(outcome.disturbed > 0);
 }
 
-static void a_tuning_that_waited_in_vain_is_ambiguous_and_goes_on_later(void **state)
+TEST(a_tuning_that_waited_in_vain_is_ambiguous_and_goes_on_later)
 {
-    (void)state;
     uint64_t seed = test_seed();
     fake f = halves(seed);
     f.disturbed = 1;
@@ -734,9 +709,8 @@ static void a_tuning_that_waited_in_vain_is_ambiguous_and_goes_on_later(void **s
 }
 
 // The machine is then as quiet as it can be: its threads are in each other's way.
-static void launches_that_no_other_program_disturbs_count_in_the_end(void **state)
+TEST(launches_that_no_other_program_disturbs_count_in_the_end)
 {
-    (void)state;
     fake f = halves(test_seed());
     f.disturbed = 1;
     f.looks = UINT32_MAX;
@@ -750,9 +724,8 @@ static void launches_that_no_other_program_disturbs_count_in_the_end(void **stat
     assert_int_equal(f.waits, 0);
 }
 
-static void a_measurement_keeps_the_warm_up_and_marks_outliers(void **state)
+TEST(a_measurement_keeps_the_warm_up_and_marks_outliers)
 {
-    (void)state;
     fake f = {.model = {.ratio = 3, .sigma = 0.01, .spike_chance = 0.2, .spike_most = 9},
               .random = rng_seed(test_seed())};
     measure_machine machine = {.context = &f, .launch = launch_fake, .hash = RIGHT};
@@ -770,36 +743,4 @@ static void a_measurement_keeps_the_warm_up_and_marks_outliers(void **state)
     assert_true((double)m.samples[m.typical].total_ns <= m.median_ns);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(two_equal_halves_are_shared_evenly_and_gain),
-        cmocka_unit_test(what_counts_is_launched_as_applications_launch_it),
-        cmocka_unit_test(devices_that_are_slow_for_a_while_hide_neither_share_nor_gain),
-        cmocka_unit_test(equal_devices_share_fairly_on_a_noisy_machine),
-        cmocka_unit_test(devices_that_only_look_equal_are_told_apart),
-        cmocka_unit_test(sharing_that_changes_nothing_is_called_the_same),
-        cmocka_unit_test(modes_that_tie_are_not_raced_to_the_end),
-        cmocka_unit_test(sharing_that_only_costs_chooses_the_better_single_device),
-        cmocka_unit_test(the_tuned_plan_is_never_slower_than_a_single_device),
-        cmocka_unit_test(each_device_gets_its_best_variant),
-        cmocka_unit_test(a_default_that_finds_wrong_pairs_ends_the_tuning),
-        cmocka_unit_test(nothing_that_builds_is_said_with_its_reason),
-        cmocka_unit_test(a_resumed_tuning_ends_as_an_uninterrupted_one),
-        cmocka_unit_test(a_budget_ends_the_search_and_leaves_room_for_a_verdict),
-        cmocka_unit_test(seconds_that_cannot_do_are_refused_after_the_first_trial),
-        cmocka_unit_test(parts_are_raced_against_the_undivided_device),
-        cmocka_unit_test(one_device_gets_its_best_kernels_and_no_share),
-        cmocka_unit_test(one_device_keeps_its_usual_kernels_unless_others_are_surely_faster),
-        cmocka_unit_test(a_budget_leaves_an_only_device_its_time),
-        cmocka_unit_test(a_stop_while_a_kernel_is_built_is_no_trial),
-        cmocka_unit_test(a_start_from_a_neighbour_saves_trials),
-        cmocka_unit_test(a_log_of_another_tuning_is_forgotten_where_it_differs),
-        cmocka_unit_test(launches_that_other_programs_disturb_do_not_count),
-        cmocka_unit_test(a_tuning_waits_until_other_programs_are_gone),
-        cmocka_unit_test(a_tuning_that_waited_in_vain_is_ambiguous_and_goes_on_later),
-        cmocka_unit_test(launches_that_no_other_program_disturbs_count_in_the_end),
-        cmocka_unit_test(a_measurement_keeps_the_warm_up_and_marks_outliers),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

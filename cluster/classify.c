@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+#include "cluster/classify.h"
+
+#include "base/compare.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct job {
+    owned *o;
+    classes *c;
+    const skim_block *blocks; // of a device
+    uint32_t from;            // the first object that is looked at in the blocks
+    atomic_flag adds;         // to o's boxes
+} job;
+
+// ---------------------------------------------------------------- one object
+
+static bool holds(const extent *box, const double at[3])
+{
+    bool inside = true;
+    for (int k = 0; k < 3; ++k)
+        inside &= (at[k] >= box->lower[k]) & (at[k] < box->upper[k]);
+    return inside;
+}
+
+// Returns where objects lie so deep in a domain that they touch none of another one. With several
+// domains that is twice as deep, so that they touch no newcomer either.
+static extent deep_inside(const owned *o, const domain *d)
+{
+    if (o->placement == PLACED_ANYHOW)
+        return d->box;
+    return domain_inside(d, o->n_domains > 1 ? 2 * o->widest : o->widest);
+}
+
+static void classify_row(const owned *o, class_part *p, const domain *d, const extent *inside,
+                         level_boxes *boxes, uint32_t row)
+{
+    const void *object = object_row(&o->rows, &o->form, row);
+    double centre[3];
+    if (!object_is_sound(&o->form, object)) {
+        p->first_bad = p->first_bad < o->rows.ids[row] ? p->first_bad : o->rows.ids[row];
+        ++p->n_bad;
+        return;
+    }
+    extent e = extent_of(&o->form, object);
+    p->widest = fmax(p->widest, extent_widest(&e));
+    object_centre(&o->form, object, centre);
+    if (extent_holds(inside, centre)) {
+        extent_join(&p->deep.centres, &(extent){{centre[0], centre[1], centre[2]},
+                                                {centre[0], centre[1], centre[2]}});
+    } else if (o->placement != PLACED_ANYHOW && !holds(&d->box, centre)) {
+        row_list_add(&p->leavers, row);
+    } else {
+        level_boxes_add(boxes, &e, o->widest);
+        row_list_add(&p->boundary, row);
+    }
+}
+
+static void add_boxes(job *j, uint32_t d, const level_boxes *boxes)
+{
+    while (atomic_flag_test_and_set(&j->adds))
+        continue;
+    for (int k = 0; k < LEVELS; ++k)
+        extent_join(&j->o->boxes[d].upto[k], &boxes->upto[k]);
+    atomic_flag_clear(&j->adds);
+}
+
+// ---------------------------------------------------------------- by the host
+
+static void classify_rows(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    job *j = context;
+    const owned *o = j->o;
+    class_part p = j->c->parts[part]; // apart from what other threads write
+    uint32_t row = (uint32_t)first;
+    for (uint32_t at = owned_domain_of(o, row); row < end; ++at) {
+        const domain *d = &o->domains[at];
+        uint32_t to = d->first + d->n < end ? d->first + d->n : (uint32_t)end;
+        extent inside = deep_inside(o, d);
+        level_boxes boxes = level_boxes_none;
+        while ((row = object_rows_skim(&o->rows, &o->form, row, to, &inside, &p.deep)) < to)
+            classify_row(o, &p, d, &inside, &boxes, row++);
+        add_boxes(j, at, &boxes);
+    }
+    p.widest = fmax(p.widest, skim_widest(&p.deep, &o->form));
+    j->c->parts[part] = p;
+}
+
+// ---------------------------------------------------------------- by a device
+
+// Looks at the objects that a device found exceptional.
+static void classify_odd(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    job *j = context;
+    const owned *o = j->o;
+    class_part p = j->c->parts[part];
+    const extent inside = deep_inside(o, &o->domains[0]);
+    level_boxes boxes = level_boxes_none;
+    for (uint64_t i = j->from + first; i < j->from + end;) {
+        const skim_block *b = &j->blocks[i / SKIM_ROWS];
+        uint32_t odd = b->odd[i % SKIM_ROWS / 32] >> i % 32;
+        if (odd & 1)
+            classify_row(o, &p, &o->domains[0], &inside, &boxes, (uint32_t)i);
+        uint32_t passed = b->n_odd == 0 ? SKIM_ROWS - 1 : odd > 1 ? 0 : 31;
+        i = (i | passed) + 1;
+    }
+    add_boxes(j, 0, &boxes);
+    j->c->parts[part] = p;
+}
+
+// The host looks at objects that have arrived there while others travel. False if rows are not on
+// their way to a device, or to one that does not classify.
+static bool classify_on_device(job *j)
+{
+    owned *o = j->o;
+    worker *w = o->holder;
+    const extent inside = deep_inside(o, &o->domains[0]);
+    float lower[3], upper[3];
+    skim_box(&inside, lower, upper);
+    if (!w || o->rows.n == 0 || o->placement != PLACED_BY_DOMAIN || !w->skim(w, lower, upper))
+        return false;
+    for (uint32_t from = 0, to; from < o->rows.n; from = to) {
+        to = w->await_skim(w, from, &j->blocks);
+        j->from = from;
+        parallel_each(o->threads, to - from, classify_odd, j);
+        for (uint32_t i = from; i < to; i += SKIM_ROWS)
+            skim_add_block(&j->c->all.deep, &j->blocks[i / SKIM_ROWS]);
+    }
+    j->c->all.widest = skim_widest(&j->c->all.deep, &o->form);
+    return true;
+}
+
+// ---------------------------------------------------------------- all
+
+static void begin(class_part *p)
+{
+    row_list leavers = p->leavers, boundary = p->boundary;
+    *p = (class_part){.first_bad = UINT64_MAX, .deep = skim_none};
+    p->leavers = (row_list){.rows = leavers.rows, .capacity = leavers.capacity};
+    p->boundary = (row_list){.rows = boundary.rows, .capacity = boundary.capacity};
+}
+
+static void add_part(class_part *to, const class_part *p)
+{
+    to->n_bad += p->n_bad;
+    to->first_bad = to->first_bad < p->first_bad ? to->first_bad : p->first_bad;
+    to->widest = fmax(to->widest, p->widest);
+    to->leavers.n += p->leavers.n;
+    to->leavers.failed |= p->leavers.failed;
+    to->boundary.n += p->boundary.n;
+    to->boundary.failed |= p->boundary.failed;
+    extent_join(&to->deep.centres, &p->deep.centres);
+}
+
+// Makes *to what the threads found, one behind the other.
+static void join_lists(row_list *to, const classes *c, size_t list)
+{
+    const row_list *sum = (const row_list *)(const void *)((const char *)&c->all + list);
+    to->n = 0;
+    if (sum->n > to->capacity) {
+        uint32_t *rows = realloc(to->rows, sum->n * sizeof *rows);
+        to->rows = rows ? rows : to->rows;
+        to->capacity = rows ? sum->n : to->capacity;
+    }
+    to->failed = sum->n > to->capacity || sum->failed;
+    for (int i = 0; !to->failed && i < PARALLEL_MOST; ++i) {
+        const row_list *of = (const row_list *)(const void *)((const char *)&c->parts[i] + list);
+        if (of->n > 0)
+            memcpy(to->rows + to->n, of->rows, of->n * sizeof *of->rows);
+        to->n += of->n;
+    }
+}
+
+static extent around_all(const owned *o, const extent *deep)
+{
+    extent all = extent_none;
+    for (uint32_t d = 0; d < o->n_domains; ++d)
+        for (int k = 0; k < LEVELS; ++k)
+            extent_join(&all, &o->boxes[d].upto[k]);
+    for (int k = 0; k < 3 && deep->lower[0] <= deep->upper[0]; ++k) {
+        all.lower[k] = fmin(all.lower[k], deep->lower[k] - 0.5 * o->widest);
+        all.upper[k] = fmax(all.upper[k], deep->upper[k] + 0.5 * o->widest);
+    }
+    return all;
+}
+
+bool classify(classes *c, owned *o)
+{
+    job j = {.o = o, .c = c, .adds = ATOMIC_FLAG_INIT};
+    for (int i = 0; i < PARALLEL_MOST; ++i)
+        begin(&c->parts[i]);
+    begin(&c->all);
+    for (uint32_t d = 0; d < o->most_domains; ++d)
+        o->boxes[d] = level_boxes_none;
+    if (!classify_on_device(&j))
+        parallel_each(o->threads, o->rows.n, classify_rows, &j);
+    for (int i = 0; i < PARALLEL_MOST; ++i)
+        add_part(&c->all, &c->parts[i]);
+    join_lists(&c->leavers, c, offsetof(class_part, leavers));
+    join_lists(&o->boundary, c, offsetof(class_part, boundary));
+    if (j.blocks && !c->leavers.failed && c->leavers.n > 0)
+        qsort(c->leavers.rows, c->leavers.n, sizeof *c->leavers.rows, compare_uint32);
+    o->around = around_all(o, &c->all.deep.centres);
+    return !c->leavers.failed && !o->boundary.failed;
+}
+
+void classes_end(classes *c)
+{
+    for (int i = 0; i < PARALLEL_MOST; ++i) {
+        free(c->parts[i].leavers.rows);
+        free(c->parts[i].boundary.rows);
+    }
+    free(c->leavers.rows);
+    *c = (classes){0};
+}

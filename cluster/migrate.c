@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+#include "cluster/migrate.h"
+
+#include "base/error.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+
+// A extent is a little wider the farther an object is from 0.
+#define ROOM_TO_MOVE 1.01
+
+// The sums and maxima of all ranks' classes.
+typedef struct overview {
+    uint64_t objects, bad, leavers;
+    double widest;
+    double unevenness; // the most objects that a rank has for those that its weight makes due to it
+} overview;
+
+static bool look_over(overview *v, const migration *m, bool ok, ranks *r, duet_error *err)
+{
+    const class_part *all = &m->classes.all;
+    uint32_t n = owned_count(m->owned);
+    tally t = {.sums = {n, all->n_bad, all->leavers.n},
+               .greatest = {all->widest, n / m->partition->due}};
+    if (!ranks_agree_and(r, ok, &t, err))
+        return false;
+    *v = (overview){t.sums[0], t.sums[1], t.sums[2], t.greatest[0], 1};
+    if (v->objects > 0)
+        v->unevenness = fmax(t.greatest[1] / (double)v->objects, 1);
+    return true;
+}
+
+// The line is the same on all ranks, whichever owns the object.
+static bool refuse_bad(const migration *m, const overview *v, ranks *r, duet_error *err)
+{
+    uint64_t first = m->classes.all.first_bad;
+    ranks_least(r, &first, 1);
+    return error_set(err, DUET_STATUS_BAD_OBJECT,
+                     "object %" PRIu64 " of %" PRIu64 " is not a number, infinite, negative or "
+                     "without rotation (%" PRIu64 " such objects)",
+                     first, v->objects, v->bad);
+}
+
+static bool classify_all(migration *m, duet_error *err)
+{
+    return classify(&m->classes, m->owned) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects at the border: no memory",
+                     m->classes.all.boundary.n + m->classes.all.leavers.n);
+}
+
+// Levels are those of a little more than the widest object there was: until one is wider, or they
+// are too fine by far. The same on all ranks.
+static bool keep_widest(owned *o, double widest)
+{
+    if (widest <= o->widest && o->widest <= 4 * widest)
+        return true;
+    o->widest = ROOM_TO_MOVE * widest;
+    return false;
+}
+
+// ---------------------------------------------------------------- leavers
+
+static int rank_of(const migration *m, uint32_t row)
+{
+    const owned *o = m->owned;
+    double centre[3];
+    object_centre(&o->form, object_row(&o->rows, &o->form, row), centre);
+    return partition_rank(m->partition, centre);
+}
+
+static bool write_leavers(const migration *m, const ranks *r, parcels *out, duet_error *err)
+{
+    const owned *o = m->owned;
+    const row_list *l = &m->classes.leavers;
+    uint64_t *places = calloc((size_t)r->n, sizeof *places);
+    if (!places)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
+    for (uint64_t k = 0; k < l->n; ++k)
+        ++out->counts[rank_of(m, l->rows[k])];
+    bool ok = parcels_reserve(out, r, places, err);
+    for (uint64_t k = 0; ok && k < l->n; ++k) {
+        uint64_t to = places[rank_of(m, l->rows[k])]++;
+        object_write_message(&o->form, (unsigned char *)out->rows + to * out->row_bytes,
+                             o->rows.ids[l->rows[k]], object_row(&o->rows, &o->form, l->rows[k]));
+    }
+    free(places);
+    return ok;
+}
+
+// An object that comes is near the border, as one that leaves is.
+static void add_newcomer(owned *o, uint32_t row)
+{
+    extent e = extent_of(&o->form, object_row(&o->rows, &o->form, row));
+    level_boxes_add(&o->boxes[owned_domain_of(o, row)], &e, o->widest);
+    row_list_add(&o->boundary, row);
+    if (o->holder)
+        row_list_add(&o->renamed, row);
+}
+
+// Objects that leave are let go of once all ranks have taken those that came to them.
+static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
+{
+    owned *o = m->owned;
+    uint32_t first = o->rows.n;
+    parcels out = {0}, in = {0};
+    ok = parcels_begin(&out, r, object_message_bytes(&o->form), err) && ok;
+    ok = ok && write_leavers(m, r, &out, err);
+    ok = ranks_exchange(r, ok, &out, &in, err);
+    parcels_end(&out);
+    ok = ok && ranks_agree(r, owned_add_newcomers(o, &in, err), err);
+    parcels_end(&in);
+    if (!ok)
+        return false;
+    row_list before = o->leavers;
+    o->leavers = m->classes.leavers;
+    m->classes.leavers = before;
+    for (uint64_t k = 0; o->holder && k < o->leavers.n; ++k)
+        row_list_add(&o->renamed, o->leavers.rows[k]);
+    for (uint32_t row = first; row < o->rows.n; ++row)
+        add_newcomer(o, row);
+    return true;
+}
+
+// ---------------------------------------------------------------- partitioning
+
+// Local.
+static bool place(migration *m, duet_error *err)
+{
+    const extent box = partition_box(m->partition);
+    return owned_tidy(m->owned, err) && owned_place(m->owned, &box, m->workers, err);
+}
+
+// After this all objects are their rank's, and where this rank is well in their domains.
+static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet_error *err)
+{
+    owned *o = m->owned;
+    overview v;
+    if (!ranks_agree(r, owned_tidy(o, err), err))
+        return false;
+    o->placement = PLACED_ANYHOW;
+    owned_forget_domains(o);
+    keep_widest(o, widest);
+    if (!partition_make(m->partition, r, &o->form, &o->rows, err))
+        return false;
+    ++m->n_partitions;
+    o->placement = PLACED_BY_RANK;
+    o->domains[0].box = partition_box(m->partition);
+    bool listed = classify_all(m, err);
+    if (!look_over(&v, m, true, r, err) ||
+        (v.leavers > 0 &&
+         (!exchange_leavers(m, listed, r, err) || !look_over(&v, m, true, r, err))))
+        return false;
+    m->unevenness = v.unevenness;
+    *ok = place(m, err) && classify_all(m, err);
+    return true;
+}
+
+// ---------------------------------------------------------------- all of it
+
+// Rows of one domain begin to travel to its worker's devices.
+static bool begin(migration *m, duet_error *err)
+{
+    owned *o = m->owned;
+    if (!owned_tidy(o, err))
+        return false;
+    bool is_due =
+        o->placement == PLACED_BY_RANK || (o->placement == PLACED_BY_DOMAIN && owned_is_uneven(o));
+    if (is_due && !place(m, err))
+        return false;
+    if (!o->holder)
+        return true;
+    void *objects = o->holder->map(o->holder, o->rows.n, err);
+    if (!objects)
+        return false;
+    o->rows.objects = objects;
+    if (o->placement == PLACED_BY_DOMAIN)
+        o->holder->begin(o->holder, o->rows.n, NULL);
+    return true;
+}
+
+static void join_boxes(owned *o)
+{
+    for (uint32_t d = 0; d < o->n_domains; ++d)
+        for (int k = 1; k < LEVELS; ++k)
+            extent_join(&o->boxes[d].upto[k], &o->boxes[d].upto[k - 1]);
+}
+
+bool migrate(migration *m, ranks *r, bool *ok, duet_error *err)
+{
+    owned *o = m->owned;
+    overview v;
+    *ok = *ok && begin(m, err);
+    bool listed = *ok && classify_all(m, err);
+    if (!look_over(&v, m, *ok, r, err))
+        return false;
+    if (v.bad > 0)
+        return refuse_bad(m, &v, r, err);
+    bool is_placed = o->placement != PLACED_ANYHOW;
+    if (is_placed && !keep_widest(o, v.widest)) // levels are others
+        listed = classify_all(m, err);
+    if (is_placed && v.leavers > 0 &&
+        (!exchange_leavers(m, listed, r, err) || !look_over(&v, m, true, r, err)))
+        return false;
+    *ok = listed;
+    if ((!is_placed || v.unevenness > m->imbalance * m->unevenness) &&
+        !partition_anew(m, v.widest, ok, r, err))
+        return false;
+    join_boxes(o);
+    return true;
+}

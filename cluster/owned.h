@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// The objects that a rank owns, and the domains that they lie in.
+//
+// A domain is a box of the world. A rank has one, or several (--parts) that its devices search one
+// after the other. A place is a domain among those of all ranks: rank * most_domains + domain.
+//
+//   rows   | domain 0 | domain 1 | ... | newcomers of 0 | of 1 | ...      | space for ghosts
+//          '---------- n of each -----'---------- n_new of each ---------'
+//
+// Rows keep their places within a step, because devices may be reading them. An object that leaves
+// its domain stays as a leaver, which nobody searches; one that arrives is written behind all
+// domains. owned_tidy brings both where they belong before the next step.
+//
+// The rows of a single domain lie in the memory of the worker that searches them. Several domains
+// lie in the rank's own memory, where workers search one after the other, or get copies.
+#ifndef CLUSTER_OWNED_H
+#define CLUSTER_OWNED_H
+
+#include "cluster/owner.h"
+#include "cluster/parallel.h"
+#include "cluster/partition.h"
+#include "cluster/row_list.h"
+#include "cluster/worker.h"
+#include "runtime/opencl/buffer.h"
+
+// Boxes around the objects of each level and of all finer ones.
+typedef struct level_boxes {
+    extent upto[LEVELS];
+} level_boxes;
+
+extern const level_boxes level_boxes_none;
+
+// Adds an object to the box of its own level. Levels are relative to the widest object.
+void level_boxes_add(level_boxes *boxes, const extent *e, double widest);
+
+typedef struct domain {
+    extent box; // holds the centres of its objects
+    uint32_t first, n;
+    uint32_t first_new, n_new;
+} domain;
+
+// Returns where objects lie deeper in a domain than that.
+static inline extent domain_inside(const domain *d, double depth)
+{
+    extent inside = d->box;
+    for (int k = 0; k < 3; ++k) {
+        inside.lower[k] += 1.01 * depth;
+        inside.upper[k] -= 1.01 * depth;
+    }
+    return inside;
+}
+
+// Says how rows are placed; each state includes those before it. All ranks are in the same one, but
+// for the last one, which a rank without memory lacks until it tries again.
+typedef enum placement {
+    PLACED_ANYHOW,    // the world is to be divided: all rows are in domain 0, which has no box
+    PLACED_BY_RANK,   // each rank owns what lies in its box; all rows are in domain 0
+    PLACED_BY_DOMAIN, // and each domain what lies in its box, in an order that suits its worker
+} placement;
+
+typedef struct owned {
+    object_form form;
+    object_rows rows;
+    placement placement;
+    worker *holder;               // whose memory rows.objects is; NULL: their own
+    const duet_device_pair *pair; // that reads it; NULL: none
+    host_lock locks[2];           // of several domains' objects and ids
+    uint32_t n_domains;
+    uint32_t most_domains; // of any rank
+    domain *domains;       // [n_domains]
+    level_boxes *boxes;    // [most_domains] around a domain's objects that others may touch
+    bisection planes;      // between the domains
+    double unevenness;     // the most objects of a domain by their mean, as the planes left it
+    row_list leavers;      // ascending
+    row_list boundary;     // rows that objects of other domains may touch
+    row_list renamed;      // rows whose id changed, arrived or left since owned_forget_renamed
+    bool all_renamed;
+    double widest;     // of all ranks' objects, or a little more; 0: not known
+    extent around;     // all of this rank's objects, or a little more
+    uint64_t n_placed; // times that rows were brought to their domains all at once
+    parallel *threads;
+} owned;
+
+bool owned_begin(owned *o, uint32_t n_domains, uint32_t most_domains, parallel *threads,
+                 duet_error *err);
+// Takes these objects, and from here on owns the memory, wherever they lie.
+void owned_take(owned *o, object_rows *rows);
+void owned_end(owned *o);
+
+// Returns how many objects there are.
+static inline uint32_t owned_count(const owned *o)
+{
+    return o->rows.n - (uint32_t)o->leavers.n;
+}
+
+// Returns the domain that a row lies in, newcomers and leavers included.
+uint32_t owned_domain_of(const owned *o, uint32_t row);
+
+// Closes the gaps of leavers, and brings newcomers to their domains.
+bool owned_tidy(owned *o, duet_error *err);
+
+// Makes all tidy rows those of the first domain, which has no box.
+void owned_forget_domains(owned *o);
+
+// Brings tidy rows that lie in the rank's box to their domains, each in the order that suits the
+// worker that searches it. Planes between domains are made anew.
+bool owned_place(owned *o, const extent *box, worker *const workers[2], duet_error *err);
+
+// Returns whether a domain has so many objects that the planes are to be made anew.
+bool owned_is_uneven(const owned *o);
+
+// Makes space for n more rows behind the rows.
+bool owned_reserve(owned *o, uint64_t n, duet_error *err);
+
+// Adds the objects in messages as newcomers of the domains that they lie in.
+bool owned_add_newcomers(owned *o, const parcels *messages, duet_error *err);
+
+// The holder's devices know the ids of all rows.
+void owned_forget_renamed(owned *o);
+
+#endif

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: MIT
+#include "cluster/search_set.h"
+
+#include "base/error.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- memory
+
+// Returns memory for n elements of that size, whatever was in it; NULL without.
+static void *reserve(void *memory, uint64_t *capacity, uint64_t n, size_t bytes, duet_error *err)
+{
+    if (memory && n <= *capacity)
+        return memory;
+    free(memory);
+    *capacity = n + n / 16;
+    memory = malloc((*capacity + 1) * bytes);
+    if (!memory)
+        error_set(err, DUET_STATUS_NO_MEMORY, "%llu objects and ghosts: no memory",
+                  (unsigned long long)n);
+    return memory;
+}
+
+void search_set_end(search_set *s)
+{
+    free(s->keys);
+    free(s->is_leaver);
+    free(s->leavers.rows);
+    free(s->ids);
+    free(s->labels);
+    *s = (search_set){0};
+}
+
+static void begin(search_set *s, set_kind kind, const owned *o, const ranks *r, uint32_t d)
+{
+    s->kind = kind;
+    s->owned = o;
+    s->place = (uint32_t)r->self * o->most_domains + d;
+    s->n_places = (uint32_t)r->n * o->most_domains;
+    s->leavers.n = 0;
+    s->leavers.failed = false;
+    if (kind != SET_BOUNDARY) {
+        free(s->labels);
+        s->labels = NULL;
+    }
+}
+
+// Marks the leavers of rows [first, first + n), which are the set's from 0 on.
+static bool mark_leavers(search_set *s, uint32_t first, uint32_t n, duet_error *err)
+{
+    const row_list *all = &s->owned->leavers;
+    if (all->n == 0)
+        return true;
+    s->is_leaver = reserve(s->is_leaver, &s->bits_capacity, s->n_own / 8 + 1, 1, err);
+    if (!s->is_leaver)
+        return false;
+    memset(s->is_leaver, 0, s->n_own / 8 + 1);
+    for (uint64_t k = 0; k < all->n; ++k) {
+        uint32_t row = all->rows[k] - first;
+        if (all->rows[k] < first || row >= n)
+            continue;
+        s->is_leaver[row / 8] |= (uint8_t)(1u << row % 8);
+        row_list_add(&s->leavers, row);
+    }
+    return !s->leavers.failed ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "objects that leave: no memory");
+}
+
+// ---------------------------------------------------------------- ghosts
+
+typedef struct writing {
+    search_set *s;
+    const ghosts *g;
+    uint64_t from;
+} writing;
+
+static uint32_t key_of(const search_set *s, const void *object, uint32_t place)
+{
+    extent e = extent_of(&s->owned->form, object);
+    return owner_key(level_of(extent_widest(&e), s->owned->widest), place, s->n_places);
+}
+
+static void write_some(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    const writing *w = context;
+    search_set *s = w->s;
+    (void)part;
+    for (uint64_t i = first; i < end; ++i) {
+        ghost at = ghosts_get(w->g, w->from + i);
+        uint32_t row = s->n_own + (uint32_t)i;
+        s->rows.ids[row] = at.id;
+        memcpy(object_row(&s->rows, &s->owned->form, row), at.object, s->owned->form.bytes);
+        s->keys[i] = key_of(s, at.object, at.from);
+    }
+}
+
+// Behind the own rows, in space that is there.
+static bool write_ghosts(search_set *s, const ghosts *g, uint32_t d, duet_error *err)
+{
+    uint64_t n = g->first[d + 1] - g->first[d];
+    writing w = {s, g, g->first[d]};
+    s->keys = reserve(s->keys, &s->keys_capacity, n, sizeof *s->keys, err);
+    if (!s->keys)
+        return false;
+    parallel_each(s->owned->threads, n, write_some, &w);
+    return true;
+}
+
+static bool is_empty(const search_set *s)
+{
+    return s->n_own == s->leavers.n ||
+           (s->kind == SET_BOUNDARY && !s->labels && search_set_ghosts(s) == 0);
+}
+
+// ---------------------------------------------------------------- sets
+
+// Makes the own rows n that lie behind each other from `first` on.
+static void take_rows(search_set *s, const owned *o, uint32_t first, uint32_t n)
+{
+    s->rows =
+        (object_rows){.ids = o->rows.ids + first, .objects = object_row(&o->rows, &o->form, first)};
+    s->rows.n = s->n_own = n;
+}
+
+bool search_set_in_place(search_set *s, owned *o, const ghosts *g, const ranks *r, duet_error *err)
+{
+    begin(s, SET_WHOLE, o, r, 0);
+    if (!owned_reserve(o, g->first[1], err))
+        return false;
+    take_rows(s, o, 0, o->rows.n);
+    s->rows.n += (uint32_t)g->first[1];
+    return mark_leavers(s, 0, o->rows.n, err) && write_ghosts(s, g, 0, err);
+}
+
+bool search_set_inner(search_set *s, const owned *o, const ranks *r, uint32_t index,
+                      duet_error *err)
+{
+    const domain *d = &o->domains[index];
+    begin(s, SET_INNER, o, r, index);
+    take_rows(s, o, d->first, o->n_domains == 1 ? o->rows.n : d->n);
+    return mark_leavers(s, d->first, s->n_own, err);
+}
+
+// Space for copies, in a worker's memory.
+static bool map(search_set *s, uint64_t n_own, uint64_t n_ghosts, worker *w, duet_error *err)
+{
+    uint64_t n = n_own + n_ghosts;
+    if (n > DUET_MOST_OBJECTS)
+        return error_set(err, DUET_STATUS_TOO_MANY,
+                         "%llu objects and ghosts at one time; expected more ranks or parts",
+                         (unsigned long long)n);
+    s->ids = reserve(s->ids, &s->ids_capacity, n, sizeof *s->ids, err);
+    if (!s->ids)
+        return false;
+    s->rows = (object_rows){.ids = s->ids, .objects = w->map(w, (uint32_t)n, err)};
+    s->rows.n = (uint32_t)n;
+    s->n_own = (uint32_t)n_own;
+    return s->rows.objects;
+}
+
+static void copy_rows(search_set *s, uint32_t at, uint32_t first, uint32_t n)
+{
+    const owned *o = s->owned;
+    if (n == 0)
+        return;
+    parallel_copy(o->threads, s->rows.ids + at, o->rows.ids + first, n, sizeof *s->rows.ids);
+    parallel_copy(o->threads, object_row(&s->rows, &o->form, at),
+                  object_row(&o->rows, &o->form, first), n, o->form.bytes);
+}
+
+bool search_set_copy_domain(search_set *s, const owned *o, const ghosts *g, const ranks *r,
+                            uint32_t index, worker *w, duet_error *err)
+{
+    const domain *d = &o->domains[index];
+    begin(s, SET_WHOLE, o, r, index);
+    if (!map(s, (uint64_t)d->n + d->n_new, g->first[index + 1] - g->first[index], w, err) ||
+        !mark_leavers(s, d->first, d->n, err))
+        return false;
+    copy_rows(s, 0, d->first, d->n);
+    copy_rows(s, d->n, d->first_new, d->n_new);
+    return write_ghosts(s, g, index, err);
+}
+
+static void copy_boundary(void *set, uint32_t part, uint64_t first, uint64_t end)
+{
+    search_set *s = set;
+    const owned *o = s->owned;
+    (void)part;
+    object_rows_gather(&s->rows, &o->form, first, &o->rows, o->boundary.rows + first, end - first);
+    for (uint64_t i = first; s->labels && i < end; ++i) {
+        uint32_t row = o->boundary.rows[i];
+        bool is_new = row >= o->domains[0].first_new;
+        s->labels[i] = (uint16_t)(owned_domain_of(o, row) | (is_new ? LABEL_NEW : 0));
+    }
+}
+
+bool search_set_copy_boundary(search_set *s, const owned *o, const ghosts *g, const ranks *r,
+                              worker *w, duet_error *err)
+{
+    begin(s, SET_BOUNDARY, o, r, 0);
+    if (!map(s, o->boundary.n, g->first[1], w, err))
+        return false;
+    if (o->n_domains > 1) {
+        s->labels = reserve(s->labels, &s->labels_capacity, s->n_own, sizeof *s->labels, err);
+        if (!s->labels)
+            return false;
+    }
+    parallel_each(o->threads, o->boundary.n, copy_boundary, s);
+    if (!write_ghosts(s, g, 0, err))
+        return false;
+    if (!is_empty(s))
+        w->begin(w, s->rows.n, NULL);
+    return true;
+}
+
+// ---------------------------------------------------------------- searching
+
+static global_ids ids_of(const search_set *s)
+{
+    const owned *o = s->owned;
+    bool in_place = o->n_domains == 1 && s->kind != SET_BOUNDARY;
+    return (global_ids){
+        .list = s->rows.ids,
+        .n = s->n_own,
+        .without = s->leavers.rows,
+        .n_without = (uint32_t)s->leavers.n,
+        .changed = o->renamed.rows,
+        .n_changed = in_place ? o->renamed.n : 0,
+        .all_changed = !in_place || o->all_renamed || o->renamed.failed,
+    };
+}
+
+static bool check_found(const search_set *s, const worker_found *found, duet_error *err)
+{
+    return !found->has_bad ||
+           error_set(err, DUET_STATUS_BAD_OBJECT,
+                     "object %llu is not a number, infinite, negative or without rotation",
+                     (unsigned long long)s->rows.ids[found->first_bad]);
+}
+
+void search_set_send(search_set *s, worker *w, bool counts)
+{
+    s->told = ids_of(s);
+    w->bind(w, s->rows.objects, s->rows.n);
+    if (!is_empty(s))
+        w->begin(w, s->rows.n, counts ? &s->told : NULL);
+}
+
+bool search_set_find(search_set *s, worker *w, bool counts, worker_found *found, duet_error *err)
+{
+    *found = (worker_found){0};
+    if (is_empty(s))
+        return true;
+    s->told = ids_of(s);
+    bool tells = counts && s->kind != SET_BOUNDARY;
+    return w->find(w, tells ? &s->told : NULL, found, err) && check_found(s, found, err);
+}
+
+// The object with the lesser key is its owner's. Two ghosts are others'.
+bool search_set_owns_with_ghost(const search_set *s, duet_pair pair)
+{
+    bool a = pair.a >= s->n_own, b = pair.b >= s->n_own;
+    uint32_t own = a ? pair.b : pair.a, other = a ? pair.a : pair.b;
+    if ((a && b) || (s->leavers.n > 0 && s->is_leaver[own / 8] >> own % 8 & 1))
+        return false;
+    const void *object = object_row(&s->rows, &s->owned->form, own);
+    uint32_t place = s->place;
+    if (s->kind == SET_BOUNDARY && s->labels)
+        place += s->labels[own] & (LABEL_NEW - 1);
+    return key_of(s, object, place) < s->keys[other - s->n_own];
+}
