@@ -74,11 +74,7 @@ __kernel void reorder(REORDER_ARGS)
     order to = {levels, n_levels, sorted_bounds, counters};
 #endif
 //@ end
-#if APART
-    object_rows rows = {objects, sizes};
-#else
-    object_rows rows = objects;
-#endif
+    object_rows rows = OBJECT_ROWS();
     uint placed = starts[n_own_cells];
     if (get_global_id(0) == 0) {
         counters[COUNT_PLACED] = placed;

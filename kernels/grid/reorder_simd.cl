@@ -103,13 +103,51 @@ static inline void ask_for_rows(object_rows rows, const uint ids[LANES])
 }
 //@ end
 
+typedef struct {
+    ARG_FIELDS
+} order;
+
+// place: the places of the objects, or the first of them side by side.
+//@ if TO_PLACES == 1 then
+static inline void store_objects(const order *to, object_rows rows, const uint sources[LANES], const uint place[LANES])
+//@ else
+static inline void store_objects(const order *to, object_rows rows, const uint sources[LANES], uint place)
+//@ end
+{
+    size_t column = COLUMN(to->place_capacity);
+    object o = object_at(rows, sources);
+    bounds b = object_bounds(&o);
+#if SHAPE == SHAPE_BOUNDS
+#pragma unroll
+    for (int k = 0; k < DIMS; ++k)
+        b.upper[k] += 0.0f; // never -0, from which 0 is taken: the search looks at a difference's sign
+#endif
+    check_extent(&o, to->levels, to->n_levels, to->counters);
+#if ROOMY
+    word where = object_key(&o, to->levels, to->n_levels, to->n_cells) - to->key_from;
+#else
+    word where = level_of(&o, to->levels, to->n_levels);
+#endif
+    store_bounds(to->sorted_bounds, column, place, &b, where);
+#if ORIGIN
+#pragma unroll
+    for (int k = 0; k < DIMS; ++k)
+//@ if TO_PLACES == 1 then
+        store_column(to->sorted_bounds + (2 * DIMS + 1 + k) * column, place, as_real(o.cell[k]));
+//@ else
+        vstore8(as_real(o.cell[k]), 0, to->sorted_bounds + (2 * DIMS + 1 + k) * column + place);
+//@ end
+#endif
+#if SHAPE == SHAPE_POSES
+    box stored = box_of(&o);
+    store_boxes(to->sorted_boxes, place, &stored, vload8(0, sources));
+#endif
+}
+
 __kernel void reorder_simd(REORDER_SIMD_ARGS)
 {
-#if APART
-    object_rows rows = {objects, sizes};
-#else
-    object_rows rows = objects;
-#endif
+    const order to = {REORDER_SIMD_VALUES};
+    object_rows rows = OBJECT_ROWS();
     uint placed = starts[n_own_cells];
     if (get_global_id(0) == 0) {
         counters[COUNT_PLACED] = placed;
@@ -140,32 +178,6 @@ __kernel void reorder_simd(REORDER_SIMD_ARGS)
 #endif
         ids_from(ids, place, end, sources);
 //@ end
-        object o = object_at(rows, sources);
-        bounds b = object_bounds(&o);
-#if SHAPE == SHAPE_BOUNDS
-#pragma unroll
-        for (int k = 0; k < DIMS; ++k)
-            b.upper[k] += 0.0f; // never -0, from which 0 is taken: the search looks at a difference's sign
-#endif
-        check_extent(&o, levels, n_levels, counters);
-#if ROOMY
-        word where = object_key(&o, levels, n_levels, n_cells) - key_from;
-#else
-        word where = level_of(&o, levels, n_levels);
-#endif
-        store_bounds(sorted_bounds, COLUMN(place_capacity), place, &b, where);
-#if ORIGIN
-#pragma unroll
-        for (int k = 0; k < DIMS; ++k)
-//@ if TO_PLACES == 1 then
-            store_column(sorted_bounds + (2 * DIMS + 1 + k) * COLUMN(place_capacity), place, as_real(o.cell[k]));
-//@ else
-            vstore8(as_real(o.cell[k]), 0, sorted_bounds + (2 * DIMS + 1 + k) * COLUMN(place_capacity) + place);
-//@ end
-#endif
-#if SHAPE == SHAPE_POSES
-        box stored = box_of(&o);
-        store_boxes(sorted_boxes, place, &stored, vload8(0, sources));
-#endif
+        store_objects(&to, rows, sources, place);
     }
 }

@@ -10,7 +10,7 @@
 //   hits     [hits_capacity][2] an item's number and an object's id, in any order
 //   open     [open_capacity][2] the same, of those that float leaves to the host
 //
-// What a walk meets is kept until there are LANES of it, from whichever items.
+// Boxes that a traversal meets are kept until there are LANES of them, from whichever items.
 #define HIT_WORDS 2
 
 #if ITSELF
@@ -34,7 +34,7 @@ typedef struct {
     uint places[LANES], ids[LANES];
 } tester;
 
-struct walk {
+struct traversal {
     float lower[3], upper[3];
     __global const float *boxes;
     uint place;
@@ -75,12 +75,12 @@ static inline void test_candidates(tester *t)
     t->n = 0;
 }
 
-static inline float farthest(const walk *w)
+static inline float farthest(const traversal *w)
 {
     return INFINITY;
 }
 
-static inline row_mask meets_bounds(const walk *w, __global const float *node, row *from)
+static inline row_mask meets_bounds(const traversal *w, __global const float *node, row *from)
 {
     row_mask beside = (row_mask)(0);
 #pragma unroll
@@ -92,7 +92,7 @@ static inline row_mask meets_bounds(const walk *w, __global const float *node, r
     return !beside;
 }
 
-static inline bool visit_box(walk *w, uint slot, float from)
+static inline bool visit_box(traversal *w, uint slot, float from)
 {
     tester *t = w->candidates;
     uint id = as_uint(w->boxes[(size_t)slot * TREE_BOX_WORDS + TREE_BOX_ID]);
@@ -167,7 +167,7 @@ __kernel void box_query(BOX_QUERY_ARGS)
 #endif
                 continue;
             }
-            walk w;
+            traversal w;
             w.boxes = boxes;
             w.place = places[k];
 #if ITSELF
@@ -183,7 +183,7 @@ __kernel void box_query(BOX_QUERY_ARGS)
                 w.lower[axis] = lower[axis][k];
                 w.upper[axis] = upper[axis][k];
             }
-            walk_tree(&w, nodes, levels, n_levels);
+            traverse_tree(&w, nodes, levels, n_levels);
         }
     }
     if (t.n > 0)

@@ -165,6 +165,64 @@ __kernel void tree_keys(TREE_KEYS_ARGS)
     }
 }
 
+// The rows of boxes as the tree keeps them, but for their ids.
+static inline void set_leaf(const object *o, real row[TREE_BOX_WORDS])
+{
+#if SHAPE == SHAPE_POSES
+    real axis[3][3];
+    set_axes(axis, o->rotation);
+    for (int k = 0; k < 3; ++k) {
+        row[k] = o->centre[k];
+        row[3 + k] = o->halves[k];
+    }
+    for (int k = 0; k < 9; ++k)
+        row[TREE_BOX_AXES + k] = axis[k / 3][k % 3];
+//@ if SHAPE >= 2 then
+    row[TREE_BOX_RADIUS] = o->radius;
+    for (int k = TREE_BOX_RADIUS + 1; k < TREE_BOX_ID; ++k)
+        row[k] = ALL(0.0f);
+//@ elseif ORIGIN > 0 then
+    real reach[3];
+    set_reach(reach, o);
+    for (int k = TREE_BOX_CELL; k < TREE_BOX_ID; ++k)
+        row[k] = ALL(0.0f);
+    for (int k = 0; k < DIMS; ++k) {
+        row[TREE_BOX_CELL + k] = as_real(o->cell[k]);
+        row[TREE_BOX_REACH + k] = reach[k];
+    }
+//@ end
+#else
+    for (int k = 0; k < 3; ++k) {
+        row[k] = o->lower[k];
+        row[3 + k] = o->upper[k];
+    }
+    row[6] = ALL(0.0f);
+#endif
+}
+
+// Stores bounds as children of nodes, from one of LANES children on.
+static inline void store_child_bounds(__global float *node, const bounds *b)
+{
+    for (int k = 0; k < DIMS; ++k) {
+#if LANES == 1
+        node[k * TREE_WIDTH] = b->lower[k];
+        node[(3 + k) * TREE_WIDTH] = b->upper[k];
+#else
+        vstore8(b->lower[k], 0, node + k * TREE_WIDTH);
+        vstore8(b->upper[k], 0, node + (3 + k) * TREE_WIDTH);
+#endif
+    }
+}
+
+static inline word word_of(const uint from[LANES])
+{
+#if LANES == 1
+    return from[0];
+#else
+    return vload8(0, from);
+#endif
+}
+
 __kernel void tree_leaves(TREE_LEAVES_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
@@ -176,65 +234,22 @@ __kernel void tree_leaves(TREE_LEAVES_ARGS)
             missing[k] = from + k < n ? 0 : ~0u;
         }
         object o = object_at(objects, names);
-        mask refused = is_refused(&o);
 //@ if ORIGIN > 0 then
         bounds b = far_bounds(&o);
 //@ else
         bounds b = object_bounds(&o);
 //@ end
+        clear_bounds(&b, is_refused(&o) | as_whole(word_of(missing)));
+        store_child_bounds(nodes + (size_t)(from / TREE_WIDTH) * NODE_WORDS + from % TREE_WIDTH, &b);
         real row[TREE_BOX_WORDS];
-#if SHAPE == SHAPE_POSES
-        real axis[3][3];
-        set_axes(axis, o.rotation);
-        for (int k = 0; k < 3; ++k) {
-            row[k] = o.centre[k];
-            row[3 + k] = o.halves[k];
-        }
-        for (int k = 0; k < 9; ++k)
-            row[TREE_BOX_AXES + k] = axis[k / 3][k % 3];
-//@ if SHAPE >= 2 then
-        row[TREE_BOX_RADIUS] = o.radius;
-        for (int k = TREE_BOX_RADIUS + 1; k < TREE_BOX_ID; ++k)
-            row[k] = ALL(0.0f);
-//@ elseif ORIGIN > 0 then
-        real reach[3];
-        set_reach(reach, &o);
-        for (int k = TREE_BOX_CELL; k < TREE_BOX_ID; ++k)
-            row[k] = ALL(0.0f);
-        for (int k = 0; k < DIMS; ++k) {
-            row[TREE_BOX_CELL + k] = as_real(o.cell[k]);
-            row[TREE_BOX_REACH + k] = reach[k];
-        }
-//@ end
-#else
-        for (int k = 0; k < 3; ++k) {
-            row[k] = o.lower[k];
-            row[3 + k] = o.upper[k];
-        }
-        row[6] = ALL(0.0f);
-#endif
-        __global float *node = nodes + (size_t)(from / TREE_WIDTH) * NODE_WORDS + from % TREE_WIDTH;
-#if LANES == 1
-        row[TREE_BOX_ID] = as_float(names[0]);
-        clear_bounds(&b, refused | as_int(missing[0]));
-        for (int k = 0; k < DIMS; ++k) {
-            node[k * TREE_WIDTH] = b.lower[k];
-            node[(3 + k) * TREE_WIDTH] = b.upper[k];
-        }
-#else
-        row[TREE_BOX_ID] = as_float8(vload8(0, names));
-        clear_bounds(&b, refused | as_int8(vload8(0, missing)));
-        for (int k = 0; k < DIMS; ++k) {
-            vstore8(b.lower[k], 0, node + k * TREE_WIDTH);
-            vstore8(b.upper[k], 0, node + (3 + k) * TREE_WIDTH);
-        }
-#endif
+        set_leaf(&o, row);
+        row[TREE_BOX_ID] = as_real(word_of(names));
         for (int k = 0; k < TREE_BOX_WORDS; k += 8)
             store_eight(boxes, places, TREE_BOX_WORDS, k, row + k, (word)(1));
     }
 }
 
-// Items that begin near each other walk through the same nodes.
+// Items that begin near each other visit the same nodes.
 __kernel void item_keys(ITEM_KEYS_ARGS)
 {
     curve c = load_curve(extent);

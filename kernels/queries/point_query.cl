@@ -29,7 +29,7 @@
 #define GREATEST_SQUARED 0x1p60f
 //@ end
 
-struct walk {
+struct traversal {
     float point[3];
 //@ if ORIGIN > 0 then
     far_item item;
@@ -60,7 +60,7 @@ static inline bool point_is_bad(const float point[3])
     return bad;
 }
 
-static inline float farthest(const walk *w)
+static inline float farthest(const traversal *w)
 {
 #if WANTS == EVERY
     return 0.0f;
@@ -71,7 +71,7 @@ static inline float farthest(const walk *w)
 
 // The square of the distance to bounds; 0 where they hold the point, for a difference has
 // the right sign.
-static inline row_mask meets_bounds(const walk *w, __global const float *node, row *from)
+static inline row_mask meets_bounds(const traversal *w, __global const float *node, row *from)
 {
     row square = (row)(0.0f);
     row_mask beside = (row_mask)(0);
@@ -97,7 +97,7 @@ static inline row_mask meets_bounds(const walk *w, __global const float *node, r
 }
 
 // How far beyond the two faces across an edge the point is; below 0: inside.
-static inline float beyond_faces(const walk *w, __global const float *box, const float way[3], int k)
+static inline float beyond_faces(const traversal *w, __global const float *box, const float way[3], int k)
 {
 //@ if SHAPE >= 2 then
     __global const float *axis = box + TREE_BOX_AXES + 3 * k;
@@ -138,7 +138,7 @@ static inline void list_hit(__global uint *row, uint number, uint id)
     row[2] = 0;
 }
 
-static inline bool visit_box(walk *w, uint slot, float from)
+static inline bool visit_box(traversal *w, uint slot, float from)
 {
     __global const float *box = w->boxes + (size_t)slot * TREE_BOX_WORDS;
 //@ if FILTERED == 1 then
@@ -201,7 +201,7 @@ static inline bool visit_box(walk *w, uint slot, float from)
 #else
 
 // Into the point's row, which is sorted.
-static inline void keep_hit(walk *w, uint id, float square)
+static inline void keep_hit(traversal *w, uint id, float square)
 {
     uint at = w->n < w->each ? w->n++ : w->each - 1;
     for (; at > 0; --at) {
@@ -218,7 +218,7 @@ static inline void keep_hit(walk *w, uint id, float square)
         w->worst = as_float(w->hits[(size_t)(w->each - 1) * HIT_WORDS + 2]);
 }
 
-static inline bool visit_box(walk *w, uint slot, float from)
+static inline bool visit_box(traversal *w, uint slot, float from)
 {
     __global const float *box = w->boxes + (size_t)slot * TREE_BOX_WORDS;
 //@ if FILTERED == 1 then
@@ -262,7 +262,7 @@ __kernel void point_query(POINT_QUERY_ARGS)
     uint first = get_global_id(0) * PER_ITEM;
     for (uint i = first; i < min(first + PER_ITEM, n); ++i) {
         uint at = in_order ? i : order[i];
-        walk w;
+        traversal w;
         for (int k = 0; k < 3; ++k)
             w.point[k] = items[(size_t)at * POINT_WORDS + k];
         if (point_is_bad(w.point)) {
@@ -300,6 +300,6 @@ __kernel void point_query(POINT_QUERY_ARGS)
             w.hits[(size_t)k * HIT_WORDS + 2] = as_uint(INFINITY);
         }
 #endif
-        walk_tree(&w, nodes, levels, n_levels);
+        traverse_tree(&w, nodes, levels, n_levels);
     }
 }

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "which boxes of a tree contain points, or are nearest to them",
-  uses = { "lanes.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh", "queries/far.clh", "queries/walk.clh" },
+  uses = { "lanes.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh", "queries/far.clh", "queries/traversal.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0, about = "0 poses, 1 bounds, 2 rounded boxes" },

@@ -31,7 +31,7 @@
 #define SLACK (64.0f * 0x1p-24f) // of a box's size, as seen from the ray's origin
 #define GREATEST_SIZE 0x1p110f
 
-struct walk {
+struct traversal {
     line l;
 //@ if ORIGIN > 0 then
     far_item item;
@@ -59,7 +59,7 @@ struct walk {
     volatile __global uint *counters;
 };
 
-static inline row_mask meets_bounds(const walk *w, __global const float *node, row *from)
+static inline row_mask meets_bounds(const traversal *w, __global const float *node, row *from)
 {
     return line_meets_nodes(&w->l, node, from);
 }
@@ -67,7 +67,7 @@ static inline row_mask meets_bounds(const walk *w, __global const float *node, r
 // ------------------------------------------------------------ a box
 
 //@ if SHAPE >= 2 then
-static inline uint meet_box(const walk *w, __global const float *box, float *t)
+static inline uint meet_box(const traversal *w, __global const float *box, float *t)
 {
 //@ if SWEPT == 1 then
     return mover_meets(&w->m, &w->l, box, t);
@@ -78,14 +78,14 @@ static inline uint meet_box(const walk *w, __global const float *box, float *t)
 //@ else
 #if SHAPE
 
-static inline uint meet_box(const walk *w, __global const float *box, float *t)
+static inline uint meet_box(const traversal *w, __global const float *box, float *t)
 {
     return line_meets_bounds(&w->l, box, t);
 }
 
 #elif SWEPT
 
-static inline uint meet_box(const walk *w, __global const float *box, float *t)
+static inline uint meet_box(const traversal *w, __global const float *box, float *t)
 {
 //@ if ORIGIN > 0 then
     return mover_meets(&w->m, &w->item, &w->l, box, t);
@@ -107,7 +107,7 @@ static inline float along(const float *axis, const float v[3])
 
 // Where the ray is between the two faces of each edge, widened and narrowed by what
 // float may be wrong by. `t` is at least that of the box's bounds.
-static inline uint meet_box(const walk *w, __global const float *row_of_box, float *t)
+static inline uint meet_box(const traversal *w, __global const float *row_of_box, float *t)
 {
     const line *r = &w->l;
     float box[TREE_BOX_WORDS], way[3], size = 0.0f;
@@ -159,7 +159,7 @@ static inline uint meet_box(const walk *w, __global const float *row_of_box, flo
 
 //@ if ORIGIN > 0 then
 // Where the line enters the box's own bounds, or before.
-static inline float enter_own_bounds(const walk *w, __global const float *box)
+static inline float enter_own_bounds(const traversal *w, __global const float *box)
 {
     float enter = 0.0f;
     for (int k = 0; k < DIMS; ++k) {
@@ -174,14 +174,14 @@ static inline float enter_own_bounds(const walk *w, __global const float *box)
 }
 
 //@ end
-// ------------------------------------------------------------ the walk
+// ------------------------------------------------------------ the traversal
 
-static inline float farthest(const walk *w)
+static inline float farthest(const traversal *w)
 {
     return w->best;
 }
 
-static inline void list_hit(const walk *w, __global uint *row, uint id, float t)
+static inline void list_hit(const traversal *w, __global uint *row, uint id, float t)
 {
     if (!row)
         return;
@@ -192,7 +192,7 @@ static inline void list_hit(const walk *w, __global uint *row, uint id, float t)
         row[k] = 0;
 }
 
-static inline bool visit_box(walk *w, uint slot, float from)
+static inline bool visit_box(traversal *w, uint slot, float from)
 {
     __global const float *box = w->boxes + (size_t)slot * TREE_BOX_WORDS;
 //@ if FILTERED == 1 then
@@ -222,7 +222,7 @@ static inline bool visit_box(walk *w, uint slot, float from)
 }
 
 // Whether the row is an item at all.
-static inline bool load_item(walk *w, __global const float *row)
+static inline bool load_item(traversal *w, __global const float *row)
 {
     float lower[3], upper[3];
 #if SWEPT
@@ -287,7 +287,7 @@ __kernel void ray_query(RAY_QUERY_ARGS)
     uint first = get_global_id(0) * PER_ITEM;
     for (uint i = first; i < min(first + PER_ITEM, n); ++i) {
         uint at = in_order ? i : order[i];
-        walk w;
+        traversal w;
         w.boxes = boxes;
 //@ if FILTERED == 1 then
         w.filter.of_objects = filters;
@@ -307,7 +307,7 @@ __kernel void ray_query(RAY_QUERY_ARGS)
             atomic_max(counters + BAD_LATEST, ~at);
             continue;
         }
-        walk_tree(&w, nodes, levels, n_levels);
+        traverse_tree(&w, nodes, levels, n_levels);
 #if WANTS != EVERY
         list_hit(&w, hits + (size_t)at * HIT_WORDS, WANTS == ANY && w.id != NO_OBJECT ? 0 : w.id,
                  WANTS == ANY ? 0.0f : w.best);

@@ -2,7 +2,7 @@
 return {
   about = "which boxes rays meet, or boxes that move",
   uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh",
-    "queries/refused.clh", "queries/far.clh", "queries/walk.clh", "queries/line.clh", "queries/sweep.clh", "queries/rounded_ray.clh" },
+    "queries/refused.clh", "queries/far.clh", "queries/traversal.clh", "queries/line.clh", "queries/sweep.clh", "queries/rounded_ray.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0, about = "0 poses, 1 bounds, 2 rounded boxes" },

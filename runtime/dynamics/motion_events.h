@@ -5,7 +5,7 @@
 
 #include "runtime/dynamics/pair_list.h"
 
-// Words of a hit as kernels/dynamics/contact_events.cl.in writes it.
+// Words of a hit as kernels/dynamics/contact_events.cl writes it.
 enum { HIT_WORDS = 16, HIT_CENTRE = 10 };
 
 typedef struct motion_events {

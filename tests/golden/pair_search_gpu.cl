@@ -105,8 +105,8 @@
     float4 at = in->boxes[BOX_QUADS * (size_t)place];
 // as in the template: 44
 #if IDS
-// as in the template: 60
-#line 292 "kernels/grid/pair_search_gpu.cl.in"
+// as in the template: 67
+#line 299 "kernels/grid/pair_search_gpu.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
 #ifndef GPU
@@ -114,25 +114,25 @@
 #else /* GPU */
         cells.z = z;
 // as in the template: 2
-#line 292 "kernels/grid/pair_search_gpu.cl.in"
+#line 299 "kernels/grid/pair_search_gpu.cl.in"
     if (y > 0 && z + 1 < nz) {
         cells.y = y - 1;
         cells.z = z + 1;
 // as in the template: 2
-#line 292 "kernels/grid/pair_search_gpu.cl.in"
+#line 299 "kernels/grid/pair_search_gpu.cl.in"
     if (z + 1 < nz) {
         cells.y = y;
         cells.z = z + 1;
 // as in the template: 2
-#line 292 "kernels/grid/pair_search_gpu.cl.in"
+#line 299 "kernels/grid/pair_search_gpu.cl.in"
     if (y + 1 < ny && z + 1 < nz) {
         cells.y = y + 1;
         cells.z = z + 1;
 #endif /* GPU */
 // as in the template: 2
-#line 298 "kernels/grid/pair_search_gpu.cl.in"
-// as in the template: 4
-#line 304 "kernels/grid/pair_search_gpu.cl.in"
+#line 305 "kernels/grid/pair_search_gpu.cl.in"
+// as in the template: 15
+#line 322 "kernels/grid/pair_search_gpu.cl.in"
     uint from_1 = 0, to_1 = 0;
     if (y + 1 < ny) {
 #ifndef GPU
@@ -144,21 +144,21 @@
         to_1 = in->starts[key + right + 1];
 // as in the template: 1
 #ifdef GPU
-#line 304 "kernels/grid/pair_search_gpu.cl.in"
+#line 322 "kernels/grid/pair_search_gpu.cl.in"
     uint from_2 = 0, to_2 = 0;
     if (y > 0 && z + 1 < nz) {
         key = row_key(y - 1, z + 1, grid, level) - in->key_from;
         from_2 = in->starts[key + left];
         to_2 = in->starts[key + right + 1];
 // as in the template: 1
-#line 304 "kernels/grid/pair_search_gpu.cl.in"
+#line 322 "kernels/grid/pair_search_gpu.cl.in"
     uint from_3 = 0, to_3 = 0;
     if (z + 1 < nz) {
         key = row_key(y, z + 1, grid, level) - in->key_from;
         from_3 = in->starts[key + left];
         to_3 = in->starts[key + right + 1];
 // as in the template: 1
-#line 304 "kernels/grid/pair_search_gpu.cl.in"
+#line 322 "kernels/grid/pair_search_gpu.cl.in"
     uint from_4 = 0, to_4 = 0;
     if (y + 1 < ny && z + 1 < nz) {
         key = row_key(y + 1, z + 1, grid, level) - in->key_from;
@@ -166,19 +166,19 @@
         to_4 = in->starts[key + right + 1];
 // as in the template: 1
 #endif /* GPU */
-#line 311 "kernels/grid/pair_search_gpu.cl.in"
+#line 329 "kernels/grid/pair_search_gpu.cl.in"
 // as in the template: 5
-#line 317 "kernels/grid/pair_search_gpu.cl.in"
+#line 335 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_1 = from_1 - end_0, end_1 = end_0 + to_1 - from_1;
 #ifdef GPU
-#line 317 "kernels/grid/pair_search_gpu.cl.in"
+#line 335 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_2 = from_2 - end_1, end_2 = end_1 + to_2 - from_2;
-#line 317 "kernels/grid/pair_search_gpu.cl.in"
+#line 335 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_3 = from_3 - end_2, end_3 = end_2 + to_3 - from_3;
-#line 317 "kernels/grid/pair_search_gpu.cl.in"
+#line 335 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_4 = from_4 - end_3, end_4 = end_3 + to_4 - from_4;
 #endif /* GPU */
-#line 324 "kernels/grid/pair_search_gpu.cl.in"
+#line 342 "kernels/grid/pair_search_gpu.cl.in"
 #ifndef GPU
     uint end = end_1;
 #else /* GPU */
@@ -197,20 +197,20 @@
             add_met(sink, in, me, k + (k >= end_3 ? shift_4 : (k >= end_2 ? shift_3 : (k >= end_1 ? shift_2 : (k >= end_0 ? shift_1 : shift_0)))));
 #endif /* GPU */
 // as in the template: 3
-#line 338 "kernels/grid/pair_search_gpu.cl.in"
+#line 356 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_0, to_0);
-#line 338 "kernels/grid/pair_search_gpu.cl.in"
+#line 356 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_1, to_1);
 #ifdef GPU
-#line 338 "kernels/grid/pair_search_gpu.cl.in"
+#line 356 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_2, to_2);
-#line 338 "kernels/grid/pair_search_gpu.cl.in"
+#line 356 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_3, to_3);
-#line 338 "kernels/grid/pair_search_gpu.cl.in"
+#line 356 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_4, to_4);
 #endif /* GPU */
-#line 340 "kernels/grid/pair_search_gpu.cl.in"
-// as in the template: 75
+#line 358 "kernels/grid/pair_search_gpu.cl.in"
+// as in the template: 76
     tester to = {boxes, colliding, &n_colliding, pairs, pair_capacity, undecided, undecided_capacity};
 // as in the template: 2
     sorted in = {bounds, boxes, starts, levels, n_levels, key_from, n_cells};
