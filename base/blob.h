@@ -15,6 +15,6 @@ typedef struct blob {
 
 extern const blob blobs[]; // ends with a NULL path
 
-const blob *blob_find(const char *path); // NULL where none is carried
+const blob *blob_find(const char *path); // NULL if none is carried
 
 #endif

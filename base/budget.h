@@ -35,7 +35,7 @@ typedef struct budget_watch {
 
 void budget_set_watch(budget_watch *watch);
 
-// Has `told` hear how far the work of the thread is, until NULL is given; total is 0 where
+// Has `told` hear how far the work of the thread is, until NULL is given; total is 0 if
 // it is not known. While it does, `stopped` ends work outside of scripts too.
 void budget_listen(void (*told)(void *listener, uint64_t done, uint64_t total), void *listener);
 
@@ -47,11 +47,11 @@ void budget_leave(budget *b);
 // Long work of the host says how far it is.
 void budget_tell(uint64_t done, uint64_t total);
 
-// false with INTERRUPTED where the thread's program was told to stop, with
-// BAD_INPUT where the time is over.
+// false with INTERRUPTED if the thread's program was told to stop, with
+// BAD_INPUT if the time is over.
 bool budget_check(duet_error *err);
 
-// false with INTERRUPTED where the thread's program was told to stop, also where no script
+// false with INTERRUPTED if the thread's program was told to stop, also if no script
 // runs: for what takes seconds and has brought nothing yet.
 bool budget_check_stop(duet_error *err);
 

@@ -56,7 +56,7 @@ static int own_descriptor(const char *path)
     return is_own ? (int)number : -1;
 }
 
-// Takes one link at the path's end. false where there is none.
+// Takes one link at the path's end. false if there is none.
 static bool follow_link(text *path)
 {
     char to[4096];

@@ -49,7 +49,7 @@ bool output_replaces(const char *read_or_written, const char *path);
 // path of the one that cannot be made in `failed`, an empty text or NULL.
 bool output_make_folders(const char *path, mode_t mode, text *failed);
 
-// The whole path of the temporary name, for others who write into the file. IO_FAILED where
+// The whole path of the temporary name, for others who write into the file. IO_FAILED if
 // there is none: it is written directly.
 bool output_part_path(const output *o, text *path, duet_error *err);
 

@@ -18,7 +18,7 @@ typedef struct text {
     bool failed;
 } text;
 
-// Adds nothing where t is NULL.
+// Adds nothing if t is NULL.
 void text_add(text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void text_add_bytes(text *t, const char *bytes, size_t n);
 

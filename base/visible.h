@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// Bytes of the character at `at`, 1 to 4; 0 where there is no UTF-8 character.
+// Bytes of the character at `at`, 1 to 4; 0 if there is no UTF-8 character.
 size_t utf8_length(const char *at);
 
 bool utf8_is_valid(const char *chars);

@@ -36,7 +36,7 @@ cJSON *costs_report_json(const costs *c, const duet_scene_info *scene,
 
 #define COSTS_TYPE "duet explain"
 
-// BAD_INPUT where an object that is called that is none of ours, with costs.
+// BAD_INPUT if an object that is called that is none of ours, with costs.
 bool costs_report_check(const cJSON *o, const char *path, duet_error *err);
 
 #endif

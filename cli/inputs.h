@@ -108,7 +108,7 @@ typedef struct scene_settings {
 
 bool inputs_make_settings(scene_settings *s, const scene_options *options, duet_error *err);
 void inputs_free_settings(scene_settings *s);
-void inputs_tell_empty(const duet_scene_info *info); // a note where there are no objects
+void inputs_tell_empty(const duet_scene_info *info); // a note if there are no objects
 
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err);
 // The same where a scene without objects is BAD_ARGUMENT.

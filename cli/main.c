@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The program `duet`: finds the subcommand and ends with its exit status,
-// which is 0 where it did what was asked, 1 where that failed, and 2 where the
+// which is 0 if it did what was asked, 1 if that failed, and 2 if the
 // command line was wrong; a shell shows 130 where Ctrl-C ended it.
 #define _POSIX_C_SOURCE 200809L
 #include "base/nearest.h"

@@ -40,7 +40,7 @@ typedef struct job {
 
 // ---------------------------------------------------------------- its variables
 
-// Settings for mpirun unless the user says otherwise. Open MPI 5 has new names for all but one.
+// Settings of mpirun that the user can override. Open MPI 5 has new names for all but one.
 static const char *const variables[][2] = {
     // Ranks share the machine: by itself mpirun gives each one core, and refuses more of them than
     // there are.
@@ -72,7 +72,8 @@ static void prepare(const mpirun_job *what)
     setenv(MPIRUN_STARTED, isatty(STDERR_FILENO) ? "terminal" : "pipe", 1);
 }
 
-// As Open MPI calls it, which itself waits for ever for a program such as ssh that hangs.
+// Reads Open MPI's own setting. Open MPI itself waits for ever for a program such as ssh that
+// hangs.
 static unsigned long patience_s(void)
 {
     const char *given = getenv("OMPI_MCA_orte_startup_timeout");
@@ -158,7 +159,7 @@ static bool wait_for(job *j)
     return ended == j->mpirun;
 }
 
-// What mpirun has left, as an ssh that hangs, is this process's since mpirun ended.
+// Ends processes that mpirun has left, as an ssh that hangs: they are this process's since then.
 static void end_rest(void)
 {
     char path[64];

@@ -376,7 +376,7 @@ typedef struct parsed {
     int exit_code;
 } parsed;
 
-// False where help was asked for and printed, or the command line is wrong and a
+// False if help was asked for and printed, or the command line is wrong and a
 // line on stderr says how.
 static bool parse(const command_line *line, int argc, char **argv, void *args, parsed *p)
 {

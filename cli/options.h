@@ -96,7 +96,7 @@ int options_run(const command_line *line, int argc, char **argv, void *args, com
 bool options_is_stdout(const char *path);
 
 // "1000", "1e6", "250k", "1.5M", "2G": a whole number of at most 2^64 - 1. Returns what
-// follows it, NULL where there is none.
+// follows it, NULL if there is none.
 const char *options_read_count(const char *text, uint64_t *count);
 
 #endif

@@ -28,7 +28,7 @@ int say_wrong(const char *command, const char *format, ...) __attribute__((forma
 // "duet: note: LINE" on stderr: something that a person should know, and no failure.
 void say_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-// Prints the object on stdout and deletes it. false where memory ran out.
+// Prints the object on stdout and deletes it. false if memory ran out.
 bool say_json(struct cJSON *object, duet_error *err);
 
 // A name from a file, a store or a driver, on one line and without what a

@@ -38,7 +38,7 @@ bool timed_input_named(const char *name, timed_input *input);
 
 // Steps the world once to warm up and then repeat times, and where those are not timed by
 // stages a few times more, for the stages. Ctrl-C ends it with what was timed until then;
-// INTERRUPTED where that is nothing. WRONG_RESULT where two steps found different pairs.
+// INTERRUPTED if that is nothing. WRONG_RESULT if two steps found different pairs.
 bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t repeat,
                timed_input input, duet_error *err);
 void timed_free(timed *t);

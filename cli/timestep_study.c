@@ -156,28 +156,24 @@ static void judge(const survey *s, const run *r, timestep_run *row)
     row->finite = isfinite(row->error) && isfinite(row->energy) && isfinite(row->gain);
 }
 
-static bool run_timestep(survey *s, timestep_run *row, duet_error *err)
+static void keep_truth(survey *s, const run *r)
 {
-    run r = {.motion = begin(s, row, s->def.doubles, err)};
-    bool ok = r.motion && finish(s, &r, row, err);
-    if (ok)
-        judge(s, &r, row);
-    duet_motion_destroy(r.motion);
-    return ok;
+    memcpy(s->truth, s->states, duet_scene_get_info(s->scene)->n * sizeof *s->truth);
+    s->truth_energy = r->energy;
+    s->kinetic = fmax(r->kinetic, 1e-300);
 }
 
-// In double where the device has it, whatever the scene's own is.
-static bool run_reference(survey *s, duet_error *err)
+// The reference is in double if the device has it, whatever the scene's own is.
+static bool run_timestep(survey *s, timestep_run *row, duet_error *err)
 {
-    timestep_run *row = &s->study->reference;
-    run r = {.motion = begin(s, row, duet_device_pair_get_info(s->def.pair, 1)->fp64, err)};
+    bool is_truth = row == &s->study->reference;
+    bool doubles = is_truth ? duet_device_pair_get_info(s->def.pair, 1)->fp64 : s->def.doubles;
+    run r = {.motion = begin(s, row, doubles, err)};
     bool ok = r.motion && finish(s, &r, row, err);
-    if (ok) {
-        memcpy(s->truth, s->states, duet_scene_get_info(s->scene)->n * sizeof *s->truth);
-        s->truth_energy = r.energy;
-        s->kinetic = fmax(r.kinetic, 1e-300);
+    if (ok && is_truth)
+        keep_truth(s, &r);
+    if (ok)
         judge(s, &r, row);
-    }
     duet_motion_destroy(r.motion);
     return ok;
 }
@@ -286,7 +282,7 @@ static bool run_all(survey *s, double limit, duet_error *err)
     timestep_study *p = s->study;
     uint64_t begun = clock_steady_ns();
     s->shown = progress_begin("substep", substeps_of_all(s));
-    bool ok = run_reference(s, err);
+    bool ok = run_timestep(s, &p->reference, err);
     while (ok && p->n < p->n_asked &&
            (p->n == 0 || (double)(clock_steady_ns() - begun) * 1e-9 < limit)) {
         ok = run_timestep(s, &p->rows[p->n], err);

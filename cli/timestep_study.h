@@ -37,7 +37,7 @@ typedef struct timestep_study {
 
 // Runs the scene for `time` seconds, rounded to whole steps, once as a reference
 // that is finer than all others and then at each other time step. After `limit` seconds,
-// or Ctrl-C, no other run is begun; INTERRUPTED where none was run.
+// or Ctrl-C, no other run is begun; INTERRUPTED if none was run.
 bool timestep_study_measure(timestep_study *p, duet_device_pair *pair, const duet_scene *scene,
                             double time, double limit, duet_error *err);
 

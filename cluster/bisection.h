@@ -34,7 +34,7 @@ void bisection_end(bisection *b);
 // Cuts anew; the points change places. NULL weights, [n], are alike.
 void bisection_cut(bisection *b, const double *weights, bisection_point *points, uint64_t n_points);
 
-// What a part holds: lower <= centre < upper.
+// Writes the box of a part, which holds points with lower <= centre < upper.
 void bisection_box(const bisection *b, uint32_t part, double lower[3], double upper[3]);
 
 static inline uint32_t bisection_part(const bisection *b, const double at[3])

@@ -19,7 +19,7 @@ typedef struct job {
 
 // ---------------------------------------------------------------- one object
 
-static bool holds(const reach *box, const double at[3])
+static bool holds(const extent *box, const double at[3])
 {
     bool inside = true;
     for (int k = 0; k < 3; ++k)
@@ -27,28 +27,16 @@ static bool holds(const reach *box, const double at[3])
     return inside;
 }
 
-static bool is_deep(const reach *inside, const double at[3])
+// Returns where objects lie so deep in a domain that they touch none of another one. With several
+// domains that is twice as deep, so that they touch no newcomer either.
+static extent deep_inside(const owned *o, const domain *d)
 {
-    bool deep = true;
-    for (int k = 0; k < 3; ++k)
-        deep &= (at[k] > inside->lower[k]) & (at[k] < inside->upper[k]);
-    return deep;
-}
-
-// Where objects lie so deep in a domain that they touch none of another one.
-static reach deep_inside(const owned *o, const domain *d)
-{
-    reach inside = d->box;
     if (o->placement == PLACED_ANYHOW)
-        return inside;
-    for (int k = 0; k < 3; ++k) {
-        inside.lower[k] += 1.01 * o->widest;
-        inside.upper[k] -= 1.01 * o->widest;
-    }
-    return inside;
+        return d->box;
+    return domain_inside(d, o->n_domains > 1 ? 2 * o->widest : o->widest);
 }
 
-static void classify_row(const owned *o, class_part *p, const domain *d, const reach *inside,
+static void classify_row(const owned *o, class_part *p, const domain *d, const extent *inside,
                          level_boxes *boxes, uint32_t row)
 {
     const void *object = object_row(&o->rows, &o->form, row);
@@ -58,12 +46,12 @@ static void classify_row(const owned *o, class_part *p, const domain *d, const r
         ++p->n_bad;
         return;
     }
-    reach e = reach_of(&o->form, object);
-    p->widest = fmax(p->widest, reach_widest(&e));
+    extent e = extent_of(&o->form, object);
+    p->widest = fmax(p->widest, extent_widest(&e));
     object_centre(&o->form, object, centre);
-    if (is_deep(inside, centre)) {
-        reach_add(&p->deep.centres, &(reach){{centre[0], centre[1], centre[2]},
-                                             {centre[0], centre[1], centre[2]}});
+    if (extent_holds(inside, centre)) {
+        extent_join(&p->deep.centres, &(extent){{centre[0], centre[1], centre[2]},
+                                                {centre[0], centre[1], centre[2]}});
     } else if (o->placement != PLACED_ANYHOW && !holds(&d->box, centre)) {
         row_list_add(&p->leavers, row);
     } else {
@@ -77,7 +65,7 @@ static void add_boxes(job *j, uint32_t d, const level_boxes *boxes)
     while (atomic_flag_test_and_set(&j->adds))
         continue;
     for (int k = 0; k < LEVELS; ++k)
-        reach_add(&j->o->boxes[d].upto[k], &boxes->upto[k]);
+        extent_join(&j->o->boxes[d].upto[k], &boxes->upto[k]);
     atomic_flag_clear(&j->adds);
 }
 
@@ -92,7 +80,7 @@ static void classify_rows(void *context, uint32_t part, uint64_t first, uint64_t
     for (uint32_t at = owned_domain_of(o, row); row < end; ++at) {
         const domain *d = &o->domains[at];
         uint32_t to = d->first + d->n < end ? d->first + d->n : (uint32_t)end;
-        reach inside = deep_inside(o, d);
+        extent inside = deep_inside(o, d);
         level_boxes boxes = level_boxes_none;
         while ((row = object_rows_skim(&o->rows, &o->form, row, to, &inside, &p.deep)) < to)
             classify_row(o, &p, d, &inside, &boxes, row++);
@@ -110,7 +98,7 @@ static void classify_odd(void *context, uint32_t part, uint64_t first, uint64_t 
     job *j = context;
     const owned *o = j->o;
     class_part p = j->c->parts[part];
-    const reach inside = deep_inside(o, &o->domains[0]);
+    const extent inside = deep_inside(o, &o->domains[0]);
     level_boxes boxes = level_boxes_none;
     for (uint64_t i = j->from + first; i < j->from + end;) {
         const skim_block *b = &j->blocks[i / SKIM_ROWS];
@@ -130,11 +118,10 @@ static bool classify_on_device(job *j)
 {
     owned *o = j->o;
     worker *w = o->holder;
-    const reach inside = deep_inside(o, &o->domains[0]);
+    const extent inside = deep_inside(o, &o->domains[0]);
     float lower[3], upper[3];
     skim_box(&inside, lower, upper);
-    if (!w || !w->skim || o->rows.n == 0 || o->placement != PLACED_BY_DOMAIN ||
-        !w->skim(w, lower, upper))
+    if (!w || o->rows.n == 0 || o->placement != PLACED_BY_DOMAIN || !w->skim(w, lower, upper))
         return false;
     for (uint32_t from = 0, to; from < o->rows.n; from = to) {
         to = w->await_skim(w, from, &j->blocks);
@@ -166,7 +153,7 @@ static void add_part(class_part *to, const class_part *p)
     to->leavers.failed |= p->leavers.failed;
     to->boundary.n += p->boundary.n;
     to->boundary.failed |= p->boundary.failed;
-    reach_add(&to->deep.centres, &p->deep.centres);
+    extent_join(&to->deep.centres, &p->deep.centres);
 }
 
 // Makes *to what the threads found, one behind the other.
@@ -188,12 +175,12 @@ static void join_lists(row_list *to, const classes *c, size_t list)
     }
 }
 
-static reach around_all(const owned *o, const reach *deep)
+static extent around_all(const owned *o, const extent *deep)
 {
-    reach all = reach_none;
+    extent all = extent_none;
     for (uint32_t d = 0; d < o->n_domains; ++d)
         for (int k = 0; k < LEVELS; ++k)
-            reach_add(&all, &o->boxes[d].upto[k]);
+            extent_join(&all, &o->boxes[d].upto[k]);
     for (int k = 0; k < 3 && deep->lower[0] <= deep->upper[0]; ++k) {
         all.lower[k] = fmin(all.lower[k], deep->lower[k] - 0.5 * o->widest);
         all.upper[k] = fmax(all.upper[k], deep->upper[k] + 0.5 * o->widest);

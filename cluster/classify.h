@@ -7,7 +7,7 @@
 
 #include "cluster/owned.h"
 
-// What one thread finds.
+// Holds what one thread finds.
 typedef struct class_part {
     uint64_t n_bad;
     uint64_t first_bad; // the least id of these
@@ -23,9 +23,9 @@ typedef struct classes {
     row_list leavers;                // ascending
 } classes;
 
-// Writes c's leavers and o's boundary, boxes and around. A device does it if the rows are on their way to
-// one that can; else the host's threads. Before rows are placed nothing leaves. False without
-// memory for the lists, which all of c then still counts.
+// Writes c's leavers and o's boundary, boxes and around. A device does it if the rows are on their
+// way to one that can; else the host's threads. Before rows are placed nothing leaves. False
+// without memory for the lists, which all of c then still counts.
 bool classify(classes *c, owned *o);
 void classes_end(classes *c);
 

@@ -46,7 +46,8 @@ void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *
     memcpy(c->workers, workers, sizeof c->workers);
     c->def.world = *world;
     c->owned.form = object_form_of(world);
-    c->fitted = (reach){0};
+    c->owned.pair = c->def.plain ? NULL : world->pair;
+    c->fitted = (extent){0};
     c->state = STATE_CHANGED;
     c->is_cold = true;
 }
@@ -60,10 +61,10 @@ static bool open_pair(duet_cluster *c, duet_error *err)
     return c->own_pair;
 }
 
-// Where a device leaves the processors to others, one thread waits for it and one does the rest.
-static bool begin_threads(duet_cluster *c, const worker *w, duet_error *err)
+// If devices leave the processors to others, one thread waits for them and one does the rest.
+static bool begin_threads(duet_cluster *c, duet_error *err)
 {
-    uint32_t least = w->spares_host && w->spares_host(w) ? 2 : 1;
+    uint32_t least = cluster_spares_host(c) ? 2 : 1;
     return parallel_begin(&c->threads, c->ranks.processors, least, err);
 }
 
@@ -102,7 +103,7 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
              cluster_open_workers(c, &c->def.world, workers, &own);
         if (ok)
             cluster_take_workers(c, &c->def.world, workers);
-        ok = ok && begin_threads(c, workers[0], &own);
+        ok = ok && begin_threads(c, &own);
         ok = ranks_agree(&c->ranks, ok, &own) &&
              partition_begin(&c->partition, &c->ranks, def->weight, &own);
         if (!ok)
@@ -156,7 +157,7 @@ void cluster_take(duet_cluster *c, object_rows *rows)
 {
     owned_take(&c->owned, rows);
     own_pairs_end(&c->own);
-    c->fitted = (reach){0};
+    c->fitted = (extent){0};
     c->state = STATE_CHANGED;
 }
 
@@ -195,7 +196,7 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
 
 // ---------------------------------------------------------------- results
 
-// What the workers found of a single domain is still there.
+// Lists the pairs of a single domain, which its workers still have.
 static bool list_found(duet_cluster *c, duet_error *err)
 {
     set_search *s = c->searches;

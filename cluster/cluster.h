@@ -9,8 +9,8 @@
 #include "cluster/migrate.h"
 #include "cluster/own_pairs.h"
 
-// How far the objects are from being searched. Each state includes those before it; mapping, setting
-// or loading objects goes back to the first.
+// How far the objects are from being searched. Each state includes those before it; mapping,
+// setting or loading objects goes back to the first.
 //
 //   CHANGED --settle--> SETTLED --search--> FOUND --list--> LISTED
 //      ^                   |                  |               |
@@ -22,16 +22,17 @@ typedef enum cluster_state {
     STATE_LISTED,  // own lists them
 } cluster_state;
 
-// In which sets the objects are searched. Chosen anew when they are settled.
+// The sets in which objects are searched. Chosen anew when objects are settled.
 typedef enum cluster_search {
     SEARCH_WHOLE,      // sets[0], a single domain with its ghosts
     SEARCH_OVERLAPPED, // sets[0] without ghosts while these travel, and then its boundary, sets[1]
-    SEARCH_DOMAINS,    // one after the other, each a copy: sets in turn
+    SEARCH_DOMAINS,    // several where they lie, without ghosts, and then their boundary
+    SEARCH_COPIES,     // several, each a copy with its ghosts
 } cluster_search;
 
 // A search by a worker, beside what its caller does.
 typedef struct set_search {
-    const search_set *set;
+    search_set *set;
     worker *worker;
     bool counts; // as search_set_find has it
     worker_found found;
@@ -56,7 +57,7 @@ struct duet_cluster {
     cluster_state state;
     cluster_search search;
     own_pairs own;
-    reach fitted;      // around the objects, when workers were last told that they moved
+    extent fitted;     // around the objects, when workers were last told that they moved
     uint64_t n_placed; // of the owned objects then
     bool is_stopped;   // a rank was asked to stop before the last step ended, which is known to all
     bool is_cold;      // kernels may have to be built
@@ -84,6 +85,8 @@ static inline int cluster_workers(const duet_cluster *c)
     return c->owned.n_domains > 1 ? 2 : 1;
 }
 
+// Returns whether this rank's devices leave the host's processors to others.
+bool cluster_spares_host(const duet_cluster *c);
 // Tells the workers if the objects lie elsewhere than before.
 void cluster_follow(duet_cluster *c);
 worker *cluster_open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err);

@@ -10,7 +10,7 @@ enum { WEIGHINGS = 2 }; // the time of a step is no straight line
 static void read_plans(const duet_cluster *c, duet_plan plans[2])
 {
     for (int i = 0; i < cluster_workers(c); ++i)
-        plans[i] = c->workers[i]->plan ? c->workers[i]->plan(c->workers[i]) : c->def.world.plan;
+        plans[i] = c->workers[i]->plan(c->workers[i]);
 }
 
 static bool give_plans(duet_cluster *c, const duet_plan plans[2], duet_error *err)
@@ -91,13 +91,11 @@ static void load_profiles(duet_cluster *c, const char *path, duet_profile *profi
         c->workers[i]->load_profile(c->workers[i], path, profile, store_failed);
 }
 
-// By the times that the store knows for what each rank has now.
+// Weighs ranks by the times that the store knows for the objects that each has now.
 static bool weigh_ranks(duet_cluster *c, const duet_profile *profile)
 {
     double speed =
-        profile->step_ms > 0
-            ? owned_count(&c->owned) / (c->owned.n_domains * profile->step_ms)
-            : 0;
+        profile->step_ms > 0 ? owned_count(&c->owned) / (c->owned.n_domains * profile->step_ms) : 0;
     if (c->def.weight > 0 || c->ranks.n == 1 || !partition_weigh(&c->partition, &c->ranks, speed))
         return false;
     c->migration.unevenness = 0;

@@ -13,7 +13,7 @@
 
 enum { OBJECTS_AT_ONCE = 1 << 20 };
 
-// What a rank has read of a scene: rank 0 all of it, or each rank a part.
+// The objects of a scene that a rank has read: rank 0 all of them, or each rank a part.
 typedef struct scene_part {
     duet_scene *scene; // NULL: nothing; else it, or its first objects
     object_rows rows;
@@ -23,7 +23,7 @@ typedef struct scene_part {
     uint64_t n;       // of all ranks' parts
 } scene_part;
 
-// What rank 0 tells the others of a scene.
+// The description of a scene that rank 0 sends to the others.
 typedef struct told_scene {
     duet_scene_info info; // without its name
     uint64_t name_bytes;
@@ -87,7 +87,7 @@ static object_form form_of(const duet_scene *scene)
     return object_form_of(&def);
 }
 
-// As they are, or as rounded boxes.
+// Whether both can be rows of one array, as they are or as rounded boxes.
 static bool can_join(const object_form *a, const object_form *b)
 {
     return a->dims == b->dims && a->origin == b->origin &&
@@ -217,7 +217,7 @@ static bool is_of_one_rank(duet_cluster *c, const char *path)
     return lacking > 0;
 }
 
-// Rank 0 reads the scene. Where objects are made by `each`, or are rows of an array, it only counts
+// Rank 0 reads the scene. If objects are made by `each`, or are rows of an array, it only counts
 // them, and each rank makes or reads as many of them as the others.
 static bool read_part(duet_cluster *c, const char *path, const duet_setting *settings,
                       uint32_t n_settings, bool whole, scene_part *part, duet_error *own)

@@ -2,6 +2,8 @@
 // The workers that search for a rank: one, or two.
 #include "cluster/cluster.h"
 
+#include "runtime/opencl/device_pair.h"
+
 #include <math.h>
 
 void cluster_close_workers(worker *workers[2])
@@ -16,10 +18,9 @@ void cluster_close_workers(worker *workers[2])
 worker *cluster_open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err)
 {
     const simulation *s = c->ranks.simulation;
-    return s && s->object_seconds > 0
-               ? worker_open_simulated(world, s, err)
-           : c->def.plain ? worker_open_plain(world, err)
-                          : worker_open_pair(world, err);
+    return s && s->object_seconds > 0 ? worker_open_simulated(world, s, err)
+           : c->def.plain             ? worker_open_plain(world, err)
+                                      : worker_open_pair(world, err);
 }
 
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
@@ -35,11 +36,19 @@ bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, wo
     return ok;
 }
 
+bool cluster_spares_host(const duet_cluster *c)
+{
+    const duet_device_pair *pair = c->owned.pair;
+    uint32_t share = c->workers[0]->plan(c->workers[0]).share;
+    return pair && !(share > 0 && pair->devices[0].info.host_memory) &&
+           !(share < DUET_SHARE_ONE && pair->devices[1].info.host_memory);
+}
+
 // Whether they did so far that a new grid pays: by a quarter of the width that they take, on any
 // side.
 static bool have_moved(const duet_cluster *c)
 {
-    const reach *now = &c->owned.around;
+    const extent *now = &c->owned.around;
     bool moved = false;
     for (int k = 0; k < 3; ++k) {
         double far = 0.25 * (c->fitted.upper[k] - c->fitted.lower[k]);
@@ -56,7 +65,7 @@ void cluster_follow(duet_cluster *c)
         return;
     for (int i = 0; i < 2; ++i)
         if (c->workers[i])
-            c->workers[i]->move(c->workers[i]);
+            c->workers[i]->forget_grids(c->workers[i]);
     c->fitted = c->owned.around;
     c->n_placed = c->owned.n_placed;
 }

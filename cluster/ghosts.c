@@ -31,10 +31,11 @@ typedef struct search {
     uint64_t *first;      // [n_domains + 1] of each domain's neighbours
     uint64_t *counts;     // [PARALLEL_MOST][n_ranks] of each part's visits, and then where they go
     int n_ranks;
+    bool within; // this rank's domains are neighbours, too
     bool failed[PARALLEL_MOST];
 } search;
 
-static const reach *all_of(const ghosts *g, uint32_t place)
+static const extent *all_of(const ghosts *g, uint32_t place)
 {
     return &g->boxes[place].upto[LEVELS - 1];
 }
@@ -47,8 +48,9 @@ static bool list_neighbours(search *s)
     for (uint32_t d = 0; s->first && d < n; ++d) {
         s->first[d] = at;
         for (uint32_t q = 0; q < n_places; ++q) {
-            if (q == s->first_place + d ||
-                !reaches_meet(all_of(s->g, q), all_of(s->g, s->first_place + d)))
+            bool is_own = q - s->first_place < s->o->most_domains;
+            if (q == s->first_place + d || (is_own && !s->within) ||
+                !extents_meet(all_of(s->g, q), all_of(s->g, s->first_place + d)))
                 continue;
             if (at == capacity) {
                 capacity = 2 * capacity + 16;
@@ -64,14 +66,14 @@ static bool list_neighbours(search *s)
     return s->first;
 }
 
-// No reach is longer than `widest`; most objects are farther than that from all neighbours.
+// No extent is longer than `widest`; most objects are farther than that from all neighbours.
 static bool is_near(const search *s, uint32_t d, const double centre[3])
 {
     double far = s->o->widest;
-    const reach around = {{centre[0] - far, centre[1] - far, centre[2] - far},
-                          {centre[0] + far, centre[1] + far, centre[2] + far}};
+    const extent around = {{centre[0] - far, centre[1] - far, centre[2] - far},
+                           {centre[0] + far, centre[1] + far, centre[2] + far}};
     for (uint64_t k = s->first[d]; k < s->first[d + 1]; ++k)
-        if (reaches_meet(all_of(s->g, s->neighbours[k]), &around))
+        if (extents_meet(all_of(s->g, s->neighbours[k]), &around))
             return true;
     return false;
 }
@@ -95,12 +97,12 @@ static void search_part(void *context, uint32_t part, uint64_t first, uint64_t e
         object_centre(&o->form, object, centre);
         if (!is_near(s, d, centre))
             continue;
-        reach e = reach_of(&o->form, object);
-        int own_level = level_of(reach_widest(&e), o->widest);
+        extent e = extent_of(&o->form, object);
+        int own_level = level_of(extent_widest(&e), o->widest);
         for (uint64_t k = s->first[d]; k < s->first[d + 1]; ++k) {
             uint32_t to = s->neighbours[k];
             int level = owners_upto(own_level, from, to);
-            if (level < 0 || !reaches_meet(&s->g->boxes[to].upto[level], &e))
+            if (level < 0 || !extents_meet(&s->g->boxes[to].upto[level], &e))
                 continue;
             failed |= !add_visit(&found, (visit){row, from, to});
             ++counts[to / o->most_domains];
@@ -198,34 +200,58 @@ ghost ghosts_get(const ghosts *g, uint64_t i)
     return found;
 }
 
-bool ghosts_sort(ghosts *g, const owned *o, const ranks *r, duet_error *err)
+static uint64_t id_of(const ghosts *g, uint64_t i)
 {
-    uint32_t n = o->n_domains, first_place = (uint32_t)r->self * o->most_domains;
+    uint64_t id;
+    memcpy(&id, message_at(g, i), sizeof id);
+    return id;
+}
+
+// A ghost that goes to several domains of a rank comes in messages that follow each other.
+static void list_once(ghosts *g, uint32_t n_domains)
+{
+    uint64_t n = 0;
+    for (uint64_t i = 0; i < g->in.n; ++i)
+        if (i == 0 || id_of(g, i) != id_of(g, i - 1))
+            g->list[n++] = (uint32_t)i;
+    for (uint32_t d = 1; d <= n_domains; ++d)
+        g->first[d] = n;
+}
+
+static void list_by_domain(ghosts *g, uint32_t n_domains, uint32_t first_place)
+{
+    uint64_t before = 0;
+    for (uint64_t i = 0; i < g->in.n; ++i)
+        ++g->first[place_in(g, i, 1) - first_place + 1];
+    for (uint32_t d = 1; d <= n_domains; ++d) {
+        uint64_t own = g->first[d];
+        g->first[d] = before;
+        before += own;
+    }
+    for (uint64_t i = 0; i < g->in.n; ++i)
+        g->list[g->first[place_in(g, i, 1) - first_place + 1]++] = (uint32_t)i;
+}
+
+bool ghosts_sort(ghosts *g, const owned *o, const ranks *r, bool within, duet_error *err)
+{
+    uint32_t n = o->n_domains;
     free(g->list);
     g->list = n > 1 ? malloc((g->in.n + 1) * sizeof *g->list) : NULL;
     if (n > 1 && !g->list)
         return error_set(err, DUET_STATUS_NO_MEMORY, "ghosts: no memory");
     memset(g->first, 0, (n + 1) * sizeof *g->first);
-    g->first[n] = g->in.n;
-    for (uint64_t i = 0; n > 1 && i < g->in.n; ++i)
-        ++g->first[place_in(g, i, 1) - first_place];
-    uint64_t before = 0;
-    for (uint32_t d = 0; n > 1 && d < n; ++d) {
-        uint64_t own = g->first[d];
-        g->first[d] = before;
-        before += own;
-    }
-    for (uint64_t i = 0; n > 1 && i < g->in.n; ++i)
-        g->list[g->first[place_in(g, i, 1) - first_place]++] = (uint32_t)i;
-    for (uint32_t d = n; n > 1 && d-- > 1;)
-        g->first[d] = g->first[d - 1];
-    g->first[0] = 0;
+    if (n == 1)
+        g->first[1] = g->in.n;
+    else if (within)
+        list_by_domain(g, n, (uint32_t)r->self * o->most_domains);
+    else
+        list_once(g, n);
     return true;
 }
 
-bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, bool ok, duet_error *err)
+bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, bool within, bool ok, duet_error *err)
 {
-    search s = {.o = o, .g = g, .n_ranks = r->n};
+    search s = {.o = o, .g = g, .n_ranks = r->n, .within = within};
     s.first_place = (uint32_t)r->self * o->most_domains;
     ranks_gather(r, o->boxes, g->boxes, (int)(o->most_domains * sizeof *g->boxes));
     ok = ok && find_visits(&s, err);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where ranges overlap each rank gets all ids of one piece of them, as a sample of all ranks' ids
-// cuts it, and looks for neighbours that are equal.
+// If ranges overlap, each rank gets all ids of one piece of them, as a sample of all ranks' ids
+// divides them, and looks for neighbours that are equal.
 #include "cluster/ids.h"
 
 #include "base/compare.h"
@@ -12,7 +12,7 @@
 
 enum { MOST_SAMPLES = 1 << 16, MOST_OF_RANK = 64 };
 
-// Of a rank without ids first is above last.
+// A rank without ids has first above last.
 typedef struct range {
     uint64_t first, last;
 } range;

@@ -7,10 +7,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-// A reach is a little wider the farther an object is from 0.
+// A extent is a little wider the farther an object is from 0.
 #define ROOM_TO_MOVE 1.01
 
-// What all ranks' classes say.
+// The sums and maxima of all ranks' classes.
 typedef struct overview {
     uint64_t objects, bad, leavers;
     double widest;
@@ -91,7 +91,7 @@ static bool write_leavers(const migration *m, const ranks *r, parcels *out, duet
 // An object that comes is near the border, as one that leaves is.
 static void add_newcomer(owned *o, uint32_t row)
 {
-    reach e = reach_of(&o->form, object_row(&o->rows, &o->form, row));
+    extent e = extent_of(&o->form, object_row(&o->rows, &o->form, row));
     level_boxes_add(&o->boxes[owned_domain_of(o, row)], &e, o->widest);
     row_list_add(&o->boundary, row);
     if (o->holder)
@@ -127,7 +127,7 @@ static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
 // Local.
 static bool place(migration *m, duet_error *err)
 {
-    const reach box = partition_box(m->partition);
+    const extent box = partition_box(m->partition);
     return owned_tidy(m->owned, err) && owned_place(m->owned, &box, m->workers, err);
 }
 
@@ -148,7 +148,8 @@ static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet
     o->domains[0].box = partition_box(m->partition);
     bool listed = classify_all(m, err);
     if (!look_over(&v, m, true, r, err) ||
-        (v.leavers > 0 && (!exchange_leavers(m, listed, r, err) || !look_over(&v, m, true, r, err))))
+        (v.leavers > 0 &&
+         (!exchange_leavers(m, listed, r, err) || !look_over(&v, m, true, r, err))))
         return false;
     m->unevenness = v.unevenness;
     *ok = place(m, err) && classify_all(m, err);
@@ -163,8 +164,8 @@ static bool begin(migration *m, duet_error *err)
     owned *o = m->owned;
     if (!owned_tidy(o, err))
         return false;
-    bool is_due = o->placement == PLACED_BY_RANK ||
-                  (o->placement == PLACED_BY_DOMAIN && owned_is_uneven(o));
+    bool is_due =
+        o->placement == PLACED_BY_RANK || (o->placement == PLACED_BY_DOMAIN && owned_is_uneven(o));
     if (is_due && !place(m, err))
         return false;
     if (!o->holder)
@@ -182,7 +183,7 @@ static void join_boxes(owned *o)
 {
     for (uint32_t d = 0; d < o->n_domains; ++d)
         for (int k = 1; k < LEVELS; ++k)
-            reach_add(&o->boxes[d].upto[k], &o->boxes[d].upto[k - 1]);
+            extent_join(&o->boxes[d].upto[k], &o->boxes[d].upto[k - 1]);
 }
 
 bool migrate(migration *m, ranks *r, bool *ok, duet_error *err)

@@ -58,7 +58,7 @@ static double radius_of(const object_form *form, const void *object)
                                                : 0;
 }
 
-const reach reach_none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+const extent extent_none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 
 // Unlike fmin and fmax these are no calls, which would take longer than the rest.
 static inline double lesser(double a, double b)
@@ -71,13 +71,13 @@ static inline double greater(double a, double b)
     return a > b ? a : b;
 }
 
-double reach_widest(const reach *r)
+double extent_widest(const extent *r)
 {
     double widest = greater(r->upper[0] - r->lower[0], r->upper[1] - r->lower[1]);
     return greater(widest, r->upper[2] - r->lower[2]);
 }
 
-static void widen(reach *r, const double slack[3], uint32_t dims)
+static void widen(extent *r, const double slack[3], uint32_t dims)
 {
     for (uint32_t k = 0; k < dims; ++k) {
         r->lower[k] -= slack[k];
@@ -87,11 +87,11 @@ static void widen(reach *r, const double slack[3], uint32_t dims)
 
 // Around the bounding sphere where boxes are rotated: which rank needs an object is decided
 // faster than its bounds are found.
-static reach reach_of_pose(const object_form *form, const void *object)
+static extent extent_of_pose(const object_form *form, const void *object)
 {
     const duet_pose *p = pose_of(form, object);
     double corner[3], half[3], slack[3], squares = 0, radius = radius_of(form, object);
-    reach r = {{0}, {0}};
+    extent r = {{0}, {0}};
     origin_corner(corner, object, form->origin, 0);
     for (uint32_t k = 0; k < form->dims; ++k) {
         half[k] = p ? (double)p->half_extents[k] : 0;
@@ -110,12 +110,12 @@ static reach reach_of_pose(const object_form *form, const void *object)
     return r;
 }
 
-reach reach_of(const object_form *form, const void *object)
+extent extent_of(const object_form *form, const void *object)
 {
     if (form->shape != DUET_SHAPE_BOUNDS)
-        return reach_of_pose(form, object);
+        return extent_of_pose(form, object);
     const duet_bounds *b = object;
-    reach r = {{0}, {0}};
+    extent r = {{0}, {0}};
     for (uint32_t k = 0; k < form->dims; ++k) {
         r.lower[k] = (double)b->lower[k];
         r.upper[k] = (double)b->upper[k];
@@ -123,7 +123,7 @@ reach reach_of(const object_form *form, const void *object)
     return r;
 }
 
-void reach_add(reach *to, const reach *other)
+void extent_join(extent *to, const extent *other)
 {
     for (int k = 0; k < 3; ++k) {
         to->lower[k] = lesser(to->lower[k], other->lower[k]);
@@ -131,7 +131,7 @@ void reach_add(reach *to, const reach *other)
     }
 }
 
-bool reaches_meet(const reach *a, const reach *b)
+bool extents_meet(const extent *a, const extent *b)
 {
     for (int k = 0; k < 3; ++k)
         if (a->lower[k] > b->upper[k] || b->lower[k] > a->upper[k])
@@ -150,7 +150,7 @@ void object_centre(const object_form *form, const void *object, double centre[3]
                       : corner[k] + (double)centre_of(object)[k];
 }
 
-// Of a reach around what has a radius, but for what is rounded.
+// Returns half the width of an object with a radius, before rounding.
 static double half_width(const object_form *form, const void *object)
 {
     const duet_pose *core = pose_of(form, object);
@@ -213,7 +213,7 @@ static float below(float rounded, double number)
     return (double)rounded > number ? nextafterf(rounded, -INFINITY) : rounded;
 }
 
-void skim_box(const reach *inside, float lower[3], float upper[3])
+void skim_box(const extent *inside, float lower[3], float upper[3])
 {
     for (int k = 0; k < 3; ++k) {
         lower[k] = above((float)inside->lower[k], inside->lower[k]);
@@ -221,7 +221,7 @@ void skim_box(const reach *inside, float lower[3], float upper[3])
     }
 }
 
-// Of bounds a block has more than their centres; squares are short by less than 2^-21.
+// A block of bounds has more than their centres; squares are short by less than 2^-21.
 void skim_add_block(skim *s, const skim_block *block)
 {
     for (int k = 0; k < 3; ++k) {
@@ -237,7 +237,7 @@ enum { SIDE_BY_SIDE = 4 }; // numbers that a compiler takes together
 // the rotation. Without a branch but the one that ends it, so that it takes little longer than
 // reading the rows.
 static uint32_t skim_poses(const duet_pose *poses, uint32_t dims, uint32_t first, uint32_t end,
-                           const reach *inside, skim *to)
+                           const extent *inside, skim *to)
 {
     float lower[SIDE_BY_SIDE], upper[SIDE_BY_SIDE], least[SIDE_BY_SIDE], most[SIDE_BY_SIDE];
     double square = to->square, in_3d = dims == 3;
@@ -282,7 +282,7 @@ static uint32_t skim_poses(const duet_pose *poses, uint32_t dims, uint32_t first
 }
 
 // An object of that half width, or nothing and false where it does not lie inside.
-static inline bool skim_add(skim *to, const reach *inside, const double at[3], double half)
+static inline bool skim_add(skim *to, const extent *inside, const double at[3], double half)
 {
     bool deep = true;
     for (int k = 0; k < 3; ++k)
@@ -298,7 +298,7 @@ static inline bool skim_add(skim *to, const reach *inside, const double at[3], d
 }
 
 static uint32_t skim_bounds(const object_rows *rows, uint32_t dims, uint32_t first, uint32_t end,
-                            const reach *inside, skim *to)
+                            const extent *inside, skim *to)
 {
     const object_form form = {
         .dims = dims, .shape = DUET_SHAPE_BOUNDS, .bytes = sizeof(duet_bounds)};
@@ -315,7 +315,7 @@ static uint32_t skim_bounds(const object_rows *rows, uint32_t dims, uint32_t fir
 }
 
 static uint32_t skim_with_radii(const object_rows *rows, const object_form *form, uint32_t first,
-                                uint32_t end, const reach *inside, skim *to)
+                                uint32_t end, const extent *inside, skim *to)
 {
     for (; first < end; ++first) {
         const void *object = object_row(rows, form, first);
@@ -328,7 +328,7 @@ static uint32_t skim_with_radii(const object_rows *rows, const object_form *form
 }
 
 uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint32_t first,
-                          uint32_t end, const reach *inside, skim *s)
+                          uint32_t end, const extent *inside, skim *s)
 {
     if (form->shape == DUET_SHAPE_BOUNDS)
         return skim_bounds(rows, form->dims, first, end, inside, s);
@@ -397,7 +397,7 @@ static duet_rounded_box rounded_box_of(const object_form *form, const void *obje
                                              : (duet_rounded_box){.pose = *pose_of(form, object)};
 }
 
-// Where they lie, from the last one on, for none becomes smaller.
+// In place, and from the last one on, because none becomes smaller.
 bool object_rows_round(object_rows *rows, object_form *form, duet_error *err)
 {
     if (form->shape == DUET_SHAPE_ROUNDED_BOXES)

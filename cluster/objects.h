@@ -8,7 +8,7 @@
 
 typedef struct object_rows object_rows;
 
-// What every rank's objects have in common.
+// The form of all ranks' objects.
 typedef struct object_form {
     uint32_t dims;
     duet_shape shape;
@@ -22,20 +22,28 @@ duet_object_kind object_form_kind(const object_form *form);
 
 // Bounds that contain all that the devices or the reference take for the object's, however a
 // box is turned, and in 2D 0 along z.
-typedef struct reach {
+typedef struct extent {
     double lower[3];
     double upper[3];
-} reach;
+} extent;
 
-extern const reach reach_none; // of nothing
-reach reach_of(const object_form *form, const void *object);
-void reach_add(reach *to, const reach *other);
-bool reaches_meet(const reach *a, const reach *b);
-double reach_widest(const reach *e);
+extern const extent extent_none; // of nothing
+extent extent_of(const object_form *form, const void *object);
+void extent_join(extent *to, const extent *other);
+bool extents_meet(const extent *a, const extent *b);
+// Whether a point lies inside, and not on its surface.
+static inline bool extent_holds(const extent *r, const double point[3])
+{
+    bool inside = true;
+    for (int k = 0; k < 3; ++k)
+        inside &= (point[k] > r->lower[k]) & (point[k] < r->upper[k]);
+    return inside;
+}
+double extent_widest(const extent *e);
 
-// What is known of rows that lie deep inside of a place, seen together.
+// Summary of rows that lie deep inside of a box.
 typedef struct skim {
-    reach centres;
+    extent centres;
     double square; // of the greatest half extent along any axis, however they are turned
 } skim;
 
@@ -44,11 +52,11 @@ extern const skim skim_none;
 // Adds the rows from `first` on whose centre lies inside of that, and returns the first of which
 // that cannot be told at a glance, or which is not sound; `end` where there is none.
 uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint32_t first,
-                          uint32_t end, const reach *inside, skim *s);
+                          uint32_t end, const extent *inside, skim *s);
 // The same by a device: the box as it takes it, and a block of its answer.
-void skim_box(const reach *inside, float lower[3], float upper[3]);
+void skim_box(const extent *inside, float lower[3], float upper[3]);
 void skim_add_block(skim *s, const skim_block *block);
-// No less than the width of any of them, nor than that of their reaches.
+// Returns no less than the width of any of them.
 double skim_widest(const skim *s, const object_form *form);
 
 // The point that decides which domain an object belongs to.

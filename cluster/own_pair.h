@@ -6,9 +6,9 @@
 #include "cluster/duet_cluster.h"
 #include "cluster/ranks.h"
 
-// What def says, else DUET_PAIR where that is set. A rank alone on its host has the host's default
-// pair. Of several ranks each has a GPU, the GPUs dealt out in turn; where there is none, an equal
-// part of the CPU's units.
+// Opens the pair that def names, else DUET_PAIR if that is set. A rank alone on its host gets the
+// host's default pair. Several ranks get a GPU each, in turn; without a GPU, an equal part of the
+// CPU's units.
 duet_device_pair *own_pair_open(const ranks *r, const duet_cluster_def *def, duet_error *err);
 
 #endif

@@ -20,7 +20,6 @@ static inline duet_pair pair_at(const worker_found *found, uint64_t i)
                                  : found->spans[1].pairs[i - found->spans[0].n];
 }
 
-// By the ids of its objects.
 static inline duet_pair64 pair_of(const search_set *s, duet_pair p)
 {
     uint64_t a = s->rows.ids[p.a], b = s->rows.ids[p.b];

@@ -2,6 +2,7 @@
 #include "cluster/owned.h"
 
 #include "base/error.h"
+#include "runtime/opencl/device_pair.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -10,18 +11,24 @@
 
 enum { ROWS_AT_ONCE = 1 << 20, SAMPLE_A_DOMAIN = 1 << 12 };
 
-#define NONE_BOXED {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}
+#define NONE_BOXED                          \
+    {                                       \
+        {INFINITY, INFINITY, INFINITY},     \
+        {                                   \
+            -INFINITY, -INFINITY, -INFINITY \
+        }                                   \
+    }
 #define FOUR_NONE NONE_BOXED, NONE_BOXED, NONE_BOXED, NONE_BOXED
 
 _Static_assert(LEVELS == 16, "as many as are listed here");
 const level_boxes level_boxes_none = {{FOUR_NONE, FOUR_NONE, FOUR_NONE, FOUR_NONE}};
 
-static const reach everywhere = {{-INFINITY, -INFINITY, -INFINITY},
-                                 {INFINITY, INFINITY, INFINITY}};
+static const extent everywhere = {{-INFINITY, -INFINITY, -INFINITY},
+                                  {INFINITY, INFINITY, INFINITY}};
 
-void level_boxes_add(level_boxes *boxes, const reach *e, double widest)
+void level_boxes_add(level_boxes *boxes, const extent *e, double widest)
 {
-    reach_add(&boxes->upto[level_of(reach_widest(e), widest)], e);
+    extent_join(&boxes->upto[level_of(extent_widest(e), widest)], e);
 }
 
 // ---------------------------------------------------------------- begin and end
@@ -43,12 +50,28 @@ void owned_forget_domains(owned *o)
     memset(o->domains, 0, o->n_domains * sizeof *o->domains);
     o->domains[0] = (domain){.box = everywhere, .n = o->rows.n, .first_new = o->rows.n};
     for (uint32_t d = 1; d < o->n_domains; ++d)
-        o->domains[d] =
-            (domain){.box = reach_none, .first = o->rows.n, .first_new = o->rows.n};
+        o->domains[d] = (domain){.box = extent_none, .first = o->rows.n, .first_new = o->rows.n};
+}
+
+// Devices read several domains where they lie.
+static void lock_rows(owned *o)
+{
+    if (o->n_domains == 1 || !o->pair)
+        return;
+    const device *devices = o->pair->devices;
+    host_lock_take(&o->locks[0], devices, 2, o->rows.objects, o->rows.capacity * o->form.bytes);
+    host_lock_take(&o->locks[1], devices, 2, o->rows.ids, o->rows.capacity * sizeof *o->rows.ids);
+}
+
+static void unlock_rows(owned *o)
+{
+    for (int i = 0; i < 2; ++i)
+        host_lock_release(&o->locks[i]);
 }
 
 static void release(owned *o)
 {
+    unlock_rows(o);
     if (o->holder)
         o->rows.objects = NULL;
     object_rows_end(&o->rows);
@@ -124,15 +147,18 @@ static bool reserve_ids(owned *o, uint64_t n, duet_error *err)
     if (o->rows.ids && n <= o->rows.capacity)
         return true;
     uint64_t capacity = n + n / 16;
+    bool was_locked = o->locks[0].mem;
+    unlock_rows(o);
     uint64_t *ids = realloc(o->rows.ids, (capacity + 1) * sizeof *ids);
     o->rows.ids = ids ? ids : o->rows.ids;
-    void *objects = o->holder || !ids
-                        ? NULL
-                        : realloc(o->rows.objects, (size_t)(capacity + 1) * o->form.bytes);
+    void *objects =
+        o->holder || !ids ? NULL : realloc(o->rows.objects, (size_t)(capacity + 1) * o->form.bytes);
     o->rows.objects = objects ? objects : o->rows.objects;
     if (!ids || (!o->holder && !objects))
         return no_memory(n, err);
     o->rows.capacity = capacity;
+    if (was_locked)
+        lock_rows(o);
     return true;
 }
 
@@ -153,7 +179,8 @@ bool owned_reserve(owned *o, uint64_t more, duet_error *err)
 
 // ---------------------------------------------------------------- tidying
 
-// From the last one on, so that no leaver takes another one's row.
+// Fills the rows of leavers with the last rows of their domains, from the last leaver on, so that
+// no leaver takes another one's row.
 static void close_gaps(owned *o)
 {
     uint32_t d = o->n_domains;
@@ -190,8 +217,8 @@ static void move_domain(owned *o, domain *d, uint32_t to)
     d->first = to;
 }
 
-// Those that move up go before those behind them did, and those that move down after: so each has
-// space.
+// Moves each domain to where the ones before it, with their newcomers, end. Those that move up go
+// first, from the last one on, and then those that move down: so each finds space.
 static void move_domains(owned *o)
 {
     uint32_t n = 0, k = o->n_domains;
@@ -439,10 +466,10 @@ static bool sort_rows(owned *o, duet_error *err)
     return true;
 }
 
-static void set_boxes(owned *o, const reach *box)
+static void set_boxes(owned *o, const extent *box)
 {
     for (uint32_t d = 0; d < o->n_domains; ++d) {
-        reach *own = &o->domains[d].box;
+        extent *own = &o->domains[d].box;
         bisection_box(&o->planes, d, own->lower, own->upper);
         for (int k = 0; k < 3; ++k) {
             own->lower[k] = fmax(own->lower[k], box->lower[k]);
@@ -472,7 +499,7 @@ static void put_in_order(void *context, uint32_t part, uint64_t first, uint64_t 
 static bool order_domain(owned *o, const domain *d, worker *w, duet_error *err)
 {
     reordering r = {.o = o, .first = d->first};
-    if (!w->order || d->n == 0)
+    if (d->n == 0)
         return true;
     r.copy.ids = malloc(d->n * sizeof *r.copy.ids);
     r.order = malloc(d->n * sizeof *r.order);
@@ -515,7 +542,7 @@ static bool move_in(owned *o, worker *w, duet_error *err)
     return true;
 }
 
-bool owned_place(owned *o, const reach *box, worker *const workers[2], duet_error *err)
+bool owned_place(owned *o, const extent *box, worker *const workers[2], duet_error *err)
 {
     bool ok = true;
     o->placement = PLACED_BY_RANK;
@@ -527,7 +554,7 @@ bool owned_place(owned *o, const reach *box, worker *const workers[2], duet_erro
     }
     for (uint32_t d = 0; ok && !o->holder && d < o->n_domains; ++d) {
         worker *w = workers[d % 2];
-        ok = (!w->turn_to || w->turn_to(w, d, err)) && order_domain(o, &o->domains[d], w, err);
+        ok = w->use_grid(w, d, err) && order_domain(o, &o->domains[d], w, err);
     }
     if (ok && o->n_domains == 1 && !o->holder)
         ok = move_in(o, workers[0], err);
@@ -536,6 +563,8 @@ bool owned_place(owned *o, const reach *box, worker *const workers[2], duet_erro
         o->domains[0].box = *box;
         return false;
     }
+    if (!o->locks[0].mem)
+        lock_rows(o);
     o->placement = PLACED_BY_DOMAIN;
     ++o->n_placed;
     o->unevenness = 1;

@@ -12,7 +12,7 @@
 // domains. owned_tidy brings both where they belong before the next step.
 //
 // The rows of a single domain lie in the memory of the worker that searches them. Several domains
-// lie in the rank's own memory, and workers get copies.
+// lie in the rank's own memory, where workers search one after the other, or get copies.
 #ifndef CLUSTER_OWNED_H
 #define CLUSTER_OWNED_H
 
@@ -21,25 +21,37 @@
 #include "cluster/partition.h"
 #include "cluster/row_list.h"
 #include "cluster/worker.h"
+#include "runtime/opencl/buffer.h"
 
 // Boxes around the objects of each level and of all finer ones.
 typedef struct level_boxes {
-    reach upto[LEVELS];
+    extent upto[LEVELS];
 } level_boxes;
 
 extern const level_boxes level_boxes_none;
 
 // Adds an object to the box of its own level. Levels are relative to the widest object.
-void level_boxes_add(level_boxes *boxes, const reach *e, double widest);
+void level_boxes_add(level_boxes *boxes, const extent *e, double widest);
 
 typedef struct domain {
-    reach box; // holds the centres of its objects
+    extent box; // holds the centres of its objects
     uint32_t first, n;
     uint32_t first_new, n_new;
 } domain;
 
-// Each state includes those before it. Of all ranks at once, but for the last one, which a rank
-// that has no memory lacks until it tries again.
+// Returns where objects lie deeper in a domain than that.
+static inline extent domain_inside(const domain *d, double depth)
+{
+    extent inside = d->box;
+    for (int k = 0; k < 3; ++k) {
+        inside.lower[k] += 1.01 * depth;
+        inside.upper[k] -= 1.01 * depth;
+    }
+    return inside;
+}
+
+// Says how rows are placed; each state includes those before it. All ranks are in the same one, but
+// for the last one, which a rank without memory lacks until it tries again.
 typedef enum placement {
     PLACED_ANYHOW,    // the world is to be divided: all rows are in domain 0, which has no box
     PLACED_BY_RANK,   // each rank owns what lies in its box; all rows are in domain 0
@@ -50,19 +62,21 @@ typedef struct owned {
     object_form form;
     object_rows rows;
     placement placement;
-    worker *holder; // whose memory rows.objects is; NULL: their own
+    worker *holder;               // whose memory rows.objects is; NULL: their own
+    const duet_device_pair *pair; // that reads it; NULL: none
+    host_lock locks[2];           // of several domains' objects and ids
     uint32_t n_domains;
     uint32_t most_domains; // of any rank
     domain *domains;       // [n_domains]
     level_boxes *boxes;    // [most_domains] around a domain's objects that others may touch
-    bisection planes;   // between the domains
-    double unevenness;  // the most objects of a domain by their mean, as the planes left it
-    row_list leavers;   // ascending
-    row_list boundary;  // rows that objects of other domains may touch
-    row_list renamed;   // rows whose id changed, arrived or left since owned_forget_renamed
+    bisection planes;      // between the domains
+    double unevenness;     // the most objects of a domain by their mean, as the planes left it
+    row_list leavers;      // ascending
+    row_list boundary;     // rows that objects of other domains may touch
+    row_list renamed;      // rows whose id changed, arrived or left since owned_forget_renamed
     bool all_renamed;
-    double widest; // of all ranks' objects, or a little more; 0: not known
-    reach around;  // all of this rank's objects, or a little more
+    double widest;     // of all ranks' objects, or a little more; 0: not known
+    extent around;     // all of this rank's objects, or a little more
     uint64_t n_placed; // times that rows were brought to their domains all at once
     parallel *threads;
 } owned;
@@ -90,7 +104,7 @@ void owned_forget_domains(owned *o);
 
 // Brings tidy rows that lie in the rank's box to their domains, each in the order that suits the
 // worker that searches it. Planes between domains are made anew.
-bool owned_place(owned *o, const reach *box, worker *const workers[2], duet_error *err);
+bool owned_place(owned *o, const extent *box, worker *const workers[2], duet_error *err);
 
 // Returns whether a domain has so many objects that the planes are to be made anew.
 bool owned_is_uneven(const owned *o);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Sizes in levels, and which rank finds a pair: the home of the finer object; where both are
-// of one level, the home that is the lower rank. So large objects travel to small ones, and
-// what is as wide as the world is a ghost only where it lies.
+// Sizes in levels, and which place finds a pair: the one that owns the finer object; if both are of
+// one level, the lower place. So large objects travel to small ones, and an object as wide as the
+// world is a ghost only where small ones lie.
 #ifndef CLUSTER_OWNER_H
 #define CLUSTER_OWNER_H
 
@@ -23,18 +23,17 @@ static inline int level_of(double width, double widest)
     return below < LEVELS ? LEVELS - 1 - below : 0;
 }
 
-// A pair is found where the object with the lesser key is at home: on a rank, or in one of the
-// parts that a rank's homes are in.
-static inline uint32_t owner_key(int level, uint32_t home, uint32_t n_homes)
+// A pair is found at the place that owns the object with the lesser key.
+static inline uint32_t owner_key(int level, uint32_t place, uint32_t n_places)
 {
-    return (uint32_t)level * n_homes + home;
+    return (uint32_t)level * n_places + place;
 }
 
-// Of a place's objects these may be owners of pairs with an object of that level that is at home
-// elsewhere: those up to a level, or none below 0.
-static inline int owners_upto(int level, uint32_t home, uint32_t place)
+// Returns up to which level objects at `other` may own pairs with an object of that level at
+// `place`; below 0: none.
+static inline int owners_upto(int level, uint32_t place, uint32_t other)
 {
-    return place > home ? level - 1 : level;
+    return other > place ? level - 1 : level;
 }
 
 #endif

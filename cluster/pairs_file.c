@@ -62,7 +62,7 @@ static bool sort_pairs(duet_cluster *c, parcels *sorted, duet_error *err)
 
 // ---------------------------------------------------------------- the file
 
-// What rank 0 tells the others: where the values begin, and the path's length.
+// The place of the values, and the path's length, that rank 0 sends to the others.
 typedef struct told_file {
     uint64_t values_at;
     uint64_t path_bytes;

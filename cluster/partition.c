@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-// With so many points a part is off by a few in a hundred at most.
+// So many points make a box off by a few in a hundred at most.
 enum { LEAST_SAMPLE = 1 << 16, SAMPLE_A_RANK = 1 << 13 };
 
 // Weights as numbers up to 1, which have a sum for several of 1e308 too.
@@ -78,7 +78,7 @@ void partition_end(partition *p)
 }
 
 uint32_t partition_sample(bisection_point *points, uint64_t n, const object_form *form,
-                    const object_rows *rows)
+                          const object_rows *rows)
 {
     uint32_t own = rows->n < n ? rows->n : (uint32_t)n;
     for (uint32_t i = 0; i < own; ++i) {
@@ -91,7 +91,8 @@ uint32_t partition_sample(bisection_point *points, uint64_t n, const object_form
 
 // Every rank sends its sample to rank 0, which cuts: so that all have the same planes, also where
 // their machines round in different ways.
-bool partition_make(partition *p, ranks *r, const object_form *form, const object_rows *rows, duet_error *err)
+bool partition_make(partition *p, ranks *r, const object_form *form, const object_rows *rows,
+                    duet_error *err)
 {
     uint64_t n = rows->n;
     if (r->n == 1)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Cuts the world into a part for each rank: boxes that hold objects in proportion to the ranks'
-// weights.
+// The partition of the world into a box for each rank, which hold objects in proportion to the
+// ranks' weights.
 //
-// The cut is made from a sample of the centres, each standing for as many objects. Unlike cells
+// It is made from a sample of the centres, each standing for as many objects. Unlike cells
 // of one size, a sample is as fine where objects are dense as it must be, however far apart
 // they lie, and its size does not grow with theirs.
 #ifndef CLUSTER_PARTITION_H
@@ -19,32 +19,33 @@ typedef struct partition {
     double lower[3], upper[3]; // of this rank's part
 } partition;
 
-// Collective, as all here but partition_rank and partition_keeps. weight is this rank's.
+// weight is this rank's. Collective, as all calls here but partition_sample and partition_rank.
 bool partition_begin(partition *p, ranks *r, double weight, duet_error *err);
 void partition_end(partition *p);
 
-// Weights are from here on what this says: how much each rank does in a time. False, and as they
-// were, where a rank's is 0. The next cut is by them.
+// Makes the speeds of ranks, objects by time, the weights of the next partition. False, and weights
+// are as they were, if a rank's is 0.
 bool partition_weigh(partition *p, ranks *r, double speed);
 
-// Cuts anew for the objects that the ranks hold, wherever these lie.
-bool partition_make(partition *p, ranks *r, const object_form *form, const object_rows *rows, duet_error *err);
+// Partitions the world anew by the objects that ranks have, wherever these lie.
+bool partition_make(partition *p, ranks *r, const object_form *form, const object_rows *rows,
+                    duet_error *err);
 
-// Centres of at most n of the rows, evenly over them: [return]. Space for n.
+// Writes the centres of at most n of the rows, evenly over them. Returns how many.
 uint32_t partition_sample(bisection_point *points, uint64_t n, const object_form *form,
-                    const object_rows *rows);
+                          const object_rows *rows);
 
-// The rank whose part a point lies in.
+// Returns the rank whose box holds a point.
 static inline int partition_rank(const partition *p, const double centre[3])
 {
     return (int)bisection_part(&p->parts, centre);
 }
 
-// Where this rank's homes are.
-static inline reach partition_box(const partition *p)
+// Returns the box whose objects this rank owns.
+static inline extent partition_box(const partition *p)
 {
-    return (reach){{p->lower[0], p->lower[1], p->lower[2]},
-                   {p->upper[0], p->upper[1], p->upper[2]}};
+    return (extent){{p->lower[0], p->lower[1], p->lower[2]},
+                    {p->upper[0], p->upper[1], p->upper[2]}};
 }
 
 #endif

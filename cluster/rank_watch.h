@@ -28,7 +28,7 @@ typedef struct rank_watch {
     void (*say)(const char *line); // from that thread
 } rank_watch;
 
-// Of all ranks of the job; collective. seconds 0: this rank neither watches nor is watched.
+// Begins for all ranks of the job; collective. seconds 0: this rank neither watches nor is watched.
 bool rank_watch_begin(rank_watch *w, double seconds, void (*say)(const char *line),
                       duet_error *err);
 void rank_watch_end(rank_watch *w); // collective

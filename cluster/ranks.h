@@ -14,10 +14,10 @@
 
 // Replaces devices and time if the ranks are simulated.
 typedef struct simulation {
-    uint32_t stands_for;   // objects of a larger scene, for each object
-    double object_seconds; // a rank's step takes for each object or ghost; 0: it finds pairs
+    uint32_t stands_for;          // objects of a larger scene, for each object
+    double object_seconds;        // a rank's step takes for each object or ghost; 0: it finds pairs
     void (*pass)(double seconds); // lets simulated time pass for this rank
-    void *ballast; // memory of any message's size, which nobody reads
+    void *ballast;                // memory of any message's size, which nobody reads
 } simulation;
 
 typedef struct ranks {
@@ -54,11 +54,11 @@ void ranks_unshare(MPI_Win *window);
 // How long the job has run, for this rank. Tests put a clock of their own in its place.
 extern uint64_t (*ranks_now_ns)(void);
 
-// Whether all ranks are well. Where not, every rank's err, unless NULL, becomes that of the
+// Returns whether all ranks are well. If not, every rank's err, unless NULL, becomes that of the
 // least rank that failed: "rank 2 on HOST: LINE".
 bool ranks_agree(ranks *r, bool ok, duet_error *err);
 
-// What ranks say beside whether they are well: the sums over all, and the greatest of all. One
+// Numbers that ranks add to whether they are well: sums over all, and the greatest of all. One
 // message is as quick as another, so a phase has few of them.
 typedef struct tally {
     uint64_t sums[4];

@@ -28,6 +28,7 @@ void search_set_end(search_set *s)
     free(s->is_leaver);
     free(s->leavers.rows);
     free(s->ids);
+    free(s->labels);
     *s = (search_set){0};
 }
 
@@ -39,6 +40,10 @@ static void begin(search_set *s, set_kind kind, const owned *o, const ranks *r, 
     s->n_places = (uint32_t)r->n * o->most_domains;
     s->leavers.n = 0;
     s->leavers.failed = false;
+    if (kind != SET_BOUNDARY) {
+        free(s->labels);
+        s->labels = NULL;
+    }
 }
 
 // Marks the leavers of rows [first, first + n), which are the set's from 0 on.
@@ -72,8 +77,8 @@ typedef struct writing {
 
 static uint32_t key_of(const search_set *s, const void *object, uint32_t place)
 {
-    reach e = reach_of(&s->owned->form, object);
-    return owner_key(level_of(reach_widest(&e), s->owned->widest), place, s->n_places);
+    extent e = extent_of(&s->owned->form, object);
+    return owner_key(level_of(extent_widest(&e), s->owned->widest), place, s->n_places);
 }
 
 static void write_some(void *context, uint32_t part, uint64_t first, uint64_t end)
@@ -102,18 +107,39 @@ static bool write_ghosts(search_set *s, const ghosts *g, uint32_t d, duet_error 
     return true;
 }
 
+static bool is_empty(const search_set *s)
+{
+    return s->n_own == s->leavers.n ||
+           (s->kind == SET_BOUNDARY && !s->labels && search_set_ghosts(s) == 0);
+}
+
 // ---------------------------------------------------------------- sets
+
+// Makes the own rows n that lie behind each other from `first` on.
+static void take_rows(search_set *s, const owned *o, uint32_t first, uint32_t n)
+{
+    s->rows =
+        (object_rows){.ids = o->rows.ids + first, .objects = object_row(&o->rows, &o->form, first)};
+    s->rows.n = s->n_own = n;
+}
 
 bool search_set_in_place(search_set *s, owned *o, const ghosts *g, const ranks *r, duet_error *err)
 {
-    uint32_t n_ghosts = g ? (uint32_t)g->first[1] : 0;
-    begin(s, g ? SET_WHOLE : SET_INNER, o, r, 0);
-    if (g && !owned_reserve(o, n_ghosts, err))
+    begin(s, SET_WHOLE, o, r, 0);
+    if (!owned_reserve(o, g->first[1], err))
         return false;
-    s->rows = (object_rows){.ids = o->rows.ids, .objects = o->rows.objects};
-    s->rows.n = o->rows.n + n_ghosts;
-    s->n_own = o->rows.n;
-    return mark_leavers(s, 0, o->rows.n, err) && (!g || write_ghosts(s, g, 0, err));
+    take_rows(s, o, 0, o->rows.n);
+    s->rows.n += (uint32_t)g->first[1];
+    return mark_leavers(s, 0, o->rows.n, err) && write_ghosts(s, g, 0, err);
+}
+
+bool search_set_inner(search_set *s, const owned *o, const ranks *r, uint32_t index,
+                      duet_error *err)
+{
+    const domain *d = &o->domains[index];
+    begin(s, SET_INNER, o, r, index);
+    take_rows(s, o, d->first, o->n_domains == 1 ? o->rows.n : d->n);
+    return mark_leavers(s, d->first, s->n_own, err);
 }
 
 // Space for copies, in a worker's memory.
@@ -162,6 +188,11 @@ static void copy_boundary(void *set, uint32_t part, uint64_t first, uint64_t end
     const owned *o = s->owned;
     (void)part;
     object_rows_gather(&s->rows, &o->form, first, &o->rows, o->boundary.rows + first, end - first);
+    for (uint64_t i = first; s->labels && i < end; ++i) {
+        uint32_t row = o->boundary.rows[i];
+        bool is_new = row >= o->domains[0].first_new;
+        s->labels[i] = (uint16_t)(owned_domain_of(o, row) | (is_new ? LABEL_NEW : 0));
+    }
 }
 
 bool search_set_copy_boundary(search_set *s, const owned *o, const ghosts *g, const ranks *r,
@@ -170,8 +201,17 @@ bool search_set_copy_boundary(search_set *s, const owned *o, const ghosts *g, co
     begin(s, SET_BOUNDARY, o, r, 0);
     if (!map(s, o->boundary.n, g->first[1], w, err))
         return false;
+    if (o->n_domains > 1) {
+        s->labels = reserve(s->labels, &s->labels_capacity, s->n_own, sizeof *s->labels, err);
+        if (!s->labels)
+            return false;
+    }
     parallel_each(o->threads, o->boundary.n, copy_boundary, s);
-    return write_ghosts(s, g, 0, err);
+    if (!write_ghosts(s, g, 0, err))
+        return false;
+    if (!is_empty(s))
+        w->begin(w, s->rows.n, NULL);
+    return true;
 }
 
 // ---------------------------------------------------------------- searching
@@ -179,7 +219,7 @@ bool search_set_copy_boundary(search_set *s, const owned *o, const ghosts *g, co
 static global_ids ids_of(const search_set *s)
 {
     const owned *o = s->owned;
-    bool in_place = s->rows.ids == o->rows.ids;
+    bool in_place = o->n_domains == 1 && s->kind != SET_BOUNDARY;
     return (global_ids){
         .list = s->rows.ids,
         .n = s->n_own,
@@ -199,16 +239,22 @@ static bool check_found(const search_set *s, const worker_found *found, duet_err
                      (unsigned long long)s->rows.ids[found->first_bad]);
 }
 
-bool search_set_find(const search_set *s, worker *w, bool counts, worker_found *found,
-                     duet_error *err)
+void search_set_send(search_set *s, worker *w, bool counts)
 {
-    global_ids ids = ids_of(s);
+    s->told = ids_of(s);
+    w->bind(w, s->rows.objects, s->rows.n);
+    if (!is_empty(s))
+        w->begin(w, s->rows.n, counts ? &s->told : NULL);
+}
+
+bool search_set_find(search_set *s, worker *w, bool counts, worker_found *found, duet_error *err)
+{
     *found = (worker_found){0};
-    if (s->n_own == s->leavers.n || (s->kind == SET_BOUNDARY && search_set_ghosts(s) == 0))
+    if (is_empty(s))
         return true;
-    if (counts && s->kind != SET_BOUNDARY && w->tell_ids)
-        w->tell_ids(w, &ids);
-    return w->find(w, found, err) && check_found(s, found, err);
+    s->told = ids_of(s);
+    bool tells = counts && s->kind != SET_BOUNDARY;
+    return w->find(w, tells ? &s->told : NULL, found, err) && check_found(s, found, err);
 }
 
 // The object with the lesser key is its owner's. Two ghosts are others'.
@@ -219,5 +265,8 @@ bool search_set_owns_with_ghost(const search_set *s, duet_pair pair)
     if ((a && b) || (s->leavers.n > 0 && s->is_leaver[own / 8] >> own % 8 & 1))
         return false;
     const void *object = object_row(&s->rows, &s->owned->form, own);
-    return key_of(s, object, s->place) < s->keys[other - s->n_own];
+    uint32_t place = s->place;
+    if (s->kind == SET_BOUNDARY && s->labels)
+        place += s->labels[own] & (LABEL_NEW - 1);
+    return key_of(s, object, place) < s->keys[other - s->n_own];
 }

@@ -63,9 +63,8 @@ static bool count(duet_cluster *c, int i, duet_error *err)
 static bool can_overlap(const duet_cluster *c)
 {
     const owned *o = &c->owned;
-    const worker *w = c->workers[0];
     return o->n_domains == 1 && c->ranks.n > 1 && c->threads.n > 1 && !c->is_cold && o->holder &&
-           w->tell_ids && w->spares_host && w->spares_host(w) && o->boundary.n < o->rows.n / 4;
+           cluster_spares_host(c) && o->boundary.n < o->rows.n / 4;
 }
 
 // The second worker; without it there is one search, of objects and ghosts.
@@ -79,12 +78,32 @@ static bool has_boundary_worker(duet_cluster *c)
     return c->workers[1];
 }
 
+// Whether few lie at the boundary, and no newcomer deeper in its domain than any object is wide:
+// such a one may touch objects that are not at the boundary.
+static bool has_thin_boundary(const duet_cluster *c)
+{
+    const owned *o = &c->owned;
+    bool thin = o->boundary.n < o->rows.n / 4;
+    for (uint32_t d = 0; thin && d < o->n_domains; ++d) {
+        const domain *at = &o->domains[d];
+        const extent inside = domain_inside(at, o->widest);
+        for (uint32_t row = at->first_new; thin && row < at->first_new + at->n_new; ++row) {
+            double centre[3];
+            object_centre(&o->form, object_row(&o->rows, &o->form, row), centre);
+            thin = !extent_holds(&inside, centre);
+        }
+    }
+    return thin;
+}
+
 static void choose_search(duet_cluster *c, bool may_overlap)
 {
     duet_error unheard;
-    c->search = c->owned.n_domains > 1 ? SEARCH_DOMAINS : SEARCH_WHOLE;
+    c->search = c->owned.n_domains == 1 ? SEARCH_WHOLE
+                : has_thin_boundary(c)  ? SEARCH_DOMAINS
+                                        : SEARCH_COPIES;
     if (!may_overlap || !can_overlap(c) || !has_boundary_worker(c) ||
-        !search_set_in_place(&c->sets[0], &c->owned, NULL, &c->ranks, &unheard))
+        !search_set_inner(&c->sets[0], &c->owned, &c->ranks, 0, &unheard))
         return;
     c->search = SEARCH_OVERLAPPED;
     cluster_follow(c);
@@ -104,26 +123,56 @@ static bool search_overlapped(duet_cluster *c, bool ok, duet_error *err)
 
 // ---------------------------------------------------------------- domains in turn
 
-static bool fill(duet_cluster *c, uint32_t d, duet_error *err)
+static bool copy_domain(duet_cluster *c, int i, uint32_t d, duet_error *err)
 {
-    worker *w = c->workers[d % 2];
-    return (!w->turn_to || w->turn_to(w, d, err)) &&
-           search_set_copy_domain(&c->sets[d % 2], &c->owned, &c->ghosts, &c->ranks, d, w, err);
+    worker *w = c->workers[i];
+    return w->use_grid(w, d, err) &&
+           search_set_copy_domain(&c->sets[i], &c->owned, &c->ghosts, &c->ranks, d, w, err);
 }
 
-// While a domain is searched the next one is copied, and the pairs of the one before are counted.
-static bool search_domains(duet_cluster *c, duet_error *err)
+static bool send_domain(duet_cluster *c, int i, uint32_t d, duet_error *err)
+{
+    worker *w = c->workers[i];
+    if (!w->use_grid(w, d, err) || !search_set_inner(&c->sets[i], &c->owned, &c->ranks, d, err))
+        return false;
+    search_set_send(&c->sets[i], w, !c->own.lists);
+    return true;
+}
+
+typedef bool fill_set(duet_cluster *c, int i, uint32_t d, duet_error *err);
+
+// While a domain is searched the next one is filled, and the pairs of the one before are counted.
+static bool search_each(duet_cluster *c, fill_set *fill, duet_error *err)
 {
     uint32_t n = c->owned.n_domains;
     parallel *beside = c->ranks.simulation ? NULL : &c->threads;
-    bool ok = fill(c, 0, err);
+    bool ok = fill(c, 0, 0, err);
     for (uint32_t d = 0; ok && d < n; ++d) {
         int now = (int)(d % 2);
         begin_search(c, now, beside);
-        ok = (d == 0 || count(c, 1 - now, err)) && (d + 1 == n || fill(c, d + 1, err));
+        ok = (d == 0 || count(c, 1 - now, err)) && (d + 1 == n || fill(c, 1 - now, d + 1, err));
         ok = end_search(&c->searches[now], ok ? err : NULL) && ok;
     }
     return ok && count(c, (int)((n - 1) % 2), err);
+}
+
+// Objects between domains have a grid of their own.
+static bool search_between(duet_cluster *c, duet_error *err)
+{
+    worker *w = c->workers[0];
+    if (!w->use_grid(w, c->owned.n_domains, err) ||
+        !search_set_copy_boundary(&c->sets[0], &c->owned, &c->ghosts, &c->ranks, w, err))
+        return false;
+    begin_search(c, 0, NULL);
+    return end_search(&c->searches[0], err) && count(c, 0, err);
+}
+
+static bool search_domains(duet_cluster *c, duet_error *err)
+{
+    bool ok = search_each(c, send_domain, err);
+    for (int i = 0; i < 2; ++i) // rows may be elsewhere when they are bound again
+        c->workers[i]->bind(c->workers[i], NULL, 0);
+    return ok && search_between(c, err);
 }
 
 bool cluster_show_domain(duet_cluster *c, duet_error *err)
@@ -133,11 +182,8 @@ bool cluster_show_domain(duet_cluster *c, duet_error *err)
     bool ok = true;
     for (uint32_t d = 1; d < o->n_domains; ++d)
         largest = o->domains[d].n > o->domains[largest].n ? d : largest;
-    for (int i = 0; ok && o->n_domains > 1 && i < 2; ++i) {
-        worker *w = c->workers[i];
-        ok = (!w->turn_to || w->turn_to(w, largest, err)) &&
-             search_set_copy_domain(&c->sets[i], o, &c->ghosts, &c->ranks, largest, w, err);
-    }
+    for (int i = 0; ok && o->n_domains > 1 && i < 2; ++i)
+        ok = copy_domain(c, i, largest, err);
     return ok;
 }
 
@@ -145,14 +191,14 @@ bool cluster_show_domain(duet_cluster *c, duet_error *err)
 
 static bool take_ghosts(duet_cluster *c, duet_error *err)
 {
+    const owned *o = &c->owned;
     cluster_follow(c);
-    if (!ghosts_sort(&c->ghosts, &c->owned, &c->ranks, err))
+    if (!ghosts_sort(&c->ghosts, o, &c->ranks, c->search == SEARCH_COPIES, err))
         return false;
     if (c->search == SEARCH_WHOLE)
         return search_set_in_place(&c->sets[0], &c->owned, &c->ghosts, &c->ranks, err);
-    return c->search == SEARCH_DOMAINS ||
-           search_set_copy_boundary(&c->sets[1], &c->owned, &c->ghosts, &c->ranks, c->workers[1],
-                                    err);
+    return c->search != SEARCH_OVERLAPPED ||
+           search_set_copy_boundary(&c->sets[1], o, &c->ghosts, &c->ranks, c->workers[1], err);
 }
 
 // Brings objects and ghosts to where they belong, on all ranks or on none. *settled: whether this
@@ -167,7 +213,8 @@ static bool settle(duet_cluster *c, bool may_overlap, bool *settled, duet_error 
         balance_begin(&c->balance, are_new ? 0 : ms_since(begun_ns));
     if (ok && *settled)
         choose_search(c, may_overlap);
-    ok = ok && ghosts_exchange(&c->ghosts, &c->owned, &c->ranks, *settled, own);
+    ok = ok && ghosts_exchange(&c->ghosts, &c->owned, &c->ranks, c->search == SEARCH_COPIES,
+                               *settled, own);
     if (ok)
         *settled = take_ghosts(c, own);
     return ok;
@@ -202,11 +249,13 @@ bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *
 
 static bool search_all(duet_cluster *c, bool ok, duet_error *own)
 {
-    own_pairs_begin(&c->own, c->search == SEARCH_DOMAINS && !c->def.drops_pairs);
+    own_pairs_begin(&c->own, c->search >= SEARCH_DOMAINS && !c->def.drops_pairs);
     if (c->search == SEARCH_OVERLAPPED)
         return search_overlapped(c, ok, own);
     if (!ok || c->search == SEARCH_DOMAINS)
         return ok && search_domains(c, own);
+    if (c->search == SEARCH_COPIES)
+        return search_each(c, copy_domain, own);
     begin_search(c, 0, NULL);
     return end_search(&c->searches[0], own) && count(c, 0, own);
 }
@@ -221,7 +270,7 @@ static bool find(duet_cluster *c, bool ok, tally *t, duet_error *own)
     if (c->is_cold)
         ranks_end_turn(&c->ranks);
     c->is_cold = false;
-    if (ok && c->search != SEARCH_DOMAINS && owned_count(&c->owned) > 0)
+    if (ok && c->owned.n_domains == 1 && owned_count(&c->owned) > 0)
         owned_forget_renamed(&c->owned);
     *t = (tally){.sums = {ranks_stand_for(&c->ranks) * owned_count(&c->owned), c->own.n,
                           c->own.hash, !budget_check_stop(NULL)}};
@@ -277,8 +326,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
     if (was_cold)
         begin_cold(c);
-    parallel_be_keen(&c->threads,
-                     c->workers[0]->spares_host && c->workers[0]->spares_host(c->workers[0]));
+    parallel_be_keen(&c->threads, cluster_spares_host(c));
     ok = begin_settled(c, __func__, true, ok, &settled, &own) && find(c, settled, &t, &own);
     if (!ok) {
         end_search(&c->searches[0], NULL);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What finds the pairs among the objects that a rank sees, homes and ghosts alike: its device
-// pair, or the plain C reference, or nothing but what its devices would take.
+// Finds the pairs among the objects of a search set: a device pair, the plain C reference, or in a
+// forecast nothing, in the time that devices would take.
 #ifndef CLUSTER_WORKER_H
 #define CLUSTER_WORKER_H
 
@@ -10,7 +10,7 @@
 
 typedef struct worker worker;
 
-// What was found, by places in the objects' array, a < b. The worker's until it finds again.
+// Pairs that were found, by places in the objects' array, a < b. The worker's until it finds again.
 typedef struct worker_found {
     duet_span spans[2];
     uint64_t n_counted; // pairs that are in no span,
@@ -21,42 +21,44 @@ typedef struct worker_found {
 
 enum { WORKER_ORDER_SCRATCH = 16 };
 
+// Its objects lie in its own memory, where the caller writes them, or are bound.
 struct worker {
     const char *name; // of its devices, "A,B", or of the one
-    // Space for n objects, which are to be written before the next find. Where there were as many
+
+    // Space for n objects, which are to be written before the next find. If there were as many
     // before they are still there.
     void *(*map)(worker *w, uint32_t n, duet_error *err);
-    // The first n that were mapped are written and stay so: they may be on their way to the
-    // devices while others are written behind them. So may ids, which tell_ids will name (NULL:
-    // none).
-    void (*begin)(worker *w, uint32_t n, const global_ids *ids);
-    // Which of these lie deep inside of a box, found where they are on their way to: NULL, or
-    // false, where the host must look at all. The other one waits for the blocks of objects from
-    // `from` on, 0 at first, and returns up to which object they are there.
-    bool (*skim)(worker *w, const float inside_lower[3], const float inside_upper[3]);
-    uint32_t (*await_skim)(worker *w, uint32_t from, const skim_block **blocks);
     // Space for n objects, of which the first `kept` stay; the others are to be written.
     void *(*extend)(worker *w, uint32_t n, uint32_t kept, duet_error *err);
-    // Of the objects that were mapped and written, the order in which they are best kept:
-    // order[i] becomes the one that comes i-th, by so many threads, with the caller's. scratch is
-    // memory of WORKER_ORDER_SCRATCH bytes for each. NULL: any.
+    // Searches n objects of the caller's instead, until others are mapped or bound.
+    void (*bind)(worker *w, const void *objects, uint32_t n);
+    // The first n objects are written and stay so: they may be on their way to the devices while
+    // others are written behind them. So may ids that the next find gets; NULL: none.
+    void (*begin)(worker *w, uint32_t n, const global_ids *ids);
+
+    // Begins to tell which of these lie deep inside of a box; false if the host must look at all.
+    bool (*skim)(worker *w, const float inside_lower[3], const float inside_upper[3]);
+    // Waits for blocks of objects from `from` on, 0 at first. Returns up to which object they are
+    // there.
+    uint32_t (*await_skim)(worker *w, uint32_t from, const skim_block **blocks);
+    // Finds the order in which objects are best kept: order[i] becomes the one that comes i-th, by
+    // so many threads, with the caller's. scratch has WORKER_ORDER_SCRATCH bytes for each.
     bool (*order)(worker *w, uint32_t n_threads, uint32_t *order, void *scratch, duet_error *err);
-    // The objects lie elsewhere than those before: a grid that was fitted to these is of no use.
-    void (*move)(worker *w);
-    // From here on the objects are those of another place, numbered from 0, where the grid that was
-    // fitted to its last ones is used again; NULL: it has none.
-    bool (*turn_to)(worker *w, uint32_t place, duet_error *err);
-    bool (*find)(worker *w, worker_found *found, duet_error *err);
-    // Before that: which objects are at home, and their ids. Pairs of two of these are then counted
-    // where they are found, and stay there. NULL: all are brought.
-    void (*tell_ids)(worker *w, const global_ids *ids);
-    // Those that the last find counted come into its spans.
+
+    // Uses the grid that was fitted to the objects of that domain before, if there is one.
+    bool (*use_grid)(worker *w, uint32_t domain, duet_error *err);
+    // Fits all grids anew: the objects lie elsewhere than before.
+    void (*forget_grids)(worker *w);
+
+    // Finds all pairs. ids: of the first objects, whose pairs with each other a device may count
+    // and keep; NULL: all pairs are brought.
+    bool (*find)(worker *w, const global_ids *ids, worker_found *found, duet_error *err);
+    // Brings the pairs that the last find counted into its spans.
     bool (*bring)(worker *w, worker_found *found, duet_error *err);
-    // Whether it leaves the host's processors to others; NULL: not.
-    bool (*spares_host)(const worker *w);
+
     bool (*set_level)(worker *w, duet_level level, duet_error *err);
     bool (*set_plan)(worker *w, const duet_plan *plan, duet_error *err);
-    duet_plan (*plan)(const worker *w); // that it has; NULL: it needs none
+    duet_plan (*plan)(const worker *w);
     bool (*load_profile)(worker *w, const char *path, duet_profile *profile, duet_error *err);
     void (*close)(worker *w);
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What workers without devices share: their objects lie in plain memory, and plans and profiles,
+// Workers without devices share this: their objects lie in plain memory, and plans and profiles,
 // which are of devices, change nothing.
 #ifndef CLUSTER_WORKER_HOST_H
 #define CLUSTER_WORKER_HOST_H
@@ -11,10 +11,18 @@ typedef struct worker_host {
     worker base;
     object_form form;
     duet_level level;
+    duet_plan plan; // which changes nothing
     void *objects;
+    const void *bound; // what is searched instead; else NULL
     uint32_t n;
     uint64_t capacity; // objects for which there is memory
 } worker_host;
+
+// Returns the objects that it searches.
+static inline const void *worker_host_objects(const worker_host *w)
+{
+    return w->bound ? w->bound : w->objects;
+}
 
 // A worker of `bytes`, which begins with a worker_host; all else is 0. It needs a `find`, and ends
 // by worker_host_close unless it has a `close` of its own. NULL with NO_MEMORY.

@@ -24,6 +24,13 @@ static void begin(worker *w, uint32_t n, const global_ids *ids)
     world_send_ahead(((worker_pair *)w)->world, n, ids);
 }
 
+static void bind(worker *w, const void *objects, uint32_t n)
+{
+    worker_pair *p = (worker_pair *)w;
+    world_stop_ahead(p->world);
+    world_lend_objects(p->world, objects, n);
+}
+
 static bool skim_objects(worker *w, const float inside_lower[3], const float inside_upper[3])
 {
     return world_skim(((worker_pair *)w)->world, inside_lower, inside_upper);
@@ -74,18 +81,18 @@ static void forget_fits(worker_pair *p)
         p->fits[i].n = 0;
 }
 
-static void move(worker *w)
+static void forget_grids(worker *w)
 {
     worker_pair *p = (worker_pair *)w;
     forget_fits(p);
     p->world->fitted_n = 0;
 }
 
-static bool turn_to(worker *w, uint32_t place, duet_error *err)
+static bool use_grid(worker *w, uint32_t domain, duet_error *err)
 {
     worker_pair *p = (worker_pair *)w;
-    if (place >= p->n_fits) {
-        uint32_t n = 2 * place + 1;
+    if (domain >= p->n_fits) {
+        uint32_t n = 2 * domain + 1;
         world_fit *fits = realloc(p->fits, n * sizeof *fits);
         if (!fits)
             return error_set(err, DUET_STATUS_NO_MEMORY, "grids of %u parts: no memory", n);
@@ -93,27 +100,21 @@ static bool turn_to(worker *w, uint32_t place, duet_error *err)
         p->fits = fits;
         p->n_fits = n;
     }
-    if (place != p->place) {
-        world_swap_fit(p->world, &p->fits[p->place]);
-        world_swap_fit(p->world, &p->fits[place]);
-        p->place = place;
+    if (domain != p->domain) {
+        world_swap_fit(p->world, &p->fits[p->domain]);
+        world_swap_fit(p->world, &p->fits[domain]);
+        p->domain = domain;
     }
     return true;
 }
 
-static void tell_ids(worker *w, const global_ids *ids)
-{
-    ((worker_pair *)w)->ids = ids;
-}
-
-static bool find(worker *w, worker_found *found, duet_error *err)
+static bool find(worker *w, const global_ids *ids, worker_found *found, duet_error *err)
 {
     worker_pair *p = (worker_pair *)w;
     duet_result result;
     part_counted counted[2] = {{0}};
-    bool ok = p->ids ? world_step_counting(p->world, p->ids, &result, counted, err)
-                     : duet_world_step(p->world, &result, err);
-    p->ids = NULL;
+    bool ok = ids ? world_step_counting(p->world, ids, &result, counted, err)
+                  : duet_world_step(p->world, &result, err);
     if (!ok)
         return false;
     *found = (worker_found){.spans = {result.spans[0], result.spans[1]},
@@ -128,15 +129,6 @@ static bool bring(worker *w, worker_found *found, duet_error *err)
 {
     found->n_counted = found->hash = 0;
     return world_bring_counted(((worker_pair *)w)->world, found->spans, err);
-}
-
-static bool spares_host(const worker *w)
-{
-    const duet_world *world = ((const worker_pair *)w)->world;
-    const device *devices = world->def.pair->devices;
-    uint32_t share = world->def.plan.share;
-    return !(share > 0 && devices[0].info.host_memory) &&
-           !(share < DUET_SHARE_ONE && devices[1].info.host_memory);
 }
 
 static bool set_level(worker *w, duet_level level, duet_error *err)
@@ -189,16 +181,15 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
     own.keep_bad = true; // so that it is the cluster that names a bad object
     p->base = (worker){.map = map,
                        .begin = begin,
+                       .bind = bind,
                        .skim = skim_objects,
                        .await_skim = await_skim,
                        .extend = extend,
                        .order = order,
-                       .move = move,
-                       .turn_to = turn_to,
+                       .forget_grids = forget_grids,
+                       .use_grid = use_grid,
                        .find = find,
-                       .tell_ids = tell_ids,
                        .bring = bring,
-                       .spares_host = spares_host,
                        .set_level = set_level,
                        .set_plan = set_plan,
                        .plan = get_plan,

@@ -8,12 +8,11 @@
 typedef struct worker_pair {
     worker base;
     duet_world *world;
-    struct world_fit *fits; // [n_fits] of each place but this one
-    uint32_t n_fits, place;
+    struct world_fit *fits; // [n_fits] of each domain but this one
+    uint32_t n_fits, domain;
     duet_object_kind kind;
     uint32_t bytes; // of an object
     char name[132];
-    const global_ids *ids; // for the next find, or NULL
 } worker_pair;
 
 #endif

@@ -12,17 +12,18 @@ typedef struct plain_worker {
     reference_found found;
 } plain_worker;
 
-static bool find(worker *w, worker_found *found, duet_error *err)
+static bool find(worker *w, const global_ids *ids, worker_found *found, duet_error *err)
 {
     plain_worker *p = (plain_worker *)w;
+    (void)ids;
     reference_objects objects = {
         .dims = p->host.form.dims,
         .shape = p->host.form.shape,
         .n = p->host.n,
-        .poses = p->host.objects,
-        .bounds = p->host.objects,
-        .rounded_boxes = p->host.objects,
-        .spheres = p->host.objects,
+        .poses = worker_host_objects(&p->host),
+        .bounds = worker_host_objects(&p->host),
+        .rounded_boxes = worker_host_objects(&p->host),
+        .spheres = worker_host_objects(&p->host),
         .level = p->host.level,
         .rotated = p->host.form.rotated,
         .origin = p->host.form.origin,

@@ -9,11 +9,11 @@ typedef struct simulated_worker {
     const simulation *simulation;
 } simulated_worker;
 
-static bool find(worker *w, worker_found *found, duet_error *err)
+static bool find(worker *w, const global_ids *ids, worker_found *found, duet_error *err)
 {
     const simulated_worker *p = (simulated_worker *)w;
     const simulation *s = p->simulation;
-    (void)err;
+    (void)ids, (void)err;
     s->pass(s->object_seconds * s->stands_for * p->host.n);
     *found = (worker_found){0};
     return true;

@@ -45,7 +45,7 @@ void card_close(card *c);
 bool card_set_fallbacks(card *c, const gen_limits *limits, duet_error *err);
 
 // Fills in a config: what n offers say, and what the other parameters are where they are not
-// set. BAD_ARGUMENT where a parameter that must be there is not, or has no such value.
+// set. BAD_ARGUMENT if a parameter that must be there is not, or has no such value.
 bool card_fill(card *c, const gen_offer *offers, uint32_t n, const gen_limits *limits,
                gen_setting *config, duet_error *err);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A table does not know the line it was written at. The line is looked for in
-// the script's text instead, and told only where there is exactly one.
+// the script's text instead, and told only if there is exactly one.
 #define _GNU_SOURCE // memmem
 #include "gen/field.h"
 #include "gen/script.h"
@@ -48,7 +48,7 @@ static bool is_name(const char *name)
     return at > name && *at == '\0';
 }
 
-// 0 where there is none or more than one. Each byte is looked at a few times
+// 0 if there is none or more than one. Each byte is looked at a few times
 // only, however often a script repeats the name.
 static int line_of(const char *source, const char *name)
 {

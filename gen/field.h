@@ -21,8 +21,8 @@ double field_number(lua_State *L, int table, const char *name, double fallback);
 int64_t field_integer(lua_State *L, int table, const char *name, int64_t fallback);
 const char *field_string(lua_State *L, int table, const char *name, const char *fallback);
 
-// Pushes the value where it is of that type (LUA_TTABLE, LUA_TFUNCTION); pushes
-// nothing and is false where it is nil.
+// Pushes the value if it is of that type (LUA_TTABLE, LUA_TFUNCTION); pushes
+// nothing and is false if it is nil.
 bool field_push(lua_State *L, int table, const char *name, int type);
 
 // Raises "file:line: message", the line being where the script gives name a

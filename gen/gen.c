@@ -13,7 +13,7 @@
 
 // ---------------------------------------------------------------- the list
 
-// The length of NAME in "NAME.lua"; 0 where it is no card.
+// The length of NAME in "NAME.lua"; 0 if it is no card.
 static size_t card_length(const char *file)
 {
     size_t length = strlen(file);

@@ -48,7 +48,7 @@ typedef struct gen_offer {
     const char *name;
     int64_t value;
     gen_manner manner;
-    bool *taken; // becomes true where a kernel has the parameter; NULL: nobody asks
+    bool *taken; // becomes true if a kernel has the parameter; NULL: nobody asks
 } gen_offer;
 
 enum { GEN_NAME = 48, GEN_MAX_ARGS = 28 };
@@ -80,7 +80,7 @@ typedef struct gen_variant {
 
 // Parameters that settings leaves out take the card's default, which may
 // depend on limits. BUILD_FAILED with file:line where the card or template is
-// wrong, BAD_ARGUMENT where a parameter or value is unknown or the config is
+// wrong, BAD_ARGUMENT if a parameter or value is unknown or the config is
 // not valid: the line says what would be.
 bool gen_make(gen *g, const char *kernel, const gen_setting *settings, uint32_t n_settings,
               const gen_limits *limits, gen_variant *variant, duet_error *err);
@@ -92,7 +92,7 @@ void gen_variant_free(gen_variant *variant);
 // The kernels there are: NULL past the end.
 const char *gen_kernel(const gen *g, uint32_t i);
 
-// Declarations of all built-in functions that the carried kernels call; NULL where the kernels
+// Declarations of all built-in functions that the carried kernels call; NULL if the kernels
 // are a folder's, which may call others.
 const char *gen_built_ins(const gen *g);
 
@@ -100,7 +100,7 @@ const char *gen_built_ins(const gen *g);
 typedef struct gen_param {
     const char *name;
     const char *about; // one line of the card
-    int64_t fallback;  // the value where none is set
+    int64_t fallback;  // the value if none is set
     const int64_t *values;
     uint32_t n_values;
     bool silent;         // at 0 it is neither in the text nor in the name

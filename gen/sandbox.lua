@@ -15,30 +15,19 @@ local ordered = { number = true, string = true, boolean = true }
 local comparable = { number = true, string = true }
 
 -- Merges the runs lower .. middle - 1 and middle .. upper - 1; of equals the
--- first stays first.
-local function merge_by(from, to, lower, middle, upper, before)
+-- first stays first. Numbers and strings need no `before`.
+local function merge(from, to, lower, middle, upper, before)
   local i, j = lower, middle
   for k = lower, upper - 1 do
-    if i < middle and (j >= upper or not before(from[j], from[i])) then
-      to[k] = from[i]
-      i = i + 1
-    else
-      to[k] = from[j]
-      j = j + 1
+    local a, b = from[i], from[j]
+    local first = i < middle
+    if first and j < upper then
+      if before then first = not before(b, a) else first = not (b < a) end
     end
-  end
-end
-
--- The same for numbers or strings, without a call for each two.
-local function merge(from, to, lower, middle, upper)
-  local i, j = lower, middle
-  for k = lower, upper - 1 do
-    if i < middle and (j >= upper or not (from[j] < from[i])) then
-      to[k] = from[i]
-      i = i + 1
+    if first then
+      to[k], i = a, i + 1
     else
-      to[k] = from[j]
-      j = j + 1
+      to[k], j = b, j + 1
     end
   end
 end
@@ -46,10 +35,9 @@ end
 -- Gives the n values of a list in order: that list, or another one.
 local function sort(values, n, before)
   local from, to, width = values, {}, 1
-  local join = before and merge_by or merge
   while width < n do
     for lower = 1, n, 2 * width do
-      join(from, to, lower, min(lower + width, n + 1), min(lower + 2 * width, n + 1), before)
+      merge(from, to, lower, min(lower + width, n + 1), min(lower + 2 * width, n + 1), before)
     end
     from, to, width = to, from, 2 * width
   end

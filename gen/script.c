@@ -196,7 +196,7 @@ static bool may_grow(script *s, size_t bytes)
     return s->passed == NOTHING && (s->asked_bytes < CLOCK_BYTES || check_clock(s));
 }
 
-// Lua collects its garbage and asks once more, which takes long where there is
+// Lua collects its garbage and asks once more, which takes long if there is
 // much: the clock is looked at before.
 static void *refuse_memory(script *s)
 {
@@ -298,7 +298,7 @@ static bool has_place(const char *message, const text *name)
 }
 
 // Lua keeps only the end of a long chunk name: "...end/of/path.lua:12: ...".
-// The rest of the message after that end, or NULL where it does not begin so.
+// The rest of the message after that end, or NULL if it does not begin so.
 static const char *after_cut_name(const char *message, const text *name)
 {
     size_t kept = LUA_IDSIZE - 1 - 3;

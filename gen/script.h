@@ -50,7 +50,7 @@ bool script_run(script *s, const char *name, const char *chars, size_t n, int n_
 // The text of the chunk loaded last, and its name, until the next is loaded.
 const char *script_chunk(lua_State *L, const char **name);
 
-// Takes from what the running call has left; raises an error where that is not
+// Takes from what the running call has left; raises an error if that is not
 // enough. C functions call it whose work a script can choose.
 void script_spend(lua_State *L, uint64_t instructions);
 

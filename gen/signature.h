@@ -30,11 +30,11 @@ typedef struct signature {
 // Pushes a table in which each parameter of a config is a field.
 void signature_push_config(lua_State *L, const gen_setting *config, uint32_t n);
 
-// Reads field `args` of the card's table, ordered by the entries' names; raises where it
+// Reads field `args` of the card's table, ordered by the entries' names; raises if it
 // is wrong. The list is the caller's, to free.
 void signature_read(lua_State *L, int table, signature **list, uint32_t *n);
 
-// The entry's arguments under a config. Raises where a condition is no comparison.
+// The entry's arguments under a config. Raises if a condition is no comparison.
 void signature_resolve(lua_State *L, const signature *s, const gen_setting *config, uint32_t n,
                        gen_entry *entry);
 

@@ -80,7 +80,7 @@ array *array_push_view(lua_State *L, array_kind kind, void *rows, uint64_t n, in
 // numbers; the latter become an array, which takes their place at index.
 const array *array_check(lua_State *L, int index, array_kind kind);
 
-// The array at index; NULL where there is something else.
+// The array at index; NULL if there is something else.
 array *array_test(lua_State *L, int index);
 
 // The objects that rows of poses, bounds, transforms, sizes, rounded boxes, spheres or large poses

@@ -44,7 +44,7 @@ static void push_text(lua_State *L)
     lua_remove(L, -2);
 }
 
-// name = value, ... of the object at 1; raises where it is closed.
+// name = value, ... of the object at 1; raises if it is closed.
 static int describe(lua_State *L)
 {
     const lua_class *c = lua_touserdata(L, lua_upvalueindex(1));

@@ -54,14 +54,14 @@ void *class_push(lua_State *L, const lua_class *c, size_t bytes);
 // The same, and the parent is the value at that index.
 void *class_push_of(lua_State *L, const lua_class *c, size_t bytes, int parent_index);
 
-// The userdata of such a class at an index, or the object of its handle. Both raise an error where
+// The userdata of such a class at an index, or the object of its handle. Both raise an error if
 // it is closed.
 void *class_check(lua_State *L, int index, const lua_class *c);
 void *class_object(lua_State *L, int index, const lua_class *c);
 
 // nil, message, "STATUS": what a failed call gives back.
 int class_push_failure(lua_State *L, const duet_error *err);
-// Raises an error where the running script's time is over or it was told to
+// Raises an error if the running script's time is over or it was told to
 // stop: for functions that work long.
 void class_check_limits(lua_State *L);
 

@@ -82,7 +82,7 @@ static const char *find_calls(void *library, cluster_library *found)
     return NULL;
 }
 
-// The process's. NULL with NOT_FOUND where there is none, or one of another version.
+// The process's. NULL with NOT_FOUND if there is none, or one of another version.
 //
 // It stays until the process ends, for MPI may have threads in it. Its own calls bind to itself
 // (module.cmake), so that two copies of Duet never share a function.

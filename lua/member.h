@@ -61,7 +61,7 @@ void member_push_table(lua_State *L, const member *members, const void *from);
 void member_push_list(lua_State *L, const member *members, const void *from, uint64_t n,
                       size_t size);
 
-// NULL where there is none of that name.
+// NULL if there is none of that name.
 const member *member_find(const member *members, const char *name);
 void member_push(lua_State *L, const member *m, const void *from);
 

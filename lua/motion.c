@@ -443,7 +443,7 @@ static int motion_set_plan(lua_State *L)
     return class_push_done(L, duet_motion_set_plan(motion, &plan, &err), &err);
 }
 
-// motion:plan() -> the plan by which it seeks pairs; nil where it seeks none
+// motion:plan() -> the plan by which it seeks pairs; nil if it seeks none
 static int motion_plan(lua_State *L)
 {
     const duet_plan *plan = duet_motion_get_plan(motion_check_lua(L));

@@ -76,7 +76,7 @@ static uint32_t check_fields(lua_State *L, int index)
 #define ARRAY_OF_duet_force ARRAY_FORCES
 #define ARRAY_OF_duet_impulse ARRAY_IMPULSES
 #define ARRAY_OF_duet_transform ARRAY_TRANSFORMS
-#define KIND_LIST(type) ARRAY_KINDS
+#define KIND_LIST(type) ARRAY_KINDS // no rows
 #define KIND_DEF(type) ARRAY_KINDS
 #define KIND_ROWS(type) ARRAY_OF_##type
 #define KIND_FIELDS(type) ARRAY_OF_##type
@@ -137,10 +137,9 @@ static int change(lua_State *L)
     duet_motion *motion = motion_check_lua(L);
     duet_motion_def def = *duet_motion_get_def(motion);
     member_read_table(L, 2, "what of a motion can change", def_members, &def);
-    const packed_def packed = packed_def_of(&def);
     command c = begin(L);
     c.list.n = 1;
-    c.rows = &packed;
+    c.rows = &def;
     return class_push_done(L, command_give(motion, &c, &err), &err);
 }
 

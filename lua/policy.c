@@ -16,7 +16,7 @@
 // opened, so that no link is followed on the way.
 
 // Steps from *folder into one part and closes what it stood in. false for a
-// link, and for what cannot be told; *folder is -1 where there is nothing of
+// link, and for what cannot be told; *folder is -1 if there is nothing of
 // that name.
 static bool step(int *folder, const char *part)
 {
@@ -67,7 +67,7 @@ bool path_is_beneath(const char *path)
 
 // ---------------------------------------------------------------- policy
 
-// In the registry: nil where all is allowed, else the set of named paths.
+// In the registry: nil if all is allowed, else the set of named paths.
 static const char key = 0;
 
 void policy_restrict(lua_State *L, const char *const *paths, int n_paths)

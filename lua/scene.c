@@ -153,7 +153,7 @@ static int scene_close(lua_State *L)
 
 // ---------------------------------------------------------------- reading
 
-// A view of the scene's memory, or nil where it has no such rows.
+// A view of the scene's memory, or nil if it has no such rows.
 static int push_rows(lua_State *L, array_kind kind, const void *rows)
 {
     scene_box *box = check_box(L, 1);

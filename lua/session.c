@@ -23,7 +23,7 @@
 
 struct session {
     session_def def;
-    script *script; // NULL where trusted
+    script *script; // NULL if trusted
     lua_State *lua; // the script's, or one of its own
 };
 

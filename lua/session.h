@@ -18,8 +18,8 @@ typedef struct session session;
 typedef struct session_def {
     bool trusted;
     bool prompt;                  // session_enter and session_complete are called
-    size_t memory_bytes;          // of the state, where not trusted
-    double seconds;               // of one run, where not trusted
+    size_t memory_bytes;          // of the state, if not trusted
+    double seconds;               // of one run, if not trusted
     const char *const *arguments; // the global arg, [0] the script; borrowed
     int n_arguments;
 } session_def;
@@ -39,7 +39,7 @@ bool session_run_text(session *s, const char *name, const char *chars, duet_erro
 bool session_enter(session *s, const char *chars, bool *more, duet_error *err);
 
 // The names that begin with "duet.de" or "pair:wo", whole and in order, a line each. False
-// where there is no such object.
+// if there is no such object.
 bool session_complete(session *s, const char *word, text *words);
 
 #endif

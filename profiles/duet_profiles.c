@@ -120,7 +120,7 @@ static const sql_column trial_columns[] = {
     {0},
 };
 
-// None where the profile has no session.
+// None if the profile has no session.
 static bool read_trials(store *s, const char *uid, duet_stored_trial **trials, uint32_t *n,
                         duet_error *err)
 {

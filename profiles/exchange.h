@@ -17,10 +17,10 @@ typedef struct profile_import_counts {
 } profile_import_counts;
 
 // The whole store; docs/store.md describes the lines. `name` is what messages
-// call the file. IO_FAILED where it cannot be written.
+// call the file. IO_FAILED if it cannot be written.
 bool profile_export(store *s, FILE *out, const char *name, duet_error *err);
 
-// The same, or profile_export_t4, to a file. BAD_ARGUMENT where that file is the store.
+// The same, or profile_export_t4, to a file. BAD_ARGUMENT if that file is the store.
 typedef bool profile_export_format(store *s, FILE *out, const char *name, duet_error *err);
 bool profile_export_file(store *s, profile_export_format *format, const char *path,
                          duet_error *err);

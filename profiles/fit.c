@@ -3,7 +3,7 @@
 // equation is divided by its time. Columns are scaled to a mean square of one,
 // and each coefficient is held, as if by one more measurement, to be 0 +- 1 in
 // that scale: no part of a time is far above the whole of it. That decides
-// little where there are measurements, and keeps the rest within bounds.
+// little if there are measurements, and keeps the rest within bounds.
 //
 // A busy machine disturbs many times, some of them tenfold. So the sum of
 // absolute errors is made least first, which heeds the greater part of the
@@ -320,7 +320,7 @@ typedef struct fit_list {
     uint32_t n;
 } fit_list;
 
-// False where a hand-written row has not 16 numbers.
+// False if a hand-written row has not 16 numbers.
 static bool read_covariance(named_fit *row)
 {
     const char *at = row->covariance;
@@ -371,7 +371,7 @@ static fit_time predict_alone(const forecast_ask *ask, const fit_list *list, con
 }
 
 // Both parts' times are straight lines in the share; they end together where
-// the lines cross. False where they do not rise as times should.
+// the lines cross. False if they do not rise as times should.
 static bool cross(const forecast_ask *ask, const fit *a, const fit *b, forecast *out)
 {
     double a_rise = predict(ask, a, 1).ns - predict(ask, a, 0).ns;

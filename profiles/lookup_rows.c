@@ -87,7 +87,7 @@ static double limit(double rate)
 
 // Asks for the ids of rows, with what all queries have in common bound; `key` is of the workload,
 // or of its family. Only what limits the rows is in the statement, and the columns are read by
-// another where there is a row: an application's start pays for each word of SQL that is compiled.
+// another if there is a row: an application's start pays for each word of SQL that is compiled.
 static sql ask_rows(lookup *l, const rows_query *query, const char *key)
 {
     double missed = limit(l->request->max_missed_rate), added = limit(l->request->max_false_rate);
@@ -104,7 +104,7 @@ static sql ask_rows(lookup *l, const rows_query *query, const char *key)
     return q;
 }
 
-// The first id; 0 where there is none.
+// The first id; 0 if there is none.
 static bool close_rows(sql *q, int64_t *id)
 {
     *id = sql_row(q) ? sql_get_int(q, 0) : 0;

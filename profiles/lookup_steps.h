@@ -25,7 +25,7 @@ typedef struct lookup {
     char env[2][PROFILE_SHA];
     char seat[2][PROFILE_SHA];
     char workload[PROFILE_SHA];
-    int64_t pair_id; // 0 where these devices were never measured together
+    int64_t pair_id; // 0 if these devices were never measured together
     text family;     // of the workload
     neighbours near; // from the grade "interpolated" on
     profile_found *found;

@@ -77,7 +77,7 @@ typedef struct profile_entry_device {
     const char *platform_version;
 } profile_entry_device;
 
-// The session that a profile comes from; all NULL and 0 where it has none.
+// The session that a profile comes from; all NULL and 0 if it has none.
 typedef struct profile_entry_session {
     const char *id;
     const char *state;
@@ -148,7 +148,7 @@ typedef struct profile_level_cost_key {
 bool profile_level_costs_put(store *s, const profile_level_cost_key *key,
                              const profile_level_cost *costs, uint32_t n, duet_error *err);
 
-// Fills costs [PROFILE_LEVEL_COSTS] by level; n is 0 where none are stored.
+// Fills costs [PROFILE_LEVEL_COSTS] by level; n is 0 if none are stored.
 bool profile_level_costs_get(store *s, const profile_level_cost_key *key, profile_level_cost *costs,
                              uint32_t *n, duet_error *err);
 

@@ -21,7 +21,7 @@
 
 #define SILENT_NS 600000000000 // ten minutes without a heartbeat: another machine's owner has gone
 
-// When the process was started, in the kernel's ticks; 0 where it is not known,
+// When the process was started, in the kernel's ticks; 0 if it is not known,
 // or where it ended and only waits for its parent.
 static int64_t process_start(int64_t pid)
 {

@@ -35,7 +35,7 @@ typedef enum profile_claim {
 typedef struct profile_resumed {
     profile_claim claim;
     char id[PROFILE_ID];
-    text search_state; // JSON; empty where none was saved
+    text search_state; // JSON; empty if none was saved
     uint32_t trials;
     int64_t pid; // whose it is, where BUSY
 } profile_resumed;
@@ -46,7 +46,7 @@ bool profile_session_begin(store *s, const profile_session *session, char id[PRO
 
 // The profile that the latest complete session of the same question left, live or
 // not: of the same pair, workload, kernels, strategy, objective, options and seed,
-// and for strategy "lua" of the same script. uid is empty where there is none.
+// and for strategy "lua" of the same script. uid is empty if there is none.
 bool profile_session_known(store *s, const profile_session *session, char uid[PROFILE_ID],
                            duet_error *err);
 
@@ -71,7 +71,7 @@ typedef struct profile_search {
 } profile_search;
 
 // The variant in the latest profile that such a search led to, live or not, be the device's
-// partner another one; empty where there is none.
+// partner another one; empty if there is none.
 bool profile_searched_variant(store *s, const profile_search *search, char variant[PROFILE_VARIANT],
                               duet_error *err);
 
@@ -110,7 +110,7 @@ typedef struct profile_sample {
 typedef struct profile_trial {
     profile_plan plan;
     const char *outcome; // "ok", "build", "launch", "wrong", "timeout" or "pruned"
-    const char *reason;  // one line where not ok; else NULL
+    const char *reason;  // one line if not ok; else NULL
     double build_ms;     // 0: nothing was built
     uint32_t outliers;
     uint32_t disturbed; // launches that count although other programs disturbed them

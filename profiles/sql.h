@@ -40,7 +40,7 @@ typedef struct sql {
 sql sql_make(store *s, const char *statement, duet_error *err);
 void sql_text(sql *q, const char *value); // NULL is bound as NULL; must live until sql_close
 void sql_int(sql *q, int64_t value);
-void sql_real(sql *q, double value); // NULL where not finite
+void sql_real(sql *q, double value); // NULL if not finite
 bool sql_row(sql *q);                // false at the end and after a failure
 void sql_again(sql *q);              // to bind and run once more
 bool sql_run(sql *q);                // to the end, and closes it
@@ -48,7 +48,7 @@ bool sql_close(sql *q);
 
 int64_t sql_get_int(const sql *q, int column);
 double sql_get_real(const sql *q, int column);
-const char *sql_get_text(const sql *q, int column); // NULL where NULL; until the next row
+const char *sql_get_text(const sql *q, int column); // NULL if NULL; until the next row
 
 // ---------------------------------------------------------------- columns
 
@@ -111,10 +111,10 @@ void *sql_rows(sql *q, const sql_column *columns, size_t size, uint32_t *n);
 // Runs a text of statements that give no rows.
 bool sql_script(store *s, const char *statements, duet_error *err);
 
-// The one number that a query gives; 0 where it gives none.
+// The one number that a query gives; 0 if it gives none.
 bool sql_number(store *s, const char *query, int64_t *number, duet_error *err);
 
-// The id that a query with one text parameter gives; 0 where it gives none.
+// The id that a query with one text parameter gives; 0 if it gives none.
 bool sql_find(store *s, const char *query, const char *key, int64_t *id, duet_error *err);
 
 // Says in one line why SQLite refused: which file, and what would help.

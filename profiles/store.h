@@ -16,18 +16,18 @@
 typedef struct store store;
 
 typedef enum store_access {
-    STORE_READ, // the file must exist, and nothing is written where no writer left it half-done
+    STORE_READ, // the file must exist, and nothing is written if no writer left it half-done
     STORE_WRITE // makes folders and file where they do not exist, and upgrades an older file
 } store_access;
 
-// NOT_FOUND for STORE_READ where there is no file; STORE_FAILED with one line
+// NOT_FOUND for STORE_READ if there is no file; STORE_FAILED with one line
 // for a file that is foreign, corrupt, locked, of another version, or cannot be
 // written. path NULL: the user's, by store_user_path.
 store *store_open(const char *path, store_access access, duet_error *err);
 void store_close(store *s); // NULL allowed
 
 // Whether what was read since the store was opened belongs together: false with
-// a line where a file that is read without locks was written meanwhile.
+// a line if a file that is read without locks was written meanwhile.
 bool store_check_read(const store *s, duet_error *err);
 
 const char *store_path(const store *s);
@@ -41,11 +41,11 @@ bool store_begin(store *s, duet_error *err);
 bool store_end(store *s, bool ok, duet_error *err);
 
 // DUET_PROFILE, else duet/profiles.db in XDG_DATA_HOME, else in
-// ~/.local/share. NOT_FOUND where none of these is set.
+// ~/.local/share. NOT_FOUND if none of these is set.
 bool store_user_path(text *path, duet_error *err);
 
 // The first duet/profiles.db that exists in XDG_DATA_DIRS (default
-// /usr/local/share:/usr/share); false where there is none.
+// /usr/local/share:/usr/share); false if there is none.
 bool store_system_path(text *path);
 
 #endif

@@ -98,7 +98,7 @@ bool profile_workload_put(store *s, const profile_workload *w, int64_t *workload
 // ---------------------------------------------------------------- keys
 
 // Makes the key of a row of "device", "env", "workload" or "script" again from its
-// fields. right is true where it is the one that is stored.
+// fields. right is true if it is the one that is stored.
 bool key_check(store *s, const char *table, int64_t id, bool *right, duet_error *err);
 
 #endif

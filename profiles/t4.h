@@ -9,7 +9,7 @@
 
 // Writes all trials of the store as one document, valid by T4's schema of results and by its
 // schema of metadata (version 1.0.0); docs/store.md describes it. `name` is what messages call
-// the file. IO_FAILED where it cannot be written.
+// the file. IO_FAILED if it cannot be written.
 bool profile_export_t4(store *s, FILE *out, const char *name, duet_error *err);
 
 #endif

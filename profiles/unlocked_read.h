@@ -21,7 +21,7 @@ bool unlocked_read_holds(const char *path, const unlocked_read *before);
 // count as one that rests.
 unlocked_read unlocked_read_begin(const char *path);
 
-// Whether the file itself is as it was; false with a line where not. The side file
+// Whether the file itself is as it was; false with a line if not. The side file
 // of a writer is no part of it.
 bool unlocked_read_check(const char *path, const unlocked_read *before, duet_error *err);
 

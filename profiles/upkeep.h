@@ -20,7 +20,7 @@ typedef struct profile_prune_counts {
 bool profile_prune(store *s, const profile_prune_def *def, profile_prune_counts *counts,
                    duet_error *err);
 
-// One line in `report` for each thing that is wrong; true with no line where
+// One line in `report` for each thing that is wrong; true with no line if
 // all is well.
 bool profile_check(store *s, text *report, uint32_t *problems, duet_error *err);
 

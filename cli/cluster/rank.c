@@ -23,7 +23,7 @@
 // A run on this rank.
 typedef struct run_state {
     const cluster_arguments *args;
-    const simulation *simulation; // NULL: the ranks are real
+    const simulation *simulation;       // NULL: the ranks are real
     const duet_stored_profile *profile; // whose times they take; NULL: their own
     duet_cluster *cluster;
     duet_scene *scene; // rank 0's
@@ -152,7 +152,7 @@ static bool check_profile(const run_state *r, duet_error *err)
                      r->args->profile, p->level, level);
 }
 
-// As in duet run, a given plan is kept; else each rank loads its profile.
+// A given plan is kept, as in duet run; else each rank loads its profile.
 static bool choose_plan(run_state *r, duet_error *err)
 {
     duet_profile profile;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What each rank of `duet cluster` does once MPI has begun. All ranks do the same; rank 0 also
+// The work of each rank of `duet cluster` once MPI has begun. All ranks do the same; rank 0 also
 // reads the scene and prints the results.
 #ifndef CLI_CLUSTER_RANK_H
 #define CLI_CLUSTER_RANK_H

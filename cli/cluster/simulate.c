@@ -50,7 +50,7 @@ static bool check_steps(const simulated_job *job, const duet_stored_profile *p, 
                      job->args.profile, p->query);
 }
 
-// What a rank's step takes of each object at most.
+// The most that a rank's step can take for each object.
 static const double MOST_OBJECT_S = 1;
 
 // Reads the step's time by the objects of the profile. A store may have been written by anybody.

@@ -111,7 +111,7 @@ static bool read_results(results *r, char **paths, duet_error *err)
     return ok;
 }
 
-// A store that is not there is no failure where there are results to show.
+// A store that is not there is no failure if there are results to show.
 static bool add_store(cJSON *shown, const char *path, bool needed, duet_error *err)
 {
     duet_error failure = {0};

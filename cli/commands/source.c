@@ -358,7 +358,7 @@ static bool check_each(gen *g, program_set *set, const char *only, const argumen
 }
 
 // Compiles valid configs on the device. Each that fails is a line on stderr;
-// BUILD_FAILED with their number where there were some, INTERRUPTED on Ctrl-C.
+// BUILD_FAILED with their number if there were some, INTERRUPTED on Ctrl-C.
 static bool check_kernels(gen *g, const device *d, const char *only, const arguments *args,
                           duet_error *err)
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Results of `duet bench` as JSON: one object a file, with the devices and an
 // object for each case. docs/formats.md has the fields. And what a person is told of
-// them: a table for each scene, next to earlier results where there are some.
+// them: a table for each scene, next to earlier results if there are some.
 #ifndef CLI_BENCH_RESULTS_H
 #define CLI_BENCH_RESULTS_H
 
@@ -25,16 +25,16 @@ cJSON *bench_read(const char *path, duet_error *err);
 // The cases of one scene; before is NULL or what bench_read gave.
 void bench_print_scene(const cJSON *results, const char *scene, const cJSON *before);
 
-// How many cases became faster, stayed the same and so on; nothing where
+// How many cases became faster, stayed the same and so on; nothing if
 // before is NULL.
 void bench_print_verdicts(const cJSON *results, const cJSON *before);
 
 // The first case of verdict "slower", as one line names it: "paper by 'simd', mode own,
-// share 0.50". False where there is none; n counts them.
+// share 0.50". False if there is none; n counts them.
 bool bench_first_slower(const cJSON *results, char name[BENCH_NAME], uint32_t *n);
 
 // Adds to each case how it compares: against_ms, ratio, ratio_low, ratio_high
-// (above 1: faster now) and verdict. Nothing where before is NULL.
+// (above 1: faster now) and verdict. Nothing if before is NULL.
 void bench_compare(cJSON *results, const cJSON *before);
 
 #endif

@@ -11,14 +11,14 @@
 #include <cjson/cJSON.h>
 #include <stdbool.h>
 
-// A whole file; BAD_INPUT where it is no JSON.
+// A whole file; BAD_INPUT if it is no JSON.
 cJSON *json_read(const char *path, duet_error *err);
 
 // Adds the object's text, in UTF-8 and without control characters, whatever its
 // strings hold.
 bool json_write(const cJSON *o, text *t, duet_error *err);
 
-// Adds a field from an object's text; none where the text is not one object.
+// Adds a field from an object's text; none if the text is not one object.
 void json_add_object(cJSON *o, const char *name, const char *chars);
 
 // Adds the fields that every plan has: share (0 to 1), mode, variant_a, variant_b.
@@ -77,7 +77,7 @@ bool json_require_each(const cJSON *list, const json_field *fields, const char *
 cJSON_bool json_is_count(const cJSON *item);
 cJSON_bool json_is_amount(const cJSON *item);
 
-// 0, "" and false where the field is missing or of another kind; 0 for a number
+// 0, "" and false if the field is missing or of another kind; 0 for a number
 // beyond 2^53 too.
 double json_number(const cJSON *o, const char *name);
 const char *json_string(const cJSON *o, const char *name);

@@ -77,7 +77,7 @@ static void print_row(table *t, const level_cost *row, double slowest)
     table_cell(t, "%.2g %%", 100 * undecided_share(row));
 }
 
-// "A: pocl:0[0], its name", without the letter where the device is the only one.
+// "A: pocl:0[0], its name", without the letter if the device is the only one.
 static text device_words(const level_costs_report *r, int device)
 {
     const duet_device_info *info = duet_device_pair_get_info(r->pair, device);

@@ -26,7 +26,7 @@ bool level_costs_report_plot(const level_costs_report *r, const char *path, duet
 
 #define LEVEL_COSTS_TYPE "duet accuracy"
 
-// BAD_INPUT where an object that is called that is none of ours.
+// BAD_INPUT if an object that is called that is none of ours.
 bool level_costs_report_check(const cJSON *o, const char *path, duet_error *err);
 
 #endif

@@ -46,7 +46,7 @@ static void clear_line(const tune_report *r)
         fprintf(stderr, "\r\033[K");
 }
 
-// At most, by the trials or the time that are left; below 0 where nothing bounds it.
+// At most, by the trials or the time that are left; below 0 if nothing bounds it.
 static double seconds_left(const tune_report *r, const duet_tune_progress *p)
 {
     double by_time = r->budget_seconds > 0 ? fmax(r->budget_seconds - p->seconds, 0) : -1;

@@ -44,7 +44,7 @@ bool command_open(duet_motion *m, command *c, duet_error *err)
     const size_t n = c->list.n;
     if (!motion_is_whole(m, c->op->call, err) || !timeline_finish(&m->times, err))
         return false;
-    bool listed = c->op->form != COMMAND_ADD && c->op->form != COMMAND_DEF;
+    bool listed = command_has_list(c->op);
     bool recorded = listed && m->recording;
     c->places = malloc(n * sizeof *c->places + 1);
     c->ids = recorded ? malloc(n * sizeof *c->ids + 1) : NULL;

@@ -7,7 +7,6 @@
 #ifndef RUNTIME_COMMAND_H
 #define RUNTIME_COMMAND_H
 
-#include "runtime/commands/packed.h"
 #include "runtime/dynamics/motion_commands.h"
 
 typedef struct command command;
@@ -33,6 +32,11 @@ typedef struct command_op {
     size_t row;       // bytes of one
     bool (*run)(duet_motion *m, command *c, duet_error *err);
 } command_op;
+
+static inline bool command_has_list(const command_op *op)
+{
+    return op->form != COMMAND_ADD && op->form != COMMAND_DEF;
+}
 
 struct command {
     const command_op *op;

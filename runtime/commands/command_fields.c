@@ -145,23 +145,57 @@ bool command_set_user_data(duet_motion *m, command *c, duet_error *err)
 
 // ---------------------------------------------------------------- the world
 
+// That only the members differ which a command can change.
+static bool check_same(const duet_motion_def *a, const duet_motion_def *b, const char *call,
+                       duet_error *err)
+{
+    const struct {
+        const char *name;
+        double of, motion;
+    } same[] = {
+        {"dims", a->dims, b->dims},
+        {"wants", a->wants, b->wants},
+        {"doubles", a->doubles, b->doubles},
+        {"origin[0]", a->origin[0], b->origin[0]},
+        {"origin[1]", a->origin[1], b->origin[1]},
+        {"origin[2]", a->origin[2], b->origin[2]},
+        {"origin_edge", a->origin_edge, b->origin_edge},
+        {"boundary", a->boundary, b->boundary},
+        {"dt", a->dt, b->dt},
+        {"substeps", a->substeps, b->substeps},
+        {"integrator", a->integrator, b->integrator},
+        {"skin", a->skin, b->skin},
+        {"slop", a->slop, b->slop},
+        {"hit_speed", a->hit_speed, b->hit_speed},
+        {"event_mask", a->event_mask, b->event_mask},
+    };
+    for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)
+        if (same[i].of != same[i].motion)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "%s: %s is %g; expected the motion's %g, which cannot change", call,
+                             same[i].name, same[i].of, same[i].motion);
+    if ((a->attraction != 0.0) != (b->attraction != 0.0))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: the attraction is %g, the motion's %g; expected none or both to be 0",
+                         call, a->attraction, b->attraction);
+    return a->pair == b->pair ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "%s: pair is another; expected the motion's, which cannot change", call);
+}
+
 static bool change_world(duet_motion *m, const duet_motion_def *def, duet_error *err)
 {
+    const duet_plan plan = m->def.plan;
     m->def = *def;
+    m->def.plan = plan;
     motion_alter_all(m); // walls are elsewhere
     return motion_wake_all(m, err);
 }
 
 bool command_set_def(duet_motion *m, command *c, duet_error *err)
 {
-    duet_motion_def def = m->def;
-    packed_to_def(c->rows, &def);
-    if (!motion_check_def(&def, err))
-        return false;
-    if ((def.attraction != 0.0) != (m->def.attraction != 0.0))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: the attraction is %g, the motion's %g; expected none or both to be 0",
-                         c->op->call, def.attraction, m->def.attraction);
-    return motion_needs(m, effect_infer(&def, &m->facts), c->op->call, err) &&
-           motion_keep_whole(m, change_world(m, &def, err));
+    const duet_motion_def *def = c->rows;
+    return motion_check_def(def, err) && check_same(def, &m->def, c->op->call, err) &&
+           motion_needs(m, effect_infer(def, &m->facts), c->op->call, err) &&
+           motion_keep_whole(m, change_world(m, def, err));
 }

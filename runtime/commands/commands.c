@@ -43,81 +43,27 @@ bool command_give(duet_motion *m, command *c, duet_error *err)
 
 // ---------------------------------------------------------------- calls
 
-#define CALL_LIST(number, name, type, rows_)                                       \
-    bool duet_motion_##name(duet_motion *m, duet_body_list list, duet_error *err)  \
-    {                                                                              \
-        return command_give(m, &(command){.op = &ops[number], .list = list}, err); \
+#define GIVE(number, ...)                                                         \
+    {                                                                             \
+        return command_give(m, &(command){.op = &ops[number], __VA_ARGS__}, err); \
     }
-#define CALL_ROWS(number, name, type, rows_)                                                      \
-    bool duet_motion_##name(duet_motion *m, duet_body_list list, const type *rows_,               \
+#define CALL_LIST(number, name, type, given)                                      \
+    bool duet_motion_##name(duet_motion *m, duet_body_list list, duet_error *err) \
+        GIVE(number, .list = list)
+#define CALL_ROWS(number, name, type, given)                                        \
+    bool duet_motion_##name(duet_motion *m, duet_body_list list, const type *given, \
+                            duet_error *err) GIVE(number, .list = list, .rows = given)
+#define CALL_FIELDS(number, name, type, given)                                                    \
+    bool duet_motion_##name(duet_motion *m, duet_body_list list, uint32_t set, const type *given, \
                             duet_error *err)                                                      \
-    {                                                                                             \
-        return command_give(m, &(command){.op = &ops[number], .list = list, .rows = rows_}, err); \
-    }
-#define CALL_FIELDS(number_, name, type, rows_)                                           \
-    bool duet_motion_##name(duet_motion *m, duet_body_list list, uint32_t fields,         \
-                            const type *rows_, duet_error *err)                           \
-    {                                                                                     \
-        command c = {.op = &ops[number_], .list = list, .fields = fields, .rows = rows_}; \
-        return command_give(m, &c, err);                                                  \
-    }
-#define CALL_ADD(number_, name, type, rows_)                                            \
-    bool duet_motion_##name(duet_motion *m, const type *rows_, const duet_body *bodies, \
-                            uint32_t n, uint64_t *ids, duet_error *err)                 \
-    {                                                                                   \
-        command c = {.op = &ops[number_],                                               \
-                     .list.n = n,                                                       \
-                     .rows = rows_,                                                     \
-                     .new_bodies = bodies,                                              \
-                     .new_ids = ids};                                                   \
-        return command_give(m, &c, err);                                                \
-    }
-#define CALL_DEF(number_, name, type, rows_)                                                  \
-    bool duet_motion_##name(duet_motion *m, const duet_motion_def *rows_, duet_error *err)    \
-    {                                                                                         \
-        PUBLIC_CALL(err);                                                                     \
-        if (!motion_is_whole(m, __func__, err) || !motion_check_def(rows_, err) ||            \
-            !check_same(rows_, &m->def, __func__, err))                                       \
-            return false;                                                                     \
-        const type packed = packed_def_of(rows_);                                             \
-        return command_give(m, &(command){.op = &ops[number_], .list.n = 1, .rows = &packed}, \
-                            err);                                                             \
-    }
-
-// That only the members differ which a command can change.
-static bool check_same(const duet_motion_def *a, const duet_motion_def *b, const char *call,
-                       duet_error *err)
-{
-    const struct {
-        const char *name;
-        double of, motion;
-    } same[] = {
-        {"dims", a->dims, b->dims},
-        {"wants", a->wants, b->wants},
-        {"doubles", a->doubles, b->doubles},
-        {"origin[0]", a->origin[0], b->origin[0]},
-        {"origin[1]", a->origin[1], b->origin[1]},
-        {"origin[2]", a->origin[2], b->origin[2]},
-        {"origin_edge", a->origin_edge, b->origin_edge},
-        {"boundary", a->boundary, b->boundary},
-        {"dt", a->dt, b->dt},
-        {"substeps", a->substeps, b->substeps},
-        {"integrator", a->integrator, b->integrator},
-        {"skin", a->skin, b->skin},
-        {"slop", a->slop, b->slop},
-        {"hit_speed", a->hit_speed, b->hit_speed},
-        {"event_mask", a->event_mask, b->event_mask},
-    };
-    for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)
-        if (same[i].of != same[i].motion)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "%s: %s is %g; expected the motion's %g, which cannot change", call,
-                             same[i].name, same[i].of, same[i].motion);
-    return a->pair == b->pair ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: pair is another; expected the motion's, which cannot change", call);
-}
-
+        GIVE(number, .list = list, .fields = set, .rows = given)
+#define CALL_ADD(number, name, type, given)                                           \
+    bool duet_motion_##name(duet_motion *m, const type *given, const duet_body *come, \
+                            uint32_t n_come, uint64_t *named, duet_error *err)        \
+        GIVE(number, .list.n = n_come, .rows = given, .new_bodies = come, .new_ids = named)
+#define CALL_DEF(number, name, type, given)                                     \
+    bool duet_motion_##name(duet_motion *m, const type *given, duet_error *err) \
+        GIVE(number, .list.n = 1, .rows = given)
 #define COMMAND(number, name, form, bodies, effect, type, rows) \
     CALL_##form(number, name, type, rows)
 #include "runtime/commands/commands.inl"

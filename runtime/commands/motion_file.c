@@ -11,8 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What follows is read where it lies, doubles first.
-static_assert(sizeof(saved_head) == 232, "no byte of a file is left to chance");
+// What follows is read where it lies: vectors of four words.
+static_assert(sizeof(saved_head) == 240 && sizeof(saved_head) % sizeof(cl_int4) == 0,
+              "no byte of a file is left to chance");
 
 static const char magic[16] = "duet motion 1\n";
 

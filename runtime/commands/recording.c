@@ -15,11 +15,16 @@ const char recording_magic[16] = "duet commands 1\n";
 
 recorded_sizes recorded_sizes_of(const command_op *op)
 {
-    bool listed = op->form != COMMAND_ADD && op->form != COMMAND_DEF;
-    bool bodies = op->form == COMMAND_ADD || op->form == COMMAND_FIELDS;
-    return (recorded_sizes){.ids = listed ? sizeof(uint64_t) : 0,
-                            .row = op->form == COMMAND_FIELDS ? 0 : op->row,
-                            .body = bodies ? sizeof(packed_body) : 0};
+    switch (op->form) {
+    case COMMAND_ADD:
+        return (recorded_sizes){.row = op->row, .body = sizeof(packed_body)};
+    case COMMAND_DEF:
+        return (recorded_sizes){.row = sizeof(packed_def)};
+    case COMMAND_FIELDS:
+        return (recorded_sizes){.ids = sizeof(uint64_t), .body = sizeof(packed_body)};
+    default:
+        return (recorded_sizes){.ids = sizeof(uint64_t), .row = op->row};
+    }
 }
 
 // ---------------------------------------------------------------- noting
@@ -40,6 +45,12 @@ static void add_steps(text *to, uint64_t steps)
     }
 }
 
+static void add_def(text *to, const duet_motion_def *def)
+{
+    const packed_def packed = packed_def_of(def);
+    add(to, &packed, sizeof packed);
+}
+
 void recording_add(duet_motion *m, const command *c)
 {
     text *to = m->recording;
@@ -52,7 +63,10 @@ void recording_add(duet_motion *m, const command *c)
     m->recorded_step = m->step;
     add(to, &r, sizeof r);
     add(to, c->ids, n * sizes.ids);
-    add(to, c->rows, n * sizes.row);
+    if (c->op->form == COMMAND_DEF)
+        add_def(to, c->rows);
+    else
+        add(to, c->rows, n * sizes.row);
     for (uint32_t i = 0; sizes.body > 0 && i < n; ++i) {
         const packed_body b = packed_body_of(&c->bodies[i]);
         add(to, &b, sizeof b);

@@ -6,6 +6,7 @@
 #define RUNTIME_RECORDING_H
 
 #include "runtime/commands/command.h"
+#include "runtime/commands/packed.h"
 
 typedef struct recording_head {
     char magic[16];
@@ -19,7 +20,8 @@ extern const char recording_magic[16];
 
 enum { RECORDED_STEPS = 0 }; // a kind besides the commands' numbers
 
-// Begins each record. n ids follow if bodies are listed, then n rows, then n packed bodies.
+// Begins each record. n ids follow if bodies are listed, then n rows, then n bodies; bodies and
+// defs are packed.
 typedef struct recorded {
     uint32_t kind;
     uint32_t n; // bodies, or steps

@@ -142,12 +142,17 @@ static bool give(const recorded *r, const char *from, duet_motion *m, duet_error
     uint64_t *ids = copy_of(&from, r->n * each.ids);
     void *rows = copy_of(&from, r->n * each.row);
     duet_body *bodies = each.body > 0 ? bodies_of(from, r->n) : NULL;
+    duet_motion_def def = *duet_motion_get_def(m);
     command c = {.op = op,
                  .list = {.ids = ids, .n = r->n},
                  .fields = r->fields,
                  .rows = each.row > 0 ? rows : bodies,
                  .new_bodies = bodies};
     bool ok = ids && rows && (bodies || each.body == 0);
+    if (ok && op->form == COMMAND_DEF) {
+        packed_to_def(rows, &def);
+        c.rows = &def;
+    }
     ok = ok ? command_give(m, &c, err)
             : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u recorded bodies", r->n);
     free(ids);

@@ -21,7 +21,7 @@ typedef struct saved_head {
     uint32_t n_targets;
     uint32_t pushed; // forces wait for the next step
     float origin_edge;
-    uint32_t unused;
+    uint32_t unused[3];
     uint64_t step, n_pairs;
     double margin;
     packed_def def;

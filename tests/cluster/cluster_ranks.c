@@ -892,12 +892,12 @@ static void homes_go_on_after_one_rank_had_no_memory(void)
     MPI_Comm_free(&comm);
 }
 
-static bool (*find_in_truth)(worker *, worker_found *, duet_error *);
+static bool (*find_in_truth)(worker *, const global_ids *, worker_found *, duet_error *);
 static int finds_left;
 
-static bool find_some_times(worker *w, worker_found *found, duet_error *err)
+static bool find_some_times(worker *w, const global_ids *ids, worker_found *found, duet_error *err)
 {
-    return finds_left-- > 0 ? find_in_truth(w, found, err)
+    return finds_left-- > 0 ? find_in_truth(w, ids, found, err)
                             : error_set(err, DUET_STATUS_DEVICE_FAILED, "not in this test");
 }
 
@@ -977,12 +977,12 @@ static void grids_follow_objects_that_travel(void)
     if (comm == MPI_COMM_NULL)
         return;
     duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
-    cluster->workers[0]->move = count_move;
+    cluster->workers[0]->forget_grids = count_move;
     hand_over(cluster, &c, 0, 1);
     step(cluster);
     int before = n_moves;
     MUST(before > 0, "what is new has moved");
-    reach box = cluster->owned.around;
+    extent box = cluster->owned.around;
     float little = (float)((box.upper[0] - box.lower[0]) / 18);
     for (int at = 1; at <= 12; ++at) {
         duet_error err = {0};
@@ -1031,9 +1031,10 @@ static void parts_stay_while_they_are_even(void)
         for (uint32_t i = 0; i < n; ++i)
             own[i] = c.poses[ids[i]];
         for (int i = 0; i < 2; ++i)
-            cluster->workers[i]->move = count_move;
+            cluster->workers[i]->forget_grids = count_move;
         must_find(cluster, &c);
-        MUST(at == 0 || (cluster->owned.n_placed > n_placed) == crowds, "parts are cut where uneven");
+        MUST(at == 0 || (cluster->owned.n_placed > n_placed) == crowds,
+             "parts are cut where uneven");
         MUST(at == 0 || (n_moves == before + 2) == crowds, "and both workers know of it");
     }
     duet_cluster_destroy(cluster);
@@ -1115,7 +1116,7 @@ static void ranks_are_weighed_by_their_stored_times(void)
 
 // Of three ranks the first takes three times as long for each of its objects: it gets fewer, once
 // that has cost more than a cut, and pairs stay as they are.
-static bool (*find_pairs)(worker *w, worker_found *found, duet_error *err);
+static bool (*find_pairs)(worker *w, const global_ids *ids, worker_found *found, duet_error *err);
 static uint64_t told_ns;
 
 // Nothing takes time but finding pairs.
@@ -1124,10 +1125,10 @@ static uint64_t tell_ns(void)
     return told_ns;
 }
 
-static bool find_slowly(worker *w, worker_found *found, duet_error *err)
+static bool find_slowly(worker *w, const global_ids *ids, worker_found *found, duet_error *err)
 {
     told_ns += (rank == 0 ? 30 : 10) * 1000 * (uint64_t)owned_count(&asked->owned);
-    return find_pairs(w, found, err);
+    return find_pairs(w, ids, found, err);
 }
 
 static void ranks_that_prove_slow_get_fewer_objects(void)
@@ -1717,7 +1718,7 @@ static void what_is_skimmed_is_deep_inside(void)
 {
     static crowd c;
     rng r = rng_seed(15);
-    const reach inside = {{-2.5, -2.25, -3}, {2.5, 3, 2.7}};
+    const extent inside = {{-2.5, -2.25, -3}, {2.5, 3, 2.7}};
     uint32_t skimmed = 0;
     for (uint32_t i = 0; i < 12; ++i) {
         make_crowd(&c, &r, i < 8 ? i : SPHERES - 8 + i);
@@ -1731,14 +1732,14 @@ static void what_is_skimmed_is_deep_inside(void)
             MUST(end >= first && end <= c.n, "a row");
             for (uint32_t k = first; k < end; ++k, ++skimmed) {
                 double at[3];
-                reach e = reach_of(&form, object_row(&rows, &form, k));
+                extent e = extent_of(&form, object_row(&rows, &form, k));
                 object_centre(&form, object_row(&rows, &form, k), at);
                 MUST(object_is_sound(&form, object_row(&rows, &form, k)), "sound");
                 for (int d = 0; d < 3; ++d)
                     MUST(at[d] > inside.lower[d] && at[d] < inside.upper[d] &&
                              at[d] >= s.centres.lower[d] && at[d] <= s.centres.upper[d],
                          "inside");
-                MUST(reach_widest(&e) <= skim_widest(&s, &form), "no wider");
+                MUST(extent_widest(&e) <= skim_widest(&s, &form), "no wider");
             }
         }
     }
@@ -1756,7 +1757,7 @@ static duet_bounds bounds_in_float(const crowd *c, uint32_t id)
 }
 
 // Of boxes that turn and of those that do not, of all sizes, and of points at 0.
-static void reaches_hold_what_devices_take(void)
+static void extents_hold_what_devices_take(void)
 {
     static crowd c;
     static const uint32_t crowds[] = {0, 3, 6, SPHERES, SPHERES + 1, ROUNDED, ROUNDED + 1, 54};
@@ -1768,7 +1769,7 @@ static void reaches_hold_what_devices_take(void)
         for (uint32_t id = 0; id < c.n; ++id) {
             uint32_t numbers = c.world.shape == DUET_SHAPE_SPHERES ? 4 : 6;
             memset(row_of(&c, id), 0, id == 0 ? numbers * sizeof(float) : 0);
-            reach e = reach_of(&form, row_of(&c, id));
+            extent e = extent_of(&form, row_of(&c, id));
             duet_bounds b = bounds_in_float(&c, id);
             for (uint32_t k = 0; k < c.world.dims; ++k)
                 MUST(e.lower[k] <= (double)b.lower[k] && e.upper[k] >= (double)b.upper[k], c.name);
@@ -1806,16 +1807,18 @@ static duet_bounds some_bounds(uint64_t id, rng *r)
     return (duet_bounds){.lower = {x, -1, -1}, .upper = {x, (float)id, 1}};
 }
 
-// Rows come to their domains, some of which are empty, and stay there as random ones leave and come.
+// Rows come to their domains, some of which are empty, and stay there as random ones leave and
+// come.
 static void rows_come_to_their_domains(void)
 {
-    static const reach all = {{-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}};
-    static worker in_any_order;
-    worker *const workers[2] = {&in_any_order, &in_any_order};
+    static const extent all = {{-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}};
     rng r = rng_seed(16);
     parallel team;
     duet_error err = {0};
-    MUST_OK(parallel_begin(&team, 3, 1, &err), err);
+    duet_world_def def = duet_default_world_def();
+    def.shape = DUET_SHAPE_BOUNDS;
+    worker *w = worker_open_plain(&def, &err), *const workers[2] = {w, w};
+    MUST_OK(w && parallel_begin(&team, 3, 1, &err), err);
     for (int round = 0; round < 300; ++round) {
         owned o;
         object_rows rows;
@@ -1855,6 +1858,7 @@ static void rows_come_to_their_domains(void)
         }
         owned_end(&o);
     }
+    w->close(w);
     parallel_end(&team);
 }
 
@@ -1907,7 +1911,7 @@ int main(int argc, char **argv)
     levels_are_octaves_below_the_widest();
     a_part_is_its_box();
     what_is_skimmed_is_deep_inside();
-    reaches_hold_what_devices_take();
+    extents_hold_what_devices_take();
     rows_come_to_their_domains();
     if (rank == 0)
         calls_are_made_beside_loops();

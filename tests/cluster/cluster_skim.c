@@ -30,7 +30,7 @@ static void open_devices(void)
 
 // ---------------------------------------------------------------- one device
 
-static const reach inside = {{-2.5, -2.25, -3}, {2.5, 3.1, 2.7}};
+static const extent inside = {{-2.5, -2.25, -3}, {2.5, 3.1, 2.7}};
 
 // Few of them are any number that there is.
 static float some_number(rng *r, double likely)
@@ -72,13 +72,13 @@ static void must_be_deep(const object_form *form, const float *row, const skim_b
     skim all = skim_none;
     skim_add_block(&all, block);
     object_centre(form, row, at);
-    reach e = reach_of(form, row);
+    extent e = extent_of(form, row);
     MUST(object_is_sound(form, row), "sound");
     for (uint32_t k = 0; k < form->dims; ++k)
         MUST(is_between(inside.lower[k], at[k], inside.upper[k]) && at[k] >= all.centres.lower[k] &&
                  at[k] <= all.centres.upper[k],
              "inside");
-    MUST(reach_widest(&e) <= skim_widest(&all, form), "no wider than is said");
+    MUST(extent_widest(&e) <= skim_widest(&all, form), "no wider than is said");
 }
 
 // Whether float must see that it is deep inside: the host does, bounds are inside as a whole, and
@@ -181,6 +181,8 @@ static worker_pair *worker_of(duet_cluster *c)
     return (worker_pair *)c->workers[0];
 }
 
+static float size = 1; // of the objects that are handed over
+
 // Rank 0 brings all.
 static void hand_over(duet_cluster *c, uint32_t n, uint64_t seed)
 {
@@ -190,7 +192,7 @@ static void hand_over(duet_cluster *c, uint32_t n, uint64_t seed)
     rng r = rng_seed(seed);
     for (uint32_t i = 0; i < n; ++i) {
         ids[i] = i;
-        poses[i] = (duet_pose){.half_extents = {0.5f, 0.3f, 0.4f}};
+        poses[i] = (duet_pose){.half_extents = {0.5f * size, 0.3f * size, 0.4f * size}};
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = (float)rng_between(&r, -12, 12);
         for (int k = 0; k < 4; ++k)
@@ -286,7 +288,8 @@ static void must_find_again(duet_cluster *c, const duet_cluster_result *first)
             MUST_OK(duet_cluster_set_plan(c, &c->def.world.plan, &err), err);
         MUST_OK(duet_cluster_step(c, &again, &err), err);
         MUST(again.hash == first->hash && again.pairs == first->pairs, "they are found again");
-        MUST((c->search == SEARCH_OVERLAPPED) == (was_apart && i == 0), "by two searches where that holds");
+        MUST((c->search == SEARCH_OVERLAPPED) == (was_apart && i == 0),
+             "by two searches where that holds");
     }
 }
 
@@ -311,7 +314,8 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
             else
                 MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
         }
-        MUST(!is_quiet(at) || (n_skims == 1 && b->objects.n_chunks > 1), "a look is enough, in chunks");
+        MUST(!is_quiet(at) || (n_skims == 1 && b->objects.n_chunks > 1),
+             "a look is enough, in chunks");
         left += clusters[0]->owned.leavers.n;
         b->least_chunk = 1;
         timed += !b->times.untimed;
@@ -356,40 +360,10 @@ static void homes_leave_in_the_order_of_their_rows(MPI_Comm *comm, uint64_t seed
         worker_of(c)->world->parts[1].least_chunk = 1;
         for (uint32_t i = 1; i < l->n; ++i)
             MUST(l->rows[i - 1] < l->rows[i], "ascending");
-        MUST(at < 3 || (l->n > 100 && worker_of(c)->world->parts[1].skimmed.done[1]),
-             "some left");
+        MUST(at < 3 || (l->n > 100 && worker_of(c)->world->parts[1].skimmed.done[1]), "some left");
         move_homes(c, move, at);
     }
     duet_cluster_destroy(c);
-}
-
-// So many that several threads look at boundaries.
-static void large_parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
-{
-    enum { PARTS = 3, SEVERAL = 1 << 12 };
-    duet_cluster *clusters[] = {open_cluster(comm, true, PARTS), open_cluster(comm, true, 1)};
-    uint64_t strayed = 0;
-    for (int i = 0; i < 2; ++i) {
-        take_all_threads(clusters[i]);
-        hand_over(clusters[i], MANY, seed);
-    }
-    for (uint32_t at = 0; at < GROWS; ++at) {
-        duet_error err = {0};
-        duet_cluster_result results[2];
-        for (int i = 0; i < 2; ++i) {
-            if (at > 0)
-                move_homes(clusters[i], move, at);
-            MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
-        }
-        MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs &&
-                 results[0].pairs > 1000,
-             "the pairs are those of one part");
-        MUST(at == 0 || clusters[0]->owned.boundary.n > SEVERAL, "many are at boundaries");
-        strayed += at > 0 ? clusters[0]->owned.leavers.n : 0;
-    }
-    MUST(strayed > 100, "objects changed parts");
-    for (int i = 0; i < 2; ++i)
-        duet_cluster_destroy(clusters[i]);
 }
 
 // A little; some come through a border of parts or ranks, and one leaps at one step.
@@ -402,8 +376,47 @@ static void drift(duet_pose *p, uint64_t id, uint32_t at)
         p->centre[k] = p->centre[k] < 0 ? 11 : -11;
     if (at == SWELLS && id == 77)
         p->half_extents[1] = 0.55f;
-    if (id == 1234)
+    if (id == 1234 && at >= SPOILS)
         p->half_extents[2] = at == SPOILS ? NAN : 0.4f;
+}
+
+// So many that several threads look at boundaries. Where these are thin domains are searched where
+// they lie, and as copies after a leap; else as copies.
+static void large_parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, uint32_t n_parts,
+                                            bool thin)
+{
+    duet_cluster *clusters[] = {open_cluster(comm, true, n_parts), open_cluster(comm, true, 1)};
+    duet_cluster *c = clusters[0];
+    uint64_t moved = 0, in_place = 0;
+    size = thin ? 0.3f : 1;
+    for (int i = 0; i < 2; ++i) {
+        take_all_threads(clusters[i]);
+        hand_over(clusters[i], MANY, seed);
+    }
+    size = 1;
+    for (uint32_t at = 0; at < SWELLS; ++at) {
+        duet_error err = {0};
+        duet_cluster_result results[2];
+        for (int i = 0; i < 2; ++i) {
+            if (at > 0)
+                move_homes(clusters[i], thin ? drift : move, at);
+            MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
+        }
+        MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs &&
+                 results[0].pairs > 1000,
+             "the pairs are those of one part");
+        MUST(at == 0 || c->owned.boundary.n > 1 << 11, "many are at boundaries");
+        MUST(thin || c->search == SEARCH_COPIES, "thick boundaries are copied");
+        MUST(!thin || c->ranks.n > 1 || (c->search == SEARCH_DOMAINS) == (at != LEAPS),
+             "thin ones are not, but for a leap");
+        in_place += c->search == SEARCH_DOMAINS;
+        moved += at > 0 ? c->owned.leavers.n : 0;
+        must_be_listed(comm, c, results[0].hash);
+    }
+    MUST(moved > 100, "objects changed domains");
+    MUST(!thin || sum_of(comm, in_place) > 4, "and were searched where they lie");
+    for (int i = 0; i < 2; ++i)
+        duet_cluster_destroy(clusters[i]);
 }
 
 static void spoil(duet_cluster *clusters[2])
@@ -416,7 +429,8 @@ static void spoil(duet_cluster *clusters[2])
              err.text);
 }
 
-// Whether pairs are listed or only counted, and also if objects leap, swell or are bad for a moment.
+// Whether pairs are listed or only counted, and also if objects leap, swell or are bad for a
+// moment.
 static void parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
 {
     enum { PARTS = 5 };
@@ -522,7 +536,8 @@ int main(int argc, char **argv)
         a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_BOUNDS, "simd");
         a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_BOUNDS, "simd skim.WG=128");
         ranks_that_skim_find_the_same_pairs(&self, seed);
-        large_parts_find_the_same_pairs(&self, seed);
+        large_parts_find_the_same_pairs(&self, seed, 3, false);
+        large_parts_find_the_same_pairs(&self, seed, 3, true);
         parts_find_the_same_pairs(&self, seed, true);
         parts_find_the_same_pairs(&self, seed, false);
     }
@@ -530,6 +545,7 @@ int main(int argc, char **argv)
     ranks_that_skim_find_the_same_pairs(&world, seed);
     any_order_of_calls_finds_the_same_pairs(&world, seed);
     homes_leave_in_the_order_of_their_rows(&world, seed);
+    large_parts_find_the_same_pairs(&world, seed, 2, true);
     parts_find_the_same_pairs(&world, seed, true);
     parts_find_the_same_pairs(&world, seed, false);
     duet_device_pair_destroy(devices);

@@ -99,7 +99,7 @@ static void command(mover *m)
 
 // ------------------------------------------------------------ files
 
-enum { HEADER = 232, AT_N_CONTACTS = 36, AT_HAS_ROWS = 40, PLACE = 120 };
+enum { HEADER = 240, AT_N_CONTACTS = 36, AT_HAS_ROWS = 40, PLACE = 120 };
 
 // The order of a file (docs/formats.md), and how many words one contact has; 0 for
 // what objects have.

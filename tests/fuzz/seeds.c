@@ -10,6 +10,7 @@
 #include "support/store.h"
 #include "support/test.h"
 
+#include "base/text_file.h"
 #include "profiles/exchange.h"
 #include "profiles/profile.h"
 #include "profiles/sql.h"
