@@ -128,9 +128,8 @@ static bool was_packed(const duet_result *result, int side)
 
 // ------------------------------------------------------------ facts
 
-static void any_share_and_number_gives_the_reference_pairs(void **state)
+TEST(any_share_and_number_gives_the_reference_pairs)
 {
-    (void)state;
     static const uint32_t numbers[] = {1, 2, 3, 7, 13, 997, 5003};
     rng r = {test_seed()};
     set_memory(false, false);
@@ -150,9 +149,8 @@ static void any_share_and_number_gives_the_reference_pairs(void **state)
     }
 }
 
-static void every_sort_takes_packed_objects(void **state)
+TEST(every_sort_takes_packed_objects)
 {
-    (void)state;
     static const char *const variants[] = {
         "gpu send=packed sort=radix", "gpu send=packed FROM_IDS=0", "gpu send=packed FROM_IDS=1",
         "gpu send=packed hash.LANES=1 hash.WG=64 hash.PER_ITEM=1", "gpu send=all"};
@@ -171,9 +169,8 @@ static void every_sort_takes_packed_objects(void **state)
     }
 }
 
-static void each_device_is_sent_its_slab_alone(void **state)
+TEST(each_device_is_sent_its_slab_alone)
 {
-    (void)state;
     enum { N = 5003 };
     rng r = {test_seed()};
     set_memory(false, false);
@@ -190,9 +187,8 @@ static void each_device_is_sent_its_slab_alone(void **state)
     duet_world_destroy(world);
 }
 
-static void objects_that_move_between_steps_are_found(void **state)
+TEST(objects_that_move_between_steps_are_found)
 {
-    (void)state;
     enum { N = 3001, STEPS = 12 };
     rng r = {test_seed()};
     set_memory(false, false);
@@ -209,9 +205,8 @@ static void objects_that_move_between_steps_are_found(void **state)
     duet_world_destroy(world);
 }
 
-static void objects_outside_the_world_are_found(void **state)
+TEST(objects_outside_the_world_are_found)
 {
-    (void)state;
     enum { N = 2003 };
     rng r = {test_seed()};
     set_memory(false, false);
@@ -231,9 +226,8 @@ static void objects_outside_the_world_are_found(void **state)
     duet_world_destroy(world);
 }
 
-static void objects_that_stay_are_neither_packed_nor_sent_again(void **state)
+TEST(objects_that_stay_are_neither_packed_nor_sent_again)
 {
-    (void)state;
     enum { N = 2003 };
     rng r = {test_seed()};
     set_memory(false, false);
@@ -268,9 +262,8 @@ static uint32_t spoil(rng *r, uint32_t n)
 }
 
 // However the objects come: each device packed or given all of them.
-static void bad_objects_are_counted_once_and_the_first_is_named(void **state)
+TEST(bad_objects_are_counted_once_and_the_first_is_named)
 {
-    (void)state;
     enum { N = 2003 };
     static const struct {
         const char *variant;
@@ -303,9 +296,8 @@ static void bad_objects_are_counted_once_and_the_first_is_named(void **state)
     }
 }
 
-static void a_bad_object_that_is_packed_is_refused_by_its_id(void **state)
+TEST(a_bad_object_that_is_packed_is_refused_by_its_id)
 {
-    (void)state;
     enum { N = 2003 };
     duet_error err = {0};
     duet_result result;
@@ -322,9 +314,8 @@ static void a_bad_object_that_is_packed_is_refused_by_its_id(void **state)
     duet_world_destroy(world);
 }
 
-static void a_device_without_room_fails_the_step_and_not_the_next(void **state)
+TEST(a_device_without_room_fails_the_step_and_not_the_next)
 {
-    (void)state;
     enum { N = 5003 };
     duet_error err = {0};
     duet_result result;
@@ -348,18 +339,4 @@ static void a_device_without_room_fails_the_step_and_not_the_next(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(any_share_and_number_gives_the_reference_pairs),
-        cmocka_unit_test(every_sort_takes_packed_objects),
-        cmocka_unit_test(each_device_is_sent_its_slab_alone),
-        cmocka_unit_test(objects_that_move_between_steps_are_found),
-        cmocka_unit_test(objects_outside_the_world_are_found),
-        cmocka_unit_test(objects_that_stay_are_neither_packed_nor_sent_again),
-        cmocka_unit_test(bad_objects_are_counted_once_and_the_first_is_named),
-        cmocka_unit_test(a_device_without_room_fails_the_step_and_not_the_next),
-        cmocka_unit_test(a_bad_object_that_is_packed_is_refused_by_its_id),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -89,9 +89,8 @@ static void assert_step_is_the_reference(duet_world *world, uint32_t n)
 
 // ------------------------------------------------------------ facts
 
-static void objects_that_are_there_come_in_no_chunks(void **state)
+TEST(objects_that_are_there_come_in_no_chunks)
 {
-    (void)state;
     duet_error err = {0};
     duet_result result;
     rng r = {test_seed()};
@@ -107,9 +106,8 @@ static void objects_that_are_there_come_in_no_chunks(void **state)
 
 // The number of pairs is guessed from the step before, too high and too low, and
 // lists and blocks on the host have to grow.
-static void pairs_are_all_there_however_many_the_last_step_had(void **state)
+TEST(pairs_are_all_there_however_many_the_last_step_had)
 {
-    (void)state;
     static const double edges[] = {34.0, 34.0, 12.0, 80.0, 12.0, 6.0, 6.0, 34.0};
     rng r = {test_seed()};
     duet_world *world = make_world(DUET_MODE_OWN, "gpu", false);
@@ -134,9 +132,8 @@ static void fill_touching(void)
     }
 }
 
-static void more_undecided_pairs_than_are_sent_ahead_are_decided(void **state)
+TEST(more_undecided_pairs_than_are_sent_ahead_are_decided)
 {
-    (void)state;
     fill_touching();
     duet_world *world = make_world(DUET_MODE_OWN, "gpu", false);
     set_share(world, 0);
@@ -260,9 +257,8 @@ static duet_world *make_counting_world(void)
 
 // Any part of the objects has ids, below 2^32 and far above, and ids change or a device missed
 // those that did.
-static void pairs_of_objects_with_ids_are_counted_where_they_are_found(void **state)
+TEST(pairs_of_objects_with_ids_are_counted_where_they_are_found)
 {
-    (void)state;
     enum { N = 3000, ROUNDS = 12 };
     static const uint32_t homes[ROUNDS] = {2900, 2900, 2900, 1500, 1500, 60,
                                            2999, 3000, 3000, 0,    2000, 2950};
@@ -296,9 +292,8 @@ static void pairs_of_objects_with_ids_are_counted_where_they_are_found(void **st
 }
 
 // What the host decides is not among what is counted.
-static void undecided_pairs_are_counted_once(void **state)
+TEST(undecided_pairs_are_counted_once)
 {
-    (void)state;
     duet_world *world = make_counting_world();
     fill_touching();
     for (uint32_t i = 0; i < TOUCHING; ++i)
@@ -310,9 +305,8 @@ static void undecided_pairs_are_counted_once(void **state)
     duet_world_destroy(world);
 }
 
-static void a_bad_object_of_any_chunk_is_named(void **state)
+TEST(a_bad_object_of_any_chunk_is_named)
 {
-    (void)state;
     rng r = {test_seed()};
     duet_world *world = make_world(DUET_MODE_SLAB, "gpu send=chunks", true);
     fill(&r, CAPACITY, 34.0);
@@ -335,9 +329,8 @@ static double all_ms(const duet_result *result)
 }
 
 // Which steps have times of their own is known; the others show the last ones.
-static void stages_have_times_where_they_are_asked_for(void **state)
+TEST(stages_have_times_where_they_are_asked_for)
 {
-    (void)state;
     rng r = {test_seed()};
     duet_world *world = make_world(DUET_MODE_SLAB, "gpu send=chunks", false);
     fill(&r, CAPACITY, 34.0);
@@ -364,16 +357,4 @@ static void stages_have_times_where_they_are_asked_for(void **state)
     duet_world_destroy(world);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(objects_that_are_there_come_in_no_chunks),
-        cmocka_unit_test(pairs_are_all_there_however_many_the_last_step_had),
-        cmocka_unit_test(more_undecided_pairs_than_are_sent_ahead_are_decided),
-        cmocka_unit_test(pairs_of_objects_with_ids_are_counted_where_they_are_found),
-        cmocka_unit_test(undecided_pairs_are_counted_once),
-        cmocka_unit_test(a_bad_object_of_any_chunk_is_named),
-        cmocka_unit_test(stages_have_times_where_they_are_asked_for),
-    };
-    return cmocka_run_group_tests(tests, begin, close_devices);
-}
+TEST_MAIN(begin, close_devices)

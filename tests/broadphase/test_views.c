@@ -225,9 +225,8 @@ static void try_in_any_order(rng *r, duet_shape shape, bool ordered)
     duet_world_destroy(world);
 }
 
-static void any_way_and_order_gives_the_reference_pairs(void **state)
+TEST(any_way_and_order_gives_the_reference_pairs)
 {
-    (void)state;
     static const uint32_t numbers[SETS] = {MOST, 2500, 1025, 1};
     rng r = {test_seed()};
     for (int s = 0; s < SETS; ++s)
@@ -242,10 +241,4 @@ static void any_way_and_order_gives_the_reference_pairs(void **state)
     assert_true(n_prefetched > 10 && n_listed > 10 && n_in_ranges > 10);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(any_way_and_order_gives_the_reference_pairs),
-    };
-    return cmocka_run_group_tests(tests, open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)
