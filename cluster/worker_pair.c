@@ -15,20 +15,20 @@
 static void *map(worker *w, uint32_t n, duet_error *err)
 {
     worker_pair *p = (worker_pair *)w;
-    world_stop_ahead(p->world);
+    world_cancel_prefetch(p->world);
     return duet_world_map_objects(p->world, p->kind, n, err);
 }
 
 static void begin(worker *w, uint32_t n, const global_ids *ids)
 {
-    world_send_ahead(((worker_pair *)w)->world, n, ids);
+    world_prefetch(((worker_pair *)w)->world, n, ids);
 }
 
 static void bind(worker *w, const void *objects, uint32_t n)
 {
     worker_pair *p = (worker_pair *)w;
-    world_stop_ahead(p->world);
-    world_lend_objects(p->world, objects, n);
+    world_cancel_prefetch(p->world);
+    world_borrow_objects(p->world, objects, n);
 }
 
 static bool skim_objects(worker *w, const float inside_lower[3], const float inside_upper[3])
@@ -128,7 +128,7 @@ static bool find(worker *w, const global_ids *ids, worker_found *found, duet_err
 static bool bring(worker *w, worker_found *found, duet_error *err)
 {
     found->n_counted = found->hash = 0;
-    return world_bring_counted(((worker_pair *)w)->world, found->spans, err);
+    return world_read_counted(((worker_pair *)w)->world, found->spans, err);
 }
 
 static bool set_level(worker *w, duet_level level, duet_error *err)

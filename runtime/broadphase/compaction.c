@@ -28,11 +28,8 @@ void compaction_close(compaction *c)
 {
     thread_pool_close(c->threads);
     for (int side = 0; side < 2; ++side) {
-        compaction_stream *streams[] = {&c->slabs[side].homes, &c->slabs[side].ghosts};
-        for (int i = 0; i < 2; ++i) {
-            host_block_release(&streams[i]->objects);
-            host_block_release(&streams[i]->ids);
-        }
+        host_block_release(&c->lists[side].objects);
+        host_block_release(&c->lists[side].ids);
     }
 }
 
@@ -61,7 +58,7 @@ static uint32_t pick(uint16_t picked[BLOCK], const uint32_t *rows, uint32_t n, u
     return n_picked;
 }
 
-static void copy_objects(const compaction_stream *s, const grid_objects *objects, uint32_t to,
+static void copy_objects(const compaction_list *s, const grid_objects *objects, uint32_t to,
                          uint32_t first, const uint16_t *picked, uint32_t n)
 {
     size_t at = to % (s->n_slots * s->chunk);
@@ -83,7 +80,7 @@ static void copy_objects(const compaction_stream *s, const grid_objects *objects
 
 // False if the slot will never be free. A thread that waits for a chunk has written all that it
 // took of the chunks before it, so that they can be sent.
-static bool wait_for_slot(compaction *c, compaction_stream *s, uint32_t chunk)
+static bool wait_for_slot(compaction *c, compaction_list *s, uint32_t chunk)
 {
     while (chunk >= atomic_load_explicit(&s->sent, memory_order_acquire) + s->n_slots) {
         if (atomic_load(&c->cancelled))
@@ -93,7 +90,7 @@ static bool wait_for_slot(compaction *c, compaction_stream *s, uint32_t chunk)
     return true;
 }
 
-static void append(compaction *c, compaction_stream *s, uint32_t first, const uint16_t *picked,
+static void append(compaction *c, compaction_list *s, uint32_t first, const uint16_t *picked,
                    uint32_t n)
 {
     uint32_t to = atomic_fetch_add_explicit(&s->taken, n, memory_order_relaxed);
@@ -121,13 +118,9 @@ static void list_block(compaction *c, uint32_t block)
     uint32_t n = c->objects.n - first < BLOCK ? c->objects.n - first : BLOCK;
     grid_cell_rows(rows, c->grid, &c->objects, first, n);
     for (int side = 0; side < 2; ++side) {
-        compaction_slab *slab = &c->slabs[side];
-        if (slab->row_from == slab->row_to)
-            continue;
-        uint32_t n_homes = pick(picked, rows, n, slab->row_from, slab->row_home_to);
-        append(c, &slab->homes, first, picked, n_homes);
-        uint32_t n_ghosts = pick(picked, rows, n, slab->row_home_to, slab->row_to);
-        append(c, &slab->ghosts, first, picked, n_ghosts);
+        compaction_list *list = &c->lists[side];
+        if (list->row_from < list->row_to)
+            append(c, list, first, picked, pick(picked, rows, n, list->row_from, list->row_to));
     }
     atomic_fetch_add_explicit(&c->done, 1, memory_order_release);
 }
@@ -147,37 +140,27 @@ static uint32_t divide_up(uint32_t n, uint32_t by)
     return n / by + (n % by > 0);
 }
 
-static bool begin_stream(compaction_stream *s, uint32_t capacity, uint32_t least_chunk,
-                         uint32_t most_slots, size_t row_bytes, const device *to, duet_error *err)
+static bool begin_list(compaction *c, compaction_list *l, const part_range *slab, const device *to,
+                       duet_error *err)
 {
-    s->capacity = capacity;
-    s->chunk = divide_up(capacity, COMPACTION_CHUNKS);
-    s->chunk = s->chunk < least_chunk ? least_chunk : s->chunk;
-    s->n_slots = divide_up(capacity, s->chunk);
-    s->n_slots = s->n_slots < most_slots ? s->n_slots : most_slots;
-    atomic_init(&s->taken, 0);
-    atomic_init(&s->sent, 0);
-    for (int i = 0; i < COMPACTION_CHUNKS; ++i)
-        atomic_init(&s->filled[i], 0);
-    return host_block_reserve(&s->objects, to, 1, (size_t)s->n_slots * s->chunk * row_bytes, err) &&
-           host_block_reserve(&s->ids, to, 1, s->capacity * sizeof(uint32_t), err);
-}
-
-// Ghosts are sent last, behind the homes, and all have a slot until then.
-static bool begin_slab(compaction *c, compaction_slab *slab, const part_range *range,
-                       const device *to, duet_error *err)
-{
-    uint32_t nx = (uint32_t)c->grid->levels[0].cells.s[0];
-    slab->row_from = slab->row_home_to = slab->row_to = 0;
-    if (!range)
+    const uint32_t nx = (uint32_t)c->grid->levels[0].cells.s[0];
+    l->row_from = l->row_to = 0;
+    if (!slab)
         return true;
-    slab->row_from = range->key_from / nx;
-    slab->row_home_to = range->home_to / nx;
-    slab->row_to = range->key_to / nx;
-    return begin_stream(&slab->homes, range->expected_homes, c->least_chunk, SLOTS,
-                        c->objects.row_bytes, to, err) &&
-           begin_stream(&slab->ghosts, range->expected_ghosts, c->least_chunk, COMPACTION_CHUNKS,
-                        c->objects.row_bytes, to, err);
+    l->row_from = slab->key_from / nx;
+    l->row_to = slab->key_to / nx;
+    l->capacity = slab->expected;
+    l->chunk = divide_up(l->capacity, COMPACTION_CHUNKS);
+    l->chunk = l->chunk < c->least_chunk ? c->least_chunk : l->chunk;
+    l->n_slots = divide_up(l->capacity, l->chunk);
+    l->n_slots = l->n_slots < SLOTS ? l->n_slots : SLOTS;
+    atomic_init(&l->taken, 0);
+    atomic_init(&l->sent, 0);
+    for (int i = 0; i < COMPACTION_CHUNKS; ++i)
+        atomic_init(&l->filled[i], 0);
+    const size_t bytes = (size_t)l->n_slots * l->chunk * c->objects.row_bytes;
+    return host_block_reserve(&l->objects, to, 1, bytes, err) &&
+           host_block_reserve(&l->ids, to, 1, l->capacity * sizeof(uint32_t), err);
 }
 
 bool compaction_start(compaction *c, const grid_objects *objects, const grid *g,
@@ -191,7 +174,7 @@ bool compaction_start(compaction *c, const grid_objects *objects, const grid *g,
     atomic_init(&c->done, 0);
     atomic_init(&c->cancelled, false);
     for (int side = 0; side < 2; ++side)
-        if (!begin_slab(c, &c->slabs[side], slabs[side], devices[side], err))
+        if (!begin_list(c, &c->lists[side], slabs[side], devices[side], err))
             return false;
     *threads = NULL;
     if (!slabs[0] && !slabs[1])

@@ -5,9 +5,9 @@
 //   threads                          staging slots             driver of the device
 //   take the next block of objects   [chunk % n_slots]         while blocks are left:
 //   find their rows of cells
-//   write each object to the slab's ---> chunk i fills ------> send chunk i once it is full
+//   write each object to the list's ---> chunk i fills ------> send chunk i once it is full
 //   next place, with its id               slot is free <------ it has travelled
-//   (ghosts: to a stream of their own)                         then the rest, the ids, the ghosts
+//                                                              then the rest, and the ids
 //
 // The list has no gaps, and a step waits for the slower of the two and not for their sum. A slot is
 // written again once it was sent, so that it stays in the caches: memory is only read, and once.
@@ -26,8 +26,10 @@
 
 enum { COMPACTION_CHUNKS = 128 };
 
-// Objects on their way to one device, in the order in which they were found.
-typedef struct compaction_stream {
+// The list of one device's slab, in the order in which objects are found: those of rows of cells
+// [row_from, row_to). Without rows there is none to find: the view is right, or wants no list.
+typedef struct compaction_list {
+    uint32_t row_from, row_to;
     host_block objects; // [n_slots][chunk]
     host_block ids;     // [capacity]
     uint32_t capacity;
@@ -36,15 +38,7 @@ typedef struct compaction_stream {
     atomic_uint taken;                     // above capacity: some objects were not written
     atomic_uint filled[COMPACTION_CHUNKS]; // objects written to each chunk
     atomic_uint sent;                      // chunks whose slots may be written again
-} compaction_stream;
-
-// The rows of cells of one device's slab; none: its view is right, or is no list. Kernels tell
-// homes from ghosts by their place: homes come first.
-typedef struct compaction_slab {
-    uint32_t row_from, row_home_to, row_to;
-    compaction_stream homes;
-    compaction_stream ghosts;
-} compaction_slab;
+} compaction_list;
 
 typedef struct compaction {
     uint32_t least_chunk; // objects
@@ -54,7 +48,7 @@ typedef struct compaction {
     atomic_uint begun; // blocks
     atomic_uint done;
     atomic_bool cancelled; // a device failed and sends no more
-    compaction_slab slabs[2];
+    compaction_list lists[2];
     thread_pool *threads; // NULL before the first time
 } compaction;
 
@@ -74,8 +68,8 @@ bool compaction_start(compaction *c, const grid_objects *objects, const grid *g,
 void compaction_cancel(compaction *c);
 
 // Makes the view equal to the wanted LIST: sends it while the threads find it, unless the view has
-// it. *placed is false if the slab has more objects than were expected: count the rows again.
+// it. The view has no list afterwards if the slab has more objects than were expected.
 bool view_update_list(device_view *v, timeline *t, compaction *c, int side, uint64_t generation,
-                      const selection *wanted, bool *placed, duet_error *err);
+                      const selection *wanted, duet_error *err);
 
 #endif

@@ -71,18 +71,18 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         VALUE(n),
                                         VALUE(n_levels),
                                         VALUE(n_cells),
-                                        VALUE(key_from),
+                                        BIND_VALUE(part, "key_from", task.range.key_from),
                                         VALUE(n_hashed),
-                                        VALUE(key_home_to),
+                                        BIND_VALUE(part, "key_home_to", task.range.home_to),
                                         VALUE(marked_from),
                                         VALUE(marked_to),
-                                        VALUE(key_to),
+                                        BIND_VALUE(part, "key_to", task.range.key_to),
                                         VALUE(key_end),
                                         VALUE(n_home_cells),
                                         VALUE(n_own_cells),
                                         VALUE(n_counters),
                                         VALUE(n_counts),
-                                        VALUE(first),
+                                        BIND_VALUE(part, "first", task.range.first),
                                         VALUE(last),
                                         VALUE(found_capacity),
                                         VALUE(candidate_capacity),
@@ -114,6 +114,7 @@ bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
     const device *d = &pair->devices[side];
     *p = (part){.device = d,
                 .devices = pair->devices,
+                .side = side,
                 .scan = {.device = d},
                 .radix = {.device = d, .scan = &p->scan},
                 .least_chunk = LEAST_CHUNK};
@@ -122,8 +123,7 @@ bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
     p->limits = program_limits(&p->device->info);
     bool ok = p->programs &&
               buffer_reserve(&p->counters, p->device, COUNTERS * sizeof(uint32_t), err) &&
-              buffer_reserve(&p->next_counters, p->device, COUNTERS * sizeof(uint32_t), err) &&
-              buffer_reserve(&p->levels.own, p->device, sizeof((grid *)0)->levels, err);
+              buffer_reserve(&p->next_counters, p->device, COUNTERS * sizeof(uint32_t), err);
     p->bytes = part_bytes(p);
     if (!ok)
         part_close(p);
@@ -168,12 +168,7 @@ void part_begin(part *p, uint64_t step)
 {
     part_drop_prefetch(p);
     timeline_begin_step(&p->times, p->device, step);
-    p->span = (duet_span){0};
-    p->counted = (part_counted){0};
-    p->n_candidates = p->n_undecided = 0;
-    p->runs = 0;
-    p->wall_ms = 0.0;
-    p->found = (part_found){.first_bad = UINT32_MAX};
+    p->result = (part_result){.found.first_bad = UINT32_MAX};
 }
 
 block_requests part_requests(const part *p)
@@ -188,10 +183,10 @@ block_requests part_requests(const part *p)
 // fact below is asked for by more than one choice.
 
 // Whether the device alone has objects that the host may have to decide.
-static bool gathers(const part *p, const part_task *task)
+static bool gathers(const part *p)
 {
     return p->objects.bound.mem && !p->device->info.host_memory &&
-           task->objects.shape == DUET_SHAPE_POSES;
+           p->task.objects.shape == DUET_SHAPE_POSES;
 }
 
 static bool has_slabs(const part_task *task)
@@ -250,8 +245,9 @@ enum { LEAST_OWN = 16384 };
 
 // A CPU's atomics take as long as all else that it does for a cell. A part that counts without them
 // goes on so down to half as many objects.
-static bool counts_own_cells(const part *p, const part_task *task)
+static bool counts_own_cells(const part *p)
 {
+    const part_task *task = &p->task;
     const uint64_t least = p->kernels.own_cells ? LEAST_OWN / 2 : LEAST_OWN;
     return task->def->ordered && p->device->info.kind == DUET_KIND_CPU &&
            p->device->info.host_memory && p->variant.search == SEARCH_SIMD &&
@@ -279,14 +275,15 @@ static bool goes_to_places(const variant *v, const part_task *task)
     return v->sort == SORT_COUNTING && task->role == GRID_OWN && task->def->ordered;
 }
 
-static bool sums_blocks(const part *p, const part_task *task)
+static bool sums_blocks(const part *p)
 {
-    return goes_to_places(&p->variant, task) && p->variant.search == SEARCH_SIMD &&
-           task->objects.shape != DUET_SHAPE_BOUNDS && !counts_own_cells(p, task);
+    return goes_to_places(&p->variant, &p->task) && p->variant.search == SEARCH_SIMD &&
+           p->task.objects.shape != DUET_SHAPE_BOUNDS && !counts_own_cells(p);
 }
 
-static void choose(const part *p, const part_task *task, part_choice choices[PART_CHOICES])
+static void choose(const part *p, part_choice choices[PART_CHOICES])
 {
+    const part_task *task = &p->task;
     const variant *v = &p->variant;
     const grid_objects *o = &task->objects;
     const grid *g = task->grid;
@@ -314,13 +311,13 @@ static void choose(const part *p, const part_task *task, part_choice choices[PAR
         {"CELLS_Y", cells.s[1], false},
         {"CELLS_Z", cells.s[2], false},
         {"PACKED", task->wanted.kind == SELECT_LIST, false},
-        {"OWN", counts_own_cells(p, task), false},
+        {"OWN", counts_own_cells(p), false},
         {"STRAYS", in_ranges ? INPUT_BLOCK : 0, false},
         {"STRETCH", in_ranges && counting, false},
         {"GUARDED", has_slabs(task), false},
         {"SLAB", has_slabs(task) && part_range_is_cut(&task->range, g), false},
         {"FROM_IDS", !to_places, counting && task->role == GRID_OWN},
-        {"TO_PLACES", sums_blocks(p, task), false},
+        {"TO_PLACES", sums_blocks(p), false},
         {"SUM_BLOCK", 0, false}, // the scan's, once its kernels are there
         {"EMPTIES", counting, false},
         {"FUSED", tested && v->fused, tested},
@@ -347,15 +344,15 @@ void part_forget_kernels(part *p)
     p->kernels.candidates = NULL;
 }
 
-static bool is_prepared(const part *p, const variant *asked, const part_task *task)
+static bool is_prepared(const part *p, const variant *asked)
 {
     const part_kernels *k = &p->kernels;
     part_choice choices[PART_CHOICES];
     if (!part_has_kernels(p, asked))
         return false;
-    choose(p, task, choices);
-    return are_same(choices, p->choices) && (k->gather || !gathers(p, task)) &&
-           (k->count_pairs || !task->ids);
+    choose(p, choices);
+    return are_same(choices, p->choices) && (k->gather || !gathers(p)) &&
+           (k->count_pairs || !p->task.ids);
 }
 
 // What the scene and the stage decide, and then what the variant sets, which counts where both do.
@@ -418,16 +415,16 @@ static bool ask_grid_and_search(part *p, bool own, duet_error *err)
 }
 
 // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
-static bool ask_tests_and_reads(part *p, const part_task *task, duet_error *err)
+static bool ask_tests_and_reads(part *p, duet_error *err)
 {
     part_kernels *k = &p->kernels;
     const char *narrow = searches[p->variant.search].narrow;
     const bool narrows = !k->listed && !(k->fused && p->variant.search == SEARCH_SIMD);
     const kernel_request list[] = {
         {&k->narrow, narrows, narrow, narrow, part_bindings},
-        {&k->gather, gathers(p, task), "read_rows", "gather_rows", gather_bindings},
-        {&k->change_ids, task->ids, "count_pairs", "change_ids", part_bindings},
-        {&k->count_pairs, task->ids, "count_pairs", "count_pairs", part_bindings},
+        {&k->gather, gathers(p), "read_rows", "gather_rows", gather_bindings},
+        {&k->change_ids, p->task.ids, "count_pairs", "change_ids", part_bindings},
+        {&k->count_pairs, p->task.ids, "count_pairs", "count_pairs", part_bindings},
     };
     return ASK(p, list, err);
 }
@@ -444,10 +441,10 @@ static bool is_known(const variant_setting *s)
     return s->used || strcmp(s->kernel, "skim") == 0;
 }
 
-static bool build(part *p, const part_task *task, bool own, duet_error *err)
+static bool build(part *p, bool own, duet_error *err)
 {
     if (!list_offers(p, err) || !ask_sorts(p, err) || !ask_grid_and_search(p, own, err) ||
-        !ask_tests_and_reads(p, task, err))
+        !ask_tests_and_reads(p, err))
         return false;
     for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
         const variant_setting *s = &p->variant.settings[i];
@@ -459,14 +456,15 @@ static bool build(part *p, const part_task *task, bool own, duet_error *err)
     return program_set_build(p->programs, err);
 }
 
-bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err)
+bool part_prepare(part *p, const variant *asked, duet_error *err)
 {
-    if (is_prepared(p, asked, task))
+    if (is_prepared(p, asked))
         return true;
+    const part_task *task = &p->task;
     p->variant = *asked;
-    bool was_summed = p->kernels.summed, sums = sums_blocks(p, task);
-    bool own = counts_own_cells(p, task);
-    choose(p, task, p->choices);
+    bool was_summed = p->kernels.summed, sums = sums_blocks(p);
+    bool own = counts_own_cells(p);
+    choose(p, p->choices);
     p->kernels = (part_kernels){
         .summed = sums,
         .unboxed = leaves_boxes(&p->variant, task),
@@ -475,7 +473,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     };
     if (sums && !was_summed)
         p->zero_words = 0; // other kernels leave the scan's sums as they are
-    bool ok = build(p, task, own, err);
+    bool ok = build(p, own, err);
     if (!ok)
         p->kernels = (part_kernels){0};
     return ok;

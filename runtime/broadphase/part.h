@@ -21,18 +21,30 @@ typedef enum grid_role {
     GRID_RECEIVED // built by the other part
 } grid_role;
 
-// What a part does in a step. Every combination of role, kind of selection and pairs is legal,
-// but that a list or ranges need slabs, and slabs GRID_OWN.
+// What a part does in a step. Lists and ranges need slabs, and slabs GRID_OWN; all other
+// combinations of the selection, the role, the pairs and the ids are legal (test_views).
 typedef struct part_task {
     const duet_world_def *def; // with the mode that the grid suits
     grid_objects objects;      // all of the world's; once the view is updated, as many as it has
     const grid *grid;
     grid_role role;
+    struct part *other;    // the other device's part
     part_range range;      // of the grid
     selection wanted;      // of the objects
-    bool keeps_pairs;      // the pairs stay on the device
+    compaction *lists;     // that find a wanted LIST
     const global_ids *ids; // pairs of objects that have one stay there, and are counted; or NULL
+    bool keeps_pairs;      // the pairs stay on the device
 } part_task;
+
+// How far a part is. CROWDED: its list or its grid had no space for its objects, so that nothing
+// was found. FAILED: nothing is known of the device.
+typedef enum part_state {
+    PART_BEGUN,
+    PART_HAS_GRID,
+    PART_DONE,
+    PART_CROWDED,
+    PART_FAILED
+} part_state;
 
 typedef struct part_kernels {
     kernel *clear;
@@ -70,10 +82,10 @@ enum { PART_CHOICES = 27, PART_OFFERS = PART_CHOICES + VARIANT_SETTINGS + 1 };
 typedef struct part_args {
     cl_uint n, n_levels, n_cells;
     cl_uint n_hashed;
-    cl_uint key_from, key_home_to, key_to, key_end;
+    cl_uint key_end;
     cl_uint n_home_cells, n_own_cells;
     cl_uint n_counters, n_counts;
-    cl_uint first, last;
+    cl_uint last;
     cl_uint found_capacity, candidate_capacity, pair_capacity, undecided_capacity;
     cl_uint row_words, n_ids; // gathered
     cl_uint n_homes, n_id_changes, left_capacity;
@@ -105,27 +117,58 @@ typedef struct part_counted {
     uint64_t left; // others, which come to the host
 } part_counted;
 
+// What a step found, and what it took.
+typedef struct part_result {
+    part_found found; // by what was read last of the counters
+    part_counted counted;
+    duet_span span; // without pairs if they stay on the device
+    uint64_t n_candidates, n_undecided;
+    uint32_t runs; // searches, more than one if a buffer had to grow
+    double wall_ms;
+} part_result;
+
+// Invariants:
+// 1. The kernels are those of `variant` and `choices`; without candidates there are none.
+// 2. What lies on the device of the world's arrays is what the views say. All else in its memory is
+//    made anew in each step, but for zero_words and pairs_early.
+// 3. `result` is that of the last step that part_begin began.
 typedef struct part {
     const device *device;
     const device *devices; // the device pair, for host memory
-    gen *gen;
-    program_set *programs;
-    gen_limits limits; // the device's
-    variant variant;
-    part_choice choices[PART_CHOICES];
-    gen_offer offers[PART_OFFERS]; // the choices, and what the variant sets
-    uint32_t n_offers;
-    part_kernels kernels;
-    part_args args;
+    int side;              // of the pair
     scan scan;
     radix_sort radix;
     timeline times;
+    uint64_t bytes; // held on the device once the last step was over
 
-    device_view objects;
-    device_view sizes;      // if the objects are transforms
-    device_view levels;     // the grid's
-    device_view global_ids; // of 64 bits
-    uint32_t least_chunk;   // objects
+    struct { // the kernels
+        gen *gen;
+        program_set *programs;
+        gen_limits limits; // the device's
+        variant variant;
+        part_choice choices[PART_CHOICES];
+        gen_offer offers[PART_OFFERS]; // the choices, and what the variant sets
+        uint32_t n_offers;
+        part_kernels kernels;
+        part_args args;
+    };
+
+    struct { // the step
+        part_task task;
+        part_state state;
+        duet_error err; // if it failed
+        part_result result;
+    };
+
+    struct { // the world's arrays on the device
+        device_view objects;
+        device_view sizes;      // if the objects are transforms
+        device_view levels;     // the grid's
+        device_view global_ids; // of 64 bits
+        uint32_t least_chunk;   // objects
+        buffer id_changes;
+        host_block changes; // on their way there
+    };
     struct {
         buffer blocks;                  // kernels/grid/skim.h, of objects that were prefetched
         host_block seen;                // the same on the host
@@ -136,41 +179,36 @@ typedef struct part {
         host_block seen; // on the host, if the device has memory of its own
         cl_uint epoch;   // of the last step
     } requests;
-    buffer keys, ids;             // of the objects; in cell order once sorted
-    buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
-    buffer counts;                // objects a cell, until the scan makes starts of them
-    uint32_t zero_words;          // of the next step's counters and these that are zero; 0: unknown
-    buffer edges;                 // first own cell of each work-item that counts
-    buffer starts;                // first of each cell
-    buffer bounds;                // [n][2], by id or in cell order; simd: by columns
-    buffer boxes;                 // [n][3], in cell order; simd: rows of numbers
-    cl_uint place_capacity;       // objects that have a place in both
-    buffer candidates, pairs, undecided;
-    buffer gathered; // objects of the undecided pairs
-    buffer counters;
-    buffer next_counters; // the next step's
-    buffer id_changes;
-    host_block changes; // on their way there
-    buffer pair_counts, left;
-    part_counted counted;
 
-    part_found found;     // by what was read last of the counters
-    host_block fetched;   // pairs on the host, if the device has memory of its own
-    uint64_t pairs_early; // of them, that are read before their number is known
-    host_block early;     // what is read with them
-    host_block sent;      // grid on its way to the other part
-    duet_span span;
-    uint64_t n_candidates, n_undecided;
-    uint32_t runs;  // searches, more than one where a buffer had to grow
-    uint64_t bytes; // held on the device once the last job was over
-    double wall_ms;
+    struct {                          // the grid
+        buffer keys, ids;             // of the objects; in cell order once sorted
+        buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
+        buffer counts;                // objects a cell, until the scan makes starts of them
+        buffer counters, next_counters; // of this step, and of the next
+        uint32_t zero_words;    // of next_counters and then counts that are zero; 0: unknown
+        buffer edges;           // first own cell of each work-item that counts
+        buffer starts;          // first of each cell
+        buffer bounds;          // [n][2], by id or in cell order; simd: by columns
+        buffer boxes;           // [n][3], in cell order; simd: rows of numbers
+        cl_uint place_capacity; // objects that have a place in both
+        host_block sent;        // on its way to the other part
+    };
+
+    struct { // the pairs
+        buffer candidates, pairs, undecided;
+        buffer gathered; // objects of the undecided pairs
+        buffer pair_counts, left;
+        host_block fetched;   // on the host, if the device has memory of its own
+        uint64_t pairs_early; // of them, that are read before their number is known
+        host_block early;     // what is read with them
+    };
 } part;
 
 bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err);
 void part_close(part *p);
 
-// Generates and builds what the variant needs for such a task, unless that is what the part has.
-bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err);
+// Generates and builds what the variant needs for the task, unless that is what the part has.
+bool part_prepare(part *p, const variant *asked, duet_error *err);
 
 // Whether the part was prepared for that variant, and since then not told to forget its kernels.
 bool part_has_kernels(const part *p, const variant *asked);
@@ -209,23 +247,21 @@ void part_drop_prefetch(part *p);
 void part_begin(part *p, uint64_t step);
 
 // Makes the views of the objects, their sizes, the grid's levels and the ids equal to what the task
-// wants, a LIST from slab `side` of `lists`. task->objects.n becomes the number of objects to read.
-// *placed is false if the list had no space for its objects: count the rows again.
-bool part_update_views(part *p, part_task *task, compaction *lists, int side, bool *placed,
-                       duet_error *err);
+// wants. task.objects.n becomes the number of objects to read.
+bool part_update_views(part *p, duet_error *err);
 
 // Builds the task's range of the grid from the objects.
-bool part_build_grid(part *p, const part_task *task, duet_error *err);
+bool part_build_grid(part *p, duet_error *err);
 
 // Gives the grid that `from` built to `to` (the paper, section 4.1): the sender brings it to the
 // host, the receiver takes it and makes what it lacks.
-bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err);
-bool part_receive_grid(part *to, part *from, const part_task *task, duet_error *err);
+bool part_send_grid(part *from, part *to, duet_error *err);
+bool part_receive_grid(part *to, part *from, duet_error *err);
 
 // Finds the pairs of the range's objects, of the grid that was built or received last, with those
-// that come after them in cell order, and brings them to the host. *placed is false if the grid
-// had more objects than space; there is more space afterwards, and the grid must be built again.
-bool part_search(part *p, const part_task *task, bool *placed, duet_error *err);
+// that come after them in cell order, and brings them to the host. After CROWDED there is more
+// space, and the grid must be built again.
+bool part_search(part *p, duet_error *err);
 
 // Adds what was counted on the device to the part's span, which then has all pairs of the last
 // step.

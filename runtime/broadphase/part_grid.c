@@ -3,41 +3,37 @@
 // takes what the other part has sorted.
 #include "runtime/broadphase/part.h"
 
-static void set_args(part *p, const part_task *task)
+static void set_args(part *p)
 {
-    const part_range *range = &task->range;
+    const part_range *range = &p->task.range;
     bool paper = p->variant.search == SEARCH_PAPER;
     uint32_t placed = range->last < range->expected ? range->last : range->expected;
     p->args = (part_args){
-        .n = task->objects.n,
-        .n_levels = task->grid->n_levels,
-        .n_cells = task->grid->n_cells,
-        .key_from = range->key_from,
-        .key_home_to = range->home_to,
-        .key_to = range->key_to,
+        .n = p->task.objects.n,
+        .n_levels = p->task.grid->n_levels,
+        .n_cells = p->task.grid->n_cells,
         .n_home_cells = range->home_to - range->key_from,
         .n_own_cells = range->key_to - range->key_from,
         .n_counters = COUNTERS,
-        .n_homes = task->ids ? task->ids->n : 0,
-        .first = range->first,
+        .n_homes = p->task.ids ? p->task.ids->n : 0,
         .last = paper ? range->last : placed,
-        .cells = task->grid->levels[0].cells,
+        .cells = p->task.grid->levels[0].cells,
         .objects = view_buffer(&p->objects),
     };
 }
 
-static uint32_t own_cells(const part_task *task)
+static uint32_t own_cells(const part *p)
 {
-    return task->range.key_to - task->range.key_from;
+    return p->task.range.key_to - p->task.range.key_from;
 }
 
 // A search reads so many words behind the last one: nothing begins there.
 enum { STARTS_BEHIND = 3 };
 
 // The first place of each cell, then how many objects have one.
-static uint32_t count_starts(const part_task *task)
+static uint32_t count_starts(const part *p)
 {
-    return own_cells(task) + 1 + STARTS_BEHIND;
+    return own_cells(p) + 1 + STARTS_BEHIND;
 }
 
 // Zeroes the counters, and with them n_counts of the objects a cell and all those of the scan's
@@ -66,14 +62,14 @@ static bool hash_chunk(part *p, uint32_t from, uint32_t to, cl_event sent, duet_
 }
 
 // The only kernel that needs no more of the objects than have come so far.
-static bool hash_chunks(part *p, const part_task *task, duet_error *err)
+static bool hash_chunks(part *p, duet_error *err)
 {
     const device_view *v = &p->objects;
     uint32_t from = 0;
     bool ok = true;
     for (uint32_t i = 0; ok && i < v->n_chunks; from = v->chunks[i++].to)
         ok = hash_chunk(p, from, v->chunks[i].to, v->chunks[i].sent, err);
-    return ok && hash_chunk(p, from, task->objects.n, NULL, err);
+    return ok && hash_chunk(p, from, p->task.objects.n, NULL, err);
 }
 
 // Words of earlier steps have another epoch.
@@ -99,81 +95,81 @@ static bool read_requests(part *p, duet_error *err)
 
 // The part marks which objects of its own range, the first one, the other part needs. Nobody reads
 // the marks of other ranges.
-static bool hash_ranges(part *p, const part_task *task, duet_error *err)
+static bool hash_ranges(part *p, duet_error *err)
 {
-    const selection *s = &task->wanted;
+    const selection *s = &p->task.wanted;
     const row_span *own = &s->ranges[s->own];
-    p->args.marked_from = task->range.other_from;
-    p->args.marked_to = task->range.other_to;
+    p->args.marked_from = p->task.range.other_from;
+    p->args.marked_to = p->task.range.other_to;
     bool ok = hash_chunk(p, own->from, own->to, NULL, err) && read_requests(p, err);
     p->args.marked_from = p->args.marked_to = 0;
     for (uint32_t i = 0; ok && i < s->n_ranges; ++i)
         ok = i == s->own || hash_chunk(p, s->ranges[i].from, s->ranges[i].to, NULL, err);
-    p->args.n = task->objects.n;
+    p->args.n = p->task.objects.n;
     return ok;
 }
 
 // Objects outside the ranges get no key.
-static bool fill_gaps(part *p, const part_task *task, duet_error *err)
+static bool fill_gaps(part *p, duet_error *err)
 {
-    const selection *s = &task->wanted;
+    const selection *s = &p->task.wanted;
     uint32_t from = 0;
     bool ok = true;
     for (uint32_t i = 0; ok && i < s->n_ranges; from = s->ranges[i++].to)
         ok = timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, s->ranges[i].from, err);
-    return ok && timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, task->objects.n, err);
+    return ok &&
+           timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, p->task.objects.n, err);
 }
 
-static bool find_own_cells(part *p, const part_task *task, duet_error *err)
+static bool find_own_cells(part *p, duet_error *err)
 {
-    size_t edges = task->objects.n / (size_t)p->kernels.hash->per_item + 2;
-    p->args.n = task->objects.n;
+    size_t edges = p->task.objects.n / (size_t)p->kernels.hash->per_item + 2;
+    p->args.n = p->task.objects.n;
     return buffer_reserve(&p->edges, p->device, edges * sizeof(uint32_t), err) &&
            timeline_launch(&p->times, "hash", p->kernels.own_cells, 1, p, err);
 }
 
 // all: kernels follow that read every object's key.
-static bool hash_objects(part *p, const part_task *task, bool all, duet_error *err)
+static bool hash_objects(part *p, bool all, duet_error *err)
 {
-    const bool in_ranges = task->wanted.kind == SELECT_RANGES;
-    uint32_t n = task->objects.n;
-    bool ok = !p->kernels.own_cells || n == 0 || find_own_cells(p, task, err);
-    ok = ok && (in_ranges ? hash_ranges(p, task, err) : hash_chunks(p, task, err)) &&
-         (!in_ranges || !all || fill_gaps(p, task, err));
+    const bool in_ranges = p->task.wanted.kind == SELECT_RANGES;
+    uint32_t n = p->task.objects.n;
+    bool ok = !p->kernels.own_cells || n == 0 || find_own_cells(p, err);
+    ok = ok && (in_ranges ? hash_ranges(p, err) : hash_chunks(p, err)) &&
+         (!in_ranges || !all || fill_gaps(p, err));
     return ok && (!p->kernels.count_others ||
                   timeline_launch(&p->times, "hash", p->kernels.count_others, n, p, err));
 }
 
 // Runs a kernel over the objects that the part reads.
-static bool launch_over_objects(part *p, const part_task *task, const char *stage, const kernel *k,
-                                duet_error *err)
+static bool launch_over_objects(part *p, const char *stage, const kernel *k, duet_error *err)
 {
-    const selection all = select_all(task->objects.n);
-    const selection *s = task->wanted.kind == SELECT_RANGES ? &task->wanted : &all;
+    const selection all = select_all(p->task.objects.n);
+    const selection *s = p->task.wanted.kind == SELECT_RANGES ? &p->task.wanted : &all;
     bool ok = true;
     for (uint32_t i = 0; ok && i < s->n_ranges; ++i) {
         p->args.n_hashed = s->ranges[i].from;
         p->args.n = s->ranges[i].to;
         ok = timeline_launch(&p->times, stage, k, s->ranges[i].to - s->ranges[i].from, p, err);
     }
-    p->args.n = task->objects.n;
+    p->args.n = p->task.objects.n;
     return ok;
 }
 
 // Counting by key yields the cells' starts; the rank is the place within the cell.
-static bool counting_sort(part *p, const part_task *task, duet_error *err)
+static bool counting_sort(part *p, duet_error *err)
 {
-    return hash_objects(p, task, false, err) &&
+    return hash_objects(p, false, err) &&
            (p->kernels.summed ? scan_run_summed : scan_run)(&p->scan, &p->times, "sort", &p->counts,
-                                                            &p->starts, count_starts(task), err) &&
-           (!p->kernels.from_ids || launch_over_objects(p, task, "sort", p->kernels.scatter, err));
+                                                            &p->starts, count_starts(p), err) &&
+           (!p->kernels.from_ids || launch_over_objects(p, "sort", p->kernels.scatter, err));
 }
 
-static bool find_starts(part *p, const part_task *task, duet_error *err)
+static bool find_starts(part *p, duet_error *err)
 {
     bool paper = p->variant.search == SEARCH_PAPER;
-    uint64_t work = task->objects.n + (paper ? UINT64_C(0) : UINT64_C(1));
-    p->args.key_end = paper ? own_cells(task) : count_starts(task) - 1;
+    uint64_t work = p->task.objects.n + (paper ? UINT64_C(0) : UINT64_C(1));
+    p->args.key_end = paper ? own_cells(p) : count_starts(p) - 1;
     if (paper &&
         !timeline_fill(&p->times, "cell start", &p->starts, UINT32_MAX, 0, p->args.key_end, err))
         return false;
@@ -181,28 +177,28 @@ static bool find_starts(part *p, const part_task *task, duet_error *err)
 }
 
 // Objects that are not in the grid have all bits set, so they come last.
-static bool radix_sort_keys(part *p, const part_task *task, duet_error *err)
+static bool radix_sort_keys(part *p, duet_error *err)
 {
     const radix_lists lists = {&p->keys, &p->ids, &p->keys_spare, &p->ids_spare};
-    return hash_objects(p, task, true, err) &&
-           radix_sort_run(&p->radix, &p->times, "sort", &lists, task->objects.n,
-                          task->grid->key_bits, err) &&
-           find_starts(p, task, err);
+    return hash_objects(p, true, err) &&
+           radix_sort_run(&p->radix, &p->times, "sort", &lists, p->task.objects.n,
+                          p->task.grid->key_bits, err) &&
+           find_starts(p, err);
 }
 
 // ---------------------------------------------------------------- placing
 
 // The paper's kernels read bounds by id; the others read objects in cell order.
-static bool place(part *p, const part_task *task, duet_error *err)
+static bool place(part *p, duet_error *err)
 {
-    uint32_t n = task->objects.n;
+    uint32_t n = p->task.objects.n;
     if (p->variant.search == SEARCH_PAPER)
         return timeline_launch(&p->times, "bounds", p->kernels.place, n, p, err);
     uint32_t work = n < p->place_capacity ? n : p->place_capacity;
     uint32_t launches_before = p->times.n_launches;
     bool ok = p->kernels.from_ids
                   ? timeline_launch(&p->times, "reorder", p->kernels.place, work, p, err)
-                  : launch_over_objects(p, task, "reorder", p->kernels.place, err);
+                  : launch_over_objects(p, "reorder", p->kernels.place, err);
     if (p->times.n_launches > launches_before) // none, if the part reads no object
         p->zero_words = COUNTERS + p->args.n_counts;
     return ok;
@@ -219,15 +215,15 @@ typedef struct place_bytes {
 
 // Bounds and boxes of n objects as the search reads them. Columns of lanes run
 // past n, for whole vectors are read and written there.
-static place_bytes bytes_of_places(const part *p, const part_task *task, size_t n)
+static place_bytes bytes_of_places(const part *p, size_t n)
 {
-    bool poses = task->objects.shape != DUET_SHAPE_BOUNDS;
-    bool turned = task->def->rotated && task->objects.shape != DUET_SHAPE_SPHERES;
-    bool has_origin = task->objects.origin > 0.0f;
+    bool poses = p->task.objects.shape != DUET_SHAPE_BOUNDS;
+    bool turned = p->task.def->rotated && p->task.objects.shape != DUET_SHAPE_SPHERES;
+    bool has_origin = p->task.objects.origin > 0.0f;
     if (p->variant.search == SEARCH_SIMD) {
-        size_t columns = BOUNDS_COLUMNS_OF(task->objects.dims, has_origin);
-        size_t more = MOST_MORE_OF(task->objects.dims, turned);
-        if (grid_has_radii(&task->objects) && turned)
+        size_t columns = BOUNDS_COLUMNS_OF(p->task.objects.dims, has_origin);
+        size_t more = MOST_MORE_OF(p->task.objects.dims, turned);
+        if (grid_has_radii(&p->task.objects) && turned)
             more = ROUNDED_MORE;
         size_t words = BOX_WORDS_OF(more, has_origin);
         return (place_bytes){.bounds = COLUMN(n) * columns * sizeof(float),
@@ -238,50 +234,51 @@ static place_bytes bytes_of_places(const part *p, const part_task *task, size_t 
                          .boxes = boxes ? n * BOX_QUADS_OF(has_origin) * sizeof(cl_float4) : 0};
 }
 
-static bool reserve_places(part *p, const part_task *task, size_t n, duet_error *err)
+static bool reserve_places(part *p, size_t n, duet_error *err)
 {
-    size_t places = p->variant.search == SEARCH_PAPER ? task->objects.n : n;
-    place_bytes bytes = bytes_of_places(p, task, places);
+    size_t places = p->variant.search == SEARCH_PAPER ? p->task.objects.n : n;
+    place_bytes bytes = bytes_of_places(p, places);
     p->place_capacity = (uint32_t)places;
     return buffer_reserve(&p->bounds, p->device, bytes.bounds, err) &&
            (bytes.boxes == 0 || buffer_reserve(&p->boxes, p->device, bytes.boxes, err));
 }
 
 // Without a counting sort nothing is counted.
-static bool reserve_counts(part *p, const part_task *task, duet_error *err)
+static bool reserve_counts(part *p, duet_error *err)
 {
     size_t before = p->counts.bytes + p->scan.sums.bytes;
-    size_t words = p->variant.sort == SORT_COUNTING ? count_starts(task) : 1;
+    size_t words = p->variant.sort == SORT_COUNTING ? count_starts(p) : 1;
     bool ok = buffer_reserve(&p->counts, p->device, words * sizeof(uint32_t), err) &&
-              (!p->kernels.summed || scan_reserve(&p->scan, count_starts(task), err));
+              (!p->kernels.summed || scan_reserve(&p->scan, count_starts(p), err));
     if (p->counts.bytes + p->scan.sums.bytes != before)
         p->zero_words = 0;
     return ok;
 }
 
-static bool reserve_grid(part *p, const part_task *task, duet_error *err)
+static bool reserve_grid(part *p, duet_error *err)
 {
-    size_t words = task->objects.n * sizeof(uint32_t);
+    size_t words = p->task.objects.n * sizeof(uint32_t);
     return buffer_reserve(&p->keys, p->device, words, err) &&
            buffer_reserve(&p->keys_spare, p->device, words, err) &&
            (!p->kernels.from_ids || buffer_reserve(&p->ids, p->device, words, err)) &&
            (p->variant.sort == SORT_COUNTING ||
             buffer_reserve(&p->ids_spare, p->device, words, err)) &&
-           buffer_reserve(&p->starts, p->device, count_starts(task) * sizeof(uint32_t), err) &&
-           reserve_counts(p, task, err) && reserve_places(p, task, task->range.expected, err);
+           buffer_reserve(&p->starts, p->device, count_starts(p) * sizeof(uint32_t), err) &&
+           reserve_counts(p, err) && reserve_places(p, p->task.range.expected, err);
 }
 
-bool part_build_grid(part *p, const part_task *task, duet_error *err)
+bool part_build_grid(part *p, duet_error *err)
 {
     bool counting = p->variant.sort == SORT_COUNTING;
-    set_args(p, task);
-    bool ok = reserve_grid(p, task, err) &&
-              (task->wanted.kind != SELECT_RANGES || reserve_requests(p, task->objects.n, err)) &&
-              clear(p, counting ? count_starts(task) : 0, err);
+    set_args(p);
+    bool ok =
+        reserve_grid(p, err) &&
+        (p->task.wanted.kind != SELECT_RANGES || reserve_requests(p, p->task.objects.n, err)) &&
+        clear(p, counting ? count_starts(p) : 0, err);
     if (!ok)
         return false;
-    ok = counting ? counting_sort(p, task, err) : radix_sort_keys(p, task, err);
-    return ok && place(p, task, err);
+    ok = counting ? counting_sort(p, err) : radix_sort_keys(p, err);
+    return ok && place(p, err);
 }
 
 // ---------------------------------------------------------------- a grid for both
@@ -296,20 +293,20 @@ typedef struct grid_piece {
 
 enum { PIECES = 3 };
 
-static int grid_pieces(part *from, part *to, const part_task *task, grid_piece pieces[PIECES])
+static int grid_pieces(part *from, part *to, grid_piece pieces[PIECES])
 {
-    size_t words = task->objects.n * sizeof(uint32_t);
-    size_t starts = ((size_t)task->grid->n_cells + 1 + STARTS_BEHIND) * sizeof(uint32_t);
+    size_t words = from->task.objects.n * sizeof(uint32_t);
+    size_t starts = ((size_t)from->task.grid->n_cells + 1 + STARTS_BEHIND) * sizeof(uint32_t);
     pieces[0] = (grid_piece){&from->ids, &to->ids, words};
     pieces[1] = (grid_piece){&from->starts, &to->starts, starts};
     pieces[2] = (grid_piece){&from->keys, &to->keys, words};
     return from->variant.search == SEARCH_PAPER ? 3 : 2;
 }
 
-bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err)
+bool part_send_grid(part *from, part *to, duet_error *err)
 {
     grid_piece pieces[PIECES];
-    int n = grid_pieces(from, to, task, pieces);
+    int n = grid_pieces(from, to, pieces);
     size_t total = 0;
     for (int i = 0; i < n; ++i)
         total += pieces[i].bytes;
@@ -333,9 +330,9 @@ static bool receive_piece(part *to, grid_piece piece, void *host, duet_error *er
 }
 
 // Where both work on host memory the bounds and boxes are there already.
-static bool borrow_places(part *to, const part *from, const part_task *task, duet_error *err)
+static bool borrow_places(part *to, const part *from, duet_error *err)
 {
-    place_bytes bytes = bytes_of_places(from, task, from->place_capacity);
+    place_bytes bytes = bytes_of_places(from, from->place_capacity);
     to->place_capacity = from->place_capacity;
     bool ok =
         buffer_borrow(&to->bounds, to->device, from->bounds.host, bytes.bounds, err) &&
@@ -347,12 +344,12 @@ static bool borrow_places(part *to, const part *from, const part_task *task, due
     return ok;
 }
 
-bool part_receive_grid(part *to, part *from, const part_task *task, duet_error *err)
+bool part_receive_grid(part *to, part *from, duet_error *err)
 {
     grid_piece pieces[PIECES];
-    int n = grid_pieces(from, to, task, pieces);
+    int n = grid_pieces(from, to, pieces);
     char *at = from->sent.bytes;
-    set_args(to, task);
+    set_args(to);
     if (!clear(to, 0, err))
         return false;
     for (int i = 0; i < n; ++i) {
@@ -363,6 +360,6 @@ bool part_receive_grid(part *to, part *from, const part_task *task, duet_error *
     }
     if (to->variant.search == from->variant.search && to->device->info.host_memory &&
         from->device->info.host_memory)
-        return borrow_places(to, from, task, err);
-    return reserve_places(to, task, task->objects.n, err) && place(to, task, err);
+        return borrow_places(to, from, err);
+    return reserve_places(to, to->task.objects.n, err) && place(to, err);
 }

@@ -31,7 +31,7 @@ static bool read_counters(part *p, duet_error *err)
     uint32_t counts[COUNTERS];
     bool ok = timeline_read(&p->times, "fetch pairs", &p->counters, counts, sizeof counts, err);
     if (ok)
-        p->found = part_found_of(counts);
+        p->result.found = part_found_of(counts);
     return ok;
 }
 
@@ -61,10 +61,10 @@ static size_t smaller(size_t a, size_t b)
 }
 
 // Objects around which to search, at most.
-static uint32_t search_work(const part_task *task)
+static uint32_t search_work(const part *p)
 {
-    const part_range *r = &task->range;
-    return (uint32_t)smaller(r->last, smaller(r->expected, task->objects.n)) - r->first;
+    const part_range *r = &p->task.range;
+    return (uint32_t)smaller(r->last, smaller(r->expected, p->task.objects.n)) - r->first;
 }
 
 static bool run_narrow(part *p, uint64_t work, duet_error *err)
@@ -72,7 +72,7 @@ static bool run_narrow(part *p, uint64_t work, duet_error *err)
     return timeline_launch(&p->times, "narrow", p->kernels.narrow, work, p, err);
 }
 
-static bool run_candidates(part *p, const part_task *task, duet_error *err)
+static bool run_candidates(part *p, duet_error *err)
 {
     part_args *a = &p->args;
     a->found = p->kernels.narrow ? p->candidates : p->pairs;
@@ -83,7 +83,7 @@ static bool run_candidates(part *p, const part_task *task, duet_error *err)
     a->left_capacity = capacity_of(&p->left);
     bool decides = p->variant.search == SEARCH_SIMD && p->kernels.fused;
     return timeline_launch(&p->times, decides ? "search" : "candidates", p->kernels.candidates,
-                           search_work(task), p, err);
+                           search_work(p), p, err);
 }
 
 // Candidates are not counted on the host before they are tested: the narrow
@@ -104,11 +104,11 @@ static bool everything_fits(part *p, bool *fits, duet_error *err)
         uint64_t found;
         const char *what;
     } lists[] = {
-        {&p->candidates, p->found.candidates, "pairs whose bounds overlap"},
-        {&p->undecided, p->found.undecided, "undecided pairs"},
-        {&p->left, p->counted.left, "pairs"},
+        {&p->candidates, p->result.found.candidates, "pairs whose bounds overlap"},
+        {&p->undecided, p->result.found.undecided, "undecided pairs"},
+        {&p->left, p->result.counted.left, "pairs"},
         // undecided pairs may join the pairs
-        {&p->pairs, p->found.pairs + p->found.undecided, "pairs"},
+        {&p->pairs, p->result.found.pairs + p->result.found.undecided, "pairs"},
     };
     *fits = true;
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; ++i) {
@@ -140,21 +140,20 @@ typedef struct early_read {
 } early_read;
 
 // If pairs are counted, only those that are left travel.
-static buffer *pairs_to_fetch(part *p, const part_task *task)
+static buffer *pairs_to_fetch(part *p)
 {
-    return task->ids ? &p->left : &p->pairs;
+    return p->task.ids ? &p->left : &p->pairs;
 }
 
-static uint64_t count_to_fetch(const part *p, const part_task *task)
+static uint64_t count_to_fetch(const part *p)
 {
-    return task->ids ? p->counted.left : p->found.pairs;
+    return p->task.ids ? p->result.counted.left : p->result.found.pairs;
 }
 
 // The counters come first: the host goes on with them while the pairs travel.
-static bool start_early_read(part *p, const part_task *task, cl_event *counters_read,
-                             duet_error *err)
+static bool start_early_read(part *p, cl_event *counters_read, duet_error *err)
 {
-    buffer *pairs = pairs_to_fetch(p, task);
+    buffer *pairs = pairs_to_fetch(p);
     size_t open_bytes = smaller(p->undecided.bytes, sizeof((early_read *)0)->open);
     size_t bytes = smaller(p->pairs_early * sizeof(duet_pair), p->fetched.size);
     bytes = smaller(bytes, pairs->bytes);
@@ -164,8 +163,8 @@ static bool start_early_read(part *p, const part_task *task, cl_event *counters_
     p->pairs_early = bytes / sizeof(duet_pair);
     bool ok =
         timeline_start_read(&p->times, "fetch pairs", &p->undecided, 0, n->open, open_bytes, err) &&
-        (!task->ids || timeline_start_read(&p->times, "fetch pairs", &p->pair_counts, 0,
-                                           n->pair_counts, sizeof n->pair_counts, err)) &&
+        (!p->task.ids || timeline_start_read(&p->times, "fetch pairs", &p->pair_counts, 0,
+                                             n->pair_counts, sizeof n->pair_counts, err)) &&
         timeline_start_read(&p->times, "fetch pairs", &p->counters, 0, n->counters,
                             sizeof n->counters, err);
     *counters_read = timeline_last_event(&p->times);
@@ -192,71 +191,71 @@ static bool see_found(part *p, duet_error *err)
     const buffer *const found[] = {&p->requests.words, &p->undecided, &p->pairs, &p->counters};
     bool ok = timeline_see(&p->times, "fetch pairs", found, sizeof found / sizeof found[0], err);
     if (ok)
-        p->found = part_found_of(p->counters.host);
+        p->result.found = part_found_of(p->counters.host);
     return ok;
 }
 
-static bool read_found(part *p, const part_task *task, duet_error *err)
+static bool read_found(part *p, duet_error *err)
 {
     cl_event counters_read = NULL;
     if (p->device->info.host_memory)
         return see_found(p, err);
-    if (task->keeps_pairs)
+    if (p->task.keeps_pairs)
         return read_counters(p, err);
-    if ((task->ids && !count_pairs(p, err)) || !start_early_read(p, task, &counters_read, err))
+    if ((p->task.ids && !count_pairs(p, err)) || !start_early_read(p, &counters_read, err))
         return false;
     timeline_spin(&p->times, counters_read);
     if (!timeline_collect_to(&p->times, counters_read, err))
         return false;
     const early_read *read = p->early.bytes;
     const uint32_t *counts = read->pair_counts;
-    p->found = part_found_of(read->counters);
-    if (task->ids)
-        p->counted = (part_counted){wide(counts + COUNT_COUNTED), wide(counts + COUNTED_HASH),
-                                    wide(counts + COUNT_LEFT)};
+    p->result.found = part_found_of(read->counters);
+    if (p->task.ids)
+        p->result.counted = (part_counted){wide(counts + COUNT_COUNTED),
+                                           wide(counts + COUNTED_HASH), wide(counts + COUNT_LEFT)};
     return true;
 }
 
 // Where candidates are tested as they are found, the narrow kernel gets what a
 // group had no space for, which is mostly nothing.
-static bool test_listed(part *p, const part_task *task, duet_error *err)
+static bool test_listed(part *p, duet_error *err)
 {
     if (!p->kernels.narrow)
-        return read_found(p, task, err);
+        return read_found(p, err);
     if (!p->kernels.fused)
-        return run_narrow(p, narrow_work(p, search_work(task)), err) && read_found(p, task, err);
-    if (!read_found(p, task, err))
+        return run_narrow(p, narrow_work(p, search_work(p)), err) && read_found(p, err);
+    if (!read_found(p, err))
         return false;
-    uint64_t listed = p->found.candidates;
+    uint64_t listed = p->result.found.candidates;
     return listed == 0 || listed > capacity_of(&p->candidates) ||
-           (run_narrow(p, listed, err) && read_found(p, task, err));
+           (run_narrow(p, listed, err) && read_found(p, err));
 }
 
 // The first search finds its counters as the step cleared them.
-static bool search_once(part *p, const part_task *task, duet_error *err)
+static bool search_once(part *p, duet_error *err)
 {
-    return (p->runs++ == 0 ||
+    return (p->result.runs++ == 0 ||
             timeline_fill(&p->times, "clear", &p->counters, 0, 0, COUNT_BAD, err)) &&
-           run_candidates(p, task, err) && test_listed(p, task, err);
+           run_candidates(p, err) && test_listed(p, err);
 }
 
-static bool under_limit(const part *p, const part_task *task, duet_error *err)
+static bool under_limit(const part *p, duet_error *err)
 {
-    uint64_t pairs = p->found.pairs;
-    if (task->def->max_pairs && pairs > task->def->max_pairs)
+    uint64_t pairs = p->result.found.pairs;
+    if (p->task.def->max_pairs && pairs > p->task.def->max_pairs)
         return error_set(err, DUET_STATUS_TOO_MANY, "%llu pairs on %s, and the world allows %llu",
                          (unsigned long long)pairs, p->device->info.selector,
-                         (unsigned long long)task->def->max_pairs);
+                         (unsigned long long)p->task.def->max_pairs);
     return true;
 }
 
-static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet_error *err)
+static bool reserve_first(part *p, uint32_t objects, duet_error *err)
 {
     uint64_t guess = objects;
     bool ok = p->pairs.mem || reserve_pairs(p, &p->pairs, guess, err);
-    if (task->objects.shape != DUET_SHAPE_BOUNDS)
+    if (p->task.objects.shape != DUET_SHAPE_BOUNDS)
         ok = ok && (p->undecided.mem || reserve_pairs(p, &p->undecided, guess / 64, err));
-    if (task->ids)
+    if (p->task.ids)
         ok = ok && (p->left.mem || reserve_pairs(p, &p->left, guess / 64, err)) &&
              buffer_reserve(&p->pair_counts, p->device, PAIR_COUNTS * sizeof(uint32_t), err);
     if (p->kernels.narrow)
@@ -266,16 +265,21 @@ static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet
     return ok;
 }
 
+static void note_placed(part *p)
+{
+    if (p->result.found.placed > p->task.range.expected)
+        p->state = PART_CROWDED;
+}
+
 // A grid with space for fewer objects than there are may get more than it holds, and
 // its starts then point past its end. A search that is guarded checks that itself and finds
 // nothing, so the host need not wait between grid and search.
-static bool check_placed(part *p, const part_task *task, bool *placed, duet_error *err)
+static bool check_placed(part *p, duet_error *err)
 {
-    *placed = true;
-    if (task->range.expected >= task->objects.n || p->kernels.guarded)
+    if (p->task.range.expected >= p->task.objects.n || p->kernels.guarded)
         return true;
     bool ok = read_counters(p, err);
-    *placed = p->found.placed <= task->range.expected;
+    note_placed(p);
     return ok;
 }
 
@@ -286,7 +290,7 @@ static bool check_placed(part *p, const part_task *task, bool *placed, duet_erro
 // it grows by more than it must.
 static bool reserve_span(part *p, uint64_t n, duet_pair **pairs, duet_error *err)
 {
-    uint64_t most = n + p->found.undecided;
+    uint64_t most = n + p->result.found.undecided;
     size_t bytes = (size_t)most * sizeof(duet_pair);
     *pairs = p->pairs.host;
     if (*pairs)
@@ -315,10 +319,10 @@ static bool fetch_rest(part *p, buffer *from, duet_pair *pairs, uint64_t n, duet
 static bool fetch_open(part *p, const duet_pair **open, duet_pair *scratch, duet_error *err)
 {
     const early_read *n = p->early.bytes;
-    bool ahead = n && p->n_undecided <= OPEN_EARLY;
+    bool ahead = n && p->result.n_undecided <= OPEN_EARLY;
     *open = p->undecided.host ? p->undecided.host : ahead ? n->open : scratch;
     return *open != scratch || timeline_read(&p->times, "fetch pairs", &p->undecided, (void *)*open,
-                                             p->n_undecided * sizeof **open, err);
+                                             p->result.n_undecided * sizeof **open, err);
 }
 
 // What the host decides with: all objects, or where it does not see them those of the open
@@ -335,18 +339,17 @@ static void free_open_objects(open_objects *o)
     free(o->sizes);
 }
 
-static bool gather(part *p, const part_task *task, const duet_pair *open, open_objects *o,
-                   duet_error *err)
+static bool gather(part *p, const duet_pair *open, open_objects *o, duet_error *err)
 {
-    size_t row = task->objects.row_bytes, n = 2 * (size_t)p->n_undecided;
+    size_t row = p->task.objects.row_bytes, n = 2 * (size_t)p->result.n_undecided;
     o->rows = malloc(n * row);
     o->sizes = malloc(n * sizeof *o->sizes);
     if (!o->rows || !o->sizes)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu objects", n);
-    for (size_t i = 0; task->objects.sizes && i < n; ++i)
-        o->sizes[i] = task->objects.sizes[i % 2 ? open[i / 2].b : open[i / 2].a];
+    for (size_t i = 0; p->task.objects.sizes && i < n; ++i)
+        o->sizes[i] = p->task.objects.sizes[i % 2 ? open[i / 2].b : open[i / 2].a];
     o->objects.array = o->rows;
-    o->objects.sizes = task->objects.sizes ? o->sizes : NULL;
+    o->objects.sizes = p->task.objects.sizes ? o->sizes : NULL;
     if (!buffer_reserve(&p->gathered, p->device, n * row, err))
         return false;
     p->args.row_words = (cl_uint)(row / sizeof(cl_uint));
@@ -355,11 +358,10 @@ static bool gather(part *p, const part_task *task, const duet_pair *open, open_o
            timeline_read(&p->times, "fetch objects", &p->gathered, o->rows, n * row, err);
 }
 
-static bool see_open_objects(part *p, const part_task *task, const duet_pair *open, open_objects *o,
-                             duet_error *err)
+static bool see_open_objects(part *p, const duet_pair *open, open_objects *o, duet_error *err)
 {
-    *o = (open_objects){.objects = task->objects};
-    return task->objects.array || p->n_undecided == 0 || gather(p, task, open, o, err);
+    *o = (open_objects){.objects = p->task.objects};
+    return p->task.objects.array || p->result.n_undecided == 0 || gather(p, open, o, err);
 }
 
 // Decides on the host what float left open. Returns how many of them collide,
@@ -368,101 +370,102 @@ static uint64_t decide(part *p, const open_objects *o, const duet_pair *open, du
 {
     uint64_t begun = clock_steady_ns();
     uint64_t n = 0;
-    for (uint64_t i = 0; i < p->n_undecided; ++i) {
+    for (uint64_t i = 0; i < p->result.n_undecided; ++i) {
         uint32_t first = o->rows ? 2 * (uint32_t)i : open[i].a;
         uint32_t second = o->rows ? first + 1 : open[i].b;
         if (grid_objects_collide(&o->objects, first, second))
             colliding[n++] = open[i];
     }
-    if (p->n_undecided > 0)
+    if (p->result.n_undecided > 0)
         timeline_add_host(&p->times, "decide", clock_ms_since(begun));
     return n;
 }
 
 // The undecided are decided while the pairs travel, and follow them once they
 // are there.
-static bool fetch_and_decide(part *p, const part_task *task, duet_pair *colliding, duet_error *err)
+static bool fetch_and_decide(part *p, duet_pair *colliding, duet_error *err)
 {
     duet_pair *pairs = NULL;
     const duet_pair *open = NULL;
-    uint64_t n = count_to_fetch(p, task);
+    uint64_t n = count_to_fetch(p);
     uint64_t n_colliding = 0;
     open_objects seen = {0};
-    bool ok = reserve_span(p, n, &pairs, err) &&
-              fetch_rest(p, pairs_to_fetch(p, task), pairs, n, err) &&
-              fetch_open(p, &open, colliding, err) && see_open_objects(p, task, open, &seen, err);
+    bool ok = reserve_span(p, n, &pairs, err) && fetch_rest(p, pairs_to_fetch(p), pairs, n, err) &&
+              fetch_open(p, &open, colliding, err) && see_open_objects(p, open, &seen, err);
     if (ok)
         n_colliding = decide(p, &seen, open, colliding);
     free_open_objects(&seen);
     ok = ok && timeline_finish(&p->times, err);
     if (ok && n_colliding > 0)
         memcpy(pairs + n, colliding, (size_t)n_colliding * sizeof *pairs);
-    p->span = ok ? (duet_span){pairs, n + n_colliding} : (duet_span){0};
+    p->result.span = ok ? (duet_span){pairs, n + n_colliding} : (duet_span){0};
     return ok;
 }
 
 // The pairs stay where they are, those that are decided follow them, and the span only
 // counts them.
-static bool keep_and_decide(part *p, const part_task *task, duet_pair *colliding, duet_error *err)
+static bool keep_and_decide(part *p, duet_pair *colliding, duet_error *err)
 {
     uint64_t n_colliding = 0;
     open_objects seen = {0};
     bool ok = timeline_read(&p->times, "fetch pairs", &p->undecided, colliding,
-                            p->n_undecided * sizeof *colliding, err) &&
-              see_open_objects(p, task, colliding, &seen, err);
+                            p->result.n_undecided * sizeof *colliding, err) &&
+              see_open_objects(p, colliding, &seen, err);
     if (ok)
         n_colliding = decide(p, &seen, colliding, colliding);
     free_open_objects(&seen);
-    p->span.n = p->found.pairs + n_colliding;
+    p->result.span.n = p->result.found.pairs + n_colliding;
     return ok &&
-           timeline_write_at(&p->times, "send pairs", &p->pairs, p->found.pairs * sizeof *colliding,
-                             colliding, (size_t)n_colliding * sizeof *colliding, err) &&
+           timeline_write_at(&p->times, "send pairs", &p->pairs,
+                             p->result.found.pairs * sizeof *colliding, colliding,
+                             (size_t)n_colliding * sizeof *colliding, err) &&
            timeline_finish(&p->times, err);
 }
 
-static bool fetch(part *p, const part_task *task, duet_error *err)
+static bool fetch(part *p, duet_error *err)
 {
-    p->n_undecided = p->found.undecided;
-    size_t bytes = (size_t)p->n_undecided * sizeof(duet_pair);
+    p->result.n_undecided = p->result.found.undecided;
+    size_t bytes = (size_t)p->result.n_undecided * sizeof(duet_pair);
     duet_pair *colliding = malloc(bytes + 1);
     if (!colliding)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu bytes", bytes);
-    bool ok = task->keeps_pairs ? keep_and_decide(p, task, colliding, err)
-                                : fetch_and_decide(p, task, colliding, err);
+    bool ok = p->task.keeps_pairs ? keep_and_decide(p, colliding, err)
+                                  : fetch_and_decide(p, colliding, err);
     free(colliding);
     return ok;
 }
 
-bool part_search(part *p, const part_task *task, bool *placed, duet_error *err)
+bool part_search(part *p, duet_error *err)
 {
-    *placed = true;
-    if (task->range.first >= task->range.last)
+    if (p->task.range.first >= p->task.range.last)
         return read_counters(p, err) && timeline_finish(&p->times, err);
-    bool ok = check_placed(p, task, placed, err) && reserve_first(p, task, search_work(task), err);
+    bool ok = check_placed(p, err) && reserve_first(p, search_work(p), err);
     bool fits = false;
-    while (ok && *placed && !fits) {
-        ok = search_once(p, task, err) && under_limit(p, task, err) &&
-             everything_fits(p, &fits, err);
-        *placed = p->found.placed <= task->range.expected;
+    while (ok && p->state != PART_CROWDED && !fits) {
+        ok = search_once(p, err) && under_limit(p, err) && everything_fits(p, &fits, err);
+        note_placed(p);
     }
-    if (!ok || !*placed)
+    if (!ok || p->state == PART_CROWDED)
         return ok;
-    p->n_candidates = p->kernels.listed ? p->found.pairs : p->found.candidates + p->found.tested;
-    return fetch(p, task, err);
+    p->result.n_candidates = p->kernels.listed
+                                 ? p->result.found.pairs
+                                 : p->result.found.candidates + p->result.found.tested;
+    return fetch(p, err);
 }
 
 // Those that the host decided stand at the span's end, and nowhere else.
 bool part_read_counted(part *p, duet_error *err)
 {
-    uint64_t n = p->found.pairs, n_decided = p->span.n - p->counted.left;
-    if (p->counted.n == 0)
+    uint64_t n = p->result.found.pairs, n_decided = p->result.span.n - p->result.counted.left;
+    if (p->result.counted.n == 0)
         return true;
     duet_pair *decided = malloc((size_t)n_decided * sizeof *decided + 1);
     if (!decided)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%llu pairs: no memory",
                          (unsigned long long)n_decided);
     if (n_decided > 0)
-        memcpy(decided, p->span.pairs + p->counted.left, (size_t)n_decided * sizeof *decided);
+        memcpy(decided, p->result.span.pairs + p->result.counted.left,
+               (size_t)n_decided * sizeof *decided);
     bool ok = host_block_reserve(&p->fetched, p->device, 1,
                                  (size_t)(n + n_decided) * sizeof *decided, err) &&
               timeline_read(&p->times, "fetch pairs", &p->pairs, p->fetched.bytes,
@@ -472,7 +475,7 @@ bool part_read_counted(part *p, duet_error *err)
     if (ok && n_decided > 0)
         memcpy(all + n, decided, (size_t)n_decided * sizeof *decided);
     free(decided);
-    p->span = ok ? (duet_span){all, n + n_decided} : (duet_span){0};
-    p->counted = (part_counted){0};
+    p->result.span = ok ? (duet_span){all, n + n_decided} : (duet_span){0};
+    p->result.counted = (part_counted){0};
     return ok;
 }

@@ -23,8 +23,8 @@ static uint32_t smallest(uint32_t a, uint32_t b)
 // grids are identical.
 static uint32_t count_bad(const duet_world *world)
 {
-    uint32_t a = world->parts[0].found.bad;
-    uint32_t b = world->parts[1].found.bad;
+    uint32_t a = world->parts[0].result.found.bad;
+    uint32_t b = world->parts[1].result.found.bad;
     return world->def.plan.mode == DUET_MODE_SLAB ? a + b : largest(a, b);
 }
 
@@ -39,13 +39,13 @@ static duet_result describe_found(const duet_world *world)
     return (duet_result){
         .objects = world->n,
         .bad = bad,
-        .first_bad = bad ? smallest(a->found.first_bad, b->found.first_bad) : 0,
-        .candidates = a->n_candidates + b->n_candidates,
-        .pairs = a->span.n + b->span.n,
-        .spans = {{left ? NULL : a->span.pairs, a->span.n},
-                  {left ? NULL : b->span.pairs, b->span.n}},
-        .undecided = a->n_undecided + b->n_undecided,
-        .device_ms = {a->wall_ms, b->wall_ms},
+        .first_bad = bad ? smallest(a->result.found.first_bad, b->result.found.first_bad) : 0,
+        .candidates = a->result.n_candidates + b->result.n_candidates,
+        .pairs = a->result.span.n + b->result.span.n,
+        .spans = {{left ? NULL : a->result.span.pairs, a->result.span.n},
+                  {left ? NULL : b->result.span.pairs, b->result.span.n}},
+        .undecided = a->result.n_undecided + b->result.n_undecided,
+        .device_ms = {a->result.wall_ms, b->result.wall_ms},
         .bytes = {a->bytes, b->bytes},
         .cells = {(uint32_t)finest->cells.s[0], (uint32_t)finest->cells.s[1],
                   (uint32_t)finest->cells.s[2]},
@@ -53,7 +53,7 @@ static duet_result describe_found(const duet_world *world)
         .hashed = world->grid.kind == GRID_HASHED,
         .cell = world->grid.edge,
         .cell_widened = world->cell_widened,
-        .runs = largest(a->runs, b->runs),
+        .runs = largest(a->result.runs, b->result.runs),
         .stages = world->stages,
         .timed = !a->times.untimed && !b->times.untimed,
     };
@@ -85,7 +85,7 @@ static part *sole_finder(const pair_buffers *b, part parts[2])
 {
     for (int i = 0; i < 2; ++i)
         if (!b->pairs && parts[i].device == b->device && parts[i].pairs.mem &&
-            parts[1 - i].span.n == 0)
+            parts[1 - i].result.span.n == 0)
             return &parts[i];
     return NULL;
 }
@@ -101,14 +101,14 @@ static bool gather(pair_buffers *b, const part parts[2], duet_error *err)
     size_t at = 0, bytes = 0;
     for (int side = 0; side < 2 && code == CL_SUCCESS; ++side, at += bytes) {
         const part *p = &parts[side];
-        const bool kept = !p->span.pairs; // on its device
-        bytes = (size_t)p->span.n * sizeof(duet_pair);
+        const bool kept = !p->result.span.pairs; // on its device
+        bytes = (size_t)p->result.span.n * sizeof(duet_pair);
         if (bytes == 0)
             continue;
         cl_command_queue queue = kept ? p->device->queue : b->device->queue;
         code = kept ? clEnqueueCopyBuffer(queue, p->pairs.mem, to, 0, at, bytes, 0, NULL, NULL)
-                    : clEnqueueWriteBuffer(queue, to, CL_FALSE, at, bytes, p->span.pairs, 0, NULL,
-                                           NULL);
+                    : clEnqueueWriteBuffer(queue, to, CL_FALSE, at, bytes, p->result.span.pairs, 0,
+                                           NULL, NULL);
         cl_int finished = clFinish(queue);
         code = code != CL_SUCCESS ? code : finished;
     }
@@ -137,8 +137,9 @@ static bool join_pairs(duet_world *world, duet_error *err)
 static bool leave_pairs(duet_world *world, bool found, duet_error *err)
 {
     pair_buffers *b = &world->left;
-    b->last = (duet_pair_buffers){.count = b->count ? b->count : b->own_count.mem,
-                                  .n = world->parts[0].span.n + world->parts[1].span.n};
+    b->last =
+        (duet_pair_buffers){.count = b->count ? b->count : b->own_count.mem,
+                            .n = world->parts[0].result.span.n + world->parts[1].result.span.n};
     bool ok = found && check_space(b, err) && join_pairs(world, err);
     cl_ulong n = ok ? b->last.n : 0;
     cl_int code = b->last.count ? clEnqueueWriteBuffer(b->device->queue, b->last.count, CL_TRUE, 0,

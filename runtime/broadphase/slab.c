@@ -103,7 +103,6 @@ static part_range slab_of(const split *s, const grid *g, uint32_t n, uint32_t fr
         .last = UINT32_MAX,
         .expected = both < n ? (uint32_t)both : n,
         .homes = counted,
-        .expected_homes = homes,
         .expected_ghosts = ghosts,
     };
 }

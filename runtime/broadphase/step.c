@@ -92,107 +92,88 @@ static bool divide(duet_world *world, const grid_objects *o, part_range ranges[2
 
 // ---------------------------------------------------------------- parts
 
-typedef enum job_state {
-    JOB_BEGUN,
-    JOB_HAS_GRID,
-    JOB_DONE,
-    JOB_CROWDED, // the slab had more objects than space
-    JOB_FAILED
-} job_state;
-
-// What one part does, possibly in the driver's thread.
-typedef struct job {
-    duet_world *world;
-    part *part;
-    int side;
-    part_task task;
-    job_state state;
-    duet_error err;
-} job;
-
-static bool build_grid(job *j)
+static bool build_grid(part *p, duet_error *err)
 {
-    bool placed = true;
-    bool ok = part_update_views(j->part, &j->task, &j->world->lists, j->side, &placed, &j->err) &&
-              (!placed || part_build_grid(j->part, &j->task, &j->err));
-    j->state = placed ? JOB_HAS_GRID : JOB_CROWDED;
-    return ok;
-}
-
-static bool get_grid(job *j)
-{
-    if (j->state == JOB_HAS_GRID)
+    if (!part_update_views(p, err))
+        return false;
+    if (p->state == PART_CROWDED)
         return true;
-    if (j->task.role != GRID_RECEIVED)
-        return build_grid(j);
-    j->state = JOB_HAS_GRID;
-    return part_receive_grid(j->part, &j->world->parts[1 - j->side], &j->task, &j->err);
+    p->state = PART_HAS_GRID;
+    return part_build_grid(p, err);
 }
 
-static bool search(job *j)
+static bool receive_grid(part *p, part *from, duet_error *err)
 {
-    bool placed = true;
-    bool ok = part_search(j->part, &j->task, &placed, &j->err);
-    j->state = placed ? JOB_DONE : JOB_CROWDED;
+    p->state = PART_HAS_GRID;
+    return part_receive_grid(p, from, err);
+}
+
+static bool search(part *p, duet_error *err)
+{
+    bool ok = part_search(p, err);
+    if (p->state == PART_HAS_GRID)
+        p->state = PART_DONE;
     return ok;
 }
 
-static void fail(job *j)
+// Runs a part from where it is, possibly in the driver's thread.
+static void run_part(void *arg)
 {
-    j->state = JOB_FAILED;
-    part_invalidate(j->part);
-    compaction_cancel(&j->world->lists);
-}
-
-static void run_job(void *arg)
-{
-    job *j = arg;
+    part *p = arg;
     uint64_t begun = clock_steady_ns();
-    if (!get_grid(j) || (j->state == JOB_HAS_GRID && !search(j)))
-        fail(j);
-    j->part->bytes = part_bytes(j->part);
-    j->part->wall_ms += clock_ms_since(begun);
+    bool ok = p->state == PART_HAS_GRID ||
+              (p->task.role == GRID_RECEIVED ? receive_grid(p, p->task.other, &p->err)
+                                             : build_grid(p, &p->err));
+    if (ok && p->state == PART_HAS_GRID)
+        ok = search(p, &p->err);
+    if (!ok) {
+        p->state = PART_FAILED;
+        part_invalidate(p);
+        compaction_cancel(p->task.lists);
+    }
+    p->bytes = part_bytes(p);
+    p->result.wall_ms += clock_ms_since(begun);
 }
 
 // Figure 11: B builds the grid and sends it; then both search.
-static bool share_grid(job *a, job *b)
+static bool share_grid(part *a, part *b, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
-    bool placed = true;
-    bool ok = build_grid(b) &&
-              part_update_views(a->part, &a->task, NULL, a->side, &placed, &b->err) &&
-              part_send_grid(b->part, a->part, &b->task, &b->err);
-    b->part->wall_ms = clock_ms_since(begun);
+    bool ok = build_grid(b, err) && part_update_views(a, err) && part_send_grid(b, a, err);
+    b->result.wall_ms = clock_ms_since(begun);
     if (!ok) {
-        part_invalidate(a->part);
-        part_invalidate(b->part);
+        part_invalidate(a);
+        part_invalidate(b);
     }
     return ok;
 }
 
 // The slab whose objects are to be listed, or NULL.
-static const part_range *slab_to_list(const job *j)
+static const part_range *slab_to_list(const part *p)
 {
-    const part_task *task = &j->task;
+    const part_task *task = &p->task;
     bool lists = task->wanted.kind == SELECT_LIST &&
-                 !view_has(&j->part->objects, task->objects.generation, &task->wanted);
+                 !view_has(&p->objects, task->objects.generation, &task->wanted);
     return lists ? &task->range : NULL;
 }
 
 // An object's slab is known only once its row of cells is: all threads list each device's objects
-// while the jobs run.
-static bool run_jobs(duet_world *world, job jobs[2], const bool use[2], duet_error *err)
+// while the parts run.
+static bool run_both(duet_world *world, const bool use[2], duet_error *err)
 {
-    const part_range *const slabs[2] = {slab_to_list(&jobs[0]), slab_to_list(&jobs[1])};
-    const device *const devices[2] = {jobs[0].part->device, jobs[1].part->device};
+    part *a = &world->parts[0], *b = &world->parts[1];
+    const part_range *const slabs[2] = {slab_to_list(a), slab_to_list(b)};
+    const device *const devices[2] = {a->device, b->device};
     const grid_objects objects = world_objects(world);
     thread_pool *threads = NULL;
     if (!compaction_start(&world->lists, &objects, &world->grid, slabs, devices, &threads, err))
         return false;
-    thread_pool_run_both(world->driver, run_job, use[0] ? &jobs[0] : NULL,
-                         use[1] ? &jobs[1] : NULL);
+    thread_pool_run_both(world->driver, run_part, use[0] ? a : NULL, use[1] ? b : NULL);
     thread_pool_wait(threads);
-    return jobs[0].state != JOB_FAILED && jobs[1].state != JOB_FAILED;
+    if (a->state != PART_FAILED && b->state != PART_FAILED)
+        return true;
+    error_copy(err, &a->err);
+    return error_copy(err, &b->err);
 }
 
 // A prefetched part began when that started.
@@ -204,36 +185,29 @@ static void begin_parts(duet_world *world)
             part_begin(&world->parts[side], world->steps);
 }
 
-static bool describe_jobs(job jobs[2], duet_world *world, const grid_objects *objects,
-                          duet_error *err)
+static bool give_tasks(duet_world *world, const grid_objects *objects, duet_error *err)
 {
     part_range ranges[2];
     if (!divide(world, objects, ranges, err))
         return false;
     for (int side = 0; side < 2; ++side) {
         part *p = &world->parts[side];
-        const part_task task = {
+        p->state = PART_BEGUN;
+        p->err = (duet_error){0};
+        p->task = (part_task){
             .def = &world->def,
             .objects = *objects,
             .grid = &world->grid,
             .role = role_of(world, side),
+            .other = &world->parts[1 - side],
             .range = ranges[side],
             .wanted = select_objects(world, objects, ranges, side),
-            .keeps_pairs = keeps_pairs(world, side),
+            .lists = &world->lists,
             .ids = p->device->info.host_memory ? NULL : world->ids.list,
+            .keeps_pairs = keeps_pairs(world, side),
         };
-        jobs[side] = (job){.world = world, .part = p, .side = side, .task = task};
     }
     return true;
-}
-
-static bool prepare(duet_world *world, const job jobs[2], const bool use[2], duet_error *err)
-{
-    bool ok = true;
-    for (int side = 0; ok && side < 2; ++side)
-        if (use[side])
-            ok = part_prepare(jobs[side].part, &world->variants[side], &jobs[side].task, err);
-    return ok;
 }
 
 // *found_all is false if a slab had more objects than space, or a requested block was not selected:
@@ -241,19 +215,17 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
 static bool run_parts(duet_world *world, const grid_objects *objects, bool *found_all,
                       duet_error *err)
 {
-    job jobs[2];
-    if (!describe_jobs(jobs, world, objects, err))
+    part *a = &world->parts[0], *b = &world->parts[1];
+    if (!give_tasks(world, objects, err))
         return false;
-    const bool shared = jobs[0].task.role == GRID_RECEIVED && has_work(&jobs[0].task.range);
-    const bool use[2] = {has_work(&jobs[0].task.range), shared || has_work(&jobs[1].task.range)};
-    if (!prepare(world, jobs, use, err))
+    const bool shared = a->task.role == GRID_RECEIVED && has_work(&a->task.range);
+    const bool use[2] = {has_work(&a->task.range), shared || has_work(&b->task.range)};
+    if ((use[0] && !part_prepare(a, &world->variants[0], err)) ||
+        (use[1] && !part_prepare(b, &world->variants[1], err)) ||
+        (shared && !share_grid(a, b, err)) || !run_both(world, use, err))
         return false;
-    if ((shared && !share_grid(&jobs[0], &jobs[1])) || !run_jobs(world, jobs, use, err)) {
-        error_copy(err, &jobs[0].err);
-        return error_copy(err, &jobs[1].err);
-    }
-    const bool crowded = jobs[0].state == JOB_CROWDED || jobs[1].state == JOB_CROWDED;
-    const block_requests requests[2] = {part_requests(jobs[0].part), part_requests(jobs[1].part)};
+    const bool crowded = a->state == PART_CROWDED || b->state == PART_CROWDED;
+    const block_requests requests[2] = {part_requests(a), part_requests(b)};
     if (crowded)
         split_forget(&world->split);
     *found_all =
@@ -280,7 +252,8 @@ static bool find_all(duet_world *world, duet_error *err)
         bool found_all = false;
         if (!run_parts(world, &objects, &found_all, err))
             return false;
-        float widest = fmaxf(world->parts[0].found.widest, world->parts[1].found.widest);
+        float widest =
+            fmaxf(world->parts[0].result.found.widest, world->parts[1].result.found.widest);
         if (widest > 0.0f)
             world->fitted_n = 0;
         fits = found_all && !(widest > 0.0f);
@@ -351,16 +324,16 @@ bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *
     bool ok = duet_world_step(world, result, err);
     state->list = NULL;
     for (int side = 0; side < 2; ++side)
-        counted[side] = world->parts[side].counted;
+        counted[side] = world->parts[side].result.counted;
     return ok;
 }
 
-bool world_bring_counted(duet_world *world, duet_span spans[2], duet_error *err)
+bool world_read_counted(duet_world *world, duet_span spans[2], duet_error *err)
 {
     bool ok = true;
     for (int side = 0; ok && side < 2; ++side) {
         ok = part_read_counted(&world->parts[side], err);
-        spans[side] = world->parts[side].span;
+        spans[side] = world->parts[side].result.span;
     }
     return ok;
 }
@@ -377,7 +350,7 @@ static bool can_prefetch(const duet_world *world, int side)
            (side == 0 ? share > 0 : share < DUET_SHARE_ONE);
 }
 
-void world_send_ahead(duet_world *world, uint32_t n, const global_ids *ids)
+void world_prefetch(duet_world *world, uint32_t n, const global_ids *ids)
 {
     const bool borrowed = world->rows != world->objects.bytes;
     const size_t row = world_kind_bytes(world->kind);
@@ -416,7 +389,7 @@ uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **b
     return part_await_skim(skimmer(world), from, blocks);
 }
 
-void world_stop_ahead(duet_world *world)
+void world_cancel_prefetch(duet_world *world)
 {
     for (int side = 0; side < 2; ++side)
         if (is_prefetched(&world->parts[side]))

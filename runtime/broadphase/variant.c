@@ -35,71 +35,33 @@ static bool take_search(variant *v, const char *word, bool cpu, duet_error *err)
                      "variant '%s': expected auto, simd, gpu or paper", word);
 }
 
-static bool take_sort(variant *v, const char *value, duet_error *err)
+// The words that a setting may be, by their numbers.
+typedef struct setting_words {
+    const char *name;
+    const char *words[5]; // ends with NULL
+    const char *expected;
+} setting_words;
+
+static const setting_words sorts = {"sort", {"counting", "radix"}, "sort=radix or sort=counting"};
+static const setting_words paper_sorts = {"sort", {"", "radix"}, "sort=radix"};
+static const setting_words grids = {
+    "grid", {"auto", "uniform", "dense", "hashed"}, "auto, uniform, dense or hashed"};
+static const setting_words sends = {"send", {"all", "chunks", "packed"}, "all, chunks or packed"};
+static const setting_words cells = {"cells", {"free", "fixed"}, "free or fixed"};
+
+// Reads the number of a word; -1: it is none of them.
+static int read_word(const setting_words *of, const char *value, duet_error *err)
 {
-    if (strcmp(value, "counting") == 0 && v->search != SEARCH_PAPER)
-        v->sort = SORT_COUNTING;
-    else if (strcmp(value, "radix") == 0)
-        v->sort = SORT_RADIX;
-    else
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "variant: sort=%s is not possible; expected sort=radix%s", value,
-                         v->search == SEARCH_PAPER ? "" : " or sort=counting");
-    return true;
+    for (int i = 0; of->words[i]; ++i)
+        if (*value && strcmp(value, of->words[i]) == 0)
+            return i;
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "variant: %s=%s is not possible; expected %s",
+              of->name, value, of->expected);
+    return -1;
 }
 
-static bool take_grid(variant *v, const char *value, duet_error *err)
+static bool take_number(variant *v, char *word, const char *value, duet_error *err)
 {
-    static const char *const names[] = {"auto", "uniform", "dense", "hashed"};
-    for (int i = 0; i < 4; ++i) {
-        if (strcmp(value, names[i]) == 0) {
-            v->grid = (variant_grid)i;
-            return true;
-        }
-    }
-    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "variant: grid=%s is not possible; expected auto, uniform, dense or "
-                     "hashed",
-                     value);
-}
-
-static bool take_send(variant *v, const char *value, duet_error *err)
-{
-    static const char *const names[] = {
-        [SEND_ALL] = "all", [SEND_CHUNKS] = "chunks", [SEND_PACKED] = "packed"};
-    for (int i = 0; i < 3; ++i) {
-        if (strcmp(value, names[i]) == 0) {
-            v->send = (variant_send)i;
-            return true;
-        }
-    }
-    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "variant: send=%s is not possible; expected all, chunks or packed", value);
-}
-
-static bool take_cells(variant *v, const char *value, duet_error *err)
-{
-    v->fixed = strcmp(value, "fixed") == 0;
-    return v->fixed || strcmp(value, "free") == 0 ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "variant: cells=%s is not possible; expected free or fixed", value);
-}
-
-static bool take_setting(variant *v, char *word, duet_error *err)
-{
-    char *equals = strchr(word, '=');
-    if (!equals || equals == word || !equals[1])
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "variant: '%s' is not NAME=VALUE", word);
-    *equals = '\0';
-    const char *value = equals + 1;
-    if (strcmp(word, "sort") == 0)
-        return take_sort(v, value, err);
-    if (strcmp(word, "grid") == 0)
-        return take_grid(v, value, err);
-    if (strcmp(word, "send") == 0)
-        return take_send(v, value, err);
-    if (strcmp(word, "cells") == 0)
-        return take_cells(v, value, err);
     char *end = NULL;
     long long number = strtoll(value, &end, 0);
     if (*end)
@@ -118,6 +80,27 @@ static bool take_setting(variant *v, char *word, duet_error *err)
     v->settings[v->n_settings].value = number;
     ++v->n_settings;
     return true;
+}
+
+static bool take_setting(variant *v, char *word, duet_error *err)
+{
+    char *equals = strchr(word, '=');
+    if (!equals || equals == word || !equals[1])
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "variant: '%s' is not NAME=VALUE", word);
+    *equals = '\0';
+    const char *value = equals + 1;
+    int read = 0;
+    if (strcmp(word, "sort") == 0)
+        v->sort = read = read_word(v->search == SEARCH_PAPER ? &paper_sorts : &sorts, value, err);
+    else if (strcmp(word, "grid") == 0)
+        v->grid = read = read_word(&grids, value, err);
+    else if (strcmp(word, "send") == 0)
+        v->send = read = read_word(&sends, value, err);
+    else if (strcmp(word, "cells") == 0)
+        v->fixed = (read = read_word(&cells, value, err)) == 1;
+    else
+        return take_number(v, word, value, err);
+    return read >= 0;
 }
 
 bool variant_parse(variant *v, const char *text, const duet_device_info *device, duet_error *err)

@@ -11,11 +11,6 @@ selection select_all(uint32_t n)
     return (selection){.kind = SELECT_ALL, .n_ranges = 1, .ranges = {{0, n}}};
 }
 
-selection select_first(uint32_t n)
-{
-    return (selection){.kind = SELECT_RANGES, .n_ranges = 1, .ranges = {{0, n}}};
-}
-
 uint32_t selection_count(const selection *s)
 {
     uint32_t n = 0;
@@ -24,30 +19,23 @@ uint32_t selection_count(const selection *s)
     return n;
 }
 
-// The first rows of a range that are missing; an empty range if none is.
-static row_span first_missing(const selection *there, row_span wanted)
+// The next rows from `from` on that are wanted and not there; an empty range if none are.
+static row_span next_missing(const selection *there, const selection *wanted, uint32_t from)
 {
-    for (uint32_t i = 0; i < there->n_ranges && wanted.from < wanted.to; ++i) {
-        const row_span *has = &there->ranges[i];
-        if (has->to <= wanted.from)
-            continue;
-        if (has->from > wanted.from) {
-            wanted.to = has->from < wanted.to ? has->from : wanted.to;
-            break;
+    for (uint32_t i = 0; i < wanted->n_ranges; ++i) {
+        row_span m = wanted->ranges[i];
+        m.from = m.from > from ? m.from : from;
+        for (uint32_t k = 0; k < there->n_ranges && m.from < m.to; ++k) {
+            const row_span *has = &there->ranges[k];
+            if (has->from <= m.from && m.from < has->to)
+                m.from = has->to;
+            else if (m.from < has->from && has->from < m.to)
+                m.to = has->from;
         }
-        wanted.from = has->to < wanted.to ? has->to : wanted.to;
+        if (m.from < m.to)
+            return m;
     }
-    return wanted;
-}
-
-static bool has_ranges(const selection *there, const selection *wanted)
-{
-    bool has = true;
-    for (uint32_t i = 0; has && i < wanted->n_ranges; ++i) {
-        row_span missing = first_missing(there, wanted->ranges[i]);
-        has = missing.from == missing.to;
-    }
-    return has;
+    return (row_span){0, 0};
 }
 
 // ---------------------------------------------------------------- views
@@ -82,7 +70,7 @@ bool view_has(const device_view *v, uint64_t generation, const selection *wanted
         return false;
     bool lists = v->there.kind == SELECT_LIST, list = wanted->kind == SELECT_LIST;
     return lists && list ? memcmp(&v->there.slab, &wanted->slab, sizeof wanted->slab) == 0
-                         : !lists && !list && has_ranges(&v->there, wanted);
+                         : !lists && !list && next_missing(&v->there, wanted, 0).to == 0;
 }
 
 bool view_is_prefetched(const device_view *v, uint64_t generation)
@@ -104,27 +92,17 @@ static void assert_invariants(const device_view *v)
 
 // ---------------------------------------------------------------- sending
 
-static bool send_rows(device_view *v, timeline *t, const host_array *from, row_span rows,
-                      duet_error *err)
-{
-    size_t at = rows.from * from->row_bytes;
-    return timeline_write_at(t, "send objects", &v->own, at, (const char *)from->rows + at,
-                             (rows.to - rows.from) * from->row_bytes, err);
-}
-
 static bool send_missing(device_view *v, timeline *t, const host_array *from,
                          const selection *there, const selection *wanted, duet_error *err)
 {
-    for (uint32_t i = 0; i < wanted->n_ranges; ++i) {
-        row_span rest = wanted->ranges[i];
-        while (rest.from < rest.to) {
-            row_span missing = first_missing(there, rest);
-            if (missing.from < missing.to && !send_rows(v, t, from, missing, err))
-                return false;
-            rest.from = missing.to;
-        }
+    bool ok = true;
+    row_span rows = next_missing(there, wanted, 0);
+    for (; ok && rows.from < rows.to; rows = next_missing(there, wanted, rows.to)) {
+        size_t at = rows.from * from->row_bytes;
+        ok = timeline_write_at(t, "send objects", &v->own, at, (const char *)from->rows + at,
+                               (rows.to - rows.from) * from->row_bytes, err);
     }
-    return true;
+    return ok;
 }
 
 // All chunks are on their way at once, beside the kernels.
@@ -164,7 +142,7 @@ bool view_update(device_view *v, timeline *t, const host_array *from, const sele
 {
     const selection all = select_all(from->n), none = {.kind = SELECT_ALL};
     const bool continues = view_continues(v, from, wanted);
-    const cl_mem before = v->own.mem;
+    const buffer before = v->own;
     assert(wanted->kind != SELECT_LIST);
     if (!continues)
         v->n_chunks = 0;
@@ -173,7 +151,7 @@ bool view_update(device_view *v, timeline *t, const host_array *from, const sele
         return true;
     if (!buffer_hold(&v->own, t->device, (void *)from->rows, from->n * from->row_bytes, err))
         return false;
-    if (v->own.mem != before)
+    if (v->own.mem != before.mem || v->own.bytes != before.bytes || v->own.host != before.host)
         v->generation = 0;
     const selection *sent = v->own.host ? &all : wanted;
     if (!continues && view_has(v, from->generation, sent))

@@ -69,11 +69,10 @@ typedef struct view_chunk {
 typedef struct device_view {
     uint64_t generation;
     selection there;
-    buffer own;      // the view's memory
-    buffer bound;    // another's memory, read in its place; empty: none
-    buffer ids;      // LIST
-    uint32_t n;      // rows to read: of the array, or of the list
-    uint32_t n_home; // LIST: the first n_home rows are of the slab itself, the others are ghosts
+    buffer own;                         // the view's memory
+    buffer bound;                       // another's memory, read in its place; empty: none
+    buffer ids;                         // LIST
+    uint32_t n;                         // rows to read: of the array, or of the list
     view_chunk chunks[2 * VIEW_CHUNKS]; // that kernels must wait for
     uint32_t n_chunks;
 } device_view;

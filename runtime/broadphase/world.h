@@ -104,8 +104,8 @@ const char *world_objects_name(const duet_world_def *def);
 // caller writes others behind them; the next step is of all of these. Until then the first n stay
 // as they are. What fails is sent again in the step. ids, unless NULL, are those that the step
 // will count with, but for which have none; their list is sent too.
-void world_send_ahead(duet_world *world, uint32_t n, const global_ids *ids);
-void world_stop_ahead(duet_world *world); // waits for it, and forgets it
+void world_prefetch(duet_world *world, uint32_t n, const global_ids *ids);
+void world_cancel_prefetch(duet_world *world); // waits for it, and forgets it
 
 // Skims what was sent ahead, by a device to which it goes anyway: which of the objects lie deep
 // inside of the box. False where none does. The other one waits for the blocks from `from` on, 0 at
@@ -119,7 +119,7 @@ void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n)
 
 // The next steps are of n objects in the caller's memory, of the kind that the world was made for.
 // They stay there, and as they are while a step reads them, until others are mapped or lent.
-void world_lend_objects(duet_world *world, const void *objects, uint32_t n);
+void world_borrow_objects(duet_world *world, const void *objects, uint32_t n);
 
 // One user more, until it destroys the world.
 void world_hold(duet_world *world);
@@ -201,6 +201,6 @@ bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *
                          part_counted counted[2], duet_error *err);
 
 // Brings what that step counted: the spans then have all its pairs, until the next one.
-bool world_bring_counted(duet_world *world, duet_span spans[2], duet_error *err);
+bool world_read_counted(duet_world *world, duet_span spans[2], duet_error *err);
 
 #endif

@@ -65,7 +65,7 @@ void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n)
     return world->objects.bytes;
 }
 
-void world_lend_objects(duet_world *world, const void *objects, uint32_t n)
+void world_borrow_objects(duet_world *world, const void *objects, uint32_t n)
 {
     world_drop_resident(world);
     world->rows = objects;

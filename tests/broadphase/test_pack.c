@@ -14,7 +14,6 @@
 enum { CAPACITY = 6000 };
 
 static duet_pose poses[CAPACITY];
-static duet_bounds bounds[CAPACITY];
 
 // ------------------------------------------------------------ scenes
 
@@ -38,16 +37,6 @@ static void fill_poses(rng *r, uint32_t n, uint32_t dims)
 {
     for (uint32_t i = 0; i < n; ++i)
         poses[i] = random_pose(r, 0.0, edge_of(n, dims));
-}
-
-static void fill_bounds(rng *r, uint32_t n)
-{
-    for (uint32_t i = 0; i < n; ++i)
-        for (int k = 0; k < 3; ++k) {
-            float lower = (float)rng_between(r, 0.0, edge_of(n, 3));
-            bounds[i].lower[k] = lower;
-            bounds[i].upper[k] = lower + 1.0f;
-        }
 }
 
 static uint64_t reference_hash(duet_scene *scene)
@@ -182,28 +171,6 @@ static void every_sort_takes_packed_objects(void **state)
     }
 }
 
-static void bounds_are_packed_too(void **state)
-{
-    (void)state;
-    enum { N = 4001 };
-    duet_error err = {0};
-    rng r = {test_seed()};
-    set_memory(false, false);
-    fill_bounds(&r, N);
-    uint64_t truth = reference_hash(duet_scene_create(DUET_OBJECT_BOUNDS, bounds, N, 3, 0, NULL));
-    duet_world_def def = world_def(3, "gpu send=packed");
-    def.shape = DUET_SHAPE_BOUNDS;
-    def.rotated = false;
-    duet_world *world = make_world(&def);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, bounds, N, &err), err);
-    for (int s = 0; s < SHARES; ++s) {
-        set_share(world, shares[s]);
-        duet_result result = step(world);
-        assert_int_equal(duet_result_get_hash(&result), truth);
-    }
-    duet_world_destroy(world);
-}
-
 static void each_device_is_sent_its_slab_alone(void **state)
 {
     (void)state;
@@ -217,28 +184,10 @@ static void each_device_is_sent_its_slab_alone(void **state)
     assert_true(was_packed(&result, 0) && was_packed(&result, 1));
     const device_view *a = &world->parts[0].objects;
     const device_view *b = &world->parts[1].objects;
-    assert_int_equal(a->n_home + b->n_home, N);
-    assert_in_range(a->n, a->n_home, N * 2 / 3);
-    assert_int_equal(b->n, b->n_home);
+    assert_in_range(a->n, N / 3, N * 2 / 3);
+    assert_in_range(b->n, N / 3, N * 2 / 3);
+    assert_in_range(a->n + b->n, N, N * 6 / 5); // A has ghosts, too
     duet_world_destroy(world);
-}
-
-static void a_device_on_host_memory_borrows_all_beside_one_that_is_sent_its_slab(void **state)
-{
-    (void)state;
-    enum { N = 3001 };
-    rng r = {test_seed()};
-    fill_poses(&r, N, 3);
-    uint64_t truth = poses_hash(N, 3);
-    for (int copies = 0; copies < 2; ++copies) {
-        set_memory(copies != 0, copies != 1);
-        duet_world_def def = world_def(3, "gpu send=packed");
-        duet_world *world = make_world(&def);
-        duet_result result = step_poses(world, N);
-        assert_int_equal(duet_result_get_hash(&result), truth);
-        assert_true(was_packed(&result, copies) && !was_packed(&result, 1 - copies));
-        duet_world_destroy(world);
-    }
 }
 
 static void objects_that_move_between_steps_are_found(void **state)
@@ -404,9 +353,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_share_and_number_gives_the_reference_pairs),
         cmocka_unit_test(every_sort_takes_packed_objects),
-        cmocka_unit_test(bounds_are_packed_too),
         cmocka_unit_test(each_device_is_sent_its_slab_alone),
-        cmocka_unit_test(a_device_on_host_memory_borrows_all_beside_one_that_is_sent_its_slab),
         cmocka_unit_test(objects_that_move_between_steps_are_found),
         cmocka_unit_test(objects_outside_the_world_are_found),
         cmocka_unit_test(objects_that_stay_are_neither_packed_nor_sent_again),

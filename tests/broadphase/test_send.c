@@ -89,85 +89,6 @@ static void assert_step_is_the_reference(duet_world *world, uint32_t n)
 
 // ------------------------------------------------------------ facts
 
-static void any_number_of_chunks_gives_the_reference_pairs(void **state)
-{
-    (void)state;
-    static const struct {
-        duet_mode mode;
-        const char *variant;
-    } plans[] = {
-        {DUET_MODE_OWN, "gpu send=chunks"},
-        {DUET_MODE_SLAB, "gpu send=chunks"},
-        {DUET_MODE_SHARED, "gpu send=chunks"},
-        {DUET_MODE_OWN, "gpu sort=radix send=chunks"},
-        {DUET_MODE_SLAB, "simd send=chunks"},
-        {DUET_MODE_SHARED, "paper send=chunks"},
-        {DUET_MODE_OWN, "gpu"},
-    };
-    static const uint32_t numbers[] = {1, 1023, 1024, 1025, CAPACITY};
-    rng r = {test_seed()};
-    for (size_t p = 0; p < sizeof plans / sizeof *plans; ++p) {
-        duet_world *world = make_world(plans[p].mode, plans[p].variant, false);
-        for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
-            fill(&r, numbers[i], 2.0 * cbrt(numbers[i]));
-            set_share(world, i % 2 ? DUET_SHARE_ONE / 3 : 0);
-            assert_step_is_the_reference(world, numbers[i]);
-        }
-        // How many depends on the group that a device takes.
-        bool in_chunks = strstr(plans[p].variant, "send=chunks");
-        assert_true(in_chunks ? world->parts[1].objects.n_chunks > 1
-                              : world->parts[1].objects.n_chunks == 0);
-        duet_world_destroy(world);
-    }
-}
-
-// The first objects are on their way while the others are written behind them; where it cannot be
-// they are sent in the step.
-static void objects_may_be_sent_ahead_of_the_step(void **state)
-{
-    (void)state;
-    static const struct {
-        duet_mode mode;
-        uint32_t share, ahead, n;
-        bool is_sent;
-    } cases[] = {
-        {DUET_MODE_OWN, 0, 3000, CAPACITY, true},
-        {DUET_MODE_OWN, DUET_SHARE_ONE / 3, 1, 1500, true},
-        {DUET_MODE_OWN, 0, 1025, 1025, true}, // and none behind them
-        {DUET_MODE_SLAB, DUET_SHARE_ONE / 3, 3000, CAPACITY, false},
-    };
-    rng r = {test_seed()};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        duet_error err = {0};
-        duet_result result;
-        uint32_t ahead = cases[i].ahead, n = cases[i].n;
-        duet_world *world = make_world(cases[i].mode, "gpu", false);
-        set_share(world, cases[i].share);
-        fill(&r, CAPACITY, 34.0);
-        step(world, CAPACITY);
-        for (int round = 0; round < 3; ++round) {
-            fill(&r, n, 34.0);
-            duet_pose *to = duet_world_map_objects(world, DUET_OBJECT_POSES, ahead, &err);
-            memcpy(to, poses, ahead * sizeof *to);
-            world_send_ahead(world, ahead, NULL);
-            assert_int_equal(
-                view_is_prefetched(&world->parts[1].objects, world->objects_generation),
-                cases[i].is_sent);
-            if (round == 1) { // they change after all
-                world_stop_ahead(world);
-                to = duet_world_map_objects(world, DUET_OBJECT_POSES, ahead, &err);
-                to[0] = poses[0] = poses[1];
-            }
-            assert_null(world_extend_objects(world, DUET_OBJECT_POSES, 3 * CAPACITY));
-            assert_ptr_equal(world_extend_objects(world, DUET_OBJECT_POSES, n), to);
-            memcpy(to + ahead, poses + ahead, (n - ahead) * sizeof *to);
-            assert_ok(duet_world_step(world, &result, &err), err);
-            assert_is_the_reference(&result, n);
-        }
-        duet_world_destroy(world);
-    }
-}
-
 static void objects_that_are_there_come_in_no_chunks(void **state)
 {
     (void)state;
@@ -177,6 +98,7 @@ static void objects_that_are_there_come_in_no_chunks(void **state)
     duet_world *world = make_world(DUET_MODE_OWN, "gpu send=chunks", false);
     fill(&r, CAPACITY, 34.0);
     uint64_t pairs = step(world, CAPACITY).pairs;
+    assert_true(world->parts[1].objects.n_chunks > 1);
     assert_ok(duet_world_step(world, &result, &err), err);
     assert_int_equal(world->parts[1].objects.n_chunks, 0);
     assert_int_equal(result.pairs, pairs);
@@ -297,7 +219,7 @@ static duet_result count_step(duet_world *world, const global_ids *ids, uint32_t
     assert_int_equal(left.hash, expected_left.hash);
     assert_true(result.pairs <= left.n + result.undecided);
     if (expected_named.n > 0) {
-        assert_ok(world_bring_counted(world, result.spans, &err), err);
+        assert_ok(world_read_counted(world, result.spans, &err), err);
         assert_int_equal(result.spans[0].n + result.spans[1].n, n_pairs);
         assert_int_equal(duet_result_get_hash(&result), duet_pairs_hash(pairs, n_pairs));
     }
@@ -445,8 +367,6 @@ static void stages_have_times_where_they_are_asked_for(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(any_number_of_chunks_gives_the_reference_pairs),
-        cmocka_unit_test(objects_may_be_sent_ahead_of_the_step),
         cmocka_unit_test(objects_that_are_there_come_in_no_chunks),
         cmocka_unit_test(pairs_are_all_there_however_many_the_last_step_had),
         cmocka_unit_test(more_undecided_pairs_than_are_sent_ahead_are_decided),

@@ -129,7 +129,7 @@ static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet
         make_row(r, &form, i / SKIM_ROWS == 1, rows + (size_t)i * words);
     skim_box(&inside, lower, upper);
     MUST(!world_skim(world, lower, upper), "nothing was sent ahead");
-    world_send_ahead(world, N, NULL);
+    world_prefetch(world, N, NULL);
     for (int again = 0; again < 2; ++again) { // any number of times
         const skim_block *blocks = NULL;
         MUST(world_skim(world, lower, upper), "it skims");
@@ -152,7 +152,7 @@ static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet
     MUST(chunks == 2 * world->parts[1].objects.n_chunks && chunks > 4, "they come in chunks");
     MUST(n_odd == N - deep, "odd ones are counted");
     MUST(plain > 500 && deep < N - 2000, "some are, and some are not");
-    world_stop_ahead(world);
+    world_cancel_prefetch(world);
     MUST(!world_skim(world, lower, upper), "nothing is sent ahead any more");
     duet_world_destroy(world);
 }

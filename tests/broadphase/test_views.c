@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+// Objects may lie in host memory of the world's or of the caller's, in a buffer on devices, or be
+// there from the step before; a device may be sent all of them, ranges, a list of its slab, or the
+// first ones before the step. Any such way, in any order, gives the reference's pairs, and rows
+// that lie there are not sent again.
+#include "support/test.h"
+
+#include "support/devices.h"
+
+#include "base/rng.h"
+#include "runtime/broadphase/world.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SETS = 4, MOST = 4000, ROUNDS = 30 };
+
+// Objects, and the hash of their pairs.
+static struct {
+    duet_pose poses[MOST];
+    duet_bounds bounds[MOST];
+    uint32_t n;
+    uint64_t hashes[2]; // of poses, of bounds
+} sets[SETS];
+
+static uint64_t reference_hash(duet_object_kind kind, const void *objects, uint32_t n)
+{
+    duet_error err = {0};
+    duet_pair *pairs = NULL;
+    uint64_t n_pairs = 0;
+    duet_scene *scene = duet_scene_create(kind, objects, n, 3, 0, &err);
+    assert_ok(scene != NULL, err);
+    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, &err), err);
+    uint64_t hash = duet_pairs_hash(pairs, n_pairs);
+    duet_free(pairs);
+    duet_scene_destroy(scene);
+    return hash;
+}
+
+// Unit cubes; those of every second set lie in about the order of z, which is that of cells.
+static void fill_set(rng *r, int s, uint32_t n)
+{
+    const double edge = 2.0 * cbrt(n);
+    sets[s].n = n;
+    for (uint32_t i = 0; i < n; ++i) {
+        duet_pose *pose = &sets[s].poses[i];
+        *pose = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}};
+        for (int k = 0; k < 3; ++k)
+            pose->centre[k] = (float)rng_between(r, 0.0, edge);
+        if (s % 2 == 0 && rng_below(r, 100) > 0)
+            pose->centre[2] = (float)(edge * i / n);
+        for (int k = 0; k < 4; ++k)
+            pose->rotation[k] = (float)rng_normal(r);
+        for (int k = 0; k < 3; ++k) {
+            sets[s].bounds[i].lower[k] = pose->centre[k];
+            sets[s].bounds[i].upper[k] = pose->centre[k] + 1.0f;
+        }
+    }
+    sets[s].hashes[0] = reference_hash(DUET_OBJECT_POSES, sets[s].poses, n);
+    sets[s].hashes[1] = reference_hash(DUET_OBJECT_BOUNDS, sets[s].bounds, n);
+}
+
+static const void *rows_of(const duet_world *world, int s)
+{
+    return world->kind == DUET_OBJECT_POSES ? (const void *)sets[s].poses : sets[s].bounds;
+}
+
+// ------------------------------------------------------------ ways
+
+static void set_copy(duet_world *world, rng *r, int s)
+{
+    duet_error err = {0};
+    (void)r;
+    assert_ok(duet_world_set_objects(world, world->kind, rows_of(world, s), sets[s].n, &err), err);
+}
+
+static void borrow(duet_world *world, rng *r, int s)
+{
+    (void)r;
+    world_borrow_objects(world, rows_of(world, s), sets[s].n);
+}
+
+static uint32_t n_prefetched, n_listed, n_in_ranges;
+
+// The first objects are sent while the others are written, unless that is stopped.
+static void prefetch(duet_world *world, rng *r, int s)
+{
+    duet_error err = {0};
+    const size_t row = world_kind_bytes(world->kind);
+    const uint32_t n = sets[s].n, first = 1 + rng_below(r, n);
+    char *to = duet_world_map_objects(world, world->kind, n, &err);
+    to = to ? duet_world_map_objects(world, world->kind, first, &err) : NULL;
+    assert_ok(to != NULL, err);
+    memcpy(to, rows_of(world, s), first * row);
+    world_prefetch(world, first, NULL);
+    for (int side = 0; side < 2; ++side)
+        n_prefetched += view_is_prefetched(&world->parts[side].objects, world->objects_generation);
+    if (rng_below(r, 4) == 0)
+        world_cancel_prefetch(world);
+    assert_null(world_extend_objects(world, world->kind, 3 * MOST));
+    assert_ptr_equal(world_extend_objects(world, world->kind, n), to);
+    memcpy(to + first * row, (const char *)rows_of(world, s) + first * row, (n - first) * row);
+}
+
+// Devices of one context both have it.
+static void put_in_buffer(duet_world *world, rng *r, int s)
+{
+    duet_error err = {0};
+    cl_int code = CL_SUCCESS;
+    const size_t bytes = sets[s].n * world_kind_bytes(world->kind);
+    cl_mem mem = clCreateBuffer(devices->devices[rng_below(r, 2)].context,
+                                CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, bytes,
+                                (void *)(uintptr_t)rows_of(world, s), &code);
+    assert_int_equal(code, CL_SUCCESS);
+    assert_ok(duet_world_set_objects_buffer(world, world->kind, mem, sets[s].n, 0, NULL, &err),
+              err);
+    clReleaseMemObject(mem);
+}
+
+typedef void bringing(duet_world *world, rng *r, int s);
+
+static const struct {
+    const char *name;
+    bringing *bring;
+} ways[] = {{"copied", set_copy},
+            {"borrowed", borrow},
+            {"prefetched", prefetch},
+            {"in a buffer", put_in_buffer}};
+
+enum { WAYS = sizeof ways / sizeof *ways };
+
+static const struct {
+    duet_mode mode;
+    const char *variants[2];
+} plans[] = {
+    {DUET_MODE_OWN, {"gpu", "simd"}},
+    {DUET_MODE_OWN, {"gpu send=chunks", "gpu send=chunks"}},
+    {DUET_MODE_SHARED, {"gpu send=chunks", "gpu"}},
+    {DUET_MODE_SHARED, {"paper", "paper"}},
+    {DUET_MODE_SLAB, {"gpu send=packed", "gpu send=packed"}},
+    {DUET_MODE_SLAB, {"gpu sort=radix", "gpu send=packed sort=radix"}},
+    {DUET_MODE_SLAB, {"simd", "gpu send=chunks"}},
+};
+
+enum { PLANS = sizeof plans / sizeof *plans };
+
+// ------------------------------------------------------------ worlds
+
+static duet_world *make_world(duet_shape shape, bool ordered)
+{
+    duet_error err = {0};
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    def.shape = shape;
+    def.rotated = shape == DUET_SHAPE_POSES;
+    def.ordered = ordered;
+    def.stage_times = true;
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world != NULL, err);
+    world->parts[0].least_chunk = world->parts[1].least_chunk = 1;
+    world->lists.least_chunk = 64;
+    return world;
+}
+
+static void set_plan(duet_world *world, rng *r, uint32_t p)
+{
+    static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE / 2, DUET_SHARE_ONE};
+    duet_error err = {0};
+    duet_plan plan = {.mode = plans[p].mode, .share = shares[rng_below(r, 4)]};
+    strcpy(plan.variant_a, plans[p].variants[0]);
+    strcpy(plan.variant_b, plans[p].variants[1]);
+    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+}
+
+static duet_result step(duet_world *world, int s, const char *way, uint32_t p)
+{
+    duet_error err = {0};
+    duet_result result;
+    assert_ok(duet_world_step(world, &result, &err), err);
+    if (duet_result_get_hash(&result) != sets[s].hashes[world->kind != DUET_OBJECT_POSES])
+        fail_msg("objects %s, plan %u ('%s', '%s'), share %u, %s: %llu pairs are not the "
+                 "reference's",
+                 way, p, plans[p].variants[0], plans[p].variants[1], world->def.plan.share,
+                 world->def.ordered ? "ordered" : "in no order", (unsigned long long)result.pairs);
+    for (int side = 0; side < 2; ++side) {
+        n_listed += world->parts[side].objects.there.kind == SELECT_LIST;
+        n_in_ranges += world->parts[side].objects.there.kind == SELECT_RANGES;
+    }
+    return result;
+}
+
+static bool sends(const duet_result *result)
+{
+    bool sends = false;
+    for (uint32_t i = 0; i < result->n_stages; ++i)
+        sends |= strcmp(result->stages[i].name, "send objects") == 0 && result->stages[i].ms > 0.0;
+    return sends;
+}
+
+// ------------------------------------------------------------ facts
+
+// Each round brings other objects or keeps them, takes another plan or keeps it, and steps; a
+// second step of the same sends nothing.
+static void try_in_any_order(rng *r, duet_shape shape, bool ordered)
+{
+    duet_world *world = make_world(shape, ordered);
+    const bool copies = !devices->devices[0].info.host_memory;
+    uint32_t p = 0;
+    int s = 0;
+    set_copy(world, r, s);
+    set_plan(world, r, p);
+    for (int round = 0; round < ROUNDS; ++round) {
+        uint32_t w = rng_below(r, WAYS + 1);
+        if (w < WAYS)
+            ways[w].bring(world, r, s = (int)rng_below(r, SETS));
+        if (rng_below(r, 3) == 0)
+            set_plan(world, r, p = rng_below(r, PLANS));
+        const char *way = w < WAYS ? ways[w].name : "that were there";
+        step(world, s, way, p);
+        if (rng_below(r, 3) == 0) {
+            duet_result again = step(world, s, way, p);
+            assert_false(copies && sends(&again));
+        }
+    }
+    duet_world_destroy(world);
+}
+
+static void any_way_and_order_gives_the_reference_pairs(void **state)
+{
+    (void)state;
+    static const uint32_t numbers[SETS] = {MOST, 2500, 1025, 1};
+    rng r = {test_seed()};
+    for (int s = 0; s < SETS; ++s)
+        fill_set(&r, s, numbers[s]);
+    for (int memory = 0; memory < 4; ++memory) {
+        for (int side = 0; side < 2; ++side)
+            devices->devices[side].info.host_memory = memory >> side & 1;
+        try_in_any_order(&r, DUET_SHAPE_POSES, memory % 2);
+        try_in_any_order(&r, DUET_SHAPE_POSES, memory < 2);
+        try_in_any_order(&r, DUET_SHAPE_BOUNDS, memory >= 2);
+    }
+    assert_true(n_prefetched > 10 && n_listed > 10 && n_in_ranges > 10);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(any_way_and_order_gives_the_reference_pairs),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}
