@@ -18,24 +18,14 @@
 // Says what is wrong with the command line; false.
 #define REFUSE(line, ...) (say_wrong((line)->name, __VA_ARGS__), false)
 
-static const struct {
-    char letter;
-    const char *name;
-} letters[] = {{'e', "eval"}, {'i', "interactive"}, {'n', "objects"}, {'o', "output"}};
-
-enum { N_LETTERS = sizeof letters / sizeof letters[0] };
-
-static const char *name_of_letter(char letter)
+// The letter that the name has too, in every subcommand; 0: it has none.
+static char letter_of(const char *name)
 {
-    for (int i = 0; i < N_LETTERS; ++i)
-        if (letters[i].letter == letter)
-            return letters[i].name;
-    return "";
-}
-
-static char letter_of_name(const char *name)
-{
-    for (int i = 0; i < N_LETTERS; ++i)
+    static const struct {
+        char letter;
+        const char *name;
+    } letters[] = {{'e', "eval"}, {'i', "interactive"}, {'n', "objects"}, {'o', "output"}};
+    for (size_t i = 0; i < sizeof letters / sizeof *letters; ++i)
         if (strcmp(letters[i].name, name) == 0)
             return letters[i].letter;
     return '\0';
@@ -176,8 +166,8 @@ static bool set_value(const command_line *line, const option *o, const char *wri
 static void add_row(table *t, const char *name, const char *value, const char *help)
 {
     char letter[8] = "";
-    if (letter_of_name(name))
-        snprintf(letter, sizeof letter, "-%c, ", letter_of_name(name));
+    if (letter_of(name))
+        snprintf(letter, sizeof letter, "-%c, ", letter_of(name));
     table_cell(t, "  %s--%s%s%s", letter, name, value ? " " : "", value ? value : "");
     table_cell(t, "%s", help);
 }
@@ -209,7 +199,7 @@ static bool refuse_unknown(const command_line *line, const char *argument)
     nearest n = nearest_begin(typed);
     for (const option *o = line->options; o->name; ++o) {
         nearest_try(&n, o->name);
-        if (*typed && letter_of_name(o->name) == typed[0] && typed[1] == '\0') {
+        if (*typed && letter_of(o->name) == typed[0] && typed[1] == '\0') {
             n.name = typed;
             dashes = "-";
         }
@@ -232,8 +222,10 @@ static void recognise_word(const command_line *line, const char *name, asked *a)
 // "-n", "-n9", "-n=9"; not "-objects", which lacks a dash.
 static void recognise_letter(const command_line *line, const char *name, asked *a)
 {
-    const char *known = name_of_letter(*name);
-    const option *o = find_name(line, known, strlen(known));
+    const option *o = line->options;
+    while (o->name && letter_of(o->name) != *name)
+        ++o;
+    o = o->name ? o : NULL;
     bool attached = o && name[1] != '\0' && name[1] != '=';
     if (attached && (o->kind == KIND_FLAG || find_name(line, name, strcspn(name, "="))))
         return;

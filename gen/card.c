@@ -391,8 +391,8 @@ static void add_prelude(const card *c, const gen_setting *config, const gen_vari
         text_add(out, negative ? "#define %s (%" PRId64 ")\n" : "#define %s %" PRId64 "\n",
                  config[i].name, config[i].value);
     }
-    for (uint32_t i = 0; i < v->n_entries; ++i)
-        signature_write(&v->entries[i], out);
+    if (v->n_entries > 0)
+        signature_write(v->entries, v->n_entries, out);
 }
 
 bool card_resolve(card *c, const gen_limits *limits, const gen_setting *config,

@@ -61,11 +61,13 @@ typedef struct gen_arg {
     bool is_const, is_constant, is_volatile, is_double; // is_double: real is double
 } gen_arg;
 
-// An entry point of a kernel: its arguments in the order of its parameters.
+// An entry point of a kernel: its arguments in the order of its parameters, and behind them those
+// that its config leaves out.
 typedef struct gen_entry {
     char name[GEN_NAME];
     gen_arg args[GEN_MAX_ARGS];
     uint32_t n_args;
+    uint32_t n_fields; // with those left out
 } gen_entry;
 
 typedef struct gen_variant {

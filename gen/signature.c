@@ -208,28 +208,31 @@ void signature_resolve(lua_State *L, const signature *s, const gen_setting *conf
                        gen_entry *entry)
 {
     bool doubles = has_doubles(config, n);
-    *entry = (gen_entry){0};
+    gen_arg left_out[GEN_MAX_ARGS];
+    *entry = (gen_entry){.n_fields = s->n};
     memcpy(entry->name, s->entry, sizeof entry->name);
     push_scope(L, config, n);
-    for (uint32_t i = 0; i < s->n; ++i) {
-        if (!holds(L, s, &s->args[i]))
-            continue;
-        gen_arg *arg = &entry->args[entry->n_args++];
-        *arg = s->args[i].arg;
-        arg->bytes = value_bytes(arg->type, doubles);
-        arg->is_double = doubles && is_real(arg->type);
+    for (uint32_t i = 0, n_left_out = 0; i < s->n; ++i) {
+        gen_arg arg = s->args[i].arg;
+        arg.bytes = value_bytes(arg.type, doubles);
+        arg.is_double = doubles && is_real(arg.type);
+        if (holds(L, s, &s->args[i]))
+            entry->args[entry->n_args++] = arg;
+        else
+            left_out[n_left_out++] = arg;
     }
+    memcpy(entry->args + entry->n_args, left_out, (s->n - entry->n_args) * sizeof *left_out);
     lua_pop(L, 1);
 }
 
 // ---------------------------------------------------------------- as text
 
-// "__global const double4 *restrict rotations" of "real4 *".
-static void add_argument(const gen_arg *a, text *out)
+// "__global const double4 *restrict rotations" of "real4 *"; a field is not restrict.
+static void add_argument(const gen_arg *a, bool is_field, text *out)
 {
     bool is_buffer = a->bytes == 0, is_real = strncmp(a->type, "real", 4) == 0;
     const char *memory = a->is_constant ? "__constant " : "__global ";
-    const char *alone = a->is_constant ? "" : "restrict ";
+    const char *alone = a->is_constant || is_field ? "" : "restrict ";
     const char *real = a->is_double ? "double" : "float";
     text_add(out, " \\\n    %s%s%s", a->is_volatile ? "volatile " : "", is_buffer ? memory : "",
              a->is_const ? "const " : "");
@@ -237,15 +240,63 @@ static void add_argument(const gen_arg *a, text *out)
              is_buffer ? alone : " ", a->name);
 }
 
-void signature_write(const gen_entry *entry, text *out)
+static void add_macro(const gen_entry *entry, const char *kind, text *out)
 {
     text_add(out, "#define ");
     for (const char *c = entry->name; *c; ++c)
         text_add(out, "%c", *c >= 'a' && *c <= 'z' ? *c - 'a' + 'A' : *c);
-    text_add(out, "_ARGS");
+    text_add(out, "_%s", kind);
+}
+
+static void write_entry(const gen_entry *entry, text *out)
+{
+    add_macro(entry, "ARGS", out);
     for (uint32_t i = 0; i < entry->n_args; ++i) {
-        add_argument(&entry->args[i], out);
+        add_argument(&entry->args[i], false, out);
         text_add(out, i + 1 < entry->n_args ? "," : "");
     }
+    text_add(out, "\n");
+    add_macro(entry, "VALUES", out);
+    for (uint32_t i = 0; i < entry->n_args; ++i)
+        text_add(out, " \\\n    .%s = %s,", entry->args[i].name, entry->args[i].name);
+    text_add(out, "\n");
+}
+
+// Finds field `name` in the entries before entries[n], and in that one up to its argument `last`.
+static bool is_there(const gen_entry *entries, uint32_t n, uint32_t last, const char *name)
+{
+    for (uint32_t e = 0; e <= n; ++e)
+        for (uint32_t i = 0; i < (e < n ? entries[e].n_fields : last); ++i)
+            if (strcmp(entries[e].args[i].name, name) == 0)
+                return true;
+    return false;
+}
+
+// The argument as a field of all entries: const and volatile if it is so in any, so that each entry's
+// argument fits.
+static gen_arg merged(const gen_entry *entries, uint32_t n, gen_arg arg)
+{
+    for (uint32_t e = 0; e < n; ++e)
+        for (uint32_t i = 0; i < entries[e].n_fields; ++i)
+            if (strcmp(entries[e].args[i].name, arg.name) == 0) {
+                arg.is_const = arg.is_const || entries[e].args[i].is_const;
+                arg.is_volatile = arg.is_volatile || entries[e].args[i].is_volatile;
+            }
+    return arg;
+}
+
+void signature_write(const gen_entry *entries, uint32_t n, text *out)
+{
+    for (uint32_t e = 0; e < n; ++e)
+        write_entry(&entries[e], out);
+    text_add(out, "#define ARG_FIELDS");
+    for (uint32_t e = 0; e < n; ++e)
+        for (uint32_t i = 0; i < entries[e].n_fields; ++i) {
+            gen_arg arg = merged(entries, n, entries[e].args[i]);
+            if (is_there(entries, e, i, arg.name))
+                continue;
+            add_argument(&arg, true, out);
+            text_add(out, ";");
+        }
     text_add(out, "\n");
 }

@@ -38,7 +38,9 @@ void signature_read(lua_State *L, int table, signature **list, uint32_t *n);
 void signature_resolve(lua_State *L, const signature *s, const gen_setting *config, uint32_t n,
                        gen_entry *entry);
 
-// Adds "#define ENTRY_ARGS ...", the parameters as the kernel's text names them.
-void signature_write(const gen_entry *entry, text *out);
+// Adds the macros that the kernel's text uses: ENTRY_ARGS, the parameters of each entry; ARG_FIELDS,
+// those of all entries as members of a struct, with those that the config leaves out; ENTRY_VALUES,
+// what an entry initializes of that struct.
+void signature_write(const gen_entry *entries, uint32_t n, text *out);
 
 #endif

@@ -1,7 +1,9 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "contact manifolds: the points where a pair touches",
-  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/box_contact.clh", "dynamics/rounded_contact.clh", "dynamics/box_lanes.clh" },
+  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/float_vector.clh",
+    "dynamics/box_contact.clh", "dynamics/rounded_contact.clh", "dynamics/box_lanes.clh", "dynamics/continuous.clh",
+    "dynamics/body_pairs.clh", "dynamics/manifold_record.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },

@@ -29,8 +29,8 @@ return {
       const float *boxes
       const real4 *velocities
       const float *sensors  if SENSORS == 1
-      real4 lower
-      real4 upper
+      real4 lower           if BOUNDARY == 1
+      real4 upper           if BOUNDARY == 1
       uint n
       uint fill
       volatile uint *starts

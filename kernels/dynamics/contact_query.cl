@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Where pairs of boxes touch that the caller brings, as the contacts of bodies are found.
 //
-// Which of a pair's boxes comes first decides between axes that are equally good, so the
-// one with the lower id does, and (a, b) and (b, a) have the same points.
+// Invariant: (a, b) and (b, a) have the same points. Which of a pair's boxes comes first decides
+// between axes that are equally good, so the one with the lower id does.
 //
 //   objects  [objects] poses, rounded boxes or spheres (narrowphase/object.clh)
 //   pairs    [n][2] ids
@@ -42,12 +42,12 @@ static inline void set_solids(solid to[LANES], real axis[3][3], const object *o)
         for (int k = 0; k < 3; ++k)
             put_lanes(axis[i][k], turned[i][k]);
     }
-//@ if ROUNDED == 1 then
+#if ROUNDED
     float radii[LANES];
     put_lanes(o->radius, radii);
     for (int lane = 0; lane < LANES; ++lane)
         to[lane].radius = radii[lane];
-//@ end
+#endif
     for (int lane = 0; lane < LANES; ++lane)
         for (int i = 0; i < 3; ++i) {
             to[lane].axis[i] = (float4)(turned[i][0][lane], turned[i][1][lane], turned[i][2][lane], 0.0f);
@@ -60,14 +60,14 @@ static inline real slack_of(const object *a, const object *b, const real d[3])
     real size = fabs(d[0]) + fabs(d[1]) + fabs(d[2]);
     for (int k = 0; k < 3; ++k)
         size += a->halves[k] + b->halves[k];
-//@ if ROUNDED == 1 then
+#if ROUNDED
     size += a->radius + b->radius;
-//@ end
+#endif
     return SLACK * size;
 }
 
 // The corner of `other` that is deepest behind face k of `own`, brought onto that face.
-static inline void touch_corner(const solid *own, const solid *other, float4 d, int k, float separation, manifold *m)
+static inline void collide_corner(const solid *own, const solid *other, float4 d, int k, float separation, manifold *m)
 {
     float4 normal = dot_float(d, own->axis[k]) < 0.0f ? -own->axis[k] : own->axis[k];
     float4 corner = d;
@@ -86,13 +86,13 @@ static inline void touch_corner(const solid *own, const solid *other, float4 d, 
 }
 
 // Where faces pass each other by a hair there is still a point.
-static inline void touch_nearest(const solid *a, const solid *b, float4 d, best_axis face, manifold *m)
+static inline void collide_nearest(const solid *a, const solid *b, float4 d, best_axis face, manifold *m)
 {
     if (face.b < 0) {
-        touch_corner(a, b, d, face.a, face.separation, m);
+        collide_corner(a, b, d, face.a, face.separation, m);
         return;
     }
-    touch_corner(b, a, -d, face.b, face.separation, m);
+    collide_corner(b, a, -d, face.b, face.separation, m);
     m->normal = -m->normal;
     m->point[0].xyz += d.xyz;
 }
@@ -116,14 +116,14 @@ static inline bool edges_cross(const solid *a, const solid *b, float4 d, const m
 
 // Points from a's centre, up to the margin, once the axes are known. False where there are none:
 // the boxes are further apart, or faces are beside each other.
-static inline bool touch(const solid *a, const solid *b, float4 d, best_axis best, best_axis face, float margin,
+static inline bool collide(const solid *a, const solid *b, float4 d, best_axis best, best_axis face, float margin,
                          float slack, manifold *m)
 {
     float lead = lead_of(margin) + slack;
     m->n = 0;
     if (best.separation > margin + slack)
         return false;
-    touch_along(a, b, d, best, face, lead, margin + slack, m);
+    make_manifold(a, b, d, best, face, lead, margin + slack, m);
 #if DIMS == 3
     bool edges = best.a >= 0 && best.b >= 0;
     if (edges && m->n == 1 && !edges_cross(a, b, d, m, slack)) {
@@ -131,15 +131,13 @@ static inline bool touch(const solid *a, const solid *b, float4 d, best_axis bes
         if (best.separation > slack)
             return false;
         best = face; // a better axis is left out, for its edges are nearly parallel
-        touch_faces(a, b, d, best, lead, margin + slack, m);
+        collide_faces(a, b, d, best, lead, margin + slack, m);
     }
 #endif
     if (m->n == 0 && margin == 0.0f)
-        touch_nearest(a, b, d, best, m);
+        collide_nearest(a, b, d, best, m);
     return m->n > 0;
 }
-
-//@ if ROUNDED == 1 then
 
 #if DIMS == 3
 #define FLAT 0x1p-6f // squared sine
@@ -182,8 +180,8 @@ static inline void offer_flat_crossings(nearest_points *best, const solid *a, co
 }
 #endif
 
-// As touch, where one of the two has a radius. best, face: of the cores, up to both radii more.
-static inline void touch_surfaces(const solid *a, const solid *b, float4 d, best_axis best, best_axis face, float margin,
+// As collide, where one of the two has a radius. best, face: of the cores, up to both radii more.
+static inline void collide_surfaces(const solid *a, const solid *b, float4 d, best_axis best, best_axis face, float margin,
                                   float slack, manifold *m)
 {
     float reach = margin + slack, most = reach + (a->radius + b->radius);
@@ -198,59 +196,12 @@ static inline void touch_surfaces(const solid *a, const solid *b, float4 d, best
 #endif
     }
     if (p.square <= most * most)
-        touch_cores(a, b, d, &p, best, face, lead_of(margin) + slack, reach, m);
-}
-//@ end
-
-// ------------------------------------------------------------ axes
-
-#if LANES == 8 && DIMS == 3
-
-// As offer_lanes and find_axes of box_lanes.clh, where each pair has a lead and a margin of its own.
-static inline void offer_each(best_lanes *best, float8 separation, float8 lead, int8 a, int8 b, int8 where)
-{
-    where &= separation > best->separation + lead;
-    best->separation = select(best->separation, separation, where);
-    best->a = select(best->a, a, where);
-    best->b = select(best->b, b, where);
+        collide_cores(a, b, d, &p, best, face, lead_of(margin) + slack, reach, m);
 }
 
-static inline best_lanes find_each(const solid_lanes *a, const solid_lanes *b, vec_lanes d, float8 lead,
-                                   float8 margin, best_lanes *face)
-{
-    const int8 none = -1, all = -1;
-    const float8 no_lead = 0.0f;
-    best_lanes best = {-INFINITY, none, none}, edges = best;
-    for (int i = 0; i < 3; ++i)
-        offer_each(&best, fabs(dot_lanes(d, a->axis[i])) - (a->halves[i] + supports_along(b, a->axis[i])), no_lead, i,
-                   none, all);
-    for (int j = 0; j < 3; ++j)
-        offer_each(&best, fabs(dot_lanes(d, b->axis[j])) - (b->halves[j] + supports_along(a, b->axis[j])), lead, none,
-                   j, all);
-    *face = best;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-            vec_lanes direction = cross_lanes(a->axis[i], b->axis[j]);
-            float8 length2 = dot_lanes(direction, direction);
-            int8 counts = (length2 >= PARALLEL_EDGES) & !(edges.separation > margin + lead);
-            float8 reach = supports_along(a, direction) + supports_along(b, direction);
-            float8 separation = fabs(dot_lanes(d, direction)) - reach;
-            offer_each(&edges, separation * inverse_root_lanes(length2), no_lead, i, j, counts);
-        }
-    offer_each(&best, edges.separation, lead, edges.a, edges.b, best.separation <= margin);
-    return best;
-}
+// ------------------------------------------------------------ pairs
 
-static inline void put_bests(const best_lanes *from, best_axis to[8])
-{
-    float separations[8];
-    int a[8], b[8];
-    vstore8(from->separation, 0, separations);
-    vstore8(from->a, 0, a);
-    vstore8(from->b, 0, b);
-    for (int k = 0; k < 8; ++k)
-        to[k] = (best_axis){separations[k], a[k], b[k]};
-}
+#if LANES == 8
 
 static inline solid_lanes lanes_of(const object *o, real axis[3][3])
 {
@@ -264,23 +215,19 @@ static inline solid_lanes lanes_of(const object *o, real axis[3][3])
 
 #endif
 
-// ------------------------------------------------------------ pairs
-
 static inline void find_points(const pairs_at *p, int k, best_axis best, best_axis face, float margin, manifold *m)
 {
     const solid *a = &p->a[k], *b = &p->b[k];
     float slack = p->slack[k];
-//@ if ROUNDED == 1 then
     if (are_round(a, b)) {
-        touch_surfaces(a, b, p->d[k], best, face, margin, slack, m);
+        collide_surfaces(a, b, p->d[k], best, face, margin, slack, m);
         return;
     }
-//@ end
-    if (touch(a, b, p->d[k], best, face, margin, slack, m) || margin == 0.0f)
+    if (collide(a, b, p->d[k], best, face, margin, slack, m) || margin == 0.0f)
         return;
     // With a margin some pairs that meet have no points, where they do without.
     best = find_axis(a, b, p->d[k], slack, slack, &face);
-    touch(a, b, p->d[k], best, face, 0.0f, slack, m);
+    collide(a, b, p->d[k], best, face, 0.0f, slack, m);
 }
 
 static inline void put_vector(float4 v, __global uint *to)
@@ -304,59 +251,66 @@ static inline void put_contact(manifold *m, float4 d, bool flipped, __global uin
     }
 }
 
-// Pairs from `from` on, LANES of them or as many as there are up to n.
-static inline void look_at(__global const float *objects, __global const uint *pairs, uint from, uint n, float margin,
-                           __global uint *contacts)
+// Loads the boxes of LANES pairs, the one of the lower id first; bad: one of the two is no box.
+static inline void load_pairs(__global const float *objects, const uint2 ids[LANES], float margin, pairs_at *p,
+                              uint bad[LANES], best_axis bests[LANES], best_axis faces[LANES])
 {
-    uint firsts[LANES], seconds[LANES], bad[LANES];
+    uint firsts[LANES], seconds[LANES];
     for (uint k = 0; k < LANES; ++k) {
-        __global const uint *ids = pairs + 2 * (size_t)min(from + k, n - 1);
-        firsts[k] = min(ids[0], ids[1]);
-        seconds[k] = max(ids[0], ids[1]);
+        firsts[k] = min(ids[k].x, ids[k].y);
+        seconds[k] = max(ids[k].x, ids[k].y);
     }
     object one = object_at(objects, firsts), other = object_at(objects, seconds);
     spread(as_word(object_is_bad(&one) | object_is_bad(&other)), bad);
     real axis_a[3][3], axis_b[3][3], d[3];
+    float offsets[3][LANES];
     set_axes(axis_a, one.rotation);
     set_axes(axis_b, other.rotation);
-    for (int k = 0; k < 3; ++k)
+    for (int k = 0; k < 3; ++k) {
         d[k] = other.centre[k] - one.centre[k];
-    real slack = slack_of(&one, &other, d);
-    pairs_at p;
-    float ways[3][LANES];
-    set_solids(p.a, axis_a, &one);
-    set_solids(p.b, axis_b, &other);
-    put_lanes(slack, p.slack);
-//@ if ROUNDED == 1 then
-    real most = margin + slack + (one.radius + other.radius);
-//@ else
-    real most = margin + slack;
-//@ end
-    put_lanes(most, p.most);
-    for (int k = 0; k < 3; ++k)
-        put_lanes(d[k], ways[k]);
-    best_axis bests[LANES], faces[LANES];
+        put_lanes(d[k], offsets[k]);
+    }
+    for (uint k = 0; k < LANES; ++k)
+        p->d[k] = (float4)(offsets[0][k], offsets[1][k], offsets[2][k], 0.0f);
+    real slack = slack_of(&one, &other, d), most = margin + slack;
+#if ROUNDED
+    most += one.radius + other.radius;
+#endif
+    set_solids(p->a, axis_a, &one);
+    set_solids(p->b, axis_b, &other);
+    put_lanes(slack, p->slack);
+    put_lanes(most, p->most);
 #if LANES == 8 && DIMS == 3
     solid_lanes a = lanes_of(&one, axis_a), b = lanes_of(&other, axis_b);
-    best_lanes face, best =
-        find_each(&a, &b, (vec_lanes){d[0], d[1], d[2]}, lead_of(margin) + slack, most, &face);
-    put_bests(&best, bests);
-    put_bests(&face, faces);
+    best_lanes face, best = find_axes(&a, &b, (vec_lanes){d[0], d[1], d[2]}, lead_of(margin) + slack, most, &face);
+    put_lanes_of_best(&best, bests);
+    put_lanes_of_best(&face, faces);
+#else
+    for (uint k = 0; k < LANES; ++k)
+        bests[k] = find_axis(&p->a[k], &p->b[k], p->d[k], lead_of(margin) + p->slack[k], p->most[k], &faces[k]);
 #endif
+}
+
+// Finds the contacts of pairs from `from` on, LANES of them or as many as there are up to n.
+static inline void collide_lanes(__global const float *objects, __global const uint *pairs, uint from, uint n,
+                                 float margin, __global uint *contacts)
+{
+    uint2 ids[LANES];
+    uint bad[LANES];
+    pairs_at p;
+    best_axis bests[LANES], faces[LANES];
+    for (uint k = 0; k < LANES; ++k)
+        ids[k] = vload2(min(from + k, n - 1), pairs);
+    load_pairs(objects, ids, margin, &p, bad, bests, faces);
     for (uint k = 0; k < LANES && from + k < n; ++k) {
-        __global const uint *ids = pairs + 2 * (size_t)(from + k);
         __global uint *row = contacts + (size_t)(from + k) * WORDS;
-        p.d[k] = (float4)(ways[0][k], ways[1][k], ways[2][k], 0.0f);
-#if LANES == 1 || DIMS == 2
-        bests[k] = find_axis(&p.a[k], &p.b[k], p.d[k], lead_of(margin) + p.slack[k], p.most[k], &faces[k]);
-#endif
         manifold m;
         m.n = 0;
         if (!bad[k])
             find_points(&p, k, bests[k], faces[k], margin, &m);
-        row[0] = ids[0];
-        row[1] = ids[1];
-        put_contact(&m, p.d[k], ids[0] > ids[1], row);
+        row[0] = ids[k].x;
+        row[1] = ids[k].y;
+        put_contact(&m, p.d[k], ids[k].x > ids[k].y, row);
         if (bad[k])
             row[AT_POINTS] = NO_BOX;
     }
@@ -367,5 +321,5 @@ __kernel void contact_query(CONTACT_QUERY_ARGS)
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint i = first; i < last; i += LANES)
-        look_at(objects, pairs, i, last, margin, contacts);
+        collide_lanes(objects, pairs, i, last, margin, contacts);
 }

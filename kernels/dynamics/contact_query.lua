@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "where pairs of boxes touch that the caller brings",
-  uses = { "lanes.clh", "narrowphase/object.clh", "dynamics/box_contact.clh", "dynamics/box_lanes.clh",
+  uses = { "lanes.clh", "narrowphase/object.clh", "dynamics/float_vector.clh", "dynamics/box_contact.clh", "dynamics/box_lanes.clh",
     "dynamics/rounded_contact.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },

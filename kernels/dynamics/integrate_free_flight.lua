@@ -26,7 +26,7 @@ return {
       real4 *centres
       int4 *cells                if ORIGIN > 0
       real4 *velocities
-      real4 *rotations           if ANGULAR_VELOCITY == 1
+      real4 *rotations           if ANGULAR_VELOCITY == 1 or BOUNDARY == 1 and ROTATED == 1
       real4 *angular_velocities  if ANGULAR_VELOCITY == 1
       const float4 *inertias     if GYRO == 1 or FORCES == 1 and ANGULAR_VELOCITY == 1
       const float4 *forces       if FORCES == 1
@@ -35,7 +35,6 @@ return {
       real4 lower                if BOUNDARY > 0
       real4 upper                if BOUNDARY > 0
       const float4 *halves       if BOUNDARY == 1
-      const real4 *rotations     if BOUNDARY == 1 and ROTATED == 1 and ANGULAR_VELOCITY == 0
       real4 times
       uint substeps
       uint n

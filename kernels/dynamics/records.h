@@ -54,8 +54,8 @@
 #define BY_ANCHOR 0          // 3, the owner's
 #define BY_NORMAL_MASS 3     // effective, along the normal
 #define BY_SEPARATION 4      // when the step began
-#define BY_CURRENT 5         // the separation after the last substep
-#define BY_LOAD 5            // between a substep's two passes: the most that the next begins with
+#define BY_CURRENT 5          // the separation after the last substep
+#define BY_EXPECTED_IMPULSE 5 // between a substep's two passes: the most that the next begins with
 #define BY_NORMAL_IMPULSE 6  // accumulated in the last substep
 #define BY_MAX_IMPULSE 7     // greatest normal impulse of the step
 #define BY_TANGENT_IMPULSE 8 // with friction: impulse along each tangent, then its mass

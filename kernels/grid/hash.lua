@@ -68,7 +68,7 @@ return {
       uint *edges
     ]],
     count_others = [[
-      const uint *counters
+      volatile uint *counters
       const uint *others
       const uint *keys
       volatile uint *counts

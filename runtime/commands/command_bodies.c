@@ -57,11 +57,11 @@ static bool reserve_host(duet_motion *m, uint32_t n, duet_error *err)
 static bool move_walls(duet_motion *m, uint32_t old_n, duet_error *err)
 {
     motion_rows rows;
-    if (!m->kernels.contact_graph_walls || m->n_contacts == 0)
+    if (!m->kernels.contact_graph_walls || m->graph.n_contacts == 0)
         return true;
     if (!motion_rows_of_contacts(m, LINKS, 2, &rows, err))
         return false;
-    for (uint32_t i = 0; i < m->n_contacts; ++i) {
+    for (uint32_t i = 0; i < m->graph.n_contacts; ++i) {
         uint32_t *link = motion_row(&rows, i);
         link[1] += link[1] >= old_n ? m->n - old_n : 0;
     }
@@ -132,7 +132,7 @@ static void leave(duet_motion *m, uint32_t place)
     motion_commands *c = m->commands;
     c->n_hidden += c->states[place] == PLACE_ENABLED;
     c->states[place] = PLACE_LEFT;
-    c->any_left = true;
+    ++c->n_left;
     ++c->generations[place];
     c->user_data[place] = 0;
     m->bodies[place] = (duet_body){.group = m->bodies[place].group, .mask = m->bodies[place].mask};

@@ -61,7 +61,7 @@ static uint32_t parts_of(uint32_t which)
 static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
 {
     motion_rows links, colours;
-    if (m->n_contacts == 0 || !(m->effects & DUET_EFFECT_CONTACT_RESPONSE))
+    if (m->graph.n_contacts == 0 || !(m->effects & DUET_EFFECT_CONTACT_RESPONSE))
         return true;
     if (!motion_rows_of_contacts(m, LINKS, 2, &links, err))
         return false;
@@ -69,7 +69,7 @@ static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
         motion_rows_drop(&links);
         return false;
     }
-    for (uint32_t i = 0; i < m->n_contacts; ++i) {
+    for (uint32_t i = 0; i < m->graph.n_contacts; ++i) {
         const uint32_t *link = motion_row(&links, i);
         if (gained[link[0]] || (link[1] < m->n && gained[link[1]]))
             *(uint32_t *)motion_row(&colours, i) = COLOUR_NONE;

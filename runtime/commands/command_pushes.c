@@ -61,7 +61,7 @@ static bool write_forces(duet_motion *m, motion_rows *rows, const command *c, du
         for (int k = 0; k < 8; ++k)
             row[k] += by[k];
     }
-    m->commands->pushed = true;
+    m->commands->n_pushed += c->list.n;
     return motion_rows_close(m, rows, err) && motion_wake_places(m, c->places, c->list.n, err);
 }
 

@@ -55,14 +55,14 @@ static saved_head head_of(const duet_motion *m)
                     .doubles = m->def.doubles,
                     .effects = m->effects,
                     .record = m->layout.record,
-                    .n_contacts = m->n_contacts,
+                    .n_contacts = m->graph.n_contacts,
                     .has_graph = product_was_made(&m->products, PRODUCT_ROWS),
                     .rows_stale = motion_rows_are_stale(m),
                     .n_targets = c ? c->n_targets : 0,
-                    .pushed = c && c->pushed,
+                    .pushed = c && c->n_pushed > 0,
                     .origin_edge = m->def.origin_edge,
                     .step = m->step,
-                    .n_pairs = m->n_pairs,
+                    .n_pairs = m->graph.n_pairs,
                     .margin = m->margin,
                     .def = packed_def_of(&m->def)};
     memcpy(h.magic, magic, sizeof magic);
@@ -213,8 +213,8 @@ static bool put_buffers(duet_motion *m, const saved_head *h, const motion_saved 
 static void take_counts(duet_motion *copy, const saved_head *h)
 {
     copy->step = h->step;
-    copy->n_contacts = h->n_contacts;
-    copy->n_pairs = h->n_pairs;
+    copy->graph.n_contacts = h->n_contacts;
+    copy->graph.n_pairs = (cl_uint)h->n_pairs;
     copy->products = products_of_saved(h->has_graph);
     copy->altered.n = 0;
     if (h->rows_stale)

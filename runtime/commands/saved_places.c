@@ -56,7 +56,7 @@ bool saved_places_add(duet_motion *m, text *file, duet_error *err)
     }
     if (c && c->n_targets > 0)
         text_add_bytes(file, (const char *)c->targets, c->n_targets * sizeof *c->targets);
-    return !c || !c->pushed || add_forces(m, file, err);
+    return !c || c->n_pushed == 0 || add_forces(m, file, err);
 }
 
 // ---------------------------------------------------------------- reading
@@ -119,7 +119,7 @@ static bool take_place(duet_motion *copy, uint32_t place, const saved_place *s, 
     c->states[place] = (uint8_t)s->state;
     c->user_data[place] = s->user_data;
     c->n_hidden += s->state != PLACE_ENABLED;
-    c->any_left |= s->state == PLACE_LEFT;
+    c->n_left += s->state == PLACE_LEFT;
     if (s->state == PLACE_EMPTY && place < c->first_empty)
         c->first_empty = place;
     const char *fault = place_fault(copy, s);
@@ -217,7 +217,7 @@ bool saved_places_take(duet_motion *copy, const saved_head *h, const char *bytes
               take_targets(copy, h->n_targets, &bytes, path, err) && take_facts(copy, path, err) &&
               motion_reset(copy, err) && (!h->pushed || put_forces(copy, bytes, path, err));
     if (ok)
-        copy->commands->pushed = h->pushed;
+        copy->commands->n_pushed = h->pushed;
     return ok;
 }
 

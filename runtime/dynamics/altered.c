@@ -91,7 +91,7 @@ static void measure_table(duet_motion *m)
     altered_bodies *a = &m->altered;
     a->n_heads = count_heads(a->n);
     a->per_edge = (float)fmin(1.0 / edge_of(m), 1e30);
-    a->pair_capacity = m->n_contacts + PAIRS_OF_ONE * a->n;
+    a->pair_capacity = m->graph.n_contacts + PAIRS_OF_ONE * a->n;
 }
 
 static bool reserve_table(duet_motion *m, duet_error *err)
@@ -143,16 +143,12 @@ bool motion_bound_altered(duet_motion *m, duet_error *err)
            motion_launch(m, stage, m->kernels.place_altered, m->altered.n, err);
 }
 
-bool motion_search_altered(duet_motion *m, bool *found, duet_error *err)
+bool motion_search_altered(duet_motion *m, cl_uint *n, duet_error *err)
 {
-    uint32_t counts[ALTERED_COUNTS];
+    uint32_t counts[ALTERED_COUNTS] = {0};
     bool ok = motion_launch(m, stage, m->kernels.find_altered_pairs, m->n, err) &&
-              motion_launch(m, stage, m->kernels.keep_pairs, m->n_contacts, err) &&
+              motion_launch(m, stage, m->kernels.keep_pairs, m->graph.n_contacts, err) &&
               motion_fetch(m, stage, ALTERED_COUNT_WORDS, 0, counts, sizeof counts, err);
-    *found = ok && counts[ALTERED_PAIRS] <= m->altered.pair_capacity;
-    if (!*found)
-        return ok;
-    m->n_pairs = counts[ALTERED_PAIRS];
-    m->graph.pairs = m->buffers[PAIRS];
-    return true;
+    *n = counts[ALTERED_PAIRS];
+    return ok;
 }

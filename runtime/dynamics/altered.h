@@ -29,7 +29,8 @@ bool motion_rows_are_stale(const duet_motion *m);
 // In a step: makes the listed bodies' bounds, and the table of them.
 bool motion_bound_altered(duet_motion *m, duet_error *err);
 
-// Their pairs, and those of before that are of no listed body. Not found, if there are too many.
-bool motion_search_altered(duet_motion *m, bool *found, duet_error *err);
+// Writes their pairs, and those of before that are of no listed body, into PAIRS. If n is above
+// pair_capacity they had no space.
+bool motion_search_altered(duet_motion *m, cl_uint *n, duet_error *err);
 
 #endif

@@ -76,6 +76,24 @@ static bool tell_left_out(duet_motion *m, duet_error *err)
                            (unsigned long long)m->step);
 }
 
+// Contacts that rows may have: pairs, and walls.
+static uint64_t most_contacts(const duet_motion *m, uint64_t pairs)
+{
+    return pairs + (m->kernels.contact_graph_walls ? 6 * (uint64_t)m->n : 0);
+}
+
+static bool note_pairs(duet_motion *m, uint64_t n, const buffer *pairs, duet_error *err)
+{
+    const uint64_t most = most_contacts(m, n);
+    if (most >= UINT32_MAX)
+        return error_set(err, DUET_STATUS_TOO_MANY, "%llu pairs of bounds, and a motion holds %u",
+                         (unsigned long long)most, UINT32_MAX - 1);
+    m->graph.n_pairs = (cl_uint)n;
+    m->graph.pairs = *pairs;
+    product_renew(&m->products, PRODUCT_PAIRS);
+    return true;
+}
+
 static bool search_all(duet_motion *m, duet_error *err)
 {
     duet_result *found = &m->graph.searched;
@@ -88,42 +106,30 @@ static bool search_all(duet_motion *m, duet_error *err)
     if (ok)
         timeline_add_host(&m->times, "pairs", found->total_ms);
     motion_plan_note(m); // the mode may follow the grid
-    m->n_pairs = ok ? found->pairs : 0;
-    m->graph.pairs = ok ? *pairs : (buffer){0};
-    return ok;
+    return ok && note_pairs(m, found->pairs, pairs, err);
 }
 
 // Of the altered bodies, or, if none is listed or they have too many, of all.
 bool motion_make_pairs(duet_motion *m, duet_error *err)
 {
-    bool listed = m->altered.n > 0, found = false;
-    if (listed && !motion_search_altered(m, &found, err))
+    cl_uint n = 0;
+    bool listed = m->altered.n > 0;
+    if (listed && !motion_search_altered(m, &n, err))
         return false;
     m->altered.n = 0;
-    if (!found && !((!listed || compute_bounds(m, err)) && search_all(m, err)))
-        return false;
-    product_renew(&m->products, PRODUCT_PAIRS);
-    return true;
+    if (listed && n <= m->altered.pair_capacity)
+        return note_pairs(m, n, &m->buffers[PAIRS], err);
+    return (!listed || compute_bounds(m, err)) && search_all(m, err);
 }
 
 // ---------------------------------------------------------------- rows
-
-// Contacts that rows may have: pairs, and walls.
-static bool check_capacity(const duet_motion *m, uint64_t *most, duet_error *err)
-{
-    *most = m->n_pairs + (m->kernels.contact_graph_walls ? 6 * (uint64_t)m->n : 0);
-    return *most <= UINT32_MAX - 1 ||
-           error_set(err, DUET_STATUS_TOO_MANY, "%llu pairs of bounds, and a motion holds %u",
-                     (unsigned long long)*most, UINT32_MAX - 1);
-}
 
 // Counts (fill 0) or writes (fill 1) what each object may touch.
 static bool put_all(duet_motion *m, uint32_t fill, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
-    m->graph.n_pairs = (uint32_t)m->n_pairs;
     m->graph.fill = fill;
-    return motion_launch(m, "contact_graph", k->contact_graph_pairs, m->n_pairs, err) &&
+    return motion_launch(m, "contact_graph", k->contact_graph_pairs, m->graph.n_pairs, err) &&
            (!k->contact_graph_walls ||
             motion_launch(m, "contact_graph", k->contact_graph_walls, m->n, err));
 }
@@ -152,8 +158,8 @@ static bool fill_rows(duet_motion *m, duet_error *err)
 {
     return clear_starts(m, STARTS, err) && put_all(m, 0, err) && scan_starts(m, STARTS, err) &&
            put_all(m, 1, err) && sort_rows(m, STARTS, OTHERS, err) &&
-           motion_fetch(m, "contact_graph", STARTS, m->n * sizeof m->n_contacts, &m->n_contacts,
-                        sizeof m->n_contacts, err);
+           motion_fetch(m, "contact_graph", STARTS, m->n * sizeof m->graph.n_contacts,
+                        &m->graph.n_contacts, sizeof m->graph.n_contacts, err);
 }
 
 static bool put_returns(duet_motion *m, uint32_t fill, duet_error *err)
@@ -164,7 +170,7 @@ static bool put_returns(duet_motion *m, uint32_t fill, duet_error *err)
 
 static bool reserve_contacts(duet_motion *m, duet_error *err)
 {
-    uint64_t n = (uint64_t)m->n_contacts + 1;
+    uint64_t n = (uint64_t)m->graph.n_contacts + 1;
     return motion_reserve(m, RETURNS, n, sizeof(uint32_t), err) &&
            motion_reserve(m, LINKS, n, 2 * sizeof(uint32_t), err) &&
            motion_reserve(m, CONTACTS, n * m->layout.record, sizeof(float), err) &&
@@ -189,8 +195,8 @@ static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
 // The contacts before are matched with the new ones, which have other places in the list by colour.
 bool motion_make_rows(duet_motion *m, duet_error *err)
 {
-    uint64_t most;
-    uint32_t n_old = m->n_contacts;
+    const uint64_t most = most_contacts(m, m->graph.n_pairs);
+    uint32_t n_old = m->graph.n_contacts;
     buffer *b = m->buffers;
     buffer_swap(&b[LINKS], &b[OLD_LINKS]);
     buffer_swap(&b[CONTACTS], &b[OLD_CONTACTS]);
@@ -198,7 +204,6 @@ bool motion_make_rows(duet_motion *m, duet_error *err)
     buffer_swap(&b[COLOUR_OF], &b[OLD_COLOURS]);
     product_renew(&m->products, PRODUCT_ROWS);
     product_forget(&m->products, PRODUCT_COLOURS);
-    return check_capacity(m, &most, err) &&
-           motion_reserve(m, OTHERS, most + 1, sizeof(uint32_t), err) && fill_rows(m, err) &&
+    return motion_reserve(m, OTHERS, most + 1, sizeof(uint32_t), err) && fill_rows(m, err) &&
            fill_returns(m, err) && match_contacts(m, n_old, err);
 }

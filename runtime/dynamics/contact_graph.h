@@ -10,8 +10,10 @@ typedef struct contact_graph {
     duet_result searched; // what it found and took last
     scan scan;
     buffer pairs; // that rows are made of
+    cl_uint n_pairs;
+    cl_uint n_contacts; // in rows
     // what a launch is told besides
-    cl_uint n_pairs, n_old, fill;
+    cl_uint n_old, fill;
     buffer row_starts, row_values;
 } contact_graph;
 

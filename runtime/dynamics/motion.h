@@ -121,8 +121,6 @@ struct duet_motion {
     products products;
     altered_bodies altered;
     contact_graph graph;
-    uint64_t n_pairs;
-    cl_uint n_contacts; // in rows
     contact_solver solver;
     motion_events told;
     motion_halves halves; // motion_step.c

@@ -203,15 +203,15 @@ bool motion_arrive(duet_motion *m, duet_error *err)
 
 static bool forget_forces(duet_motion *m, duet_error *err)
 {
-    m->commands->pushed = false;
-    return timeline_fill(&m->times, "clear", &m->buffers[FORCES], 0, 0, (size_t)m->n * 8, err);
+    m->commands->n_pushed = 0;
+    return motion_clear(m, "clear", FORCES, 0, (size_t)m->n * 8, err);
 }
 
 // A place whose ids are used up is never empty again.
 static void empty_places(duet_motion *m)
 {
     motion_commands *c = m->commands;
-    c->any_left = false;
+    c->n_left = 0;
     for (uint32_t place = m->n; place-- > 0;) {
         if (c->states[place] != PLACE_LEFT || c->generations[place] == 0)
             continue;
@@ -223,7 +223,7 @@ static void empty_places(duet_motion *m)
 bool motion_end_commands(duet_motion *m, duet_error *err)
 {
     motion_commands *c = m->commands;
-    if (c->any_left && (!motion_rows_are_stale(m) || !(m->effects & DUET_EFFECT_CONTACT)))
+    if (c->n_left > 0 && (!motion_rows_are_stale(m) || !(m->effects & DUET_EFFECT_CONTACT)))
         empty_places(m);
-    return !c->pushed || forget_forces(m, err);
+    return c->n_pushed == 0 || forget_forces(m, err);
 }

@@ -29,8 +29,9 @@ struct motion_commands {
     uint64_t *user_data;
     uint32_t first_empty; // none before it is empty
     uint32_t n_hidden;
-    bool any_left;
-    bool pushed; // some forces wait for the next step
+    // what the end of the next step is to do
+    uint32_t n_left;   // places that become empty
+    uint64_t n_pushed; // forces that are over then
     motion_target *targets;
     uint32_t n_targets;
 };

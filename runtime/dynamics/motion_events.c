@@ -58,15 +58,16 @@ static bool fetch_bits(duet_motion *m, uint32_t *words, size_t n_words, duet_err
 {
     motion_events *e = &m->told;
     bool same = e->links_of == m->products.of[PRODUCT_ROWS].stamp;
-    e->links.n = m->n_contacts;
-    return (same || fetch(m, LINKS, e->links.pairs, m->n_contacts * sizeof *e->links.pairs, err)) &&
+    e->links.n = m->graph.n_contacts;
+    return (same ||
+            fetch(m, LINKS, e->links.pairs, m->graph.n_contacts * sizeof *e->links.pairs, err)) &&
            fetch(m, TOUCHING, words, n_words * sizeof *words, err);
 }
 
 static bool fetch_touching(duet_motion *m, duet_error *err)
 {
     motion_events *e = &m->told;
-    size_t n = m->n_contacts, n_words = (n + 31) / 32;
+    size_t n = m->graph.n_contacts, n_words = (n + 31) / 32;
     if (n == 0) {
         e->links.n = e->touching.n = 0;
         e->links_of = m->products.of[PRODUCT_ROWS].stamp;
@@ -74,7 +75,8 @@ static bool fetch_touching(duet_motion *m, duet_error *err)
     }
     uint32_t *words = malloc(n_words * sizeof *words);
     if (!words)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", m->n_contacts);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts",
+                         m->graph.n_contacts);
     bool ok = pair_list_reserve(&e->links, n, err) && pair_list_reserve(&e->touching, n, err) &&
               fetch_bits(m, words, n_words, err);
     if (ok)
@@ -86,7 +88,7 @@ static bool fetch_touching(duet_motion *m, duet_error *err)
 
 bool motion_note_events(duet_motion *m, duet_error *err)
 {
-    uint64_t n = m->n_contacts, n_words = (n + 31) / 32;
+    uint64_t n = m->graph.n_contacts, n_words = (n + 31) / 32;
     bool hits = motion_tells_hits(m);
     return !m->kernels.contact_events ||
            (motion_reserve(m, TOUCHING, n_words + 1, sizeof(uint32_t), err) &&

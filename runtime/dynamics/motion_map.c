@@ -15,7 +15,7 @@ enum { PARTS = 4 };
 
 struct motion_map {
     motion_rows rows;
-    bool written;
+    duet_map_access access;
     uint32_t n;
 };
 
@@ -120,7 +120,7 @@ void *duet_motion_map_states(duet_motion *m, duet_state_part part, duet_map_acce
     if (!motion_rows_open(m, parts[part].which, first, first + n, &map->rows, err))
         return NULL;
     motion_note_map(m, part);
-    map->written = access == DUET_MAP_WRITE;
+    map->access = access;
     map->n = n;
     return map->rows.bytes;
 }
@@ -224,7 +224,7 @@ bool duet_motion_unmap_states(duet_motion *m, duet_state_part part, duet_error *
                          "%s: %s are not mapped; expected duet_motion_map_states first", __func__,
                          duet_state_part_name(part) ? duet_state_part_name(part) : "states");
     struct motion_map *map = &m->maps[part];
-    bool ok = !map->written || write_back(m, part, map, __func__, err);
+    bool ok = map->access == DUET_MAP_READ || write_back(m, part, map, __func__, err);
     if (!ok && m->phase != MOTION_BROKEN)
         return false;
     motion_rows_drop(&map->rows);

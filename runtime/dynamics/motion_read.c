@@ -289,7 +289,7 @@ bool duet_motion_get_contacts(duet_motion *m, duet_contact **contacts, uint64_t 
     if (!motion_is_whole(m, __func__, err) || !error_given(contacts, __func__, "contacts", err) ||
         !error_given(n, __func__, "n", err))
         return false;
-    size_t count = m->n_contacts;
+    size_t count = m->graph.n_contacts;
     size_t record = m->layout.record;
     uint32_t(*links)[2] = malloc(count * sizeof *links + 1);
     uint32_t *touches = malloc(count * sizeof *touches + 1);

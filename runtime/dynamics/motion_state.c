@@ -187,7 +187,7 @@ bool motion_rows_of_contacts(duet_motion *m, motion_buffer which, uint32_t words
                              duet_error *err)
 {
     size_t row = words * sizeof(uint32_t);
-    *rows = (motion_rows){.of = &m->buffers[which], .row = row, .size = m->n_contacts * row};
+    *rows = (motion_rows){.of = &m->buffers[which], .row = row, .size = m->graph.n_contacts * row};
     return open_rows(m, rows, false, err);
 }
 

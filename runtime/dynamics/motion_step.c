@@ -204,8 +204,8 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
     *result = (duet_motion_result){
         .step = m->step,
         .time = (double)m->step * m->def.dt,
-        .pairs = m->n_pairs,
-        .contacts = m->solver.n_contacts,
+        .pairs = m->graph.n_pairs,
+        .contacts = m->solver.n_pushing,
         .colours = m->solver.n_colours,
         .rebuilt = product_is_new(&m->products, PRODUCT_ROWS),
         .events = m->told.changes.events,

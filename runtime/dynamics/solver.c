@@ -13,7 +13,7 @@
 static bool find_manifolds(duet_motion *m, uint32_t woken, duet_error *err)
 {
     m->solver.woken = woken;
-    return motion_launch(m, "manifolds", m->kernels.build_manifolds, m->n_contacts, err);
+    return motion_launch(m, "manifolds", m->kernels.build_manifolds, m->graph.n_contacts, err);
 }
 
 static bool prepare_bodies(duet_motion *m, uint32_t woken, duet_error *err)
@@ -48,7 +48,7 @@ static bool reserve_lists(duet_motion *m, duet_error *err)
     bool ok = motion_reserve(m, COLOUR_STARTS, KEYS + 1, sizeof(uint32_t), err) &&
               motion_reserve(m, SPANS, COLOUR_OVERFLOW + 1, sizeof(colour_span), err);
     for (size_t i = 0; ok && i < sizeof lists / sizeof lists[0]; ++i)
-        ok = motion_reserve(m, lists[i], (uint64_t)m->n_contacts + 1, sizeof(uint32_t), err);
+        ok = motion_reserve(m, lists[i], (uint64_t)m->graph.n_contacts + 1, sizeof(uint32_t), err);
     return ok;
 }
 
@@ -65,7 +65,7 @@ static void lay_colours(contact_solver *s, uint32_t block, const uint32_t starts
         s->n_blocks += k == COLOUR_OVERFLOW ? span->count : (span->count + block - 1) / block;
         s->n_colours += span->count > 0;
     }
-    s->n_contacts = starts[(COLOUR_OVERFLOW + 1) * COLOUR_KEYS];
+    s->n_pushing = starts[(COLOUR_OVERFLOW + 1) * COLOUR_KEYS];
 }
 
 // Contacts of one colour after the other into LIST. Reads the flags as well.
@@ -76,9 +76,10 @@ static bool sort_colours(duet_motion *m, duet_error *err)
     const radix_lists lists = {&b[LIST_KEYS], &b[LIST], &b[LIST_KEYS_SPARE], &b[LIST_SPARE]};
     const char *stage = "graph_colour";
     bool ok =
-        motion_launch(m, stage, m->kernels.graph_colour_key, m->n_contacts, err) &&
-        radix_sort_run(&m->solver.radix, &m->times, stage, &lists, m->n_contacts, KEY_BITS, err) &&
-        motion_launch(m, stage, m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
+        motion_launch(m, stage, m->kernels.graph_colour_key, m->graph.n_contacts, err) &&
+        radix_sort_run(&m->solver.radix, &m->times, stage, &lists, m->graph.n_contacts, KEY_BITS,
+                       err) &&
+        motion_launch(m, stage, m->kernels.row_start, (uint64_t)m->graph.n_contacts + 1, err) &&
         timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
                             err) &&
         timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, sizeof starts, err);
@@ -139,9 +140,10 @@ static bool list_none(duet_motion *m)
 // sorted anew without waiting for the device to say so.
 bool motion_make_colours(duet_motion *m, duet_error *err)
 {
-    if (m->n_contacts == 0)
+    if (m->graph.n_contacts == 0)
         return list_none(m);
-    return motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->n_contacts, err) &&
+    return motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->graph.n_contacts,
+                         err) &&
            (m->solver.rounds > 0 || keep_colours(m, err)) &&
            (product_is_right(&m->products, PRODUCT_COLOURS) || list_colours(m, err));
 }
@@ -221,7 +223,7 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
     bool ok = true;
-    if (!(m->effects & DUET_EFFECT_SLEEP) || m->n_contacts == 0 || !m->flags[FLAG_PRESSED])
+    if (!(m->effects & DUET_EFFECT_SLEEP) || m->graph.n_contacts == 0 || !m->flags[FLAG_PRESSED])
         return true;
     for (m->solver.round = 0; ok && m->solver.round < PRESSED_ROUNDS; ++m->solver.round)
         ok = motion_launch(m, "sleep", k->push_sleepers, m->n, err);

@@ -21,8 +21,8 @@ typedef struct colour_span {
 typedef struct contact_solver {
     radix_sort radix;
     colour_span colours[COLOUR_OVERFLOW + 1];
-    uint32_t n_colours;  // that are not empty
-    uint32_t n_contacts; // of all colours: those that push
+    uint32_t n_colours; // that are not empty
+    uint32_t n_pushing; // contacts of all colours
     uint32_t n_blocks;
     uint32_t rounds; // that the next colouring sends at once; 0: the device is asked first
     // what a launch is told besides

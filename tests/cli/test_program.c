@@ -14,9 +14,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static void help_and_version_are_printed(void **state)
+TEST(help_and_version_are_printed)
 {
-    (void)state;
     program p = program_run("--version");
     assert_int_equal(p.exit_code, 0);
     assert_string_equal(p.out, "duet 1.0.0\n");
@@ -29,9 +28,8 @@ static void help_and_version_are_printed(void **state)
     program_free(&p);
 }
 
-static void without_a_subcommand_help_is_printed_and_that_is_wrong(void **state)
+TEST(without_a_subcommand_help_is_printed_and_that_is_wrong)
 {
-    (void)state;
     program alone = program_run("%s", "");
     program help = program_run("--help");
     assert_int_equal(alone.exit_code, 2);
@@ -42,9 +40,8 @@ static void without_a_subcommand_help_is_printed_and_that_is_wrong(void **state)
 }
 
 // Every subcommand that --help names has a --help of its own.
-static void every_subcommand_has_help(void **state)
+TEST(every_subcommand_has_help)
 {
-    (void)state;
     program all = program_run("--help");
     int n = 0;
     for (char *line = strtok(all.out, "\n"); line; line = strtok(NULL, "\n")) {
@@ -67,9 +64,8 @@ static void every_subcommand_has_help(void **state)
     program_free(&all);
 }
 
-static void wrong_usage_is_one_line_and_exit_2(void **state)
+TEST(wrong_usage_is_one_line_and_exit_2)
 {
-    (void)state;
     static const char *const wrong[][2] = {
         {"abacus", "there is no subcommand 'abacus'; 'duet --help' lists"},
         {"help devcies", "there is no subcommand 'devcies'; did you mean 'devices'?"},
@@ -116,9 +112,8 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
 }
 
 // Whoever looks the name up. A file that does not exist is a failure instead.
-static void an_unknown_name_is_exit_2_in_every_subcommand(void **state)
+TEST(an_unknown_name_is_exit_2_in_every_subcommand)
 {
-    (void)state;
     static const char *const unknown[][2] = {
         {"abacus", "no subcommand 'abacus'"},
         {"--help abacus", "no subcommand 'abacus'"},
@@ -162,9 +157,8 @@ static void an_unknown_name_is_exit_2_in_every_subcommand(void **state)
     }
 }
 
-static void an_argument_too_many_is_unexpected_in_every_subcommand(void **state)
+TEST(an_argument_too_many_is_unexpected_in_every_subcommand)
 {
-    (void)state;
     static const char *const full[] = {
         "--version",
         "help run",
@@ -199,9 +193,8 @@ static void an_argument_too_many_is_unexpected_in_every_subcommand(void **state)
 }
 
 // Some of these would work for minutes first.
-static void what_cannot_be_written_is_refused_before_the_work(void **state)
+TEST(what_cannot_be_written_is_refused_before_the_work)
 {
-    (void)state;
     static const char *const commands[] = {"bench -o no/such/x.json",
                                            "accuracy still -n 100 --csv no/such/x.csv",
                                            "accuracy still -n 100 --plot no/such/x.svg",
@@ -222,9 +215,8 @@ static uint64_t objects_of(const char *arguments)
     return n;
 }
 
-static void numbers_are_written_as_people_write_them(void **state)
+TEST(numbers_are_written_as_people_write_them)
 {
-    (void)state;
     static const struct {
         const char *written;
         uint64_t n; // UINT64_MAX: refused
@@ -246,9 +238,8 @@ static void numbers_are_written_as_people_write_them(void **state)
     }
 }
 
-static void scenes_are_known_by_name(void **state)
+TEST(scenes_are_known_by_name)
 {
-    (void)state;
     program list = program_run("scenes");
     assert_int_equal(list.exit_code, 0);
     int n = 0;
@@ -269,22 +260,18 @@ static void scenes_are_known_by_name(void **state)
 }
 
 // A file of that name is meant by a path.
-static void a_name_is_a_scene_and_a_path_a_file(void **state)
+TEST(a_name_is_a_scene_and_a_path_a_file)
 {
-    (void)state;
     test_write_file("still", "0,0,0,1,1,1\n");
     test_write_file("unlike", "0,0,0,1,1,1\n");
     assert_int_equal(objects_of("still -n 20"), 20);
     assert_int_equal(objects_of("still -n20"), 20);
     assert_int_equal(objects_of("./still"), 1);
     assert_int_equal(objects_of("unlike"), 1);
-    remove("still");
-    remove("unlike");
 }
 
-static void a_dash_is_stdin_and_stdout(void **state)
+TEST(a_dash_is_stdin_and_stdout)
 {
-    (void)state;
     static const char *const inputs[] = {
         "printf '0,0,0,1,1,1\\n.5,.5,.5,2,2,2\\n'",
         "printf '# boxes\\n\\nlower_x x y z u v\\n0 0 0 1 1 1\\n-.5 0 0 2 2 2\\n'",
@@ -309,9 +296,8 @@ static void a_dash_is_stdin_and_stdout(void **state)
     program_free(&p);
 }
 
-static void an_empty_input_is_told_of(void **state)
+TEST(an_empty_input_is_told_of)
 {
-    (void)state;
     program p = program_run_with(": |", "run - --pairs -");
     assert_int_equal(p.exit_code, 0);
     assert_string_equal(p.out, "");
@@ -333,9 +319,8 @@ static void an_empty_input_is_told_of(void **state)
     program_free(&p);
 }
 
-static void devices_are_listed_as_one_json_object(void **state)
+TEST(devices_are_listed_as_one_json_object)
 {
-    (void)state;
     program p = program_run("devices --json");
     assert_int_equal(p.exit_code, 0);
     assert_string_equal(p.err, "");
@@ -351,9 +336,8 @@ static void devices_are_listed_as_one_json_object(void **state)
     program_free(&p);
 }
 
-static void a_machine_without_opencl_is_told_what_to_install(void **state)
+TEST(a_machine_without_opencl_is_told_what_to_install)
 {
-    (void)state;
     static const char *const commands[] = {"devices", "devices --json"};
     for (int i = 0; i < 2; ++i) {
         program p = program_run_with("OCL_ICD_FILENAMES= OCL_ICD_VENDORS=no/such/folder", "%s",
@@ -363,17 +347,15 @@ static void a_machine_without_opencl_is_told_what_to_install(void **state)
 }
 
 // PoCL, which cannot make its cache folder, lists no device: it is installed for all that.
-static void a_cache_folder_that_cannot_be_made_is_told_of(void **state)
+TEST(a_cache_folder_that_cannot_be_made_is_told_of)
 {
-    (void)state;
     program p = program_run_with("HOME=/nonexistent POCL_CACHE_DIR=/proc/x", "devices");
     program_assert_refused(&p, 1, "its cache folder /proc/x cannot be written: No such file");
 }
 
 // A driver whose devices are elsewhere, or may not be opened.
-static void a_platform_without_a_device_is_told_of(void **state)
+TEST(a_platform_without_a_device_is_told_of)
 {
-    (void)state;
     static const char here[] = "OCL_ICD_VENDORS=test_program.icds";
     static const char says[] = "the OpenCL platform 'Abacus' lists no device";
     assert_int_equal(system("rm -rf test_program.icds; mkdir test_program.icds && "
@@ -403,9 +385,8 @@ static void a_platform_without_a_device_is_told_of(void **state)
     program_assert_refused(&p, 1, "lists no device");
 }
 
-static void a_full_disk_is_a_failure(void **state)
+TEST(a_full_disk_is_a_failure)
 {
-    (void)state;
     skip_without_device("/dev/full");
     program p = program_run("devices --json >/dev/full");
     program_assert_refused(&p, 1, "stdout: No space left on device");
@@ -418,9 +399,8 @@ static bool is_kind(const char *path, mode_t kind)
 }
 
 // OUT is a link: to a device, which is written and stays, or to a file.
-static void outputs_are_written_through_links(void **state)
+TEST(outputs_are_written_through_links)
 {
-    (void)state;
     skip_without_device("/dev/full");
     static const char *const commands[] = {
         "picture planes -n 20 -o OUT.svg",
@@ -452,16 +432,11 @@ static void outputs_are_written_through_links(void **state)
         assert_true(is_kind("OUT.svg", S_IFLNK) && is_kind("program.out", S_IFREG));
         assert_true(stat("program.out", &info) == 0 && info.st_size > 0);
     }
-    remove("OUT.svg");
-    remove("program.out");
-    remove("program.pairs");
-    remove("program.db");
 }
 
 // The program ends as others do: silently, by SIGPIPE, which a shell shows as 141.
-static void a_reader_that_went_away_ends_the_program(void **state)
+TEST(a_reader_that_went_away_ends_the_program)
 {
-    (void)state;
     int ends[2];
     assert_int_equal(pipe(ends), 0);
     close(ends[0]);
@@ -480,28 +455,4 @@ static void a_reader_that_went_away_ends_the_program(void **state)
     program_assert_refused(&p, 1, "stdout: ");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(help_and_version_are_printed),
-        cmocka_unit_test(without_a_subcommand_help_is_printed_and_that_is_wrong),
-        cmocka_unit_test(every_subcommand_has_help),
-        cmocka_unit_test(wrong_usage_is_one_line_and_exit_2),
-        cmocka_unit_test(an_unknown_name_is_exit_2_in_every_subcommand),
-        cmocka_unit_test(an_argument_too_many_is_unexpected_in_every_subcommand),
-        cmocka_unit_test(what_cannot_be_written_is_refused_before_the_work),
-        cmocka_unit_test(numbers_are_written_as_people_write_them),
-        cmocka_unit_test(scenes_are_known_by_name),
-        cmocka_unit_test(a_name_is_a_scene_and_a_path_a_file),
-        cmocka_unit_test(a_dash_is_stdin_and_stdout),
-        cmocka_unit_test(an_empty_input_is_told_of),
-        cmocka_unit_test(devices_are_listed_as_one_json_object),
-        cmocka_unit_test(a_machine_without_opencl_is_told_what_to_install),
-        cmocka_unit_test(a_cache_folder_that_cannot_be_made_is_told_of),
-        cmocka_unit_test(a_platform_without_a_device_is_told_of),
-        cmocka_unit_test(a_full_disk_is_a_failure),
-        cmocka_unit_test(outputs_are_written_through_links),
-        cmocka_unit_test(a_reader_that_went_away_ends_the_program),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

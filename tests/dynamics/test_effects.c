@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a scene does not call for is not there: not in its kernels' text, not
+// What a scene does not call for is not there: not in its kernels' arguments, not
 // in memory, and not in a single bit of its state.
 #define _POSIX_C_SOURCE 200809L
 #include "support/mover.h"
@@ -246,18 +246,7 @@ TEST(each_effect_equals_the_general_step_in_2d_and_in_doubles)
     }
 }
 
-// ---------------------------------------------------------------- text
-
-// The text without comments, where each is a blank.
-static char *without_comments(const char *text)
-{
-    char *code = strdup(text);
-    assert_non_null(code);
-    for (char *at = code; (at = strstr(at, "//"));)
-        while (*at && *at != '\n')
-            *at++ = ' ';
-    return code;
-}
+// ---------------------------------------------------------------- kernels
 
 static bool has_param(gen *g, const char *name, const gen_limits *limits, const char *param)
 {
@@ -271,27 +260,27 @@ static bool has_param(gen *g, const char *name, const gen_limits *limits, const 
     return false;
 }
 
-// Every effect's parameter, its name and the word that stands for it in kernels.
+// Every effect's parameter, its name, and a word of the arguments that only it calls for.
 static const struct {
     const char *param;
     const char *effect;
-    const char *word;
+    const char *word;    // NULL: it has no arguments of its own
     const char *off_too; // what cannot be without it
 } words[] = {
-    {"ANGULAR_VELOCITY", "angular_velocity", "angular_velocity", "GYRO"},
+    {"ANGULAR_VELOCITY", "angular_velocity", "angular_velocit", "GYRO"},
     {"GRAVITY", "gravity", "gravity", NULL},
     {"DRAG", "drag", "drag", NULL},
-    {"BOUNDARY", "boundary", "wall", NULL},
-    {"CONTACT_RESPONSE", "contact_response", "pushes", "FRICTION CONTINUOUS SLEEP HITS"},
+    {"BOUNDARY", "boundary", "upper", NULL},
+    {"CONTACT_RESPONSE", "contact_response", "colours", "FRICTION CONTINUOUS SLEEP HITS"},
     {"FRICTION", "friction", "friction", NULL},
-    {"CONTINUOUS", "continuous", "swept", NULL},
+    {"CONTINUOUS", "continuous", NULL, NULL},
     {"FILTER", "filter", "filter", NULL},
     {"SLEEP", "sleep", "asleep", NULL},
-    {"SKIN", "skin", "check_fat_aabbs", NULL},
+    {"SKIN", "skin", "skin", NULL},
     {"HITS", "events", "hits", NULL},
     {"FORCES", "forces", "forces", NULL},
     {"SENSORS", "sensors", "sensors", NULL},
-    {"ROUNDED", "radius", "touch_rounded", NULL},
+    {"ROUNDED", "radius", NULL, NULL},
     {"ROTATED", "rotation", "rotations", "ANGULAR_VELOCITY GYRO"},
 };
 
@@ -305,8 +294,8 @@ static const char *const kernels[] = {
 
 enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
 
-// The kernel's text with every effect on, or with all but one.
-static char *text_without(gen *g, const char *name, const gen_limits *limits, int off)
+// The kernel with every effect on, or with all but one.
+static gen_variant variant_without(gen *g, const char *name, const gen_limits *limits, int off)
 {
     gen_setting settings[N_WORDS + 1];
     uint32_t n = 0;
@@ -321,12 +310,29 @@ static char *text_without(gen *g, const char *name, const gen_limits *limits, in
     gen_variant v = {0};
     duet_error err = {0};
     assert_ok(gen_make(g, name, settings, n, limits, &v, &err), err);
-    char *code = without_comments(v.text);
-    gen_variant_free(&v);
-    return code;
+    return v;
 }
 
-TEST(texts_have_no_word_of_what_is_left_out)
+static bool takes(const gen_variant *v, const char *word)
+{
+    for (uint32_t e = 0; e < v->n_entries; ++e)
+        for (uint32_t i = 0; i < v->entries[e].n_args; ++i)
+            if (strstr(v->entries[e].args[i].name, word))
+                return true;
+    return false;
+}
+
+static uint32_t n_arguments(const gen_variant *v)
+{
+    uint32_t n = 0;
+    for (uint32_t e = 0; e < v->n_entries; ++e)
+        n += v->entries[e].n_args;
+    return n;
+}
+
+// The parameter is the constant 0 in the text, so its code is not compiled, and no kernel takes what
+// the effect alone would read.
+TEST(kernels_take_no_argument_of_what_is_left_out)
 {
     const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
     duet_error err = {0};
@@ -334,23 +340,30 @@ TEST(texts_have_no_word_of_what_is_left_out)
     assert_ok(g, err);
     int checked = 0;
     for (size_t k = 0; k < N_KERNELS; ++k) {
-        char *all = text_without(g, kernels[k], &limits, -1);
+        gen_variant all = variant_without(g, kernels[k], &limits, -1);
         for (int w = 0; w < N_WORDS; ++w) {
-            if (!has_param(g, kernels[k], &limits, words[w].param) || !strstr(all, words[w].word))
+            if (!has_param(g, kernels[k], &limits, words[w].param))
                 continue;
-            char *code = text_without(g, kernels[k], &limits, w);
-            if (strstr(code, words[w].word))
-                fail_msg("%s without %s says '%s'", kernels[k], words[w].param, words[w].word);
-            free(code);
-            ++checked;
+            gen_variant v = variant_without(g, kernels[k], &limits, w);
+            char defined[80];
+            snprintf(defined, sizeof defined, "#define %s 1\n", words[w].param);
+            assert_non_null(strstr(all.text, defined));
+            assert_null(strstr(v.text, defined));
+            assert_true(n_arguments(&v) <= n_arguments(&all));
+            if (words[w].word && takes(&all, words[w].word)) {
+                if (takes(&v, words[w].word))
+                    fail_msg("%s without %s takes '%s'", kernels[k], words[w].param, words[w].word);
+                ++checked;
+            }
+            gen_variant_free(&v);
         }
-        free(all);
+        gen_variant_free(&all);
     }
     assert_true(checked >= 20);
     gen_close(g);
 }
 
-// Every kernel whose text an effect changes is among those that explain names.
+// Every kernel that an effect changes is among those that explain names.
 TEST(an_effect_names_all_its_kernels)
 {
     const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};

@@ -29,7 +29,7 @@ static void read(duet_motion *m, motion_buffer which, void *to, size_t bytes)
 static touching *what_touches(duet_motion *m)
 {
     touching *t = calloc(1, sizeof *t);
-    uint32_t n = m->n_contacts;
+    uint32_t n = m->graph.n_contacts;
     uint32_t(*links)[2] = calloc(n + 1, sizeof *links);
     uint32_t *touches = calloc(n + 1, sizeof *touches);
     float *records = calloc((size_t)n + 1, m->layout.record * sizeof *records);

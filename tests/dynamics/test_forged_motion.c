@@ -18,6 +18,8 @@
 #include <string.h>
 #include <unistd.h>
 
+static const char path[] = "forged"; // of the file
+
 // ------------------------------------------------------------ motions
 
 // Of every kind of buffer that a file can have.
@@ -128,7 +130,6 @@ enum { SECTIONS = sizeof sections / sizeof sections[0] };
 
 typedef struct forger {
     mover *m;
-    char path[64];
     text right;  // the file as it was saved
     char *bytes; // a copy that is changed
     size_t n;
@@ -159,16 +160,14 @@ static size_t place_of(const forger *f, int section)
 
 static void put_sum(forger *f)
 {
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
-    for (size_t i = 0; i + sizeof sum < f->n; ++i)
-        sum = (sum ^ (unsigned char)f->bytes[i]) * UINT64_C(0x100000001b3);
+    uint64_t sum = text_checksum((const char *)f->bytes, f->n - sizeof(uint64_t));
     memcpy(f->bytes + f->n - sizeof sum, &sum, sizeof sum);
 }
 
 static void write_forged(forger *f)
 {
     put_sum(f);
-    FILE *file = fopen(f->path, "wb");
+    FILE *file = fopen(path, "wb");
     assert_non_null(file);
     assert_int_equal(fwrite(f->bytes, 1, f->n, file), f->n);
     assert_int_equal(fclose(file), 0);
@@ -185,19 +184,18 @@ static void load_right(forger *f)
     duet_error err = {0};
     begin_copy(f);
     write_forged(f);
-    assert_ok(duet_motion_load(f->m->motion, f->path, &err), err);
+    assert_ok(duet_motion_load(f->m->motion, path, &err), err);
 }
 
 static forger open_forger(kind of)
 {
     duet_error err = {0};
     forger f = {.m = make_mover(of)};
-    snprintf(f.path, sizeof f.path, "/tmp/duet-forged-%ld", (long)getpid());
     mover_run(f.m, 5);
     if (of == COMMANDED)
         command(f.m);
-    assert_ok(duet_motion_save(f.m->motion, f.path, &err), err);
-    assert_ok(text_read_file(&f.right, f.path, &err), err);
+    assert_ok(duet_motion_save(f.m->motion, path, &err), err);
+    assert_ok(text_read_file(&f.right, path, &err), err);
     f.bytes = malloc(f.right.length + 64);
     assert_non_null(f.bytes);
     memcpy(&f.n_contacts, f.right.chars + AT_N_CONTACTS, 4);
@@ -215,7 +213,6 @@ static void close_forger(forger *f, const char *what)
     mover_free(f->m);
     free(f->bytes);
     text_free(&f->right);
-    remove(f->path);
     guard_assert_whole(what);
 }
 
@@ -226,10 +223,10 @@ static void assert_refused(forger *f, const char *what, const char *said)
     duet_error err = {0};
     uint64_t hash = 0;
     write_forged(f);
-    if (duet_motion_load(f->m->motion, f->path, &err))
+    if (duet_motion_load(f->m->motion, path, &err))
         fail_msg("%s: the forged file was loaded", what);
     assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
-    if (!strstr(err.text, said) || !strstr(err.text, f->path) || strchr(err.text, '\n'))
+    if (!strstr(err.text, said) || !strstr(err.text, path) || strchr(err.text, '\n'))
         fail_msg("%s: refused with '%s'; expected '%s'", what, err.text, said);
     err = (duet_error){0};
     assert_ok(duet_motion_get_hash(f->m->motion, &hash, &err), err);
@@ -245,9 +242,8 @@ static int section_of(motion_buffer which)
 }
 
 // Each kind of index, count and number, one wrong at a time.
-static void what_a_step_would_believe_is_refused(void **state)
+TEST(what_a_step_would_believe_is_refused)
 {
-    (void)state;
     static const uint32_t nan_bits = 0x7fc00000, minus = 0xbf800000, one = 0x3f800000;
     const struct {
         motion_buffer which;
@@ -300,9 +296,8 @@ static void what_a_step_would_believe_is_refused(void **state)
     close_forger(&f, "pile");
 }
 
-static void two_contacts_of_an_object_have_two_colours(void **state)
+TEST(two_contacts_of_an_object_have_two_colours)
 {
-    (void)state;
     forger f = open_forger(PILE);
     char *colours = f.bytes + place_of(&f, section_of(COLOUR_OF));
     begin_copy(&f);
@@ -313,9 +308,8 @@ static void two_contacts_of_an_object_have_two_colours(void **state)
 }
 
 // One word shorter, two, and so on, down to the header; the sum is right each time.
-static void a_file_that_ends_early_is_refused(void **state)
+TEST(a_file_that_ends_early_is_refused)
 {
-    (void)state;
     static const kind of[] = {ONLY_CONTACTS, COMMANDED};
     for (size_t i = 0; i < sizeof of / sizeof of[0]; ++i) {
         forger f = open_forger(of[i]);
@@ -424,14 +418,14 @@ static void forge(rng *r, forger *f, uint32_t *n_loaded)
     if (rng_below(r, 50) == 0)
         change_length(r, f);
     write_forged(f);
-    if (duet_motion_load(f->m->motion, f->path, &err)) {
+    if (duet_motion_load(f->m->motion, path, &err)) {
         ++*n_loaded;
         step_forged(f);
         return;
     }
     uint64_t hash = 0;
     assert_true(err.status == DUET_STATUS_BAD_INPUT && !strchr(err.text, '\n'));
-    assert_non_null(strstr(err.text, f->path));
+    assert_non_null(strstr(err.text, path));
     err = (duet_error){0};
     assert_ok(duet_motion_get_hash(f->m->motion, &hash, &err), err);
     assert_true(hash == f->hash);
@@ -439,9 +433,8 @@ static void forge(rng *r, forger *f, uint32_t *n_loaded)
 
 static uint32_t n_forged = 2400; // of all kinds together
 
-static void forged_files_are_refused_or_step(void **state)
+TEST(forged_files_are_refused_or_step)
 {
-    (void)state;
     uint64_t seed = test_seed();
     print_message("DUET_TEST_SEED=%llu\n", (unsigned long long)seed);
     rng r = rng_seed(seed);
@@ -461,11 +454,5 @@ int main(int argc, char **argv)
         n_forged = 102000;
     else if (argc > 1)
         n_forged = (uint32_t)strtoul(argv[1], NULL, 10);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_a_step_would_believe_is_refused),
-        cmocka_unit_test(two_contacts_of_an_object_have_two_colours),
-        cmocka_unit_test(a_file_that_ends_early_is_refused),
-        cmocka_unit_test(forged_files_are_refused_or_step),
-    };
-    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
+    return test_run(mover_open_pair, mover_close_pair);
 }

@@ -343,10 +343,15 @@ TEST(a_card_s_arguments_become_parameters)
     duet_error err = make_with(card, "k.cl", "int x;\n");
     assert_ok(err.status == DUET_STATUS_OK, err);
     assert_non_null(strstr(made, "#define PUT_ARGS \\\n    __global float4 *restrict x\n"
+                                 "#define PUT_VALUES \\\n    .x = x,\n"
                                  "#define TAKE_ARGS \\\n"
                                  "    volatile __global uint *restrict counters, \\\n"
                                  "    __global const double4 *restrict centres, \\\n"
                                  "    double h\n"));
+    assert_non_null(strstr(made, "#define ARG_FIELDS \\\n    __global float4 *x; \\\n"
+                                 "    volatile __global uint *counters; \\\n"
+                                 "    __global const double4 *centres; \\\n    double h; \\\n"
+                                 "    __constant const grid_level *levels;\n"));
 }
 
 // ------------------------------------------------------- what is broken

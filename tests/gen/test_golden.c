@@ -141,7 +141,7 @@ TEST(templates_have_the_expected_text)
             check(g, gen_kernel(g, i));
             ++checked;
         }
-    assert_true(checked > 10);
+    assert_true(checked >= 2);
     gen_close(g);
 }
 

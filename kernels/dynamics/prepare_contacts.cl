@@ -1,38 +1,34 @@
 // SPDX-License-Identifier: MIT
-// Gathers the contacts of a colour into blocks of constraints before they are solved,
-// and scatters the impulses for the next step's warm start afterwards.
+// Gathers the contacts of a colour into blocks of constraints before they are solved, and scatters
+// the impulses for the next step's warm start afterwards.
 //
-// Impulses of the last step are added up for each body, colour by colour, because no
-// two contacts of a colour share a body that moves: the first substep's warm start.
+//   contacts, in rows' order        blocks, by colour (constraint.clh)
+//   record: head, points     ---->  prepare_contacts: fields, effective masses
+//                            <----  store_impulses
+//
+// Impulses of the last step are added up for each body, colour by colour, because no two contacts of
+// a colour share a body that moves: the first substep's warm start.
 //
 //   spans   of each colour: first in the list, count, first slot
 //   list    contacts by colour
-//   blocks  constraints (constraint.clh)
+//   blocks  constraints
 //   each    contacts of a colour that a work-item takes
 typedef struct {
-    __global const uint2 *links;
-    __global const uint *touches;
-    __global const float *contacts;
-    __global const float *restitutions;
-//@ if FRICTION == 1 then
-    __global const float *frictions;
-//@ end
-    uint objects;
+    ARG_FIELDS
 } source;
 
-// What a lane has one number of; lanes that no contact is left for have no
-// points and are between walls.
+// Fills what a lane has one number of; lanes that no contact is left for have no points and are
+// between walls.
 static inline void fill_lane(__global float *lane, const source *from, uint i, bool empty)
 {
     uint2 link = from->links[i];
-    uint partner = link.y < from->objects ? link.y : link.x; // a wall has the properties of what touches it
-    lane[IN_OWNER * BLOCK] = as_float(empty ? from->objects : link.x);
-    lane[IN_OTHER * BLOCK] = as_float(empty ? from->objects : link.y);
+    uint partner = link.y < from->n ? link.y : link.x; // a wall has the properties of what touches it
+    lane[IN_OWNER * BLOCK] = as_float(empty ? from->n : link.x);
+    lane[IN_OTHER * BLOCK] = as_float(empty ? from->n : link.y);
     lane[IN_POINTS * BLOCK] = as_float(empty ? 0u : from->touches[i] & TOUCH_POINTS);
     lane[IN_RESTITUTION * BLOCK] = fmax(from->restitutions[link.x], from->restitutions[partner]);
-//@ if FRICTION == 1 then
-    lane[IN_FRICTION * BLOCK] = from->frictions[link.x] * from->frictions[partner];
-//@ end
+    if (FRICTION)
+        lane[IN_FRICTION * BLOCK] = from->frictions[link.x] * from->frictions[partner];
 }
 
 static inline void fill_point(__global float *point, const source *from, const uint places[LANES], int k, mask where)
@@ -45,10 +41,8 @@ static inline void fill_point(__global float *point, const source *from, const u
                   select(zero, saved[OF_ANCHOR + 2], where)});
     put(point, BY_SEPARATION, select(zero, saved[OF_SEPARATION], where));
     put(point, BY_NORMAL_IMPULSE, select(zero, saved[OF_NORMAL_IMPULSE], where));
-//@ if FRICTION == 1 then
-    for (int j = 0; j < DIMS - 1; ++j)
+    for (int j = 0; FRICTION && j < DIMS - 1; ++j)
         put(point, BY_TANGENT_IMPULSE + j, select(zero, saved[OF_TANGENT_IMPULSE + j], where));
-//@ end
 }
 
 // The first n lanes are contacts.
@@ -68,20 +62,17 @@ static inline void fill_lanes(__global float *constraint, const source *from, __
     for (int k = 0; k < most; ++k)
         fill_point(point_at(constraint, k), from, places, k, points > (word)(uint)k);
 }
-//@ if FRICTION == 1 then
 
 static inline vec tangent_of(vec normal)
 {
-//@ if DIMS == 2 then
-    return (vec){normal.y, -normal.x, 0.0f};
-//@ else
+    if (DIMS == 2)
+        return (vec){normal.y, -normal.x, 0.0f};
     const real zero = 0.0f, one = 1.0f;
     mask x = fabs(normal.x) < 0.57f;
     mask y = !x & (fabs(normal.y) < 0.57f);
     vec other = {select(zero, one, x), select(zero, one, y), select(zero, one, !x & !y)};
     vec t = vec_cross(normal, other);
     return vec_times(inverse_root(vec_dot(t, t)), t);
-//@ end
 }
 
 static inline void prepare_friction(__global float *constraint)
@@ -90,45 +81,41 @@ static inline void prepare_friction(__global float *constraint)
     put(constraint, IN_FRICTION, select((real)(0.0f), friction * inverse_root(friction), friction > 0.0f));
     put_vec(constraint, IN_TANGENT, tangent_of(get_vec(constraint, IN_NORMAL)));
 }
-//@ end
 
-static inline real mass_along(const pair *p, vec anchor, vec direction, mask where)
+static inline real effective_mass(const pair *p, vec anchor, vec direction, mask where)
 {
-    real inverse_effective_mass = inverse_mass_along(&p->a, anchor, direction) + inverse_mass_along(&p->b, vec_less(anchor, p->apart), direction);
-    return select((real)(0.0f), inverse(inverse_effective_mass), where & (inverse_effective_mass > 0.0f));
+    real inverse_mass = inverse_effective_mass(p, anchor, direction);
+    return select((real)(0.0f), inverse(inverse_mass), where & (inverse_mass > 0.0f));
 }
 
-static inline void weigh(const pair *p, __global float *constraint, int k)
+static inline void prepare_point(const pair *p, __global float *constraint, int k)
 {
     __global float *point = point_at(constraint, k);
     mask where = has_point(p, k);
     vec anchor = get_vec(point, BY_ANCHOR);
-    put(point, BY_NORMAL_MASS, mass_along(p, anchor, p->normal, where));
+    put(point, BY_NORMAL_MASS, effective_mass(p, anchor, p->normal, where));
     put(point, BY_CURRENT, get(point, BY_SEPARATION));
     put(point, BY_MAX_IMPULSE, get(point, BY_NORMAL_IMPULSE));
     put(constraint, IN_SPEEDS + k, vec_dot(velocity_between(p, anchor), p->normal));
-//@ if FRICTION == 1 then
-    put(point, BY_TANGENT_MASS, mass_along(p, anchor, p->tangent, where));
-//@ if DIMS == 3 then
-    put(point, BY_TANGENT_MASS + 1, mass_along(p, anchor, p->bitangent, where));
-//@ end
-//@ end
+    if (FRICTION)
+        put(point, BY_TANGENT_MASS, effective_mass(p, anchor, p->tangent, where));
+    if (FRICTION && DIMS == 3)
+        put(point, BY_TANGENT_MASS + 1, effective_mass(p, anchor, p->bitangent, where));
 }
 
-static inline void prepare_lanes(__global float *constraint, const source *from, __global const uint *list, uint n,
-                                 __global float4 *bodies)
+static inline void prepare_lanes(__global float *constraint, const source *from, __global const uint *list, uint n)
 {
     fill_lanes(constraint, from, list, n);
-//@ if FRICTION == 1 then
-    prepare_friction(constraint);
-//@ end
+    if (FRICTION)
+        prepare_friction(constraint);
     pair p;
-    load_pair(&p, constraint, bodies);
-    load_warm_impulses(&p, bodies);
+    load_pair(&p, constraint, from->bodies);
+    if (LANES == 1)
+        load_warm_impulses(&p, from->bodies);
     for (int k = 0; k < p.most; ++k)
-        weigh(&p, constraint, k);
+        prepare_point(&p, constraint, k);
     points all = take_points(constraint, p.n);
-    store_warm_impulses(&p, &all, bodies);
+    store_warm_impulses(&p, &all, from->bodies);
 }
 
 #if LANES > 1
@@ -142,8 +129,9 @@ static inline void ask_for_records(const source *from, __global const uint *list
             ask_for(from->contacts + (size_t)list[k] * RECORD + at);
 }
 
-static inline void ask_for_bodies(const source *from, __global const uint *list, __global const float4 *bodies)
+static inline void ask_for_bodies(const source *from, __global const uint *list)
 {
+    __global const float4 *bodies = from->bodies;
     for (uint k = 0; k < LANES; ++k) {
         uint2 link = from->links[list[k]];
         ask_for(bodies + (size_t)link.x * BODY);
@@ -156,25 +144,18 @@ static inline void ask_for_bodies(const source *from, __global const uint *list,
 
 __kernel void prepare_contacts(PREPARE_CONTACTS_ARGS)
 {
-    source from = {links, touches, contacts, restitutions,
-//@ if FRICTION == 1 then
-                   frictions,
-//@ end
-                   n};
+    const source from = {PREPARE_CONTACTS_VALUES};
     for (uint colour = from_colour; colour < to_colour; ++colour) {
-        uint4 where = SPAN_OF(colour);
-        uint first = where.x, apart = APART(colour);
-        uint begin = get_global_id(0) * each;
-        uint end = min(begin + each, where.y);
-        for (uint k = begin; k < end; k += STRIDE(apart)) {
+        const colour_part part = PART_OF(colour);
+        for (uint k = part.from; k < part.to; k += part.stride) {
+            __global const uint *contacts_here = list + part.first + k;
 #if LANES > 1
-            if (k + 3 * LANES <= end)
-                ask_for_records(&from, list + first + k + 2 * LANES);
-            if (k + 2 * LANES <= end)
-                ask_for_bodies(&from, list + first + k + LANES, bodies);
+            if (k + 3 * LANES <= part.to)
+                ask_for_records(&from, contacts_here + 2 * LANES);
+            if (k + 2 * LANES <= part.to)
+                ask_for_bodies(&from, contacts_here + LANES);
 #endif
-            prepare_lanes(constraint_at(blocks, where.z + k * apart), &from, list + first + k,
-                          min(end - k, (uint)STRIDE(apart)), bodies);
+            prepare_lanes(constraint_at(blocks, &part, k), &from, contacts_here, min(part.to - k, part.stride));
         }
         END_COLOUR;
     }
@@ -188,25 +169,19 @@ static inline void store_contact(__global float *constraint, __global float *rec
         __global float *saved = record + HEAD + p * POINT_FLOATS;
         saved[OF_NORMAL_IMPULSE] = point[BY_NORMAL_IMPULSE * BLOCK];
         saved[OF_MAX_IMPULSE] = point[BY_MAX_IMPULSE * BLOCK];
-//@ if FRICTION == 1 then
-        for (int j = 0; j < DIMS - 1; ++j)
+        for (int j = 0; FRICTION && j < DIMS - 1; ++j)
             saved[OF_TANGENT_IMPULSE + j] = point[(BY_TANGENT_IMPULSE + j) * BLOCK];
-//@ end
     }
 }
 
-// Pushes of the last substep. A work-item takes its contacts of every colour.
+// The impulses of the last substep. A work-item takes its contacts of every colour, one by one.
 __kernel void store_impulses(STORE_IMPULSES_ARGS)
 {
     for (uint colour = from_colour; colour < to_colour; ++colour) {
-        uint4 where = SPAN_OF(colour);
-        uint first = where.x;
-        uint begin = get_global_id(0) * each;
-        uint end = min(begin + each, where.y);
-        for (uint k = begin; k < end; ++k) {
-            ask_for(contacts + (size_t)list[first + min(k + 8, end - 1)] * RECORD + HEAD);
-            store_contact(constraint_at(blocks, where.z + k * APART(colour)),
-                          contacts + (size_t)list[first + k] * RECORD);
+        const colour_part part = PART_OF(colour);
+        for (uint k = part.from; k < part.to; ++k) {
+            ask_for(contacts + (size_t)list[part.first + min(k + 8, part.to - 1)] * RECORD + HEAD);
+            store_contact(constraint_at(blocks, &part, k), contacts + (size_t)list[part.first + k] * RECORD);
         }
     }
 }

@@ -2,6 +2,9 @@
 // Matches old contacts with new rows: contacts that are still pairs keep their records
 // and colours. The others are dropped, and a body that slept leaning on one wakes.
 //
+// Invariant: the contacts of a row ascend by their other body, in old rows and in new ones, so a
+// work-item goes through both side by side.
+//
 //   starts, others  the new rows
 #define NO_ROW 0xffffffffu
 #define AHEAD 8 // contacts whose records are asked for in time
@@ -45,7 +48,7 @@ __kernel void match_contacts(MATCH_CONTACTS_ARGS)
             end = starts[row + 1];
             low = place_of(others, starts[row], end, link.y);
         }
-        while (low < end && others[low] < link.y) // of one row they rise
+        while (low < end && others[low] < link.y)
             ++low;
         uint ahead = min(i + AHEAD, last - 1);
         if (old_touches[ahead] & TOUCH_POINTS) {
@@ -58,14 +61,14 @@ __kernel void match_contacts(MATCH_CONTACTS_ARGS)
             touches[low] = touch;
             if (points > 0)
                 copy_record(contacts + (size_t)low * RECORD, old, HEAD + points * POINT_FLOATS);
-//@ if CONTACT_RESPONSE == 1 then
+#if CONTACT_RESPONSE
             colours[low] = old_colours[i];
-//@ end
+#endif
         }
-//@ if SLEEP == 1 then
+#if SLEEP
         else if (was_pushed(old, points)) {
             wake_both(link, n, asleep, rests);
         }
-//@ end
+#endif
     }
 }

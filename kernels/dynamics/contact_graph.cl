@@ -25,29 +25,29 @@ __kernel void contact_graph_pairs(CONTACT_GRAPH_PAIRS_ARGS)
     uint last = min(first + PER_ITEM, n_pairs);
     for (uint i = first; i < last; ++i) {
         uint a = min(pairs[i].x, pairs[i].y), b = max(pairs[i].x, pairs[i].y);
-//@ if FILTER == 1 then
+#if FILTER
         uint2 filter_a = filters[a], filter_b = filters[b]; // group, mask
         if (!(filter_a.x & filter_b.y) || !(filter_b.x & filter_a.y))
             continue;
-//@ end
-//@ if SENSORS == 1 then
+#endif
+#if SENSORS
         if (sensors[a] > 0.0f && sensors[b] > 0.0f)
             continue;
-//@ end
+#endif
         bool moves_a = velocities[a].w > 0, moves_b = velocities[b].w > 0;
         if (moves_a)
             count_or_put(starts, others, a, b, fill);
         else if (moves_b)
             count_or_put(starts, others, b, a, fill);
-//@ if SENSORS == 1 then
+#if SENSORS
         else if (sensors[a] > 0.0f)
             count_or_put(starts, others, a, b, fill);
         else if (sensors[b] > 0.0f)
             count_or_put(starts, others, b, a, fill);
-//@ end
+#endif
     }
 }
-//@ if BOUNDARY == 1 then
+#if BOUNDARY
 
 // Walls 2 k and 2 k + 1 are the lower and the upper one of axis k.
 __kernel void contact_graph_walls(CONTACT_GRAPH_WALLS_ARGS)
@@ -58,10 +58,10 @@ __kernel void contact_graph_walls(CONTACT_GRAPH_WALLS_ARGS)
     for (uint id = first; id < last; ++id) {
         if (!(velocities[id].w > 0))
             continue;
-//@ if SENSORS == 1 then
+#if SENSORS
         if (sensors[id] > 0.0f)
             continue;
-//@ end
+#endif
         for (uint k = 0; k < DIMS; ++k) {
             if (boxes[6 * (size_t)id + k] < wall[2 * k])
                 count_or_put(starts, others, id, n + 2 * k, fill);
@@ -70,7 +70,7 @@ __kernel void contact_graph_walls(CONTACT_GRAPH_WALLS_ARGS)
         }
     }
 }
-//@ end
+#endif
 
 static inline void sink_down(__global uint *values, uint at, uint n)
 {
@@ -132,9 +132,9 @@ __kernel void contact_graph_reverse(CONTACT_GRAPH_REVERSE_ARGS)
             if (!fill) {
                 links[i] = (uint2)(row, other);
                 touches[i] = 0;
-//@ if CONTACT_RESPONSE == 1 then
+#if CONTACT_RESPONSE
                 colours[i] = COLOUR_NONE;
-//@ end
+#endif
             }
             if (other < n && velocities[other].w > 0)
                 count_or_put(return_starts, returns, other, i, fill);

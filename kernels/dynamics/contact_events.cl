@@ -1,46 +1,41 @@
 // SPDX-License-Identifier: MIT
-// Which contacts touch: those with a point that overlapped when the contact was looked at,
-// or that pushed in the step. A sleeping contact is as it was when it fell asleep.
+// Which contacts touch, and which hit hard.
 //
-// Runs while centres and velocities are still those that the step began with.
+// A contact touches if a point overlapped when its manifold was built, or pushed in the step. A
+// sleeping contact is as it was when it fell asleep.
+//
+// Invariant: it runs while centres and velocities are still those that the step began with.
 //
 //   touching [(n_contacts + 31) / 32] a bit for each contact
 //   hits     [n_contacts][HIT_WORDS] in any order (records.h)
-//@ if HITS == 1 then
 #define HIT_WORDS 16
 #define HIT_CENTRE 10
 
 typedef struct {
-    __global const uint2 *links;
-    uint objects;
-    __global const real4 *velocities;
-//@ if ANGULAR_VELOCITY == 1 then
-    __global const real4 *angular_velocities;
-//@ end
-} movers;
+    ARG_FIELDS
+} events;
 
-// Of a point that is seen from the object's centre; walls stand still.
-static inline float4 velocity_at(const movers *m, uint id, float4 point)
+// The velocity of a point that is seen from the object's centre; walls stand still.
+static inline float4 velocity_at(const events *e, uint id, float4 point)
 {
-    if (id >= m->objects)
+    if (id >= e->n)
         return (float4)(0.0f);
-    real4 v = m->velocities[id];
-//@ if ANGULAR_VELOCITY == 1 then
-    v += cross_product(m->angular_velocities[id], convert_real4(point));
-//@ end
+    real4 v = e->velocities[id];
+    if (ANGULAR_VELOCITY)
+        v += cross_product(e->angular_velocities[id], convert_real4(point));
     return convert_float4(v);
 }
 
 // The greatest speed at which points that push come together, and the point; 0 and 0.
-static inline float approach_speed(const movers *m, uint2 link, __global const float *record, uint points, uint *fastest)
+static inline float approach_speed(const events *e, uint2 link, __global const float *record, uint points, uint *fastest)
 {
     float greatest = 0.0f;
     float4 normal = float4_at(record + AT_NORMAL), offset = float4_at(record + AT_OFFSET);
     for (uint k = 0; k < points; ++k) {
         __global const float *point = record + HEAD + k * POINT_FLOATS;
         float4 anchor = float4_at(point + OF_ANCHOR);
-        float4 apart = velocity_at(m, link.x, anchor) - velocity_at(m, link.y, anchor - offset);
-        float speed = fma(apart.x, normal.x, fma(apart.y, normal.y, apart.z * normal.z));
+        float4 approach = velocity_at(e, link.x, anchor) - velocity_at(e, link.y, anchor - offset);
+        float speed = fma(approach.x, normal.x, fma(approach.y, normal.y, approach.z * normal.z));
         if (point[OF_MAX_IMPULSE] > 0.0f && speed > greatest) {
             greatest = speed;
             *fastest = k;
@@ -56,6 +51,20 @@ static inline void put_words(float4 v, __global uint *to)
     to[2] = as_uint(v.z);
 }
 
+static inline void put_centre(const events *e, uint id, __global uint *to)
+{
+    real4 centre = e->centres[id];
+#if DOUBLE
+    vstore2(as_uint2(centre.x), 0, to);
+    vstore2(as_uint2(centre.y), 1, to);
+    vstore2(as_uint2(centre.z), 2, to);
+#else
+    put_words(centre, to);
+#endif
+    if (ORIGIN)
+        vstore3(as_uint3(e->cells[id].xyz), 0, to + 3);
+}
+
 static inline void put_hit(uint2 link, __global const float *record, uint points, uint fastest, float speed,
                            __global uint *hit)
 {
@@ -69,7 +78,22 @@ static inline void put_hit(uint2 link, __global const float *record, uint points
     hit[8] = as_uint(speed);
     hit[9] = as_uint(impulse);
 }
-//@ end
+
+// Adds contact i to the hits, if its bodies came together faster than hit_speed.
+static inline void add_hit(const events *e, uint i, __global const float *record, uint points)
+{
+    uint fastest = 0;
+    uint2 link = e->links[i];
+    float speed = approach_speed(e, link, record, points, &fastest);
+    if (!(speed > e->hit_speed))
+        return;
+    uint slot = atomic_inc(e->flags + FLAG_EVENTS);
+    if (slot >= e->n_contacts)
+        return;
+    __global uint *hit = e->hits + (size_t)slot * HIT_WORDS;
+    put_hit(link, record, points, fastest, speed, hit);
+    put_centre(e, link.x, hit + HIT_CENTRE);
+}
 
 static inline bool is_touching(__global const float *record, uint points)
 {
@@ -77,25 +101,18 @@ static inline bool is_touching(__global const float *record, uint points)
     for (uint k = 0; k < points; ++k) {
         __global const float *point = record + HEAD + k * POINT_FLOATS;
         touches = touches || point[OF_SEPARATION] <= 0.0f;
-//@ if CONTACT_RESPONSE == 1 then
-        touches = touches || point[OF_MAX_IMPULSE] > 0.0f;
-//@ end
+        if (CONTACT_RESPONSE)
+            touches = touches || point[OF_MAX_IMPULSE] > 0.0f;
     }
     return touches;
 }
 
 __kernel void contact_events(CONTACT_EVENTS_ARGS)
 {
+    const events e = {CONTACT_EVENTS_VALUES};
     uint n_words = (n_contacts + 31) / 32;
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_words);
-//@ if HITS == 1 then
-    const movers moving = {links, n, velocities,
-//@ if ANGULAR_VELOCITY == 1 then
-                           angular_velocities
-//@ end
-    };
-//@ end
     for (uint w = first; w < last; ++w) {
         uint word = 0;
         for (uint i = 32 * w; i < min(32 * w + 32, n_contacts); ++i) {
@@ -104,30 +121,8 @@ __kernel void contact_events(CONTACT_EVENTS_ARGS)
             if (!is_touching(record, points))
                 continue;
             word |= 1u << (i & 31u);
-//@ if HITS == 1 then
-            uint fastest = 0;
-            float speed = approach_speed(&moving, links[i], record, points, &fastest);
-            if (!(speed > hit_speed))
-                continue;
-            uint slot = atomic_inc(flags + FLAG_EVENTS);
-            if (slot >= n_contacts)
-                continue;
-            __global uint *hit = hits + (size_t)slot * HIT_WORDS;
-            real4 centre = centres[links[i].x];
-            put_hit(links[i], record, points, fastest, speed, hit);
-//@ if DOUBLE == 1 then
-            const uint2 x = as_uint2(centre.x), y = as_uint2(centre.y), z = as_uint2(centre.z);
-            vstore2(x, 0, hit + HIT_CENTRE);
-            vstore2(y, 1, hit + HIT_CENTRE);
-            vstore2(z, 2, hit + HIT_CENTRE);
-//@ else
-            put_words(centre, hit + HIT_CENTRE);
-//@ end
-//@ if ORIGIN > 0 then
-            int4 cell = cells[links[i].x];
-            vstore3(as_uint3(cell.xyz), 0, hit + HIT_CENTRE + 3);
-//@ end
-//@ end
+            if (HITS)
+                add_hit(&e, i, record, points);
         }
         touching[w] = word;
     }

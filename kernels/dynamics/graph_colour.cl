@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Graph colouring (Jones and Plassmann): contacts of one colour share no body that
-// moves. A contact keeps its colour while it lasts. New contacts are coloured in
-// rounds: each body points to its waiting contact of the greatest rank, and a contact
-// that both its bodies point to takes the least colour that both have free. Ranks come
-// from the ids, so the colours depend neither on the device nor on the order of work.
+// Graph colouring (Jones and Plassmann).
+//
+// Invariant: contacts of one colour share no body that moves, and a contact keeps its colour while it
+// lasts. Ranks come from the ids, so colours depend neither on the device nor on the order of work.
+//
+//   mark     contacts that begin to push wait
+//   choose   each body points to its waiting contact of the greatest rank     \  in rounds, until
+//   take     a contact that both its bodies point to takes the least colour   /   none waits
+//            that both have free
+//   key      what contacts are sorted by
 //
 //   colours [n_contacts] COLOUR_NONE: pushes nothing; COLOUR_WAITS: to be coloured
 //   used    [n] a bit for each colour taken
@@ -20,7 +25,7 @@ static inline uint rank_of(uint2 link)
     return k;
 }
 
-// Contacts that begin or cease to push.
+// Marks contacts that begin or cease to push.
 __kernel void graph_colour_mark(GRAPH_COLOUR_MARK_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
@@ -30,9 +35,9 @@ __kernel void graph_colour_mark(GRAPH_COLOUR_MARK_ARGS)
         uint2 link = links[i];
         bool pushes = (touches[i] & TOUCH_POINTS) && (bodies[(size_t)link.x * BODY + BODY_VELOCITY].w > 0.0f ||
                                                       bodies[(size_t)link.y * BODY + BODY_VELOCITY].w > 0.0f);
-//@ if SENSORS == 1 then
+#if SENSORS
         pushes = pushes && !(sensors[link.x] > 0.0f || (link.y < n && sensors[link.y] > 0.0f));
-//@ end
+#endif
         uint old = colours[i];
         uint colour = !pushes ? COLOUR_NONE : old == COLOUR_NONE ? COLOUR_WAITS : old;
         changed |= colour != old;
@@ -50,7 +55,7 @@ __kernel void graph_colour_mark(GRAPH_COLOUR_MARK_ARGS)
         atomic_or(flags + FLAG_RECOLOURED, 1u);
 }
 
-static inline void look_at(uint i, __global const uint2 *links, __global const uint *colours, uint *used, uint *best,
+static inline void add_contact(uint i, __global const uint2 *links, __global const uint *colours, uint *used, uint *best,
                            uint *best_rank)
 {
     uint colour = colours[i];
@@ -74,9 +79,9 @@ __kernel void graph_colour_choose(GRAPH_COLOUR_CHOOSE_ARGS)
             continue;
         uint taken = 0, best = NONE, best_rank = 0;
         for (uint i = starts[id]; i < starts[id + 1]; ++i)
-            look_at(i, links, colours, &taken, &best, &best_rank);
+            add_contact(i, links, colours, &taken, &best, &best_rank);
         for (uint k = return_starts[id]; k < return_starts[id + 1]; ++k)
-            look_at(returns[k], links, colours, &taken, &best, &best_rank);
+            add_contact(returns[k], links, colours, &taken, &best, &best_rank);
         used[id] = taken;
         choices[id] = best;
     }
@@ -109,9 +114,8 @@ __kernel void graph_colour_take(GRAPH_COLOUR_TAKE_ARGS)
     }
 }
 
-// What contacts are sorted by: the colour, and within it most points first, so
-// that those side by side have as much to do. Those of COLOUR_OVERFLOW keep the order
-// of the rows.
+// Keys contacts by colour, and within it most points first, so that work-items side by side have as
+// much to do. Contacts of COLOUR_OVERFLOW keep the order of the rows.
 __kernel void graph_colour_key(GRAPH_COLOUR_KEY_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;

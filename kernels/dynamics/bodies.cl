@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+// Bodies for the solver.
+//
+// Invariant: between prepare_bodies and finalize_bodies `bodies` is what moves, and the state stays as
+// the step began. A sleeping body has no velocity, no mass and no inertia there, as a wall.
+//
+//   prepare_bodies        state -> bodies
+//   integrate_velocities  each substep: gravity, drag, forces, the impulses to warm start with
+//   finalize_bodies       bodies -> state, and rest times
+//
+//   bodies [n + 6][BODY]  the last six are the walls
+
+typedef struct {
+    ARG_FIELDS
+} state;
+
+// ------------------------------------------------------------ prepare
+
+// The inverse inertia of a turned box along the world's axes.
+static inline void put_inertia(__global float4 *body, real4 rotation, float4 inverse)
+{
+    real4 axis[3];
+    box_axes(rotation, axis);
+    float4 u = convert_float4(axis[0]), v = convert_float4(axis[1]), w = convert_float4(axis[2]);
+    float4 a = u * inverse.x, b = v * inverse.y, c = w * inverse.z;
+    body[BODY_DELTA_POSITION].w = fma(a.x, u.x, fma(b.x, v.x, c.x * w.x));
+    body[BODY_ANGULAR_VELOCITY].w = fma(a.y, u.y, fma(b.y, v.y, c.y * w.y));
+    body[BODY_INERTIA] = (float4)(fma(a.z, u.z, fma(b.z, v.z, c.z * w.z)), fma(a.x, u.y, fma(b.x, v.y, c.x * w.y)),
+                                  fma(a.x, u.z, fma(b.x, v.z, c.x * w.z)), fma(a.y, u.z, fma(b.y, v.z, c.y * w.z)));
+}
+
+static inline void prepare_turn(const state *s, uint id, __global float4 *body)
+{
+    bool wall = id >= s->n;
+    body[BODY_ANGULAR_VELOCITY] = body[BODY_WARM_TORQUE] = (float4)(0.0f);
+    body[BODY_DELTA_ROTATION] = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
+    if (ROUNDED || ANGULAR_VELOCITY == 2)
+        body[BODY_ARC] = (float4)(0.0f, 0.0f, 0.0f, wall || !ROUNDED ? 0.0f : s->halves[id].w);
+    body[BODY_INERTIA] = (float4)(0.0f);
+    if (wall)
+        return;
+    body[BODY_ANGULAR_VELOCITY].xyz = convert_float4(s->angular_velocities[id]).xyz;
+    put_inertia(body, s->rotations[id], s->inertias[id]);
+}
+
+static inline void put_to_sleep(__global float4 *body)
+{
+    body[BODY_VELOCITY] = (float4)(0.0f);
+    if (!ANGULAR_VELOCITY)
+        return;
+    body[BODY_ANGULAR_VELOCITY] = (float4)(0.0f);
+    body[BODY_INERTIA] = (float4)(0.0f);
+    body[BODY_DELTA_POSITION].w = 0.0f;
+}
+
+__kernel void prepare_bodies(PREPARE_BODIES_ARGS)
+{
+    const state s = {PREPARE_BODIES_VALUES};
+    if (SLEEP && s.woken && !s.flags[FLAG_FELL_ASLEEP])
+        return;
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n + 6);
+    for (uint id = first; id < last; ++id) {
+        __global float4 *body = bodies + (size_t)id * BODY;
+        bool wall = id >= n;
+        body[BODY_VELOCITY] = wall ? (float4)(0.0f) : convert_float4(velocities[wall ? 0 : id]);
+        body[BODY_DELTA_POSITION] = body[BODY_WARM_IMPULSE] = (float4)(0.0f);
+        if (ANGULAR_VELOCITY)
+            prepare_turn(&s, id, body);
+        if (SLEEP && !wall && (s.asleep[id] & SLEEPS))
+            put_to_sleep(body);
+    }
+}
+
+// ------------------------------------------------------------ a substep
+
+static inline float4 accelerated(const state *s, uint id, float4 velocity, float4 moved)
+{
+    if (GRAVITY == 1)
+        velocity.xyz = add_float(velocity, s->h, s->gravity).xyz;
+    if (GRAVITY == 2) {
+        float4 to = s->gravity - convert_float4(s->centres[id]) - moved;
+        to.w = 0.0f;
+        float r = inverse_root_float(dot_float(to, to) + 1e-20f);
+        velocity.xyz = add_float(velocity, s->h, to * (s->gravity.w * r * r * r)).xyz;
+    }
+    if (FORCES)
+        velocity.xyz = add_float(velocity, s->h * velocity.w, s->forces[2 * (size_t)id]).xyz;
+    if (DRAG)
+        velocity.xyz *= s->drag;
+    return velocity;
+}
+
+static inline void integrate_angular_velocity(const state *s, uint id, __global float4 *body)
+{
+    float4 angular_velocity = body[BODY_ANGULAR_VELOCITY], inertia = body[BODY_INERTIA], torque = body[BODY_WARM_TORQUE];
+    float xx = body[BODY_DELTA_POSITION].w, yy = angular_velocity.w;
+    if (FORCES)
+        torque = add_float(torque, s->h, s->forces[2 * (size_t)id + 1]);
+    if (DRAG)
+        angular_velocity.xyz *= s->drag;
+    angular_velocity.x += fma(xx, torque.x, fma(inertia.y, torque.y, inertia.z * torque.z));
+    angular_velocity.y += fma(inertia.y, torque.x, fma(yy, torque.y, inertia.w * torque.z));
+    angular_velocity.z += fma(inertia.z, torque.x, fma(inertia.w, torque.y, inertia.x * torque.z));
+    body[BODY_ANGULAR_VELOCITY] = angular_velocity;
+    body[BODY_WARM_TORQUE] = (float4)(0.0f);
+}
+
+__kernel void integrate_velocities(INTEGRATE_VELOCITIES_ARGS)
+{
+    const state s = {INTEGRATE_VELOCITIES_VALUES};
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id) {
+        __global float4 *body = bodies + (size_t)id * BODY;
+        float4 velocity = body[BODY_VELOCITY];
+        float inverse_mass = velocity.w;
+        if (!(inverse_mass > 0.0f))
+            continue;
+        velocity = accelerated(&s, id, velocity, body[BODY_DELTA_POSITION]);
+        body[BODY_VELOCITY].xyz = add_float(velocity, inverse_mass, body[BODY_WARM_IMPULSE]).xyz;
+        body[BODY_WARM_IMPULSE] = (float4)(0.0f);
+        if (ANGULAR_VELOCITY)
+            integrate_angular_velocity(&s, id, body);
+    }
+}
+
+// ------------------------------------------------------------ finalize
+
+// Seconds of rest. A body that trembles between others goes to sleep as well: a moment above the
+// speed takes back twice its time, and only haste takes all.
+static inline float rest_after(float rest, float fastest, float dt, float speed, float after)
+{
+    float slow = speed * speed;
+    float rested = fastest < slow ? rest + dt : fastest < HASTE * slow ? rest - 2.0f * dt : 0.0f;
+    return fmax(0.0f, fmin(rested, fmax(after, dt)));
+}
+
+// The square of the speed of the centre and, at most, of a corner about it.
+static inline float fastest_square(const state *s, uint id, float4 velocity, float4 angular_velocity)
+{
+    float fastest = dot_float(velocity, velocity);
+    if (!ANGULAR_VELOCITY)
+        return fastest;
+    float4 half_size = s->halves[id];
+    float square = dot_float(half_size, half_size);
+    if (ROUNDED)
+        square = fma(half_size.w, half_size.w, square);
+    return fastest + dot_float(angular_velocity, angular_velocity) * square;
+}
+
+__kernel void finalize_bodies(FINALIZE_BODIES_ARGS)
+{
+    const state s = {FINALIZE_BODIES_VALUES};
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id) {
+        __global const float4 *body = bodies + (size_t)id * BODY;
+        if (SLEEP && (s.asleep[id] & SLEEPS)) {
+            velocities[id].xyz = (real)0;
+#if ANGULAR_VELOCITY
+            angular_velocities[id] = (real4)(0);
+#endif
+            continue;
+        }
+        float4 velocity = body[BODY_VELOCITY], angular_velocity = (float4)(0.0f);
+        real4 centre = centres[id];
+        centre.xyz += convert_real4(body[BODY_DELTA_POSITION]).xyz;
+        if (ORIGIN)
+            normalize_offset(&centre, s.cells + id);
+        centres[id] = centre;
+        velocities[id].xyz = convert_real4(velocity).xyz;
+#if ANGULAR_VELOCITY
+        angular_velocity = body[BODY_ANGULAR_VELOCITY];
+        rotations[id] = turned_by(rotations[id], convert_real4(body[BODY_DELTA_ROTATION]));
+        angular_velocities[id].xyz = convert_real4(angular_velocity).xyz;
+#endif
+        if (!SLEEP)
+            continue;
+        float fastest = fastest_square(&s, id, velocity, angular_velocity);
+        s.rests[id] = velocity.w > 0.0f ? rest_after(s.rests[id], fastest, s.dt, s.sleep_speed, s.sleep_after) : 0.0f;
+    }
+}

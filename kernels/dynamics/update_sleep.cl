@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+// Sleep.
+//
+// Invariant: a body sleeps if it has rested for `sleep_after` seconds and touches no body that moves.
+//
+//   awake --- rested, touches none that moves ---> asleep --- deep in others ---> pressed: pushed out
+//     ^                                              |                              |  of them
+//     +---- touches a body that moves, or lost a contact, which set its rest to 0 --+
+//
+//   rests   [n] seconds at rest, 0 for what moves; below 0: has no mass, and a command changed it
+//   asleep  [n] SLEEPS, then maybe PRESSED; or what it did until now, WOKE
+typedef struct {
+    ARG_FIELDS
+} scene;
+
+static inline bool is_at_rest(const scene *s, uint id)
+{
+    if (id >= s->n)
+        return true;
+    real4 velocity = s->velocities[id];
+    if (velocity.w > 0)
+        return s->rests[id] > 0.0f;
+    if (s->rests[id] < 0.0f)
+        return false;
+    real fastest = dot_product(velocity, velocity);
+    if (ANGULAR_VELOCITY)
+        fastest += dot_product(s->angular_velocities[id], s->angular_velocities[id]);
+    return !(fastest > 0);
+}
+
+static inline bool is_sensor(const scene *s, uint id)
+{
+    return SENSORS && id < s->n && s->sensors[id] > 0.0f;
+}
+
+// What a body touches: whether all of it rests, and whether some of it is deep in the body.
+typedef struct {
+    bool rests;
+    bool deep;
+} touch;
+
+static inline void add_touch(const scene *s, uint contact, uint other, touch *so_far)
+{
+    uint word = s->touches[contact];
+    if (!(word & TOUCH_POINTS) || is_sensor(s, other))
+        return;
+    so_far->rests = is_at_rest(s, other);
+    so_far->deep = so_far->deep || (word & TOUCH_DEEP);
+}
+
+// As far as something that moves is found.
+static inline touch touch_of(const scene *s, uint id)
+{
+    touch found = {true, false};
+    if (is_sensor(s, id))
+        return found;
+    for (uint i = s->starts[id]; found.rests && i < s->starts[id + 1]; ++i)
+        add_touch(s, i, s->links[i].y, &found);
+    for (uint k = s->return_starts[id]; found.rests && k < s->return_starts[id + 1]; ++k)
+        add_touch(s, s->returns[k], s->links[s->returns[k]].x, &found);
+    return found;
+}
+
+__kernel void update_sleep(UPDATE_SLEEP_ARGS)
+{
+    const scene s = {UPDATE_SLEEP_VALUES};
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    bool awake = false, any_pressed = false;
+    for (uint id = first; id < last; ++id) {
+        bool slept = asleep[id] & SLEEPS;
+        bool sleeps = rests[id] > 0.0f && rests[id] >= sleep_after, pressed = false;
+        if (sleeps) {
+            touch found = touch_of(&s, id);
+            sleeps = found.rests;
+            pressed = found.rests && found.deep && rests[id] < sleep_after + PRESSED_STEPS * dt;
+        }
+        if (sleeps != slept)
+            atomic_or(flags + FLAG_FELL_ASLEEP, 1u);
+        asleep[id] = (sleeps ? SLEEPS : 0u) | (pressed ? PRESSED : 0u) | (slept && !sleeps ? WOKE : 0u);
+        any_pressed = any_pressed || pressed;
+        awake = awake || pressed || !(sleeps || (!(velocities[id].w > 0) && is_at_rest(&s, id)));
+    }
+    if (awake)
+        atomic_or(flags + FLAG_AWAKE, 1u);
+    if (any_pressed)
+        atomic_or(flags + FLAG_PRESSED, 1u);
+}
+
+// ------------------------------------------------------------ pushing apart
+
+// What sleeps deep in others goes out of them in rounds, each from the ways of the round
+// before. Only what goes has a way; ways are kept where the solver will have its bodies.
+//
+//   bodies  [n + 6][BODY] ways, of even rounds in the first vector and of odd ones in the next
+#define LEFT 0.5f // of the margin, which is not pushed out
+
+static inline bool is_pushed_out(const scene *s, uint id)
+{
+    return id < s->n && (s->asleep[id] & PRESSED);
+}
+
+static inline float4 way_of(const scene *s, uint id)
+{
+    bool goes = s->round > 0 && is_pushed_out(s, id);
+    return goes ? s->bodies[(size_t)id * BODY + (s->round & 1u)] : (float4)(0.0f);
+}
+
+// The body's part of a way that both go, where the other goes as well.
+static inline float share_of(const scene *s, uint id, uint other)
+{
+    real mass = s->velocities[id].w;
+    return is_pushed_out(s, other) ? (float)(mass * inverse(mass + s->velocities[other].w)) : 1.0f;
+}
+
+static inline bool is_pushing(const scene *s, uint contact, uint other)
+{
+    return !is_sensor(s, other) && (s->touches[contact] & TOUCH_POINTS);
+}
+
+static inline float depth_of(const scene *s, uint contact)
+{
+    __global const float *points = s->contacts + (size_t)contact * RECORD + HEAD;
+    float deepest = 0.0f;
+    for (uint k = 0; k < (s->touches[contact] & TOUCH_POINTS); ++k)
+        deepest = fmax(deepest, -points[k * POINT_FLOATS + OF_SEPARATION]);
+    return deepest;
+}
+
+// The other's way against the body's, along the normal away from the body; side -1: the
+// body owns the contact, 1: the other does.
+static inline float way_apart(const scene *s, float4 normal, float4 way, uint other, float side)
+{
+    float4 between = way_of(s, other) - way;
+    return -side * fma(between.x, normal.x, fma(between.y, normal.y, between.z * normal.z));
+}
+
+static inline float4 push_of(const scene *s, uint contact, uint id, uint other, float4 way, float side)
+{
+    if (!(s->touches[contact] & TOUCH_DEEP) || !is_pushing(s, contact, other))
+        return (float4)(0.0f);
+    float4 normal = float4_at(s->contacts + (size_t)contact * RECORD + AT_NORMAL);
+    float excess = depth_of(s, contact) - way_apart(s, normal, way, other, side) - LEFT * s->margin;
+    return excess > 0.0f ? 0.5f * side * excess * share_of(s, id, other) * normal : (float4)(0.0f);
+}
+
+// What a contact pushed with is less, once its bodies wake, by as much as it is less deep.
+static inline void lessen_pushes(const scene *s, uint contact, __global float *record, uint other, float4 way)
+{
+    float depth = depth_of(s, contact);
+    if (!is_pushing(s, contact, other) || !(depth > 0.0f))
+        return;
+    float apart = way_apart(s, float4_at(record + AT_NORMAL), way, other, -1.0f);
+    float part = clamp((depth - apart) * (float)inverse((real)depth), 0.0f, 1.0f);
+    for (uint k = 0; k < (s->touches[contact] & TOUCH_POINTS); ++k) {
+        __global float *point = record + HEAD + k * POINT_FLOATS;
+        point[OF_NORMAL_IMPULSE] *= part;
+        for (int j = 0; FRICTION && j < DIMS - 1; ++j)
+            point[OF_TANGENT_IMPULSE + j] *= part;
+    }
+}
+
+__kernel void push_sleepers(PUSH_SLEEPERS_ARGS)
+{
+    const scene s = {PUSH_SLEEPERS_VALUES};
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id) {
+        if (!is_pushed_out(&s, id))
+            continue;
+        float4 way = way_of(&s, id), push = (float4)(0.0f);
+        for (uint i = starts[id]; i < starts[id + 1]; ++i)
+            push += push_of(&s, i, id, links[i].y, way, -1.0f);
+        for (uint k = return_starts[id]; k < return_starts[id + 1]; ++k)
+            push += push_of(&s, returns[k], id, links[returns[k]].x, way, 1.0f);
+        bodies[(size_t)id * BODY + (~round & 1u)] = way + push;
+    }
+}
+
+// Where the last round has brought them.
+__kernel void move_sleepers(MOVE_SLEEPERS_ARGS)
+{
+    const scene s = {MOVE_SLEEPERS_VALUES};
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id) {
+        if (!is_pushed_out(&s, id))
+            continue;
+        float4 way = way_of(&s, id);
+        for (uint i = starts[id]; i < starts[id + 1]; ++i)
+            lessen_pushes(&s, i, contacts + (size_t)i * RECORD, links[i].y, way);
+        real4 centre = centres[id];
+        centre.xyz += convert_real4(way).xyz;
+        if (ORIGIN)
+            normalize_offset(&centre, s.cells + id);
+        centres[id] = centre;
+        if (rests[id] > 0.0f)
+            rests[id] += dt;
+    }
+}
