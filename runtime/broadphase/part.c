@@ -123,7 +123,8 @@ bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
     p->limits = program_limits(&p->device->info);
     bool ok = p->programs &&
               buffer_reserve(&p->counters, p->device, COUNTERS * sizeof(uint32_t), err) &&
-              buffer_reserve(&p->next_counters, p->device, COUNTERS * sizeof(uint32_t), err);
+              buffer_reserve(&p->next_counters, p->device, COUNTERS * sizeof(uint32_t), err) &&
+              buffer_reserve(&p->levels.own, p->device, sizeof((grid *)0)->levels, err);
     p->bytes = part_bytes(p);
     if (!ok)
         part_close(p);

@@ -63,16 +63,26 @@ static bool update_all(part *p, device_view *v, const host_array *rows, duet_err
     return view_update(v, &p->times, rows, &all, 0, err);
 }
 
+// The device has a copy of the levels, whatever memory it works on: the grid may change in place.
+static bool update_levels(part *p, const grid *g, duet_error *err)
+{
+    device_view *v = &p->levels;
+    if (v->generation == g->generation)
+        return true;
+    bool ok = timeline_write(&p->times, "send objects", &v->own, g->levels,
+                             g->n_levels * sizeof g->levels[0], err);
+    v->generation = ok ? g->generation : 0;
+    return ok;
+}
+
 bool part_update_views(part *p, duet_error *err)
 {
     const grid_objects *o = &p->task.objects;
-    const grid *g = p->task.grid;
     const global_ids *ids = p->task.ids;
-    const host_array levels = {g->levels, sizeof g->levels[0], g->n_levels, g->generation};
     // The row behind the last belongs to none (world_set.c).
     const host_array sizes = {o->sizes, sizeof *o->sizes, o->n + 1, o->sizes_generation};
     bool ok = update_objects(p, err) && (!sizes.rows || update_all(p, &p->sizes, &sizes, err)) &&
-              update_all(p, &p->levels, &levels, err) && (!ids || part_update_ids(p, ids, err));
+              update_levels(p, p->task.grid, err) && (!ids || part_update_ids(p, ids, err));
     p->task.objects.n = p->objects.n;
     return ok;
 }
