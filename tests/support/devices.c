@@ -12,8 +12,10 @@ duet_device_pair *open_pair(const char *a, const char *b)
 {
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    def.a = a;
-    def.b = b;
+    if (a) {
+        def.a = a;
+        def.b = b;
+    }
     duet_device_pair *pair = duet_device_pair_create(&def, &err);
     assert_ok(pair, err);
     return pair;
