@@ -393,6 +393,8 @@ static void add_prelude(const card *c, const gen_setting *config, const gen_vari
     }
     if (v->n_entries > 0)
         signature_write(v->entries, v->n_entries, out);
+    if (v->n_entries > 0 && c->has_struct)
+        signature_write_fields(v->entries, v->n_entries, out);
 }
 
 bool card_resolve(card *c, const gen_limits *limits, const gen_setting *config,

@@ -31,6 +31,7 @@ typedef struct card {
     card_names emit;       // modules of gen/emit, "stencil"
     signature *signatures; // of the entries, by name
     uint32_t n_signatures;
+    bool has_struct; // the kernel's text has ARG_FIELDS
 } card;
 
 typedef struct card_launch {

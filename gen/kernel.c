@@ -130,6 +130,7 @@ static bool read_kernel(kernel *k, const char *dir, duet_error *err)
     bool ok = read_card(dir, k, err);
     ok = ok && read_headers(dir, k, err);
     ok = ok && read_body(dir, k, err);
+    k->card.has_struct = ok && strstr(k->plain.chars, "ARG_FIELDS");
     ok = ok && (!template_has_lua(&k->plain) || read_choices(k, err));
     if (!ok)
         kernel_forget(k);

@@ -248,7 +248,7 @@ static void add_macro(const gen_entry *entry, const char *kind, text *out)
     text_add(out, "_%s", kind);
 }
 
-static void write_entry(const gen_entry *entry, text *out)
+static void write_arguments(const gen_entry *entry, text *out)
 {
     add_macro(entry, "ARGS", out);
     for (uint32_t i = 0; i < entry->n_args; ++i) {
@@ -256,6 +256,10 @@ static void write_entry(const gen_entry *entry, text *out)
         text_add(out, i + 1 < entry->n_args ? "," : "");
     }
     text_add(out, "\n");
+}
+
+static void write_values(const gen_entry *entry, text *out)
+{
     add_macro(entry, "VALUES", out);
     for (uint32_t i = 0; i < entry->n_args; ++i)
         text_add(out, " \\\n    .%s = %s,", entry->args[i].name, entry->args[i].name);
@@ -288,7 +292,13 @@ static gen_arg merged(const gen_entry *entries, uint32_t n, gen_arg arg)
 void signature_write(const gen_entry *entries, uint32_t n, text *out)
 {
     for (uint32_t e = 0; e < n; ++e)
-        write_entry(&entries[e], out);
+        write_arguments(&entries[e], out);
+}
+
+void signature_write_fields(const gen_entry *entries, uint32_t n, text *out)
+{
+    for (uint32_t e = 0; e < n; ++e)
+        write_values(&entries[e], out);
     text_add(out, "#define ARG_FIELDS");
     for (uint32_t e = 0; e < n; ++e)
         for (uint32_t i = 0; i < entries[e].n_fields; ++i) {

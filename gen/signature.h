@@ -38,9 +38,11 @@ void signature_read(lua_State *L, int table, signature **list, uint32_t *n);
 void signature_resolve(lua_State *L, const signature *s, const gen_setting *config, uint32_t n,
                        gen_entry *entry);
 
-// Adds the macros that the kernel's text uses: ENTRY_ARGS, the parameters of each entry; ARG_FIELDS,
-// those of all entries as members of a struct, with those that the config leaves out; ENTRY_VALUES,
-// what an entry initializes of that struct.
+// Adds the macro ENTRY_ARGS of each entry: its parameters.
 void signature_write(const gen_entry *entries, uint32_t n, text *out);
+
+// Adds ARG_FIELDS, the arguments of all entries as members of a struct, with those that the config
+// leaves out, and ENTRY_VALUES, what an entry initializes of that struct.
+void signature_write_fields(const gen_entry *entries, uint32_t n, text *out);
 
 #endif

@@ -48,41 +48,6 @@
     __global uint2 *restrict found, \
     uint found_capacity, \
     volatile __global uint *restrict counters
-#define PAIR_SEARCH_GPU_VALUES \
-    .bounds = bounds, \
-    .boxes = boxes, \
-    .starts = starts, \
-    .levels = levels, \
-    .n_levels = n_levels, \
-    .n_cells = n_cells, \
-    .key_from = key_from, \
-    .n_home_cells = n_home_cells, \
-    .first = first, \
-    .last = last, \
-    .found = found, \
-    .found_capacity = found_capacity, \
-    .counters = counters,
-#define ARG_FIELDS \
-    __global const float4 *bounds; \
-    __global const float4 *boxes; \
-    __global const uint *starts; \
-    __constant const grid_level *levels; \
-    uint n_levels; \
-    uint n_cells; \
-    uint key_from; \
-    uint n_home_cells; \
-    uint first; \
-    uint last; \
-    __global uint2 *found; \
-    uint found_capacity; \
-    volatile __global uint *counters; \
-    __global const float *objects; \
-    uint n_own_cells; \
-    uint place_capacity; \
-    __global uint2 *pairs; \
-    uint pair_capacity; \
-    __global uint2 *undecided; \
-    uint undecided_capacity;
 #line 1 "kernels/common.clh"
 #line 1 "kernels/counters.h"
 #line 1 "kernels/lanes.clh"

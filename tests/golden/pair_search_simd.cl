@@ -40,43 +40,6 @@
     __global uint2 *restrict undecided, \
     uint undecided_capacity, \
     volatile __global uint *restrict counters
-#define PAIR_SEARCH_SIMD_VALUES \
-    .bounds = bounds, \
-    .place_capacity = place_capacity, \
-    .boxes = boxes, \
-    .starts = starts, \
-    .levels = levels, \
-    .n_levels = n_levels, \
-    .n_cells = n_cells, \
-    .key_from = key_from, \
-    .n_home_cells = n_home_cells, \
-    .n_own_cells = n_own_cells, \
-    .first = first, \
-    .last = last, \
-    .found = found, \
-    .found_capacity = found_capacity, \
-    .undecided = undecided, \
-    .undecided_capacity = undecided_capacity, \
-    .counters = counters,
-#define ARG_FIELDS \
-    __global const float *bounds; \
-    uint place_capacity; \
-    __global const float *boxes; \
-    __global const uint *starts; \
-    __constant const grid_level *levels; \
-    uint n_levels; \
-    uint n_cells; \
-    uint key_from; \
-    uint n_home_cells; \
-    uint n_own_cells; \
-    uint first; \
-    uint last; \
-    __global uint2 *found; \
-    uint found_capacity; \
-    __global uint2 *undecided; \
-    uint undecided_capacity; \
-    volatile __global uint *counters; \
-    __global const uint *ids;
 #line 1 "kernels/common.clh"
 #line 1 "kernels/counters.h"
 #line 1 "kernels/lanes.clh"
