@@ -340,14 +340,14 @@ TEST(a_card_s_arguments_become_parameters)
         CARD("{ 'DOUBLE', values = { 0, 1 }, default = 1 }, { 'A', values = { 1, 2 } }",
              "args = { take = [[\n volatile uint *counters\n const real4 *centres if A == 1\n"
              " constant grid_level *levels  if A ~= 1\n real h\n ]], put = [[ float4 *x ]] },");
-    duet_error err = make_with(card, "k.cl", "int x;\n");
+    duet_error err = make_with(card, "k.cl", "struct { ARG_FIELDS };\n");
     assert_ok(err.status == DUET_STATUS_OK, err);
     assert_non_null(strstr(made, "#define PUT_ARGS \\\n    __global float4 *restrict x\n"
-                                 "#define PUT_VALUES \\\n    .x = x,\n"
                                  "#define TAKE_ARGS \\\n"
                                  "    volatile __global uint *restrict counters, \\\n"
                                  "    __global const double4 *restrict centres, \\\n"
                                  "    double h\n"));
+    assert_non_null(strstr(made, "#define PUT_VALUES \\\n    .x = x,\n"));
     assert_non_null(strstr(made, "#define ARG_FIELDS \\\n    __global float4 *x; \\\n"
                                  "    volatile __global uint *counters; \\\n"
                                  "    __global const double4 *centres; \\\n    double h; \\\n"
