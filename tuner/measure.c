@@ -36,7 +36,7 @@ static const row rows[] = {
     {"receive grid", {AT(bus2), AT(bus2)}}, {"fetch pairs", {AT(cpu2), AT(bus3)}},
 };
 
-// What equation 4 leaves over: A's side less B's, as part of the longer.
+// Returns what equation 4 leaves over: A's side less B's side, as part of the longer side.
 static double imbalance(const duet_tune_terms *t, bool shared)
 {
     double a = t->bus1 + t->bus2 + t->cpu1 + t->cpu2;

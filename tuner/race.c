@@ -101,7 +101,7 @@ static bool all_are_known(const race *r)
     return true;
 }
 
-// Where a rival comes in a round; the same each time it is asked.
+// Returns the rival's turn in a round; the same each time it is asked.
 static uint32_t turn_of(uint32_t rival, uint32_t round)
 {
     rng r = rng_seed((uint64_t)round << 32 | rival);

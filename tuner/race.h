@@ -16,7 +16,7 @@ enum { RACE_RIVALS = 32, RACE_ROUNDS = 64 };
 typedef struct race_options {
     uint32_t least_rounds; // before any plan drops out
     uint32_t most_rounds;  // up to RACE_ROUNDS
-    double confidence;     // of the intervals
+    double confidence;     // the intervals' confidence
     double dropped;        // a plan that surely takes so many times the leader's time drops out
     double margin;         // the race ends once all ratios are known this well; 0: it does not
 } race_options;

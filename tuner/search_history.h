@@ -34,7 +34,7 @@ search_options search_default_options(void);
 
 typedef struct search_history {
     search_options options;
-    struct script *script;  // of strategy lua only; borrowed
+    struct script *script;  // only strategy lua has it; borrowed
     search_sample *samples; // in the order they were measured
     uint32_t n;
     uint32_t capacity;

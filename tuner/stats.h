@@ -20,7 +20,7 @@ typedef struct stats_interval {
 // From the least to the greatest.
 void stats_sort(double *values, size_t n);
 
-// Of n > 0 values, in any order; up to STATS_MOST of them.
+// Returns the median of n > 0 values, in any order; up to STATS_MOST of them.
 #define STATS_MOST 512
 double stats_median(const double *values, uint32_t n);
 

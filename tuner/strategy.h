@@ -9,7 +9,7 @@
 #include "gen/script.h"
 #include "tuner/search_history.h"
 
-// What a strategy wants: another launch, or none.
+// Says whether a strategy wants another launch.
 typedef struct search_next {
     bool done;
     uint32_t share;

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The default: balances two straight lines, one a device, inside a bracket.
 //
-// Share 0 is the baseline and a small share the first probe. From there each
-// device's time is a line over its work, fitted so that disturbed launches
-// count little, and the next share is where the lines cross, kept inside the
-// bracket that the sign of A's time minus B's proves. Once a share near the
-// crossing took what the lines say, it is raced against the baselines and its
-// neighbours, in turn, and those that are clearly slower drop out. Where the
-// lines do not come true the shares of a coarse grid are raced instead; where
-// they cross far above B's time alone, only the single devices are left.
+// Share 0 is the baseline and a small share the first probe. From there each device's time is a
+// line over its work, fitted so that disturbed launches count little, and the next share is where
+// the lines cross, kept inside the bracket that the sign of A's time minus B's proves. When a share
+// near the crossing took what the lines say, it is raced against the baselines and its neighbours,
+// in turn, and shares that are clearly slower drop out. If the lines do not come true, the shares
+// of a coarse grid are raced instead; if they cross far above B's time alone, only the single
+// devices are left.
 //
 // The expensive end, where the slow device does everything, is only approached by
 // shares that the line of that device says are cheap enough.
@@ -42,7 +41,7 @@ typedef struct line {
     double slope;
 } line;
 
-// What the first n samples say.
+// Describes what the first n samples say.
 typedef struct model {
     line lines[2];
     double noise;      // deviation of a time from its line, as a part of it
@@ -192,7 +191,7 @@ static uint32_t to_share(const search_history *h, double part)
     return h->options.quantum * (uint32_t)fmin(fmax(quanta, 1), most);
 }
 
-// Where A is expected to take no longer than the dearest launch allowed.
+// Returns the part at which A is expected to take no longer than the dearest launch allowed.
 static double affordable(const search_history *h, const model *m, double part)
 {
     const line *a = &m->lines[0];
@@ -223,7 +222,7 @@ static model look(const search_history *h, uint32_t n)
 
 // ---------------------------------------------------------------- race
 
-// What enters the race: the first `refined` samples have led to it.
+// The shares that enter the race: the first `refined` samples have led to them.
 typedef struct field {
     uint32_t refined;
     bool surveyed; // the lines did not come true

@@ -19,13 +19,13 @@ enum {
 #define VERDICT_END 0.9
 #define ALL 1.0
 
-extern const race_options trial_budget_quick_race; // of variants
-extern const race_options trial_budget_last_race;  // of the verdict
+extern const race_options trial_budget_quick_race; // races variants
+extern const race_options trial_budget_last_race;  // races for the verdict
 
 // The fewest trials of a budget from which a verdict follows.
 uint32_t trial_budget_least(const duet_tune_def *def);
 
-// What variants, search and verdict take at most, beside the kernels' search.
+// Returns the most trials of variants, search and verdict, beside `kernels` of the kernels' search.
 uint32_t trial_budget_most(const tune_task *task, uint32_t kernels);
 
 // Trials at which the stage with that end must end, of a budget in trials.

@@ -9,8 +9,8 @@
 // nothing to choose from.
 bool variants_choose(tuning *t, duet_error *err);
 
-// As much work for A as it does in the time that B needs for all of it: its
-// variants are compared there without an expensive launch.
+// Finds the share that A does in the time that B needs for all the work: A's variants are compared
+// there without an expensive launch.
 bool variants_share_of_a(tuning *t, uint32_t *share, duet_error *err);
 
 #endif

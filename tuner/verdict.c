@@ -61,7 +61,7 @@ static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
     if (!strategy_find(t->task->def->strategy)->evened || !undisturbed(t->state, plan, ns))
         return false;
     double part = (double)plan->share / DUET_SHARE_ONE;
-    double a = ns[0] / part, b = ns[1] / (1 - part); // for all the work
+    double a = ns[0] / part, b = ns[1] / (1 - part); // each device's time for all the work
     double fair = b / (a + b);
     double quanta = floor(fair * DUET_SHARE_ONE / t->task->least_share + 0.5);
     *even = *plan;
