@@ -34,7 +34,7 @@ typedef enum cluster_search {
 typedef struct set_search {
     search_set *set;
     worker *worker;
-    bool counts; // as search_set_find has it
+    bool counts; // the argument of search_set_find
     worker_found found;
     duet_error err;
     bool ok;
@@ -57,13 +57,13 @@ struct duet_cluster {
     cluster_state state;
     cluster_search search;
     own_pairs own;
-    extent fitted;     // around the objects, when workers were last told that they moved
-    uint64_t n_placed; // of the owned objects then
+    extent fitted;     // around the objects when workers last learned that they moved
+    uint64_t n_placed; // owned.n_placed at that time
     bool is_stopped;   // a rank was asked to stop before the last step ended, which is known to all
     bool is_cold;      // kernels may have to be built
     duet_scene_info scene;
     char *scene_name;       // NULL: no scene was loaded
-    duet_cluster_rank last; // of this rank
+    duet_cluster_rank last; // this rank's last step
 };
 
 // duet_cluster_create of simulated ranks; s, unless NULL, has to stay.

@@ -12,7 +12,7 @@ typedef struct own_pairs {
     duet_pair64 *pairs;
     uint64_t n;
     uint64_t hash;
-    uint64_t capacity; // of pairs, for which there is memory
+    uint64_t capacity; // pairs for which there is memory
 } own_pairs;
 
 // Begins with none; keeps the memory.

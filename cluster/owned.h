@@ -62,11 +62,11 @@ typedef struct owned {
     object_form form;
     object_rows rows;
     placement placement;
-    worker *holder;               // whose memory rows.objects is; NULL: their own
+    worker *holder;               // rows.objects is its memory; NULL: the rows' own memory
     const duet_device_pair *pair; // that reads it; NULL: none
-    host_lock locks[2];           // of several domains' objects and ids
+    host_lock locks[2];           // lock several domains' objects and ids
     uint32_t n_domains;
-    uint32_t most_domains; // of any rank
+    uint32_t most_domains; // the most of any rank
     domain *domains;       // [n_domains]
     level_boxes *boxes;    // [most_domains] around a domain's objects that others may touch
     bisection planes;      // between the domains
@@ -75,7 +75,7 @@ typedef struct owned {
     row_list boundary;     // rows that objects of other domains may touch
     // Rows whose id changed, arrived or left since owned_forget_renamed; failed: any may have.
     row_list renamed;
-    double widest;     // of all ranks' objects, or a little more; 0: not known
+    double widest;     // the widest of all ranks' objects, or a little more; 0: not known
     extent around;     // all of this rank's objects, or a little more
     uint64_t n_placed; // times that rows were brought to their domains all at once
     parallel *threads;

@@ -23,14 +23,14 @@ typedef struct simulation {
 typedef struct ranks {
     MPI_Comm comm; // a copy of the caller's
     MPI_Comm host; // the ranks of this host
-    MPI_Op merge;  // of what they agree on
+    MPI_Op merge;  // merges what they agree on
     MPI_Datatype agreement;
     int self;
     int n;
     int self_on_host; // from 0
     int n_on_host;
-    double processors; // of the host, for this rank: those that it may use, each divided among the
-                       // ranks of the host that may use it, too
+    double processors; // the host's processors for this rank: the processors that it may use, each
+                       // divided among the ranks of the host that may use it, too
     const simulation *simulation; // NULL: they are real
     uint32_t stands_for;          // objects of a larger scene, for each object; 1 if they are real
     bool goes_first;              // on this host, where the others wait
@@ -41,11 +41,11 @@ typedef struct ranks {
     char host_name[MPI_MAX_PROCESSOR_NAME];
 } ranks;
 
-// comm NULL: all ranks of the job. False with BAD_ARGUMENT where MPI cannot be begun any more.
+// comm NULL: all ranks of the job. False with BAD_ARGUMENT if MPI cannot be begun any more.
 bool ranks_begin(ranks *r, const MPI_Comm *comm, const simulation *s, duet_error *err);
 // Memory that all of it needs; not collective.
 bool ranks_reserve(ranks *r, duet_error *err);
-void ranks_end(ranks *r); // nothing where it did not begin
+void ranks_end(ranks *r); // nothing if it did not begin
 
 // Zeroed memory that all ranks of this host have; NULL on all of them if there is none. Collective,
 // as is giving it back.
@@ -95,9 +95,9 @@ void ranks_end_turn(ranks *r);
 typedef struct parcels {
     void *rows;
     uint64_t *counts; // [n of ranks]
-    uint64_t n;       // of all rows
+    uint64_t n;       // the number of all rows
     uint32_t row_bytes;
-    uint64_t bytes; // for which rows has memory: that of the last time is used again
+    uint64_t bytes; // bytes for which rows has memory: the memory of the last time is used again
 } parcels;
 
 // No rows, whatever there was.

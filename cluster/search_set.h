@@ -16,7 +16,7 @@ typedef enum set_kind { SET_WHOLE, SET_INNER, SET_BOUNDARY } set_kind;
 typedef struct search_set {
     set_kind kind;
     const owned *owned;
-    object_rows rows;   // whose objects are the worker's memory
+    object_rows rows;   // its objects are the worker's memory
     uint32_t n_own;     // the first n_own rows; the others are ghosts
     uint32_t *keys;     // [n of ghosts]
     uint8_t *is_leaver; // a bit for each of the own rows; only if there are leavers
@@ -24,8 +24,9 @@ typedef struct search_set {
     uint64_t *ids;      // [ids_capacity] of copies
     uint16_t *labels;   // [n_own] of several domains' boundary: the domain, and whether it is new
     uint64_t keys_capacity, bits_capacity, ids_capacity, labels_capacity;
-    uint32_t place, n_places; // of the own rows, or of those with label 0
-    global_ids told;          // of the own rows
+    uint32_t place, n_places; // the own rows' place, or the place of the rows with label 0, among
+                              // n_places
+    global_ids told;          // the own rows' ids
 } search_set;
 
 // No inner set has it.
