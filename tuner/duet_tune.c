@@ -479,8 +479,8 @@ static measure_world measured(const tuning_resources *h, duet_world *world)
         .world = world, .kind = scene_kind(info), .n = info->n, .cores = h->cores};
 }
 
-// "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false where A and B are not parts of one device, and
-// no motion is tuned: its state is on one device, and A may be the better one for it.
+// Finds "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false if A and B are not parts of one device,
+// and no motion is tuned: its state is on one device, and A may be the better one for it.
 static bool find_whole(const duet_device_pair *pair, bool moves, char selector[80])
 {
     const char *a = duet_device_pair_get_info(pair, 0)->selector;
@@ -491,7 +491,7 @@ static bool find_whole(const duet_device_pair *pair, bool moves, char selector[8
            (moves && !duet_device_pair_is_one(pair));
 }
 
-// The tuned kernels, where the device is of their kind; of others the skin alone.
+// Takes the tuned kernels if the device is of their kind; else only their skin.
 static void take_kernels(const tuning_resources *h, const char *kernels, duet_plan *plan)
 {
     const char *tuned_on = duet_device_pair_get_info(h->def.pair, 1)->name;

@@ -23,8 +23,8 @@ static uint32_t distance(const kernel_search *s, uint32_t config)
     return n;
 }
 
-// The config with that value of the parameter that is nearest to the best one: where
-// the value is not valid beside the best one's others, some of these differ too.
+// Returns the config with that value of the parameter that is nearest to the best config: if the
+// value is not valid beside the best config's other values, some of these differ too.
 static uint32_t nearest_with(const kernel_search *s, uint32_t param, uint32_t value)
 {
     uint32_t nearest = s->best, least = UINT32_MAX;

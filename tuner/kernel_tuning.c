@@ -67,10 +67,9 @@ static bool launch_configs(tuning *t, const field *f, const bool *out, double *t
     return true;
 }
 
-// Races the best config so far, which is the first, with others. At first the others run
-// alone: one that is clearly behind what the best took in the race before is out. Only
-// where some are left the best runs too, in turn with them, since the machine may have
-// become slower or faster.
+// Races the best config so far, which is the first, with others. At first the others run alone: one
+// that is clearly behind what the best took in the race before is out. Only if some are left the
+// best runs too, in turn with them, since the machine may have become slower or faster.
 static bool screen_configs(tuning *t, const field *f, double best_ns,
                            double times[KERNEL_SPACE_VALUES], duet_error *err)
 {

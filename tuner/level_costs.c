@@ -275,7 +275,7 @@ static uint32_t list_offers(const profile_level_cost *costs, uint32_t n_costs,
     return n;
 }
 
-// How far above what is allowed; 0 where it is within.
+// Returns how far an offer is above what is allowed; 0 if it is within.
 static double excess(const offer *o, const duet_accuracy *accuracy)
 {
     return fmax(o->wrong.missed - accuracy->missed, 0) +

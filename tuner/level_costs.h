@@ -47,9 +47,8 @@ typedef struct level_costs_def {
     void *watch_context;
 } level_costs_def;
 
-// Steps the scene at each level once a round, so that whatever disturbs one
-// disturbs all. Devices without double have no row for it. INTERRUPTED where
-// there is no whole round.
+// Steps the scene at each level once a round, so that whatever disturbs one disturbs all. Devices
+// without double have no row for it. INTERRUPTED if there is no whole round.
 bool level_costs_measure(level_costs *p, const level_costs_def *def, duet_error *err);
 
 // Chooses the level with the quickest step among those of `levels` that were measured to be within

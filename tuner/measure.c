@@ -24,8 +24,8 @@ typedef struct row {
 
 #define AT(term) offsetof(duet_tune_terms, term)
 
-// A's own grid is work that A does before its search, so it is A's time. Only
-// B's pairs cross the bus in the paper; where A's do, that ends A's work.
+// A's own grid is work that A does before its search, so it is A's time. Only B's pairs cross the
+// bus in the paper; if A's do, that ends A's work.
 static const row rows[] = {
     {"send objects", {AT(bus2), AT(t1)}},   {"hash", {AT(cpu1), AT(t1)}},
     {"sort", {AT(cpu1), AT(t1)}},           {"bounds", {AT(cpu1), AT(t1)}},

@@ -19,7 +19,7 @@ enum {
     MEASURE_LAUNCHES = 2 * MEASURE_REPEATS + 5 // one to warm up, and those that are repeated
 };
 
-// Holds the times and the hash of one step of a machine.
+// Holds what one step of a machine took and found.
 typedef struct measure_launch {
     int64_t total_ns;
     int64_t a_ns;

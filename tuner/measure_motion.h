@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A motion of a scene as a machine that plans are measured on: a launch is a run from the scene's
-// start, and is right where the state after its last step has the right bits.
+// start, and is right if the state after its last step has the right bits.
 #ifndef TUNER_MEASURE_MOTION_H
 #define TUNER_MEASURE_MOTION_H
 

@@ -76,7 +76,7 @@ static bool search_mode(tuning *t, duet_mode mode, const uint32_t *near, mode_fo
     return ok;
 }
 
-// One device's grid is of no use to the other where they search differently.
+// One device's grid is of no use to the other if they search differently.
 static bool mode_fits(const duet_plan *plan, duet_mode mode)
 {
     size_t a = strcspn(plan->variant_a, " "), b = strcspn(plan->variant_b, " ");

@@ -29,8 +29,8 @@ typedef struct drift {
     double down;
 } drift;
 
-// Adds one step. True where the times have shifted: the caller tunes again and
-// starts from a zeroed drift. Allocates nothing.
+// Adds one step. Returns true if the times have shifted: the caller tunes again and starts from a
+// zeroed drift. Allocates nothing.
 bool drift_update(drift *d, double measured_ns, double expected_ns);
 
 enum { ONLINE_SETTLE = 31, ONLINE_MOVES = 16 };

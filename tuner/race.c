@@ -181,7 +181,7 @@ void race_drop(race *r, uint32_t rival)
 race_gain race_compare_apart(const double *own, uint32_t n_own, const double *others,
                              uint32_t n_others, double confidence)
 {
-    // Both hold at once with that confidence where each misses half as often.
+    // Both hold at once with that confidence if each misses half as often.
     double each = 1 - (1 - confidence) / 2;
     stats_interval mine = stats_median_interval(own, n_own, each);
     stats_interval theirs = stats_median_interval(others, n_others, each);

@@ -115,8 +115,7 @@ static profile_session session_of(const record *r, const char *name)
     };
 }
 
-// Makes the session that a tuning asks for: whatever decides what is measured. options must live as
-// long.
+// Describes what is asked: whatever decides what is measured. options must live as long.
 static profile_session question_of(const record *r, const duet_tune_def *def, text *options)
 {
     write_options(def, options);

@@ -15,8 +15,8 @@ typedef struct record {
     int64_t workload_id;
 } record;
 
-// Opens the store (path NULL: the user's) for writing. STORE_FAILED where it
-// cannot be written, with what the store says of it.
+// Opens the store (path NULL: the user's) for writing. STORE_FAILED if it cannot be written, with
+// what the store says of it.
 bool record_open(record *r, const char *path, duet_error *err);
 
 // Sets the workload that all later calls are about; it may change after each session.
@@ -39,8 +39,8 @@ bool record_begin(record *r, const duet_tune_def *def, trial_log *state, bool *r
 
 tune_recorder record_recorder(record *r);
 
-// The variant that a search of these kernels led to for a device, 0 being A, on this
-// workload beside any other device; empty where there was none.
+// The variant that a search of these kernels led to for a device, 0 being A, on this workload
+// beside any other device; empty if there was none.
 bool record_device_variant(const record *r, int device, const char *what,
                            char variant[PROFILE_VARIANT], duet_error *err);
 

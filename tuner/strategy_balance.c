@@ -19,8 +19,8 @@
 enum {
     LEAST_REFINED = 4, // launches until the lines may say that sharing only costs
     MOST_REFINED = 7,  // launches until they must have come true
-    MOST_RACED = 16,   // launches in all, where they did
-    SURVEY = 8,        // intervals of the coarse grid, where they did not
+    MOST_RACED = 16,   // launches in all, if they did
+    SURVEY = 8,        // intervals of the coarse grid, if they did not
     MOST_REPEATS = 64, // samples that are looked at
 };
 
@@ -33,7 +33,7 @@ static const double NEIGHBOUR = 0.04; // a neighbour is expected to be slower by
 static const double LINE_SAMPLES = 2; // the lines count as so many samples at a share
 static const double EQUAL = 0.002;    // repeats this near to each other show no noise
 static const double VAIN = 1.5;       // a crossing this far above B alone ends the search
-static const double WORTH_ALONE = 1.15; // A alone is measured where it may take so much of B alone
+static const double WORTH_ALONE = 1.15; // A alone is measured if it may take so much of B alone
 
 // A device's time for a part of the work, over B's time for all of it.
 typedef struct line {
@@ -351,8 +351,8 @@ static bool is_quiet(const search_history *h)
     return repeats >= 2;
 }
 
-// The rival to measure next: of those that may still win, the one measured
-// least in the race. None where only the leader is left.
+// Finds the rival to measure next: among the rivals that may still win, the one measured least in
+// the race. None if only the leader is left.
 static search_next race(const search_history *h, const field *f)
 {
     model m = look(h, h->n);

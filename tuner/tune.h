@@ -65,9 +65,9 @@ uint32_t task_count_modes(const duet_tune_def *def);
 // The share of about one work-group of n objects.
 uint32_t task_least_share(uint64_t n);
 
-// state is empty, or an interrupted tuning's. After INTERRUPTED, and where the tuning
-// gave up because of other programs, it can be handed in again. Fills all of outcome but
-// known, resumed and objects.
+// state is empty, or an interrupted tuning's. After INTERRUPTED, and if the tuning gave up because
+// of other programs, it can be handed in again. Fills all of outcome but known, resumed and
+// objects.
 bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err);
 
 // Whether the tuning gave up: nothing is known of its plan.

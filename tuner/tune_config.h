@@ -25,7 +25,7 @@ typedef struct tune_config {
     uint32_t n_workloads;
     const char *pair; // "A,B", or NULL
     const char *strategy;
-    const char *strategy_lua; // the file's text, where strategy is a function
+    const char *strategy_lua; // the file's text, if strategy is a function
     const char *search;       // "kernels", a kernel's name, or NULL
     const char *variants[CONFIG_VARIANTS];
     uint32_t n_variants;

@@ -5,8 +5,8 @@
 
 #include "tuner/tuning.h"
 
-// Leaves in the tuning's plan the fastest variants, or the first ones where there is
-// nothing to choose from.
+// Leaves in the tuning's plan the fastest variants, or the first ones if there is nothing to choose
+// from.
 bool variants_choose(tuning *t, duet_error *err);
 
 // Finds the share that A does in the time that B needs for all the work: A's variants are compared
