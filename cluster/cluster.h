@@ -98,7 +98,7 @@ void cluster_close_workers(worker *workers[2]);
 void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *workers[2]);
 // Replaces the objects.
 void cluster_take(duet_cluster *c, object_rows *rows);
-// Makes a call's failure on one rank, NULL arguments included, that of all.
+// Makes a call's failure on one rank, NULL arguments included, the failure of all ranks.
 bool cluster_agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err);
 // Copies the domain that has the most objects to each worker, so that it can look up its profile.
 bool cluster_show_domain(duet_cluster *c, duet_error *err);

@@ -92,7 +92,7 @@ void object_write_message(const object_form *form, void *message, uint64_t id, c
 bool object_rows_copy(object_rows *rows, const object_form *form, const uint64_t *ids,
                       const void *objects, uint32_t n, duet_error *err);
 
-// Poses or spheres become rounded boxes, and *form that of these.
+// Turns poses or spheres into rounded boxes, and *form into the form of these boxes.
 bool object_rows_round(object_rows *rows, object_form *form, duet_error *err);
 
 // The n rows of that list become the rows of `to` from `at` on, for which there is space.

@@ -2,7 +2,8 @@
 // The objects that a rank owns, and the domains that they lie in.
 //
 // A domain is a box of the world. A rank has one, or several (--parts) that its devices search one
-// after the other. A place is a domain among those of all ranks: rank * most_domains + domain.
+// after the other. A place is a domain among the domains of all ranks: rank * most_domains +
+// domain.
 //
 //   rows   | domain 0 | domain 1 | ... | newcomers of 0 | of 1 | ...      | space for ghosts
 //          '---------- n of each -----'---------- n_new of each ---------'
@@ -99,7 +100,7 @@ uint32_t owned_domain_of(const owned *o, uint32_t row);
 // Closes the gaps of leavers, and brings newcomers to their domains.
 bool owned_tidy(owned *o, duet_error *err);
 
-// Makes all tidy rows those of the first domain, which has no box.
+// Gives all tidy rows to the first domain, which has no box.
 void owned_forget_domains(owned *o);
 
 // Brings tidy rows that lie in the rank's box to their domains, each in the order that suits the

@@ -37,9 +37,9 @@ static inline uint32_t search_set_ghosts(const search_set *s)
     return s->rows.n - s->n_own;
 }
 
-// Makes the set that of a single domain with its ghosts, where they lie.
+// Makes the set a single domain with its ghosts, where they lie.
 bool search_set_in_place(search_set *s, owned *o, const ghosts *g, const ranks *r, duet_error *err);
-// Makes the set that of one of the domains, where it lies.
+// Makes the set one of the domains, where it lies.
 bool search_set_inner(search_set *s, const owned *o, const ranks *r, uint32_t index,
                       duet_error *err);
 // Copies a domain and its ghosts into a worker's memory.
@@ -49,8 +49,8 @@ bool search_set_copy_boundary(search_set *s, const owned *o, const ghosts *g, co
                               worker *w, duet_error *err);
 void search_set_end(search_set *s);
 
-// Searches it by a worker that has it. counts: pairs of two own objects need not come to the host,
-// where the worker can count them.
+// Searches it by a worker that has it. counts: pairs of two own objects need not come to the host
+// if the worker can count them.
 bool search_set_find(search_set *s, worker *w, bool counts, worker_found *found, duet_error *err);
 // Binds an inner set to a worker, and begins to send it to its devices.
 void search_set_send(search_set *s, worker *w, bool counts);

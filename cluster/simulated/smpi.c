@@ -66,7 +66,7 @@ static sg_host_t *list_hosts(size_t *n)
 
 // ---------------------------------------------------------------- whether it is sound
 
-// Its least bandwidth; below 0 where it has no links.
+// Returns whether the route has links: its least bandwidth is below 0 if it has none.
 static bool has_route(sg_host_t from, sg_host_t to)
 {
     return sg_host_get_route_bandwidth(from, to) > 0;
