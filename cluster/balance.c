@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-// The loss must be several times the price of a partition, which may turn out higher than that of
-// the last one; and less than this part of the mean is no loss that a new one would end.
+// The loss must be several times the price of a partition, which may turn out higher than the last
+// partition's price; and less than this part of the mean is no loss that a new one would end.
 #define PAYS 3
 #define STEPS_OF_A_PARTITION 16 // its price before one was measured
 #define LEAST_LOSS 0.05

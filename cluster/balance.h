@@ -13,7 +13,7 @@ typedef struct balance {
     uint32_t steps;  // since the ranks were last compared
     double least_ms; // that this rank was busy in one of them
     double lost_ms;  // since the last partition: slowest rank minus mean
-    double price_ms; // of the last partition; 0: not known
+    double price_ms; // the last partition's price; 0: not known
 } balance;
 
 // Resets the statistics after a partition that took price_ms here; 0: not representative.

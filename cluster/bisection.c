@@ -59,8 +59,8 @@ static int along_z(const void *a, const void *b)
     return compare(((const bisection_point *)a)->at[2], ((const bisection_point *)b)->at[2]);
 }
 
-// How many sorted points lie below the plane that leaves nearest to `due` of their weight there.
-// It is no plane where points before and after it lie on it.
+// How many sorted points lie below the plane that leaves nearest to `due` of their weight there. It
+// is no plane if points before and after it lie on it.
 static uint64_t find_split(const bisection_point *points, uint64_t n, uint32_t axis, double due)
 {
     uint64_t best = 0;

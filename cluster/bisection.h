@@ -27,7 +27,7 @@ typedef struct bisection {
     bisection_plane *planes; // [n]; planes[part], but the first
 } bisection;
 
-// Memory for n parts, where all points are the first one's.
+// Allocates n parts; all points are in the first part.
 bool bisection_begin(bisection *b, uint32_t n, duet_error *err);
 void bisection_end(bisection *b);
 

@@ -12,7 +12,7 @@
 typedef struct job {
     owned *o;
     classes *c;
-    const skim_block *blocks; // of a device
+    const skim_block *blocks; // a device's blocks
     uint32_t from;            // the first object that is looked at in the blocks
     atomic_flag adds;         // to o's boxes
 } job;

@@ -19,7 +19,7 @@ typedef struct class_part {
 
 typedef struct classes {
     class_part parts[PARALLEL_MOST]; // their lists' memory is used again
-    class_part all;                  // whose lists only count
+    class_part all;                  // its lists only count
     row_list leavers;                // ascending
 } classes;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A cluster is made, takes objects, and tells what its last step found.
+// A cluster is made, takes objects, and reports what its last step found.
 #include "cluster/cluster.h"
 
 #include "base/error.h"
@@ -257,7 +257,7 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
               check_kind(c, kind, &own);
     if (!cluster_settle_all(c, __func__, ok, &own, NULL) && own.status != DUET_STATUS_BAD_OBJECT) {
         error_copy(err, &own);
-        return NULL; // where objects are bad all are where they were, to be mended
+        return NULL; // all objects are where they were, so that bad ones can be mended
     }
     owned *o = &c->owned;
     c->state = STATE_CHANGED;

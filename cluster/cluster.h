@@ -34,7 +34,7 @@ typedef enum cluster_search {
 typedef struct set_search {
     search_set *set;
     worker *worker;
-    bool counts; // as search_set_find has it
+    bool counts; // the argument of search_set_find
     worker_found found;
     duet_error err;
     bool ok;
@@ -57,13 +57,13 @@ struct duet_cluster {
     cluster_state state;
     cluster_search search;
     own_pairs own;
-    extent fitted;     // around the objects, when workers were last told that they moved
-    uint64_t n_placed; // of the owned objects then
+    extent fitted;     // around the objects when workers last learned that they moved
+    uint64_t n_placed; // owned.n_placed at that time
     bool is_stopped;   // a rank was asked to stop before the last step ended, which is known to all
     bool is_cold;      // kernels may have to be built
     duet_scene_info scene;
     char *scene_name;       // NULL: no scene was loaded
-    duet_cluster_rank last; // of this rank
+    duet_cluster_rank last; // this rank's last step
 };
 
 // duet_cluster_create of simulated ranks; s, unless NULL, has to stay.
@@ -98,7 +98,7 @@ void cluster_close_workers(worker *workers[2]);
 void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *workers[2]);
 // Replaces the objects.
 void cluster_take(duet_cluster *c, object_rows *rows);
-// Makes a call's failure on one rank, NULL arguments included, that of all.
+// Makes a call's failure on one rank, NULL arguments included, the failure of all ranks.
 bool cluster_agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err);
 // Copies the domain that has the most objects to each worker, so that it can look up its profile.
 bool cluster_show_domain(duet_cluster *c, duet_error *err);

@@ -18,9 +18,9 @@ typedef struct scene_part {
     duet_scene *scene; // NULL: nothing; else it, or its first objects
     object_rows rows;
     uint64_t first_id;
-    object_form form; // of its rows
+    object_form form; // the form of its rows
     bool rotated;     // one of them
-    uint64_t n;       // of all ranks' parts
+    uint64_t n;       // objects of all ranks' parts
 } scene_part;
 
 // The description of a scene that rank 0 sends to the others.
@@ -146,7 +146,7 @@ typedef struct reading {
     uint32_t n_settings;
     uint64_t at, end;
     duet_scene *some[PARALLEL_MOST];
-    uint64_t n[PARALLEL_MOST]; // of all objects, as each of the threads was told
+    uint64_t n[PARALLEL_MOST]; // the number of all objects, as reported to each thread
     duet_error errs[PARALLEL_MOST];
 } reading;
 

@@ -2,15 +2,15 @@
 // Clusters: the objects of a world, divided among the ranks of an MPI job. Each rank has a
 // device pair of its own, and all ranks together find the pairs that one world would find.
 //
-// All calls are collective: every rank makes the same calls in the same order. Each ends on
-// all ranks in the same way; where it fails on one, all return false with that rank's line,
-// which begins with the rank and its host. Where ranks make different calls, each of these fails
-// with BAD_ARGUMENT and the cluster is as before; only create waits until all ranks of its comm
-// create one, and destroy until all destroy it.
-// Getters and destroy's argument NULL are a rank's own. One thread of a rank calls MPI.
+// All calls are collective: every rank makes the same calls in the same order. Each ends on all
+// ranks in the same way; if it fails on one rank, all return false with that rank's line, which
+// begins with the rank and its host. If ranks make different calls, each of these calls fails with
+// BAD_ARGUMENT and the cluster is as before; only create waits until all ranks of its comm create
+// one, and destroy until all destroy it. Getters and destroy's argument NULL are a rank's own. One
+// thread of a rank calls MPI.
 //
 // A global id is 64 bits. A rank's homes are the objects that it owns; its ghosts are objects of
-// others that its homes may touch. Which rank owns an object never changes a result.
+// other ranks that its owned objects may touch. Which rank owns an object never changes a result.
 #ifndef DUET_CLUSTER_H
 #define DUET_CLUSTER_H
 
@@ -21,26 +21,27 @@ DUET_C_BEGIN
 typedef struct duet_cluster duet_cluster;
 
 typedef struct duet_cluster_def {
-    void *comm; // an MPI_Comm *, of which a copy is used. NULL: MPI_COMM_WORLD; where MPI was
-                // not begun, create begins it and destroy ends it
+    void *comm; // an MPI_Comm *, of which a copy is used. NULL: MPI_COMM_WORLD; if MPI was not
+                // begun, create begins it and destroy ends it
     duet_world_def world; // the same on all ranks, except pair and plan. has_accuracy, keep_bad,
-                          // separate_sizes and compact_transforms are refused; max_pairs is of
+                          // separate_sizes and compact_transforms are refused; max_pairs holds for
                           // each rank, ghosts' pairs included
-    const char *pair;     // where world.pair is NULL: a rank's devices, as duet_device_pair_def.a
-                          // has them. NULL: DUET_PAIR, or else this rank's part of its host: a
-                          // GPU, or of the CPU's units
+    const char *pair;     // this rank's devices if world.pair is NULL, as duet_device_pair_def.a
+                          // has them. NULL: DUET_PAIR, or else this rank's part of its host: a GPU,
+                          // or of the CPU's units
     bool plain;           // no devices: pairs are found by the plain C reference
-    double weight;        // of this rank: it gets this part of all ranks' sum. 0, on all ranks:
-                          // what load_profile finds, and until then all are alike; then the
-                          // times that steps take, where these are so unequal that a cut pays
-    uint32_t parts;   // in which this rank's devices see its homes, one after the other: they need
-                      // memory for two of them. 1, up to 1024
-    bool drops_pairs; // pairs are only counted and hashed. Without it they can be asked for, which
-                      // costs nothing until they are; but with several parts they are listed as
-                      // each part is searched
-    double imbalance; // the cut is made anew where a rank has this many times the objects
-                      // that are due to it; above 1
-    duet_compile_callback *on_compile; // of a pair that is taken where world.pair is NULL
+    double weight;        // this rank's part of all objects is weight by the sum of all ranks'
+                          // weights. 0, on all ranks: weights are what load_profile finds, and
+                          // until then all alike; then the times that steps take, if these are so
+                          // unequal that a partition pays
+    uint32_t parts;       // parts in which this rank's devices see its owned objects, one after the
+                          // other: the devices need memory for two parts. 1, up to 1024
+    bool drops_pairs; // pairs are only counted and hashed. If false, pairs can be asked for, which
+                      // costs nothing until then; but several parts list them as each part is
+                      // searched
+    double imbalance; // the partition is made anew if a rank has this many times the objects that
+                      // are due to it; above 1
+    duet_compile_callback *on_compile; // called for a pair that is taken if world.pair is NULL
     void *context;                     // handed to it
     int cookie;
 } duet_cluster_def;
@@ -53,43 +54,45 @@ DUET_API void duet_cluster_destroy(duet_cluster *cluster);
 DUET_API int duet_cluster_get_rank(const duet_cluster *cluster);       // from 0; -1 for NULL
 DUET_API int duet_cluster_get_rank_count(const duet_cluster *cluster); // 0 for NULL
 
-// Reads a scene as duet_scene_load does: rank 0 reads it, and the others need not have the file.
-// Only where objects are made by `each` every rank reads it, and makes its part of them; and where
-// all have the same .npy file, each reads its rows of it. Dims, shape, rotated, cell, origin_edge
-// and level of all ranks' worlds become the scene's.
+// Reads a scene as duet_scene_load does: rank 0 reads it, and the others need not have the file. If
+// `each` makes the objects, every rank reads the scene and makes its part of them; if all ranks
+// have the same .npy file, each reads its rows of it. Dims, shape, rotated, cell, origin_edge and
+// level of all ranks' worlds become the scene's.
 DUET_API bool duet_cluster_load_scene(duet_cluster *cluster, const char *path,
                                       const duet_setting *settings, uint32_t n_settings,
                                       duet_error *err);
-// What was loaded, on every rank; NULL where nothing was. n is that of all ranks.
+// Returns the info of the loaded scene, on every rank; NULL if none was loaded. n counts the
+// objects of all ranks.
 DUET_API const duet_scene_info *duet_cluster_get_scene_info(const duet_cluster *cluster);
 
-// Copies n objects of this rank's choice, with their global ids, of the kind that the worlds
-// were made for. All ranks' objects together replace those that there were; BAD_ARGUMENT where an
-// id is there twice, and the old ones stay. Where ranks' ids overlap as ranges each id travels once
-// for that.
+// Copies n objects of this rank's choice, with their global ids, of the kind that the worlds were
+// made for. All ranks' objects together replace the old objects; BAD_ARGUMENT if an id is there
+// twice, and the old objects stay. If ranks' ids overlap as ranges, each id travels once for that
+// check.
 DUET_API bool duet_cluster_set_objects(duet_cluster *cluster, duet_object_kind kind,
                                        const uint64_t *ids, const void *objects, uint32_t n,
                                        duet_error *err);
 
-// This rank's homes, to be written in place, and their ids, in no order: which object a row is
-// may change with each step. Valid until the next call but a getter. With one part this is memory
-// that the devices read without a copy. Objects that leave their rank's box change homes in the
-// next step. After BAD_OBJECT all homes are there as they were, to be mended.
+// Returns this rank's owned objects, to be written in place, and their ids, in no order: which
+// object a row is may change with each step. The rows are valid until the next call but a getter.
+// If parts is 1, the devices read this memory without a copy. Objects that leave their rank's box
+// change owners in the next step. After BAD_OBJECT all owned objects are there as they were, to be
+// mended.
 DUET_API void *duet_cluster_map_homes(duet_cluster *cluster, duet_object_kind kind,
                                       const uint64_t **ids, uint32_t *n, duet_error *err);
 
-// Of this rank's devices; they may differ from rank to rank. Where one rank's cannot have theirs,
-// all keep the one they had.
+// Sets the plan of this rank's devices; plans may differ from rank to rank. If one rank's devices
+// cannot have its plan, all ranks keep the plan they had.
 DUET_API bool duet_cluster_set_plan(duet_cluster *cluster, const duet_plan *plan, duet_error *err);
-// Gives each rank the best plan known for its devices and its number of objects; profile is
-// this rank's. Where weights are 0 and the time of a step is known for all ranks, each gets as many
-// objects as it does while the others do theirs. path is duet_world_load_profile's. A store that
-// cannot be read is no failure: the plan stays, and store_failed, which may be NULL, says why on
-// that rank.
+// Gives each rank the best plan known for its devices and its number of objects; profile is this
+// rank's. If weights are 0 and the time of a step is known for all ranks, each rank gets objects in
+// proportion to its speed. path is duet_world_load_profile's. A store that cannot be read is no
+// failure: the plan stays, and store_failed, which may be NULL, says why on that rank.
 DUET_API bool duet_cluster_load_profile(duet_cluster *cluster, const char *path,
                                         duet_profile *profile, duet_error *store_failed,
                                         duet_error *err);
-// The same on all ranks; where one of them cannot have it, all keep the one they had.
+// Sets the level, the same on all ranks; if one of them cannot have it, all keep the level they
+// had.
 DUET_API bool duet_cluster_set_level(duet_cluster *cluster, duet_level level, duet_error *err);
 
 // A collision between objects a < b, by their global ids.
@@ -99,11 +102,11 @@ typedef struct duet_pair64 {
 } duet_pair64;
 
 typedef struct duet_cluster_result {
-    uint64_t objects; // of all ranks, as are
+    uint64_t objects; // the sum over all ranks, as are
     uint64_t pairs;
-    uint64_t hash;   // the pair hash: duet_result_get_hash of one world with these objects. Of
-                     // ids from 2^32 on, k is made of the lower 32 bits, and before anything
-                     // else k ^= mixed(a >> 32 << 32 | b >> 32), as k itself is mixed
+    uint64_t hash;   // the pair hash: duet_result_get_hash of one world with these objects. If an
+                     // id is 2^32 or more, k is made of the lower 32 bits, and before anything else
+                     // k ^= mixed(a >> 32 << 32 | b >> 32), as k itself is mixed
     double total_ms; // wall clock of the rank that took longest
 } duet_cluster_result;
 
@@ -112,23 +115,23 @@ typedef struct duet_cluster_result {
 DUET_API bool duet_cluster_step(duet_cluster *cluster, duet_cluster_result *result,
                                 duet_error *err);
 
-// The pairs of the last step that this rank found, in no order; each pair is one rank's. A rank's
-// own call, before objects are mapped, set or loaded again; BAD_ARGUMENT after that, and where
-// pairs are dropped. Devices that kept them bring them now, where they were not asked before. The
-// array is the cluster's until the next step, or other objects.
+// Returns the pairs of the last step that this rank found, in no order; each pair is one rank's.
+// The call is a rank's own, before objects are mapped, set or loaded again; BAD_ARGUMENT after
+// that, and if pairs are dropped. Devices that kept the pairs bring them now, if they were not
+// asked before. The cluster owns the array, which is valid until the next step, or other objects.
 DUET_API bool duet_cluster_get_own_pairs(duet_cluster *cluster, const duet_pair64 **pairs,
                                          uint64_t *n, duet_error *err);
 
-// What a rank did in the last step.
+// Says what a rank did in the last step.
 typedef struct duet_cluster_rank {
     char host[64];
     char pair[132];      // selectors of its devices, "A,B", or of the one; "plain": none
-    uint64_t objects;    // its homes
+    uint64_t objects;    // that it owns
     uint64_t ghosts;     // objects of other ranks that it received
     uint64_t pairs;      // that it found
     uint64_t sent_bytes; // to other ranks
     double busy_ms;
-    double wait_ms; // for other ranks, and for what they sent
+    double wait_ms; // waited for other ranks, and for what they sent
 } duet_cluster_rank;
 
 // Fills a row for each rank, ranks[duet_cluster_get_rank_count].

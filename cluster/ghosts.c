@@ -26,7 +26,7 @@ static bool add_visit(visits *v, visit added)
 typedef struct search {
     const owned *o;
     ghosts *g;
-    uint32_t first_place; // of this rank
+    uint32_t first_place; // this rank's first place
     uint32_t *neighbours; // places: of each domain those whose boxes meet its own
     uint64_t *first;      // [n_domains + 1] of each domain's neighbours
     uint64_t *counts;     // [PARALLEL_MOST][n_ranks] of each part's visits, and then where they go

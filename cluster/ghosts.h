@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Ghosts: objects of other domains that a domain's objects may touch, and whose pairs with them
 // that domain finds. Exact whatever the objects' sizes: no width is chosen. Domains of one rank
-// exchange ghosts as those of several do.
+// exchange ghosts as domains of several ranks do.
 #ifndef CLUSTER_GHOSTS_H
 #define CLUSTER_GHOSTS_H
 
@@ -31,12 +31,12 @@ typedef struct ghosts {
 
 bool ghosts_begin(ghosts *g, const owned *o, const ranks *r, duet_error *err);
 
-// Sends ghosts to where they belong; in has those that came. within: this rank's domains need those
-// of each other. Collective; ok: whether this rank is well.
+// Sends ghosts to where they belong; `in` has the ghosts that came. within: this rank's domains
+// need each other's ghosts. Collective; ok: whether this rank is well.
 bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, bool within, bool ok, duet_error *err);
 void ghosts_end(ghosts *g);
 
-// Lists the ghosts that came by their domains: those of domain d are [first[d], first[d + 1]). If
+// Lists the ghosts that came by their domains: domain d's ghosts are [first[d], first[d + 1]). If
 // not `within`, domain 0 gets all of them, each once.
 bool ghosts_sort(ghosts *g, const owned *o, const ranks *r, bool within, duet_error *err);
 

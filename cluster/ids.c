@@ -74,7 +74,7 @@ static bool send_pieces(parcels *in, ranks *r, const uint64_t *ids, uint32_t n, 
     return ok;
 }
 
-// UINT64_MAX may be one: *none is 0 where there is one, else 1.
+// UINT64_MAX may be one: *none is 0 if there is one, else 1.
 static void find_double(parcels *piece, uint64_t *none, uint64_t *id)
 {
     uint64_t *ids = piece->rows;

@@ -158,7 +158,7 @@ static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet
 
 // ---------------------------------------------------------------- all of it
 
-// Tidies the rows, and begins to send those of a single domain to its worker's devices.
+// Tidies the rows, and begins to send a single domain's rows to its worker's devices.
 static bool begin(migration *m, duet_error *err)
 {
     owned *o = m->owned;

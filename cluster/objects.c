@@ -85,8 +85,8 @@ static void widen(extent *r, const double slack[3], uint32_t dims)
     }
 }
 
-// Around the bounding sphere where boxes are rotated: which rank needs an object is decided
-// faster than its bounds are found.
+// Returns an extent around the bounding sphere if boxes are rotated: the ranks that need an object
+// are decided faster than its bounds are found.
 static extent extent_of_pose(const object_form *form, const void *object)
 {
     const duet_pose *p = pose_of(form, object);
@@ -160,7 +160,7 @@ static double half_width(const object_form *form, const void *object)
     return sqrt(squares) + radius_of(form, object);
 }
 
-// Sound in 3D, found without a branch for each number; a flat box may be sound where that says no.
+// Sound in 3D, found without a branch for each number; a flat box may be sound if that says no.
 static bool is_plainly_sound(const duet_pose *p)
 {
     const float *c = p->centre, *h = p->half_extents, *q = p->rotation;
@@ -281,7 +281,7 @@ static uint32_t skim_poses(const duet_pose *poses, uint32_t dims, uint32_t first
     return i;
 }
 
-// An object of that half width, or nothing and false where it does not lie inside.
+// Adds an object of that half width; or adds nothing and returns false if it does not lie inside.
 static inline bool skim_add(skim *to, const extent *inside, const double at[3], double half)
 {
     bool deep = true;

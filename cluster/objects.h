@@ -14,7 +14,7 @@ typedef struct object_form {
     duet_shape shape;
     bool rotated;
     float origin;   // the edge of origin cells, or 0
-    uint32_t bytes; // of an object
+    uint32_t bytes; // the size of an object
 } object_form;
 
 object_form object_form_of(const duet_world_def *def);
@@ -27,7 +27,7 @@ typedef struct extent {
     double upper[3];
 } extent;
 
-extern const extent extent_none; // of nothing
+extern const extent extent_none; // contains nothing
 extent extent_of(const object_form *form, const void *object);
 void extent_join(extent *to, const extent *other);
 bool extents_meet(const extent *a, const extent *b);
@@ -44,13 +44,14 @@ double extent_widest(const extent *e);
 // Summary of rows that lie deep inside of a box.
 typedef struct skim {
     extent centres;
-    double square; // of the greatest half extent along any axis, however they are turned
+    double square; // the square of the greatest half extent along any axis, however the objects are
+                   // turned
 } skim;
 
 extern const skim skim_none;
 
-// Adds the rows from `first` on whose centre lies inside of that, and returns the first of which
-// that cannot be told at a glance, or which is not sound; `end` where there is none.
+// Adds the rows from `first` on whose centre lies inside of that, and returns the first row for
+// which a glance does not decide, or which is not sound; `end` if there is none.
 uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint32_t first,
                           uint32_t end, const extent *inside, skim *s);
 // The same by a device: the box as it takes it, and a block of its answer.
@@ -87,11 +88,11 @@ void object_row_centre(const object_rows *rows, const object_form *form, uint32_
 uint32_t object_message_bytes(const object_form *form);
 void object_write_message(const object_form *form, void *message, uint64_t id, const void *object);
 
-// n rows become *rows, by ascending id; false with BAD_ARGUMENT where one is there twice.
+// n rows become *rows, by ascending id; false with BAD_ARGUMENT if an id is there twice.
 bool object_rows_copy(object_rows *rows, const object_form *form, const uint64_t *ids,
                       const void *objects, uint32_t n, duet_error *err);
 
-// Poses or spheres become rounded boxes, and *form that of these.
+// Turns poses or spheres into rounded boxes, and *form into the form of these boxes.
 bool object_rows_round(object_rows *rows, object_form *form, duet_error *err);
 
 // The n rows of that list become the rows of `to` from `at` on, for which there is space.

@@ -10,7 +10,7 @@ typedef struct taking {
     const search_set *s;
     const worker_found *found;
     duet_pair64 *pairs;
-    uint64_t counts[PARALLEL_MOST]; // of each part, and then where its pairs begin
+    uint64_t counts[PARALLEL_MOST]; // each part's pairs, and then where they begin
     uint64_t hashes[PARALLEL_MOST];
 } taking;
 

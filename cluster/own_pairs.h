@@ -12,7 +12,7 @@ typedef struct own_pairs {
     duet_pair64 *pairs;
     uint64_t n;
     uint64_t hash;
-    uint64_t capacity; // of pairs, for which there is memory
+    uint64_t capacity; // pairs for which there is memory
 } own_pairs;
 
 // Begins with none; keeps the memory.
@@ -21,12 +21,12 @@ void own_pairs_begin(own_pairs *own, bool lists);
 bool own_pairs_add(own_pairs *own, const search_set *s, const worker_found *found, duet_error *err);
 void own_pairs_end(own_pairs *own);
 
-// The pair hash of one pair: below 2^32 that of duet_pairs_hash.
+// Returns the pair hash of one pair: if both ids are below 2^32, the hash of duet_pairs_hash.
 static inline uint64_t pair64_hash(duet_pair64 pair)
 {
     uint64_t low = (pair.a << 32) | (pair.b & UINT32_MAX);
     uint64_t high = (pair.a >> 32 << 32) | (pair.b >> 32);
-    return pair_hash(high ? low ^ pair_hash(high) : low); // that of 0 is 0
+    return pair_hash(high ? low ^ pair_hash(high) : low); // pair_hash(0) is 0
 }
 
 #endif

@@ -215,8 +215,8 @@ static void move_domain(owned *o, domain *d, uint32_t to)
     d->first = to;
 }
 
-// Moves each domain to where the ones before it, with their newcomers, end. Those that move up go
-// first, from the last one on, and then those that move down: so each finds space.
+// Moves each domain to where the ones before it, with their newcomers, end. Domains that move up go
+// first, from the last one on, and then domains that move down: so each finds space.
 static void move_domains(owned *o)
 {
     uint32_t n = 0, k = o->n_domains;
@@ -387,8 +387,8 @@ typedef struct span {
 
 typedef struct sorting {
     owned *o;
-    const span *from; // whose halves become
-    span *to;         // two each
+    const span *from; // the spans to halve
+    span *to;         // two halves of each
 } sorting;
 
 static void exchange_rows(owned *o, uint32_t a, uint32_t b)

@@ -2,7 +2,8 @@
 // The objects that a rank owns, and the domains that they lie in.
 //
 // A domain is a box of the world. A rank has one, or several (--parts) that its devices search one
-// after the other. A place is a domain among those of all ranks: rank * most_domains + domain.
+// after the other. A place is a domain among the domains of all ranks: rank * most_domains +
+// domain.
 //
 //   rows   | domain 0 | domain 1 | ... | newcomers of 0 | of 1 | ...      | space for ghosts
 //          '---------- n of each -----'---------- n_new of each ---------'
@@ -62,11 +63,11 @@ typedef struct owned {
     object_form form;
     object_rows rows;
     placement placement;
-    worker *holder;               // whose memory rows.objects is; NULL: their own
+    worker *holder;               // rows.objects is its memory; NULL: the rows' own memory
     const duet_device_pair *pair; // that reads it; NULL: none
-    host_lock locks[2];           // of several domains' objects and ids
+    host_lock locks[2];           // lock several domains' objects and ids
     uint32_t n_domains;
-    uint32_t most_domains; // of any rank
+    uint32_t most_domains; // the most of any rank
     domain *domains;       // [n_domains]
     level_boxes *boxes;    // [most_domains] around a domain's objects that others may touch
     bisection planes;      // between the domains
@@ -75,7 +76,7 @@ typedef struct owned {
     row_list boundary;     // rows that objects of other domains may touch
     // Rows whose id changed, arrived or left since owned_forget_renamed; failed: any may have.
     row_list renamed;
-    double widest;     // of all ranks' objects, or a little more; 0: not known
+    double widest;     // the widest of all ranks' objects, or a little more; 0: not known
     extent around;     // all of this rank's objects, or a little more
     uint64_t n_placed; // times that rows were brought to their domains all at once
     parallel *threads;
@@ -99,7 +100,7 @@ uint32_t owned_domain_of(const owned *o, uint32_t row);
 // Closes the gaps of leavers, and brings newcomers to their domains.
 bool owned_tidy(owned *o, duet_error *err);
 
-// Makes all tidy rows those of the first domain, which has no box.
+// Gives all tidy rows to the first domain, which has no box.
 void owned_forget_domains(owned *o);
 
 // Brings tidy rows that lie in the rank's box to their domains, each in the order that suits the

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // All ranks write their pairs into one file at once. Rank 0 opens it under a temporary name and
-// puts it in its place; where any rank fails or is ended, it is removed.
+// puts it in its place; if any rank fails or is ended, the file is removed.
 #define _POSIX_C_SOURCE 200809L
 #include "base/error.h"
 #include "base/npy.h"
@@ -74,7 +74,7 @@ static bool check(bool ok, const char *path, duet_error *err)
                            errno ? strerror(errno) : "the disk is full");
 }
 
-// The file has its whole size before any rank opens it: where it grows, a client of a network file
+// The file has its whole size before any rank opens it: if it grows, a client of a network file
 // system may write a page that it shares with another's range as a whole, with zeros there.
 static bool open_file(output *o, const char *path, uint64_t pairs, told_file *told, text *part,
                       duet_error *err)
@@ -110,8 +110,7 @@ static bool write_all(int file, uint64_t at, const void *bytes, size_t n)
 }
 
 // Each rank writes its own range with plain calls. MPI-IO would gather small pieces to large ones,
-// but a rank has one piece; and where the disk is full it may write less than all and call it
-// success.
+// but a rank has one piece; and if the disk is full it may write less than all and call it success.
 static bool write_values(const char *part, uint64_t at, const void *pairs, uint64_t n,
                          const char *path, duet_error *err)
 {

@@ -21,8 +21,8 @@ typedef struct parallel {
 bool parallel_begin(parallel *p, double processors, uint32_t least, duet_error *err);
 void parallel_end(parallel *p);
 
-// Whether they look for loops rather than sleep: only where nothing else needs the processors, and
-// never where they are crowded.
+// Whether they look for loops rather than sleep: only if nothing else needs the processors, and
+// never if they are crowded.
 void parallel_be_keen(parallel *p, bool keen);
 
 // Calls body for each part [first, end) of [0, n), several at the same time. Parts are
@@ -34,8 +34,8 @@ uint32_t parallel_each(parallel *p, uint64_t n, parallel_body *body, void *conte
 // may be NULL: then one after the other.
 void parallel_jobs(parallel *p, uint32_t n, parallel_body *body, void *context);
 
-// One long call by a thread of the team, beside loops of the others; at most one at a time. Where
-// there is no team, or none of it is free before the end, the caller's thread makes it.
+// One long call by a thread of the team, beside loops of the others; at most one at a time. The
+// caller's thread makes the call if there is no team, or none of it is free before the end.
 typedef void parallel_call(void *context);
 void parallel_call_begin(parallel *p, parallel_call *call, void *context);
 void parallel_call_end(parallel *p); // waits for it

@@ -89,7 +89,7 @@ uint32_t partition_sample(bisection_point *points, uint64_t n, const object_form
     return own;
 }
 
-// Every rank sends its sample to rank 0, which cuts: so that all have the same planes, also where
+// Every rank sends its sample to rank 0, which cuts: so that all have the same planes, even if
 // their machines round in different ways.
 bool partition_make(partition *p, ranks *r, const object_form *form, const object_rows *rows,
                     duet_error *err)

@@ -16,7 +16,7 @@ typedef struct partition {
     bisection parts;           // one for each rank
     double *weights;           // [n of ranks], of which the greatest is 1
     double due;                // this rank's part of all objects
-    double lower[3], upper[3]; // of this rank's part
+    double lower[3], upper[3]; // the bounds of this rank's part
 } partition;
 
 // weight is this rank's. Collective, as all calls here but partition_sample and partition_rank.

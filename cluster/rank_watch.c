@@ -9,7 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { BEATS = 10 }; // of silence: each is a tenth of the seconds
+enum { BEATS = 10 }; // beats of silence: each is a tenth of the seconds
 
 struct rank_seat {
     _Atomic uint64_t beats; // GONE: is not watched
@@ -21,12 +21,12 @@ struct rank_seat {
 
 typedef struct seen {
     uint64_t beats;
-    uint32_t silent; // own beats since that of the rank moved
+    uint32_t silent; // own beats since the rank's beats moved
     bool told;
 } seen;
 
 // Own beats are counted and no time, so that ranks that were all stopped together, and go on, do
-// not tell of each other.
+// not report each other.
 static bool is_silent(rank_watch *w, int i)
 {
     seen *s = &w->seen[i];
@@ -50,7 +50,7 @@ static void tell(const rank_watch *w, int i, bool silent)
     w->say(line);
 }
 
-// The first rank that is not silent tells of those that are.
+// The first rank that is not silent reports the silent ranks.
 static void look(rank_watch *w)
 {
     int first = -1;
@@ -129,7 +129,7 @@ bool rank_watch_begin(rank_watch *w, double seconds, void (*say)(const char *lin
 
 void rank_watch_end(rank_watch *w)
 {
-    ranks_wait(&w->all); // a rank that is stopped on its way here is told of
+    ranks_wait(&w->all); // a rank that is stopped on its way here is reported
     if (w->watches) {
         pthread_mutex_lock(&w->lock);
         w->ends = true;

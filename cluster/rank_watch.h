@@ -19,7 +19,7 @@ typedef struct rank_watch {
     MPI_Win window;
     rank_seat *seats;  // [n_on_host], shared
     struct seen *seen; // [n_on_host], what this rank has seen of each
-    double seconds;    // of silence, after which a rank is told of
+    double seconds;    // seconds of silence, after which a rank is reported
     pthread_mutex_t lock;
     pthread_cond_t ended;
     bool ends;

@@ -159,7 +159,7 @@ uint64_t (*ranks_now_ns)(void) = mpi_now_ns;
 
 // ---------------------------------------------------------------- all at once
 
-// Every rank's err becomes that of the least rank that failed.
+// Every rank's err becomes the err of the least rank that failed.
 static bool tell_failure(ranks *r, int failing, duet_error *err)
 {
     duet_error first = {0};
@@ -385,7 +385,7 @@ static void send_and_receive(ranks *r, const parcels *out, parcels *in, MPI_Requ
     MPI_Type_free(&row);
 }
 
-// A rank that cannot send, or not receive, tells so in its counts.
+// A rank that cannot send, or not receive, says so in its counts.
 static bool exchange_counts(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err)
 {
     int failing = r->n;

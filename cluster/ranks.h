@@ -23,29 +23,29 @@ typedef struct simulation {
 typedef struct ranks {
     MPI_Comm comm; // a copy of the caller's
     MPI_Comm host; // the ranks of this host
-    MPI_Op merge;  // of what they agree on
+    MPI_Op merge;  // merges what they agree on
     MPI_Datatype agreement;
     int self;
     int n;
     int self_on_host; // from 0
     int n_on_host;
-    double processors; // of the host, for this rank: those that it may use, each divided among the
-                       // ranks of the host that may use it, too
+    double processors; // the host's processors for this rank: the processors that it may use, each
+                       // divided among the ranks of the host that may use it, too
     const simulation *simulation; // NULL: they are real
     uint32_t stands_for;          // objects of a larger scene, for each object; 1 if they are real
     bool goes_first;              // on this host, where the others wait
     bool began_mpi;
-    uint64_t *counts; // [2][n] that are told to each, and that each tells
+    uint64_t *counts; // [2][n] sent to each rank, and received from each
     uint64_t wait_ns; // spent in the calls below
     uint64_t sent_bytes;
     char host_name[MPI_MAX_PROCESSOR_NAME];
 } ranks;
 
-// comm NULL: all ranks of the job. False with BAD_ARGUMENT where MPI cannot be begun any more.
+// comm NULL: all ranks of the job. False with BAD_ARGUMENT if MPI cannot be begun any more.
 bool ranks_begin(ranks *r, const MPI_Comm *comm, const simulation *s, duet_error *err);
 // Memory that all of it needs; not collective.
 bool ranks_reserve(ranks *r, duet_error *err);
-void ranks_end(ranks *r); // nothing where it did not begin
+void ranks_end(ranks *r); // nothing if it did not begin
 
 // Zeroed memory that all ranks of this host have; NULL on all of them if there is none. Collective,
 // as is giving it back.
@@ -55,7 +55,7 @@ void ranks_unshare(MPI_Win *window);
 // How long the job has run, for this rank. Tests put a clock of their own in its place.
 extern uint64_t (*ranks_now_ns)(void);
 
-// Returns whether all ranks are well. If not, every rank's err, unless NULL, becomes that of the
+// Returns whether all ranks are well. If not, every rank's err, unless NULL, becomes the err of the
 // least rank that failed: "rank 2 on HOST: LINE".
 bool ranks_agree(ranks *r, bool ok, duet_error *err);
 
@@ -66,15 +66,15 @@ typedef struct tally {
     double greatest[2];
 } tally;
 
-// ranks_agree, in which t, unless NULL, becomes that of all ranks.
+// Does as ranks_agree, and makes t, unless NULL, the tally of all ranks.
 bool ranks_agree_and(ranks *r, bool ok, tally *t, duet_error *err);
 
-// The same at the beginning of a call, which fails on every rank, each with a line of its own,
-// where the ranks make different ones.
+// The same at the beginning of a call, which fails on every rank, each with a line of its own, if
+// the ranks make different calls.
 bool ranks_agree_on(ranks *r, const char *call, bool ok, tally *t, duet_error *err);
 
-// Until all ranks are here; those that make another call meanwhile are refused it. Nothing
-// where ranks did not begin.
+// Waits until all ranks are here; ranks that make another call meanwhile are refused it. Does
+// nothing if ranks did not begin.
 void ranks_await_end(ranks *r, const char *call);
 
 void ranks_wait(ranks *r); // until all are here
@@ -95,9 +95,9 @@ void ranks_end_turn(ranks *r);
 typedef struct parcels {
     void *rows;
     uint64_t *counts; // [n of ranks]
-    uint64_t n;       // of all rows
+    uint64_t n;       // the number of all rows
     uint32_t row_bytes;
-    uint64_t bytes; // for which rows has memory: that of the last time is used again
+    uint64_t bytes; // bytes for which rows has memory: the memory of the last time is used again
 } parcels;
 
 // No rows, whatever there was.

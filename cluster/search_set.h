@@ -16,7 +16,7 @@ typedef enum set_kind { SET_WHOLE, SET_INNER, SET_BOUNDARY } set_kind;
 typedef struct search_set {
     set_kind kind;
     const owned *owned;
-    object_rows rows;   // whose objects are the worker's memory
+    object_rows rows;   // its objects are the worker's memory
     uint32_t n_own;     // the first n_own rows; the others are ghosts
     uint32_t *keys;     // [n of ghosts]
     uint8_t *is_leaver; // a bit for each of the own rows; only if there are leavers
@@ -24,8 +24,9 @@ typedef struct search_set {
     uint64_t *ids;      // [ids_capacity] of copies
     uint16_t *labels;   // [n_own] of several domains' boundary: the domain, and whether it is new
     uint64_t keys_capacity, bits_capacity, ids_capacity, labels_capacity;
-    uint32_t place, n_places; // of the own rows, or of those with label 0
-    global_ids told;          // of the own rows
+    uint32_t place, n_places; // the own rows' place, or the place of the rows with label 0, among
+                              // n_places
+    global_ids told;          // the own rows' ids
 } search_set;
 
 // No inner set has it.
@@ -36,9 +37,9 @@ static inline uint32_t search_set_ghosts(const search_set *s)
     return s->rows.n - s->n_own;
 }
 
-// Makes the set that of a single domain with its ghosts, where they lie.
+// Makes the set a single domain with its ghosts, where they lie.
 bool search_set_in_place(search_set *s, owned *o, const ghosts *g, const ranks *r, duet_error *err);
-// Makes the set that of one of the domains, where it lies.
+// Makes the set one of the domains, where it lies.
 bool search_set_inner(search_set *s, const owned *o, const ranks *r, uint32_t index,
                       duet_error *err);
 // Copies a domain and its ghosts into a worker's memory.
@@ -48,8 +49,8 @@ bool search_set_copy_boundary(search_set *s, const owned *o, const ghosts *g, co
                               worker *w, duet_error *err);
 void search_set_end(search_set *s);
 
-// Searches it by a worker that has it. counts: pairs of two own objects need not come to the host,
-// where the worker can count them.
+// Searches it by a worker that has it. counts: pairs of two own objects need not come to the host
+// if the worker can count them.
 bool search_set_find(search_set *s, worker *w, bool counts, worker_found *found, duet_error *err);
 // Binds an inner set to a worker, and begins to send it to its devices.
 void search_set_send(search_set *s, worker *w, bool counts);

@@ -23,7 +23,7 @@ enum { WORKER_ORDER_SCRATCH = 16 };
 
 // Its objects lie in its own memory, where the caller writes them, or are bound.
 struct worker {
-    const char *name; // of its devices, "A,B", or of the one
+    const char *name; // its devices' selectors, "A,B", or the one device's
 
     // Space for n objects, which are to be written before the next find. If there were as many
     // before they are still there.
@@ -36,7 +36,8 @@ struct worker {
     // others are written behind them. So may ids that the next find gets; NULL: none.
     void (*begin)(worker *w, uint32_t n, const global_ids *ids);
 
-    // Begins to tell which of these lie deep inside of a box; false if the host must look at all.
+    // Begins to classify which of these lie deep inside of a box; false if the host must look at
+    // all.
     bool (*skim)(worker *w, const float inside_lower[3], const float inside_upper[3]);
     // Waits for blocks of objects from `from` on, 0 at first. Returns up to which object they are
     // there.

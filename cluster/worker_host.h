@@ -13,7 +13,7 @@ typedef struct worker_host {
     duet_level level;
     duet_plan plan; // which changes nothing
     void *objects;
-    const void *bound; // what is searched instead; else NULL
+    const void *bound; // objects searched instead; else NULL
     uint32_t n;
     uint64_t capacity; // objects for which there is memory
 } worker_host;

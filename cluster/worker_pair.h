@@ -11,7 +11,7 @@ typedef struct worker_pair {
     struct world_fit *fits; // [n_fits] of each domain but this one
     uint32_t n_fits, domain;
     duet_object_kind kind;
-    uint32_t bytes; // of an object
+    uint32_t bytes; // the size of an object
     char name[132];
 } worker_pair;
 

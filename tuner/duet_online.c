@@ -101,7 +101,7 @@ static bool step(const duet_online *o, const listed_plan *listed, duet_result *r
 
 // ---------------------------------------------------------------- what plans take
 
-// As a frame that has written its objects.
+// Runs a frame as if the application had written its objects.
 static bool run_listed(void *context, const listed_plan *plan, search_sample *frame)
 {
     const duet_online *o = context;

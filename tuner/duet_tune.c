@@ -45,7 +45,7 @@ static bool check_strategy(const char *name, duet_error *err)
     return ok;
 }
 
-// Where a number of rows is said, they are there.
+// Checks that a list is given if its number of rows is not 0, and its rows, too.
 static bool check_lists(const duet_tune_def *def, duet_error *err)
 {
     const char *call = "duet_tune_run";
@@ -113,7 +113,7 @@ static double default_wait(void)
     return wait >= 0 && (!end || (end != seconds && !*end)) ? wait : WAIT_SECONDS;
 }
 
-// What is asked for in the def, or else by the scene.
+// Fills in what the def leaves open, from the scene or the defaults.
 static duet_tune_def complete_def(const duet_tune_def *def)
 {
     duet_tune_def whole = *def;
@@ -206,15 +206,15 @@ typedef struct tuning_resources {
     core_watch *cores; // NULL: the system does not tell
     device_lock lock;
     profile_subject subject;
-    record record; // without a store where nothing is kept
+    record record; // without a store if nothing is kept
     trial_log state;
-    char whole_name[80];          // of the device that A and B are parts of
+    char whole_name[80];          // the name of the device that A and B are parts of
     duet_device_pair *whole_pair; // that device, once it is raced
     duet_world *whole_world;
     measure_query whole_query;
     measure_motion whole_motion;
     measure_world whole;
-    uint64_t hash; // of the right pairs
+    uint64_t hash; // the right pairs' hash
 } tuning_resources;
 
 static void let_go(tuning_resources *h)
@@ -274,7 +274,7 @@ static bool open_motion(const tuning_resources *h, duet_device_pair *pair, measu
     return ok;
 }
 
-// What is tuned: a world, a query, or a motion.
+// Opens what is tuned: a world, a query, or a motion.
 static bool make_subject(tuning_resources *h, duet_error *err)
 {
     return h->def.query   ? open_query(h, h->def.pair, &h->query, err)
@@ -437,7 +437,7 @@ static bool tell_known(const profile_found *found, duet_tune_outcome *outcome, d
            profile_subject_read_plan(&best, &outcome->best, err);
 }
 
-// What a level gets wrong, by the pairs that collide.
+// Measures what a level gets wrong, by the pairs that collide.
 static bool measure_accuracy(const duet_scene *scene, const duet_pair *pairs, uint64_t n,
                              duet_tune_outcome *outcome, duet_error *err)
 {
@@ -479,8 +479,8 @@ static measure_world measured(const tuning_resources *h, duet_world *world)
         .world = world, .kind = scene_kind(info), .n = info->n, .cores = h->cores};
 }
 
-// "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false where A and B are not parts of one device, and
-// no motion is tuned: its state is on one device, and A may be the better one for it.
+// Finds "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false if A and B are not parts of one device,
+// and no motion is tuned: its state is on one device, and A may be the better one for it.
 static bool find_whole(const duet_device_pair *pair, bool moves, char selector[80])
 {
     const char *a = duet_device_pair_get_info(pair, 0)->selector;
@@ -491,7 +491,7 @@ static bool find_whole(const duet_device_pair *pair, bool moves, char selector[8
            (moves && !duet_device_pair_is_one(pair));
 }
 
-// The tuned kernels, where the device is of their kind; of others the skin alone.
+// Takes the tuned kernels if the device is of their kind; else only their skin.
 static void take_kernels(const tuning_resources *h, const char *kernels, duet_plan *plan)
 {
     const char *tuned_on = duet_device_pair_get_info(h->def.pair, 1)->name;
@@ -574,7 +574,7 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         return false;
     bool guessed = near->grade == PROFILE_INTERPOLATED || near->grade == PROFILE_TRANSFERRED ||
                    near->grade == PROFILE_OTHER_DRIVER || near->grade == PROFILE_STALE;
-    uint32_t fair = duet_default_plan(h->def.pair).share; // of devices that differ: 0
+    uint32_t fair = duet_default_plan(h->def.pair).share; // 0 if the devices differ
     tune_task task = {
         .def = &h->def,
         .machine = h->def.query   ? measure_query_machine(query, h->hash)

@@ -7,7 +7,7 @@ void field_enter(field *f, duet_plan plan)
         f->plans[f->n++] = plan;
 }
 
-// What is so much slower is not worth another round.
+// Drops plans that are too slow to be worth another round.
 static void drop_hopeless(race *r, double hopeless)
 {
     uint32_t leader = race_leader(r);
@@ -17,7 +17,7 @@ static void drop_hopeless(race *r, double hopeless)
     }
 }
 
-// What of a launch is compared: the stages in focus, or A's part, or the step.
+// Returns the time to compare: of the stages in focus, or of A's part, or of the step.
 static double time_of(const tuning *t, const trial *got, bool of_a)
 {
     uint64_t step = of_a ? got->sample.a_ns : got->sample.total_ns;

@@ -17,10 +17,9 @@ typedef struct field {
 // Beyond RACE_RIVALS none enters.
 void field_enter(field *f, duet_plan plan);
 
-// Races until it is decided or the stage's part of the budget is spent. A trial's time
-// is that of the stages in focus or else the total, or A's own where that is what is
-// chosen. Who takes `hopeless` times the leader's time runs no more. options NULL: the
-// default ones.
+// Races until it is decided or the stage's part of the budget is spent. A trial's time is the time
+// of the stages in focus or else the total, or A's own if A's variant is chosen. A plan that takes
+// `hopeless` times the leader's time runs no more. options NULL: the default ones.
 bool field_race(tuning *t, field *f, const race_options *options, bool of_a, double hopeless,
                 duet_error *err);
 

@@ -4,8 +4,8 @@
 #include <math.h>
 
 static const double BEHIND = 1.07; // in times of the fastest
-static const double AHEAD = 1.01;  // what a value must gain: between equal ones noise would choose,
-                                   // and the next parameter's best may not suit them
+static const double AHEAD = 1.01;  // a value must gain this much: between equal values noise would
+                                   // choose, and the next parameter's best may not suit them
 
 kernel_search kernel_search_begin(const kernel_space *space)
 {
@@ -23,8 +23,8 @@ static uint32_t distance(const kernel_search *s, uint32_t config)
     return n;
 }
 
-// The config with that value of the parameter that is nearest to the best one: where
-// the value is not valid beside the best one's others, some of these differ too.
+// Returns the config with that value of the parameter that is nearest to the best config: if the
+// value is not valid beside the best config's other values, some of these differ too.
 static uint32_t nearest_with(const kernel_search *s, uint32_t param, uint32_t value)
 {
     uint32_t nearest = s->best, least = UINT32_MAX;

@@ -28,7 +28,7 @@ kernel_search kernel_search_begin(const kernel_space *space);
 // parameter and were never raced. Returns how many; 0: the search is done.
 uint32_t kernel_search_next(kernel_search *s, uint32_t configs[KERNEL_SPACE_VALUES]);
 
-// What that race showed: how long each takes, INFINITY for one that could not run.
+// Reports what that race showed: how long each config takes, INFINITY if it could not run.
 void kernel_search_tell(kernel_search *s, const uint32_t *configs, const double *times, uint32_t n);
 
 #endif

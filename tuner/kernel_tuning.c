@@ -13,7 +13,7 @@
 #include <string.h>
 
 static const double BEHIND = 1.07;        // in times of the fastest
-static const double TRIALS_A_VALUE = 2.6; // of a parameter, on invented kernels
+static const double TRIALS_A_VALUE = 2.6; // trials per value of a parameter, on invented kernels
 static const double WORTH_SEARCH = 0.03;  // a kernel that takes so much of its device's time
 
 static const race_options confirmation = {
@@ -67,10 +67,9 @@ static bool launch_configs(tuning *t, const field *f, const bool *out, double *t
     return true;
 }
 
-// Races the best config so far, which is the first, with others. At first the others run
-// alone: one that is clearly behind what the best took in the race before is out. Only
-// where some are left the best runs too, in turn with them, since the machine may have
-// become slower or faster.
+// Races the best config so far, which is the first, with others. At first the others run alone: one
+// that is clearly behind what the best took in the race before is out. Only if some are left the
+// best runs too, in turn with them, since the machine may have become slower or faster.
 static bool screen_configs(tuning *t, const field *f, double best_ns,
                            double times[KERNEL_SPACE_VALUES], duet_error *err)
 {
@@ -130,8 +129,8 @@ static bool search_kernel(tuning *t, int device, const kernel_space *space, duet
     return true;
 }
 
-// What was found against what was there, by all kernels of the device. Only what is
-// faster for sure is used.
+// Races what was found against what was there, by all kernels of the device. Only what is faster
+// for sure is used.
 static bool confirm_kernels(tuning *t, int device, const duet_plan *before, const duet_plan *after,
                             duet_kernel_search *told, duet_error *err)
 {
@@ -139,7 +138,7 @@ static bool confirm_kernels(tuning *t, int device, const duet_plan *before, cons
         "search", "candidates", "narrow",     "reorder", "bounds",
         "hash",   "sort",       "cell start", "clear",
     };
-    // Where the search is one of B's stages.
+    // Stages of a motion, in which the search is one of B's stages.
     static const char *const of_motion[] = {
         "pairs",         "integrate",      "manifolds", "sleep", "solve_contacts", "graph_colour",
         "contact_graph", "match_contacts", "fat_aabbs", "grid",  "events"};
@@ -171,8 +170,8 @@ static bool is_meant(const char *what, const kernel_space *space)
     return strcmp(what, "kernels") == 0 || strcmp(what, space->kernel) == 0;
 }
 
-// What is still to be searched and confirmed of this device takes about so many trials, and
-// the next device as many as this one.
+// Estimates the trials still to come: to search and confirm this device's kernels, and as many for
+// the next device as for this one.
 static void expect_trials(tuning *t, int device, const kernel_space *spaces, uint32_t n,
                           uint32_t so_far)
 {
@@ -212,8 +211,8 @@ static bool search_device(tuning *t, int device, uint32_t share, duet_kernel_sea
     return ok;
 }
 
-// What a search led to on this device beside another one, if it is a variant that may
-// be chosen.
+// Takes what a search led to on this device beside another device, if it is a variant that may be
+// chosen.
 static bool take_searched(tuning *t, int device)
 {
     const char *searched = t->task->searched[device], *base;

@@ -5,10 +5,10 @@
 
 #include "tuner/tuning.h"
 
-// The kernels of B doing all the work, then of A doing as much as it does meanwhile.
-// What is faster for sure enters the tuning's plan; told says of each device what was
-// tried. Does nothing unless a search is asked for; NOT_FOUND where it is for a kernel
-// that neither device runs.
+// Searches the kernels of B doing all the work, then the kernels of A doing as much as A does
+// meanwhile. Kernels that are faster for sure enter the tuning's plan; told says of each device
+// what was tried. Does nothing unless a search is asked for; NOT_FOUND if it is for a kernel that
+// neither device runs.
 bool kernel_tuning_run(tuning *t, duet_kernel_search told[2], duet_error *err);
 
 #endif

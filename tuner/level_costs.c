@@ -25,7 +25,7 @@ typedef struct survey {
     duet_pair *truth;
     core_watch *cores;
     double ms[2 * DUET_LEVELS][LEVEL_COSTS_ROUNDS];
-    duet_result result; // of the last step
+    duet_result result; // the last step's result
 } survey;
 
 // ---------------------------------------------------------------- right and wrong
@@ -238,8 +238,8 @@ bool level_costs_measure(level_costs *p, const level_costs_def *def, duet_error 
 
 // ---------------------------------------------------------------- the choice
 
-// What a level that promises more may cost before one that promises less is
-// worth it: less than that is noise.
+// A level that promises more may cost this much before a level that promises less is worth it: less
+// than that is noise.
 static const double WORTH = 1.02;
 
 // A row of the table of level costs, with what it gets wrong by pairs that collide.
@@ -275,7 +275,7 @@ static uint32_t list_offers(const profile_level_cost *costs, uint32_t n_costs,
     return n;
 }
 
-// How far above what is allowed; 0 where it is within.
+// Returns how far an offer is above what is allowed; 0 if it is within.
 static double excess(const offer *o, const duet_accuracy *accuracy)
 {
     return fmax(o->wrong.missed - accuracy->missed, 0) +

@@ -16,7 +16,7 @@ typedef struct level_cost {
     double step_ms;                     // the median
     double relative;                    // to sat15 there, the median by round
     double relative_low, relative_high; // its 95 % interval; 0 and infinity for few rounds
-    bool same; // as sat15 there, as far as these rounds show: the interval holds 1
+    bool same; // it takes as long as sat15 there, as far as these rounds show: the interval holds 1
     uint64_t pairs;
     uint64_t candidates;
     uint64_t undecided;    // by float, left to the host
@@ -32,10 +32,10 @@ typedef struct level_costs {
     uint32_t n;
     uint64_t truth;   // pairs that collide
     uint32_t rounds;  // that were timed
-    core_tally cores; // what other programs did meanwhile
+    core_tally cores; // other programs' use of the cores meanwhile
 } level_costs;
 
-// Told after each step; false ends it with the whole rounds until then.
+// Called after each step; false ends the measurement with the whole rounds until then.
 typedef bool level_costs_watch(void *context, uint64_t done, uint64_t steps);
 
 typedef struct level_costs_def {
@@ -47,14 +47,13 @@ typedef struct level_costs_def {
     void *watch_context;
 } level_costs_def;
 
-// Steps the scene at each level once a round, so that whatever disturbs one
-// disturbs all. Devices without double have no row for it. INTERRUPTED where
-// there is no whole round.
+// Steps the scene at each level once a round, so that whatever disturbs one disturbs all. Devices
+// without double have no row for it. INTERRUPTED if there is no whole round.
 bool level_costs_measure(level_costs *p, const level_costs_def *def, duet_error *err);
 
-// Of `levels` the one with the quickest step among those that were measured to
-// be within accuracy. One that promises all that it does, and takes at most 2 %
-// longer, comes before it. NOT_FOUND where none is within, with the nearest.
+// Chooses the level with the quickest step among those of `levels` that were measured to be within
+// accuracy. A level that promises all that it does, and takes at most 2 % longer, comes before it.
+// NOT_FOUND if none is within accuracy, with the nearest.
 bool level_choose(const profile_level_cost *costs, uint32_t n_costs, const duet_level *levels,
                   uint32_t n_levels, const duet_accuracy *accuracy, duet_level *level,
                   duet_error *err);

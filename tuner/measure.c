@@ -24,8 +24,8 @@ typedef struct row {
 
 #define AT(term) offsetof(duet_tune_terms, term)
 
-// A's own grid is work that A does before its search, so it is A's time. Only
-// B's pairs cross the bus in the paper; where A's do, that ends A's work.
+// A's own grid is work that A does before its search, so it is A's time. Only B's pairs cross the
+// bus in the paper; if A's do, that ends A's work.
 static const row rows[] = {
     {"send objects", {AT(bus2), AT(t1)}},   {"hash", {AT(cpu1), AT(t1)}},
     {"sort", {AT(cpu1), AT(t1)}},           {"bounds", {AT(cpu1), AT(t1)}},
@@ -36,7 +36,7 @@ static const row rows[] = {
     {"receive grid", {AT(bus2), AT(bus2)}}, {"fetch pairs", {AT(cpu2), AT(bus3)}},
 };
 
-// What equation 4 leaves over: A's side less B's, as part of the longer.
+// Returns what equation 4 leaves over: A's side less B's side, as part of the longer side.
 static double imbalance(const duet_tune_terms *t, bool shared)
 {
     double a = t->bus1 + t->bus2 + t->cpu1 + t->cpu2;

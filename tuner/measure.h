@@ -19,27 +19,27 @@ enum {
     MEASURE_LAUNCHES = 2 * MEASURE_REPEATS + 5 // one to warm up, and those that are repeated
 };
 
-// What one step of a machine took and found.
+// Holds what one step of a machine took and found.
 typedef struct measure_launch {
     int64_t total_ns;
     int64_t a_ns;
     int64_t b_ns;
     int64_t transfer_ns;
-    uint64_t hash; // of its pairs
+    uint64_t hash; // its pairs' hash
     core_use use;  // all zero: nothing is known of it
     duet_tune_terms terms;
     duet_stage stages[MEASURE_STAGES];
     uint32_t n_stages;
 } measure_launch;
 
-// What plans are measured on: a world, or arithmetic in tests. staged: the times of the launch's
-// stages are wanted, which makes a GPU's launch longer. Else it is one as applications have it,
-// and a GPU's stages are those of the last that was staged.
+// A machine runs the plans to measure: a world, or arithmetic in tests. staged: the times of the
+// launch's stages are wanted, which makes a GPU's launch longer. If false, the launch is as
+// applications have it, and a GPU's stages are the stages of the last staged launch.
 typedef struct measure_machine {
     void *context;
     bool (*launch)(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
                    duet_error *err);
-    uint64_t hash; // of the right pairs
+    uint64_t hash; // the right pairs' hash
 } measure_machine;
 
 // A world with n objects in it, as an application has it: each step gets the
@@ -58,15 +58,15 @@ measure_machine measure_world_machine(measure_world *world, uint64_t hash);
 search_sample measure_sample(const duet_result *result, const duet_plan *plan);
 
 typedef struct measurement {
-    const char *outcome;                      // as a profile_trial's
+    const char *outcome;                      // the same texts as a profile_trial's
     duet_error failure;                       // why the outcome is not "ok"
     profile_sample samples[MEASURE_LAUNCHES]; // the first is the warm-up, if there is one
     uint32_t n_samples;
     uint32_t counted;   // samples that the statistics are of; fewer than asked for: the others
                         // were disturbed, however often they were repeated
     uint32_t watched;   // launches whose threads were watched
-    uint32_t disturbed; // and those of them that waited for a core
-    uint32_t repeated;  // and those of these that therefore do not count
+    uint32_t disturbed; // watched launches that waited for a core
+    uint32_t repeated;  // disturbed launches that therefore do not count
     uint32_t outliers;
     double median_ns;
     double mad_ns;
@@ -77,23 +77,22 @@ typedef struct measurement {
     uint64_t spent_ns;     // by the clock, builds included
 } measurement;
 
-// Of a plan that is not staged only the launch that warms up is, so that those that count are as
-// applications have them; it cannot be warm.
+// A measurement that is not staged stages only the warm-up launch, so that the launches that count
+// are as applications have them; its plan cannot be warm.
 typedef struct measure_way {
     uint32_t repeats; // launches that count, at most MEASURE_REPEATS
     bool warm;        // the plan ran before, and no launch warms it up
-    bool staged;      // what counts is the time of stages
+    bool staged;      // the time of stages counts
     bool quiet;       // a launch that other programs disturbed is repeated and does not count
 } measure_way;
 
-// One launch to warm up, unless the plan is warm, then `repeats`; all are verified. A
-// plan that does not build, run or find the right pairs is a measurement whose outcome
-// says so. Where disturbed launches are repeated, there are at most twice as many and
-// four more.
+// Runs one launch to warm up, unless the plan is warm, then `repeats`; all are verified. A plan
+// that does not build, run or find the right pairs is a measurement whose outcome says so. If
+// disturbed launches are repeated, there are at most twice as many and four more.
 measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way);
 
-// What the launch took on a device in stages of these names; names end with NULL or
-// after `most`.
+// Returns the launch's time on a device in stages of these names; names end with NULL or after
+// `most`.
 uint64_t measure_stages_ns(const measure_launch *launch, int side, const char *const *names,
                            uint32_t most);
 
@@ -108,8 +107,8 @@ typedef struct terms_field {
 extern const terms_field terms_fields[];
 double terms_value(const terms_field *field, const duet_tune_terms *terms);
 
-// {"T_1":..,"T_CPU1":..,...,"imbalance":..}, milliseconds. What is not there
-// comes back as 0, and NULL as all 0.
+// {"T_1":..,"T_CPU1":..,...,"imbalance":..}, milliseconds. Missing terms come back as 0, and NULL
+// as all 0.
 void terms_to_json(const duet_tune_terms *terms, text *json);
 void terms_from_json(const cJSON *json, duet_tune_terms *terms);
 

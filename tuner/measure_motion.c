@@ -48,7 +48,7 @@ bool measure_motion_is_shared(const measure_motion *q)
 
 // ---------------------------------------------------------------- a run
 
-// What the steps of a run took together.
+// Sums the times of a run's steps.
 typedef struct sums {
     double total_ms;
     double search_ms[2]; // by device
@@ -156,7 +156,7 @@ static bool has_run(const measure_motion *q, const duet_plan *plan)
            strcmp(last->variant_b, plan->variant_b) == 0;
 }
 
-// Those of the search behind the motion's own.
+// Appends the kernels of the search to the motion's own.
 static bool join(kernel_space **spaces, uint32_t *n, duet_motion *m, int side, duet_error *err)
 {
     kernel_space *more = NULL;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A motion of a scene as a machine that plans are measured on: a launch is a run from the scene's
-// start, and is right where the state after its last step has the right bits.
+// start, and is right if the state after its last step has the right bits.
 #ifndef TUNER_MEASURE_MOTION_H
 #define TUNER_MEASURE_MOTION_H
 
@@ -10,9 +10,9 @@
 typedef struct measure_motion {
     duet_motion_def def;
     const duet_scene *scene;
-    uint32_t steps;      // of a run
-    duet_motion *motion; // of the run before, NULL where it could not begin; at first one that has
-                         // not moved
+    uint32_t steps;      // steps of each run
+    duet_motion *motion; // the last run's motion, NULL if it could not begin; at first a motion
+                         // that has not moved
     core_watch *cores;   // NULL: nobody looks at other programs
 } measure_motion;
 
@@ -32,8 +32,8 @@ bool measure_motion_right(measure_motion *q, uint64_t *hash, duet_error *err);
 // Whether both devices have something to do: pairs are searched, by two devices.
 bool measure_motion_is_shared(const measure_motion *q);
 
-// As kernel_spaces_read: of B the kernels of the motion, and of both devices those that search
-// pairs. Runs the motion unless its last run was by that plan.
+// Reads spaces as kernel_spaces_read does: B's kernels of the motion, and both devices' kernels
+// that search pairs. Runs the motion unless its last run was by that plan.
 bool measure_motion_kernels(measure_motion *q, const duet_plan *plan, int side,
                             kernel_space **spaces, uint32_t *n, duet_error *err);
 

@@ -13,13 +13,13 @@
 
 // ---------------------------------------------------------------- items
 
-// What items are drawn among: the objects' extent.
+// Draws items in the objects' extent.
 typedef struct draw {
     rng random;
     uint32_t dims;
     const char *objects;
     duet_shape shape;
-    float edge;   // of origin cells, or 0
+    float edge;   // the edge of origin cells, or 0
     size_t width; // bytes of an object
     uint32_t n_objects;
     double lower[3], upper[3];
@@ -64,7 +64,7 @@ static void draw_point(draw *d, float at[3], int32_t cell[3])
     memcpy(cell, large.cell, sizeof large.cell);
 }
 
-// Of length 1.
+// Draws a direction of length 1.
 static void draw_direction(draw *d, float direction[3])
 {
     double v[3] = {0}, length = 0;
@@ -87,7 +87,7 @@ static float draw_end(const draw *d, duet_query_wants wants)
 
 static void draw_ray(draw *d, const query_name *name, void *item)
 {
-    duet_large_ray *large = item; // of which the first part is a ray
+    duet_large_ray *large = item; // its first part is a ray
     draw_point(d, large->ray.origin, large->cell);
     draw_direction(d, large->ray.direction);
     large->ray.t_max = draw_end(d, name->wants);

@@ -8,7 +8,7 @@
 #include "tuner/measure.h"
 
 typedef struct measure_query {
-    duet_tree *tree; // of the scene's objects
+    duet_tree *tree; // holds the scene's objects
     query_name name;
     void *items; // drawn among the objects
     uint64_t n;

@@ -66,7 +66,7 @@ static bool search_mode(tuning *t, duet_mode mode, const uint32_t *near, mode_fo
     out->mode = mode;
     out->usable = out->usable && s.history.n > 0;
     out->share = search_pick(&s);
-    // Of a search that was cut short one device alone may only seem the best.
+    // One device alone may only seem the best if the search was cut short.
     if (t->cut && (out->share == 0 || out->share == DUET_SHARE_ONE))
         out->share = search_history_first_share(&s.history);
     out->a_alone_ns = expect_a_alone(&s.history);
@@ -76,7 +76,7 @@ static bool search_mode(tuning *t, duet_mode mode, const uint32_t *near, mode_fo
     return ok;
 }
 
-// One device's grid is of no use to the other where they search differently.
+// One device's grid is of no use to the other if they search differently.
 static bool mode_fits(const duet_plan *plan, duet_mode mode)
 {
     size_t a = strcspn(plan->variant_a, " "), b = strcspn(plan->variant_b, " ");

@@ -7,17 +7,17 @@
 
 enum { MOST_MODES = 8 };
 
-// What the search of one mode came to.
+// Holds the result of the search of one mode.
 typedef struct mode_found {
     duet_mode mode;
     bool usable;
     uint32_t share;
-    double a_alone_ns; // expected; INFINITY where nothing was seen of A
-    double b_alone_ns; // as measured first
+    double a_alone_ns; // expected; INFINITY if nothing was seen of A
+    double b_alone_ns; // the first measured time of B alone
 } mode_found;
 
-// Each mode is searched from the share that was best in the one before. *n modes were;
-// none where there is nothing to share.
+// Searches each mode from the share that was best in the mode before. *n modes were searched; none
+// if there is nothing to share.
 bool mode_search_run(tuning *t, mode_found founds[MOST_MODES], uint32_t *n, duet_error *err);
 
 #endif

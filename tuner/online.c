@@ -151,8 +151,8 @@ static bool find_faster(const online *o, listed_plan *fastest)
     return found;
 }
 
-// How to sound a rival. What a device takes that has been idle is not known for certain: it gets as
-// little as can be measured, or as makes the busy one quick enough.
+// How to sound a rival. The time of a device that has been idle is not known for certain: the
+// device gets as little work as can be measured, or as makes the busy device quick enough.
 static listed_plan sounding_of(const online *o, const listed_plan *rival)
 {
     double most_ns = (1 + o->most_extra) * o->total_ns;
@@ -193,7 +193,7 @@ static void sound_next(online *o)
     }
 }
 
-// What was seen of a device that is idle, and stays so, counts less and less.
+// Observations of a device that is idle, and stays so, count less and less.
 static void expect_recovery(online *o)
 {
     bool is_seen = o->state == ONLINE_RACING && plan_is_shared(&o->rival);

@@ -167,8 +167,8 @@ static part_line line_through(double part, double ns, double other_part, double 
     return base >= 0 ? (part_line){base, each} : (part_line){0, other_ns / other_part};
 }
 
-// Where both devices end together, or half the work: lines through points that are far apart are
-// known best. A slow device is not to take long.
+// Returns the share at which both devices end together, or half the work: lines through points that
+// are far apart are known best. A slow device is not to take long.
 static uint32_t far_share(const plan_times *t, uint32_t v, double a_ns, double b_ns)
 {
     enum { LONGEST = 4 }; // times B alone

@@ -38,7 +38,7 @@ typedef struct plan_times {
 bool plan_is_shared(const listed_plan *plan);
 bool plan_is_same(const listed_plan *a, const listed_plan *b); // or shares less than 1/64 apart
 
-// What plans run on: a world, or arithmetic in tests. False: the plan cannot run.
+// Runs plans: a world, or arithmetic in tests. False: the plan cannot run.
 typedef struct plan_runner {
     void *context;
     bool (*run)(void *context, const listed_plan *plan, search_sample *frame);
@@ -52,7 +52,8 @@ void plan_times_learn(plan_times *t, uint32_t n_variants, uint32_t modes,
 // The time that a device's part is expected to take; 0: it has none. INFINITY: not known.
 double plan_times_expect_part(const plan_times *t, const listed_plan *plan, int device);
 
-// What the first frame takes longer where a plan follows another; 0 if the kernels are the same.
+// Returns how much longer the first frame takes if plan `to` follows `from`; 0 if the kernels are
+// the same.
 double plan_times_switch(const plan_times *t, const listed_plan *from, const listed_plan *to);
 
 // The time of a step by the plan.

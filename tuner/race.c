@@ -101,7 +101,7 @@ static bool all_are_known(const race *r)
     return true;
 }
 
-// Where a rival comes in a round; the same each time it is asked.
+// Returns the rival's turn in a round; the same each time it is asked.
 static uint32_t turn_of(uint32_t rival, uint32_t round)
 {
     rng r = rng_seed((uint64_t)round << 32 | rival);
@@ -181,7 +181,7 @@ void race_drop(race *r, uint32_t rival)
 race_gain race_compare_apart(const double *own, uint32_t n_own, const double *others,
                              uint32_t n_others, double confidence)
 {
-    // Both hold at once with that confidence where each misses half as often.
+    // Both hold at once with that confidence if each misses half as often.
     double each = 1 - (1 - confidence) / 2;
     stats_interval mine = stats_median_interval(own, n_own, each);
     stats_interval theirs = stats_median_interval(others, n_others, each);

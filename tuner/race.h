@@ -16,7 +16,7 @@ enum { RACE_RIVALS = 32, RACE_ROUNDS = 64 };
 typedef struct race_options {
     uint32_t least_rounds; // before any plan drops out
     uint32_t most_rounds;  // up to RACE_ROUNDS
-    double confidence;     // of the intervals
+    double confidence;     // the intervals' confidence
     double dropped;        // a plan that surely takes so many times the leader's time drops out
     double margin;         // the race ends once all ratios are known this well; 0: it does not
 } race_options;
@@ -54,8 +54,8 @@ typedef struct race_gain {
 
 race race_begin(uint32_t n, const race_options *options); // NULL: the default ones
 
-// The rival to measure next; false where the race is over: one rival is left, it
-// is known how far all are behind the leader, or the rounds are used up.
+// Finds the rival to measure next; false if the race is over: one rival is left, it is known how
+// far all are behind the leader, or the rounds are used up.
 bool race_next(const race *r, uint32_t *rival);
 
 // Adds a rival's time for the round. After the last of a round, rivals that
@@ -65,11 +65,11 @@ void race_add(race *r, uint32_t rival, double ns);
 // A rival that cannot run at all.
 void race_drop(race *r, uint32_t rival);
 
-// The best rival still in; n where all are out.
+// Returns the best rival still in; n if all are out.
 uint32_t race_leader(const race *r);
 
-// The best of rivals from .. to - 1, in or out: the one that is mostly faster
-// than another in the same round; to where none has run.
+// Returns the best of rivals from .. to - 1, in or out: the one that is mostly faster than another
+// in the same round; `to` if none has run.
 uint32_t race_best(const race *r, uint32_t from, uint32_t to);
 
 // Rounds that both ran.

@@ -115,7 +115,7 @@ static profile_session session_of(const record *r, const char *name)
     };
 }
 
-// What is asked: whatever decides what is measured. options must live as long.
+// Describes what is asked: whatever decides what is measured. options must live as long.
 static profile_session question_of(const record *r, const duet_tune_def *def, text *options)
 {
     write_options(def, options);
@@ -286,8 +286,7 @@ bool record_end(record *r, const char *how, const duet_tune_def *def, duet_tune_
     return profile_session_end(r->store, r->session, ok ? how : "failed", err) && ok;
 }
 
-// What sharing gains was not measured again: it is taken from the profile before, if there
-// is one.
+// The gain of sharing was not measured again: it is taken from the profile before, if there is one.
 bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error *err)
 {
     profile_found before;

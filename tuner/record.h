@@ -15,32 +15,32 @@ typedef struct record {
     int64_t workload_id;
 } record;
 
-// Opens the store (path NULL: the user's) for writing. STORE_FAILED where it
-// cannot be written, with what the store says of it.
+// Opens the store (path NULL: the user's) for writing. STORE_FAILED if it cannot be written, with
+// what the store says of it.
 bool record_open(record *r, const char *path, duet_error *err);
 
-// What all that follows is about; may be another after each session.
+// Sets the workload that all later calls are about; it may change after each session.
 bool record_aim(record *r, const profile_request *request, duet_error *err);
 void record_close(record *r);
 
-// The table of level costs of what is aimed at; n is 0 where the store has none.
+// Reads the table of level costs of that workload; n is 0 if the store has none.
 bool record_level_costs(record *r, profile_level_cost *costs, uint32_t *n, duet_error *err);
 bool record_keep_level_costs(record *r, const profile_level_cost *costs, uint32_t n,
                              duet_error *err);
 
-// What a session that asked the same has found before, live or not; of grade
-// default where none has.
+// Finds what a session that asked the same has found before, live or not; its grade is default if
+// none has.
 bool record_known(record *r, const duet_tune_def *def, profile_found *found, duet_error *err);
 
-// Takes up an interrupted session of the same tuning, whose log is then
-// filled, or begins one. STORE_FAILED where a living process tunes the workload.
+// Takes up an interrupted session of the same tuning, whose log is then filled, or begins one.
+// STORE_FAILED if a living process tunes the workload.
 bool record_begin(record *r, const duet_tune_def *def, trial_log *state, bool *resumed,
                   duet_error *err);
 
 tune_recorder record_recorder(record *r);
 
-// The variant that a search of these kernels led to for a device, 0 being A, on this
-// workload beside any other device; empty where there was none.
+// The variant that a search of these kernels led to for a device, 0 being A, on this workload
+// beside any other device; empty if there was none.
 bool record_device_variant(const record *r, int device, const char *what,
                            char variant[PROFILE_VARIANT], duet_error *err);
 

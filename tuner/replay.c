@@ -46,7 +46,7 @@ static void add_mode(replay *r, const duet_plan *plan)
         r->modes[r->n_modes++] = plan->mode;
 }
 
-// Of the n launches of one plan.
+// Adds the point of the n launches of one plan.
 static void add_point(replay *r, const profile_launch *launches, uint32_t n)
 {
     uint32_t counted = 0;
@@ -152,8 +152,9 @@ static int64_t slower_ns(const profile_launch *launch)
     return launch->a_ns > launch->b_ns ? launch->a_ns : launch->b_ns;
 }
 
-// Of the times of both devices and of what a step takes beyond the slower one. A step's own time
-// has a bend where the devices change places, which a line between two shares would cut off.
+// Mixes the times of both devices, and the time that a step takes beyond the slower device. A
+// step's own time bends at the share at which the slower device changes, which a line between two
+// shares would cut off.
 static profile_launch mix_launches(const between *at, bool warms_up, double rank)
 {
     const profile_launch *low = launch_of(at->low, warms_up, rank);
@@ -177,7 +178,7 @@ double replay_median_ns(const replay *r, const duet_plan *plan)
     return stats_median(totals, RANKS);
 }
 
-// Of a tuning that does not time stages only the launch that warms up is staged.
+// Takes a staged launch for the warm-up: a tuning that does not time stages stages no other.
 static bool launch_recorded(void *context, const duet_plan *plan, bool staged,
                             measure_launch *launch, duet_error *err)
 {

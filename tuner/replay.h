@@ -45,7 +45,7 @@ double replay_median_ns(const replay *r, const duet_plan *plan);
 
 typedef struct replay_def {
     const char *strategy;
-    script *script;   // of the strategy "lua"; else NULL
+    script *script;   // the strategy "lua" runs it; else NULL
     uint32_t repeats; // launches of a trial, after one to warm up; 0: the default
     uint64_t seed;
 } replay_def;
@@ -53,12 +53,12 @@ typedef struct replay_def {
 typedef struct replay_outcome {
     duet_plan plan; // to use
     char verdict[16];
-    double median_ns;         // of the plan
+    double median_ns;         // the plan's median time
     double loss;              // 0.02: the plan takes 2 % longer than the best recorded one; below
                               // 0: less, which only an interpolated plan can
     uint32_t search_launches; // until the last search of a share ended
     uint32_t launches;        // with the races after it
-    double seconds;           // of all launches; kernels are not compiled
+    double seconds;           // the time of all launches; kernels are not compiled
 } replay_outcome;
 
 // Tunes mode and share as duet_tune_run does. The same seed gives the same outcome.

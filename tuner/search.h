@@ -25,8 +25,8 @@ bool search_tell(search *s, const search_sample *sample, duet_error *err);
 // The share to use after what was told so far; 0 before anything was.
 uint32_t search_pick(const search *s);
 
-// Where the strategy knows or believes the best share to lie, ends included.
-// The whole range for one that keeps no bracket.
+// Returns the range in which the strategy knows or believes the best share to lie, ends included;
+// the whole range if the strategy keeps no bracket.
 void search_bracket(const search *s, uint32_t *low, uint32_t *high);
 
 #endif

@@ -15,7 +15,7 @@
 typedef struct search_sample {
     uint32_t share;
     uint64_t total_ns;
-    uint64_t a_ns; // 0 where the device took no part
+    uint64_t a_ns; // 0 if the device took no part
     uint64_t b_ns;
 } search_sample;
 
@@ -34,7 +34,7 @@ search_options search_default_options(void);
 
 typedef struct search_history {
     search_options options;
-    struct script *script;  // of strategy lua only; borrowed
+    struct script *script;  // only strategy lua has it; borrowed
     search_sample *samples; // in the order they were measured
     uint32_t n;
     uint32_t capacity;
@@ -43,7 +43,7 @@ typedef struct search_history {
 bool search_history_add(search_history *h, const search_sample *sample, duet_error *err);
 void search_history_free(search_history *h);
 
-// The first sample of that share; NULL where there is none.
+// Returns the first sample of that share; NULL if there is none.
 const search_sample *search_history_at(const search_history *h, uint32_t share);
 
 // The first share that both take part in: the neighbour's, or 1/16, which is

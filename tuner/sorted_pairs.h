@@ -11,7 +11,7 @@ duet_pair *sorted_pairs_of(const duet_result *result, duet_error *err);
 // Gives the objects of an ascending list other ids, by their old ones; it is ascending again.
 void sorted_pairs_rename(duet_pair *pairs, uint64_t n, const uint32_t *ids);
 
-// Told of each pair that is in one list only: missed where it is in the second.
+// Called for each pair that is in one list only: missed if it is in the second.
 typedef void sorted_pairs_visit(void *context, duet_pair pair, bool missed);
 
 // Both ascending, as a reference is.

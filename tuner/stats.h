@@ -20,7 +20,7 @@ typedef struct stats_interval {
 // From the least to the greatest.
 void stats_sort(double *values, size_t n);
 
-// Of n > 0 values, in any order; up to STATS_MOST of them.
+// Returns the median of n > 0 values, in any order; up to STATS_MOST of them.
 #define STATS_MOST 512
 double stats_median(const double *values, uint32_t n);
 
@@ -35,11 +35,10 @@ double stats_mad(const double *values, uint32_t n);
 // something else disturbed. Nothing is dropped; returns how many were marked.
 uint32_t stats_mark_outliers(const double *values, uint32_t n, bool *marks);
 
-// The interval of the median between two order statistics, from the binomial
-// distribution of how many values lie below it (Conover, "Practical
-// Nonparametric Statistics", section 3.2). It is the narrowest symmetric one
-// with at least the confidence asked for; where n is too small for that, all the values
-// and what confidence they give.
+// The interval of the median between two order statistics, from the binomial distribution of how
+// many values lie below it (Conover, "Practical Nonparametric Statistics", section 3.2). It is the
+// narrowest symmetric one with at least the confidence asked for; if n is too small for that, all
+// the values and the confidence that they give.
 stats_interval stats_median_interval(const double *values, uint32_t n, double confidence);
 
 // Sequential test for the sign of what differences scatter about. Returns -1

@@ -149,14 +149,12 @@ static const strategy strategy_grid = {
 
 // Follows the work instead of settling: every launch is a chunk of it.
 //
-// For irregular scenes a fixed share has a ceiling, since what an object costs
-// moves with the scene. Here each chunk is shared by the speeds of the chunks
-// just before it, the latest counting most. A first small share for A keeps a
-// slow device from making the first chunk expensive (Kaleem et al., PACT 2014), and
-// a share at most doubles from one chunk to the next, so that one mistaken
-// time does not mislead it. It ends when the launches do; the pick is the share
-// that it would use next, unless the last chunks took longer than the first,
-// which B does alone.
+// A fixed share has a ceiling in irregular scenes, since the cost of an object moves with the
+// scene. Here each chunk is shared by the speeds of the chunks just before it, the latest counting
+// most. A first small share for A keeps a slow device from making the first chunk expensive (Kaleem
+// et al., PACT 2014), and a share at most doubles from one chunk to the next, so that one mistaken
+// time does not mislead it. It ends when the launches do; the pick is the share that it would use
+// next, unless the last chunks took longer than the first, which B does alone.
 
 enum { MEMORY = 2 };
 
@@ -224,7 +222,7 @@ static const strategy strategy_chunks = {
 // The script's function stays at the bottom of its stack.
 enum { FUNCTION = 1 };
 
-// what the script returned -> the function in it
+// the script's result -> the function in it
 static int find_function(lua_State *L)
 {
     if (lua_istable(L, 1))

@@ -9,7 +9,7 @@
 #include "gen/script.h"
 #include "tuner/search_history.h"
 
-// What a strategy wants: another launch, or none.
+// Says which launch a strategy wants next, or none.
 typedef struct search_next {
     bool done;
     uint32_t share;
@@ -19,7 +19,7 @@ typedef struct strategy {
     const char *name;
     const char *about;
     bool evened;       // its share is evened out by what both devices take in the verdict
-    uint32_t launches; // at most, where the options name no number; 0: no end of its own
+    uint32_t launches; // at most, if the options name no number; 0: no end of its own
     bool (*ask)(const search_history *h, search_next *next, duet_error *err);
     uint32_t (*pick)(const search_history *h);
     void (*bracket)(const search_history *h, uint32_t *low, uint32_t *high); // NULL: all
@@ -29,7 +29,7 @@ extern const strategy *const strategies[]; // ends with NULL; the first is the d
 
 const strategy *strategy_at(uint32_t i); // NULL past the end
 
-const strategy *strategy_find(const char *name); // NULL where there is none
+const strategy *strategy_find(const char *name); // NULL if there is none
 
 extern const strategy strategy_balance;
 extern const strategy strategy_lua;

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The default: balances two straight lines, one a device, inside a bracket.
 //
-// Share 0 is the baseline and a small share the first probe. From there each
-// device's time is a line over its work, fitted so that disturbed launches
-// count little, and the next share is where the lines cross, kept inside the
-// bracket that the sign of A's time minus B's proves. Once a share near the
-// crossing took what the lines say, it is raced against the baselines and its
-// neighbours, in turn, and those that are clearly slower drop out. Where the
-// lines do not come true the shares of a coarse grid are raced instead; where
-// they cross far above B's time alone, only the single devices are left.
+// Share 0 is the baseline and a small share the first probe. From there each device's time is a
+// line over its work, fitted so that disturbed launches count little, and the next share is where
+// the lines cross, kept inside the bracket that the sign of A's time minus B's proves. When a share
+// near the crossing took what the lines say, it is raced against the baselines and its neighbours,
+// in turn, and shares that are clearly slower drop out. If the lines do not come true, the shares
+// of a coarse grid are raced instead; if they cross far above B's time alone, only the single
+// devices are left.
 //
 // The expensive end, where the slow device does everything, is only approached by
 // shares that the line of that device says are cheap enough.
@@ -20,8 +19,8 @@
 enum {
     LEAST_REFINED = 4, // launches until the lines may say that sharing only costs
     MOST_REFINED = 7,  // launches until they must have come true
-    MOST_RACED = 16,   // launches in all, where they did
-    SURVEY = 8,        // intervals of the coarse grid, where they did not
+    MOST_RACED = 16,   // launches in all, if they did
+    SURVEY = 8,        // intervals of the coarse grid, if they did not
     MOST_REPEATS = 64, // samples that are looked at
 };
 
@@ -34,7 +33,7 @@ static const double NEIGHBOUR = 0.04; // a neighbour is expected to be slower by
 static const double LINE_SAMPLES = 2; // the lines count as so many samples at a share
 static const double EQUAL = 0.002;    // repeats this near to each other show no noise
 static const double VAIN = 1.5;       // a crossing this far above B alone ends the search
-static const double WORTH_ALONE = 1.15; // A alone is measured where it may take so much of B alone
+static const double WORTH_ALONE = 1.15; // A alone is measured if it may take so much of B alone
 
 // A device's time for a part of the work, over B's time for all of it.
 typedef struct line {
@@ -42,7 +41,7 @@ typedef struct line {
     double slope;
 } line;
 
-// What the first n samples say.
+// Describes what the first n samples say.
 typedef struct model {
     line lines[2];
     double noise;      // deviation of a time from its line, as a part of it
@@ -192,7 +191,7 @@ static uint32_t to_share(const search_history *h, double part)
     return h->options.quantum * (uint32_t)fmin(fmax(quanta, 1), most);
 }
 
-// Where A is expected to take no longer than the dearest launch allowed.
+// Returns the part at which A is expected to take no longer than the dearest launch allowed.
 static double affordable(const search_history *h, const model *m, double part)
 {
     const line *a = &m->lines[0];
@@ -223,7 +222,7 @@ static model look(const search_history *h, uint32_t n)
 
 // ---------------------------------------------------------------- race
 
-// What enters the race: the first `refined` samples have led to it.
+// The shares that enter the race: the first `refined` samples have led to them.
 typedef struct field {
     uint32_t refined;
     bool surveyed; // the lines did not come true
@@ -352,8 +351,8 @@ static bool is_quiet(const search_history *h)
     return repeats >= 2;
 }
 
-// The rival to measure next: of those that may still win, the one measured
-// least in the race. None where only the leader is left.
+// Finds the rival to measure next: among the rivals that may still win, the one measured least in
+// the race. None if only the leader is left.
 static search_next race(const search_history *h, const field *f)
 {
     model m = look(h, h->n);

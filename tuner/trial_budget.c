@@ -13,7 +13,7 @@ const race_options trial_budget_quick_race = {
 const race_options trial_budget_last_race = {
     .least_rounds = 14, .most_rounds = 40, .confidence = 0.99, .dropped = INFINITY, .margin = 0.03};
 
-// Of the first race: all devices alone, and each mode's best share.
+// Counts the rivals of the first race: all devices alone, and each mode's best share.
 static uint32_t most_rivals(const duet_tune_def *def)
 {
     return 2 + task_count_modes(def);

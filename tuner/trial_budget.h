@@ -11,21 +11,21 @@ enum {
     LEAST_RACED = 8,     // rounds from which a verdict has its confidence
 };
 
-// The part of the budget that is used up when a stage must end. The search ends sooner
-// where a verdict takes more trials.
+// The part of the budget that is used up when a stage must end. The search ends sooner if a verdict
+// takes more trials.
 #define VARIANTS_END 0.35
 #define KERNELS_END 0.55
 #define SEARCH_END 0.7
 #define VERDICT_END 0.9
 #define ALL 1.0
 
-extern const race_options trial_budget_quick_race; // of variants
-extern const race_options trial_budget_last_race;  // of the verdict
+extern const race_options trial_budget_quick_race; // the race of variants
+extern const race_options trial_budget_last_race;  // the race for the verdict
 
 // The fewest trials of a budget from which a verdict follows.
 uint32_t trial_budget_least(const duet_tune_def *def);
 
-// What variants, search and verdict take at most, beside the kernels' search.
+// Returns the most trials of variants, search and verdict, beside `kernels` of the kernels' search.
 uint32_t trial_budget_most(const tune_task *task, uint32_t kernels);
 
 // Trials at which the stage with that end must end, of a budget in trials.

@@ -15,11 +15,11 @@ typedef struct trial_log_entry {
     duet_plan plan;
     bool usable;           // it built, ran and found the right pairs
     search_sample sample;  // its typical launch
-    uint64_t focus_ns;     // of that one, in the stages whose kernel was varied; else 0
-    duet_tune_terms terms; // of that one
+    uint64_t focus_ns;     // that launch's time in the stages whose kernel was varied; else 0
+    duet_tune_terms terms; // that launch's
     uint32_t launches;
     uint32_t watched;   // launches whose threads were watched
-    uint32_t disturbed; // and those of them that waited for a core
+    uint32_t disturbed; // watched launches that waited for a core
     uint64_t spent_ns;
 } trial_log_entry;
 
@@ -35,8 +35,8 @@ bool trial_log_add(trial_log *t, const trial_log_entry *entry, duet_error *err);
 
 bool trial_log_same_plan(const duet_plan *a, const duet_plan *b);
 
-// The next entry to serve, if it is for this plan; NULL at the end. Where it is
-// for another plan something that decides has changed: the rest is forgotten.
+// The next entry to serve, if it is for this plan; NULL at the end. If it is for another plan,
+// something that decides has changed: the rest is forgotten.
 const trial_log_entry *trial_log_next(trial_log *t, const duet_plan *plan);
 
 void trial_log_to_json(const trial_log *t, text *json);

@@ -24,7 +24,7 @@ typedef struct tune_whole {
     bool (*open)(void *context, const char *kernels, measure_machine *machine, duet_plan *plan);
 } tune_whole;
 
-// What may be set of the kernels that a device runs by a plan; the caller frees *spaces.
+// Reads the config spaces of the kernels that a device runs by a plan; the caller frees *spaces.
 typedef struct tune_kernels {
     void *context;
     bool (*read)(void *context, const duet_plan *plan, int device, kernel_space **spaces,
@@ -38,19 +38,19 @@ typedef struct tune_others {
 } tune_others;
 
 typedef struct tune_task {
-    const duet_tune_def *def; // what to choose from, budget, strategy, watch
+    const duet_tune_def *def; // the choices, budget, strategy and watch
     measure_machine machine;
     tune_others others;
     tune_recorder recorder;
     tune_whole whole;               // open NULL: there is none
-    tune_kernels kernels;           // asked only where def->search is given
+    tune_kernels kernels;           // asked only if def->search is given
     bool one_device;                // both are the same: there is nothing to share
     char searched[2][DUET_VARIANT]; // by device, what a search led to before; empty: none did
     duet_plan plan;                 // its variants are the defaults that must work
     bool has_start;                 // a share that is likely near the best
     uint32_t start;
     uint32_t fair; // by units, of devices of one kind: another must be proven faster; 0: none
-    void *script;         // of the strategy "lua"
+    void *script;  // the strategy "lua" runs it
     uint32_t least_share; // shares nearer than this are the same
 } tune_task;
 
@@ -65,9 +65,9 @@ uint32_t task_count_modes(const duet_tune_def *def);
 // The share of about one work-group of n objects.
 uint32_t task_least_share(uint64_t n);
 
-// state is empty, or an interrupted tuning's. After INTERRUPTED, and where the tuning
-// gave up because of other programs, it can be handed in again. Fills all of outcome but
-// known, resumed and objects.
+// state is empty, or an interrupted tuning's. After INTERRUPTED, and if the tuning gave up because
+// of other programs, it can be handed in again. Fills all of outcome but known, resumed and
+// objects.
 bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err);
 
 // Whether the tuning gave up: nothing is known of its plan.

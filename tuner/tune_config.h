@@ -15,9 +15,9 @@ typedef struct config_workload {
     int64_t n;                             // objects; -1: as the scene has them
     const char *settings[CONFIG_SETTINGS]; // "name=value"
     uint32_t n_settings;
-    const char *query; // of a tree of the objects, or NULL: steps
-    uint64_t items;    // of the query; 0: as many as objects
-    uint32_t steps;    // of the scene's motion; 0: still steps
+    const char *query; // a query of a tree of the objects, or NULL: steps
+    uint64_t items;    // items of the query; 0: as many as objects
+    uint32_t steps;    // steps of the scene's motion; 0: still steps
 } config_workload;
 
 typedef struct tune_config {
@@ -25,13 +25,13 @@ typedef struct tune_config {
     uint32_t n_workloads;
     const char *pair; // "A,B", or NULL
     const char *strategy;
-    const char *strategy_lua; // the file's text, where strategy is a function
+    const char *strategy_lua; // the file's text, if strategy is a function
     const char *search;       // "kernels", a kernel's name, or NULL
     const char *variants[CONFIG_VARIANTS];
     uint32_t n_variants;
     duet_mode modes[CONFIG_MODES];
     uint32_t n_modes;
-    duet_level levels[DUET_LEVELS]; // of accuracy; none: the scenes'
+    duet_level levels[DUET_LEVELS]; // accuracy levels; none: the scenes'
     uint32_t n_levels;
     bool has_accuracy;
     duet_accuracy accuracy;
@@ -40,8 +40,8 @@ typedef struct tune_config {
     uint32_t repeats;
     uint64_t seed;
     script *script; // keeps the strings
-    text text;      // of the file
-    text list;      // of variants that a caller gave as one text
+    text text;      // the file's text
+    text list;      // variants that a caller gave as one text
 } tune_config;
 
 // BAD_INPUT with file:line for a field that is wrong or that there is not.

@@ -44,8 +44,8 @@ bool tuning_within_budget(const tuning *t)
                        t->state->played + t->unlogged < trial_budget_end(t->task, t->stage_end));
 }
 
-// What trials at least take, each half as long as one device alone, says after the
-// first of them, whose kernels were built in it, whether the time can do.
+// Checks after the first trial, whose kernels were built in it, whether the time can suffice: each
+// trial takes at least half as long as one device alone.
 static bool check_budget(const tuning *t, const trial *first, duet_error *err)
 {
     const duet_tune_def *def = t->task->def;

@@ -31,14 +31,14 @@ typedef struct tuning {
     uint64_t spent_ns;
     uint32_t watched; // launches whose threads were watched
     uint32_t disturbed;
-    uint64_t waited_ns;   // for other programs, trials that were disturbed included
+    uint64_t waited_ns;   // waiting for other programs, disturbed trials included
     uint32_t quiet_tries; // to repeat trials that were disturbed beside no other program
     bool found;           // a kernel to be searched
     bool cut;             // the budget ended a search
-    duet_error failure;   // of the first plan that did not run
+    duet_error failure;   // the first plan's that did not run
 } tuning;
 
-// What a trial gave to decide from.
+// Holds what a decision needs of a trial.
 typedef struct trial {
     bool usable;
     search_sample sample;
@@ -46,16 +46,16 @@ typedef struct trial {
     duet_tune_terms terms;
 } trial;
 
-// Of the stage.
+// Whether the stage is within its part of the budget.
 bool tuning_within_budget(const tuning *t);
 
-// Adds the trial to the log. False where the budget can reach no verdict, the default
-// variants find wrong pairs, the log cannot be kept, or somebody stops the tuning; a
-// plan that does not run is a trial that is not usable.
+// Adds the trial to the log. False if the budget can reach no verdict, the default variants find
+// wrong pairs, the log cannot be kept, or somebody stops the tuning; a plan that does not run is a
+// trial that is not usable.
 bool tuning_run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *err);
 
-// The same on any machine, without the log: a resumed tuning runs it again. *ns is 0
-// where the plan does not run.
+// The same on any machine, without the log: a resumed tuning runs it again. *ns is 0 if the plan
+// does not run.
 bool tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan,
                          double *ns, duet_error *err);
 
@@ -63,7 +63,7 @@ bool tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_p
 // INTERRUPTED because of that.
 bool tuning_is_out_of_patience(const tuning *t);
 
-// What other programs have: "1.4 of 2 cores".
+// Names the cores that other programs have: "1.4 of 2 cores".
 typedef struct tuning_others {
     char chars[96];
 } tuning_others;

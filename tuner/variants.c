@@ -51,8 +51,8 @@ static bool is_listed(const duet_tune_def *def, const char *variant)
     return false;
 }
 
-// No verdict follows for a device that shares with none. So what won the quick race is used
-// only where it is surely faster than the usual variant, if that is among those to try.
+// No verdict follows for a device that shares with none. So the winner of the quick race is used
+// only if it is surely faster than the usual variant, if that is among those to try.
 static bool confirm_variant(tuning *t, const char *usual, duet_error *err)
 {
     if (!is_listed(t->task->def, usual) || strcmp(t->plan.variant_b, usual) == 0)

@@ -12,7 +12,7 @@
 
 enum { LEAST_TRIALS = 8 }; // from which a device's undisturbed time is taken
 
-static const double WORTH_ALONE = 1.3; // A alone is raced where it may take so much of B alone
+static const double WORTH_ALONE = 1.3; // A alone is raced if it may take so much of B alone
 static const double UNEVEN = 1.03;     // a step that could be so much shorter is evened out
 
 // The devices alone come first, then the best share of each mode.
@@ -34,8 +34,7 @@ static uint32_t enter_rivals(const tuning *t, const mode_found *founds, uint32_t
     return n_alone;
 }
 
-// Both devices' undisturbed times in all trials of a plan; false where there
-// are too few.
+// Finds both devices' undisturbed times in all trials of a plan; false if there are too few.
 static bool undisturbed(const trial_log *state, const duet_plan *plan, double ns[2])
 {
     double times[2][STATS_MOST];
@@ -61,7 +60,7 @@ static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
     if (!strategy_find(t->task->def->strategy)->evened || !undisturbed(t->state, plan, ns))
         return false;
     double part = (double)plan->share / DUET_SHARE_ONE;
-    double a = ns[0] / part, b = ns[1] / (1 - part); // for all the work
+    double a = ns[0] / part, b = ns[1] / (1 - part); // each device's time for all the work
     double fair = b / (a + b);
     double quanta = floor(fair * DUET_SHARE_ONE / t->task->least_share + 0.5);
     *even = *plan;

@@ -28,8 +28,8 @@ static void run_rank(int argc, char **argv)
     MPI_Finalize();
 }
 
-// The times of messages are the platform's; no processor time of this machine is added. What Open
-// MPI does is simulated but for a broadcast, which is a binomial tree: SimGrid's own choice has
+// The times of messages are the platform's; no processor time of this machine is added. SimGrid
+// does as Open MPI does, except for a broadcast, which is a binomial tree: SimGrid's own choice has
 // each rank tell all others first where it is, and at a thousand ranks that is most of the work.
 static void begin_simgrid(const char *platform)
 {
@@ -66,14 +66,15 @@ static sg_host_t *list_hosts(size_t *n)
 
 // ---------------------------------------------------------------- whether it is sound
 
-// Its least bandwidth; below 0 where it has no links.
+// Returns whether the route has links: its least bandwidth is below 0 if it has none.
 static bool has_route(sg_host_t from, sg_host_t to)
 {
     return sg_host_get_route_bandwidth(from, to) > 0;
 }
 
-// Routes are tried to this many others, and so between every pair of hosts where they are few. Of
-// many hosts to fewer, for some platforms search all of their links for each route.
+// Routes are tried to this many others, and so between every pair of hosts if there are few hosts.
+// Many hosts try fewer routes each, because some platforms search all of their links for each
+// route.
 enum { ROUTES_A_HOST = 16, ROUTES_IN_ALL = 4096 };
 
 static size_t n_tried; // ranks whose hosts' routes are tried

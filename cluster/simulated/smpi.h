@@ -9,7 +9,7 @@
 #include <stdint.h>
 
 // Runs `body` on n ranks, which MPI connects, dealt out in turn to the hosts of the platform in
-// that file. Once a process.
+// that file. May be called once in a process.
 bool smpi_run(const char *platform, int n, void (*body)(void *context), void *context,
               duet_error *err);
 
