@@ -42,7 +42,7 @@ static bool check_objects(const duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- owner
 
-// Of what can push.
+// Averages over bodies that can push.
 static double mean_least_extent(const duet_motion *m)
 {
     double sum = 0.0;

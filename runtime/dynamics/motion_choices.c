@@ -26,7 +26,7 @@ static bool prepare_with(duet_motion *m, const motion_plan *plan, duet_error *er
     return false;
 }
 
-// As it was given: a mode that is left to the grid stays so.
+// Returns the plan as it was given: a mode that is left to the grid stays so.
 static duet_plan plan_of(const duet_world *world)
 {
     duet_plan plan = world->def.plan;

@@ -169,7 +169,7 @@ static void swap(pair_list *a, pair_list *b)
     *b = kept;
 }
 
-// Where nothing moved, what touches stays.
+// Pairs that touch stay if nothing moved.
 bool motion_find_events(duet_motion *m, bool moved, duet_error *err)
 {
     motion_events *e = &m->told;

@@ -30,7 +30,7 @@ bool motion_note_events(duet_motion *m, duet_error *err);
 // At its end, once the flags are read where anything moved.
 bool motion_find_events(duet_motion *m, bool moved, duet_error *err);
 
-// What touches is read again before the next step.
+// Pairs that touch are read again before the next step.
 void motion_forget_events(motion_events *e);
 void motion_free_events(motion_events *e);
 

@@ -28,7 +28,7 @@ typedef struct contact_solver {
     // what a launch is told besides
     cl_uint woken, soft, round;
     cl_uint from_colour, to_colour, each;
-    cl_int4 span; // of from_colour
+    cl_int4 span; // from_colour's
 } contact_solver;
 
 bool motion_make_manifolds(duet_motion *m, duet_error *err);
