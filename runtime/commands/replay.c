@@ -16,8 +16,8 @@ struct duet_replay {
     text file;
     recording_head head;
     uint64_t end_hash;
-    size_t at, end;      // of the record that comes next, and of all
-    uint32_t steps_left; // of the record
+    size_t at, end;      // offsets of the next record, and of the end of all
+    uint32_t steps_left; // the record's
     duet_replay_info info;
     uint64_t commands_done;
     bool begun;
