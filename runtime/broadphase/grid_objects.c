@@ -209,7 +209,7 @@ static void add_some(grid_needs *needs, const grid_objects *objects, uint32_t fi
     }
 }
 
-// Of objects behind all that there are.
+// Adds the needs of objects behind all that there are.
 static void join(grid_needs *needs, const grid_needs *more)
 {
     for (int k = 0; k < 3; ++k) {

@@ -19,7 +19,7 @@ enum {
 
 typedef struct kernel_space {
     char kernel[48];
-    const char *stages[KERNEL_SPACE_STAGES]; // of a step, that the kernel's time is in
+    const char *stages[KERNEL_SPACE_STAGES]; // a step's, that the kernel's time is in
     struct {
         char name[24];
         int64_t values[KERNEL_SPACE_VALUES];

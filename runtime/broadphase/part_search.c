@@ -325,7 +325,7 @@ static bool fetch_open(part *p, const duet_pair **open, duet_pair *scratch, duet
                                              p->result.n_undecided * sizeof **open, err);
 }
 
-// What the host decides with: all objects, or where it does not see them those of the open
+// The objects that the host decides with: all, or if it does not see them the objects of the open
 // pairs, two for each.
 typedef struct open_objects {
     grid_objects objects;
