@@ -25,7 +25,7 @@
 #include <stdint.h>
 
 typedef enum product_name {
-    PRODUCT_BODIES,    // their positions
+    PRODUCT_BODIES,    // their poses
     PRODUCT_BOUNDS,    // a fat AABB of each
     PRODUCT_PAIRS,     // bodies whose bounds overlap
     PRODUCT_ROWS,      // the contacts of each body
