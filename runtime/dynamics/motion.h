@@ -200,7 +200,7 @@ bool motion_reset(duet_motion *m, duet_error *err);
 // The rotation and the angular velocity that an object was given.
 void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state);
 
-// All states, which the caller frees; NULL where a number of them is no longer finite.
+// All states, which the caller frees; NULL if a number of them is no longer finite.
 duet_state *motion_read_states(duet_motion *m, duet_error *err);
 
 // States of n bodies whose ids are valid, or without ids of the first n. If cells are asked for,

@@ -53,7 +53,7 @@ static void list_touching(duet_motion *m, const uint32_t *words)
             e->touching.pairs[e->touching.n++] = e->links.pairs[i];
 }
 
-// A bit for each contact, and the links where rows are not those of the last step.
+// A bit for each contact, and the links if rows are not the last step's.
 static bool fetch_bits(duet_motion *m, uint32_t *words, size_t n_words, duet_error *err)
 {
     motion_events *e = &m->told;

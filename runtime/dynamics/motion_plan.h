@@ -34,7 +34,7 @@ bool motion_plan_read(motion_plan *p, const duet_plan *plan, const duet_device_i
 // Fills offers with the settings, and returns how many they are. Their strings are the plan's.
 uint32_t motion_plan_offer(motion_plan *p, gen_offer offers[VARIANT_SETTINGS]);
 
-// BAD_ARGUMENT names a setting that no kernel took, or a skin where the motion has none.
+// BAD_ARGUMENT names a setting that no kernel took, or a skin if the motion has none.
 bool motion_plan_is_used(const duet_motion *m, duet_error *err);
 
 // How far bounds are grown, by the plan or else by the def.

@@ -39,7 +39,7 @@ enum { PARTS = sizeof parts / sizeof parts[0], MOST_WORDS = 8 };
 typedef struct reading {
     const uint32_t *ids;
     uint32_t n;
-    uint32_t *space; // [n] rows, where B does not work on the host's memory
+    uint32_t *space; // [n] rows, if B does not work on the host's memory
 } reading;
 
 static bool begin(duet_motion *m, const reading *r, duet_error *err)

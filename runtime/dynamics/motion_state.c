@@ -91,7 +91,7 @@ static bool copy(duet_motion *m, const buffer *from, const buffer *to, size_t by
            error_set_cl(err, code, "%s: copying %zu bytes", m->device->info.selector, bytes);
 }
 
-// A buffer of more rows that keeps what it has, and waits for nothing where that is nothing; new
+// A buffer of more rows that keeps what it has, and waits for nothing if that is nothing; new
 // rows are 0.
 static bool grow(duet_motion *m, motion_buffer which, uint32_t old_n, duet_error *err)
 {

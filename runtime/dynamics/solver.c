@@ -9,7 +9,7 @@
 
 // ---------------------------------------------------------------- manifolds
 
-// woken: only of what woke in this step, where anything did.
+// woken: only of what woke in this step, if anything did.
 static bool find_manifolds(duet_motion *m, uint32_t woken, duet_error *err)
 {
     m->solver.woken = woken;
@@ -39,7 +39,7 @@ bool motion_make_manifolds(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- graph colouring
 
-// Rounds that are sent at once where those of the last step were too few.
+// Rounds that are sent at once if the last step's rounds were too few.
 enum { ROUNDS_MORE = 4 };
 
 static bool reserve_lists(duet_motion *m, duet_error *err)

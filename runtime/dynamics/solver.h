@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What contacts do to bodies in a step: makes manifolds and colours (products.h), and solves
-// contacts by colour: those of one colour share no body that moves.
+// contacts by colour: contacts of one colour share no body that moves.
 #ifndef RUNTIME_SOLVER_H
 #define RUNTIME_SOLVER_H
 
