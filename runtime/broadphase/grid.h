@@ -38,7 +38,7 @@ typedef struct grid {
 // The begin of a level along an axis.
 double grid_corner(const grid_level *level, float origin, uint32_t axis);
 
-// How a grid is to be made; zero where that is open.
+// How a grid is to be made; zero if that is open.
 typedef struct grid_wish {
     bool has_world;
     double lower[3]; // the world's

@@ -159,7 +159,7 @@ static double widest_of_pose(const duet_pose *p, uint32_t dims)
     return scale * (dims == 3 ? greater(widest, rz) : widest);
 }
 
-// Below 0 where a corner lies before the other: no box.
+// Below 0 if a corner lies before the other: no box.
 static double widest_of_bounds(const duet_bounds *b, uint32_t dims)
 {
     double widest = 0.0, narrowest = 0.0;

@@ -34,11 +34,11 @@ static_assert(offsetof(duet_pose, centre) == 0 && offsetof(duet_bounds, lower) =
 // A pose without its size.
 duet_transform grid_transform_of(const duet_pose *pose);
 
-// The pose of an object that has one; *scratch holds it where its size lies apart, or for a
-// sphere. A rounded box's is that of its core.
+// The pose of an object that has one; *scratch holds it if its size lies apart, or for a
+// sphere. A rounded box's pose is its core's.
 const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch);
 
-// 0 where objects have none.
+// 0 if objects have none.
 float grid_radius_of(const grid_objects *objects, uint32_t id);
 static inline bool grid_has_radii(const grid_objects *objects)
 {

@@ -49,23 +49,23 @@ typedef enum part_state {
 typedef struct part_kernels {
     kernel *clear;
     kernel *hash;
-    kernel *own_cells; // NULL where all counting is atomic, and with it
+    kernel *own_cells; // NULL if all counting is atomic, and with it
     kernel *count_others;
     kernel *scatter;
     kernel *starts;
     kernel *place; // bounds by id (paper), or everything into cell order (gpu, simd)
     kernel *candidates;
-    kernel *narrow; // NULL where the candidates' kernel finds pairs
-    kernel *gather; // NULL where the host sees objects that are to be decided
+    kernel *narrow; // NULL if the candidates' kernel finds pairs
+    kernel *gather; // NULL if the host sees objects that are to be decided
     kernel *change_ids;
-    kernel *count_pairs; // NULL where pairs come to the host
-    kernel *skim;        // NULL where it cannot be
+    kernel *count_pairs; // NULL if pairs come to the host
+    kernel *skim;        // NULL if it cannot be
     bool fused;          // candidates are tested where they are found
     bool listed;         // overlapping bounds are a pair, without a test
     bool unboxed;        // boxes are read by id, where the objects are
     bool from_ids;       // objects reach cell order by their sorted ids
     bool summed;         // objects are counted by the scan's blocks, too
-    bool guarded;        // the search finds nothing where the grid got more than it has space for
+    bool guarded;        // the search finds nothing if the grid got more than it has space for
 } part_kernels;
 
 // A parameter of the kernels that the scene or the stage decides. A choice that is open may be set
@@ -94,7 +94,7 @@ typedef struct part_args {
     cl_float4 inside_lower, inside_upper;
     cl_int4 cells;
     buffer objects;
-    buffer found; // pairs, or candidates where they are tested later
+    buffer found; // pairs, or candidates if they are tested later
 } part_args;
 
 // The counters, read (kernels/counters.h).
@@ -217,7 +217,7 @@ void part_forget_kernels(part *p);
 // Builds the kernel of part_skim, too.
 bool part_prepare_skim(part *p, duet_error *err);
 
-// The kernel of that name that the part has prepared; NULL where it runs another.
+// The kernel of that name that the part has prepared; NULL if it runs another.
 const kernel *part_kernel(const part *p, const char *name);
 
 // Invalidates what lies on the device, after a step that failed: waits for what is under way. It

@@ -96,7 +96,7 @@ static uint64_t narrow_work(const part *p, uint32_t objects)
     return expected < capacity ? expected : capacity;
 }
 
-// True where all that was found has its place; else makes more.
+// True if all that was found has its place; else makes more.
 static bool everything_fits(part *p, bool *fits, duet_error *err)
 {
     struct {

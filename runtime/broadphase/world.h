@@ -89,7 +89,7 @@ struct duet_world {
 };
 
 // Whether a step has begun that was not ended; whether a public call has a world where none
-// has, BAD_ARGUMENT where it has not.
+// has, BAD_ARGUMENT if it has not.
 bool world_is_under_way(const duet_world *world);
 bool world_is_idle(const duet_world *world, const char *call, duet_error *err);
 
@@ -108,13 +108,13 @@ void world_prefetch(duet_world *world, uint32_t n, const global_ids *ids);
 void world_cancel_prefetch(duet_world *world); // waits for it, and forgets it
 
 // Skims what was sent ahead, by a device to which it goes anyway: which of the objects lie deep
-// inside of the box. False where none does. The other one waits for the blocks from `from` on, 0 at
+// inside of the box. False if none does. The other one waits for the blocks from `from` on, 0 at
 // first, and returns up to which object they are there (part.h).
 bool world_skim(duet_world *world, const float inside_lower[3], const float inside_upper[3]);
 uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **blocks);
 
 // From now on the world has n of the objects that were mapped and those that were written behind
-// them; NULL where there is no space for so many.
+// them; NULL if there is no space for so many.
 void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n);
 
 // The next steps are of n objects in the caller's memory, of the kind that the world was made for.
@@ -142,9 +142,9 @@ typedef struct world_fit {
 // a grid of their own.
 void world_swap_fit(duet_world *world, world_fit *fit);
 
-// Takes *objects, and fits a grid to them where the last one does not suit them, by these
-// threads and the caller's; NULL: by that alone. The host sees the objects where that is asked
-// for, where a grid is fitted or slabs of it are to be cut anew, and where a search needs it.
+// Takes *objects, and fits a grid to them if the last one does not suit them, by these
+// threads and the caller's; NULL: by that alone. The host sees the objects if that is asked
+// for, if a grid is fitted or slabs of it are to be cut anew, and if a search needs it.
 bool world_fit_grid(duet_world *world, grid_objects *objects, bool seen, thread_pool *threads,
                     duet_error *err);
 
