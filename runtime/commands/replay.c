@@ -179,7 +179,7 @@ static bool give_next(duet_replay *p, const recorded *r, duet_motion *m, duet_er
                      p->commands_done, p->info.commands, why.text);
 }
 
-// Gives commands up to the next step; steps_left is 0 where there is none.
+// Gives commands up to the next step; steps_left is 0 if there is none.
 static bool give_commands(duet_replay *p, duet_motion *m, duet_error *err)
 {
     bool ok = true;
