@@ -172,7 +172,7 @@ void class_open(lua_State *L, const lua_class *c)
     lua_setfield(L, -4, "__close");
     lua_pushcclosure(L, find_member, 2);
     lua_setfield(L, -2, "__index");
-    lua_pushstring(L, c->name); // what getmetatable gives: scripts see no more of it
+    lua_pushstring(L, c->name); // getmetatable gives this: scripts see no more of the metatable
     lua_setfield(L, -2, "__metatable");
     lua_pop(L, 1);
 }

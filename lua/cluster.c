@@ -114,9 +114,9 @@ typedef struct cluster_box {
     lua_handle cluster;
     const cluster_library *calls;
     int64_t rank, rank_count;
-    array_kind rows; // of its objects
+    array_kind rows; // its objects'
     uint64_t maps;   // views of homes hold until the next call
-    uint64_t steps;  // those of pairs until the next step, or other objects
+    uint64_t steps;  // views of pairs hold until the next step, or other objects
 } cluster_box;
 
 static const lua_class cluster_class;

@@ -32,7 +32,7 @@ static duet_body_list check_list(lua_State *L, int index)
     return (duet_body_list){.ids = ids->rows, .n = (uint32_t)ids->n};
 }
 
-// As many rows as the list has bodies.
+// Takes as many rows as the list has bodies.
 static const void *check_rows(lua_State *L, int index, array_kind kind, uint32_t n)
 {
     const array *rows = array_check(L, index, kind);

@@ -9,7 +9,7 @@
 typedef struct scene_box {
     duet_scene *scene;
     uint64_t closings; // views of the objects hold while it is 0
-    size_t bytes;      // of the host's memory that it holds
+    size_t bytes;      // the host's memory that it holds
 } scene_box;
 
 const char *shape_name(int value)

@@ -15,7 +15,7 @@ static const lua_class search_class;
 
 typedef struct search_def {
     const char *strategy;
-    const char *strategy_lua; // of "lua": text of a script
+    const char *strategy_lua; // text of the script that strategy "lua" runs
     search_options options;
 } search_def;
 

@@ -56,7 +56,7 @@ static const member point_members[] = {
 typedef struct query_kind {
     lua_class class;
     const char *noun;                  // "a ray query", in messages
-    const member *members;             // of query_def
+    const member *members;             // query_def's
     array_kind takes[DUET_SHAPES + 1]; // by the tree's shape
     array_kind gives;
 } query_kind;

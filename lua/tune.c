@@ -201,7 +201,7 @@ static const member progress_members[] = {
 
 typedef struct watcher {
     lua_State *lua;
-    int function; // where on the stack it is
+    int function; // its index on the stack
     bool failed;  // its error is on top of the stack
 } watcher;
 

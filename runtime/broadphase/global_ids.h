@@ -14,7 +14,7 @@ typedef struct global_ids {
     const uint32_t *changed; // [n_changed] objects, in any order, whose id is not that of the
     uint64_t n_changed;      // last step: another, a first one, or none any more
     bool all_changed;
-    uint64_t generation, before; // of the list, the world's: now, and with which changes list it
+    uint64_t generation, before; // the world's for the list: now, and before the changes
 } global_ids;
 
 #endif

@@ -191,7 +191,7 @@ double grid_corner(const grid_level *level, float origin, uint32_t axis)
 }
 
 // An object that fits reaches this far beyond its point. Twice the margin is for
-// what rounding does to both ends where positions are in origin cells.
+// what rounding does to both ends if positions are in origin cells.
 static float reach_of(double along, double limit, duet_shape shape)
 {
     double reach = shape == DUET_SHAPE_BOUNDS ? limit : limit / 2;

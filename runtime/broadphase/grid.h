@@ -28,22 +28,22 @@ typedef struct grid {
     grid_kind kind;
     uint32_t n_levels; // finest first
     grid_level levels[GRID_LEVELS];
-    uint32_t n_cells;    // of all levels, or entries of the table, a power of two
-    uint32_t key_bits;   // of n_cells, the key of objects that are left out
+    uint32_t n_cells;    // cells of all levels, or entries of the table, a power of two
+    uint32_t key_bits;   // bits of n_cells, the key of objects that are left out
     float edge;          // the least of any level
-    uint64_t generation; // of a world's grids; 0: of none
+    uint64_t generation; // counts a world's grids; 0: no world's
     bool varies;         // the world's grid had other cells before
 } grid;
 
 // The begin of a level along an axis.
 double grid_corner(const grid_level *level, float origin, uint32_t axis);
 
-// How a grid is to be made; zero where that is open.
+// How a grid is to be made; zero if that is open.
 typedef struct grid_wish {
     bool has_world;
-    double lower[3]; // of the world
+    double lower[3]; // the world's
     double upper[3];
-    double edge;  // of the cells at least; one level then
+    double edge;  // the least edge of the cells; one level then
     bool uniform; // one level, whatever the sizes
     bool dense;   // never hashed
     bool hashed;  // always hashed

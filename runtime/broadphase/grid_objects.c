@@ -159,7 +159,7 @@ static double widest_of_pose(const duet_pose *p, uint32_t dims)
     return scale * (dims == 3 ? greater(widest, rz) : widest);
 }
 
-// Below 0 where a corner lies before the other: no box.
+// Below 0 if a corner lies before the other: no box.
 static double widest_of_bounds(const duet_bounds *b, uint32_t dims)
 {
     double widest = 0.0, narrowest = 0.0;
@@ -209,7 +209,7 @@ static void add_some(grid_needs *needs, const grid_objects *objects, uint32_t fi
     }
 }
 
-// Of objects behind all that there are.
+// Adds the needs of objects behind all that there are.
 static void join(grid_needs *needs, const grid_needs *more)
 {
     for (int k = 0; k < 3; ++k) {

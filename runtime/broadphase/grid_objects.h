@@ -15,7 +15,7 @@
 typedef struct grid_objects {
     const void *array;   // NULL if the host does not see the objects
     uint64_t generation; // changes with the content
-    size_t row_bytes;    // of an object in it
+    size_t row_bytes;    // an object's in it
     duet_shape shape;
     float origin; // the edge of origin cells, or 0
     uint32_t n;
@@ -34,11 +34,11 @@ static_assert(offsetof(duet_pose, centre) == 0 && offsetof(duet_bounds, lower) =
 // A pose without its size.
 duet_transform grid_transform_of(const duet_pose *pose);
 
-// The pose of an object that has one; *scratch holds it where its size lies apart, or for a
-// sphere. A rounded box's is that of its core.
+// The pose of an object that has one; *scratch holds it if its size lies apart, or for a
+// sphere. A rounded box's pose is its core's.
 const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch);
 
-// 0 where objects have none.
+// 0 if objects have none.
 float grid_radius_of(const grid_objects *objects, uint32_t id);
 static inline bool grid_has_radii(const grid_objects *objects)
 {
@@ -61,12 +61,12 @@ enum { GRID_OCTAVES = 300 };
 
 // The grid that the objects need. Bad ones are not counted.
 typedef struct grid_needs {
-    double lower[3]; // of the points that decide cells
+    double lower[3]; // the least of the points that decide cells
     double upper[3];
     double widest;      // the largest extent of any object
-    uint32_t widest_id; // whose it is
-    // By octave of the extent of the bounds that devices compute, which are wider
-    // by their rounding: how many objects, and the largest extent.
+    uint32_t widest_id; // the object that has it
+    // The number of objects and the largest extent, by octave of the extent of the bounds that
+    // devices compute, which are wider by their rounding.
     uint32_t octave_n[GRID_OCTAVES];
     double octave_widest[GRID_OCTAVES];
 } grid_needs;

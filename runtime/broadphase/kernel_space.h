@@ -19,7 +19,7 @@ enum {
 
 typedef struct kernel_space {
     char kernel[48];
-    const char *stages[KERNEL_SPACE_STAGES]; // of a step, that the kernel's time is in
+    const char *stages[KERNEL_SPACE_STAGES]; // a step's, that the kernel's time is in
     struct {
         char name[24];
         int64_t values[KERNEL_SPACE_VALUES];
@@ -46,12 +46,12 @@ bool kernel_space_read(const kernel_space_source *from, const char *name,
 
 // The kernels of a device that have several configs, in the order in which a step mostly
 // spends its time on them; side 0 is A. Steps the world unless its last step was by the
-// plan's kernels. The caller frees *spaces; n is 0 where the device has no work.
+// plan's kernels. The caller frees *spaces; n is 0 if the device has no work.
 bool kernel_spaces_read(duet_world *world, int side, kernel_space **spaces, uint32_t *n,
                         duet_error *err);
 
 // Adds to a variant's text what a config sets otherwise than the one that ran:
-// "gpu pair_search_gpu.WG=64". False where the text would be too long.
+// "gpu pair_search_gpu.WG=64". False if the text would be too long.
 bool kernel_space_write(const kernel_space *space, uint32_t config, const char *base, char *text,
                         size_t size);
 

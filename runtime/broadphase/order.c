@@ -29,8 +29,8 @@ typedef struct keyed_id {
 
 static_assert(2 * sizeof(keyed_id) == ORDER_SCRATCH, "rows before and after a pass");
 
-// How cells are numbered: row after row. Where a world has more cells than keys, neighbours
-// share one.
+// How cells are numbered: row after row. Neighbours share a key if a world has more cells than
+// keys.
 typedef struct numbering {
     uint32_t shift;
     uint64_t cells[3];
@@ -43,9 +43,9 @@ typedef struct sorting {
     uint32_t n_chunks;
     uint32_t (*places)[DIGITS]; // [n_chunks] how many rows have a digit, and where they go
     keyed_id *from, *to;
-    uint32_t *order; // where to is NULL
+    uint32_t *order; // used if to is NULL
     uint32_t low;    // bits of cells' keys below those in rows, by which order is sorted
-    uint32_t shift;  // of a row's key, to the digit
+    uint32_t shift;  // from a row's key to the digit
     uint32_t digits;
 } sorting;
 

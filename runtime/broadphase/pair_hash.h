@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-// key: a << 32 | b. Of 0 it is 0.
+// key: a << 32 | b. The hash of 0 is 0.
 static inline uint64_t pair_hash(uint64_t key)
 {
     key *= 0x9E3779B97F4A7C15u;

@@ -97,8 +97,8 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         VALUE(cells),
                                         {0}};
 
-// In kernels/dynamics/read_rows.cl ids are those of the undecided pairs. Of its two entries the
-// first alone is launched.
+// In kernels/dynamics/read_rows.cl ids are those of the undecided pairs. Only the first of its two
+// entries is launched.
 static const binding gather_bindings[] = {BUFFER("rows", "uint *", args.objects),
                                           BUFFER("ids", "uint *", undecided),
                                           BUFFER("gathered", "uint *", gathered),

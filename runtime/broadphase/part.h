@@ -29,8 +29,8 @@ typedef struct part_task {
     const grid *grid;
     grid_role role;
     struct part *other;    // the other device's part
-    part_range range;      // of the grid
-    selection wanted;      // of the objects
+    part_range range;      // the grid's
+    selection wanted;      // the objects'
     compaction *lists;     // that find a wanted LIST
     const global_ids *ids; // pairs of objects that have one stay there, and are counted; or NULL
     bool pairs_on_device;  // the pairs stay on the device
@@ -49,23 +49,23 @@ typedef enum part_state {
 typedef struct part_kernels {
     kernel *clear;
     kernel *hash;
-    kernel *own_cells; // NULL where all counting is atomic, and with it
+    kernel *own_cells; // NULL if all counting is atomic, and with it
     kernel *count_others;
     kernel *scatter;
     kernel *starts;
     kernel *place; // bounds by id (paper), or everything into cell order (gpu, simd)
     kernel *candidates;
-    kernel *narrow; // NULL where the candidates' kernel finds pairs
-    kernel *gather; // NULL where the host sees objects that are to be decided
+    kernel *narrow; // NULL if the candidates' kernel finds pairs
+    kernel *gather; // NULL if the host sees objects that are to be decided
     kernel *change_ids;
-    kernel *count_pairs; // NULL where pairs come to the host
-    kernel *skim;        // NULL where it cannot be
+    kernel *count_pairs; // NULL if pairs come to the host
+    kernel *skim;        // NULL if it cannot be
     bool fused;          // candidates are tested where they are found
-    bool listed;         // what overlaps is a pair, without a test
+    bool listed;         // overlapping bounds are a pair, without a test
     bool unboxed;        // boxes are read by id, where the objects are
     bool from_ids;       // objects reach cell order by their sorted ids
     bool summed;         // objects are counted by the scan's blocks, too
-    bool guarded;        // the search finds nothing where the grid got more than it has space for
+    bool guarded;        // the search finds nothing if the grid got more than it has space for
 } part_kernels;
 
 // A parameter of the kernels that the scene or the stage decides. A choice that is open may be set
@@ -94,7 +94,7 @@ typedef struct part_args {
     cl_float4 inside_lower, inside_upper;
     cl_int4 cells;
     buffer objects;
-    buffer found; // pairs, or candidates where they are tested later
+    buffer found; // pairs, or candidates if they are tested later
 } part_args;
 
 // The counters, read (kernels/counters.h).
@@ -129,13 +129,13 @@ typedef struct part_result {
 
 // Invariants:
 // 1. The kernels are those of `variant` and `choices`; without candidates there are none.
-// 2. What lies on the device of the world's arrays is what the views say. All else in its memory is
+// 2. The views say what lies on the device of the world's arrays. All else in its memory is
 //    made anew in each step, but for zero_words and pairs_early.
 // 3. `result` is that of the last step that part_begin began.
 typedef struct part {
     const device *device;
     const device *devices; // the device pair, for host memory
-    int side;              // of the pair
+    int side;              // the part's, in the pair
     scan scan;
     radix_sort radix;
     timeline times;
@@ -164,7 +164,7 @@ typedef struct part {
         device_view objects;
         device_view sizes;      // if the objects are transforms
         device_view levels;     // the grid's
-        device_view global_ids; // of 64 bits
+        device_view global_ids; // 64 bits each
         uint32_t least_chunk;   // objects
         buffer id_changes;
         host_block changes; // on their way there
@@ -177,21 +177,21 @@ typedef struct part {
     struct {
         buffer words;    // [n / INPUT_BLOCK] the epoch, if the other part needs the block
         host_block seen; // on the host, if the device has memory of its own
-        cl_uint epoch;   // of the last step
+        cl_uint epoch;   // the last step's
     } requests;
 
     struct {                          // the grid
-        buffer keys, ids;             // of the objects; in cell order once sorted
+        buffer keys, ids;             // the objects'; in cell order once sorted
         buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
         buffer counts;                // objects a cell, until the scan makes starts of them
-        buffer counters, next_counters; // of this step, and of the next
-        uint32_t zero_words;    // of next_counters and then counts that are zero; 0: unknown
-        buffer edges;           // first own cell of each work-item that counts
-        buffer starts;          // first of each cell
-        buffer bounds;          // [n][2], by id or in cell order; simd: by columns
-        buffer boxes;           // [n][3], in cell order; simd: rows of numbers
-        cl_uint place_capacity; // objects that have a place in both
-        host_block sent;        // on its way to the other part
+        buffer counters, next_counters; // this step's, and the next step's
+        uint32_t zero_words;            // zero words of next_counters and then counts; 0: unknown
+        buffer edges;                   // first own cell of each work-item that counts
+        buffer starts;                  // first of each cell
+        buffer bounds;                  // [n][2], by id or in cell order; simd: by columns
+        buffer boxes;                   // [n][3], in cell order; simd: rows of numbers
+        cl_uint place_capacity;         // objects that have a place in both
+        host_block sent;                // on its way to the other part
     };
 
     struct { // the pairs
@@ -199,8 +199,8 @@ typedef struct part {
         buffer gathered; // objects of the undecided pairs
         buffer pair_counts, left;
         host_block fetched;   // on the host, if the device has memory of its own
-        uint64_t pairs_early; // of them, that are read before their number is known
-        host_block early;     // what is read with them
+        uint64_t pairs_early; // pairs that are read before their number is known
+        host_block early;     // data that are read with them
     };
 } part;
 
@@ -217,7 +217,7 @@ void part_forget_kernels(part *p);
 // Builds the kernel of part_skim, too.
 bool part_prepare_skim(part *p, duet_error *err);
 
-// The kernel of that name that the part has prepared; NULL where it runs another.
+// The kernel of that name that the part has prepared; NULL if it runs another.
 const kernel *part_kernel(const part *p, const char *name);
 
 // Invalidates what lies on the device, after a step that failed: waits for what is under way. It

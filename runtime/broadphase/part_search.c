@@ -96,7 +96,7 @@ static uint64_t narrow_work(const part *p, uint32_t objects)
     return expected < capacity ? expected : capacity;
 }
 
-// True where all that was found has its place; else makes more.
+// True if all that was found has its place; else makes more.
 static bool everything_fits(part *p, bool *fits, duet_error *err)
 {
     struct {
@@ -325,7 +325,7 @@ static bool fetch_open(part *p, const duet_pair **open, duet_pair *scratch, duet
                                              p->result.n_undecided * sizeof **open, err);
 }
 
-// What the host decides with: all objects, or where it does not see them those of the open
+// The objects that the host decides with: all, or if it does not see them the objects of the open
 // pairs, two for each.
 typedef struct open_objects {
     grid_objects objects;

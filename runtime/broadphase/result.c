@@ -133,7 +133,7 @@ static bool join_pairs(duet_world *world, duet_error *err)
     return ok;
 }
 
-// All in one buffer, and how many, 0 after a failure, where somebody wants the number.
+// All in one buffer, and how many, 0 after a failure, if somebody wants the number.
 static bool leave_pairs(duet_world *world, bool found, duet_error *err)
 {
     pair_buffers *b = &world->left;

@@ -16,9 +16,9 @@ typedef struct part_range {
     uint32_t key_from, home_to, key_to;
     uint32_t other_from, other_to; // keys of the other part's slab
     uint32_t first, last;
-    uint32_t homes;           // of a slab, when its objects were last counted
+    uint32_t homes;           // a slab's, when its objects were last counted
     uint32_t expected;        // about how many objects its grid gets
-    uint32_t expected_ghosts; // of a slab, likewise: those of no home key
+    uint32_t expected_ghosts; // a slab's, likewise: objects of no home key
 } part_range;
 
 // Whether many objects are in none of the part's cells: the other part has a slab, too.

@@ -8,7 +8,7 @@
 // fixed (compiled in, for as long as a dense grid's stay the same). send says how
 // a device with memory of its own gets the objects: chunks, which are hashed while
 // the next travels, all at once, or packed (only what the device's slab needs, in
-// mode slab: worth it where the bus is slow, docs/notes/performance.md). Every other
+// mode slab: worth it if the bus is slow, docs/notes/performance.md). Every other
 // NAME=V sets a parameter of each kernel whose card has it, or of one kernel as
 // KERNEL.NAME=V.
 #ifndef RUNTIME_VARIANT_H

@@ -8,8 +8,8 @@
 
 // Statistics of all objects. NaN is passed over: no comparison holds.
 typedef struct workload_stats {
-    uint64_t generation; // of the objects that were counted; 0: none
-    float lower[3];      // of the centres
+    uint64_t generation; // the counted objects'; 0: none
+    float lower[3];      // the centres' least
     float upper[3];
     float widest;    // by what decides an extent: squares of half diagonals of boxes that
     float narrowest; // may be turned, else half or, of bounds, whole sides; above 0
@@ -24,10 +24,10 @@ typedef struct workload_summary {
     uint32_t cells[3];
     double cell;           // edge
     double mean_occupancy; // objects a cell
-    double crowding;       // as above
+    double crowding;       // the same as in workload_stats
     double size_ratio;     // the widest object by the narrowest
-    double strays; // of a world that is ordered: the part of its objects that would lie in the
-                   // other half, were rows of cells cut in two; 0.5 at random. Else 0
+    double strays;         // an ordered world's: the part of its objects that would lie in the
+                           // other half, were rows of cells cut in two; 0.5 at random. Else 0
 } workload_summary;
 
 // Takes about as long as reading all objects once, unless statistics were taken

@@ -22,11 +22,11 @@ typedef struct resident {
 typedef struct pair_buffers {
     const device *device; // NULL: pairs come to the host
     cl_mem pairs, count;  // the caller's, held; NULL: own
-    uint64_t capacity;    // of the caller's
+    uint64_t capacity;    // the caller's
     buffer own_pairs, own_count;
-    const buffer *joined;   // of ours that has all of them: own_pairs or a part's
+    const buffer *joined;   // our buffer that has all pairs: own_pairs or a part's
     bool count_written;     // their number is on the device, 0 after a failure
-    duet_pair_buffers last; // of the last step; its mems may be a part's
+    duet_pair_buffers last; // the last step's; its mems may be a part's
 } pair_buffers;
 
 // The first half of a step leaves these for the second.
@@ -38,8 +38,8 @@ typedef struct step_half {
 // The global ids that steps count pairs by.
 typedef struct counting_ids {
     const global_ids *list; // in a step that counts; else NULL
-    uint64_t generation;    // of the last list
-    uint64_t prefetched;    // of the last list that was prefetched
+    uint64_t generation;    // the last list's
+    uint64_t prefetched;    // the last prefetched list's
 } counting_ids;
 
 // Invariants:
@@ -51,14 +51,14 @@ typedef struct counting_ids {
 //    generation is that of the split, of the ranges and of the parts' levels that were made from
 //    it.
 // 3. def.plan has no default left: its mode is asked_mode, or what suits the grid.
-// 4. What lies on a device is known by its part's views alone.
+// 4. Only a part's views know what lies on its device.
 struct duet_world {
     duet_world_def def;
-    duet_object_kind kind; // of the objects, by the def
+    duet_object_kind kind; // the objects', by the def
     uint32_t users;        // the creator, and shares that are kept on line
-    duet_mode asked_mode;  // of the plan
-    variant variants[2];   // of the plan
-    grid_wish wish;        // of the plan
+    duet_mode asked_mode;  // the plan's
+    variant variants[2];   // the plan's
+    grid_wish wish;        // the plan's
 
     host_block objects; // [n] poses or bounds, or transforms
     const void *rows;
@@ -68,28 +68,28 @@ struct duet_world {
     host_block sizes; // [n_sizes + 1] of transforms
     uint32_t n_sizes;
     uint64_t sizes_generation;
-    workload_stats stats; // of the objects that were set first
+    workload_stats stats; // taken of the objects that were set first
 
     grid grid;
     uint64_t n_grids;    // that were fitted so far: the last one's generation
     uint32_t fitted_n;   // objects that the grid was fitted to; 0: it is to be fitted
     bool cell_widened;   // beyond the def's cell, which was too small
-    split split;         // of the grid, in mode slab
-    input_ranges ranges; // of the slabs' objects, if they are ordered
-    compaction lists;    // of the slabs' objects, if they are not
+    split split;         // the grid's, in mode slab
+    input_ranges ranges; // the slabs' objects, if they are ordered
+    compaction lists;    // the slabs' objects, if they are not ordered
 
     part parts[2];       // A, B
     thread_pool *driver; // drives A while the caller's thread drives B
     counting_ids ids;
-    pair_buffers left;     // where pairs are left
+    pair_buffers left;     // the buffers that pairs are left in
     uint64_t steps;        // since the last whose stages were asked for
-    background background; // of a step in two halves
+    background background; // runs a step in two halves
     step_half half;
-    duet_stage stages[2 * TIMELINE_STAGES]; // of the last step
+    duet_stage stages[2 * TIMELINE_STAGES]; // the last step's
 };
 
 // Whether a step has begun that was not ended; whether a public call has a world where none
-// has, BAD_ARGUMENT where it has not.
+// has, BAD_ARGUMENT if it has not.
 bool world_is_under_way(const duet_world *world);
 bool world_is_idle(const duet_world *world, const char *call, duet_error *err);
 
@@ -100,21 +100,21 @@ size_t world_kind_bytes(duet_object_kind kind);
 duet_object_kind world_objects_kind(const duet_world_def *def);
 const char *world_objects_name(const duet_world_def *def);
 
-// Begins to send the first n objects of those that were mapped, where that can be, while the
-// caller writes others behind them; the next step is of all of these. Until then the first n stay
-// as they are. What fails is sent again in the step. ids, unless NULL, are those that the step
-// will count with, but for which have none; their list is sent too.
+// Begins to send the first n objects of those that were mapped, where that can be, while the caller
+// writes others behind them; the next step is of all of these. Until then the first n stay as they
+// are. The step sends again what fails. ids, unless NULL, are those that the step will count with,
+// but for which have none; their list is sent too.
 void world_prefetch(duet_world *world, uint32_t n, const global_ids *ids);
 void world_cancel_prefetch(duet_world *world); // waits for it, and forgets it
 
 // Skims what was sent ahead, by a device to which it goes anyway: which of the objects lie deep
-// inside of the box. False where none does. The other one waits for the blocks from `from` on, 0 at
+// inside of the box. False if none does. The other one waits for the blocks from `from` on, 0 at
 // first, and returns up to which object they are there (part.h).
 bool world_skim(duet_world *world, const float inside_lower[3], const float inside_upper[3]);
 uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **blocks);
 
 // From now on the world has n of the objects that were mapped and those that were written behind
-// them; NULL where there is no space for so many.
+// them; NULL if there is no space for so many.
 void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n);
 
 // The next steps are of n objects in the caller's memory, of the kind that the world was made for.
@@ -142,9 +142,9 @@ typedef struct world_fit {
 // a grid of their own.
 void world_swap_fit(duet_world *world, world_fit *fit);
 
-// Takes *objects, and fits a grid to them where the last one does not suit them, by these
-// threads and the caller's; NULL: by that alone. The host sees the objects where that is asked
-// for, where a grid is fitted or slabs of it are to be cut anew, and where a search needs it.
+// Takes *objects, and fits a grid to them if the last one does not suit them, by these
+// threads and the caller's; NULL: by that alone. The host sees the objects if that is asked
+// for, if a grid is fitted or slabs of it are to be cut anew, and if a search needs it.
 bool world_fit_grid(duet_world *world, grid_objects *objects, bool seen, thread_pool *threads,
                     duet_error *err);
 
@@ -190,7 +190,8 @@ bool world_hand_out(duet_world *world, bool found, uint64_t begun, duet_result *
 bool world_step(duet_world *world, duet_result *result, duet_error *err);
 
 // A step over n bounds in B's memory. *pairs has as many as the result says, in B's memory until
-// the next step; its spans have none. Where B searches alone, nothing of both comes to the host.
+// the next step; its spans have none. Neither bounds nor pairs come to the host if B searches
+// alone.
 bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, bool untimed,
                          duet_result *result, const buffer **pairs, duet_error *err);
 

@@ -36,7 +36,7 @@ static const struct {
       "three cells or more an axis: borders are left out"}},
 };
 
-// False where the kernel's name does not say it.
+// False if the kernel's name does not say it.
 static bool read_parameter(const kernel *k, const char *parameter, int64_t *value)
 {
     char dotted[32];

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-// Grids are fitted again where the number of objects has changed this much.
+// Grids are fitted again if the number of objects has changed this much.
 enum { REFIT_FACTOR = 2 };
 
 // How unequal devices compare is not known before it is measured.

@@ -11,7 +11,7 @@
 
 static const struct {
     const char *name;
-    size_t bytes; // of a row
+    size_t bytes; // a row's
 } kinds[] = {
     [DUET_OBJECT_POSES] = {"poses", sizeof(duet_pose)},
     [DUET_OBJECT_BOUNDS] = {"bounds", sizeof(duet_bounds)},

@@ -90,7 +90,7 @@ bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n
             t.rotation[0] = t.rotation[1] = 0.0f;
         if (!world->def.compact_transforms)
             ((duet_transform *)to)[i] = t;
-        else // what has no rotation is the step's to report
+        else // the step reports a pose without rotation
             duet_compact_transform_set(&((duet_compact_transform *)to)[i], &t, NULL);
     }
     return to;

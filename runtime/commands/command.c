@@ -140,7 +140,7 @@ static uint32_t missing_with(const duet_motion *m, effect_facts *all, const comm
     return effect_infer(&m->def, all) & ~m->effects;
 }
 
-// What one body alone does not call for, it may with those before it.
+// A body may call for an effect only together with the bodies before it.
 static bool name_who_lacks(const duet_motion *m, const command *c, duet_error *err)
 {
     effect_facts all = m->facts;

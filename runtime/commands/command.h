@@ -2,8 +2,8 @@
 // A command on its way: what the caller gave, and copies of the bodies that it changes.
 //
 // command_give (commands.h) opens it: each listed body is there, and enabled if it must be. The
-// command's own function then checks all the rest before it changes anything. What fails after
-// that breaks the motion (motion_keep_whole).
+// command's own function then checks all the rest before it changes anything. A failure after that
+// breaks the motion (motion_keep_whole).
 #ifndef RUNTIME_COMMAND_H
 #define RUNTIME_COMMAND_H
 

@@ -181,7 +181,7 @@ bool command_disable_bodies(duet_motion *m, command *c, duet_error *err)
     return motion_keep_whole(m, send_presence(m, c->places, n, err));
 }
 
-// Those that are enabled already keep what they do.
+// Bodies that are enabled already keep what they do.
 bool command_enable_bodies(duet_motion *m, command *c, duet_error *err)
 {
     uint32_t n = 0;
@@ -202,7 +202,7 @@ bool command_wake_bodies(duet_motion *m, command *c, duet_error *err)
     return motion_keep_whole(m, motion_set_asleep(m, c->places, c->list.n, false, err));
 }
 
-// What has no mass moves on, as it never sleeps. The places that have some come first then.
+// A body without mass moves on, as it never sleeps. The places with mass come first then.
 static bool stop_all(duet_motion *m, uint32_t *places, uint32_t n, duet_error *err)
 {
     uint32_t n_stopped = 0;
@@ -217,7 +217,7 @@ static bool stop_all(duet_motion *m, uint32_t *places, uint32_t n, duet_error *e
     return motion_send_places(m, places, n_stopped, PART_VELOCITY | PART_ANGULAR_VELOCITY, err);
 }
 
-// What is sent to sleep stands still from then on: what it would have met is not met.
+// A body that is sent to sleep stands still from then on: what it would have met is not met.
 bool command_sleep_bodies(duet_motion *m, command *c, duet_error *err)
 {
     return motion_keep_whole(m, stop_all(m, c->places, c->list.n, err) &&

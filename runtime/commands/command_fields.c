@@ -56,7 +56,7 @@ static uint32_t parts_of(uint32_t which)
     return all;
 }
 
-// Contacts of one colour share no body that moves; those of a body that has a mass from now
+// Contacts of one colour share no body that moves; contacts of a body that has a mass from now
 // on may have done so.
 static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
 {

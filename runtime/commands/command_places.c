@@ -46,7 +46,7 @@ static void turn_between(const double from[4], const double to[4], double time, 
         velocity[k] = sine > 0.0 ? (float)(v[k] / sine * angle / time) : 0.0f;
 }
 
-// What the state's bodies need to get to their targets in a step.
+// Finds the velocities that the state's bodies need to get to their targets in a step.
 static bool find_velocities(duet_motion *m, const command *c, duet_error *err)
 {
     duet_state *states = motion_read_states(m, err);

@@ -94,7 +94,7 @@ static void turn(const double q[4], bool back, const double v[3], double to[3])
         to[k] = v[k] + q[3] * t[k] + s[k];
 }
 
-// What an impulse changes the angular velocity by, for a body with this rotation and
+// Computes what an impulse changes the angular velocity by, for a body with this rotation and
 // inverse inertia along its own axes.
 static void angular_change_of(const duet_motion *m, const duet_impulse *impulse, const double q[4],
                               const double inverse[3], double by[3])
@@ -112,7 +112,7 @@ static void angular_change_of(const duet_motion *m, const duet_impulse *impulse,
     turn(q, false, own, by);
 }
 
-// What impulses read and change. The last three are empty where nothing turns.
+// Rows that impulses read and change. The last three are empty if nothing turns.
 typedef struct pushed {
     motion_rows velocities, angular_velocities, rotations, inertias;
 } pushed;

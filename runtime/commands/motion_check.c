@@ -164,8 +164,8 @@ static bool is_sensor(const duet_motion *m, uint32_t id)
     return id < m->n && m->bodies[id].sensor;
 }
 
-// Of two that have a mass the first owns the contact; what has none owns one only as a sensor,
-// with what has none either. Sensors meet no walls and no sensors.
+// The first of two bodies with a mass owns the contact; a body without mass owns one only as a
+// sensor, with another body without mass. Sensors meet no walls and no sensors.
 static bool can_meet(const duet_motion *m, uint32_t owner, uint32_t other)
 {
     if (is_sensor(m, owner) && (other >= m->n || is_sensor(m, other)))
@@ -252,8 +252,8 @@ static bool check_colours(const duet_motion *m, const motion_saved *s, uint32_t 
     return ok;
 }
 
-// For each object that moves the contacts where it is the other, ascending. places
-// [n] is where in its row the next one is expected.
+// Checks for each object that moves the contacts that it is the other of, ascending. places [n] is
+// where in its row the next one is expected.
 static bool check_returns(const duet_motion *m, const motion_saved *s, uint32_t *places,
                           duet_error *err)
 {

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What follows is read where it lies: vectors of four words.
+// The data behind the head are read where they lie: vectors of four words.
 static_assert(sizeof(saved_head) == 240 && sizeof(saved_head) % sizeof(cl_int4) == 0,
               "no byte of a file is left to chance");
 
@@ -113,7 +113,7 @@ static bool write_file(text *file, const char *path, duet_error *err)
     return text_ok(file, err) && text_write_file(path, file->chars, file->length, err);
 }
 
-// What could not be loaded is told while the motion is still there.
+// A file that could not be loaded is told while the motion is still there.
 bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
 {
     PUBLIC_CALL(err);

@@ -16,8 +16,8 @@ struct duet_replay {
     text file;
     recording_head head;
     uint64_t end_hash;
-    size_t at, end;      // of the record that comes next, and of all
-    uint32_t steps_left; // of the record
+    size_t at, end;      // offsets of the next record, and of the end of all
+    uint32_t steps_left; // the record's
     duet_replay_info info;
     uint64_t commands_done;
     bool begun;
@@ -179,7 +179,7 @@ static bool give_next(duet_replay *p, const recorded *r, duet_motion *m, duet_er
                      p->commands_done, p->info.commands, why.text);
 }
 
-// Gives commands up to the next step; steps_left is 0 where there is none.
+// Gives commands up to the next step; steps_left is 0 if there is none.
 static bool give_commands(duet_replay *p, duet_motion *m, duet_error *err)
 {
     bool ok = true;

@@ -139,8 +139,8 @@ static bool take_target(const duet_motion *copy, const motion_target *t, const c
     return ok || bad_place(path, t->place, "no such body can have a target", err);
 }
 
-// What the objects call for is what the motion has; its kernels may still have to learn
-// that bodies tumble.
+// Refuses objects that call for an effect that the motion lacks; the motion's kernels may still
+// have to learn that bodies tumble.
 static bool take_facts(duet_motion *copy, const char *path, duet_error *err)
 {
     const effect_facts before = copy->facts;

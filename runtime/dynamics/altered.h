@@ -14,7 +14,7 @@
 typedef struct altered_bodies {
     uint32_t *places;
     cl_uint n, capacity;
-    // of the table
+    // the table's
     cl_uint n_heads, pair_capacity;
     cl_float per_edge;
 } altered_bodies;

@@ -26,7 +26,7 @@ void motion_note_bounds(duet_motion *m)
         product_keep(&m->products, PRODUCT_BOUNDS);
 }
 
-// Whether everything is still inside them. What had left gets new ones.
+// Whether everything is still inside them. Bodies that had left get new ones.
 static bool keep_bounds(duet_motion *m, duet_error *err)
 {
     if (!motion_check_bounds(m, err) || !motion_read_flags(m, err))
@@ -109,7 +109,8 @@ static bool search_all(duet_motion *m, duet_error *err)
     return ok && note_pairs(m, found->pairs, pairs, err);
 }
 
-// Of the altered bodies, or, if none is listed or they have too many, of all.
+// Searches pairs of the altered bodies, or of all bodies if none is listed or they have too many
+// pairs.
 bool motion_make_pairs(duet_motion *m, duet_error *err)
 {
     cl_uint n = 0;

@@ -6,13 +6,13 @@
 #include "runtime/opencl/scan.h"
 
 typedef struct contact_graph {
-    duet_world *world;    // of bounds; NULL without contact
-    duet_result searched; // what it found and took last
+    duet_world *world;    // a world of bounds; NULL without contact
+    duet_result searched; // its last result
     scan scan;
     buffer pairs; // that rows are made of
     cl_uint n_pairs;
     cl_uint n_contacts; // in rows
-    // what a launch is told besides
+    // other arguments of a launch
     cl_uint n_old, fill;
     buffer row_starts, row_values;
 } contact_graph;

@@ -17,7 +17,7 @@ enum { COOKIE = 0x0d0e700f };
 // Some 27 MB of contacts: launches cost nothing beside it, and few devices lack it.
 enum { CHUNK = 1 << 18 };
 
-// Of kernels/dynamics/contact_query.cl: the points of a pair with an object that is no box.
+// The points of a pair with an object that is no box, as in kernels/dynamics/contact_query.cl.
 #define NO_BOX UINT32_MAX
 
 static_assert(sizeof(duet_contact) == 26 * sizeof(uint32_t), "a row as the kernel writes it");
@@ -28,7 +28,7 @@ typedef struct side {
     work_side work;
     kernel *kernel;
     buffer objects, pairs, contacts;
-    cl_uint n; // of the pairs that were launched last
+    cl_uint n; // pairs that were launched last
     cl_float margin;
     uint32_t dims;
     duet_shape shape;
@@ -36,7 +36,7 @@ typedef struct side {
     const void *all_objects;
     uint32_t n_objects;
     const duet_span *spans;
-    duet_contact *found; // of all pairs
+    duet_contact *found; // all pairs' contacts
     uint64_t touching;
 } side;
 

@@ -176,7 +176,7 @@ uint32_t effect_infer(const duet_motion_def *def, const effect_facts *facts)
     for (int i = 0; i < N_ROWS; ++i)
         if ((def->wants & rows[i].effect) || is_called(rows[i].effect, def, facts, effects))
             effects |= rows[i].effect | rows[i].needs;
-    // What a later row needs may call for an earlier one.
+    // Effects that a later row needs may call for an earlier one.
     for (int i = 0; i < N_ROWS; ++i)
         if ((effects & rows[i].effect) || is_called(rows[i].effect, def, facts, effects))
             effects |= rows[i].effect | rows[i].needs;

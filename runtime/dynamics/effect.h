@@ -5,7 +5,7 @@
 
 #include "runtime/duet.h"
 
-// What the objects and the def say that calls for effects.
+// Facts of the objects and the def that call for effects.
 typedef struct effect_facts {
     bool rotated;  // some rotation is not the identity
     bool moving;   // some velocity is not 0
@@ -33,7 +33,7 @@ typedef struct effect_row {
     uint32_t effect;
     const char *name;
     uint32_t needs;        // effects that come with it
-    const char *called_by; // what calls for it
+    const char *called_by; // says what calls for it
     const char *word;      // is in no kernel's text without it
     const char *kernels;
 } effect_row;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A rounded box is its core, a slab on each face, a quarter of a cylinder along each edge and an
-// eighth of a ball at each corner. Of each the volume and the mean of x^2 are known, so that the
+// eighth of a ball at each corner. The volume and the mean of x^2 of each are known, so that the
 // sums are exact (docs/notes/effects.md, "Rounded boxes").
 #include "runtime/dynamics/inertia.h"
 

@@ -42,7 +42,7 @@ static bool check_objects(const duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- owner
 
-// Of what can push.
+// Averages over bodies that can push.
 static double mean_least_extent(const duet_motion *m)
 {
     double sum = 0.0;
@@ -66,7 +66,7 @@ static bool settle_pose(const duet_motion *m, duet_large_pose p, duet_pose *pose
     return ok;
 }
 
-// Each centre into its origin cell: those of poses count from def.origin.
+// Each centre into its origin cell: the centres of poses count from def.origin.
 static bool place_objects(duet_motion *m, const duet_large_pose *large_poses, duet_error *err)
 {
     if (m->def.origin_edge == 0.0f)

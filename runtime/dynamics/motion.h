@@ -51,17 +51,17 @@ typedef struct motion_kernels {
     kernel *compute_altered_aabbs, *place_altered, *find_altered_pairs, *keep_pairs;
 } motion_kernels;
 
-// What a step tells its kernels, by the names that their cards use (motion_step.c). What a launch
-// is told besides stands in the struct of the file that launches it.
+// A step tells its kernels these, by the names that their cards use (motion_step.c). Other
+// arguments of a launch stand in the struct of the file that launches it.
 typedef struct motion_args {
     arg_real4 gravity; // or the centre and strength of an attraction
     cl_float4 gravity_float;
     arg_real4 lower, upper; // walls
-    arg_real4 times, drags; // of a substep's parts, in free flight
+    arg_real4 times, drags; // a substep's parts', in free flight
     cl_uint substeps;
     cl_float dt;
     arg_real dt_real;
-    cl_float h, per_h, drag; // of a substep
+    cl_float h, per_h, drag; // a substep's
     cl_float4 spring, hard_spring, fall;
     cl_float load_speed, margin, least_speed;
     arg_real skin;
@@ -86,21 +86,21 @@ typedef struct motion_halves {
     double ms;
 } motion_halves;
 
-// What commands (runtime/duet_motion_commands.h) leave behind.
+// The state that commands (runtime/duet_motion_commands.h) leave behind.
 typedef struct motion_commands motion_commands;
 
 // In a step each file changes its own struct and the products that it makes, and reads the rest.
 // Between steps commands change bodies and forget what they made wrong; a load changes all.
 struct duet_motion {
-    // what moves
+    // the bodies and their def
     duet_motion_def def;
     motion_plan plan; // the def's
     uint32_t effects;
     effect_facts facts;
     cl_uint n;
-    duet_pose *poses;  // as given; with an origin each centre is an offset in its cell
+    duet_pose *poses;  // the given ones; with an origin each centre is an offset in its cell
     cl_int4 *cells;    // NULL without
-    duet_body *bodies; // as given
+    duet_body *bodies; // the given ones
     double extent;     // the bodies' mean least one, at the start
     double margin;     // contacts are kept to that far apart
 
@@ -113,7 +113,7 @@ struct duet_motion {
     motion_args args;       // motion_step.c
     timeline times;
     buffer buffers[MOTION_BUFFERS];
-    uint32_t flags[FLAGS]; // as they were read last
+    uint32_t flags[FLAGS]; // the values that were read last
 
     // from step to step
     motion_phase phase; // phase.c
@@ -125,10 +125,10 @@ struct duet_motion {
     motion_events told;
     motion_halves halves; // motion_step.c
 
-    // for callers
+    // kept for callers
     motion_reading reading;
     struct motion_map *maps;   // [parts of the state]; NULL before the first (motion_map.c)
-    uint32_t mapped;           // those that are: a bit for each (phase.c)
+    uint32_t mapped;           // a bit for each part that is mapped (phase.c)
     buffer poses_to;           // a tree's, while poses are written (motion_poses.c)
     motion_commands *commands; // NULL before the first
     struct text *recording;    // a file's bytes (runtime/commands); NULL: nothing is recorded
@@ -176,13 +176,13 @@ bool motion_build_kernels(duet_motion *m, const kernel_request *list, size_t n, 
                           duet_error *err);
 extern const binding motion_bindings[];
 
-// What is wrong with a pose, a body or a def; a def's fault is told by err.
+// Say what is wrong with a pose, a body or a def; err tells a def's fault.
 const char *motion_pose_fault(const duet_pose *pose, uint32_t dims);
 const char *motion_body_fault(const duet_body *body);
 bool motion_check_def(const duet_motion_def *def, duet_error *err);
 
-// What kernels are offered, and returns how many that is: what the scene says of their parameters,
-// then what the plan does.
+// Fills offers for the kernels, and returns how many they are: what the scene says of their
+// parameters, then what the plan does.
 enum { MOTION_OFFERS = 40 };
 uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFFERS]);
 
@@ -200,10 +200,10 @@ bool motion_reset(duet_motion *m, duet_error *err);
 // The rotation and the angular velocity that an object was given.
 void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state);
 
-// All states, which the caller frees; NULL where a number of them is no longer finite.
+// All states, which the caller frees; NULL if a number of them is no longer finite.
 duet_state *motion_read_states(duet_motion *m, duet_error *err);
 
-// States of n bodies whose ids are valid, or without ids of the first n. Where cells are asked for,
+// States of n bodies whose ids are valid, or without ids of the first n. If cells are asked for,
 // centres are offsets in these.
 bool motion_fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
                          cl_int4 *cells, duet_error *err);

@@ -26,7 +26,7 @@ static bool prepare_with(duet_motion *m, const motion_plan *plan, duet_error *er
     return false;
 }
 
-// As it was given: a mode that is left to the grid stays so.
+// Returns the plan as it was given: a mode that is left to the grid stays so.
 static duet_plan plan_of(const duet_world *world)
 {
     duet_plan plan = world->def.plan;
@@ -57,7 +57,7 @@ static const int64_t skins[] = {0, 5, 10, 20, 40, 80}; // in percent; 0: the def
 
 enum { N_SKINS = sizeof skins / sizeof skins[0] };
 
-// The one that the motion has built; NULL where it has none of that name.
+// The one that the motion has built; NULL if it has none of that name.
 static const kernel *find_kernel(const duet_motion *m, const char *name)
 {
     const kernel *const *all = (const kernel *const *)&m->kernels;

@@ -184,7 +184,7 @@ bool motion_arrive(duet_motion *m, duet_error *err)
     c->n_targets = 0;
     bool ok =
         motion_send_places(m, places, n, PART_POSE | PART_VELOCITY | PART_ANGULAR_VELOCITY, err) &&
-        motion_wake_places(m, places, n, err); // what bodies reach has not felt them yet
+        motion_wake_places(m, places, n, err); // objects that bodies reach have not felt them yet
     free(places);
     return ok;
 }

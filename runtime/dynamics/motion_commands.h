@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What commands leave behind: which places have a body, and what the next step is to do.
+// The state that commands leave behind: which places have a body, and what the next step is to do.
 //
-// A place is an object's row in all buffers. What was removed, or is disabled, keeps its
+// A place is an object's row in all buffers. A body that was removed, or is disabled, keeps its
 // place: without mass and with bounds that no search takes (hidden).
 #ifndef RUNTIME_MOTION_COMMANDS_H
 #define RUNTIME_MOTION_COMMANDS_H
@@ -16,20 +16,20 @@ typedef enum place_state {
     PLACE_STATES
 } place_state;
 
-// Where a body without mass is to be after the next step.
+// The pose that a body without mass is to have after the next step.
 typedef struct motion_target {
     uint32_t place;
     duet_transform pose;
 } motion_target;
 
 struct motion_commands {
-    uint32_t capacity; // of the arrays by place, and of the motion's poses, cells and bodies
+    uint32_t capacity; // size of the arrays by place, and of the motion's poses, cells and bodies
     uint32_t *generations;
     uint8_t *states; // place_state
     uint64_t *user_data;
     uint32_t first_empty; // none before it is empty
     uint32_t n_hidden;
-    // what the end of the next step is to do
+    // the end of the next step acts on these
     uint32_t n_left;   // places that become empty
     uint64_t n_pushed; // forces that are over then
     motion_target *targets;
@@ -83,10 +83,10 @@ bool motion_wake_all(duet_motion *m, duet_error *err);
 // Forgets the targets of some places, whose bodies then stand still.
 bool motion_forget_targets(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err);
 
-// What a step leaves of targets: bodies are exactly there.
+// Puts bodies exactly at their targets after a step.
 bool motion_arrive(duet_motion *m, duet_error *err);
 
-// What it leaves of other commands: what was removed is forgotten, and forces are over.
+// Ends the other commands after a step: removed bodies are forgotten, and forces are over.
 bool motion_end_commands(duet_motion *m, duet_error *err);
 
 #endif

@@ -92,7 +92,7 @@ static bool check_edge(const duet_motion_def *def, duet_error *err)
     return true;
 }
 
-// What origin cells do not go with.
+// Refuses what origin cells do not go with.
 static bool check_origin(const duet_motion_def *def, duet_error *err)
 {
     if (!origin_is_edge(def->origin_edge))

@@ -53,7 +53,7 @@ static void list_touching(duet_motion *m, const uint32_t *words)
             e->touching.pairs[e->touching.n++] = e->links.pairs[i];
 }
 
-// A bit for each contact, and the links where rows are not those of the last step.
+// A bit for each contact, and the links if rows are not the last step's.
 static bool fetch_bits(duet_motion *m, uint32_t *words, size_t n_words, duet_error *err)
 {
     motion_events *e = &m->told;
@@ -169,7 +169,7 @@ static void swap(pair_list *a, pair_list *b)
     *b = kept;
 }
 
-// Where nothing moved, what touches stays.
+// Pairs that touch stay if nothing moved.
 bool motion_find_events(duet_motion *m, bool moved, duet_error *err)
 {
     motion_events *e = &m->told;

@@ -21,16 +21,16 @@ typedef struct motion_events {
 // Whether contacts are told that closed fast.
 bool motion_tells_hits(const duet_motion *m);
 
-// Before a step: what touches, where a state was loaded.
+// Before a step: what touches, if a state was loaded.
 bool motion_recall_events(duet_motion *m, duet_error *err);
 
 // In a step, before anything is moved: sends for what touches and hits.
 bool motion_note_events(duet_motion *m, duet_error *err);
 
-// At its end, once the flags are read where anything moved.
+// At its end, once the flags are read if anything moved.
 bool motion_find_events(duet_motion *m, bool moved, duet_error *err);
 
-// What touches is read again before the next step.
+// Pairs that touch are read again before the next step.
 void motion_forget_events(motion_events *e);
 void motion_free_events(motion_events *e);
 

@@ -71,7 +71,7 @@ const binding motion_bindings[] = {
 
 // ---------------------------------------------------------------- parameters
 
-// As kernels' settings are: 0 or 1.
+// Returns 0 or 1, as kernels' settings are.
 static bool has(const duet_motion *m, uint32_t effect)
 {
     return m->effects & effect;

@@ -169,7 +169,7 @@ static void settle_rotation(const duet_motion *m, const motion_rows *rows, uint3
         motion_row_set(rows, place, k, q[k] / length);
 }
 
-// What is not the caller's to write is as the motion has it.
+// Sets the numbers that are not the caller's to write as the motion has them.
 static void settle_numbers(const duet_motion *m, duet_state_part part, const motion_rows *rows,
                            uint32_t place)
 {
@@ -201,7 +201,7 @@ static uint32_t *settle(const duet_motion *m, duet_state_part part, const struct
     return awake;
 }
 
-// What cannot be written stays mapped.
+// A part that cannot be written stays mapped.
 static bool write_back(duet_motion *m, duet_state_part part, struct motion_map *map,
                        const char *call, duet_error *err)
 {

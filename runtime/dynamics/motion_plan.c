@@ -47,7 +47,7 @@ static void add_word(char to[DUET_VARIANT], const char *word)
     snprintf(to + n, DUET_VARIANT - n, "%s%s", n ? " " : "", word);
 }
 
-// Of a text that variant_parse takes, or would refuse as too long.
+// Splits a text that variant_parse takes, or would refuse as too long.
 static void part_text(const char text[DUET_VARIANT], char search[DUET_VARIANT],
                       char own[DUET_VARIANT])
 {
@@ -87,8 +87,8 @@ static bool take_skins(motion_plan *p, duet_error *err)
     return ok;
 }
 
-// What may be chosen freely changes no bit of the state. prepare_contacts fills the lanes that
-// solve_contacts solves, and keeps all of them.
+// Settings that may be chosen freely change no bit of the state. prepare_contacts fills the lanes
+// that solve_contacts solves, and keeps all of them.
 static bool is_free(const variant_setting *s)
 {
     bool lanes = strcmp(s->name, "LANES") == 0;

@@ -20,21 +20,21 @@ extern const motion_plan_kernel motion_plan_kernels[MOTION_PLAN_KERNELS];
 #define MOTION_PLAN_WORD "motion" // in a kernel's place: "motion.skin=20"
 
 typedef struct motion_plan {
-    duet_plan search;       // of pairs: the plan without the settings
+    duet_plan search;       // the plan of the pair search, without the settings
     char own[DUET_VARIANT]; // "solve_contacts.WG=64 bodies.PER_ITEM=1": what the plan says of B
     variant settings;       // the same as numbers; its search is not read
     uint32_t skin; // "motion.skin=20": in percent of the bodies' mean least extent; 0: the def's
 } motion_plan;
 
 // BAD_ARGUMENT for a setting that is not one of those that may be chosen freely, or a text that is
-// none. What else is wrong with a text, the world or the kernels' cards say.
+// none. The world or the kernels' cards say what else is wrong with a text.
 bool motion_plan_read(motion_plan *p, const duet_plan *plan, const duet_device_info *b,
                       duet_error *err);
 
 // Fills offers with the settings, and returns how many they are. Their strings are the plan's.
 uint32_t motion_plan_offer(motion_plan *p, gen_offer offers[VARIANT_SETTINGS]);
 
-// BAD_ARGUMENT names a setting that no kernel took, or a skin where the motion has none.
+// BAD_ARGUMENT names a setting that no kernel took, or a skin if the motion has none.
 bool motion_plan_is_used(const duet_motion *m, duet_error *err);
 
 // How far bounds are grown, by the plan or else by the def.

@@ -39,7 +39,7 @@ enum { PARTS = sizeof parts / sizeof parts[0], MOST_WORDS = 8 };
 typedef struct reading {
     const uint32_t *ids;
     uint32_t n;
-    uint32_t *space; // [n] rows, where B does not work on the host's memory
+    uint32_t *space; // [n] rows, if B does not work on the host's memory
 } reading;
 
 static bool begin(duet_motion *m, const reading *r, duet_error *err)
@@ -109,7 +109,7 @@ static bool fetch_cells(duet_motion *m, const reading *r, duet_state *states, cl
 
 // ---------------------------------------------------------------- states
 
-// What no longer is a number is told here at the latest.
+// Numbers that are no longer finite are told here at the latest.
 static bool check_finite(const duet_motion *m, const uint32_t *ids, uint32_t n,
                          const duet_state *states, duet_error *err)
 {
@@ -215,7 +215,7 @@ void motion_forget_moved(motion_reading *r)
     r->n_told = 0;
 }
 
-// Where there are more or fewer bodies than before, all is told again.
+// All bodies are told again if there are more or fewer than before.
 static bool reserve_reading(duet_motion *m, duet_error *err)
 {
     motion_reading *r = &m->reading;
@@ -229,7 +229,7 @@ static bool reserve_reading(duet_motion *m, duet_error *err)
            error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
 }
 
-// What was never read has moved.
+// Bodies that were never read have moved.
 static uint32_t list_moved(duet_motion *m, const uint32_t *words)
 {
     uint32_t n = 0;

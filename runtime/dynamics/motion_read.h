@@ -12,8 +12,8 @@ typedef struct motion_reading {
     uint32_t n;
     uint32_t *ids; // [n] that moved
     duet_state *states;
-    // what a launch is told besides
-    buffer rows, last_rows; // of a state, by object
+    // other arguments of a launch
+    buffer rows, last_rows; // a state's, by object
     cl_uint row_words, n_ids;
 } motion_reading;
 

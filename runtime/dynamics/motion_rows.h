@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Rows of a buffer by object, changed by the host between steps.
 //
-// Where B works on host memory they are changed in place. Else those between the first
-// and the last that is asked for are fetched, changed, and sent back.
+// Rows are changed in place if B works on host memory. Else rows between the first and the last
+// that is asked for are fetched, changed, and sent back.
 #ifndef RUNTIME_MOTION_ROWS_H
 #define RUNTIME_MOTION_ROWS_H
 
@@ -15,7 +15,7 @@ typedef struct motion_rows {
     size_t size;
     bool doubles;
     char *bytes;
-    cl_command_queue mapped_by; // where the buffer's memory is mapped; else bytes are a copy
+    cl_command_queue mapped_by; // the queue that mapped the buffer's memory; NULL: bytes are a copy
 } motion_rows;
 
 // Rows [first, last) of a buffer by object; those from the least of n places to the greatest; or

@@ -91,7 +91,7 @@ static bool copy(duet_motion *m, const buffer *from, const buffer *to, size_t by
            error_set_cl(err, code, "%s: copying %zu bytes", m->device->info.selector, bytes);
 }
 
-// A buffer of more rows that keeps what it has, and waits for nothing where that is nothing; new
+// A buffer of more rows that keeps what it has, and waits for nothing if that is nothing; new
 // rows are 0.
 static bool grow(duet_motion *m, motion_buffer which, uint32_t old_n, duet_error *err)
 {
@@ -135,7 +135,7 @@ static bool map_rows(duet_motion *m, motion_rows *rows, size_t at, duet_error *e
     return true;
 }
 
-// Those that are fresh are all written before they are sent.
+// Fresh rows are not fetched: all are written before they are sent.
 static bool fetch_rows(duet_motion *m, motion_rows *rows, size_t at, bool fresh, duet_error *err)
 {
     rows->bytes = malloc(rows->size + 1);
@@ -191,7 +191,7 @@ bool motion_rows_of_contacts(duet_motion *m, motion_buffer which, uint32_t words
     return open_rows(m, rows, false, err);
 }
 
-// What is mapped is the device's again before the queue's next command.
+// Mapped memory is the device's again before the queue's next command.
 bool motion_rows_close(duet_motion *m, motion_rows *rows, duet_error *err)
 {
     size_t at = rows->first * rows->row;
@@ -213,7 +213,7 @@ void motion_rows_drop(motion_rows *rows)
 
 // ---------------------------------------------------------------- objects
 
-// What one object has in a buffer: whole numbers as well are exact as doubles.
+// The numbers of one object in a buffer: whole numbers as well are exact as doubles.
 typedef struct entry {
     double at[4];
 } entry;
@@ -259,7 +259,7 @@ static entry angular_velocity_of(const duet_motion *m, uint32_t id)
     return (entry){{solid ? w[0] : 0.0, solid ? w[1] : 0.0, w[2]}};
 }
 
-// Of a solid body; one without extent across an axis is never turned about it.
+// Takes the body as solid; one without extent across an axis is never turned about it.
 void motion_inverse_inertia(const duet_motion *m, uint32_t id, double inverse[3])
 {
     const duet_body *b = &m->bodies[id];
@@ -313,7 +313,7 @@ void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state)
     memcpy(state->angular_velocity, angular.at, sizeof state->angular_velocity);
 }
 
-// What is sent, and the numbers of an entry that each part has.
+// The buffers that are sent, and the numbers of an entry that each part has.
 static const struct {
     motion_buffer which;
     entry (*of)(const duet_motion *, uint32_t);
@@ -335,7 +335,7 @@ static const struct {
     {SENSORS, sensor_of, PART_SENSOR, 0, 1, false},
 };
 
-// Of all objects where places is NULL: their rows are then written whole.
+// Sends all objects if places is NULL: their rows are then written whole.
 static bool send(duet_motion *m, const uint32_t *places, uint32_t n, size_t what, duet_error *err)
 {
     motion_buffer which = sent[what].which;
@@ -378,7 +378,7 @@ bool motion_reset(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- sleep
 
-// What has no mass never sleeps; that it changed is told to those that touch it.
+// A body without mass never sleeps; bodies that touch it are told that it changed.
 static bool mark_rests(duet_motion *m, const uint32_t *places, uint32_t n, bool sleeps,
                        duet_error *err)
 {
@@ -396,8 +396,8 @@ static bool mark_rests(duet_motion *m, const uint32_t *places, uint32_t n, bool 
     return motion_rows_close(m, &rows, err);
 }
 
-// What is sent to sleep is awake for the step that finds it at rest: its contacts are then
-// those of where it lies.
+// A body that is sent to sleep is awake for the step that finds it at rest: its contacts are then
+// the contacts of where it lies.
 static bool mark_awake(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
 {
     motion_rows rows;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A time step: what its kernels are told, and the stages that its effects call for, in order.
 //
-// In two halves a thread of the motion's own takes the step while the caller works. What a
-// caller may ask meanwhile changes only in the second half.
+// In two halves a thread of the motion's own takes the step while the caller works. Only the second
+// half changes what a caller may ask meanwhile.
 #include "runtime/dynamics/motion_commands.h"
 
 #include "base/budget.h"
@@ -64,7 +64,7 @@ static cl_float4 spring_of(const duet_motion *m, double h, double hertz)
     return float4_of(omega / stiff, soft * part, part, m->def.max_push_speed);
 }
 
-// What the contacts of a substep are solved with.
+// Sets what the contacts of a substep are solved with.
 static void set_solver(duet_motion *m, double h)
 {
     const duet_motion_def *d = &m->def;
@@ -72,18 +72,19 @@ static void set_solver(duet_motion *m, double h)
     m->args.spring = spring_of(m, h, 1.0 / (6.0 * h));
     m->args.hard_spring = spring_of(m, h, 1.0 / (5.0 * h));
     m->args.least_speed = (float)d->restitution_threshold;
-    // What a substep adds to the velocity of all that falls, and 1 / its time. An
-    // attraction, which differs from place to place, is left out.
+    // The velocity that a substep adds to all that falls, and 1 / its time. An attraction, which
+    // differs from place to place, is left out.
     double part = d->attraction != 0.0 ? 0.0 : h;
     m->args.fall = float4_of(part * d->gravity[0], part * d->gravity[1],
                              d->dims == 3 ? part * d->gravity[2] : 0.0, 1.0 / h);
-    // What a load adds to a closing speed in a substep. Less than a slop in a step is rest.
+    // The speed that a load adds to a closing speed in a substep. Less than a slop in a step is
+    // rest.
     const cl_float *fall = m->args.fall.s;
     double speed = sqrt(fall[0] * fall[0] + fall[1] * fall[1] + fall[2] * fall[2]);
     m->args.load_speed = (float)(speed + m->margin / MOTION_SLOPS / d->dt);
 }
 
-// Where there are none, walls are far away.
+// Walls are far away if there are none.
 static void set_walls(duet_motion *m)
 {
     const duet_motion_def *d = &m->def;
@@ -174,7 +175,8 @@ static bool run_effects(duet_motion *m, duet_error *err)
            (pushes(m) ? respond(m, err) : fly(m, err));
 }
 
-// What the step leaves to be known: whether bounds still hold, what sleeps, and how many events.
+// Reads what the step leaves to be known: whether bounds still hold, what sleeps, and how many
+// events.
 static bool read_end(duet_motion *m, duet_error *err)
 {
     bool checked = pushes(m) && m->kernels.check_fat_aabbs;
@@ -242,7 +244,7 @@ static bool complete_step(duet_motion *m, bool carried, double ms, duet_motion_r
         return false;
     ++m->step;
     fill_result(m, result);
-    m->times.untimed = true; // what comes between steps is of none
+    m->times.untimed = true; // work between steps is no step's
     result->total_ms = ms + clock_ms_since(begun);
     return true;
 }

@@ -43,7 +43,7 @@ static uint32_t digit_of(duet_pair p, uint32_t shift)
     return (uint32_t)(key_of(p) >> shift) & (DIGITS - 1);
 }
 
-// By one digit; false where all have the same, and nothing is moved.
+// By one digit; false if all have the same, and nothing is moved.
 static bool sort_by(const duet_pair *from, duet_pair *to, size_t n, uint32_t shift)
 {
     size_t places[DIGITS] = {0};

@@ -24,7 +24,7 @@ void pair_list_free(pair_list *list);
 // Each pair with its lesser id first, and pairs ascending by a and b.
 bool pair_list_sort(pair_list *list, duet_error *err);
 
-// Of two lists in order.
+// Takes two lists in order.
 bool pair_changes_find(pair_changes *changes, const pair_list *before, const pair_list *now,
                        duet_error *err);
 void pair_changes_free(pair_changes *changes);

@@ -6,7 +6,7 @@
 
 #include <assert.h>
 
-// What holds in each phase, besides the products' own.
+// Asserts what holds in each phase, besides the products' own.
 static void assert_phase(const duet_motion *m)
 {
     assert(m->phase <= MOTION_BROKEN);

@@ -25,12 +25,12 @@
 #include <stdint.h>
 
 typedef enum product_name {
-    PRODUCT_BODIES,    // where they are
+    PRODUCT_BODIES,    // their poses
     PRODUCT_BOUNDS,    // a fat AABB of each
-    PRODUCT_PAIRS,     // whose bounds overlap
-    PRODUCT_ROWS,      // of contacts: those of each body
-    PRODUCT_MANIFOLDS, // where contacts touch
-    PRODUCT_COLOURS,   // of contacts, and the list of these by colour
+    PRODUCT_PAIRS,     // bodies whose bounds overlap
+    PRODUCT_ROWS,      // the contacts of each body
+    PRODUCT_MANIFOLDS, // the points where contacts touch
+    PRODUCT_COLOURS,   // a colour of each contact, and the contacts by colour
     PRODUCTS
 } product_name;
 
@@ -42,7 +42,7 @@ typedef struct product {
 typedef struct products {
     product of[PRODUCTS];
     uint64_t last;   // the greatest stamp
-    uint64_t before; // what that was when the last step began
+    uint64_t before; // the greatest stamp when the last step began
 } products;
 
 static inline uint64_t product_input(const products *p, product_name which)
@@ -93,7 +93,8 @@ static inline void products_move_bodies(products *p)
     product_forget(p, PRODUCT_MANIFOLDS);
 }
 
-// Those of a saved motion, with rows or without: its bodies may have left the bounds since.
+// Returns the products of a saved motion, with rows or without: its bodies may have left the bounds
+// since.
 static inline products products_of_saved(bool rows)
 {
     products p = {.last = 1, .of[PRODUCT_BODIES].stamp = 1};

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Contact response: the manifolds of a step's beginning, in colours, solved in substeps.
 //
-// Contacts of one colour share no body that moves, so that a launch solves them in parallel. What
-// finds no colour is solved in order.
+// Contacts of one colour share no body that moves, so that a launch solves them in parallel.
+// Contacts that find no colour are solved in order.
 #include "runtime/dynamics/motion.h"
 
 #include "base/budget.h"
 
 // ---------------------------------------------------------------- manifolds
 
-// woken: only of what woke in this step, where anything did.
+// woken: only of what woke in this step, if anything did.
 static bool find_manifolds(duet_motion *m, uint32_t woken, duet_error *err)
 {
     m->solver.woken = woken;
@@ -23,7 +23,7 @@ static bool prepare_bodies(duet_motion *m, uint32_t woken, duet_error *err)
                          err);
 }
 
-// What is woken by a touch has its mass again before it is pushed.
+// A body that a touch wakes has its mass again before it is pushed.
 static bool wake_touched(duet_motion *m, duet_error *err)
 {
     return motion_launch(m, "sleep", m->kernels.update_sleep, m->n, err) &&
@@ -39,7 +39,7 @@ bool motion_make_manifolds(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- graph colouring
 
-// Rounds that are sent at once where those of the last step were too few.
+// Rounds that are sent at once if the last step's rounds were too few.
 enum { ROUNDS_MORE = 4 };
 
 static bool reserve_lists(duet_motion *m, duet_error *err)
@@ -52,8 +52,8 @@ static bool reserve_lists(duet_motion *m, duet_error *err)
     return ok;
 }
 
-// Where each colour's contacts are in the list, and in blocks: those of a colour
-// begin a block, and those of none have one each.
+// Places each colour's contacts in the list, and in blocks: contacts of a colour begin a block, and
+// contacts without a colour have one each.
 static void lay_colours(contact_solver *s, uint32_t block, const uint32_t starts[KEYS + 1])
 {
     s->n_blocks = s->n_colours = 0;
@@ -97,8 +97,8 @@ static bool run_rounds(duet_motion *m, uint32_t from, uint32_t to, duet_error *e
     return ok;
 }
 
-// Each round colours at least the contact of greatest rank, so rounds end. As many as are expected
-// are sent before the host looks whether any contact still waits.
+// Each round colours at least the contact of greatest rank, so rounds end. The expected rounds are
+// sent before the host looks whether any contact still waits.
 static bool list_colours(duet_motion *m, duet_error *err)
 {
     contact_solver *s = &m->solver;
@@ -180,7 +180,7 @@ static uint32_t end_of_few(const contact_solver *s, const kernel *k, uint32_t fr
     return to;
 }
 
-// What found no colour is taken in order, by one work-item.
+// Contacts that found no colour are taken in order, by one work-item.
 static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
 {
     const contact_solver *s = &m->solver;
@@ -217,7 +217,7 @@ static bool store_impulses(duet_motion *m, duet_error *err)
                           most_of(&m->solver, 0, COLOUR_OVERFLOW + 1), err);
 }
 
-// What sleeps deep in others goes when all else has gone, so that whatever it then touches is
+// A sleeper deep in others goes when all else has gone, so that whatever it then touches is
 // searched for where it is. The flags are those that colours were chosen by.
 static bool push_sleepers(duet_motion *m, duet_error *err)
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What contacts do to bodies in a step: makes manifolds and colours (products.h), and solves
-// contacts by colour: those of one colour share no body that moves.
+// contacts by colour: contacts of one colour share no body that moves.
 #ifndef RUNTIME_SOLVER_H
 #define RUNTIME_SOLVER_H
 
@@ -28,7 +28,7 @@ typedef struct contact_solver {
     // what a launch is told besides
     cl_uint woken, soft, round;
     cl_uint from_colour, to_colour, each;
-    cl_int4 span; // of from_colour
+    cl_int4 span; // from_colour's
 } contact_solver;
 
 bool motion_make_manifolds(duet_motion *m, duet_error *err);

@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// What the kernel's text says within its own expansion is OpenCL's own function.
+// A macro's name within its own expansion is OpenCL's own function.
 static const char third_axis[] =
     "#define get_group_id(axis) get_group_id(2)\n"
     "#define get_num_groups(axis) get_num_groups(2)\n"
@@ -39,7 +39,7 @@ driver driver_of(const duet_device_info *info)
     bool oclgrind = strcmp(info->platform, "Oclgrind") == 0;
     return (driver){
         .third_axis = pocl && info->kind == DUET_KIND_CPU ? third_axis : NULL,
-        .header_option = pocl ? "-D _OPENCL_H_" : NULL, // what guards Clang's opencl-c.h
+        .header_option = pocl ? "-D _OPENCL_H_" : NULL, // the guard of Clang's opencl-c.h
         .keeps_kernels = pocl,
         .in_place = pocl && is_pocls_own_cpu(info),
         .compiles_one_by_one = pocl || oclgrind,

@@ -45,7 +45,7 @@ enum { PLACES = 128 };
 
 struct program_pool {
     pthread_mutex_t lock;
-    unsigned next; // whose turn it is to be replaced
+    unsigned next; // the place that is replaced next
     struct {
         char sha256[65];
         cl_program cl;
@@ -348,7 +348,7 @@ static void look_in_folder(const program_set *set, program *p)
     }
 }
 
-// What another world has on the device, or the folder.
+// Takes what another world has on the device, or the folder.
 static void look_up(program_set *set)
 {
     for (program *p = set->first; p; p = p->next)

@@ -172,7 +172,7 @@ static program *take_next(compilation *c)
     return p;
 }
 
-// As many as from `from` to `to`.
+// Compiles as many programs as from `from` to `to`.
 static void compile_some(void *arg, uint64_t from, uint64_t to)
 {
     compilation *c = arg;

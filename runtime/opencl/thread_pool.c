@@ -32,7 +32,7 @@ struct thread_pool {
     _Atomic uint64_t n_loops; // given so far
     _Atomic(loop *) now;      // NULL: none that may still be joined
     atomic_uint inside;       // threads that may have joined it
-    thread_pool_job *job;     // of thread_pool_start
+    thread_pool_job *job;     // thread_pool_start's
     void *job_arg;
     loop jobs; // the loop that calls it
     thread_pool_job *call;

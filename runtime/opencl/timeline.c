@@ -171,7 +171,7 @@ bool timeline_write_at(timeline *t, const char *stage, buffer *b, size_t at, con
     return keep_event(t, stage, true, event, err);
 }
 
-// Of a command on the queue beside, which begins at once.
+// Keeps the event of a command on the queue beside, which begins at once.
 static bool keep_beside(timeline *t, const char *stage, cl_event event, cl_int code,
                         const char *doing, size_t bytes, duet_error *err)
 {

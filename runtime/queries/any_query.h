@@ -20,8 +20,8 @@ typedef struct query_result {
 
 typedef struct any_query_def {
     query_name name;
-    duet_level level; // for boxes
-    bool normals;     // of rays
+    duet_level level; // boxes only
+    bool normals;     // rays only
     const duet_filter *filter;
 } any_query_def;
 

@@ -11,7 +11,7 @@ enum { COOKIE = 0x0d0e700c };
 
 struct duet_box_query {
     tree_query asked;
-    tree_query itself; // of the tree's objects; without kind until it is asked for
+    tree_query itself; // the tree's objects'; without kind until it is asked for
     duet_level level;
 };
 

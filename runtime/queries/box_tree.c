@@ -118,7 +118,7 @@ static bool sort_keys(box_tree *t, timeline *times, uint32_t n, uint32_t bits, d
     return radix_sort_run(&t->radix, times, "sort", &lists, n, bits, err);
 }
 
-// Of a sample.
+// Measures a sample.
 static bool measure(box_tree *t, timeline *times, duet_error *err)
 {
     enum { SAMPLE = 1 << 13 };

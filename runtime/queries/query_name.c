@@ -51,7 +51,7 @@ static bool read_nearest(const char *words, query_name *name)
            name->nearest > 0 && name->nearest <= DUET_MOST_NEAREST;
 }
 
-// What follows the item.
+// Reads the words that follow the item.
 static bool read_rest(const char *words, query_name *name)
 {
     switch (name->item) {

@@ -12,9 +12,9 @@ typedef enum query_item { QUERY_RAYS, QUERY_SWEEPS, QUERY_BOXES, QUERY_POINTS } 
 
 typedef struct query_name {
     query_item item;
-    duet_query_wants wants; // for rays and sweeps
-    bool itself;            // for boxes: the tree's own
-    uint32_t nearest;       // for points; 0: boxes that contain them
+    duet_query_wants wants; // rays and sweeps only
+    bool itself;            // boxes only: the tree's own
+    uint32_t nearest;       // points only; 0: boxes that contain them
 } query_name;
 
 void query_name_write(const query_name *name, char text[QUERY_NAME]);

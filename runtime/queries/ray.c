@@ -12,7 +12,7 @@
 
 typedef enum met { MISSED, MET, OPEN } met;
 
-// As kernels/queries/ray_query.cl, with the unit of rounding of a double.
+// The bounds of kernels/queries/ray_query.cl, with the unit of rounding of a double.
 #define SLACK (64 * 0x1p-53)
 #define SLOW 0x1p-60
 
@@ -31,7 +31,7 @@ static met meet_in_double(const duet_ray *ray, const duet_pose *box, const doubl
     }
     double doubt = SLACK * size, surely_enter = 0, maybe_enter = 0;
     double surely_leave = length > 0 ? ray->t_max : 0, maybe_leave = surely_leave;
-    bool open = !(size > 0x1p-140); // what underflows could count
+    bool open = !(size > 0x1p-140); // underflows could count
     for (int k = 0; k < dims; ++k) {
         double at = dot(axis[k], way), speed = dot(axis[k], direction);
         double half = box->half_extents[k];
@@ -198,8 +198,8 @@ static bool is_near(numbers *n)
     return mpz_cmp(n->right, n->left) <= 0;
 }
 
-// Where the distance from what is beyond some of the faces is least: sides[k] is -1 or 1, or 0 for
-// none of edge k's.
+// Sets from / per, the place along the way where the distance from what is beyond some of the faces
+// is least: sides[k] is -1 or 1, or 0 for none of edge k's.
 static void set_least(numbers *n, const int sides[3])
 {
     mpz_set_ui(n->from, 0);

@@ -31,7 +31,7 @@ static duet_sweep sweep_of_core(const duet_rounded_sweep *sweep)
 
 // ---------------------------------------------------------------- double
 
-#define SLACK (320 * 0x1p-53) // of the two boxes' size, as in sweep.clh
+#define SLACK (320 * 0x1p-53) // relative to the two boxes' size, as in sweep.clh
 #define BESIDE 1e-6           // cosine: an edge that faces neither way
 #define STEPS 200
 
@@ -246,7 +246,7 @@ static met meet_in_double(const chase *c)
 {
     double t = 0, near = c->reach - c->doubt;
     gap g;
-    if (!(c->size > 0x1p-140) || !isfinite(c->size)) // what underflows could count
+    if (!(c->size > 0x1p-140) || !isfinite(c->size)) // underflows could count
         return OPEN;
     met found = approach(c, c->reach, &t, &g);
     if (found == MISSED || near <= c->doubt)
@@ -288,11 +288,11 @@ float rounded_sweep_enter(const duet_rounded_sweep *sweep, const duet_rounded_bo
 
 // ---------------------------------------------------------------- integers
 
-// What both boxes, without their radii, can be apart by is a body with six edges in each corner,
-// and the way a segment or a half-line; where they do not meet, they are nearest where an end of
-// the way is nearest to a corner, an edge or a face, or the way to a corner or an edge. Each of
-// these that is near enough is proof, so that only sides need be tried: an edge is from -1 to 1
-// times its half.
+// The offsets that both boxes, without their radii, can be apart by are a body with six edges in
+// each corner, and the way is a segment or a half-line; if they do not meet, they are nearest where
+// an end of the way is nearest to a corner, an edge or a face, or the way to a corner or an edge.
+// Each of these that is near enough is proof, so that only sides need be tried: an edge is from -1
+// to 1 times its half.
 enum { EDGES = 6, WAY = EDGES };
 
 typedef struct numbers {
@@ -300,7 +300,7 @@ typedef struct numbers {
     mpz_t edges[EDGES + 1][3];  // the last is the way
     mpz_t begin[3], at[3];      // from b's centre to a's, and less some sides
     mpz_t limit;                // both radii, squared
-    mpz_t across[3], moment[3]; // of two edges; of `at` and one
+    mpz_t across[3], moment[3]; // cross products: two edges; `at` and one
     mpz_t square, along, beside, term;
 } numbers;
 

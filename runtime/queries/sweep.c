@@ -114,7 +114,7 @@ static frame frame_of(const duet_sweep *sweep, const duet_pose *box, const doubl
     p->doubt = SLACK * size;
     p->maybe.leave = p->length > 0 ? sweep->t_max : 0;
     p->surely[0] = p->surely[1] = p->maybe;
-    p->surely[0].open = p->surely[1].open = !(size > 0x1p-140); // what underflows could count
+    p->surely[0].open = p->surely[1].open = !(size > 0x1p-140); // underflows could count
     return f;
 }
 

@@ -37,7 +37,7 @@ static bool check(const duet_tree *tree, const duet_motion *motion, duet_error *
                      motion->def.dims, tree->def.dims);
 }
 
-// Where they are as B has them, or by way of the host.
+// Poses are written on B if B has them, or go by way of the host.
 static bool write_on_b(duet_tree *tree, duet_motion *motion, bool radii, duet_error *err)
 {
     tree_side *b = &tree->sides[1];

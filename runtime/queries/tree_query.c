@@ -115,7 +115,7 @@ static bool open_side(query_side *s, tree_query *q, tree_side *tree, duet_error 
     return false;
 }
 
-// Those that the tree has had since the last run, too.
+// Opens the sides that the tree got since the last run, too.
 static bool open_sides(tree_query *q, duet_error *err)
 {
     bool ok = true;
@@ -488,7 +488,7 @@ static uint64_t flow_items(const query_side *s)
     return quarter < LEAST_FLOW ? LEAST_FLOW : quarter > MOST_FLOW ? MOST_FLOW : quarter;
 }
 
-// What is reserved and launched is the flow's, until they are swapped back.
+// Reserved and launched buffers are the flow's, until they are swapped back.
 static void swap_buffers(query_side *s, query_flow *f)
 {
     buffer_swap(&s->items, &f->items);
