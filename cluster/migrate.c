@@ -131,6 +131,17 @@ static bool place(migration *m, duet_error *err)
     return owned_tidy(m->owned, err) && owned_place(m->owned, &box, m->workers, err);
 }
 
+// Begins to send the rows of a single domain to its worker's devices, instead of what was sent
+// before rows moved.
+static bool send_ahead(owned *o, duet_error *err)
+{
+    if (!owned_map(o, err))
+        return false;
+    if (o->holder && o->placement == PLACED_BY_DOMAIN)
+        o->holder->begin(o->holder, o->rows.n, NULL);
+    return true;
+}
+
 // Brings all objects to their ranks by a new partition, and if *ok to their domains.
 static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet_error *err)
 {
@@ -152,7 +163,7 @@ static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet
          (!exchange_leavers(m, listed, r, err) || !look_over(&v, m, true, r, err))))
         return false;
     m->unevenness = v.unevenness;
-    *ok = place(m, err) && classify_all(m, err);
+    *ok = place(m, err) && send_ahead(o, err) && classify_all(m, err);
     return true;
 }
 
@@ -166,17 +177,7 @@ static bool begin(migration *m, duet_error *err)
         return false;
     bool is_due =
         o->placement == PLACED_BY_RANK || (o->placement == PLACED_BY_DOMAIN && owned_is_uneven(o));
-    if (is_due && !place(m, err))
-        return false;
-    if (!o->holder)
-        return true;
-    void *objects = o->holder->map(o->holder, o->rows.n, err);
-    if (!objects)
-        return false;
-    o->rows.objects = objects;
-    if (o->placement == PLACED_BY_DOMAIN)
-        o->holder->begin(o->holder, o->rows.n, NULL);
-    return true;
+    return (!is_due || place(m, err)) && send_ahead(o, err);
 }
 
 static void join_boxes(owned *o)

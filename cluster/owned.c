@@ -160,6 +160,15 @@ static bool reserve_ids(owned *o, uint64_t n, duet_error *err)
     return true;
 }
 
+bool owned_map(owned *o, duet_error *err)
+{
+    if (!o->holder)
+        return true;
+    void *objects = o->holder->map(o->holder, o->rows.n, err);
+    o->rows.objects = objects ? objects : o->rows.objects;
+    return objects;
+}
+
 bool owned_reserve(owned *o, uint64_t more, duet_error *err)
 {
     uint64_t n = o->rows.n + more;

@@ -203,7 +203,7 @@ static void hand_over(duet_cluster *c, uint32_t n, uint64_t seed)
 }
 
 enum { DRIFTS = 12, LEAPS = 4, SWELLS = 6, SPOILS = 8 };
-enum { STEPS = 14, AGAIN = 3, GROWS = 4, SHRINKS = 7, FAILS = 9, CROWDS = 11 };
+enum { STEPS = 14, AGAIN = 3, GROWS = 4, CUTS = 6, SHRINKS = 7, FAILS = 9, CROWDS = 11 };
 
 // Where an object is at a step is known by its id alone: some leap far, once one becomes wide, and
 // later narrow, two are bad for a moment, and most come to one side.
@@ -235,6 +235,12 @@ static void move_homes(duet_cluster *c, mover *how, uint32_t at)
         how(&own[i], ids[i], at);
 }
 
+// The next step partitions the world anew, while objects that moved are on their way to devices.
+static void make_uneven(duet_cluster *c)
+{
+    c->migration.unevenness = 0;
+}
+
 static void must_name_the_bad(duet_cluster *c)
 {
     duet_error err = {0};
@@ -257,7 +263,8 @@ static bool count_skim(worker *w, const float lower[3], const float upper[3])
 // Once a step, but where nothing was sent ahead or levels change.
 static bool is_quiet(uint32_t at)
 {
-    return at > 2 && at != GROWS && at != SHRINKS && at != CROWDS && at != FAILS && at != FAILS + 1;
+    return at > 2 && at != GROWS && at != CUTS && at != SHRINKS && at != CROWDS && at != FAILS &&
+           at != FAILS + 1;
 }
 
 static uint64_t sum_of(MPI_Comm *comm, uint64_t own)
@@ -309,6 +316,8 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
         for (int i = 0; i < 2; ++i) {
             if (at > 0)
                 move_homes(clusters[i], move, at);
+            if (at == CUTS)
+                make_uneven(clusters[i]);
             if (at == FAILS)
                 must_name_the_bad(clusters[i]);
             else
@@ -502,6 +511,8 @@ static void any_order_of_calls_finds_the_same_pairs(MPI_Comm *comm, uint64_t see
                 move_homes(clusters[i], drift, DRIFTS + at);
             else if (what < CHANGES)
                 change(clusters[i], what);
+            if (what % 5 == 4)
+                make_uneven(clusters[i]);
             if (steps_now)
                 MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
         }
