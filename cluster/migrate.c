@@ -98,6 +98,16 @@ static void add_newcomer(owned *o, uint32_t row)
         row_list_add(&o->renamed, row);
 }
 
+// Takes the objects that came, on all ranks or on none.
+static bool take_newcomers(owned *o, const parcels *in, ranks *r, duet_error *err)
+{
+    uint32_t first = o->rows.n;
+    if (ranks_agree(r, owned_add_newcomers(o, in, err), err))
+        return true;
+    owned_drop_newcomers(o, first);
+    return false;
+}
+
 // Releases the objects that leave once all ranks have taken those that came to them.
 static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
 {
@@ -108,7 +118,7 @@ static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
     ok = ok && write_leavers(m, r, &out, err);
     ok = ranks_exchange(r, ok, &out, &in, err);
     parcels_end(&out);
-    ok = ok && ranks_agree(r, owned_add_newcomers(o, &in, err), err);
+    ok = ok && take_newcomers(o, &in, r, err);
     parcels_end(&in);
     if (!ok)
         return false;

@@ -365,6 +365,15 @@ bool owned_add_newcomers(owned *o, const parcels *messages, duet_error *err)
     return true;
 }
 
+void owned_drop_newcomers(owned *o, uint32_t first)
+{
+    o->rows.n = first;
+    for (uint32_t d = 0; d < o->n_domains; ++d) {
+        o->domains[d].first_new = first;
+        o->domains[d].n_new = 0;
+    }
+}
+
 // ---------------------------------------------------------------- domains
 
 bool owned_is_uneven(const owned *o)

@@ -118,6 +118,9 @@ bool owned_reserve(owned *o, uint64_t n, duet_error *err);
 // Adds the objects in messages as newcomers of the domains that they lie in.
 bool owned_add_newcomers(owned *o, const parcels *messages, duet_error *err);
 
+// Undoes that: rows from `first` on, all of them newcomers, are none any more.
+void owned_drop_newcomers(owned *o, uint32_t first);
+
 // The holder's devices know the ids of all rows.
 void owned_forget_renamed(owned *o);
 

@@ -6,6 +6,7 @@
 #include "cluster/must.h"
 #include "cluster/worker_pair.h"
 
+#include "base/error.h"
 #include "base/rng.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/opencl/device_pair.h"
@@ -375,6 +376,53 @@ static void homes_leave_in_the_order_of_their_rows(MPI_Comm *comm, uint64_t seed
     duet_cluster_destroy(c);
 }
 
+static void *(*extend_in_truth)(worker *, uint32_t, uint32_t, duet_error *);
+
+// Once.
+static void *fail_to_extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
+{
+    (void)n, (void)kept;
+    w->extend = extend_in_truth;
+    error_set(err, DUET_STATUS_NO_MEMORY, "none for now");
+    return NULL;
+}
+
+static void must_lack_memory(bool failed, const duet_error *err)
+{
+    MUST(failed && err->status == DUET_STATUS_NO_MEMORY, err->text);
+    MUST(strstr(err->text, "rank 1 on ") && strstr(err->text, "none for now"), err->text);
+}
+
+// A rank that has no memory for newcomers: none comes to any, and all do in the next step.
+static void newcomers_come_to_all_ranks_or_to_none(MPI_Comm *comm, uint64_t seed)
+{
+    enum { MISSES = 3, ENDS = 6 };
+    duet_cluster *clusters[] = {open_cluster(comm, true, 1), open_cluster(comm, false, 1)};
+    worker *w = clusters[0]->workers[0];
+    duet_cluster_result results[2];
+    uint64_t left = 0;
+    extend_in_truth = w->extend;
+    for (int i = 0; i < 2; ++i)
+        hand_over(clusters[i], N, seed);
+    for (uint32_t at = 0; at < ENDS; ++at) {
+        duet_error err = {0};
+        for (int i = 0; at > 0 && i < 2; ++i)
+            move_homes(clusters[i], move, at);
+        if (at == MISSES) {
+            w->extend = rank == 1 ? fail_to_extend : extend_in_truth;
+            must_lack_memory(!duet_cluster_step(clusters[0], &results[0], &err), &err);
+            MUST(w->extend == extend_in_truth && clusters[0]->owned.leavers.n == 0, "none left");
+        }
+        for (int i = 0; i < 2; ++i)
+            MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
+        left += at == MISSES ? clusters[0]->owned.leavers.n : 0;
+        MUST(results[0].objects == N && results[0].hash == results[1].hash, "all are there, once");
+    }
+    MUST(sum_of(comm, left) > 10, "some left");
+    for (int i = 0; i < 2; ++i)
+        duet_cluster_destroy(clusters[i]);
+}
+
 // A little; some come through a border of parts or ranks, and one leaps at one step.
 static void drift(duet_pose *p, uint64_t id, uint32_t at)
 {
@@ -556,6 +604,7 @@ int main(int argc, char **argv)
     ranks_that_skim_find_the_same_pairs(&world, seed);
     any_order_of_calls_finds_the_same_pairs(&world, seed);
     homes_leave_in_the_order_of_their_rows(&world, seed);
+    newcomers_come_to_all_ranks_or_to_none(&world, seed);
     large_parts_find_the_same_pairs(&world, seed, 2, true);
     parts_find_the_same_pairs(&world, seed, true);
     parts_find_the_same_pairs(&world, seed, false);
