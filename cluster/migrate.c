@@ -42,11 +42,15 @@ static bool refuse_bad(const migration *m, const overview *v, ranks *r, duet_err
                      first, v->objects, v->bad);
 }
 
+static bool no_memory_at_border(uint64_t n, duet_error *err)
+{
+    return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects at the border: no memory", n);
+}
+
 static bool classify_all(migration *m, duet_error *err)
 {
     return classify(&m->classes, m->owned) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects at the border: no memory",
-                     m->classes.all.boundary.n + m->classes.all.leavers.n);
+           no_memory_at_border(m->classes.all.boundary.n + m->classes.all.leavers.n, err);
 }
 
 // Keeps the width that levels are relative to, until an object is wider or levels are too fine by
@@ -213,7 +217,8 @@ bool migrate(migration *m, ranks *r, bool *ok, duet_error *err)
     if (is_placed && v.leavers > 0 &&
         (!exchange_leavers(m, listed, r, err) || !look_over(&v, m, true, r, err)))
         return false;
-    *ok = listed;
+    const row_list *boundary = &o->boundary; // with newcomers
+    *ok = listed && (!boundary->failed || no_memory_at_border(boundary->n, err));
     if ((!is_placed || v.unevenness > m->imbalance * m->unevenness) &&
         !partition_anew(m, v.widest, ok, r, err))
         return false;
