@@ -387,6 +387,16 @@ static void *fail_to_extend(worker *w, uint32_t n, uint32_t kept, duet_error *er
     return NULL;
 }
 
+static void *(*map_in_truth)(worker *, uint32_t, duet_error *);
+
+static void *fail_to_map(worker *w, uint32_t n, duet_error *err)
+{
+    (void)n;
+    w->map = map_in_truth;
+    error_set(err, DUET_STATUS_NO_MEMORY, "none for now");
+    return NULL;
+}
+
 static void must_lack_memory(bool failed, const duet_error *err)
 {
     MUST(failed && err->status == DUET_STATUS_NO_MEMORY, err->text);
@@ -421,6 +431,32 @@ static void newcomers_come_to_all_ranks_or_to_none(MPI_Comm *comm, uint64_t seed
     MUST(sum_of(comm, left) > 10, "some left");
     for (int i = 0; i < 2; ++i)
         duet_cluster_destroy(clusters[i]);
+}
+
+// A rank that has no memory for its homes: none has them, and all do at the next call.
+static void homes_are_mapped_by_all_ranks_or_by_none(MPI_Comm *comm, uint64_t seed)
+{
+    duet_cluster *c = open_cluster(comm, true, 1);
+    worker *w = c->workers[0];
+    duet_error err = {0};
+    const uint64_t *ids = NULL;
+    uint32_t n = 0;
+    duet_cluster_result first, again;
+    map_in_truth = w->map;
+    hand_over(c, N, seed);
+    MUST_OK(duet_cluster_step(c, &first, &err), err);
+    for (int moves = 0; moves < 2; ++moves) { // as they are found, and as they were written
+        for (int i = 0; i < 2; ++i) {
+            w->map = rank == 1 ? fail_to_map : map_in_truth;
+            must_lack_memory(!duet_cluster_map_homes(c, DUET_OBJECT_POSES, &ids, &n, &err), &err);
+            MUST(w->map == map_in_truth && c->owned.rows.objects, "they are there");
+        }
+        if (moves)
+            move_homes(c, move, 1);
+    }
+    MUST_OK(duet_cluster_step(c, &again, &err), err);
+    MUST(again.objects == N && again.hash != first.hash, "they moved");
+    duet_cluster_destroy(c);
 }
 
 // A little; some come through a border of parts or ranks, and one leaps at one step.
@@ -605,6 +641,7 @@ int main(int argc, char **argv)
     any_order_of_calls_finds_the_same_pairs(&world, seed);
     homes_leave_in_the_order_of_their_rows(&world, seed);
     newcomers_come_to_all_ranks_or_to_none(&world, seed);
+    homes_are_mapped_by_all_ranks_or_by_none(&world, seed);
     large_parts_find_the_same_pairs(&world, seed, 2, true);
     parts_find_the_same_pairs(&world, seed, true);
     parts_find_the_same_pairs(&world, seed, false);
