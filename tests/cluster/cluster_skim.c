@@ -158,6 +158,59 @@ static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet
     duet_world_destroy(world);
 }
 
+// ---------------------------------------------------------------- memory
+
+static bool lacks_memory;
+
+bool __real_host_block_reserve(host_block *h, const device of[], int n, size_t size,
+                               duet_error *err);
+bool __wrap_host_block_reserve(host_block *h, const device of[], int n, size_t size,
+                               duet_error *err);
+
+// As it is where there is no more memory: the old block is gone.
+bool __wrap_host_block_reserve(host_block *h, const device of[], int n, size_t size,
+                               duet_error *err)
+{
+    if (!lacks_memory || (h->bytes && h->size >= size))
+        return __real_host_block_reserve(h, of, n, size, err);
+    host_block_release(h);
+    return error_set(err, DUET_STATUS_NO_MEMORY, "none for now");
+}
+
+static void must_count_up(const void *rows, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        MUST(((const duet_pose *)rows)[i].centre[0] == (float)i, "each is there");
+}
+
+// Kept objects stay, whether there is memory for more or not.
+static void a_worker_keeps_its_objects(void)
+{
+    duet_error err = {0};
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    worker *w = worker_open_pair(&def, &err);
+    MUST_OK(w, err);
+    duet_pose *rows = w->extend(w, N, 0, &err);
+    MUST_OK(rows, err);
+    for (uint32_t i = 0; i < N; ++i)
+        rows[i] = (duet_pose){.centre = {(float)i}};
+    for (int again = 0; again < 2; ++again) {
+        lacks_memory = true;
+        err = (duet_error){0};
+        MUST(!w->extend(w, MANY, N, &err) && err.status == DUET_STATUS_NO_MEMORY &&
+                 strcmp(err.text, "none for now") == 0,
+             err.text);
+        must_count_up(rows, N);
+        MUST(w->map(w, N, NULL) == rows, "where they were");
+        lacks_memory = false;
+    }
+    rows = w->extend(w, MANY, N, &err);
+    MUST_OK(rows, err);
+    must_count_up(rows, N);
+    w->close(w);
+}
+
 // ---------------------------------------------------------------- ranks
 
 static duet_cluster *open_cluster(MPI_Comm *comm, bool skims, uint32_t n_parts)
@@ -630,6 +683,7 @@ int main(int argc, char **argv)
         a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_POSES, "simd skim.WG=256");
         a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_BOUNDS, "simd");
         a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_BOUNDS, "simd skim.WG=128");
+        a_worker_keeps_its_objects();
         ranks_that_skim_find_the_same_pairs(&self, seed);
         large_parts_find_the_same_pairs(&self, seed, 3, false);
         large_parts_find_the_same_pairs(&self, seed, 3, true);
