@@ -255,17 +255,11 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
     duet_error own = {0};
     bool ok = error_given(ids, __func__, "ids", &own) && error_given(n, __func__, "n", &own) &&
               check_kind(c, kind, &own);
-    if (!cluster_settle_all(c, __func__, ok, &own, NULL) && own.status != DUET_STATUS_BAD_OBJECT) {
+    if (!cluster_open_homes(c, __func__, ok, &own)) {
         error_copy(err, &own);
-        return NULL; // all objects are where they were, so that bad ones can be mended
-    }
-    owned *o = &c->owned;
-    c->state = STATE_CHANGED;
-    if (!owned_tidy(o, err))
         return NULL;
-    if (o->holder)
-        o->rows.objects = o->holder->map(o->holder, o->rows.n, NULL);
-    *n = o->rows.n;
-    *ids = o->rows.ids;
-    return o->rows.objects;
+    }
+    *n = c->owned.rows.n;
+    *ids = c->owned.rows.ids;
+    return c->owned.rows.objects;
 }

@@ -105,5 +105,8 @@ bool cluster_show_domain(duet_cluster *c, duet_error *err);
 // Brings all objects where they belong: on all ranks, or on none.
 bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *own,
                         duet_error *err);
+// The same, and then tidies and maps them, to be written. Where objects are bad all are where they
+// were, to be mended.
+bool cluster_open_homes(duet_cluster *c, const char *call, bool ok, duet_error *own);
 
 #endif

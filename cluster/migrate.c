@@ -42,11 +42,15 @@ static bool refuse_bad(const migration *m, const overview *v, ranks *r, duet_err
                      first, v->objects, v->bad);
 }
 
+static bool no_memory_at_border(uint64_t n, duet_error *err)
+{
+    return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects at the border: no memory", n);
+}
+
 static bool classify_all(migration *m, duet_error *err)
 {
     return classify(&m->classes, m->owned) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects at the border: no memory",
-                     m->classes.all.boundary.n + m->classes.all.leavers.n);
+           no_memory_at_border(m->classes.all.boundary.n + m->classes.all.leavers.n, err);
 }
 
 // Keeps the width that levels are relative to, until an object is wider or levels are too fine by
@@ -98,6 +102,16 @@ static void add_newcomer(owned *o, uint32_t row)
         row_list_add(&o->renamed, row);
 }
 
+// Takes the objects that came, on all ranks or on none.
+static bool take_newcomers(owned *o, const parcels *in, ranks *r, duet_error *err)
+{
+    uint32_t first = o->rows.n;
+    if (ranks_agree(r, owned_add_newcomers(o, in, err), err))
+        return true;
+    owned_drop_newcomers(o, first);
+    return false;
+}
+
 // Releases the objects that leave once all ranks have taken those that came to them.
 static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
 {
@@ -108,7 +122,7 @@ static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
     ok = ok && write_leavers(m, r, &out, err);
     ok = ranks_exchange(r, ok, &out, &in, err);
     parcels_end(&out);
-    ok = ok && ranks_agree(r, owned_add_newcomers(o, &in, err), err);
+    ok = ok && take_newcomers(o, &in, r, err);
     parcels_end(&in);
     if (!ok)
         return false;
@@ -129,6 +143,17 @@ static bool place(migration *m, duet_error *err)
 {
     const extent box = partition_box(m->partition);
     return owned_tidy(m->owned, err) && owned_place(m->owned, &box, m->workers, err);
+}
+
+// Begins to send the rows of a single domain to its worker's devices, instead of what was sent
+// before rows moved.
+static bool send_ahead(owned *o, duet_error *err)
+{
+    if (!owned_map(o, err))
+        return false;
+    if (o->holder && o->placement == PLACED_BY_DOMAIN)
+        o->holder->begin(o->holder, o->rows.n, NULL);
+    return true;
 }
 
 // Brings all objects to their ranks by a new partition, and if *ok to their domains.
@@ -152,7 +177,7 @@ static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet
          (!exchange_leavers(m, listed, r, err) || !look_over(&v, m, true, r, err))))
         return false;
     m->unevenness = v.unevenness;
-    *ok = place(m, err) && classify_all(m, err);
+    *ok = place(m, err) && send_ahead(o, err) && classify_all(m, err);
     return true;
 }
 
@@ -166,17 +191,7 @@ static bool begin(migration *m, duet_error *err)
         return false;
     bool is_due =
         o->placement == PLACED_BY_RANK || (o->placement == PLACED_BY_DOMAIN && owned_is_uneven(o));
-    if (is_due && !place(m, err))
-        return false;
-    if (!o->holder)
-        return true;
-    void *objects = o->holder->map(o->holder, o->rows.n, err);
-    if (!objects)
-        return false;
-    o->rows.objects = objects;
-    if (o->placement == PLACED_BY_DOMAIN)
-        o->holder->begin(o->holder, o->rows.n, NULL);
-    return true;
+    return (!is_due || place(m, err)) && send_ahead(o, err);
 }
 
 static void join_boxes(owned *o)
@@ -202,7 +217,8 @@ bool migrate(migration *m, ranks *r, bool *ok, duet_error *err)
     if (is_placed && v.leavers > 0 &&
         (!exchange_leavers(m, listed, r, err) || !look_over(&v, m, true, r, err)))
         return false;
-    *ok = listed;
+    const row_list *boundary = &o->boundary; // with newcomers
+    *ok = listed && (!boundary->failed || no_memory_at_border(boundary->n, err));
     if ((!is_placed || v.unevenness > m->imbalance * m->unevenness) &&
         !partition_anew(m, v.widest, ok, r, err))
         return false;

@@ -160,6 +160,15 @@ static bool reserve_ids(owned *o, uint64_t n, duet_error *err)
     return true;
 }
 
+bool owned_map(owned *o, duet_error *err)
+{
+    if (!o->holder)
+        return true;
+    void *objects = o->holder->map(o->holder, o->rows.n, err);
+    o->rows.objects = objects ? objects : o->rows.objects;
+    return objects;
+}
+
 bool owned_reserve(owned *o, uint64_t more, duet_error *err)
 {
     uint64_t n = o->rows.n + more;
@@ -354,6 +363,15 @@ bool owned_add_newcomers(owned *o, const parcels *messages, duet_error *err)
     parallel_each(o->threads, messages->n, write_messages, &w);
     o->rows.n += (uint32_t)messages->n;
     return true;
+}
+
+void owned_drop_newcomers(owned *o, uint32_t first)
+{
+    o->rows.n = first;
+    for (uint32_t d = 0; d < o->n_domains; ++d) {
+        o->domains[d].first_new = first;
+        o->domains[d].n_new = 0;
+    }
 }
 
 // ---------------------------------------------------------------- domains

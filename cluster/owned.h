@@ -110,11 +110,17 @@ bool owned_place(owned *o, const extent *box, worker *const workers[2], duet_err
 // Returns whether a domain has so many objects that the planes are to be made anew.
 bool owned_is_uneven(const owned *o);
 
+// Makes the holder's memory that of the rows as they are, and forgets what was sent ahead of them.
+bool owned_map(owned *o, duet_error *err);
+
 // Makes space for n more rows behind the rows.
 bool owned_reserve(owned *o, uint64_t n, duet_error *err);
 
 // Adds the objects in messages as newcomers of the domains that they lie in.
 bool owned_add_newcomers(owned *o, const parcels *messages, duet_error *err);
+
+// Undoes that: rows from `first` on, all of them newcomers, are none any more.
+void owned_drop_newcomers(owned *o, uint32_t first);
 
 // The holder's devices know the ids of all rows.
 void owned_forget_renamed(owned *o);

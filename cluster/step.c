@@ -245,6 +245,17 @@ bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *
     return ok || error_copy(err, own);
 }
 
+bool cluster_open_homes(duet_cluster *c, const char *call, bool ok, duet_error *own)
+{
+    owned *o = &c->owned;
+    bool settled;
+    if (!begin_settled(c, call, false, ok, &settled, own) && own->status != DUET_STATUS_BAD_OBJECT)
+        return false;
+    c->state = STATE_CHANGED;
+    ok = settled && owned_tidy(o, own) && owned_map(o, own);
+    return ranks_agree(&c->ranks, ok, own);
+}
+
 // ---------------------------------------------------------------- the step
 
 static bool search_all(duet_cluster *c, bool ok, duet_error *own)

@@ -28,7 +28,8 @@ struct worker {
     // Space for n objects, which are to be written before the next find. If there were as many
     // before they are still there.
     void *(*map)(worker *w, uint32_t n, duet_error *err);
-    // Space for n objects, of which the first `kept` stay; the others are to be written.
+    // Space for n objects, of which the first `kept` stay; the others are to be written. NULL
+    // without memory: those are where they were.
     void *(*extend)(worker *w, uint32_t n, uint32_t kept, duet_error *err);
     // Searches n objects of the caller's instead, until others are mapped or bound.
     void (*bind)(worker *w, const void *objects, uint32_t n);

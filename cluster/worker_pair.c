@@ -41,30 +41,37 @@ static uint32_t await_skim(worker *w, uint32_t from, const skim_block **blocks)
     return world_await_skim(((worker_pair *)w)->world, from, blocks);
 }
 
-// Into more memory, with some to spare.
-static void *grow(worker_pair *p, uint32_t n, uint32_t kept, duet_error *err)
+static void *map_with_spare(worker_pair *p, uint32_t n, duet_error *err)
 {
-    size_t bytes = (size_t)kept * p->bytes;
     uint64_t wanted = (uint64_t)n + n / 16;
     uint32_t most = wanted < DUET_MOST_OBJECTS ? (uint32_t)wanted : n;
-    void *copy = malloc(bytes + 1);
-    if (!copy) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", kept);
-        return NULL;
+    return map(&p->base, most, err) ? map(&p->base, n, err) : NULL;
+}
+
+// Into more memory. Without it the objects stay where they are.
+static void *grow(worker_pair *p, uint32_t n, uint32_t kept, duet_error *err)
+{
+    host_block *now = &p->world->objects, before = *now;
+    world_cancel_prefetch(p->world);
+    *now = (host_block){0};
+    void *objects = map_with_spare(p, n, err);
+    if (objects) {
+        memcpy(objects, before.bytes, (size_t)kept * p->bytes);
+        host_block_release(&before);
+        return objects;
     }
-    if (bytes > 0)
-        memcpy(copy, p->world->objects.bytes, bytes);
-    void *objects = map(&p->base, most, err) ? map(&p->base, n, err) : NULL;
-    if (objects && bytes > 0)
-        memcpy(objects, copy, bytes);
-    free(copy);
-    return objects;
+    host_block_release(now);
+    *now = before;
+    map(&p->base, kept, NULL);
+    return NULL;
 }
 
 static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
 {
     worker_pair *p = (worker_pair *)w;
-    void *objects = kept > 0 ? world_extend_objects(p->world, p->kind, n) : NULL;
+    if (kept == 0)
+        return map_with_spare(p, n, err);
+    void *objects = world_extend_objects(p->world, p->kind, n);
     return objects ? objects : grow(p, n, kept, err);
 }
 

@@ -50,7 +50,7 @@ bool part_skim(part *p, const duet_world_def *def, const float inside_lower[3],
 uint32_t part_await_skim(part *p, uint32_t from, const skim_block **blocks)
 {
     uint32_t i = 0;
-    while (p->objects.chunks[i].to <= from)
+    while (i + 1 < p->objects.n_chunks && p->objects.chunks[i].to <= from)
         ++i;
     timeline_spin(&p->times, p->skimmed.done[i]);
     *blocks = p->skimmed.seen.bytes;

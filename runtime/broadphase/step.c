@@ -381,7 +381,10 @@ static part *skimmer(duet_world *world)
 
 bool world_skim(duet_world *world, const float inside_lower[3], const float inside_upper[3])
 {
-    return part_skim(skimmer(world), &world->def, inside_lower, inside_upper, NULL);
+    part *p = skimmer(world);
+    const device_view *v = &p->objects;
+    return v->n_chunks > 0 && v->chunks[v->n_chunks - 1].to == world->n &&
+           part_skim(p, &world->def, inside_lower, inside_upper, NULL);
 }
 
 uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **blocks)

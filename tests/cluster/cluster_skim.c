@@ -6,6 +6,7 @@
 #include "cluster/must.h"
 #include "cluster/worker_pair.h"
 
+#include "base/error.h"
 #include "base/rng.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/opencl/device_pair.h"
@@ -157,6 +158,59 @@ static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet
     duet_world_destroy(world);
 }
 
+// ---------------------------------------------------------------- memory
+
+static bool lacks_memory;
+
+bool __real_host_block_reserve(host_block *h, const device of[], int n, size_t size,
+                               duet_error *err);
+bool __wrap_host_block_reserve(host_block *h, const device of[], int n, size_t size,
+                               duet_error *err);
+
+// As it is where there is no more memory: the old block is gone.
+bool __wrap_host_block_reserve(host_block *h, const device of[], int n, size_t size,
+                               duet_error *err)
+{
+    if (!lacks_memory || (h->bytes && h->size >= size))
+        return __real_host_block_reserve(h, of, n, size, err);
+    host_block_release(h);
+    return error_set(err, DUET_STATUS_NO_MEMORY, "none for now");
+}
+
+static void must_count_up(const void *rows, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        MUST(((const duet_pose *)rows)[i].centre[0] == (float)i, "each is there");
+}
+
+// Kept objects stay, whether there is memory for more or not.
+static void a_worker_keeps_its_objects(void)
+{
+    duet_error err = {0};
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    worker *w = worker_open_pair(&def, &err);
+    MUST_OK(w, err);
+    duet_pose *rows = w->extend(w, N, 0, &err);
+    MUST_OK(rows, err);
+    for (uint32_t i = 0; i < N; ++i)
+        rows[i] = (duet_pose){.centre = {(float)i}};
+    for (int again = 0; again < 2; ++again) {
+        lacks_memory = true;
+        err = (duet_error){0};
+        MUST(!w->extend(w, MANY, N, &err) && err.status == DUET_STATUS_NO_MEMORY &&
+                 strcmp(err.text, "none for now") == 0,
+             err.text);
+        must_count_up(rows, N);
+        MUST(w->map(w, N, NULL) == rows, "where they were");
+        lacks_memory = false;
+    }
+    rows = w->extend(w, MANY, N, &err);
+    MUST_OK(rows, err);
+    must_count_up(rows, N);
+    w->close(w);
+}
+
 // ---------------------------------------------------------------- ranks
 
 static duet_cluster *open_cluster(MPI_Comm *comm, bool skims, uint32_t n_parts)
@@ -203,7 +257,7 @@ static void hand_over(duet_cluster *c, uint32_t n, uint64_t seed)
 }
 
 enum { DRIFTS = 12, LEAPS = 4, SWELLS = 6, SPOILS = 8 };
-enum { STEPS = 14, AGAIN = 3, GROWS = 4, SHRINKS = 7, FAILS = 9, CROWDS = 11 };
+enum { STEPS = 14, AGAIN = 3, GROWS = 4, CUTS = 6, SHRINKS = 7, FAILS = 9, CROWDS = 11 };
 
 // Where an object is at a step is known by its id alone: some leap far, once one becomes wide, and
 // later narrow, two are bad for a moment, and most come to one side.
@@ -235,6 +289,12 @@ static void move_homes(duet_cluster *c, mover *how, uint32_t at)
         how(&own[i], ids[i], at);
 }
 
+// The next step partitions the world anew, while objects that moved are on their way to devices.
+static void make_uneven(duet_cluster *c)
+{
+    c->migration.unevenness = 0;
+}
+
 static void must_name_the_bad(duet_cluster *c)
 {
     duet_error err = {0};
@@ -257,7 +317,8 @@ static bool count_skim(worker *w, const float lower[3], const float upper[3])
 // Once a step, but where nothing was sent ahead or levels change.
 static bool is_quiet(uint32_t at)
 {
-    return at > 2 && at != GROWS && at != SHRINKS && at != CROWDS && at != FAILS && at != FAILS + 1;
+    return at > 2 && at != GROWS && at != CUTS && at != SHRINKS && at != CROWDS && at != FAILS &&
+           at != FAILS + 1;
 }
 
 static uint64_t sum_of(MPI_Comm *comm, uint64_t own)
@@ -309,6 +370,8 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
         for (int i = 0; i < 2; ++i) {
             if (at > 0)
                 move_homes(clusters[i], move, at);
+            if (at == CUTS)
+                make_uneven(clusters[i]);
             if (at == FAILS)
                 must_name_the_bad(clusters[i]);
             else
@@ -363,6 +426,89 @@ static void homes_leave_in_the_order_of_their_rows(MPI_Comm *comm, uint64_t seed
         MUST(at < 3 || (l->n > 100 && worker_of(c)->world->parts[1].skimmed.done[1]), "some left");
         move_homes(c, move, at);
     }
+    duet_cluster_destroy(c);
+}
+
+static void *(*extend_in_truth)(worker *, uint32_t, uint32_t, duet_error *);
+
+// Once.
+static void *fail_to_extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
+{
+    (void)n, (void)kept;
+    w->extend = extend_in_truth;
+    error_set(err, DUET_STATUS_NO_MEMORY, "none for now");
+    return NULL;
+}
+
+static void *(*map_in_truth)(worker *, uint32_t, duet_error *);
+
+static void *fail_to_map(worker *w, uint32_t n, duet_error *err)
+{
+    (void)n;
+    w->map = map_in_truth;
+    error_set(err, DUET_STATUS_NO_MEMORY, "none for now");
+    return NULL;
+}
+
+static void must_lack_memory(bool failed, const duet_error *err)
+{
+    MUST(failed && err->status == DUET_STATUS_NO_MEMORY, err->text);
+    MUST(strstr(err->text, "rank 1 on ") && strstr(err->text, "none for now"), err->text);
+}
+
+// A rank that has no memory for newcomers: none comes to any, and all do in the next step.
+static void newcomers_come_to_all_ranks_or_to_none(MPI_Comm *comm, uint64_t seed)
+{
+    enum { MISSES = 3, ENDS = 6 };
+    duet_cluster *clusters[] = {open_cluster(comm, true, 1), open_cluster(comm, false, 1)};
+    worker *w = clusters[0]->workers[0];
+    duet_cluster_result results[2];
+    uint64_t left = 0;
+    extend_in_truth = w->extend;
+    for (int i = 0; i < 2; ++i)
+        hand_over(clusters[i], N, seed);
+    for (uint32_t at = 0; at < ENDS; ++at) {
+        duet_error err = {0};
+        for (int i = 0; at > 0 && i < 2; ++i)
+            move_homes(clusters[i], move, at);
+        if (at == MISSES) {
+            w->extend = rank == 1 ? fail_to_extend : extend_in_truth;
+            must_lack_memory(!duet_cluster_step(clusters[0], &results[0], &err), &err);
+            MUST(w->extend == extend_in_truth && clusters[0]->owned.leavers.n == 0, "none left");
+        }
+        for (int i = 0; i < 2; ++i)
+            MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
+        left += at == MISSES ? clusters[0]->owned.leavers.n : 0;
+        MUST(results[0].objects == N && results[0].hash == results[1].hash, "all are there, once");
+    }
+    MUST(sum_of(comm, left) > 10, "some left");
+    for (int i = 0; i < 2; ++i)
+        duet_cluster_destroy(clusters[i]);
+}
+
+// A rank that has no memory for its homes: none has them, and all do at the next call.
+static void homes_are_mapped_by_all_ranks_or_by_none(MPI_Comm *comm, uint64_t seed)
+{
+    duet_cluster *c = open_cluster(comm, true, 1);
+    worker *w = c->workers[0];
+    duet_error err = {0};
+    const uint64_t *ids = NULL;
+    uint32_t n = 0;
+    duet_cluster_result first, again;
+    map_in_truth = w->map;
+    hand_over(c, N, seed);
+    MUST_OK(duet_cluster_step(c, &first, &err), err);
+    for (int moves = 0; moves < 2; ++moves) { // as they are found, and as they were written
+        for (int i = 0; i < 2; ++i) {
+            w->map = rank == 1 ? fail_to_map : map_in_truth;
+            must_lack_memory(!duet_cluster_map_homes(c, DUET_OBJECT_POSES, &ids, &n, &err), &err);
+            MUST(w->map == map_in_truth && c->owned.rows.objects, "they are there");
+        }
+        if (moves)
+            move_homes(c, move, 1);
+    }
+    MUST_OK(duet_cluster_step(c, &again, &err), err);
+    MUST(again.objects == N && again.hash != first.hash, "they moved");
     duet_cluster_destroy(c);
 }
 
@@ -502,6 +648,8 @@ static void any_order_of_calls_finds_the_same_pairs(MPI_Comm *comm, uint64_t see
                 move_homes(clusters[i], drift, DRIFTS + at);
             else if (what < CHANGES)
                 change(clusters[i], what);
+            if (what % 5 == 4)
+                make_uneven(clusters[i]);
             if (steps_now)
                 MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
         }
@@ -535,6 +683,7 @@ int main(int argc, char **argv)
         a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_POSES, "simd skim.WG=256");
         a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_BOUNDS, "simd");
         a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_BOUNDS, "simd skim.WG=128");
+        a_worker_keeps_its_objects();
         ranks_that_skim_find_the_same_pairs(&self, seed);
         large_parts_find_the_same_pairs(&self, seed, 3, false);
         large_parts_find_the_same_pairs(&self, seed, 3, true);
@@ -545,6 +694,8 @@ int main(int argc, char **argv)
     ranks_that_skim_find_the_same_pairs(&world, seed);
     any_order_of_calls_finds_the_same_pairs(&world, seed);
     homes_leave_in_the_order_of_their_rows(&world, seed);
+    newcomers_come_to_all_ranks_or_to_none(&world, seed);
+    homes_are_mapped_by_all_ranks_or_by_none(&world, seed);
     large_parts_find_the_same_pairs(&world, seed, 2, true);
     parts_find_the_same_pairs(&world, seed, true);
     parts_find_the_same_pairs(&world, seed, false);
