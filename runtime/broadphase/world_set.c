@@ -27,6 +27,7 @@ static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n,
 // The row behind the last belongs to none: a device may read four numbers at once.
 static void *map_sizes(duet_world *world, uint32_t n, duet_error *err)
 {
+    world->n_sizes = 0; // in case there is no memory: the old block is gone
     if (!host_block_reserve(&world->sizes, world->def.pair->devices, 2,
                             ((size_t)n + 1) * sizeof(duet_size), err))
         return NULL;
@@ -132,12 +133,15 @@ static bool fetch_sizes(duet_world *world, resident *r, const device *from, uint
                         duet_error *err)
 {
     duet_size *sizes = duet_world_map_objects(world, DUET_OBJECT_SIZES, n, err);
-    if (!sizes || !callers_events_wait(&r->ready, "the objects", err))
-        return false;
-    cl_int code = clEnqueueReadBuffer(from->queue, r->mem, CL_TRUE, 0, n * sizeof *sizes, sizes, 0,
-                                      NULL, NULL);
-    return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: fetching %u sizes", from->info.selector, n);
+    bool ok = sizes && callers_events_wait(&r->ready, "the objects", err);
+    cl_int code = ok ? clEnqueueReadBuffer(from->queue, r->mem, CL_TRUE, 0, n * sizeof *sizes,
+                                           sizes, 0, NULL, NULL)
+                     : CL_SUCCESS;
+    if (code != CL_SUCCESS)
+        ok = error_set_cl(err, code, "%s: fetching %u sizes", from->info.selector, n);
+    if (!ok)
+        world->n_sizes = 0; // what lies there is not what was asked for
+    return ok;
 }
 
 bool duet_world_set_objects_buffer(duet_world *world, duet_object_kind kind, cl_mem objects,

@@ -234,6 +234,15 @@ static bool fill_copy(duet_motion *copy, const saved_head *h, const char *bytes,
     return true;
 }
 
+// What is still mapped is of the buffers that go.
+static void adopt(duet_motion *m, duet_motion *copy)
+{
+    motion_forget_maps(m);
+    copy->maps = NULL;
+    copy->mapped = 0;
+    saved_copy_adopt(m, copy);
+}
+
 static bool replace(duet_motion *m, const saved_head *h, const char *bytes, const char *path,
                     duet_error *err)
 {
@@ -242,7 +251,7 @@ static bool replace(duet_motion *m, const saved_head *h, const char *bytes, cons
               fill_copy(&copy, h, bytes, path, err);
     timeline_clear(&copy.times);
     if (ok)
-        saved_copy_adopt(m, &copy);
+        adopt(m, &copy);
     else
         saved_copy_free(&copy);
     return ok;
@@ -263,7 +272,6 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
     if (!ok)
         return false;
     motion_forget_recording(m);
-    motion_forget_maps(m);
     motion_mend(m);
     return true;
 }

@@ -128,6 +128,14 @@ static bool take_place(duet_motion *copy, uint32_t place, const saved_place *s, 
     return !fault || bad_place(path, place, fault, err);
 }
 
+// A target is put where it is without another look.
+static bool is_in_cells(const duet_motion *copy, const motion_target *t)
+{
+    cl_int4 cell;
+    duet_pose aimed = motion_aim(copy, copy->poses[t->place], &t->pose);
+    return !copy->cells || motion_place_pose(copy, &aimed, &cell);
+}
+
 static bool take_target(const duet_motion *copy, const motion_target *t, const char *path,
                         duet_error *err)
 {
@@ -135,7 +143,8 @@ static bool take_target(const duet_motion *copy, const motion_target *t, const c
     memcpy(pose.centre, t->pose.centre, sizeof pose.centre);
     memcpy(pose.rotation, t->pose.rotation, sizeof pose.rotation);
     bool ok = t->place < copy->n && !motion_is_hidden(copy, t->place) &&
-              !(copy->bodies[t->place].mass > 0.0f) && !motion_pose_fault(&pose, copy->def.dims);
+              !(copy->bodies[t->place].mass > 0.0f) && !motion_pose_fault(&pose, copy->def.dims) &&
+              is_in_cells(copy, t);
     return ok || bad_place(path, t->place, "no such body can have a target", err);
 }
 

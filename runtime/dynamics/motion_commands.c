@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "runtime/narrowphase/origin.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -155,13 +156,15 @@ bool motion_forget_targets(duet_motion *m, const uint32_t *places, uint32_t n, d
     return ok;
 }
 
-// The command that set a target saw that its pose is within the origin cells.
+// What set a target saw that its pose is within the origin cells: a command, or a file's reader.
 static void put_at(duet_motion *m, const motion_target *t)
 {
     cl_int4 cell = {{0}};
     duet_pose pose = motion_aim(m, m->poses[t->place], &t->pose);
     if (m->cells) {
-        motion_place_pose(m, &pose, &cell);
+        bool is_in_cells = motion_place_pose(m, &pose, &cell);
+        assert(is_in_cells);
+        (void)is_in_cells;
         m->cells[t->place] = cell;
     }
     m->poses[t->place] = pose;

@@ -44,13 +44,17 @@ static bool check_part(const duet_motion *m, duet_state_part part, const char *c
     return motion_needs(m, parts[part].effect, call, err);
 }
 
+// The buffers may go next, and host memory with them: no unmap is under way any more then.
 void motion_forget_maps(duet_motion *m)
 {
+    const bool any = m->mapped != 0;
     for (int part = 0; m->maps && part < PARTS; ++part)
         motion_rows_drop(&m->maps[part].rows);
     free(m->maps);
     m->maps = NULL;
     m->mapped = 0;
+    if (any)
+        clFinish(m->device->queue);
 }
 
 // ---------------------------------------------------------------- begin

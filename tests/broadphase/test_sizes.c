@@ -3,8 +3,10 @@
 #include "support/devices.h"
 #include "support/test.h"
 
+#include "base/budget.h"
 #include "base/rng.h"
 #include "runtime/broadphase/world.h"
+#include "runtime/duet_opencl.h"
 
 #include <math.h>
 #include <string.h>
@@ -337,6 +339,67 @@ TEST(as_many_sizes_as_transforms)
     assert_ok(duet_world_load_profile(world, "test_sizes.none.db", &profile, &err), err);
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     assert_step_is_the_reference(world, 10);
+    duet_world_destroy(world);
+}
+
+static void assert_has_no_sizes(duet_world *world)
+{
+    duet_error err = {0};
+    duet_result result;
+    assert_false(duet_world_step(world, &result, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    assert_string_equal(err.text, "10 objects have a transform and 0 a size; expected as "
+                                  "many of each");
+    map_sizes(world, 10);
+    assert_step_is_the_reference(world, 10);
+}
+
+static duet_world *make_world_of_ten(void)
+{
+    rng r = {test_seed()};
+    fill(&r, CAPACITY, 3);
+    tell_of_memory(true);
+    duet_world *world = make_world(3, DUET_MODE_OWN, "simd");
+    map_transforms(world, 10);
+    map_sizes(world, 10);
+    assert_step_is_the_reference(world, 10);
+    return world;
+}
+
+// As many as there were, but their memory is gone.
+TEST(sizes_without_memory_are_none)
+{
+    duet_error err = {0};
+    duet_world *world = make_world_of_ten();
+    budget none = {.deadline_ns = UINT64_MAX, .host_bytes = 1};
+    for (int side = 0; side < 2; ++side)
+        devices->devices[side].info.host_memory = true; // plain memory, which a budget counts
+    budget_enter(&none);
+    void *sizes = duet_world_map_objects(world, DUET_OBJECT_SIZES, CAPACITY, &err);
+    budget_leave(&none);
+    tell_of_memory(true);
+    assert_null(sizes);
+    assert_int_equal(err.status, DUET_STATUS_NO_MEMORY);
+    assert_has_no_sizes(world);
+    duet_world_destroy(world);
+}
+
+TEST(sizes_that_were_not_fetched_are_none)
+{
+    duet_error err = {0};
+    cl_int code = CL_SUCCESS;
+    duet_world *world = make_world_of_ten();
+    cl_context context = devices->devices[1].context;
+    cl_mem mem = clCreateBuffer(context, CL_MEM_READ_WRITE, 10 * sizeof(duet_size), NULL, &code);
+    assert_int_equal(code, CL_SUCCESS);
+    cl_event failed = clCreateUserEvent(context, &code);
+    assert_int_equal(code, CL_SUCCESS);
+    assert_int_equal(clSetUserEventStatus(failed, -1), CL_SUCCESS);
+    assert_false(
+        duet_world_set_objects_buffer(world, DUET_OBJECT_SIZES, mem, 10, 1, &failed, &err));
+    assert_has_no_sizes(world);
+    clReleaseEvent(failed);
+    clReleaseMemObject(mem);
     duet_world_destroy(world);
 }
 

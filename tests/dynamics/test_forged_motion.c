@@ -31,11 +31,12 @@ typedef enum kind {
     ONLY_CONTACTS,
     FLIGHT,
     COMMANDED,
+    AIMED,
     KINDS
 } kind;
 
-static const char *const kind_names[KINDS] = {"pile",          "flat groups", "placed",   "doubles",
-                                              "only contacts", "flight",      "commanded"};
+static const char *const kind_names[KINDS] = {
+    "pile", "flat groups", "placed", "doubles", "only contacts", "flight", "commanded", "aimed"};
 
 static void add_walls(mover *m, double half)
 {
@@ -58,7 +59,7 @@ static mover *make_mover(kind of)
     m->def.gravity[1] = -5.0;
     m->def.doubles = of == DOUBLES || of == FLIGHT;
     m->def.sleep_after = of == PILE ? 0.05 : 0.5;
-    if (of == PLACED)
+    if (of == PLACED || of == AIMED)
         m->def.origin_edge = 4.0f;
     else
         add_walls(m, 4.0);
@@ -97,9 +98,18 @@ static void command(mover *m)
     assert_ok(duet_motion_apply_forces(m->motion, pushed, &force, &err), err);
 }
 
+// A target alone, which is the last of the file.
+static void aim(mover *m)
+{
+    duet_error err = {0};
+    const duet_body_list kinematic = {.first = 14, .n = 1};
+    const duet_transform there = {.centre = {-1, 0.1f, 1}, .rotation = {0, 0, 0, 1}};
+    assert_ok(duet_motion_set_targets(m->motion, kinematic, &there, &err), err);
+}
+
 // ------------------------------------------------------------ files
 
-enum { HEADER = 240, AT_N_CONTACTS = 36, AT_HAS_ROWS = 40, PLACE = 120 };
+enum { HEADER = 240, AT_N_CONTACTS = 36, AT_HAS_ROWS = 40, PLACE = 120, TARGET = 32 };
 
 // The order of a file (docs/formats.md), and how many words one contact has; 0 for
 // what objects have.
@@ -194,6 +204,8 @@ static forger open_forger(kind of)
     mover_run(f.m, 5);
     if (of == COMMANDED)
         command(f.m);
+    if (of == AIMED)
+        aim(f.m);
     assert_ok(duet_motion_save(f.m->motion, path, &err), err);
     assert_ok(text_read_file(&f.right, path, &err), err);
     f.bytes = malloc(f.right.length + 64);
@@ -202,7 +214,8 @@ static forger open_forger(kind of)
     assert_ok(duet_motion_get_hash(f.m->motion, &f.hash, &err), err);
     assert_true(of == FLIGHT || f.n_contacts > 10);
     if (of != COMMANDED)
-        assert_int_equal(place_of(&f, SECTIONS) + f.m->n * PLACE + sizeof(uint64_t),
+        assert_int_equal(place_of(&f, SECTIONS) + f.m->n * PLACE + (of == AIMED ? TARGET : 0) +
+                             sizeof(uint64_t),
                          f.right.length);
     load_right(&f);
     return f;
@@ -294,6 +307,21 @@ TEST(what_a_step_would_believe_is_refused)
     memcpy(f.bytes + AT_N_CONTACTS, &(uint32_t){UINT32_MAX}, 4);
     assert_refused(&f, "n_contacts", "cut short or damaged");
     close_forger(&f, "pile");
+}
+
+// Far away, but a finite number: no origin cell is there.
+TEST(a_target_beyond_the_origin_cells_is_refused)
+{
+    static const float beyond[] = {1e30f, -1e30f, 0x1p32f};
+    for (size_t i = 0; i < sizeof beyond / sizeof beyond[0]; ++i)
+        for (size_t k = 0; k < 3; ++k) {
+            forger f = open_forger(AIMED);
+            size_t target = f.right.length - sizeof(uint64_t) - TARGET;
+            begin_copy(&f);
+            memcpy(f.bytes + target + sizeof(uint32_t) * (1 + k), &beyond[i], sizeof(float));
+            assert_refused(&f, "target", "no such body can have a target");
+            close_forger(&f, "aimed");
+        }
 }
 
 TEST(two_contacts_of_an_object_have_two_colours)

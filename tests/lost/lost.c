@@ -8,7 +8,7 @@
 
 enum { FAILURE = CL_DEVICE_NOT_AVAILABLE };
 
-static atomic_uint n_calls, n_failures, n_finishes;
+static atomic_uint n_calls, n_failures, n_finishes, n_wrong_unmaps;
 static atomic_uint first; // the call that fails; UINT32_MAX: none
 static atomic_int how;
 static _Atomic(const char *) failed; // the first call that did
@@ -30,6 +30,7 @@ void lost_begin(lost_way way, uint32_t k)
     atomic_store(&n_calls, 0);
     atomic_store(&n_failures, 0);
     atomic_store(&n_finishes, 0);
+    atomic_store(&n_wrong_unmaps, 0);
     atomic_store(&how, (int)way);
     atomic_store(&first, k);
 }
@@ -43,6 +44,11 @@ uint32_t lost_end(void)
 uint32_t lost_finishes(void)
 {
     return atomic_load(&n_finishes);
+}
+
+uint32_t lost_wrong_unmaps(void)
+{
+    return atomic_load(&n_wrong_unmaps);
 }
 
 const char *lost_call(void)
@@ -152,6 +158,7 @@ cl_int clEnqueueUnmapMemObject(cl_command_queue q, cl_mem mem, void *at, cl_uint
 {
     REAL(clEnqueueUnmapMemObject);
     cl_int code = real(q, mem, at, n, wait, event);
+    atomic_fetch_add(&n_wrong_unmaps, code == CL_INVALID_VALUE);
     return fails(of_queue(q), __func__) ? FAILURE : code;
 }
 

@@ -34,6 +34,10 @@ uint32_t lost_end(void);
 // How often a queue was waited for to its end since lost_begin.
 uint32_t lost_finishes(void);
 
+// Unmaps since lost_begin of what was not mapped there: a driver refuses them, and what was
+// mapped stays so.
+uint32_t lost_wrong_unmaps(void);
+
 // The first call that failed since lost_begin, or "none".
 const char *lost_call(void);
 

@@ -10,6 +10,7 @@
 
 #include "base/rng.h"
 #include "runtime/broadphase/world.h"
+#include "runtime/duet_motion_map.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -433,6 +434,41 @@ TEST(what_is_made_waits_no_more_for_more_buffers)
     lost_end();
     duet_motion_destroy(m);
     assert_true(!have_host_memory[1] || n_finishes <= 1);
+}
+
+// Parts are mapped, and writing one of them fails half-way: loading gives all back to the buffers
+// that they are of, and the others' memory goes with those.
+TEST(a_broken_motion_is_loaded_while_parts_are_mapped)
+{
+    const scenario s = {.share = 2,
+                        .wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP |
+                                 DUET_EFFECT_ANGULAR_VELOCITY | DUET_EFFECT_MOTION};
+    uint32_t n_broken = 0;
+    save_motion(&s);
+    for (int copies = 0; copies < 2; ++copies)
+        for (uint32_t k = 0; k < 8; ++k) {
+            duet_error err = {0}, why = {0};
+            set_memory(copies);
+            snprintf(what, sizeof what, "mapped, %s, call %u", copies ? "copied" : "in place", k);
+            duet_motion *m = open_motion(&s, &err);
+            assert_ok(m, err);
+            for (int i = 0; i < 4; ++i)
+                assert_ok(
+                    duet_motion_map_states(m, (duet_state_part)i, DUET_MAP_WRITE, 0, MOVING, &err),
+                    err);
+            lost_begin(LOST_ONCE, k);
+            if (!told(duet_motion_unmap_states(m, DUET_STATE_VELOCITIES, &why), &why)) {
+                ++n_broken;
+                assert_heals(m);
+            }
+            duet_motion_destroy(m);
+            lost_end();
+            if (lost_wrong_unmaps() > 0)
+                fail_msg("%s: %u unmaps of other memory", what, lost_wrong_unmaps());
+        }
+    set_memory(false);
+    assert_idle();
+    assert_true(n_broken > 0);
 }
 
 // ------------------------------------------------------------ what runs
