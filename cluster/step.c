@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A step of a cluster is a list of phases. Ranks agree before objects travel, and after they searched:
-// a failure of one rank in between ends the step of all at the next agreement.
+// A step of a cluster is a list of phases. Ranks agree before objects travel, and after they
+// searched: a failure of one rank in between ends the step of all at the next agreement.
 //
 //   migrate           objects go to the rank and the domain whose box holds them   migrate.c
 //   search the inner  a single domain, while ghosts travel, if its devices can     search_set.c

@@ -276,8 +276,8 @@ static bool is_there(const gen_entry *entries, uint32_t n, uint32_t last, const 
     return false;
 }
 
-// The argument as a field of all entries: const and volatile if it is so in any, so that each entry's
-// argument fits.
+// The argument as a field of all entries: const and volatile if it is so in any, so that each
+// entry's argument fits.
 static gen_arg merged(const gen_entry *entries, uint32_t n, gen_arg arg)
 {
     for (uint32_t e = 0; e < n; ++e)

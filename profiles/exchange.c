@@ -118,8 +118,7 @@ bool profile_export(store *s, FILE *out, const char *name, duet_error *err)
            (fflush(out) == 0 || write_failed(&w, err));
 }
 
-bool profile_export_file(store *s, profile_export_format *format, const char *path,
-                         duet_error *err)
+bool profile_export_file(store *s, profile_export_format *format, const char *path, duet_error *err)
 {
     output o;
     if (output_replaces(s->path, path))

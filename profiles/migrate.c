@@ -207,9 +207,9 @@ static bool identify(store *s, identity *is, int64_t *version, duet_error *err)
         !sql_script(s, "COMMIT", err))
         return false;
     if (application == STORE_APPLICATION && *version > 0)
-        *is = *version == STORE_VERSION                                     ? IS_OURS
+        *is = *version == STORE_VERSION                                    ? IS_OURS
               : *version < STORE_FIRST_VERSION || *version > STORE_VERSION ? IS_UNKNOWN
-                                                                            : IS_OLDER;
+                                                                           : IS_OLDER;
     else
         *is = application == 0 && *version == 0 && objects == 0 ? IS_EMPTY : IS_FOREIGN;
     return true;

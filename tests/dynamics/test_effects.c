@@ -330,8 +330,8 @@ static uint32_t n_arguments(const gen_variant *v)
     return n;
 }
 
-// The parameter is the constant 0 in the text, so its code is not compiled, and no kernel takes what
-// the effect alone would read.
+// The parameter is the constant 0 in the text, so its code is not compiled, and no kernel takes
+// what the effect alone would read.
 TEST(kernels_take_no_argument_of_what_is_left_out)
 {
     const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
