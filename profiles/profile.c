@@ -199,7 +199,7 @@ static bool place(store *s, const profile_row *row, const char *unused, profile_
     evidence live;
     if (!find_live(s, row, &live, err))
         return false;
-    if (strcmp(row->verdict, "ambiguous") == 0)
+    if (!unused && strcmp(row->verdict, "ambiguous") == 0)
         unused = PROFILE_TOO_FEW_ROUNDS;
     const char *kept = *live.uid ? kept_because(row, &live) : NULL;
     if (unused)

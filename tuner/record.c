@@ -269,7 +269,7 @@ static bool put_profile(record *r, const duet_tune_def *def, duet_tune_outcome *
     row.terms = text_chars(&terms);
     bool ok = text_ok(&terms, err) &&
               profile_trial_find(r->store, r->session, &row.plan, &row.trial_number, err) &&
-              profile_put(r->store, &row, unused_because(def, because),
+              profile_put(r->store, &row, *o->unused ? o->unused : unused_because(def, because),
                           "replaced by a later tuning", &placed, err);
     if (ok) {
         memcpy(o->uid, placed.uid, sizeof placed.uid);

@@ -69,6 +69,20 @@ static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
            even->share < DUET_SHARE_ONE;
 }
 
+// Whether most trials of a plan had launches that waited for a core and count all the same: the
+// system kept both parts on one, and the clock says nothing of sharing.
+static bool is_mostly_disturbed(const tuning *t, const duet_plan *plan)
+{
+    uint32_t trials = 0, disturbed = 0;
+    for (uint32_t i = 0; i < t->state->played; ++i) {
+        const trial_log_entry *entry = &t->state->entries[i];
+        bool counts = entry->usable && trial_log_same_plan(&entry->plan, plan);
+        trials += counts;
+        disturbed += counts && 2 * entry->disturbed > entry->launches;
+    }
+    return t->task->def->wait_seconds > 0 && 2 * disturbed > trials;
+}
+
 static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best,
                   duet_tune_outcome *outcome)
 {
@@ -76,6 +90,10 @@ static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best
         .verdict = t->cut ? RACE_AMBIGUOUS : RACE_SAME, .ratio = 1, .interval = {1, 1, 1}};
     if (best != alone)
         gain = race_compare(&f->race, best, alone);
+    if (best != alone && gain.verdict != RACE_FASTER && is_mostly_disturbed(t, &f->plans[best])) {
+        gain.verdict = RACE_AMBIGUOUS;
+        snprintf(outcome->unused, sizeof outcome->unused, "both parts were on one core");
+    }
     uint32_t use = gain.verdict == RACE_FASTER ? best : alone;
     outcome->best = f->plans[best];
     outcome->plan = f->plans[use];

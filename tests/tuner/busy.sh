@@ -50,7 +50,7 @@ for n in 0 1 2; do
     if [ "$verdict" = faster ] && [ "$(field mode "$folder/out")" = slab ] &&
       awk -v s="$(field share "$folder/out")" 'BEGIN { exit !(s >= .47 && s <= .53) }'; then
       right=$((right + 1))
-    elif [ "$verdict" = ambiguous ] && [ "${unused#otherprograms}" != "$unused" ]; then
+    elif [ "$verdict" = ambiguous ] && [[ $unused == otherprograms* || $unused == bothpartswere* ]]; then
       ambiguous=$((ambiguous + 1))
     else
       failed=1

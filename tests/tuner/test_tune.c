@@ -29,6 +29,7 @@ typedef struct fake {
     uint32_t stop_after; // trials; 0: never
     uint32_t recorded;
     double disturbed; // part of the launches that another program disturbs, of the first ones
+    bool one_core;    // it is the system that disturbs them, and no other program is there
     uint32_t looks;   // at other programs, after which these are gone
     uint32_t waits;   // that the watch was told of
 } fake;
@@ -46,7 +47,7 @@ static void disturb(fake *f, const duet_plan *plan, measure_launch *launch)
 {
     bool shared = plan->share > 0 && plan->share < DUET_SHARE_ONE;
     launch->use.cpu_ns = (uint64_t)launch->total_ns;
-    if (f->looks == 0 || !shared || rng_unit(&f->random) >= f->disturbed)
+    if ((f->looks == 0 && !f->one_core) || !shared || rng_unit(&f->random) >= f->disturbed)
         return;
     launch->total_ns = launch->a_ns + launch->b_ns;
     launch->use.lost_ns = launch->use.wait_ns = (uint64_t)launch->total_ns / 2;
@@ -268,6 +269,20 @@ TEST(devices_that_only_look_equal_are_told_apart)
         assert_true(simulated_excess(&f.model, outcome.plan.share) < 0.06);
         random = f.random;
     }
+}
+
+// The system keeps both parts on one core, and no other program is there to wait for.
+TEST(parts_on_one_core_are_not_said_to_be_the_same)
+{
+    fake f = {.model = {.ratio = 1, .overhead = {0.02, 0.02}, .sigma = 0.02},
+              .random = rng_seed(test_seed()),
+              .disturbed = 0.9,
+              .one_core = true};
+    duet_tune_def def = fake_def(&f);
+    def.wait_seconds = 1;
+    duet_tune_outcome outcome = tune_fake(&f, &def);
+    assert_string_equal(outcome.verdict, "ambiguous");
+    assert_string_equal(outcome.unused, "both parts were on one core");
 }
 
 // The best of several plans that are all the same is one more of them, however
