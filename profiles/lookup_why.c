@@ -38,7 +38,7 @@ bool why_found(lookup *l, int64_t id)
 
 // ---------------------------------------------------------------- what an exact profile lacks
 
-// As many of the six as the query asks for.
+// Binds as many of the six texts as the query has parameters.
 static void bind_question(const lookup *l, sql *q)
 {
     const char *const texts[] = {l->env[0],   l->env[1],           NULL,

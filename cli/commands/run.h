@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What `duet run` is asked for, and its half for scenes that move.
+// The arguments of `duet run`, and its half for scenes that move.
 #ifndef CLI_RUN_H
 #define CLI_RUN_H
 

@@ -33,7 +33,7 @@ static inline bool is_sensor(const scene *s, uint id)
     return SENSORS && id < s->n && s->sensors[id] > 0.0f;
 }
 
-// What a body touches: whether all of it rests, and whether some of it is deep in the body.
+// Finds what a body touches: whether all of it rests, and whether some of it is deep in the body.
 typedef struct {
     bool rests;
     bool deep;
@@ -89,7 +89,7 @@ __kernel void update_sleep(UPDATE_SLEEP_ARGS)
 
 // ------------------------------------------------------------ pushing apart
 
-// What sleeps deep in others goes out of them in rounds, each from the ways of the round
+// Bodies that sleep deep in others go out of them in rounds, each from the ways of the round
 // before. Only what goes has a way; ways are kept where the solver will have its bodies.
 //
 //   bodies  [n + 6][BODY] ways, of even rounds in the first vector and of odd ones in the next
@@ -144,7 +144,7 @@ static inline float4 push_of(const scene *s, uint contact, uint id, uint other, 
     return excess > 0.0f ? 0.5f * side * excess * share_of(s, id, other) * normal : (float4)(0.0f);
 }
 
-// What a contact pushed with is less, once its bodies wake, by as much as it is less deep.
+// Lessens a contact's impulses by as much as it is less deep, for when its bodies wake.
 static inline void lessen_pushes(const scene *s, uint contact, __global float *record, uint other, float4 way)
 {
     float depth = depth_of(s, contact);
@@ -177,7 +177,7 @@ __kernel void push_sleepers(PUSH_SLEEPERS_ARGS)
     }
 }
 
-// Where the last round has brought them.
+// Moves sleepers to where the last round has brought them.
 __kernel void move_sleepers(MOVE_SLEEPERS_ARGS)
 {
     const scene s = {MOVE_SLEEPERS_VALUES};
