@@ -585,7 +585,6 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         .plan = h->def.query   ? query_plan()
                 : h->def.steps ? duet_default_plan(h->def.pair)
                                : *duet_world_get_plan(h->world),
-        .has_start = guessed || fair,
         .start = guessed ? near->plan.share : fair,
         .fair = fair,
         .script = h->script,

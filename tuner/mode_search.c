@@ -102,7 +102,7 @@ static uint32_t list_modes(const tuning *t, duet_mode modes[MOST_MODES])
 bool mode_search_run(tuning *t, mode_found founds[MOST_MODES], uint32_t *n, duet_error *err)
 {
     duet_mode modes[MOST_MODES];
-    const uint32_t *near = t->task->has_start ? &t->task->start : NULL;
+    const uint32_t *near = t->task->start ? &t->task->start : NULL;
     *n = t->task->one_device ? 0 : list_modes(t, modes);
     t->stage = "share";
     for (uint32_t i = 0; i < *n; ++i) {

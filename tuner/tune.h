@@ -47,8 +47,7 @@ typedef struct tune_task {
     bool one_device;                // both are the same: there is nothing to share
     char searched[2][DUET_VARIANT]; // by device, what a search led to before; empty: none did
     duet_plan plan;                 // its variants are the defaults that must work
-    bool has_start;                 // a share that is likely near the best
-    uint32_t start;
+    uint32_t start;                 // a share that is likely near the best; 0: none is known
     uint32_t fair; // by units, of devices of one kind: another must be proven faster; 0: none
     void *script;  // the strategy "lua" runs it
     uint32_t least_share; // shares nearer than this are the same

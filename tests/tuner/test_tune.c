@@ -231,7 +231,6 @@ static duet_tune_outcome tune_equal(fake *f)
     duet_tune_def def = fake_def(f);
     tune_task task = fake_task(f, &def);
     task.fair = task.start = DUET_SHARE_ONE / 2;
-    task.has_start = true;
     return tune_task_fake(&task);
 }
 
@@ -630,7 +629,6 @@ TEST(a_start_from_a_neighbour_saves_trials)
     fake f = {.model = {.ratio = 9, .overhead = {0.05, 0.05}}};
     duet_tune_def def = fake_def(&f);
     tune_task task = fake_task(&f, &def);
-    task.has_start = true;
     task.start = SEARCH_ONE / 10;
     trial_log kept = {0};
     duet_tune_outcome outcome;
