@@ -39,22 +39,9 @@ static void fill_poses(rng *r, uint32_t n, uint32_t dims)
         poses[i] = random_pose(r, 0.0, edge_of(n, dims));
 }
 
-static uint64_t reference_hash(duet_scene *scene)
-{
-    duet_error err = {0};
-    duet_pair *pairs = NULL;
-    uint64_t n = 0;
-    assert_ok(scene != NULL, err);
-    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
-    uint64_t hash = duet_pairs_hash(pairs, n);
-    duet_free(pairs);
-    duet_scene_destroy(scene);
-    return hash;
-}
-
 static uint64_t poses_hash(uint32_t n, uint32_t dims)
 {
-    return reference_hash(duet_scene_create(DUET_OBJECT_POSES, poses, n, dims, 0, NULL));
+    return true_hash_of(duet_scene_create(DUET_OBJECT_POSES, poses, n, dims, 0, NULL));
 }
 
 // ------------------------------------------------------------ worlds

@@ -29,6 +29,19 @@ duet_world *create_world(const duet_world_def *def)
     return world;
 }
 
+uint64_t true_hash_of(duet_scene *scene)
+{
+    duet_error err = {0};
+    duet_pair *pairs = NULL;
+    uint64_t n = 0;
+    assert_ok(scene != NULL, err);
+    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
+    uint64_t hash = duet_pairs_hash(pairs, n);
+    duet_free(pairs);
+    duet_scene_destroy(scene);
+    return hash;
+}
+
 int open_devices(void **state)
 {
     (void)state;

@@ -16,6 +16,9 @@ int close_devices(void **state);
 duet_device_pair *open_pair(const char *a, const char *b);
 duet_world *create_world(const duet_world_def *def);
 
+// The hash of a scene's pairs by the plain C reference. Destroys the scene; NULL fails the test.
+uint64_t true_hash_of(duet_scene *scene);
+
 // Whether the default device pair is two: halves of a CPU with one unit are that CPU, twice.
 bool devices_are_two(void);
 void skip_on_one_device(void); // with a line
