@@ -161,7 +161,7 @@ static bool is_timed_as_well(const profile_row *row, const evidence *live)
            row->high_ns * live->low_ns <= live->high_ns * row->low_ns;
 }
 
-// `same` is what a noisy race says of anything, unless its interval is narrow.
+// `same` replaces another verdict only with a narrower interval.
 static bool is_trusted_as_well(const profile_row *row, const evidence *live)
 {
     double width = (1 + row->gain_high) / (1 + row->gain_low);
@@ -265,8 +265,8 @@ static bool check_trusted(store *s, const char *uid, duet_error *err)
         return false;
     return id == 0 ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: profile %.8s cannot be put to use: too few rounds for a verdict; "
-                     "tune with a larger budget",
+                     "%s: profile %.8s cannot be put to use: its verdict is ambiguous; "
+                     "tune again",
                      s->path, uid);
 }
 

@@ -7,13 +7,15 @@
 #include "tuner/strategy.h"
 #include "tuner/trial_budget.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 
 enum { LEAST_TRIALS = 8 }; // from which a device's undisturbed time is taken
 
-static const double WORTH_ALONE = 1.3; // A alone is raced if it may take so much of B alone
-static const double UNEVEN = 1.03;     // a step that could be so much shorter is evened out
+static const double WORTH_ALONE = 1.3;  // A alone is raced if it may take so much of B alone
+static const double MOST_OF_SAME = 1.1; // an interval beyond this is too wide for `same`
+static const double UNEVEN = 1.03;      // a step that could be so much shorter is evened out
 
 // The devices alone come first, then the best share of each mode.
 static uint32_t enter_rivals(const tuning *t, const mode_found *founds, uint32_t n, field *f)
@@ -83,6 +85,30 @@ static bool is_mostly_disturbed(const tuning *t, const duet_plan *plan)
     return t->task->def->wait_seconds > 0 && 2 * disturbed > trials;
 }
 
+// Whether launches that waited for a core may be why the interval says so little.
+static bool is_blurred(const tuning *t, const race_gain *gain)
+{
+    bool is_wide = gain->interval.low * MOST_OF_SAME < 1 || gain->interval.high > MOST_OF_SAME;
+    return t->task->def->wait_seconds > 0 && gain->verdict == RACE_SAME && is_wide &&
+           t->disturbed > t->watched / 10;
+}
+
+// Says why a race that was run to its end proves nothing; false if it proves something.
+static bool is_void(const tuning *t, const duet_plan *best, const race_gain *gain,
+                    char because[128])
+{
+    if (gain->verdict != RACE_FASTER && is_mostly_disturbed(t, best)) {
+        snprintf(because, 128, "both parts were on one core");
+        return true;
+    }
+    if (!is_blurred(t, gain))
+        return false;
+    snprintf(because, 128,
+             "times vary too much: %" PRIu32 " of %" PRIu32 " launches waited for a core",
+             t->disturbed, t->watched);
+    return true;
+}
+
 static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best,
                   duet_tune_outcome *outcome)
 {
@@ -90,10 +116,8 @@ static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best
         .verdict = t->cut ? RACE_AMBIGUOUS : RACE_SAME, .ratio = 1, .interval = {1, 1, 1}};
     if (best != alone)
         gain = race_compare(&f->race, best, alone);
-    if (best != alone && gain.verdict != RACE_FASTER && is_mostly_disturbed(t, &f->plans[best])) {
+    if (best != alone && is_void(t, &f->plans[best], &gain, outcome->unused))
         gain.verdict = RACE_AMBIGUOUS;
-        snprintf(outcome->unused, sizeof outcome->unused, "both parts were on one core");
-    }
     uint32_t use = gain.verdict == RACE_FASTER ? best : alone;
     outcome->best = f->plans[best];
     outcome->plan = f->plans[use];
@@ -157,10 +181,9 @@ static uint32_t best_finalist(const tuning *t, const field *f)
 
 // The budget may have ended before or in this race: then the first one's samples
 // must do.
-static bool is_decided(const field *f, uint32_t best)
+static bool is_complete(const field *f, uint32_t best)
 {
-    return best < f->n && f->race.rivals[0].rounds > 0 &&
-           race_compare(&f->race, best, 0).verdict != RACE_AMBIGUOUS;
+    return best < f->n && race_rounds(&f->race, best, 0) >= LEAST_RACED;
 }
 
 // Without a rival: the time of a step, and its interval.
@@ -199,7 +222,7 @@ bool verdict_reach(tuning *t, const mode_found *founds, uint32_t n, duet_tune_ou
     if (!race_finalists(t, &all.plans[alone], &all.plans[shared], &finalists, err))
         return false;
     uint32_t best = best_finalist(t, &finalists);
-    if (is_decided(&finalists, best))
+    if (is_complete(&finalists, best))
         judge(t, &finalists, 0, best, outcome);
     else
         judge(t, &all, alone, shared, outcome);

@@ -207,7 +207,7 @@ static void print_search(const cJSON *o)
         printf("%.1f %% faster (%.1f to %.1f) by '%s'\n", 100 * json_number(o, "gain"),
                100 * json_number(o, "gain_low"), 100 * json_number(o, "gain_high"), variant);
     else if (strcmp(verdict, "ambiguous") == 0)
-        printf("the budget ended before one was surely faster; '%s' stays\n", variant);
+        printf("none was surely faster; '%s' stays\n", variant);
     else
         printf("no faster set was found; '%s' stays\n", variant);
 }
@@ -288,7 +288,8 @@ static void print_use(const tune_report *r, const cJSON *row)
         return;
     }
     if (strcmp(json_string(row, "verdict"), "ambiguous") == 0) {
-        printf("  a larger --trials or --budget reaches a verdict\n");
+        printf(
+            "  the same command tunes again; a larger --trials or --budget allows more rounds\n");
         return;
     }
     printf("  to make them use it:\n");

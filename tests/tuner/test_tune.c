@@ -284,6 +284,31 @@ TEST(parts_on_one_core_are_not_said_to_be_the_same)
     assert_string_equal(outcome.unused, "both parts were on one core");
 }
 
+// Times of single launches differ by up to four times, and some launches wait for a core: an
+// interval that holds 1 and much else does not show that sharing changes nothing.
+TEST(a_wide_interval_beside_disturbed_launches_is_ambiguous_with_the_cause)
+{
+    int ambiguous = 0;
+    rng random = rng_seed(test_seed());
+    for (int i = 0; i < 200; ++i) {
+        fake f = {.model = {.ratio = 1, .sigma = 0.05, .spike_chance = 0.5, .spike_most = 4},
+                  .random = random,
+                  .disturbed = 0.2,
+                  .one_core = true};
+        duet_tune_def def = fake_def(&f);
+        def.wait_seconds = 1;
+        duet_tune_outcome outcome = tune_fake(&f, &def);
+        bool is_ambiguous = strcmp(outcome.verdict, "ambiguous") == 0;
+        if (strcmp(outcome.verdict, "same") == 0)
+            assert_true(outcome.gain_low > -0.1 && outcome.gain_high < 0.1001);
+        assert_true(is_ambiguous == (strncmp(outcome.unused, "times vary too much: ", 21) == 0));
+        ambiguous += is_ambiguous;
+        random = f.random;
+    }
+    print_message("%d of 200 ambiguous\n", ambiguous);
+    assert_true(ambiguous > 0);
+}
+
 // The best of several plans that are all the same is one more of them, however
 // fast it looked when it was chosen.
 TEST(sharing_that_changes_nothing_is_called_the_same)
