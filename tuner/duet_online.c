@@ -4,9 +4,9 @@
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/selection/profile_subject.h"
-#include "tuner/measure.h"
 #include "tuner/online.h"
 #include "tuner/record.h"
+#include "tuner/subject_still.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -10,11 +10,10 @@
 #include "runtime/selection/profile_subject.h"
 #include "tuner/device_lock.h"
 #include "tuner/level_costs.h"
-#include "tuner/measure_motion.h"
-#include "tuner/measure_query.h"
 #include "tuner/record.h"
 #include "tuner/search.h"
-#include "tuner/sorted_pairs.h"
+#include "tuner/subject.h"
+#include "tuner/terms.h"
 #include "tuner/trial_budget.h"
 #include "tuner/tune.h"
 #include "tuner/tuning.h"
@@ -101,10 +100,6 @@ static bool check_search(const char *what, duet_error *err)
     return ok;
 }
 
-// Each device has the whole tree and one way to walk down it.
-static const duet_mode query_modes[] = {DUET_MODE_OWN};
-static const char *const query_variants[] = {"auto"};
-
 static double default_wait(void)
 {
     const char *seconds = getenv("DUET_WAIT");
@@ -117,54 +112,12 @@ static double default_wait(void)
 static duet_tune_def complete_def(const duet_tune_def *def)
 {
     duet_tune_def whole = *def;
-    const duet_scene_info *scene = duet_scene_get_info(def->scene);
     whole.repeats = def->repeats ? def->repeats : REPEATS;
     whole.wait_seconds = def->wait_seconds < 0 ? default_wait() : def->wait_seconds;
-    if (def->query) {
-        whole.variants = query_variants;
-        whole.n_variants = sizeof query_variants / sizeof *query_variants;
-        whole.modes = query_modes;
-        whole.n_modes = sizeof query_modes / sizeof *query_modes;
-        return whole;
-    }
-    if (def->steps) {
-        whole.search = def->search ? def->search : "kernels";
-        return whole;
-    }
-    if (def->n_levels == 0 && !def->has_accuracy && scene->has_accuracy) {
-        whole.has_accuracy = true;
-        whole.accuracy = scene->accuracy;
-    }
+    const subject_kind *kind = subject_kind_of(def);
+    if (kind->complete)
+        kind->complete(&whole);
     return whole;
-}
-
-static bool check_query(const duet_tune_def *def, duet_error *err)
-{
-    query_name name;
-    if (!def->query)
-        return def->items == 0 ||
-               error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu items, but no query that has them",
-                         (unsigned long long)def->items);
-    if (def->search || def->n_variants > 0 || def->n_modes > 0 || def->n_levels > 0 ||
-        def->has_accuracy)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a query has a share alone to be tuned; expected no %s with it",
-                         def->search           ? "search"
-                         : def->n_variants > 0 ? "variants"
-                         : def->n_modes > 0    ? "modes"
-                                               : "level or accuracy");
-    return query_name_read(def->query, &name, err);
-}
-
-static bool check_motion(const duet_tune_def *def, duet_error *err)
-{
-    const char *other = def->query                               ? "query"
-                        : def->n_levels > 0 || def->has_accuracy ? "level or accuracy"
-                        : def->ordered                           ? "order"
-                                                                 : NULL;
-    return !def->steps || !other ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "steps of a motion have no %s; expected none",
-                     other);
 }
 
 static bool check_def(const duet_tune_def *def, duet_error *err)
@@ -190,7 +143,7 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
             return false;
     }
     return check_levels(def, err) && check_strategy(def->strategy, err) &&
-           check_search(def->search, err) && check_query(def, err) && check_motion(def, err) &&
+           check_search(def->search, err) && subject_kind_of(def)->check(def, err) &&
            check_budget(&whole, err);
 }
 
@@ -199,22 +152,19 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
 // Everything a tuning holds, given back in one place.
 typedef struct tuning_resources {
     duet_tune_def def;
-    duet_world *world; // NULL: a query or a motion is tuned
-    measure_query query;
-    measure_motion motion;
+    subject subject;
     script *script;
     core_watch *cores; // NULL: the system does not tell
     device_lock lock;
-    profile_subject subject;
+    profile_subject profile;
     record record; // without a store if nothing is kept
     trial_log state;
     char whole_name[80];          // the name of the device that A and B are parts of
     duet_device_pair *whole_pair; // that device, once it is raced
-    duet_world *whole_world;
-    measure_query whole_query;
-    measure_motion whole_motion;
-    measure_world whole;
-    uint64_t hash; // the right pairs' hash
+    duet_tune_def whole_def;
+    subject whole;
+    duet_level level; // the level that is tuned
+    uint64_t hash;    // the right result's hash
 } tuning_resources;
 
 static void let_go(tuning_resources *h)
@@ -222,39 +172,11 @@ static void let_go(tuning_resources *h)
     record_close(&h->record);
     trial_log_free(&h->state);
     script_close(h->script);
-    duet_world_destroy(h->whole_world);
-    measure_query_close(&h->whole_query);
-    measure_motion_close(&h->whole_motion);
+    subject_release(&h->whole);
     duet_device_pair_destroy(h->whole_pair);
-    duet_world_destroy(h->world);
-    measure_query_close(&h->query);
-    measure_motion_close(&h->motion);
+    subject_release(&h->subject);
     core_watch_close(h->cores);
     device_lock_release(&h->lock);
-}
-
-static bool open_query(const tuning_resources *h, duet_device_pair *pair, measure_query *query,
-                       duet_error *err)
-{
-    query_name name;
-    uint64_t n = h->def.items ? h->def.items : duet_scene_get_info(h->def.scene)->n;
-    bool ok = query_name_read(h->def.query, &name, err) &&
-              measure_query_open(query, pair, h->def.scene, &name, n, h->def.seed, err);
-    query->cores = h->cores;
-    return ok;
-}
-
-// The level is settled before anything is measured but levels.
-static bool make_world(tuning_resources *h, duet_error *err)
-{
-    duet_world_def def = duet_scene_world_def(h->def.scene, h->def.pair);
-    if (h->def.n_levels > 0)
-        def.level = h->def.levels[0];
-    def.has_accuracy = h->def.has_accuracy;
-    def.accuracy = h->def.accuracy;
-    def.ordered = h->def.ordered;
-    h->world = duet_world_create(&def, err);
-    return h->world && duet_world_set_scene(h->world, h->def.scene, err);
 }
 
 static bool open_script(tuning_resources *h, duet_error *err)
@@ -266,30 +188,11 @@ static bool open_script(tuning_resources *h, duet_error *err)
     return h->script;
 }
 
-static bool open_motion(const tuning_resources *h, duet_device_pair *pair, measure_motion *motion,
-                        duet_error *err)
-{
-    bool ok = measure_motion_open(motion, pair, h->def.scene, h->def.steps, err);
-    motion->cores = h->cores;
-    return ok;
-}
-
-// Opens what is tuned: a world, a query, or a motion.
-static bool make_subject(tuning_resources *h, duet_error *err)
-{
-    return h->def.query   ? open_query(h, h->def.pair, &h->query, err)
-           : h->def.steps ? open_motion(h, h->def.pair, &h->motion, err)
-                          : make_world(h, err);
-}
-
 static bool describe_subject(tuning_resources *h, duet_error *err)
 {
-    const measure_query *q = &h->query;
-    if (!(h->def.query   ? profile_subject_read_query(q->tree, &q->name, q->n, &h->subject, err)
-          : h->def.steps ? profile_subject_read_motion(h->motion.motion, &h->subject, err)
-                         : profile_subject_read(h->world, &h->subject, err)))
+    if (!h->subject.kind->describe(&h->subject, &h->profile, err))
         return false;
-    h->subject.workload.name = duet_scene_get_info(h->def.scene)->name;
+    h->profile.workload.name = duet_scene_get_info(h->def.scene)->name;
     return true;
 }
 
@@ -297,7 +200,8 @@ static bool prepare(tuning_resources *h, const duet_tune_def *def, duet_error *e
 {
     h->def = complete_def(def);
     h->cores = core_watch_open();
-    return device_lock_take(&h->lock, &h->def, err) && make_subject(h, err) &&
+    return device_lock_take(&h->lock, &h->def, err) &&
+           subject_prepare(&h->subject, &h->def, h->def.pair, h->cores, err) &&
            open_script(h, err) && describe_subject(h, err) &&
            (def->keep == DUET_KEEP_NOTHING || record_open(&h->record, def->store, err));
 }
@@ -316,7 +220,7 @@ static bool watch_costs(void *context, uint64_t done, uint64_t steps)
     (void)steps;
     duet_tune_progress progress = {
         .stage = "level",
-        .plan = duet_world_get_plan(w->h->world),
+        .plan = &w->h->subject.plan,
         .launches = (uint32_t)done,
         .seconds = (double)(clock_steady_ns() - w->begun_ns) * 1e-9,
     };
@@ -359,7 +263,7 @@ static bool find_level_costs(tuning_resources *h, profile_level_cost *list, uint
     *n = 0;
     if (!h->record.store)
         return measure_level_costs(h, list, n, &cores, err);
-    profile_request request = profile_subject_request(&h->subject);
+    profile_request request = profile_subject_request(&h->profile);
     if (!record_aim(&h->record, &request, err) ||
         (!h->def.fresh && !record_level_costs(&h->record, list, n, err)))
         return false;
@@ -383,12 +287,7 @@ static bool choose_level(tuning_resources *h, duet_error *err)
     return find_level_costs(h, list, &n, err) &&
            level_choose(list, n, any ? all : h->def.levels, any ? DUET_LEVELS : h->def.n_levels,
                         &h->def.accuracy, &level, err) &&
-           duet_world_set_level(h->world, level, err);
-}
-
-static duet_level tuned_level(const tuning_resources *h)
-{
-    return h->world ? duet_world_get_level(h->world) : DUET_LEVEL_CERTIFIED;
+           h->subject.kind->set_level(&h->subject, level, err);
 }
 
 // From here on the tuning is of one level.
@@ -396,8 +295,9 @@ static bool settle_level(tuning_resources *h, duet_error *err)
 {
     if (h->def.has_accuracy && !choose_level(h, err))
         return false;
-    profile_subject_settle(&h->subject, tuned_level(h));
-    profile_request request = profile_subject_request(&h->subject);
+    h->level = subject_level(&h->subject);
+    profile_subject_settle(&h->profile, h->level);
+    profile_request request = profile_subject_request(&h->profile);
     return !h->record.store || record_aim(&h->record, &request, err);
 }
 
@@ -437,48 +337,6 @@ static bool tell_known(const profile_found *found, duet_tune_outcome *outcome, d
            profile_subject_read_plan(&best, &outcome->best, err);
 }
 
-// Measures what a level gets wrong, by the pairs that collide.
-static bool measure_accuracy(const duet_scene *scene, const duet_pair *pairs, uint64_t n,
-                             duet_tune_outcome *outcome, duet_error *err)
-{
-    duet_pair *truth;
-    sorted_pairs_count wrong = {0};
-    if (!duet_reference(scene, DUET_LEVEL_CERTIFIED, &truth, &outcome->true_pairs, err))
-        return false;
-    sorted_pairs_compare(pairs, n, truth, outcome->true_pairs, sorted_pairs_count_wrong, &wrong);
-    duet_free(truth);
-    double by = fmax((double)outcome->true_pairs, 1);
-    outcome->accuracy = (duet_accuracy){(double)wrong.missed / by, (double)wrong.added / by};
-    return true;
-}
-
-// The pairs that every plan must find at the level, and how right they are.
-static bool find_right_pairs(tuning_resources *h, duet_tune_outcome *outcome, duet_error *err)
-{
-    duet_pair *pairs;
-    uint64_t n;
-    duet_level level = tuned_level(h);
-    if (h->def.query)
-        return measure_query_right(&h->query, &h->hash, &outcome->true_pairs, err);
-    if (h->def.steps)
-        return measure_motion_right(&h->motion, &h->hash, err);
-    if (!duet_reference(h->def.scene, level, &pairs, &n, err))
-        return false;
-    h->hash = duet_pairs_hash(pairs, n);
-    outcome->true_pairs = n; // by certified's promise
-    bool ok =
-        level == DUET_LEVEL_CERTIFIED || measure_accuracy(h->def.scene, pairs, n, outcome, err);
-    duet_free(pairs);
-    return ok;
-}
-
-static measure_world measured(const tuning_resources *h, duet_world *world)
-{
-    const duet_scene_info *info = duet_scene_get_info(h->def.scene);
-    return (measure_world){
-        .world = world, .kind = scene_kind(info), .n = info->n, .cores = h->cores};
-}
-
 // Finds "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false if A and B are not parts of one device,
 // and no motion is tuned: its state is on one device, and A may be the better one for it.
 static bool find_whole(const duet_device_pair *pair, bool moves, char selector[80])
@@ -509,7 +367,7 @@ static void take_kernels(const tuning_resources *h, const char *kernels, duet_pl
     }
 }
 
-// A world, a query or a motion on all of the device, with the scene and the level that are tuned.
+// The subject on all of the device, at the level that is tuned.
 static bool open_whole(void *context, const char *kernels, measure_machine *machine,
                        duet_plan *plan)
 {
@@ -520,42 +378,15 @@ static bool open_whole(void *context, const char *kernels, measure_machine *mach
     if (!h->whole_pair)
         return false;
     take_kernels(h, kernels, plan);
-    if (h->def.query) {
-        *machine = measure_query_machine(&h->whole_query, h->hash);
-        return open_query(h, h->whole_pair, &h->whole_query, NULL);
+    h->whole_def = h->def;
+    if (h->subject.kind->set_level) {
+        h->whole_def.levels = &h->level;
+        h->whole_def.n_levels = 1;
+        h->whole_def.has_accuracy = false;
     }
-    if (h->def.steps) {
-        *machine = measure_motion_machine(&h->whole_motion, h->hash);
-        return open_motion(h, h->whole_pair, &h->whole_motion, NULL);
-    }
-    duet_world_def def = duet_scene_world_def(h->def.scene, h->whole_pair);
-    def.level = duet_world_get_level(h->world);
-    def.has_accuracy = false;
-    def.plan = *plan;
-    h->whole_world = duet_world_create(&def, NULL);
-    if (!h->whole_world || !duet_world_set_scene(h->whole_world, h->def.scene, NULL))
-        return false;
-    h->whole = measured(h, h->whole_world);
-    *machine = measure_world_machine(&h->whole, h->hash);
-    return true;
-}
-
-static bool read_kernels(void *context, const duet_plan *plan, int device, kernel_space **spaces,
-                         uint32_t *n, duet_error *err)
-{
-    tuning_resources *h = context;
-    duet_world *world = h->world;
-    if (h->def.steps)
-        return measure_motion_kernels(&h->motion, plan, device, spaces, n, err);
-    return duet_world_set_plan(world, plan, err) &&
-           kernel_spaces_read(world, device, spaces, n, err);
-}
-
-static duet_plan query_plan(void)
-{
-    duet_plan plan = {.mode = query_modes[0]};
-    plan_set_variants(&plan, query_variants[0]);
-    return plan;
+    bool ok = subject_prepare(&h->whole, &h->whole_def, h->whole_pair, h->cores, NULL);
+    *machine = subject_machine(&h->whole, h->hash);
+    return ok;
 }
 
 static core_others look_at_others(void *cores)
@@ -566,33 +397,27 @@ static core_others look_at_others(void *cores)
 static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcome *outcome,
                 duet_error *err)
 {
-    const duet_scene_info *info = duet_scene_get_info(h->def.scene);
-    measure_world world = measured(h, h->world);
-    measure_query *query = &h->query;
-    duet_tune_outcome right = {0};
-    if (!find_right_pairs(h, &right, err))
+    subject *s = &h->subject;
+    subject_truth truth = {0};
+    if (!s->kind->find_truth(s, &truth, err))
         return false;
+    h->hash = truth.hash;
     bool guessed = near->grade == PROFILE_INTERPOLATED || near->grade == PROFILE_TRANSFERRED ||
                    near->grade == PROFILE_OTHER_DRIVER || near->grade == PROFILE_STALE;
     uint32_t fair = duet_default_plan(h->def.pair).share; // 0 if the devices differ
     tune_task task = {
         .def = &h->def,
-        .machine = h->def.query   ? measure_query_machine(query, h->hash)
-                   : h->def.steps ? measure_motion_machine(&h->motion, h->hash)
-                                  : measure_world_machine(&world, h->hash),
+        .machine = subject_machine(s, h->hash),
         .others = {h->cores, look_at_others},
-        .kernels = {.context = h, .read = read_kernels},
-        .plan = h->def.query   ? query_plan()
-                : h->def.steps ? duet_default_plan(h->def.pair)
-                               : *duet_world_get_plan(h->world),
+        .kernels = {.context = s, .read = s->kind->read_kernels},
+        .one_device = s->one_device,
+        .plan = s->plan,
         .start = guessed ? near->plan.share : fair,
         .fair = fair,
         .script = h->script,
-        .least_share = task_least_share(h->def.query ? query->n : info->n),
+        .least_share = task_least_share(s->units),
     };
-    task.one_device =
-        h->def.steps ? !measure_motion_is_shared(&h->motion) : duet_device_pair_is_one(h->def.pair);
-    if (find_whole(h->def.pair, h->def.steps, h->whole_name))
+    if (find_whole(h->def.pair, s->kind->lives_on_one, h->whole_name))
         task.whole = (tune_whole){h, open_whole};
     if (h->record.store)
         task.recorder = record_recorder(&h->record);
@@ -601,8 +426,8 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         if (!record_device_variant(&h->record, device, h->def.search, task.searched[device], err))
             return false;
     bool ok = tune_run(&task, &h->state, outcome, err);
-    outcome->accuracy = right.accuracy;
-    outcome->true_pairs = right.true_pairs;
+    outcome->accuracy = truth.accuracy;
+    outcome->true_pairs = truth.pairs;
     return ok;
 }
 
@@ -647,7 +472,7 @@ bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_er
         ok = run(&h, &found, outcome, err);
     if (ok) {
         outcome->objects = duet_scene_get_info(def->scene)->n;
-        outcome->level = tuned_level(&h);
+        outcome->level = h.level;
     }
     let_go(&h);
     return ok;

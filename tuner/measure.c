@@ -4,167 +4,16 @@
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
-#include "runtime/broadphase/world.h"
 #include "tuner/stats.h"
 
 #include <assert.h>
 #include <inttypes.h>
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
 
-// ---------------------------------------------------------------- terms
-
-// Which term a stage of a device counts to. A stands where the paper has the CPU
-// and B where it has the GPU.
-typedef struct row {
-    const char *stage;
-    size_t at[2]; // A's, B's
-} row;
-
-#define AT(term) offsetof(duet_tune_terms, term)
-
-// A's own grid is work that A does before its search, so it is A's time. Only B's pairs cross the
-// bus in the paper; if A's do, that ends A's work.
-static const row rows[] = {
-    {"send objects", {AT(bus2), AT(t1)}},   {"hash", {AT(cpu1), AT(t1)}},
-    {"sort", {AT(cpu1), AT(t1)}},           {"bounds", {AT(cpu1), AT(t1)}},
-    {"reorder", {AT(cpu1), AT(gpu1)}},      {"cell start", {AT(cpu1), AT(gpu1)}},
-    {"clear", {AT(cpu1), AT(gpu2)}},        {"candidates", {AT(cpu1), AT(gpu2)}},
-    {"search", {AT(cpu1), AT(gpu2)}},       {"narrow", {AT(cpu2), AT(gpu3)}},
-    {"decide", {AT(cpu2), AT(gpu3)}},       {"send grid", {AT(bus1), AT(bus1)}},
-    {"receive grid", {AT(bus2), AT(bus2)}}, {"fetch pairs", {AT(cpu2), AT(bus3)}},
-};
-
-// Returns what equation 4 leaves over: A's side less B's side, as part of the longer side.
-static double imbalance(const duet_tune_terms *t, bool shared)
-{
-    double a = t->bus1 + t->bus2 + t->cpu1 + t->cpu2;
-    double b = t->gpu1 + t->gpu2 + t->gpu3 + t->bus3 + (shared ? 0 : t->t1);
-    double longer = fmax(a, b);
-    return longer > 0 ? (a - b) / longer : 0;
-}
-
-static duet_tune_terms terms_of(const duet_result *result, const duet_plan *plan)
-{
-    duet_tune_terms terms = {0};
-    for (uint32_t i = 0; i < result->n_stages; ++i) {
-        const duet_stage *stage = &result->stages[i];
-        for (size_t k = 0; k < sizeof rows / sizeof *rows; ++k) {
-            if (strcmp(stage->name, rows[k].stage) == 0)
-                *(double *)((char *)&terms + rows[k].at[stage->device]) += stage->ms;
-        }
-    }
-    terms.imbalance = imbalance(&terms, plan->mode == DUET_MODE_SHARED);
-    return terms;
-}
-
-const terms_field terms_fields[] = {
-    {"T_1", AT(t1)},
-    {"T_CPU1", AT(cpu1)},
-    {"T_CPU2", AT(cpu2)},
-    {"T_GPU1", AT(gpu1)},
-    {"T_GPU2", AT(gpu2)},
-    {"T_GPU3", AT(gpu3)},
-    {"T_BUS1", AT(bus1)},
-    {"T_BUS2", AT(bus2)},
-    {"T_BUS3", AT(bus3)},
-    {"imbalance", AT(imbalance)},
-    {NULL, 0},
-};
-
-static double *value_of(const terms_field *f, duet_tune_terms *terms)
-{
-    return (double *)((char *)terms + f->at);
-}
-
-double terms_value(const terms_field *f, const duet_tune_terms *terms)
-{
-    return *(const double *)((const char *)terms + f->at);
-}
-
-void terms_to_json(const duet_tune_terms *terms, text *json)
-{
-    for (const terms_field *f = terms_fields; f->name; ++f)
-        text_add(json, "%c\"%s\":%.6f", f == terms_fields ? '{' : ',', f->name,
-                 terms_value(f, terms));
-    text_add(json, "}");
-}
-
-void terms_from_json(const cJSON *json, duet_tune_terms *terms)
-{
-    *terms = (duet_tune_terms){0};
-    for (const terms_field *f = terms_fields; f->name; ++f) {
-        const cJSON *number = cJSON_GetObjectItemCaseSensitive(json, f->name);
-        *value_of(f, terms) = cJSON_IsNumber(number) ? number->valuedouble : 0;
-    }
-}
-
-// ---------------------------------------------------------------- launches
-
-static int64_t to_ns(double ms)
+int64_t measure_to_ns(double ms)
 {
     return (int64_t)(ms * 1e6 + 0.5);
-}
-
-// In shared grids A begins once B has built and sent the grid, so its part ends
-// that much later; the transfers in between are A's own time.
-static double head_start_ms(const duet_result *result, const duet_plan *plan)
-{
-    static const char *const head[] = {"send objects", "hash",       "sort",     "bounds",
-                                       "reorder",      "cell start", "send grid"};
-    double ms = 0;
-    for (uint32_t i = 0; i < result->n_stages && plan->mode == DUET_MODE_SHARED; ++i) {
-        const duet_stage *stage = &result->stages[i];
-        for (size_t k = 0; k < sizeof head / sizeof *head && stage->device == 1; ++k)
-            ms += strcmp(stage->name, head[k]) == 0 ? stage->ms : 0;
-    }
-    return ms;
-}
-
-search_sample measure_sample(const duet_result *result, const duet_plan *plan)
-{
-    bool a = plan->share > 0, b = plan->share < DUET_SHARE_ONE;
-    return (search_sample){
-        .share = plan->share,
-        .total_ns = (uint64_t)to_ns(result->total_ms),
-        .a_ns = a ? (uint64_t)to_ns(result->device_ms[0] + head_start_ms(result, plan)) : 0,
-        .b_ns = b ? (uint64_t)to_ns(result->device_ms[1]) : 0,
-    };
-}
-
-// Mapped memory keeps what it holds and counts as written.
-static bool hand_over_objects(const measure_world *at, duet_error *err)
-{
-    return duet_world_map_objects(at->world, at->kind, at->n, err);
-}
-
-static bool step_world(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
-                       duet_error *err)
-{
-    const measure_world *at = context;
-    duet_result result;
-    at->world->def.stage_times = staged;
-    if (!duet_world_set_plan(at->world, plan, err) || !hand_over_objects(at, err))
-        return false;
-    core_watch_start(at->cores);
-    if (!duet_world_step(at->world, &result, err))
-        return false;
-    core_use use = core_watch_stop(at->cores);
-    search_sample sample = measure_sample(&result, plan);
-    *launch = (measure_launch){
-        .total_ns = (int64_t)sample.total_ns,
-        .a_ns = (int64_t)sample.a_ns,
-        .b_ns = (int64_t)sample.b_ns,
-        .hash = duet_result_get_hash(&result),
-        .use = use,
-        .terms = terms_of(&result, plan),
-    };
-    for (uint32_t i = 0; i < result.n_stages; ++i)
-        launch->transfer_ns += result.stages[i].transfer ? to_ns(result.stages[i].ms) : 0;
-    launch->n_stages = result.n_stages < MEASURE_STAGES ? result.n_stages : MEASURE_STAGES;
-    memcpy(launch->stages, result.stages, launch->n_stages * sizeof *launch->stages);
-    return true;
 }
 
 uint64_t measure_stages_ns(const measure_launch *launch, int side, const char *const *names,
@@ -175,14 +24,9 @@ uint64_t measure_stages_ns(const measure_launch *launch, int side, const char *c
         const duet_stage *stage = &launch->stages[i];
         for (uint32_t k = 0; k < most && names[k]; ++k)
             if (stage->device == side && strcmp(stage->name, names[k]) == 0)
-                ns += to_ns(stage->ms);
+                ns += measure_to_ns(stage->ms);
     }
     return (uint64_t)ns;
-}
-
-measure_machine measure_world_machine(measure_world *world, uint64_t hash)
-{
-    return (measure_machine){.context = world, .launch = step_world, .hash = hash};
 }
 
 static const char *outcome_of(const duet_error *err)
@@ -208,7 +52,7 @@ static bool launch_once(const measure_machine *machine, const duet_plan *plan, b
         return false;
     if (launch->hash != machine->hash)
         return error_set(err, DUET_STATUS_WRONG_RESULT,
-                         "pair hash %016" PRIx64 " instead of %016" PRIx64, launch->hash,
+                         "result hash %016" PRIx64 " instead of %016" PRIx64, launch->hash,
                          machine->hash);
     *sample = (profile_sample){
         .total_ns = launch->total_ns,

@@ -6,12 +6,9 @@
 #define TUNER_MEASURE_H
 
 #include "base/core_watch.h"
-#include "base/text.h"
 #include "profiles/session.h"
 #include "tuner/duet_tune.h"
 #include "tuner/search_history.h"
-
-#include <cjson/cJSON.h>
 
 enum {
     MEASURE_REPEATS = 32,
@@ -25,37 +22,22 @@ typedef struct measure_launch {
     int64_t a_ns;
     int64_t b_ns;
     int64_t transfer_ns;
-    uint64_t hash; // its pairs' hash
+    uint64_t hash; // its result's hash
     core_use use;  // all zero: nothing is known of it
     duet_tune_terms terms;
     duet_stage stages[MEASURE_STAGES];
     uint32_t n_stages;
 } measure_launch;
 
-// A machine runs the plans to measure: a world, or arithmetic in tests. staged: the times of the
+// A machine runs the plans to measure: a subject, or arithmetic in tests. staged: the times of the
 // launch's stages are wanted, which makes a GPU's launch longer. If false, the launch is as
 // applications have it, and a GPU's stages are the stages of the last staged launch.
 typedef struct measure_machine {
     void *context;
     bool (*launch)(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
                    duet_error *err);
-    uint64_t hash; // the right pairs' hash
+    uint64_t hash; // the right result's hash
 } measure_machine;
-
-// A world with n objects in it, as an application has it: each step gets the
-// objects afresh.
-typedef struct measure_world {
-    duet_world *world;
-    duet_object_kind kind;
-    uint32_t n;
-    core_watch *cores; // NULL: nobody looks at other programs
-} measure_world;
-
-// The machine that steps a world, which must live as long as the machine.
-measure_machine measure_world_machine(measure_world *world, uint64_t hash);
-
-// A step's times as strategies want them: each device's from the step's begin.
-search_sample measure_sample(const duet_result *result, const duet_plan *plan);
 
 typedef struct measurement {
     const char *outcome;                      // the same texts as a profile_trial's
@@ -91,25 +73,11 @@ typedef struct measure_way {
 // disturbed launches are repeated, there are at most twice as many and four more.
 measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way);
 
+int64_t measure_to_ns(double ms);
+
 // Returns the launch's time on a device in stages of these names; names end with NULL or after
 // `most`.
 uint64_t measure_stages_ns(const measure_launch *launch, int side, const char *const *names,
                            uint32_t most);
-
-// ---------------------------------------------------------------- terms
-
-// The terms by the names that the paper has for them; the last is {NULL}.
-typedef struct terms_field {
-    const char *name;
-    size_t at; // in duet_tune_terms
-} terms_field;
-
-extern const terms_field terms_fields[];
-double terms_value(const terms_field *field, const duet_tune_terms *terms);
-
-// {"T_1":..,"T_CPU1":..,...,"imbalance":..}, milliseconds. Missing terms come back as 0, and NULL
-// as all 0.
-void terms_to_json(const duet_tune_terms *terms, text *json);
-void terms_from_json(const cJSON *json, duet_tune_terms *terms);
 
 #endif

@@ -3,6 +3,7 @@
 #include "tuner/record.h"
 
 #include "runtime/selection/profile_subject.h"
+#include "tuner/terms.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/trial_log.h"
 
-#include "tuner/measure.h"
+#include "tuner/terms.h"
 
 #include <cjson/cJSON.h>
 #include <inttypes.h>

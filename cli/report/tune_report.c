@@ -6,7 +6,7 @@
 #include "cli/interrupt.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
-#include "tuner/measure.h"
+#include "tuner/terms.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "support/any_strategy.h"
-#include "tuner/measure.h"
 #include "tuner/race.h"
+#include "tuner/subject.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -128,15 +128,15 @@ static bool compare(const measure_machine *real, uint32_t slower, duet_error *er
     return true;
 }
 
-static bool run_world(duet_world *world, uint32_t n, duet_error *err)
+static bool run_world(duet_world *world, duet_error *err)
 {
     static const uint32_t slower[] = {1, 5, 10};
-    measure_world at = {.world = world, .kind = DUET_OBJECT_POSES, .n = n};
+    subject at = {.kind = &subject_still, .state = world};
     duet_plan whole = plan_at(0);
     duet_result result;
     if (!duet_world_set_plan(world, &whole, err) || !duet_world_step(world, &result, err))
         return false;
-    measure_machine machine = measure_world_machine(&at, duet_result_get_hash(&result));
+    measure_machine machine = subject_machine(&at, duet_result_get_hash(&result));
     printf("| A is   | strategy | share  | launches | searching  | a step      | off     |\n"
            "|--------|----------|--------|----------|------------|-------------|---------|\n");
     bool ok = true;
@@ -179,7 +179,7 @@ bool bench_tune(const bench_options *options, duet_error *err)
     def.pair = pair;
     duet_world *world = poses ? duet_world_create(&def, err) : NULL;
     bool ok = world && duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, err) &&
-              run_world(world, n, err);
+              run_world(world, err);
     duet_world_destroy(world);
     free(poses);
     duet_device_pair_destroy(pair);

@@ -3,7 +3,7 @@
 #include "support/test.h"
 
 #include "runtime/broadphase/kernel_space.h"
-#include "tuner/measure.h"
+#include "tuner/subject.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +13,7 @@ enum { BOXES = 300 };
 typedef struct fixture {
     duet_device_pair *pair;
     duet_world *world;
-    measure_world at;
+    subject at;
 } fixture;
 
 static int begin(void **state)
@@ -33,7 +33,7 @@ static int begin(void **state)
                         {0.5f, 0.5f, 0.5f},
                         {0, 0, 0, 1}};
     assert_ok(duet_world_set_objects(f.world, DUET_OBJECT_POSES, poses, BOXES, &err), err);
-    f.at = (measure_world){.world = f.world, .kind = DUET_OBJECT_POSES, .n = BOXES};
+    f.at = (subject){.kind = &subject_still, .state = f.world};
     *state = &f;
     return 0;
 }
@@ -124,7 +124,7 @@ TEST(a_config_as_text_runs_and_finds_the_same_pairs)
     assert_ptr_equal(strstr(variant, "simd clear."), variant);
     assert_false(kernel_space_write(s, other, "simd", variant, 8));
     assert_true(kernel_space_write(s, other, "simd", variant, sizeof variant));
-    measure_machine machine = measure_world_machine(&f->at, 0);
+    measure_machine machine = subject_machine(&f->at, 0);
     duet_plan plan = plan_of_b("simd");
     assert_ok(machine.launch(machine.context, &plan, false, &plain, &err), err);
     strcpy(plan.variant_b, variant);
@@ -140,7 +140,7 @@ TEST(terms_count_the_search_that_tests)
     fixture *f = *state;
     duet_error err = {0};
     measure_launch launch = {0};
-    measure_machine machine = measure_world_machine(&f->at, 0);
+    measure_machine machine = subject_machine(&f->at, 0);
     duet_plan plan = plan_of_b("simd");
     assert_ok(machine.launch(machine.context, &plan, true, &launch, &err), err);
     double ms = (double)measure_stages_ns(&launch, 1, stages, 1) * 1e-6;

@@ -4,7 +4,7 @@
 
 #include "runtime/broadphase/world.h"
 #include "support/devices.h"
-#include "tuner/measure.h"
+#include "tuner/subject.h"
 
 enum { BOXES = 300 };
 
@@ -51,8 +51,8 @@ TEST(a_gpus_launches_that_count_are_not_timed_by_stages)
     } cases[] = {{false, 1}, {false, 1}, {true, 0x1fff}, {false, 1}};
     devices_seem_gpus(true);
     duet_world *world = make_world();
-    measure_world at = {.world = world, .kind = DUET_OBJECT_POSES, .n = BOXES};
-    measure_machine machine = measure_world_machine(&at, 0);
+    subject at = {.kind = &subject_still, .state = world};
+    measure_machine machine = subject_machine(&at, 0);
     measure_launch first = {0};
     duet_error err = {0};
     duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "simd", .variant_b = "simd"};

@@ -410,7 +410,7 @@ TEST(a_default_that_finds_wrong_pairs_ends_the_tuning)
     duet_error err = {0};
     assert_false(tune_run(&task, &kept, &outcome, &err));
     assert_int_equal(err.status, DUET_STATUS_WRONG_RESULT);
-    assert_non_null(strstr(err.text, "pair hash 0000000000000001"));
+    assert_non_null(strstr(err.text, "result hash 0000000000000001"));
     assert_int_equal(f.launches, 1);
     trial_log_free(&kept);
 }

@@ -1,15 +1,62 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/measure_query.h"
+// A query of a scene's objects as a subject: of a plan only the share counts.
+#include "tuner/subject.h"
 
 #include "base/error.h"
 #include "base/rng.h"
 #include "runtime/narrowphase/origin.h"
+#include "runtime/queries/any_query.h"
 #include "runtime/queries/far_rows.h"
 #include "runtime/scene/scene.h"
+#include "tuner/tuning.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+typedef struct query {
+    duet_tree *tree; // holds the scene's objects
+    query_name name;
+    void *items; // drawn among the objects
+    uint64_t n;
+    any_query *query;
+} query;
+
+// ---------------------------------------------------------------- def
+
+// Each device has the whole tree and one way to walk down it.
+static const duet_mode modes[] = {DUET_MODE_OWN};
+static const char *const variants[] = {"auto"};
+
+static bool is_asked(const duet_tune_def *def)
+{
+    return def->query;
+}
+
+static bool check(const duet_tune_def *def, duet_error *err)
+{
+    query_name name;
+    if (def->steps)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "steps of a motion have no query; expected none");
+    if (def->search || def->n_variants > 0 || def->n_modes > 0 || def->n_levels > 0 ||
+        def->has_accuracy)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "a query has a share alone to be tuned; expected no %s with it",
+                         def->search           ? "search"
+                         : def->n_variants > 0 ? "variants"
+                         : def->n_modes > 0    ? "modes"
+                                               : "level or accuracy");
+    return query_name_read(def->query, &name, err);
+}
+
+static void complete(duet_tune_def *def)
+{
+    def->variants = variants;
+    def->n_variants = sizeof variants / sizeof *variants;
+    def->modes = modes;
+    def->n_modes = sizeof modes / sizeof *modes;
+}
 
 // ---------------------------------------------------------------- items
 
@@ -143,7 +190,7 @@ static size_t item_bytes(const draw *d, query_item item)
     return 0;
 }
 
-static bool draw_items(measure_query *q, draw *d, duet_error *err)
+static bool draw_items(query *q, draw *d, duet_error *err)
 {
     static void (*const draws[])(draw *, const query_name *, void *) = {
         [QUERY_RAYS] = draw_ray,
@@ -164,7 +211,7 @@ static bool draw_items(measure_query *q, draw *d, duet_error *err)
 
 // ---------------------------------------------------------------- owner
 
-static bool open_tree(measure_query *q, duet_device_pair *pair, const duet_scene_info *info,
+static bool open_tree(query *q, duet_device_pair *pair, const duet_scene_info *info,
                       const void *objects, duet_error *err)
 {
     duet_tree_def def = duet_default_tree_def();
@@ -176,8 +223,8 @@ static bool open_tree(measure_query *q, duet_device_pair *pair, const duet_scene
     return q->tree && duet_tree_set_objects(q->tree, scene_kind(info), objects, info->n, err);
 }
 
-bool measure_query_open(measure_query *q, duet_device_pair *pair, const duet_scene *scene,
-                        const query_name *name, uint64_t n, uint64_t seed, duet_error *err)
+static bool open_query(query *q, duet_device_pair *pair, const duet_scene *scene, uint64_t seed,
+                       duet_error *err)
 {
     const duet_scene_info *info = duet_scene_get_info(scene);
     const void *objects = duet_scene_get_objects(scene, scene_kind(info));
@@ -188,7 +235,6 @@ bool measure_query_open(measure_query *q, duet_device_pair *pair, const duet_sce
               .edge = info->origin_edge,
               .width = origin_row_bytes(info->shape, info->origin_edge),
               .n_objects = info->n};
-    *q = (measure_query){.name = *name, .n = name->itself ? info->n : n};
     if (q->n == 0 || q->n > UINT32_MAX || info->n == 0)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%llu items of a query of %u objects; expected 1 or more of both, and "
@@ -196,21 +242,45 @@ bool measure_query_open(measure_query *q, duet_device_pair *pair, const duet_sce
                          (unsigned long long)q->n, info->n);
     if (!open_tree(q, pair, info, objects, err) || !draw_items(q, &d, err))
         return false;
-    q->query = any_query_create(q->tree, &(any_query_def){.name = *name}, err);
+    q->query = any_query_create(q->tree, &(any_query_def){.name = q->name}, err);
     return q->query;
 }
 
-void measure_query_close(measure_query *q)
+static bool open(subject *s, duet_error *err)
 {
+    const duet_scene_info *info = duet_scene_get_info(s->def->scene);
+    query *q = s->state = calloc(1, sizeof *q);
+    if (!q)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
+    if (!query_name_read(s->def->query, &q->name, err))
+        return false;
+    q->n = s->def->items && !q->name.itself ? s->def->items : info->n;
+    s->units = q->n;
+    s->plan = (duet_plan){.mode = modes[0]};
+    plan_set_variants(&s->plan, variants[0]);
+    return open_query(q, s->pair, s->def->scene, s->def->seed, err);
+}
+
+static void close(subject *s)
+{
+    query *q = s->state;
+    if (!q)
+        return;
     any_query_destroy(q->query);
     duet_tree_destroy(q->tree);
     free(q->items);
-    *q = (measure_query){0};
+    free(q);
+}
+
+static bool describe(subject *s, profile_subject *p, duet_error *err)
+{
+    const query *q = s->state;
+    return profile_subject_read_query(q->tree, &q->name, q->n, p, err);
 }
 
 // ---------------------------------------------------------------- launches
 
-static bool ask(measure_query *q, uint32_t share, query_result *found, duet_error *err)
+static bool ask(query *q, uint32_t share, query_result *found, duet_error *err)
 {
     return duet_tree_set_share(q->tree, share, err) &&
            (q->name.itself ? any_query_run_itself(q->query, NULL, 0, found, err)
@@ -218,7 +288,7 @@ static bool ask(measure_query *q, uint32_t share, query_result *found, duet_erro
 }
 
 // They come in order.
-static uint64_t hash_of(const measure_query *q, const query_result *found)
+static uint64_t hash_of(const query *q, const query_result *found)
 {
     uint64_t hash = found->n_hits;
     size_t words = found->n_hits * query_hit_bytes(q->name.item) / sizeof *found->hits;
@@ -227,41 +297,43 @@ static uint64_t hash_of(const measure_query *q, const query_result *found)
     return hash;
 }
 
-static int64_t to_ns(double ms)
-{
-    return (int64_t)(ms * 1e6 + 0.5);
-}
-
 // A query has no stages.
 static bool launch_query(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
                          duet_error *err)
 {
-    measure_query *q = context;
+    subject *s = context;
     query_result found;
     (void)staged;
-    core_watch_start(q->cores);
-    if (!ask(q, plan->share, &found, err))
+    core_watch_start(s->cores);
+    if (!ask(s->state, plan->share, &found, err))
         return false;
-    core_use use = core_watch_stop(q->cores);
-    *launch = (measure_launch){.total_ns = to_ns(found.total_ms),
-                               .a_ns = to_ns(found.device_ms[0]),
-                               .b_ns = to_ns(found.device_ms[1]),
-                               .hash = hash_of(q, &found),
+    core_use use = core_watch_stop(s->cores);
+    *launch = (measure_launch){.total_ns = measure_to_ns(found.total_ms),
+                               .a_ns = measure_to_ns(found.device_ms[0]),
+                               .b_ns = measure_to_ns(found.device_ms[1]),
+                               .hash = hash_of(s->state, &found),
                                .use = use};
     return true;
 }
 
-measure_machine measure_query_machine(measure_query *q, uint64_t hash)
-{
-    return (measure_machine){.context = q, .launch = launch_query, .hash = hash};
-}
-
-bool measure_query_right(measure_query *q, uint64_t *hash, uint64_t *n_hits, duet_error *err)
+// By device B alone: hits are the same at every share, which each launch is checked for.
+static bool find_truth(subject *s, subject_truth *truth, duet_error *err)
 {
     query_result found;
-    if (!ask(q, 0, &found, err))
+    if (!ask(s->state, 0, &found, err))
         return false;
-    *hash = hash_of(q, &found);
-    *n_hits = found.n_hits;
+    truth->hash = hash_of(s->state, &found);
+    truth->pairs = found.n_hits;
     return true;
 }
+
+const subject_kind subject_query = {
+    .is_asked = is_asked,
+    .check = check,
+    .complete = complete,
+    .open = open,
+    .close = close,
+    .describe = describe,
+    .find_truth = find_truth,
+    .launch = launch_query,
+};

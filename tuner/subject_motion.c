@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/measure_motion.h"
+// A motion of a scene as a subject: a launch is a run from the scene's start, and is right if the
+// state after its last step has the right bits.
+#include "tuner/subject.h"
 
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
@@ -8,10 +10,43 @@
 #include <stdlib.h>
 #include <string.h>
 
+typedef struct run_state {
+    duet_motion_def def;
+    const duet_scene *scene;
+    uint32_t steps;      // steps of each run
+    duet_motion *motion; // the last run's motion, NULL if it could not begin; at first a motion
+                         // that has not moved
+    core_watch *cores;   // NULL: nobody looks at other programs
+} run_state;
+
+// ---------------------------------------------------------------- def
+
+static bool is_asked(const duet_tune_def *def)
+{
+    return def->steps;
+}
+
+static bool check(const duet_tune_def *def, duet_error *err)
+{
+    if (def->items)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu items, but no query that has them",
+                         (unsigned long long)def->items);
+    const char *other = def->n_levels > 0 || def->has_accuracy ? "level or accuracy"
+                        : def->ordered                         ? "order"
+                                                               : NULL;
+    return !other || error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                               "steps of a motion have no %s; expected none", other);
+}
+
+static void complete(duet_tune_def *def)
+{
+    def->search = def->search ? def->search : "kernels";
+}
+
 // ---------------------------------------------------------------- owner
 
 // From the scene's start again.
-static bool begin(measure_motion *q, const duet_plan *plan, bool staged, duet_error *err)
+static bool begin(run_state *q, const duet_plan *plan, bool staged, duet_error *err)
 {
     duet_motion_def def = q->def;
     def.plan = *plan;
@@ -21,29 +56,45 @@ static bool begin(measure_motion *q, const duet_plan *plan, bool staged, duet_er
     return q->motion;
 }
 
-bool measure_motion_open(measure_motion *q, duet_device_pair *pair, const duet_scene *scene,
-                         uint32_t steps, duet_error *err)
+// Whether both devices have something to do: pairs are searched, by two devices.
+static bool is_shared(const run_state *q)
 {
-    *q =
-        (measure_motion){.def = duet_scene_motion_def(scene, pair), .scene = scene, .steps = steps};
-    if (steps < 2)
+    return (q->motion->effects & DUET_EFFECT_CONTACT) && !duet_device_pair_is_one(q->def.pair);
+}
+
+// The first step of a run, which builds kernels and makes space, does not count.
+static bool open(subject *s, duet_error *err)
+{
+    run_state *q = s->state = calloc(1, sizeof *q);
+    if (!q)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a motion");
+    *q = (run_state){.def = duet_scene_motion_def(s->def->scene, s->pair),
+                     .scene = s->def->scene,
+                     .steps = s->def->steps,
+                     .cores = s->cores};
+    if (q->steps < 2)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "a run of %u step has none that counts, since the first builds kernels; "
                          "expected 2 or more",
-                         steps);
-    duet_plan plan = duet_default_plan(pair);
-    return begin(q, &plan, false, err);
+                         q->steps);
+    if (!begin(q, &s->plan, false, err))
+        return false;
+    s->units = duet_scene_get_info(q->scene)->n;
+    s->one_device = !is_shared(q);
+    return true;
 }
 
-void measure_motion_close(measure_motion *q)
+static void close(subject *s)
 {
-    duet_motion_destroy(q->motion);
-    *q = (measure_motion){0};
+    run_state *q = s->state;
+    if (q)
+        duet_motion_destroy(q->motion);
+    free(q);
 }
 
-bool measure_motion_is_shared(const measure_motion *q)
+static bool describe(subject *s, profile_subject *p, duet_error *err)
 {
-    return (q->motion->effects & DUET_EFFECT_CONTACT) && !duet_device_pair_is_one(q->def.pair);
+    return profile_subject_read_motion(((run_state *)s->state)->motion, p, err);
 }
 
 // ---------------------------------------------------------------- a run
@@ -91,7 +142,7 @@ static void add_step(sums *s, const duet_motion *m, const duet_motion_result *st
         add_stages(s, search->stages, search->n_stages);
 }
 
-static bool run(measure_motion *q, const duet_plan *plan, bool staged, sums *s, duet_error *err)
+static bool run(run_state *q, const duet_plan *plan, bool staged, sums *s, duet_error *err)
 {
     duet_motion_result step;
     bool ok = begin(q, plan, staged, err) && duet_motion_advance(q->motion, &step, err);
@@ -105,15 +156,17 @@ static bool run(measure_motion *q, const duet_plan *plan, bool staged, sums *s, 
     return ok;
 }
 
-static int64_t mean_ns(const measure_motion *q, double ms)
+static int64_t mean_ns(const run_state *q, double ms)
 {
     return (int64_t)(ms * 1e6 / (q->steps - 1) + 0.5);
 }
 
+// A launch's times are those of a step in the mean of the run, as an application pays for it: most
+// steps of a motion with a skin search no pairs, so that a median would leave the search out.
 static bool launch_motion(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
                           duet_error *err)
 {
-    measure_motion *q = context;
+    run_state *q = ((subject *)context)->state;
     sums s = {0};
     *launch = (measure_launch){0};
     if (!run(q, plan, staged, &s, err) || !duet_motion_get_hash(q->motion, &launch->hash, err))
@@ -131,24 +184,20 @@ static bool launch_motion(void *context, const duet_plan *plan, bool staged, mea
     return true;
 }
 
-measure_machine measure_motion_machine(measure_motion *q, uint64_t hash)
-{
-    return (measure_machine){.context = q, .launch = launch_motion, .hash = hash};
-}
-
-bool measure_motion_right(measure_motion *q, uint64_t *hash, duet_error *err)
+// The state's hash after a run by the default plan.
+static bool find_truth(subject *s, subject_truth *truth, duet_error *err)
 {
     measure_launch launch;
-    duet_plan plan = duet_default_plan(q->def.pair);
+    duet_plan plan = duet_default_plan(s->pair);
     plan.share = 0;
-    bool ok = launch_motion(q, &plan, false, &launch, err);
-    *hash = launch.hash;
+    bool ok = launch_motion(s, &plan, false, &launch, err);
+    truth->hash = launch.hash;
     return ok;
 }
 
 // ---------------------------------------------------------------- kernels
 
-static bool has_run(const measure_motion *q, const duet_plan *plan)
+static bool has_run(const run_state *q, const duet_plan *plan)
 {
     const duet_plan *last = q->motion ? &q->motion->def.plan : NULL;
     return last && q->motion->step > 0 && last->share == plan->share && last->mode == plan->mode &&
@@ -174,9 +223,12 @@ static bool join(kernel_space **spaces, uint32_t *n, duet_motion *m, int side, d
     return ok;
 }
 
-bool measure_motion_kernels(measure_motion *q, const duet_plan *plan, int side,
-                            kernel_space **spaces, uint32_t *n, duet_error *err)
+// Reads spaces as kernel_spaces_read does: B's kernels of the motion, and both devices' kernels
+// that search pairs. Runs the motion unless its last run was by that plan.
+static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_space **spaces,
+                         uint32_t *n, duet_error *err)
 {
+    run_state *q = ((subject *)context)->state;
     sums s = {0};
     *spaces = NULL;
     *n = 0;
@@ -187,3 +239,16 @@ bool measure_motion_kernels(measure_motion *q, const duet_plan *plan, int side,
     return (side == 0 || motion_kernel_spaces(m, spaces, n, err)) &&
            (!searches || join(spaces, n, m, side, err));
 }
+
+const subject_kind subject_motion = {
+    .is_asked = is_asked,
+    .check = check,
+    .complete = complete,
+    .open = open,
+    .close = close,
+    .describe = describe,
+    .find_truth = find_truth,
+    .launch = launch_motion,
+    .read_kernels = read_kernels,
+    .lives_on_one = true,
+};

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// What is tuned: a kind of work that plans divide between two devices.
+//
+// A kind says how its work is opened on a device pair, how a plan launches it, and what is right.
+// Measurements, races, verdicts and the record exist once, for all kinds. A new kind is a file, and
+// a row in subject.c.
+#ifndef TUNER_SUBJECT_H
+#define TUNER_SUBJECT_H
+
+#include "runtime/broadphase/kernel_space.h"
+#include "runtime/selection/profile_subject.h"
+#include "tuner/measure.h"
+
+// One piece of work on one device pair. The def, pair and cores must live as long.
+typedef struct subject {
+    const struct subject_kind *kind; // NULL: not open
+    const duet_tune_def *def;
+    duet_device_pair *pair;
+    core_watch *cores; // NULL: nobody looks at other programs
+    void *state;       // the kind's own
+    duet_plan plan;    // its variants are the defaults that must work
+    uint64_t units;    // what a share divides: objects, items
+    bool one_device;   // the two devices have nothing to share
+} subject;
+
+// What every launch must find, and how right that is.
+typedef struct subject_truth {
+    uint64_t hash;
+    uint64_t pairs; // that collide, or hits; 0: none are counted
+    duet_accuracy accuracy;
+} subject_truth;
+
+typedef struct subject_kind {
+    bool (*is_asked)(const duet_tune_def *def);
+    bool (*check)(const duet_tune_def *def, duet_error *err);
+    void (*complete)(duet_tune_def *def); // fills in what the def leaves open
+    // Fills state, plan, units and one_device. Closed also after a failure.
+    bool (*open)(subject *s, duet_error *err);
+    void (*close)(subject *s);
+    bool (*describe)(subject *s, profile_subject *p, duet_error *err);
+    // Sets the level that is tuned and tells it; NULL: the kind has no levels.
+    bool (*set_level)(subject *s, duet_level level, duet_error *err);
+    duet_level (*level)(const subject *s);
+    bool (*find_truth)(subject *s, subject_truth *truth, duet_error *err);
+    // As measure_machine has it; the context is the subject.
+    bool (*launch)(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
+                   duet_error *err);
+    // As tune_kernels has it; NULL: no kernel is searched.
+    bool (*read_kernels)(void *context, const duet_plan *plan, int device, kernel_space **spaces,
+                         uint32_t *n, duet_error *err);
+    bool lives_on_one; // its state is on one device: A alone may be the better one for it
+} subject_kind;
+
+extern const subject_kind subject_still, subject_query, subject_motion;
+
+// The kind that the def asks for.
+const subject_kind *subject_kind_of(const duet_tune_def *def);
+
+bool subject_prepare(subject *s, const duet_tune_def *def, duet_device_pair *pair,
+                     core_watch *cores, duet_error *err);
+void subject_release(subject *s); // an unopened one is passed over
+
+duet_level subject_level(const subject *s); // certified if the kind has no levels
+measure_machine subject_machine(subject *s, uint64_t hash);
+
+#endif
