@@ -1,58 +1,21 @@
 // SPDX-License-Identifier: MIT
-// Rows become lines and lines rows by the statements of exchange.sql, one pair
-// for each table. SQLite's own JSON reads and writes them, so that whole
-// numbers stay whole, and its constraints judge what comes in.
+// SQLite's own JSON writes and reads the lines, so that whole numbers stay whole, and its
+// constraints judge what comes in.
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/exchange.h"
 
-#include "base/blob.h"
 #include "base/output.h"
 #include "base/text_file.h"
 #include "base/visible.h"
 #include "profiles/fit.h"
+#include "profiles/row_line.h"
 #include "profiles/sql.h"
 #include "profiles/subject.h"
 
-#include <assert.h>
 #include <cjson/cJSON.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <string.h>
-
-// In the order in which they point at each other.
-typedef struct line_type {
-    const char *name;       // of its table too
-    bool has_key;           // made from its other fields
-    bool has_parts;         // rows of another table within the line
-    const char *objects[2]; // fields that are JSON objects, and kept as such
-} line_type;
-
-static const line_type types[] = {
-    {"device", true, false, {NULL}},
-    {"env", true, false, {NULL}},
-    {"pair", false, false, {NULL}},
-    {"workload", true, false, {NULL}},
-    {"level_cost", false, false, {NULL}},
-    {"script", true, false, {NULL}},
-    {"session", false, false, {"options", "search_state"}},
-    {"trial", false, true, {"terms"}},
-    {"profile", false, false, {"terms"}},
-};
-
-enum { N_TYPES = sizeof types / sizeof types[0] };
-
-// A part of exchange.sql, "--@device out" say, from its next line on.
-static void add_part(text *t, const line_type *type, const char *part)
-{
-    char mark[64];
-    const blob *b = blob_find("profiles/exchange.sql");
-    snprintf(mark, sizeof mark, "--@%s %s\n", type->name, part);
-    const char *from = b ? strstr(b->bytes, mark) : NULL;
-    assert(from);
-    from += strlen(mark);
-    const char *to = strstr(from, "--@");
-    text_add_bytes(t, from, to ? (size_t)(to - from) : strlen(from));
-}
 
 // ----------------------------------------------------------------------------- out
 
@@ -72,12 +35,11 @@ static bool send_type(store *s, const line_type *type, line_sink *sink, void *co
                       duet_error *err)
 {
     text query = {0};
-    add_part(&query, type, "out");
-    bool ok = text_ok(&query, err);
-    sql q = sql_make(s, text_chars(&query), err);
+    line_add_select(&query, type);
+    bool ok = true;
+    sql q = sql_make_text(s, &query, err);
     while (ok && sql_row(&q))
         ok = send_valid(sql_get_text(&q, 0), sink, context, err);
-    text_free(&query);
     return sql_close(&q) && ok;
 }
 
@@ -89,8 +51,8 @@ static bool send_lines(store *s, line_sink *sink, void *context, duet_error *err
     if (!sql_script(s, "BEGIN", err))
         return false;
     bool ok = sink(context, head, err);
-    for (int i = 0; ok && i < N_TYPES; ++i)
-        ok = send_type(s, &types[i], sink, context, err);
+    for (int i = 0; ok && i < LINE_TYPES; ++i)
+        ok = send_type(s, &line_types[i], sink, context, err);
     return sql_script(s, "COMMIT", ok ? err : NULL) && ok;
 }
 
@@ -169,14 +131,6 @@ static sql parse(const import *in, const char *query, const char *line, duet_err
     return q;
 }
 
-static const line_type *type_named(const char *name)
-{
-    for (int i = 0; i < N_TYPES; ++i)
-        if (strcmp(types[i].name, name) == 0)
-            return &types[i];
-    return NULL;
-}
-
 static bool check_head(const import *in, const sql *q, duet_error *err)
 {
     return sql_get_int(q, 1) == STORE_VERSION ||
@@ -195,7 +149,7 @@ static bool find_type(const import *in, const char *line, const line_type **type
     bool ok = sql_row(&q) || bad_line(in, err, "is not a JSON object", "");
     if (ok) {
         const char *name = sql_get_text(&q, 0);
-        *type = type_named(name);
+        *type = line_type_named(name);
         if (strcmp(name, "store") == 0)
             ok = check_head(in, &q, err);
         else if (!*type)
@@ -209,29 +163,25 @@ static bool find_type(const import *in, const char *line, const line_type **type
 
 static bool check_fields(const import *in, const line_type *type, const char *line, duet_error *err)
 {
-    text fields = {0};
-    text_add(&fields, " ");
-    add_part(&fields, type, "fields");
     sql q = parse(in,
                   "SELECT key FROM json_each(?1) GROUP BY key HAVING count(*) > 1 "
-                  "OR instr(replace(?2, char(10), ' '), ' ' || key || ' ') = 0",
+                  "OR instr(' type ' || ?2 || ' ', ' ' || key || ' ') = 0",
                   line, err);
-    sql_text(&q, text_chars(&fields));
+    sql_text(&q, type->fields);
     bool known = !sql_row(&q) ||
                  bad_line(in, err, "has an unknown or repeated field: ", sql_get_text(&q, 0));
-    bool ok = sql_close(&q) && text_ok(&fields, err);
-    text_free(&fields);
-    return ok && known;
+    return sql_close(&q) && known;
 }
 
 // SQLite would take the text of a string for an object as well.
 static bool check_objects(const import *in, const line_type *type, const cJSON *row,
                           duet_error *err)
 {
-    for (int i = 0; i < 2 && type->objects[i]; ++i) {
-        const cJSON *field = cJSON_GetObjectItemCaseSensitive(row, type->objects[i]);
-        if (field && !cJSON_IsNull(field) && !cJSON_IsObject(field))
-            return bad_line(in, err, "is not a JSON object: ", type->objects[i]);
+    const cJSON *field;
+    cJSON_ArrayForEach(field, row)
+    {
+        if (line_is_object(type, field->string) && !cJSON_IsNull(field) && !cJSON_IsObject(field))
+            return bad_line(in, err, "is not a JSON object: ", field->string);
     }
     return true;
 }
@@ -246,30 +196,35 @@ static bool check_json(const import *in, const line_type *type, const char *line
     return ok;
 }
 
-// Runs a part of exchange.sql on the line; id is parameter 2, where it has one.
-static bool run(const import *in, const line_type *type, const char *part, const char *line,
-                int64_t id, duet_error *err)
+// Runs a statement on the line; id is parameter 2, where it has one.
+static bool run(const import *in, const char *statement, const char *line, int64_t id,
+                duet_error *err)
 {
-    text statement = {0};
-    add_part(&statement, type, part);
-    bool ok = text_ok(&statement, err);
     sqlite3_stmt *stmt = NULL;
-    int code = sqlite3_prepare_v2(in->s->db, text_chars(&statement), -1, &stmt, NULL);
-    if (ok && code == SQLITE_OK) {
+    int code = sqlite3_prepare_v2(in->s->db, statement, -1, &stmt, NULL);
+    if (code == SQLITE_OK) {
         sqlite3_bind_text(stmt, 1, line, -1, SQLITE_STATIC);
         if (sqlite3_bind_parameter_count(stmt) > 1)
             sqlite3_bind_int64(stmt, 2, id);
         code = sqlite3_step(stmt);
     }
-    ok = ok && (code == SQLITE_DONE || explain(in, code, err));
+    bool ok = code == SQLITE_DONE || explain(in, code, err);
     sqlite3_finalize(stmt);
+    return ok;
+}
+
+static bool insert_row(const import *in, const line_type *type, const char *line, duet_error *err)
+{
+    text statement = {0};
+    line_add_insert(&statement, type);
+    bool ok = text_ok(&statement, err) && run(in, text_chars(&statement), line, 0, err);
     text_free(&statement);
     return ok;
 }
 
 static bool take_row(const import *in, const line_type *type, const char *line, duet_error *err)
 {
-    if (!run(in, type, "in", line, 0, err))
+    if (!insert_row(in, type, line, err))
         return false;
     if (sqlite3_changes(in->s->db) == 0) {
         ++in->counts->known;
@@ -278,11 +233,11 @@ static bool take_row(const import *in, const line_type *type, const char *line, 
     ++in->counts->added;
     int64_t id = sqlite3_last_insert_rowid(in->s->db);
     bool right = true;
-    if (type->has_key && !key_check(in->s, type->name, id, &right, err))
+    if (strncmp(type->fields, "key ", 4) == 0 && !key_check(in->s, type->name, id, &right, err))
         return false;
     if (!right)
         return bad_line(in, err, "its key is not that of its fields", "");
-    return !type->has_parts || run(in, type, "parts", line, id, err);
+    return !type->parts || run(in, type->parts, line, id, err);
 }
 
 static bool take_line(void *context, const char *line, duet_error *err)

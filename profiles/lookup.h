@@ -47,27 +47,11 @@ typedef struct profile_found {
     profile_plan plan;
     uint32_t share_low; // where the best share may lie: equal to the share where it was measured
     uint32_t share_high;
-    double median_ns; // of a step; predicted if interpolated; 0 if transferred, as all below
-    double low_ns;    // its interval; 0 if predicted, as what is not said below
-    double high_ns;
-    double single_ns; // by the best single device; NaN: not known
-    double gain;      // over the best single device
-    double gain_low;
-    double gain_high;
-    char verdict[16];
-    uint32_t rounds;     // of the race that the gain is of; 0 if not known
-    uint32_t watched;    // launches whose threads were watched; 0: not known
-    uint32_t disturbed;  // and those of them that waited for a core
-    uint32_t best_share; // of the best plan that shares the work, which the gain is of
-    char best_mode[16];
-    char terms[512];   // its equations 4 to 6, as JSON; empty if not known
-    double whole_ns;   // a step by the undivided device of A and B; NaN: it was not raced
-    double whole_gain; // of the plan over it
-    double whole_gain_low;
-    double whole_gain_high;
-    double missed_rate; // by true pairs, as measured at that level
-    double false_rate;
-    int64_t true_pairs; // -1: the rates were not measured
+#define FIGURE(type, name) type name;
+#define WORD(name) char name[16];
+#define COUNT(name) int64_t name;
+#include "profiles/profile_figures.inl"
+    char terms[512];    // of the best plan that shares the work, as JSON; empty if not known
     int64_t created_ns; // calendar; 0 if predicted
     char session[PROFILE_ID];
     char uid[PROFILE_ID]; // of the profile; empty if predicted

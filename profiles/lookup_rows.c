@@ -2,6 +2,7 @@
 #include "profiles/lookup_steps.h"
 
 #include <math.h>
+#include <string.h>
 
 bool rows_find_pair(lookup *l)
 {
@@ -18,38 +19,18 @@ bool rows_find_pair(lookup *l)
 // ---------------------------------------------------------------- one row
 
 static const sql_column found_columns[] = {
-    SQL_COLUMN("p.share", profile_found, plan.share),
-    SQL_COLUMN("p.mode", profile_found, plan.mode),
-    SQL_COLUMN("p.level", profile_found, plan.level),
-    SQL_COLUMN("p.variant_a", profile_found, plan.variant_a),
-    SQL_COLUMN("p.variant_b", profile_found, plan.variant_b),
-    SQL_COLUMN("p.share", profile_found, share_low),
-    SQL_COLUMN("p.share", profile_found, share_high),
-    SQL_COLUMN("p.median_ns", profile_found, median_ns),
-    SQL_COLUMN("p.low_ns", profile_found, low_ns),
-    SQL_COLUMN("p.high_ns", profile_found, high_ns),
-    SQL_COLUMN("p.single_ns", profile_found, single_ns),
-    SQL_COLUMN("p.gain", profile_found, gain),
-    SQL_COLUMN("p.gain_low", profile_found, gain_low),
-    SQL_COLUMN("p.gain_high", profile_found, gain_high),
-    SQL_COLUMN("p.verdict", profile_found, verdict),
-    SQL_COLUMN("p.rounds", profile_found, rounds),
-    SQL_COLUMN("p.watched", profile_found, watched),
-    SQL_COLUMN("p.disturbed", profile_found, disturbed),
-    SQL_COLUMN("coalesce(p.best_share, p.share)", profile_found, best_share),
-    SQL_COLUMN("coalesce(p.best_mode, p.mode)", profile_found, best_mode),
-    SQL_COLUMN("p.terms", profile_found, terms),
-    SQL_COLUMN("p.whole_ns", profile_found, whole_ns),
-    SQL_COLUMN("p.whole_gain", profile_found, whole_gain),
-    SQL_COLUMN("p.whole_gain_low", profile_found, whole_gain_low),
-    SQL_COLUMN("p.whole_gain_high", profile_found, whole_gain_high),
-    SQL_COLUMN("p.missed_rate", profile_found, missed_rate),
-    SQL_COLUMN("p.false_rate", profile_found, false_rate),
-    SQL_COLUMN("coalesce(p.true_pairs, -1)", profile_found, true_pairs),
-    SQL_COLUMN("p.created_ns", profile_found, created_ns),
-    SQL_COLUMN("p.session_id", profile_found, session),
-    SQL_COLUMN("p.uid", profile_found, uid),
-    SQL_COLUMN("p.dead_reason", profile_found, unused),
+    SQL_PLAN_COLUMNS(profile_found, plan),
+    SQL_COLUMN("share", profile_found, share_low),
+    SQL_COLUMN("share", profile_found, share_high),
+#define FIGURE(type, name) SQL_COLUMN(#name, profile_found, name),
+#define WORD(name) SQL_COLUMN(#name, profile_found, name),
+#define COUNT(name) SQL_COUNT_COLUMN(#name, profile_found, name),
+#include "profiles/profile_figures.inl"
+    SQL_COLUMN("terms", profile_found, terms),
+    SQL_COLUMN("created_ns", profile_found, created_ns),
+    SQL_COLUMN("session_id", profile_found, session),
+    SQL_COLUMN("uid", profile_found, uid),
+    SQL_COLUMN("dead_reason", profile_found, unused),
     {0},
 };
 
@@ -111,12 +92,24 @@ static bool close_rows(sql *q, int64_t *id)
     return sql_close(q);
 }
 
+// False if there is no such row.
+static bool read_found(sql *q, profile_found *found)
+{
+    if (!sql_row(q))
+        return false;
+    sql_read(q, 0, found_columns, found);
+    if (!*found->best_mode) {
+        memcpy(found->best_mode, found->plan.mode, sizeof found->best_mode);
+        found->best_share = found->plan.share;
+    }
+    return true;
+}
+
 static bool read_row(lookup *l, int64_t id, profile_found *found)
 {
-    sql q = sql_select(l->s, found_columns, " FROM profile p WHERE p.id = ?", l->err);
+    sql q = sql_select(l->s, found_columns, " FROM profile WHERE id = ?", l->err);
     sql_int(&q, id);
-    if (sql_row(&q))
-        sql_read(&q, 0, found_columns, found);
+    read_found(&q, found);
     return sql_close(&q);
 }
 
@@ -158,13 +151,11 @@ bool rows_take_stale(lookup *l, bool *held)
 
 bool profile_read(store *s, const char *uid, profile_found *found, duet_error *err)
 {
-    sql q = sql_select(s, found_columns, " FROM profile p WHERE p.uid = ?", err);
+    sql q = sql_select(s, found_columns, " FROM profile WHERE uid = ?", err);
     sql_text(&q, uid);
     *found = (profile_found){.grade = PROFILE_DEFAULT};
-    if (sql_row(&q)) {
-        sql_read(&q, 0, found_columns, found);
+    if (read_found(&q, found))
         found->grade = PROFILE_EXACT;
-    }
     return sql_close(&q);
 }
 

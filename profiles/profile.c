@@ -30,65 +30,44 @@ static bool retire_live(store *s, const profile_row *row, const char *reason, du
     return sql_run(&q);
 }
 
-// But what is another number, or none, in the table.
 static const sql_column row_columns[] = {
     SQL_COLUMN("pair_id", profile_row, pair_id),
     SQL_COLUMN("workload_id", profile_row, workload_id),
     SQL_COLUMN("kernels", profile_row, kernels),
     SQL_COLUMN("objective", profile_row, objective),
     SQL_PLAN_COLUMNS(profile_row, plan),
-    SQL_COLUMN("median_ns", profile_row, median_ns),
-    SQL_COLUMN("low_ns", profile_row, low_ns),
-    SQL_COLUMN("high_ns", profile_row, high_ns),
-    SQL_COLUMN("gain", profile_row, gain),
-    SQL_COLUMN("gain_low", profile_row, gain_low),
-    SQL_COLUMN("gain_high", profile_row, gain_high),
-    SQL_COLUMN("verdict", profile_row, verdict),
-    SQL_COLUMN("missed_rate", profile_row, missed_rate),
-    SQL_COLUMN("false_rate", profile_row, false_rate),
+#define FIGURE(type, name) SQL_COLUMN(#name, profile_row, name),
+#define WORD(name) SQL_COLUMN(#name, profile_row, name),
+#define COUNT(name) SQL_COUNT_COLUMN(#name, profile_row, name),
+#include "profiles/profile_figures.inl"
     SQL_COLUMN("terms", profile_row, terms),
-    SQL_COLUMN("rounds", profile_row, rounds),
-    SQL_COLUMN("watched", profile_row, watched),
-    SQL_COLUMN("disturbed", profile_row, disturbed),
     SQL_COLUMN("origin", profile_row, origin),
+    SQL_COLUMN("session_id", profile_row, session),
+    SQL_COUNT_COLUMN("trial", profile_row, trial_number),
     {0},
 };
 
-// These exist only where the undivided device was raced.
-static const sql_column whole_columns[] = {
-    SQL_COLUMN("whole_ns", profile_row, whole_ns),
-    SQL_COLUMN("whole_gain", profile_row, whole_gain),
-    SQL_COLUMN("whole_gain_low", profile_row, whole_gain_low),
-    SQL_COLUMN("whole_gain_high", profile_row, whole_gain_high),
-    {0},
-};
-
-#define WHOLE "whole_ns, whole_gain, whole_gain_low, whole_gain_high"
-
-// -1 is no number.
-static void bind_number(sql *q, int64_t number)
+// The row as it is stored: NULL, by way of NaN, where nothing was raced.
+static profile_row stored(const profile_row *row)
 {
-    if (number < 0)
-        sql_text(q, NULL);
-    else
-        sql_int(q, number);
+    profile_row r = *row;
+    if (!(r.single_ns > 0))
+        r.single_ns = NAN;
+    if (!(r.whole_ns > 0))
+        r.whole_ns = r.whole_gain = r.whole_gain_low = r.whole_gain_high = NAN;
+    if (!r.best_mode) {
+        r.best_mode = row->plan.mode;
+        r.best_share = row->plan.share;
+    }
+    return r;
 }
 
 static bool insert(store *s, const profile_row *row, const profile_placed *placed, duet_error *err)
 {
-    sql q = sql_insert(s, "profile", row_columns,
-                       WHOLE ", true_pairs, single_ns, best_share, best_mode, session_id, trial, "
-                             "uid, created_ns, live, dead_reason",
-                       "", err);
+    sql q = sql_insert(s, "profile", row_columns, "uid, created_ns, live, dead_reason", "", err);
     bool live = !*placed->unused;
-    sql_bind(&q, row_columns, row);
-    sql_bind(&q, whole_columns, row->whole_ns > 0 ? row : NULL);
-    bind_number(&q, row->true_pairs);
-    sql_real(&q, row->single_ns > 0 ? row->single_ns : NAN);
-    sql_int(&q, row->best_mode ? row->best_share : row->plan.share);
-    sql_text(&q, row->best_mode ? row->best_mode : row->plan.mode);
-    sql_text(&q, row->session);
-    bind_number(&q, row->trial_number);
+    profile_row r = stored(row);
+    sql_bind(&q, row_columns, &r);
     sql_text(&q, placed->uid);
     sql_int(&q, clock_calendar_ns());
     sql_int(&q, live);
@@ -315,16 +294,7 @@ const char profile_entry_from[] =
     "WHERE substr(p.uid, 1, length(?1)) = ?1 AND (p.live = 1 OR ?2) "
     "ORDER BY p.live DESC, p.pair_id, w.family, w.n, p.created_ns";
 
-// But those of the row.
 static const sql_column entry_columns[] = {
-    SQL_COLUMN("coalesce(p.true_pairs, -1)", profile_entry, row.true_pairs),
-    SQL_COLUMN("p.single_ns", profile_entry, row.single_ns),
-    SQL_COLUMN("p.whole_ns", profile_entry, row.whole_ns),
-    SQL_COLUMN("p.whole_gain", profile_entry, row.whole_gain),
-    SQL_COLUMN("p.whole_gain_low", profile_entry, row.whole_gain_low),
-    SQL_COLUMN("p.whole_gain_high", profile_entry, row.whole_gain_high),
-    SQL_COLUMN("p.best_share", profile_entry, row.best_share),
-    SQL_COLUMN("p.best_mode", profile_entry, row.best_mode),
     SQL_COLUMN("p.uid", profile_entry, uid),
     SQL_COLUMN("p.created_ns", profile_entry, created_ns),
     SQL_COLUMN("p.dead_reason", profile_entry, dead_reason),

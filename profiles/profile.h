@@ -12,27 +12,11 @@ typedef struct profile_row {
     const char *kernels;   // as in the session
     const char *objective; // "time"
     profile_plan plan;
-    double median_ns; // a step by this plan
-    double low_ns;    // the median's interval
-    double high_ns;
-    double gain; // over the best single device: 0.25 is a quarter faster
-    double gain_low;
-    double gain_high;
-    const char *verdict;   // "faster", "same", "slower" than the best single device, or "ambiguous"
-    double missed_rate;    // pairs missed, by true pairs, as measured; 0: none
-    double false_rate;     // pairs reported in excess, by true pairs
-    int64_t true_pairs;    // that the rates are of; -1: they were not measured
-    double single_ns;      // a step by the best single device; 0 or NaN: not known
-    uint32_t best_share;   // of the best plan that shares the work, which the gain is of
-    const char *best_mode; // NULL: the plan is that one
-    const char *terms;     // of the best plan, a JSON object as a trial's; NULL: not known
-    uint32_t rounds;       // of the race that the gain is of; 0: there was none, or not known
-    double whole_ns;       // a step by the undivided device of A and B; 0 or NaN: it was not raced
-    double whole_gain;     // of the plan over it
-    double whole_gain_low;
-    double whole_gain_high;
-    uint32_t watched;     // launches whose threads were watched; 0: not known
-    uint32_t disturbed;   // and those of them that waited for a core
+#define FIGURE(type, name) type name;
+#define WORD(name) const char *name; // best_mode NULL: the plan is that one
+#define COUNT(name) int64_t name;
+#include "profiles/profile_figures.inl"
+    const char *terms;    // of the best plan, a JSON object as a trial's; NULL: not known
     const char *origin;   // "measured", "online" or "manual"
     const char *session;  // NULL only for "manual"
     int64_t trial_number; // of that session, the plan's trial; -1: none
@@ -108,7 +92,7 @@ typedef struct profile_entry {
     int64_t boxes;     // that are asked
     bool moving;       // of steps of a motion
     const char *family;
-    profile_row row; // without session and trial_number
+    profile_row row;
     int64_t created_ns;
     const char *dead_reason; // NULL: live
     profile_entry_session session;

@@ -248,6 +248,12 @@ static void bind_column(sql *q, const sql_column *c, const void *member)
     case SQL_INT:
         sql_int(q, *(const int64_t *)member);
         break;
+    case SQL_COUNT:
+        if (*(const int64_t *)member < 0)
+            sql_text(q, NULL);
+        else
+            sql_int(q, *(const int64_t *)member);
+        break;
     case SQL_UINT:
         sql_int(q, *(const uint32_t *)member);
         break;
@@ -278,9 +284,13 @@ void sql_bind(sql *q, const sql_column *columns, const void *row)
 
 static void read_column(const sql *q, int column, const sql_column *c, void *member)
 {
+    bool is_null = sqlite3_column_type(q->stmt, column) == SQLITE_NULL;
     switch (c->kind) {
     case SQL_INT:
         *(int64_t *)member = sql_get_int(q, column);
+        break;
+    case SQL_COUNT:
+        *(int64_t *)member = is_null ? -1 : sql_get_int(q, column);
         break;
     case SQL_UINT:
         *(uint32_t *)member = (uint32_t)sql_get_int(q, column);
@@ -289,8 +299,7 @@ static void read_column(const sql *q, int column, const sql_column *c, void *mem
         *(bool *)member = sql_get_int(q, column) != 0;
         break;
     case SQL_REAL:
-        *(double *)member =
-            sqlite3_column_type(q->stmt, column) == SQLITE_NULL ? NAN : sql_get_real(q, column);
+        *(double *)member = is_null ? NAN : sql_get_real(q, column);
         break;
     case SQL_TEXT:
         *(const char **)member = sql_get_text(q, column);

@@ -52,7 +52,15 @@ const char *sql_get_text(const sql *q, int column); // NULL if NULL; until the n
 
 // ---------------------------------------------------------------- columns
 
-typedef enum sql_kind { SQL_INT, SQL_UINT, SQL_BOOL, SQL_REAL, SQL_TEXT, SQL_CHARS } sql_kind;
+typedef enum sql_kind {
+    SQL_INT,
+    SQL_COUNT,
+    SQL_UINT,
+    SQL_BOOL,
+    SQL_REAL,
+    SQL_TEXT,
+    SQL_CHARS
+} sql_kind;
 
 // A column and the member of a struct that stands for it. The name may be any
 // expression where it is only read. A table of columns ends with {0}.
@@ -73,6 +81,12 @@ typedef struct sql_column {
     {                                                                         \
         name, SQL_KIND_OF(((struct_ *)0)->member), offsetof(struct_, member), \
             sizeof((struct_ *)0)->member                                      \
+    }
+
+// An int64_t that is -1 where the column is NULL.
+#define SQL_COUNT_COLUMN(name, struct_, member)                     \
+    {                                                               \
+        name, SQL_COUNT, offsetof(struct_, member), sizeof(int64_t) \
     }
 
 // Columns of a profile_plan.

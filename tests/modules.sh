@@ -36,6 +36,8 @@ try_include profiles profiles/lookup.h || { cat "$work/says" && exit 1; }
 try_include broadphase runtime/narrowphase/level.h || { cat "$work/says" && exit 1; }
 must_not_know profiles runtime/opencl/device.h
 must_not_know broadphase runtime/dynamics/motion.h
+must_not_know queries runtime/dynamics/motion.h
+must_not_know scene runtime/dynamics/motion.h
 must_not_know base runtime/duet.h
 must_not_know tuner cli/say.h
 

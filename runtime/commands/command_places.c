@@ -2,8 +2,8 @@
 // Where commands put bodies: poses hold at once, and targets are where the next step takes bodies
 // without mass.
 #include "base/error.h"
+#include "runtime/bodies/vector.h"
 #include "runtime/commands/command.h"
-#include "runtime/dynamics/vector.h"
 
 #include <math.h>
 #include <stdlib.h>

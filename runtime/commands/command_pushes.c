@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Forces for the next step, and impulses.
 #include "base/error.h"
+#include "runtime/bodies/vector.h"
 #include "runtime/commands/command.h"
 #include "runtime/dynamics/motion_rows.h"
-#include "runtime/dynamics/vector.h"
 
 #include <math.h>
 #include <stdlib.h>

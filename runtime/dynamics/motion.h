@@ -6,9 +6,10 @@
 #ifndef RUNTIME_MOTION_H
 #define RUNTIME_MOTION_H
 
+#include "runtime/bodies/effect.h"
+#include "runtime/bodies/motion_def.h"
 #include "runtime/dynamics/altered.h"
 #include "runtime/dynamics/contact_graph.h"
-#include "runtime/dynamics/effect.h"
 #include "runtime/dynamics/motion_events.h"
 #include "runtime/dynamics/motion_plan.h"
 #include "runtime/dynamics/motion_read.h"
@@ -175,11 +176,6 @@ void motion_forget_maps(duet_motion *m);
 bool motion_build_kernels(duet_motion *m, const kernel_request *list, size_t n, bool altered,
                           duet_error *err);
 extern const binding motion_bindings[];
-
-// Say what is wrong with a pose, a body or a def; err tells a def's fault.
-const char *motion_pose_fault(const duet_pose *pose, uint32_t dims);
-const char *motion_body_fault(const duet_body *body);
-bool motion_check_def(const duet_motion_def *def, duet_error *err);
 
 // Fills offers for the kernels, and returns how many they are: what the scene says of their
 // parameters, then what the plan does.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Sums over a motion's state: its hash, and its energy and momentum.
+#include "runtime/bodies/vector.h"
 #include "runtime/dynamics/motion_commands.h"
-#include "runtime/dynamics/vector.h"
 
 #include "base/error.h"
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What a motion is made of, before there is one: defaults, and what is wrong with a def, a pose or
 // a body.
-#include "runtime/dynamics/motion.h"
-#include "runtime/dynamics/vector.h"
+#include "runtime/bodies/motion_def.h"
 
 #include "base/error.h"
+#include "runtime/bodies/vector.h"
 #include "runtime/narrowphase/origin.h"
+#include "runtime/opencl/device_pair.h"
 
 #include <float.h>
 #include <math.h>

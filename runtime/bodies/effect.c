@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/dynamics/motion.h"
+#include "runtime/bodies/effect.h"
 
 #include <math.h>
 
@@ -181,37 +181,4 @@ uint32_t effect_infer(const duet_motion_def *def, const effect_facts *facts)
         if ((effects & rows[i].effect) || is_called(rows[i].effect, def, facts, effects))
             effects |= rows[i].effect | rows[i].needs;
     return effects;
-}
-
-// ---------------------------------------------------------------- what each costs
-
-// No effect, for it changes how positions are kept and nothing of what happens.
-static bool explain_origin(const duet_motion *m, duet_effect_info *info)
-{
-    *info = (duet_effect_info){
-        .name = "origin",
-        .active = m->cells && m->effects,
-        .called_by = "origin = \"cell\"",
-        .kernels = "integrate_free_flight, bodies, fat_aabbs, build_manifolds",
-        .bytes = motion_words(m, CELLS) * (uint32_t)sizeof(uint32_t),
-    };
-    return true;
-}
-
-bool duet_motion_explain(const duet_motion *m, uint32_t i, duet_effect_info *info)
-{
-    const effect_row *row = effect_at(i);
-    if (!m || !info)
-        return false;
-    if (!row)
-        return i > 0 && effect_at(i - 1) && explain_origin(m, info);
-    bool active = (m->effects & row->effect);
-    *info = (duet_effect_info){
-        .name = row->name,
-        .active = active,
-        .called_by = row->called_by,
-        .kernels = row->kernels,
-        .bytes = active ? motion_bytes_for(m, row->effect) : 0,
-    };
-    return true;
 }
