@@ -27,13 +27,15 @@ static bool holds(const extent *box, const double at[3])
     return inside;
 }
 
-// Returns where objects lie so deep in a domain that they touch none of another one. With several
-// domains that is twice as deep, so that they touch no newcomer either.
+// Returns where objects lie so deep in a domain that they touch none of another one.
 static extent deep_inside(const owned *o, const domain *d)
 {
-    if (o->placement == PLACED_ANYHOW)
-        return d->box;
-    return domain_inside(d, o->n_domains > 1 ? 2 * o->widest : o->widest);
+    extent inside = d->box;
+    for (int k = 0; o->placement > PLACED_ANYHOW && k < 3; ++k) {
+        inside.lower[k] += 1.01 * o->widest;
+        inside.upper[k] -= 1.01 * o->widest;
+    }
+    return inside;
 }
 
 static void classify_row(const owned *o, class_part *p, const domain *d, const extent *inside,

@@ -46,7 +46,6 @@ void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *
     memcpy(c->workers, workers, sizeof c->workers);
     c->def.world = *world;
     c->owned.form = object_form_of(world);
-    c->owned.pair = c->def.plain ? NULL : world->pair;
     c->fitted = (extent){0};
     c->state = STATE_CHANGED;
     c->is_cold = true;

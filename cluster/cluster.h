@@ -26,8 +26,7 @@ typedef enum cluster_state {
 typedef enum cluster_search {
     SEARCH_WHOLE,      // sets[0], a single domain with its ghosts
     SEARCH_OVERLAPPED, // sets[0] without ghosts while these travel, and then its boundary, sets[1]
-    SEARCH_DOMAINS,    // several where they lie, without ghosts, and then their boundary
-    SEARCH_COPIES,     // several, each a copy with its ghosts
+    SEARCH_COPIES,     // several domains in turn, each a copy with its ghosts
 } cluster_search;
 
 // A search by a worker, beside what its caller does.

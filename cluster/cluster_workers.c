@@ -38,7 +38,7 @@ bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, wo
 
 bool cluster_spares_host(const duet_cluster *c)
 {
-    const duet_device_pair *pair = c->owned.pair;
+    const duet_device_pair *pair = c->def.plain ? NULL : c->def.world.pair;
     uint32_t share = c->workers[0]->plan(c->workers[0]).share;
     return pair && !(share > 0 && pair->devices[0].info.host_memory) &&
            !(share < DUET_SHARE_ONE && pair->devices[1].info.host_memory);

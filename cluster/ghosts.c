@@ -31,7 +31,6 @@ typedef struct search {
     uint64_t *first;      // [n_domains + 1] of each domain's neighbours
     uint64_t *counts;     // [PARALLEL_MOST][n_ranks] of each part's visits, and then where they go
     int n_ranks;
-    bool within; // this rank's domains are neighbours, too
     bool failed[PARALLEL_MOST];
 } search;
 
@@ -48,8 +47,7 @@ static bool list_neighbours(search *s)
     for (uint32_t d = 0; s->first && d < n; ++d) {
         s->first[d] = at;
         for (uint32_t q = 0; q < n_places; ++q) {
-            bool is_own = q - s->first_place < s->o->most_domains;
-            if (q == s->first_place + d || (is_own && !s->within) ||
+            if (q == s->first_place + d ||
                 !extents_meet(all_of(s->g, q), all_of(s->g, s->first_place + d)))
                 continue;
             if (at == capacity) {
@@ -200,24 +198,6 @@ ghost ghosts_get(const ghosts *g, uint64_t i)
     return found;
 }
 
-static uint64_t id_of(const ghosts *g, uint64_t i)
-{
-    uint64_t id;
-    memcpy(&id, message_at(g, i), sizeof id);
-    return id;
-}
-
-// A ghost that goes to several domains of a rank comes in messages that follow each other.
-static void list_once(ghosts *g, uint32_t n_domains)
-{
-    uint64_t n = 0;
-    for (uint64_t i = 0; i < g->in.n; ++i)
-        if (i == 0 || id_of(g, i) != id_of(g, i - 1))
-            g->list[n++] = (uint32_t)i;
-    for (uint32_t d = 1; d <= n_domains; ++d)
-        g->first[d] = n;
-}
-
 static void list_by_domain(ghosts *g, uint32_t n_domains, uint32_t first_place)
 {
     uint64_t before = 0;
@@ -232,7 +212,7 @@ static void list_by_domain(ghosts *g, uint32_t n_domains, uint32_t first_place)
         g->list[g->first[place_in(g, i, 1) - first_place + 1]++] = (uint32_t)i;
 }
 
-bool ghosts_sort(ghosts *g, const owned *o, const ranks *r, bool within, duet_error *err)
+bool ghosts_sort(ghosts *g, const owned *o, const ranks *r, duet_error *err)
 {
     uint32_t n = o->n_domains;
     free(g->list);
@@ -242,16 +222,14 @@ bool ghosts_sort(ghosts *g, const owned *o, const ranks *r, bool within, duet_er
     memset(g->first, 0, (n + 1) * sizeof *g->first);
     if (n == 1)
         g->first[1] = g->in.n;
-    else if (within)
-        list_by_domain(g, n, (uint32_t)r->self * o->most_domains);
     else
-        list_once(g, n);
+        list_by_domain(g, n, (uint32_t)r->self * o->most_domains);
     return true;
 }
 
-bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, bool within, bool ok, duet_error *err)
+bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, bool ok, duet_error *err)
 {
-    search s = {.o = o, .g = g, .n_ranks = r->n, .within = within};
+    search s = {.o = o, .g = g, .n_ranks = r->n};
     s.first_place = (uint32_t)r->self * o->most_domains;
     ranks_gather(r, o->boxes, g->boxes, (int)(o->most_domains * sizeof *g->boxes));
     ok = ok && find_visits(&s, err);

@@ -31,14 +31,13 @@ typedef struct ghosts {
 
 bool ghosts_begin(ghosts *g, const owned *o, const ranks *r, duet_error *err);
 
-// Sends ghosts to where they belong; `in` has the ghosts that came. within: this rank's domains
-// need each other's ghosts. Collective; ok: whether this rank is well.
-bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, bool within, bool ok, duet_error *err);
+// Sends ghosts to where they belong; `in` has the ghosts that came. Collective; ok: whether this
+// rank is well.
+bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, bool ok, duet_error *err);
 void ghosts_end(ghosts *g);
 
-// Lists the ghosts that came by their domains: domain d's ghosts are [first[d], first[d + 1]). If
-// not `within`, domain 0 gets all of them, each once.
-bool ghosts_sort(ghosts *g, const owned *o, const ranks *r, bool within, duet_error *err);
+// Lists the ghosts that came by their domains: domain d's ghosts are [first[d], first[d + 1]).
+bool ghosts_sort(ghosts *g, const owned *o, const ranks *r, duet_error *err);
 
 // Returns how many of them came from other ranks.
 static inline uint64_t ghosts_of_others(const ghosts *g, const ranks *r)

@@ -152,7 +152,7 @@ static bool send_ahead(owned *o, duet_error *err)
     if (!owned_map(o, err))
         return false;
     if (o->holder && o->placement == PLACED_BY_DOMAIN)
-        o->holder->begin(o->holder, o->rows.n, NULL);
+        o->holder->begin(o->holder, o->rows.n);
     return true;
 }
 

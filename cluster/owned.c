@@ -2,7 +2,6 @@
 #include "cluster/owned.h"
 
 #include "base/error.h"
-#include "runtime/opencl/device_pair.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -52,25 +51,8 @@ void owned_forget_domains(owned *o)
         o->domains[d] = (domain){.box = extent_none, .first = o->rows.n, .first_new = o->rows.n};
 }
 
-// Locks the rows of several domains, which devices read where they lie.
-static void lock_rows(owned *o)
-{
-    if (o->n_domains == 1 || !o->pair)
-        return;
-    const device *devices = o->pair->devices;
-    host_lock_take(&o->locks[0], devices, 2, o->rows.objects, o->rows.capacity * o->form.bytes);
-    host_lock_take(&o->locks[1], devices, 2, o->rows.ids, o->rows.capacity * sizeof *o->rows.ids);
-}
-
-static void unlock_rows(owned *o)
-{
-    for (int i = 0; i < 2; ++i)
-        host_lock_release(&o->locks[i]);
-}
-
 static void release(owned *o)
 {
-    unlock_rows(o);
     if (o->holder)
         o->rows.objects = NULL;
     object_rows_end(&o->rows);
@@ -145,8 +127,6 @@ static bool reserve_ids(owned *o, uint64_t n, duet_error *err)
     if (o->rows.ids && n <= o->rows.capacity)
         return true;
     uint64_t capacity = n + n / 16;
-    bool was_locked = o->locks[0].mem;
-    unlock_rows(o);
     uint64_t *ids = realloc(o->rows.ids, (capacity + 1) * sizeof *ids);
     o->rows.ids = ids ? ids : o->rows.ids;
     void *objects =
@@ -155,8 +135,6 @@ static bool reserve_ids(owned *o, uint64_t n, duet_error *err)
     if (!ids || (!o->holder && !objects))
         return no_memory(n, err);
     o->rows.capacity = capacity;
-    if (was_locked)
-        lock_rows(o);
     return true;
 }
 
@@ -579,8 +557,6 @@ bool owned_place(owned *o, const extent *box, worker *const workers[2], duet_err
         o->domains[0].box = *box;
         return false;
     }
-    if (!o->locks[0].mem)
-        lock_rows(o);
     o->placement = PLACED_BY_DOMAIN;
     ++o->n_placed;
     o->unevenness = 1;

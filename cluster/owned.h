@@ -13,7 +13,7 @@
 // domains. owned_tidy brings both where they belong before the next step.
 //
 // The rows of a single domain lie in the memory of the worker that searches them. Several domains
-// lie in the rank's own memory, where workers search one after the other, or get copies.
+// lie in the rank's own memory, and workers get copies of one after the other.
 #ifndef CLUSTER_OWNED_H
 #define CLUSTER_OWNED_H
 
@@ -22,7 +22,6 @@
 #include "cluster/partition.h"
 #include "cluster/row_list.h"
 #include "cluster/worker.h"
-#include "runtime/opencl/buffer.h"
 
 // Boxes around the objects of each level and of all finer ones.
 typedef struct level_boxes {
@@ -40,17 +39,6 @@ typedef struct domain {
     uint32_t first_new, n_new;
 } domain;
 
-// Returns where objects lie deeper in a domain than that.
-static inline extent domain_inside(const domain *d, double depth)
-{
-    extent inside = d->box;
-    for (int k = 0; k < 3; ++k) {
-        inside.lower[k] += 1.01 * depth;
-        inside.upper[k] -= 1.01 * depth;
-    }
-    return inside;
-}
-
 // Says how rows are placed; each state includes those before it. All ranks are in the same one, but
 // for the last one, which a rank without memory lacks until it tries again.
 typedef enum placement {
@@ -63,9 +51,7 @@ typedef struct owned {
     object_form form;
     object_rows rows;
     placement placement;
-    worker *holder;               // rows.objects is its memory; NULL: the rows' own memory
-    const duet_device_pair *pair; // that reads it; NULL: none
-    host_lock locks[2];           // lock several domains' objects and ids
+    worker *holder; // rows.objects is its memory; NULL: the rows' own memory
     uint32_t n_domains;
     uint32_t most_domains; // the most of any rank
     domain *domains;       // [n_domains]

@@ -28,7 +28,6 @@ void search_set_end(search_set *s)
     free(s->is_leaver);
     free(s->leavers.rows);
     free(s->ids);
-    free(s->labels);
     *s = (search_set){0};
 }
 
@@ -40,10 +39,6 @@ static void begin(search_set *s, set_kind kind, const owned *o, const ranks *r, 
     s->n_places = (uint32_t)r->n * o->most_domains;
     s->leavers.n = 0;
     s->leavers.failed = false;
-    if (kind != SET_BOUNDARY) {
-        free(s->labels);
-        s->labels = NULL;
-    }
 }
 
 // Marks the leavers of rows [first, first + n), which are the set's from 0 on.
@@ -109,18 +104,16 @@ static bool write_ghosts(search_set *s, const ghosts *g, uint32_t d, duet_error 
 
 static bool is_empty(const search_set *s)
 {
-    return s->n_own == s->leavers.n ||
-           (s->kind == SET_BOUNDARY && !s->labels && search_set_ghosts(s) == 0);
+    return s->n_own == s->leavers.n || (s->kind == SET_BOUNDARY && search_set_ghosts(s) == 0);
 }
 
 // ---------------------------------------------------------------- sets
 
-// Makes the own rows n that lie behind each other from `first` on.
-static void take_rows(search_set *s, const owned *o, uint32_t first, uint32_t n)
+// Makes the own rows all that the rank has.
+static void take_rows(search_set *s, const owned *o)
 {
-    s->rows =
-        (object_rows){.ids = o->rows.ids + first, .objects = object_row(&o->rows, &o->form, first)};
-    s->rows.n = s->n_own = n;
+    s->rows = (object_rows){.ids = o->rows.ids, .objects = o->rows.objects, .n = o->rows.n};
+    s->n_own = o->rows.n;
 }
 
 bool search_set_in_place(search_set *s, owned *o, const ghosts *g, const ranks *r, duet_error *err)
@@ -128,18 +121,16 @@ bool search_set_in_place(search_set *s, owned *o, const ghosts *g, const ranks *
     begin(s, SET_WHOLE, o, r, 0);
     if (!owned_reserve(o, g->first[1], err))
         return false;
-    take_rows(s, o, 0, o->rows.n);
+    take_rows(s, o);
     s->rows.n += (uint32_t)g->first[1];
-    return mark_leavers(s, 0, o->rows.n, err) && write_ghosts(s, g, 0, err);
+    return mark_leavers(s, 0, s->n_own, err) && write_ghosts(s, g, 0, err);
 }
 
-bool search_set_inner(search_set *s, const owned *o, const ranks *r, uint32_t index,
-                      duet_error *err)
+bool search_set_inner(search_set *s, const owned *o, const ranks *r, duet_error *err)
 {
-    const domain *d = &o->domains[index];
-    begin(s, SET_INNER, o, r, index);
-    take_rows(s, o, d->first, o->n_domains == 1 ? o->rows.n : d->n);
-    return mark_leavers(s, d->first, s->n_own, err);
+    begin(s, SET_INNER, o, r, 0);
+    take_rows(s, o);
+    return mark_leavers(s, 0, s->n_own, err);
 }
 
 // Makes space for copies in a worker's memory.
@@ -188,11 +179,6 @@ static void copy_boundary(void *set, uint32_t part, uint64_t first, uint64_t end
     const owned *o = s->owned;
     (void)part;
     object_rows_gather(&s->rows, &o->form, first, &o->rows, o->boundary.rows + first, end - first);
-    for (uint64_t i = first; s->labels && i < end; ++i) {
-        uint32_t row = o->boundary.rows[i];
-        bool is_new = row >= o->domains[0].first_new;
-        s->labels[i] = (uint16_t)(owned_domain_of(o, row) | (is_new ? LABEL_NEW : 0));
-    }
 }
 
 bool search_set_copy_boundary(search_set *s, const owned *o, const ghosts *g, const ranks *r,
@@ -201,16 +187,11 @@ bool search_set_copy_boundary(search_set *s, const owned *o, const ghosts *g, co
     begin(s, SET_BOUNDARY, o, r, 0);
     if (!map(s, o->boundary.n, g->first[1], w, err))
         return false;
-    if (o->n_domains > 1) {
-        s->labels = reserve(s->labels, &s->labels_capacity, s->n_own, sizeof *s->labels, err);
-        if (!s->labels)
-            return false;
-    }
     parallel_each(o->threads, o->boundary.n, copy_boundary, s);
     if (!write_ghosts(s, g, 0, err))
         return false;
     if (!is_empty(s))
-        w->begin(w, s->rows.n, NULL);
+        w->begin(w, s->rows.n);
     return true;
 }
 
@@ -239,22 +220,14 @@ static bool check_found(const search_set *s, const worker_found *found, duet_err
                      (unsigned long long)s->rows.ids[found->first_bad]);
 }
 
-void search_set_send(search_set *s, worker *w, bool counts)
-{
-    s->told = ids_of(s);
-    w->bind(w, s->rows.objects, s->rows.n);
-    if (!is_empty(s))
-        w->begin(w, s->rows.n, counts ? &s->told : NULL);
-}
-
 bool search_set_find(search_set *s, worker *w, bool counts, worker_found *found, duet_error *err)
 {
     *found = (worker_found){0};
     if (is_empty(s))
         return true;
-    s->told = ids_of(s);
+    const global_ids ids = ids_of(s);
     bool tells = counts && s->kind != SET_BOUNDARY;
-    return w->find(w, tells ? &s->told : NULL, found, err) && check_found(s, found, err);
+    return w->find(w, tells ? &ids : NULL, found, err) && check_found(s, found, err);
 }
 
 // The object with the lesser key is its owner's. Two ghosts are others'.
@@ -265,8 +238,5 @@ bool search_set_owns_with_ghost(const search_set *s, duet_pair pair)
     if ((a && b) || (s->leavers.n > 0 && s->is_leaver[own / 8] >> own % 8 & 1))
         return false;
     const void *object = object_row(&s->rows, &s->owned->form, own);
-    uint32_t place = s->place;
-    if (s->kind == SET_BOUNDARY && s->labels)
-        place += s->labels[own] & (LABEL_NEW - 1);
-    return key_of(s, object, place) < s->keys[other - s->n_own];
+    return key_of(s, object, s->place) < s->keys[other - s->n_own];
 }

@@ -2,10 +2,9 @@
 // The objects that a worker searches at one time: some that this rank owns, and ghosts behind them.
 //
 //   whole     a domain with its ghosts: a single domain where it lies, or one of several as a copy
-//   inner     a domain where it lies, without ghosts
-//   boundary  a copy of what may touch other domains' objects: of all domains of this rank, with
-//             newcomers and the ghosts of other ranks. Pairs within a domain are found in the inner
-//             sets, and are left out
+//   inner     a single domain where it lies, without ghosts
+//   boundary  a copy of what may touch other domains' objects, and of the ghosts. Pairs within the
+//             domain are found in the inner set, and are left out
 #ifndef CLUSTER_SEARCH_SET_H
 #define CLUSTER_SEARCH_SET_H
 
@@ -22,15 +21,9 @@ typedef struct search_set {
     uint8_t *is_leaver; // a bit for each of the own rows; only if there are leavers
     row_list leavers;   // ascending
     uint64_t *ids;      // [ids_capacity] of copies
-    uint16_t *labels;   // [n_own] of several domains' boundary: the domain, and whether it is new
-    uint64_t keys_capacity, bits_capacity, ids_capacity, labels_capacity;
-    uint32_t place, n_places; // the own rows' place, or the place of the rows with label 0, among
-                              // n_places
-    global_ids told;          // the own rows' ids
+    uint64_t keys_capacity, bits_capacity, ids_capacity;
+    uint32_t place, n_places; // the own rows' place, among n_places
 } search_set;
-
-// No inner set has it.
-enum { LABEL_NEW = 1 << 15 };
 
 static inline uint32_t search_set_ghosts(const search_set *s)
 {
@@ -39,9 +32,8 @@ static inline uint32_t search_set_ghosts(const search_set *s)
 
 // Makes the set a single domain with its ghosts, where they lie.
 bool search_set_in_place(search_set *s, owned *o, const ghosts *g, const ranks *r, duet_error *err);
-// Makes the set one of the domains, where it lies.
-bool search_set_inner(search_set *s, const owned *o, const ranks *r, uint32_t index,
-                      duet_error *err);
+// Makes the set a single domain without ghosts.
+bool search_set_inner(search_set *s, const owned *o, const ranks *r, duet_error *err);
 // Copies a domain and its ghosts into a worker's memory.
 bool search_set_copy_domain(search_set *s, const owned *o, const ghosts *g, const ranks *r,
                             uint32_t index, worker *w, duet_error *err);
@@ -52,8 +44,6 @@ void search_set_end(search_set *s);
 // Searches it by a worker that has it. counts: pairs of two own objects need not come to the host
 // if the worker can count them.
 bool search_set_find(search_set *s, worker *w, bool counts, worker_found *found, duet_error *err);
-// Binds an inner set to a worker, and begins to send it to its devices.
-void search_set_send(search_set *s, worker *w, bool counts);
 
 // Whether a pair, by rows of the set, is one that this rank is to count.
 bool search_set_owns_with_ghost(const search_set *s, duet_pair pair);
@@ -65,8 +55,7 @@ static inline bool search_set_owns(const search_set *s, duet_pair pair)
     if (s->leavers.n > 0 && ((s->is_leaver[pair.a / 8] >> pair.a % 8 & 1) ||
                              (s->is_leaver[pair.b / 8] >> pair.b % 8 & 1)))
         return false;
-    return s->kind != SET_BOUNDARY || (s->labels && (s->labels[pair.a] != s->labels[pair.b] ||
-                                                     (s->labels[pair.a] & LABEL_NEW)));
+    return s->kind != SET_BOUNDARY;
 }
 
 #endif

@@ -5,7 +5,7 @@
 //   migrate           objects go to the rank and the domain whose box holds them   migrate.c
 //   search the inner  a single domain, while ghosts travel, if its devices can     search_set.c
 //   exchange ghosts   what other domains' objects may touch goes there             ghosts.c
-//   search            the domains with their ghosts, or the boundary               search_set.c
+//   search            each domain with its ghosts, or the boundary                 search_set.c
 //   count             this rank's pairs, and all ranks' sums                       own_pairs.c
 #include "cluster/cluster.h"
 
@@ -78,32 +78,12 @@ static bool has_boundary_worker(duet_cluster *c)
     return c->workers[1];
 }
 
-// Whether few lie at the boundary, and no newcomer deeper in its domain than any object is wide:
-// such a one may touch objects that are not at the boundary.
-static bool has_thin_boundary(const duet_cluster *c)
-{
-    const owned *o = &c->owned;
-    bool thin = o->boundary.n < o->rows.n / 4;
-    for (uint32_t d = 0; thin && d < o->n_domains; ++d) {
-        const domain *at = &o->domains[d];
-        const extent inside = domain_inside(at, o->widest);
-        for (uint32_t row = at->first_new; thin && row < at->first_new + at->n_new; ++row) {
-            double centre[3];
-            object_row_centre(&o->rows, &o->form, row, centre);
-            thin = !extent_holds(&inside, centre);
-        }
-    }
-    return thin;
-}
-
 static void choose_search(duet_cluster *c, bool may_overlap)
 {
     duet_error unheard;
-    c->search = c->owned.n_domains == 1 ? SEARCH_WHOLE
-                : has_thin_boundary(c)  ? SEARCH_DOMAINS
-                                        : SEARCH_COPIES;
+    c->search = c->owned.n_domains > 1 ? SEARCH_COPIES : SEARCH_WHOLE;
     if (!may_overlap || !can_overlap(c) || !has_boundary_worker(c) ||
-        !search_set_inner(&c->sets[0], &c->owned, &c->ranks, 0, &unheard))
+        !search_set_inner(&c->sets[0], &c->owned, &c->ranks, &unheard))
         return;
     c->search = SEARCH_OVERLAPPED;
     cluster_follow(c);
@@ -130,49 +110,20 @@ static bool copy_domain(duet_cluster *c, int i, uint32_t d, duet_error *err)
            search_set_copy_domain(&c->sets[i], &c->owned, &c->ghosts, &c->ranks, d, w, err);
 }
 
-static bool send_domain(duet_cluster *c, int i, uint32_t d, duet_error *err)
-{
-    worker *w = c->workers[i];
-    if (!w->use_grid(w, d, err) || !search_set_inner(&c->sets[i], &c->owned, &c->ranks, d, err))
-        return false;
-    search_set_send(&c->sets[i], w, !c->own.lists);
-    return true;
-}
-
-typedef bool fill_set(duet_cluster *c, int i, uint32_t d, duet_error *err);
-
-// While a domain is searched the next one is filled, and the pairs of the one before are counted.
-static bool search_each(duet_cluster *c, fill_set *fill, duet_error *err)
+// While a domain is searched the next one is copied, and the pairs of the one before are counted.
+static bool search_copies(duet_cluster *c, duet_error *err)
 {
     uint32_t n = c->owned.n_domains;
     parallel *beside = c->ranks.simulation ? NULL : &c->threads;
-    bool ok = fill(c, 0, 0, err);
+    bool ok = copy_domain(c, 0, 0, err);
     for (uint32_t d = 0; ok && d < n; ++d) {
         int now = (int)(d % 2);
         begin_search(c, now, beside);
-        ok = (d == 0 || count(c, 1 - now, err)) && (d + 1 == n || fill(c, 1 - now, d + 1, err));
+        ok = (d == 0 || count(c, 1 - now, err)) &&
+             (d + 1 == n || copy_domain(c, 1 - now, d + 1, err));
         ok = end_search(&c->searches[now], ok ? err : NULL) && ok;
     }
     return ok && count(c, (int)((n - 1) % 2), err);
-}
-
-// Searches what lies between domains, with a grid of its own.
-static bool search_between(duet_cluster *c, duet_error *err)
-{
-    worker *w = c->workers[0];
-    if (!w->use_grid(w, c->owned.n_domains, err) ||
-        !search_set_copy_boundary(&c->sets[0], &c->owned, &c->ghosts, &c->ranks, w, err))
-        return false;
-    begin_search(c, 0, NULL);
-    return end_search(&c->searches[0], err) && count(c, 0, err);
-}
-
-static bool search_domains(duet_cluster *c, duet_error *err)
-{
-    bool ok = search_each(c, send_domain, err);
-    for (int i = 0; i < 2; ++i) // rows may be elsewhere when they are bound again
-        c->workers[i]->bind(c->workers[i], NULL, 0);
-    return ok && search_between(c, err);
 }
 
 bool cluster_show_domain(duet_cluster *c, duet_error *err)
@@ -193,7 +144,7 @@ static bool take_ghosts(duet_cluster *c, duet_error *err)
 {
     const owned *o = &c->owned;
     cluster_follow(c);
-    if (!ghosts_sort(&c->ghosts, o, &c->ranks, c->search == SEARCH_COPIES, err))
+    if (!ghosts_sort(&c->ghosts, o, &c->ranks, err))
         return false;
     if (c->search == SEARCH_WHOLE)
         return search_set_in_place(&c->sets[0], &c->owned, &c->ghosts, &c->ranks, err);
@@ -213,8 +164,7 @@ static bool settle(duet_cluster *c, bool may_overlap, bool *settled, duet_error 
         balance_begin(&c->balance, are_new ? 0 : ms_since(begun_ns));
     if (ok && *settled)
         choose_search(c, may_overlap);
-    ok = ok && ghosts_exchange(&c->ghosts, &c->owned, &c->ranks, c->search == SEARCH_COPIES,
-                               *settled, own);
+    ok = ok && ghosts_exchange(&c->ghosts, &c->owned, &c->ranks, *settled, own);
     if (ok)
         *settled = take_ghosts(c, own);
     return ok;
@@ -260,13 +210,11 @@ bool cluster_open_homes(duet_cluster *c, const char *call, bool ok, duet_error *
 
 static bool search_all(duet_cluster *c, bool ok, duet_error *own)
 {
-    own_pairs_begin(&c->own, c->search >= SEARCH_DOMAINS && !c->def.drops_pairs);
+    own_pairs_begin(&c->own, c->search == SEARCH_COPIES && !c->def.drops_pairs);
     if (c->search == SEARCH_OVERLAPPED)
         return search_overlapped(c, ok, own);
-    if (!ok || c->search == SEARCH_DOMAINS)
-        return ok && search_domains(c, own);
-    if (c->search == SEARCH_COPIES)
-        return search_each(c, copy_domain, own);
+    if (!ok || c->search == SEARCH_COPIES)
+        return ok && search_copies(c, own);
     begin_search(c, 0, NULL);
     return end_search(&c->searches[0], own) && count(c, 0, own);
 }

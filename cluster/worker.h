@@ -21,7 +21,7 @@ typedef struct worker_found {
 
 enum { WORKER_ORDER_SCRATCH = 16 };
 
-// Its objects lie in its own memory, where the caller writes them, or are bound.
+// Its objects lie in its own memory, where the caller writes them.
 struct worker {
     const char *name; // its devices' selectors, "A,B", or the one device's
 
@@ -31,11 +31,9 @@ struct worker {
     // Space for n objects, of which the first `kept` stay; the others are to be written. NULL
     // without memory: those are where they were.
     void *(*extend)(worker *w, uint32_t n, uint32_t kept, duet_error *err);
-    // Searches n objects of the caller's instead, until others are mapped or bound.
-    void (*bind)(worker *w, const void *objects, uint32_t n);
     // The first n objects are written and stay so: they may be on their way to the devices while
-    // others are written behind them. So may ids that the next find gets; NULL: none.
-    void (*begin)(worker *w, uint32_t n, const global_ids *ids);
+    // others are written behind them.
+    void (*begin)(worker *w, uint32_t n);
 
     // Begins to classify which of these lie deep inside of a box; false if the host must look at
     // all.

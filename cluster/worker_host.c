@@ -19,27 +19,19 @@ static void *map(worker *w, uint32_t n, duet_error *err)
         p->objects = objects;
         p->capacity = most;
     }
-    p->bound = NULL;
     p->n = n;
     return p->objects;
 }
 
-static void begin(worker *w, uint32_t n, const global_ids *ids)
+static void begin(worker *w, uint32_t n)
 {
-    (void)w, (void)n, (void)ids;
+    (void)w, (void)n;
 }
 
 static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
 {
     (void)kept;
     return map(w, n, err);
-}
-
-static void bind(worker *w, const void *objects, uint32_t n)
-{
-    worker_host *p = (worker_host *)w;
-    p->bound = objects;
-    p->n = n;
 }
 
 static bool skim_nothing(worker *w, const float inside_lower[3], const float inside_upper[3])
@@ -123,7 +115,6 @@ void *worker_host_open(size_t bytes, const char *name, const duet_world_def *def
     p->base = (worker){.name = name,
                        .map = map,
                        .extend = extend,
-                       .bind = bind,
                        .begin = begin,
                        .skim = skim_nothing,
                        .await_skim = await_nothing,

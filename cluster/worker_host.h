@@ -13,16 +13,9 @@ typedef struct worker_host {
     duet_level level;
     duet_plan plan; // which changes nothing
     void *objects;
-    const void *bound; // objects searched instead; else NULL
     uint32_t n;
     uint64_t capacity; // objects for which there is memory
 } worker_host;
-
-// Returns the objects that it searches.
-static inline const void *worker_host_objects(const worker_host *w)
-{
-    return w->bound ? w->bound : w->objects;
-}
 
 // A worker of `bytes`, which begins with a worker_host; all else is 0. It needs a `find`, and ends
 // by worker_host_close unless it has a `close` of its own. NULL with NO_MEMORY.

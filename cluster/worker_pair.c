@@ -19,16 +19,9 @@ static void *map(worker *w, uint32_t n, duet_error *err)
     return duet_world_map_objects(p->world, p->kind, n, err);
 }
 
-static void begin(worker *w, uint32_t n, const global_ids *ids)
+static void begin(worker *w, uint32_t n)
 {
-    world_prefetch(((worker_pair *)w)->world, n, ids);
-}
-
-static void bind(worker *w, const void *objects, uint32_t n)
-{
-    worker_pair *p = (worker_pair *)w;
-    world_cancel_prefetch(p->world);
-    world_borrow_objects(p->world, objects, n);
+    world_prefetch(((worker_pair *)w)->world, n);
 }
 
 static bool skim_objects(worker *w, const float inside_lower[3], const float inside_upper[3])
@@ -188,7 +181,6 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
     own.keep_bad = true; // so that it is the cluster that names a bad object
     p->base = (worker){.map = map,
                        .begin = begin,
-                       .bind = bind,
                        .skim = skim_objects,
                        .await_skim = await_skim,
                        .extend = extend,

@@ -162,7 +162,7 @@ void part_drop_prefetch(part *p)
 {
     if (view_is_prefetched(&p->objects, p->objects.generation))
         timeline_clear(&p->times);
-    p->objects.n_chunks = p->global_ids.n_chunks = 0;
+    p->objects.n_chunks = 0;
 }
 
 void part_begin(part *p, uint64_t step)

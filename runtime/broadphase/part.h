@@ -225,10 +225,9 @@ const kernel *part_kernel(const part *p, const char *name);
 void part_invalidate(part *p);
 
 // Begins to send the first n objects before a step that has these and perhaps more, `bytes` of them
-// all; ids: their list, unless NULL. Only for a device with memory of its own. step: see
-// part_begin.
-bool part_prefetch(part *p, const host_array *objects, size_t bytes, const global_ids *ids,
-                   uint64_t step, duet_error *err);
+// all. Only for a device with memory of its own. step: see part_begin.
+bool part_prefetch(part *p, const host_array *objects, size_t bytes, uint64_t step,
+                   duet_error *err);
 
 // Classifies the prefetched objects, chunk after chunk as they arrive: which lie deep inside of the
 // box (kernels/grid/skim.h). False if the device does not; nothing is lost then.

@@ -35,17 +35,12 @@ static uint32_t list_changes(id_change *to, const global_ids *ids, uint64_t n_ch
     return n;
 }
 
-static bool reserve(part *p, const global_ids *ids, duet_error *err)
+static bool send_all(part *p, const global_ids *ids, duet_error *err)
 {
     buffer *b = &p->global_ids.own;
     size_t bytes = ids->n * sizeof *ids->list;
-    return bytes <= b->bytes || buffer_reserve(b, p->device, bytes + bytes / 16, err);
-}
-
-static bool send_all(part *p, const global_ids *ids, duet_error *err)
-{
-    return reserve(p, ids, err) && timeline_write_at(&p->times, "send ids", &p->global_ids.own, 0,
-                                                     ids->list, ids->n * sizeof *ids->list, err);
+    return (bytes <= b->bytes || buffer_reserve(b, p->device, bytes + bytes / 16, err)) &&
+           timeline_write_at(&p->times, "send ids", b, 0, ids->list, bytes, err);
 }
 
 static bool send_changes(part *p, const global_ids *ids, uint64_t n_changed, duet_error *err)
@@ -57,11 +52,10 @@ static bool send_changes(part *p, const global_ids *ids, uint64_t n_changed, due
         !buffer_reserve(&p->id_changes, p->device, p->changes.size, err))
         return false;
     p->args.n_id_changes = list_changes(p->changes.bytes, ids, n_changed);
-    cl_event sent = p->global_ids.n_chunks > 0 ? p->global_ids.chunks[0].sent : NULL;
     return timeline_write_at(&p->times, "send ids", &p->id_changes, 0, p->changes.bytes,
                              p->args.n_id_changes * sizeof(id_change), err) &&
-           timeline_launch_after(&p->times, "send ids", p->kernels.change_ids, p->args.n_id_changes,
-                                 sent, p, err);
+           timeline_launch(&p->times, "send ids", p->kernels.change_ids, p->args.n_id_changes, p,
+                           err);
 }
 
 // A device that had no work missed changes that are no longer listed, so it is sent all ids.
@@ -78,20 +72,4 @@ bool part_update_ids(part *p, const global_ids *ids, duet_error *err)
               send_changes(p, ids, follows ? ids->n_changed : 0, err);
     v->generation = ok ? ids->generation : 0;
     return ok;
-}
-
-// Sends these before the objects, so that waiting for a chunk does not also wait for them.
-bool part_prefetch_ids(part *p, const global_ids *ids, duet_error *err)
-{
-    device_view *v = &p->global_ids;
-    v->generation = 0;
-    if (ids->n == 0)
-        return true;
-    if (!reserve(p, ids, err) || !timeline_write_beside(&p->times, "send ids", &v->own, 0,
-                                                        ids->list, ids->n * sizeof *ids->list, err))
-        return false;
-    v->generation = ids->generation;
-    v->chunks[0] = (view_chunk){ids->n, timeline_last_event(&p->times)};
-    v->n_chunks = 1;
-    return true;
 }

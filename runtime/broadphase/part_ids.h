@@ -10,7 +10,4 @@
 // has that generation, else by all of them.
 bool part_update_ids(part *p, const global_ids *ids, duet_error *err);
 
-// Begins to send the list, as the ids of ids->generation; which objects have none comes later.
-bool part_prefetch_ids(part *p, const global_ids *ids, duet_error *err);
-
 #endif

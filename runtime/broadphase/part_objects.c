@@ -17,14 +17,12 @@ static uint32_t chunk_size(const part *p, uint32_t n)
 
 // ---------------------------------------------------------------- before a step
 
-bool part_prefetch(part *p, const host_array *objects, size_t bytes, const global_ids *ids,
-                   uint64_t step, duet_error *err)
+bool part_prefetch(part *p, const host_array *objects, size_t bytes, uint64_t step, duet_error *err)
 {
     const selection first = {SELECT_RANGES, 1, {{0, objects->n}}, 0, {0}};
     part_begin(p, step);
     view_forget(&p->objects);
     return buffer_reserve(&p->objects.own, p->device, bytes, err) &&
-           (!ids || part_prefetch_ids(p, ids, err)) &&
            view_update(&p->objects, &p->times, objects, &first, chunk_size(p, objects->n), err);
 }
 

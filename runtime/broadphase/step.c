@@ -306,19 +306,13 @@ bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, bo
 
 // ---------------------------------------------------------------- counted
 
-// A prefetched list is the generation before, whose only changes are the objects without ids.
 bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *result,
                          part_counted counted[2], duet_error *err)
 {
     counting_ids *state = &world->ids;
     global_ids own = *ids;
-    if (state->generation > 0 && state->prefetched == state->generation) {
-        own.n_changed = 0;
-        own.all_changed = false;
-    }
     own.before = state->generation;
-    const bool changed =
-        own.before == 0 || own.before == state->prefetched || own.all_changed || own.n_changed > 0;
+    const bool changed = own.before == 0 || own.all_changed || own.n_changed > 0;
     own.generation = state->generation += changed;
     state->list = &own;
     bool ok = duet_world_step(world, result, err);
@@ -350,20 +344,15 @@ static bool can_prefetch(const duet_world *world, int side)
            (side == 0 ? share > 0 : share < DUET_SHARE_ONE);
 }
 
-void world_prefetch(duet_world *world, uint32_t n, const global_ids *ids)
+void world_prefetch(duet_world *world, uint32_t n)
 {
-    const bool borrowed = world->rows != world->objects.bytes;
     const size_t row = world_kind_bytes(world->kind);
-    const size_t bytes = borrowed ? world->n * row : world->objects.size;
     const host_array objects = {world->rows, row, n, world->objects_generation};
     const uint64_t step = world->def.stage_times ? 0 : world->steps;
-    global_ids own = ids ? *ids : (global_ids){0};
-    if (ids)
-        own.generation = world->ids.prefetched = ++world->ids.generation;
     for (int side = 0; side < 2 && n > 0 && !world->resident.mem; ++side) {
         part *p = &world->parts[side];
         if (can_prefetch(world, side) &&
-            !part_prefetch(p, &objects, bytes, ids ? &own : NULL, step, NULL))
+            !part_prefetch(p, &objects, world->objects.size, step, NULL))
             part_invalidate(p);
     }
 }

@@ -39,14 +39,12 @@ typedef struct step_half {
 typedef struct counting_ids {
     const global_ids *list; // in a step that counts; else NULL
     uint64_t generation;    // the last list's
-    uint64_t prefetched;    // the last prefetched list's
 } counting_ids;
 
 // Invariants:
-// 1. The objects lie in one place: `objects`, memory of the caller's, or the resident buffer.
-// `rows`
-//    is where the host sees them, and NULL only if they are resident and not seen. Their generation
-//    changes whenever the content or the place does.
+// 1. The objects lie in one place: `objects` or the resident buffer. `rows` is where the host sees
+//    them, and NULL only if they are resident and not seen. Their generation changes whenever the
+//    content or the place does.
 // 2. The grid suits the objects if fitted_n > 0 and n is no more than REFIT_FACTOR from it. Its
 //    generation is that of the split, of the ranges and of the parts' levels that were made from
 //    it.
@@ -102,9 +100,8 @@ const char *world_objects_name(const duet_world_def *def);
 
 // Begins to send the first n objects of those that were mapped, where that can be, while the caller
 // writes others behind them; the next step is of all of these. Until then the first n stay as they
-// are. The step sends again what fails. ids, unless NULL, are those that the step will count with,
-// but for which have none; their list is sent too.
-void world_prefetch(duet_world *world, uint32_t n, const global_ids *ids);
+// are. The step sends again what fails.
+void world_prefetch(duet_world *world, uint32_t n);
 void world_cancel_prefetch(duet_world *world); // waits for it, and forgets it
 
 // Skims what was sent ahead, by a device to which it goes anyway: which of the objects lie deep
@@ -116,10 +113,6 @@ uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **b
 // From now on the world has n of the objects that were mapped and those that were written behind
 // them; NULL if there is no space for so many.
 void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n);
-
-// The next steps are of n objects in the caller's memory, of the kind that the world was made for.
-// They stay there, and as they are while a step reads them, until others are mapped or lent.
-void world_borrow_objects(duet_world *world, const void *objects, uint32_t n);
 
 // One user more, until it destroys the world.
 void world_hold(duet_world *world);

@@ -66,14 +66,6 @@ void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n)
     return world->objects.bytes;
 }
 
-void world_borrow_objects(duet_world *world, const void *objects, uint32_t n)
-{
-    world_drop_resident(world);
-    world->rows = objects;
-    world->n = n;
-    ++world->objects_generation;
-}
-
 static bool take_sizes(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
 {
     duet_size *sizes = duet_world_map_objects(world, DUET_OBJECT_SIZES, n, err);

@@ -153,25 +153,6 @@ bool host_block_reserve(host_block *h, const device devices[], int n_devices, si
     return true;
 }
 
-// No kernel is ever given the buffer.
-void host_lock_take(host_lock *l, const device devices[], int n_devices, const void *memory,
-                    size_t size)
-{
-    cl_int code = CL_SUCCESS;
-    host_lock_release(l);
-    for (int i = n_devices - 1; i >= 0 && size > 0 && !l->mem; --i)
-        if (!devices[i].info.host_memory && devices[i].driver.locks_memory)
-            l->mem = clCreateBuffer(devices[i].context, CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR,
-                                    size, (void *)(uintptr_t)memory, &code);
-    if (l->mem)
-        device_object_made();
-}
-
-void host_lock_release(host_lock *l)
-{
-    mem_release(&l->mem);
-}
-
 void host_block_release(host_block *h)
 {
     if (h->mem && h->bytes) {

@@ -46,14 +46,4 @@ bool host_block_reserve(host_block *h, const device devices[], int n_devices, si
                         duet_error *err);
 void host_block_release(host_block *h);
 
-// Memory that the caller owns and that stays where it is until it is unlocked: devices whose
-// drivers can do that read it as fast as a host_block. Else it stays what it is, without an error.
-typedef struct host_lock {
-    cl_mem mem; // NULL: nothing is locked
-} host_lock;
-
-void host_lock_take(host_lock *l, const device devices[], int n_devices, const void *memory,
-                    size_t size);
-void host_lock_release(host_lock *l);
-
 #endif

@@ -44,7 +44,6 @@ driver driver_of(const duet_device_info *info)
         .in_place = pocl && is_pocls_own_cpu(info),
         .compiles_one_by_one = pocl || oclgrind,
         .breaks = oclgrind,
-        .locks_memory = strcmp(info->platform, "NVIDIA CUDA") == 0,
     };
 }
 

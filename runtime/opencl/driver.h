@@ -37,10 +37,6 @@ typedef struct driver {
     // would only wait; Oclgrind's programs share a state of LLVM that no lock guards.
     bool compiles_one_by_one;
     bool breaks; // else
-
-    // Host memory that a buffer is made of is page-locked for as long as the buffer is there:
-    // NVIDIA's then sends it at 55 GB/s instead of 9.
-    bool locks_memory;
 } driver;
 
 driver driver_of(const duet_device_info *info);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Objects may lie in host memory of the world's or of the caller's, in a buffer on devices, or be
-// there from the step before; a device may be sent all of them, ranges, a list of its slab, or the
-// first ones before the step. Any such way, in any order, gives the reference's pairs, and rows
-// that lie there are not sent again.
+// Objects may lie in host memory, in a buffer on devices, or be there from the step before; a
+// device may be sent all of them, ranges, a list of its slab, or the first ones before the step.
+// Any such way, in any order, gives the reference's pairs, and rows that lie there are not sent
+// again.
 #include "support/test.h"
 
 #include "support/devices.h"
@@ -62,12 +62,6 @@ static void set_copy(duet_world *world, rng *r, int s)
     assert_ok(duet_world_set_objects(world, world->kind, rows_of(world, s), sets[s].n, &err), err);
 }
 
-static void borrow(duet_world *world, rng *r, int s)
-{
-    (void)r;
-    world_borrow_objects(world, rows_of(world, s), sets[s].n);
-}
-
 static uint32_t n_prefetched, n_listed, n_in_ranges;
 
 // The first objects are sent while the others are written, unless that is stopped.
@@ -80,7 +74,7 @@ static void prefetch(duet_world *world, rng *r, int s)
     to = to ? duet_world_map_objects(world, world->kind, first, &err) : NULL;
     assert_ok(to != NULL, err);
     memcpy(to, rows_of(world, s), first * row);
-    world_prefetch(world, first, NULL);
+    world_prefetch(world, first);
     for (int side = 0; side < 2; ++side)
         n_prefetched += view_is_prefetched(&world->parts[side].objects, world->objects_generation);
     if (rng_below(r, 4) == 0)
@@ -110,10 +104,7 @@ typedef void bringing(duet_world *world, rng *r, int s);
 static const struct {
     const char *name;
     bringing *bring;
-} ways[] = {{"copied", set_copy},
-            {"borrowed", borrow},
-            {"prefetched", prefetch},
-            {"in a buffer", put_in_buffer}};
+} ways[] = {{"copied", set_copy}, {"prefetched", prefetch}, {"in a buffer", put_in_buffer}};
 
 enum { WAYS = sizeof ways / sizeof *ways };
 

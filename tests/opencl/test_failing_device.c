@@ -248,8 +248,8 @@ static void assert_right(duet_world *world, uint32_t share)
 // not take is compiled.
 static bool is_borne(call c)
 {
-    const driver *d = &devices->devices[1].driver;
-    return (c == CREATE && d->locks_memory) || (c == BUILD && !d->keeps_kernels);
+    const device *d = &devices->devices[1];
+    return (c == CREATE && !d->info.host_memory) || (c == BUILD && !d->driver.keeps_kernels);
 }
 
 // Lets the k-th call of a step fail; false where the step has no such call.
