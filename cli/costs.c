@@ -175,6 +175,8 @@ bool costs_measure(costs *c, const duet_motion_def *def, const duet_scene *scene
     duet_motion *m = ok ? begin(&s, err) : NULL;
     while (m && c->n < COSTS_MOST && duet_motion_explain(m, c->n, &c->rows[c->n].info))
         ++c->n;
+    if (duet_motion_get_effects(m) && duet_motion_explain_substeps(m, &c->substeps))
+        s.def.substeps = c->substeps.substeps;
     duet_motion_destroy(m);
     ok = m && (steps == 0 || measure_effects(c, &s, err));
     c->cores = core_watch_tally(t.cores);
@@ -197,6 +199,19 @@ static void print_row(table *t, const costs *c, const cost *row)
         table_cell(t, "-");
 }
 
+static void print_substeps(const duet_substep_info *s)
+{
+    printf("\n%s a step, ", table_things(s->substeps, "substep", "substeps").chars);
+    if (!s->chosen)
+        printf("as the scene says\n");
+    else if (s->layers < 2)
+        printf("chosen: nothing stands on another body at the start\n");
+    else
+        printf("chosen: they hold the column of %u bodies with an edge of %.3g that stands at the "
+               "start\n",
+               s->layers, s->edge);
+}
+
 void costs_report_text(const costs *c)
 {
     bool measured = c->steps > 0;
@@ -206,6 +221,7 @@ void costs_report_text(const costs *c)
     for (uint32_t i = 0; i < c->n; ++i)
         print_row(&t, c, &c->rows[i]);
     table_print(&t, stdout);
+    print_substeps(&c->substeps);
     if (measured)
         printf("\n%.3f ms a step with all of them, in steps 3 to %" PRIu64 " of the scene\n",
                c->step_ms, c->steps + 2);
@@ -227,6 +243,17 @@ static void add_row(cJSON *list, const cost *row)
         cJSON_AddNumberToObject(o, "ms", row->ms);
 }
 
+static void add_substeps(cJSON *o, const duet_substep_info *s)
+{
+    cJSON *its = cJSON_AddObjectToObject(o, "substeps");
+    cJSON_AddNumberToObject(its, "n", s->substeps);
+    cJSON_AddBoolToObject(its, "chosen", s->chosen);
+    if (!s->chosen)
+        return;
+    cJSON_AddNumberToObject(its, "layers", s->layers);
+    cJSON_AddNumberToObject(its, "edge", s->edge);
+}
+
 cJSON *costs_report_json(const costs *c, const duet_scene_info *scene, const duet_device_pair *pair)
 {
     cJSON *o = cJSON_CreateObject();
@@ -237,6 +264,8 @@ cJSON *costs_report_json(const costs *c, const duet_scene_info *scene, const due
     cJSON_AddNumberToObject(o, "steps", (double)c->steps);
     if (c->steps > 0)
         cJSON_AddNumberToObject(o, "step_ms", c->step_ms);
+    if (c->substeps.substeps > 0)
+        add_substeps(o, &c->substeps);
     json_add_cores(o, &c->cores);
     cJSON *effects = cJSON_AddArrayToObject(o, "effects");
     for (uint32_t i = 0; i < c->n; ++i)

@@ -20,9 +20,10 @@ typedef struct cost {
 typedef struct costs {
     cost rows[COSTS_MOST]; // in the order of duet_motion_explain
     uint32_t n;
-    uint64_t steps;   // of each run; 0: nothing was measured
-    double step_ms;   // with all effects
-    core_tally cores; // what other programs did meanwhile
+    duet_substep_info substeps; // 0 of them: no effect is active
+    uint64_t steps;             // of each run; 0: nothing was measured
+    double step_ms;             // with all effects
+    core_tally cores;           // what other programs did meanwhile
 } costs;
 
 // steps 0 tells the effects and measures nothing.

@@ -327,8 +327,10 @@ bool timestep_study_measure(timestep_study *p, duet_device_pair *pair, const due
     bool ok =
         m && ((s.truth && s.states) ||
               error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the states of %u objects", n));
-    if (ok)
+    if (ok) {
+        s.def.substeps = duet_motion_get_def(m)->substeps;
         list_rows(&s, duet_motion_get_effects(m));
+    }
     duet_motion_destroy(m);
     ok = ok && run_all(&s, limit, err);
     if (ok)

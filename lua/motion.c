@@ -631,6 +631,22 @@ static int motion_explain(lua_State *L)
     return 1;
 }
 
+static const member substep_members[] = {
+    MEMBER(member_count, duet_substep_info, substeps),
+    MEMBER(member_bool, duet_substep_info, chosen),
+    MEMBER(member_count, duet_substep_info, layers),
+    MEMBER(member_double, duet_substep_info, edge),
+    {0},
+};
+
+static int motion_explain_substeps(lua_State *L)
+{
+    duet_substep_info info = {0};
+    duet_motion_explain_substeps(motion_check_lua(L), &info);
+    member_push_table(L, substep_members, &info);
+    return 1;
+}
+
 static const luaL_Reg methods[] = {{"advance", motion_advance},
                                    {"advance_begin", motion_advance_begin},
                                    {"advance_end", motion_advance_end},
@@ -648,6 +664,7 @@ static const luaL_Reg methods[] = {{"advance", motion_advance},
                                    {"save", motion_save},
                                    {"load", motion_load},
                                    {"explain", motion_explain},
+                                   {"explain_substeps", motion_explain_substeps},
                                    {"close", motion_close},
                                    {"record", motion_record},
                                    {"save_recording", motion_save_recording},

@@ -87,7 +87,7 @@ typedef struct duet_motion_def {
     double lower[3]; // corners of the world's box
     double upper[3];
     double dt;
-    uint32_t substeps;
+    uint32_t substeps; // of a step; 0: chosen for what stands at the start (4 to 32)
     duet_integrator integrator;
     double skin;                  // > 0: grows bounds by that much, so that the grid lasts
     double slop;                  // contacts are kept up to 4 slops apart; 0: from objects' sizes
@@ -101,7 +101,7 @@ typedef struct duet_motion_def {
     int cookie;
 } duet_motion_def;
 
-DUET_API duet_motion_def duet_default_motion_def(void); // 60 steps a second, 4 substeps
+DUET_API duet_motion_def duet_default_motion_def(void); // 60 steps a second
 
 // Makes a def for an ordinary game in metres, kilograms and seconds, with z up, in 2D y: a
 // gravity of 9.81, a slop of 5 mm, and in wants all that its bodies may call for at any time, even
@@ -280,6 +280,17 @@ typedef struct duet_effect_info {
     const char *kernels;   // kernels that have code for it
     uint32_t bytes;        // bytes of state an object, on B
 } duet_effect_info;
+
+// How many substeps a motion has, and why.
+typedef struct duet_substep_info {
+    uint32_t substeps;
+    bool chosen; // the def left them to the motion
+    uint32_t
+        layers;  // if chosen: bodies on each other in the column that decides; 0: nothing stands
+    double edge; // if chosen: the column's least width^2 / height
+} duet_substep_info;
+
+DUET_API bool duet_motion_explain_substeps(const duet_motion *motion, duet_substep_info *info);
 
 // Gets effect i, and after the last effect how positions are kept ("origin"); false past that.
 DUET_API bool duet_motion_explain(const duet_motion *motion, uint32_t i, duet_effect_info *info);

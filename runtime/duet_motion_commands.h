@@ -92,7 +92,8 @@ DUET_API bool duet_motion_set_poses(duet_motion *motion, duet_body_list list,
 
 // Sets gravity, attraction and its centre, drag, lower and upper, max_push_speed,
 // restitution_threshold, sleep_speed and sleep_after to those of def; its other members
-// must equal the motion's (duet_motion_get_def). Wakes all bodies.
+// must equal the motion's (duet_motion_get_def); substeps of 0 stand for the motion's. Wakes all
+// bodies.
 DUET_API bool duet_motion_set_def(duet_motion *motion, const duet_motion_def *def, duet_error *err);
 DUET_API const duet_motion_def *duet_motion_get_def(const duet_motion *motion); // the motion's
 

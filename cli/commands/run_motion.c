@@ -168,8 +168,9 @@ static void tell_begin(const moved *r)
     for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
         if (effects & bit)
             printf(" %s", duet_effect_name(bit));
+    uint32_t substeps = duet_motion_get_def(r->motion)->substeps;
     printf("%s\n%s of %.6g s\n", effects ? "" : " none",
-           table_things(r->def.substeps, "substep", "substeps").chars, r->def.dt / r->def.substeps);
+           table_things(substeps, "substep", "substeps").chars, r->def.dt / substeps);
     duet_plan plan = plan_used(r);
     run_report_devices(r->def.pair, &plan);
     tell_plan(r, &plan);

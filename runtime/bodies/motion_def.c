@@ -24,7 +24,6 @@ duet_motion_def duet_default_motion_def(void)
         .plan = duet_default_plan(NULL),
         .dims = 3,
         .dt = 1.0 / 60.0,
-        .substeps = 4,
         .max_push_speed = 3.0,
         .restitution_threshold = 1.0,
         .sleep_speed = 0.05,
@@ -121,8 +120,9 @@ bool motion_check_def(const duet_motion_def *def, duet_error *err)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the motion's def has no device pair");
     if (def->dims != 2 && def->dims != 3)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
-    if (def->substeps < 1 || def->substeps > 1000)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "substeps is %u; expected 1 to 1000",
+    if (def->substeps > 1000)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "substeps is %u; expected 0 (chosen for the scene), or 1 to 1000",
                          def->substeps);
     if (def->integrator > DUET_INTEGRATOR_YOSHIDA)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,

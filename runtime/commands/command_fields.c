@@ -194,8 +194,10 @@ static bool change_world(duet_motion *m, const duet_motion_def *def, duet_error 
 
 bool command_set_def(duet_motion *m, command *c, duet_error *err)
 {
-    const duet_motion_def *def = c->rows;
-    return motion_check_def(def, err) && check_same(def, &m->def, c->op->call, err) &&
-           motion_needs(m, effect_infer(def, &m->facts), c->op->call, err) &&
-           motion_keep_whole(m, change_world(m, def, err));
+    duet_motion_def def = *(const duet_motion_def *)c->rows;
+    if (def.substeps == 0)
+        def.substeps = m->def.substeps;
+    return motion_check_def(&def, err) && check_same(&def, &m->def, c->op->call, err) &&
+           motion_needs(m, effect_infer(&def, &m->facts), c->op->call, err) &&
+           motion_keep_whole(m, change_world(m, &def, err));
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/substeps.h"
 
 #include "base/error.h"
 #include "runtime/narrowphase/origin.h"
@@ -135,7 +136,7 @@ static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large
     m->extent = mean_least_extent(m);
     double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * m->extent;
     m->margin = MOTION_SLOPS * slop;
-    bool ok = check_effects(m, err) && open_device(m, err) &&
+    bool ok = check_effects(m, err) && motion_choose_substeps(m, err) && open_device(m, err) &&
               motion_plan_read(&m->plan, &m->def.plan, &m->device->info, err) &&
               open_world(m, err) && motion_prepare(m, err) && motion_reset(m, err);
     if (ok)

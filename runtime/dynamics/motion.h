@@ -104,6 +104,7 @@ struct duet_motion {
     duet_body *bodies; // the given ones
     double extent;     // the bodies' mean least one, at the start
     double margin;     // contacts are kept to that far apart
+    duet_substep_info substeps; // substeps.c
 
     // on B
     const device *device;

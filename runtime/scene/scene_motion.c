@@ -302,8 +302,10 @@ void scene_read_motion_numbers(lua_State *L, scene_reading *reading)
                         *numbers[i].value);
     }
     int64_t substeps = field_integer(L, 1, "substeps", def->substeps);
-    if (substeps < 1 || substeps > 1000)
-        field_raise(L, "substeps", "substeps is %lld; it must be 1 to 1000", (long long)substeps);
+    if (substeps < 0 || substeps > 1000)
+        field_raise(L, "substeps",
+                    "substeps is %lld; it must be 0 (chosen for the scene), or 1 to 1000",
+                    (long long)substeps);
     def->substeps = (uint32_t)substeps;
     int64_t event_mask = field_integer(L, 1, "event_mask", def->event_mask);
     if (event_mask < 0 || event_mask > UINT32_MAX)

@@ -784,6 +784,9 @@ static void explain_motion(void)
     assert_false(duet_motion_explain(NULL, 0, &info));
     assert_false(duet_motion_explain(motion, 0, NULL));
     assert_false(duet_motion_explain(motion, UINT32_MAX, &info));
+    duet_substep_info substeps;
+    assert_false(duet_motion_explain_substeps(NULL, &substeps));
+    assert_false(duet_motion_explain_substeps(motion, NULL));
 }
 
 // ------------------------------------------------------------ tuning and stores
@@ -959,6 +962,7 @@ static const struct {
     {"duet_motion_advance duet_motion_advance_begin duet_motion_advance_end", advance_motion},
     {"duet_motion_save duet_motion_load", keep_motion},
     {"duet_motion_explain", explain_motion},
+    {"duet_motion_explain_substeps", explain_motion},
     {"duet_motion_record duet_motion_save_recording duet_replay_create duet_replay_destroy "
      "duet_replay_get_info duet_replay_advance",
      replay_commands},

@@ -304,8 +304,8 @@ TEST(wrong_numbers_are_refused)
     m->def.dt = NAN;
     assert_refused(m, DUET_STATUS_BAD_ARGUMENT, "dt is");
     m->def.dt = 0.1;
-    m->def.substeps = 0;
-    assert_refused(m, DUET_STATUS_BAD_ARGUMENT, "substeps is 0");
+    m->def.substeps = 1001;
+    assert_refused(m, DUET_STATUS_BAD_ARGUMENT, "substeps is 1001");
     m->def.substeps = 1;
     m->def.gravity[1] = INFINITY;
     assert_refused(m, DUET_STATUS_BAD_ARGUMENT, "y of gravity");

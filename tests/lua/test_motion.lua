@@ -218,7 +218,7 @@ holds("a motion refuses what makes no sense", function()
   raises("column 13: 1, not true or false", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, 0, 1, false } })
   raises("column 14: 1, not true or false", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, 0, true, 1 } })
   raises("column 10: -1, not a whole number", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, -1, mask, 0, false, false } })
-  refused("BAD_ARGUMENT", "substeps is 0", pair.motion, pair, poses, nil, { substeps = 0 })
+  refused("BAD_ARGUMENT", "substeps is 1001", pair.motion, pair, poses, nil, { substeps = 1001 })
   refused("BAD_OBJECT", "", pair.motion, pair, { 0, 0, 0, -1, 1, 1, 0, 0, 0, 1 })
 end)
 

@@ -59,7 +59,7 @@ TEST(what_is_wrong_is_refused_with_its_name)
         {"return {integrator = 'rk4'}", "integrator is 'rk4'"},
         {"return {gravity = {1, 2}}", "gravity must be 3 finite numbers"},
         {"return {dt = -1}", "dt is -1"},
-        {"return {substeps = 0}", "substeps is 0"},
+        {"return {substeps = 1001}", "substeps is 1001"},
         {"return {body = {weight = 1}}", "body has no field 'weight'"},
         {"add{centre={0,0,0}, half_extents={1,1,1}, velocity={1}} return {}",
          "velocity must be 2 or 3"},
