@@ -562,6 +562,14 @@ static int motion_rounded_boxes(lua_State *L)
                                                                     : class_push_failure(L, &err);
 }
 
+static int motion_asleep(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = motion_check_lua(L);
+    array *asleep = array_push(L, ARRAY_ANSWERS, duet_motion_get_count(motion));
+    return duet_motion_get_asleep(motion, asleep->rows, &err) ? 1 : class_push_failure(L, &err);
+}
+
 static int motion_contacts(lua_State *L)
 {
     duet_error err = {0};
@@ -658,6 +666,7 @@ static const luaL_Reg methods[] = {{"advance", motion_advance},
                                    {"moved", motion_moved},
                                    {"poses", motion_poses},
                                    {"rounded_boxes", motion_rounded_boxes},
+                                   {"asleep", motion_asleep},
                                    {"hash", motion_hash},
                                    {"energy", motion_energy},
                                    {"contacts", motion_contacts},

@@ -236,6 +236,10 @@ DUET_API bool duet_motion_get_poses(duet_motion *motion, duet_pose *poses, duet_
 DUET_API bool duet_motion_get_rounded_boxes(duet_motion *motion, duet_rounded_box *boxes,
                                             duet_error *err);
 
+// Copies which objects sleep to asleep [n]: 1 or 0, as the last step left them; all 0 without the
+// effect sleep.
+DUET_API bool duet_motion_get_asleep(duet_motion *motion, uint8_t *asleep, duet_error *err);
+
 // Sums the state's bits: the hash is equal on all devices, at any share and in any mode.
 DUET_API bool duet_motion_get_hash(duet_motion *motion, uint64_t *hash, duet_error *err);
 

@@ -5,6 +5,7 @@
 #include "runtime/dynamics/motion.h"
 
 #include "base/error.h"
+#include "runtime/dynamics/motion_commands.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -177,6 +178,34 @@ bool duet_motion_get_states_of(duet_motion *m, const uint32_t *places, uint32_t 
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "place %u, in row %u; expected one below %u", places[i], i, m->n);
     return motion_fetch_states(m, places, n, states, NULL, err);
+}
+
+// ---------------------------------------------------------------- sleep
+
+// A body that is disabled or gone keeps the word that its last step wrote.
+static bool read_asleep(duet_motion *m, uint32_t *words, uint8_t *asleep, duet_error *err)
+{
+    bool ok =
+        !(m->effects & DUET_EFFECT_SLEEP) || m->n == 0 ||
+        (timeline_read(&m->times, "fetch", &m->buffers[ASLEEP], words, m->n * sizeof *words, err) &&
+         timeline_finish(&m->times, err));
+    for (uint32_t place = 0; ok && place < m->n; ++place)
+        asleep[place] = (words[place] & SLEEPS) && !motion_is_hidden(m, place);
+    return ok;
+}
+
+bool duet_motion_get_asleep(duet_motion *m, uint8_t *asleep, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    if (!motion_is_whole(m, __func__, err) ||
+        (m->n > 0 && !error_given(asleep, __func__, "asleep", err)))
+        return false;
+    uint32_t *words = calloc((size_t)m->n + 1, sizeof *words);
+    if (!words)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+    bool ok = read_asleep(m, words, asleep, err);
+    free(words);
+    return ok;
 }
 
 // ---------------------------------------------------------------- what moved

@@ -670,6 +670,7 @@ static void read_motion(void)
 {
     duet_rounded_box round;
     duet_state states[2];
+    uint8_t asleep;
     duet_energy energy;
     duet_contact *contacts;
     uint64_t hash;
@@ -679,6 +680,8 @@ static void read_motion(void)
     REFUSES(duet_motion_get_poses(motion, NULL, e));
     REFUSES(duet_motion_get_rounded_boxes(NULL, &round, e));
     REFUSES(duet_motion_get_rounded_boxes(motion, NULL, e));
+    REFUSES(duet_motion_get_asleep(NULL, &asleep, e));
+    REFUSES(duet_motion_get_asleep(motion, NULL, e));
     REFUSES(duet_motion_get_hash(NULL, &hash, e));
     REFUSES(duet_motion_get_hash(motion, NULL, e));
     REFUSES(duet_motion_get_energy(NULL, &energy, e));
@@ -956,7 +959,7 @@ static const struct {
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},
     {"duet_motion_get_states duet_motion_get_hash duet_motion_get_energy duet_motion_get_contacts "
      "duet_motion_get_effects duet_motion_get_count duet_motion_get_step duet_motion_get_plan "
-     "duet_motion_get_poses duet_motion_get_rounded_boxes",
+     "duet_motion_get_poses duet_motion_get_rounded_boxes duet_motion_get_asleep",
      read_motion},
     {"duet_motion_set_plan duet_motion_load_profile", plan_motion},
     {"duet_motion_advance duet_motion_advance_begin duet_motion_advance_end", advance_motion},

@@ -417,6 +417,22 @@ TEST(what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin)
     assert_true(hashes[0] == hashes[1]);
 }
 
+TEST(who_sleeps_is_told)
+{
+    mover *m = make_rows(3, 1);
+    uint8_t asleep[4];
+    mover_run(m, 1);
+    assert_done(duet_motion_sleep_bodies(m->motion, (duet_body_list){.first = 1, .n = 2}, &err));
+    mover_run(m, 1);
+    assert_done(duet_motion_get_asleep(m->motion, asleep, &err));
+    assert_memory_equal(asleep, ((const uint8_t[]){0, 1, 1, 0}), 4);
+    assert_done(duet_motion_wake_bodies(m->motion, one(1), &err));
+    assert_done(duet_motion_remove_bodies(m->motion, one(2), &err));
+    assert_done(duet_motion_get_asleep(m->motion, asleep, &err));
+    assert_memory_equal(asleep, ((const uint8_t[]){0, 0, 0, 0}), 4);
+    mover_free(m);
+}
+
 // How far a box reaches down from its centre.
 static double depth_of(const duet_pose *p)
 {
@@ -570,6 +586,7 @@ TEST(nothing_is_done_to_a_motion_between_the_halves_of_its_step)
     duet_energy energy;
     duet_moved moved;
     uint64_t n, ids[9];
+    uint8_t asleep[9];
     assert_refused(duet_motion_advance_end(motion, &result, &err), "no step is under way");
     assert_done(duet_motion_remove_bodies(motion, one(3), &err));
     assert_done(duet_motion_remove_bodies(twin->motion, one(3), &err));
@@ -605,6 +622,7 @@ TEST(nothing_is_done_to_a_motion_between_the_halves_of_its_step)
     BUSY(duet_motion_get_states_of(motion, &place, 1, m->states, &err));
     BUSY(duet_motion_get_moved(motion, &moved, &err));
     BUSY(duet_motion_get_poses(motion, m->poses, &err));
+    BUSY(duet_motion_get_asleep(motion, asleep, &err));
     BUSY(duet_motion_get_hash(motion, &n, &err));
     BUSY(duet_motion_get_energy(motion, &energy, &err));
     BUSY(duet_motion_get_contacts(motion, &contacts, &n, &err));
