@@ -11,6 +11,7 @@
 #include "cli/command_text.h"
 #include "cli/commands.h"
 #include "cli/commands/cluster.h"
+#include "cli/frames.h"
 #include "cli/interrupt.h"
 #include "cli/report/run_report.h"
 #include "cli/say.h"
@@ -33,6 +34,7 @@ static const option options[] = {
     OPTION_COUNT("steps", steps, "K", "advance a moving scene by K steps", 1, 1000000000),
     OPTION_OUTPUT("picture", picture, "F.png", "draw the scene after the last step"),
     OPTION_TEXT("frames", frames, "DIR", "draw 30 pictures a second of the scene"),
+    OPTION_TEXT("format", format, "F", "what frames are (png): png, or vtu, which ParaView opens"),
     OPTION_OUTPUT("record", record, "F.replay", "record commands, steps and the state's hash"),
     OPTION_INPUT("replay", replay, "F.replay", "replay recorded commands, and compare the hash"),
     OPTION_OUTPUT("pairs", pairs_path, "OUT.csv",
@@ -45,6 +47,7 @@ static const option options[] = {
 // --steps advances a scene; without it one state is stepped again and again.
 static const option_rule rules[] = {
     {"picture frames record replay", OPTION_NEEDS, "steps"},
+    {"format", OPTION_NEEDS, "frames"},
     {"repeat input ordered pairs check level missed false-rate", OPTION_EXCLUDES, "steps"},
     {0},
 };
@@ -55,12 +58,15 @@ static const char *refuse(const void *given, char **operands)
     const arguments *args = given;
     size_t n = args->picture ? strlen(args->picture) : 0;
     timed_input input;
+    frames_format format;
     (void)operands;
     if (args->picture && (n < 5 || strcmp(args->picture + n - 4, ".png") != 0))
         return "--picture: the name of a run's picture ends with .png";
     if (!timed_input_named(args->input, &input))
         return "--input: give host (all of the objects), resident (nothing: they stay on the "
                "devices), transforms (centres and rotations) or compact (the same in 20 bytes)";
+    if (!frames_format_named(args->format, &format))
+        return "--format: give png (pictures) or vtu (bodies and contacts for ParaView)";
     return args->check && input == TIMED_INPUT_COMPACT
                ? "--check and --input compact do not go together"
                : NULL;
@@ -275,6 +281,7 @@ int command_run(int argc, char **argv)
                       .plan = PLAN_OPTIONS_DEFAULT,
                       .level = LEVEL_OPTIONS_DEFAULT,
                       .input = "host",
+                      .format = "png",
                       .repeat = 5};
     return options_run(&line, argc, argv, &args, run);
 }

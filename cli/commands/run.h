@@ -13,7 +13,8 @@ typedef struct arguments {
     uint64_t repeat;
     uint64_t steps;      // 0: the scene is not advanced
     const char *picture; // a PNG of the last step
-    const char *frames;  // a folder for PNGs, 30 of a second of the scene
+    const char *frames;  // a folder for frames, 30 of a second of the scene
+    const char *format;  // the name of a frames_format
     const char *record;  // where the scene's commands go
     const char *replay;  // where they come from
     const char *input;   // the name of a timed_input

@@ -2,23 +2,21 @@
 #include "cli/commands/run.h"
 
 #include "base/error.h"
-#include "cli/draw/snapshot.h"
+#include "cli/frames.h"
 #include "cli/interrupt.h"
 #include "cli/report/json.h"
 #include "cli/report/run_report.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 // A run of so few steps is timed by stages, though a GPU then takes longer.
 enum { FEW_STEPS = 64 };
-enum { STAGES_MOST = 32, ROWS_TOLD = 10, FRAMES_A_SECOND = 30 };
+enum { STAGES_MOST = 32, ROWS_TOLD = 10 };
 
 // A run, and what it took by effect.
 typedef struct moved {
@@ -30,9 +28,9 @@ typedef struct moved {
     duet_replay *replay;  // NULL: no recorded commands
     duet_motion_result last;
     snapshot look;
+    frames frames;
     progress shown;
     uint64_t done;
-    uint64_t frames;
     double total_ms;
     double slowest_ms;
     uint64_t since_timed;  // steps, of those after the first
@@ -70,30 +68,23 @@ static void add_stages(moved *r)
     ++r->timed_steps;
 }
 
-// A frame where its time has come.
-static bool draw_frame(moved *r, duet_error *err)
+static double time_of(const moved *r)
 {
-    double time = (double)r->done * r->def.dt;
-    if (!r->args->frames || time * FRAMES_A_SECOND < (double)r->frames)
-        return true;
-    char path[4096];
-    int n = snprintf(path, sizeof path, "%s/%05" PRIu64 ".png", r->args->frames, r->frames++);
-    if (n < 0 || (size_t)n >= sizeof path)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--frames: the folder's name is too long");
-    return snapshot_frame(&r->look, path, r->motion, time, err);
+    return (double)r->done * r->def.dt;
 }
 
 static bool draw_picture(moved *r, duet_error *err)
 {
-    double time = (double)r->done * r->def.dt;
-    return !r->args->picture || snapshot_picture(&r->look, r->args->picture, r->motion, time, err);
+    return !r->args->picture ||
+           snapshot_picture(&r->look, r->args->picture, r->motion, time_of(r), err);
 }
 
-static bool make_folder(const char *path, duet_error *err)
+static bool begin_frames(moved *r, duet_error *err)
 {
-    return !path || mkdir(path, 0777) == 0 || errno == EEXIST ||
-           error_set(err, DUET_STATUS_IO_FAILED, "--frames: the folder %s cannot be made: %s", path,
-                     strerror(errno));
+    frames_format format = FRAMES_PNG;
+    frames_format_named(r->args->format, &format); // which it is: run.c looked
+    return frames_begin(&r->frames, r->args->frames, format, r->motion, &r->look, err) &&
+           frames_add(&r->frames, time_of(r), err);
 }
 
 static bool tell_step(moved *r, duet_error *err)
@@ -124,7 +115,7 @@ static bool step(moved *r, duet_error *err)
         r->slowest_ms = fmax(r->slowest_ms, r->last.total_ms);
         add_stages(r);
     }
-    return tell_step(r, err) && draw_frame(r, err);
+    return tell_step(r, err) && frames_add(&r->frames, time_of(r), err);
 }
 
 // B does all if no pairs are sought.
@@ -300,7 +291,7 @@ static bool save_recording(moved *r, duet_error *err)
 static bool run_steps(moved *r, duet_error *err)
 {
     // The picture is drawn at the start too: where it cannot be written, that is told at once.
-    bool ok = make_folder(r->args->frames, err) && draw_frame(r, err) && draw_picture(r, err);
+    bool ok = begin_frames(r, err) && draw_picture(r, err);
     r->shown = progress_begin("step", r->args->steps);
     while (ok && r->done < r->args->steps && !interrupt_asked()) {
         ok = step(r, err);
@@ -326,6 +317,7 @@ bool run_motion(const arguments *args, const duet_scene *scene, duet_device_pair
     if (ok)
         tell_begin(&r);
     ok = ok && run_steps(&r, err);
+    frames_end(&r.frames);
     snapshot_end(&r.look);
     duet_replay_destroy(r.replay);
     duet_motion_destroy(r.motion);

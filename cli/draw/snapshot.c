@@ -2,6 +2,7 @@
 #include "cli/draw/snapshot.h"
 
 #include "base/error.h"
+#include "cli/body_states.h"
 #include "cli/draw/view.h"
 #include "cli/report/table.h"
 #include "runtime/scene/scene.h"
@@ -20,56 +21,13 @@ static const colour ground = {0.88, 0.88, 0.86, 1};
 static const colour massless = {0.72, 0.73, 0.74, 1};
 static const colour shot = {0.88, 0.10, 0.14, 1};
 
-// ---------------------------------------------------------------- what there is
-
-// A motion's bodies at a time, by place.
-typedef struct body_states {
-    uint32_t n;
-    duet_state *states;
-    duet_rounded_box *boxes; // for their sizes
-    uint64_t *ids;
-} body_states;
-
-static void forget(body_states *c)
-{
-    free(c->states);
-    free(c->boxes);
-    free(c->ids);
-}
-
-static bool look_at(body_states *c, duet_motion *motion, duet_error *err)
-{
-    c->n = duet_motion_get_count(motion);
-    c->states = calloc((size_t)c->n + 1, sizeof *c->states);
-    c->boxes = calloc((size_t)c->n + 1, sizeof *c->boxes);
-    c->ids = calloc((size_t)c->n + 1, sizeof *c->ids);
-    if (!c->states || !c->boxes || !c->ids)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", c->n);
-    return duet_motion_get_states(motion, c->states, err) &&
-           duet_motion_get_rounded_boxes(motion, c->boxes, err) &&
-           duet_motion_get_ids(motion, 0, c->n, c->ids, err);
-}
-
-static bool is_there(const body_states *c, uint32_t place)
-{
-    return c->ids[place] != DUET_NO_BODY;
-}
+// ---------------------------------------------------------------- what is seen
 
 // A body that commands brought was shot too.
 static bool was_shot(const snapshot *s, const body_states *c, uint32_t place)
 {
     return c->ids[place] >= s->n || s->is_shot[place];
 }
-
-static uint32_t count(const body_states *c)
-{
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < c->n; ++i)
-        n += is_there(c, i);
-    return n;
-}
-
-// ---------------------------------------------------------------- what is seen
 
 static duet_rounded_box body_of(const duet_scene *scene, uint32_t id)
 {
@@ -90,7 +48,7 @@ static bool find_extent(const snapshot *s, const body_states *c, uint32_t axis, 
         const float *h = c->boxes[i].pose.half_extents;
         double core = fmax(h[0], fmax(h[1], s->def->dims == 3 ? h[2] : 0.0));
         double reach = core + c->boxes[i].radius;
-        if (!is_there(c, i) || was_shot(s, c, i))
+        if (!body_states_has(c, i) || was_shot(s, c, i))
             continue;
         lowers[n] = c->states[i].centre[axis] - reach;
         uppers[n++] = c->states[i].centre[axis] + reach;
@@ -211,13 +169,13 @@ bool snapshot_begin(snapshot *s, const duet_motion_def *def, const duet_scene *s
     if (!s->colours || !s->is_shot)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", s->n);
     body_states start = {0};
-    bool ok = look_at(&start, motion, err);
+    bool ok = body_states_read(&start, motion, err);
     if (ok) {
         find_shot(s, start.states);
         colour_objects(s, start.states);
     }
     ok = ok && find_part(s, &start, &s->part, err);
-    forget(&start);
+    body_states_free(&start);
     return ok;
 }
 
@@ -292,7 +250,7 @@ static void draw_blocks(const snapshot *s, const view *v, canvas *c, block *bloc
 {
     uint32_t n = 0;
     for (uint32_t i = 0; i < bodies->n; ++i)
-        if (is_there(bodies, i))
+        if (body_states_has(bodies, i))
             blocks[n++] = block_of(s, v, bodies, i);
     if (v->dims == 3)
         qsort(blocks, n, sizeof *blocks, from_far_to_near);
@@ -319,7 +277,7 @@ static void draw_ground(const view *v, canvas *c, const duet_motion_def *d)
 static bool has_shot(const snapshot *s, const body_states *c)
 {
     for (uint32_t i = 0; i < c->n; ++i)
-        if (is_there(c, i) && was_shot(s, c, i))
+        if (body_states_has(c, i) && was_shot(s, c, i))
             return true;
     return false;
 }
@@ -330,8 +288,8 @@ static void write_caption(const snapshot *s, const view *v, canvas *c, const bod
     const double left = 24, words_px = 15;
     char words[256];
     snprintf(words, sizeof words, "%.80s: %s in %uD after %.3f s",
-             duet_scene_get_info(s->scene)->name, table_things(count(bodies), "box", "boxes").chars,
-             v->dims, time);
+             duet_scene_get_info(s->scene)->name,
+             table_things(body_states_count(bodies), "box", "boxes").chars, v->dims, time);
     canvas_words(c, (point){left, HEIGHT - 44}, words_px, canvas_ink, words);
     snprintf(words, sizeof words, "colour: how %s a box began%s",
              s->def->attraction == 0.0 ? "high" : "far from the centre",
@@ -367,8 +325,8 @@ bool snapshot_frame(const snapshot *s, const char *path, duet_motion *motion, do
                     duet_error *err)
 {
     body_states bodies = {0};
-    bool ok = look_at(&bodies, motion, err) && draw(s, path, &bodies, &s->part, time, err);
-    forget(&bodies);
+    bool ok = body_states_read(&bodies, motion, err) && draw(s, path, &bodies, &s->part, time, err);
+    body_states_free(&bodies);
     return ok;
 }
 
@@ -377,8 +335,8 @@ bool snapshot_picture(const snapshot *s, const char *path, duet_motion *motion, 
 {
     extent part;
     body_states bodies = {0};
-    bool ok = look_at(&bodies, motion, err) && find_part(s, &bodies, &part, err) &&
+    bool ok = body_states_read(&bodies, motion, err) && find_part(s, &bodies, &part, err) &&
               draw(s, path, &bodies, &part, time, err);
-    forget(&bodies);
+    body_states_free(&bodies);
     return ok;
 }

@@ -129,10 +129,14 @@ TEST(what_cannot_be_drawn_is_refused_before_the_steps)
     } wrong[] = {
         {"run --picture x.png " SCENE, 2, "--picture does nothing without --steps"},
         {"run --frames x " SCENE, 2, "--frames does nothing without --steps"},
+        {"run --steps 3 --format vtu " SCENE, 2, "--format does nothing without --frames"},
+        {"run --steps 1000000000 --frames x --format vtk " SCENE, 2, "--format: give png"},
         {"run --steps 1000000000 --picture x.svg " SCENE, 2, "ends with .png"},
         {"run --steps 1000000000 --json --picture no/such/x.png " SCENE, 1, "cannot be written"},
         {"run --steps 1000000000 --json --frames no/such/folder " SCENE, 1, "cannot be made"},
         {"run --steps 1000000000 --json --frames " SCENE " " SCENE, 1, SCENE "/00000.png"},
+        {"run --steps 1000000000 --json --format vtu --frames " SCENE " " SCENE, 1,
+         SCENE "/bodies_00000.vtu"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         program p = program_run("%s", wrong[i].arguments);

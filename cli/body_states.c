@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#include "cli/body_states.h"
+
+#include "base/error.h"
+
+#include <stdlib.h>
+
+bool body_states_read(body_states *b, duet_motion *motion, duet_error *err)
+{
+    uint32_t n = duet_motion_get_count(motion);
+    *b = (body_states){.n = n};
+    b->states = calloc((size_t)n + 1, sizeof *b->states);
+    b->boxes = calloc((size_t)n + 1, sizeof *b->boxes);
+    b->ids = calloc((size_t)n + 1, sizeof *b->ids);
+    if (!b->states || !b->boxes || !b->ids)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", n);
+    return duet_motion_get_states(motion, b->states, err) &&
+           duet_motion_get_rounded_boxes(motion, b->boxes, err) &&
+           duet_motion_get_ids(motion, 0, n, b->ids, err);
+}
+
+void body_states_free(body_states *b)
+{
+    free(b->states);
+    free(b->boxes);
+    free(b->ids);
+    *b = (body_states){0};
+}
+
+bool body_states_has(const body_states *b, uint32_t place)
+{
+    return b->ids[place] != DUET_NO_BODY;
+}
+
+uint32_t body_states_count(const body_states *b)
+{
+    uint32_t n = 0;
+    for (uint32_t place = 0; place < b->n; ++place)
+        n += body_states_has(b, place);
+    return n;
+}

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// A motion's bodies at a time, by place, as pictures and frames show them.
+#ifndef CLI_BODY_STATES_H
+#define CLI_BODY_STATES_H
+
+#include "runtime/duet.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct body_states {
+    uint32_t n;
+    duet_state *states;      // [n]
+    duet_rounded_box *boxes; // [n] for their sizes
+    uint64_t *ids;           // [n] DUET_NO_BODY: nothing is there
+} body_states;
+
+// Call body_states_free whatever this returns.
+bool body_states_read(body_states *b, duet_motion *motion, duet_error *err);
+void body_states_free(body_states *b);
+
+bool body_states_has(const body_states *b, uint32_t place);
+uint32_t body_states_count(const body_states *b); // of places that have a body
+
+#endif

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+// A .vtu file of a motion's bodies: an unstructured grid with one cell for each, in the order of
+// their places.
+#ifndef CLI_VTK_BODIES_H
+#define CLI_VTK_BODIES_H
+
+#include "cli/body_states.h"
+#include "cli/vtk/solid.h"
+
+// asleep[n]: as duet_motion_get_asleep gives it. solids: solids_make of dims.
+bool vtk_bodies_write(const char *path, const body_states *bodies, const uint8_t *asleep,
+                      const solid solids[SOLID_KINDS], uint32_t dims, double time, duet_error *err);
+
+#endif

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// A VTK XML file: a head of XML that says which arrays there are, and their values behind it as
+// raw bytes, each array's behind 8 bytes with its length. VTK and ParaView read it.
+//
+//     <VTKFile ...> ... <DataArray Name="id" offset="0"/> ... <AppendedData>_ LENGTH VALUES ...
+//
+#ifndef CLI_VTK_FILE_H
+#define CLI_VTK_FILE_H
+
+#include "duet_error.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+typedef enum vtk_type { VTK_FLOAT32, VTK_FLOAT64, VTK_INT64, VTK_UINT8 } vtk_type;
+
+// n rows of values, which lie `stride` bytes apart in memory, or which `write` makes.
+typedef struct vtk_array {
+    const char *section; // "CellData"; arrays of one follow each other
+    const char *name;
+    vtk_type type;
+    uint32_t components; // of a row
+    const char *labels;  // of the components: "x y z"; NULL: none
+    uint64_t n;
+    const void *rows;
+    size_t stride;
+    void (*write)(FILE *to, const void *of); // NULL: they lie in memory
+} vtk_array;
+
+typedef struct vtk_piece {
+    const char *kind;   // "UnstructuredGrid"
+    const char *counts; // NumberOfPoints="8" ...
+    double time;
+    const vtk_array *arrays; // [n]
+    uint32_t n;
+    const void *of; // what arrays are made of that do not lie in memory
+} vtk_piece;
+
+bool vtk_file_write(const char *path, const vtk_piece *piece, duet_error *err);
+
+// What every file of VTK begins with, up to its kind; it ends with vtk_file_end.
+void vtk_file_begin(FILE *to, const char *kind);
+void vtk_file_end(FILE *to);
+
+void vtk_write_int64(FILE *to, int64_t value);
+
+#endif

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#include "cli/vtk/vtk_frames.h"
+
+#include "base/error.h"
+#include "cli/vtk/vtk_bodies.h"
+#include "cli/vtk/vtk_contacts.h"
+
+#include <stdlib.h>
+
+void vtk_frames_begin(vtk_frames *f, const char *folder, duet_motion *motion)
+{
+    f->motion = motion;
+    f->bodies = (vtk_series){.folder = folder, .name = "bodies", .ending = "vtu"};
+    f->contacts = (vtk_series){.folder = folder, .name = "contacts", .ending = "vtp"};
+    solids_make(f->solids, duet_motion_get_def(motion)->dims);
+}
+
+static bool add_bodies(vtk_frames *f, const body_states *bodies, double time, duet_error *err)
+{
+    uint8_t *asleep = malloc((size_t)bodies->n + 1);
+    if (!asleep)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a frame of %u objects",
+                         bodies->n);
+    const char *path = vtk_series_next(&f->bodies, err);
+    bool ok = path && duet_motion_get_asleep(f->motion, asleep, err) &&
+              vtk_bodies_write(path, bodies, asleep, f->solids,
+                               duet_motion_get_def(f->motion)->dims, time, err) &&
+              vtk_series_add(&f->bodies, time, err);
+    free(asleep);
+    return ok;
+}
+
+static bool add_contacts(vtk_frames *f, const body_states *bodies, double time, duet_error *err)
+{
+    if (!(duet_motion_get_effects(f->motion) & DUET_EFFECT_CONTACT))
+        return true;
+    const char *path = vtk_series_next(&f->contacts, err);
+    return path && vtk_contacts_write(path, f->motion, bodies, time, err) &&
+           vtk_series_add(&f->contacts, time, err);
+}
+
+bool vtk_frames_add(vtk_frames *f, double time, duet_error *err)
+{
+    body_states bodies;
+    bool ok = body_states_read(&bodies, f->motion, err) && add_bodies(f, &bodies, time, err) &&
+              add_contacts(f, &bodies, time, err);
+    body_states_free(&bodies);
+    return ok;
+}
+
+void vtk_frames_end(vtk_frames *f)
+{
+    vtk_series_free(&f->bodies);
+    vtk_series_free(&f->contacts);
+}
