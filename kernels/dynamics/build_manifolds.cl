@@ -7,7 +7,7 @@
 //   a pair ---- asleep, or not woken ----------------------> stays as it is   (needs_update)
 //        \----- a wall ------------------------------------> collide_wall
 //         \---- pushed, and hardly moved ------------------> renew_separations
-//          \--- else: find_axis, points; fast: at the impact -> store_contact
+//          \--- else: find_axis, points; fast: at the impact -> smooth_seams -> store_contact
 //
 //   links    [n_contacts] owner and other; n + k: wall k
 //   contacts [n_contacts] records (records.h)
@@ -101,6 +101,9 @@ static inline void collide_pair(const scene *s, uint i, uint2 link)
             collide_at_impact(&a, &b, d, s->margin, &m);
         }
     }
+//@ if ROUNDED == 1 and CONTACT_RESPONSE == 1 then
+    smooth_seams(s, i, &a, &w, &m);
+//@ end
     store_contact(s, i, s->halves[link.x], d, &w, &m, axis);
 }
 

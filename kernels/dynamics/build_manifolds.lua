@@ -3,7 +3,7 @@ return {
   about = "contact manifolds: the points where a pair touches",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/float_vector.clh",
     "dynamics/box_contact.clh", "dynamics/rounded_contact.clh", "dynamics/box_lanes.clh", "dynamics/continuous.clh",
-    "dynamics/body_pairs.clh", "dynamics/manifold_record.clh" },
+    "dynamics/body_pairs.clh", "dynamics/seam.clh", "dynamics/manifold_record.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
@@ -19,6 +19,7 @@ return {
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "pairs side by side in a work-item, of turned boxes in float" },
     { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
+    { "SENSORS", values = { 0, 1 }, default = 0, silent = true, about = "1: some bodies are sensors" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 4, 8, 256 }, default = function(limits) return limits.cpu and 256 or 4 end,
@@ -39,6 +40,7 @@ return {
       const uint *asleep      if SLEEP == 1
       uint woken              if SLEEP == 1
       float *rests            if SLEEP == 1
+      const float *sensors    if SENSORS == 1 and ROUNDED == 1 and CONTACT_RESPONSE == 1
       float dt                if CONTINUOUS == 1
       volatile uint *flags    if SLEEP == 1
       float margin

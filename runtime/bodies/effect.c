@@ -10,7 +10,7 @@ static const effect_row rows[] = {
      "contact_graph, match_contacts, build_manifolds, graph_colour, prepare_contacts, bodies, "
      "solve_contacts, integrate_positions, contact_events"},
     {DUET_EFFECT_SENSORS, "sensors", DUET_EFFECT_EVENTS | DUET_EFFECT_CONTACT, "a sensor, or wants",
-     "sensors", "contact_graph, graph_colour, update_sleep"},
+     "sensors", "contact_graph, build_manifolds, graph_colour, update_sleep"},
     {DUET_EFFECT_EVENTS, "events", DUET_EFFECT_CONTACT, "wants, or a hit_speed", "touching",
      "contact_events"},
     {DUET_EFFECT_CONTACT, "contact", 0, "contact_response, or wants", NULL,
