@@ -11,7 +11,7 @@
 //   count   each part counts its bodies and contacts; a scan makes places of that
 //   list    each part writes them
 //
-//   levels          [n] 0: is not listed
+//   levels          [n] 0: is not listed; next_levels [n] after a spread
 //   part_counts     [2 n_parts + 1] of PER_ITEM bodies each, then of PER_ITEM contacts each
 //   awake           [n] ids, awake_contacts [n_contacts]
 //   n_listed        [2] how many there are
@@ -33,25 +33,25 @@ __kernel void mark_awake(MARK_AWAKE_ARGS)
         levels[id] = list_all || is_awake(&s, id) ? 1 : 0;
 }
 
-// A neighbour that another work-item marks meanwhile has the next level already.
-static inline void spread_to(uint from, uint to, uint level, __global const real4 *velocities,
-                             __global uint *levels)
+static inline bool touches_awake(const scene *s, uint id)
 {
-    uint has = levels[from];
-    if (has > 0 && has <= level && levels[to] == 0 && velocities[to].w > 0)
-        levels[to] = level + 1;
+    bool found = false;
+    for (uint i = s->starts[id]; !found && i < s->starts[id + 1]; ++i)
+        found = s->others[i] < s->n && s->levels[s->others[i]] > 0;
+    for (uint k = s->return_starts[id]; !found && k < s->return_starts[id + 1]; ++k)
+        found = s->levels[s->links[s->returns[k]].x] > 0;
+    return found;
 }
 
 __kernel void spread_awake(SPREAD_AWAKE_ARGS)
 {
+    const scene s = {SPREAD_AWAKE_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n_contacts);
-    for (uint i = first; i < last; ++i) {
-        uint2 link = links[i];
-        if (link.y >= n)
-            continue;
-        spread_to(link.x, link.y, level, velocities, levels);
-        spread_to(link.y, link.x, level, velocities, levels);
+    uint last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id) {
+        uint has = s.levels[id];
+        bool reached = has == 0 && velocities[id].w > 0 && touches_awake(&s, id);
+        next_levels[id] = reached ? level : has;
     }
 }
 

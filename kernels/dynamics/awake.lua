@@ -23,12 +23,16 @@ return {
       uint *levels
     ]],
     spread_awake = [[
+      const uint *starts
+      const uint *others
+      const uint *return_starts
+      const uint *returns
       const uint2 *links
-      uint n_contacts
       uint n
       const real4 *velocities
       uint level
-      uint *levels
+      const uint *levels
+      uint *next_levels
     ]],
     count_awake = [[
       const uint *levels

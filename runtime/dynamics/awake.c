@@ -14,18 +14,26 @@ static bool reserve(duet_motion *m, duet_error *err)
 {
     const size_t word = sizeof(uint32_t);
     return motion_reserve(m, LEVELS, m->n, word, err) &&
+           motion_reserve(m, NEXT_LEVELS, m->n, word, err) &&
            motion_reserve(m, PART_COUNTS, 2 * (uint64_t)m->awake.n_parts + 1, word, err) &&
            motion_reserve(m, AWAKE, m->n, word, err) &&
            motion_reserve(m, AWAKE_CONTACTS, (uint64_t)m->graph.n_contacts + 1, word, err) &&
            motion_reserve(m, N_LISTED, LISTED, word, err);
 }
 
+static bool spread(duet_motion *m, duet_error *err)
+{
+    bool ok = motion_launch(m, stage, m->kernels.spread_awake, m->n, err);
+    buffer_swap(&m->buffers[LEVELS], &m->buffers[NEXT_LEVELS]);
+    return ok;
+}
+
 static bool mark(duet_motion *m, duet_error *err)
 {
     awake_lists *a = &m->awake;
     bool ok = motion_launch(m, stage, m->kernels.mark_awake, m->n, err);
-    for (a->level = 1; ok && !a->list_all && a->level <= WAKE_LEVELS; ++a->level)
-        ok = motion_launch(m, stage, m->kernels.spread_awake, m->graph.n_contacts, err);
+    for (a->level = 2; ok && !a->list_all && a->level <= WAKE_LEVELS + 1; ++a->level)
+        ok = spread(m, err);
     return ok;
 }
 

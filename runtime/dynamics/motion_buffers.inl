@@ -51,6 +51,7 @@ BUFFER(HITS, "hits", "uint *")
 BUFFER(FLAG_WORDS, "flags", "uint *")
 // what a step may change
 BUFFER(LEVELS, "levels", "uint *")
+BUFFER(NEXT_LEVELS, "next_levels", "uint *")
 BUFFER(PART_COUNTS, "part_counts", "uint *")
 BUFFER(AWAKE, "awake", "uint *")
 BUFFER(AWAKE_CONTACTS, "awake_contacts", "uint *")
