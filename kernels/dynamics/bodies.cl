@@ -59,8 +59,9 @@ __kernel void prepare_bodies(PREPARE_BODIES_ARGS)
     if (SLEEP && s.woken && !s.flags[FLAG_FELL_ASLEEP])
         return;
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n + 6);
-    for (uint id = first; id < last; ++id) {
+    uint n_here = N_AWAKE, last = min(first + PER_ITEM, n_here + 6);
+    for (uint k = first; k < last; ++k) {
+        uint id = k < n_here ? AWAKE_AT(k) : n + (k - n_here);
         __global float4 *body = bodies + (size_t)id * BODY;
         bool wall = id >= n;
         body[BODY_VELOCITY] = wall ? (float4)(0.0f) : convert_float4(velocities[wall ? 0 : id]);
@@ -110,8 +111,9 @@ __kernel void integrate_velocities(INTEGRATE_VELOCITIES_ARGS)
 {
     const state s = {INTEGRATE_VELOCITIES_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
-    for (uint id = first; id < last; ++id) {
+    uint last = min(first + PER_ITEM, N_AWAKE);
+    for (uint k = first; k < last; ++k) {
+        uint id = AWAKE_AT(k);
         __global float4 *body = bodies + (size_t)id * BODY;
         float4 velocity = body[BODY_VELOCITY];
         float inverse_mass = velocity.w;
@@ -153,8 +155,9 @@ __kernel void finalize_bodies(FINALIZE_BODIES_ARGS)
 {
     const state s = {FINALIZE_BODIES_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
-    for (uint id = first; id < last; ++id) {
+    uint last = min(first + PER_ITEM, N_AWAKE);
+    for (uint k = first; k < last; ++k) {
+        uint id = AWAKE_AT(k);
         __global const float4 *body = bodies + (size_t)id * BODY;
         if (SLEEP && (s.asleep[id] & SLEEPS)) {
             velocities[id].xyz = (real)0;

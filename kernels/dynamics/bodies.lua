@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "bodies while a step is solved: gathered, accelerated, written back",
-  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/float_vector.clh" },
+  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/float_vector.clh",
+    "dynamics/listed.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
@@ -28,12 +29,16 @@ return {
       const uint *asleep               if SLEEP == 1
       uint woken                       if SLEEP == 1
       const uint *flags                if SLEEP == 1
+      const uint *awake                if SLEEP == 1
+      const uint *n_listed             if SLEEP == 1
       uint n
       float4 *bodies
     ]],
     integrate_velocities = [[
       float4 *bodies
       uint n
+      const uint *awake     if SLEEP == 1
+      const uint *n_listed  if SLEEP == 1
       float4 gravity        if GRAVITY > 0
       const real4 *centres  if GRAVITY == 2
       float drag            if DRAG == 1
@@ -47,6 +52,8 @@ return {
       int4 *cells                if ORIGIN > 0
       real4 *rotations           if ANGULAR_VELOCITY > 0
       real4 *angular_velocities  if ANGULAR_VELOCITY > 0
+      const uint *awake          if SLEEP == 1
+      const uint *n_listed       if SLEEP == 1
       const uint *asleep         if SLEEP == 1
       float *rests               if SLEEP == 1
       const float4 *halves       if SLEEP == 1

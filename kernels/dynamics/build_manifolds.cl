@@ -153,10 +153,10 @@ static inline void collide_eight(const scene *s, const uint places[8], uint n)
 
 // ------------------------------------------------------------ the kernel
 
-// All pairs, or none in a pass for bodies that just woke if none did.
+// All pairs that may change, or none in a pass for bodies that just woke if none did.
 static inline uint contacts_to_update(const scene *s)
 {
-    return SLEEP && s->woken && !s->flags[FLAG_FELL_ASLEEP] ? 0 : s->n_contacts;
+    return SLEEP && s->woken && !s->flags[FLAG_FELL_ASLEEP] ? 0 : s->N_AWAKE_CONTACTS;
 }
 
 // Whether a pair needs no search for an axis: a wall, or a record that could be renewed.
@@ -180,12 +180,13 @@ static inline void divide_group(const scene *s, __local uint *places, volatile _
     const uint most = WG * PER_ITEM;
     uint first = get_group_id(0) * most;
     for (uint k = first + get_local_id(0); k < min(first + most, contacts_to_update(s)); k += WG) {
-        if (!needs_update(s, s->links[k]))
+        uint i = AWAKE_CONTACT_OF(s, k);
+        if (!needs_update(s, s->links[i]))
             continue;
-        if (had_points(s, k))
-            places[atomic_inc(n_places)] = k;
+        if (had_points(s, i))
+            places[atomic_inc(n_places)] = i;
         else
-            places[most - 1 - atomic_inc(n_places + 1)] = k;
+            places[most - 1 - atomic_inc(n_places + 1)] = i;
     }
 }
 
@@ -256,7 +257,8 @@ __kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
     waiting.n[0] = waiting.n[1] = 0;
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, contacts_to_update(&s));
-    for (uint i = first; i < last; ++i) {
+    for (uint k = first; k < last; ++k) {
+        uint i = AWAKE_CONTACT_AT(k);
         uint2 link = links[i];
         if (!needs_update(&s, link) || update_directly(&s, i, link))
             continue;

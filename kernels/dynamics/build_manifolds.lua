@@ -3,7 +3,7 @@ return {
   about = "contact manifolds: the points where a pair touches",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/float_vector.clh",
     "dynamics/box_contact.clh", "dynamics/rounded_contact.clh", "dynamics/box_lanes.clh", "dynamics/continuous.clh",
-    "dynamics/body_pairs.clh", "dynamics/seam.clh", "dynamics/manifold_record.clh" },
+    "dynamics/body_pairs.clh", "dynamics/seam.clh", "dynamics/manifold_record.clh", "dynamics/listed.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
@@ -43,6 +43,8 @@ return {
       const float *sensors    if SENSORS == 1 and ROUNDED == 1 and CONTACT_RESPONSE == 1
       float dt                if CONTINUOUS == 1
       volatile uint *flags    if SLEEP == 1
+      const uint *awake_contacts  if SLEEP == 1
+      const uint *n_listed    if SLEEP == 1
       float margin
       uint *touches
       float *contacts

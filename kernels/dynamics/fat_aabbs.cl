@@ -6,7 +6,8 @@
 //
 //   compute_fat_aabbs   body -> AABB, grown by the margin, by the way of this step (CONTINUOUS) and
 //                       by the way of some steps ahead (SKIN)
-//   check_fat_aabbs     a body that left its fat AABB sets a flag, and all are computed again
+//   check_fat_aabbs     a body that left its fat AABB sets a flag, and all are computed again; of all
+//                       bodies, or of those that a step may have moved
 //
 //   boxes    [n][6]  lower xyz, upper xyz
 //   altered  [n_altered] the bodies whose fat AABBs are computed (ALTERED)
@@ -108,9 +109,10 @@ __kernel void check_fat_aabbs(CHECK_FAT_AABBS_ARGS)
 {
     const bodies_at s = {CHECK_FAT_AABBS_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
+    uint last = min(first + PER_ITEM, SLEEP && !of_all ? N_AWAKE : n);
     bool inside = true;
-    for (uint id = first; id < last; ++id) {
+    for (uint k = first; k < last; ++k) {
+        uint id = SLEEP && !of_all ? AWAKE_AT(k) : k;
         aabb b = body_aabb(&s, id, contact_margin);
         float3 lower = vload3(2 * (size_t)id, boxes);
         float3 upper = vload3(2 * (size_t)id + 1, boxes);

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "fat AABBs of bodies, and whether all are still inside theirs",
-  uses = { "dynamics/motion.clh", "dynamics/records.h" },
+  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/listed.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
@@ -48,6 +48,9 @@ return {
       const float4 *halves
       real contact_margin
       uint n
+      uint of_all
+      const uint *awake        if SLEEP == 1
+      const uint *n_listed     if SLEEP == 1
       const float *boxes
       volatile uint *flags
     ]],

@@ -29,9 +29,10 @@ static inline uint rank_of(uint2 link)
 __kernel void graph_colour_mark(GRAPH_COLOUR_MARK_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n_contacts);
+    uint last = min(first + PER_ITEM, N_AWAKE_CONTACTS);
     uint waiting = 0, changed = 0;
-    for (uint i = first; i < last; ++i) {
+    for (uint k = first; k < last; ++k) {
+        uint i = AWAKE_CONTACT_AT(k);
         uint2 link = links[i];
         bool pushes = (touches[i] & TOUCH_POINTS) && (bodies[(size_t)link.x * BODY + BODY_VELOCITY].w > 0.0f ||
                                                       bodies[(size_t)link.y * BODY + BODY_VELOCITY].w > 0.0f);
@@ -73,8 +74,9 @@ static inline void add_contact(uint i, __global const uint2 *links, __global con
 __kernel void graph_colour_choose(GRAPH_COLOUR_CHOOSE_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
-    for (uint id = first; id < last; ++id) {
+    uint last = min(first + PER_ITEM, N_AWAKE);
+    for (uint j = first; j < last; ++j) {
+        uint id = AWAKE_AT(j);
         if (choices[id] == NONE)
             continue;
         uint taken = 0, best = NONE, best_rank = 0;
@@ -91,9 +93,10 @@ __kernel void graph_colour_choose(GRAPH_COLOUR_CHOOSE_ARGS)
 __kernel void graph_colour_take(GRAPH_COLOUR_TAKE_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
+    uint last = min(first + PER_ITEM, N_AWAKE);
     uint done = 0;
-    for (uint id = first; id < last; ++id) {
+    for (uint k = first; k < last; ++k) {
+        uint id = AWAKE_AT(k);
         uint i = choices[id];
         if (i == NONE || links[i].x != id)
             continue;
@@ -115,13 +118,16 @@ __kernel void graph_colour_take(GRAPH_COLOUR_TAKE_ARGS)
 }
 
 // Keys contacts by colour, and within it most points first, so that work-items side by side have as
-// much to do. Contacts of COLOUR_OVERFLOW keep the order of the rows.
+// much to do. Contacts of COLOUR_OVERFLOW keep the order of the rows. There may be more keys than listed
+// contacts: the rest push nothing.
 __kernel void graph_colour_key(GRAPH_COLOUR_KEY_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n_contacts);
-    for (uint i = first; i < last; ++i) {
-        uint colour = colours[i];
-        keys[i] = colour * COLOUR_KEYS + (colour <= LAST_COLOUR ? POINTS - (touches[i] & TOUCH_POINTS) : 0);
+    uint last = min(first + PER_ITEM, n_keys), n_here = N_AWAKE_CONTACTS;
+    for (uint k = first; k < last; ++k) {
+        uint i = k < n_here ? AWAKE_CONTACT_AT(k) : 0;
+        uint colour = k < n_here ? colours[i] : COLOUR_NONE;
+        list[k] = i;
+        keys[k] = colour * COLOUR_KEYS + (colour <= LAST_COLOUR ? POINTS - (touches[i] & TOUCH_POINTS) : 0);
     }
 }

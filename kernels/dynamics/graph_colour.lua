@@ -1,13 +1,15 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "graph colouring: contacts of one colour share no body that moves",
-  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh" },
+  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh",
+    "dynamics/listed.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
     { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
     { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
@@ -20,6 +22,8 @@ return {
       const uint *touches
       uint n_contacts
       uint n
+      const uint *awake_contacts  if SLEEP == 1
+      const uint *n_listed        if SLEEP == 1
       const float4 *bodies
       const float *sensors  if SENSORS == 1
       uint *colours
@@ -33,12 +37,16 @@ return {
       const uint *return_starts
       const uint *returns
       uint n
+      const uint *awake     if SLEEP == 1
+      const uint *n_listed  if SLEEP == 1
       uint *used
       uint *choices
     ]],
     graph_colour_take = [[
       const uint2 *links
       uint n
+      const uint *awake     if SLEEP == 1
+      const uint *n_listed  if SLEEP == 1
       const real4 *velocities
       const uint *used
       const uint *choices
@@ -50,6 +58,10 @@ return {
       const uint *colours
       const uint *touches
       uint n_contacts
+      uint n_keys
+      const uint *awake_contacts  if SLEEP == 1
+      const uint *n_listed        if SLEEP == 1
+      uint *list
       uint *keys
     ]],
   },

@@ -182,15 +182,15 @@ __kernel void integrate_positions(INTEGRATE_POSITIONS_ARGS)
 {
     const substep s = {INTEGRATE_POSITIONS_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
-    for (uint id = first; !ANGULAR_VELOCITY && id < last; ++id)
-        move_body(&s, id);
-    for (uint id = first; ANGULAR_VELOCITY && id < last; id += LANES) {
+    uint last = min(first + PER_ITEM, N_AWAKE);
+    for (uint i = first; !ANGULAR_VELOCITY && i < last; ++i)
+        move_body(&s, AWAKE_AT(i));
+    for (uint i = first; ANGULAR_VELOCITY && i < last; i += LANES) {
         uint ids[LANES];
         word wanted = 0; // lanes past the last object take it once more and keep nothing
         for (uint k = 0; k < LANES; ++k) {
-            ids[k] = min(id + k, last - 1);
-            ((uint *)&wanted)[k] = id + k < last;
+            ids[k] = AWAKE_AT(min(i + k, last - 1));
+            ((uint *)&wanted)[k] = i + k < last;
         }
         integrate_lanes(&s, ids, wanted);
     }

@@ -1,12 +1,14 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "moves and turns bodies by a substep",
-  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh", "dynamics/turn.clh" },
+  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh", "dynamics/turn.clh",
+    "dynamics/listed.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
     { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },
+    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
     { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
@@ -22,6 +24,8 @@ return {
     integrate_positions = [[
       float4 *bodies
       uint n
+      const uint *awake       if SLEEP == 1
+      const uint *n_listed    if SLEEP == 1
       const real4 *rotations  if GYRO == 1
       const float4 *inertias  if GYRO == 1
       float h

@@ -120,4 +120,11 @@
 #define FLAG_PRESSED 7     // something is to be pushed out of others in which it sleeps
 #define FLAGS 8
 
+// Lists of what is awake: the levels of bodies that are, or that may wake in the same step
+// (awake.cl), and the lengths of the lists.
+#define WAKE_LEVELS 3
+#define LISTED_BODIES 0
+#define LISTED_CONTACTS 1
+#define LISTED 2
+
 #endif

@@ -7,26 +7,7 @@
 //     ^                                              |                              |  of them
 //     +---- touches a body that moves, or lost a contact, which set its rest to 0 --+
 //
-//   rests   [n] seconds at rest, 0 for what moves; below 0: has no mass, and a command changed it
-//   asleep  [n] SLEEPS, then maybe PRESSED; or what it did until now, WOKE
-typedef struct {
-    ARG_FIELDS
-} scene;
-
-static inline bool is_at_rest(const scene *s, uint id)
-{
-    if (id >= s->n)
-        return true;
-    real4 velocity = s->velocities[id];
-    if (velocity.w > 0)
-        return s->rests[id] > 0.0f;
-    if (s->rests[id] < 0.0f)
-        return false;
-    real fastest = dot_product(velocity, velocity);
-    if (ANGULAR_VELOCITY)
-        fastest += dot_product(s->angular_velocities[id], s->angular_velocities[id]);
-    return !(fastest > 0);
-}
+//   rests, asleep  as rest.clh has them
 
 static inline bool is_sensor(const scene *s, uint id)
 {
@@ -65,11 +46,11 @@ __kernel void update_sleep(UPDATE_SLEEP_ARGS)
 {
     const scene s = {UPDATE_SLEEP_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
-    bool awake = false, any_pressed = false;
-    for (uint id = first; id < last; ++id) {
-        bool slept = asleep[id] & SLEEPS;
-        bool sleeps = rests[id] > 0.0f && rests[id] >= sleep_after, pressed = false;
+    uint last = min(first + PER_ITEM, N_AWAKE);
+    bool any_awake = false, any_pressed = false;
+    for (uint k = first; k < last; ++k) {
+        uint id = AWAKE_AT(k);
+        bool slept = asleep[id] & SLEEPS, sleeps = has_rested(&s, id), pressed = false;
         if (sleeps) {
             touch found = touch_of(&s, id);
             sleeps = found.rests;
@@ -79,9 +60,9 @@ __kernel void update_sleep(UPDATE_SLEEP_ARGS)
             atomic_or(flags + FLAG_FELL_ASLEEP, 1u);
         asleep[id] = (sleeps ? SLEEPS : 0u) | (pressed ? PRESSED : 0u) | (slept && !sleeps ? WOKE : 0u);
         any_pressed = any_pressed || pressed;
-        awake = awake || pressed || !(sleeps || (!(velocities[id].w > 0) && is_at_rest(&s, id)));
+        any_awake = any_awake || pressed || !(sleeps || (!(velocities[id].w > 0) && is_at_rest(&s, id)));
     }
-    if (awake)
+    if (any_awake)
         atomic_or(flags + FLAG_AWAKE, 1u);
     if (any_pressed)
         atomic_or(flags + FLAG_PRESSED, 1u);
@@ -164,15 +145,16 @@ __kernel void push_sleepers(PUSH_SLEEPERS_ARGS)
 {
     const scene s = {PUSH_SLEEPERS_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
-    for (uint id = first; id < last; ++id) {
+    uint last = min(first + PER_ITEM, N_AWAKE);
+    for (uint k = first; k < last; ++k) {
+        uint id = AWAKE_AT(k);
         if (!is_pushed_out(&s, id))
             continue;
         float4 way = way_of(&s, id), push = (float4)(0.0f);
         for (uint i = starts[id]; i < starts[id + 1]; ++i)
             push += push_of(&s, i, id, links[i].y, way, -1.0f);
-        for (uint k = return_starts[id]; k < return_starts[id + 1]; ++k)
-            push += push_of(&s, returns[k], id, links[returns[k]].x, way, 1.0f);
+        for (uint j = return_starts[id]; j < return_starts[id + 1]; ++j)
+            push += push_of(&s, returns[j], id, links[returns[j]].x, way, 1.0f);
         bodies[(size_t)id * BODY + (~round & 1u)] = way + push;
     }
 }
@@ -182,8 +164,9 @@ __kernel void move_sleepers(MOVE_SLEEPERS_ARGS)
 {
     const scene s = {MOVE_SLEEPERS_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
-    for (uint id = first; id < last; ++id) {
+    uint last = min(first + PER_ITEM, N_AWAKE);
+    for (uint k = first; k < last; ++k) {
+        uint id = AWAKE_AT(k);
         if (!is_pushed_out(&s, id))
             continue;
         float4 way = way_of(&s, id);

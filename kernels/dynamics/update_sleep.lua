@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "which bodies sleep; those that do deep in each other are pushed apart",
-  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh" },
+  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/rest.clh",
+    "dynamics/listed.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
@@ -10,6 +11,7 @@ return {
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
     { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    { "SLEEP", values = { 1 }, default = 1, about = "bodies at rest are left out" },
     { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
@@ -24,6 +26,8 @@ return {
       const uint *return_starts
       const uint *returns
       uint n
+      const uint *awake
+      const uint *n_listed
       const float *rests
       const real4 *velocities
       const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
@@ -43,6 +47,8 @@ return {
       const real4 *velocities
       const float *sensors  if SENSORS == 1
       uint n
+      const uint *awake
+      const uint *n_listed
       float margin
       uint round
       float *contacts
@@ -56,6 +62,8 @@ return {
       const real4 *velocities
       const float *sensors  if SENSORS == 1
       uint n
+      const uint *awake
+      const uint *n_listed
       float margin
       uint round
       float dt

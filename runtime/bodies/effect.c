@@ -27,7 +27,7 @@ static const effect_row rows[] = {
      "wall", "integrate_free_flight, contact_graph, build_manifolds"},
     {DUET_EFFECT_ANGULAR_VELOCITY, "angular_velocity", DUET_EFFECT_ROTATION | DUET_EFFECT_MOTION,
      "an angular velocity, or contact_response for an object that may turn", "angular_velocity",
-     "integrate_free_flight, fat_aabbs, match_contacts, build_manifolds, update_sleep, "
+     "integrate_free_flight, fat_aabbs, match_contacts, awake, build_manifolds, update_sleep, "
      "graph_colour, prepare_contacts, bodies, solve_contacts, integrate_positions, "
      "contact_events"},
     {DUET_EFFECT_ROTATION, "rotation", 0,
@@ -44,7 +44,8 @@ static const effect_row rows[] = {
     {DUET_EFFECT_FILTER, "filter", DUET_EFFECT_CONTACT, "a group or mask that is not all", "filter",
      "contact_graph"},
     {DUET_EFFECT_SLEEP, "sleep", DUET_EFFECT_CONTACT_RESPONSE, "wants", "asleep",
-     "fat_aabbs, match_contacts, build_manifolds, update_sleep, bodies"},
+     "fat_aabbs, match_contacts, awake, build_manifolds, update_sleep, bodies, graph_colour, "
+     "integrate_positions"},
     {DUET_EFFECT_SKIN, "skin", DUET_EFFECT_CONTACT, "a skin above 0", "check_fat_aabbs",
      "fat_aabbs"},
 };

@@ -13,9 +13,11 @@
 
 // ---------------------------------------------------------------- bounds
 
-bool motion_check_bounds(duet_motion *m, duet_error *err)
+bool motion_check_bounds(duet_motion *m, bool of_all, duet_error *err)
 {
-    return motion_launch(m, "fat_aabbs", m->kernels.check_fat_aabbs, m->n, err);
+    m->graph.of_all = of_all;
+    return motion_launch(m, "fat_aabbs", m->kernels.check_fat_aabbs,
+                         of_all ? m->n : m->awake.n_bodies, err);
 }
 
 void motion_note_bounds(duet_motion *m)
@@ -29,7 +31,7 @@ void motion_note_bounds(duet_motion *m)
 // Whether everything is still inside them. Bodies that had left get new ones.
 static bool keep_bounds(duet_motion *m, duet_error *err)
 {
-    if (!motion_check_bounds(m, err) || !motion_read_flags(m, err))
+    if (!motion_check_bounds(m, true, err) || !motion_read_flags(m, err))
         return false;
     motion_note_bounds(m);
     return !m->flags[FLAG_MOVED] ||

@@ -13,7 +13,7 @@ typedef struct contact_graph {
     cl_uint n_pairs;
     cl_uint n_contacts; // in rows
     // other arguments of a launch
-    cl_uint n_old, fill;
+    cl_uint n_old, fill, of_all;
     buffer row_starts, row_values;
 } contact_graph;
 
@@ -21,9 +21,10 @@ bool motion_make_bounds(duet_motion *m, duet_error *err);
 bool motion_make_pairs(duet_motion *m, duet_error *err);
 bool motion_make_rows(duet_motion *m, duet_error *err);
 
-// Sends a check that sets FLAG_MOVED if a body has left its bounds; once flags are read, notes in
+// Sends a check that sets FLAG_MOVED if a body has left its bounds, of all bodies or of the listed
+// ones; once flags are read, notes in
 // the products whether bounds hold.
-bool motion_check_bounds(duet_motion *m, duet_error *err);
+bool motion_check_bounds(duet_motion *m, bool of_all, duet_error *err);
 void motion_note_bounds(duet_motion *m);
 
 #endif

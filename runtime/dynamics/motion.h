@@ -9,6 +9,7 @@
 #include "runtime/bodies/effect.h"
 #include "runtime/bodies/motion_def.h"
 #include "runtime/dynamics/altered.h"
+#include "runtime/dynamics/awake.h"
 #include "runtime/dynamics/contact_graph.h"
 #include "runtime/dynamics/motion_events.h"
 #include "runtime/dynamics/motion_plan.h"
@@ -40,6 +41,7 @@ typedef struct motion_kernels {
     kernel *contact_graph_pairs, *contact_graph_walls, *contact_graph_sort, *contact_graph_reverse;
     kernel *match_contacts;
     kernel *build_manifolds;
+    kernel *mark_awake, *spread_awake, *count_awake, *list_awake;
     kernel *update_sleep, *push_sleepers, *move_sleepers;
     kernel *contact_events;
     kernel *prepare_bodies, *integrate_velocities, *integrate_positions, *finalize_bodies;
@@ -123,6 +125,7 @@ struct duet_motion {
     products products;
     altered_bodies altered;
     contact_graph graph;
+    awake_lists awake;
     contact_solver solver;
     motion_events told;
     motion_halves halves; // motion_step.c

@@ -49,6 +49,13 @@ BUFFER(BLOCKS, "blocks", "float *")      // contacts by colour while they are so
 BUFFER(TOUCHING, "touching", "uint *") // a bit for each contact
 BUFFER(HITS, "hits", "uint *")
 BUFFER(FLAG_WORDS, "flags", "uint *")
+// what a step may change
+BUFFER(LEVELS, "levels", "uint *")
+BUFFER(NEXT_LEVELS, "next_levels", "uint *")
+BUFFER(PART_COUNTS, "part_counts", "uint *")
+BUFFER(AWAKE, "awake", "uint *")
+BUFFER(AWAKE_CONTACTS, "awake_contacts", "uint *")
+BUFFER(N_LISTED, "n_listed", "uint *")
 // while states are read, and as they were read last
 BUFFER(READ_IDS, "ids", "uint *")
 BUFFER(GATHERED, "gathered", "uint *")

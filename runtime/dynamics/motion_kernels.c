@@ -30,7 +30,7 @@ const binding motion_bindings[] = {
     VALUE_OF(reading, n_ids),
     BIND_VALUE(duet_motion, "n", n),
     VALUE_OF(graph, n_contacts),
-    BIND_VALUE(duet_motion, "n_keys", graph.n_contacts),
+    BIND_VALUE(duet_motion, "n_keys", awake.n_contacts),
     VALUE_OF(graph, n_pairs),
     VALUE_OF(graph, n_old),
     VALUE(key_end),
@@ -60,6 +60,10 @@ const binding motion_bindings[] = {
     VALUE(hit_speed),
     VALUE(base),
     VALUE_OF(graph, fill),
+    VALUE_OF(graph, of_all),
+    VALUE_OF(awake, list_all),
+    VALUE_OF(awake, level),
+    VALUE_OF(awake, n_parts),
     VALUE_OF(solver, woken),
     VALUE_OF(solver, soft),
     VALUE_OF(solver, span),
@@ -201,6 +205,10 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         KERNEL(contact_graph_reverse, contact, "contact_graph"),
         KERNEL(match_contacts, contact, "match_contacts"),
         KERNEL(build_manifolds, contact, "build_manifolds"),
+        KERNEL(mark_awake, sleep, "awake"),
+        KERNEL(spread_awake, sleep, "awake"),
+        KERNEL(count_awake, sleep, "awake"),
+        KERNEL(list_awake, sleep, "awake"),
         KERNEL(update_sleep, sleep, "update_sleep"),
         KERNEL(push_sleepers, sleep, "update_sleep"),
         KERNEL(move_sleepers, sleep, "update_sleep"),
@@ -246,6 +254,7 @@ bool motion_prepare_again(duet_motion *m, duet_error *err)
     const motion_kernels kernels = m->kernels;
     const motion_layout layout = m->layout;
     bool ok = choose_kernels(m, err) && program_set_build(m->programs, err);
+    product_drop(&m->products, PRODUCT_AWAKE); // bodies may have another layout
     if (!ok) {
         m->kernels = kernels;
         m->layout = layout;

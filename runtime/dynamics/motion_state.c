@@ -361,6 +361,7 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
                         duet_error *err)
 {
     bool ok = true;
+    product_forget(&m->products, PRODUCT_AWAKE);
     for (size_t i = 0; ok && n > 0 && i < sizeof sent / sizeof sent[0]; ++i)
         if ((parts & sent[i].parts) && (places || sent[i].from == 0) &&
             motion_words(m, sent[i].which) > 0)
@@ -414,6 +415,7 @@ bool motion_set_asleep(duet_motion *m, const uint32_t *places, uint32_t n, bool 
     if (n == 0)
         return true;
     product_forget(&m->products, PRODUCT_BODIES);
+    product_forget(&m->products, PRODUCT_AWAKE);
     return !(m->effects & DUET_EFFECT_SLEEP) ||
            (mark_rests(m, places, n, asleep, err) && mark_awake(m, places, n, err));
 }
@@ -428,6 +430,7 @@ bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet
 bool motion_wake_all(duet_motion *m, duet_error *err)
 {
     products_move_bodies(&m->products);
+    product_forget(&m->products, PRODUCT_AWAKE);
     return !(m->effects & DUET_EFFECT_SLEEP) ||
            (motion_clear(m, "clear", RESTS, 0, m->n, err) &&
             motion_clear(m, "clear", ASLEEP, 0, m->n, err) && timeline_finish(&m->times, err));

@@ -132,9 +132,10 @@ static void set_args(duet_motion *m)
 static bool ensure(duet_motion *m, product_name which, duet_error *err)
 {
     static bool (*const make[PRODUCTS])(duet_motion *, duet_error *) = {
-        [PRODUCT_BODIES] = motion_bound_altered,     [PRODUCT_BOUNDS] = motion_make_bounds,
-        [PRODUCT_PAIRS] = motion_make_pairs,         [PRODUCT_ROWS] = motion_make_rows,
-        [PRODUCT_MANIFOLDS] = motion_make_manifolds, [PRODUCT_COLOURS] = motion_make_colours,
+        [PRODUCT_BODIES] = motion_bound_altered, [PRODUCT_BOUNDS] = motion_make_bounds,
+        [PRODUCT_PAIRS] = motion_make_pairs,     [PRODUCT_ROWS] = motion_make_rows,
+        [PRODUCT_AWAKE] = motion_make_awake,     [PRODUCT_MANIFOLDS] = motion_make_manifolds,
+        [PRODUCT_COLOURS] = motion_make_colours,
     };
     return (which == PRODUCT_BODIES || ensure(m, which - 1, err)) &&
            (product_is_right(&m->products, which) || make[which](m, err));
@@ -163,7 +164,7 @@ static bool respond(duet_motion *m, duet_error *err)
     bool ok = ensure(m, PRODUCT_COLOURS, err) && motion_solve(m, err) &&
               motion_note_events(m, err) && motion_finalize(m, err);
     products_move_bodies(&m->products);
-    return ok && (!m->kernels.check_fat_aabbs || motion_check_bounds(m, err));
+    return ok && (!m->kernels.check_fat_aabbs || motion_check_bounds(m, false, err));
 }
 
 static bool run_effects(duet_motion *m, duet_error *err)
@@ -186,6 +187,8 @@ static bool read_end(duet_motion *m, duet_error *err)
         return false;
     if (checked)
         motion_note_bounds(m);
+    if (m->effects & DUET_EFFECT_SLEEP)
+        motion_note_awake(m);
     if ((m->effects & DUET_EFFECT_SLEEP) && !m->flags[FLAG_AWAKE] && !m->flags[FLAG_FELL_ASLEEP])
         product_keep(&m->products, PRODUCT_BODIES);
     return true;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // What a step makes of the bodies, each product from the one before it:
 //
-//     bodies -> bounds -> pairs -> rows -> manifolds -> colours
-//       ^                                                  |
-//       +---------------- the end of a step ---------------+
+//     bodies -> bounds -> pairs -> rows -> awake -> manifolds -> colours
+//       ^                                                           |
+//       +--------------------- the end of a step -------------------+
 //
 // A product has a stamp, a new one each time it is made, and knows the stamp of what it was made
 // from. It is right while its input still has that stamp. To have a product is to make it, after
@@ -13,7 +13,7 @@
 //   keep    a check found that it holds of its input as that is now, so what was made from it stays
 //           right: bounds that no body left, colours if no contact begins or ceases to push
 //   forget  it is wrong, and no check can help: pairs once commands altered a body, colours once
-//           the rows are others
+//           the rows are others, what is awake once something woke or fell asleep
 //
 // Bodies are made from bodies: those that a step leaves as it found them are right, and need no
 // step. Manifolds depend on rows and on where bodies are, so they are forgotten when bodies move.
@@ -29,6 +29,7 @@ typedef enum product_name {
     PRODUCT_BOUNDS,    // a fat AABB of each
     PRODUCT_PAIRS,     // bodies whose bounds overlap
     PRODUCT_ROWS,      // the contacts of each body
+    PRODUCT_AWAKE,     // lists of the bodies and contacts that a step may change
     PRODUCT_MANIFOLDS, // the points where contacts touch
     PRODUCT_COLOURS,   // a colour of each contact, and the contacts by colour
     PRODUCTS
@@ -84,6 +85,12 @@ static inline void product_renew(products *p, product_name which)
 static inline void product_forget(products *p, product_name which)
 {
     p->of[which].made_from = 0;
+}
+
+// Forgets it as one that was never made.
+static inline void product_drop(products *p, product_name which)
+{
+    p->of[which] = (product){0};
 }
 
 // Bodies are elsewhere.

@@ -13,20 +13,20 @@
 static bool find_manifolds(duet_motion *m, uint32_t woken, duet_error *err)
 {
     m->solver.woken = woken;
-    return motion_launch(m, "manifolds", m->kernels.build_manifolds, m->graph.n_contacts, err);
+    return motion_launch(m, "manifolds", m->kernels.build_manifolds, m->awake.n_contacts, err);
 }
 
 static bool prepare_bodies(duet_motion *m, uint32_t woken, duet_error *err)
 {
     m->solver.woken = woken;
-    return motion_launch(m, "integrate", m->kernels.prepare_bodies, (uint64_t)m->n + MOTION_WALLS,
-                         err);
+    return motion_launch(m, "integrate", m->kernels.prepare_bodies,
+                         (uint64_t)m->awake.n_bodies + MOTION_WALLS, err);
 }
 
 // A body that a touch wakes has its mass again before it is pushed.
 static bool wake_touched(duet_motion *m, duet_error *err)
 {
-    return motion_launch(m, "sleep", m->kernels.update_sleep, m->n, err) &&
+    return motion_launch(m, "sleep", m->kernels.update_sleep, m->awake.n_bodies, err) &&
            prepare_bodies(m, 1, err) && find_manifolds(m, 1, err);
 }
 
@@ -76,10 +76,10 @@ static bool sort_colours(duet_motion *m, duet_error *err)
     const radix_lists lists = {&b[LIST_KEYS], &b[LIST], &b[LIST_KEYS_SPARE], &b[LIST_SPARE]};
     const char *stage = "graph_colour";
     bool ok =
-        motion_launch(m, stage, m->kernels.graph_colour_key, m->graph.n_contacts, err) &&
-        radix_sort_run(&m->solver.radix, &m->times, stage, &lists, m->graph.n_contacts, KEY_BITS,
+        motion_launch(m, stage, m->kernels.graph_colour_key, m->awake.n_contacts, err) &&
+        radix_sort_ids(&m->solver.radix, &m->times, stage, &lists, m->awake.n_contacts, KEY_BITS,
                        err) &&
-        motion_launch(m, stage, m->kernels.row_start, (uint64_t)m->graph.n_contacts + 1, err) &&
+        motion_launch(m, stage, m->kernels.row_start, (uint64_t)m->awake.n_contacts + 1, err) &&
         timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
                             err) &&
         timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, sizeof starts, err);
@@ -90,10 +90,11 @@ static bool sort_colours(duet_motion *m, duet_error *err)
 
 static bool run_rounds(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
 {
+    const uint32_t n = m->awake.n_bodies;
     bool ok = true;
     for (m->solver.round = from + 1; ok && m->solver.round <= to; ++m->solver.round)
-        ok = motion_launch(m, "graph_colour", m->kernels.graph_colour_choose, m->n, err) &&
-             motion_launch(m, "graph_colour", m->kernels.graph_colour_take, m->n, err);
+        ok = motion_launch(m, "graph_colour", m->kernels.graph_colour_choose, n, err) &&
+             motion_launch(m, "graph_colour", m->kernels.graph_colour_take, n, err);
     return ok;
 }
 
@@ -123,6 +124,8 @@ static bool keep_colours(duet_motion *m, duet_error *err)
 {
     if (!motion_read_flags(m, err))
         return false;
+    if (m->effects & DUET_EFFECT_SLEEP)
+        motion_count_awake(m);
     if (!product_is_forgotten(&m->products, PRODUCT_COLOURS) && !m->flags[FLAG_RECOLOURED])
         product_keep(&m->products, PRODUCT_COLOURS);
     return true;
@@ -142,7 +145,7 @@ bool motion_make_colours(duet_motion *m, duet_error *err)
 {
     if (m->graph.n_contacts == 0)
         return list_none(m);
-    return motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->graph.n_contacts,
+    return motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->awake.n_contacts,
                          err) &&
            (m->solver.rounds > 0 || keep_colours(m, err)) &&
            (product_is_right(&m->products, PRODUCT_COLOURS) || list_colours(m, err));
@@ -204,8 +207,10 @@ static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
 static bool substep(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
-    return budget_check(err) && motion_launch(m, "integrate", k->integrate_velocities, m->n, err) &&
-           solve(m, 1, err) && motion_launch(m, "integrate", k->integrate_positions, m->n, err) &&
+    return budget_check(err) &&
+           motion_launch(m, "integrate", k->integrate_velocities, m->awake.n_bodies, err) &&
+           solve(m, 1, err) &&
+           motion_launch(m, "integrate", k->integrate_positions, m->awake.n_bodies, err) &&
            solve(m, 0, err);
 }
 
@@ -226,8 +231,8 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
     if (!(m->effects & DUET_EFFECT_SLEEP) || m->graph.n_contacts == 0 || !m->flags[FLAG_PRESSED])
         return true;
     for (m->solver.round = 0; ok && m->solver.round < PRESSED_ROUNDS; ++m->solver.round)
-        ok = motion_launch(m, "sleep", k->push_sleepers, m->n, err);
-    return ok && motion_launch(m, "sleep", k->move_sleepers, m->n, err);
+        ok = motion_launch(m, "sleep", k->push_sleepers, m->awake.n_bodies, err);
+    return ok && motion_launch(m, "sleep", k->move_sleepers, m->awake.n_bodies, err);
 }
 
 // ---------------------------------------------------------------- all stages
@@ -243,6 +248,6 @@ bool motion_solve(duet_motion *m, duet_error *err)
 
 bool motion_finalize(duet_motion *m, duet_error *err)
 {
-    return motion_launch(m, "integrate", m->kernels.finalize_bodies, m->n, err) &&
+    return motion_launch(m, "integrate", m->kernels.finalize_bodies, m->awake.n_bodies, err) &&
            push_sleepers(m, err);
 }

@@ -35,15 +35,28 @@ static bool run_pass(radix_sort *r, timeline *t, const char *stage, const radix_
     return ok;
 }
 
-bool radix_sort_run(radix_sort *r, timeline *t, const char *stage, const radix_lists *lists,
-                    uint32_t n, uint32_t bits, duet_error *err)
+static bool run(radix_sort *r, timeline *t, const char *stage, const radix_lists *lists,
+                uint32_t bits, bool given, duet_error *err)
 {
     uint32_t digit = (uint32_t)kernel_param(r->count, "BITS");
     bool ok = true;
-    r->n = n;
     for (r->shift = 0; ok && r->shift < bits; r->shift += digit) {
-        r->first_pass = r->shift == 0;
+        r->first_pass = !given && r->shift == 0;
         ok = run_pass(r, t, stage, lists, digit, err);
     }
     return ok;
+}
+
+bool radix_sort_run(radix_sort *r, timeline *t, const char *stage, const radix_lists *lists,
+                    uint32_t n, uint32_t bits, duet_error *err)
+{
+    r->n = n;
+    return run(r, t, stage, lists, bits, false, err);
+}
+
+bool radix_sort_ids(radix_sort *r, timeline *t, const char *stage, const radix_lists *lists,
+                    uint32_t n, uint32_t bits, duet_error *err)
+{
+    r->n = n;
+    return run(r, t, stage, lists, bits, true, err);
 }

@@ -37,4 +37,8 @@ void radix_sort_close(radix_sort *r);
 bool radix_sort_run(radix_sort *r, timeline *t, const char *stage, const radix_lists *lists,
                     uint32_t n, uint32_t bits, duet_error *err);
 
+// The same, but sorts the given ids along with their keys.
+bool radix_sort_ids(radix_sort *r, timeline *t, const char *stage, const radix_lists *lists,
+                    uint32_t n, uint32_t bits, duet_error *err);
+
 #endif

@@ -286,11 +286,19 @@ static const struct {
 
 enum { N_WORDS = sizeof words / sizeof words[0] };
 
-static const char *const kernels[] = {
-    "integrate_free_flight", "fat_aabbs",           "contact_graph",
-    "match_contacts",        "build_manifolds",     "update_sleep",
-    "graph_colour",          "prepare_contacts",    "bodies",
-    "solve_contacts",        "integrate_positions", "contact_events"};
+static const char *const kernels[] = {"integrate_free_flight",
+                                      "fat_aabbs",
+                                      "contact_graph",
+                                      "match_contacts",
+                                      "build_manifolds",
+                                      "update_sleep",
+                                      "graph_colour",
+                                      "prepare_contacts",
+                                      "bodies",
+                                      "solve_contacts",
+                                      "integrate_positions",
+                                      "contact_events",
+                                      "awake"};
 
 enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
 
@@ -412,6 +420,7 @@ TEST(buffers_are_those_that_are_called_for)
         {DUET_EFFECT_FRICTION, FRICTIONS},
         {DUET_EFFECT_FILTER, FILTERS},
         {DUET_EFFECT_SLEEP, ASLEEP},
+        {DUET_EFFECT_SLEEP, AWAKE},
         {DUET_EFFECT_EVENTS, TOUCHING},
         {DUET_EFFECT_SENSORS, SENSORS},
         {DUET_EFFECT_FORCES, FORCES},

@@ -1,0 +1,62 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "lists of the bodies and contacts that a step may change",
+  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/rest.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
+    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 8, 1024 }, default = function(limits) return limits.cpu and 1024 or 8 end,
+      about = "bodies and contacts a work-item" },
+  },
+  args = {
+    mark_awake = [[
+      const real4 *velocities
+      const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
+      const float *rests
+      const uint *asleep
+      uint n
+      float sleep_after
+      uint list_all
+      uint *levels
+    ]],
+    spread_awake = [[
+      const uint *starts
+      const uint *others
+      const uint *return_starts
+      const uint *returns
+      const uint2 *links
+      uint n
+      const real4 *velocities
+      uint level
+      const uint *levels
+      uint *next_levels
+    ]],
+    count_awake = [[
+      const uint *levels
+      uint n
+      const uint2 *links
+      uint n_contacts
+      uint n_parts
+      uint *part_counts
+    ]],
+    list_awake = [[
+      const uint *levels
+      uint n
+      const uint2 *links
+      uint n_contacts
+      uint n_parts
+      const uint *part_counts
+      uint *awake
+      uint *awake_contacts
+      uint *n_listed
+    ]],
+  },
+  valid = function(p, limits)
+    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

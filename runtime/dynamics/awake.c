@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/dynamics/motion.h"
+
+static const char stage[] = "sleep";
+
+static uint32_t count_parts(const duet_motion *m)
+{
+    const kernel *k = m->kernels.list_awake;
+    uint32_t most = m->n > m->graph.n_contacts ? m->n : m->graph.n_contacts;
+    return (uint32_t)(((uint64_t)most + k->per_item - 1) / k->per_item);
+}
+
+static bool reserve(duet_motion *m, duet_error *err)
+{
+    const size_t word = sizeof(uint32_t);
+    return motion_reserve(m, LEVELS, m->n, word, err) &&
+           motion_reserve(m, NEXT_LEVELS, m->n, word, err) &&
+           motion_reserve(m, PART_COUNTS, 2 * (uint64_t)m->awake.n_parts + 1, word, err) &&
+           motion_reserve(m, AWAKE, m->n, word, err) &&
+           motion_reserve(m, AWAKE_CONTACTS, (uint64_t)m->graph.n_contacts + 1, word, err) &&
+           motion_reserve(m, N_LISTED, LISTED, word, err);
+}
+
+static bool spread(duet_motion *m, duet_error *err)
+{
+    bool ok = motion_launch(m, stage, m->kernels.spread_awake, m->n, err);
+    buffer_swap(&m->buffers[LEVELS], &m->buffers[NEXT_LEVELS]);
+    return ok;
+}
+
+static bool mark(duet_motion *m, duet_error *err)
+{
+    awake_lists *a = &m->awake;
+    bool ok = motion_launch(m, stage, m->kernels.mark_awake, m->n, err);
+    for (a->level = 2; ok && !a->list_all && a->level <= WAKE_LEVELS + 1; ++a->level)
+        ok = spread(m, err);
+    return ok;
+}
+
+static bool list(duet_motion *m, duet_error *err)
+{
+    awake_lists *a = &m->awake;
+    const motion_kernels *k = &m->kernels;
+    buffer *counts = &m->buffers[PART_COUNTS];
+    uint64_t work = (uint64_t)a->n_parts * k->list_awake->per_item;
+    return motion_launch(m, stage, k->count_awake, work, err) &&
+           scan_run(&m->graph.scan, &m->times, stage, counts, counts, 2 * a->n_parts + 1, err) &&
+           motion_launch(m, stage, k->list_awake, work, err) &&
+           timeline_start_read(&m->times, stage, &m->buffers[N_LISTED], 0, a->counted,
+                               sizeof a->counted, err);
+}
+
+// Lists that were never made have all.
+bool motion_make_awake(duet_motion *m, duet_error *err)
+{
+    awake_lists *a = &m->awake;
+    a->n_bodies = m->n;
+    a->n_contacts = m->graph.n_contacts;
+    a->list_all = !product_was_made(&m->products, PRODUCT_AWAKE);
+    product_renew(&m->products, PRODUCT_AWAKE);
+    if (!(m->effects & DUET_EFFECT_SLEEP))
+        return true;
+    a->n_parts = count_parts(m);
+    return reserve(m, err) && mark(m, err) && list(m, err);
+}
+
+void motion_count_awake(duet_motion *m)
+{
+    m->awake.n_bodies = m->awake.counted[LISTED_BODIES];
+    m->awake.n_contacts = m->awake.counted[LISTED_CONTACTS];
+}
+
+void motion_note_awake(duet_motion *m)
+{
+    motion_count_awake(m);
+    if (m->awake.list_all || m->flags[FLAG_FELL_ASLEEP] || m->flags[FLAG_PRESSED])
+        product_forget(&m->products, PRODUCT_AWAKE);
+}

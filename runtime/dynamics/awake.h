@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// What a step may change: lists of bodies and contacts that leave out what sleeps and what never
+// moves (products.h, kernels/dynamics/awake.cl). Without the effect sleep there are no lists, and
+// all is listed.
+#ifndef RUNTIME_AWAKE_H
+#define RUNTIME_AWAKE_H
+
+#include "kernels/dynamics/records.h"
+#include "runtime/duet.h"
+
+#include <CL/cl.h>
+
+// n_bodies and n_contacts are at least as many as there are in the lists: kernels are launched over
+// so many, and ask the device for the number.
+typedef struct awake_lists {
+    uint32_t n_bodies;
+    cl_uint n_contacts;
+    cl_uint counted[LISTED]; // by the device, once a later read has waited
+    // what a launch is told besides
+    cl_uint list_all, level, n_parts;
+} awake_lists;
+
+bool motion_make_awake(duet_motion *m, duet_error *err);
+
+// Once flags were read, or all is over: takes the numbers that the device counted. At the end of a
+// step: notes in the products whether the lists hold.
+void motion_count_awake(duet_motion *m);
+void motion_note_awake(duet_motion *m);
+
+#endif
