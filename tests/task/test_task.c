@@ -4,6 +4,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
+#include "runtime/opencl/device_pair.h"
 #include "runtime/task/task_launch.h"
 
 #include <stdio.h>
@@ -60,14 +61,17 @@ static duet_plan plan_at(double share, const char *variant)
     return plan;
 }
 
-// Launches the task at shares from one end to the other, with two variants.
-static void launch_everywhere(const char *lua, const char *kernel_name)
+// Launches the task at shares from one end to the other, with two variants. copies: on devices that
+// seem to have memory of their own.
+static void launch_at_shares(const char *lua, const char *kernel_name, bool copies)
 {
     static const double shares[] = {0, 1e-4, 0.1, 0.37, 0.5, 0.99, 1};
     duet_error err = {0};
     char set[64];
     task *t = load(lua);
     duet_device_pair *pair = open_halves();
+    for (int side = 0; copies && side < 2; ++side)
+        pair->devices[side].info.host_memory = false;
     task_launcher *l = task_launcher_open(t, pair, &err);
     assert_ok(l, err);
     snprintf(set, sizeof set, "auto %s.WG=16", kernel_name);
@@ -81,6 +85,12 @@ static void launch_everywhere(const char *lua, const char *kernel_name)
     task_launcher_close(l);
     duet_device_pair_destroy(pair);
     task_destroy(t);
+}
+
+static void launch_everywhere(const char *lua, const char *kernel_name)
+{
+    launch_at_shares(lua, kernel_name, false);
+    launch_at_shares(lua, kernel_name, true);
 }
 
 static void expect_open_fails(const char *lua, duet_status status, const char *says)
