@@ -61,6 +61,11 @@ void command_text_scene(text *t, const char *path, const scene_options *options)
     text_add(&file, "%s%s", path[0] == '-' && path[1] ? "./" : "", path);
     command_text_word(t, text_chars(&file));
     text_free(&file);
+    command_text_settings(t, options);
+}
+
+void command_text_settings(text *t, const scene_options *options)
+{
     if (options->n != UINT64_MAX)
         text_add(t, " -n %" PRIu64, options->n);
     if (options->seed != UINT64_MAX)

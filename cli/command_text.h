@@ -18,6 +18,9 @@ void command_text_option(text *t, const char *name, const char *value);
 // Adds the scene's path and its options.
 void command_text_scene(text *t, const char *path, const scene_options *options);
 
+// Adds the options alone.
+void command_text_settings(text *t, const scene_options *options);
+
 // Adds --pair with the devices that were opened, not the words that chose them.
 void command_text_pair(text *t, const duet_device_pair *pair);
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L // setenv
 #include "cli/inputs.h"
 
 #include "base/clock.h"
@@ -6,10 +7,12 @@
 #include "base/text.h"
 #include "cli/say.h"
 #include "runtime/scene/scene.h"
+#include "runtime/task/task.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 // One device's kernels after the other's. A driver that kept them takes a moment to find
@@ -116,6 +119,27 @@ static duet_scene *load_with(const char *path, const scene_options *options, due
         scene = load(path, settings.list, settings.n, err);
     inputs_free_settings(&settings);
     return scene;
+}
+
+duet_device_pair *inputs_open_task_pair(const char *selectors, const char *path, duet_error *err)
+{
+    const char *slash = strrchr(path, '/');
+    text folder = {0};
+    text_add(&folder, "%.*s", slash ? (int)(slash - path + 1) : 2, slash ? path : "./");
+    if (text_ok(&folder, err))
+        setenv("DUET_KERNEL_DIR", folder.chars, false);
+    text_free(&folder);
+    return inputs_open_pair(selectors, err);
+}
+
+struct duet_task *inputs_load_task(const char *path, const scene_options *options, duet_error *err)
+{
+    scene_settings settings;
+    task *t = NULL;
+    if (inputs_make_settings(&settings, options, err))
+        t = task_load(path, settings.list, settings.n, err);
+    inputs_free_settings(&settings);
+    return t;
 }
 
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err)

@@ -13,11 +13,12 @@
 
 // ---------------------------------------------------------------- the list
 
-// The length of NAME in "NAME.lua"; 0 if it is no card.
+// The length of NAME in "NAME.lua"; 0 if it is no card, as "NAME.task.lua".
 static size_t card_length(const char *file)
 {
     size_t length = strlen(file);
-    bool is_card = length > 4 && file[0] != '.' && strcmp(file + length - 4, ".lua") == 0;
+    bool is_card = length > 4 && strcspn(file, ".") == length - 4 &&
+                   strcmp(file + length - 4, ".lua") == 0;
     return is_card ? length - 4 : 0;
 }
 

@@ -86,7 +86,8 @@ static bool read_card(const char *dir, kernel *k, duet_error *err)
 
 static bool read_headers(const char *dir, kernel *k, duet_error *err)
 {
-    bool ok = add_file(dir, "common.clh", &k->plain, err);
+    static const char common[] = "common.clh"; // the carried one, unless the folder has its own
+    bool ok = add_file(dir && file_exists(dir, common) ? dir : NULL, common, &k->plain, err);
     for (uint32_t i = 0; ok && i < k->card.uses.n; ++i)
         ok = add_file(dir, k->card.uses.at[i], &k->plain, err);
     return ok;

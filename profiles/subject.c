@@ -218,7 +218,9 @@ static void add_kind(text *t, const profile_workload *w)
              w->level);
     add_words(t, w->effects && *w->effects ? w->effects : "none");
     if (w->query)
-        text_add(t, ", query: %s of %.3g boxes", w->query, rounded((double)w->boxes, COARSE));
+        text_add(t, ", query: %s", w->query);
+    if (w->boxes)
+        text_add(t, " of %.3g boxes", rounded((double)w->boxes, COARSE));
 }
 
 void profile_workload_text(const profile_workload *w, text *t)

@@ -46,7 +46,7 @@ local function blocks(path)
       cats = nil
     end
     if block and line:match("^```") then
-      block.name = block.is_text and block.commands[1]:match("^[/-][/-] ([%w_]+%.%a+)$")
+      block.name = block.is_text and block.commands[1]:match("^[/-][/-] ([%w_.]+%.%a+)$")
       block.one_folder = one_folder
       local commands = table.concat(block.commands, "\n")
       local uses_mpi = commands:find("duet cluster", 1, true) or commands:find("duet_cluster", 1, true) or commands:find("mpirun", 1, true)

@@ -125,7 +125,7 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
     if (!def || def->cookie != COOKIE)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the tuning's def does not come from duet_default_tune_def");
-    if (!def->pair || !def->scene || !def->strategy)
+    if (!def->pair || (!def->scene && !def->task) || !def->strategy)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the tuning's def lacks a pair, scene or strategy");
     if (def->repeats > MEASURE_REPEATS)
@@ -143,7 +143,7 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
             return false;
     }
     return check_levels(def, err) && check_strategy(def->strategy, err) &&
-           check_search(def->search, err) && subject_kind_of(def)->check(def, err) &&
+           (def->task || check_search(def->search, err)) && subject_kind_of(def)->check(def, err) &&
            check_budget(&whole, err);
 }
 
@@ -192,7 +192,8 @@ static bool describe_subject(tuning_resources *h, duet_error *err)
 {
     if (!h->subject.kind->describe(&h->subject, &h->profile, err))
         return false;
-    h->profile.workload.name = duet_scene_get_info(h->def.scene)->name;
+    if (h->def.scene)
+        h->profile.workload.name = duet_scene_get_info(h->def.scene)->name;
     return true;
 }
 
@@ -471,7 +472,7 @@ bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_er
     else if (ok)
         ok = run(&h, &found, outcome, err);
     if (ok) {
-        outcome->objects = duet_scene_get_info(def->scene)->n;
+        outcome->objects = def->scene ? duet_scene_get_info(def->scene)->n : 0;
         outcome->level = h.level;
     }
     let_go(&h);

@@ -51,7 +51,7 @@ typedef struct subject_kind {
     bool lives_on_one; // its state is on one device: A alone may be the better one for it
 } subject_kind;
 
-extern const subject_kind subject_still, subject_query, subject_motion;
+extern const subject_kind subject_still, subject_query, subject_motion, subject_task;
 
 // The kind that the def asks for.
 const subject_kind *subject_kind_of(const duet_tune_def *def);

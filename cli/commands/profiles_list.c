@@ -32,6 +32,11 @@ static table begin_rows(void)
 static void add_workload(table *t, const profile_entry *e)
 {
     const char *scene = e->scene && *e->scene ? e->scene : "-";
+    if (e->query && e->boxes == 0) {
+        table_cell(t, "%s, %s, %s", scene, table_count((uint64_t)e->n).chars,
+                   say_name(e->query).chars);
+        return;
+    }
     if (e->query) {
         table_cell(t, "%s, %s: %s %s", scene, table_count((uint64_t)e->boxes).chars,
                    table_count((uint64_t)e->n).chars, say_name(e->query).chars);

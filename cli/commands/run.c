@@ -23,6 +23,8 @@
 
 static const option options[] = {
     SCENE_OPTION_ROWS(scene),
+    OPTION_INPUT("task", task, "FILE",
+                 "run a kernel of your own: a task file (docs/tutorial_task.md)"),
     PAIR_OPTION_ROW(pair),
     PLAN_OPTION_ROWS(plan),
     SCENE_LEVEL_OPTION_ROWS(level),
@@ -48,6 +50,7 @@ static const option options[] = {
 static const option_rule rules[] = {
     {"picture frames record replay", OPTION_NEEDS, "steps"},
     {"format", OPTION_NEEDS, "frames"},
+    {"input ordered steps pairs check level missed false-rate", OPTION_EXCLUDES, "task"},
     {"repeat input ordered pairs check level missed false-rate", OPTION_EXCLUDES, "steps"},
     {0},
 };
@@ -59,7 +62,10 @@ static const char *refuse(const void *given, char **operands)
     size_t n = args->picture ? strlen(args->picture) : 0;
     timed_input input;
     frames_format format;
-    (void)operands;
+    if (!operands[0] && !args->task)
+        return "SCENE|FILE is missing; 'duet run --help' says what it is";
+    if (operands[0] && args->task)
+        return "--task: the file says what is run; give no scene";
     if (args->picture && (n < 5 || strcmp(args->picture + n - 4, ".png") != 0))
         return "--picture: the name of a run's picture ends with .png";
     if (!timed_input_named(args->input, &input))
@@ -74,8 +80,8 @@ static const char *refuse(const void *given, char **operands)
 
 static const command_line line = {
     .name = "run",
-    .operands = "SCENE|FILE",
-    .least_operands = 1,
+    .operands = "[SCENE|FILE]",
+    .least_operands = 0,
     .most_operands = 1,
     .about = "Finds all pairs of boxes that collide, on two devices, and says where the time\n"
              "went. SCENE is a name of 'duet scenes' or a Lua file; FILE is .npy, or numbers\n"
@@ -237,6 +243,8 @@ static bool run_world(const arguments *args, const char *path, const duet_scene 
 static bool run(void *given, char **operands, duet_error *err)
 {
     const arguments *args = given;
+    if (args->task)
+        return run_task(args, err);
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
     duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
     bool moves = args->steps > 0;

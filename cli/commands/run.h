@@ -10,6 +10,7 @@ typedef struct arguments {
     plan_options plan;
     level_options level;
     const char *pair;
+    const char *task; // a task file; NULL: a scene is run
     uint64_t repeat;
     uint64_t steps;      // 0: the scene is not advanced
     const char *picture; // a PNG of the last step
@@ -28,5 +29,8 @@ typedef struct arguments {
 // the time of each effect. Ctrl-C ends it with what was done until then.
 bool run_motion(const arguments *args, const duet_scene *scene, duet_device_pair *pair,
                 duet_error *err);
+
+// Runs a task by the plan that is known or given, checks each launch, and tells where the time goes.
+bool run_task(const arguments *args, duet_error *err);
 
 #endif

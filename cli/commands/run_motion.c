@@ -164,6 +164,7 @@ static void tell_begin(const moved *r)
            table_things(substeps, "substep", "substeps").chars, r->def.dt / substeps);
     duet_plan plan = plan_used(r);
     run_report_devices(r->def.pair, &plan);
+    run_report_grids(&plan);
     tell_plan(r, &plan);
     printf("%9s %9s %12s %12s %12s %12s %12s %9s\n", "step", "time", "kinetic", "potential",
            "energy", "pairs", "contacts", "ms");

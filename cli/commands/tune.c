@@ -10,6 +10,7 @@
 #include "cli/commands/tune_replay.h"
 #include "cli/inputs.h"
 #include "cli/report/tune_report.h"
+#include "runtime/task/task.h"
 #include "tuner/search.h"
 #include "tuner/tune_config.h"
 
@@ -22,6 +23,7 @@ enum { MOST_NUMBERS = 64 };
 typedef struct arguments {
     scene_options scene;
     const char *config;
+    const char *task;
     const char *numbers;
     const char *pair;
     const char *strategy;
@@ -46,6 +48,8 @@ typedef struct arguments {
 
 static const option options[] = {
     OPTION_TEXT("config", config, "FILE", "a tune.lua: workloads, strategy, budget, variants"),
+    OPTION_INPUT("task", task, "FILE",
+                 "tune a kernel of your own: a task file (docs/tutorial_task.md)"),
     OPTION_TEXT("objects", numbers, "LIST", "numbers of objects, with commas between them"),
     OPTION_COUNT("seed", scene.seed, "S",
                  "seed of the scene's random numbers; with --replay of its draws (0)", 0,
@@ -96,9 +100,10 @@ static const option options[] = {
 
 // A replay has these from its store, or does not do them.
 static const option_rule rules[] = {
-    {"config set pair variants search query items level missed false-rate budget trials profile "
-     "ordered fresh keep",
+    {"config task set pair variants search query items level missed false-rate budget trials "
+     "profile ordered fresh keep",
      OPTION_EXCLUDES, "replay"},
+    {"config query items steps level missed false-rate ordered", OPTION_EXCLUDES, "task"},
     {0},
 };
 
@@ -214,6 +219,10 @@ static bool add_scene(const arguments *args, const char *path, tune_config *conf
 
 static bool check_operands(const arguments *args, const char *path, duet_error *err)
 {
+    if (args->task)
+        return !path ||
+               error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: with --task the file says what is tuned; expected no scene", path);
     if (!path == !args->config)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "give a scene, as 'duet tune paper', or a tune file with --config");
@@ -236,7 +245,7 @@ static bool make_config(arguments *args, const char *path, tune_config *config, 
     if (!check_operands(args, path, err))
         return false;
     if (args->config ? !tune_config_load(config, args->config, err)
-                     : !add_scene(args, path, config, err))
+                     : !add_scene(args, args->task ? args->task : path, config, err))
         return false;
     if (args->strategy) {
         config->strategy = args->strategy;
@@ -359,6 +368,26 @@ static bool tune_workload(const arguments *args, const duet_tune_def *tuning,
     return true;
 }
 
+static bool tune_task(const arguments *args, const duet_tune_def *tuning, const config_workload *w,
+                      task *t, tune_report *report, duet_error *err)
+{
+    duet_tune_outcome outcome;
+    duet_tune_def def = *tuning;
+    scene_options asked = options_of(args, w);
+    text command = {0};
+    def.task = t;
+    tune_report_task(report, t);
+    if (!duet_tune_run(&def, &outcome, err))
+        return false;
+    text_add(&command, "duet run");
+    command_text_option(&command, "task", w->scene);
+    command_text_settings(&command, &asked);
+    command_text_pair(&command, def.pair);
+    tune_report_add(report, &outcome, &command);
+    text_free(&command);
+    return true;
+}
+
 static bool check_query(const config_workload *w, const duet_device_pair *pair, duet_error *err)
 {
     return !w->query || !duet_device_pair_is_one(pair) ||
@@ -383,22 +412,39 @@ static bool check_strategy(const arguments *args, const duet_device_pair *pair, 
                      args->strategy ? "" : "-lua", duet_device_pair_get_info(pair, 0)->selector);
 }
 
+static bool tune_scene(const arguments *args, const duet_tune_def *def, const config_workload *w,
+                       tune_report *report, duet_error *err)
+{
+    scene_options asked = options_of(args, w);
+    duet_scene *scene = inputs_load_objects(w->scene, &asked, err);
+    bool ok = scene && check_query(w, def->pair, err) && put_in_order(def, scene, err) &&
+              tune_workload(args, def, w, scene, report, err);
+    duet_scene_destroy(scene);
+    return ok;
+}
+
+static bool load_and_tune_task(const arguments *args, const duet_tune_def *def,
+                               const config_workload *w, tune_report *report, duet_error *err)
+{
+    scene_options asked = options_of(args, w);
+    task *t = inputs_load_task(w->scene, &asked, err);
+    bool ok = t && tune_task(args, def, w, t, report, err);
+    task_destroy(t);
+    return ok;
+}
+
 static bool tune_workloads(const arguments *args, const tune_config *config, tune_report *report,
                            duet_error *err)
 {
     duet_tune_def def = make_def(args, config, report);
-    def.pair = inputs_open_pair(config->pair, err);
+    def.pair = args->task ? inputs_open_task_pair(config->pair, args->task, err)
+                          : inputs_open_pair(config->pair, err);
     bool ok = def.pair && check_strategy(args, def.pair, err);
     if (ok)
         tune_report_expect(report, def.pair, config->n_workloads, config->budget_seconds);
-    for (uint32_t i = 0; ok && i < config->n_workloads; ++i) {
-        const config_workload *w = &config->workloads[i];
-        scene_options asked = options_of(args, w);
-        duet_scene *scene = inputs_load_objects(w->scene, &asked, err);
-        ok = scene && check_query(w, def.pair, err) && put_in_order(&def, scene, err) &&
-             tune_workload(args, &def, w, scene, report, err);
-        duet_scene_destroy(scene);
-    }
+    for (uint32_t i = 0; ok && i < config->n_workloads; ++i)
+        ok = (args->task ? load_and_tune_task : tune_scene)(args, &def, &config->workloads[i],
+                                                            report, err);
     duet_device_pair_destroy(def.pair);
     return ok;
 }

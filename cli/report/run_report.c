@@ -60,6 +60,10 @@ void run_report_devices(const duet_device_pair *pair, const duet_plan *plan)
         table_cell(&t, "of the work, kernels '%s'", i == 0 ? plan->variant_a : plan->variant_b);
     }
     table_print(&t, stdout);
+}
+
+void run_report_grids(const duet_plan *plan)
+{
     if (plan->share > 0 && plan->share < DUET_SHARE_ONE)
         printf("grids: %s\n", duet_mode_name(plan->mode));
 }
@@ -317,6 +321,7 @@ static void print_step(const run_report *r)
 {
     print_grid(r->scene, &r->timed->last);
     run_report_devices(r->pair, r->plan);
+    run_report_grids(r->plan);
     print_level(r);
     print_profile(r);
     print_stages(timed_staged(r->timed), is_one(r->pair, r->plan));

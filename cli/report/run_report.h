@@ -38,6 +38,7 @@ void run_report_add_check(struct cJSON *o, const reference_check *check);
 
 // Which device does how much of the work by which kernels.
 void run_report_devices(const duet_device_pair *pair, const duet_plan *plan);
+void run_report_grids(const duet_plan *plan); // a line, if both devices have a share
 
 void run_report_text(const run_report *r);
 bool run_report_json(const run_report *r, duet_error *err);

@@ -6,6 +6,7 @@
 #include "cli/interrupt.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
+#include "runtime/task/task.h"
 #include "tuner/terms.h"
 
 #include <math.h>
@@ -37,6 +38,14 @@ void tune_report_workload(tune_report *r, const duet_scene_info *scene, const du
     r->items = def->items ? def->items : scene->n;
     r->steps = def->steps;
     snprintf(r->name, sizeof r->name, "%.30s, %s", scene->name, table_count(scene->n).chars);
+    ++r->number;
+}
+
+void tune_report_task(tune_report *r, const task *t)
+{
+    r->task = t->kernel;
+    r->items = t->items;
+    snprintf(r->name, sizeof r->name, "%.30s, %s", t->name, table_count(t->size).chars);
     ++r->number;
 }
 
@@ -137,13 +146,15 @@ static double break_even(const duet_tune_outcome *o)
     return won_ms > 0 && !o->known ? ceil(o->seconds * 1e3 / won_ms) : NAN;
 }
 
-static void add_command(cJSON *row, const duet_tune_outcome *o, bool one, text *command)
+static void add_command(cJSON *row, const duet_tune_outcome *o, bool one, bool is_task,
+                        text *command)
 {
     if (command->length == 0)
         return;
     command_text_plan(command, o->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(o->plan.mode),
                       o->plan.variant_a, o->plan.variant_b, one);
-    command_text_option(command, "level", duet_level_get_info(o->level)->name);
+    if (!is_task)
+        command_text_option(command, "level", duet_level_get_info(o->level)->name);
     cJSON_AddStringToObject(row, "command", text_chars(command));
 }
 
@@ -152,8 +163,8 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o, text *command)
     cJSON *row = json_add_row(r->workloads);
     cJSON_AddStringToObject(row, "workload", r->name);
     cJSON_AddNumberToObject(row, "objects", o->objects);
-    if (r->query) {
-        cJSON_AddStringToObject(row, "query", r->query);
+    if (r->query || r->task) {
+        cJSON_AddStringToObject(row, r->task ? "task" : "query", r->task ? r->task : r->query);
         cJSON_AddNumberToObject(row, "items", (double)r->items);
     }
     if (r->steps)
@@ -162,7 +173,7 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o, text *command)
     json_add_rates(row, (double)o->true_pairs, o->accuracy.missed, o->accuracy.false_rate);
     json_add_plan(row, o->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(o->plan.mode),
                   o->plan.variant_a, o->plan.variant_b);
-    add_command(row, o, r->one, command);
+    add_command(row, o, r->one, r->task, command);
     cJSON_AddBoolToObject(row, "one_device", r->one);
     cJSON_AddNumberToObject(row, "best_share", o->best.share / (double)DUET_SHARE_ONE);
     json_add_interval(row, "gain", o->gain, o->gain_low, o->gain_high);
@@ -304,6 +315,9 @@ static void print_details(const tune_report *r, const cJSON *row)
     if (*query)
         printf("%s %s", table_count((uint64_t)json_number(row, "items")).chars,
                say_name(query).chars);
+    else if (*json_string(row, "task"))
+        printf("%s items of kernel %s", table_count((uint64_t)json_number(row, "items")).chars,
+               json_string(row, "task"));
     else if (json_number(row, "steps") > 0)
         printf("runs of %.0f steps", json_number(row, "steps"));
     else

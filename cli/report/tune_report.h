@@ -12,6 +12,7 @@ typedef struct tune_report {
     cJSON *workloads; // one object each
     char name[168];   // of the workload that is measured
     const char *query;
+    const char *task; // its kernel; NULL: a scene is tuned
     uint64_t items;
     uint32_t steps;  // of a motion; 0: none
     uint32_t number; // of it, from 1
@@ -34,6 +35,8 @@ void tune_report_expect(tune_report *r, const duet_device_pair *pair, uint32_t n
 
 // The workload that is measured next.
 void tune_report_workload(tune_report *r, const duet_scene_info *scene, const duet_tune_def *def);
+
+void tune_report_task(tune_report *r, const struct duet_task *task);
 
 // A duet_tune_watch; stops after Ctrl-C.
 bool tune_report_watch(void *report, const duet_tune_progress *p);

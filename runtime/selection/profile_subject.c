@@ -244,6 +244,22 @@ bool profile_subject_read_query(const duet_tree *tree, const query_name *query, 
     return hash_kernels(def->pair->kernel_dir, p->kernels, err);
 }
 
+void profile_subject_read_task(const duet_device_pair *pair, const char *words, uint64_t n,
+                               const char kernel_hash[PROFILE_SHA], profile_subject *p)
+{
+    *p = (profile_subject){0};
+    describe_pair(p, pair);
+    memcpy(p->kernels, kernel_hash, sizeof p->kernels);
+    p->workload = (profile_workload){
+        .dims = 3,
+        .n = n,
+        .size_ratio = 1,
+        .shape = "task",
+        .level = duet_level_get_info(DUET_LEVEL_CERTIFIED)->name,
+        .query = words,
+    };
+}
+
 // ---------------------------------------------------------------- motions
 
 // The settings that decide the text of its kernels, and how often they run.

@@ -37,6 +37,11 @@ bool profile_subject_read_query(const duet_tree *tree, const query_name *query, 
 // bodies, or in which nothing happens.
 bool profile_subject_read_motion(const duet_motion *motion, profile_subject *p, duet_error *err);
 
+// n items of a task of that text, "task saxpy", with the hash of its kernel. The text must live as
+// long as the subject.
+void profile_subject_read_task(const duet_device_pair *pair, const char *words, uint64_t n,
+                               const char kernel_hash[PROFILE_SHA], profile_subject *p);
+
 // From here on it is the workload at that level, whatever was asked for.
 void profile_subject_settle(profile_subject *p, duet_level level);
 

@@ -493,7 +493,7 @@ TEST(a_broken_kernel_does_not_stop_the_others)
     gen_close(g);
 }
 
-TEST(a_folder_is_never_mixed_with_carried_files)
+TEST(a_folder_takes_only_the_common_header_from_carried_files)
 {
     duet_error err = {0};
     assert_null(gen_open("no/such/folder", &err));
@@ -508,12 +508,21 @@ TEST(a_folder_is_never_mixed_with_carried_files)
     assert_ok(g, err);
     gen_variant v;
     assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));
-    expect(err, DUET_STATUS_NOT_FOUND, "/common.clh: ");
-    write_file("common.clh", "\n");
-    err = (duet_error){0};
-    assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));
     expect(err, DUET_STATUS_NOT_FOUND, "/scan.cl: ");
     write_file("scan.cl", "\n");
+    err = (duet_error){0};
+    assert_ok(gen_make(g, "scan", NULL, 0, &gpu, &v, &err), err);
+    assert_non_null(strstr(v.text, "FP_CONTRACT OFF"));
+    gen_variant_free(&v);
+    write_file("common.clh", "// own\n");
+    gen_close(g);
+    assert_ok((g = gen_open(folder, &err)), err);
+    assert_ok(gen_make(g, "scan", NULL, 0, &gpu, &v, &err), err);
+    assert_non_null(strstr(v.text, "// own"));
+    assert_null(strstr(v.text, "FP_CONTRACT OFF"));
+    gen_variant_free(&v);
+    gen_close(g);
+    assert_ok((g = gen_open(folder, &err)), err);
     write_file("scan.cl.in", "\n");
     err = (duet_error){0};
     assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+// duet run --task: a kernel of the user's on two devices, every launch checked.
+//
+// The first launch warms up; of the others the one with the median time is shown.
+#include "cli/commands/run.h"
+
+#include "base/error.h"
+#include "cli/command_text.h"
+#include "cli/interrupt.h"
+#include "cli/report/json.h"
+#include "cli/report/run_report.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+#include "runtime/selection/profile_subject.h"
+#include "runtime/task/task_launch.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// What was run, and how long it took.
+typedef struct ran {
+    const task *task;
+    const duet_device_pair *pair;
+    duet_plan plan;
+    duet_grade grade;     // of the plan
+    bool given;           // the plan
+    task_result *results; // by their time
+    uint32_t n;
+} ran;
+
+// ---------------------------------------------------------------- the plan
+
+// The plan that was measured for the task on these devices; the default one if none was. A store
+// that cannot be read is told of.
+static bool find_plan(const task_launcher *l, ran *r, duet_error *err)
+{
+    char words[TASK_WORDS], hash[PROFILE_SHA];
+    profile_subject subject;
+    profile_found found = {.grade = PROFILE_DEFAULT};
+    duet_error failure = {0};
+    if (!task_kernel_hash(l, hash, err))
+        return false;
+    task_write_words(r->task, words);
+    profile_subject_read_task(r->pair, words, r->task->size, hash, &subject);
+    profile_request request = profile_subject_request(&subject);
+    if (!profile_subject_look(NULL, &request, &found, NULL, &failure))
+        say_failed(&failure);
+    r->grade = found.grade < PROFILE_STALE ? (duet_grade)found.grade : DUET_GRADE_DEFAULT;
+    return found.grade >= PROFILE_STALE || profile_subject_read_plan(&found.plan, &r->plan, err);
+}
+
+static bool choose_plan(const arguments *args, const task_launcher *l, ran *r, duet_error *err)
+{
+    r->plan = duet_default_plan(r->pair);
+    r->plan.mode = DUET_MODE_OWN;
+    strcpy(r->plan.variant_a, "auto");
+    strcpy(r->plan.variant_b, "auto");
+    r->grade = DUET_GRADE_DEFAULT;
+    r->given = inputs_plan_given(&args->plan);
+    return r->given ? inputs_change_plan(&args->plan, r->pair, args->pair, &r->plan, err)
+                    : find_plan(l, r, err);
+}
+
+// ---------------------------------------------------------------- launches
+
+static int compare_times(const void *a, const void *b)
+{
+    double x = ((const task_result *)a)->total_ms, y = ((const task_result *)b)->total_ms;
+    return (x > y) - (x < y);
+}
+
+static bool launch_all(const arguments *args, task_launcher *l, ran *r, duet_error *err)
+{
+    task_result first;
+    r->results = calloc(args->repeat, sizeof *r->results);
+    if (!r->results)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for times");
+    bool ok = task_launch(l, &r->plan, &first, err);
+    for (; ok && r->n < args->repeat && !interrupt_asked(); ++r->n)
+        ok = task_launch(l, &r->plan, &r->results[r->n], err);
+    if (ok)
+        qsort(r->results, r->n, sizeof *r->results, compare_times);
+    return ok && interrupt_check(err);
+}
+
+// ---------------------------------------------------------------- the report
+
+static void print_stages(const task_result *m)
+{
+    table t = table_begin("lrr");
+    table_words(&t, "", "A ms", "B ms", NULL);
+    for (uint32_t i = 0; i < m->n_stages; ++i) {
+        bool seen = false;
+        double ms[2] = {0, 0};
+        for (uint32_t k = 0; k < m->n_stages; ++k) {
+            bool same = strcmp(m->stages[k].name, m->stages[i].name) == 0;
+            seen |= same && k < i;
+            ms[m->stages[k].device] += same ? m->stages[k].ms : 0;
+        }
+        if (seen)
+            continue;
+        table_words(&t, m->stages[i].name, NULL);
+        table_cell(&t, "%.3f", ms[0]);
+        table_cell(&t, "%.3f", ms[1]);
+    }
+    table_words(&t, "together", NULL);
+    table_cell(&t, "%.3f", m->device_ms[0]);
+    table_cell(&t, "%.3f", m->device_ms[1]);
+    table_print(&t, stdout);
+}
+
+static void print_plan(const arguments *args, const ran *r)
+{
+    text tuning = {0};
+    if (r->given || r->grade < DUET_GRADE_DEFAULT) {
+        printf(r->given ? "plan: as given\n\n" : "plan: from the profile, %s\n\n",
+               duet_grade_name(r->grade));
+        return;
+    }
+    printf("plan: the default; to measure a better one:\n");
+    text_add(&tuning, "duet tune");
+    command_text_option(&tuning, "task", args->task);
+    command_text_settings(&tuning, &args->scene);
+    command_text_pair(&tuning, r->pair);
+    command_text_print(text_chars(&tuning), stdout);
+    text_free(&tuning);
+    putchar('\n');
+}
+
+static void print_right(const task *t)
+{
+    if (t->tolerance > 0)
+        printf("right: every launch, within %g of what the task expects\n", t->tolerance);
+    else
+        printf("right: every launch, exactly what the task expects\n");
+}
+
+static void print_text(const arguments *args, const ran *r)
+{
+    const task_result *m = &r->results[r->n / 2];
+    printf("%s: %s items of kernel %s\n", say_name(r->task->name).chars,
+           table_count(r->task->items).chars, r->task->kernel);
+    run_report_devices(r->pair, &r->plan);
+    print_plan(args, r);
+    print_stages(m);
+    printf("\ntime: %.3f ms, median of %u, %.3f to %.3f; %s items a second\n", m->total_ms, r->n,
+           r->results[0].total_ms, r->results[r->n - 1].total_ms,
+           table_rate(m->total_ms > 0 ? (double)r->task->items / m->total_ms * 1e3 : 0).chars);
+    print_right(r->task);
+}
+
+static bool print_json(const ran *r, duet_error *err)
+{
+    const task_result *m = &r->results[r->n / 2];
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "task", r->task->name);
+    cJSON_AddStringToObject(o, "kernel", r->task->kernel);
+    cJSON_AddNumberToObject(o, "items", (double)r->task->items);
+    json_add_plan(o, r->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(r->plan.mode),
+                  r->plan.variant_a, r->plan.variant_b);
+    cJSON_AddStringToObject(o, "plan_from", r->given ? "given" : duet_grade_name(r->grade));
+    cJSON_AddNumberToObject(o, "total_ms", m->total_ms);
+    cJSON_AddNumberToObject(o, "a_ms", m->device_ms[0]);
+    cJSON_AddNumberToObject(o, "b_ms", m->device_ms[1]);
+    cJSON_AddNumberToObject(o, "launches", r->n);
+    cJSON_AddNumberToObject(o, "tolerance", r->task->tolerance);
+    return say_json(o, err);
+}
+
+static bool run_on(const arguments *args, task *t, duet_device_pair *pair, duet_error *err)
+{
+    ran r = {.task = t, .pair = pair};
+    task_launcher *l = task_launcher_open(t, pair, err);
+    bool ok = l && choose_plan(args, l, &r, err) && launch_all(args, l, &r, err);
+    if (ok && args->json)
+        ok = print_json(&r, err);
+    else if (ok)
+        print_text(args, &r);
+    free(r.results);
+    task_launcher_close(l);
+    return ok;
+}
+
+bool run_task(const arguments *args, duet_error *err)
+{
+    task *t = inputs_load_task(args->task, &args->scene, err);
+    duet_device_pair *pair = t ? inputs_open_task_pair(args->pair, args->task, err) : NULL;
+    bool ok = pair && run_on(args, t, pair, err);
+    duet_device_pair_destroy(pair);
+    task_destroy(t);
+    return ok;
+}

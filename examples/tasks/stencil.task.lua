@@ -1,0 +1,31 @@
+-- SPDX-License-Identifier: MIT
+-- Rows are shared, and each device reads one row more on each side: the halo.
+local p = parameters { n = 512, width = 1024, seed = 1 }
+return {
+  kernel = "stencil",
+  args = {
+    width = p.width,
+    rows = p.n,
+    rate = 0.2,
+    before = { "float", p.n * p.width, init = "random", access = "slice", halo = 1 },
+    after = { "float", p.n * p.width, access = "out slice" },
+  },
+  items = p.n,
+  work = p.width,
+  reference = function(v)
+    local before, w = v.before, v.width
+    for y = 0, v.rows - 1 do
+      for x = 0, w - 1 do
+        local u = y * w + x
+        local own = before[u]
+        local left = x > 0 and before[u - 1] or own
+        local right = x < w - 1 and before[u + 1] or own
+        local above = y > 0 and before[u - w] or own
+        local below = y < v.rows - 1 and before[u + w] or own
+        v.after[u] = own + v.rate * (left + right + above + below - 4 * own)
+      end
+    end
+  end,
+  tolerance = 1e-6,
+  key = { n = p.n, width = p.width },
+}

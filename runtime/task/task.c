@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/task/task.h"
+
+#include "base/error.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *task_access_name(task_access access)
+{
+    static const char *const names[] = {"all", "slice", "out slice", "in out slice", "sum"};
+    return access <= TASK_SUM ? names[access] : NULL;
+}
+
+void task_destroy(task *t)
+{
+    if (!t)
+        return;
+    for (uint32_t i = 0; i < t->n_args; ++i) {
+        task_values_free(&t->args[i].initial);
+        task_values_free(&t->args[i].expected);
+    }
+    free(t->path);
+    free(t->folder);
+    free(t);
+}
+
+void task_write_words(const task *t, char words[TASK_WORDS])
+{
+    snprintf(words, TASK_WORDS, "task %s%s%s", t->kernel, *t->key ? " " : "", t->key);
+}
+
+bool task_arg_is_written(const task_arg *arg)
+{
+    return arg->is_array && arg->access >= TASK_OUT;
+}
+
+// ---------------------------------------------------------------- what is right
+
+// A number as messages show it: whole ones as they are.
+typedef struct shown {
+    char chars[32];
+} shown;
+
+static shown show(const task_values *v, uint64_t i)
+{
+    shown s;
+    if (v->scalar == TASK_ULONG)
+        snprintf(s.chars, sizeof s.chars, "%" PRIu64, (uint64_t)task_values_get_whole(v, i));
+    else if (task_scalar_is_whole(v->scalar))
+        snprintf(s.chars, sizeof s.chars, "%" PRId64, task_values_get_whole(v, i));
+    else
+        snprintf(s.chars, sizeof s.chars, "%.*g", v->scalar == TASK_FLOAT ? 9 : 17,
+                 task_values_get(v, i));
+    return s;
+}
+
+static double bound_of(const task *t, double expected)
+{
+    return t->tolerance * fmax(1, fabs(expected));
+}
+
+// Numbers that are none are right where they are expected.
+static bool is_near(const task *t, const task_values *found, const task_values *expected,
+                    uint64_t i)
+{
+    double a = task_values_get(found, i), b = task_values_get(expected, i);
+    return a == b || (isnan(a) && isnan(b)) || fabs(a - b) <= bound_of(t, b);
+}
+
+static bool is_same(const task_values *found, const task_values *expected, uint64_t i)
+{
+    size_t bytes = task_scalar_bytes(found->scalar);
+    return memcmp((const char *)found->bytes + i * bytes, (const char *)expected->bytes + i * bytes,
+                  bytes) == 0;
+}
+
+static bool tell_wrong(const task *t, const task_arg *arg, const task_values *found, uint64_t i,
+                       duet_error *err)
+{
+    char item[32] = "", component[16] = "", bound[48] = "";
+    uint64_t element = i / arg->lanes;
+    if (arg->per_item > 0)
+        snprintf(item, sizeof item, "item %" PRIu64 ": ", element / arg->per_item);
+    if (arg->lanes > 1)
+        snprintf(component, sizeof component, ".s%x", (unsigned)(i % arg->lanes));
+    if (t->tolerance > 0)
+        snprintf(bound, sizeof bound, " within %.3g",
+                 bound_of(t, task_values_get(&arg->expected, i)));
+    return error_set(err, DUET_STATUS_WRONG_RESULT,
+                     "task %s: %s%s[%" PRIu64 "]%s is %s; expected %s%s", t->name, item, arg->name,
+                     element, component, show(found, i).chars, show(&arg->expected, i).chars,
+                     bound);
+}
+
+bool task_check(const task *t, const task_arg *arg, const task_values *found, duet_error *err)
+{
+    const task_values *expected = &arg->expected;
+    if (memcmp(found->bytes, expected->bytes, found->size) == 0)
+        return true;
+    for (uint64_t i = 0; i < found->n; ++i)
+        if (t->tolerance > 0 ? !is_near(t, found, expected, i) : !is_same(found, expected, i))
+            return tell_wrong(t, arg, found, i, err);
+    return true;
+}

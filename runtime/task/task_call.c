@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/task/task_call.h"
+
+#include "base/error.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char *const ranges[2] = {"first", "last"};
+
+// The argument's slot; TASK_SLOTS if the task has none of that name.
+static uint32_t find_slot(const task *t, const char *name)
+{
+    for (uint32_t i = 0; i < t->n_args; ++i)
+        if (strcmp(t->args[i].name, name) == 0)
+            return i;
+    for (uint32_t i = 0; i < 2; ++i)
+        if (strcmp(ranges[i], name) == 0)
+            return t->n_args + i;
+    return TASK_SLOTS;
+}
+
+static bool is_range(const task *t, uint32_t slot)
+{
+    return slot >= t->n_args;
+}
+
+// ---------------------------------------------------------------- one argument
+
+static bool check_array(const task_call *c, const task *t, const task_arg *arg, const gen_arg *card,
+                        duet_error *err)
+{
+    size_t n = strlen(arg->type);
+    if (strncmp(card->type, arg->type, n) != 0 || strcmp(card->type + n, " *") != 0)
+        return error_set(err, DUET_STATUS_BAD_INPUT,
+                         "%s: args.%s is an array of %s; the card of %s has '%s'", t->path,
+                         arg->name, arg->type, c->kernel, card->type);
+    if (card->is_const == task_arg_is_written(arg))
+        return error_set(err, DUET_STATUS_BAD_INPUT,
+                         "%s: args.%s: access is %s, but the card of %s says that it is %s",
+                         t->path, arg->name, task_access_name(arg->access), c->kernel,
+                         card->is_const ? "const" : "written; expected const in the card");
+    return true;
+}
+
+static bool set_whole(task_slot *slot, const char *type, int64_t value)
+{
+    if (strcmp(type, "int") == 0)
+        slot->i = (cl_int)value;
+    else if (strcmp(type, "uint") == 0)
+        slot->u = (cl_uint)value;
+    else
+        slot->l = (cl_long)value;
+    return (strcmp(type, "int") != 0 || value == slot->i) &&
+           (strcmp(type, "uint") != 0 || value == slot->u) &&
+           (strcmp(type, "ulong") != 0 || value >= 0);
+}
+
+static bool is_whole_type(const char *type)
+{
+    return strcmp(type, "int") == 0 || strcmp(type, "uint") == 0 || strcmp(type, "long") == 0 ||
+           strcmp(type, "ulong") == 0;
+}
+
+static bool set_value(task_call *c, const task *t, const task_arg *arg, task_slot *slot,
+                      const gen_arg *card, duet_error *err)
+{
+    bool ok = true;
+    if (is_whole_type(card->type))
+        ok = arg->is_whole && set_whole(slot, card->type, arg->whole);
+    else if (strcmp(card->type, "float") == 0 ||
+             (strcmp(card->type, "real") == 0 && !card->is_double))
+        slot->f = (cl_float)arg->value;
+    else if (strcmp(card->type, "double") == 0 || strcmp(card->type, "real") == 0)
+        slot->d = arg->value;
+    else
+        ok = false;
+    return ok ||
+           error_set(err, DUET_STATUS_BAD_INPUT, "%s: args.%s is %.17g; the card of %s has '%s'",
+                     t->path, arg->name, arg->value, c->kernel, card->type);
+}
+
+// An item's number: of 32 bits only if all have one.
+static bool check_range(task_call *c, const task *t, uint32_t slot, const gen_arg *card,
+                        duet_error *err)
+{
+    task_slot most;
+    c->is_long[slot - t->n_args] = strstr(card->type, "long");
+    return (is_whole_type(card->type) && set_whole(&most, card->type, (int64_t)t->items)) ||
+           error_set(err, DUET_STATUS_BAD_INPUT,
+                     "%s: items is %llu; the card of %s has '%s %s', expected ulong", t->path,
+                     (unsigned long long)t->items, c->kernel, card->type, card->name);
+}
+
+static bool bind_arg(task_call *c, const task *t, const gen_arg *card, duet_error *err)
+{
+    uint32_t i = find_slot(t, card->name);
+    if (i == TASK_SLOTS)
+        return error_set(err, DUET_STATUS_BAD_INPUT,
+                         "%s: args has no '%s', which the card of %s has", t->path, card->name,
+                         c->kernel);
+    const task_arg *arg = &t->args[i];
+    bool is_buffer = strchr(card->type, '*');
+    if (!is_range(t, i) && arg->is_array != is_buffer)
+        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: args.%s is a%s; the card of %s has '%s'",
+                         t->path, arg->name, arg->is_array ? "n array" : " number", c->kernel,
+                         card->type);
+    snprintf(c->types[i], sizeof c->types[i], "%s", card->type);
+    return is_range(t, i)  ? check_range(c, t, i, card, err)
+           : arg->is_array ? check_array(c, t, arg, card, err)
+                           : set_value(c, t, arg, &c->slots[i], card, err);
+}
+
+// ---------------------------------------------------------------- the call
+
+static const gen_entry *find_entry(const gen_variant *v, const char *name)
+{
+    for (uint32_t i = 0; i < v->n_entries; ++i)
+        if (strcmp(v->entries[i].name, name) == 0)
+            return &v->entries[i];
+    return NULL;
+}
+
+static bool bind_args(task_call *c, const task *t, const gen_entry *entry, duet_error *err)
+{
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < entry->n_fields; ++i)
+        ok = bind_arg(c, t, &entry->args[i], err);
+    for (uint32_t i = 0; ok && i < 2; ++i)
+        ok = *c->types[t->n_args + i] ||
+             error_set(err, DUET_STATUS_BAD_INPUT,
+                       "%s: the card of %s has no argument '%s'; expected first and last, the "
+                       "items of a launch",
+                       t->path, c->kernel, ranges[i]);
+    for (uint32_t i = 0; ok && i < t->n_args; ++i)
+        ok = *c->types[i] || strcmp(c->kernel, t->kernel) != 0 ||
+             error_set(err, DUET_STATUS_BAD_INPUT,
+                       "%s: args.%s: the card of %s has no such argument", t->path, t->args[i].name,
+                       c->kernel);
+    return ok;
+}
+
+static void list_bindings(task_call *c, const task *t)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < t->n_args + 2; ++i)
+        if (*c->types[i])
+            c->bindings[n++] =
+                (binding){.name = is_range(t, i) ? ranges[i - t->n_args] : t->args[i].name,
+                          .type = c->types[i],
+                          .at = (uint32_t)(i * sizeof *c->slots)};
+    c->bindings[n] = (binding){0};
+}
+
+bool task_call_read(task_call *c, const task *t, const char *kernel_name, const char *entry, gen *g,
+                    const gen_limits *limits, duet_error *err)
+{
+    gen_variant v = {0};
+    *c = (task_call){0};
+    snprintf(c->kernel, sizeof c->kernel, "%s", kernel_name);
+    snprintf(c->entry, sizeof c->entry, "%s", entry);
+    if (!gen_make(g, kernel_name, NULL, 0, limits, &v, err))
+        return false;
+    const gen_entry *found = find_entry(&v, entry);
+    bool ok = found ? bind_args(c, t, found, err)
+                    : error_set(err, DUET_STATUS_BAD_INPUT, "%s: the card of %s has no entry '%s'",
+                                t->path, kernel_name, entry);
+    gen_variant_free(&v);
+    list_bindings(c, t);
+    return ok;
+}
+
+void task_call_aim(task_call *c, const task *t, uint64_t first, uint64_t last)
+{
+    const uint64_t range[2] = {first, last};
+    for (uint32_t i = 0; i < 2; ++i) {
+        task_slot *slot = &c->slots[t->n_args + i];
+        if (c->is_long[i])
+            slot->ul = range[i];
+        else
+            slot->u = (cl_uint)range[i];
+    }
+}

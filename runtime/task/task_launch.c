@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/task/task_launch.h"
+
+#include "base/blob.h"
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/text_file.h"
+#include "runtime/broadphase/variant.h"
+#include "runtime/task/task_launcher.h"
+#include "runtime/task/task_reference.h"
+
+#include <sha256.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- a device's part
+
+static bool fetch_array(task_side *s, uint32_t i, duet_error *err)
+{
+    const task *t = s->launcher->task;
+    const task_arg *arg = &t->args[i];
+    buffer *b = &s->buffers[i];
+    size_t from, to;
+    if (b->host)
+        return timeline_read(&s->side.times, "fetch", b, b->host, arg->initial.size, err);
+    if (arg->access == TASK_SUM)
+        return timeline_read(&s->side.times, "fetch", b, s->partial[i].bytes, arg->initial.size,
+                             err);
+    task_arg_range(arg, t->items, s->side.first, s->side.last, &from, &to);
+    return timeline_read_at(&s->side.times, "fetch", b, from,
+                            (char *)s->launcher->results[i].bytes + from, to - from, err);
+}
+
+static bool run_part(work_side *w)
+{
+    task_side *s = (task_side *)w;
+    const task *t = s->launcher->task;
+    bool ok = task_side_send(s, &w->err) && task_side_launch(s, &w->err);
+    for (uint32_t i = 0; ok && i < t->n_args; ++i)
+        ok = !task_arg_is_written(&t->args[i]) || fetch_array(s, i, &w->err);
+    return ok;
+}
+
+// ---------------------------------------------------------------- results
+
+// Puts arrays back to what they hold before a launch. What is only written gets bytes that no
+// launch leaves by chance, so that an earlier launch's results are never taken for this one's.
+static void prepare_results(task_launcher *l)
+{
+    enum { UNWRITTEN = 0xA5 };
+    for (uint32_t i = 0; i < l->task->n_args; ++i) {
+        const task_arg *arg = &l->task->args[i];
+        if (arg->is_array && arg->access == TASK_OUT)
+            memset(l->results[i].bytes, UNWRITTEN, l->results[i].size);
+        else if (arg->is_array && arg->access == TASK_IN_OUT)
+            memcpy(l->results[i].bytes, arg->initial.bytes, arg->initial.size);
+    }
+}
+
+static void add(task_values *to, const task_values *a, const task_values *b)
+{
+    bool whole = task_scalar_is_whole(to->scalar);
+    for (uint64_t i = 0; whole && i < to->n; ++i)
+        task_values_set_whole(to, i,
+                              (int64_t)((uint64_t)task_values_get_whole(a, i) +
+                                        (uint64_t)task_values_get_whole(b, i)));
+    for (uint64_t i = 0; !whole && i < to->n; ++i)
+        task_values_set(to, i, task_values_get(a, i) + task_values_get(b, i));
+}
+
+// A device's sum lies in its buffer, if that is host memory.
+static task_values sum_of(const task_side *s, uint32_t i)
+{
+    task_values sum = s->partial[i];
+    if (s->buffers[i].host)
+        sum.bytes = s->buffers[i].host;
+    return sum;
+}
+
+// Parts of a sum are added; of other arrays each device has left its own part in its place.
+static void merge_results(task_launcher *l)
+{
+    const task_side *a = &l->sides[0], *b = &l->sides[1];
+    for (uint32_t i = 0; i < l->task->n_args; ++i) {
+        if (!l->task->args[i].is_array || l->task->args[i].access != TASK_SUM)
+            continue;
+        task_values of_a = sum_of(a, i), of_b = sum_of(b, i);
+        bool uses_a = a->side.first < a->side.last, uses_b = b->side.first < b->side.last;
+        if (uses_a && uses_b)
+            add(&l->results[i], &of_a, &of_b);
+        else
+            memcpy(l->results[i].bytes, uses_a ? of_a.bytes : of_b.bytes, l->results[i].size);
+    }
+}
+
+static bool check_results(task_launcher *l, duet_error *err)
+{
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < l->task->n_args; ++i)
+        ok = !task_arg_is_written(&l->task->args[i]) ||
+             task_check(l->task, &l->task->args[i], &l->results[i], err);
+    return ok;
+}
+
+// ---------------------------------------------------------------- kernels
+
+// What the plan's text sets of the kernel.
+static bool read_settings(const task_side *s, const char *words, gen_setting *settings, variant *v,
+                          uint32_t *n, duet_error *err)
+{
+    *n = 0;
+    if (!variant_parse(v, *words ? words : "auto", &s->side.device->info, err))
+        return false;
+    for (uint32_t i = 0; i < v->n_settings; ++i)
+        if (!*v->settings[i].kernel || strcmp(v->settings[i].kernel, s->call->kernel) == 0)
+            settings[(*n)++] = (gen_setting){v->settings[i].name, v->settings[i].value};
+    return true;
+}
+
+static bool build(task_side *s, const gen_setting *settings, uint32_t n, duet_error *err)
+{
+    s->kernel = program_set_kernel(s->side.programs, s->call->kernel, s->call->entry, settings, n,
+                                   s->call->bindings, err);
+    return s->kernel && program_set_build(s->side.programs, err);
+}
+
+// Makes the kernel of a variant, unless it is there.
+static bool take_variant(task_side *s, const char *words, duet_error *err)
+{
+    variant v;
+    gen_setting settings[VARIANT_SETTINGS];
+    uint32_t n;
+    if (!s->side.device || (s->call == &s->own && *s->variant && strcmp(s->variant, words) == 0))
+        return true;
+    s->call = &s->own;
+    *s->variant = '\0';
+    if (!read_settings(s, words, settings, &v, &n, err) || !build(s, settings, n, err))
+        return false;
+    snprintf(s->variant, sizeof s->variant, "%s", words);
+    return true;
+}
+
+// ---------------------------------------------------------------- launches
+
+static bool has_sum(const task *t)
+{
+    bool has = false;
+    for (uint32_t i = 0; i < t->n_args; ++i)
+        has |= t->args[i].is_array && t->args[i].access == TASK_SUM;
+    return has;
+}
+
+static void list_stages(const task_launcher *l, double merge_ms, task_result *r)
+{
+    int n = 0;
+    for (int side = 0; side < 2; ++side)
+        if (r->device_ms[side] > 0)
+            n = timeline_list_stages(&l->sides[side].side.times, side, r->stages, n);
+    if (has_sum(l->task))
+        r->stages[n++] = (duet_stage){.name = "merge", .device = 1, .ms = merge_ms};
+    r->n_stages = (uint32_t)n;
+}
+
+static bool run(task_launcher *l, uint32_t share, task_result *r, duet_error *err)
+{
+    *r = (task_result){0};
+    l->work.share = share;
+    prepare_results(l);
+    uint64_t begun = clock_steady_ns();
+    if (!shared_work_run(&l->work, l->task->items, run_part, err))
+        return false;
+    double before_ms = clock_ms_since(begun);
+    merge_results(l);
+    r->total_ms = clock_ms_since(begun);
+    for (int side = 0; side < 2; ++side)
+        r->device_ms[side] = l->sides[side].side.wall_ms;
+    list_stages(l, r->total_ms - before_ms, r);
+    return true;
+}
+
+// One device does all of it by itself.
+static uint32_t share_of(const task_launcher *l, const duet_plan *plan)
+{
+    return l->sides[0].side.device ? plan->share : 0;
+}
+
+bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, duet_error *err)
+{
+    return shared_work_check(plan->share, err) &&
+           take_variant(&l->sides[0], plan->variant_a, err) &&
+           take_variant(&l->sides[1], plan->variant_b, err) &&
+           run(l, share_of(l, plan), result, err) && check_results(l, err);
+}
+
+bool task_kernel_space(task_launcher *l, const duet_plan *plan, int which, kernel_space **spaces,
+                       uint32_t *n, duet_error *err)
+{
+    static const char *const stages[KERNEL_SPACE_STAGES] = {"kernel"};
+    task_side *s = &l->sides[which];
+    *n = 0;
+    *spaces = s->side.device ? calloc(1, sizeof **spaces) : NULL;
+    if (!s->side.device)
+        return true;
+    if (!*spaces)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
+    const kernel_space_source from = {.gen = s->side.gen,
+                                      .limits = program_set_limits(s->side.programs)};
+    bool ok = take_variant(s, which == 0 ? plan->variant_a : plan->variant_b, err) &&
+              kernel_space_read(&from, l->task->kernel, stages, s->kernel, *spaces, err);
+    *n = ok && (*spaces)->n_configs > 1;
+    return ok;
+}
+
+// ---------------------------------------------------------------- owner
+
+// Devices that work on host memory share the arrays, each in its own context.
+static bool hold_array(task_side *s, uint32_t i, duet_error *err)
+{
+    task_launcher *l = s->launcher;
+    const task_arg *arg = &l->task->args[i];
+    bool is_written = task_arg_is_written(arg);
+    const task_values *v = is_written ? &l->results[i] : &arg->initial;
+    bool ok = arg->access == TASK_SUM
+                  ? buffer_reserve(&s->buffers[i], s->side.device, v->size, err) &&
+                        task_values_make(&s->partial[i], v->scalar, v->n, err)
+                  : buffer_hold(&s->buffers[i], s->side.device, v->bytes, v->size, err);
+    s->own.slots[i].mem = s->reference.slots[i].mem = s->buffers[i].mem;
+    return ok;
+}
+
+static bool open_side(task_side *s, duet_error *err)
+{
+    const task *t = s->launcher->task;
+    if (!s->side.device)
+        return true;
+    gen_limits limits = program_set_limits(s->side.programs);
+    s->call = &s->own;
+    if (!task_call_read(&s->own, t, t->kernel, t->entry, s->side.gen, &limits, err) ||
+        (*t->reference && !task_call_read(&s->reference, t, t->reference,
+                                          strcmp(t->reference, t->kernel) ? t->reference : t->entry,
+                                          s->side.gen, &limits, err)))
+        return false;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < t->n_args; ++i)
+        ok = !t->args[i].is_array || hold_array(s, i, err);
+    return ok;
+}
+
+static bool make_results(task_launcher *l, duet_error *err)
+{
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < l->task->n_args; ++i) {
+        const task_values *v = &l->task->args[i].initial;
+        ok = !task_arg_is_written(&l->task->args[i]) ||
+             task_values_make(&l->results[i], v->scalar, v->n, err);
+    }
+    return ok;
+}
+
+// Device B alone runs the other kernel, and what that leaves is right.
+static bool run_reference(task_launcher *l, duet_error *err)
+{
+    task_result r;
+    task_side *b = &l->sides[1];
+    bool known = true;
+    for (uint32_t i = 0; i < l->task->n_args; ++i)
+        known &= !task_arg_is_written(&l->task->args[i]) || l->task->args[i].expected.bytes;
+    if (known)
+        return true;
+    b->call = &b->reference;
+    if (!build(b, NULL, 0, err) || !task_guard_check(l, 0, err) || !run(l, 0, &r, err) ||
+        !task_expect_initial(l->task, err))
+        return false;
+    for (uint32_t i = 0; i < l->task->n_args; ++i)
+        if (task_arg_is_written(&l->task->args[i]))
+            memcpy(l->task->args[i].expected.bytes, l->results[i].bytes, l->results[i].size);
+    return true;
+}
+
+static bool open(task_launcher *l, duet_device_pair *pair, duet_error *err)
+{
+    uint32_t share = duet_device_pair_is_one(pair) ? 0 : DUET_SHARE_ONE / 2;
+    for (int side = 0; side < 2; ++side)
+        l->sides[side].launcher = l;
+    return shared_work_open(&l->work, pair, share, &l->sides[0].side, &l->sides[1].side, err) &&
+           make_results(l, err) && open_side(&l->sides[0], err) && open_side(&l->sides[1], err) &&
+           take_variant(&l->sides[0], "auto", err) && take_variant(&l->sides[1], "auto", err) &&
+           task_guard_check(l, share, err) && run_reference(l, err);
+}
+
+task_launcher *task_launcher_open(task *t, duet_device_pair *pair, duet_error *err)
+{
+    task_launcher *l = calloc(1, sizeof *l);
+    if (!l)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "task %s: no memory", t->name);
+    l->task = t;
+    if (open(l, pair, err))
+        return l;
+    task_launcher_close(l);
+    return NULL;
+}
+
+void task_launcher_close(task_launcher *l)
+{
+    if (!l)
+        return;
+    for (int side = 0; side < 2; ++side)
+        for (uint32_t i = 0; i < GEN_MAX_ARGS; ++i) {
+            buffer_release(&l->sides[side].buffers[i]);
+            task_values_free(&l->sides[side].partial[i]);
+        }
+    for (uint32_t i = 0; i < GEN_MAX_ARGS; ++i)
+        task_values_free(&l->results[i]);
+    if (l->work.pair)
+        shared_work_close(&l->work);
+    free(l);
+}
+
+// ---------------------------------------------------------------- what the kernel is made from
+
+// The files of a kernel in a folder: one that is not there counts as empty.
+static void hash_file(SHA2_CTX *sha, const char *folder, const char *name, const char *end)
+{
+    text path = {0}, bytes = {0};
+    text_add(&path, "%s/%s%s", folder, name, end);
+    if (text_ok(&path, NULL) && text_read_file(&bytes, path.chars, NULL))
+        SHA256Update(sha, (const uint8_t *)bytes.chars, bytes.length);
+    text_free(&path);
+    text_free(&bytes);
+}
+
+bool task_kernel_hash(const task_launcher *l, char hash[65], duet_error *err)
+{
+    const task_side *b = &l->sides[1];
+    const char *folder = l->work.pair->kernel_dir;
+    gen_limits limits = program_set_limits(b->side.programs);
+    gen_variant v = {0};
+    SHA2_CTX sha;
+    if (!gen_make(b->side.gen, l->task->kernel, NULL, 0, &limits, &v, err))
+        return false;
+    SHA256Init(&sha);
+    SHA256Update(&sha, (const uint8_t *)v.sha256, strlen(v.sha256));
+    static const char *const ends[] = {".lua", ".cl", ".cl.in"};
+    for (size_t i = 0; folder && i < sizeof ends / sizeof *ends; ++i)
+        hash_file(&sha, folder, l->task->kernel, ends[i]);
+    SHA256End(&sha, hash);
+    gen_variant_free(&v);
+    return true;
+}

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/task/task_launcher.h"
+
+// ---------------------------------------------------------------- ranges of arrays
+
+size_t task_arg_offset(const task_arg *arg, uint64_t item)
+{
+    return (size_t)(item * arg->per_item * arg->lanes) * task_scalar_bytes(arg->initial.scalar);
+}
+
+void task_arg_range(const task_arg *arg, uint64_t items, uint64_t first, uint64_t last,
+                    size_t *from, size_t *to)
+{
+    *from = 0;
+    *to = arg->initial.size;
+    if (arg->per_item == 0 || arg->once)
+        return;
+    *from = task_arg_offset(arg, first > arg->halo ? first - arg->halo : 0);
+    *to = task_arg_offset(arg, items - last > arg->halo ? last + arg->halo : items);
+}
+
+// ---------------------------------------------------------------- a device's part
+
+static bool send_array(task_side *s, uint32_t i, duet_error *err)
+{
+    const task *t = s->launcher->task;
+    const task_arg *arg = &t->args[i];
+    buffer *b = &s->buffers[i];
+    size_t from, to;
+    if (arg->access == TASK_SUM)
+        return timeline_fill(&s->side.times, "send", b, 0, 0, arg->initial.size / 4, err);
+    if (b->host)
+        return timeline_write(&s->side.times, "send", b, b->host, arg->initial.size, err);
+    if (arg->access == TASK_OUT || s->sent[i])
+        return true;
+    task_arg_range(arg, t->items, s->side.first, s->side.last, &from, &to);
+    s->sent[i] = arg->once;
+    return timeline_write_at(&s->side.times, "send", b, from,
+                             (const char *)arg->initial.bytes + from, to - from, err);
+}
+
+bool task_side_send(task_side *s, duet_error *err)
+{
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < s->launcher->task->n_args; ++i)
+        ok = !s->launcher->task->args[i].is_array || send_array(s, i, err);
+    return ok;
+}
+
+bool task_side_launch(task_side *s, duet_error *err)
+{
+    const task *t = s->launcher->task;
+    task_call_aim(s->call, t, s->side.first, s->side.last);
+    return timeline_launch(&s->side.times, "kernel", s->kernel,
+                           (s->side.last - s->side.first) * t->work, s->call->slots, err);
+}

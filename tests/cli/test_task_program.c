@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+// duet run --task and duet tune --task, as a person calls them.
+#define _POSIX_C_SOURCE 200809L
+#include "support/devices.h"
+#include "support/json.h"
+#include "support/program.h"
+#include "support/test.h"
+
+#include <string.h>
+
+#define STORE "DUET_PROFILE=task.db"
+#define FEW "--trials 80"
+
+static const char card[] =
+    "return { about = 'y = a x + y',\n"
+    "  params = { { 'WG', values = { 1, 16 }, about = 'work-items a group' } },\n"
+    "  args = { saxpy = [[\n    ulong first\n    ulong last\n    float a\n    const float *x\n"
+    "    float *y\n  ]] },\n"
+    "  launch = function(p) return { group = p.WG, per_item = 1 } end }\n";
+
+static const char body[] = "__kernel void saxpy(SAXPY_ARGS)\n{\n"
+                           "    ulong i = first + get_global_id(0);\n"
+                           "    if (i < last)\n        y[i] = a * x[i] + y[i];\n}\n";
+
+static const char task_text[] =
+    "local p = parameters{ n = 20000, seed = 1 }\n"
+    "return { kernel = 'saxpy', items = p.n, tolerance = 1e-6, key = { n = p.n },\n"
+    "  args = { a = 2.0, x = { 'float', p.n, init = 'random', access = 'slice' },\n"
+    "    y = { 'float', p.n, init = 'random', access = 'in out slice' } },\n"
+    "  reference = function(v) for i = 0, v.items - 1 do v.y[i] = v.a * v.x[i] + v.y[i] end end "
+    "}\n";
+
+static int begin_afresh(void **state)
+{
+    int code = test_enter_folder(state);
+    test_write_file("saxpy.lua", card);
+    test_write_file("saxpy.cl", body);
+    test_write_file("saxpy.task.lua", task_text);
+    return code;
+}
+
+static void expect_says(program *p, const char *const *says)
+{
+    if (p->exit_code != 0)
+        fail_msg("%s", p->err);
+    for (; *says; ++says)
+        if (!strstr(p->out, *says))
+            fail_msg("no '%s' in:\n%s", *says, p->out);
+    program_free(p);
+}
+
+TEST(a_task_is_run_and_checked)
+{
+    static const char *const says[] = {"saxpy: 20 000 items of kernel saxpy", "plan: the default",
+                                       "duet tune --task saxpy.task.lua",     "items a second",
+                                       "right: every launch, within 1e-06",   NULL};
+    program p = program_run_with(STORE, "run --task saxpy.task.lua");
+    expect_says(&p, says);
+}
+
+TEST(a_tuned_plan_is_kept_and_used)
+{
+    const char *const says[] = {"saxpy, 30 000, task saxpy", NULL};
+    program p = program_run_with(STORE, "tune --json --task saxpy.task.lua -n 30000 " FEW);
+    cJSON *root = json_of_program(&p);
+    const cJSON *row = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(root, "workloads"), 0);
+    assert_string_equal(json_string(row, "task"), "saxpy");
+    assert_int_equal(json_number(row, "items"), 30000);
+    assert_non_null(strstr(json_string(row, "command"), "duet run --task saxpy.task.lua -n 30000"));
+    assert_true(*json_string(row, "uid"));
+    double share = json_number(row, "share");
+    bool used = !*json_string(row, "unused");
+    cJSON_Delete(root);
+    p = program_run_with(STORE, "run --json --task saxpy.task.lua -n 30000");
+    root = json_of_program(&p);
+    assert_string_equal(json_string(root, "plan_from"), used ? "exact" : "default");
+    assert_true(!used || json_number(root, "share") == share);
+    cJSON_Delete(root);
+    p = program_run_with(STORE, "profiles list");
+    if (used)
+        expect_says(&p, says);
+    else
+        program_free(&p);
+    p = program_run_with(STORE, "tune --json --task saxpy.task.lua -n 30000 " FEW);
+    root = json_of_program(&p);
+    row = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(root, "workloads"), 0);
+    assert_true(json_true(row, "known"));
+    cJSON_Delete(root);
+}
+
+// The kernel's text is part of what was measured.
+TEST(a_changed_kernel_is_another_workload)
+{
+    program p = program_run_with(STORE, "tune --task saxpy.task.lua " FEW);
+    assert_int_equal(p.exit_code, 0);
+    program_free(&p);
+    test_write_file("saxpy.cl",
+                    "__kernel void saxpy(SAXPY_ARGS)\n{\n    ulong i = first + "
+                    "get_global_id(0);\n    if (i < last)\n        y[i] += a * x[i];\n}\n");
+    p = program_run_with(STORE, "run --json --task saxpy.task.lua");
+    cJSON *root = json_of_program(&p);
+    assert_string_equal(json_string(root, "plan_from"), "default");
+    cJSON_Delete(root);
+}
+
+TEST(wrong_calls_are_refused)
+{
+    static const struct {
+        const char *arguments;
+        int exit_code;
+        const char *says;
+    } cases[] = {
+        {"run", 2, "SCENE|FILE is missing"},
+        {"run paper --task saxpy.task.lua", 2, "--task: the file says what is run"},
+        {"run --task saxpy.task.lua --check", 2, "--task"},
+        {"run --task saxpy.task.lua --set m=1", 2, "no parameter 'm'; the task has n, seed"},
+        {"run --task none.task.lua", 2, "none.task.lua"},
+        {"tune paper --task saxpy.task.lua", 2, "paper: with --task the file says what is tuned"},
+        {"tune --task saxpy.task.lua --query rays", 2, "--task"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        program p = program_run_with(STORE, "%s", cases[i].arguments);
+        if (p.exit_code == 0 || !strstr(p.err, cases[i].says))
+            fail_msg("%s: %d '%s'", cases[i].arguments, p.exit_code, p.err);
+        assert_true(p.exit_code == cases[i].exit_code || i == 4);
+        program_free(&p);
+    }
+}
+
+TEST(a_wrong_kernel_fails_with_one_line)
+{
+    test_write_file("saxpy.cl", "__kernel void saxpy(SAXPY_ARGS)\n{\n    ulong i = first + "
+                                "get_global_id(0);\n    if (i < last)\n        y[i] = x[i];\n}\n");
+    static const char *const commands[] = {"run", "tune"};
+    for (int i = 0; i < 2; ++i) {
+        program p = program_run_with(STORE, "%s --task saxpy.task.lua", commands[i]);
+        program_assert_refused(&p, 1, "task saxpy: item 0: y[0] is ");
+    }
+}
+
+int main(int argc, char **argv)
+{
+    test_begin(argc, argv);
+    test_each(begin_afresh, NULL);
+    return test_run(NULL, NULL);
+}

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: MIT
+// Kernels of the user's on two devices: what a task file may say, and what launches find.
+#define _POSIX_C_SOURCE 200809L
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/opencl/device_pair.h"
+#include "runtime/task/task_launch.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- files
+
+static void write_kernel(const char *name, const char *args, const char *body)
+{
+    char path[80], text[2048];
+    snprintf(path, sizeof path, "%s.lua", name);
+    snprintf(text, sizeof text,
+             "return { about = 'test', params = { { 'WG', values = { 1, 4, 16 }, about = 'group' "
+             "} }, args = { %s = [[\nulong first\nulong last\n%s]] }, launch = function(p) return "
+             "{ group = p.WG, per_item = 1 } end }",
+             name, args);
+    test_write_file(path, text);
+    char upper[48] = "";
+    for (size_t i = 0; name[i]; ++i)
+        upper[i] = name[i] >= 'a' && name[i] <= 'z' ? (char)(name[i] - 32) : name[i];
+    snprintf(path, sizeof path, "%s.cl", name);
+    snprintf(text, sizeof text,
+             "__kernel void %s(%s_ARGS)\n{\n    ulong i = first + get_global_id(0);\n    if (i >= "
+             "last)\n        return;\n    %s\n}\n",
+             name, upper, body);
+    test_write_file(path, text);
+}
+
+static task *load(const char *lua)
+{
+    duet_error err = {0};
+    test_write_file("t.task.lua", lua);
+    task *t = task_load("t.task.lua", NULL, 0, &err);
+    assert_ok(t, err);
+    return t;
+}
+
+static duet_device_pair *open_halves(void)
+{
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.kernel_dir = ".";
+    duet_device_pair *pair = duet_device_pair_create(&def, &err);
+    assert_ok(pair, err);
+    return pair;
+}
+
+static duet_plan plan_at(double share, const char *variant)
+{
+    duet_plan plan = {.share = (uint32_t)(share * DUET_SHARE_ONE), .mode = DUET_MODE_OWN};
+    snprintf(plan.variant_a, sizeof plan.variant_a, "%s", variant);
+    snprintf(plan.variant_b, sizeof plan.variant_b, "%s", variant);
+    return plan;
+}
+
+// Launches the task at shares from one end to the other, with two variants. copies: on devices that
+// seem to have memory of their own.
+static void launch_at_shares(const char *lua, const char *kernel_name, bool copies)
+{
+    static const double shares[] = {0, 1e-4, 0.1, 0.37, 0.5, 0.99, 1};
+    duet_error err = {0};
+    char set[64];
+    task *t = load(lua);
+    duet_device_pair *pair = open_halves();
+    for (int side = 0; copies && side < 2; ++side)
+        pair->devices[side].info.host_memory = false;
+    task_launcher *l = task_launcher_open(t, pair, &err);
+    assert_ok(l, err);
+    snprintf(set, sizeof set, "auto %s.WG=16", kernel_name);
+    for (size_t i = 0; i < sizeof shares / sizeof *shares; ++i)
+        for (int k = 0; k < 2; ++k) {
+            task_result r;
+            duet_plan plan = plan_at(shares[i], k ? set : "auto");
+            assert_ok(task_launch(l, &plan, &r, &err), err);
+            assert_true(r.total_ms > 0 && r.n_stages > 0);
+        }
+    task_launcher_close(l);
+    duet_device_pair_destroy(pair);
+    task_destroy(t);
+}
+
+static void launch_everywhere(const char *lua, const char *kernel_name)
+{
+    launch_at_shares(lua, kernel_name, false);
+    launch_at_shares(lua, kernel_name, true);
+}
+
+static void expect_open_fails(const char *lua, duet_status status, const char *says)
+{
+    duet_error err = {0};
+    task *t = load(lua);
+    duet_device_pair *pair = open_halves();
+    task_launcher *l = task_launcher_open(t, pair, &err);
+    duet_plan plan = plan_at(0.5, "auto");
+    task_result r;
+    assert_false(l && task_launch(l, &plan, &r, &err));
+    if (err.status != status || !strstr(err.text, says))
+        fail_msg("%s '%s' instead of '%s'", duet_status_name(err.status), err.text, says);
+    task_launcher_close(l);
+    duet_device_pair_destroy(pair);
+    task_destroy(t);
+}
+
+// ---------------------------------------------------------------- launches
+
+TEST(a_slice_is_read_and_written_by_items)
+{
+    write_kernel("saxpy", "float a\nconst float *x\nfloat *y\n", "y[i] = a * x[i] + y[i];");
+    launch_everywhere(
+        "local n = 1003 return { kernel = 'saxpy', items = n, tolerance = 1e-6, args = { a = 2.5, "
+        "x = { 'float', n, init = 'random', min = -1, access = 'slice' }, y = { 'float', n, init = "
+        "function(i) return i % 7 end, access = 'in out slice' } }, reference = function(v) for i "
+        "= 0, n - 1 do v.y[i] = v.a * v.x[i] + i % 7 end end }",
+        "saxpy");
+}
+
+TEST(a_halo_is_there_beside_the_slice)
+{
+    write_kernel("blur", "const int *x\nint *y\nulong n\n",
+                 "y[i] = x[i] + (i > 0 ? x[i - 1] : 0) + (i + 1 < n ? x[i + 1] : 0);");
+    launch_everywhere(
+        "local n = 517 return { kernel = 'blur', items = n, args = { n = n, x = { 'int', n, init = "
+        "'index', access = 'slice', halo = 1 }, y = { 'int', n, access = 'out slice' } }, "
+        "reference = function(v) for i = 1, n - 2 do v.y[i] = 3 * i end v.y[0] = 1 v.y[n - 1] = 2 "
+        "* n - 3 end }",
+        "blur");
+}
+
+TEST(sums_of_both_devices_are_added)
+{
+    write_kernel("count", "const uchar *x\nuint *bins\n", "atomic_inc(&bins[x[i]]);");
+    launch_everywhere(
+        "local n = 4001 return { kernel = 'count', items = n, args = { x = { 'uchar', n, init = "
+        "function(i) return i * i % 251 end, access = 'slice' }, bins = { 'uint', 256, access = "
+        "'sum' } }, reference = function(v) for i = 0, n - 1 do local b = i * i % 251 v.bins[b] = "
+        "v.bins[b] + 1 end end }",
+        "count");
+}
+
+// An item of three elements, each a vector, with several work-units.
+TEST(an_item_may_be_a_row_with_units_of_its_own)
+{
+    write_kernel("rows", "const float4 *x\nfloat4 *y\n", "");
+    test_write_file("rows.cl", "__kernel void rows(ROWS_ARGS)\n{\n    ulong u = first * 3 + "
+                               "get_global_id(0);\n    if (u < last * 3)\n        y[u] = x[u] * "
+                               "2.0f;\n}\n");
+    launch_everywhere("return { kernel = 'rows', items = 41, work = 3, args = { x = { 'float4', "
+                      "123, init = 'index', access = 'slice', send = 'once' }, y = { 'float4', "
+                      "123, access = 'out slice' } }, reference = function(v) for i = 0, #v.y - 1 "
+                      "do v.y[i] = 2 * i end end }",
+                      "rows");
+}
+
+TEST(another_kernel_or_a_file_says_what_is_right)
+{
+    write_kernel("twice", "const float *x\nfloat *y\n", "y[i] = x[i] + x[i];");
+    write_kernel("naive", "const float *x\nfloat *y\n", "y[i] = 2.0f * x[i];");
+    float right[100];
+    for (int i = 0; i < 100; ++i)
+        right[i] = (float)(2 * i);
+    FILE *file = fopen("right.bin", "wb");
+    assert_int_equal(fwrite(right, sizeof *right, 100, file), 100);
+    fclose(file);
+    static const char *const references[] = {"'naive'", "'right.bin'", "nil"};
+    for (size_t i = 0; i < 3; ++i) {
+        char lua[400];
+        snprintf(lua, sizeof lua,
+                 "return { kernel = 'twice', items = 100, args = { x = { 'float', 100, init = "
+                 "'index', access = 'slice' }, y = { 'float', 100, access = 'out slice' } }, "
+                 "reference = %s }",
+                 references[i]);
+        launch_everywhere(lua, "twice");
+    }
+}
+
+// ---------------------------------------------------------------- wrong kernels
+
+#define TEN                                                                              \
+    "items = 10, args = { x = { 'float', 10, init = 'index', access = 'slice' }, y = { " \
+    "'float', 10, access = 'out slice' } }"
+
+TEST(a_wrong_answer_names_the_item_both_values_and_the_bound)
+{
+    write_kernel("wrong", "const float *x\nfloat *y\n", "y[i] = i == 7 ? 3 : 2 * x[i];");
+    expect_open_fails("return { kernel = 'wrong', tolerance = 0.001, reference = function(v) for i "
+                      "= 0, 9 do v.y[i] = 2 * i end end, " TEN "}",
+                      DUET_STATUS_WRONG_RESULT,
+                      "task t: item 7: y[7] is 3; expected 14 within 0.014");
+}
+
+TEST(a_write_outside_the_items_is_found)
+{
+    static const struct {
+        const char *body, *says;
+    } cases[] = {
+        {"y[i] = x[i]; if (i == last - 1) y[last] = 1;", "the kernel writes y["},
+        {"y[(long)i - 1] = x[i];", "the kernel writes y["},
+        {"y[9 - i] = x[i];", "the kernel writes y["},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        write_kernel("stray", "const float *x\nfloat *y\n", cases[i].body);
+        bool one = strcmp(getenv("DUET_PAIR") ? getenv("DUET_PAIR") : "", "cpu") == 0;
+        if (!one || i < 2)
+            expect_open_fails("return { kernel = 'stray', " TEN "}", DUET_STATUS_WRONG_RESULT,
+                              cases[i].says);
+    }
+}
+
+TEST(arguments_must_be_the_cards)
+{
+    static const struct {
+        const char *args, *says;
+    } cases[] = {
+        {"y = { 'float', 10, access = 'out slice' }", "args has no 'x', which the card of k has"},
+        {"x = { 'double', 10 }, y = { 'float', 10, access = 'out slice' }",
+         "args.x is an array of double; the card of k has 'float *'"},
+        {"x = 1, y = { 'float', 10, access = 'out slice' }", "args.x is a number; the card"},
+        {"x = { 'float', 10, access = 'in out slice' }, y = { 'float', 10, access = 'out slice' }",
+         "args.x: access is in out slice, but the card of k says that it is const"},
+        {"x = { 'float', 10 }, y = { 'float', 10 }, z = { 'float', 10, access = 'sum' }",
+         "args.y: access is all, but the card of k says that it is written"},
+        {"x = { 'float', 10 }, y = { 'float', 10, access = 'out slice' }, z = 1",
+         "args.z: the card of k has no such argument"},
+    };
+    write_kernel("k", "const float *x\nfloat *y\n", "y[i] = x[i];");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char lua[400];
+        snprintf(lua, sizeof lua, "return { kernel = 'k', items = 10, args = { %s } }",
+                 cases[i].args);
+        expect_open_fails(lua, DUET_STATUS_BAD_INPUT, cases[i].says);
+    }
+}
+
+TEST(numbers_must_fit_the_cards_types)
+{
+    write_kernel("k", "uint m\nconst float *x\nfloat *y\n", "y[i] = x[i] + m;");
+    static const char *const wrong[] = {"-1", "4294967296", "0.5"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        char lua[400];
+        snprintf(lua, sizeof lua,
+                 "return { kernel = 'k', items = 10, args = { m = %s, x = { 'float', 10 }, y = { "
+                 "'float', 10, access = 'out slice' } } }",
+                 wrong[i]);
+        expect_open_fails(lua, DUET_STATUS_BAD_INPUT, "; the card of k has 'uint'");
+    }
+}
+
+// ---------------------------------------------------------------- files that are wrong
+
+TEST(a_bad_file_is_one_line_that_names_file_and_field)
+{
+    static const struct {
+        const char *lua, *says;
+    } cases[] = {
+        {"return 5", "t.task.lua: a task file returns a table, not number"},
+        {"x x", "t.task.lua:1: syntax error"},
+        {"return {}", "kernel is missing"},
+        {"return { kernel = 'k', args = {} }", "items is missing"},
+        {"return { kernel = 'k', items = 10 }", "args is missing"},
+        {"return { kernel = 'k', items = 0, args = {} }", "t.task.lua:1: items is 0; expected 1"},
+        {"return { kernel = 'k', items = 10, foo = 1 }", "a task has no field 'foo'"},
+        {"return { kernel = 'k', items = 2^30, work = 2^30 }", "work is 1073741824 for each of"},
+        {"return { kernel = 'k', items = 10, args = { x = { 'float', 10 } } }",
+         "args: no array is written"},
+        {"return { kernel = 'k', items = 10, args = { 5 } }", "args has a field [1]"},
+        {"return { kernel = 'k', items = 10, args = { x = 'a' } }", "args.x is a string"},
+        {"return { kernel = 'k', items = 10, args = { x = { 'flot', 1 } } }",
+         "args.x: the type is flot"},
+        {"return { kernel = 'k', items = 10, args = { x = { 'float', 1.5 } } }",
+         "args.x: the number of elements is 1.5"},
+        {"return { kernel = 'k', items = 10, args = { x = { 'float', 11, access = 'slice' } } }",
+         "args.x: 11 elements for 10 items"},
+        {"return { kernel = 'k', items = 10, args = { x = { 'float', 10, access = 'x' } } }",
+         "args.x: access is x; expected all, slice"},
+        {"return { kernel = 'k', items = 10, args = { x = { 'float', 10, halo = 1 } } }",
+         "args.x: a halo with access all; expected slice"},
+        {"return { kernel = 'k', items = 10, args = { x = { 'float', 10, size = 1 } } }",
+         "args.x has no field [size]"},
+        {"return { kernel = 'k', items = 10, args = { x = { 'int', 10, init = 0.5 } } }",
+         "args.x: init gives 0.5 for number 0"},
+        {"return { kernel = 'k', items = 10, args = { x = { 'uchar', 10, init = 256 } } }",
+         "args.x: init gives 256"},
+        {"return { kernel = 'k', items = 10, args = { x = { 'int', 10, init = 'random' } } }",
+         "args.x: max is nil"},
+        {"return { kernel = 'k', items = 9, args = { x = { 'uchar', 9, access = 'sum' } } }",
+         "args.x: a sum of uchar"},
+        {"return { kernel = 'k', items = 10, args = { x = { 'float', 2^40 } } }", "args.x: "},
+        {"return { kernel = 'k', tolerance = -1, items = 10 }", "tolerance is -1"},
+        {"return { kernel = 'k', key = { a = {} }, items = 10 }", "key: 'a' is 'table: 1'"},
+        {"return { kernel = 'k', reference = 7, " TEN "}", "reference is a number"},
+        {"return { kernel = 'k', reference = '../a.bin', " TEN "}", "expected a file beside"},
+        {"return { kernel = 'k', reference = 'no.bin', " TEN "}", "no.bin: No such file"},
+        {"return { kernel = 'k', reference = 't.task.lua', " TEN "}", "bytes; expected 40, as y"},
+        {"return { kernel = 'k', reference = function(v) v.x[0] = 1 end, " TEN "}",
+         "x is only read: its access is slice"},
+        {"return { kernel = 'k', reference = function(v) v.y[10] = 1 end, " TEN "}",
+         "y[10]: expected 0 to 9"},
+        {"return { kernel = 'k', reference = function(v) error('no') end, " TEN "}", "1: no"},
+        {"return { kernel = 'k', reference = function(v) while true do end end, " TEN "}",
+         "instructions it may take"},
+        {"while true do end", "instructions it may take"},
+        {"local s = 'x' while true do s = s .. s end", "t.task.lua:1: "},
+        {"os.exit()", "t.task.lua:1: "},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        duet_error err = {0};
+        test_write_file("t.task.lua", cases[i].lua);
+        assert_null(task_load("t.task.lua", NULL, 0, &err));
+        if (err.status != DUET_STATUS_BAD_INPUT || !strstr(err.text, cases[i].says) ||
+            !strstr(err.text, "t.task.lua") || strchr(err.text, '\n'))
+            fail_msg("%s: %s '%s' instead of '%s'", cases[i].lua, duet_status_name(err.status),
+                     err.text, cases[i].says);
+    }
+}
+
+TEST(parameters_are_set_from_outside)
+{
+    const duet_setting n = {"n", "25"}, other = {"m", "1"};
+    duet_error err = {0};
+    test_write_file("t.task.lua",
+                    "local p = parameters{ n = 10, seed = 3 } return { kernel = 'k', items = p.n, "
+                    "args = { y = { 'float4', 2 * p.n, access = 'out slice' } }, key = { n = 7 * "
+                    "p.n, width = 5, bins = 64 } }");
+    task *t = task_load("t.task.lua", &n, 1, &err);
+    assert_ok(t, err);
+    char words[TASK_WORDS];
+    task_write_words(t, words);
+    assert_string_equal(words, "task k bins=64 width=5");
+    assert_int_equal(t->items, 25);
+    assert_int_equal(t->size, 175);
+    assert_int_equal(t->args[0].initial.n, 200);
+    assert_int_equal(t->args[0].per_item, 2);
+    task_destroy(t);
+    assert_null(task_load("t.task.lua", &other, 1, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    assert_non_null(strstr(err.text, "no parameter 'm'; the task has n, seed"));
+}
+
+// Files of broken text, as a hostile or careless hand leaves them.
+TEST(any_damage_of_a_file_is_refused_or_read)
+{
+    static const char whole[] =
+        "local p = parameters{ n = 40 } return { kernel = 'k', items = p.n, work = 2, tolerance = "
+        "0.5, key = { n = p.n, b = 2 }, args = { a = 2.0, x = { 'float', p.n, init = 'random', "
+        "access = 'slice', halo = 1 }, y = { 'int4', p.n, access = 'out slice' } }, reference = "
+        "function(v) for i = 0, #v.y - 1 do v.y[i] = i end end }";
+    static const char odd[] = "{}()[]\"'=,.-#%@\n\x1b 0fe9";
+    uint64_t seed = test_seed();
+    rng r = rng_seed(seed);
+    for (int round = 0; round < 400; ++round) {
+        char chars[sizeof whole];
+        duet_error err = {0};
+        memcpy(chars, whole, sizeof whole);
+        for (uint32_t i = rng_below(&r, 3) + 1; i > 0; --i)
+            chars[rng_below(&r, sizeof whole - 1)] = odd[rng_below(&r, sizeof odd - 1)];
+        test_write_file("t.task.lua", chars);
+        task *t = task_load("t.task.lua", NULL, 0, &err);
+        if (!t && (err.status == DUET_STATUS_OK || !strstr(err.text, "t.task.lua")))
+            fail_msg("seed %llu: '%s' gives '%s'", (unsigned long long)seed, chars, err.text);
+        task_destroy(t);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    test_begin(argc, argv);
+    test_each(test_enter_folder, NULL);
+    return test_run(NULL, NULL);
+}
