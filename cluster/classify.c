@@ -38,7 +38,8 @@ static extent deep_inside(const owned *o, const domain *d)
     return inside;
 }
 
-static void classify_row(const owned *o, class_part *p, const domain *d, const extent *inside,
+// Returns whether it leaves the rank.
+static bool classify_row(const owned *o, class_part *p, const domain *d, const extent *inside,
                          level_boxes *boxes, uint32_t row)
 {
     const void *object = object_row(&o->rows, &o->form, row);
@@ -46,7 +47,7 @@ static void classify_row(const owned *o, class_part *p, const domain *d, const e
     if (!object_is_sound(&o->form, object)) {
         p->first_bad = p->first_bad < o->rows.ids[row] ? p->first_bad : o->rows.ids[row];
         ++p->n_bad;
-        return;
+        return false;
     }
     extent e = extent_of(&o->form, object);
     p->widest = fmax(p->widest, extent_widest(&e));
@@ -54,12 +55,15 @@ static void classify_row(const owned *o, class_part *p, const domain *d, const e
     if (extent_holds(inside, centre)) {
         extent_join(&p->deep.centres, &(extent){{centre[0], centre[1], centre[2]},
                                                 {centre[0], centre[1], centre[2]}});
-    } else if (o->placement != PLACED_ANYHOW && !holds(&d->box, centre)) {
-        row_list_add(&p->leavers, row);
-    } else {
-        level_boxes_add(boxes, &e, o->widest);
-        row_list_add(&p->boundary, row);
+        return false;
     }
+    if (o->placement != PLACED_ANYHOW && !holds(&d->box, centre)) {
+        row_list_add(&p->leavers, row);
+        return true;
+    }
+    level_boxes_add(boxes, &e, o->widest);
+    row_list_add(&p->boundary, row);
+    return false;
 }
 
 static void add_boxes(job *j, uint32_t d, const level_boxes *boxes)
@@ -73,22 +77,52 @@ static void add_boxes(job *j, uint32_t d, const level_boxes *boxes)
 
 // ---------------------------------------------------------------- by the host
 
+static uint32_t domain_of(const owned *o, uint32_t row)
+{
+    double centre[3];
+    if (o->n_domains == 1)
+        return 0;
+    object_row_centre(&o->rows, &o->form, row, centre);
+    return owned_domain_at(o, centre);
+}
+
+static void add_run(const owned *o, class_part *p, uint32_t d, uint32_t first, uint32_t end)
+{
+    if (o->n_domains > 1 && first < end)
+        run_list_add(&p->runs, (row_run){.domain = d, .first = first, .n = end - first});
+}
+
+// Classifies rows from `first` on, up to one that lies in another domain. Returns that one.
+static uint32_t classify_stretch(job *j, class_part *p, uint32_t first, uint32_t end)
+{
+    const owned *o = j->o;
+    const uint32_t d = domain_of(o, first);
+    const extent inside = deep_inside(o, &o->domains[d]);
+    uint64_t n_boundary = p->boundary.n;
+    level_boxes boxes;
+    level_boxes_clear(&boxes);
+    uint32_t row = first;
+    while ((row = object_rows_skim(&o->rows, &o->form, row, end, &inside, &p->deep)) < end &&
+           domain_of(o, row) == d) {
+        if (classify_row(o, p, &o->domains[d], &inside, &boxes, row)) {
+            add_run(o, p, d, first, row);
+            first = row + 1;
+        }
+        ++row;
+    }
+    add_run(o, p, d, first, row);
+    if (p->boundary.n > n_boundary)
+        add_boxes(j, d, &boxes);
+    return row;
+}
+
 static void classify_rows(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
     job *j = context;
-    const owned *o = j->o;
     class_part p = j->c->parts[part]; // apart from what other threads write
-    uint32_t row = (uint32_t)first;
-    for (uint32_t at = owned_domain_of(o, row); row < end; ++at) {
-        const domain *d = &o->domains[at];
-        uint32_t to = d->first + d->n < end ? d->first + d->n : (uint32_t)end;
-        extent inside = deep_inside(o, d);
-        level_boxes boxes = level_boxes_none;
-        while ((row = object_rows_skim(&o->rows, &o->form, row, to, &inside, &p.deep)) < to)
-            classify_row(o, &p, d, &inside, &boxes, row++);
-        add_boxes(j, at, &boxes);
-    }
-    p.widest = fmax(p.widest, skim_widest(&p.deep, &o->form));
+    for (uint32_t row = (uint32_t)first; row < end;)
+        row = classify_stretch(j, &p, row, (uint32_t)end);
+    p.widest = fmax(p.widest, skim_widest(&p.deep, &j->o->form));
     j->c->parts[part] = p;
 }
 
@@ -101,7 +135,8 @@ static void classify_odd(void *context, uint32_t part, uint64_t first, uint64_t 
     const owned *o = j->o;
     class_part p = j->c->parts[part];
     const extent inside = deep_inside(o, &o->domains[0]);
-    level_boxes boxes = level_boxes_none;
+    level_boxes boxes;
+    level_boxes_clear(&boxes);
     for (uint64_t i = j->from + first; i < j->from + end;) {
         const skim_block *b = &j->blocks[i / SKIM_ROWS];
         uint32_t odd = b->odd[i % SKIM_ROWS / 32] >> i % 32;
@@ -141,9 +176,11 @@ static bool classify_on_device(job *j)
 static void begin(class_part *p)
 {
     row_list leavers = p->leavers, boundary = p->boundary;
+    run_list runs = p->runs;
     *p = (class_part){.first_bad = UINT64_MAX, .deep = skim_none};
     p->leavers = (row_list){.rows = leavers.rows, .capacity = leavers.capacity};
     p->boundary = (row_list){.rows = boundary.rows, .capacity = boundary.capacity};
+    p->runs = (run_list){.runs = runs.runs, .capacity = runs.capacity};
 }
 
 static void add_part(class_part *to, const class_part *p)
@@ -177,6 +214,17 @@ static void join_lists(row_list *to, const classes *c, size_t list)
     }
 }
 
+static void join_runs(run_list *to, const classes *c)
+{
+    *to = (run_list){.runs = to->runs, .capacity = to->capacity};
+    for (int i = 0; i < PARALLEL_MOST; ++i) {
+        const run_list *of = &c->parts[i].runs;
+        to->failed = to->failed || of->failed;
+        for (uint64_t k = 0; !to->failed && k < of->n; ++k)
+            run_list_add(to, of->runs[k]);
+    }
+}
+
 static extent around_all(const owned *o, const extent *deep)
 {
     extent all = extent_none;
@@ -197,13 +245,14 @@ bool classify(classes *c, owned *o)
         begin(&c->parts[i]);
     begin(&c->all);
     for (uint32_t d = 0; d < o->most_domains; ++d)
-        o->boxes[d] = level_boxes_none;
+        level_boxes_clear(&o->boxes[d]);
     if (!classify_on_device(&j))
         parallel_each(o->threads, o->rows.n, classify_rows, &j);
     for (int i = 0; i < PARALLEL_MOST; ++i)
         add_part(&c->all, &c->parts[i]);
     join_lists(&c->leavers, c, offsetof(class_part, leavers));
     join_lists(&o->boundary, c, offsetof(class_part, boundary));
+    join_runs(&o->runs, c);
     if (j.blocks && !c->leavers.failed && c->leavers.n > 0)
         qsort(c->leavers.rows, c->leavers.n, sizeof *c->leavers.rows, compare_uint32);
     o->around = around_all(o, &c->all.deep.centres);
@@ -215,6 +264,7 @@ void classes_end(classes *c)
     for (int i = 0; i < PARALLEL_MOST; ++i) {
         free(c->parts[i].leavers.rows);
         free(c->parts[i].boundary.rows);
+        free(c->parts[i].runs.runs);
     }
     free(c->leavers.rows);
     *c = (classes){0};

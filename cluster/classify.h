@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Classifies all objects that a rank owns: which leave their domain, and which of the others are
-// boundary objects, that another domain's may touch. Most lie deep inside of their domain; they
-// are neither, and are passed over in bulk.
+// Classifies all objects that a rank owns: which domain they lie in, which leave the rank, and
+// which of the others are boundary objects, that another domain's may touch. Most lie deep inside
+// of the domain of the row before; they are passed over in bulk.
 #ifndef CLUSTER_CLASSIFY_H
 #define CLUSTER_CLASSIFY_H
 
@@ -15,6 +15,7 @@ typedef struct class_part {
     skim deep; // objects that were passed over
     row_list leavers;
     row_list boundary;
+    run_list runs; // of several domains
 } class_part;
 
 typedef struct classes {
@@ -23,8 +24,8 @@ typedef struct classes {
     row_list leavers;                // ascending
 } classes;
 
-// Writes c's leavers and o's boundary, boxes and around. A device does it if the rows are on their
-// way to one that can; else the host's threads. Before rows are placed nothing leaves. False
+// Writes c's leavers and o's boundary, runs, boxes and around. A device does it if the rows are on
+// their way to one that can; else the host's threads. Before rows are placed nothing leaves. False
 // without memory for the lists, which all of c then still counts.
 bool classify(classes *c, owned *o);
 void classes_end(classes *c);

@@ -95,21 +95,17 @@ static bool write_leavers(const migration *m, const ranks *r, parcels *out, duet
 // A newcomer counts as a boundary object: it came through the boundary.
 static void add_newcomer(owned *o, uint32_t row)
 {
-    extent e = extent_of(&o->form, object_row(&o->rows, &o->form, row));
-    level_boxes_add(&o->boxes[owned_domain_of(o, row)], &e, o->widest);
+    const void *object = object_row(&o->rows, &o->form, row);
+    double centre[3];
+    extent e = extent_of(&o->form, object);
+    object_centre(&o->form, object, centre);
+    uint32_t d = owned_domain_at(o, centre);
+    level_boxes_add(&o->boxes[d], &e, o->widest);
     row_list_add(&o->boundary, row);
+    if (o->n_domains > 1)
+        run_list_add(&o->runs, (row_run){.domain = d, .first = row, .n = 1});
     if (o->holder)
         row_list_add(&o->renamed, row);
-}
-
-// Takes the objects that came, on all ranks or on none.
-static bool take_newcomers(owned *o, const parcels *in, ranks *r, duet_error *err)
-{
-    uint32_t first = o->rows.n;
-    if (ranks_agree(r, owned_add_newcomers(o, in, err), err))
-        return true;
-    owned_drop_newcomers(o, first);
-    return false;
 }
 
 // Releases the objects that leave once all ranks have taken those that came to them.
@@ -122,10 +118,12 @@ static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
     ok = ok && write_leavers(m, r, &out, err);
     ok = ranks_exchange(r, ok, &out, &in, err);
     parcels_end(&out);
-    ok = ok && take_newcomers(o, &in, r, err);
+    ok = ok && ranks_agree(r, owned_add_newcomers(o, &in, err), err);
     parcels_end(&in);
-    if (!ok)
+    if (!ok) { // on any rank
+        o->rows.n = first;
         return false;
+    }
     row_list before = o->leavers;
     o->leavers = m->classes.leavers;
     m->classes.leavers = before;
@@ -142,7 +140,8 @@ static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
 static bool place(migration *m, duet_error *err)
 {
     const extent box = partition_box(m->partition);
-    return owned_tidy(m->owned, err) && owned_place(m->owned, &box, m->workers, err);
+    owned_tidy(m->owned);
+    return owned_place(m->owned, &box, m->workers, err);
 }
 
 // Begins to send the rows of a single domain to its worker's devices, instead of what was sent
@@ -161,8 +160,7 @@ static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet
 {
     owned *o = m->owned;
     overview v;
-    if (!ranks_agree(r, owned_tidy(o, err), err))
-        return false;
+    owned_tidy(o);
     o->placement = PLACED_ANYHOW;
     owned_forget_domains(o);
     keep_widest(o, widest);
@@ -187,8 +185,7 @@ static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet
 static bool begin(migration *m, duet_error *err)
 {
     owned *o = m->owned;
-    if (!owned_tidy(o, err))
-        return false;
+    owned_tidy(o);
     bool is_due =
         o->placement == PLACED_BY_RANK || (o->placement == PLACED_BY_DOMAIN && owned_is_uneven(o));
     return (!is_due || place(m, err)) && send_ahead(o, err);

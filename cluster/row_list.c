@@ -3,16 +3,35 @@
 
 #include <stdlib.h>
 
+void *list_grow(void *items, uint64_t *capacity, size_t bytes)
+{
+    uint64_t more = *capacity ? 2 * *capacity : 256;
+    void *grown = realloc(items, more * bytes);
+    *capacity = grown ? more : *capacity;
+    return grown;
+}
+
+// Counts what there is no memory for, so that all ranks know of it.
 void row_list_add(row_list *l, uint32_t row)
 {
     if (!l->failed && l->n == l->capacity) {
-        uint64_t capacity = l->capacity ? 2 * l->capacity : 256;
-        uint32_t *rows = realloc(l->rows, capacity * sizeof *rows);
+        uint32_t *rows = list_grow(l->rows, &l->capacity, sizeof *rows);
         l->failed = !rows;
         l->rows = rows ? rows : l->rows;
-        l->capacity = rows ? capacity : l->capacity;
     }
     if (!l->failed)
         l->rows[l->n] = row;
-    ++l->n; // so that all ranks know that there is one
+    ++l->n;
+}
+
+void run_list_add(run_list *l, row_run run)
+{
+    if (!l->failed && l->n == l->capacity) {
+        row_run *runs = list_grow(l->runs, &l->capacity, sizeof *runs);
+        l->failed = !runs;
+        l->runs = runs ? runs : l->runs;
+    }
+    if (!l->failed)
+        l->runs[l->n] = run;
+    ++l->n;
 }

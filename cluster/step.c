@@ -2,7 +2,7 @@
 // A step of a cluster is a list of phases. Ranks agree before objects travel, and after they
 // searched: a failure of one rank in between ends the step of all at the next agreement.
 //
-//   migrate           objects go to the rank and the domain whose box holds them   migrate.c
+//   migrate           objects go to the rank whose box holds them                  migrate.c
 //   search the inner  a single domain, while ghosts travel, if its devices can     search_set.c
 //   exchange ghosts   what other domains' objects may touch goes there             ghosts.c
 //   search            each domain with its ghosts, or the boundary                 search_set.c
@@ -144,7 +144,8 @@ static bool take_ghosts(duet_cluster *c, duet_error *err)
 {
     const owned *o = &c->owned;
     cluster_follow(c);
-    if (!ghosts_sort(&c->ghosts, o, &c->ranks, err))
+    if (!ghosts_sort(&c->ghosts, o, &c->ranks, err) ||
+        (o->n_domains > 1 && !owned_sort_runs(&c->owned, err)))
         return false;
     if (c->search == SEARCH_WHOLE)
         return search_set_in_place(&c->sets[0], &c->owned, &c->ghosts, &c->ranks, err);
@@ -202,8 +203,9 @@ bool cluster_open_homes(duet_cluster *c, const char *call, bool ok, duet_error *
     if (!begin_settled(c, call, false, ok, &settled, own) && own->status != DUET_STATUS_BAD_OBJECT)
         return false;
     c->state = STATE_CHANGED;
-    ok = settled && owned_tidy(o, own) && owned_map(o, own);
-    return ranks_agree(&c->ranks, ok, own);
+    if (settled)
+        owned_tidy(o);
+    return ranks_agree(&c->ranks, settled && owned_map(o, own), own);
 }
 
 // ---------------------------------------------------------------- the step

@@ -483,7 +483,7 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
         hand_over(clusters[g], &c, 0, 7);
         MUST_OK(g != ROUNDS || duet_cluster_set_level(clusters[g], DUET_LEVEL_DOUBLE, &err), err);
     }
-    uint64_t left = 0, moved = 0;
+    uint64_t left = 0, n_runs = 0;
     for (uint32_t at = 0; at < 200; ++at) {
         for (uint32_t id = 0; id < c.n; ++id)
             move(c.poses[id].centre, id, at);
@@ -501,13 +501,13 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
             must_find(clusters[g], &c);
             const owned *o = &clusters[g]->owned;
             MUST(owned_count(o) == 0 || o->renamed.n == 0, "a list that grows no further");
-            left += o->n_domains == 1 ? o->leavers.n : 0;
-            moved += o->n_domains > 1 ? o->leavers.n : 0;
+            left += o->leavers.n;
+            n_runs += o->runs.n;
         }
     }
     MPI_Allreduce(MPI_IN_PLACE, &left, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
-    MPI_Allreduce(MPI_IN_PLACE, &moved, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
-    MUST(left > 100 && moved > 1000, "objects changed ranks and domains");
+    MPI_Allreduce(MPI_IN_PLACE, &n_runs, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+    MUST(left > 100 && n_runs > 20 * 200, "objects changed ranks and domains");
     for (int g = 0; g < N_GROUPS; ++g) {
         duet_cluster_destroy(clusters[g]);
         if (comms[g] != MPI_COMM_NULL)
@@ -708,7 +708,7 @@ static void deal_homes_anew(duet_cluster *cluster, MPI_Comm comm, bool on_lattic
     }
     MPI_Bcast(b->planes, (int)(b->n * sizeof *b->planes), MPI_BYTE, 0, comm);
     bisection_box(b, (uint32_t)duet_cluster_get_rank(cluster), p->lower, p->upper);
-    MUST(owned_tidy(o, NULL), "tidy");
+    owned_tidy(o);
     o->placement = PLACED_BY_RANK; // as a rank is that could not bring them to its domains
     owned_forget_domains(o);
     cluster->state = STATE_CHANGED;
@@ -1779,26 +1779,34 @@ static void extents_hold_what_devices_take(void)
 
 enum { ROWS_OF_TIDY = 64, DOMAINS_OF_TIDY = 7 };
 
-// Whether each row is that of its id, and lies in its domain's box.
-static void must_be_tidy(const owned *o, uint64_t there)
+// Whether each row is that of its id, and in one run, of the domain whose box holds it. Returns how
+// many runs there are.
+static uint64_t must_be_in_domains(owned *o, classes *c, uint64_t there)
 {
     uint64_t seen = 0;
-    uint32_t first = 0;
+    uint32_t n = 0;
+    duet_error err = {0};
+    MUST_OK(classify(c, o) && owned_sort_runs(o, &err), err);
     for (uint32_t i = 0; i < o->n_domains; ++i) {
         const domain *d = &o->domains[i];
-        MUST(d->first == first && d->n_new == 0, "no gaps");
-        first += d->n;
-        for (uint32_t row = d->first; row < first; ++row) {
-            double centre[3];
-            const duet_bounds *b = object_row(&o->rows, &o->form, row);
-            object_centre(&o->form, b, centre);
-            MUST(bisection_part(&o->planes, centre) == i && owned_domain_of(o, row) == i,
-                 "each lies in its domain");
-            MUST(b->upper[1] == (float)o->rows.ids[row], "rows stay whole");
-            seen |= UINT64_C(1) << o->rows.ids[row];
+        uint32_t n_before = n;
+        for (uint64_t k = d->run; k < d->run + d->n_runs; ++k) {
+            const row_run *run = &o->runs.runs[k];
+            MUST(run->domain == i && run->at == n - n_before, "behind each other");
+            n += run->n;
+            for (uint32_t row = run->first; row < run->first + run->n; ++row) {
+                double centre[3];
+                const duet_bounds *at = object_row(&o->rows, &o->form, row);
+                object_centre(&o->form, at, centre);
+                MUST(bisection_part(&o->planes, centre) == i, "each lies in its domain");
+                MUST(at->upper[1] == (float)o->rows.ids[row], "rows stay whole");
+                seen |= UINT64_C(1) << o->rows.ids[row];
+            }
         }
+        MUST(d->n == n - n_before, "counted");
     }
-    MUST(first == o->rows.n && seen == there, "all are there");
+    MUST(n == o->rows.n && seen == there, "all are there, once");
+    return o->runs.n;
 }
 
 static duet_bounds some_bounds(uint64_t id, rng *r)
@@ -1821,6 +1829,7 @@ static void rows_come_to_their_domains(void)
     MUST_OK(w && parallel_begin(&team, 3, 1, &err), err);
     for (int round = 0; round < 300; ++round) {
         owned o;
+        classes c = {0};
         object_rows rows;
         uint32_t n_domains = 2 + rng_below(&r, DOMAINS_OF_TIDY - 1);
         uint32_t n = rng_below(&r, ROWS_OF_TIDY / 2);
@@ -1836,7 +1845,7 @@ static void rows_come_to_their_domains(void)
         }
         owned_take(&o, &rows);
         MUST_OK(owned_place(&o, &all, workers, &err), err);
-        must_be_tidy(&o, there);
+        MUST(must_be_in_domains(&o, &c, there) <= n_domains, "placed together");
         for (int step = 0; step < 9; ++step) {
             unsigned char messages[ROWS_OF_TIDY][sizeof(uint64_t) + sizeof(duet_bounds)];
             parcels in = {.rows = messages, .row_bytes = sizeof *messages};
@@ -1853,10 +1862,12 @@ static void rows_come_to_their_domains(void)
                     object_write_message(&o.form, messages[in.n++], id, &b);
                     there |= UINT64_C(1) << id;
                 }
-            MUST_OK(owned_add_newcomers(&o, &in, &err) && owned_tidy(&o, &err), err);
-            must_be_tidy(&o, there);
+            MUST_OK(owned_add_newcomers(&o, &in, &err), err);
+            owned_tidy(&o);
+            must_be_in_domains(&o, &c, there);
         }
         owned_end(&o);
+        classes_end(&c);
     }
     w->close(w);
     parallel_end(&team);
