@@ -5,6 +5,7 @@
 #ifndef CLUSTER_CLASSIFY_H
 #define CLUSTER_CLASSIFY_H
 
+#include "cluster/object_skim.h"
 #include "cluster/owned.h"
 
 // Holds what one thread finds.

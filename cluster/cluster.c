@@ -48,7 +48,7 @@ void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *
     c->owned.form = object_form_of(world);
     c->fitted = (extent){0};
     c->state = STATE_CHANGED;
-    c->is_cold = true;
+    c->step = STEP_COLD;
 }
 
 static bool open_pair(duet_cluster *c, duet_error *err)

@@ -22,6 +22,13 @@ typedef enum cluster_state {
     STATE_LISTED,  // own lists them
 } cluster_state;
 
+// How the last step went.
+typedef enum step_state {
+    STEP_COLD, // the next one may have to build kernels
+    STEP_ENDED,
+    STEP_STOPPED, // a rank was asked to stop before the step ended, which is known to all
+} step_state;
+
 // The sets in which objects are searched. Chosen anew when objects are settled.
 typedef enum cluster_search {
     SEARCH_WHOLE,      // sets[0], a single domain with its ghosts
@@ -58,8 +65,7 @@ struct duet_cluster {
     own_pairs own;
     extent fitted;     // around the objects when workers last learned that they moved
     uint64_t n_placed; // owned.n_placed at that time
-    bool is_stopped;   // a rank was asked to stop before the last step ended, which is known to all
-    bool is_cold;      // kernels may have to be built
+    step_state step;
     duet_scene_info scene;
     char *scene_name;       // NULL: no scene was loaded
     duet_cluster_rank last; // this rank's last step

@@ -17,10 +17,8 @@ void cluster_close_workers(worker *workers[2])
 
 worker *cluster_open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err)
 {
-    const simulation *s = c->ranks.simulation;
-    return s && s->object_seconds > 0 ? worker_open_simulated(world, s, err)
-           : c->def.plain             ? worker_open_plain(world, err)
-                                      : worker_open_pair(world, err);
+    return c->def.plain ? worker_open_plain(world, c->ranks.simulation, err)
+                        : worker_open_pair(world, err);
 }
 
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],

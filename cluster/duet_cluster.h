@@ -9,8 +9,8 @@
 // one, and destroy until all destroy it. Getters and destroy's argument NULL are a rank's own. One
 // thread of a rank calls MPI.
 //
-// A global id is 64 bits. A rank's homes are the objects that it owns; its ghosts are objects of
-// other ranks that its owned objects may touch. Which rank owns an object never changes a result.
+// A global id is 64 bits. A rank owns the objects in its part of the world; its ghosts are objects
+// of other ranks that these may touch. Which rank owns an object never changes a result.
 #ifndef DUET_CLUSTER_H
 #define DUET_CLUSTER_H
 

@@ -235,7 +235,7 @@ bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, bool ok, duet_error *e
     free(s.neighbours);
     free(s.first);
     free(s.counts);
-    return ranks_exchange(r, ok, &g->out, &g->in, err);
+    return parcels_exchange(r, ok, &g->out, &g->in, err);
 }
 
 bool ghosts_begin(ghosts *g, const owned *o, const ranks *r, duet_error *err)

@@ -65,31 +65,21 @@ static bool keep_widest(owned *o, double widest)
 
 // ---------------------------------------------------------------- leavers
 
-static int rank_of(const migration *m, uint32_t row)
+static int rank_of(const void *context, uint64_t k)
 {
+    const migration *m = context;
     const owned *o = m->owned;
     double centre[3];
-    object_row_centre(&o->rows, &o->form, row, centre);
+    object_row_centre(&o->rows, &o->form, m->classes.leavers.rows[k], centre);
     return partition_rank(m->partition, centre);
 }
 
-static bool write_leavers(const migration *m, const ranks *r, parcels *out, duet_error *err)
+static void write_leaver(const void *context, uint64_t k, void *message)
 {
+    const migration *m = context;
     const owned *o = m->owned;
-    const row_list *l = &m->classes.leavers;
-    uint64_t *places = calloc((size_t)r->n, sizeof *places);
-    if (!places)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
-    for (uint64_t k = 0; k < l->n; ++k)
-        ++out->counts[rank_of(m, l->rows[k])];
-    bool ok = parcels_reserve(out, r, places, err);
-    for (uint64_t k = 0; ok && k < l->n; ++k) {
-        uint64_t to = places[rank_of(m, l->rows[k])]++;
-        object_write_message(&o->form, (unsigned char *)out->rows + to * out->row_bytes,
-                             o->rows.ids[l->rows[k]], object_row(&o->rows, &o->form, l->rows[k]));
-    }
-    free(places);
-    return ok;
+    uint32_t row = m->classes.leavers.rows[k];
+    object_write_message(&o->form, message, o->rows.ids[row], object_row(&o->rows, &o->form, row));
 }
 
 // A newcomer counts as a boundary object: it came through the boundary.
@@ -113,11 +103,9 @@ static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
 {
     owned *o = m->owned;
     uint32_t first = o->rows.n;
-    parcels out = {0}, in = {0};
-    ok = parcels_begin(&out, r, object_message_bytes(&o->form), err) && ok;
-    ok = ok && write_leavers(m, r, &out, err);
-    ok = ranks_exchange(r, ok, &out, &in, err);
-    parcels_end(&out);
+    parcels in = {0};
+    ok = parcels_deal(r, ok, object_message_bytes(&o->form), m->classes.leavers.n, rank_of,
+                      write_leaver, m, &in, err);
     ok = ok && ranks_agree(r, owned_add_newcomers(o, &in, err), err);
     parcels_end(&in);
     if (!ok) { // on any rank

@@ -24,11 +24,21 @@ static int ascending(const void *left, const void *right)
     return (p->b > q->b) - (p->b < q->b);
 }
 
-// Ids are dealt out in equal runs, whatever ids there are.
-static int rank_of_id(uint64_t id, uint64_t most, int n_ranks)
+// Pairs go to ranks in equal runs of ids, whatever ids there are.
+typedef struct dealing {
+    const duet_pair64 *pairs;
+    uint64_t run; // ids of each rank
+} dealing;
+
+static int rank_of(const void *context, uint64_t i)
 {
-    uint64_t run = most / (uint64_t)n_ranks + 1;
-    return (int)(id / run);
+    const dealing *d = context;
+    return (int)(d->pairs[i].a / d->run);
+}
+
+static void write_pair(const void *context, uint64_t i, void *row)
+{
+    memcpy(row, &((const dealing *)context)->pairs[i], sizeof(duet_pair64));
 }
 
 // Sends each pair to the rank of its a, and sorts what arrives: then ranks, one after the
@@ -42,22 +52,11 @@ static bool sort_pairs(duet_cluster *c, parcels *sorted, duet_error *err)
     most = UINT64_MAX - most;
     ranks_least(r, &most, 1);
     most = UINT64_MAX - most;
-    uint64_t *places = calloc((size_t)r->n, sizeof *places);
-    parcels out = {0};
-    bool ok = places || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
-    ok = parcels_begin(&out, r, sizeof(duet_pair64), err) && ok;
-    for (uint64_t i = 0; ok && i < c->own.n; ++i)
-        ++out.counts[rank_of_id(c->own.pairs[i].a, most, r->n)];
-    ok = ok && parcels_reserve(&out, r, places, err);
-    duet_pair64 *rows = out.rows;
-    for (uint64_t i = 0; ok && i < c->own.n; ++i)
-        rows[places[rank_of_id(c->own.pairs[i].a, most, r->n)]++] = c->own.pairs[i];
-    ok = ranks_exchange(r, ok, &out, sorted, err);
-    if (ok)
-        qsort(sorted->rows, sorted->n, sizeof(duet_pair64), ascending);
-    parcels_end(&out);
-    free(places);
-    return ok;
+    const dealing d = {c->own.pairs, most / (uint64_t)r->n + 1};
+    if (!parcels_deal(r, true, sizeof(duet_pair64), c->own.n, rank_of, write_pair, &d, sorted, err))
+        return false;
+    qsort(sorted->rows, sorted->n, sizeof(duet_pair64), ascending);
+    return true;
 }
 
 // ---------------------------------------------------------------- the file

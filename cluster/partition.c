@@ -107,7 +107,7 @@ bool partition_make(partition *p, ranks *r, const object_form *form, const objec
     ok = ok && parcels_reserve(&out, r, NULL, err);
     if (ok)
         partition_sample(out.rows, out.n, form, rows);
-    ok = ranks_exchange(r, ok, &out, &in, err);
+    ok = parcels_exchange(r, ok, &out, &in, err);
     if (ok && r->self == 0)
         bisection_cut(&p->parts, p->weights, in.rows, in.n);
     if (ok)

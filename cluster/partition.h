@@ -10,7 +10,7 @@
 
 #include "cluster/bisection.h"
 #include "cluster/objects.h"
-#include "cluster/ranks.h"
+#include "cluster/parcels.h"
 
 typedef struct partition {
     bisection parts;           // one for each rank

@@ -26,7 +26,6 @@ void search_set_end(search_set *s)
 {
     free(s->keys);
     free(s->is_leaver);
-    free(s->leavers.rows);
     free(s->ids);
     *s = (search_set){0};
 }
@@ -37,11 +36,10 @@ static void begin(search_set *s, set_kind kind, const owned *o, const ranks *r, 
     s->owned = o;
     s->place = (uint32_t)r->self * o->most_domains + d;
     s->n_places = (uint32_t)r->n * o->most_domains;
-    s->leavers.n = 0;
-    s->leavers.failed = false;
+    s->n_leavers = 0;
 }
 
-// Marks the leavers, where the rows are the rank's.
+// Marks the leavers of a set whose own rows are the rank's.
 static bool mark_leavers(search_set *s, duet_error *err)
 {
     const row_list *all = &s->owned->leavers;
@@ -51,13 +49,10 @@ static bool mark_leavers(search_set *s, duet_error *err)
     if (!s->is_leaver)
         return false;
     memset(s->is_leaver, 0, s->n_own / 8 + 1);
-    for (uint64_t k = 0; k < all->n; ++k) {
-        uint32_t row = all->rows[k];
-        s->is_leaver[row / 8] |= (uint8_t)(1u << row % 8);
-        row_list_add(&s->leavers, row);
-    }
-    return !s->leavers.failed ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "objects that leave: no memory");
+    for (uint64_t k = 0; k < all->n; ++k)
+        s->is_leaver[all->rows[k] / 8] |= (uint8_t)(1u << all->rows[k] % 8);
+    s->n_leavers = (uint32_t)all->n;
+    return true;
 }
 
 // ---------------------------------------------------------------- ghosts
@@ -102,7 +97,7 @@ static bool write_ghosts(search_set *s, const ghosts *g, uint32_t d, duet_error 
 
 static bool is_empty(const search_set *s)
 {
-    return s->n_own == s->leavers.n || (s->kind == SET_BOUNDARY && search_set_ghosts(s) == 0);
+    return s->n_own == s->n_leavers || (s->kind == SET_BOUNDARY && search_set_ghosts(s) == 0);
 }
 
 // ---------------------------------------------------------------- sets
@@ -223,8 +218,8 @@ static global_ids ids_of(const search_set *s)
     return (global_ids){
         .list = s->rows.ids,
         .n = s->n_own,
-        .without = s->leavers.rows,
-        .n_without = (uint32_t)s->leavers.n,
+        .without = o->leavers.rows,
+        .n_without = s->n_leavers,
         .changed = o->renamed.rows,
         .n_changed = in_place ? o->renamed.n : 0,
         .all_changed = !in_place || o->renamed.failed,
@@ -254,7 +249,7 @@ bool search_set_owns_with_ghost(const search_set *s, duet_pair pair)
 {
     bool a = pair.a >= s->n_own, b = pair.b >= s->n_own;
     uint32_t own = a ? pair.b : pair.a, other = a ? pair.a : pair.b;
-    if ((a && b) || (s->leavers.n > 0 && s->is_leaver[own / 8] >> own % 8 & 1))
+    if ((a && b) || (s->n_leavers > 0 && s->is_leaver[own / 8] >> own % 8 & 1))
         return false;
     const void *object = object_row(&s->rows, &s->owned->form, own);
     return key_of(s, object, s->place) < s->keys[other - s->n_own];

@@ -63,8 +63,8 @@ static bool count(duet_cluster *c, int i, duet_error *err)
 static bool can_overlap(const duet_cluster *c)
 {
     const owned *o = &c->owned;
-    return o->n_domains == 1 && c->ranks.n > 1 && c->threads.n > 1 && !c->is_cold && o->holder &&
-           cluster_spares_host(c) && o->boundary.n < o->rows.n / 4;
+    return o->n_domains == 1 && c->ranks.n > 1 && c->threads.n > 1 && c->step != STEP_COLD &&
+           o->holder && cluster_spares_host(c) && o->boundary.n < o->rows.n / 4;
 }
 
 // Opens the second worker. Without it there is one search, of objects and ghosts.
@@ -225,12 +225,12 @@ static bool search_all(duet_cluster *c, bool ok, duet_error *own)
 // becomes the sums that a result has, and how many ranks are asked to stop.
 static bool find(duet_cluster *c, bool ok, tally *t, duet_error *own)
 {
-    if (c->is_cold)
+    if (c->step == STEP_COLD)
         ranks_await_turn(&c->ranks, owned_count(&c->owned) > 0);
     ok = search_all(c, ok, own);
-    if (c->is_cold)
+    if (c->step == STEP_COLD)
         ranks_end_turn(&c->ranks);
-    c->is_cold = false;
+    c->step = STEP_ENDED;
     if (ok && c->owned.n_domains == 1 && owned_count(&c->owned) > 0)
         owned_forget_renamed(&c->owned);
     *t = (tally){.sums = {c->ranks.stands_for * owned_count(&c->owned), c->own.n, c->own.hash,
@@ -282,7 +282,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     duet_error own = {0};
     tally t;
     bool settled = true, ok = error_given(result, __func__, "result", &own);
-    bool was_cold = c->is_cold;
+    bool was_cold = c->step == STEP_COLD;
     uint64_t begun_ns = ranks_now_ns(), n_partitions = c->migration.n_partitions;
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
     if (was_cold)
@@ -296,7 +296,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
         return error_copy(err, &own);
     }
     c->state = c->own.lists ? STATE_LISTED : STATE_FOUND;
-    c->is_stopped = t.sums[3] > 0;
+    c->step = t.sums[3] > 0 ? STEP_STOPPED : STEP_ENDED;
     keep_times(c, begun_ns);
     double total_ms = ms_since(begun_ns);
     ranks_greatest(&c->ranks, &total_ms, 1);

@@ -208,7 +208,7 @@ api.names = {
   { "duet.ClusterResult.total_ms", "number", "wall clock of the rank that took longest" },
   { "duet.ClusterRank.host", "string", "" },
   { "duet.ClusterRank.pair", "string", "selectors of its devices; \"plain\" without" },
-  { "duet.ClusterRank.objects", "integer", "its homes" },
+  { "duet.ClusterRank.objects", "integer", "that it owns" },
   { "duet.ClusterRank.ghosts", "integer", "objects of other ranks that it received" },
   { "duet.ClusterRank.pairs", "integer", "that it found" },
   { "duet.ClusterRank.sent_bytes", "integer", "to other ranks" },

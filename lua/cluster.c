@@ -115,7 +115,7 @@ typedef struct cluster_box {
     const cluster_library *calls;
     int64_t rank, rank_count;
     array_kind rows; // its objects'
-    uint64_t maps;   // views of homes hold until the next call
+    uint64_t maps;   // views of owned objects hold until the next call
     uint64_t steps;  // views of pairs hold until the next step, or other objects
 } cluster_box;
 
@@ -335,11 +335,11 @@ static int cluster_map_homes(lua_State *L)
     const uint64_t *ids = NULL;
     uint32_t n = 0;
     cluster_box *box = check(L);
-    void *homes =
+    void *owned =
         box->calls->map_homes(box->cluster.object, array_object_kind(box->rows), &ids, &n, &err);
-    if (!homes)
+    if (!owned)
         return class_push_failure(L, &err);
-    array_push_view(L, box->rows, homes, n, 1, &box->maps);
+    array_push_view(L, box->rows, owned, n, 1, &box->maps);
     array *names = array_push_view(L, ARRAY_IDS, (void *)ids, n, 1, &box->maps);
     names->fixed = true;
     return 2;

@@ -204,14 +204,14 @@ static bool run_steps(run_state *r, duet_error *err)
     interrupt_react(INTERRUPT_NOTED);
     ok = ok && step(r, err);
     progress p = progress_begin("step", repeat);
-    while (ok && r->n_steps < repeat && !r->cluster->is_stopped) {
+    while (ok && r->n_steps < repeat && r->cluster->step != STEP_STOPPED) {
         ok = step(r, err);
         r->total_ms[r->n_steps++] = r->result.total_ms;
         if (r->rank == 0)
             progress_show(&p, r->n_steps);
     }
     progress_end(&p);
-    r->is_stopped = ok && r->cluster->is_stopped;
+    r->is_stopped = ok && r->cluster->step == STEP_STOPPED;
     if (ok && r->n_steps == 0)
         return tell_stop(r, err);
     if (ok)

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/rng.h"
 #include "base/text_file.h"
+#include "cluster/object_skim.h"
 #include "cluster/owner.h"
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/narrowphase/sat_frame.h"
@@ -450,7 +451,7 @@ static void move_crowd(crowd *c, uint32_t at)
 }
 
 // Homes become as the crowd's objects are.
-static void move_homes(duet_cluster *cluster, const crowd *c)
+static void move_owned(duet_cluster *cluster, const crowd *c)
 {
     object_form form = object_form_of(&c->world);
     duet_error err = {0};
@@ -531,7 +532,7 @@ static void must_list(duet_cluster *cluster, const duet_cluster_result *result, 
     MUST(sums[0] == result->pairs && sums[1] == result->hash, "the pairs that were counted");
 }
 
-// How many pairs of two homes came to the host.
+// How many pairs of two owned objects came to the host.
 static uint64_t count_brought(const duet_cluster *cluster)
 {
     const search_set *set = &cluster->sets[0];
@@ -588,9 +589,9 @@ static void must_keep_objects(duet_cluster *cluster, int n)
     MUST(after.pairs == before.pairs && after.hash == before.hash, "all objects are there");
 }
 
-// The CPU's parts are told that they have memory of their own, so they count the pairs of homes
-// where these are found. Ids are far above 2^32, and objects change ranks and rows. A is left out
-// of some steps, whose changes of ids it must hear of later.
+// The CPU's parts are told that they have memory of their own, so they count the pairs of owned
+// objects where these are found. Ids are far above 2^32, and objects change ranks and rows. A is
+// left out of some steps, whose changes of ids it must hear of later.
 static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
 {
     static crowd c;
@@ -618,12 +619,12 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
     uint64_t counted = 0, brought = 0, gone = 0;
     for (uint32_t at = 0; at < 32; ++at) {
         const uint64_t *ids;
-        uint32_t n_homes;
-        duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n_homes, &err);
+        uint32_t n_owned;
+        duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n_owned, &err);
         MUST_OK(own, err);
         for (uint32_t id = at % 16; id < c.n; id += 16) // few, so that few ids change places
             move(c.poses[id].centre, id, at);
-        for (uint32_t i = 0; i < n_homes; ++i)
+        for (uint32_t i = 0; i < n_owned; ++i)
             if ((ids[i] - first) % 16 == at % 16)
                 move(own[i].centre, ids[i] - first, at);
         find_expected(&c);
@@ -649,7 +650,7 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
     must_keep_objects(cluster, n);
     MUST(counted > 1000 && (gone > 20 || n == 1), "devices counted, while objects left");
     MUST(brought <= counted / 100,
-         "of the pairs of homes only those that float cannot decide come");
+         "of the pairs of owned objects only those that float cannot decide come");
     duet_cluster_destroy(cluster);
     duet_device_pair_destroy(def.world.pair);
     MPI_Comm_free(&comm);
@@ -686,7 +687,7 @@ static void devices_find_the_pairs_of_parts_in_place(uint64_t seed, uint32_t cro
         find_expected(&c);
         if (!cluster)
             continue;
-        move_homes(cluster, &c);
+        move_owned(cluster, &c);
         must_find(cluster, &c);
         must_find(cluster, &c); // nothing moved
     }
@@ -697,7 +698,7 @@ static void devices_find_the_pairs_of_parts_in_place(uint64_t seed, uint32_t cro
 }
 
 // Any planes at all, or some of a lattice, the same on all ranks of the group.
-static void deal_homes_anew(duet_cluster *cluster, MPI_Comm comm, bool on_lattice, rng *r)
+static void deal_anew(duet_cluster *cluster, MPI_Comm comm, bool on_lattice, rng *r)
 {
     partition *p = &cluster->partition;
     bisection *b = &p->parts;
@@ -714,8 +715,8 @@ static void deal_homes_anew(duet_cluster *cluster, MPI_Comm comm, bool on_lattic
     cluster->state = STATE_CHANGED;
 }
 
-// Whose an object is never reaches a result: all homes change at random before each step.
-static void homes_that_are_dealt_anew_change_nothing(uint64_t seed)
+// Whose an object is never reaches a result: all owned objects change at random before each step.
+static void objects_that_are_dealt_anew_change_nothing(uint64_t seed)
 {
     static crowd c;
     rng r = rng_seed(seed + 1);
@@ -736,10 +737,10 @@ static void homes_that_are_dealt_anew_change_nothing(uint64_t seed)
             MUST_OK(duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err), err);
             least = n < least ? n : least;
             most = n > most ? n : most;
-            deal_homes_anew(cluster, comm, false, &r);
+            deal_anew(cluster, comm, false, &r);
             must_find(cluster, &c);
         }
-        MUST(most > least + 50, "homes went to and fro");
+        MUST(most > least + 50, "owned objects went to and fro");
         duet_cluster_destroy(cluster);
         MPI_Comm_free(&comm);
     }
@@ -843,8 +844,8 @@ static void radii_that_touch_across_ranks_collide(uint64_t seed)
                         put_on_lattice(&c, id, &r);
                 if (!cluster)
                     continue;
-                move_homes(cluster, &c);
-                deal_homes_anew(cluster, comm, true, &own);
+                move_owned(cluster, &c);
+                deal_anew(cluster, comm, true, &own);
             }
             duet_cluster_destroy(cluster);
             if (comm != MPI_COMM_NULL)
@@ -864,8 +865,9 @@ static void *extend_by_nothing(worker *w, uint32_t n, uint32_t kept, duet_error 
     return NULL;
 }
 
-// One rank has no memory for its homes at first: later its objects lie like those of the others.
-static void homes_go_on_after_one_rank_had_no_memory(void)
+// One rank has no memory for its owned objects at first: later its objects lie like those of the
+// others.
+static void objects_go_on_after_one_rank_had_no_memory(void)
 {
     static crowd c;
     duet_error err = {0};
@@ -885,7 +887,7 @@ static void homes_go_on_after_one_rank_had_no_memory(void)
          "no memory on rank 1");
     w->extend = extend_in_truth;
     for (int at = 0; at < 5; ++at) {
-        deal_homes_anew(cluster, comm, false, &r);
+        deal_anew(cluster, comm, false, &r);
         must_find(cluster, &c);
     }
     duet_cluster_destroy(cluster);
@@ -901,8 +903,8 @@ static bool find_some_times(worker *w, const global_ids *ids, worker_found *foun
                             : error_set(err, DUET_STATUS_DEVICE_FAILED, "not in this test");
 }
 
-// Whichever part it fails in, ghosts leave the places of the homes behind it.
-static void a_search_that_fails_leaves_homes_as_they_were(void)
+// Whichever part it fails in, ghosts leave the places of the owned objects behind it.
+static void a_search_that_fails_leaves_objects_as_they_were(void)
 {
     static crowd c;
     duet_error err = {0};
@@ -999,7 +1001,7 @@ static void grids_follow_objects_that_travel(void)
     MPI_Comm_free(&comm);
 }
 
-// Parts and their grids stay while homes do, and are made anew once homes crowd.
+// Parts and their grids stay while owned objects do, and are made anew once owned objects crowd.
 static void parts_stay_while_they_are_even(void)
 {
     static crowd c;
@@ -1354,13 +1356,13 @@ static void a_failure_is_that_of_all_ranks(void)
     MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, own, two, 2, &err), err);
     result = step(c);
     MUST(result.pairs == 15, "six boxes in one place, after a failure");
-    const uint64_t *home_ids;
+    const uint64_t *owned_ids;
     uint32_t n;
     for (int at = 0; at < 2; ++at) { // what became bad in place is mended in place
-        duet_pose *mapped = duet_cluster_map_homes(c, DUET_OBJECT_POSES, &home_ids, &n, &err);
+        duet_pose *mapped = duet_cluster_map_homes(c, DUET_OBJECT_POSES, &owned_ids, &n, &err);
         MUST_OK(mapped, err);
         for (uint32_t i = 0; i < n; ++i)
-            mapped[i].centre[1] = at == 0 && home_ids[i] % 2 ? NAN : pose.centre[1];
+            mapped[i].centre[1] = at == 0 && owned_ids[i] % 2 ? NAN : pose.centre[1];
         if (at == 0)
             must_fail(duet_cluster_step(c, &result, &err), &err, DUET_STATUS_BAD_OBJECT, "object ");
         err = (duet_error){0};
@@ -1825,7 +1827,7 @@ static void rows_come_to_their_domains(void)
     duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.shape = DUET_SHAPE_BOUNDS;
-    worker *w = worker_open_plain(&def, &err), *const workers[2] = {w, w};
+    worker *w = worker_open_plain(&def, NULL, &err), *const workers[2] = {w, w};
     MUST_OK(w && parallel_begin(&team, 3, 1, &err), err);
     for (int round = 0; round < 300; ++round) {
         owned o;
@@ -1939,10 +1941,10 @@ int main(int argc, char **argv)
     devices_that_count_have_the_references_pairs(seed, 3);
     devices_find_the_pairs_of_parts_in_place(seed, 3, 2);
     devices_find_the_pairs_of_parts_in_place(seed, SPHERES, 5);
-    homes_that_are_dealt_anew_change_nothing(seed);
+    objects_that_are_dealt_anew_change_nothing(seed);
     radii_that_touch_across_ranks_collide(seed);
-    homes_go_on_after_one_rank_had_no_memory();
-    a_search_that_fails_leaves_homes_as_they_were();
+    objects_go_on_after_one_rank_had_no_memory();
+    a_search_that_fails_leaves_objects_as_they_were();
     a_cut_that_became_uneven_is_made_anew();
     grids_follow_objects_that_travel();
     parts_stay_while_they_are_even();

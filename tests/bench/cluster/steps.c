@@ -4,7 +4,8 @@
 //
 //   duet_bench_cluster OBJECTS PARTS [STEPS [PAIR]]
 //
-// It uses what any application can, and is compiled as one: cc steps.c $(pkg-config --cflags --libs duet_cluster) -lm.
+// It uses what any application can, and is compiled as one: cc steps.c $(pkg-config --cflags --libs
+// duet_cluster) -lm.
 #define _GNU_SOURCE // sched_getaffinity
 #include "duet_cluster.h"
 
