@@ -245,7 +245,7 @@ bool duet_cluster_get_ranks(duet_cluster *c, duet_cluster_rank *rows, duet_error
 
 // ---------------------------------------------------------------- between steps
 
-void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint64_t **ids,
+void *duet_cluster_map_owned(duet_cluster *c, duet_object_kind kind, const uint64_t **ids,
                              uint32_t *n, duet_error *err)
 {
     PUBLIC_CALL(err);
@@ -254,7 +254,7 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
     duet_error own = {0};
     bool ok = error_given(ids, __func__, "ids", &own) && error_given(n, __func__, "n", &own) &&
               check_kind(c, kind, &own);
-    if (!cluster_open_homes(c, __func__, ok, &own)) {
+    if (!cluster_open_owned(c, __func__, ok, &own)) {
         error_copy(err, &own);
         return NULL;
     }

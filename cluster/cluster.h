@@ -112,6 +112,6 @@ bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *
                         duet_error *err);
 // The same, and then tidies and maps them, to be written. Where objects are bad all are where they
 // were, to be mended.
-bool cluster_open_homes(duet_cluster *c, const char *call, bool ok, duet_error *own);
+bool cluster_open_owned(duet_cluster *c, const char *call, bool ok, duet_error *own);
 
 #endif

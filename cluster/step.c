@@ -196,7 +196,7 @@ bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *
     return ok || error_copy(err, own);
 }
 
-bool cluster_open_homes(duet_cluster *c, const char *call, bool ok, duet_error *own)
+bool cluster_open_owned(duet_cluster *c, const char *call, bool ok, duet_error *own)
 {
     owned *o = &c->owned;
     bool settled;

@@ -181,10 +181,10 @@ api.names = {
     { "ids: duet.Ids|integer[]", "objects: duet.Poses|duet.Bounds|duet.RoundedBoxes|duet.Spheres|duet.LargePoses|any[]" }, "true",
     "Objects of this rank's choice, with their ids; those of all ranks replace all that were there.",
     fails = true, c = "duet_cluster_set_objects" },
-  { "duet.Cluster:map_homes", {}, "duet.Poses|duet.Bounds|duet.RoundedBoxes|duet.Spheres|duet.LargePoses, duet.Ids",
+  { "duet.Cluster:map_owned", {}, "duet.Poses|duet.Bounds|duet.RoundedBoxes|duet.Spheres|duet.LargePoses, duet.Ids",
     "This rank's objects, of the kind that the def's shape or the scene says, to be written in place, and their ids; both hold " ..
     "until the next call.",
-    fails = true, c = "duet_cluster_map_homes" },
+    fails = true, c = "duet_cluster_map_owned" },
   { "duet.Cluster:set_plan", { "plan: table" }, "true", "Of this rank's devices.", fails = true,
     c = "duet_cluster_set_plan" },
   { "duet.Cluster:set_level", { "level: string" }, "true", "Of accuracy, on all ranks.", fails = true,

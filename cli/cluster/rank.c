@@ -173,7 +173,7 @@ static bool step(run_state *r, duet_error *err)
     uint64_t hash = r->result.hash;
     bool first = r->result.total_ms == 0;
     duet_object_kind kind = object_form_kind(&r->cluster->owned.form);
-    if (!first && !r->args->resident && !duet_cluster_map_homes(r->cluster, kind, &ids, &n, err))
+    if (!first && !r->args->resident && !duet_cluster_map_owned(r->cluster, kind, &ids, &n, err))
         return false;
     return duet_cluster_step(r->cluster, &r->result, err) &&
            (first || hash == r->result.hash ||

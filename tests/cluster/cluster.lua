@@ -41,7 +41,7 @@ facts.holds("objects that the script moves have the reference's pairs at each st
   local cluster <close> = assert(duet.cluster { plain = true })
   fill(cluster, 0)
   for step = 0, 49 do
-    local owned, ids = assert(cluster:map_homes())
+    local owned, ids = assert(cluster:map_owned())
     for place, id in ids:each() do owned:set(place, pose(id + 1, step)) end
     local result, pairs <close> = assert(cluster:step()), expected(step)
     assert(#pairs > 20)
@@ -80,7 +80,7 @@ facts.holds("spheres that the script moves have the reference's pairs at each st
   for i = 1 + cluster.rank, n, cluster.rank_count do ids[#ids + 1], rows[#rows + 1] = i - 1, { sphere(i, 0) } end
   assert(cluster:set_objects(ids, #rows > 0 and rows or duet.spheres(0)))
   for step = 0, 9 do
-    local owned, own = assert(cluster:map_homes())
+    local owned, own = assert(cluster:map_owned())
     for place, id in own:each() do owned:set(place, sphere(id + 1, step)) end
     local all = {}
     for i = 1, n do all[i] = { sphere(i, step) } end
@@ -102,7 +102,7 @@ facts.holds("owned objects are rows of the kind that the scene has", function()
   for _, of in ipairs { { "rounded", 44 }, { "spheres", 16 }, { "grains", 40 }, { path, 56 } } do
     assert(cluster:load_scene(of[1], of[1] ~= path and { n = 9 } or nil))
     local result = assert(cluster:step())
-    local owned, ids = assert(cluster:map_homes())
+    local owned, ids = assert(cluster:map_owned())
     local rows, names = owned:bytes(), ids:bytes()
     facts.equal(#rows, of[2] * #ids)
     facts.equal(result.objects, 9)
@@ -146,7 +146,7 @@ end)
 facts.holds("views hold until the next call, and nothing is taken that is none", function()
   local cluster <close> = assert(duet.cluster { plain = true })
   fill(cluster, 0)
-  local owned, ids = assert(cluster:map_homes())
+  local owned, ids = assert(cluster:map_owned())
   facts.raises("cannot be changed", ids.set, ids, 0, 7)
   facts.refused("BAD_ARGUMENT", "no pairs were found", cluster.own_pairs, cluster)
   assert(cluster:step())

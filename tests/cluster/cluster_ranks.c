@@ -457,7 +457,7 @@ static void move_owned(duet_cluster *cluster, const crowd *c)
     duet_error err = {0};
     const uint64_t *ids;
     uint32_t n;
-    unsigned char *own = duet_cluster_map_homes(cluster, kind_of(c), &ids, &n, &err);
+    unsigned char *own = duet_cluster_map_owned(cluster, kind_of(c), &ids, &n, &err);
     MUST_OK(own, err);
     for (uint32_t i = 0; i < n; ++i)
         memcpy(own + i * form.bytes, row_of(c, ids[i]), form.bytes);
@@ -495,7 +495,7 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
             uint32_t n;
             if (!clusters[g])
                 continue;
-            duet_pose *own = duet_cluster_map_homes(clusters[g], DUET_OBJECT_POSES, &ids, &n, &err);
+            duet_pose *own = duet_cluster_map_owned(clusters[g], DUET_OBJECT_POSES, &ids, &n, &err);
             MUST_OK(own, err);
             for (uint32_t i = 0; i < n; ++i)
                 move(own[i].centre, ids[i], at);
@@ -620,7 +620,7 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
     for (uint32_t at = 0; at < 32; ++at) {
         const uint64_t *ids;
         uint32_t n_owned;
-        duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n_owned, &err);
+        duet_pose *own = duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n_owned, &err);
         MUST_OK(own, err);
         for (uint32_t id = at % 16; id < c.n; id += 16) // few, so that few ids change places
             move(c.poses[id].centre, id, at);
@@ -734,7 +734,7 @@ static void objects_that_are_dealt_anew_change_nothing(uint64_t seed)
             duet_error err = {0};
             const uint64_t *ids;
             uint32_t n;
-            MUST_OK(duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err), err);
+            MUST_OK(duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, &err), err);
             least = n < least ? n : least;
             most = n > most ? n : most;
             deal_anew(cluster, comm, false, &r);
@@ -949,12 +949,12 @@ static void a_cut_that_became_uneven_is_made_anew(void)
     duet_error err = {0};
     const uint64_t *ids;
     uint32_t n;
-    duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
+    duet_pose *own = duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
     MUST_OK(own, err);
     for (uint32_t i = 0; i < n; ++i)
         own[i].centre[0] = (float)(1000 + (double)ids[i]);
     step(cluster);
-    own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
+    own = duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
     MUST_OK(own, err);
     MUST(n > 70 && n < 80, "a quarter of 300 objects");
     duet_cluster_destroy(cluster);
@@ -990,7 +990,7 @@ static void grids_follow_objects_that_travel(void)
         duet_error err = {0};
         const uint64_t *ids;
         uint32_t n;
-        duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
+        duet_pose *own = duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
         MUST_OK(own, err);
         for (uint32_t i = 0; i < n; ++i)
             own[i].centre[0] += little;
@@ -1028,7 +1028,7 @@ static void parts_stay_while_they_are_even(void)
         uint32_t n;
         int before = n_moves;
         uint64_t n_placed = cluster->owned.n_placed;
-        duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
+        duet_pose *own = duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
         MUST_OK(own, err);
         for (uint32_t i = 0; i < n; ++i)
             own[i] = c.poses[ids[i]];
@@ -1359,7 +1359,7 @@ static void a_failure_is_that_of_all_ranks(void)
     const uint64_t *owned_ids;
     uint32_t n;
     for (int at = 0; at < 2; ++at) { // what became bad in place is mended in place
-        duet_pose *mapped = duet_cluster_map_homes(c, DUET_OBJECT_POSES, &owned_ids, &n, &err);
+        duet_pose *mapped = duet_cluster_map_owned(c, DUET_OBJECT_POSES, &owned_ids, &n, &err);
         MUST_OK(mapped, err);
         for (uint32_t i = 0; i < n; ++i)
             mapped[i].centre[1] = at == 0 && owned_ids[i] % 2 ? NAN : pose.centre[1];
@@ -1530,7 +1530,7 @@ static void each_call_that_fails_gives_its_own_line(void)
         bool ok = i == 0   ? duet_cluster_create(NULL, e) != NULL
                   : i == 1 ? duet_cluster_load_scene(NULL, "x.lua", NULL, 0, e)
                   : i == 2 ? duet_cluster_set_objects(NULL, DUET_OBJECT_POSES, NULL, NULL, 0, e)
-                  : i == 3 ? duet_cluster_map_homes(NULL, DUET_OBJECT_POSES, NULL, NULL, e) != NULL
+                  : i == 3 ? duet_cluster_map_owned(NULL, DUET_OBJECT_POSES, NULL, NULL, e) != NULL
                   : i == 4 ? duet_cluster_set_plan(NULL, NULL, e)
                   : i == 5 ? duet_cluster_load_profile(NULL, NULL, NULL, NULL, e)
                   : i == 6 ? duet_cluster_set_level(NULL, DUET_LEVEL_AABB, e)
@@ -1592,7 +1592,7 @@ static void nothing_is_refused(void)
     REFUSED(duet_cluster_create(NULL, &err));
     REFUSED(duet_cluster_load_scene(NULL, "paper", NULL, 0, &err));
     REFUSED(duet_cluster_set_objects(NULL, DUET_OBJECT_POSES, NULL, NULL, 0, &err));
-    REFUSED(duet_cluster_map_homes(NULL, DUET_OBJECT_POSES, &ids, &n, &err));
+    REFUSED(duet_cluster_map_owned(NULL, DUET_OBJECT_POSES, &ids, &n, &err));
     REFUSED(duet_cluster_set_plan(NULL, &plan, &err));
     REFUSED(duet_cluster_set_level(NULL, DUET_LEVEL_AABB, &err));
     REFUSED(duet_cluster_load_profile(NULL, NULL, &profile, NULL, &err));
@@ -1610,10 +1610,10 @@ static void nothing_is_refused(void)
     REFUSED(duet_cluster_load_scene(c, NULL, NULL, 0, &err));
     REFUSED(duet_cluster_set_objects(c, DUET_OBJECT_POSES, NULL, &id, 1, &err));
     REFUSED(duet_cluster_set_objects(c, DUET_OBJECT_POSES, &id, NULL, 1, &err));
-    REFUSED(duet_cluster_map_homes(c, DUET_OBJECT_POSES, NULL, &n, &err));
-    REFUSED(duet_cluster_map_homes(c, DUET_OBJECT_POSES, &ids, NULL, &err));
-    REFUSED(duet_cluster_map_homes(c, DUET_OBJECT_SIZES, &ids, &n, &err));
-    REFUSED(duet_cluster_map_homes(c, DUET_OBJECT_SPHERES, &ids, &n, &err));
+    REFUSED(duet_cluster_map_owned(c, DUET_OBJECT_POSES, NULL, &n, &err));
+    REFUSED(duet_cluster_map_owned(c, DUET_OBJECT_POSES, &ids, NULL, &err));
+    REFUSED(duet_cluster_map_owned(c, DUET_OBJECT_SIZES, &ids, &n, &err));
+    REFUSED(duet_cluster_map_owned(c, DUET_OBJECT_SPHERES, &ids, &n, &err));
     REFUSED(duet_cluster_set_plan(c, NULL, &err));
     REFUSED(duet_cluster_set_level(c, (duet_level)99, &err));
     REFUSED(duet_cluster_load_profile(c, NULL, NULL, NULL, &err));

@@ -283,7 +283,7 @@ static void move_owned(duet_cluster *c, mover *how, uint32_t at)
     duet_error err = {0};
     const uint64_t *ids;
     uint32_t n;
-    duet_pose *own = duet_cluster_map_homes(c, DUET_OBJECT_POSES, &ids, &n, &err);
+    duet_pose *own = duet_cluster_map_owned(c, DUET_OBJECT_POSES, &ids, &n, &err);
     MUST_OK(own, err);
     for (uint32_t i = 0; i < n; ++i)
         how(&own[i], ids[i], at);
@@ -501,7 +501,7 @@ static void objects_are_mapped_by_all_ranks_or_by_none(MPI_Comm *comm, uint64_t 
     for (int moves = 0; moves < 2; ++moves) { // as they are found, and as they were written
         for (int i = 0; i < 2; ++i) {
             w->map = rank == 1 ? fail_to_map : map_in_truth;
-            must_lack_memory(!duet_cluster_map_homes(c, DUET_OBJECT_POSES, &ids, &n, &err), &err);
+            must_lack_memory(!duet_cluster_map_owned(c, DUET_OBJECT_POSES, &ids, &n, &err), &err);
             MUST(w->map == map_in_truth && c->owned.rows.objects, "they are there");
         }
         if (moves)
