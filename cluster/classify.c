@@ -5,9 +5,7 @@
 
 #include <math.h>
 #include <stdatomic.h>
-#include <stddef.h>
 #include <stdlib.h>
-#include <string.h>
 
 typedef struct job {
     owned *o;
@@ -53,8 +51,7 @@ static bool classify_row(const owned *o, class_part *p, const domain *d, const e
     p->widest = fmax(p->widest, extent_widest(&e));
     object_centre(&o->form, object, centre);
     if (extent_holds(inside, centre)) {
-        extent_join(&p->deep.centres, &(extent){{centre[0], centre[1], centre[2]},
-                                                {centre[0], centre[1], centre[2]}});
+        extent_add(&p->deep.centres, centre);
         return false;
     }
     if (o->placement != PLACED_ANYHOW && !holds(&d->box, centre)) {
@@ -165,9 +162,9 @@ static bool classify_on_device(job *j)
         j->from = from;
         parallel_each(o->threads, to - from, classify_odd, j);
         for (uint32_t i = from; i < to; i += SKIM_ROWS)
-            skim_add_block(&j->c->all.deep, &j->blocks[i / SKIM_ROWS]);
+            skim_add_block(&j->c->deep, &j->blocks[i / SKIM_ROWS]);
     }
-    j->c->all.widest = skim_widest(&j->c->all.deep, &o->form);
+    j->c->widest = skim_widest(&j->c->deep, &o->form);
     return true;
 }
 
@@ -175,54 +172,24 @@ static bool classify_on_device(job *j)
 
 static void begin(class_part *p)
 {
-    row_list leavers = p->leavers, boundary = p->boundary;
-    run_list runs = p->runs;
-    *p = (class_part){.first_bad = UINT64_MAX, .deep = skim_none};
-    p->leavers = (row_list){.rows = leavers.rows, .capacity = leavers.capacity};
-    p->boundary = (row_list){.rows = boundary.rows, .capacity = boundary.capacity};
-    p->runs = (run_list){.runs = runs.runs, .capacity = runs.capacity};
+    p->n_bad = 0;
+    p->first_bad = UINT64_MAX;
+    p->widest = 0;
+    p->deep = skim_none;
+    row_list_clear(&p->leavers);
+    row_list_clear(&p->boundary);
+    run_list_clear(&p->runs);
 }
 
-static void add_part(class_part *to, const class_part *p)
+static void add_part(classes *c, owned *o, const class_part *p)
 {
-    to->n_bad += p->n_bad;
-    to->first_bad = to->first_bad < p->first_bad ? to->first_bad : p->first_bad;
-    to->widest = fmax(to->widest, p->widest);
-    to->leavers.n += p->leavers.n;
-    to->leavers.failed |= p->leavers.failed;
-    to->boundary.n += p->boundary.n;
-    to->boundary.failed |= p->boundary.failed;
-    extent_join(&to->deep.centres, &p->deep.centres);
-}
-
-// Makes *to what the threads found, one behind the other.
-static void join_lists(row_list *to, const classes *c, size_t list)
-{
-    const row_list *sum = (const row_list *)(const void *)((const char *)&c->all + list);
-    to->n = 0;
-    if (sum->n > to->capacity) {
-        uint32_t *rows = realloc(to->rows, sum->n * sizeof *rows);
-        to->rows = rows ? rows : to->rows;
-        to->capacity = rows ? sum->n : to->capacity;
-    }
-    to->failed = sum->n > to->capacity || sum->failed;
-    for (int i = 0; !to->failed && i < PARALLEL_MOST; ++i) {
-        const row_list *of = (const row_list *)(const void *)((const char *)&c->parts[i] + list);
-        if (of->n > 0)
-            memcpy(to->rows + to->n, of->rows, of->n * sizeof *of->rows);
-        to->n += of->n;
-    }
-}
-
-static void join_runs(run_list *to, const classes *c)
-{
-    *to = (run_list){.runs = to->runs, .capacity = to->capacity};
-    for (int i = 0; i < PARALLEL_MOST; ++i) {
-        const run_list *of = &c->parts[i].runs;
-        to->failed = to->failed || of->failed;
-        for (uint64_t k = 0; !to->failed && k < of->n; ++k)
-            run_list_add(to, of->runs[k]);
-    }
+    c->n_bad += p->n_bad;
+    c->first_bad = c->first_bad < p->first_bad ? c->first_bad : p->first_bad;
+    c->widest = fmax(c->widest, p->widest);
+    extent_join(&c->deep.centres, &p->deep.centres);
+    row_list_append(&c->leavers, &p->leavers);
+    row_list_append(&o->boundary, &p->boundary);
+    run_list_append(&o->runs, &p->runs);
 }
 
 static extent around_all(const owned *o, const extent *deep)
@@ -241,22 +208,25 @@ static extent around_all(const owned *o, const extent *deep)
 bool classify(classes *c, owned *o)
 {
     job j = {.o = o, .c = c, .adds = ATOMIC_FLAG_INIT};
+    c->n_bad = 0;
+    c->first_bad = UINT64_MAX;
+    c->widest = 0;
+    c->deep = skim_none;
+    row_list_clear(&c->leavers);
+    row_list_clear(&o->boundary);
+    run_list_clear(&o->runs);
     for (int i = 0; i < PARALLEL_MOST; ++i)
         begin(&c->parts[i]);
-    begin(&c->all);
     for (uint32_t d = 0; d < o->most_domains; ++d)
         level_boxes_clear(&o->boxes[d]);
     if (!classify_on_device(&j))
         parallel_each(o->threads, o->rows.n, classify_rows, &j);
     for (int i = 0; i < PARALLEL_MOST; ++i)
-        add_part(&c->all, &c->parts[i]);
-    join_lists(&c->leavers, c, offsetof(class_part, leavers));
-    join_lists(&o->boundary, c, offsetof(class_part, boundary));
-    join_runs(&o->runs, c);
+        add_part(c, o, &c->parts[i]);
     if (j.blocks && !c->leavers.failed && c->leavers.n > 0)
         qsort(c->leavers.rows, c->leavers.n, sizeof *c->leavers.rows, compare_uint32);
-    o->around = around_all(o, &c->all.deep.centres);
-    return !c->leavers.failed && !o->boundary.failed;
+    o->around = around_all(o, &c->deep.centres);
+    return !c->leavers.failed && !o->boundary.failed && !o->runs.failed;
 }
 
 void classes_end(classes *c)

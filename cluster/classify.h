@@ -21,13 +21,15 @@ typedef struct class_part {
 
 typedef struct classes {
     class_part parts[PARALLEL_MOST]; // their lists' memory is used again
-    class_part all;                  // its lists only count
-    row_list leavers;                // ascending
+    uint64_t n_bad, first_bad;       // all of them together
+    double widest;
+    skim deep;
+    row_list leavers; // ascending
 } classes;
 
 // Writes c's leavers and o's boundary, runs, boxes and around. A device does it if the rows are on
 // their way to one that can; else the host's threads. Before rows are placed nothing leaves. False
-// without memory for the lists, which all of c then still counts.
+// without memory for the lists, which still count.
 bool classify(classes *c, owned *o);
 void classes_end(classes *c);
 

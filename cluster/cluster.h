@@ -63,8 +63,6 @@ struct duet_cluster {
     cluster_state state;
     cluster_search search;
     own_pairs own;
-    extent fitted;     // around the objects when workers last learned that they moved
-    uint64_t n_placed; // owned.n_placed at that time
     step_state step;
     duet_scene_info scene;
     char *scene_name;       // NULL: no scene was loaded
@@ -90,10 +88,12 @@ static inline int cluster_workers(const duet_cluster *c)
     return c->owned.n_domains > 1 ? 2 : 1;
 }
 
+// Opens the pair that the def names, else DUET_PAIR if that is set. A rank alone on its host gets
+// the host's default pair. Several ranks get a GPU each, in turn; without a GPU, an equal part of
+// the CPU's units.
+bool cluster_open_pair(duet_cluster *c, duet_error *err);
 // Returns whether this rank's devices leave the host's processors to others.
 bool cluster_spares_host(const duet_cluster *c);
-// Tells the workers if the objects lie elsewhere than before.
-void cluster_follow(duet_cluster *c);
 worker *cluster_open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err);
 // Opens cluster_workers(c) workers for this world def. On failure none is open.
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],

@@ -19,10 +19,9 @@ typedef struct overview {
 
 static bool look_over(overview *v, const migration *m, bool ok, ranks *r, duet_error *err)
 {
-    const class_part *all = &m->classes.all;
+    const classes *c = &m->classes;
     uint32_t n = owned_count(m->owned);
-    tally t = {.sums = {n, all->n_bad, all->leavers.n},
-               .greatest = {all->widest, n / m->partition->due}};
+    tally t = {.sums = {n, c->n_bad, c->leavers.n}, .greatest = {c->widest, n / m->partition->due}};
     if (!ranks_agree_and(r, ok, &t, err))
         return false;
     *v = (overview){t.sums[0], t.sums[1], t.sums[2], t.greatest[0], 1};
@@ -34,7 +33,7 @@ static bool look_over(overview *v, const migration *m, bool ok, ranks *r, duet_e
 // The line is the same on all ranks, whichever owns the object.
 static bool refuse_bad(const migration *m, const overview *v, ranks *r, duet_error *err)
 {
-    uint64_t first = m->classes.all.first_bad;
+    uint64_t first = m->classes.first_bad;
     ranks_least(r, &first, 1);
     return error_set(err, DUET_STATUS_BAD_OBJECT,
                      "object %" PRIu64 " of %" PRIu64 " is not a number, infinite, negative or "
@@ -50,7 +49,7 @@ static bool no_memory_at_border(uint64_t n, duet_error *err)
 static bool classify_all(migration *m, duet_error *err)
 {
     return classify(&m->classes, m->owned) ||
-           no_memory_at_border(m->classes.all.boundary.n + m->classes.all.leavers.n, err);
+           no_memory_at_border(m->owned->boundary.n + m->classes.leavers.n, err);
 }
 
 // Keeps the width that levels are relative to, until an object is wider or levels are too fine by
@@ -127,9 +126,8 @@ static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
 // Brings this rank's objects to its domains; not collective.
 static bool place(migration *m, duet_error *err)
 {
-    const extent box = partition_box(m->partition);
     owned_tidy(m->owned);
-    return owned_place(m->owned, &box, m->workers, err);
+    return owned_place(m->owned, &m->partition->box, m->workers, err);
 }
 
 // Begins to send the rows of a single domain to its worker's devices, instead of what was sent
@@ -156,7 +154,7 @@ static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet
         return false;
     ++m->n_partitions;
     o->placement = PLACED_BY_RANK;
-    o->domains[0].box = partition_box(m->partition);
+    o->domains[0].box = m->partition->box;
     bool listed = classify_all(m, err);
     if (!look_over(&v, m, true, r, err) ||
         (v.leavers > 0 &&

@@ -44,14 +44,6 @@ static double radius_of(const object_form *form, const void *object)
                                                : 0;
 }
 
-const extent extent_none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-
-double extent_widest(const extent *r)
-{
-    double widest = greater(r->upper[0] - r->lower[0], r->upper[1] - r->lower[1]);
-    return greater(widest, r->upper[2] - r->lower[2]);
-}
-
 static void widen(extent *r, const double slack[3], uint32_t dims)
 {
     for (uint32_t k = 0; k < dims; ++k) {
@@ -101,22 +93,6 @@ extent extent_of(const object_form *form, const void *object)
         r.upper[k] = (double)b->upper[k];
     }
     return r;
-}
-
-void extent_join(extent *to, const extent *other)
-{
-    for (int k = 0; k < 3; ++k) {
-        to->lower[k] = lesser(to->lower[k], other->lower[k]);
-        to->upper[k] = greater(to->upper[k], other->upper[k]);
-    }
-}
-
-bool extents_meet(const extent *a, const extent *b)
-{
-    for (int k = 0; k < 3; ++k)
-        if (a->lower[k] > b->upper[k] || b->lower[k] > a->upper[k])
-            return false;
-    return true;
 }
 
 void object_centre(const object_form *form, const void *object, double centre[3])

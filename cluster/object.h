@@ -3,6 +3,7 @@
 #ifndef CLUSTER_OBJECT_H
 #define CLUSTER_OBJECT_H
 
+#include "cluster/extent.h"
 #include "runtime/duet.h"
 
 // The form of all ranks' objects.
@@ -17,26 +18,9 @@ typedef struct object_form {
 object_form object_form_of(const duet_world_def *def);
 duet_object_kind object_form_kind(const object_form *form);
 
-// Bounds that contain all that the devices or the reference take for the object's, however a
-// box is turned, and in 2D 0 along z.
-typedef struct extent {
-    double lower[3];
-    double upper[3];
-} extent;
-
-extern const extent extent_none; // contains nothing
+// Returns bounds that contain all that the devices or the reference take for the object's, however
+// a box is turned, and in 2D 0 along z.
 extent extent_of(const object_form *form, const void *object);
-void extent_join(extent *to, const extent *other);
-bool extents_meet(const extent *a, const extent *b);
-// Whether a point lies inside, and not on its surface.
-static inline bool extent_holds(const extent *r, const double point[3])
-{
-    bool inside = true;
-    for (int k = 0; k < 3; ++k)
-        inside &= (point[k] > r->lower[k]) & (point[k] < r->upper[k]);
-    return inside;
-}
-double extent_widest(const extent *e);
 
 // The point that decides which domain an object belongs to.
 void object_centre(const object_form *form, const void *object, double centre[3]);
@@ -52,16 +36,5 @@ static inline const duet_pose *object_pose(const object_form *form, const void *
 // of an object of such a half width and such a coordinate.
 double object_half(const object_form *form, const void *object);
 double object_slack(const object_form *form, double half, double coordinate);
-
-// Unlike fmin and fmax these are no calls, which would take longer than the rest.
-static inline double lesser(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static inline double greater(double a, double b)
-{
-    return a > b ? a : b;
-}
 
 #endif

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-const skim skim_none = {{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}, 0};
-
 // The nearest floats not below a number, and not above it.
 static float above(float rounded, double number)
 {
@@ -85,22 +83,6 @@ static uint32_t skim_poses(const duet_pose *poses, uint32_t dims, uint32_t first
     return i;
 }
 
-// Adds an object of that half width; or adds nothing and returns false if it does not lie inside.
-static inline bool skim_add(skim *to, const extent *inside, const double at[3], double half)
-{
-    bool deep = true;
-    for (int k = 0; k < 3; ++k)
-        deep &= (at[k] > inside->lower[k]) & (at[k] < inside->upper[k]);
-    if (!deep)
-        return false;
-    to->square = greater(half * half, to->square);
-    for (int k = 0; k < 3; ++k) {
-        to->centres.lower[k] = lesser(at[k], to->centres.lower[k]);
-        to->centres.upper[k] = greater(at[k], to->centres.upper[k]);
-    }
-    return true;
-}
-
 uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint32_t first,
                           uint32_t end, const extent *inside, skim *s)
 {
@@ -113,8 +95,11 @@ uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint
         const void *object = object_row(rows, form, first);
         double at[3];
         object_centre(form, object, at);
-        if (!object_is_sound(form, object) || !skim_add(s, inside, at, object_half(form, object)))
+        if (!object_is_sound(form, object) || !extent_holds(inside, at))
             break;
+        double half = object_half(form, object);
+        s->square = greater(half * half, s->square);
+        extent_add(&s->centres, at);
     }
     return first;
 }

@@ -13,7 +13,8 @@ typedef struct skim {
                    // turned
 } skim;
 
-extern const skim skim_none;
+static const skim skim_none = {{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}},
+                               0};
 
 // Adds the rows from `first` on whose centre lies inside of that, and returns the first row for
 // which a glance does not decide, or which is not sound; `end` if there is none.

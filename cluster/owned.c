@@ -8,20 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const extent everywhere = {{-INFINITY, -INFINITY, -INFINITY},
-                                  {INFINITY, INFINITY, INFINITY}};
-
-void level_boxes_clear(level_boxes *boxes)
-{
-    for (int k = 0; k < LEVELS; ++k)
-        boxes->upto[k] = extent_none;
-}
-
-void level_boxes_add(level_boxes *boxes, const extent *e, double widest)
-{
-    extent_join(&boxes->upto[level_of(extent_widest(e), widest)], e);
-}
-
 // ---------------------------------------------------------------- begin and end
 
 bool owned_begin(owned *o, uint32_t n_domains, uint32_t most_domains, parallel *threads,
@@ -38,7 +24,7 @@ bool owned_begin(owned *o, uint32_t n_domains, uint32_t most_domains, parallel *
 void owned_forget_domains(owned *o)
 {
     for (uint32_t d = 0; d < o->n_domains; ++d)
-        o->domains[d] = (domain){.box = d == 0 ? everywhere : extent_none};
+        o->domains[d] = (domain){.box = d == 0 ? extent_all : extent_none};
 }
 
 static void release(owned *o)
@@ -55,6 +41,7 @@ void owned_take(owned *o, object_rows *rows)
     release(o);
     o->rows = *rows;
     o->widest = 0;
+    o->fitted = (extent){0};
     o->placement = PLACED_ANYHOW;
     *rows = (object_rows){0};
     owned_forget_domains(o);
@@ -75,7 +62,7 @@ void owned_end(owned *o)
 
 void owned_forget_renamed(owned *o)
 {
-    o->renamed = (row_list){.rows = o->renamed.rows, .capacity = o->renamed.capacity};
+    row_list_clear(&o->renamed);
 }
 
 // ---------------------------------------------------------------- rows

@@ -23,15 +23,6 @@
 #include "cluster/row_list.h"
 #include "cluster/worker.h"
 
-// Boxes around the objects of each level and of all finer ones.
-typedef struct level_boxes {
-    extent upto[LEVELS];
-} level_boxes;
-
-void level_boxes_clear(level_boxes *boxes);
-// Adds an object to the box of its own level. Levels are relative to the widest object.
-void level_boxes_add(level_boxes *boxes, const extent *e, double widest);
-
 typedef struct domain {
     extent box;   // holds the centres of its objects
     uint32_t n;   // its objects, since they were last classified
@@ -63,9 +54,9 @@ typedef struct owned {
     run_list runs;         // of several domains
     // Rows whose id changed, arrived or left since owned_forget_renamed; failed: any may have.
     row_list renamed;
-    double widest;     // the widest of all ranks' objects, or a little more; 0: not known
-    extent around;     // all of this rank's objects, or a little more
-    uint64_t n_placed; // times that rows were brought to their domains all at once
+    double widest; // the widest of all ranks' objects, or a little more; 0: not known
+    extent around; // all of this rank's objects, or a little more
+    extent fitted; // around them when workers last fitted grids; 0: since they were placed anew
     parallel *threads;
 } owned;
 

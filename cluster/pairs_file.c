@@ -61,12 +61,6 @@ static bool sort_pairs(duet_cluster *c, parcels *sorted, duet_error *err)
 
 // ---------------------------------------------------------------- the file
 
-// The place of the values, and the path's length, that rank 0 sends to the others.
-typedef struct told_file {
-    uint64_t values_at;
-    uint64_t path_bytes;
-} told_file;
-
 static bool check(bool ok, const char *path, duet_error *err)
 {
     return ok || error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be written: %s", path,
@@ -75,7 +69,7 @@ static bool check(bool ok, const char *path, duet_error *err)
 
 // The file has its whole size before any rank opens it: if it grows, a client of a network file
 // system may write a page that it shares with another's range as a whole, with zeros there.
-static bool open_file(output *o, const char *path, uint64_t pairs, told_file *told, text *part,
+static bool open_file(output *o, const char *path, uint64_t pairs, uint64_t *values_at, text *part,
                       duet_error *err)
 {
     text header = {0};
@@ -87,7 +81,7 @@ static bool open_file(output *o, const char *path, uint64_t pairs, told_file *to
     if (ok && (fwrite(header.chars, 1, header.length, o->stream) != header.length ||
                fflush(o->stream) != 0))
         ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be written", path);
-    *told = (told_file){header.length, part->length + 1};
+    *values_at = header.length;
     text_free(&header);
     return ok;
 }
@@ -127,29 +121,19 @@ static bool write_pairs(duet_cluster *c, const char *path, const void *pairs, ui
 {
     ranks *r = &c->ranks;
     output o = {.folder = -1, .slot = -1};
-    told_file told = {0};
     text part = {0};
-    uint64_t all = n;
+    uint64_t all = n, at = 0;
     bool opens = r->self == 0;
-    ranks_sum(r, &all, 1);
-    uint64_t before = ranks_sum_before(r, n);
-    bool ok = !opens || open_file(&o, path, all, &told, &part, err);
-    ok = ranks_agree(r, ok, err);
-    char *name = NULL;
     int slot = -1;
+    ranks_sum(r, &all, 1);
+    uint64_t before = ranks_sum_before(r, n) * sizeof(duet_pair64);
+    bool ok = ranks_agree(r, !opens || open_file(&o, path, all, &at, &part, err), err);
+    char *name = ok ? ranks_tell_text(r, opens ? text_chars(&part) : NULL, err) : NULL;
+    ok = name;
     if (ok) {
-        ranks_tell(r, &told, sizeof told);
-        name = calloc(told.path_bytes, 1);
-        ok =
-            ranks_agree(r, name || error_set(err, DUET_STATUS_NO_MEMORY, "a path: no memory"), err);
-    }
-    if (ok) {
-        if (opens)
-            memcpy(name, text_chars(&part), told.path_bytes);
-        ranks_tell(r, name, told.path_bytes);
+        ranks_tell(r, &at, sizeof at);
         slot = opens ? -1 : output_watch_part(name);
-        ok = write_values(name, told.values_at + before * sizeof(duet_pair64), pairs, n, path, err);
-        ok = ranks_agree(r, ok, err);
+        ok = ranks_agree(r, write_values(name, at + before, pairs, n, path, err), err);
     }
     bool closed = !opens || output_close(&o, ok, ok ? err : NULL);
     ok = ok && ranks_agree(r, closed, err);

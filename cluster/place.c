@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROWS_AT_ONCE = 1 << 20, SAMPLE_A_DOMAIN = 1 << 12 };
+enum { SAMPLE_A_DOMAIN = 1 << 12 };
 
 // ---------------------------------------------------------------- domains
 
@@ -100,18 +100,6 @@ static uint32_t sort_rows(owned *o, span *spans)
     return n;
 }
 
-static void set_boxes(owned *o, const extent *box)
-{
-    for (uint32_t d = 0; d < o->n_domains; ++d) {
-        extent *own = &o->domains[d].box;
-        bisection_box(&o->planes, d, own->lower, own->upper);
-        for (int k = 0; k < 3; ++k) {
-            own->lower[k] = fmax(own->lower[k], box->lower[k]);
-            own->upper[k] = fmin(own->upper[k], box->upper[k]);
-        }
-    }
-}
-
 // ---------------------------------------------------------------- the order within a domain
 
 typedef struct reordering {
@@ -156,20 +144,13 @@ static bool order_rows(owned *o, uint32_t first, uint32_t n, worker *w, duet_err
     return ok;
 }
 
-// Moves the rows to the worker's memory, the last ones first, and gives back the memory they leave.
+// Moves the rows to the worker's memory.
 static bool move_in(owned *o, worker *w, duet_error *err)
 {
-    unsigned char *objects = w->extend(w, o->rows.n, 0, err);
+    void *objects = w->extend(w, o->rows.n, 0, err);
     if (!objects)
         return false;
-    for (uint32_t first, end = o->rows.n; end > 0; end = first) {
-        first = end > ROWS_AT_ONCE ? end - ROWS_AT_ONCE : 0;
-        size_t before = (size_t)first * o->form.bytes;
-        parallel_copy(o->threads, objects + before, o->rows.objects + before, end - first,
-                      o->form.bytes);
-        void *rest = realloc(o->rows.objects, before + 1);
-        o->rows.objects = rest ? rest : o->rows.objects;
-    }
+    parallel_copy(o->threads, objects, o->rows.objects, o->rows.n, o->form.bytes);
     free(o->rows.objects);
     o->rows.objects = objects;
     o->holder = w;
@@ -206,8 +187,9 @@ bool owned_place(owned *o, const extent *box, worker *const workers[2], duet_err
         (!o->holder && !place_rows(o, workers, err)) ||
         (o->n_domains == 1 && !o->holder && !move_in(o, workers[0], err)))
         return false;
-    set_boxes(o, box);
+    for (uint32_t d = 0; d < o->n_domains; ++d)
+        o->domains[d].box = bisection_box(&o->planes, d, box);
     o->placement = PLACED_BY_DOMAIN;
-    ++o->n_placed;
+    o->fitted = (extent){0};
     return true;
 }

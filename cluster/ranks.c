@@ -267,6 +267,21 @@ void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes)
     }
 }
 
+char *ranks_tell_text(ranks *r, const char *of_rank_0, duet_error *err)
+{
+    uint64_t bytes = of_rank_0 ? strlen(of_rank_0) + 1 : 1;
+    ranks_tell(r, &bytes, sizeof bytes);
+    char *text = calloc(bytes, 1);
+    if (!ranks_agree(r, text || error_set(err, DUET_STATUS_NO_MEMORY, "a text: no memory"), err)) {
+        free(text);
+        return NULL;
+    }
+    if (r->self == 0 && of_rank_0)
+        memcpy(text, of_rank_0, bytes);
+    ranks_tell(r, text, bytes);
+    return text;
+}
+
 // ---------------------------------------------------------------- one before the others
 
 void ranks_await_turn(ranks *r, bool has_work)

@@ -97,6 +97,8 @@ uint64_t ranks_sum_before(ranks *r, uint64_t value); // over the ranks below thi
 // all is [n of ranks][bytes].
 void ranks_gather(ranks *r, const void *own, void *all, int bytes);
 void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes);
+// Returns rank 0's text on every rank, to be freed; NULL: "". On all ranks NULL without memory.
+char *ranks_tell_text(ranks *r, const char *of_rank_0, duet_error *err);
 
 // The first rank of each host for which `has_work` holds goes first; the others wait for it.
 // Between the two calls nothing is said to other ranks.

@@ -2,6 +2,7 @@
 #include "cluster/row_list.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 void *list_grow(void *items, uint64_t *capacity, size_t bytes)
 {
@@ -34,4 +35,36 @@ void run_list_add(run_list *l, row_run run)
     if (!l->failed)
         l->runs[l->n] = run;
     ++l->n;
+}
+
+void row_list_append(row_list *l, const row_list *more)
+{
+    uint64_t n = l->n + more->n;
+    if (!l->failed && n > l->capacity) {
+        uint32_t *rows = realloc(l->rows, n * sizeof *rows);
+        l->failed = !rows;
+        l->rows = rows ? rows : l->rows;
+        l->capacity = rows ? n : l->capacity;
+    }
+    l->failed = l->failed || more->failed;
+    if (!l->failed && more->n > 0)
+        memcpy(l->rows + l->n, more->rows, more->n * sizeof *l->rows);
+    l->n = n;
+}
+
+void run_list_append(run_list *l, const run_list *more)
+{
+    l->failed = l->failed || more->failed;
+    for (uint64_t k = 0; !l->failed && k < more->n; ++k)
+        run_list_add(l, more->runs[k]);
+}
+
+void row_list_clear(row_list *l)
+{
+    *l = (row_list){.rows = l->rows, .capacity = l->capacity};
+}
+
+void run_list_clear(run_list *l)
+{
+    *l = (run_list){.runs = l->runs, .capacity = l->capacity};
 }

@@ -15,6 +15,8 @@ typedef struct row_list {
 } row_list;
 
 void row_list_add(row_list *l, uint32_t row);
+void row_list_append(row_list *l, const row_list *more);
+void row_list_clear(row_list *l); // keeps the memory
 
 // Rows [first, first + n) whose objects lie in one domain.
 typedef struct row_run {
@@ -31,6 +33,8 @@ typedef struct run_list {
 } run_list;
 
 void run_list_add(run_list *l, row_run run);
+void run_list_append(run_list *l, const run_list *more);
+void run_list_clear(run_list *l);
 
 // Returns memory for more items than *capacity, and keeps these; NULL without, and they stay.
 void *list_grow(void *items, uint64_t *capacity, size_t bytes);

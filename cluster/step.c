@@ -78,6 +78,30 @@ static bool has_boundary_worker(duet_cluster *c)
     return c->workers[1];
 }
 
+// Whether the objects moved so far that a new grid pays: by a quarter of the width that they take,
+// on any side.
+static bool have_moved(const owned *o)
+{
+    bool moved = false;
+    for (int k = 0; k < 3; ++k) {
+        double far = 0.25 * (o->fitted.upper[k] - o->fitted.lower[k]);
+        moved = moved || fabs(o->around.lower[k] - o->fitted.lower[k]) > far ||
+                fabs(o->around.upper[k] - o->fitted.upper[k]) > far;
+    }
+    return moved;
+}
+
+// Tells the workers if the objects lie elsewhere than before.
+static void follow(duet_cluster *c)
+{
+    if (!have_moved(&c->owned))
+        return;
+    for (int i = 0; i < 2; ++i)
+        if (c->workers[i])
+            c->workers[i]->forget_grids(c->workers[i]);
+    c->owned.fitted = c->owned.around;
+}
+
 static void choose_search(duet_cluster *c, bool may_overlap)
 {
     duet_error unheard;
@@ -86,7 +110,7 @@ static void choose_search(duet_cluster *c, bool may_overlap)
         !search_set_inner(&c->sets[0], &c->owned, &c->ranks, &unheard))
         return;
     c->search = SEARCH_OVERLAPPED;
-    cluster_follow(c);
+    follow(c);
     begin_search(c, 0, &c->threads);
 }
 
@@ -143,7 +167,7 @@ bool cluster_show_domain(duet_cluster *c, duet_error *err)
 static bool take_ghosts(duet_cluster *c, duet_error *err)
 {
     const owned *o = &c->owned;
-    cluster_follow(c);
+    follow(c);
     if (!ghosts_sort(&c->ghosts, o, &c->ranks, err) ||
         (o->n_domains > 1 && !owned_sort_runs(&c->owned, err)))
         return false;
