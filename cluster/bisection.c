@@ -108,21 +108,19 @@ void bisection_cut(bisection *b, const double *weights, bisection_point *points,
     cut_in_two(b, weights, points, n_points, 0, b->n);
 }
 
-void bisection_box(const bisection *b, uint32_t part, double lower[3], double upper[3])
+extent bisection_box(const bisection *b, uint32_t part, const extent *within)
 {
+    extent box = *within;
     uint32_t first = 0, end = b->n;
-    for (int k = 0; k < 3; ++k) {
-        lower[k] = -INFINITY;
-        upper[k] = INFINITY;
-    }
     while (end - first > 1) {
         uint32_t middle = first + (end - first) / 2;
         const bisection_plane *plane = &b->planes[middle];
-        double *low = &lower[plane->axis], *high = &upper[plane->axis];
+        double *low = &box.lower[plane->axis], *high = &box.upper[plane->axis];
         *(part < middle ? &end : &first) = middle;
         if (part < middle) // a half without points is cut where it has none
-            *high = fmin(*high, plane->at);
+            *high = lesser(*high, plane->at);
         else
-            *low = fmax(*low, plane->at);
+            *low = greater(*low, plane->at);
     }
+    return box;
 }

@@ -5,6 +5,7 @@
 #ifndef CLUSTER_BISECTION_H
 #define CLUSTER_BISECTION_H
 
+#include "cluster/extent.h"
 #include "duet_error.h"
 
 #include <stdbool.h>
@@ -34,8 +35,8 @@ void bisection_end(bisection *b);
 // Cuts anew; the points change places. NULL weights, [n], are alike.
 void bisection_cut(bisection *b, const double *weights, bisection_point *points, uint64_t n_points);
 
-// Writes the box of a part, which holds points with lower <= centre < upper.
-void bisection_box(const bisection *b, uint32_t part, double lower[3], double upper[3]);
+// Returns a part's box within another one: it holds points with lower <= centre < upper.
+extent bisection_box(const bisection *b, uint32_t part, const extent *within);
 
 static inline uint32_t bisection_part(const bisection *b, const double at[3])
 {

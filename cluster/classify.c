@@ -5,9 +5,7 @@
 
 #include <math.h>
 #include <stdatomic.h>
-#include <stddef.h>
 #include <stdlib.h>
-#include <string.h>
 
 typedef struct job {
     owned *o;
@@ -38,7 +36,8 @@ static extent deep_inside(const owned *o, const domain *d)
     return inside;
 }
 
-static void classify_row(const owned *o, class_part *p, const domain *d, const extent *inside,
+// Returns whether it leaves the rank.
+static bool classify_row(const owned *o, class_part *p, const domain *d, const extent *inside,
                          level_boxes *boxes, uint32_t row)
 {
     const void *object = object_row(&o->rows, &o->form, row);
@@ -46,20 +45,22 @@ static void classify_row(const owned *o, class_part *p, const domain *d, const e
     if (!object_is_sound(&o->form, object)) {
         p->first_bad = p->first_bad < o->rows.ids[row] ? p->first_bad : o->rows.ids[row];
         ++p->n_bad;
-        return;
+        return false;
     }
     extent e = extent_of(&o->form, object);
     p->widest = fmax(p->widest, extent_widest(&e));
     object_centre(&o->form, object, centre);
     if (extent_holds(inside, centre)) {
-        extent_join(&p->deep.centres, &(extent){{centre[0], centre[1], centre[2]},
-                                                {centre[0], centre[1], centre[2]}});
-    } else if (o->placement != PLACED_ANYHOW && !holds(&d->box, centre)) {
-        row_list_add(&p->leavers, row);
-    } else {
-        level_boxes_add(boxes, &e, o->widest);
-        row_list_add(&p->boundary, row);
+        extent_add(&p->deep.centres, centre);
+        return false;
     }
+    if (o->placement != PLACED_ANYHOW && !holds(&d->box, centre)) {
+        row_list_add(&p->leavers, row);
+        return true;
+    }
+    level_boxes_add(boxes, &e, o->widest);
+    row_list_add(&p->boundary, row);
+    return false;
 }
 
 static void add_boxes(job *j, uint32_t d, const level_boxes *boxes)
@@ -73,22 +74,52 @@ static void add_boxes(job *j, uint32_t d, const level_boxes *boxes)
 
 // ---------------------------------------------------------------- by the host
 
+static uint32_t domain_of(const owned *o, uint32_t row)
+{
+    double centre[3];
+    if (o->n_domains == 1)
+        return 0;
+    object_row_centre(&o->rows, &o->form, row, centre);
+    return owned_domain_at(o, centre);
+}
+
+static void add_run(const owned *o, class_part *p, uint32_t d, uint32_t first, uint32_t end)
+{
+    if (o->n_domains > 1 && first < end)
+        run_list_add(&p->runs, (row_run){.domain = d, .first = first, .n = end - first});
+}
+
+// Classifies rows from `first` on, up to one that lies in another domain. Returns that one.
+static uint32_t classify_stretch(job *j, class_part *p, uint32_t first, uint32_t end)
+{
+    const owned *o = j->o;
+    const uint32_t d = domain_of(o, first);
+    const extent inside = deep_inside(o, &o->domains[d]);
+    uint64_t n_boundary = p->boundary.n;
+    level_boxes boxes;
+    level_boxes_clear(&boxes);
+    uint32_t row = first;
+    while ((row = object_rows_skim(&o->rows, &o->form, row, end, &inside, &p->deep)) < end &&
+           domain_of(o, row) == d) {
+        if (classify_row(o, p, &o->domains[d], &inside, &boxes, row)) {
+            add_run(o, p, d, first, row);
+            first = row + 1;
+        }
+        ++row;
+    }
+    add_run(o, p, d, first, row);
+    if (p->boundary.n > n_boundary)
+        add_boxes(j, d, &boxes);
+    return row;
+}
+
 static void classify_rows(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
     job *j = context;
-    const owned *o = j->o;
     class_part p = j->c->parts[part]; // apart from what other threads write
-    uint32_t row = (uint32_t)first;
-    for (uint32_t at = owned_domain_of(o, row); row < end; ++at) {
-        const domain *d = &o->domains[at];
-        uint32_t to = d->first + d->n < end ? d->first + d->n : (uint32_t)end;
-        extent inside = deep_inside(o, d);
-        level_boxes boxes = level_boxes_none;
-        while ((row = object_rows_skim(&o->rows, &o->form, row, to, &inside, &p.deep)) < to)
-            classify_row(o, &p, d, &inside, &boxes, row++);
-        add_boxes(j, at, &boxes);
-    }
-    p.widest = fmax(p.widest, skim_widest(&p.deep, &o->form));
+    for (uint32_t row = (uint32_t)first; row < end;)
+        row = classify_stretch(j, &p, row, (uint32_t)end);
+    p.widest = fmax(p.widest, skim_widest(&p.deep, &j->o->form));
     j->c->parts[part] = p;
 }
 
@@ -101,7 +132,8 @@ static void classify_odd(void *context, uint32_t part, uint64_t first, uint64_t 
     const owned *o = j->o;
     class_part p = j->c->parts[part];
     const extent inside = deep_inside(o, &o->domains[0]);
-    level_boxes boxes = level_boxes_none;
+    level_boxes boxes;
+    level_boxes_clear(&boxes);
     for (uint64_t i = j->from + first; i < j->from + end;) {
         const skim_block *b = &j->blocks[i / SKIM_ROWS];
         uint32_t odd = b->odd[i % SKIM_ROWS / 32] >> i % 32;
@@ -130,9 +162,9 @@ static bool classify_on_device(job *j)
         j->from = from;
         parallel_each(o->threads, to - from, classify_odd, j);
         for (uint32_t i = from; i < to; i += SKIM_ROWS)
-            skim_add_block(&j->c->all.deep, &j->blocks[i / SKIM_ROWS]);
+            skim_add_block(&j->c->deep, &j->blocks[i / SKIM_ROWS]);
     }
-    j->c->all.widest = skim_widest(&j->c->all.deep, &o->form);
+    j->c->widest = skim_widest(&j->c->deep, &o->form);
     return true;
 }
 
@@ -140,41 +172,24 @@ static bool classify_on_device(job *j)
 
 static void begin(class_part *p)
 {
-    row_list leavers = p->leavers, boundary = p->boundary;
-    *p = (class_part){.first_bad = UINT64_MAX, .deep = skim_none};
-    p->leavers = (row_list){.rows = leavers.rows, .capacity = leavers.capacity};
-    p->boundary = (row_list){.rows = boundary.rows, .capacity = boundary.capacity};
+    p->n_bad = 0;
+    p->first_bad = UINT64_MAX;
+    p->widest = 0;
+    p->deep = skim_none;
+    row_list_clear(&p->leavers);
+    row_list_clear(&p->boundary);
+    run_list_clear(&p->runs);
 }
 
-static void add_part(class_part *to, const class_part *p)
+static void add_part(classes *c, owned *o, const class_part *p)
 {
-    to->n_bad += p->n_bad;
-    to->first_bad = to->first_bad < p->first_bad ? to->first_bad : p->first_bad;
-    to->widest = fmax(to->widest, p->widest);
-    to->leavers.n += p->leavers.n;
-    to->leavers.failed |= p->leavers.failed;
-    to->boundary.n += p->boundary.n;
-    to->boundary.failed |= p->boundary.failed;
-    extent_join(&to->deep.centres, &p->deep.centres);
-}
-
-// Makes *to what the threads found, one behind the other.
-static void join_lists(row_list *to, const classes *c, size_t list)
-{
-    const row_list *sum = (const row_list *)(const void *)((const char *)&c->all + list);
-    to->n = 0;
-    if (sum->n > to->capacity) {
-        uint32_t *rows = realloc(to->rows, sum->n * sizeof *rows);
-        to->rows = rows ? rows : to->rows;
-        to->capacity = rows ? sum->n : to->capacity;
-    }
-    to->failed = sum->n > to->capacity || sum->failed;
-    for (int i = 0; !to->failed && i < PARALLEL_MOST; ++i) {
-        const row_list *of = (const row_list *)(const void *)((const char *)&c->parts[i] + list);
-        if (of->n > 0)
-            memcpy(to->rows + to->n, of->rows, of->n * sizeof *of->rows);
-        to->n += of->n;
-    }
+    c->n_bad += p->n_bad;
+    c->first_bad = c->first_bad < p->first_bad ? c->first_bad : p->first_bad;
+    c->widest = fmax(c->widest, p->widest);
+    extent_join(&c->deep.centres, &p->deep.centres);
+    row_list_append(&c->leavers, &p->leavers);
+    row_list_append(&o->boundary, &p->boundary);
+    run_list_append(&o->runs, &p->runs);
 }
 
 static extent around_all(const owned *o, const extent *deep)
@@ -193,21 +208,25 @@ static extent around_all(const owned *o, const extent *deep)
 bool classify(classes *c, owned *o)
 {
     job j = {.o = o, .c = c, .adds = ATOMIC_FLAG_INIT};
+    c->n_bad = 0;
+    c->first_bad = UINT64_MAX;
+    c->widest = 0;
+    c->deep = skim_none;
+    row_list_clear(&c->leavers);
+    row_list_clear(&o->boundary);
+    run_list_clear(&o->runs);
     for (int i = 0; i < PARALLEL_MOST; ++i)
         begin(&c->parts[i]);
-    begin(&c->all);
     for (uint32_t d = 0; d < o->most_domains; ++d)
-        o->boxes[d] = level_boxes_none;
+        level_boxes_clear(&o->boxes[d]);
     if (!classify_on_device(&j))
         parallel_each(o->threads, o->rows.n, classify_rows, &j);
     for (int i = 0; i < PARALLEL_MOST; ++i)
-        add_part(&c->all, &c->parts[i]);
-    join_lists(&c->leavers, c, offsetof(class_part, leavers));
-    join_lists(&o->boundary, c, offsetof(class_part, boundary));
+        add_part(c, o, &c->parts[i]);
     if (j.blocks && !c->leavers.failed && c->leavers.n > 0)
         qsort(c->leavers.rows, c->leavers.n, sizeof *c->leavers.rows, compare_uint32);
-    o->around = around_all(o, &c->all.deep.centres);
-    return !c->leavers.failed && !o->boundary.failed;
+    o->around = around_all(o, &c->deep.centres);
+    return !c->leavers.failed && !o->boundary.failed && !o->runs.failed;
 }
 
 void classes_end(classes *c)
@@ -215,6 +234,7 @@ void classes_end(classes *c)
     for (int i = 0; i < PARALLEL_MOST; ++i) {
         free(c->parts[i].leavers.rows);
         free(c->parts[i].boundary.rows);
+        free(c->parts[i].runs.runs);
     }
     free(c->leavers.rows);
     *c = (classes){0};

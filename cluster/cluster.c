@@ -4,7 +4,6 @@
 
 #include "base/error.h"
 #include "cluster/ids.h"
-#include "cluster/own_pair.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -46,18 +45,8 @@ void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *
     memcpy(c->workers, workers, sizeof c->workers);
     c->def.world = *world;
     c->owned.form = object_form_of(world);
-    c->fitted = (extent){0};
     c->state = STATE_CHANGED;
-    c->is_cold = true;
-}
-
-static bool open_pair(duet_cluster *c, duet_error *err)
-{
-    if (c->def.plain || c->def.world.pair)
-        return true;
-    c->own_pair = own_pair_open(&c->ranks, &c->def, err);
-    c->def.world.pair = c->own_pair;
-    return c->own_pair;
+    c->step = STEP_COLD;
 }
 
 // If devices leave the processors to others, one thread waits for them and one does the rest.
@@ -98,7 +87,7 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
         c->migration.imbalance = def->imbalance;
         ok = ranks_reserve(&c->ranks, &own) && check_def(def, &own) &&
              owned_begin(&c->owned, def->parts, (uint32_t)most_parts, &c->threads, &own) &&
-             ghosts_begin(&c->ghosts, &c->owned, &c->ranks, &own) && open_pair(c, &own) &&
+             ghosts_begin(&c->ghosts, &c->owned, &c->ranks, &own) && cluster_open_pair(c, &own) &&
              cluster_open_workers(c, &c->def.world, workers, &own);
         if (ok)
             cluster_take_workers(c, &c->def.world, workers);
@@ -156,7 +145,6 @@ void cluster_take(duet_cluster *c, object_rows *rows)
 {
     owned_take(&c->owned, rows);
     own_pairs_end(&c->own);
-    c->fitted = (extent){0};
     c->state = STATE_CHANGED;
 }
 
@@ -245,7 +233,7 @@ bool duet_cluster_get_ranks(duet_cluster *c, duet_cluster_rank *rows, duet_error
 
 // ---------------------------------------------------------------- between steps
 
-void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint64_t **ids,
+void *duet_cluster_map_owned(duet_cluster *c, duet_object_kind kind, const uint64_t **ids,
                              uint32_t *n, duet_error *err)
 {
     PUBLIC_CALL(err);
@@ -254,7 +242,7 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
     duet_error own = {0};
     bool ok = error_given(ids, __func__, "ids", &own) && error_given(n, __func__, "n", &own) &&
               check_kind(c, kind, &own);
-    if (!cluster_open_homes(c, __func__, ok, &own)) {
+    if (!cluster_open_owned(c, __func__, ok, &own)) {
         error_copy(err, &own);
         return NULL;
     }

@@ -22,6 +22,13 @@ typedef enum cluster_state {
     STATE_LISTED,  // own lists them
 } cluster_state;
 
+// How the last step went.
+typedef enum step_state {
+    STEP_COLD, // the next one may have to build kernels
+    STEP_ENDED,
+    STEP_STOPPED, // a rank was asked to stop before the step ended, which is known to all
+} step_state;
+
 // The sets in which objects are searched. Chosen anew when objects are settled.
 typedef enum cluster_search {
     SEARCH_WHOLE,      // sets[0], a single domain with its ghosts
@@ -56,10 +63,7 @@ struct duet_cluster {
     cluster_state state;
     cluster_search search;
     own_pairs own;
-    extent fitted;     // around the objects when workers last learned that they moved
-    uint64_t n_placed; // owned.n_placed at that time
-    bool is_stopped;   // a rank was asked to stop before the last step ended, which is known to all
-    bool is_cold;      // kernels may have to be built
+    step_state step;
     duet_scene_info scene;
     char *scene_name;       // NULL: no scene was loaded
     duet_cluster_rank last; // this rank's last step
@@ -84,10 +88,12 @@ static inline int cluster_workers(const duet_cluster *c)
     return c->owned.n_domains > 1 ? 2 : 1;
 }
 
+// Opens the pair that the def names, else DUET_PAIR if that is set. A rank alone on its host gets
+// the host's default pair. Several ranks get a GPU each, in turn; without a GPU, an equal part of
+// the CPU's units.
+bool cluster_open_pair(duet_cluster *c, duet_error *err);
 // Returns whether this rank's devices leave the host's processors to others.
 bool cluster_spares_host(const duet_cluster *c);
-// Tells the workers if the objects lie elsewhere than before.
-void cluster_follow(duet_cluster *c);
 worker *cluster_open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err);
 // Opens cluster_workers(c) workers for this world def. On failure none is open.
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
@@ -106,6 +112,6 @@ bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *
                         duet_error *err);
 // The same, and then tidies and maps them, to be written. Where objects are bad all are where they
 // were, to be mended.
-bool cluster_open_homes(duet_cluster *c, const char *call, bool ok, duet_error *own);
+bool cluster_open_owned(duet_cluster *c, const char *call, bool ok, duet_error *own);
 
 #endif

@@ -37,7 +37,7 @@ bool duet_cluster_set_plan(duet_cluster *c, const duet_plan *plan, duet_error *e
         return error_copy(err, &own);
     }
     c->def.world.plan = *plan;
-    c->is_cold = true;
+    c->step = STEP_COLD;
     return true;
 }
 
@@ -76,7 +76,7 @@ bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
     }
     if (ok) {
         c->def.world.level = level;
-        c->is_cold = true;
+        c->step = STEP_COLD;
     }
     return ok || error_copy(err, &own);
 }
@@ -120,6 +120,6 @@ bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *
             return false;
         load_profiles(c, path, profile, store_failed);
     }
-    c->is_cold = true;
+    c->step = STEP_COLD;
     return true;
 }

@@ -23,12 +23,6 @@ typedef struct scene_part {
     uint64_t n;       // objects of all ranks' parts
 } scene_part;
 
-// The description of a scene that rank 0 sends to the others.
-typedef struct told_scene {
-    duet_scene_info info; // without its name
-    uint64_t name_bytes;
-} told_scene;
-
 // Parts of one scene may have other shapes: boxes with radii beside boxes without, or spheres.
 static duet_shape shape_of_all(const uint64_t n_ranks[DUET_SHAPES], duet_shape of_none)
 {
@@ -46,27 +40,19 @@ static duet_shape shape_of_all(const uint64_t n_ranks[DUET_SHAPES], duet_shape o
 static bool tell_scene(duet_cluster *c, const scene_part *part, duet_scene_info *info, char **name,
                        duet_error *own)
 {
-    told_scene told = {0};
+    bool tells = c->ranks.self == 0;
     uint64_t with[DUET_SHAPES + 1] = {[DUET_SHAPES] = part->rotated}; // how many ranks
     if (part->rows.n > 0)
         with[part->form.shape] = 1;
     ranks_sum(&c->ranks, with, DUET_SHAPES + 1);
-    if (c->ranks.self == 0)
-        told.info = part->scene->info;
-    const char *of_rank_0 = told.info.name;
-    told.name_bytes = of_rank_0 ? strlen(of_rank_0) + 1 : 1;
-    ranks_tell(&c->ranks, &told, sizeof told);
-    *name = calloc(told.name_bytes, 1);
-    if (!ranks_agree(&c->ranks, *name || error_set(own, DUET_STATUS_NO_MEMORY, "a name: no memory"),
-                     own))
+    *info = tells ? part->scene->info : (duet_scene_info){0};
+    *name = ranks_tell_text(&c->ranks, info->name, own);
+    if (!*name)
         return false;
-    if (of_rank_0)
-        memcpy(*name, of_rank_0, told.name_bytes);
-    ranks_tell(&c->ranks, *name, told.name_bytes);
-    *info = told.info;
+    ranks_tell(&c->ranks, info, sizeof *info);
     info->name = *name;
     info->n = part->n < UINT32_MAX ? (uint32_t)part->n : UINT32_MAX;
-    info->shape = shape_of_all(with, told.info.shape);
+    info->shape = shape_of_all(with, info->shape);
     info->rotated = with[DUET_SHAPES] > 0;
     return true;
 }
@@ -272,10 +258,8 @@ static bool take_part(duet_cluster *c, scene_part *part, duet_error *own)
     duet_scene_info info;
     char *name = NULL;
     worker *workers[2] = {NULL};
-    if (!tell_scene(c, part, &info, &name, own)) {
-        free(name);
+    if (!tell_scene(c, part, &info, &name, own))
         return false;
-    }
     duet_world_def world = def_of_scene(c, &info);
     object_form form = object_form_of(&world);
     bool ok =

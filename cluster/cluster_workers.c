@@ -1,10 +1,71 @@
 // SPDX-License-Identifier: MIT
-// The workers that search for a rank: one, or two.
+// The devices of a rank, and the workers that search on them: one, or two.
 #include "cluster/cluster.h"
 
 #include "runtime/opencl/device_pair.h"
 
-#include <math.h>
+#include <stdio.h>
+
+// ---------------------------------------------------------------- devices
+
+enum { SELECTOR = 96 };
+
+static bool is_wider(const duet_device_info *info, const duet_device_info *than)
+{
+    return !than || info->units > than->units;
+}
+
+static void choose(char selector[SELECTOR], const duet_device_list *list, const ranks *r)
+{
+    const duet_device_info *cpu = NULL;
+    uint32_t gpus = 0;
+    uint32_t n = duet_device_list_get_count(list);
+    for (uint32_t i = 0; i < n; ++i) {
+        const duet_device_info *info = duet_device_list_get_info(list, i);
+        gpus += info->kind == DUET_KIND_GPU;
+        if (info->kind == DUET_KIND_CPU && is_wider(info, cpu))
+            cpu = info;
+    }
+    uint32_t own = gpus > 0 ? (uint32_t)r->self_on_host % gpus : 0;
+    for (uint32_t i = 0; i < n && gpus > 0; ++i) {
+        const duet_device_info *info = duet_device_list_get_info(list, i);
+        if (info->kind == DUET_KIND_GPU && own-- == 0)
+            snprintf(selector, SELECTOR, "%s", info->selector);
+    }
+    if (gpus > 0 || !cpu)
+        return;
+    uint32_t parts = cpu->can_cut ? cpu->units : 1;
+    parts = parts < (uint32_t)r->n_on_host ? parts : (uint32_t)r->n_on_host;
+    if (parts > 1)
+        snprintf(selector, SELECTOR, "%s[%u/%u]", cpu->selector,
+                 (uint32_t)r->self_on_host % parts + 1, parts);
+    else
+        snprintf(selector, SELECTOR, "%s", cpu->selector);
+}
+
+bool cluster_open_pair(duet_cluster *c, duet_error *err)
+{
+    char selector[SELECTOR] = "";
+    duet_device_pair_def own = duet_default_device_pair_def();
+    if (c->def.plain || c->def.world.pair)
+        return true;
+    own.on_compile = c->def.on_compile;
+    own.context = c->def.context;
+    own.a = c->def.pair ? c->def.pair : own.a;
+    if (!own.a && c->ranks.n_on_host > 1) {
+        duet_device_list *list = duet_device_list_create(err);
+        if (!list)
+            return false;
+        choose(selector, list, &c->ranks);
+        duet_device_list_destroy(list);
+        own.a = *selector ? selector : NULL;
+    }
+    c->own_pair = duet_device_pair_create(&own, err);
+    c->def.world.pair = c->own_pair;
+    return c->own_pair;
+}
+
+// ---------------------------------------------------------------- workers
 
 void cluster_close_workers(worker *workers[2])
 {
@@ -17,10 +78,8 @@ void cluster_close_workers(worker *workers[2])
 
 worker *cluster_open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err)
 {
-    const simulation *s = c->ranks.simulation;
-    return s && s->object_seconds > 0 ? worker_open_simulated(world, s, err)
-           : c->def.plain             ? worker_open_plain(world, err)
-                                      : worker_open_pair(world, err);
+    return c->def.plain ? worker_open_plain(world, c->ranks.simulation, err)
+                        : worker_open_pair(world, err);
 }
 
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
@@ -42,30 +101,4 @@ bool cluster_spares_host(const duet_cluster *c)
     uint32_t share = c->workers[0]->plan(c->workers[0]).share;
     return pair && !(share > 0 && pair->devices[0].info.host_memory) &&
            !(share < DUET_SHARE_ONE && pair->devices[1].info.host_memory);
-}
-
-// Whether they did so far that a new grid pays: by a quarter of the width that they take, on any
-// side.
-static bool have_moved(const duet_cluster *c)
-{
-    const extent *now = &c->owned.around;
-    bool moved = false;
-    for (int k = 0; k < 3; ++k) {
-        double far = 0.25 * (c->fitted.upper[k] - c->fitted.lower[k]);
-        moved = moved || fabs(now->lower[k] - c->fitted.lower[k]) > far ||
-                fabs(now->upper[k] - c->fitted.upper[k]) > far;
-    }
-    return moved;
-}
-
-void cluster_follow(duet_cluster *c)
-{
-    bool are_placed = cluster_workers(c) == 2 && c->n_placed != c->owned.n_placed;
-    if (!are_placed && !have_moved(c))
-        return;
-    for (int i = 0; i < 2; ++i)
-        if (c->workers[i])
-            c->workers[i]->forget_grids(c->workers[i]);
-    c->fitted = c->owned.around;
-    c->n_placed = c->owned.n_placed;
 }

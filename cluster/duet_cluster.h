@@ -9,8 +9,8 @@
 // one, and destroy until all destroy it. Getters and destroy's argument NULL are a rank's own. One
 // thread of a rank calls MPI.
 //
-// A global id is 64 bits. A rank's homes are the objects that it owns; its ghosts are objects of
-// other ranks that its owned objects may touch. Which rank owns an object never changes a result.
+// A global id is 64 bits. A rank owns the objects in its part of the world; its ghosts are objects
+// of other ranks that these may touch. Which rank owns an object never changes a result.
 #ifndef DUET_CLUSTER_H
 #define DUET_CLUSTER_H
 
@@ -78,7 +78,7 @@ DUET_API bool duet_cluster_set_objects(duet_cluster *cluster, duet_object_kind k
 // If parts is 1, the devices read this memory without a copy. Objects that leave their rank's box
 // change owners in the next step. After BAD_OBJECT all owned objects are there as they were, to be
 // mended.
-DUET_API void *duet_cluster_map_homes(duet_cluster *cluster, duet_object_kind kind,
+DUET_API void *duet_cluster_map_owned(duet_cluster *cluster, duet_object_kind kind,
                                       const uint64_t **ids, uint32_t *n, duet_error *err);
 
 // Sets the plan of this rank's devices; plans may differ from rank to rank. If one rank's devices

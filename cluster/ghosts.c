@@ -12,12 +12,10 @@
 static bool add_visit(visits *v, visit added)
 {
     if (v->n == v->capacity) {
-        uint64_t capacity = v->capacity ? 2 * v->capacity : 1024;
-        visit *list = realloc(v->list, capacity * sizeof *list);
+        visit *list = list_grow(v->list, &v->capacity, sizeof *list);
         if (!list)
             return false;
         v->list = list;
-        v->capacity = capacity;
     }
     v->list[v->n++] = added;
     return true;
@@ -51,8 +49,7 @@ static bool list_neighbours(search *s)
                 !extents_meet(all_of(s->g, q), all_of(s->g, s->first_place + d)))
                 continue;
             if (at == capacity) {
-                capacity = 2 * capacity + 16;
-                uint32_t *more = realloc(s->neighbours, capacity * sizeof *more);
+                uint32_t *more = list_grow(s->neighbours, &capacity, sizeof *more);
                 if (!more)
                     return false;
                 s->neighbours = more;
@@ -86,13 +83,13 @@ static void search_part(void *context, uint32_t part, uint64_t first, uint64_t e
     uint64_t *counts = s->counts + part * (size_t)s->n_ranks;
     bool failed = false;
     for (uint64_t at = first; at < end; ++at) {
-        uint32_t row = o->boundary.rows[at], d = owned_domain_of(o, row);
-        uint32_t from = s->first_place + d;
+        uint32_t row = o->boundary.rows[at];
         const void *object = object_row(&o->rows, &o->form, row);
         double centre[3];
         if (at + ROWS_AHEAD < end)
             __builtin_prefetch(object_row(&o->rows, &o->form, o->boundary.rows[at + ROWS_AHEAD]));
         object_centre(&o->form, object, centre);
+        uint32_t d = owned_domain_at(o, centre), from = s->first_place + d;
         if (!is_near(s, d, centre))
             continue;
         extent e = extent_of(&o->form, object);
@@ -238,7 +235,7 @@ bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, bool ok, duet_error *e
     free(s.neighbours);
     free(s.first);
     free(s.counts);
-    return ranks_exchange(r, ok, &g->out, &g->in, err);
+    return parcels_exchange(r, ok, &g->out, &g->in, err);
 }
 
 bool ghosts_begin(ghosts *g, const owned *o, const ranks *r, duet_error *err)

@@ -5,6 +5,7 @@
 
 #include "base/compare.h"
 #include "base/error.h"
+#include "cluster/parcels.h"
 #include "runtime/broadphase/pair_hash.h"
 
 #include <inttypes.h>
@@ -52,26 +53,21 @@ static uint64_t first_not_below(const uint64_t *ids, uint64_t n, uint64_t id)
     return first;
 }
 
-static uint64_t rank_of(const ranks *r, uint64_t id)
+// Ids that are dealt out among so many ranks.
+typedef struct dealing {
+    const uint64_t *ids;
+    uint64_t n_ranks;
+} dealing;
+
+static int rank_of(const void *context, uint64_t i)
 {
-    return pair_hash(id) % (uint64_t)r->n;
+    const dealing *d = context;
+    return (int)(pair_hash(d->ids[i]) % d->n_ranks);
 }
 
-static bool send_pieces(parcels *in, ranks *r, const uint64_t *ids, uint32_t n, duet_error *err)
+static void write_id(const void *context, uint64_t i, void *row)
 {
-    uint64_t *places = calloc((size_t)r->n, sizeof *places);
-    parcels out = {0};
-    bool ok = places || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
-    ok = parcels_begin(&out, r, sizeof *ids, err) && ok;
-    for (uint32_t i = 0; ok && i < n; ++i)
-        ++out.counts[rank_of(r, ids[i])];
-    ok = ok && parcels_reserve(&out, r, places, err);
-    for (uint32_t i = 0; ok && i < n; ++i)
-        ((uint64_t *)out.rows)[places[rank_of(r, ids[i])]++] = ids[i];
-    ok = ranks_exchange(r, ok, &out, in, err);
-    parcels_end(&out);
-    free(places);
-    return ok;
+    memcpy(row, &((const dealing *)context)->ids[i], sizeof(uint64_t));
 }
 
 // UINT64_MAX may be one: *none is 0 if there is one, else 1.
@@ -104,7 +100,8 @@ static bool refuse(ranks *r, uint64_t id, const uint64_t *ids, uint32_t n, duet_
 static bool compare_all(ranks *r, const uint64_t *ids, uint32_t n, duet_error *err)
 {
     parcels piece = {0};
-    if (!send_pieces(&piece, r, ids, n, err))
+    const dealing d = {ids, (uint64_t)r->n};
+    if (!parcels_deal(r, true, sizeof *ids, n, rank_of, write_id, &d, &piece, err))
         return false;
     uint64_t none_and_id[2];
     find_double(&piece, &none_and_id[0], &none_and_id[1]);

@@ -19,10 +19,9 @@ typedef struct overview {
 
 static bool look_over(overview *v, const migration *m, bool ok, ranks *r, duet_error *err)
 {
-    const class_part *all = &m->classes.all;
+    const classes *c = &m->classes;
     uint32_t n = owned_count(m->owned);
-    tally t = {.sums = {n, all->n_bad, all->leavers.n},
-               .greatest = {all->widest, n / m->partition->due}};
+    tally t = {.sums = {n, c->n_bad, c->leavers.n}, .greatest = {c->widest, n / m->partition->due}};
     if (!ranks_agree_and(r, ok, &t, err))
         return false;
     *v = (overview){t.sums[0], t.sums[1], t.sums[2], t.greatest[0], 1};
@@ -34,7 +33,7 @@ static bool look_over(overview *v, const migration *m, bool ok, ranks *r, duet_e
 // The line is the same on all ranks, whichever owns the object.
 static bool refuse_bad(const migration *m, const overview *v, ranks *r, duet_error *err)
 {
-    uint64_t first = m->classes.all.first_bad;
+    uint64_t first = m->classes.first_bad;
     ranks_least(r, &first, 1);
     return error_set(err, DUET_STATUS_BAD_OBJECT,
                      "object %" PRIu64 " of %" PRIu64 " is not a number, infinite, negative or "
@@ -50,7 +49,7 @@ static bool no_memory_at_border(uint64_t n, duet_error *err)
 static bool classify_all(migration *m, duet_error *err)
 {
     return classify(&m->classes, m->owned) ||
-           no_memory_at_border(m->classes.all.boundary.n + m->classes.all.leavers.n, err);
+           no_memory_at_border(m->owned->boundary.n + m->classes.leavers.n, err);
 }
 
 // Keeps the width that levels are relative to, until an object is wider or levels are too fine by
@@ -65,51 +64,37 @@ static bool keep_widest(owned *o, double widest)
 
 // ---------------------------------------------------------------- leavers
 
-static int rank_of(const migration *m, uint32_t row)
+static int rank_of(const void *context, uint64_t k)
 {
+    const migration *m = context;
     const owned *o = m->owned;
     double centre[3];
-    object_row_centre(&o->rows, &o->form, row, centre);
+    object_row_centre(&o->rows, &o->form, m->classes.leavers.rows[k], centre);
     return partition_rank(m->partition, centre);
 }
 
-static bool write_leavers(const migration *m, const ranks *r, parcels *out, duet_error *err)
+static void write_leaver(const void *context, uint64_t k, void *message)
 {
+    const migration *m = context;
     const owned *o = m->owned;
-    const row_list *l = &m->classes.leavers;
-    uint64_t *places = calloc((size_t)r->n, sizeof *places);
-    if (!places)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
-    for (uint64_t k = 0; k < l->n; ++k)
-        ++out->counts[rank_of(m, l->rows[k])];
-    bool ok = parcels_reserve(out, r, places, err);
-    for (uint64_t k = 0; ok && k < l->n; ++k) {
-        uint64_t to = places[rank_of(m, l->rows[k])]++;
-        object_write_message(&o->form, (unsigned char *)out->rows + to * out->row_bytes,
-                             o->rows.ids[l->rows[k]], object_row(&o->rows, &o->form, l->rows[k]));
-    }
-    free(places);
-    return ok;
+    uint32_t row = m->classes.leavers.rows[k];
+    object_write_message(&o->form, message, o->rows.ids[row], object_row(&o->rows, &o->form, row));
 }
 
 // A newcomer counts as a boundary object: it came through the boundary.
 static void add_newcomer(owned *o, uint32_t row)
 {
-    extent e = extent_of(&o->form, object_row(&o->rows, &o->form, row));
-    level_boxes_add(&o->boxes[owned_domain_of(o, row)], &e, o->widest);
+    const void *object = object_row(&o->rows, &o->form, row);
+    double centre[3];
+    extent e = extent_of(&o->form, object);
+    object_centre(&o->form, object, centre);
+    uint32_t d = owned_domain_at(o, centre);
+    level_boxes_add(&o->boxes[d], &e, o->widest);
     row_list_add(&o->boundary, row);
+    if (o->n_domains > 1)
+        run_list_add(&o->runs, (row_run){.domain = d, .first = row, .n = 1});
     if (o->holder)
         row_list_add(&o->renamed, row);
-}
-
-// Takes the objects that came, on all ranks or on none.
-static bool take_newcomers(owned *o, const parcels *in, ranks *r, duet_error *err)
-{
-    uint32_t first = o->rows.n;
-    if (ranks_agree(r, owned_add_newcomers(o, in, err), err))
-        return true;
-    owned_drop_newcomers(o, first);
-    return false;
 }
 
 // Releases the objects that leave once all ranks have taken those that came to them.
@@ -117,15 +102,15 @@ static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
 {
     owned *o = m->owned;
     uint32_t first = o->rows.n;
-    parcels out = {0}, in = {0};
-    ok = parcels_begin(&out, r, object_message_bytes(&o->form), err) && ok;
-    ok = ok && write_leavers(m, r, &out, err);
-    ok = ranks_exchange(r, ok, &out, &in, err);
-    parcels_end(&out);
-    ok = ok && take_newcomers(o, &in, r, err);
+    parcels in = {0};
+    ok = parcels_deal(r, ok, object_message_bytes(&o->form), m->classes.leavers.n, rank_of,
+                      write_leaver, m, &in, err);
+    ok = ok && ranks_agree(r, owned_add_newcomers(o, &in, err), err);
     parcels_end(&in);
-    if (!ok)
+    if (!ok) { // on any rank
+        o->rows.n = first;
         return false;
+    }
     row_list before = o->leavers;
     o->leavers = m->classes.leavers;
     m->classes.leavers = before;
@@ -141,8 +126,8 @@ static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
 // Brings this rank's objects to its domains; not collective.
 static bool place(migration *m, duet_error *err)
 {
-    const extent box = partition_box(m->partition);
-    return owned_tidy(m->owned, err) && owned_place(m->owned, &box, m->workers, err);
+    owned_tidy(m->owned);
+    return owned_place(m->owned, &m->partition->box, m->workers, err);
 }
 
 // Begins to send the rows of a single domain to its worker's devices, instead of what was sent
@@ -161,8 +146,7 @@ static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet
 {
     owned *o = m->owned;
     overview v;
-    if (!ranks_agree(r, owned_tidy(o, err), err))
-        return false;
+    owned_tidy(o);
     o->placement = PLACED_ANYHOW;
     owned_forget_domains(o);
     keep_widest(o, widest);
@@ -170,7 +154,7 @@ static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet
         return false;
     ++m->n_partitions;
     o->placement = PLACED_BY_RANK;
-    o->domains[0].box = partition_box(m->partition);
+    o->domains[0].box = m->partition->box;
     bool listed = classify_all(m, err);
     if (!look_over(&v, m, true, r, err) ||
         (v.leavers > 0 &&
@@ -187,8 +171,7 @@ static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet
 static bool begin(migration *m, duet_error *err)
 {
     owned *o = m->owned;
-    if (!owned_tidy(o, err))
-        return false;
+    owned_tidy(o);
     bool is_due =
         o->placement == PLACED_BY_RANK || (o->placement == PLACED_BY_DOMAIN && owned_is_uneven(o));
     return (!is_due || place(m, err)) && send_ahead(o, err);

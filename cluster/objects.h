@@ -1,76 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Objects with their global ids, as rows that travel between ranks, and where they are.
+// Objects with their global ids, as rows that travel between ranks.
 #ifndef CLUSTER_OBJECTS_H
 #define CLUSTER_OBJECTS_H
 
-#include "kernels/grid/skim.h"
-#include "runtime/duet.h"
-
-typedef struct object_rows object_rows;
-
-// The form of all ranks' objects.
-typedef struct object_form {
-    uint32_t dims;
-    duet_shape shape;
-    bool rotated;
-    float origin;   // the edge of origin cells, or 0
-    uint32_t bytes; // the size of an object
-} object_form;
-
-object_form object_form_of(const duet_world_def *def);
-duet_object_kind object_form_kind(const object_form *form);
-
-// Bounds that contain all that the devices or the reference take for the object's, however a
-// box is turned, and in 2D 0 along z.
-typedef struct extent {
-    double lower[3];
-    double upper[3];
-} extent;
-
-extern const extent extent_none; // contains nothing
-extent extent_of(const object_form *form, const void *object);
-void extent_join(extent *to, const extent *other);
-bool extents_meet(const extent *a, const extent *b);
-// Whether a point lies inside, and not on its surface.
-static inline bool extent_holds(const extent *r, const double point[3])
-{
-    bool inside = true;
-    for (int k = 0; k < 3; ++k)
-        inside &= (point[k] > r->lower[k]) & (point[k] < r->upper[k]);
-    return inside;
-}
-double extent_widest(const extent *e);
-
-// Summary of rows that lie deep inside of a box.
-typedef struct skim {
-    extent centres;
-    double square; // the square of the greatest half extent along any axis, however the objects are
-                   // turned
-} skim;
-
-extern const skim skim_none;
-
-// Adds the rows from `first` on whose centre lies inside of that, and returns the first row for
-// which a glance does not decide, or which is not sound; `end` if there is none.
-uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint32_t first,
-                          uint32_t end, const extent *inside, skim *s);
-// The same by a device: the box as it takes it, and a block of its answer.
-void skim_box(const extent *inside, float lower[3], float upper[3]);
-void skim_add_block(skim *s, const skim_block *block);
-// Returns no less than the width of any of them.
-double skim_widest(const skim *s, const object_form *form);
-
-// The point that decides which domain an object belongs to.
-void object_centre(const object_form *form, const void *object, double centre[3]);
-bool object_is_sound(const object_form *form, const void *object);
+#include "cluster/object.h"
 
 // Objects in one array and their ids in another.
-struct object_rows {
+typedef struct object_rows {
     uint64_t *ids;
     unsigned char *objects; // [n][form.bytes]
     uint32_t n;
     uint64_t capacity; // rows for which there is memory
-};
+} object_rows;
 
 // Makes space for n rows.
 bool object_rows_begin(object_rows *rows, const object_form *form, uint64_t n, duet_error *err);

@@ -5,15 +5,15 @@
 // after the other. A place is a domain among the domains of all ranks: rank * most_domains +
 // domain.
 //
-//   rows   | domain 0 | domain 1 | ... | newcomers of 0 | of 1 | ...      | space for ghosts
-//          '---------- n of each -----'---------- n_new of each ---------'
+//   rows   | those that were there, with leavers | newcomers | space for ghosts
 //
-// Rows keep their places within a step, because devices may be reading them. An object that leaves
-// its domain stays as a leaver, which nobody searches; one that arrives is written behind all
-// domains. owned_tidy brings both where they belong before the next step.
-//
-// The rows of a single domain lie in the memory of the worker that searches them. Several domains
-// lie in the rank's own memory, and workers get copies of one after the other.
+// 1. Rows keep their places within a step, because devices may be reading them. An object that
+//    leaves its rank stays as a leaver, which nobody searches; one that arrives is written behind
+//    all others. owned_tidy closes the gaps before the next step.
+// 2. An object lies in the domain whose box holds its centre, wherever its row is. Placing brings
+//    the rows of each domain together; later they lie in runs.
+// 3. The rows of a single domain lie in the memory of the worker that searches them. Several
+//    domains lie in the rank's own memory, and workers get copies of one after the other.
 #ifndef CLUSTER_OWNED_H
 #define CLUSTER_OWNED_H
 
@@ -23,20 +23,11 @@
 #include "cluster/row_list.h"
 #include "cluster/worker.h"
 
-// Boxes around the objects of each level and of all finer ones.
-typedef struct level_boxes {
-    extent upto[LEVELS];
-} level_boxes;
-
-extern const level_boxes level_boxes_none;
-
-// Adds an object to the box of its own level. Levels are relative to the widest object.
-void level_boxes_add(level_boxes *boxes, const extent *e, double widest);
-
 typedef struct domain {
-    extent box; // holds the centres of its objects
-    uint32_t first, n;
-    uint32_t first_new, n_new;
+    extent box;   // holds the centres of its objects
+    uint32_t n;   // its objects, since they were last classified
+    uint64_t run; // the first of its runs
+    uint64_t n_runs;
 } domain;
 
 // Says how rows are placed; each state includes those before it. All ranks are in the same one, but
@@ -44,7 +35,7 @@ typedef struct domain {
 typedef enum placement {
     PLACED_ANYHOW,    // the world is to be divided: all rows are in domain 0, which has no box
     PLACED_BY_RANK,   // each rank owns what lies in its box; all rows are in domain 0
-    PLACED_BY_DOMAIN, // and each domain what lies in its box, in an order that suits its worker
+    PLACED_BY_DOMAIN, // each domain has a box, and its rows were in an order that suits its worker
 } placement;
 
 typedef struct owned {
@@ -60,11 +51,12 @@ typedef struct owned {
     double unevenness;     // the most objects of a domain by their mean, as the planes left it
     row_list leavers;      // ascending
     row_list boundary;     // rows that objects of other domains may touch
+    run_list runs;         // of several domains
     // Rows whose id changed, arrived or left since owned_forget_renamed; failed: any may have.
     row_list renamed;
-    double widest;     // the widest of all ranks' objects, or a little more; 0: not known
-    extent around;     // all of this rank's objects, or a little more
-    uint64_t n_placed; // times that rows were brought to their domains all at once
+    double widest; // the widest of all ranks' objects, or a little more; 0: not known
+    extent around; // all of this rank's objects, or a little more
+    extent fitted; // around them when workers last fitted grids; 0: since they were placed anew
     parallel *threads;
 } owned;
 
@@ -80,21 +72,27 @@ static inline uint32_t owned_count(const owned *o)
     return o->rows.n - (uint32_t)o->leavers.n;
 }
 
-// Returns the domain that a row lies in, newcomers and leavers included.
-uint32_t owned_domain_of(const owned *o, uint32_t row);
+// Returns the domain of an object of this rank.
+static inline uint32_t owned_domain_at(const owned *o, const double centre[3])
+{
+    return o->placement == PLACED_BY_DOMAIN ? bisection_part(&o->planes, centre) : 0;
+}
 
-// Closes the gaps of leavers, and brings newcomers to their domains.
-bool owned_tidy(owned *o, duet_error *err);
+// Moves the last rows into the rows of leavers.
+void owned_tidy(owned *o);
 
-// Gives all tidy rows to the first domain, which has no box.
+// Gives all rows to the first domain, which has no box.
 void owned_forget_domains(owned *o);
 
 // Brings tidy rows that lie in the rank's box to their domains, each in the order that suits the
-// worker that searches it. Planes between domains are made anew.
+// worker that searches it. Planes between domains are made anew (place.c).
 bool owned_place(owned *o, const extent *box, worker *const workers[2], duet_error *err);
 
 // Returns whether a domain has so many objects that the planes are to be made anew.
 bool owned_is_uneven(const owned *o);
+
+// Sorts the runs by domain, and counts the objects of each. False without memory.
+bool owned_sort_runs(owned *o, duet_error *err);
 
 // Makes the holder's memory that of the rows as they are, and forgets what was sent ahead of them.
 bool owned_map(owned *o, duet_error *err);
@@ -102,11 +100,8 @@ bool owned_map(owned *o, duet_error *err);
 // Makes space for n more rows behind the rows.
 bool owned_reserve(owned *o, uint64_t n, duet_error *err);
 
-// Adds the objects in messages as newcomers of the domains that they lie in.
+// Writes the objects in messages behind the rows.
 bool owned_add_newcomers(owned *o, const parcels *messages, duet_error *err);
-
-// Undoes that: rows from `first` on, all of them newcomers, are none any more.
-void owned_drop_newcomers(owned *o, uint32_t first);
 
 // The holder's devices know the ids of all rows.
 void owned_forget_renamed(owned *o);

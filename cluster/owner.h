@@ -5,7 +5,8 @@
 #ifndef CLUSTER_OWNER_H
 #define CLUSTER_OWNER_H
 
-#include <math.h>
+#include "cluster/extent.h"
+
 #include <stdint.h>
 
 enum { LEVELS = 16 };
@@ -21,6 +22,23 @@ static inline int level_of(double width, double widest)
     frexp(widest, &top);
     int below = isfinite(widest) && width > 0 ? top - own : LEVELS;
     return below < LEVELS ? LEVELS - 1 - below : 0;
+}
+
+// Boxes around the objects of each level and of all finer ones.
+typedef struct level_boxes {
+    extent upto[LEVELS];
+} level_boxes;
+
+static inline void level_boxes_clear(level_boxes *boxes)
+{
+    for (int k = 0; k < LEVELS; ++k)
+        boxes->upto[k] = extent_none;
+}
+
+// Adds an object to the box of its own level. Levels are relative to the widest object.
+static inline void level_boxes_add(level_boxes *boxes, const extent *e, double widest)
+{
+    extent_join(&boxes->upto[level_of(extent_widest(e), widest)], e);
 }
 
 // A pair is found at the place that owns the object with the lesser key.

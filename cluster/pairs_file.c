@@ -24,11 +24,21 @@ static int ascending(const void *left, const void *right)
     return (p->b > q->b) - (p->b < q->b);
 }
 
-// Ids are dealt out in equal runs, whatever ids there are.
-static int rank_of_id(uint64_t id, uint64_t most, int n_ranks)
+// Pairs go to ranks in equal runs of ids, whatever ids there are.
+typedef struct dealing {
+    const duet_pair64 *pairs;
+    uint64_t run; // ids of each rank
+} dealing;
+
+static int rank_of(const void *context, uint64_t i)
 {
-    uint64_t run = most / (uint64_t)n_ranks + 1;
-    return (int)(id / run);
+    const dealing *d = context;
+    return (int)(d->pairs[i].a / d->run);
+}
+
+static void write_pair(const void *context, uint64_t i, void *row)
+{
+    memcpy(row, &((const dealing *)context)->pairs[i], sizeof(duet_pair64));
 }
 
 // Sends each pair to the rank of its a, and sorts what arrives: then ranks, one after the
@@ -42,31 +52,14 @@ static bool sort_pairs(duet_cluster *c, parcels *sorted, duet_error *err)
     most = UINT64_MAX - most;
     ranks_least(r, &most, 1);
     most = UINT64_MAX - most;
-    uint64_t *places = calloc((size_t)r->n, sizeof *places);
-    parcels out = {0};
-    bool ok = places || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
-    ok = parcels_begin(&out, r, sizeof(duet_pair64), err) && ok;
-    for (uint64_t i = 0; ok && i < c->own.n; ++i)
-        ++out.counts[rank_of_id(c->own.pairs[i].a, most, r->n)];
-    ok = ok && parcels_reserve(&out, r, places, err);
-    duet_pair64 *rows = out.rows;
-    for (uint64_t i = 0; ok && i < c->own.n; ++i)
-        rows[places[rank_of_id(c->own.pairs[i].a, most, r->n)]++] = c->own.pairs[i];
-    ok = ranks_exchange(r, ok, &out, sorted, err);
-    if (ok)
-        qsort(sorted->rows, sorted->n, sizeof(duet_pair64), ascending);
-    parcels_end(&out);
-    free(places);
-    return ok;
+    const dealing d = {c->own.pairs, most / (uint64_t)r->n + 1};
+    if (!parcels_deal(r, true, sizeof(duet_pair64), c->own.n, rank_of, write_pair, &d, sorted, err))
+        return false;
+    qsort(sorted->rows, sorted->n, sizeof(duet_pair64), ascending);
+    return true;
 }
 
 // ---------------------------------------------------------------- the file
-
-// The place of the values, and the path's length, that rank 0 sends to the others.
-typedef struct told_file {
-    uint64_t values_at;
-    uint64_t path_bytes;
-} told_file;
 
 static bool check(bool ok, const char *path, duet_error *err)
 {
@@ -76,7 +69,7 @@ static bool check(bool ok, const char *path, duet_error *err)
 
 // The file has its whole size before any rank opens it: if it grows, a client of a network file
 // system may write a page that it shares with another's range as a whole, with zeros there.
-static bool open_file(output *o, const char *path, uint64_t pairs, told_file *told, text *part,
+static bool open_file(output *o, const char *path, uint64_t pairs, uint64_t *values_at, text *part,
                       duet_error *err)
 {
     text header = {0};
@@ -88,7 +81,7 @@ static bool open_file(output *o, const char *path, uint64_t pairs, told_file *to
     if (ok && (fwrite(header.chars, 1, header.length, o->stream) != header.length ||
                fflush(o->stream) != 0))
         ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be written", path);
-    *told = (told_file){header.length, part->length + 1};
+    *values_at = header.length;
     text_free(&header);
     return ok;
 }
@@ -128,29 +121,19 @@ static bool write_pairs(duet_cluster *c, const char *path, const void *pairs, ui
 {
     ranks *r = &c->ranks;
     output o = {.folder = -1, .slot = -1};
-    told_file told = {0};
     text part = {0};
-    uint64_t all = n;
+    uint64_t all = n, at = 0;
     bool opens = r->self == 0;
-    ranks_sum(r, &all, 1);
-    uint64_t before = ranks_sum_before(r, n);
-    bool ok = !opens || open_file(&o, path, all, &told, &part, err);
-    ok = ranks_agree(r, ok, err);
-    char *name = NULL;
     int slot = -1;
+    ranks_sum(r, &all, 1);
+    uint64_t before = ranks_sum_before(r, n) * sizeof(duet_pair64);
+    bool ok = ranks_agree(r, !opens || open_file(&o, path, all, &at, &part, err), err);
+    char *name = ok ? ranks_tell_text(r, opens ? text_chars(&part) : NULL, err) : NULL;
+    ok = name;
     if (ok) {
-        ranks_tell(r, &told, sizeof told);
-        name = calloc(told.path_bytes, 1);
-        ok =
-            ranks_agree(r, name || error_set(err, DUET_STATUS_NO_MEMORY, "a path: no memory"), err);
-    }
-    if (ok) {
-        if (opens)
-            memcpy(name, text_chars(&part), told.path_bytes);
-        ranks_tell(r, name, told.path_bytes);
+        ranks_tell(r, &at, sizeof at);
         slot = opens ? -1 : output_watch_part(name);
-        ok = write_values(name, told.values_at + before * sizeof(duet_pair64), pairs, n, path, err);
-        ok = ranks_agree(r, ok, err);
+        ok = ranks_agree(r, write_values(name, at + before, pairs, n, path, err), err);
     }
     bool closed = !opens || output_close(&o, ok, ok ? err : NULL);
     ok = ok && ranks_agree(r, closed, err);

@@ -55,18 +55,13 @@ bool partition_weigh(partition *p, ranks *r, double speed)
     return true;
 }
 
-static void keep_part(partition *p, const ranks *r)
-{
-    bisection_box(&p->parts, (uint32_t)r->self, p->lower, p->upper);
-}
-
 bool partition_begin(partition *p, ranks *r, double weight, duet_error *err)
 {
     *p = (partition){0};
     bool ok = share_weights(p, r, weight, err) &&
               ranks_agree(r, bisection_begin(&p->parts, (uint32_t)r->n, err), err);
     if (ok)
-        keep_part(p, r);
+        p->box = extent_all;
     return ok;
 }
 
@@ -107,12 +102,12 @@ bool partition_make(partition *p, ranks *r, const object_form *form, const objec
     ok = ok && parcels_reserve(&out, r, NULL, err);
     if (ok)
         partition_sample(out.rows, out.n, form, rows);
-    ok = ranks_exchange(r, ok, &out, &in, err);
+    ok = parcels_exchange(r, ok, &out, &in, err);
     if (ok && r->self == 0)
         bisection_cut(&p->parts, p->weights, in.rows, in.n);
     if (ok)
         ranks_tell(r, p->parts.planes, (uint64_t)r->n * sizeof *p->parts.planes);
-    keep_part(p, r);
+    p->box = bisection_box(&p->parts, (uint32_t)r->self, &extent_all);
     parcels_end(&in);
     parcels_end(&out);
     return ok;

@@ -10,13 +10,13 @@
 
 #include "cluster/bisection.h"
 #include "cluster/objects.h"
-#include "cluster/ranks.h"
+#include "cluster/parcels.h"
 
 typedef struct partition {
-    bisection parts;           // one for each rank
-    double *weights;           // [n of ranks], of which the greatest is 1
-    double due;                // this rank's part of all objects
-    double lower[3], upper[3]; // the bounds of this rank's part
+    bisection parts; // one for each rank
+    double *weights; // [n of ranks], of which the greatest is 1
+    double due;      // this rank's part of all objects
+    extent box;      // holds the centres of this rank's objects
 } partition;
 
 // weight is this rank's. Collective, as all calls here but partition_sample and partition_rank.
@@ -39,13 +39,6 @@ uint32_t partition_sample(bisection_point *points, uint64_t n, const object_form
 static inline int partition_rank(const partition *p, const double centre[3])
 {
     return (int)bisection_part(&p->parts, centre);
-}
-
-// Returns the box whose objects this rank owns.
-static inline extent partition_box(const partition *p)
-{
-    return (extent){{p->lower[0], p->lower[1], p->lower[2]},
-                    {p->upper[0], p->upper[1], p->upper[2]}};
 }
 
 #endif

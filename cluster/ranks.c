@@ -12,16 +12,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { TAG_ROWS = 1, TAG_BALLAST };
 enum { REST_NS = 500000 };
-
-// A statement in which this rank may have to wait.
-#define WAITING(r, statement)                       \
-    do {                                            \
-        uint64_t begun_ns_ = ranks_now_ns();        \
-        statement;                                  \
-        (r)->wait_ns += ranks_now_ns() - begun_ns_; \
-    } while (0)
 
 // ---------------------------------------------------------------- what they agree on
 
@@ -159,8 +150,7 @@ uint64_t (*ranks_now_ns)(void) = mpi_now_ns;
 
 // ---------------------------------------------------------------- all at once
 
-// Every rank's err becomes the err of the least rank that failed.
-static bool tell_failure(ranks *r, int failing, duet_error *err)
+bool ranks_fail(ranks *r, int failing, duet_error *err)
 {
     duet_error first = {0};
     if (failing == r->self && err)
@@ -172,7 +162,7 @@ static bool tell_failure(ranks *r, int failing, duet_error *err)
         first = (duet_error){.cl_code = own.cl_code};
         error_set(&first, own.status, "rank %d on %s: %s", r->self, r->host_name, own.text);
     }
-    WAITING(r, MPI_Bcast(&first, (int)sizeof first, MPI_BYTE, failing, r->comm));
+    RANKS_WAITING(r, MPI_Bcast(&first, (int)sizeof first, MPI_BYTE, failing, r->comm));
     if (err) {
         first.calls = err->calls;
         *err = first;
@@ -205,7 +195,7 @@ bool ranks_agree_on(ranks *r, const char *call, bool ok, tally *t, duet_error *e
     all.most = all.least;
     if (t)
         all.tally = *t;
-    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &all, 1, r->agreement, r->merge, r->comm));
+    RANKS_WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &all, 1, r->agreement, r->merge, r->comm));
     if (all.least != all.most)
         return error_set(
             err, DUET_STATUS_BAD_ARGUMENT,
@@ -214,7 +204,7 @@ bool ranks_agree_on(ranks *r, const char *call, bool ok, tally *t, duet_error *e
             r->self, r->host_name, *call ? call : "in the middle of one");
     if (t)
         *t = all.tally;
-    return all.failing == r->n || tell_failure(r, all.failing, err);
+    return all.failing == r->n || ranks_fail(r, all.failing, err);
 }
 
 void ranks_await_end(ranks *r, const char *call)
@@ -225,7 +215,7 @@ void ranks_await_end(ranks *r, const char *call)
 
 void ranks_wait(ranks *r)
 {
-    WAITING(r, MPI_Barrier(r->comm));
+    RANKS_WAITING(r, MPI_Barrier(r->comm));
 }
 
 // Until all are here, leaving the processors to others: a rank that waits in MPI itself keeps one
@@ -241,29 +231,29 @@ static void rest(MPI_Comm comm)
 
 void ranks_sum(ranks *r, uint64_t *values, int n)
 {
-    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_UINT64_T, MPI_SUM, r->comm));
+    RANKS_WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_UINT64_T, MPI_SUM, r->comm));
 }
 
 void ranks_least(ranks *r, uint64_t *values, int n)
 {
-    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_UINT64_T, MPI_MIN, r->comm));
+    RANKS_WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_UINT64_T, MPI_MIN, r->comm));
 }
 
 void ranks_greatest(ranks *r, double *values, int n)
 {
-    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_DOUBLE, MPI_MAX, r->comm));
+    RANKS_WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_DOUBLE, MPI_MAX, r->comm));
 }
 
 uint64_t ranks_sum_before(ranks *r, uint64_t value)
 {
     uint64_t before = 0;
-    WAITING(r, MPI_Exscan(&value, &before, 1, MPI_UINT64_T, MPI_SUM, r->comm));
+    RANKS_WAITING(r, MPI_Exscan(&value, &before, 1, MPI_UINT64_T, MPI_SUM, r->comm));
     return r->self == 0 ? 0 : before; // which MPI leaves open
 }
 
 void ranks_gather(ranks *r, const void *own, void *all, int bytes)
 {
-    WAITING(r, MPI_Allgather(own, bytes, MPI_BYTE, all, bytes, MPI_BYTE, r->comm));
+    RANKS_WAITING(r, MPI_Allgather(own, bytes, MPI_BYTE, all, bytes, MPI_BYTE, r->comm));
 }
 
 void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes)
@@ -271,10 +261,25 @@ void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes)
     unsigned char *at = of_rank_0;
     while (bytes > 0) {
         int now = bytes < INT_MAX ? (int)bytes : INT_MAX;
-        WAITING(r, MPI_Bcast(at, now, MPI_BYTE, 0, r->comm));
+        RANKS_WAITING(r, MPI_Bcast(at, now, MPI_BYTE, 0, r->comm));
         at += now;
         bytes -= (uint64_t)now;
     }
+}
+
+char *ranks_tell_text(ranks *r, const char *of_rank_0, duet_error *err)
+{
+    uint64_t bytes = of_rank_0 ? strlen(of_rank_0) + 1 : 1;
+    ranks_tell(r, &bytes, sizeof bytes);
+    char *text = calloc(bytes, 1);
+    if (!ranks_agree(r, text || error_set(err, DUET_STATUS_NO_MEMORY, "a text: no memory"), err)) {
+        free(text);
+        return NULL;
+    }
+    if (r->self == 0 && of_rank_0)
+        memcpy(text, of_rank_0, bytes);
+    ranks_tell(r, text, bytes);
+    return text;
 }
 
 // ---------------------------------------------------------------- one before the others
@@ -282,137 +287,15 @@ void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes)
 void ranks_await_turn(ranks *r, bool has_work)
 {
     int first = has_work ? r->self_on_host : r->n_on_host;
-    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, r->host));
+    RANKS_WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, r->host));
     if (first != r->self_on_host)
-        WAITING(r, rest(r->host));
+        RANKS_WAITING(r, rest(r->host));
     r->goes_first = first == r->self_on_host;
 }
 
 void ranks_end_turn(ranks *r)
 {
     if (r->goes_first)
-        WAITING(r, rest(r->host));
+        RANKS_WAITING(r, rest(r->host));
     r->goes_first = false;
-}
-
-// ---------------------------------------------------------------- rows
-
-bool parcels_begin(parcels *p, const ranks *r, uint32_t row_bytes, duet_error *err)
-{
-    if (!p->counts)
-        p->counts = malloc((size_t)r->n * sizeof *p->counts);
-    if (p->counts)
-        memset(p->counts, 0, (size_t)r->n * sizeof *p->counts);
-    p->n = 0;
-    p->row_bytes = row_bytes;
-    return p->counts ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "counts for %d ranks: no memory", r->n);
-}
-
-void parcels_end(parcels *p)
-{
-    free(p->rows);
-    free(p->counts);
-    *p = (parcels){0};
-}
-
-bool parcels_reserve(parcels *p, const ranks *r, uint64_t *places, duet_error *err)
-{
-    uint64_t n = 0;
-    for (int q = 0; q < r->n; ++q) {
-        if (p->counts[q] > INT_MAX)
-            return error_set(err, DUET_STATUS_TOO_MANY,
-                             "%" PRIu64 " rows between two ranks; %d are the most: more ranks have "
-                             "fewer each",
-                             p->counts[q], INT_MAX);
-        if (places)
-            places[q] = n;
-        n += p->counts[q];
-    }
-    uint64_t bytes = (n > 0 ? n : 1) * p->row_bytes;
-    if (!p->rows || bytes > p->bytes) {
-        free(p->rows);
-        p->rows = malloc(bytes + bytes / 8);
-        p->bytes = p->rows ? bytes + bytes / 8 : 0;
-    }
-    p->n = p->rows ? n : 0;
-    return p->rows || error_set(err, DUET_STATUS_NO_MEMORY,
-                                "%" PRIu64 " rows of %u bytes: no memory", n, p->row_bytes);
-}
-
-// Bytes of the objects that a rank's rows stand for and that are not there.
-static int ballast_bytes(const ranks *r, const parcels *p, int rank)
-{
-    uint64_t bytes = p->counts[rank] * p->row_bytes * (r->stands_for - 1);
-    return rank == r->self ? 0 : bytes < INT_MAX ? (int)bytes : INT_MAX;
-}
-
-// Simulated messages are as long as if all objects were there.
-static int post_ballast(ranks *r, const parcels *out, const parcels *in, MPI_Request *requests)
-{
-    int n = 0;
-    for (int q = 0; r->stands_for > 1 && q < r->n; ++q) {
-        void *bytes = r->simulation->ballast;
-        int received = ballast_bytes(r, in, q), sent = ballast_bytes(r, out, q);
-        if (received > 0)
-            MPI_Irecv(bytes, received, MPI_BYTE, q, TAG_BALLAST, r->comm, &requests[n++]);
-        if (sent > 0)
-            MPI_Isend(bytes, sent, MPI_BYTE, q, TAG_BALLAST, r->comm, &requests[n++]);
-    }
-    return n;
-}
-
-// A message to and from each rank that has rows, this one included.
-static void send_and_receive(ranks *r, const parcels *out, parcels *in, MPI_Request *requests)
-{
-    MPI_Datatype row;
-    MPI_Type_contiguous((int)out->row_bytes, MPI_BYTE, &row);
-    MPI_Type_commit(&row);
-    int n = 0;
-    unsigned char *to = in->rows;
-    for (int q = 0; q < r->n; to += in->counts[q++] * in->row_bytes)
-        if (in->counts[q] > 0)
-            MPI_Irecv(to, (int)in->counts[q], row, q, TAG_ROWS, r->comm, &requests[n++]);
-    const unsigned char *from = out->rows;
-    for (int q = 0; q < r->n; from += out->counts[q++] * out->row_bytes) {
-        if (out->counts[q] == 0)
-            continue;
-        MPI_Isend(from, (int)out->counts[q], row, q, TAG_ROWS, r->comm, &requests[n++]);
-        r->sent_bytes += q == r->self ? 0 : out->counts[q] * out->row_bytes * r->stands_for;
-    }
-    n += post_ballast(r, out, in, requests + n);
-    MPI_Waitall(n, requests, MPI_STATUSES_IGNORE);
-    MPI_Type_free(&row);
-}
-
-// A rank that cannot send, or not receive, says so in its counts.
-static bool exchange_counts(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err)
-{
-    int failing = r->n;
-    uint64_t *told = r->counts + r->n;
-    for (int q = 0; q < r->n; ++q)
-        r->counts[q] = ok ? out->counts[q] : UINT64_MAX;
-    WAITING(r, MPI_Alltoall(r->counts, 1, MPI_UINT64_T, told, 1, MPI_UINT64_T, r->comm));
-    for (int q = r->n - 1; q >= 0; --q)
-        failing = told[q] == UINT64_MAX ? q : failing;
-    if (failing < r->n)
-        return tell_failure(r, failing, err);
-    memcpy(in->counts, told, (size_t)r->n * sizeof *r->counts);
-    return true;
-}
-
-bool ranks_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err)
-{
-    MPI_Request *requests = malloc(4 * (size_t)r->n * sizeof(MPI_Request));
-    if (ok && !requests)
-        ok = error_set(err, DUET_STATUS_NO_MEMORY, "messages to %d ranks: no memory", r->n);
-    ok = ok && parcels_begin(in, r, out->row_bytes, err);
-    ok = exchange_counts(r, ok, out, in, err) &&
-         ranks_agree(r, parcels_reserve(in, r, NULL, err), err);
-    if (ok)
-        WAITING(r, send_and_receive(r, out, in, requests));
-    else
-        parcels_end(in);
-    free(requests);
-    return ok;
 }

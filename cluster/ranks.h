@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The ranks of an MPI job, and all that they say to each other: no other file calls MPI.
+// The ranks of an MPI job, and all that they say to each other: no file but this one and parcels.c
+// calls MPI.
 //
 // A failure of one rank ends a phase on all of them. So every phase that can fail ends with
 // ranks_agree, and no rank talks to others between a failure and that.
@@ -55,6 +56,17 @@ void ranks_unshare(MPI_Win *window);
 // How long the job has run, for this rank. Tests put a clock of their own in its place.
 extern uint64_t (*ranks_now_ns)(void);
 
+// For parcels.c: a statement in which this rank may have to wait.
+#define RANKS_WAITING(r, statement)                 \
+    do {                                            \
+        uint64_t begun_ns_ = ranks_now_ns();        \
+        statement;                                  \
+        (r)->wait_ns += ranks_now_ns() - begun_ns_; \
+    } while (0)
+
+// Every rank's err, unless NULL, becomes the err of the failing rank. Returns false.
+bool ranks_fail(ranks *r, int failing, duet_error *err);
+
 // Returns whether all ranks are well. If not, every rank's err, unless NULL, becomes the err of the
 // least rank that failed: "rank 2 on HOST: LINE".
 bool ranks_agree(ranks *r, bool ok, duet_error *err);
@@ -85,29 +97,12 @@ uint64_t ranks_sum_before(ranks *r, uint64_t value); // over the ranks below thi
 // all is [n of ranks][bytes].
 void ranks_gather(ranks *r, const void *own, void *all, int bytes);
 void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes);
+// Returns rank 0's text on every rank, to be freed; NULL: "". On all ranks NULL without memory.
+char *ranks_tell_text(ranks *r, const char *of_rank_0, duet_error *err);
 
 // The first rank of each host for which `has_work` holds goes first; the others wait for it.
 // Between the two calls nothing is said to other ranks.
 void ranks_await_turn(ranks *r, bool has_work);
 void ranks_end_turn(ranks *r);
-
-// Rows of one size for each rank: those for rank 0 come first, counts[q] for rank q.
-typedef struct parcels {
-    void *rows;
-    uint64_t *counts; // [n of ranks]
-    uint64_t n;       // the number of all rows
-    uint32_t row_bytes;
-    uint64_t bytes; // bytes for which rows has memory: the memory of the last time is used again
-} parcels;
-
-// No rows, whatever there was.
-bool parcels_begin(parcels *p, const ranks *r, uint32_t row_bytes, duet_error *err);
-void parcels_end(parcels *p);
-// Space for the rows that counts says; places[q], unless NULL, becomes the first of rank q's.
-bool parcels_reserve(parcels *p, const ranks *r, uint64_t *places, duet_error *err);
-
-// Sends each rank its rows; what others sent to this one becomes *in, from rank 0 on. Collective,
-// and ends in agreement; `ok` is whether this rank has filled `out`.
-bool ranks_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err);
 
 #endif

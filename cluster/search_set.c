@@ -26,7 +26,6 @@ void search_set_end(search_set *s)
 {
     free(s->keys);
     free(s->is_leaver);
-    free(s->leavers.rows);
     free(s->ids);
     *s = (search_set){0};
 }
@@ -37,12 +36,11 @@ static void begin(search_set *s, set_kind kind, const owned *o, const ranks *r, 
     s->owned = o;
     s->place = (uint32_t)r->self * o->most_domains + d;
     s->n_places = (uint32_t)r->n * o->most_domains;
-    s->leavers.n = 0;
-    s->leavers.failed = false;
+    s->n_leavers = 0;
 }
 
-// Marks the leavers of rows [first, first + n), which are the set's from 0 on.
-static bool mark_leavers(search_set *s, uint32_t first, uint32_t n, duet_error *err)
+// Marks the leavers of a set whose own rows are the rank's.
+static bool mark_leavers(search_set *s, duet_error *err)
 {
     const row_list *all = &s->owned->leavers;
     if (all->n == 0)
@@ -51,15 +49,10 @@ static bool mark_leavers(search_set *s, uint32_t first, uint32_t n, duet_error *
     if (!s->is_leaver)
         return false;
     memset(s->is_leaver, 0, s->n_own / 8 + 1);
-    for (uint64_t k = 0; k < all->n; ++k) {
-        uint32_t row = all->rows[k] - first;
-        if (all->rows[k] < first || row >= n)
-            continue;
-        s->is_leaver[row / 8] |= (uint8_t)(1u << row % 8);
-        row_list_add(&s->leavers, row);
-    }
-    return !s->leavers.failed ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "objects that leave: no memory");
+    for (uint64_t k = 0; k < all->n; ++k)
+        s->is_leaver[all->rows[k] / 8] |= (uint8_t)(1u << all->rows[k] % 8);
+    s->n_leavers = (uint32_t)all->n;
+    return true;
 }
 
 // ---------------------------------------------------------------- ghosts
@@ -104,7 +97,7 @@ static bool write_ghosts(search_set *s, const ghosts *g, uint32_t d, duet_error 
 
 static bool is_empty(const search_set *s)
 {
-    return s->n_own == s->leavers.n || (s->kind == SET_BOUNDARY && search_set_ghosts(s) == 0);
+    return s->n_own == s->n_leavers || (s->kind == SET_BOUNDARY && search_set_ghosts(s) == 0);
 }
 
 // ---------------------------------------------------------------- sets
@@ -123,14 +116,14 @@ bool search_set_in_place(search_set *s, owned *o, const ghosts *g, const ranks *
         return false;
     take_rows(s, o);
     s->rows.n += (uint32_t)g->first[1];
-    return mark_leavers(s, 0, s->n_own, err) && write_ghosts(s, g, 0, err);
+    return mark_leavers(s, err) && write_ghosts(s, g, 0, err);
 }
 
 bool search_set_inner(search_set *s, const owned *o, const ranks *r, duet_error *err)
 {
     begin(s, SET_INNER, o, r, 0);
     take_rows(s, o);
-    return mark_leavers(s, 0, s->n_own, err);
+    return mark_leavers(s, err);
 }
 
 // Makes space for copies in a worker's memory.
@@ -150,26 +143,47 @@ static bool map(search_set *s, uint64_t n_own, uint64_t n_ghosts, worker *w, due
     return s->rows.objects;
 }
 
-static void copy_rows(search_set *s, uint32_t at, uint32_t first, uint32_t n)
+typedef struct copying {
+    search_set *s;
+    const domain *d;
+} copying;
+
+// Returns the run that has a row of the domain.
+static const row_run *find_run(const owned *o, const domain *d, uint64_t row)
 {
-    const owned *o = s->owned;
-    if (n == 0)
-        return;
-    parallel_copy(o->threads, s->rows.ids + at, o->rows.ids + first, n, sizeof *s->rows.ids);
-    parallel_copy(o->threads, object_row(&s->rows, &o->form, at),
-                  object_row(&o->rows, &o->form, first), n, o->form.bytes);
+    const row_run *first = o->runs.runs + d->run, *end = first + d->n_runs;
+    while (end - first > 1) {
+        const row_run *middle = first + (end - first) / 2;
+        *(middle->at <= row ? &first : &end) = middle;
+    }
+    return first;
+}
+
+static void copy_some(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    const copying *c = context;
+    const owned *o = c->s->owned;
+    object_rows to = c->s->rows;
+    (void)part;
+    to.n = (uint32_t)first;
+    for (const row_run *run = find_run(o, c->d, first); to.n < end; ++run) {
+        uint32_t skipped = to.n - run->at, left = (uint32_t)end - to.n, from = run->first + skipped;
+        uint32_t n = run->n - skipped < left ? run->n - skipped : left;
+        object_rows_append(&to, &o->form, o->rows.ids + from, object_row(&o->rows, &o->form, from),
+                           n);
+    }
 }
 
 bool search_set_copy_domain(search_set *s, const owned *o, const ghosts *g, const ranks *r,
                             uint32_t index, worker *w, duet_error *err)
 {
     const domain *d = &o->domains[index];
+    copying c = {s, d};
     begin(s, SET_WHOLE, o, r, index);
-    if (!map(s, (uint64_t)d->n + d->n_new, g->first[index + 1] - g->first[index], w, err) ||
-        !mark_leavers(s, d->first, d->n, err))
+    if (!map(s, d->n, g->first[index + 1] - g->first[index], w, err))
         return false;
-    copy_rows(s, 0, d->first, d->n);
-    copy_rows(s, d->n, d->first_new, d->n_new);
+    if (d->n > 0)
+        parallel_each(o->threads, d->n, copy_some, &c);
     return write_ghosts(s, g, index, err);
 }
 
@@ -204,8 +218,8 @@ static global_ids ids_of(const search_set *s)
     return (global_ids){
         .list = s->rows.ids,
         .n = s->n_own,
-        .without = s->leavers.rows,
-        .n_without = (uint32_t)s->leavers.n,
+        .without = o->leavers.rows,
+        .n_without = s->n_leavers,
         .changed = o->renamed.rows,
         .n_changed = in_place ? o->renamed.n : 0,
         .all_changed = !in_place || o->renamed.failed,
@@ -235,7 +249,7 @@ bool search_set_owns_with_ghost(const search_set *s, duet_pair pair)
 {
     bool a = pair.a >= s->n_own, b = pair.b >= s->n_own;
     uint32_t own = a ? pair.b : pair.a, other = a ? pair.a : pair.b;
-    if ((a && b) || (s->leavers.n > 0 && s->is_leaver[own / 8] >> own % 8 & 1))
+    if ((a && b) || (s->n_leavers > 0 && s->is_leaver[own / 8] >> own % 8 & 1))
         return false;
     const void *object = object_row(&s->rows, &s->owned->form, own);
     return key_of(s, object, s->place) < s->keys[other - s->n_own];

@@ -18,8 +18,8 @@ typedef struct search_set {
     object_rows rows;   // its objects are the worker's memory
     uint32_t n_own;     // the first n_own rows; the others are ghosts
     uint32_t *keys;     // [n of ghosts]
+    uint32_t n_leavers; // among the own rows: all of owned's, or none
     uint8_t *is_leaver; // a bit for each of the own rows; only if there are leavers
-    row_list leavers;   // ascending
     uint64_t *ids;      // [ids_capacity] of copies
     uint64_t keys_capacity, bits_capacity, ids_capacity;
     uint32_t place, n_places; // the own rows' place, among n_places
@@ -52,7 +52,7 @@ static inline bool search_set_owns(const search_set *s, duet_pair pair)
 {
     if ((pair.a >= s->n_own) | (pair.b >= s->n_own))
         return search_set_owns_with_ghost(s, pair);
-    if (s->leavers.n > 0 && ((s->is_leaver[pair.a / 8] >> pair.a % 8 & 1) ||
+    if (s->n_leavers > 0 && ((s->is_leaver[pair.a / 8] >> pair.a % 8 & 1) ||
                              (s->is_leaver[pair.b / 8] >> pair.b % 8 & 1)))
         return false;
     return s->kind != SET_BOUNDARY;

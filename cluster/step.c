@@ -2,7 +2,7 @@
 // A step of a cluster is a list of phases. Ranks agree before objects travel, and after they
 // searched: a failure of one rank in between ends the step of all at the next agreement.
 //
-//   migrate           objects go to the rank and the domain whose box holds them   migrate.c
+//   migrate           objects go to the rank whose box holds them                  migrate.c
 //   search the inner  a single domain, while ghosts travel, if its devices can     search_set.c
 //   exchange ghosts   what other domains' objects may touch goes there             ghosts.c
 //   search            each domain with its ghosts, or the boundary                 search_set.c
@@ -63,8 +63,8 @@ static bool count(duet_cluster *c, int i, duet_error *err)
 static bool can_overlap(const duet_cluster *c)
 {
     const owned *o = &c->owned;
-    return o->n_domains == 1 && c->ranks.n > 1 && c->threads.n > 1 && !c->is_cold && o->holder &&
-           cluster_spares_host(c) && o->boundary.n < o->rows.n / 4;
+    return o->n_domains == 1 && c->ranks.n > 1 && c->threads.n > 1 && c->step != STEP_COLD &&
+           o->holder && cluster_spares_host(c) && o->boundary.n < o->rows.n / 4;
 }
 
 // Opens the second worker. Without it there is one search, of objects and ghosts.
@@ -78,6 +78,30 @@ static bool has_boundary_worker(duet_cluster *c)
     return c->workers[1];
 }
 
+// Whether the objects moved so far that a new grid pays: by a quarter of the width that they take,
+// on any side.
+static bool have_moved(const owned *o)
+{
+    bool moved = false;
+    for (int k = 0; k < 3; ++k) {
+        double far = 0.25 * (o->fitted.upper[k] - o->fitted.lower[k]);
+        moved = moved || fabs(o->around.lower[k] - o->fitted.lower[k]) > far ||
+                fabs(o->around.upper[k] - o->fitted.upper[k]) > far;
+    }
+    return moved;
+}
+
+// Tells the workers if the objects lie elsewhere than before.
+static void follow(duet_cluster *c)
+{
+    if (!have_moved(&c->owned))
+        return;
+    for (int i = 0; i < 2; ++i)
+        if (c->workers[i])
+            c->workers[i]->forget_grids(c->workers[i]);
+    c->owned.fitted = c->owned.around;
+}
+
 static void choose_search(duet_cluster *c, bool may_overlap)
 {
     duet_error unheard;
@@ -86,7 +110,7 @@ static void choose_search(duet_cluster *c, bool may_overlap)
         !search_set_inner(&c->sets[0], &c->owned, &c->ranks, &unheard))
         return;
     c->search = SEARCH_OVERLAPPED;
-    cluster_follow(c);
+    follow(c);
     begin_search(c, 0, &c->threads);
 }
 
@@ -143,8 +167,9 @@ bool cluster_show_domain(duet_cluster *c, duet_error *err)
 static bool take_ghosts(duet_cluster *c, duet_error *err)
 {
     const owned *o = &c->owned;
-    cluster_follow(c);
-    if (!ghosts_sort(&c->ghosts, o, &c->ranks, err))
+    follow(c);
+    if (!ghosts_sort(&c->ghosts, o, &c->ranks, err) ||
+        (o->n_domains > 1 && !owned_sort_runs(&c->owned, err)))
         return false;
     if (c->search == SEARCH_WHOLE)
         return search_set_in_place(&c->sets[0], &c->owned, &c->ghosts, &c->ranks, err);
@@ -195,15 +220,16 @@ bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *
     return ok || error_copy(err, own);
 }
 
-bool cluster_open_homes(duet_cluster *c, const char *call, bool ok, duet_error *own)
+bool cluster_open_owned(duet_cluster *c, const char *call, bool ok, duet_error *own)
 {
     owned *o = &c->owned;
     bool settled;
     if (!begin_settled(c, call, false, ok, &settled, own) && own->status != DUET_STATUS_BAD_OBJECT)
         return false;
     c->state = STATE_CHANGED;
-    ok = settled && owned_tidy(o, own) && owned_map(o, own);
-    return ranks_agree(&c->ranks, ok, own);
+    if (settled)
+        owned_tidy(o);
+    return ranks_agree(&c->ranks, settled && owned_map(o, own), own);
 }
 
 // ---------------------------------------------------------------- the step
@@ -223,12 +249,12 @@ static bool search_all(duet_cluster *c, bool ok, duet_error *own)
 // becomes the sums that a result has, and how many ranks are asked to stop.
 static bool find(duet_cluster *c, bool ok, tally *t, duet_error *own)
 {
-    if (c->is_cold)
+    if (c->step == STEP_COLD)
         ranks_await_turn(&c->ranks, owned_count(&c->owned) > 0);
     ok = search_all(c, ok, own);
-    if (c->is_cold)
+    if (c->step == STEP_COLD)
         ranks_end_turn(&c->ranks);
-    c->is_cold = false;
+    c->step = STEP_ENDED;
     if (ok && c->owned.n_domains == 1 && owned_count(&c->owned) > 0)
         owned_forget_renamed(&c->owned);
     *t = (tally){.sums = {c->ranks.stands_for * owned_count(&c->owned), c->own.n, c->own.hash,
@@ -280,7 +306,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     duet_error own = {0};
     tally t;
     bool settled = true, ok = error_given(result, __func__, "result", &own);
-    bool was_cold = c->is_cold;
+    bool was_cold = c->step == STEP_COLD;
     uint64_t begun_ns = ranks_now_ns(), n_partitions = c->migration.n_partitions;
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
     if (was_cold)
@@ -294,7 +320,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
         return error_copy(err, &own);
     }
     c->state = c->own.lists ? STATE_LISTED : STATE_FOUND;
-    c->is_stopped = t.sums[3] > 0;
+    c->step = t.sums[3] > 0 ? STEP_STOPPED : STEP_ENDED;
     keep_times(c, begun_ns);
     double total_ms = ms_since(begun_ns);
     ranks_greatest(&c->ranks, &total_ms, 1);

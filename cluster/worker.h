@@ -64,11 +64,10 @@ struct worker {
 };
 
 worker *worker_open_pair(const duet_world_def *def, duet_error *err);
-worker *worker_open_plain(const duet_world_def *def, duet_error *err);
 
-// Finds nothing, in the time that the simulation says.
+// Finds pairs by the plain C reference; or nothing, in the time that a simulation says. s NULL:
+// none.
 struct simulation;
-worker *worker_open_simulated(const duet_world_def *def, const struct simulation *s,
-                              duet_error *err);
+worker *worker_open_plain(const duet_world_def *def, const struct simulation *s, duet_error *err);
 
 #endif

@@ -28,7 +28,7 @@ typedef struct cluster_library {
     const duet_scene_info *(*get_scene_info)(const duet_cluster *);
     bool (*set_objects)(duet_cluster *, duet_object_kind, const uint64_t *, const void *, uint32_t,
                         duet_error *);
-    void *(*map_homes)(duet_cluster *, duet_object_kind, const uint64_t **, uint32_t *,
+    void *(*map_owned)(duet_cluster *, duet_object_kind, const uint64_t **, uint32_t *,
                        duet_error *);
     bool (*set_plan)(duet_cluster *, const duet_plan *, duet_error *);
     bool (*load_profile)(duet_cluster *, const char *, duet_profile *, duet_error *, duet_error *);
@@ -57,7 +57,7 @@ static const struct {
     CALL(load_scene, "duet_cluster_load_scene"),
     CALL(get_scene_info, "duet_cluster_get_scene_info"),
     CALL(set_objects, "duet_cluster_set_objects"),
-    CALL(map_homes, "duet_cluster_map_homes"),
+    CALL(map_owned, "duet_cluster_map_owned"),
     CALL(set_plan, "duet_cluster_set_plan"),
     CALL(load_profile, "duet_cluster_load_profile"),
     CALL(set_level, "duet_cluster_set_level"),
@@ -115,7 +115,7 @@ typedef struct cluster_box {
     const cluster_library *calls;
     int64_t rank, rank_count;
     array_kind rows; // its objects'
-    uint64_t maps;   // views of homes hold until the next call
+    uint64_t maps;   // views of owned objects hold until the next call
     uint64_t steps;  // views of pairs hold until the next step, or other objects
 } cluster_box;
 
@@ -328,18 +328,18 @@ static int cluster_set_objects(lua_State *L)
     return class_push_done(L, ok, &err);
 }
 
-// cluster:map_homes() -> rows, ids
-static int cluster_map_homes(lua_State *L)
+// cluster:map_owned() -> rows, ids
+static int cluster_map_owned(lua_State *L)
 {
     duet_error err = {0};
     const uint64_t *ids = NULL;
     uint32_t n = 0;
     cluster_box *box = check(L);
-    void *homes =
-        box->calls->map_homes(box->cluster.object, array_object_kind(box->rows), &ids, &n, &err);
-    if (!homes)
+    void *owned =
+        box->calls->map_owned(box->cluster.object, array_object_kind(box->rows), &ids, &n, &err);
+    if (!owned)
         return class_push_failure(L, &err);
-    array_push_view(L, box->rows, homes, n, 1, &box->maps);
+    array_push_view(L, box->rows, owned, n, 1, &box->maps);
     array *names = array_push_view(L, ARRAY_IDS, (void *)ids, n, 1, &box->maps);
     names->fixed = true;
     return 2;
@@ -434,7 +434,7 @@ static const luaL_Reg methods[] = {{"close", cluster_close},
                                    {"load_scene", cluster_load_scene},
                                    {"scene", cluster_scene},
                                    {"set_objects", cluster_set_objects},
-                                   {"map_homes", cluster_map_homes},
+                                   {"map_owned", cluster_map_owned},
                                    {"set_plan", cluster_set_plan},
                                    {"set_level", cluster_set_level},
                                    {"load_profile", cluster_load_profile},

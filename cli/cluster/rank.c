@@ -173,7 +173,7 @@ static bool step(run_state *r, duet_error *err)
     uint64_t hash = r->result.hash;
     bool first = r->result.total_ms == 0;
     duet_object_kind kind = object_form_kind(&r->cluster->owned.form);
-    if (!first && !r->args->resident && !duet_cluster_map_homes(r->cluster, kind, &ids, &n, err))
+    if (!first && !r->args->resident && !duet_cluster_map_owned(r->cluster, kind, &ids, &n, err))
         return false;
     return duet_cluster_step(r->cluster, &r->result, err) &&
            (first || hash == r->result.hash ||
@@ -204,14 +204,14 @@ static bool run_steps(run_state *r, duet_error *err)
     interrupt_react(INTERRUPT_NOTED);
     ok = ok && step(r, err);
     progress p = progress_begin("step", repeat);
-    while (ok && r->n_steps < repeat && !r->cluster->is_stopped) {
+    while (ok && r->n_steps < repeat && r->cluster->step != STEP_STOPPED) {
         ok = step(r, err);
         r->total_ms[r->n_steps++] = r->result.total_ms;
         if (r->rank == 0)
             progress_show(&p, r->n_steps);
     }
     progress_end(&p);
-    r->is_stopped = ok && r->cluster->is_stopped;
+    r->is_stopped = ok && r->cluster->step == STEP_STOPPED;
     if (ok && r->n_steps == 0)
         return tell_stop(r, err);
     if (ok)

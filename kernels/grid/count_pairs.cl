@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Counts the pairs that a search found, and adds up their hash (duet_pairs_hash) by global ids of
-// 64 bits, which the first n_homes objects have, but for a few of them. Pairs with other objects
-// are left to the host, which knows whose they are; but those of two objects behind the homes are
+// 64 bits, which the first n_owned objects have, but for a few of them. Pairs with other objects
+// are left to the host, which knows whose they are; but those of two objects behind the owned objects are
 // nobody's here.
 //
 //   pairs       [as many as the counters say, pair_capacity at most]
-//   global_ids  [n_homes]  low word, high word
+//   global_ids  [n_owned]  low word, high word
 //   id_changes  [n_id_changes]  an object and its id: low word, high word
 //   left        [left_capacity]
 
@@ -80,12 +80,12 @@ count_pairs(COUNT_PAIRS_ARGS)
     ulong2 own = (ulong2)(0, 0); // how many, and their hash
     for (uint i = get_local_id(0); i < n_own; i += WG) {
         uint2 pair = pairs[first + i];
-        bool a_is_home = pair.x < n_homes, b_is_home = pair.y < n_homes;
+        bool a_is_owned = pair.x < n_owned, b_is_owned = pair.y < n_owned;
         uint2 none = (uint2)(NO_GLOBAL_ID, NO_GLOBAL_ID);
-        uint2 a = a_is_home ? global_ids[pair.x] : none, b = b_is_home ? global_ids[pair.y] : none;
+        uint2 a = a_is_owned ? global_ids[pair.x] : none, b = b_is_owned ? global_ids[pair.y] : none;
         if (!has_none(a) && !has_none(b)) {
             own += (ulong2)(1, hash_of(a, b));
-        } else if (a_is_home || b_is_home) {
+        } else if (a_is_owned || b_is_owned) {
             uint at = reserve(pair_counts + COUNT_LEFT, 1);
             if (at < left_capacity)
                 left[at] = pair;

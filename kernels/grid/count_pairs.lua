@@ -19,7 +19,7 @@ return {
       const uint *counters
       uint pair_capacity
       const uint2 *global_ids
-      uint n_homes
+      uint n_owned
       volatile uint *pair_counts
       uint2 *left
       uint left_capacity

@@ -91,7 +91,7 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         VALUE(skim_from),
                                         VALUE(inside_lower),
                                         VALUE(inside_upper),
-                                        VALUE(n_homes),
+                                        VALUE(n_owned),
                                         VALUE(n_id_changes),
                                         VALUE(left_capacity),
                                         VALUE(cells),

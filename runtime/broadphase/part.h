@@ -88,7 +88,7 @@ typedef struct part_args {
     cl_uint last;
     cl_uint found_capacity, candidate_capacity, pair_capacity, undecided_capacity;
     cl_uint row_words, n_ids; // gathered
-    cl_uint n_homes, n_id_changes, left_capacity;
+    cl_uint n_owned, n_id_changes, left_capacity;
     cl_uint marked_from, marked_to;
     cl_uint skim_from;
     cl_float4 inside_lower, inside_upper;

@@ -15,7 +15,7 @@ static void set_args(part *p)
         .n_home_cells = range->home_to - range->key_from,
         .n_own_cells = range->key_to - range->key_from,
         .n_counters = COUNTERS,
-        .n_homes = p->task.ids ? p->task.ids->n : 0,
+        .n_owned = p->task.ids ? p->task.ids->n : 0,
         .last = paper ? range->last : placed,
         .cells = p->task.grid->levels[0].cells,
         .objects = view_buffer(&p->objects),

@@ -41,8 +41,8 @@ facts.holds("objects that the script moves have the reference's pairs at each st
   local cluster <close> = assert(duet.cluster { plain = true })
   fill(cluster, 0)
   for step = 0, 49 do
-    local homes, ids = assert(cluster:map_homes())
-    for place, id in ids:each() do homes:set(place, pose(id + 1, step)) end
+    local owned, ids = assert(cluster:map_owned())
+    for place, id in ids:each() do owned:set(place, pose(id + 1, step)) end
     local result, pairs <close> = assert(cluster:step()), expected(step)
     assert(#pairs > 20)
     facts.equal(result.objects, n)
@@ -80,8 +80,8 @@ facts.holds("spheres that the script moves have the reference's pairs at each st
   for i = 1 + cluster.rank, n, cluster.rank_count do ids[#ids + 1], rows[#rows + 1] = i - 1, { sphere(i, 0) } end
   assert(cluster:set_objects(ids, #rows > 0 and rows or duet.spheres(0)))
   for step = 0, 9 do
-    local homes, own = assert(cluster:map_homes())
-    for place, id in own:each() do homes:set(place, sphere(id + 1, step)) end
+    local owned, own = assert(cluster:map_owned())
+    for place, id in own:each() do owned:set(place, sphere(id + 1, step)) end
     local all = {}
     for i = 1, n do all[i] = { sphere(i, step) } end
     local scene <close> = assert(duet.scene(duet.spheres(all)))
@@ -92,7 +92,7 @@ facts.holds("spheres that the script moves have the reference's pairs at each st
   facts.raises("duet.spheres expected", cluster.set_objects, cluster, ids, duet.poses(#ids))
 end)
 
-facts.holds("homes are rows of the kind that the scene has", function()
+facts.holds("owned objects are rows of the kind that the scene has", function()
   local cluster <close> = assert(duet.cluster { plain = true })
   local path = "cluster_lua_" .. cluster.rank_count .. ".lua"
   if cluster.rank == 0 then
@@ -102,8 +102,8 @@ facts.holds("homes are rows of the kind that the scene has", function()
   for _, of in ipairs { { "rounded", 44 }, { "spheres", 16 }, { "grains", 40 }, { path, 56 } } do
     assert(cluster:load_scene(of[1], of[1] ~= path and { n = 9 } or nil))
     local result = assert(cluster:step())
-    local homes, ids = assert(cluster:map_homes())
-    local rows, names = homes:bytes(), ids:bytes()
+    local owned, ids = assert(cluster:map_owned())
+    local rows, names = owned:bytes(), ids:bytes()
     facts.equal(#rows, of[2] * #ids)
     facts.equal(result.objects, 9)
     assert(cluster:set_objects(names, rows))
@@ -146,11 +146,11 @@ end)
 facts.holds("views hold until the next call, and nothing is taken that is none", function()
   local cluster <close> = assert(duet.cluster { plain = true })
   fill(cluster, 0)
-  local homes, ids = assert(cluster:map_homes())
+  local owned, ids = assert(cluster:map_owned())
   facts.raises("cannot be changed", ids.set, ids, 0, 7)
   facts.refused("BAD_ARGUMENT", "no pairs were found", cluster.own_pairs, cluster)
   assert(cluster:step())
-  facts.raises("its owner has given back", homes.get, homes, 0)
+  facts.raises("its owner has given back", owned.get, owned, 0)
   local first = assert(cluster:own_pairs())
   assert(cluster:step())
   facts.raises("its owner has given back", first.bytes, first)

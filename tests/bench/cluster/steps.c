@@ -4,7 +4,8 @@
 //
 //   duet_bench_cluster OBJECTS PARTS [STEPS [PAIR]]
 //
-// It uses what any application can, and is compiled as one: cc steps.c $(pkg-config --cflags --libs duet_cluster) -lm.
+// It uses what any application can, and is compiled as one: cc steps.c $(pkg-config --cflags --libs
+// duet_cluster) -lm.
 #define _GNU_SOURCE // sched_getaffinity
 #include "duet_cluster.h"
 
@@ -125,7 +126,7 @@ static bool run(duet_cluster *c, int steps, duet_error *err)
         const uint64_t *ids;
         uint32_t n;
         double begun = seconds_now();
-        if ((i >= 0 && !duet_cluster_map_homes(c, DUET_OBJECT_POSES, &ids, &n, err)) ||
+        if ((i >= 0 && !duet_cluster_map_owned(c, DUET_OBJECT_POSES, &ids, &n, err)) ||
             !duet_cluster_step(c, &r, err))
             return false;
         if (i < 0)

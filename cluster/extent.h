@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// Boxes with faces along the axes.
+#ifndef CLUSTER_EXTENT_H
+#define CLUSTER_EXTENT_H
+
+#include <math.h>
+#include <stdbool.h>
+
+typedef struct extent {
+    double lower[3];
+    double upper[3];
+} extent;
+
+static const extent extent_none = {{INFINITY, INFINITY, INFINITY},
+                                   {-INFINITY, -INFINITY, -INFINITY}}; // contains nothing
+static const extent extent_all = {{-INFINITY, -INFINITY, -INFINITY},
+                                  {INFINITY, INFINITY, INFINITY}};
+
+// Unlike fmin and fmax these are no calls, which would take longer than the rest.
+static inline double lesser(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double greater(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static inline double extent_widest(const extent *e)
+{
+    double widest = greater(e->upper[0] - e->lower[0], e->upper[1] - e->lower[1]);
+    return greater(widest, e->upper[2] - e->lower[2]);
+}
+
+static inline void extent_join(extent *to, const extent *other)
+{
+    for (int k = 0; k < 3; ++k) {
+        to->lower[k] = lesser(to->lower[k], other->lower[k]);
+        to->upper[k] = greater(to->upper[k], other->upper[k]);
+    }
+}
+
+static inline void extent_add(extent *to, const double point[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        to->lower[k] = lesser(to->lower[k], point[k]);
+        to->upper[k] = greater(to->upper[k], point[k]);
+    }
+}
+
+static inline bool extents_meet(const extent *a, const extent *b)
+{
+    bool meet = true;
+    for (int k = 0; k < 3; ++k)
+        meet &= (a->lower[k] <= b->upper[k]) & (b->lower[k] <= a->upper[k]);
+    return meet;
+}
+
+// Whether a point lies inside, and not on the surface.
+static inline bool extent_holds(const extent *e, const double point[3])
+{
+    bool inside = true;
+    for (int k = 0; k < 3; ++k)
+        inside &= (point[k] > e->lower[k]) & (point[k] < e->upper[k]);
+    return inside;
+}
+
+#endif

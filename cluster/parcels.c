@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include "cluster/parcels.h"
+
+#include "base/error.h"
+
+#include <inttypes.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TAG_ROWS = 1, TAG_BALLAST };
+
+bool parcels_begin(parcels *p, const ranks *r, uint32_t row_bytes, duet_error *err)
+{
+    if (!p->counts)
+        p->counts = malloc((size_t)r->n * sizeof *p->counts);
+    if (p->counts)
+        memset(p->counts, 0, (size_t)r->n * sizeof *p->counts);
+    p->n = 0;
+    p->row_bytes = row_bytes;
+    return p->counts ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "counts for %d ranks: no memory", r->n);
+}
+
+void parcels_end(parcels *p)
+{
+    free(p->rows);
+    free(p->counts);
+    *p = (parcels){0};
+}
+
+bool parcels_reserve(parcels *p, const ranks *r, uint64_t *places, duet_error *err)
+{
+    uint64_t n = 0;
+    for (int q = 0; q < r->n; ++q) {
+        if (p->counts[q] > INT_MAX)
+            return error_set(err, DUET_STATUS_TOO_MANY,
+                             "%" PRIu64 " rows between two ranks; %d are the most: more ranks have "
+                             "fewer each",
+                             p->counts[q], INT_MAX);
+        if (places)
+            places[q] = n;
+        n += p->counts[q];
+    }
+    uint64_t bytes = (n > 0 ? n : 1) * p->row_bytes;
+    if (!p->rows || bytes > p->bytes) {
+        free(p->rows);
+        p->rows = malloc(bytes + bytes / 8);
+        p->bytes = p->rows ? bytes + bytes / 8 : 0;
+    }
+    p->n = p->rows ? n : 0;
+    return p->rows || error_set(err, DUET_STATUS_NO_MEMORY,
+                                "%" PRIu64 " rows of %u bytes: no memory", n, p->row_bytes);
+}
+
+// Bytes of the objects that a rank's rows stand for and that are not there.
+static int ballast_bytes(const ranks *r, const parcels *p, int rank)
+{
+    uint64_t bytes = p->counts[rank] * p->row_bytes * (r->stands_for - 1);
+    return rank == r->self ? 0 : bytes < INT_MAX ? (int)bytes : INT_MAX;
+}
+
+// Simulated messages are as long as if all objects were there.
+static int post_ballast(ranks *r, const parcels *out, const parcels *in, MPI_Request *requests)
+{
+    int n = 0;
+    for (int q = 0; r->stands_for > 1 && q < r->n; ++q) {
+        void *bytes = r->simulation->ballast;
+        int received = ballast_bytes(r, in, q), sent = ballast_bytes(r, out, q);
+        if (received > 0)
+            MPI_Irecv(bytes, received, MPI_BYTE, q, TAG_BALLAST, r->comm, &requests[n++]);
+        if (sent > 0)
+            MPI_Isend(bytes, sent, MPI_BYTE, q, TAG_BALLAST, r->comm, &requests[n++]);
+    }
+    return n;
+}
+
+// A message to and from each rank that has rows, this one included.
+static void send_and_receive(ranks *r, const parcels *out, parcels *in, MPI_Request *requests)
+{
+    MPI_Datatype row;
+    MPI_Type_contiguous((int)out->row_bytes, MPI_BYTE, &row);
+    MPI_Type_commit(&row);
+    int n = 0;
+    unsigned char *to = in->rows;
+    for (int q = 0; q < r->n; to += in->counts[q++] * in->row_bytes)
+        if (in->counts[q] > 0)
+            MPI_Irecv(to, (int)in->counts[q], row, q, TAG_ROWS, r->comm, &requests[n++]);
+    const unsigned char *from = out->rows;
+    for (int q = 0; q < r->n; from += out->counts[q++] * out->row_bytes) {
+        if (out->counts[q] == 0)
+            continue;
+        MPI_Isend(from, (int)out->counts[q], row, q, TAG_ROWS, r->comm, &requests[n++]);
+        r->sent_bytes += q == r->self ? 0 : out->counts[q] * out->row_bytes * r->stands_for;
+    }
+    n += post_ballast(r, out, in, requests + n);
+    MPI_Waitall(n, requests, MPI_STATUSES_IGNORE);
+    MPI_Type_free(&row);
+}
+
+// A rank that cannot send, or not receive, says so in its counts.
+static bool exchange_counts(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err)
+{
+    int failing = r->n;
+    uint64_t *told = r->counts + r->n;
+    for (int q = 0; q < r->n; ++q)
+        r->counts[q] = ok ? out->counts[q] : UINT64_MAX;
+    RANKS_WAITING(r, MPI_Alltoall(r->counts, 1, MPI_UINT64_T, told, 1, MPI_UINT64_T, r->comm));
+    for (int q = r->n - 1; q >= 0; --q)
+        failing = told[q] == UINT64_MAX ? q : failing;
+    if (failing < r->n)
+        return ranks_fail(r, failing, err);
+    memcpy(in->counts, told, (size_t)r->n * sizeof *r->counts);
+    return true;
+}
+
+bool parcels_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err)
+{
+    MPI_Request *requests = malloc(4 * (size_t)r->n * sizeof(MPI_Request));
+    if (ok && !requests)
+        ok = error_set(err, DUET_STATUS_NO_MEMORY, "messages to %d ranks: no memory", r->n);
+    ok = ok && parcels_begin(in, r, out->row_bytes, err);
+    ok = exchange_counts(r, ok, out, in, err) &&
+         ranks_agree(r, parcels_reserve(in, r, NULL, err), err);
+    if (ok)
+        RANKS_WAITING(r, send_and_receive(r, out, in, requests));
+    else
+        parcels_end(in);
+    free(requests);
+    return ok;
+}
+
+static bool fill(parcels *out, const ranks *r, uint64_t n, parcels_rank *rank_of,
+                 parcels_write *write, const void *context, duet_error *err)
+{
+    uint64_t *places = calloc((size_t)r->n, sizeof *places);
+    bool ok = places || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
+    for (uint64_t i = 0; ok && i < n; ++i)
+        ++out->counts[rank_of(context, i)];
+    ok = ok && parcels_reserve(out, r, places, err);
+    for (uint64_t i = 0; ok && i < n; ++i) {
+        uint64_t to = places[rank_of(context, i)]++;
+        write(context, i, (unsigned char *)out->rows + to * out->row_bytes);
+    }
+    free(places);
+    return ok;
+}
+
+bool parcels_deal(ranks *r, bool ok, uint32_t row_bytes, uint64_t n, parcels_rank *rank_of,
+                  parcels_write *write, const void *context, parcels *in, duet_error *err)
+{
+    parcels out = {0};
+    ok = parcels_begin(&out, r, row_bytes, err) && ok;
+    ok = ok && fill(&out, r, n, rank_of, write, context, err);
+    ok = parcels_exchange(r, ok, &out, in, err);
+    parcels_end(&out);
+    return ok;
+}

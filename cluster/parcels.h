@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Rows that ranks send each other.
+#ifndef CLUSTER_PARCELS_H
+#define CLUSTER_PARCELS_H
+
+#include "cluster/ranks.h"
+
+// Rows of one size for each rank: those for rank 0 come first, counts[q] for rank q.
+typedef struct parcels {
+    void *rows;
+    uint64_t *counts; // [n of ranks]
+    uint64_t n;       // the number of all rows
+    uint32_t row_bytes;
+    uint64_t bytes; // bytes for which rows has memory: the memory of the last time is used again
+} parcels;
+
+// No rows, whatever there was.
+bool parcels_begin(parcels *p, const ranks *r, uint32_t row_bytes, duet_error *err);
+void parcels_end(parcels *p);
+// Space for the rows that counts says; places[q], unless NULL, becomes the first of rank q's.
+bool parcels_reserve(parcels *p, const ranks *r, uint64_t *places, duet_error *err);
+
+// Sends each rank its rows; what others sent to this one becomes *in, from rank 0 on. Collective,
+// and ends in agreement; `ok` is whether this rank has filled `out`.
+bool parcels_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err);
+
+// Sends each of n rows of `context` to the rank that rank_of says, written by `write`; else as
+// parcels_exchange.
+typedef int parcels_rank(const void *context, uint64_t i);
+typedef void parcels_write(const void *context, uint64_t i, void *row);
+bool parcels_deal(ranks *r, bool ok, uint32_t row_bytes, uint64_t n, parcels_rank *rank_of,
+                  parcels_write *write, const void *context, parcels *in, duet_error *err);
+
+#endif
