@@ -62,6 +62,9 @@ int luaopen_duet(lua_State *L)
     search_open_lua(L);
     tune_open_lua(L);
     motion_open_lua(L);
+    motion_def_open_lua(L);
+    motion_step_open_lua(L);
+    motion_state_open_lua(L);
     motion_commands_open_lua(L);
     source_open_lua(L);
     pair_query_open_lua(L);

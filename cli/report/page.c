@@ -12,7 +12,11 @@
 #include <string.h>
 #include <time.h>
 
-#define PAGE "cli/report/page.lua"
+// Each part of the script takes what the one before it returns; the last returns the page's
+// function.
+static const char *const parts[] = {"cli/report/page_read.lua", "cli/report/page_draw.lua",
+                                    "cli/report/page_store.lua", "cli/report/page_bench.lua",
+                                    "cli/report/page.lua"};
 
 cJSON *page_begin(void)
 {
@@ -104,11 +108,23 @@ static int push_shown(lua_State *L)
     return 1;
 }
 
+static bool load_page(script *s, duet_error *err)
+{
+    bool ok = true;
+    for (size_t i = 0; ok && i < sizeof parts / sizeof *parts; ++i) {
+        const blob *b = blob_find(parts[i]);
+        ok = script_load(s, parts[i], b->bytes, b->length, err);
+        if (ok && i > 0)
+            lua_insert(script_lua(s), -2);
+        ok = ok && script_call(s, i > 0, 1, err);
+    }
+    return ok;
+}
+
 static bool call_page(script *s, pushing *p, text *page, duet_error *err)
 {
-    const blob *b = blob_find(PAGE);
     lua_State *L = script_lua(s);
-    if (!script_run(s, PAGE, b->bytes, b->length, 1, err))
+    if (!load_page(s, err))
         return false;
     lua_pushcfunction(L, push_shown);
     lua_pushlightuserdata(L, p);

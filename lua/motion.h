@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// A motion as scripts have it, for the files that give it methods.
+#ifndef LUA_MOTION_H
+#define LUA_MOTION_H
+
+#include "lua/nouns.h"
+
+// The uservalue is its device pair, or { pair, script } if it has a script.
+typedef struct motion_box {
+    duet_motion *motion;
+    uint64_t steps;   // results of earlier ones no longer hold
+    uint64_t maps[4]; // so with mapped rows, by part of the state
+    bool in_script;
+} motion_box;
+
+motion_box *motion_check_box(lua_State *L, int index); // one that is open
+
+extern const member motion_def_members[];
+void motion_push_effects(lua_State *L, uint32_t effects); // a list of their names
+
+#endif

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// A motion's def as a table, and effects by their names.
+#include "lua/motion.h"
+#include "runtime/scene/scene.h"
+
+#include <string.h>
+
+// The effects' names, one bit after the other; NULL past the last.
+static const char *effect_at(uint32_t i)
+{
+    return i < 32 ? duet_effect_name(1u << i) : NULL;
+}
+
+void motion_push_effects(lua_State *L, uint32_t effects)
+{
+    lua_newtable(L);
+    for (uint32_t i = 0; effect_at(i); ++i) {
+        if (!(effects & 1u << i))
+            continue;
+        lua_pushstring(L, effect_at(i));
+        lua_rawseti(L, -2, (lua_Integer)lua_rawlen(L, -2) + 1);
+    }
+}
+
+static int list_effects(lua_State *L)
+{
+    motion_push_effects(L, DUET_EFFECT_ALL);
+    return 1;
+}
+
+// { "events", "sleep" } -> bits
+static void read_effects(lua_State *L, const member *m, void *at)
+{
+    uint32_t *effects = at;
+    if (!lua_istable(L, -1))
+        member_refuse(L, m, "a list of effects' names");
+    for (lua_Unsigned n = lua_rawlen(L, -1), k = 1; k <= n; ++k) {
+        uint32_t i = 0;
+        lua_rawgeti(L, -1, (lua_Integer)k);
+        const char *name = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "?";
+        while (effect_at(i) && strcmp(effect_at(i), name) != 0)
+            ++i;
+        if (!effect_at(i))
+            luaL_error(L, "field '%s': there is no effect '%s'; duet.effects() lists them", m->name,
+                       name);
+        *effects |= 1u << i;
+        lua_pop(L, 1);
+    }
+}
+
+static void push_wants(lua_State *L, const member *m, const void *at)
+{
+    (void)m;
+    motion_push_effects(L, *(const uint32_t *)at);
+}
+
+static const member_type member_effects = {read_effects, push_wants};
+
+static const char *boundary_name(int boundary)
+{
+    static const char *const names[] = {"none", "walls", "periodic"};
+    return boundary < 3 ? names[boundary] : NULL;
+}
+
+// script = function(step, motion): kept beside the pair.
+static void read_script(lua_State *L, const member *m, void *at)
+{
+    (void)at;
+    if (!lua_isfunction(L, -1))
+        member_refuse(L, m, "a function of the step and the motion");
+}
+
+static const member_type member_script = {read_script, NULL};
+
+const member motion_def_members[] = {
+    {"script", &member_script, 0, 1, NULL},
+    MEMBER(member_plan, duet_motion_def, plan),
+    MEMBER(member_count, duet_motion_def, dims),
+    MEMBER(member_effects, duet_motion_def, wants),
+    MEMBER(member_bool, duet_motion_def, doubles),
+    MEMBER(member_double, duet_motion_def, origin),
+    MEMBER(member_float, duet_motion_def, origin_edge),
+    MEMBER(member_double, duet_motion_def, gravity),
+    MEMBER(member_double, duet_motion_def, attraction),
+    MEMBER(member_double, duet_motion_def, centre),
+    MEMBER(member_double, duet_motion_def, drag),
+    MEMBER_ENUM(duet_motion_def, boundary, boundary_name),
+    MEMBER(member_double, duet_motion_def, lower),
+    MEMBER(member_double, duet_motion_def, upper),
+    MEMBER(member_double, duet_motion_def, dt),
+    MEMBER(member_count, duet_motion_def, substeps),
+    MEMBER_ENUM(duet_motion_def, integrator, scene_integrator_name),
+    MEMBER(member_double, duet_motion_def, skin),
+    MEMBER(member_double, duet_motion_def, slop),
+    MEMBER(member_double, duet_motion_def, max_push_speed),
+    MEMBER(member_double, duet_motion_def, restitution_threshold),
+    MEMBER(member_double, duet_motion_def, sleep_speed),
+    MEMBER(member_double, duet_motion_def, sleep_after),
+    MEMBER(member_double, duet_motion_def, hit_speed),
+    MEMBER(member_count, duet_motion_def, event_mask),
+    MEMBER(member_bool, duet_motion_def, stage_times),
+    {0},
+};
+
+// duet.game_motion_def(dims) -> a def that a script may change
+static int game_motion_def(lua_State *L)
+{
+    static const member said[] = {MEMBER(member_count, duet_motion_def, dims),
+                                  MEMBER(member_effects, duet_motion_def, wants),
+                                  MEMBER(member_double, duet_motion_def, gravity),
+                                  MEMBER(member_double, duet_motion_def, slop),
+                                  {0}};
+    lua_Integer dims = luaL_optinteger(L, 1, 3);
+    luaL_argcheck(L, dims == 2 || dims == 3, 1, "2 or 3 dims");
+    duet_motion_def def = duet_game_motion_def(NULL, (uint32_t)dims);
+    member_push_table(L, said, &def);
+    return 1;
+}
+
+void motion_def_open_lua(lua_State *L)
+{
+    static const luaL_Reg functions[] = {
+        {"effects", list_effects}, {"game_motion_def", game_motion_def}, {NULL, NULL}};
+    luaL_setfuncs(L, functions, 0);
+}

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+// What a script reads of a motion: states, poses, sleep, sums and contacts.
+#include "lua/motion.h"
+
+// motion:read() or, into an array that is there, motion:read(states)
+static int motion_read(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = motion_check_lua(L);
+    uint32_t n = duet_motion_get_count(motion);
+    if (lua_isnoneornil(L, 2))
+        array_push(L, ARRAY_STATES, n);
+    else
+        lua_settop(L, 2);
+    const array *states = array_check(L, -1, ARRAY_STATES);
+    luaL_argcheck(L, states->n == n, 2, "an array of #motion states");
+    return duet_motion_get_states(motion, states->rows, &err) ? 1 : class_push_failure(L, &err);
+}
+
+// motion:read_of(places) -> the states of those
+static int motion_read_of(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = motion_check_lua(L);
+    const array *ids = array_check(L, 2, ARRAY_PLACES);
+    luaL_argcheck(L, ids->n <= UINT32_MAX, 2, "fewer than 2^32 ids");
+    array *states = array_push(L, ARRAY_STATES, ids->n);
+    return duet_motion_get_states_of(motion, ids->rows, (uint32_t)ids->n, states->rows, &err)
+               ? 1
+               : class_push_failure(L, &err);
+}
+
+// motion:moved() -> places, states
+static int motion_moved(lua_State *L)
+{
+    duet_error err = {0};
+    duet_moved moved = {0};
+    if (!duet_motion_get_moved(motion_check_lua(L), &moved, &err))
+        return class_push_failure(L, &err);
+    array_push_copy(L, ARRAY_PLACES, moved.places, moved.n);
+    array_push_copy(L, ARRAY_STATES, moved.states, moved.n);
+    return 2;
+}
+
+// duet.states_between(from, to, fraction): row by row
+static int states_between(lua_State *L)
+{
+    const array *from = array_check(L, 1, ARRAY_STATES), *to = array_check(L, 2, ARRAY_STATES);
+    double fraction = luaL_checknumber(L, 3);
+    luaL_argcheck(L, from->n == to->n, 2, "as many states as the first");
+    const duet_state *a = from->rows, *b = to->rows;
+    duet_state *out = array_push(L, ARRAY_STATES, from->n)->rows;
+    for (uint64_t i = 0; i < from->n; ++i)
+        out[i] = duet_state_between(&a[i], &b[i], fraction);
+    return 1;
+}
+
+static int motion_hash(lua_State *L)
+{
+    duet_error err = {0};
+    uint64_t hash = 0;
+    if (!duet_motion_get_hash(motion_check_lua(L), &hash, &err))
+        return class_push_failure(L, &err);
+    array_push_hash(L, hash);
+    return 1;
+}
+
+static const member energy_members[] = {
+    MEMBER(member_double, duet_energy, kinetic),   MEMBER(member_double, duet_energy, turning),
+    MEMBER(member_double, duet_energy, potential), MEMBER(member_double, duet_energy, momentum),
+    MEMBER(member_double, duet_energy, angular),   {0},
+};
+
+static int motion_energy(lua_State *L)
+{
+    duet_error err = {0};
+    duet_energy energy = {0};
+    if (!duet_motion_get_energy(motion_check_lua(L), &energy, &err))
+        return class_push_failure(L, &err);
+    member_push_table(L, energy_members, &energy);
+    return 1;
+}
+
+static int motion_poses(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = motion_check_lua(L);
+    array *poses = array_push(L, ARRAY_POSES, duet_motion_get_count(motion));
+    return duet_motion_get_poses(motion, poses->rows, &err) ? 1 : class_push_failure(L, &err);
+}
+
+static int motion_rounded_boxes(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = motion_check_lua(L);
+    array *boxes = array_push(L, ARRAY_ROUNDED_BOXES, duet_motion_get_count(motion));
+    return duet_motion_get_rounded_boxes(motion, boxes->rows, &err) ? 1
+                                                                    : class_push_failure(L, &err);
+}
+
+static int motion_asleep(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = motion_check_lua(L);
+    array *asleep = array_push(L, ARRAY_ANSWERS, duet_motion_get_count(motion));
+    return duet_motion_get_asleep(motion, asleep->rows, &err) ? 1 : class_push_failure(L, &err);
+}
+
+static int motion_contacts(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = motion_check_lua(L);
+    array *found = array_push_empty(L, ARRAY_CONTACTS);
+    duet_contact *contacts = NULL;
+    uint64_t n = 0;
+    if (!duet_motion_get_contacts(motion, &contacts, &n, &err))
+        return class_push_failure(L, &err);
+    array_own(found, contacts, n);
+    return 1;
+}
+
+void motion_state_open_lua(lua_State *L)
+{
+    static const luaL_Reg functions[] = {{"states_between", states_between}, {NULL, NULL}};
+    static const luaL_Reg methods[] = {{"read", motion_read},
+                                       {"read_of", motion_read_of},
+                                       {"moved", motion_moved},
+                                       {"poses", motion_poses},
+                                       {"rounded_boxes", motion_rounded_boxes},
+                                       {"asleep", motion_asleep},
+                                       {"hash", motion_hash},
+                                       {"energy", motion_energy},
+                                       {"contacts", motion_contacts},
+                                       {NULL, NULL}};
+    luaL_setfuncs(L, functions, 0);
+    class_add_methods(L, "duet.motion", methods, NULL);
+}
