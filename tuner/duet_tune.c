@@ -405,7 +405,7 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
     h->hash = truth.hash;
     bool guessed = near->grade == PROFILE_INTERPOLATED || near->grade == PROFILE_TRANSFERRED ||
                    near->grade == PROFILE_OTHER_DRIVER || near->grade == PROFILE_STALE;
-    uint32_t fair = duet_default_plan(h->def.pair).share; // 0 if the devices differ
+    duet_plan usual = duet_default_plan(h->def.pair); // share 0 if the devices differ
     tune_task task = {
         .def = &h->def,
         .machine = subject_machine(s, h->hash),
@@ -413,8 +413,9 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         .kernels = {.context = s, .read = s->kind->read_kernels},
         .one_device = s->one_device,
         .plan = s->plan,
-        .start = guessed ? near->plan.share : fair,
-        .fair = fair,
+        .start = guessed ? near->plan.share : usual.share,
+        .fair = usual.share,
+        .fair_mode = usual.mode,
         .script = h->script,
         .least_share = task_least_share(s->units),
     };

@@ -48,9 +48,10 @@ typedef struct tune_task {
     char searched[2][DUET_VARIANT]; // by device, what a search led to before; empty: none did
     duet_plan plan;                 // its variants are the defaults that must work
     uint32_t start;                 // a share that is likely near the best; 0: none is known
-    uint32_t fair; // by units, of devices of one kind: another must be proven faster; 0: none
-    void *script;  // the strategy "lua" runs it
-    uint32_t least_share; // shares nearer than this are the same
+    uint32_t fair;                  // by units, of devices of one kind; 0: none
+    duet_mode fair_mode;            // with `fair`: another share or mode must be proven faster
+    void *script;                   // the strategy "lua" runs it
+    uint32_t least_share;           // shares nearer than this are the same
 } tune_task;
 
 // The variants to choose from, in order: those that are asked for, or else ours. NULL

@@ -14,7 +14,7 @@
 enum { LEAST_TRIALS = 8 }; // from which a device's undisturbed time is taken
 
 static const double WORTH_ALONE = 1.3;  // A alone is raced if it may take so much of B alone
-static const double MOST_OF_SAME = 1.1; // an interval beyond this is too wide for `same`
+static const double MOST_OF_SAME = 1.1; // a gain beyond this is not `same`
 static const double UNEVEN = 1.03;      // a step that could be so much shorter is evened out
 
 // The devices alone come first, then the best share of each mode.
@@ -85,12 +85,13 @@ static bool is_mostly_disturbed(const tuning *t, const duet_plan *plan)
     return t->task->def->wait_seconds > 0 && 2 * disturbed > trials;
 }
 
-// Whether launches that waited for a core may be why the interval says so little.
-static bool is_blurred(const tuning *t, const race_gain *gain)
+// Whether sharing may gain much, though that is not proven, and there is a reason to expect that
+// it does: the devices are of one kind, or launches waited for a core.
+static bool is_open(const tuning *t, const race_gain *gain)
 {
-    bool is_wide = gain->interval.low * MOST_OF_SAME < 1 || gain->interval.high > MOST_OF_SAME;
-    return t->task->def->wait_seconds > 0 && gain->verdict == RACE_SAME && is_wide &&
-           t->disturbed > t->watched / 10;
+    bool expected = t->task->fair > 0 || t->disturbed > t->watched / 10;
+    return t->task->def->wait_seconds > 0 && gain->verdict == RACE_SAME &&
+           gain->interval.high > MOST_OF_SAME && expected;
 }
 
 // Says why a race that was run to its end proves nothing; false if it proves something.
@@ -101,7 +102,7 @@ static bool is_void(const tuning *t, const duet_plan *best, const race_gain *gai
         snprintf(because, 128, "both parts were on one core");
         return true;
     }
-    if (!is_blurred(t, gain))
+    if (!is_open(t, gain))
         return false;
     snprintf(because, 128,
              "times vary too much: %" PRIu32 " of %" PRIu32 " launches waited for a core",
@@ -145,35 +146,46 @@ static bool fail_unmeasured(const tuning *t, duet_error *err)
     return error_copy(err, &t->failure);
 }
 
-// The share by units of two devices of one kind.
-static bool is_fair(const tuning *t, const duet_plan *plan)
+// The plan to expect of two devices of one kind: the share by their units in the mode of the
+// default plan, or if that was not searched in the mode of the best shared plan. Share 0: none.
+static duet_plan expected_plan(const tuning *t, const mode_found *founds, uint32_t n,
+                               const duet_plan *shared)
 {
-    return t->task->fair && plan->share == t->task->fair;
+    duet_plan expected = *shared;
+    expected.share = t->task->fair;
+    for (uint32_t i = 0; i < n; ++i)
+        if (founds[i].usable && founds[i].mode == t->task->fair_mode)
+            expected.mode = founds[i].mode;
+    return expected;
 }
 
-// The single device and the shared plan once more, with its evened and its fair share.
-static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *shared, field *f,
-                           duet_error *err)
+static bool is_same_way(const duet_plan *plan, const duet_plan *other)
 {
-    duet_plan even, fair = *shared;
+    return plan->share == other->share && plan->mode == other->mode;
+}
+
+// The single device and the shared plan once more, with its evened share, and the expected plan.
+static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *shared,
+                           const duet_plan *expected, field *f, duet_error *err)
+{
+    duet_plan even;
     *f = (field){0};
     field_enter(f, *alone);
     field_enter(f, *shared);
-    if (even_out(t, shared, &even) && !is_fair(t, &even))
+    if (even_out(t, shared, &even) && !is_same_way(&even, expected))
         field_enter(f, even);
-    fair.share = t->task->fair;
-    if (fair.share && !is_fair(t, shared))
-        field_enter(f, fair);
+    if (expected->share && !is_same_way(shared, expected))
+        field_enter(f, *expected);
     return field_race(t, f, &trial_budget_last_race, false, INFINITY, err);
 }
 
-// The best of the shared plans. Devices of one kind share by their units unless another share is
-// proven to be faster: in a few noisy launches the best of several shares is seldom the best one.
-static uint32_t best_finalist(const tuning *t, const field *f)
+// The best of the shared plans. The expected plan stays unless another is proven to be faster: in
+// a few noisy launches the best of several plans is seldom the best one.
+static uint32_t best_finalist(const field *f, const duet_plan *expected)
 {
     uint32_t best = race_best(&f->race, 1, f->n);
     for (uint32_t i = 1; i < f->n && best < f->n; ++i)
-        if (i != best && is_fair(t, &f->plans[i]) && f->race.rivals[i].rounds > 0 &&
+        if (i != best && is_same_way(&f->plans[i], expected) && f->race.rivals[i].rounds > 0 &&
             race_compare(&f->race, best, i).verdict != RACE_FASTER)
             return i;
     return best;
@@ -219,9 +231,10 @@ bool verdict_reach(tuning *t, const mode_found *founds, uint32_t n, duet_tune_ou
         judge(t, &all, alone, alone, outcome);
         return true;
     }
-    if (!race_finalists(t, &all.plans[alone], &all.plans[shared], &finalists, err))
+    duet_plan expected = expected_plan(t, founds, n, &all.plans[shared]);
+    if (!race_finalists(t, &all.plans[alone], &all.plans[shared], &expected, &finalists, err))
         return false;
-    uint32_t best = best_finalist(t, &finalists);
+    uint32_t best = best_finalist(&finalists, &expected);
     if (is_complete(&finalists, best))
         judge(t, &finalists, 0, best, outcome);
     else

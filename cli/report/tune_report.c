@@ -299,8 +299,7 @@ static void print_use(const tune_report *r, const cJSON *row)
         return;
     }
     if (strcmp(json_string(row, "verdict"), "ambiguous") == 0) {
-        printf(
-            "  the same command tunes again; a larger --trials or --budget allows more rounds\n");
+        printf("  the same command tunes again; a larger --budget allows more rounds\n");
         return;
     }
     printf("  to make them use it:\n");
