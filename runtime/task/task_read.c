@@ -159,8 +159,10 @@ static void read_send(lua_State *L, task_arg *arg)
 
 // ---------------------------------------------------------------- what an array holds at first
 
+// A script pays for the numbers that the host makes for it, so that no file takes long or much.
 static void fill(lua_State *L, reading *r, task_arg *arg)
 {
+    script_spend(L, arg->count * arg->lanes / 64);
     if (!task_values_make(&arg->initial, arg->initial.scalar, arg->count * arg->lanes, &r->why))
         luaL_error(L, "args.%s: %s", arg->name, r->why.text);
 }
@@ -196,6 +198,7 @@ static void draw(lua_State *L, const reading *r, task_arg *arg)
 {
     task_values *v = &arg->initial;
     rng source = rng_stream(r->seed, hash_of(arg->name));
+    script_spend(L, v->n / 8);
     if (task_scalar_is_whole(v->scalar)) {
         draw_whole(L, arg, v, &source);
         return;
@@ -222,6 +225,7 @@ static void compute(lua_State *L, task_arg *arg)
 
 static void count_up(lua_State *L, task_arg *arg)
 {
+    script_spend(L, arg->initial.n / 8);
     for (uint64_t i = 0; i < arg->initial.n; ++i) {
         lua_pushinteger(L, (lua_Integer)i);
         put(L, arg, i);
@@ -231,6 +235,7 @@ static void count_up(lua_State *L, task_arg *arg)
 
 static void repeat(lua_State *L, task_arg *arg)
 {
+    script_spend(L, arg->initial.n / 8);
     for (uint64_t i = 0; i < arg->initial.n; ++i)
         put(L, arg, i);
 }
