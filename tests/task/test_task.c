@@ -293,7 +293,7 @@ TEST(a_bad_file_is_one_line_that_names_file_and_field)
         {"return { kernel = 'k', items = 9, args = { x = { 'uchar', 9, access = 'sum' } } }",
          "args.x: a sum of uchar"},
         {"return { kernel = 'k', items = 10, args = { x = { 'float', 2^40 } } }",
-         "instructions it may take"},
+         "it may take"},
         {"return { kernel = 'k', tolerance = -1, items = 10 }", "tolerance is -1"},
         {"return { kernel = 'k', key = { a = {} }, items = 10 }", "key: 'a' is 'table: 1'"},
         {"return { kernel = 'k', reference = 7, " TEN "}", "reference is a number"},
@@ -306,8 +306,7 @@ TEST(a_bad_file_is_one_line_that_names_file_and_field)
          "y[10]: expected 0 to 9"},
         {"return { kernel = 'k', reference = function(v) error('no') end, " TEN "}", "1: no"},
         {"return { kernel = 'k', reference = function(v) while true do end end, " TEN "}",
-         "instructions it may take"},
-        {"while true do end", "instructions it may take"},
+         "it may take"},
         {"local s = 'x' while true do s = s .. s end", "t.task.lua:1: "},
         {"os.exit()", "t.task.lua:1: "},
     };
