@@ -2,7 +2,8 @@
 #include "tuner/subject.h"
 
 // The first that is asked for; a still step is what is left.
-static const subject_kind *const kinds[] = {&subject_task, &subject_query, &subject_motion, &subject_still};
+static const subject_kind *const kinds[] = {&subject_task, &subject_query, &subject_motion,
+                                            &subject_still};
 
 const subject_kind *subject_kind_of(const duet_tune_def *def)
 {
