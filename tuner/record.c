@@ -256,7 +256,7 @@ static bool put_profile(record *r, const duet_tune_def *def, duet_tune_outcome *
     row.verdict = o->verdict;
     row.missed_rate = o->accuracy.missed;
     row.false_rate = o->accuracy.false_rate;
-    row.true_pairs = (int64_t)o->true_pairs;
+    row.true_pairs = def->task ? -1 : (int64_t)o->true_pairs; // -1: there are none to count
     row.rounds = o->rounds;
     row.watched = o->watched;
     row.disturbed = o->disturbed;

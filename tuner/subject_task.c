@@ -78,7 +78,7 @@ static bool describe(subject *s, profile_subject *p, duet_error *err)
 {
     const launched *l = s->state;
     char hash[PROFILE_SHA];
-    if (!task_kernel_hash(l->launcher, hash, err))
+    if (!task_kernel_hash(s->def->task, s->pair, hash, err))
         return false;
     profile_subject_read_task(s->pair, l->words, s->def->task->size, hash, p);
     p->workload.name = s->def->task->name;

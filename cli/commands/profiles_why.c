@@ -8,6 +8,7 @@
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/selection/profile_subject.h"
+#include "runtime/task/task_launch.h"
 
 #include <string.h>
 
@@ -15,6 +16,7 @@ typedef struct arguments {
     scene_options scene;
     level_options level;
     const char *pair;
+    const char *task; // a task file; NULL: a scene is asked for
     const char *store;
     bool moving;
     bool json;
@@ -25,23 +27,36 @@ static const option options[] = {
     PAIR_OPTION_ROW(pair),
     SCENE_LEVEL_OPTION_ROWS(level),
     PROFILE_OPTION_ROW(store),
+    OPTION_INPUT("task", task, "FILE", "look up a task, as 'duet run --task' does"),
     OPTION_FLAG("moving", moving, "look up a moving scene's steps, as 'duet run --steps' does"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
 
 // A motion finds all pairs.
-static const option_rule rules[] = {{"level missed false-rate", OPTION_EXCLUDES, "moving"}, {0}};
+static const option_rule rules[] = {{"level missed false-rate", OPTION_EXCLUDES, "moving"},
+                                    {"moving level missed false-rate", OPTION_EXCLUDES, "task"},
+                                    {0}};
+
+static const char *refuse(const void *given, char **operands)
+{
+    const arguments *args = given;
+    return !operands[0] && !args->task ? "SCENE|FILE is missing; 'duet profiles why --help' says "
+                                         "what it is"
+           : operands[0] && args->task ? "--task: the file says what is looked up; give no scene"
+                                       : NULL;
+}
 
 static const command_line line = {
     .name = "profiles why",
-    .operands = "SCENE|FILE",
-    .least_operands = 1,
+    .operands = "[SCENE|FILE]",
+    .least_operands = 0,
     .most_operands = 1,
     .about = "Says which profile an application with this scene would get here, and why. The\n"
              "grades are tried from the best down; docs/store.md explains them.",
     .options = options,
     .rules = rules,
+    .refuse = refuse,
 };
 
 // A question and its answer.
@@ -51,7 +66,8 @@ typedef struct answer {
     text why; // a line for each grade
     duet_plan fallback;
     bool one_device;
-    char whole[80]; // the selector of the device that A is a part of, or is
+    char words[TASK_WORDS]; // of a task
+    char whole[80];         // the selector of the device that A is a part of, or is
 } answer;
 
 static bool read_world(const arguments *args, const duet_scene *scene, duet_device_pair *pair,
@@ -246,30 +262,56 @@ static bool print_json(const answer *a, duet_error *err)
     return say_json(o, err);
 }
 
+static bool look_and_tell(const arguments *args, answer *a, duet_error *err)
+{
+    profile_request request = profile_subject_request(&a->asked);
+    if (!profile_subject_look(args->store, &request, &a->found, &a->why, err))
+        return false;
+    if (args->json)
+        return print_json(a, err);
+    print_text(a);
+    return true;
+}
+
+static bool ask_scene(const arguments *args, const char *path, duet_device_pair *pair, answer *a,
+                      duet_error *err)
+{
+    duet_scene *scene = inputs_load_objects(path, &args->scene, err);
+    bool ok = scene && read_subject(args, scene, pair, &a->asked, err);
+    ok = ok && look_and_tell(args, a, err);
+    duet_scene_destroy(scene);
+    return ok;
+}
+
+static bool ask_task(const arguments *args, duet_device_pair *pair, answer *a, duet_error *err)
+{
+    char hash[PROFILE_SHA];
+    task *t = inputs_load_task(args->task, &args->scene, err);
+    bool ok = t && task_kernel_hash(t, pair, hash, err);
+    if (ok) {
+        task_write_words(t, a->words);
+        profile_subject_read_task(pair, a->words, t->size, hash, &a->asked);
+        ok = look_and_tell(args, a, err);
+    }
+    task_destroy(t);
+    return ok;
+}
+
 static bool run(void *given, char **operands, duet_error *err)
 {
     const arguments *args = given;
     answer a = {0};
-    duet_device_pair *pair = inputs_open_pair(args->pair, err);
-    duet_scene *scene = pair ? inputs_load_objects(operands[0], &args->scene, err) : NULL;
-    bool ok = scene;
-    if (ok) {
-        a.fallback = duet_default_plan(pair);
-        a.one_device = duet_device_pair_is_one(pair);
-        const char *selector = duet_device_pair_get_info(pair, 0)->selector;
-        snprintf(a.whole, sizeof a.whole, "%.*s", (int)strcspn(selector, "["), selector);
-        ok = read_subject(args, scene, pair, &a.asked, err);
-    }
-    if (ok) {
-        profile_request request = profile_subject_request(&a.asked);
-        ok = profile_subject_look(args->store, &request, &a.found, &a.why, err);
-    }
-    if (ok && args->json)
-        ok = print_json(&a, err);
-    else if (ok)
-        print_text(&a);
+    duet_device_pair *pair = args->task ? inputs_open_task_pair(args->pair, args->task, err)
+                                        : inputs_open_pair(args->pair, err);
+    if (!pair)
+        return false;
+    a.fallback = duet_default_plan(pair);
+    a.one_device = duet_device_pair_is_one(pair);
+    const char *selector = duet_device_pair_get_info(pair, 0)->selector;
+    snprintf(a.whole, sizeof a.whole, "%.*s", (int)strcspn(selector, "["), selector);
+    bool ok =
+        args->task ? ask_task(args, pair, &a, err) : ask_scene(args, operands[0], pair, &a, err);
     text_free(&a.why);
-    duet_scene_destroy(scene);
     duet_device_pair_destroy(pair);
     return ok;
 }

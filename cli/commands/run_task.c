@@ -33,13 +33,13 @@ typedef struct ran {
 
 // The plan that was measured for the task on these devices; the default one if none was. A store
 // that cannot be read is told of.
-static bool find_plan(const task_launcher *l, ran *r, duet_error *err)
+static bool find_plan(ran *r, duet_error *err)
 {
     char words[TASK_WORDS], hash[PROFILE_SHA];
     profile_subject subject;
     profile_found found = {.grade = PROFILE_DEFAULT};
     duet_error failure = {0};
-    if (!task_kernel_hash(l, hash, err))
+    if (!task_kernel_hash(r->task, r->pair, hash, err))
         return false;
     task_write_words(r->task, words);
     profile_subject_read_task(r->pair, words, r->task->size, hash, &subject);
@@ -50,7 +50,7 @@ static bool find_plan(const task_launcher *l, ran *r, duet_error *err)
     return found.grade >= PROFILE_STALE || profile_subject_read_plan(&found.plan, &r->plan, err);
 }
 
-static bool choose_plan(const arguments *args, const task_launcher *l, ran *r, duet_error *err)
+static bool choose_plan(const arguments *args, ran *r, duet_error *err)
 {
     r->plan = duet_default_plan(r->pair);
     r->plan.mode = DUET_MODE_OWN;
@@ -59,7 +59,7 @@ static bool choose_plan(const arguments *args, const task_launcher *l, ran *r, d
     r->grade = DUET_GRADE_DEFAULT;
     r->given = inputs_plan_given(&args->plan);
     return r->given ? inputs_change_plan(&args->plan, r->pair, args->pair, &r->plan, err)
-                    : find_plan(l, r, err);
+                    : find_plan(r, err);
 }
 
 // ---------------------------------------------------------------- launches
@@ -172,7 +172,7 @@ static bool run_on(const arguments *args, task *t, duet_device_pair *pair, duet_
 {
     ran r = {.task = t, .pair = pair};
     task_launcher *l = task_launcher_open(t, pair, err);
-    bool ok = l && choose_plan(args, l, &r, err) && launch_all(args, l, &r, err);
+    bool ok = l && choose_plan(args, &r, err) && launch_all(args, l, &r, err);
     if (ok && args->json)
         ok = print_json(&r, err);
     else if (ok)

@@ -186,9 +186,12 @@ static void print_strategies(const cJSON *workload)
 static void print_workload(const cJSON *o)
 {
     const char *query = json_string(o, "query");
-    printf("%s, %s", say_name(json_string(o, "scene")).chars,
-           table_count((uint64_t)json_number(o, "objects")).chars);
-    if (*query)
+    double objects = json_number(o, "objects");
+    bool is_task = *query && objects == 0;
+    printf("%s, %s%s%s", say_name(json_string(o, "scene")).chars,
+           table_count((uint64_t)(is_task ? json_number(o, "items") : objects)).chars,
+           is_task ? ", " : "", is_task ? say_name(query).chars : "");
+    if (*query && !is_task)
         printf(": %s %s", table_count((uint64_t)json_number(o, "items")).chars,
                say_name(query).chars);
     printf("\nA: %s\nB: %s\n", say_name(json_string(o, "a")).chars,

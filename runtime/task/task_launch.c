@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/task/task_launch.h"
 
-#include "base/blob.h"
 #include "base/clock.h"
 #include "base/error.h"
-#include "base/text_file.h"
 #include "runtime/broadphase/variant.h"
 #include "runtime/task/task_launcher.h"
 #include "runtime/task/task_reference.h"
 
-#include <sha256.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -315,36 +312,4 @@ void task_launcher_close(task_launcher *l)
     if (l->work.pair)
         shared_work_close(&l->work);
     free(l);
-}
-
-// ---------------------------------------------------------------- what the kernel is made from
-
-// The files of a kernel in a folder: one that is not there counts as empty.
-static void hash_file(SHA2_CTX *sha, const char *folder, const char *name, const char *end)
-{
-    text path = {0}, bytes = {0};
-    text_add(&path, "%s/%s%s", folder, name, end);
-    if (text_ok(&path, NULL) && text_read_file(&bytes, path.chars, NULL))
-        SHA256Update(sha, (const uint8_t *)bytes.chars, bytes.length);
-    text_free(&path);
-    text_free(&bytes);
-}
-
-bool task_kernel_hash(const task_launcher *l, char hash[65], duet_error *err)
-{
-    const task_side *b = &l->sides[1];
-    const char *folder = l->work.pair->kernel_dir;
-    gen_limits limits = program_set_limits(b->side.programs);
-    gen_variant v = {0};
-    SHA2_CTX sha;
-    if (!gen_make(b->side.gen, l->task->kernel, NULL, 0, &limits, &v, err))
-        return false;
-    SHA256Init(&sha);
-    SHA256Update(&sha, (const uint8_t *)v.sha256, strlen(v.sha256));
-    static const char *const ends[] = {".lua", ".cl", ".cl.in"};
-    for (size_t i = 0; folder && i < sizeof ends / sizeof *ends; ++i)
-        hash_file(&sha, folder, l->task->kernel, ends[i]);
-    SHA256End(&sha, hash);
-    gen_variant_free(&v);
-    return true;
 }

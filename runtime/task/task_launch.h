@@ -34,7 +34,7 @@ bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, d
 bool task_kernel_space(task_launcher *l, const duet_plan *plan, int side, kernel_space **spaces,
                        uint32_t *n, duet_error *err);
 
-// The hash of what the kernel is made from: its card, and its text.
-bool task_kernel_hash(const task_launcher *l, char hash[65], duet_error *err);
+// The hash of what the task's kernel is made from on the pair: its card, and its text.
+bool task_kernel_hash(const task *t, const duet_device_pair *pair, char hash[65], duet_error *err);
 
 #endif

@@ -76,6 +76,10 @@ TEST(a_tuned_plan_is_kept_and_used)
     assert_string_equal(json_string(root, "plan_from"), used ? "exact" : "default");
     assert_true(!used || json_number(root, "share") == share);
     cJSON_Delete(root);
+    p = program_run_with(STORE, "profiles why --json --task saxpy.task.lua -n 30000");
+    root = json_of_program(&p);
+    assert_string_equal(json_string(root, "grade"), used ? "exact" : "default");
+    cJSON_Delete(root);
     p = program_run_with(STORE, "profiles list");
     if (used)
         expect_says(&p, says);
@@ -115,6 +119,8 @@ TEST(wrong_calls_are_refused)
         {"run --task saxpy.task.lua --check", 2, "--task"},
         {"run --task saxpy.task.lua --set m=1", 2, "no parameter 'm'; the task has n, seed"},
         {"run --task none.task.lua", 2, "none.task.lua"},
+        {"profiles why paper --task saxpy.task.lua", 2, "--task: the file says what is looked up"},
+        {"profiles why", 2, "SCENE|FILE is missing"},
         {"tune paper --task saxpy.task.lua", 2, "paper: with --task the file says what is tuned"},
         {"tune --task saxpy.task.lua --query rays", 2, "--task"},
     };
