@@ -3,9 +3,9 @@
 // searched: a failure of one rank in between ends the step of all at the next agreement.
 //
 //   migrate           objects go to the rank whose box holds them                  migrate.c
-//   search the inner  a single domain, while ghosts travel, if its devices can     search_set.c
+//   search the inner  a single domain, while ghosts travel, if its devices can     search.c
 //   exchange ghosts   what other domains' objects may touch goes there             ghosts.c
-//   search            each domain with its ghosts, or the boundary                 search_set.c
+//   search            each domain with its ghosts, or the boundary                 search.c
 //   count             this rank's pairs, and all ranks' sums                       own_pairs.c
 #include "cluster/cluster.h"
 
