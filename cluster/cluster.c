@@ -240,9 +240,9 @@ void *duet_cluster_map_owned(duet_cluster *c, duet_object_kind kind, const uint6
     if (!error_given(c, __func__, "cluster", err))
         return NULL;
     duet_error own = {0};
-    bool ok = error_given(ids, __func__, "ids", &own) && error_given(n, __func__, "n", &own) &&
-              check_kind(c, kind, &own);
-    if (!cluster_open_owned(c, __func__, ok, &own)) {
+    if (error_given(ids, __func__, "ids", &own) && error_given(n, __func__, "n", &own))
+        check_kind(c, kind, &own);
+    if (!cluster_open_owned(c, __func__, &own)) {
         error_copy(err, &own);
         return NULL;
     }

@@ -107,11 +107,20 @@ void cluster_take(duet_cluster *c, object_rows *rows);
 bool cluster_agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err);
 // Copies the domain that has the most objects to each worker, so that it can look up its profile.
 bool cluster_show_domain(duet_cluster *c, duet_error *err);
-// Brings all objects where they belong: on all ranks, or on none.
-bool cluster_settle_all(duet_cluster *c, const char *call, bool ok, duet_error *own,
-                        duet_error *err);
+
+// The order of a search (search.c): chooses one of owned objects that are where they belong, and
+// begins to search the inner ones if that may overlap with the exchange of ghosts; fills the other
+// sets with ghosts; searches all and counts this rank's pairs.
+void cluster_choose_search(duet_cluster *c, bool may_overlap);
+bool cluster_fill_sets(duet_cluster *c, duet_error *err);
+bool cluster_search_all(duet_cluster *c, duet_error *own);
+void cluster_cancel_search(duet_cluster *c); // waits for what is under way
+
+// Brings all objects where they belong: on all ranks, or on none. Fails on all ranks if `own` of
+// one has a failure.
+bool cluster_settle_all(duet_cluster *c, const char *call, duet_error *own, duet_error *err);
 // The same, and then tidies and maps them, to be written. Where objects are bad all are where they
 // were, to be mended.
-bool cluster_open_owned(duet_cluster *c, const char *call, bool ok, duet_error *own);
+bool cluster_open_owned(duet_cluster *c, const char *call, duet_error *own);
 
 #endif

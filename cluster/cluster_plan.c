@@ -111,12 +111,12 @@ bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *
     duet_error own = {0};
     if (store_failed)
         *store_failed = own;
-    if (!cluster_settle_all(c, __func__, error_given(profile, __func__, "profile", &own), &own,
-                            err))
+    error_given(profile, __func__, "profile", &own);
+    if (!cluster_settle_all(c, __func__, &own, err))
         return false;
     load_profiles(c, path, profile, store_failed);
     for (int round = 0; round < WEIGHINGS && weigh_ranks(c, profile); ++round) {
-        if (!cluster_settle_all(c, __func__, true, &own, err))
+        if (!cluster_settle_all(c, __func__, &own, err))
             return false;
         load_profiles(c, path, profile, store_failed);
     }

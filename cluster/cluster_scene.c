@@ -37,19 +37,19 @@ static duet_shape shape_of_all(const uint64_t n_ranks[DUET_SHAPES], duet_shape o
 }
 
 // *info and its name, which is to be freed, are those of rank 0, but what the parts are together.
-static bool tell_scene(duet_cluster *c, const scene_part *part, duet_scene_info *info, char **name,
-                       duet_error *own)
+static bool broadcast_scene(duet_cluster *c, const scene_part *part, duet_scene_info *info,
+                            char **name, duet_error *own)
 {
-    bool tells = c->ranks.self == 0;
+    bool reads = c->ranks.self == 0;
     uint64_t with[DUET_SHAPES + 1] = {[DUET_SHAPES] = part->rotated}; // how many ranks
     if (part->rows.n > 0)
         with[part->form.shape] = 1;
     ranks_sum(&c->ranks, with, DUET_SHAPES + 1);
-    *info = tells ? part->scene->info : (duet_scene_info){0};
-    *name = ranks_tell_text(&c->ranks, info->name, own);
+    *info = reads ? part->scene->info : (duet_scene_info){0};
+    *name = ranks_broadcast_text(&c->ranks, info->name, own);
     if (!*name)
         return false;
-    ranks_tell(&c->ranks, info, sizeof *info);
+    ranks_broadcast(&c->ranks, info, sizeof *info);
     info->name = *name;
     info->n = part->n < UINT32_MAX ? (uint32_t)part->n : UINT32_MAX;
     info->shape = shape_of_all(with, info->shape);
@@ -208,25 +208,25 @@ static bool is_of_one_rank(duet_cluster *c, const char *path)
 static bool read_part(duet_cluster *c, const char *path, const duet_setting *settings,
                       uint32_t n_settings, bool whole, scene_part *part, duet_error *own)
 {
-    uint64_t told[2] = {0}; // objects, and those that are not made
+    uint64_t counts[2] = {0}; // objects, and those that are not made
     bool ok = true, reads = c->ranks.self == 0;
     whole = is_of_one_rank(c, path) || whole;
     *part = (scene_part){0};
     if (reads && whole)
         part->scene = duet_scene_load(path, settings, n_settings, own);
     else if (reads)
-        part->scene = scene_load_deferred(path, settings, n_settings, &told[0], &told[1], own);
+        part->scene = scene_load_deferred(path, settings, n_settings, &counts[0], &counts[1], own);
     ok = !reads || part->scene;
     if (ok && reads && whole)
-        told[0] = part->scene->info.n;
-    if (ok && reads && told[1] == 0)
-        ok = begin_rows(part, 0, told[0], &c->threads, own) &&
+        counts[0] = part->scene->info.n;
+    if (ok && reads && counts[1] == 0)
+        ok = begin_rows(part, 0, counts[0], &c->threads, own) &&
              add_objects(part, part->scene, &c->threads, own);
     if (!ranks_agree(&c->ranks, ok, own))
         return false;
-    ranks_tell(&c->ranks, told, sizeof told);
-    part->n = told[0];
-    if (told[1] == 0)
+    ranks_broadcast(&c->ranks, counts, sizeof counts);
+    part->n = counts[0];
+    if (counts[1] == 0)
         return true;
     uint64_t each = part->n / (uint64_t)c->ranks.n + 1, first = each * (uint64_t)c->ranks.self;
     first = first < part->n ? first : part->n;
@@ -258,7 +258,7 @@ static bool take_part(duet_cluster *c, scene_part *part, duet_error *own)
     duet_scene_info info;
     char *name = NULL;
     worker *workers[2] = {NULL};
-    if (!tell_scene(c, part, &info, &name, own))
+    if (!broadcast_scene(c, part, &info, &name, own))
         return false;
     duet_world_def world = def_of_scene(c, &info);
     object_form form = object_form_of(&world);

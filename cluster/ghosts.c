@@ -224,12 +224,12 @@ bool ghosts_sort(ghosts *g, const owned *o, const ranks *r, duet_error *err)
     return true;
 }
 
-bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, bool ok, duet_error *err)
+bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, duet_error *err)
 {
     search s = {.o = o, .g = g, .n_ranks = r->n};
     s.first_place = (uint32_t)r->self * o->most_domains;
     ranks_gather(r, o->boxes, g->boxes, (int)(o->most_domains * sizeof *g->boxes));
-    ok = ok && find_visits(&s, err);
+    bool ok = is_well(err) && find_visits(&s, err);
     ok = parcels_begin(&g->out, r, message_bytes(&o->form), err) && ok;
     ok = ok && write_visits(&s, r, err);
     free(s.neighbours);

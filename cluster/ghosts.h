@@ -31,9 +31,9 @@ typedef struct ghosts {
 
 bool ghosts_begin(ghosts *g, const owned *o, const ranks *r, duet_error *err);
 
-// Sends ghosts to where they belong; `in` has the ghosts that came. Collective; ok: whether this
-// rank is well.
-bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, bool ok, duet_error *err);
+// Sends ghosts to where they belong; `in` has the ghosts that came. Collective; fails on all ranks
+// if one is not well.
+bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, duet_error *err);
 void ghosts_end(ghosts *g);
 
 // Lists the ghosts that came by their domains: domain d's ghosts are [first[d], first[d + 1]).

@@ -17,7 +17,7 @@ typedef struct overview {
     double unevenness; // the most objects that a rank has for those that its weight makes due to it
 } overview;
 
-static bool look_over(overview *v, const migration *m, bool ok, ranks *r, duet_error *err)
+static bool agree_on_classes(overview *v, const migration *m, bool ok, ranks *r, duet_error *err)
 {
     const classes *c = &m->classes;
     uint32_t n = owned_count(m->owned);
@@ -98,13 +98,13 @@ static void add_newcomer(owned *o, uint32_t row)
 }
 
 // Releases the objects that leave once all ranks have taken those that came to them.
-static bool exchange_leavers(migration *m, bool ok, ranks *r, duet_error *err)
+static bool exchange_leavers(migration *m, ranks *r, duet_error *err)
 {
     owned *o = m->owned;
     uint32_t first = o->rows.n;
     parcels in = {0};
-    ok = parcels_deal(r, ok, object_message_bytes(&o->form), m->classes.leavers.n, rank_of,
-                      write_leaver, m, &in, err);
+    bool ok = parcels_deal(r, is_well(err), object_message_bytes(&o->form), m->classes.leavers.n,
+                           rank_of, write_leaver, m, &in, err);
     ok = ok && ranks_agree(r, owned_add_newcomers(o, &in, err), err);
     parcels_end(&in);
     if (!ok) { // on any rank
@@ -141,8 +141,8 @@ static bool send_ahead(owned *o, duet_error *err)
     return true;
 }
 
-// Brings all objects to their ranks by a new partition, and if *ok to their domains.
-static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet_error *err)
+// Brings all objects to their ranks by a new partition, and to their domains.
+static bool partition_anew(migration *m, double widest, ranks *r, duet_error *err)
 {
     owned *o = m->owned;
     overview v;
@@ -155,13 +155,13 @@ static bool partition_anew(migration *m, double widest, bool *ok, ranks *r, duet
     ++m->n_partitions;
     o->placement = PLACED_BY_RANK;
     o->domains[0].box = m->partition->box;
-    bool listed = classify_all(m, err);
-    if (!look_over(&v, m, true, r, err) ||
-        (v.leavers > 0 &&
-         (!exchange_leavers(m, listed, r, err) || !look_over(&v, m, true, r, err))))
+    classify_all(m, err);
+    if (!agree_on_classes(&v, m, true, r, err) ||
+        (v.leavers > 0 && (!exchange_leavers(m, r, err) || !agree_on_classes(&v, m, true, r, err))))
         return false;
     m->unevenness = v.unevenness;
-    *ok = place(m, err) && send_ahead(o, err) && classify_all(m, err);
+    if (place(m, err) && send_ahead(o, err))
+        classify_all(m, err);
     return true;
 }
 
@@ -184,26 +184,27 @@ static void join_boxes(owned *o)
             extent_join(&o->boxes[d].upto[k], &o->boxes[d].upto[k - 1]);
 }
 
-bool migrate(migration *m, ranks *r, bool *ok, duet_error *err)
+bool migrate(migration *m, ranks *r, duet_error *err)
 {
     owned *o = m->owned;
     overview v;
-    *ok = *ok && begin(m, err);
-    bool listed = *ok && classify_all(m, err);
-    if (!look_over(&v, m, *ok, r, err))
+    bool has_begun = begin(m, err);
+    if (has_begun)
+        classify_all(m, err);
+    if (!agree_on_classes(&v, m, has_begun, r, err))
         return false;
     if (v.bad > 0)
         return refuse_bad(m, &v, r, err);
     bool is_placed = o->placement != PLACED_ANYHOW;
     if (is_placed && !keep_widest(o, v.widest)) // levels are others
-        listed = classify_all(m, err);
+        classify_all(m, err);
     if (is_placed && v.leavers > 0 &&
-        (!exchange_leavers(m, listed, r, err) || !look_over(&v, m, true, r, err)))
+        (!exchange_leavers(m, r, err) || !agree_on_classes(&v, m, true, r, err)))
         return false;
-    const row_list *boundary = &o->boundary; // with newcomers
-    *ok = listed && (!boundary->failed || no_memory_at_border(boundary->n, err));
+    if (o->boundary.failed) // with newcomers
+        no_memory_at_border(o->boundary.n, err);
     if ((!is_placed || v.unevenness > m->imbalance * m->unevenness) &&
-        !partition_anew(m, v.widest, ok, r, err))
+        !partition_anew(m, v.widest, r, err))
         return false;
     join_boxes(o);
     return true;

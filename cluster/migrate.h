@@ -17,8 +17,8 @@ typedef struct migration {
     classes classes;
 } migration;
 
-// Checks the objects, moves them, and leaves their boundary. Collective. *ok: whether this rank is
-// well; it may fail alone at the end.
-bool migrate(migration *m, ranks *r, bool *ok, duet_error *err);
+// Checks the objects, moves them, and leaves their boundary. Collective. After it succeeded on all
+// ranks this one may have failed alone (is_well).
+bool migrate(migration *m, ranks *r, duet_error *err);
 
 #endif

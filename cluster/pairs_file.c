@@ -128,10 +128,10 @@ static bool write_pairs(duet_cluster *c, const char *path, const void *pairs, ui
     ranks_sum(r, &all, 1);
     uint64_t before = ranks_sum_before(r, n) * sizeof(duet_pair64);
     bool ok = ranks_agree(r, !opens || open_file(&o, path, all, &at, &part, err), err);
-    char *name = ok ? ranks_tell_text(r, opens ? text_chars(&part) : NULL, err) : NULL;
+    char *name = ok ? ranks_broadcast_text(r, opens ? text_chars(&part) : NULL, err) : NULL;
     ok = name;
     if (ok) {
-        ranks_tell(r, &at, sizeof at);
+        ranks_broadcast(r, &at, sizeof at);
         slot = opens ? -1 : output_watch_part(name);
         ok = ranks_agree(r, write_values(name, at + before, pairs, n, path, err), err);
     }

@@ -16,7 +16,7 @@ bool parallel_begin(parallel *p, double processors, uint32_t least, duet_error *
 {
     double whole = floor(processors + ROUNDING);
     *p = (parallel){.n = (uint32_t)fmin(fmax(whole, least), PARALLEL_MOST),
-                    .is_crowded = whole < least};
+                    .is_oversubscribed = whole < least};
     if (p->n > 1)
         p->team = thread_pool_open(p->n - 1, err);
     return p->n == 1 || p->team;
@@ -28,10 +28,10 @@ void parallel_end(parallel *p)
     *p = (parallel){0};
 }
 
-void parallel_be_keen(parallel *p, bool keen)
+void parallel_stay_awake(parallel *p, bool awake)
 {
     if (p->team)
-        thread_pool_stay_awake(p->team, keen && !p->is_crowded);
+        thread_pool_stay_awake(p->team, awake && !p->is_oversubscribed);
 }
 
 // ---------------------------------------------------------------- loops

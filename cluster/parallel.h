@@ -14,7 +14,7 @@ enum { PARALLEL_MOST = 64 }; // parts of a loop
 typedef struct parallel {
     struct thread_pool *team; // besides the caller's thread; NULL: that alone
     uint32_t n;               // threads with that
-    bool is_crowded;          // they are more than there are processors for them
+    bool is_oversubscribed;   // they are more than there are processors for them
 } parallel;
 
 // A thread for each whole one of that many processors, and so many at least.
@@ -22,8 +22,8 @@ bool parallel_begin(parallel *p, double processors, uint32_t least, duet_error *
 void parallel_end(parallel *p);
 
 // Whether they look for loops rather than sleep: only if nothing else needs the processors, and
-// never if they are crowded.
-void parallel_be_keen(parallel *p, bool keen);
+// never if they are oversubscribed.
+void parallel_stay_awake(parallel *p, bool awake);
 
 // Calls body for each part [first, end) of [0, n), several at the same time. Parts are
 // numbered from 0 in ascending order. Returns how many there were, at most PARALLEL_MOST.

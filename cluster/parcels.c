@@ -102,15 +102,15 @@ static void send_and_receive(ranks *r, const parcels *out, parcels *in, MPI_Requ
 static bool exchange_counts(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err)
 {
     int failing = r->n;
-    uint64_t *told = r->counts + r->n;
+    uint64_t *received = r->counts + r->n;
     for (int q = 0; q < r->n; ++q)
         r->counts[q] = ok ? out->counts[q] : UINT64_MAX;
-    RANKS_WAITING(r, MPI_Alltoall(r->counts, 1, MPI_UINT64_T, told, 1, MPI_UINT64_T, r->comm));
+    RANKS_WAITING(r, MPI_Alltoall(r->counts, 1, MPI_UINT64_T, received, 1, MPI_UINT64_T, r->comm));
     for (int q = r->n - 1; q >= 0; --q)
-        failing = told[q] == UINT64_MAX ? q : failing;
+        failing = received[q] == UINT64_MAX ? q : failing;
     if (failing < r->n)
         return ranks_fail(r, failing, err);
-    memcpy(in->counts, told, (size_t)r->n * sizeof *r->counts);
+    memcpy(in->counts, received, (size_t)r->n * sizeof *r->counts);
     return true;
 }
 

@@ -106,7 +106,7 @@ bool partition_make(partition *p, ranks *r, const object_form *form, const objec
     if (ok && r->self == 0)
         bisection_cut(&p->parts, p->weights, in.rows, in.n);
     if (ok)
-        ranks_tell(r, p->parts.planes, (uint64_t)r->n * sizeof *p->parts.planes);
+        ranks_broadcast(r, p->parts.planes, (uint64_t)r->n * sizeof *p->parts.planes);
     p->box = bisection_box(&p->parts, (uint32_t)r->self, &extent_all);
     parcels_end(&in);
     parcels_end(&out);

@@ -22,7 +22,7 @@ struct rank_seat {
 typedef struct seen {
     uint64_t beats;
     uint32_t silent; // own beats since the rank's beats moved
-    bool told;
+    bool reported;
 } seen;
 
 // Own beats are counted and no time, so that ranks that were all stopped together, and go on, do
@@ -37,7 +37,7 @@ static bool is_silent(rank_watch *w, int i)
     return s->silent >= BEATS;
 }
 
-static void tell(const rank_watch *w, int i, bool silent)
+static void report(const rank_watch *w, int i, bool silent)
 {
     char line[512];
     const rank_seat *seat = &w->seats[i];
@@ -51,7 +51,7 @@ static void tell(const rank_watch *w, int i, bool silent)
 }
 
 // The first rank that is not silent reports the silent ranks.
-static void look(rank_watch *w)
+static void check_all(rank_watch *w)
 {
     int first = -1;
     atomic_fetch_add(&w->seats[w->all.self_on_host].beats, 1);
@@ -62,10 +62,10 @@ static void look(rank_watch *w)
     for (int i = 0; i < w->all.n_on_host; ++i) {
         seen *s = &w->seen[i];
         bool silent = s->silent >= BEATS;
-        if (silent == s->told || (silent && first != w->all.self_on_host))
+        if (silent == s->reported || (silent && first != w->all.self_on_host))
             continue;
-        s->told = silent;
-        tell(w, i, silent);
+        s->reported = silent;
+        report(w, i, silent);
     }
 }
 
@@ -89,7 +89,7 @@ static void *watch(void *of)
     while (!w->ends) {
         if (pthread_cond_timedwait(&w->ended, &w->lock, &at) != ETIMEDOUT)
             continue;
-        look(w);
+        check_all(w);
         at = next_beat(w);
     }
     pthread_mutex_unlock(&w->lock);

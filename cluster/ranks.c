@@ -256,7 +256,7 @@ void ranks_gather(ranks *r, const void *own, void *all, int bytes)
     RANKS_WAITING(r, MPI_Allgather(own, bytes, MPI_BYTE, all, bytes, MPI_BYTE, r->comm));
 }
 
-void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes)
+void ranks_broadcast(ranks *r, void *of_rank_0, uint64_t bytes)
 {
     unsigned char *at = of_rank_0;
     while (bytes > 0) {
@@ -267,10 +267,10 @@ void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes)
     }
 }
 
-char *ranks_tell_text(ranks *r, const char *of_rank_0, duet_error *err)
+char *ranks_broadcast_text(ranks *r, const char *of_rank_0, duet_error *err)
 {
     uint64_t bytes = of_rank_0 ? strlen(of_rank_0) + 1 : 1;
-    ranks_tell(r, &bytes, sizeof bytes);
+    ranks_broadcast(r, &bytes, sizeof bytes);
     char *text = calloc(bytes, 1);
     if (!ranks_agree(r, text || error_set(err, DUET_STATUS_NO_MEMORY, "a text: no memory"), err)) {
         free(text);
@@ -278,7 +278,7 @@ char *ranks_tell_text(ranks *r, const char *of_rank_0, duet_error *err)
     }
     if (r->self == 0 && of_rank_0)
         memcpy(text, of_rank_0, bytes);
-    ranks_tell(r, text, bytes);
+    ranks_broadcast(r, text, bytes);
     return text;
 }
 

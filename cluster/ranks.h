@@ -71,6 +71,13 @@ bool ranks_fail(ranks *r, int failing, duet_error *err);
 // least rank that failed: "rank 2 on HOST: LINE".
 bool ranks_agree(ranks *r, bool ok, duet_error *err);
 
+// Whether this rank has not failed in the call whose failures go there. Only the next agreement
+// tells others.
+static inline bool is_well(const duet_error *own)
+{
+    return own->status == DUET_STATUS_OK;
+}
+
 // Numbers that ranks add to whether they are well: sums over all, and the greatest of all. One
 // message is as quick as another, so a phase has few of them.
 typedef struct tally {
@@ -96,9 +103,9 @@ void ranks_greatest(ranks *r, double *values, int n);
 uint64_t ranks_sum_before(ranks *r, uint64_t value); // over the ranks below this one
 // all is [n of ranks][bytes].
 void ranks_gather(ranks *r, const void *own, void *all, int bytes);
-void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes);
+void ranks_broadcast(ranks *r, void *of_rank_0, uint64_t bytes);
 // Returns rank 0's text on every rank, to be freed; NULL: "". On all ranks NULL without memory.
-char *ranks_tell_text(ranks *r, const char *of_rank_0, duet_error *err);
+char *ranks_broadcast_text(ranks *r, const char *of_rank_0, duet_error *err);
 
 // The first rank of each host for which `has_work` holds goes first; the others wait for it.
 // Between the two calls nothing is said to other ranks.

@@ -1895,7 +1895,7 @@ static void calls_are_made_beside_loops(void)
         uint32_t calls = 0, loops = 0;
         MUST_OK(parallel_begin(&team, n_threads[i], 1, &err), err);
         for (uint32_t k = 0; k < CALLS; ++k) {
-            parallel_be_keen(&team, k % 3 == 0);
+            parallel_stay_awake(&team, k % 3 == 0);
             parallel_call_begin(&team, count_call, &calls);
             for (uint32_t loop = 0; loop < k % 4; ++loop, ++loops)
                 parallel_each(&team, MANY, count_things, &things);
