@@ -20,6 +20,6 @@ bool body_states_read(body_states *b, duet_motion *motion, duet_error *err);
 void body_states_free(body_states *b);
 
 bool body_states_has(const body_states *b, uint32_t place);
-uint32_t body_states_count(const body_states *b); // of places that have a body
+uint32_t body_states_count(const body_states *b); // places that have a body
 
 #endif

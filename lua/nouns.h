@@ -18,6 +18,7 @@ void result_open_lua(lua_State *L);
 void plan_open_lua(lua_State *L);
 void search_open_lua(lua_State *L);
 void tune_open_lua(lua_State *L);
+void online_open_lua(lua_State *L);
 void motion_open_lua(lua_State *L);
 void motion_def_open_lua(lua_State *L);
 void motion_step_open_lua(lua_State *L);

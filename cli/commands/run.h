@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The arguments of `duet run`, and its half for scenes that move.
+// The arguments of `duet run`, and its three ways.
 #ifndef CLI_RUN_H
 #define CLI_RUN_H
 
@@ -25,12 +25,17 @@ typedef struct arguments {
     bool json;
 } arguments;
 
+// Finds the pairs of a scene, which it may put in order, and tells them or how long they took.
+bool run_still(const arguments *args, const char *path, duet_scene *scene, duet_device_pair *pair,
+               duet_error *err);
+
 // Advances the scene and tells what was done: energy and pairs as it goes, then
 // the time of each effect. Ctrl-C ends it with what was done until then.
 bool run_motion(const arguments *args, const duet_scene *scene, duet_device_pair *pair,
                 duet_error *err);
 
-// Runs a task by the plan that is known or given, checks each launch, and tells where the time goes.
+// Runs a task by the plan that is known or given, checks each launch, and tells where the time
+// goes.
 bool run_task(const arguments *args, duet_error *err);
 
 #endif

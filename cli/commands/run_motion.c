@@ -18,7 +18,7 @@ typedef struct moved {
     duet_motion_def def;
     duet_motion *motion;
     duet_replay *replay; // NULL: no recorded commands
-    snapshot look;       // of a picture and of frames
+    snapshot look;       // draws a picture and frames
     frames frames;
     progress shown;
     motion_report report;

@@ -15,8 +15,8 @@ typedef struct motion_report {
     const duet_scene_info *scene;
     duet_motion *motion;
     bool plan_given;         // on the command line
-    duet_profile profile;    // what the plan comes from, unless it was given
-    duet_motion_result last; // of the last step
+    duet_profile profile;    // gave the plan, unless it was given
+    duet_motion_result last; // the last step
     uint64_t done;           // steps
     double total_ms;
     double slowest_ms;

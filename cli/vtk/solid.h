@@ -16,14 +16,14 @@
 enum { SOLID_POINTS = 80, SOLID_FACES = 114, SOLID_WORDS = 5 * SOLID_FACES, SOLID_KINDS = 9 };
 
 typedef struct solid_point {
-    int8_t side[3]; // of the core's corner, -1 or 1; 0: the core has no extent there
+    int8_t side[3]; // the core's corner, -1 or 1; 0: the core has no extent there
     double out[3];  // direction of the radius; 0: none
 } solid_point;
 
 typedef struct solid {
     uint8_t cell; // VTK's number of its kind
     uint32_t n_points;
-    uint32_t n_faces; // of a polyhedron
+    uint32_t n_faces; // a polyhedron has them
     uint32_t n_words;
     solid_point points[SOLID_POINTS];
     uint8_t words[SOLID_WORDS]; // each face: how many points, and which, seen from outside
@@ -33,7 +33,7 @@ typedef struct solid {
 void solids_make(solid solids[SOLID_KINDS], uint32_t dims);
 uint32_t solid_kind(const duet_rounded_box *box, uint32_t dims);
 
-// Where the solid's points are on a body: at[n_points].
+// Places the solid's points on a body: at[n_points].
 void solid_place(const solid *s, const duet_rounded_box *box, const duet_state *state,
                  double (*at)[3]);
 

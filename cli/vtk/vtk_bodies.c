@@ -25,8 +25,8 @@ typedef struct grid {
     uint32_t dims;
     row *rows;         // [n]
     uint64_t n;        // bodies that are there
-    uint64_t n_points; // of all cells
-    uint64_t n_words;  // of the faces of all polyhedra
+    uint64_t n_points; // all cells have
+    uint64_t n_words;  // the faces of all polyhedra have
 } grid;
 
 static const solid *solid_of(const grid *g, uint64_t i)
@@ -135,7 +135,7 @@ static void write_faces(FILE *to, const void *of)
     }
 }
 
-// Where a cell's faces end; -1: it has none.
+// Ends of the cells' faces; -1: a cell has none.
 static void write_face_offsets(FILE *to, const void *of)
 {
     const grid *g = of;

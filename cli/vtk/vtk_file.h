@@ -21,8 +21,8 @@ typedef struct vtk_array {
     const char *section; // "CellData"; arrays of one follow each other
     const char *name;
     vtk_type type;
-    uint32_t components; // of a row
-    const char *labels;  // of the components: "x y z"; NULL: none
+    uint32_t components; // a row has
+    const char *labels;  // the components' names: "x y z"; NULL: none
     uint64_t n;
     const void *rows;
     size_t stride;
@@ -35,12 +35,12 @@ typedef struct vtk_piece {
     double time;
     const vtk_array *arrays; // [n]
     uint32_t n;
-    const void *of; // what arrays are made of that do not lie in memory
+    const void *of; // the argument of `write`
 } vtk_piece;
 
 bool vtk_file_write(const char *path, const vtk_piece *piece, duet_error *err);
 
-// What every file of VTK begins with, up to its kind; it ends with vtk_file_end.
+// Begins a file of that kind, as every file of VTK begins; vtk_file_end ends it.
 void vtk_file_begin(FILE *to, const char *kind);
 void vtk_file_end(FILE *to);
 

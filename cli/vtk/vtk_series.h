@@ -16,7 +16,7 @@ typedef struct vtk_series {
     text entries;
 } vtk_series;
 
-// Where the next file goes; the series'.
+// Returns the next file's path, the series'.
 const char *vtk_series_next(vtk_series *s, duet_error *err);
 // Adds that file, once it is there.
 bool vtk_series_add(vtk_series *s, double time, duet_error *err);

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+// The pairs of a scene that stands still, and where the time goes. The first step warms up; of the
+// others the one with the median time is shown, so that its stages belong together.
+#include "cli/commands/run.h"
+
+#include "base/error.h"
+#include "base/text.h"
+#include "cli/command_text.h"
+#include "cli/interrupt.h"
+#include "cli/report/run_report.h"
+#include "cli/say.h"
+#include "tuner/sorted_pairs.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+
+typedef struct still {
+    const arguments *args;
+    const char *path;
+    duet_scene *scene;
+    duet_device_pair *pair;
+    timed_input input;
+    uint32_t *ids; // names of the objects before they were put in order; NULL: they were not
+    duet_world *world;
+    timed timed;
+    text tuning; // the command that measures a plan
+    run_report report;
+} still;
+
+// ---------------------------------------------------------------- the world
+
+static bool put_in_order(still *s, duet_error *err)
+{
+    return !s->args->ordered || inputs_put_in_order(s->scene, s->pair, &s->ids, err);
+}
+
+static bool make_world(still *s, duet_error *err)
+{
+    const arguments *args = s->args;
+    duet_world_def def = duet_scene_world_def(s->scene, s->pair);
+    if (!inputs_change_level(&args->level, &def, err) ||
+        !inputs_change_plan(&args->plan, s->pair, args->pair, &def.plan, err))
+        return false;
+    def.separate_sizes = s->input == TIMED_INPUT_TRANSFORMS;
+    def.compact_transforms = s->input == TIMED_INPUT_COMPACT;
+    def.ordered = args->ordered;
+    s->world = duet_world_create(&def, err);
+    if (!s->world)
+        return false;
+    bool idle_a = duet_device_pair_is_one(s->pair) && duet_world_get_plan(s->world)->share == 0;
+    return !idle_a || !args->plan.variants[0] ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "--variant-a: A and B are one device, which works as B; expected --variant");
+}
+
+// A plan that was given is kept; else the world gets the one that was measured. A store that cannot
+// be read is told of, and the default plan does.
+static bool choose_plan(still *s, duet_error *err)
+{
+    run_report *r = &s->report;
+    r->plan_given = inputs_plan_given(&s->args->plan);
+    r->profile.grade = DUET_GRADE_DEFAULT;
+    if (r->plan_given || duet_scene_get_info(s->scene)->n == 0)
+        return true;
+    if (!duet_world_set_scene(s->world, s->scene, err))
+        return false;
+    duet_error failure = {0};
+    if (!duet_world_load_profile(s->world, NULL, &r->profile, &failure))
+        say_failed(&failure);
+    return true;
+}
+
+// ---------------------------------------------------------------- its pairs
+
+static bool write_pairs(const char *path, const duet_pair *pairs, uint64_t n, duet_error *err)
+{
+    text lines = {0};
+    for (uint64_t i = 0; i < n; ++i)
+        text_add(&lines, "%" PRIu32 ",%" PRIu32 "\n", pairs[i].a, pairs[i].b);
+    return say_to_file(&lines, path, err);
+}
+
+static bool compare(still *s, const duet_pair *pairs, uint64_t n, duet_error *err)
+{
+    reference_check *check = &s->report.check;
+    duet_pair *expected = NULL;
+    if (!inputs_find_reference(s->scene, duet_world_get_level(s->world), &expected,
+                               &check->reference, err))
+        return false;
+    sorted_pairs_count wrong = {0};
+    sorted_pairs_compare(pairs, n, expected, check->reference, sorted_pairs_count_wrong, &wrong);
+    check->extra = wrong.added;
+    check->missing = wrong.missed;
+    duet_free(expected);
+    return true;
+}
+
+// The pairs' ids are those that objects had before they were put in order.
+static bool find_own_hash(still *s, duet_error *err)
+{
+    timed *t = &s->timed;
+    duet_pair *pairs = sorted_pairs_of(&t->last, err);
+    if (!pairs)
+        return false;
+    sorted_pairs_rename(pairs, t->last.pairs, s->ids);
+    t->hash = duet_pairs_hash(pairs, t->last.pairs);
+    free(pairs);
+    return true;
+}
+
+static bool use_pairs(still *s, duet_error *err)
+{
+    const arguments *args = s->args;
+    const duet_result *result = &s->timed.last;
+    if (!args->check && !args->pairs_path)
+        return true;
+    duet_pair *pairs = sorted_pairs_of(result, err);
+    bool ok = pairs != NULL;
+    if (ok && args->check)
+        ok = compare(s, pairs, result->pairs, err);
+    if (ok && args->pairs_path && s->ids)
+        sorted_pairs_rename(pairs, result->pairs, s->ids);
+    if (ok && args->pairs_path)
+        ok = write_pairs(args->pairs_path, pairs, result->pairs, err);
+    free(pairs);
+    return ok;
+}
+
+// ---------------------------------------------------------------- what is told
+
+static void write_tuning(still *s)
+{
+    text_add(&s->tuning, "duet tune");
+    command_text_scene(&s->tuning, s->path, &s->args->scene);
+    command_text_pair(&s->tuning, s->pair);
+    command_text_level(&s->tuning, &s->args->level);
+    if (s->args->ordered)
+        text_add(&s->tuning, " --ordered");
+}
+
+static void begin_report(still *s)
+{
+    duet_accuracy accuracy;
+    write_tuning(s);
+    s->report = (run_report){.scene = duet_scene_get_info(s->scene),
+                             .pair = s->pair,
+                             .plan = duet_world_get_plan(s->world),
+                             .timed = &s->timed,
+                             .tuning = text_chars(&s->tuning),
+                             .input = s->input,
+                             .ordered = s->args->ordered,
+                             .check.asked = s->args->check,
+                             .accuracy_given = inputs_accuracy_given(&s->args->level, &accuracy)};
+}
+
+static bool tell(const still *s, duet_error *err)
+{
+    const run_report *r = &s->report;
+    if (s->args->json && !run_report_json(r, err))
+        return false;
+    if (!s->args->json && !options_is_stdout(s->args->pairs_path))
+        run_report_text(r);
+    return reference_check_is_right(&r->check) ||
+           error_set(err, DUET_STATUS_WRONG_RESULT, "%s: the pairs differ from the reference's",
+                     r->scene->name);
+}
+
+// The profile that is chosen may bring a level.
+static bool step(still *s, duet_error *err)
+{
+    begin_report(s);
+    if (!choose_plan(s, err))
+        return false;
+    s->report.level = duet_level_get_info(duet_world_get_level(s->world))->name;
+    return timed_run(&s->timed, s->world, s->scene, (uint32_t)s->args->repeat, s->input, err) &&
+           (!s->ids || find_own_hash(s, err)) && use_pairs(s, err);
+}
+
+bool run_still(const arguments *args, const char *path, duet_scene *scene, duet_device_pair *pair,
+               duet_error *err)
+{
+    still s = {.args = args, .path = path, .scene = scene, .pair = pair};
+    timed_input_named(args->input, &s.input); // which it is: run.c looked
+    bool ok = put_in_order(&s, err) && make_world(&s, err) && step(&s, err) && tell(&s, err) &&
+              interrupt_check(err);
+    timed_free(&s.timed);
+    text_free(&s.tuning);
+    duet_world_destroy(s.world);
+    duet_free(s.ids);
+    return ok;
+}

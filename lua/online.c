@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// world:online: keeps a world's plan near its best while frames go by.
+#include "lua/policy.h"
+#include "lua/tune.h"
+
+typedef struct online_box {
+    duet_online *online;
+    world_box *world; // the uservalue's
+} online_box;
+
+static const lua_class online_class;
+
+// A script's form of the def; the rest of the C def follows from it.
+typedef struct online_def {
+    duet_online_def def;
+    name_list variants;
+    name_list modes;
+} online_def;
+
+#define ONLINE_OPTION(type_, member_)                                                    \
+    {                                                                                    \
+        .name = #member_, .type = &(type_), .offset = offsetof(online_def, def.member_), \
+        .size = sizeof((duet_online_def *)0)->member_                                    \
+    }
+
+static const member online_members[] = {
+    ONLINE_OPTION(member_double, most_extra), ONLINE_OPTION(member_bool, keep),
+    ONLINE_OPTION(member_string, store),      MEMBER(member_names, online_def, variants),
+    MEMBER(member_names, online_def, modes),  {0},
+};
+
+static online_box *check_online(lua_State *L)
+{
+    online_box *box = luaL_checkudata(L, 1, online_class.name);
+    luaL_argcheck(L, box->online, 1, "the online plan is closed");
+    return box;
+}
+
+// world:online(def)
+static int world_online(lua_State *L)
+{
+    duet_error err = {0};
+    world_box *world = world_check(L, 1);
+    duet_mode modes[32];
+    online_def o = {.def = duet_default_online_def()};
+    member_read_table(L, 2, "an online plan", online_members, &o);
+    if (o.def.keep)
+        policy_check_trusted(L, "keeping a profile (or else keep = false)");
+    o.def.world = world->world;
+    o.def.variants = o.variants.names;
+    o.def.n_variants = o.variants.n;
+    o.def.n_modes = tune_read_modes(L, &o.modes, modes);
+    o.def.modes = modes;
+    online_box *box = class_push_of(L, &online_class, sizeof *box, 1);
+    ++world->steps; // create steps the world
+    world_forget_views(world);
+    box->online = duet_online_create(&o.def, &err);
+    if (!box->online)
+        return class_push_failure(L, &err);
+    box->world = world;
+    ++world->onlines;
+    return 1;
+}
+
+static int online_step(lua_State *L)
+{
+    duet_error err = {0};
+    duet_result result = {0};
+    online_box *box = check_online(L);
+    ++box->world->steps;
+    world_forget_views(box->world);
+    if (!duet_online_step(box->online, &result, &err))
+        return class_push_failure(L, &err);
+    lua_getiuservalue(L, 1, 1);
+    result_push(L, -1, &result);
+    return 1;
+}
+
+static int online_tunings(lua_State *L)
+{
+    lua_pushinteger(L, duet_online_get_tunings(check_online(L)->online));
+    return 1;
+}
+
+// Keeps what was learned if nothing did before, which can fail.
+static int online_close(lua_State *L)
+{
+    duet_error err = {0};
+    online_box *box = luaL_checkudata(L, 1, online_class.name);
+    if (!box->online)
+        return class_push_done(L, true, &err);
+    bool ok = duet_online_destroy(box->online, &err);
+    box->online = NULL;
+    --box->world->onlines;
+    return class_push_done(L, ok, &err);
+}
+
+static const luaL_Reg online_methods[] = {
+    {"step", online_step}, {"tunings", online_tunings}, {"close", online_close}, {NULL, NULL}};
+static const lua_class online_class = {.name = "duet.online", .methods = online_methods};
+
+void online_open_lua(lua_State *L)
+{
+    static const luaL_Reg of_world[] = {{"online", world_online}, {NULL, NULL}};
+    class_open(L, &online_class);
+    class_add_methods(L, "duet.world", of_world, NULL);
+}
