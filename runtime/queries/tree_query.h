@@ -6,6 +6,7 @@
 #define RUNTIME_TREE_QUERY_H
 
 #include "runtime/queries/any_query.h"
+#include "runtime/queries/query_hits.h"
 #include "runtime/queries/tree.h"
 
 enum { QUERY_SETTINGS = 6 };
@@ -37,12 +38,6 @@ typedef struct query_kind {
 // The normal of a hit on an object.
 typedef void query_normal(const duet_tree *tree, const void *item, const uint32_t *hit,
                           float normal[3]);
-
-// In memory that the device reads and writes fast.
-typedef struct hit_list {
-    host_block block;
-    uint64_t n, capacity; // hits
-} hit_list;
 
 // A chunk on its way to a device with memory of its own, and back.
 typedef struct query_flow {
