@@ -7,10 +7,10 @@
 #include <stddef.h>
 
 typedef struct blob {
-    const char *path;  // as in the source tree, "kernels/narrowphase/narrow.cl"
+    const char *path;  // path in the source tree: "kernels/narrowphase/narrow.cl"
     const char *bytes; // followed by a NUL
     size_t length;
-    const char *sha256; // of the bytes, lower-case hex
+    const char *sha256; // hash of the bytes, lower-case hex
 } blob;
 
 extern const blob blobs[]; // ends with a NULL path

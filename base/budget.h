@@ -17,7 +17,7 @@
 
 typedef struct budget {
     uint64_t deadline_ns;         // steady clock; UINT64_MAX: none
-    double seconds;               // what messages call the time
+    double seconds;               // the time as messages name it
     size_t host_bytes;            // that the process may hold; SIZE_MAX: as much as there is
     void (*reclaim)(void *owner); // releases what the script no longer uses; NULL: nothing
     void *owner;
@@ -28,7 +28,7 @@ typedef struct budget {
 // sets it.
 typedef struct budget_watch {
     bool (*stopped)(void);        // asked now and then: true ends the script
-    _Atomic uint64_t deadline_ns; // of the script that runs; 0: none runs
+    _Atomic uint64_t deadline_ns; // the running script's; 0: none runs
     void (*told)(void *listener, uint64_t done, uint64_t total);
     void *listener;
 } budget_watch;

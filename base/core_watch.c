@@ -18,7 +18,7 @@
 
 static const double LOST = 0.05;      // part of a launch that may be lost
 static const double WANTS = 0.2;      // part for which a thread that matters wants a core
-static const double FEW_CORES = 0.15; // what a system's own programs take at rest
+static const double FEW_CORES = 0.15; // share that a system's own programs take at rest
 
 typedef struct thread_row {
     int id;
@@ -35,7 +35,7 @@ typedef struct thread_table {
 // Readings of the clocks at a moment.
 typedef struct look {
     uint64_t at_ns;
-    double busy_s; // of the cores of this process, by all programs
+    double busy_s; // time of the cores of this process, by all programs
     double own_s;  // processor time of this process
 } look;
 

@@ -281,7 +281,7 @@ static bool close_stream(output *o, bool keep, duet_error *err)
     if (!o->stream)
         return false;
     bool written = !ferror(o->stream) && fflush(o->stream) == 0;
-    int code = errno; // of this write, or of the one that failed before
+    int code = errno; // error of this write, or of the one that failed before
     if (fclose(o->stream) != 0 && written) {
         written = false;
         code = errno;

@@ -20,10 +20,10 @@
 typedef struct output {
     FILE *stream;
     int folder; // that holds both names; -1: written directly
-    text path;  // as it was asked for
+    text path;  // path as it was asked for
     text name;
     text part; // the name until all is written
-    int slot;  // where output_remove_parts finds that; -1: nowhere
+    int slot;  // place where output_remove_parts finds that; -1: nowhere
 } output;
 
 // IO_FAILED, naming the path. Call output_close whatever this returns.

@@ -58,7 +58,7 @@ bool utf8_is_control(const char *at, size_t length)
 
 static size_t length_within(const char *at, size_t n)
 {
-    char end[5] = {0}; // what follows the last byte belongs to nobody
+    char end[5] = {0}; // whatever follows the last byte belongs to nobody
     memcpy(end, at, n < 4 ? n : 4);
     return utf8_length(end);
 }

@@ -19,7 +19,7 @@ static float ease(int step, int from, int to)
 static duet_transform fork_at(int step)
 {
     float up = 2 * ease(step, 0, 100), aside = 3 * ease(step, 100, 200);
-    float half_turn = 0.785398f * ease(step, 200, 300); // of a quarter turn
+    float half_turn = 0.785398f * ease(step, 200, 300); // parts of a quarter turn
     const duet_transform at = {{aside, 0, 0.1f + up}, {0, 0, sinf(half_turn), cosf(half_turn)}};
     return at;
 }

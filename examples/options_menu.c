@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // An entry of an options menu, "optimise for this computer": measures for ten seconds at most
 // which plan is best for boxes like the game's, shows how far it is, and stops when Enter is
-// pressed. What it finds is in the player's own store, where game_loop.c finds it.
+// pressed. The result lies in the player's own store, where game_loop.c finds it.
 #include <duet/duet.h>
 #include <duet/duet_tune.h>
 
@@ -13,7 +13,7 @@
 
 enum { BOXES = 5000, ACROSS = 17 };
 
-// As game_loop.c has them. A game takes a frame that is like its worst.
+// The same as in game_loop.c. A game takes a frame that is like its worst.
 static void place_boxes(duet_pose *poses)
 {
     for (int i = 0; i < BOXES; ++i) {

@@ -84,7 +84,7 @@ static void move_boxes(program *p, float t)
     clEnqueueNDRangeKernel(p->queue, p->place, 1, NULL, &n, NULL, 0, NULL, NULL);
 }
 
-// Once the pairs are there, which it does not wait for here. A step that fails leaves none.
+// Runs once the pairs are there, which it does not wait for here. A step that fails leaves none.
 static void count_neighbours(program *p, cl_event pairs_are_there)
 {
     const size_t n = 256;

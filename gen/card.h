@@ -29,7 +29,7 @@ typedef struct card {
     uint32_t n_params;
     card_names uses;       // headers, "object.clh"
     card_names emit;       // modules of gen/emit, "stencil"
-    signature *signatures; // of the entries, by name
+    signature *signatures; // entries by name
     uint32_t n_signatures;
     bool has_struct; // the kernel's text has ARG_FIELDS
 } card;

@@ -56,8 +56,8 @@ enum { GEN_NAME = 48, GEN_MAX_ARGS = 28 };
 // An argument of a kernel.
 typedef struct gen_arg {
     char name[GEN_NAME];
-    char type[24];  // as the card writes it, with " *" behind it for a buffer: "real4 *"
-    uint32_t bytes; // of a value under the config; 0: a buffer
+    char type[24];  // type as the card writes it, with " *" behind it for a buffer: "real4 *"
+    uint32_t bytes; // bytes of a value under the config; 0: a buffer
     bool is_const, is_constant, is_volatile, is_double; // is_double: real is double
 } gen_arg;
 
@@ -72,7 +72,7 @@ typedef struct gen_entry {
 
 typedef struct gen_variant {
     char name[160];     // "pair_search_gpu.DIMS3.WG128.BUF512"
-    char sha256[65];    // of the text, lower-case hex
+    char sha256[65];    // hash of the text, lower-case hex
     char *text;         // OpenCL C; owned, given back by gen_variant_free
     uint32_t group;     // work-group size that the card asks for
     uint32_t per_item;  // work-units (objects, pairs, cells) one work-item does

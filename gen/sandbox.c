@@ -50,7 +50,7 @@ static lua_Unsigned range(lua_Integer from, lua_Integer to, lua_Unsigned n)
     return length < n ? length : n;
 }
 
-// As many values go in or come out as work is done.
+// The work is counted by the values that go in or come out.
 static int guard_values(lua_State *L)
 {
     spend_values(L, (lua_Unsigned)lua_gettop(L));

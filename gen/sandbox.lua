@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 -- What makes a script give the same result on every run: pairs in order (Lua's
 -- own order changes from run to run), a sort that does not look at the clock
--- for its pivots, and random numbers from a fixed seed. What is written in Lua
+-- for its pivots, and random numbers from a fixed seed. Whatever is written in Lua
 -- here is also held to a script's limits like the script itself.
 
 local key_before = ...

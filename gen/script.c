@@ -5,7 +5,7 @@
 // lasts long between two of them: between instructions, the more often the
 // larger what one of them may touch; where memory is asked for; where the
 // parser asks for more text; and in library functions that work long on what is
-// there already (script_spend). Once a limit is passed, the state gets no more
+// there already (script_spend). The state, once a limit is passed, gets no more
 // memory until the call has ended, so that nothing can catch the error and go
 // on.
 #define _GNU_SOURCE // memmem
@@ -42,12 +42,12 @@ struct script {
     lua_State *lua;
     script_limits limits;
     size_t used_bytes;
-    size_t largest_bytes;       // of the strings and the blocks of userdata there were
+    size_t largest_bytes;       // the largest string or block of userdata that there was
     size_t asked_bytes;         // since the last look at the clock
-    uint64_t instructions_left; // of the running call
+    uint64_t instructions_left; // instructions that the running call may still take
     uint64_t spent;             // since the last look at the clock
     budget budget;
-    uint64_t left_ns; // of the time of the last call, for closing
+    uint64_t left_ns; // the rest of the last call's time, for closing
     passed passed;    // the limit that the running call has passed
     lua_Integer n_shown;
     int depth;        // calls inside calls; the outermost one sets the limits
@@ -55,7 +55,7 @@ struct script {
     bool stack_moves; // Lua asks for another one; what looks at the stack would crash
     bool stack_grew;  // since the last look at the limits
     char place[400];  // "name:line", where that was or memory ran out last
-    text name;        // of the chunk loaded last, or else the sandbox
+    text name;        // name of the chunk loaded last, or else the sandbox
     text source;      // its text
 };
 

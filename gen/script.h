@@ -14,11 +14,11 @@
 typedef struct script script;
 
 typedef struct script_limits {
-    size_t memory_bytes;   // of the whole state
-    size_t host_bytes;     // of what the host holds for it (base/budget.h); 0: any
-    uint64_t instructions; // of one script_load, script_call or script_run
-    double seconds;        // of one too: few instructions can move many bytes
-    duet_status failure;   // what a script's error is; 0: BAD_INPUT
+    size_t memory_bytes;   // the whole state's
+    size_t host_bytes;     // the most that the host holds for it (base/budget.h); 0: any
+    uint64_t instructions; // the most of one script_load, script_call or script_run
+    double seconds;        // the most of one, too: few instructions can move many bytes
+    duet_status failure;   // status of a script's error; 0: BAD_INPUT
 } script_limits;
 
 script_limits script_default_limits(void); // 64 MiB, 100 million, 10 s

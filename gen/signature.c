@@ -11,7 +11,7 @@
 
 static const struct {
     const char *name;
-    uint32_t bytes; // of float, for a real
+    uint32_t bytes; // in float, for a real
 } value_types[] = {
     {"uint", 4},   {"int", 4},    {"float", 4},   {"float2", 8}, {"uint2", 8},
     {"int4", 16},  {"uint4", 16}, {"float4", 16}, {"real", 4},   {"real2", 8},

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 -- Makes a kernel template into Lua. A line that begins with //@ is Lua; in
--- every other line @{expr} stands for the value of expr. What is left is plain
--- OpenCL C, so a template without //@ lines comes out as it went in.
+-- every other line @{expr} stands for the value of expr. The rest is plain OpenCL
+-- C, so a template without //@ lines comes out as it went in.
 --
 -- Line n of the template is line n of the Lua, so that Lua's messages name the
 -- template's own lines, and #line does the same for the compiler's.
@@ -75,7 +75,7 @@ function template.translate(text, path, line_name)
   return "local _put, _ENV = ... " .. table.concat(chunk, "\n")
 end
 
--- Where the row of a place begins, at `least` or behind it.
+-- Gives the beginning of the row of a place, at `least` or behind it.
 local function row_at(text, place, least)
   while place > least and text:byte(place - 1) ~= 10 do place = place - 1 end
   return place

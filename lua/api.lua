@@ -89,7 +89,7 @@ api.classes = {
   { "duet.Result", "What a step found; holds until the world's next step." },
 }
 
--- What stands for C names that no single Lua name does.
+-- Stands for C names that no single Lua name stands for.
 api.others = {
   ["the third result of a failed call"] = { "duet_status_name" },
   ["the garbage collector"] = { "duet_free" },

@@ -26,9 +26,9 @@ typedef struct lua_class {
     const luaL_Reg *metas;                  // __len ...; NULL: none
     const member *members;                  // NULL: none
     const void *(*struct_of)(lua_State *L); // the struct of the userdata at 1; raises if closed
-    lua_CFunction about; // of one without members: pushes what it is in words; raises if closed
-    void (*destroy)(void *object); // of one whose userdata begins with a handle: its "close"
-    const char *noun;              // of such a one: "tree"
+    lua_CFunction about;           // without members: pushes what it is in words; raises if closed
+    void (*destroy)(void *object); // "close", if the userdata begins with a handle
+    const char *noun;              // the name of that: "tree"
 } lua_class;
 
 // The object of such a userdata. NULL: it is closed.

@@ -96,7 +96,7 @@ end
 
 local escapes = { ['"'] = '\\"', ["\\"] = "\\\\", ["\n"] = "\\n", ["\t"] = "\\t", ["\r"] = "\\r" }
 
--- What JSON cannot say, as a quotient by nothing, is null.
+-- A number that JSON cannot say, as a quotient by 0, is null.
 local function json_value(value)
   if value == nil or value ~= value or value == math.huge or value == -math.huge then return "null" end
   if type(value) == "number" then return number_text(value) end

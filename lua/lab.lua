@@ -83,7 +83,7 @@ local function make_new_folder(name)
   return name .. "-" .. i
 end
 
--- What a call gives. A name that was typed and that nothing has ends the script as a wrong
+-- The results of a call. A name that was typed and that nothing has ends the script as a wrong
 -- option does.
 local function take(value, message, status)
   if status == "BAD_ARGUMENT" then fail("%s", message) end
@@ -178,8 +178,8 @@ local function step_with(world, scene, plan)
   return lab.step(world, scene)
 end
 
--- Steps each plan in turn, `rounds` times after one to warm up. For each plan:
--- ms, low, high (the median's interval), and samples by round.
+-- Steps each plan in turn, `rounds` times after one to warm up. Gives for each
+-- plan: ms, low, high (the median's interval), and samples by round.
 function lab.race(world, scene, plans, rounds)
   local results, hash = {}, nil
   for i, plan in ipairs(plans) do
@@ -261,7 +261,7 @@ function lab.plan_name(share)
   return share == 0 and "B alone" or share == 1 and "A alone" or "A and B"
 end
 
--- What sharing gains over a single device, in percent, with its interval; nothing if the plan
+-- The gain of sharing over a single device, in percent, with its interval; nothing if the plan
 -- has one device do it all.
 function lab.sharing_gain(single, both)
   if lab.plan_name(both.plan.share) ~= "A and B" then return end

@@ -21,8 +21,8 @@ struct member {
     const char *name;
     const member_type *type;
     size_t offset;
-    size_t size;                       // of the member
-    const char *(*name_of)(int value); // of an enum: NULL past the last
+    size_t size;                       // offset of the member
+    const char *(*name_of)(int value); // names of an enum: NULL past the last
 };
 
 // A row for a member of a struct; the table of rows ends with {0}.

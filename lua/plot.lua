@@ -187,7 +187,7 @@ local function run(script_path)
   return nil, "gnuplot: " .. (said:match "[^\n]*line %d+:[^\n]*" or said:gsub("%s+", " "))
 end
 
--- What gnuplot writes, and what it is on a dark page.
+-- The colours that gnuplot writes, and those of a dark page.
 local on_dark = {
   { 'fill="#ffffff"', "#14181f" }, { 'fill="black"', "#e3e8ef" }, { 'fill="rgb(51,51,51)"', "#c6ceda" },
   { 'color="black"', "#e3e8ef" }, { 'stroke="black"', "#e3e8ef" }, { 'stroke="rgb(221, 221, 221)"', "#333c49" },

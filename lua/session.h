@@ -18,8 +18,8 @@ typedef struct session session;
 typedef struct session_def {
     bool trusted;
     bool prompt;                  // session_enter and session_complete are called
-    size_t memory_bytes;          // of the state, if not trusted
-    double seconds;               // of one run, if not trusted
+    size_t memory_bytes;          // bytes of the state, if not trusted
+    double seconds;               // time of one run, if not trusted
     const char *const *arguments; // the global arg, [0] the script; borrowed
     int n_arguments;
 } session_def;

@@ -58,7 +58,7 @@ static bool send_lines(store *s, line_sink *sink, void *context, duet_error *err
 
 typedef struct writing {
     FILE *out;
-    const char *name; // of the file, for messages
+    const char *name; // the file's, for messages
 } writing;
 
 static bool write_failed(const writing *w, duet_error *err)

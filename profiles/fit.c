@@ -22,7 +22,7 @@
 #define USUAL_RESIDUAL 0.03
 #define USUAL_POINTS 4
 
-#define ROUNDS 20        // of reweighting, for the least absolute errors
+#define ROUNDS 20        // reweightings, for the least absolute errors
 #define SMALL_ERROR 0.01 // counts like its square: no weight is above one
 #define REACH 4          // how far from the sizes measured a forecast is made
 #define FAR_OFF 3        // deviations

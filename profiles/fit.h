@@ -34,7 +34,7 @@ typedef struct fit {
 
 typedef struct fit_time {
     double ns;
-    double sd_ns; // of the prediction, noise of a measurement included
+    double sd_ns; // the prediction's, noise of a measurement included
 } fit_time;
 
 // Least squares of relative errors, without times that were disturbed;
@@ -66,9 +66,9 @@ typedef struct forecast {
     double share;      // A's part where both end together, 0 to 1
     double share_sd;
     fit_time both; // at that share
-    double doubt;  // of it, relative, one standard deviation
+    double doubt;  // its relative standard deviation
     fit_time alone[2];
-    bool a_is_best; // of the two alone
+    bool a_is_best; // A is the faster one of the two alone
     double n_min;   // sizes measured
     double n_max;
     uint32_t points;

@@ -18,7 +18,8 @@
 typedef enum profile_grade {
     PROFILE_EXACT,        // measured on these devices, drivers, kernels and workload
     PROFILE_OTHER_DRIVER, // the same, under another version of a driver
-    PROFILE_INTERPOLATED, // of this pair and a scene like this: next to a size measured, or between
+    PROFILE_INTERPOLATED, // measured on this pair for a scene like this: next to a size measured,
+                          // or between
     PROFILE_TRANSFERRED,  // a plan without figures: of the pair's nearest workload, as far as that
                           // is surely the faster one, or from each device's fits
     PROFILE_STALE,        // the kernels changed since: only a place to start a search from
@@ -45,16 +46,18 @@ profile_request profile_default_request(void);
 typedef struct profile_found {
     profile_grade grade;
     profile_plan plan;
-    uint32_t share_low; // where the best share may lie: equal to the share where it was measured
+    uint32_t
+        share_low; // the best share may lie from here on: equal to the share where it was measured
     uint32_t share_high;
 #define FIGURE(type, name) type name;
 #define WORD(name) char name[16];
 #define COUNT(name) int64_t name;
 #include "profiles/profile_figures.inl"
-    char terms[512];    // of the best plan that shares the work, as JSON; empty if not known
+    char terms[512];    // equations 4 to 6 of the best plan that shares the work, as JSON; empty if
+                        // not known
     int64_t created_ns; // calendar; 0 if predicted
     char session[PROFILE_ID];
-    char uid[PROFILE_ID]; // of the profile; empty if predicted
+    char uid[PROFILE_ID]; // the profile's; empty if predicted
     char unused[128];     // why it is not live; empty: it is
 } profile_found;
 

@@ -14,7 +14,7 @@ typedef struct neighbours {
     double at[NEIGHBOUR_QUANTITIES]; // the workload asked for
     neighbour below;                 // the nearest sizes of scenes that are alike
     neighbour above;
-    neighbour nearest; // of the scenes up to these, alike or not
+    neighbour nearest; // the nearest of the scenes up to these, alike or not
 } neighbours;
 
 // A request at one level of accuracy, with its keys, on its way down the grades.
@@ -26,7 +26,7 @@ typedef struct lookup {
     char seat[2][PROFILE_SHA];
     char workload[PROFILE_SHA];
     int64_t pair_id; // 0 if these devices were never measured together
-    text family;     // of the workload
+    text family;     // the workload's
     neighbours near; // from the grade "interpolated" on
     profile_found *found;
     text *why; // NULL: nobody asks
@@ -51,8 +51,8 @@ bool rows_are_measured(lookup *l, bool *measured);
 
 // Each adds to why, unless that is NULL.
 bool why_not(lookup *l, const char *reason); // true
-bool why_found(lookup *l, int64_t id);       // where the profile of that id comes from
-bool why_not_exact(lookup *l);               // what an exact profile lacks
+bool why_found(lookup *l, int64_t id);       // says where the profile of that id comes from
+bool why_not_exact(lookup *l);               // says what an exact profile lacks
 void why_not_between(lookup *l);             // why what was measured does not surround the workload
 void why_between(lookup *l);
 void why_next(lookup *l);

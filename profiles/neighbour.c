@@ -12,7 +12,7 @@
 #define NEXT_REST 1.25  // a quarter
 #define ALIKE_SKEW 2.0  // crowding by occupancy is a sample's: an octave, as in keys
 #define MOST_GAP 8      // between sizes of which one shares and the other does not
-#define LEAST_GAIN -0.9 // of a store that says less, so that times stay finite
+#define LEAST_GAIN -0.9 // least gain of a store that says less, so that times stay finite
 
 const char *neighbour_quantity_name(neighbour_quantity quantity)
 {

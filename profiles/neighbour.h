@@ -16,7 +16,7 @@ typedef enum neighbour_quantity {
     NEIGHBOUR_OCCUPANCY, // objects a cell, in the mean
     NEIGHBOUR_CROWDING,  // and in the fullest hundredth of the cells
     NEIGHBOUR_SIZES,     // the largest extent by the smallest
-    NEIGHBOUR_LAYERS,    // of cells, along the axis that slabs are cut from
+    NEIGHBOUR_LAYERS,    // layers of cells along the axis that slabs are cut from
     NEIGHBOUR_QUANTITIES
 } neighbour_quantity;
 

@@ -86,7 +86,7 @@ typedef struct evidence {
     uint32_t rounds;
     uint32_t watched; // launches
     uint32_t disturbed;
-    double low_ns; // of a step
+    double low_ns; // a step's
     double high_ns;
     bool asked_alike; // by the session of the row that is compared
 } evidence;
@@ -242,11 +242,10 @@ static bool check_trusted(store *s, const char *uid, duet_error *err)
     if (!sql_find(s, "SELECT id FROM profile WHERE uid = ? AND verdict = 'ambiguous'", uid, &id,
                   err))
         return false;
-    return id == 0 ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: profile %.8s cannot be put to use: its verdict is ambiguous; "
-                     "tune again",
-                     s->path, uid);
+    return id == 0 || error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                "%s: profile %.8s cannot be put to use: its verdict is ambiguous; "
+                                "tune again",
+                                s->path, uid);
 }
 
 static bool run_on(store *s, const char *statement, const char *uid, duet_error *err)

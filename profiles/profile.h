@@ -9,17 +9,17 @@
 typedef struct profile_row {
     int64_t pair_id;
     int64_t workload_id;
-    const char *kernels;   // as in the session
+    const char *kernels;   // the session's
     const char *objective; // "time"
     profile_plan plan;
 #define FIGURE(type, name) type name;
 #define WORD(name) const char *name; // best_mode NULL: the plan is that one
 #define COUNT(name) int64_t name;
 #include "profiles/profile_figures.inl"
-    const char *terms;    // of the best plan, a JSON object as a trial's; NULL: not known
+    const char *terms;    // the best plan's, a JSON object as a trial's; NULL: not known
     const char *origin;   // "measured", "online" or "manual"
     const char *session;  // NULL only for "manual"
-    int64_t trial_number; // of that session, the plan's trial; -1: none
+    int64_t trial_number; // the plan's trial in that session; -1: none
 } profile_row;
 
 // A plan that was not raced often enough is never loaded.
@@ -90,7 +90,7 @@ typedef struct profile_entry {
     int64_t n;
     const char *query; // "rays closest", of whose items n is; NULL: of steps
     int64_t boxes;     // that are asked
-    bool moving;       // of steps of a motion
+    bool moving;       // measured on steps of a motion
     const char *family;
     profile_row row;
     int64_t created_ns;

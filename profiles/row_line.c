@@ -48,7 +48,7 @@ const line_type *line_type_named(const char *name)
 
 // A field that is not just the column of its name.
 typedef struct line_field {
-    const char *type; // of the line; NULL: any
+    const char *type; // the line's; NULL: any
     const char *name;
     const char *out;     // its value, of the row t
     const char *columns; // that it fills; NULL: none

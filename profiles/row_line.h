@@ -7,10 +7,10 @@
 #include "base/text.h"
 
 typedef struct line_type {
-    const char *name;   // of its table too
+    const char *name;   // the table's, too
     const char *fields; // words: what follows the type, in order. One that begins with "key" has a
                         // key that is made from its other fields
-    const char *joins;  // what a line says of other tables, of the row t
+    const char *joins;  // joins the other tables that a line tells of to the row t
     const char *order;  // of the lines
     const char *parts;  // inserts the rows of ?2 in another table that line ?1 holds; NULL: none
 } line_type;

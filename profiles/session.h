@@ -22,7 +22,7 @@ typedef struct profile_session {
     uint64_t seed;
     const char *script;       // text of the tune.lua; NULL: none
     const char *tool_version; // "0.9.0"
-    double load;              // of the machine at the start, by its run queue
+    double load;              // the machine's at the start, by its run queue
     double timer_ns;          // resolution of the clock that measured
 } profile_session;
 
@@ -37,7 +37,7 @@ typedef struct profile_resumed {
     char id[PROFILE_ID];
     text search_state; // JSON; empty if none was saved
     uint32_t trials;
-    int64_t pid; // whose it is, where BUSY
+    int64_t pid; // its owner, where BUSY
 } profile_resumed;
 
 // Starts a session, this process being its owner.
@@ -83,7 +83,7 @@ bool profile_searched_variant(store *s, const profile_search *search, char varia
 typedef struct profile_plan {
     uint32_t share;                  // A's part out of PROFILE_SHARE_ONE
     char mode[16];                   // "shared", "own" or "slab"
-    char level[16];                  // of accuracy, "certified"
+    char level[16];                  // the level of accuracy, "certified"
     char variant_a[PROFILE_VARIANT]; // "auto sort=radix"
     char variant_b[PROFILE_VARIANT];
 } profile_plan;
@@ -114,7 +114,7 @@ typedef struct profile_trial {
     double build_ms;     // 0: nothing was built
     uint32_t outliers;
     uint32_t disturbed; // launches that count although other programs disturbed them
-    double median_ns;   // of the total, as all below; NaN unless ok when read
+    double median_ns;   // the total's, as all below; NaN unless ok when read
     double mad_ns;      // median absolute deviation
     double low_ns;      // the median's interval
     double high_ns;

@@ -20,13 +20,13 @@
 
 struct store {
     sqlite3 *db;
-    char *path; // for messages, and where it lies
-    char *file; // where it lies while it is being made; else the path
+    char *path; // named in messages, and where it lies
+    char *file; // it lies here while it is being made; else the path
     text note;
     bool writable;
-    uint32_t depth;        // of nested transactions
+    uint32_t depth;        // nested transactions
     bool broken;           // one inside failed: the outermost undoes all
-    unlocked_read reading; // as it was opened, where it is read without locks
+    unlocked_read reading; // the file as it was opened, where it is read without locks
 };
 
 typedef struct sql {

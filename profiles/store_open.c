@@ -80,7 +80,7 @@ static bool connect(store *s, const char *name, int flags, int busy_ms, duet_err
         return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory to open it", s->path);
     sqlite3_extended_result_codes(s->db, 1);
     sqlite3_busy_timeout(s->db, busy_ms);
-    sqlite3_limit(s->db, SQLITE_LIMIT_LENGTH, TEXT_LINE_MOST); // as long as a line of an import
+    sqlite3_limit(s->db, SQLITE_LIMIT_LENGTH, TEXT_LINE_MOST); // the length of a line of an import
     if (code != SQLITE_OK)
         return sql_fail(s, code, err);
     sqlite3_db_config(s->db, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, NULL);

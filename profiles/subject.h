@@ -68,7 +68,7 @@ typedef struct profile_workload {
     bool rotated;        // some object has a rotation
     const char *effects; // words in any order, "gravity motion"; NULL: none. Of bodies that move,
                          // as they lie at the start, one is PROFILE_MOVING
-    const char *level;   // of accuracy, "certified"; "auto": any that meets the budget
+    const char *level;   // the level of accuracy, "certified"; "auto": any that meets the budget
     const char *query;   // "rays closest": asked of a tree, and n are its items; NULL: steps of a
                          // world. A query has no cells, occupancy and sizes
     uint64_t boxes;      // in the tree

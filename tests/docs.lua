@@ -4,7 +4,7 @@
 --
 --   duet lua --trust docs.lua PROGRAM ROOT FOLDER FILE...
 --
--- What is indented below a block that ends in `cat` of a file, or in a program that
+-- Text indented below a block that ends in `cat` of a file, or in a program that
 -- it built, `./hello`, is what that prints.
 -- A block that cannot be run in a test has a comment above it that says why:
 -- <!-- not run: it needs a GPU -->
@@ -101,7 +101,7 @@ local function make_folder()
   for name, text in pairs(examples) do write_file(name, text) end
 end
 
--- What finds the library that was built, installed beside the folder.
+-- Settings that find the library that was built, installed beside the folder.
 local library
 local function find_library()
   if library then return library end

@@ -34,7 +34,7 @@ local function table_of(name, head)
   return rows
 end
 
--- What `duet accuracy` finds, as rows by the names of their columns.
+-- Gives what `duet accuracy` finds, as rows by the names of their columns.
 local function accuracy(arguments)
   local csv = folder .. "/figures.csv"
   assert(os.execute(("'%s' accuracy %s --csv '%s' >'%s/figures.out'"):format(program, arguments, csv, folder)))

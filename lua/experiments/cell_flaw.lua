@@ -2,8 +2,8 @@
 -- The paper's cell edge is the cube's, 1, while a rotated cube is up to the
 -- square root of 3 wide: what the 27 cells around an object then miss.
 --
--- A pair is missed where its objects' centres are two cells apart or more. For
--- each cell edge the reference's pairs, and all pairs whose bounds overlap, are
+-- A pair is missed where its objects' centres are two cells apart or more. The
+-- reference's pairs at each cell edge, and all pairs whose bounds overlap, are
 -- counted so. Duet refuses such a cell, or widens it: that is shown first.
 local duet = require "duet"
 local lab = require "duet.lab"

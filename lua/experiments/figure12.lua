@@ -14,7 +14,7 @@ local options = lab.options("The path of the search for the share (figure 12).",
   world = 200.0,
   variant = "", -- kernels of both; without one, each device's default
   mode = "own",
-  launches = 10, -- of fig12, as in the paper
+  launches = 10, -- launches of fig12, as in the paper
   points = 16, -- intervals of the measured curve
   ratios = "3,5,10,20",
 })

@@ -40,7 +40,7 @@ local function stands(states, i)
   return z > 1.4 and z < 1.6 and math.abs(x - apart * i) < 0.1 and math.abs(y) < 0.1
 end
 
--- For each ratio whether it holds.
+-- Says for each ratio whether it holds.
 local function try(pair, poses, bodies, per_second, substeps)
   local def = { gravity = { 0, 0, -9.81 }, wants = { "contact_response" }, dt = 1 / per_second, substeps = substeps }
   local motion <close> = assert(pair:motion(poses, bodies, def))
@@ -55,7 +55,7 @@ local function try(pair, poses, bodies, per_second, substeps)
   return holds
 end
 
--- For each ratio the fewest substeps that hold; nothing where none does.
+-- Gives for each ratio the fewest substeps that hold; nothing where none does.
 local function fewest_substeps(pair, poses, bodies, per_second)
   local fewest, substeps = {}, 1
   while substeps <= options.most do

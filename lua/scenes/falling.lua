@@ -1,15 +1,15 @@
 -- SPDX-License-Identifier: MIT
 -- Boxes that fall onto a floor between walls and pile up. It moves.
 --
--- All of them turn, have friction and bounce a little. For `duet run --steps`.
+-- All of them turn, have friction and bounce a little. Made for `duet run --steps`.
 
 local p = parameters {
   n = 100000,
   seed = 1,
   friction = 0.5,
   restitution = 0.1,
-  sleep = true, -- what rests leaves the work
-  sleep_speed = 0.15, -- what is slower rests; gravity gives 0.16 in a step
+  sleep = true, -- a body that rests leaves the work
+  sleep_speed = 0.15, -- a slower body rests; gravity gives 0.16 in a step
 }
 
 local random = random(p.seed)

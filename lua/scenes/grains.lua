@@ -2,7 +2,7 @@
 -- Boxes of many sizes at random in a cube that grows with their number.
 --
 -- The density is the same at any n. Each box has random numbers of its own, so a rank that needs
--- a part of the scene makes only that part. For large worlds, and for several machines.
+-- a part of the scene makes only that part. Made for large worlds, and for several machines.
 
 local p = parameters {
   n = 1000000,

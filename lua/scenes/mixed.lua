@@ -7,12 +7,12 @@
 local p = parameters {
   n = 250000,
   seed = 1,
-  ratio = 100.0, -- of the largest edge to the smallest, which is 0.5
+  ratio = 100.0, -- ratio of the largest edge to the smallest, which is 0.5
   rotated = true, -- false: all cubes stay parallel to the axes
 }
 
 local random = random(p.seed)
-local edge = 24 * math.max(1, p.n) ^ (1 / 3) -- of the world: four candidates a cube
+local edge = 24 * math.max(1, p.n) ^ (1 / 3) -- edge of the world: four candidates a cube
 
 local function rotation()
   if not p.rotated then return 0, 0, 0, 1 end

@@ -6,8 +6,8 @@
 local p = parameters {
   n = 20000,
   seed = 1,
-  strength = 1000, -- of the attraction, which falls with the square of the distance
-  wobble = 0.05, -- of the speed of a circle
+  strength = 1000, -- strength of the attraction, which falls with the square of the distance
+  wobble = 0.05, -- part of the speed of a circle
 }
 
 local random = random(p.seed)

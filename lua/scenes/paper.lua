@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 -- The scene that the paper measures: unit cubes at random in a cube, rotated.
 --
--- The world is 200 x 200 x 200. For comparing with the paper and with other programs, and
+-- The world is 200 x 200 x 200. Serves to compare with the paper and with other programs, and
 -- as the scene that figures are quoted for.
 
 local p = parameters {

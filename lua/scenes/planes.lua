@@ -2,7 +2,7 @@
 -- Unit boxes on planes and on a line that touch their neighbours exactly.
 --
 -- A floor and a wall of cubes, plates without thickness on the floor, and a row
--- of cubes along one edge. For closed sets (touching collides), for ties in the
+-- of cubes along one edge. Tests closed sets (touching collides), for ties in the
 -- sort, and for grids that are one cell thick.
 --
 -- All coordinates are multiples of 1/2 and all rotations quarter turns whose
@@ -18,7 +18,7 @@ local n_floor = p.n // 2
 local n_wall = p.n // 4
 local n_row = p.n // 8
 local n_plates = p.n - n_floor - n_wall - n_row
-local side = math.max(1, math.ceil(math.sqrt(n_floor))) -- of floor and wall, in cubes
+local side = math.max(1, math.ceil(math.sqrt(n_floor))) -- size of floor and wall, in cubes
 
 local quarter_turns = { { 0, 0, 0, 1 }, { 1, 0, 0, 1 }, { 0, 1, 0, 1 }, { 0, 0, 1, 1 }, { 1, 1, 1, 1 } }
 

@@ -10,7 +10,7 @@ local p = parameters {
   rotated = true, -- false: all stay parallel to the axes
 }
 
-local edge = 1.3 * math.max(1, p.n) ^ (1 / 3) -- of the world
+local edge = 1.3 * math.max(1, p.n) ^ (1 / 3) -- edge of the world
 
 each(p.n, function(i, random)
   local centre = { random.uniform(0, edge), random.uniform(0, edge), random.uniform(0, edge) }

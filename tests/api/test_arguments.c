@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What the rows are called with where an argument is not the one in question.
+// The rows are called with these where an argument is not the one in question.
 static duet_device_pair *pair;
 static duet_scene *scene;
 static duet_world *world;
@@ -1101,7 +1101,7 @@ TEST(every_symbol_of_the_library_has_a_row)
     assert_int_equal(found, n_called);
 }
 
-// What was refused has changed nothing.
+// A refused call has changed nothing.
 TEST(what_refused_goes_on)
 {
     duet_error err = {0};

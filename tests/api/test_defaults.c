@@ -57,7 +57,7 @@ TEST(a_default_world_uses_both_devices)
     step_default(100, DUET_MODE_OWN);
 }
 
-// What a plan says is done, and what it leaves open is the default's.
+// The plan's settings hold, and what it leaves open is the default's.
 TEST(a_plan_may_leave_things_to_the_world)
 {
     duet_device_pair *pair = devices;

@@ -25,7 +25,7 @@ enum { N = 40 };
 
 static duet_pose poses[2 * N];
 static uint64_t right;           // hash of the pairs
-static uint64_t right_colliding; // of the test's
+static uint64_t right_colliding; // the test's own
 
 static void open_world(owners *o)
 {
@@ -99,7 +99,7 @@ static void close_one(owners *o, owner which)
     }
 }
 
-// What is open works.
+// Each open object works.
 static void use(owners *o)
 {
     duet_error err = {0};
@@ -160,7 +160,7 @@ static void close_in(const owner order[OWNERS], bool with_use)
 
 static bool takes_all;
 
-// What is left is used after each closing of each 60th order; with --all the others end, too.
+// The rest is used after each closing of each 60th order; with --all the others end, too.
 static void visit(const owner order[OWNERS], int place)
 {
     if (place % 60 == 7 || takes_all)

@@ -354,7 +354,7 @@ static void steps_are_those_of_the_host(duet_device_pair *pair, duet_world_def d
         set_by_buffer(world, g);
         set_plan(world, plans[p].mode, plans[p].share);
         assert_true(hash_of(world) == duet_result_get_hash(&right));
-        assert_true(hash_of(world) == duet_result_get_hash(&right)); // as they were
+        assert_true(hash_of(world) == duet_result_get_hash(&right)); // the pairs are as they were
     }
     duet_world_destroy(world);
     duet_world_destroy(host);
@@ -596,7 +596,7 @@ TEST(pairs_are_left_in_buffers)
     }
 }
 
-// Of a pair that Duet opened the caller knows the context by a buffer that a step left, and there
+// The caller knows the context of a pair that Duet opened by a buffer that a step left, and there
 // is no queue of the caller's to wait for.
 TEST(buffers_come_from_the_context_of_a_pair_without_queues)
 {

@@ -73,7 +73,7 @@ TEST(a_program_on_the_same_core_disturbs_a_launch)
     assert_true(use.disturbed);
     assert_int_equal(others.of, 1);
     assert_true(others.is_crowded && others.cores > 0.15 && others.cores < 1.1);
-    // What is left is what the thread worked, whatever else the core did.
+    // The rest is the thread's own work, whatever else the core did.
     assert_true(use.cpu_ns >= worked && use.cpu_ns < worked + worked / 10);
     assert_true(use.lost_ns <= took - worked && use.lost_ns >= (took - worked) / 2);
     core_watch_close(w);

@@ -91,7 +91,7 @@ TEST(a_link_stays_and_its_file_is_replaced)
     assert_int_equal(mkdir("below", 0755), 0);
     assert_int_equal(symlink("below/second", "first"), 0);
     assert_int_equal(symlink("../file", "below/second"), 0);
-    test_write_file("first", "made"); // where there is nothing yet
+    test_write_file("first", "made"); // a path with nothing at it yet
     assert_content("file", "made");
     test_write_file("first", "again");
     assert_content("file", "again");
@@ -233,7 +233,7 @@ TEST(stdout_is_written_to_whatever_it_is)
         }
 }
 
-// What is put at the place while the file is written is not taken for it.
+// A file put at the place while the file is written is not taken for it.
 TEST(what_comes_between_is_not_replaced)
 {
     write_in("victim", "safe");
@@ -257,7 +257,7 @@ TEST(what_is_not_kept_leaves_nothing)
     assert_int_equal(test_count_files(), 0);
 }
 
-// As a program does that ends in the middle of two outputs.
+// Does as a program that ends in the middle of two outputs.
 TEST(what_is_half_written_is_removed)
 {
     static const char *const names[] = {"one", "two", "three"};

@@ -16,7 +16,7 @@ typedef struct bench_options {
     const char *device_a; // selectors of two; NULL: the default device pair
     const char *device_b;
     uint32_t n;    // objects; 0: the benchmark's own number
-    uint32_t runs; // of each side
+    uint32_t runs; // runs of each side
     uint64_t seed;
     bool verify; // compare with the reference first
 } bench_options;

@@ -20,7 +20,7 @@ static const char *const names[] = {"removed and added", "woken", "woken, and wh
 typedef struct subject {
     duet_motion *motion;
     uint64_t *tops; // the id of each column's topmost body
-    uint64_t *ids;  // of what is altered, and then of what is below
+    uint64_t *ids;  // ids of what is altered, and then of what is below
     series cpu, without, commands, contacts;
 } subject;
 
@@ -132,7 +132,7 @@ static bool open_subject(subject *s, duet_device_pair *pair, const duet_pose *po
 static bool measure(subject *all, const duet_pose *poses, const duet_body *bodies, uint32_t n,
                     uint32_t runs, duet_error *err)
 {
-    enum { WARM = 40 }; // what was altered sleeps again after 30 steps
+    enum { WARM = 40 }; // altered bodies sleep again after 30 steps
     duet_pose *tops = malloc((n + 1) * sizeof *tops);
     bool ok = tops || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", n);
     for (uint32_t run = 0; ok && run < runs + WARM; ++run) {

@@ -36,7 +36,7 @@ static const struct {
 
 enum { N_CASES = sizeof cases / sizeof cases[0] };
 
-// What is stepped: a world, a motion, or a tree that is built and asked.
+// The stepped object: a world, a motion, or a tree that is built and asked.
 typedef struct subject {
     duet_scene *scene;
     duet_world *world;
@@ -175,7 +175,7 @@ typedef struct meters {
 
 // The work of one round, the same in each: steps from the scene's start.
 typedef struct round_cost {
-    double ms, instructions; // of all steps that count
+    double ms, instructions; // time of all steps that count
 } round_cost;
 
 static bool run_round(subject *s, uint32_t c, meters *m, round_cost *cost, duet_error *err)

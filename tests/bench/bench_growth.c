@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// What a size took an object.
+// The time that a size took for an object.
 typedef struct cost {
     double ns;
     double cpu_ns;

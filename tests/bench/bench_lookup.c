@@ -63,7 +63,7 @@ static bool fill(store *s, uint32_t n, duet_error *err)
     return store_end(s, ok, err);
 }
 
-// What is asked for, and where the ladder is to end.
+// The question, and where the ladder is to end.
 typedef struct question {
     uint64_t n;
     bool any_level; // within an accuracy

@@ -20,7 +20,7 @@ typedef struct subject {
     duet_world *world;
     duet_result step;
     series ms, cpu;
-    duet_stage least[MOST_STAGES]; // of the stages
+    duet_stage least[MOST_STAGES]; // the least time of each stage
 } subject;
 
 enum { SUBJECTS = 6 };

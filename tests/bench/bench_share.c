@@ -27,7 +27,7 @@ static const struct {
     [SLAB] = {"slab, share 0.5", DUET_MODE_SLAB, DUET_SHARE_ONE / 2},
 };
 
-// What the better one of the devices takes alone.
+// The time of the better one of the devices alone.
 static double alone(const subject subjects[N], double (*value)(const subject *))
 {
     return fmin(value(&subjects[ALONE_A]), value(&subjects[ALONE_B]));
@@ -55,7 +55,7 @@ typedef struct halves {
     workers *workers;
     bool ok[2];
     duet_error errs[2];
-    series total; // of the longer one
+    series total; // the longer one's
 } halves;
 
 static bool halves_open(halves *h, const subject_def *whole, duet_error *err)

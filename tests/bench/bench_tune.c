@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How near each strategy comes to the best share on two halves of a CPU, one of
-// which counts as slower: its search takes several times what was measured. What the
-// strategies chose is then raced against an even grid of shares, all in turn.
+// which counts as slower: its search takes several times what was measured. The strategies'
+// choices are then raced against an even grid of shares, all in turn.
 #include "bench.h"
 
 #include "base/error.h"

@@ -27,7 +27,7 @@ static inline void lanes_transpose(__m256 v[8])
     }
 }
 
-// For each mask of eight lanes the numbers of the set ones, least first.
+// Has for each mask of eight lanes the numbers of the set ones, least first.
 extern uint64_t lanes_front[256];
 void lanes_prepare(void);
 

@@ -24,7 +24,7 @@
 #define WAITING 1024      // candidates a thread collects before it tests them
 #define ROUND_UP 0x1p-20f // more than the relative error of a half extent
 
-// What one thread alone writes.
+// Memory that one thread alone writes.
 typedef struct search {
     uint32_t first[WAITING + SAT_SLACK];
     uint32_t second[WAITING + SAT_SLACK];

@@ -8,7 +8,7 @@
 
 typedef struct limit limit;
 
-// Where a run's time went, in milliseconds. candidates and narrow are one
+// The time of a run by stages, in milliseconds. candidates and narrow are one
 // stage: each is its part of that stage's time.
 typedef struct limit_times {
     double count, scan, place, reorder, candidates, narrow;

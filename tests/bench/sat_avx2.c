@@ -13,7 +13,7 @@
 #include <math.h>
 
 #define AHEAD 32 // pairs whose second box is asked for while the present ones are tested
-#define ERROR_BOUND (32 * 0x1p-24f) // of a separation, relative to the sizes that enter it
+#define ERROR_BOUND (32 * 0x1p-24f) // error of a separation, relative to the sizes that enter it
 
 // Eight boxes, one a lane.
 typedef struct boxes8 {

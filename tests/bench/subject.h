@@ -12,9 +12,9 @@ typedef struct subject_def {
     const char *name;
     const char *device_a; // selectors; NULL for both: the default device pair
     const char *device_b;
-    const char *variant; // of both devices
+    const char *variant; // kernels of both devices
     duet_mode mode;
-    uint32_t share; // as in a plan
+    uint32_t share; // the share as in a plan
     const duet_pose *poses;
     uint32_t n;
 } subject_def;
@@ -23,7 +23,7 @@ typedef struct subject {
     subject_def def;
     duet_device_pair *pair;
     duet_world *world;
-    duet_result last; // of the last step; its memory is the world's
+    duet_result last; // result of the last step; its memory is the world's
     series total;     // wall clock of a step, ms
     series searching; // the longer of the devices' times after the grid, ms
     series cpu;       // CPU time of all threads, ms

@@ -258,7 +258,7 @@ TEST(poses_of_any_width_in_spacings_of_floats_are_found)
     check_shape(DUET_SHAPE_POSES, 3);
 }
 
-// What the devices count as candidates is what their bounds say, object by object.
+// The devices count as candidates what their bounds say, object by object.
 TEST(candidates_among_tiny_boxes_are_those_of_the_bounds)
 {
     rng r = rng_seed(test_seed());
@@ -306,7 +306,7 @@ TEST(placed_boxes_of_a_few_quanta_are_found)
         def.rotated = false;
         assert_int_equal(agreement_check(&def, placed, FEW), n_pairs);
         if (i % 2) {
-            def.has_world = true; // whose corner is no quantum
+            def.has_world = true; // a box whose corner is no quantum
             for (int k = 0; k < 3; ++k) {
                 def.lower[k] = (double)cells[i] - 0.1;
                 def.upper[k] = (double)cells[i] + 0.1;

@@ -207,7 +207,7 @@ static const char *choose_search(const config *c, rng *r)
     return c->searches[rng_below(r, n)];
 }
 
-// What the card does otherwise. Only one kernel of a step has the longer names.
+// Settings where the card does otherwise. Only one kernel of a step has the longer names.
 static void add_setting(text *t, const config *c, uint32_t i)
 {
     const gen_setting *setting = &c->settings[i];

@@ -90,7 +90,7 @@ static double number_of_cells(const duet_world *world)
     return (double)cells[0] * cells[1] * cells[2];
 }
 
-// Of more cells than there are keys two are one along each axis, or four.
+// Two of more cells than there are keys are one along each axis, or four.
 static uint64_t key_of(const duet_world *world, uint32_t id)
 {
     const grid_objects objects = world_objects(world);
@@ -367,7 +367,7 @@ static void assert_finds_all_in_any_order(duet_world *world, rng *r, uint32_t n)
     assert_finds_all(world, n);
 }
 
-// As if the devices had memory of their own; host: as it is.
+// Takes the devices for ones with memory of their own; host: as they are.
 static void set_memory(bool host)
 {
     static bool is_known, of_host[2];
@@ -475,7 +475,7 @@ static bool has_own_cells(duet_world *world)
     return world->parts[1].kernels.own_cells != NULL;
 }
 
-// Of a work-item's 1 024 objects the first ones may be in cells that are another's.
+// The first ones of a work-item's 1 024 objects may be in cells that are another's.
 TEST(objects_in_order_are_in_their_work_item_s_own_cells)
 {
     enum { N = 5003 };
@@ -539,7 +539,7 @@ static void assert_zero(const part *p, const buffer *b, size_t n)
         assert_int_equal(at[i], 0);
 }
 
-// What a step counts is zero when it begins: it clears that itself, or the step before did.
+// A step's counts are zero when it begins: it clears that itself, or the step before did.
 static void assert_counts_from_zero(duet_world *world, uint32_t n, const bool clears[2])
 {
     duet_result result;
@@ -679,7 +679,7 @@ static uint32_t count_taken(const duet_world *world, int side)
     return selection_count(&world->ranges.selections[side]);
 }
 
-// Of objects in order a device takes its half and the ghosts at the border.
+// A device takes of objects in order its half and the ghosts at the border.
 TEST(a_device_takes_its_own_half_and_the_blocks_with_strays)
 {
     enum { N = CAPACITY };
@@ -696,7 +696,7 @@ TEST(a_device_takes_its_own_half_and_the_blocks_with_strays)
         assert_int_equal(count_taken(world, 1), N);
         put_in_order(world, N);
         set_poses(world, N);
-        step(world, &result); // as much as before, for that was wanted
+        step(world, &result); // the same amount as before, since that was wanted
         step(world, &result);
         assert_in_range(count_taken(world, 0), N * 4 / 10, N * 7 / 10);
         assert_in_range(count_taken(world, 1), N * 4 / 10, N * 6 / 10);
@@ -796,7 +796,7 @@ TEST(a_guess_follows_what_was_wanted)
     input_ranges_close(&s);
 }
 
-// What B takes of A is one more command for a device with memory of its own.
+// The data that B takes of A is one more command for a device with memory of its own.
 TEST(b_takes_none_of_as_objects_where_all_are_in_order)
 {
     static const uint32_t more[] = {0, 1, INPUT_BLOCK / 2, INPUT_BLOCK - 1};

@@ -169,7 +169,7 @@ static uint64_t mixed(uint64_t key)
     return duet_pairs_hash(&words, 1);
 }
 
-// As duet_cluster.h says it.
+// Hashes as duet_cluster.h says.
 static void add_named(sums *to, duet_pair pair)
 {
     uint64_t a = names[pair.a], b = names[pair.b];
@@ -291,7 +291,7 @@ TEST(pairs_of_objects_with_ids_are_counted_where_they_are_found)
     duet_world_destroy(world);
 }
 
-// What the host decides is not among what is counted.
+// Pairs that the host decides are not counted.
 TEST(undecided_pairs_are_counted_once)
 {
     duet_world *world = make_counting_world();
@@ -353,7 +353,7 @@ TEST(stages_have_times_where_they_are_asked_for)
         hash = hash ? hash : duet_result_get_hash(&result);
         assert_int_equal(duet_result_get_hash(&result), hash);
     }
-    assert_true(fresh > 5); // of eight; two sums of times may be equal by chance
+    assert_true(fresh > 5); // out of eight; two sums of times may be equal by chance
     duet_world_destroy(world);
 }
 

@@ -44,7 +44,7 @@ static void fill(rng *r, uint32_t n, uint32_t dims)
         }
         for (int k = 0; k < 4; ++k)
             poses[i].rotation[k] = (float)rng_normal(r);
-        // Of any length; the last is odd, so that none is zero.
+        // Has any length; the last word is odd, so that none is zero.
         for (int k = 0; compact && k < 4; ++k)
             poses[i].rotation[k] =
                 (float)((int16_t)(rng_next(r) >> 16 >> rng_below(r, 16)) | (k == 3));
@@ -225,7 +225,7 @@ TEST(what_has_no_rotation_has_no_compact_one)
         assert_false(duet_compact_transform_set(&c, &t, &err));
         assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     }
-    // As a pose of a compact world it is a bad object of the step.
+    // The same pose in a compact world is a bad object of the step.
     compact = true;
     duet_error err = {0};
     duet_result result;
@@ -249,7 +249,7 @@ TEST(sizes_are_sent_once)
     duet_size *sizes = map_sizes(world, CAPACITY);
     map_transforms(world, CAPACITY);
     assert_step_is_the_reference(world, CAPACITY);
-    // What was written behind the world's back is not looked at.
+    // A change behind the world's back is not looked at.
     for (uint32_t i = 0; i < CAPACITY; ++i)
         sizes[i] = (duet_size){{-1.0f, -1.0f, -1.0f}};
     map_transforms(world, CAPACITY);
@@ -366,7 +366,7 @@ static duet_world *make_world_of_ten(void)
     return world;
 }
 
-// As many as there were, but their memory is gone.
+// The number is as before, but their memory is gone.
 TEST(sizes_without_memory_are_none)
 {
     duet_error err = {0};

@@ -20,7 +20,7 @@ static struct {
     duet_pose poses[MOST];
     duet_bounds bounds[MOST];
     uint32_t n;
-    uint64_t hashes[2]; // of poses, of bounds
+    uint64_t hashes[2]; // hashes of poses, of bounds
 } sets[SETS];
 
 // Unit cubes; those of every second set lie in about the order of z, which is that of cells.

@@ -147,7 +147,7 @@ IN_FRONT cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel,
 enum { MOST_CALLS = 2000 };
 
 static test_folder folder;
-static char path[128]; // of what the child writes
+static char path[128]; // the file that the child writes
 static int *told;      // by the child, in memory that both see
 
 static void enter_folder(void)

@@ -200,7 +200,7 @@ TEST(flights_compare_integrators)
     assert_int_equal(cJSON_GetArraySize(timesteps), 12);
     static const struct {
         const char *integrator;
-        double factor; // of the error from dt 1/60 to 1/120
+        double factor; // ratio of the error from dt 1/60 to 1/120
     } orders[] = {{"euler", 2}, {"verlet", 4}, {"yoshida", 16}};
     for (int i = 0; i < 3; ++i) {
         double factor = error_at(timesteps, orders[i].integrator, 60) /

@@ -58,7 +58,7 @@ TEST(what_a_reader_refuses_is_one_line)
     }
 }
 
-// What never ends is left at the first byte or line that no text has.
+// An endless file is left at the first byte or line that no text has.
 TEST(what_is_no_text_is_refused_at_once)
 {
     static const struct {

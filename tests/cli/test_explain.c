@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What is told of device B, which does all the work.
+// The lines about device B, which does all the work.
 static cJSON *explain(const char *arguments)
 {
     program p = program_run("explain %s --share 0 --json", arguments);

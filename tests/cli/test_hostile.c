@@ -17,7 +17,7 @@
 
 #define FILE_NAME "test_hostile.lua"
 
-// A script's seconds here. What it may take beyond them is the promise of
+// A script's seconds here. The time that it may take beyond them is the promise of
 // docs/lua.md, 2 s; a sanitized build is given more.
 static const double SECONDS = 0.05;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

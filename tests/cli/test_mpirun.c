@@ -84,7 +84,7 @@ TEST(mpirun_is_quiet_unless_verbose)
     }
 }
 
-// What a shell's loop reads stays there. A scene may come from there, by any of its names.
+// Input that a shell's loop reads stays there. A scene may come from there, by any of its names.
 TEST(ranks_get_stdin_only_where_they_read_the_scene_from_it)
 {
     skip_without_mpi();
@@ -105,7 +105,7 @@ TEST(ranks_get_stdin_only_where_they_read_the_scene_from_it)
 #define NEW_BINDING "PRTE_MCA_hwloc_default_binding_policy"
 #define NEW_SHARING "PRTE_MCA_rmaps_default_mapping_policy"
 
-// Open MPI 4 and 5 have names of their own for it. What the user says goes before.
+// Open MPI 4 and 5 have names of their own for it. The user's word goes first.
 TEST(ranks_share_the_machine_with_any_open_mpi)
 {
     skip_without_mpi();

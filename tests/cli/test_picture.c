@@ -11,7 +11,7 @@
 #define SVG "test_picture.svg"
 #define PNG "test_picture.png"
 
-// As the SVG names them: of boxes that collide, and of those that do not.
+// Colours as the SVG names them: of boxes that collide, and of those that do not.
 static const char colliding[] = "fill:rgb(97%,62%,26%)";
 static const char alone[] = "fill:rgb(66%,76%,88%)";
 

@@ -132,7 +132,7 @@ TEST(of_one_device_the_page_shows_no_share)
     program_free(&p);
 }
 
-// What the page says of its only profile, from the share on; the caller frees it.
+// Gives what the page says of its only profile, from the share on; the caller frees it.
 static text profile_row_of(double share)
 {
     text page = {0}, row = {0}, change = {0};

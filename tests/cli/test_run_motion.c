@@ -156,7 +156,7 @@ TEST(what_is_of_a_scene_at_rest_is_refused_with_steps)
     assert_int_not_equal(access("x.csv", F_OK), 0);
 }
 
-// What is no file is neither replaced nor removed.
+// A path that is no file is neither replaced nor removed.
 TEST(a_full_disk_is_told_of)
 {
     skip_without_device("/dev/full");

@@ -115,7 +115,7 @@ TEST(kernels_are_listed_with_what_varies)
 
 TEST(a_folder_replaces_the_carried_kernels)
 {
-    program p = program_run_with("DUET_KERNEL_DIR=", "source scan"); // as if not set
+    program p = program_run_with("DUET_KERNEL_DIR=", "source scan"); // empty counts as not set
     assert_int_equal(p.exit_code, 0);
     program_free(&p);
     p = program_run_with(data_dir, "source scan");

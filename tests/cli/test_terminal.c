@@ -19,11 +19,11 @@
 
 #define CTRL_C "\003"
 
-// What is seen on the terminal until it closes. Types CTRL_C once `sign` was seen, and
+// The text on the terminal until it closes. Types CTRL_C once `sign` was seen, and
 // `after` seconds later.
 typedef struct terminal {
     text seen;
-    int status;           // of the shell, as waitpid gives it
+    int status;           // the shell's status, as waitpid gives it
     double stopped_after; // seconds from Ctrl-C to the end
 } terminal;
 
@@ -122,7 +122,7 @@ TEST(ctrl_c_ends_a_loop_of_commands_in_bash)
     assert_int_not_equal(access("out.svg", F_OK), 0);
 }
 
-// What mpirun started is told of by mpirun; this rank is alone.
+// The ranks of mpirun are told of by mpirun; this rank is alone.
 TEST(a_single_rank_tells_that_it_was_stopped)
 {
     char script[512];

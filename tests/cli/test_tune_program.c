@@ -147,7 +147,7 @@ TEST(every_line_of_the_table_fits_a_terminal)
     program_free(&p);
 }
 
-// What follows "duet " of the k-th command that was printed, with its continued lines.
+// Gives what follows "duet " of the k-th command that was printed, with its continued lines.
 static char *printed_command(const char *out, const char *name, int k)
 {
     char begin[32];

@@ -8,7 +8,7 @@ local n <const> = 200
 local seed = tonumber(os.getenv "DUET_TEST_SEED") or 20261122
 math.randomseed(seed)
 
--- Where an object is at a step is known by its number alone; now and then it goes far.
+-- An object's place at a step is known by its number alone; now and then it goes far.
 local starts = {}
 for i = 1, n do
   starts[i] = { math.random() * 6, math.random() * 6, math.random() * 6,

@@ -42,8 +42,8 @@ static float some_number(rng *r, double likely)
     return rng_below(r, 150) > 0 ? (float)likely : odd[rng_below(r, sizeof odd / sizeof *odd)];
 }
 
-// What is promised not to count in 2D is any number too. Some are all so small that float squares
-// of them vanish.
+// A coordinate promised not to count in 2D is any number too. Some are all so small that float
+// squares of them vanish.
 static void make_row(rng *r, const object_form *form, bool is_small, float *row)
 {
     float from[3], half[3];
@@ -66,7 +66,7 @@ static bool is_between(double lower, double x, double upper)
     return lower < x && x < upper;
 }
 
-// What was passed over is sound, lies inside, and is in what is known of its block.
+// Each object passed over is sound, lies inside, and is in what is known of its block.
 static void must_be_deep(const object_form *form, const float *row, const skim_block *block)
 {
     double at[3];
@@ -167,7 +167,7 @@ bool __real_host_block_reserve(host_block *h, const device of[], int n, size_t s
 bool __wrap_host_block_reserve(host_block *h, const device of[], int n, size_t size,
                                duet_error *err);
 
-// As it is where there is no more memory: the old block is gone.
+// Does as a list with no more memory: the old block is gone.
 bool __wrap_host_block_reserve(host_block *h, const device of[], int n, size_t size,
                                duet_error *err)
 {
@@ -235,7 +235,7 @@ static worker_pair *worker_of(duet_cluster *c)
     return (worker_pair *)c->workers[0];
 }
 
-static float size = 1; // of the objects that are handed over
+static float size = 1; // size of the objects that are handed over
 
 // Rank 0 brings all.
 static void hand_over(duet_cluster *c, uint32_t n, uint64_t seed)
@@ -259,7 +259,7 @@ static void hand_over(duet_cluster *c, uint32_t n, uint64_t seed)
 enum { DRIFTS = 12, LEAPS = 4, SWELLS = 6, SPOILS = 8 };
 enum { STEPS = 14, AGAIN = 3, GROWS = 4, CUTS = 6, SHRINKS = 7, FAILS = 9, CROWDS = 11 };
 
-// Where an object is at a step is known by its id alone: some leap far, once one becomes wide, and
+// An object's place at a step is known by its id alone: some leap far, once one becomes wide, and
 // later narrow, two are bad for a moment, and most come to one side.
 static void move(duet_pose *p, uint64_t id, uint32_t at)
 {
@@ -314,7 +314,7 @@ static bool count_skim(worker *w, const float lower[3], const float upper[3])
     return skims;
 }
 
-// Once a step, but where nothing was sent ahead or levels change.
+// Happens once a step, except where nothing was sent ahead or levels change.
 static bool is_quiet(uint32_t at)
 {
     return at > 2 && at != GROWS && at != CUTS && at != SHRINKS && at != CROWDS && at != FAILS &&
@@ -498,7 +498,7 @@ static void objects_are_mapped_by_all_ranks_or_by_none(MPI_Comm *comm, uint64_t 
     map_in_truth = w->map;
     hand_over(c, N, seed);
     MUST_OK(duet_cluster_step(c, &first, &err), err);
-    for (int moves = 0; moves < 2; ++moves) { // as they are found, and as they were written
+    for (int moves = 0; moves < 2; ++moves) { // objects as they are found, and as they were written
         for (int i = 0; i < 2; ++i) {
             w->map = rank == 1 ? fail_to_map : map_in_truth;
             must_lack_memory(!duet_cluster_map_owned(c, DUET_OBJECT_POSES, &ids, &n, &err), &err);

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static int rank; // of the whole job
+static int rank; // this rank in the whole job
 
 _Noreturn static void end_job(const char *fact, const char *file, int line, const char *why)
 {

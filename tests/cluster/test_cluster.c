@@ -101,7 +101,7 @@ TEST(simulated_ranks_find_the_pairs_of_run)
             assert_true(json_true(cJSON_GetObjectItem(expected, "check"), "right"));
             assert_string_equal(json_string(found, "hash"), json_string(expected, "hash"));
             assert_true(json_number(found, "pairs") == json_number(expected, "pairs"));
-            assert_true(json_number(found, "total_ms") > 0.01 && // what one message takes
+            assert_true(json_number(found, "total_ms") > 0.01 && // one message takes that
                         json_number(found, "total_ms") < 1000);
             cJSON_Delete(expected);
             cJSON_Delete(found);

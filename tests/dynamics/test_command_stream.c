@@ -26,7 +26,7 @@ typedef enum world_kind { USUAL, FLAT, DOUBLES, PLACED, FLIGHT, WORLD_KINDS } wo
 typedef struct play {
     world_kind kind;
     rng r;
-    double size; // of the world, so that bodies are as dense in each
+    double size; // edge of the world, so that bodies are as dense in each
     mover *movers[PLAYERS];
     asker *askers[PLAYERS];
     uint64_t ids[MOST_IDS], stale[MOST_IDS];
@@ -77,7 +77,7 @@ static duet_body random_body(play *p)
 
 enum { MOST_AT_ONCE = 12 };
 
-// What one command is given.
+// The arguments of one command.
 typedef struct order {
     uint32_t n;
     uint64_t ids[MOST_AT_ONCE];
@@ -246,7 +246,7 @@ static void assert_stale_ids_are_refused(play *p)
         fail_msg("command %d with a stale id is told '%s'", what, err.text);
 }
 
-// What one player saved another goes on with, perhaps as one that is new. Rows are those of
+// One player goes on with what another saved, perhaps as one that is new. Rows are those of
 // a skin.
 static void save_and_load(play *p)
 {

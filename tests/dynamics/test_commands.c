@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-static const char path[] = "motion"; // of what a test saves
+static const char path[] = "motion"; // name of the file that a test saves
 
 static uint32_t n_asleep(mover *m)
 {
@@ -643,7 +643,7 @@ TEST(nothing_is_done_to_a_motion_between_the_halves_of_its_step)
     mover_free(twin);
 }
 
-// Where a body is disabled, bounds are looked at for what is wrong while the step is under way.
+// A body is disabled while bounds are looked at for what is wrong while the step is under way.
 TEST(a_step_that_fails_is_told_in_its_second_half)
 {
     for (int disabled = 0; disabled < 2; ++disabled) {

@@ -88,7 +88,7 @@ TEST(heavy_boxes_rest_on_light_ones)
             "edge deep; with # substeps 1 : # sinks in",
             8, f);
     const struct {
-        double ratio, substeps, depth; // of the edge
+        double ratio, substeps, depth; // depth in parts of the edge
     } cases[] = {{1, 4, 0.02}, {f[0], f[3], 0.1}, {f[1], f[4], 0.1}, {f[2], f[5], 0.1}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         mover *m = mover_new(3);
@@ -176,7 +176,7 @@ TEST(bullets_do_not_pass_a_wall)
     figures("effects.md",
             "bullet # at # and # m/s, wall # | never behind it, and # of the speed comes back", 5,
             f);
-    assert_true(f[0] == 0.1 && f[3] == 0.1); // as in shoot
+    assert_true(f[0] == 0.1 && f[3] == 0.1); // the same as in shoot
     const double *speeds = f + 1;
     static const double times[] = {1.0 / 60, 1.0 / 240};
     for (int i = 0; i < 2; ++i)
@@ -430,7 +430,7 @@ TEST(an_inelastic_ball_comes_to_rest)
     mover_free(m);
 }
 
-// Of a cradle, and of collisions.
+// Covers a cradle, and collisions.
 static double kept_momentum(int which)
 {
     double f[2];

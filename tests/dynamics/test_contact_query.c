@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contacts of a still world. What is true is computed here in double: the axes of the boxes
+// Contacts of a still world. The truth is computed here in double: the axes of the boxes
 // and how far both reach along them, and whether points lie on the boxes' surfaces.
 #include "support/test.h"
 
@@ -124,7 +124,7 @@ static void assert_points_join_surfaces(const duet_contact *c, const solid *a, c
 }
 
 typedef struct bound {
-    double error;  // of a separation along the normal
+    double error;  // error of a separation along the normal
     double margin; // of the query
     double flat;   // edges so nearly parallel are not looked at
 } bound;
@@ -137,7 +137,7 @@ static bound bound_of(const solid *a, const solid *b, float margin)
     return (bound){0x1p-17 * size_of(a, b), margin, 0.01 * longest};
 }
 
-// What docs/accuracy.md, "Contacts", says of one.
+// Checks what docs/accuracy.md, "Contacts", says of one.
 static void assert_contact(const duet_contact *c, const solid *a, const solid *b, int dims,
                            float margin)
 {
@@ -173,7 +173,7 @@ static void assert_contact(const duet_contact *c, const solid *a, const solid *b
 
 enum { BOXES = 250 };
 
-// Of many sizes and turned any way; every fourth stands upright on whole numbers, every
+// Boxes have many sizes and are turned any way; every fourth stands upright on whole numbers, every
 // seventh is nearly as the one before it.
 static void fill(rng *r, duet_pose *poses, uint32_t dims)
 {

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char path[] = "motion"; // of what a test saves
+static const char path[] = "motion"; // name of the file that a test saves
 
 // ---------------------------------------------------------------- inference
 
@@ -78,7 +78,7 @@ TEST(each_cause_calls_for_its_effect)
 
 // ---------------------------------------------------------------- bit by bit
 
-// What a scene is made in: 2D or 3D, floats or doubles.
+// The form of a scene: 2D or 3D, floats or doubles.
 typedef struct medium {
     uint32_t dims;
     bool doubles;
@@ -265,7 +265,7 @@ static const struct {
     const char *param;
     const char *effect;
     const char *word;    // NULL: it has no arguments of its own
-    const char *off_too; // what cannot be without it
+    const char *off_too; // effects that need it
 } words[] = {
     {"ANGULAR_VELOCITY", "angular_velocity", "angular_velocit", "GYRO"},
     {"GRAVITY", "gravity", "gravity", NULL},
@@ -499,7 +499,7 @@ TEST(explain_tells_effects_and_bytes)
 
 // ---------------------------------------------------------------- launches
 
-// What a step sends to B: kernels, and reads that the host waits for.
+// The commands of a step to B: kernels, and reads that the host waits for.
 typedef struct traffic {
     uint32_t launches, waits;
 } traffic;
@@ -514,8 +514,8 @@ static traffic step_once(mover *m)
                      own->n_waits + (searched ? search->n_waits : 0)};
 }
 
-// A pile this small has no colour that needs more than a work-group. What varies is how
-// many rounds the colouring takes, at two launches each; a launch for each colour and
+// A pile this small has no colour that needs more than a work-group. Only the number of rounds
+// of the colouring varies, at two launches each; a launch for each colour and
 // substep would be 50 more.
 TEST(launches_do_not_grow_with_colours)
 {
@@ -549,7 +549,7 @@ static mover *make_sleepers(void)
     return m;
 }
 
-// What changes a motion from outside is a load.
+// A change of a motion from outside is a load.
 TEST(a_step_at_rest_sends_nothing)
 {
     duet_error err = {0};

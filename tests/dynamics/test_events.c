@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Events of a motion. What is true is taken from the contacts' records, each step anew, and
+// Events of a motion. The truth is taken from the contacts' records, each step anew, and
 // from falls whose end is known.
 #include "support/commands.h"
 
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char path[] = "motion"; // of what a test saves
+static const char path[] = "motion"; // name of the file that a test saves
 
 // ---------------------------------------------------------------- against the records
 
@@ -231,7 +231,7 @@ TEST(a_cube_that_falls_begins_once_and_hits_once)
         assert_int_equal(s.first_hit, s.first_begin);
         assert_close((double)s.first_hit * m->def.dt, time, 1.5 * m->def.dt);
         assert_close(s.first.speed, speed, 1.5 * gravity * m->def.dt);
-        assert_close(s.first.impulse, speed, 0.1 * speed); // of mass 1
+        assert_close(s.first.impulse, speed, 0.1 * speed); // its mass is 1
         assert_true(s.first.normal[dims - 1] == 1);        // from the floor to the cube
         assert_close(s.first.point[dims - 1], 0, speed * m->def.dt);
         assert_close(fabs(s.first.point[0]), 0.5, 0.02);
@@ -418,7 +418,7 @@ TEST(a_sensor_sees_what_sleeps_and_does_not_wake_it)
     mover_free(m);
 }
 
-// What has no mass is seen as well: a lift that passes while all sleeps, and a floor.
+// A body without mass is seen as well: a lift that passes while all sleeps, and a floor.
 TEST(a_sensor_without_mass_sees_what_has_none)
 {
     for (int skin = 0; skin < 2; ++skin) {

@@ -18,11 +18,11 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char path[] = "forged"; // of the file
+static const char path[] = "forged"; // name of the file
 
 // ------------------------------------------------------------ motions
 
-// Of every kind of buffer that a file can have.
+// Has every kind of buffer that a file can have.
 typedef enum kind {
     PILE,
     FLAT_GROUPS,
@@ -159,7 +159,7 @@ static size_t words_of(const forger *f, int i)
     return (size_t)f->n_contacts * each;
 }
 
-// Where a section begins in the file.
+// The place where a section begins in the file.
 static size_t place_of(const forger *f, int section)
 {
     size_t at = HEADER;
@@ -459,7 +459,7 @@ static void forge(rng *r, forger *f, uint32_t *n_loaded)
     assert_true(hash == f->hash);
 }
 
-static uint32_t n_forged = 2400; // of all kinds together
+static uint32_t n_forged = 2400; // forgeries of all kinds together
 
 TEST(forged_files_are_refused_or_step)
 {

@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-static const char path[] = "motion"; // of what a test saves
+static const char path[] = "motion"; // name of the file that a test saves
 
 TEST(numbers_that_overflow_are_refused)
 {
@@ -75,7 +75,7 @@ typedef struct event_sums {
     uint64_t begins, ends, stays;
 } event_sums;
 
-// Of three cubes on a floor: the first changes its group, the second goes.
+// Three cubes lie on a floor: the first changes its group, the second goes.
 static event_sums events_of_changed_groups(bool saved)
 {
     mover *m = make_rows(3, 1);
@@ -159,7 +159,7 @@ TEST(a_list_of_none_changes_nothing)
     mover_free(m);
 }
 
-// What the step's end sent to the device is waited for once; the group's end counts.
+// The data that the step's end sent to the device is waited for once; the group's end counts.
 TEST(a_file_can_be_loaded_right_after_a_step_with_forces)
 {
     mover *m = make_rows(2, 1);
@@ -192,7 +192,7 @@ TEST(a_body_that_came_by_a_file_is_told_as_moved)
     mover_free(m);
 }
 
-// What went has left no trace in how the others are computed.
+// A body that went has left no trace in how the others are computed.
 TEST(a_body_of_another_kind_that_went_is_forgotten_in_a_file_too)
 {
     mover *m = make_rows(3, 2);

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-static const char path[] = "motion"; // of what a test saves
+static const char path[] = "motion"; // name of the file that a test saves
 
 static duet_contact *contacts_of(mover *m, uint64_t *n)
 {
@@ -95,7 +95,7 @@ static void jitter(mover *m, rng *r)
         }
 }
 
-// Where more than four points would do, a hair may decide which are kept, but not
+// A hair, where more than four points would do, may decide which are kept, but not
 // where corners are among them: one in a thousand at most was seen to change.
 TEST(a_millionth_changes_few_manifolds)
 {

@@ -289,7 +289,7 @@ TEST(what_cannot_be_mapped_is_refused_by_name)
             "centres are not mapped; expected duet_motion_map_states first");
     assert_string_equal(duet_state_part_name(DUET_STATE_ROTATIONS), "rotations");
     assert_null(duet_state_part_name((duet_state_part)9));
-    map(plain, DUET_STATE_CENTRES, DUET_MAP_WRITE, 1, 0); // of no rows
+    map(plain, DUET_STATE_CENTRES, DUET_MAP_WRITE, 1, 0); // a map of no rows
     unmap(plain, DUET_STATE_CENTRES);
     err = (duet_error){0};
     assert_ok(duet_motion_record(m, &err), err);

@@ -103,7 +103,8 @@ TEST(half_way_is_half_of_the_turn)
 {
     const double half = sqrt(0.5);
     const duet_state from = {.centre = {1, 2, 3}, .rotation = {0, 0, 0, 1}, .velocity = {4, 0, 0}};
-    const duet_state to = {.centre = {3, 2, 7}, .rotation = {0, 0, -half, -half}}; // as half, half
+    const duet_state to = {.centre = {3, 2, 7},
+                           .rotation = {0, 0, -half, -half}}; // the same as half, half
     duet_state middle = duet_state_between(&from, &to, 0.5);
     assert_true(middle.centre[0] == 2 && middle.centre[1] == 2 && middle.centre[2] == 5);
     assert_true(middle.velocity[0] == 2);

@@ -103,7 +103,7 @@ static void assert_between(const duet_contact *c, const duet_rounded_box *boxes,
     }
 }
 
-// What docs/accuracy.md, "Contacts", says of one with a radius.
+// Checks what docs/accuracy.md, "Contacts", says of one with a radius.
 static void assert_contact(const duet_contact *c, const duet_rounded_box *boxes, uint32_t dims,
                            float margin)
 {

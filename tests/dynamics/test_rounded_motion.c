@@ -73,8 +73,8 @@ static void assert_between(const mover *m, const duet_contact *c, uint32_t p, do
     }
 }
 
-// The deepest point is as deep as the reference says, but for the lead that faces have. Where
-// cores overlap the axis of least depth is a choice, and only that they touch is asked.
+// The deepest point is as deep as the reference says, but for the lead that faces have. The
+// axis of least depth is a choice where cores overlap, and only that they touch is asked.
 static void check_contact(const mover *m, const duet_contact *c, double margin)
 {
     duet_rounded_box a = box_of(m, c->a), b = box_of(m, c->b);

@@ -64,7 +64,7 @@ static double height_of_heavy(float ratio, uint32_t substeps)
     return height;
 }
 
-// What docs/effects.md says of substeps, from its other side.
+// The word of docs/effects.md on substeps, from its other side.
 TEST(too_few_substeps_sink_in)
 {
     double f[2];
@@ -298,7 +298,7 @@ TEST(impacts_bounce_from_a_speed_on)
     assert_close(speed_after_impact(0.9), 0.0, 1e-3);
 }
 
-// Nothing adds energy to a pile. What it has rises only by what contacts, which
+// Nothing adds energy to a pile. Its energy rises only by what contacts, which
 // are springs, were pressed with in an impact and give back.
 TEST(a_pile_gets_back_little_of_an_impact)
 {

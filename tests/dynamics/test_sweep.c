@@ -65,7 +65,7 @@ static uint32_t add_rod(mover *m, double angle, double rate, double restitution)
     return rod;
 }
 
-// As much as the free flight of a rod that tumbles gains by itself (test_tumbling).
+// The energy that the free flight of a rod that tumbles gains by itself (test_tumbling).
 static double most_energy(void)
 {
     double f[1];

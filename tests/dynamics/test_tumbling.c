@@ -25,7 +25,7 @@ static void to_body(const double q[4], const double v[3], double out[3])
     out[2] = v[2] + (w * t[2] + (x * t[1] - y * t[0])) / norm;
 }
 
-// Of a box of mass 1, with the inverse inertia that its motion has, in float.
+// Belongs to a box of mass 1, with the inverse inertia that its motion has, in float.
 static kept kept_of(const mover *m, uint32_t id)
 {
     const float *h = m->poses[id].half_extents;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Profiles as JSON lines. What was taken in goes out again as JSON, and comes
+// Profiles as JSON lines. Lines that were taken in go out again as JSON, and comes
 // into an empty store as it went out.
 #define _POSIX_C_SOURCE 200809L
 #include "support/fuzz.h"
@@ -105,7 +105,7 @@ static bool adds_rows(const char *lines, size_t n)
     return ok && added > 0;
 }
 
-// What a store that took the lines gives out; the caller frees it.
+// Gives what a store that took the lines exports; the caller frees it.
 static char *pass_through(const char *name, const char *lines, size_t n)
 {
     uint64_t added = 0;

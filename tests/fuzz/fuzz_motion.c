@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Saved states of motions. What is taken can be advanced.
+// Saved states of motions. A file that is taken can be advanced.
 #include "support/fuzz.h"
 #include "support/motions.h"
 

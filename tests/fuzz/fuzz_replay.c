@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Recorded commands. What is taken can be given to a motion, which goes on or refuses.
+// Recorded commands. A recording that is taken can be given to a motion, which goes on or refuses.
 #include "support/fuzz.h"
 #include "support/motions.h"
 

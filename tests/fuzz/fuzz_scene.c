@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Scenes as Lua files. What is read twice is the same twice.
+// Scenes as Lua files. A scene that is read twice is the same twice.
 #include "support/fuzz.h"
 #include "support/objects.h"
 

@@ -16,7 +16,7 @@ typedef struct settings {
     bool has_world;
 } settings;
 
-// As a caller reads a def: one C function, called through script_call.
+// Reads as a caller reads a def: one C function, called through script_call.
 static int read_settings(lua_State *L)
 {
     settings *s = lua_touserdata(L, 2);

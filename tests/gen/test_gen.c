@@ -451,7 +451,7 @@ TEST(lines_of_lua_choose_in_plain_text)
 {
     static const struct {
         const char *body;
-        const char *end; // of the text
+        const char *end; // end of the text
     } cases[] = {
         {"int a; // no //@ line\n//@ if A == 1 then\n  int @{b};\n//@ else\nint c;\n//@ end\nint "
          "d;",

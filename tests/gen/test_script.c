@@ -175,7 +175,7 @@ TEST(nothing_dangerous_is_within_reach)
     script_close(s);
 }
 
-// What one state answers, a second one answers too.
+// Two states give the same answers.
 TEST(every_run_gives_the_same)
 {
     static const char chunk[] =

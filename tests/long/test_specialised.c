@@ -13,7 +13,7 @@
 
 enum { OBJECTS = 600 };
 
-// What a scene may have; what it has not is left out of its kernels.
+// Features that a scene may have; what it has not is left out of its kernels.
 typedef struct scene {
     uint32_t dims;
     bool rotated;

@@ -56,7 +56,7 @@ const char *lost_call(void)
     return atomic_load(&n_failures) > 0 ? atomic_load(&failed) : "none";
 }
 
-// of: the call's device, 0 or 1; -1: not known, which is as good as any.
+// The call's device, 0 or 1; -1: not known, which is as good as any.
 static bool fails(int of, const char *call)
 {
     uint32_t place = atomic_fetch_add(&n_calls, 1);

@@ -3,7 +3,7 @@
 //
 // A program that has lost.c in it calls the loader through it. Each call that can fail
 // is counted; a call that waits does wait before it fails, for nothing touches memory
-// once a driver has told that its device is gone. What is released, or unmapped, is so.
+// once a driver has told that its device is gone. An object that is released, or unmapped, is so.
 #ifndef TESTS_LOST_H
 #define TESTS_LOST_H
 
@@ -22,7 +22,7 @@ typedef enum lost_way {
 
 const char *lost_way_name(lost_way way);
 
-// Whose calls are A's and B's.
+// Says whose calls are A's and B's.
 void lost_know(const duet_device_pair *pair);
 
 // Counts from 0 again, and fails call k; UINT32_MAX: none.

@@ -8,7 +8,7 @@ os.remove(out) -- the first experiment makes the folder
 
 local lua = os.getenv "DUET_LUA" or "lua5.4"
 
--- What the experiment prints.
+-- The lines that the experiment prints.
 local function run(name, options)
   local program <close> = assert(io.popen(("%s '%s/lua/experiments/%s.lua' --out %s %s 2>&1"):format(lua, facts.root, name, out, options)))
   local printed = program:read "a"
@@ -121,7 +121,7 @@ facts.holds("cells of the cube's edge miss 4.5 % of the pairs, and Duet refuses 
   local rows = check_files "cell_flaw"
   local missed = tonumber(rows[1]["missed %"])
   assert(missed > 3.5 and missed < 5.5, missed)
-  facts.equal(tonumber(rows[#rows]["candidates missed"]), 0) -- of the widest cube's edge
+  facts.equal(tonumber(rows[#rows]["candidates missed"]), 0) -- cells of the widest cube's edge
 end)
 
 facts.holds("the slow kernel and the fast one are shared alike", function()
@@ -182,7 +182,7 @@ local function random_times()
   end
 end
 
--- Where both take the same time.
+-- The share at which both take the same time.
 local function best_share(times)
   local low, high = 0, 1
   for _ = 1, 60 do

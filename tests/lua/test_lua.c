@@ -165,7 +165,7 @@ static void terminal_type(terminal *t, const char *keys)
 }
 
 // Empties the line and types Ctrl-D until the program ends: a key that comes before the line
-// is edited may be lost. What it shows is read, so that it never waits for that.
+// is edited may be lost. Its output is read, so that it never waits for that.
 static int terminal_close(terminal *t)
 {
     int status = 0;
@@ -311,7 +311,7 @@ TEST(work_of_the_host_is_held_to_the_limits)
     assert_refused("lua --memory 64 " SCRIPT, 1, SCRIPT ":2: needs more than the 64 MiB");
 }
 
-// What is kept fills the limit; what is dropped is collected before it does.
+// Memory that is kept fills the limit; what is dropped is collected before it does.
 TEST(what_a_script_opens_counts_as_its_memory)
 {
     static const char *const makers[] = {

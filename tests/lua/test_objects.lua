@@ -279,7 +279,7 @@ holds("objects in the order of their cells have the same pairs, by their new pla
   equal(#order, 3)
   local sorted = duet.poses(3)
   for place, id in order:each() do sorted:set(place, three:get((id + 2) % 3)) end
-  equal(order:get(2), 0) -- what is far away comes last
+  equal(order:get(2), 0) -- the object far away comes last
   assert(world:set_poses(sorted))
   equal(table.concat({ assert(world:step()):pair(0) }, " "), "0 1")
 end)

@@ -7,7 +7,7 @@ local equal, holds, raises, refused = facts.equal, facts.holds, facts.raises, fa
 local pair <close> = assert(duet.device_pair())
 local scene <close> = assert(duet.scene(facts.root .. "/lua/scenes/paper.lua", { n = 300, world = 11 }))
 
--- What is quick: one variant, one mode, one launch a trial.
+-- A quick tuning: one variant, one mode, one launch a trial.
 local function quick(more)
   local def = { keep = false, repeats = 1, variants = { "auto" }, modes = { "own" } }
   for name, value in pairs(more or {}) do def[name] = value end

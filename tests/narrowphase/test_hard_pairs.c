@@ -38,7 +38,7 @@ typedef struct hard_case {
     {                    \
         0.5f, 0.5f, 0.5f \
     }
-#define ULP 0x1p-23f // of 1
+#define ULP 0x1p-23f // the last bit of 1
 
 static const hard_case cases[] = {
     {"identical boxes",

@@ -12,7 +12,7 @@
 
 #include <math.h>
 
-enum { PAIRS = 10000 }; // of each of 22 classes
+enum { PAIRS = 10000 }; // pairs of each of 22 classes
 
 static bool promise_holds(duet_level l, const hard_pair *p, uint32_t dims)
 {

@@ -130,7 +130,7 @@ static void read_list(launch *l, list which, uint32_t n, narrow_answer as,
         answers[found[i].a / 2] = as;
 }
 
-// What a device says of the pairs 0 1, 2 3, ...
+// Asks a device about the pairs 0 1, 2 3, ...
 static void run(const device *d, const gen_variant *made, cl_program program, duet_pose *poses,
                 narrow_answer answers[PAIRS])
 {

@@ -158,7 +158,7 @@ TEST(far_pairs_collide_where_the_same_near_0_do)
     assert_true(n_colliding > 100 && n_colliding < 900);
 }
 
-// What is lost without: a coordinate is off by up to 2^-24 of itself, so that
+// The loss without: a coordinate is off by up to 2^-24 of itself, so that
 // boxes 1e7 away that meet by 0.1 are told to be 0.5 apart.
 TEST(a_float_coordinate_loses_what_cells_keep)
 {

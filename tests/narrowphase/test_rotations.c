@@ -3,7 +3,7 @@
 //
 // A needle along x touches a cube with its end. It is a hair away where its
 // quaternion turns it at all, however little, so that the answer tells whether
-// each part was kept. What is right is found in whole numbers, from the numbers
+// each part was kept. The truth is found in whole numbers, from the numbers
 // as they were given.
 #include "support/oracle.h"
 #include "support/scene_file.h"
@@ -49,7 +49,7 @@ static duet_scene *by_text(const double row[NUMBERS], duet_error *err)
     return load("test_rotations.csv", &t, err);
 }
 
-// As C, Python and others print floats so that they read the same back.
+// Digits as C, Python and others print floats so that they read the same back.
 static duet_scene *by_short_text(const double row[NUMBERS], duet_error *err)
 {
     text t = {0};

@@ -36,7 +36,7 @@ static duet_rounded_box whole_box(rng *r, int extents)
         b.pose.centre[k] = (float)whole(r, 20);
         b.pose.half_extents[k] = k < extents ? (float)rng_below(r, 6) : 0.0f;
     }
-    if (extents == 0) // what has no extents may be turned
+    if (extents == 0) // a box without extents may be turned
         for (int k = 0; k < 4; ++k)
             b.pose.rotation[k] = (float)rng_normal(r);
     return b;

@@ -35,7 +35,7 @@ assert(tree:set_motion(motion))
 local box_query <close> = assert(tree:box_query { level = "aabb" })
 tell(assert(box_query:run(poses)))
 
--- What sleeps deep in others is pushed out, and within a skin only what commands altered is searched.
+-- A body that sleeps deep in others is pushed out, and within a skin only what commands altered is searched.
 for i = 0, 39 do poses:set(i, up[1] * i * 0.9, up[2] * i * 0.9, up[3] * i * 0.9, 0.5, 0.5, 0.5, 0, 0, 0, 1) end
 local row <close> = assert(pair:motion(poses, nil, { dims = dims, wants = { "contact_response", "sleep" }, plan = { share = 0 },
   skin = 0.3 }))

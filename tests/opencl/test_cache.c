@@ -288,7 +288,7 @@ TEST(a_link_that_flips_while_it_is_read_gives_nobody_elses_code)
     assert_true(n_found > 0);
 }
 
-// What a killed process left goes with the next entry, once it is old.
+// The files of a killed process go with the next entry, once it is old.
 TEST(what_was_left_half_written_is_cleared_away)
 {
     char old[160], young[160];

@@ -55,7 +55,7 @@ TEST(a_message_that_counts_all_lines_is_one_of_a_file)
     expect_place("<kernel>:4:1: error: x", "kernels/a.cl:7", ":1: error: x");
     expect_place("<kernel>:5:1: error: x", "kernels/a.cl:8", ":1: error: x");
     expect_place("<kernel>:7:1: error: x", "kernels/a.cl:1", ":1: error: x");
-    expect_place("<kernel>:1:1: error: x", "", "<kernel>:1:1: error: x"); // of no file yet
+    expect_place("<kernel>:1:1: error: x", "", "<kernel>:1:1: error: x"); // there is no file yet
     expect_place("<kernel>:0: error: x", "", "<kernel>:0: error: x");
     expect_place("<kernel>:99:1: error: x", "", "<kernel>:99:1: error: x");
     expect_place("kernels/a.cl:7:1: error: x", "", "kernels/a.cl:7:1: error: x");
@@ -172,7 +172,7 @@ TEST(without_a_folder_the_users_cache_is_taken)
     duet_device_pair_destroy(pair);
 }
 
-// Where there is a GPU the pair is a CPU and the GPU; else one CPU is both, and B has all.
+// With a GPU the pair is a CPU and the GPU; else one CPU is both, and B has all.
 TEST(without_selectors_a_whole_machine_is_chosen)
 {
     duet_error err = {0};
@@ -505,7 +505,7 @@ TEST(what_is_not_timed_is_done_all_the_same)
     gen_close(g);
 }
 
-// What nobody will wait for otherwise is over before its memory goes.
+// Work that nobody will wait for otherwise is over before its memory goes.
 TEST(what_has_no_event_is_waited_for_when_it_is_forgotten)
 {
     const duet_device_info *cpu = cuttable_cpu();
@@ -582,7 +582,7 @@ static void compile_declared(const device *d, gen *g, const char *name, uint64_t
     gen_variant_free(&v);
 }
 
-// Of each kernel the first config and the last, which differ in every parameter.
+// Takes the first config of each kernel and the last, which differ in every parameter.
 TEST(every_built_in_function_that_a_kernel_calls_is_declared)
 {
     duet_error err = {0};

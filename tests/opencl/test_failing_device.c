@@ -18,21 +18,21 @@
 // ------------------------------------------------------------ calls that fail
 
 typedef enum call {
-    LAUNCH, // of a kernel
+    LAUNCH, // a kernel's
     READ,
     MAP,
     WRITE, // from here on only in a world's first step, in host memory
     FILL,
-    CREATE, // of a buffer
+    CREATE, // a buffer's
     BUILD,
-    ARRIVE, // of what was written
+    ARRIVE, // written data's
     CALLS
 } call;
 
 static const struct {
     const char *name;
     cl_int code;        // that it fails with
-    duet_status status; // what that is called
+    duet_status status; // the status for that code
 } calls[CALLS] = {
     [LAUNCH] = {"clEnqueueNDRangeKernel", CL_OUT_OF_RESOURCES, DUET_STATUS_DEVICE_FAILED},
     [WRITE] = {"clEnqueueWriteBuffer", CL_DEVICE_NOT_AVAILABLE, DUET_STATUS_DEVICE_FAILED},
@@ -47,7 +47,7 @@ static const struct {
 static atomic_int left[CALLS]; // calls until one fails; below 0: none does
 static atomic_int wide; // launches of more than a group along the first two axes, or an offset
 static atomic_int launches, maps;
-static _Atomic(cl_event) lost; // of a write in whose place zeros arrive
+static _Atomic(cl_event) lost; // event of a write in whose place zeros arrive
 
 static bool fails(call c)
 {
@@ -268,7 +268,7 @@ static bool survives(duet_world *world, call c, int k)
         assert_clear(&err, c);
     assert_right(world, 0);                  // B alone
     assert_right(world, DUET_SHARE_ONE);     // A alone
-    assert_right(world, DUET_SHARE_ONE / 2); // as if nothing had been
+    assert_right(world, DUET_SHARE_ONE / 2); // the failure left no trace
     return true;
 }
 
@@ -302,7 +302,7 @@ TEST(where_kernels_work_in_place_nothing_is_mapped)
     assert_int_equal(atomic_load(&maps) > before, !d[0].driver.in_place || !d[1].driver.in_place);
 }
 
-// As if the CPU's parts had memory of their own, which all is copied to and from.
+// Takes the CPU's parts for devices with memory of their own, which all is copied to and from.
 TEST(so_it_is_where_everything_is_copied)
 {
     bool host[2];
@@ -318,7 +318,7 @@ TEST(so_it_is_where_everything_is_copied)
         devices->devices[side].info.host_memory = host[side];
 }
 
-// Of the many buffers and kernels a sample.
+// Takes a sample of the many buffers and kernels.
 TEST(a_failing_first_step_is_told_and_the_next_one_is_right)
 {
     static const int strides[CALLS] = {[WRITE] = 1, [FILL] = 1, [CREATE] = 7, [BUILD] = 7};

@@ -108,7 +108,7 @@ static bool launch_all(duet_error *err)
 
 // ---------------------------------------------------------------- tests
 
-// Of the entry `hash` alone.
+// Binds the entry `hash` alone.
 #define BEHIND_CELLS "\n      uint key_from\n      uint key_home_to"
 
 TEST(a_card_that_the_host_does_not_know_is_refused)

@@ -20,14 +20,14 @@
 enum { N = 3000, MOVING = 12, STEPS = 3 };
 
 static duet_device_pair *pair;
-static duet_pose even[N], mixed[N]; // of one size, of many
+static duet_pose even[N], mixed[N]; // scenes of one size, of many
 static const char saved[] = "saved", scratch[] = "scratch";
 static uint64_t moved_right; // hash of the motion after its steps
 static uint32_t n_points;
 static uint32_t n_wanted = 1; // points of each scenario and way; 0: all
 static const char *only = ""; // scenarios whose name begins so
 
-// What lives from its making to its end while calls fail. At the end of a life in which
+// Objects that live from their making to their end while calls fail. At the end of a life in which
 // a call failed once, the device is there again: all goes right.
 typedef struct scenario {
     const char *name;
@@ -36,12 +36,12 @@ typedef struct scenario {
     const char *variant;
     const duet_pose *poses;
     uint32_t share; // out of 4
-    bool copies;    // as if the devices had memory of their own
-    uint32_t wants; // of a motion
+    bool copies;    // acts like devices with memory of their own
+    uint32_t wants; // effects of a motion
     uint64_t *right;
 } scenario;
 
-static char what[160]; // what runs, for messages
+static char what[160]; // name of what runs, for messages
 
 static bool told(bool ok, const duet_error *err)
 {
@@ -255,7 +255,7 @@ static void live_as_motion(const scenario *s, lost_way way, uint32_t k)
     duet_motion_destroy(m);
 }
 
-// What the motion of a scenario is like after its steps, saved when they begin.
+// The motion of a scenario after its steps, saved when they begin.
 static void save_motion(const scenario *s)
 {
     duet_error err = {0};
@@ -353,7 +353,7 @@ TEST(nothing_crashes_hangs_or_leaks)
     print_message("%u points\n", n_points);
 }
 
-// Of those kernels one is not made; the next step runs none that are left of either kind.
+// One of those kernels is not made; the next step runs none that are left of either kind.
 TEST(kernels_that_were_not_made_are_made_again)
 {
     uint64_t right = right_of(even);
@@ -382,7 +382,8 @@ static bool change_shape(duet_motion *m, duet_error *err)
     return duet_motion_set_poses(m, (duet_body_list){.n = 1}, &flat, err);
 }
 
-// What calls for kernels that a motion lacks leaves it as it was where one of these is not made.
+// A command that calls for kernels that a motion lacks leaves it as it was where one of these is
+// not made.
 TEST(a_motion_goes_on_without_kernels_that_were_not_made)
 {
     bool (*const calls[])(duet_motion *, duet_error *) = {into_tree, change_shape};

@@ -8,7 +8,7 @@
 
 enum { MOST = 300000 };
 
-// Where the host reads them again once a timeline has shown them.
+// The host reads them here again once a timeline has shown them.
 typedef struct bench {
     device d;
     gen *g;

@@ -53,7 +53,7 @@ TEST(a_fit_heeds_no_disturbed_times)
 
 TEST(a_fit_knows_what_it_does_not_know)
 {
-    fit_point points[9]; // of one size and one occupancy
+    fit_point points[9]; // points of one size and one occupancy
     for (int i = 0; i < 9; ++i)
         points[i] = (fit_point){
             .n = 1e6, .own = 1e5 * (i + 1), .occupancy = 0.66, .time_ns = 1e6 + 3e6 * (i + 1)};

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static look_fixture f; // of the test
+static look_fixture f; // the test's
 
 static int begin(void **state)
 {
@@ -105,7 +105,7 @@ TEST(two_equal_devices_are_not_one_of_them)
     assert_int_equal(look_for(&f, &one, 200000).grade, PROFILE_DEFAULT);
 }
 
-// Where both of test_time's devices end together.
+// The share at which both of test_time's devices end together.
 static double best_share(uint64_t n)
 {
     (void)n; // both begin and pass over all objects alike
@@ -177,7 +177,7 @@ TEST(a_size_between_two_is_interpolated)
     assert_figures_are_predicted(&found);
 }
 
-// Of two devices with straight lines for times, both end together at a share of
+// Two devices with straight lines for times end together at a share of
 // x + y / n.
 TEST(a_share_between_two_follows_both)
 {
@@ -211,8 +211,8 @@ TEST(a_size_next_to_one_that_was_measured_takes_its_plan)
     assert_figures_are_predicted(&found);
 }
 
-// As many objects in as many cells, but eight times as crowded, as `clustered` beside `paper`; or
-// of another density, other sizes, or in a flat world.
+// The same number of objects in as many cells, but eight times as crowded, as `clustered` beside
+// `paper`; or of another density, other sizes, or in a flat world.
 TEST(a_scene_that_is_not_alike_lends_no_figure)
 {
     static const char *const says[] = {"objects in the fullest cells 3 there, 24 here",

@@ -20,11 +20,11 @@ static const char *const mode_names[MODES] = {"own", "slab"};
 
 // Times in ns. A step takes as long as the longer part, and what the host does.
 typedef struct truth {
-    double begin[2];       // of a device, however little it does
-    double each[2][MODES]; // of all objects, whatever the share
-    double own[2];         // of an object that it does
+    double begin[2];       // time of a device, however little it does
+    double each[2][MODES]; // time of all objects, whatever the share
+    double own[2];         // time of an object that it does
     double power[2];       // own grows with n to this power
-    double host_begin;     // where both work
+    double host_begin;     // added where both work
     double host_each;
     bool equal; // so that the default plan shares
     double noise;
@@ -119,7 +119,8 @@ static void add_trial(store *s, const char *session, const truth *t, rng *r, dou
     assert_ok(profile_trial_add(s, session, &trial, "{}", &number, &err), err);
 }
 
-// As a tuning leaves it: the race's medians, its interval, and the best plan of those that raced.
+// Stores what a tuning leaves: the race's medians, its interval, and the best plan of those that
+// raced.
 static void tune(look_fixture *f, const char *family, const truth *t, rng *r, double n)
 {
     duet_error err = {0};
@@ -169,7 +170,7 @@ typedef struct losses {
     double worst; // beside the default, as a part of it
 } losses;
 
-// What is looked up for n objects, beside the default plan.
+// Looks up a plan for n objects, beside the default plan.
 static void ask(look_fixture *f, const char *family, const truth *t, double n, losses *l)
 {
     profile_workload workload = workload_of(family, n);

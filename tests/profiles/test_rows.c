@@ -242,11 +242,11 @@ TEST(a_live_profile_gives_way_only_to_one_that_is_founded_as_well)
         {{"faster", 0.16, 0.31, 40}, {"same", -0.2, 0.5, 40}, false},    // says nothing
         {{"faster", 0.16, 0.31, 40}, {"same", -0.01, 0.02, 14}, true},   // says a lot
         {{"faster", 0.16, 0.31, 40}, {"faster", 0.02, 0.9, 8}, false},   // fewer and wider
-        {{"faster", 0.16, 0.31, 40}, {"faster", 0.02, 0.9, 40}, true},   // as many
+        {{"faster", 0.16, 0.31, 40}, {"faster", 0.02, 0.9, 40}, true},   // the same number
         {{"faster", 0.16, 0.31, 40}, {"slower", -0.4, -0.35, 14}, true}, // narrower
         {{"same", -0.2, 0.5, 40}, {"faster", 0.1, 0.9, 40}, true},
         {{"same", -0.2, 0.5, 40}, {"same", -0.3, 0.9, 8}, false},
-        {{"faster", 0.16, 0.31, 0}, {"faster", 0.02, 0.9, 8}, true}, // of an older version
+        {{"faster", 0.16, 0.31, 0}, {"faster", 0.02, 0.9, 8}, true}, // profile of an older version
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         store *s = test_store_fresh();
@@ -325,7 +325,7 @@ static bool replaces(const char *options, const profile_row *gain, const double 
     return replaced;
 }
 
-// What a search among fewer kernels finds is as sure, and a worse plan.
+// The plan of a search among fewer kernels is as sure, and a worse plan.
 TEST(another_search_replaces_no_faster_plan)
 {
     static const profile_row gain = {

@@ -64,7 +64,7 @@ TEST(another_search_is_not_resumed)
     store_close(s);
 }
 
-// What was asked is part of what is finished.
+// The question is part of what is finished.
 TEST(what_was_asked_and_finished_is_known)
 {
     store *s = test_store_tuned();

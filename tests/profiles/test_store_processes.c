@@ -130,7 +130,7 @@ static void write_rows(const char *path, int who)
 }
 
 // Looks up until the workload that four writers share has its profile, or the test's time is over.
-// What is seen is whole; on a machine that is busy enough a look-up may give up waiting.
+// Each row that is seen is whole; on a machine that is busy enough a look-up may give up waiting.
 static void read_rows(const char *path, int who)
 {
     (void)who;
@@ -172,7 +172,7 @@ TEST(writers_and_readers_do_not_disturb_each_other)
     store_close(s);
 }
 
-// Of many processes that want one session exactly one gets it. They live until all have asked.
+// Exactly one of many processes that want a session gets it. They live until all have asked.
 enum { CLAIMANTS = 6 };
 static int claim_pipe[2], end_pipe[2];
 

@@ -105,7 +105,7 @@ TEST(hits_are_those_of_a_sweep)
     hits_are_those_of_a_sweep_in(2, 0);
 }
 
-// Of all pairs of these two sets, as a pair query answers.
+// Answers all pairs of these two sets, as a pair query answers.
 static uint64_t count_by_pairs(duet_level level, const duet_pose *boxes, uint32_t n,
                                const duet_pose *asked, uint32_t m,
                                const duet_box_query_result *found)
@@ -191,7 +191,7 @@ TEST(bounds_meet_where_comparisons_say_so)
     }
 }
 
-// Of all pairs those whose filters let them touch, in their order.
+// Keeps of all pairs those whose filters let them touch, in their order.
 static void meets_itself(duet_box_query *query, const duet_filter *filters, uint32_t count,
                          const duet_pair *pairs, uint64_t n)
 {

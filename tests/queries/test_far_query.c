@@ -89,7 +89,7 @@ typedef struct scene {
     duet_large_pose large_boxes[BOXES + 1], large_asked[ASKED];
     duet_large_ray large_rays[ASKED];
     duet_large_point large_points[ASKED];
-    duet_large_sweep large_sweeps[ASKED]; // of the boxes asked about, along the rays
+    duet_large_sweep large_sweeps[ASKED]; // sweeps of the boxes asked about, along the rays
 } scene;
 
 static scene *make_scene(uint32_t dims)
@@ -108,7 +108,7 @@ static scene *make_scene(uint32_t dims)
     return s;
 }
 
-// What is asked is not settled: offsets reach over many cells.
+// The items are not settled: offsets reach over many cells.
 static void move_scene(scene *s, const int32_t by[3])
 {
     for (uint32_t i = 0; i < BOXES; ++i)
@@ -293,7 +293,7 @@ TEST(a_closest_hit_is_the_first_of_all)
     free(s);
 }
 
-// Where a box stands upright the surface that a ray enters is known.
+// The surface of a box that stands upright that a ray enters is known.
 TEST(t_is_where_the_ray_enters_as_exactly_as_near_0)
 {
     scene *s = make_scene(3);

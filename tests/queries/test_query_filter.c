@@ -173,7 +173,7 @@ static uint32_t *filter_hits(const scene *s, duet_tree *tree, bool round, way w,
     return all;
 }
 
-// What a query of the way tells of an item whose filtered hits these are.
+// The answer of such a query for an item whose filtered hits these are.
 static void assert_item(way w, const uint32_t *found, const uint32_t *known, uint64_t n_known)
 {
     size_t words = hit_words(w);

@@ -109,7 +109,7 @@ static world *make_world(uint32_t dims)
 
 // ---------------------------------------------------------------- truth
 
-// Where a ray enters a box, in long double; the ray is known to meet it.
+// Finds where a ray enters a box, in long double; the ray is known to meet it.
 static long double enters_at(const duet_ray *ray, const duet_pose *box, uint32_t dims,
                              long double *least_speed)
 {
@@ -216,7 +216,7 @@ static void fill_bounds(rng *r, duet_bounds *bounds, uint32_t n)
         }
 }
 
-// Where a ray enters bounds that it meets.
+// Finds where a ray enters bounds that it meets.
 static long double enters_bounds_at(const duet_ray *ray, const duet_bounds *box, uint32_t dims)
 {
     long double enter = 0;

@@ -130,7 +130,7 @@ typedef struct known {
     duet_rounded_box moving;
     float direction[3], t_max;
     duet_rounded_box still;
-    float t; // of the first touch; < 0: none
+    float t; // time of the first touch; < 0: none
     float normal[3];
 } known;
 
@@ -338,7 +338,7 @@ TEST(radii_that_vanish_leave_a_normal)
 
 // ---------------------------------------------------------------- hits
 
-// Of docs/accuracy.md, and what rounding a centre adds that moved.
+// The bound of docs/accuracy.md, and what rounding a centre adds that moved.
 static double error_of(const duet_rounded_sweep *s, const duet_rounded_box *box)
 {
     double size = (double)s->box.radius + box->radius, far = 0;
@@ -408,7 +408,7 @@ TEST(every_hit_is_found_and_no_other)
     devices_seem_gpus(false);
 }
 
-// What only just touches is none of float's business.
+// A box that only just touches is none of float's business.
 TEST(closed_forms_hold_on_devices)
 {
     for (int i = 0; i < CLOSED; ++i) {
@@ -452,7 +452,7 @@ TEST(closest_and_any_are_of_every_hit)
         for (; at < found[0].n_hits && found[0].hits[at].sweep == i; ++at)
             listed = listed || memcmp(&found[0].hits[at], hit, sizeof *hit) == 0;
         assert_int_equal(listed, hits);
-        assert_true(!hits || hit->t <= least + 0.05f); // of ways of some units a unit of t
+        assert_true(!hits || hit->t <= least + 0.05f); // a unit of t is a way of some units
     }
     assert_true(n_same * 50 >= n_hit * 49);
     for (int i = 0; i < 4; ++i)

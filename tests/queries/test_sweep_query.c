@@ -222,7 +222,7 @@ TEST(closest_and_any_are_of_every_hit)
         for (; at < all.n_hits && all.hits[at].sweep == i; ++at)
             listed = listed || memcmp(&all.hits[at], hit, sizeof *hit) == 0;
         assert_int_equal(listed, hits);
-        assert_true(!hits || hit->t <= least + 0.05f); // of ways of some units a unit of t
+        assert_true(!hits || hit->t <= least + 0.05f); // a unit of t is a way of some units
     }
     assert_true(n_same * 50 >= n_hit * 49);
     duet_sweep_query_destroy(every);

@@ -576,7 +576,7 @@ TEST(a_range_of_a_scene_is_that_part_of_the_whole)
     text_free(&rows);
 }
 
-// What one box draws depends on its number and its each, and on nothing else.
+// The draws of a box depend on its number and its each, and on nothing else.
 TEST(sources_of_each_are_independent)
 {
     duet_scene *scene = assert_scene(IN_PARTS);
@@ -587,7 +587,7 @@ TEST(sources_of_each_are_independent)
     duet_scene_destroy(scene);
 }
 
-// Of a thousand million only what is kept is made.
+// Only the kept ones of a thousand million are made.
 TEST(a_range_of_a_great_scene_is_quick)
 {
     duet_error err = {0};

@@ -142,7 +142,8 @@ TEST(a_workload_is_of_the_objects_that_a_world_has)
     duet_error err = {0};
     fixture f = make_world(N, test_seed(), 0, "auto");
     profile_subject set = describe(&f);
-    duet_pose *poses = duet_world_map_objects(f.world, DUET_OBJECT_POSES, N, &err); // as they are
+    duet_pose *poses =
+        duet_world_map_objects(f.world, DUET_OBJECT_POSES, N, &err); // the objects stay as they are
     assert_ok(poses, err);
     profile_subject mapped = describe(&f);
     assert_memory_equal(&set.workload, &mapped.workload, sizeof set.workload);
@@ -339,7 +340,8 @@ TEST(without_a_profile_the_plan_stays)
     drop_world(&f);
 }
 
-// As if it had been measured on twice as many objects, where sharing gained as much as that.
+// Makes it as if it had been measured on twice as many objects, where sharing gained as much as
+// that.
 #define OF_TWICE_AS_MANY                                                           \
     "UPDATE profile SET gain = 3, gain_low = 2, gain_high = 4, true_pairs = 100; " \
     "UPDATE workload SET n = 2 * n, key = 'another'"
@@ -568,7 +570,7 @@ TEST(a_query_takes_its_profile_and_others_keep_their_share)
     assert_ok(duet_ray_query_run(tuned, rays, RAYS, &result, &err), err);
     assert_true(result.device_ms[0] == 0);
 
-    // What no race has spoken for, or was measured with other kernels, is not followed.
+    // A plan that no race has spoken for, or was measured with other kernels, is not followed.
     test_store_run(folder.store, "UPDATE profile SET kernels = 'other'");
     assert_int_equal(load_query(tree, "rays closest", RAYS, folder.store, 0), DUET_GRADE_STALE);
     assert_int_equal(duet_tree_set_objects(tree, DUET_OBJECT_POSES, f.poses, 4 * f.n / 10, &err),

@@ -185,7 +185,7 @@ TEST(a_plans_skin_changes_how_often_pairs_are_searched_and_no_bit)
     mover_run(m, STEPS);
     assert_ok(duet_motion_set_plan(m->motion, &thin, &err), err);
     mover_run(m, 1);
-    assert_true(m->last.rebuilt); // what holds within one skin may not within another
+    assert_true(m->last.rebuilt); // a plan that holds within one skin may not within another
     mover_run(m, LONG - STEPS - 1);
     assert_true(mover_hash(m) == hash);
     assert_true(m->motion->def.skin == 0.05);
@@ -240,7 +240,7 @@ TEST(a_motion_without_contact_takes_the_kernels_alone)
     put_for(folder.store, m, "integrate_free_flight.WG=256 integrate_free_flight.PER_ITEM=1");
     assert_int_equal(load(m, folder.store).grade, DUET_GRADE_EXACT);
     assert_int_equal(m->motion->kernels.integrate_free_flight->group, 256);
-    assert_null(duet_motion_get_plan(m->motion)); // of pairs
+    assert_null(duet_motion_get_plan(m->motion)); // no plan of pairs
     mover_run(m, STEPS);
     assert_true(mover_hash(m) == hash);
     mover_free(m);
@@ -279,7 +279,7 @@ TEST(a_still_worlds_profile_is_no_motions_nor_the_reverse)
     mover_free(m);
 }
 
-// As many as make no motion of another kind.
+// A number that makes no motion of another kind.
 TEST(another_number_of_bodies_takes_the_plan_and_no_figure)
 {
     test_folder folder = test_folder_make();

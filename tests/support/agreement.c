@@ -15,7 +15,7 @@
 
 enum { EACH_WITH_EACH_LIMIT = 2000 };
 
-// What a plan may be: hashed grids have no rows to cut slabs from.
+// The plans that may be: hashed grids have no rows to cut slabs from.
 static const struct {
     duet_mode mode;
     const char *variant;
@@ -45,9 +45,9 @@ typedef struct check {
     const void *objects;
     uint32_t n;
     reference_found truth;
-    uint64_t hash;       // of the truth
-    uint64_t candidates; // as the devices' bounds have it
-    uint64_t undecided;  // as the devices' arithmetic leaves it
+    uint64_t hash;       // the true pairs'
+    uint64_t candidates; // candidates as the devices' bounds have it
+    uint64_t undecided;  // open pairs as the devices' arithmetic leaves them
 } check;
 
 static int compare_pairs(const void *left, const void *right)
@@ -151,7 +151,7 @@ static void count_pose_pair(check *c, const duet_bounds *bounds, uint32_t a, uin
         narrow_float_apart(pose_a, pose_b, shift, def->dims, def->rotated) == NARROW_UNDECIDED;
 }
 
-// What the devices should count, by the arithmetic that they should do.
+// Counts what the devices should count, by the arithmetic that they should do.
 static void count_as_devices_do(check *c)
 {
     if (c->def->shape == DUET_SHAPE_BOUNDS) {

@@ -17,7 +17,7 @@ struct asker {
     duet_sweep_query *sweeps;
     duet_box_query *boxes;
     duet_point_query *inside, *nearest;
-    duet_pose *poses; // of the last question's bodies
+    duet_pose *poses; // poses of the last question's bodies
     uint32_t n;
     uint64_t sum;
 };

@@ -23,7 +23,7 @@ uint64_t true_hash_of(duet_scene *scene);
 bool devices_are_two(void);
 void skip_on_one_device(void); // with a line
 
-// What is made from now on is made as for GPUs with memory of their own, or again as for what
+// Worlds made from now on are made as for GPUs with memory of their own, or again as for what
 // the devices are.
 void devices_seem_gpus(bool seem);
 

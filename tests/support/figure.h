@@ -11,7 +11,7 @@
 // Numbers are as the documents write them: 1 000, 0.5, -2.4, 1e-5, 2^-70.
 void figures(const char *document, const char *pattern, int n, double *out);
 
-// Where there is one.
+// Given where there is one.
 double figure(const char *document, const char *pattern);
 
 #endif

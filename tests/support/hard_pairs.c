@@ -288,7 +288,7 @@ static hard_pair face_to_face(rng *r, uint32_t dims)
 typedef struct whole_box {
     int q[4];
     int norm;
-    int axis[3][3];      // of length norm
+    int axis[3][3];      // vectors of length norm
     int half_extents[3]; // in units of norm / 64
 } whole_box;
 
@@ -400,7 +400,7 @@ static hard_pair an_ulp_off(hard_pair p, rng *r, uint32_t dims)
     nudge(rng_below(r, 4) ? &p.b.centre[rng_below(r, dims)] : &p.b.half_extents[rng_below(r, dims)],
           1, r);
     for (int i = 0; i < 3; ++i)
-        p.b.half_extents[i] = fabsf(p.b.half_extents[i]); // where an extent was 0
+        p.b.half_extents[i] = fabsf(p.b.half_extents[i]); // taken where an extent was 0
     return p;
 }
 

@@ -16,12 +16,12 @@ typedef struct crowd {
     duet_device_pair *devices;
     uint32_t dims;
     uint64_t n;
-    int each;             // of a class
+    int each;             // pairs of a class
     duet_pose *poses;     // [2 n]
     duet_pose *exchanged; // second pose first
     duet_pose *negated;   // -q for q
     bool *truth;          // [n]
-    uint8_t *answers;     // of B alone
+    uint8_t *answers;     // answers of B alone
     uint8_t *others;
 } crowd;
 

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-// Of a file within the folder; its own folder is made.
+// Gives the path of a file within the folder; its own folder is made.
 static void file_path(text *path, const char *folder, const char *file)
 {
     const char *slash = strrchr(file, '/');

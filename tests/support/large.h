@@ -6,7 +6,7 @@
 #include "base/rng.h"
 #include "runtime/duet.h"
 
-#define LARGE_EDGE 0.125f // of the cells: boxes reach over many
+#define LARGE_EDGE 0.125f // edge of the cells: boxes reach over many
 
 enum { LARGE_MOST = 1000 };
 

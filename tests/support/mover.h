@@ -14,7 +14,7 @@ typedef struct mover {
     uint32_t n;
     duet_motion *motion;
     duet_motion_result last;
-    duet_state states[MOVER_MOST]; // as mover_run left them
+    duet_state states[MOVER_MOST]; // the bodies as mover_run left them
 } mover;
 
 // One device pair for all tests of a program: group setup, and teardown, which
@@ -53,7 +53,7 @@ uint64_t mover_hash(mover *m);
 double mover_total(mover *m); // energy of all kinds
 double mover_speed(const mover *m, uint32_t id);
 double mover_greatest_speed(const mover *m);
-void mover_assert_finite(const mover *m); // what mover_run read
+void mover_assert_finite(const mover *m); // checks what mover_run read
 
 // CMocka compares floats.
 #define assert_close(a, b, bound)                                                           \

@@ -38,7 +38,7 @@ static narrow_answer test_frame(const sat_frame *m)
     return m->trusted && needed + lost < -slack ? NARROW_COLLIDING : NARROW_UNDECIDED;
 }
 
-// Without rotation. What rounding leaves over of a sum of two floats is a float
+// Without rotation. The rest that rounding leaves of a sum of two floats is a float
 // too, and rounding keeps order: comparing the sums, then what is left over, is
 // exact. The device must have denormal numbers.
 static narrow_answer test_upright(const duet_pose *a, const duet_pose *b, const double shift[3],

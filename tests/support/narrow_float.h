@@ -5,9 +5,9 @@
 
 #include "runtime/narrowphase/narrow.h"
 
-// What the devices compute in float, operation for operation (kernels/narrowphase/sat.clh),
-// with its bound. rotated false takes both rotations for the identity; it is
-// then undecided only where a distance is above 2^100.
+// Computes what the devices compute in float, operation for operation
+// (kernels/narrowphase/sat.clh), with its bound. rotated false takes both rotations for the
+// identity; it is then undecided only where a distance is above 2^100.
 narrow_answer narrow_float(const duet_pose *a, const duet_pose *b, uint32_t dims, bool rotated);
 
 // The same where b lies `shift` further than its pose says.

@@ -157,7 +157,7 @@ static void eliminate(const rows *in, int k, rows *out)
     }
 }
 
-// Of two rows in one coordinate: a p <= x and -b p <= y meet where a y + b x >= 0.
+// Solves two rows in one coordinate: a p <= x and -b p <= y meet where a y + b x >= 0.
 static bool has_solution(const rows *r, int k)
 {
     bool solved = true;

@@ -10,7 +10,7 @@
 // Sound boxes only.
 bool oracle_collide(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
-// Of two boxes as rows of ten doubles, none of which is rounded.
+// Decides two boxes as rows of ten doubles, none of which is rounded.
 bool oracle_rows_collide(const double a[10], const double b[10]);
 
 #endif

@@ -16,7 +16,7 @@ typedef search_sample simulated_row;
 typedef struct simulated_pair {
     double ratio;              // A is so many times slower than B
     double fixed[2];           // part of its time that does not shrink with its work
-    double overhead[2];        // what taking part costs each device when both do
+    double overhead[2];        // cost of taking part for each device when both do
     uint32_t waves[2];         // each device's work goes in so many equal steps; 0: smoothly
     double interference;       // each device is slower by this part while the other works
     double sigma;              // noise of each device's time, as a part of it

@@ -16,7 +16,7 @@ typedef struct stack {
 
 // Whether all boxes are in their places, at rest, after so many seconds; else
 // the first that is not is printed.
-// What docs/effects.md says of stacks: heights with the substeps that they need, for
+// The stacks of docs/effects.md: heights with the substeps that they need, for
 // so many seconds, how far their boxes may sway in parts of the height, and one that falls.
 typedef struct stack_figures {
     uint32_t heights[3], substeps[3], seconds;

@@ -31,7 +31,7 @@ profile_request test_request(const profile_pair *pair, const profile_workload *w
 // test_time take; `samples` holds them.
 profile_trial test_trial(uint64_t n, double share, profile_sample *samples, uint32_t n_samples);
 
-// What a device takes for its part of n objects: affine, A five times slower.
+// The time of a device for its part of n objects: affine, A five times slower.
 double test_time(int device, uint64_t n, double share);
 
 // A whole session of nine shares, 0 and 1 among them, with its profile.

@@ -47,7 +47,7 @@ int test_enter_folder(void **state); // one for each test, by test_each
 // can be repeated.
 uint64_t test_seed(void);
 
-// Where kernels are compiled for each of many ways, a test takes one in `of` of them, by the
+// A test whose kernels are compiled for each of many ways takes one in `of` of them, by the
 // seed; every one with --all, as the label long has it.
 void test_begin(int argc, char **argv);
 void test_take_all(void);

@@ -7,7 +7,7 @@
 
 duet_tree *open_tree(uint32_t dims, uint32_t share, const duet_pose *poses, uint32_t n);
 duet_tree *open_bounds_tree(uint32_t dims, uint32_t share, const duet_bounds *bounds, uint32_t n);
-// Of rounded boxes or spheres.
+// Takes rounded boxes or spheres.
 duet_tree *open_rounded_tree(uint32_t dims, uint32_t share, duet_object_kind kind,
                              const void *objects, uint32_t n);
 void set_poses(duet_tree *tree, const duet_pose *poses, uint32_t n);

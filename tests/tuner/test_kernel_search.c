@@ -20,7 +20,7 @@ typedef struct fake {
     double factor[PARAMS][KERNEL_SPACE_VALUES];
     double together[PARAMS][KERNEL_SPACE_VALUES][KERNEL_SPACE_VALUES]; // with the next parameter
     double sigma;
-    double spike_chance; // of a launch that takes up to twice as long
+    double spike_chance; // chance of a launch that takes up to twice as long
     double cold;         // a config's first launch takes up to so much longer
     bool ran[2][625];    // by device and config's values
     rng random;
@@ -29,7 +29,7 @@ typedef struct fake {
     uint32_t told; // how many trials there are, during the search of kernels
 } fake;
 
-// As many values as the kernels that search pairs have on a GPU and on a CPU.
+// The number of values that the kernels that search pairs have on a GPU and on a CPU.
 static const uint32_t gpu_values[PARAMS] = {2, 5, 3, 4}, cpu_values[PARAMS] = {4, 4, 3, 1};
 
 static bool is_valid(const uint8_t config[PARAMS])

@@ -98,8 +98,8 @@ TEST(what_a_variant_sets_is_not_free)
     free(spaces);
 }
 
-// What the card rules out is no config: on a CPU 2 * 3 * 4 * 2 less those whose BATCH is
-// no multiple of LANES.
+// A combination that the card rules out is no config: on a CPU 2 * 3 * 4 * 2 less those whose BATCH
+// is no multiple of LANES.
 TEST(configs_that_are_not_valid_are_left_out)
 {
     uint32_t n;

@@ -30,7 +30,7 @@ typedef struct watched {
     const measure_machine *machine;
     const duet_world *world;
     uint32_t launches;
-    uint32_t timed; // of them, stage by stage: a bit each, the first lowest
+    uint32_t timed; // launches timed stage by stage: a bit each, the first lowest
 } watched;
 
 static bool launch_watched(void *context, const duet_plan *plan, bool staged,
@@ -65,7 +65,7 @@ TEST(a_gpus_launches_that_count_are_not_timed_by_stages)
         assert_string_equal(m.outcome, "ok");
         assert_int_equal(w.launches, 13);
         assert_int_equal(w.timed, cases[i].timed);
-        assert_true(m.launch.terms.gpu2 > 0); // of the launch that warmed up
+        assert_true(m.launch.terms.gpu2 > 0); // the launch that warmed up has it
     }
     duet_world_destroy(world);
     devices_seem_gpus(false);

@@ -16,7 +16,7 @@
 typedef struct machine {
     simulated_pair modes[PLAN_MODES];
     double kernels[2][PLAN_VARIANTS];
-    double slower[2]; // what the devices do besides
+    double slower[2]; // slowdown by what the devices do besides
     double switch_ns; // that a frame takes longer after one with other kernels
     listed_plan last;
     rng *r;          // NULL: without noise
@@ -63,7 +63,7 @@ static double time_of(const machine *m, const listed_plan *plan)
     return (double)frame.total_ns;
 }
 
-// Of all modes, kernels and shares.
+// Goes over all modes, kernels and shares.
 static double best_time(const machine *m)
 {
     double best = INFINITY;
@@ -82,7 +82,7 @@ static double excess_of(const machine *m, const online *o)
     return time_of(m, &o->plan) / best_time(m) - 1;
 }
 
-// What other plans than the kept one cost, in units of what that one takes.
+// The cost of other plans than the kept one, in units of what that one takes.
 typedef struct trials {
     double longest;
     uint32_t n;
@@ -114,7 +114,7 @@ static online begin_at(uint32_t share)
     return online_begin(&plan, 0.1);
 }
 
-// As create does where the world has objects.
+// Does as create does where the world has objects.
 static online begin_learned(const listed_plan *plan, machine *m)
 {
     online o = online_begin(plan, 0.1);
@@ -417,7 +417,7 @@ TEST(steps_find_the_same_pairs_while_the_share_is_watched)
     destroy_world(&f);
 }
 
-// As a tuning leaves it.
+// Stores what a tuning leaves.
 static void put_tuned(record *r, const duet_plan *plan, const char *level)
 {
     duet_error err = {0};

@@ -96,7 +96,7 @@ static replay_outcome run(replay *r, const char *name, uint64_t seed)
     return outcome;
 }
 
-// Of the second of three launches.
+// The second of three launches.
 static double true_ns(double share)
 {
     return (1 + SPREAD) * fmax(test_time(0, INVENTED, share), test_time(1, INVENTED, share));
@@ -189,7 +189,7 @@ static double median_loss(replay *r, const char *name)
     return losses[RUNS / 2];
 }
 
-// What was recorded has noise of some percent, and the best of a hundred medians is a lucky one.
+// The recorded times have noise of some percent, and the best of a hundred medians is a lucky one.
 TEST(on_recorded_surfaces_grid_and_balance_come_near_the_best)
 {
     static const uint64_t sizes[] = {20000, 100000};

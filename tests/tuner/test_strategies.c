@@ -27,13 +27,13 @@ static uint32_t pick_of(const char *name, const simulated_pair *model, rng *r, u
     return share;
 }
 
-// What is known of figure 12 in exact arithmetic: T(r) = max(K r, 1 - r).
+// The facts of figure 12 in exact arithmetic: T(r) = max(K r, 1 - r).
 typedef struct fig12_row {
     double ratio;
     double share;        // after 13 launches
     double off_percent;  // above the best total
-    double lost_percent; // of the gain over the faster device
-    double cost;         // of all launches, in best totals
+    double lost_percent; // part of the gain over the faster device
+    double cost;         // cost of all launches, in best totals
 } fig12_row;
 
 static const fig12_row fig12_table[] = {

@@ -19,13 +19,13 @@ enum { RIGHT = 4711 };
 typedef struct fake {
     simulated_pair model;
     rng random;
-    double slowness; // of a device whose memory somebody else uses, for a while; 0: none
+    double slowness; // slowness of a device whose memory somebody else uses, for a while; 0: none
     bool slow[2];
     bool modes_tie; // else mode shared costs more
     double factor;  // on all times; 0: 1
     double staging; // how many times as long a launch takes whose stages are timed; 0: 1
     uint32_t launches;
-    uint32_t staged;     // of them
+    uint32_t staged;     // launches timed by stages
     uint32_t stop_after; // trials; 0: never
     uint32_t recorded;
     double disturbed; // part of the launches that another program disturbs, of the first ones
@@ -154,7 +154,7 @@ static bool open_fake(void *whole, const char *kernels, measure_machine *machine
     return true;
 }
 
-// Where both are parts of one device.
+// The case that both are parts of one device.
 static duet_tune_outcome tune_parts(fake *f, fake *whole, const duet_tune_def *def)
 {
     tune_task task = fake_task(f, def);
@@ -197,7 +197,7 @@ static const simulated_row flat_rows[] = {
     {.share = SEARCH_ONE, .a_ns = 10000000, .b_ns = 10000000},
 };
 
-// As on a machine whose last cache other programs use: a device takes 1.45 times
+// Acts like a machine whose last cache other programs use: a device takes 1.45 times
 // as long for a while, now one, now the other, alone as together; and every fourth
 // launch something takes its core away. Divided evenly a step takes 1 / 1.9 of a
 // single device's in three rounds of four.
@@ -332,7 +332,7 @@ TEST(sharing_that_changes_nothing_is_called_the_same)
     assert_true(same >= 0.97 * TIMES);
 }
 
-// What is left of a race once it no longer matters who wins is not run.
+// The rest of a race once it no longer matters who wins is not run.
 TEST(modes_that_tie_are_not_raced_to_the_end)
 {
     enum { TIMES = 50 };
@@ -603,7 +603,7 @@ static bool is_stopped(void)
     return stopped_now;
 }
 
-// As Ctrl-C at a terminal, which reaches the driver's compiler too.
+// Does as Ctrl-C at a terminal, which reaches the driver's compiler too.
 static bool launch_stopped(void *context, const duet_plan *plan, bool staged,
                            measure_launch *launch, duet_error *err)
 {
@@ -644,7 +644,7 @@ TEST(a_stop_while_a_kernel_is_built_is_no_trial)
     assert_false(ran);
     assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
     assert_non_null(strstr(err.text, "stopped after 2 trials"));
-    assert_int_equal(kept.n, 2); // of four launches each; the third was cut
+    assert_int_equal(kept.n, 2); // trials of four launches each; the third was cut
     assert_int_equal(f.recorded, 2);
     trial_log_free(&kept);
 }
@@ -698,7 +698,7 @@ TEST(launches_that_other_programs_disturb_do_not_count)
     assert_string_equal(outcome.verdict, "faster");
     assert_in_range(outcome.plan.share, DUET_SHARE_ONE * 47 / 100, DUET_SHARE_ONE * 53 / 100);
     assert_true(outcome.disturbed > 0 && outcome.disturbed < outcome.watched);
-    // As they are, they hide what sharing gains.
+    // Unchanged, they hide what sharing gains.
     f = halves(seed);
     f.disturbed = 1;
     f.looks = UINT32_MAX;

@@ -38,7 +38,7 @@ static float fraction_of(uint64_t id, uint64_t number)
     return (float)(k >> 40) * 0x1p-24f;
 }
 
-// As dense as the paper's.
+// Makes a scene as dense as the paper's.
 static duet_pose pose_of(uint64_t id, float world)
 {
     duet_pose p = {.half_extents = {0.5f, 0.5f, 0.5f}};
@@ -117,7 +117,7 @@ static double rss_gb(void)
     return (double)used.ru_maxrss * 1024 * 1e-9;
 }
 
-// What is mapped is new to the devices; it is not timed how long the application writes it.
+// Mapped objects are new to the devices; it is not timed how long the application writes it.
 static bool run(duet_cluster *c, int steps, duet_error *err)
 {
     double ms[MOST_STEPS];

@@ -3,8 +3,8 @@
 --
 --     duet lua --trust tests/bench/peers/piles.lua DIR N STEPS ROUNDS
 --
--- DIR holds pile_box3d and its like (CMakeLists.txt beside this file). For each engine: the
--- processor time of a step in ms, the median of ROUNDS; how many boxes are awake after the last;
+-- DIR holds pile_box3d and its like (CMakeLists.txt beside this file). Prints for each engine
+-- the processor time of a step in ms, the median of ROUNDS; how many boxes are awake after the last;
 -- and then, in m, how deep the deepest two boxes are in each other, and a box in the floor.
 -- One judge of all: the separation of two boxes along the best of 15 axes, in double.
 local duet = require "duet"

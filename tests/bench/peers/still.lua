@@ -18,7 +18,7 @@ end
 n, runs = tonumber(n) // 1 | 0, tonumber(runs) // 1 | 0
 local on_cpu = selector:find "cpu" ~= nil
 
-local side = 200 * (n / 1e6) ^ (1 / 3) -- as crowded as a million in 200 x 200 x 200
+local side = 200 * (n / 1e6) ^ (1 / 3) -- crowded as a million in 200 x 200 x 200
 local scene = assert(duet.scene("paper", { n = n, world = side }))
 local device = assert(duet.device_pair { a = selector, b = selector })
 local folder = os.tmpname()

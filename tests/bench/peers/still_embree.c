@@ -29,7 +29,7 @@ static void bounds_of(const struct RTCBoundsFunctionArguments *args)
     b->lower_z = s->centre[2] - s->reach[2], b->upper_z = s->centre[2] + s->reach[2];
 }
 
-// Where the ray enters the box, by its slabs in the box's frame.
+// Finds where the ray enters the box, by its slabs in the box's frame.
 static void intersect(const struct RTCIntersectFunctionNArguments *args)
 {
     const shape *s = (const shape *)args->geometryUserPtr + args->primID;

@@ -13,7 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// The target's. What it opens once, if anything, it opens in fuzz_begin, where no
+// The target's. It opens what it opens once, if anything, in fuzz_begin, where no
 // time is taken.
 void fuzz_one(const uint8_t *data, size_t n);
 void fuzz_begin(void) __attribute__((weak));
@@ -28,7 +28,7 @@ typedef struct fuzz_path {
     char chars[192];
 } fuzz_path;
 
-// Where a file of that name lies in the folder, and that file with the input as
+// Gives where a file of that name lies in the folder, and that file with the input as
 // its content.
 fuzz_path fuzz_place(const char *name);
 fuzz_path fuzz_file(const char *name, const uint8_t *data, size_t n);

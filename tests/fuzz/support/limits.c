@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Scripts under test end early: the linker leads script_open here. What an input
-// may take is a thousandth of what a user's script may, so that thousands of
+// Scripts under test end early: the linker leads script_open here. An input may
+// take a thousandth of what a user's script may, so that thousands of
 // inputs are tried in a second; an endless loop is ended by the same code.
 #include "gen/script.h"
 
