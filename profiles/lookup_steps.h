@@ -4,7 +4,7 @@
 #ifndef PROFILES_LOOKUP_STEPS_H
 #define PROFILES_LOOKUP_STEPS_H
 
-#include "profiles/fit.h"
+#include "profiles/forecast.h"
 #include "profiles/lookup.h"
 #include "profiles/neighbour.h"
 #include "profiles/sql.h"

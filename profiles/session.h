@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A session: one search for one workload on one pair, how it is resumed, and its
-// trials: one plan each, with every launch kept.
+// A session: one search for one workload on one pair, and how it is resumed.
 //
 // A session that was killed or stopped is taken up again by the next process
 // that wants the same; each trial is written with the search's state in one
@@ -9,8 +8,7 @@
 #define PROFILES_SESSION_H
 
 #include "profiles/subject.h"
-
-#define PROFILE_VARIANT 192
+#include "profiles/trial.h"
 
 typedef struct profile_session {
     int64_t pair_id;
@@ -57,6 +55,9 @@ bool profile_session_resume(store *s, const profile_session *session, profile_re
                             duet_error *err);
 void profile_resumed_free(profile_resumed *resumed);
 
+// Keeps the search's state, a JSON object, unless it is NULL, and shows that the owner lives.
+bool profile_session_save(store *s, const char *id, const char *search_state, duet_error *err);
+
 // how: "complete", "stopped" (to be resumed) or "failed". A complete session's
 // trials enter the fits of its devices.
 bool profile_session_end(store *s, const char *id, const char *how, duet_error *err);
@@ -74,71 +75,5 @@ typedef struct profile_search {
 // partner another one; empty if there is none.
 bool profile_searched_variant(store *s, const profile_search *search, char variant[PROFILE_VARIANT],
                               duet_error *err);
-
-// ---------------------------------------------------------------- trials
-
-#define PROFILE_SHARE_ONE 65536
-
-// How a step was done; mirrors the public plan, which this module does not know.
-typedef struct profile_plan {
-    uint32_t share;                  // A's part out of PROFILE_SHARE_ONE
-    char mode[16];                   // "shared", "own" or "slab"
-    char level[16];                  // the level of accuracy, "certified"
-    char variant_a[PROFILE_VARIANT]; // "auto sort=radix"
-    char variant_b[PROFILE_VARIANT];
-} profile_plan;
-
-typedef enum profile_sample_flag {
-    PROFILE_SAMPLE_WARM_UP = 1,  // before the clock counts
-    PROFILE_SAMPLE_OUTLIER = 2,  // marked, and kept
-    PROFILE_SAMPLE_DISTURBED = 4 // other programs disturbed it, so that it does not count
-} profile_sample_flag;
-
-// One launch. Times that were not measured are 0.
-typedef struct profile_sample {
-    int64_t total_ns;
-    int64_t a_ns;
-    int64_t b_ns;
-    int64_t transfer_ns;
-    int64_t merge_ns;
-    int64_t cpu_ns;  // processor time of the calling thread and of the busiest other one
-    int64_t wait_ns; // the longest that a thread waited for a core
-    uint32_t flags;
-    int64_t at_ns; // when, by the calendar
-} profile_sample;
-
-typedef struct profile_trial {
-    profile_plan plan;
-    const char *outcome; // "ok", "build", "launch", "wrong", "timeout" or "pruned"
-    const char *reason;  // one line if not ok; else NULL
-    double build_ms;     // 0: nothing was built
-    uint32_t outliers;
-    uint32_t disturbed; // launches that count although other programs disturbed them
-    double median_ns;   // the total's, as all below; NaN unless ok when read
-    double mad_ns;      // median absolute deviation
-    double low_ns;      // the median's interval
-    double high_ns;
-    double a_ns;       // median of A's part; 0: A had none
-    double b_ns;       // and of B's
-    const char *terms; // a JSON object: T_CPU1, T_GPU1, T_BUS1 ... (equations 4 to 6); NULL: none
-    const profile_sample *samples;
-    uint32_t n_samples;
-} profile_trial;
-
-// Adds a trial, its samples and, unless NULL, the search's state: all or
-// nothing, and the owner is seen to live. `number` counts from 0 in its session.
-bool profile_trial_add(store *s, const char *session, const profile_trial *trial,
-                       const char *search_state, int64_t *number, duet_error *err);
-
-// The number of the session's last trial of that plan that ran; -1: none did.
-bool profile_trial_find(store *s, const char *session, const profile_plan *plan, int64_t *number,
-                        duet_error *err);
-
-// Called for each trial of a session in order; what trial points to is valid
-// in the call. False stops the walk.
-typedef bool profile_trial_visit(void *context, int64_t number, const profile_trial *trial);
-
-bool profile_trial_each(store *s, const char *session, profile_trial_visit *visit, void *context,
-                        duet_error *err);
 
 #endif

@@ -5,6 +5,7 @@
 #define TUNER_LEVEL_COSTS_H
 
 #include "base/core_watch.h"
+#include "profiles/level_cost.h"
 #include "profiles/profile.h"
 #include "runtime/duet.h"
 

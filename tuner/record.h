@@ -3,6 +3,7 @@
 #ifndef TUNER_RECORD_H
 #define TUNER_RECORD_H
 
+#include "profiles/level_cost.h"
 #include "profiles/lookup.h"
 #include "profiles/profile.h"
 #include "tuner/tune.h"

@@ -139,7 +139,7 @@ static float some_radius(rng *r, bool on_lattice, float scale)
     return scale * (on_lattice ? ceilf(2 * radius) / 2 : radius);
 }
 
-enum { SPHERES = 43, ROUNDED = 45, N_CROWDS = 55 }; // of these on crowds have radii
+enum { SPHERES = 43, ROUNDED = 45, N_CROWDS = 55 }; // crowds from SPHERES on have radii
 
 static duet_world_def world_of_crowd(uint32_t i)
 {
@@ -188,7 +188,7 @@ static void make_crowd(crowd *c, rng *r, uint32_t i)
 
 // ---------------------------------------------------------------- clusters
 
-static uint32_t n_parts = 1; // of the clusters that are opened
+static uint32_t n_parts = 1; // parts of the clusters that are opened
 
 static duet_cluster *open_cluster(MPI_Comm *comm, const duet_world_def *world, double weight)
 {
@@ -339,7 +339,7 @@ static const char other_scene[] =
     "end)\n"
     "return { dims = p.flat and 2 or 3 }\n";
 
-// Where the file of one rank is another one.
+// The file of one rank is another one.
 static void objects_of_other_kinds_are_refused(void)
 {
     static const duet_setting settings[] = {{"n", "90"}, {"flat", "true"}};
@@ -434,7 +434,7 @@ static void scenes_have_the_same_pairs(void)
         remove("cluster_ranks.lua");
 }
 
-// Where an object is at a step is known by its id alone.
+// An object's place at a step is known by its id alone.
 static void move(float centre[3], uint64_t id, uint32_t at)
 {
     rng r = rng_seed(id * 1000 + at);
@@ -463,7 +463,7 @@ static void move_owned(duet_cluster *cluster, const crowd *c)
         memcpy(own + i * form.bytes, row_of(c, ids[i]), form.bytes);
 }
 
-// Of each group in parts or not, and the last but one at a level that rounds.
+// Takes one of each group, in parts or not, and the last but one at a level that rounds.
 static void objects_that_move_have_the_references_pairs(uint64_t seed)
 {
     static const uint32_t parts_of[N_GROUPS] = {16, 2, 5, 3, 1};
@@ -710,12 +710,13 @@ static void deal_anew(duet_cluster *cluster, MPI_Comm comm, bool on_lattice, rng
     MPI_Bcast(b->planes, (int)(b->n * sizeof *b->planes), MPI_BYTE, 0, comm);
     p->box = bisection_box(b, (uint32_t)duet_cluster_get_rank(cluster), &extent_all);
     owned_tidy(o);
-    o->placement = PLACED_BY_RANK; // as a rank is that could not bring them to its domains
+    o->placement = PLACED_BY_RANK; // left like a rank that could not bring them to its domains
     owned_forget_domains(o);
     cluster->state = STATE_CHANGED;
 }
 
-// Whose an object is never reaches a result: all owned objects change at random before each step.
+// The owner of an object never changes a result: all owned objects change at random before each
+// step.
 static void objects_that_are_dealt_anew_change_nothing(uint64_t seed)
 {
     static crowd c;
@@ -755,7 +756,7 @@ static float some_place(rng *r)
     return (float)rng_below(r, 2 * LATTICE + 1) - LATTICE;
 }
 
-// Many are points, and a few are as wide as all of it. What does not count in 2D is no number.
+// Many are points, and a few are as wide as all of it. Coordinates that do not count in 2D are NaN.
 static void put_on_lattice(crowd *c, uint32_t id, rng *r)
 {
     static const float halves[] = {0, 0, 0.5f, 1}, radii[] = {0, 0.5f, 0.5f, 1, 1.5f};
@@ -934,7 +935,7 @@ static void a_search_that_fails_leaves_objects_as_they_were(void)
     MPI_Comm_free(&comm);
 }
 
-// What moved away from the cut is cut anew.
+// Objects that moved away from the cut are cut anew.
 static void a_cut_that_became_uneven_is_made_anew(void)
 {
     static crowd c;
@@ -1050,7 +1051,7 @@ static void ranks_get_objects_by_their_weights(void)
     MPI_Comm comm = group_of(3);
     if (comm == MPI_COMM_NULL)
         return;
-    static const double weights[] = {5e307, 5e307, 1e308}; // whose sum has no end
+    static const double weights[] = {5e307, 5e307, 1e308}; // weights with an infinite sum
     static const uint64_t due[] = {75, 75, 150};
     duet_cluster *cluster = open_cluster(&comm, &c.world, weights[rank]);
     duet_cluster_rank rows[3];
@@ -1070,7 +1071,7 @@ static void ranks_get_objects_by_their_weights(void)
     MPI_Comm_free(&comm);
 }
 
-// What a store says of rank 0, and of others that are three times as quick, ghosts included.
+// Times that a store has of rank 0, and of others that are three times as quick, ghosts included.
 static duet_cluster *asked;
 
 static bool some_profile(worker *w, const char *path, duet_profile *profile, duet_error *err)
@@ -1114,7 +1115,7 @@ static void ranks_are_weighed_by_their_stored_times(void)
     MPI_Comm_free(&comm);
 }
 
-// Of three ranks the first takes three times as long for each of its objects: it gets fewer, once
+// The first of three ranks takes three times as long for each of its objects: it gets fewer, once
 // that has cost more than a cut, and pairs stay as they are.
 static bool (*find_pairs)(worker *w, const global_ids *ids, worker_found *found, duet_error *err);
 static uint64_t told_ns;
@@ -1356,7 +1357,7 @@ static void a_failure_is_that_of_all_ranks(void)
     MUST(result.pairs == 15, "six boxes in one place, after a failure");
     const uint64_t *owned_ids;
     uint32_t n;
-    for (int at = 0; at < 2; ++at) { // what became bad in place is mended in place
+    for (int at = 0; at < 2; ++at) { // objects that became bad in place are mended in place
         duet_pose *mapped = duet_cluster_map_owned(c, DUET_OBJECT_POSES, &owned_ids, &n, &err);
         MUST_OK(mapped, err);
         for (uint32_t i = 0; i < n; ++i)
@@ -1411,7 +1412,7 @@ static bool has(const dealt_ids *d, uint64_t id, int of)
     return false;
 }
 
-// Of few ids, of all that there are, or in a range for each rank, which the next one's may touch.
+// Ids are few, all that there are, or in a range for each rank, which the next one's may touch.
 static void deal_ids(dealt_ids *d, rng *r, uint32_t round, int n_ranks)
 {
     uint32_t n = rng_below(r, MOST_IDS);
@@ -1712,7 +1713,7 @@ static void a_part_is_its_box(void)
     }
 }
 
-// What is passed over is sound and lies inside, and none is wider than is said.
+// Each object passed over is sound and lies inside, and none is wider than is said.
 static void what_is_skimmed_is_deep_inside(void)
 {
     static crowd c;
@@ -1745,7 +1746,7 @@ static void what_is_skimmed_is_deep_inside(void)
     MUST(skimmed > 200, "some were");
 }
 
-// As the plain C reference rounds them, which the devices do in the same way.
+// Rounds as the plain C reference does, which the devices do in the same way.
 static duet_bounds bounds_in_float(const crowd *c, uint32_t id)
 {
     duet_rounded_box box = rounded_of_sphere(&c->spheres[id]);
@@ -1755,7 +1756,7 @@ static duet_bounds bounds_in_float(const crowd *c, uint32_t id)
                                     c->world.dims, c->world.rotated);
 }
 
-// Of boxes that turn and of those that do not, of all sizes, and of points at 0.
+// Covers boxes that turn and those that do not, of all sizes, and of points at 0.
 static void extents_hold_what_devices_take(void)
 {
     static crowd c;

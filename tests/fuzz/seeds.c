@@ -12,6 +12,7 @@
 
 #include "base/text_file.h"
 #include "profiles/exchange.h"
+#include "profiles/level_cost.h"
 #include "profiles/profile.h"
 #include "profiles/sql.h"
 #include "runtime/opencl/cache.h"

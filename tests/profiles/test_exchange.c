@@ -4,6 +4,7 @@
 
 #include "base/rng.h"
 #include "profiles/exchange.h"
+#include "profiles/level_cost.h"
 #include "profiles/profile.h"
 #include "profiles/sql.h"
 #include "profiles/upkeep.h"

@@ -2,7 +2,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "profiles/fit.h"
+#include "profiles/forecast.h"
 
 #include <math.h>
 

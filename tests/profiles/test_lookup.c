@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
-#include "profiles/fit.h"
+#include "profiles/forecast.h"
 #include "support/look.h"
 
 #include <math.h>
