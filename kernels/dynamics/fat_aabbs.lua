@@ -51,6 +51,7 @@ return {
       uint of_all
       const uint *awake        if SLEEP == 1
       const uint *n_listed     if SLEEP == 1
+      uint all_awake           if SLEEP == 1
       const float *boxes
       volatile uint *flags
     ]],

@@ -61,7 +61,7 @@ const binding motion_bindings[] = {
     VALUE(base),
     VALUE_OF(graph, fill),
     VALUE_OF(graph, of_all),
-    VALUE_OF(awake, list_all),
+    VALUE_OF(awake, all_awake),
     VALUE_OF(awake, level),
     VALUE_OF(awake, n_parts),
     VALUE_OF(solver, woken),
