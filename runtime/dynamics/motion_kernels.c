@@ -54,6 +54,7 @@ const binding motion_bindings[] = {
     VALUE(aabb_margin),
     VALUE(contact_margin),
     VALUE(skin),
+    VALUE(horizon),
     VALUE(least_speed),
     VALUE(sleep_speed),
     VALUE(sleep_after),
