@@ -23,14 +23,13 @@ static inline bool is_awake(const scene *s, uint id)
     return !(s->asleep[id] & SLEEPS) || (s->asleep[id] & PRESSED) || !has_rested(s, id);
 }
 
-// all: every body is to be listed.
 __kernel void mark_awake(MARK_AWAKE_ARGS)
 {
     const scene s = {MARK_AWAKE_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id)
-        levels[id] = list_all || is_awake(&s, id) ? 1 : 0;
+        levels[id] = is_awake(&s, id) ? 1 : 0;
 }
 
 static inline bool touches_awake(const scene *s, uint id)

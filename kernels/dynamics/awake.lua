@@ -19,7 +19,6 @@ return {
       const uint *asleep
       uint n
       float sleep_after
-      uint list_all
       uint *levels
     ]],
     spread_awake = [[

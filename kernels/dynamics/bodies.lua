@@ -31,6 +31,7 @@ return {
       const uint *flags                if SLEEP == 1
       const uint *awake                if SLEEP == 1
       const uint *n_listed             if SLEEP == 1
+      uint all_awake                   if SLEEP == 1
       uint n
       float4 *bodies
     ]],
@@ -39,6 +40,7 @@ return {
       uint n
       const uint *awake     if SLEEP == 1
       const uint *n_listed  if SLEEP == 1
+      uint all_awake        if SLEEP == 1
       float4 gravity        if GRAVITY > 0
       const real4 *centres  if GRAVITY == 2
       float drag            if DRAG == 1
@@ -54,6 +56,7 @@ return {
       real4 *angular_velocities  if ANGULAR_VELOCITY > 0
       const uint *awake          if SLEEP == 1
       const uint *n_listed       if SLEEP == 1
+      uint all_awake             if SLEEP == 1
       const uint *asleep         if SLEEP == 1
       float *rests               if SLEEP == 1
       const float4 *halves       if SLEEP == 1

@@ -45,6 +45,7 @@ return {
       volatile uint *flags    if SLEEP == 1
       const uint *awake_contacts  if SLEEP == 1
       const uint *n_listed    if SLEEP == 1
+      uint all_awake          if SLEEP == 1
       float margin
       uint *touches
       float *contacts

@@ -35,11 +35,17 @@ static inline aabb aabb_around(real4 centre, real4 reach)
     return b;
 }
 
+static inline real4 turned_reach(const bodies_at *s, uint id)
+{
+    real4 half_size = convert_real4(s->halves[id]);
+    return ROTATED ? box_reach(s->rotations[id], half_size) : half_size;
+}
+
 // How far the box reaches in this step: no corner leaves the ball about the box, nor comes further
 // than its arc.
 static inline real4 reach_in_step(const bodies_at *s, uint id)
 {
-    real4 half_size = convert_real4(s->halves[id]), reach = ROTATED ? box_reach(s->rotations[id], half_size) : half_size;
+    real4 half_size = convert_real4(s->halves[id]), reach = turned_reach(s, id);
     if (CONTINUOUS && ANGULAR_VELOCITY) {
         real4 turn = s->angular_velocities[id];
         real square = dot_product(half_size, half_size), radius = root(square);
@@ -64,22 +70,21 @@ static inline aabb body_aabb(const bodies_at *s, uint id, real margin)
     return b;
 }
 
-// How much further AABBs reach than the skin, below and above: as far as the body comes in HORIZON
-// steps, at most AHEAD skins.
-#define HORIZON 3
-#define AHEAD 3
-
+// How much further AABBs reach than the skin, below and above: as far as the body comes in `horizon`
+// steps, at most as many skins. By turning no corner leaves the ball about the box.
 static inline void grow_by_skin(const bodies_at *s, uint id, aabb *b)
 {
-    real4 way = s->velocities[id] * (HORIZON * s->dt);
-    real most = AHEAD * s->skin;
+    real4 way = s->velocities[id] * (s->horizon * s->dt);
+    real most = s->horizon * s->skin;
     real4 lower = fmin(fmax(-way, (real4)(0)), (real4)(most));
     real4 upper = fmin(fmax(way, (real4)(0)), (real4)(most));
     if (ANGULAR_VELOCITY) {
         real4 turn = s->angular_velocities[id], half_size = convert_real4(s->halves[id]);
-        real arc = HORIZON * s->dt * root(dot_product(turn, turn) * dot_product(half_size, half_size));
-        lower += fmin(arc, most);
-        upper += fmin(arc, most);
+        real square = dot_product(half_size, half_size);
+        real arc = fmin(s->horizon * s->dt * root(dot_product(turn, turn) * square), most);
+        real4 to_ball = fmax(root(square) - turned_reach(s, id), (real4)(0));
+        lower += fmin((real4)(arc), to_ball);
+        upper += fmin((real4)(arc), to_ball);
     }
     if (SLEEP && (s->asleep[id] & PRESSED)) { // it goes somewhere, without a velocity
         lower += s->skin;

@@ -29,6 +29,7 @@ return {
       const real4 *angular_velocities  if CONTINUOUS + SKIN > 0 and ANGULAR_VELOCITY == 1
       real dt                          if CONTINUOUS + SKIN > 0
       real skin                        if SKIN == 1
+      real horizon                     if SKIN == 1
       const uint *asleep               if SKIN == 1 and SLEEP == 1
       const float4 *halves
       real aabb_margin
@@ -51,6 +52,7 @@ return {
       uint of_all
       const uint *awake        if SLEEP == 1
       const uint *n_listed     if SLEEP == 1
+      uint all_awake           if SLEEP == 1
       const float *boxes
       volatile uint *flags
     ]],

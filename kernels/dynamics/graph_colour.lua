@@ -24,6 +24,7 @@ return {
       uint n
       const uint *awake_contacts  if SLEEP == 1
       const uint *n_listed        if SLEEP == 1
+      uint all_awake              if SLEEP == 1
       const float4 *bodies
       const float *sensors  if SENSORS == 1
       uint *colours
@@ -39,6 +40,7 @@ return {
       uint n
       const uint *awake     if SLEEP == 1
       const uint *n_listed  if SLEEP == 1
+      uint all_awake        if SLEEP == 1
       uint *used
       uint *choices
     ]],
@@ -47,6 +49,7 @@ return {
       uint n
       const uint *awake     if SLEEP == 1
       const uint *n_listed  if SLEEP == 1
+      uint all_awake        if SLEEP == 1
       const real4 *velocities
       const uint *used
       const uint *choices
@@ -61,6 +64,7 @@ return {
       uint n_keys
       const uint *awake_contacts  if SLEEP == 1
       const uint *n_listed        if SLEEP == 1
+      uint all_awake              if SLEEP == 1
       uint *list
       uint *keys
     ]],

@@ -178,20 +178,57 @@ static inline void move_body(const substep *s, uint id)
     body[BODY_DELTA_POSITION].xyz = fma((float4)(s->h), body[BODY_VELOCITY], body[BODY_DELTA_POSITION]).xyz;
 }
 
+#if ANGULAR_VELOCITY && SLEEP && LANES > 1
+
+// Listed bodies lie apart, so that no stream brings them: they are asked for 16 places ahead.
+static inline void integrate_listed(const substep *s, uint first, uint last)
+{
+    for (uint i = first; i < last; i += LANES) {
+        uint ids[LANES];
+        word wanted = 0;
+        for (uint k = 0; k < LANES; ++k) {
+            ids[k] = s->awake[min(i + k, last - 1)];
+            ((uint *)&wanted)[k] = i + k < last;
+            __global const float4 *ahead = s->bodies + (size_t)s->awake[min(i + k + 16, last - 1)] * BODY;
+            ask_for(ahead);
+            ask_for(ahead + BODY - 1);
+        }
+        integrate_lanes(s, ids, wanted);
+    }
+}
+#endif
+
+// Of each body side by side; lanes past the last one take it once more and keep nothing.
+static inline void integrate_row(const substep *s, uint first, uint last)
+{
+    for (uint id = first; id < last; id += LANES) {
+        uint ids[LANES];
+        word wanted = 0;
+        for (uint k = 0; k < LANES; ++k) {
+            ids[k] = min(id + k, last - 1);
+            ((uint *)&wanted)[k] = id + k < last;
+        }
+        integrate_lanes(s, ids, wanted);
+    }
+}
+
 __kernel void integrate_positions(INTEGRATE_POSITIONS_ARGS)
 {
     const substep s = {INTEGRATE_POSITIONS_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, N_AWAKE);
-    for (uint i = first; !ANGULAR_VELOCITY && i < last; ++i)
-        move_body(&s, AWAKE_AT(i));
-    for (uint i = first; ANGULAR_VELOCITY && i < last; i += LANES) {
-        uint ids[LANES];
-        word wanted = 0; // lanes past the last object take it once more and keep nothing
-        for (uint k = 0; k < LANES; ++k) {
-            ids[k] = AWAKE_AT(min(i + k, last - 1));
-            ((uint *)&wanted)[k] = i + k < last;
-        }
-        integrate_lanes(&s, ids, wanted);
-    }
+#if !ANGULAR_VELOCITY
+    for (uint k = first; k < last; ++k)
+        move_body(&s, AWAKE_AT(k));
+#elif SLEEP && LANES > 1
+    if (all_awake)
+        integrate_row(&s, first, last);
+    else
+        integrate_listed(&s, first, last);
+#elif SLEEP
+    for (uint k = first; k < last; ++k)
+        integrate_row(&s, AWAKE_AT(k), AWAKE_AT(k) + 1);
+#else
+    integrate_row(&s, first, last);
+#endif
 }

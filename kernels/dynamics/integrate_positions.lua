@@ -26,6 +26,7 @@ return {
       uint n
       const uint *awake       if SLEEP == 1
       const uint *n_listed    if SLEEP == 1
+      uint all_awake          if SLEEP == 1
       const real4 *rotations  if GYRO == 1
       const float4 *inertias  if GYRO == 1
       float h

@@ -28,6 +28,7 @@ return {
       uint n
       const uint *awake
       const uint *n_listed
+      uint all_awake
       const float *rests
       const real4 *velocities
       const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
@@ -49,6 +50,7 @@ return {
       uint n
       const uint *awake
       const uint *n_listed
+      uint all_awake
       float margin
       uint round
       float *contacts
@@ -64,6 +66,7 @@ return {
       uint n
       const uint *awake
       const uint *n_listed
+      uint all_awake
       float margin
       uint round
       float dt

@@ -32,7 +32,7 @@ static bool mark(duet_motion *m, duet_error *err)
 {
     awake_lists *a = &m->awake;
     bool ok = motion_launch(m, stage, m->kernels.mark_awake, m->n, err);
-    for (a->level = 2; ok && !a->list_all && a->level <= WAKE_LEVELS + 1; ++a->level)
+    for (a->level = 2; ok && a->level <= WAKE_LEVELS + 1; ++a->level)
         ok = spread(m, err);
     return ok;
 }
@@ -50,22 +50,39 @@ static bool list(duet_motion *m, duet_error *err)
                                sizeof a->counted, err);
 }
 
-// Lists that were never made have all.
+// Lists of more than one in FEW bodies are not made, but for each COUNTED_EVERY steps: then it is
+// seen whether they have become fewer.
+enum { FEW = 4, COUNTED_EVERY = 16 };
+
+static bool are_most_awake(const duet_motion *m)
+{
+    const awake_lists *a = &m->awake;
+    return a->counted[LISTED_BODIES] > m->n / FEW && m->step - a->counted_in < COUNTED_EVERY;
+}
+
+// Bodies that were never prepared are, with all others, in the first step.
 bool motion_make_awake(duet_motion *m, duet_error *err)
 {
     awake_lists *a = &m->awake;
     a->n_bodies = m->n;
     a->n_contacts = m->graph.n_contacts;
-    a->list_all = !product_was_made(&m->products, PRODUCT_AWAKE);
+    a->all_awake = !product_was_made(&m->products, PRODUCT_AWAKE) || are_most_awake(m);
     product_renew(&m->products, PRODUCT_AWAKE);
     if (!(m->effects & DUET_EFFECT_SLEEP))
         return true;
     a->n_parts = count_parts(m);
-    return reserve(m, err) && mark(m, err) && list(m, err);
+    if (!reserve(m, err))
+        return false;
+    if (a->all_awake)
+        return true;
+    a->counted_in = m->step;
+    return mark(m, err) && list(m, err);
 }
 
 void motion_count_awake(duet_motion *m)
 {
+    if (m->awake.all_awake)
+        return;
     m->awake.n_bodies = m->awake.counted[LISTED_BODIES];
     m->awake.n_contacts = m->awake.counted[LISTED_CONTACTS];
 }
@@ -73,6 +90,6 @@ void motion_count_awake(duet_motion *m)
 void motion_note_awake(duet_motion *m)
 {
     motion_count_awake(m);
-    if (m->awake.list_all || m->flags[FLAG_FELL_ASLEEP] || m->flags[FLAG_PRESSED])
+    if (m->awake.all_awake || m->flags[FLAG_FELL_ASLEEP] || m->flags[FLAG_PRESSED])
         product_forget(&m->products, PRODUCT_AWAKE);
 }

@@ -11,13 +11,17 @@
 #include <CL/cl.h>
 
 // n_bodies and n_contacts are at least as many as there are in the lists: kernels are launched over
-// so many, and ask the device for the number.
+// so many, and ask the device for the number. With all_awake kernels go over all bodies and
+// contacts, and the lists mean nothing: where they would have most bodies they cost more than they
+// save.
 typedef struct awake_lists {
     uint32_t n_bodies;
     cl_uint n_contacts;
+    cl_uint all_awake;       // 0 or 1
     cl_uint counted[LISTED]; // by the device, once a later read has waited
+    uint64_t counted_in;     // the step
     // what a launch is told besides
-    cl_uint list_all, level, n_parts;
+    cl_uint level, n_parts;
 } awake_lists;
 
 bool motion_make_awake(duet_motion *m, duet_error *err);

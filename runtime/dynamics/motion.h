@@ -67,7 +67,7 @@ typedef struct motion_args {
     cl_float h, per_h, drag; // a substep's
     cl_float4 spring, hard_spring, fall;
     cl_float load_speed, margin, least_speed;
-    arg_real skin;
+    arg_real skin, horizon;
     arg_real aabb_margin, contact_margin; // bounds of objects: with half a skin, and without
     cl_float sleep_speed, sleep_after;
     cl_float hit_speed;

@@ -96,6 +96,16 @@ static void set_walls(duet_motion *m)
                         : real4_of(m, far, far, far, 0.0);
 }
 
+// Returns the steps that bounds last for bodies that keep their velocities. A search is of all
+// bodies, further bounds cost those that are awake.
+static double horizon_of(const duet_motion *m)
+{
+    const double least = 3.0, most = 64.0;
+    bool known = product_was_made(&m->products, PRODUCT_AWAKE) && m->awake.n_bodies > 0;
+    double part = known ? (double)m->awake.n_bodies / m->n : 1.0;
+    return fmax(least, fmin(least / sqrt(part), most));
+}
+
 static void set_args(duet_motion *m)
 {
     const duet_motion_def *d = &m->def;
@@ -110,6 +120,7 @@ static void set_args(duet_motion *m)
         .drag = (float)exp(-d->drag * h),
         .margin = (float)m->margin,
         .skin = real_of(m, skin),
+        .horizon = real_of(m, horizon_of(m)),
         // Separations up to the margin are contacts, so each object's bounds have half of it.
         .aabb_margin = real_of(m, 0.5 * (m->margin + skin)),
         .contact_margin = real_of(m, 0.5 * m->margin),
