@@ -70,14 +70,28 @@ static inline aabb body_aabb(const bodies_at *s, uint id, real margin)
     return b;
 }
 
+// As many skins as steps at most, but along the axis of the greatest way further where few bodies are awake: a
+// long and thin AABB has few neighbours.
+static inline real4 most_ahead(const bodies_at *s, real4 below, real4 above)
+{
+    real4 far = fmax(below, above);
+    real longest = fmax(far.x, fmax(far.y, far.z)), most = s->horizon * s->skin;
+    real along = most * (s->horizon / LEAST_HORIZON);
+    return (real4)(far.x < longest ? most : along, far.y < longest ? most : along, far.z < longest ? most : along, most);
+}
+
 // How much further AABBs reach than the skin, below and above: as far as the body comes in `horizon`
-// steps, at most as many skins. By turning no corner leaves the ball about the box.
+// steps, if nothing stops it. By turning no corner leaves the ball about the box.
 static inline void grow_by_skin(const bodies_at *s, uint id, aabb *b)
 {
-    real4 way = s->velocities[id] * (s->horizon * s->dt);
-    real most = s->horizon * s->skin;
-    real4 lower = fmin(fmax(-way, (real4)(0)), (real4)(most));
-    real4 upper = fmin(fmax(way, (real4)(0)), (real4)(most));
+    real time = s->horizon * s->dt, most = s->horizon * s->skin;
+    real4 velocity = s->velocities[id], way = velocity * time, fallen = way;
+    if (GRAVITY == 1 && velocity.w > 0)
+        fallen += s->gravity * ((real)0.5 * time * time);
+    real4 lower = fmax(-fmin(way, fallen), (real4)(0)), upper = fmax(fmax(way, fallen), (real4)(0));
+    real4 ahead = most_ahead(s, lower, upper);
+    lower = fmin(lower, ahead);
+    upper = fmin(upper, ahead);
     if (ANGULAR_VELOCITY) {
         real4 turn = s->angular_velocities[id], half_size = convert_real4(s->halves[id]);
         real square = dot_product(half_size, half_size);

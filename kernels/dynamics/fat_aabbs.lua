@@ -9,6 +9,7 @@ return {
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
     { "CONTINUOUS", values = { 0, 1 }, default = 0, about = "1: fast bodies do not tunnel through thin ones" },
     { "SKIN", values = { 0, 1 }, default = 0, about = "1: the contact graph lasts until a body leaves its fat AABB" },
     { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
@@ -30,6 +31,7 @@ return {
       real dt                          if CONTINUOUS + SKIN > 0
       real skin                        if SKIN == 1
       real horizon                     if SKIN == 1
+      real4 gravity                    if SKIN == 1 and GRAVITY == 1
       const uint *asleep               if SKIN == 1 and SLEEP == 1
       const float4 *halves
       real aabb_margin

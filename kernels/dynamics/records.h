@@ -120,6 +120,9 @@
 #define FLAG_PRESSED 7     // something is to be pushed out of others in which it sleeps
 #define FLAGS 8
 
+// Steps that bounds last at least for a body that keeps its velocity, where there is a skin.
+#define LEAST_HORIZON 3
+
 // Lists of what is awake: the levels of bodies that are, or that may wake in the same step
 // (awake.cl), and the lengths of the lists.
 #define WAKE_LEVELS 3

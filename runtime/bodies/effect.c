@@ -18,7 +18,7 @@ static const effect_row rows[] = {
     {DUET_EFFECT_MOTION, "motion", 0, "a velocity, gravity on a mass, or contact_response", NULL,
      "integrate_free_flight, or bodies"},
     {DUET_EFFECT_GRAVITY, "gravity", DUET_EFFECT_MOTION, "gravity or attraction, and a mass",
-     "gravity", "integrate_free_flight, bodies"},
+     "gravity", "integrate_free_flight, fat_aabbs, bodies"},
     {DUET_EFFECT_FORCES, "forces", DUET_EFFECT_MOTION, "wants", "forces",
      "integrate_free_flight, bodies"},
     {DUET_EFFECT_DRAG, "drag", DUET_EFFECT_MOTION, "drag, and a mass that moves", "drag",

@@ -100,7 +100,7 @@ static void set_walls(duet_motion *m)
 // bodies, further bounds cost those that are awake.
 static double horizon_of(const duet_motion *m)
 {
-    const double least = 3.0, most = 64.0;
+    const double least = LEAST_HORIZON, most = 64.0;
     bool known = product_was_made(&m->products, PRODUCT_AWAKE) && m->awake.n_bodies > 0;
     double part = known ? (double)m->awake.n_bodies / m->n : 1.0;
     return fmax(least, fmin(least / sqrt(part), most));
