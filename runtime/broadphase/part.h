@@ -204,6 +204,10 @@ typedef struct part {
     };
 } part;
 
+// What launches of a part hand over, by the names of arguments; and those of the kernel that
+// gathers undecided objects.
+extern const binding part_bindings[], part_gather_bindings[];
+
 bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err);
 void part_close(part *p);
 

@@ -5,19 +5,9 @@
 #include "base/text.h"
 #include "runtime/opencl/cache.h"
 
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static void release(cl_program *built)
-{
-    if (!*built)
-        return;
-    clReleaseProgram(*built);
-    device_object_gone();
-    *built = NULL;
-}
 
 static void release_kernel(cl_kernel k)
 {
@@ -31,75 +21,10 @@ static void close_program(program *p)
 {
     for (int i = 0; i < p->n_entries; ++i)
         release_kernel(p->entries[i].k.cl);
-    release(&p->cl);
+    program_release(&p->cl);
     free(p->text);
     free(p->binary);
     free(p);
-}
-
-// ---------------------------------------------------------------- what the device has
-
-// Three times what a world and a motion with every effect have together: a search among variants
-// comes back to those it tried. PoCL holds 1.3 MB a program.
-enum { PLACES = 128 };
-
-struct program_pool {
-    pthread_mutex_t lock;
-    unsigned next; // the place that is replaced next
-    struct {
-        char sha256[65];
-        cl_program cl;
-    } places[PLACES];
-};
-
-program_pool *program_pool_open(void)
-{
-    program_pool *pool = calloc(1, sizeof *pool);
-    if (pool)
-        pthread_mutex_init(&pool->lock, NULL);
-    return pool;
-}
-
-void program_pool_close(program_pool *pool)
-{
-    if (!pool)
-        return;
-    for (int i = 0; i < PLACES; ++i)
-        release(&pool->places[i].cl);
-    pthread_mutex_destroy(&pool->lock);
-    free(pool);
-}
-
-static cl_program retained(cl_program built)
-{
-    clRetainProgram(built);
-    device_object_made();
-    return built;
-}
-
-static bool take_from_pool(program_pool *pool, program *p)
-{
-    if (!pool)
-        return false;
-    pthread_mutex_lock(&pool->lock);
-    for (int i = 0; i < PLACES && !p->cl; ++i)
-        if (pool->places[i].cl && strcmp(pool->places[i].sha256, p->sha256) == 0)
-            p->cl = retained(pool->places[i].cl);
-    pthread_mutex_unlock(&pool->lock);
-    return p->cl;
-}
-
-static void put_into_pool(program_pool *pool, program *p)
-{
-    p->is_new = false;
-    if (!pool)
-        return;
-    pthread_mutex_lock(&pool->lock);
-    unsigned i = pool->next++ % PLACES;
-    release(&pool->places[i].cl);
-    memcpy(pool->places[i].sha256, p->sha256, sizeof p->sha256);
-    pool->places[i].cl = retained(p->cl);
-    pthread_mutex_unlock(&pool->lock);
 }
 
 // ---------------------------------------------------------------- the set
@@ -352,7 +277,7 @@ static void look_in_folder(const program_set *set, program *p)
 static void look_up(program_set *set)
 {
     for (program *p = set->first; p; p = p->next)
-        if (!p->cl && !take_from_pool(set->device->built, p) && set->cache_dir)
+        if (!p->cl && !program_pool_take(set->device->built, p) && set->cache_dir)
             look_in_folder(set, p);
 }
 
@@ -396,7 +321,7 @@ bool program_set_build(program_set *set, duet_error *err)
     bool ok = programs_build(set, err);
     for (program *p = set->first; p; p = p->next)
         if (p->is_new)
-            put_into_pool(set->device->built, p);
+            program_pool_put(set->device->built, p);
     for (program *p = set->first; ok && p; p = p->next)
         ok = create_kernels(set, p, err);
     if (!ok)

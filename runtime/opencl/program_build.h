@@ -57,4 +57,10 @@ bool programs_build(program_set *set, duet_error *err);
 program_pool *program_pool_open(void); // NULL without memory, which is a pool that keeps nothing
 void program_pool_close(program_pool *pool);
 
+// Takes the program from the pool, if it is there; false if not, or if pool is NULL.
+bool program_pool_take(program_pool *pool, program *p);
+void program_pool_put(program_pool *pool, program *p); // the pool may be NULL
+
+void program_release(cl_program *built); // NULL in it does nothing
+
 #endif

@@ -86,6 +86,9 @@ bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, v
 bool timeline_see(timeline *t, const char *stage, const buffer *const list[], int n,
                   duet_error *err);
 
+// Keeps the event of a command that was sent; for timeline.c.
+bool timeline_keep(timeline *t, const char *stage, bool transfer, cl_event event, duet_error *err);
+
 // Returns the event of the last command in the queue; the timeline's until it finishes.
 cl_event timeline_last_event(const timeline *t);
 

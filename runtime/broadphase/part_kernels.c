@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT
+// The kernels of a part: chosen for its task, asked for and built.
+#include "runtime/broadphase/part.h"
+
+#include "base/error.h"
+#include "runtime/narrowphase/level.h"
+#include "runtime/narrowphase/origin.h"
+
+#include <string.h>
+
+// The kernels of a step are chosen by facts of its task, of the variant and of the device. Each
+// fact below is asked for by more than one choice.
+
+// Whether the device alone has objects that the host may have to decide.
+static bool gathers(const part *p)
+{
+    return p->objects.bound.mem && !p->device->info.host_memory &&
+           p->task.objects.shape == DUET_SHAPE_POSES;
+}
+
+static bool has_slabs(const part_task *task)
+{
+    return task->def->plan.mode == DUET_MODE_SLAB;
+}
+
+// Most levels are one if nothing is rotated, or objects have radii.
+static duet_level level_of(const part_task *task)
+{
+    bool turned_boxes = task->objects.shape == DUET_SHAPE_POSES && task->def->rotated;
+    bool differs = task->objects.shape != DUET_SHAPE_BOUNDS &&
+                   (turned_boxes || level_tests_upright(task->def->level));
+    return differs ? task->def->level : DUET_LEVEL_CERTIFIED;
+}
+
+static bool is_dense_of_one_level(const grid *g)
+{
+    return g->kind == GRID_DENSE && g->n_levels == 1;
+}
+
+// The cells that kernels have compiled in, or none: a grid whose cells change is read, so that
+// objects that move never make the kernels be built again.
+static cl_int4 compiled_cells(const part *p, const grid *g)
+{
+    bool fixed = p->variant.fixed && !g->varies && is_dense_of_one_level(g);
+    return fixed ? g->levels[0].cells : (cl_int4){{0}};
+}
+
+// At least three cells wide along all axes but the last: then no cell is near another on both ways
+// round a row's end.
+static bool is_roomy(const part_task *task)
+{
+    const cl_int *cells = task->grid->levels[0].cells.s;
+    return is_dense_of_one_level(task->grid) && cells[0] > 2 &&
+           (task->objects.dims == 2 || cells[1] > 2);
+}
+
+// The kernels of each way to search.
+static const struct {
+    const char *starts;
+    const char *place[2]; // kernel and its entry
+    const char *candidates;
+    const char *narrow;
+    bool in_cell_order;
+} searches[] = {
+    [SEARCH_GPU] = {"row_start", {"reorder", "reorder"}, "pair_search_gpu", "narrow", true},
+    [SEARCH_SIMD] =
+        {"row_start", {"reorder_simd", "reorder_simd"}, "pair_search_simd", "narrow_simd", true},
+    [SEARCH_PAPER] =
+        {"cell_start", {"bounds", "find_bounds"}, "pair_search_paper", "narrow", false},
+};
+
+// With fewer objects a unit, three launches more take longer than atomics and straight places.
+enum { LEAST_OWN = 16384 };
+
+// A CPU's atomics take as long as all else that it does for a cell. A part that counts without them
+// goes on so down to half as many objects.
+static bool counts_own_cells(const part *p)
+{
+    const part_task *task = &p->task;
+    const uint64_t least = p->kernels.own_cells ? LEAST_OWN / 2 : LEAST_OWN;
+    return task->def->ordered && p->device->info.kind == DUET_KIND_CPU &&
+           p->device->info.host_memory && p->variant.search == SEARCH_SIMD &&
+           p->variant.sort == SORT_COUNTING && is_roomy(task) &&
+           selection_count(&task->wanted) >= least * p->device->info.units;
+}
+
+// Whether the kernels test boxes, beyond their bounds.
+static bool tests_boxes(const part_task *task)
+{
+    return task->objects.shape != DUET_SHAPE_BOUNDS && level_of(task) != DUET_LEVEL_AABB;
+}
+
+// Boxes that are in order are near each other where they are.
+static bool leaves_boxes(const variant *v, const part_task *task)
+{
+    return v->search == SEARCH_GPU && task->def->ordered &&
+           task->objects.shape == DUET_SHAPE_POSES && !task->objects.sizes &&
+           task->objects.origin == 0.0f && task->wanted.kind != SELECT_LIST;
+}
+
+// Objects that are in order go to places side by side.
+static bool goes_to_places(const variant *v, const part_task *task)
+{
+    return v->sort == SORT_COUNTING && task->role == GRID_OWN && task->def->ordered;
+}
+
+static bool sums_blocks(const part *p)
+{
+    return goes_to_places(&p->variant, &p->task) && p->variant.search == SEARCH_SIMD &&
+           p->task.objects.shape != DUET_SHAPE_BOUNDS && !counts_own_cells(p);
+}
+
+static void choose(const part *p, part_choice choices[PART_CHOICES])
+{
+    const part_task *task = &p->task;
+    const variant *v = &p->variant;
+    const grid_objects *o = &task->objects;
+    const grid *g = task->grid;
+    const bool counting = v->sort == SORT_COUNTING, tested = tests_boxes(task);
+    const bool turned =
+        o->shape != DUET_SHAPE_BOUNDS && task->def->rotated && o->shape != DUET_SHAPE_SPHERES;
+    const bool unboxed = leaves_boxes(v, task), to_places = goes_to_places(v, task);
+    const bool in_ranges = task->wanted.kind == SELECT_RANGES;
+    const cl_int4 cells = compiled_cells(p, g);
+    const part_choice all[PART_CHOICES] = {
+        {"DIMS", o->dims, false},
+        {"SHAPE", o->shape, false},
+        {"ORIGIN", origin_setting(o->origin), false},
+        {"APART", o->sizes ? 1 + o->compact : 0, false},
+        {"ROTATED", turned, false},
+        {"RANK", counting, false},
+        {"SORTED", searches[v->search].in_cell_order && !unboxed, false},
+        {"UNBOXED", unboxed, false},
+        {"IDS", !tested, false},
+        {"ACCURACY", level_of(task), false},
+        {"GRID", g->kind, false},
+        {"LEVELS", g->n_levels > 1, false},
+        {"ROOMY", is_roomy(task), false},
+        {"CELLS_X", cells.s[0], false},
+        {"CELLS_Y", cells.s[1], false},
+        {"CELLS_Z", cells.s[2], false},
+        {"PACKED", task->wanted.kind == SELECT_LIST, false},
+        {"OWN", counts_own_cells(p), false},
+        {"STRAYS", in_ranges ? INPUT_BLOCK : 0, false},
+        {"STRETCH", in_ranges && counting, false},
+        {"GUARDED", has_slabs(task), false},
+        {"SLAB", has_slabs(task) && part_range_is_cut(&task->range, g), false},
+        {"FROM_IDS", !to_places, counting && task->role == GRID_OWN},
+        {"TO_PLACES", sums_blocks(p), false},
+        {"SUM_BLOCK", 0, false}, // the scan's, once its kernels are there
+        {"EMPTIES", counting, false},
+        {"FUSED", tested && v->fused, tested},
+    };
+    memcpy(choices, all, sizeof all);
+}
+
+// Compares two lists, which have the same names.
+static bool are_same(const part_choice a[PART_CHOICES], const part_choice b[PART_CHOICES])
+{
+    for (int i = 0; i < PART_CHOICES; ++i)
+        if (a[i].value != b[i].value || a[i].open != b[i].open)
+            return false;
+    return true;
+}
+
+bool part_has_kernels(const part *p, const variant *asked)
+{
+    return p->kernels.candidates && variant_is(asked, &p->variant);
+}
+
+void part_forget_kernels(part *p)
+{
+    p->kernels.candidates = NULL;
+}
+
+static bool is_prepared(const part *p, const variant *asked)
+{
+    const part_kernels *k = &p->kernels;
+    part_choice choices[PART_CHOICES];
+    if (!part_has_kernels(p, asked))
+        return false;
+    choose(p, choices);
+    return are_same(choices, p->choices) && (k->gather || !gathers(p)) &&
+           (k->count_pairs || !p->task.ids);
+}
+
+// Lists the choices of the scene and the stage, and then the settings of the variant, which count
+// if both name a parameter.
+static bool list_offers(part *p, duet_error *err)
+{
+    p->n_offers = 0;
+    for (int i = 0; i < PART_CHOICES; ++i)
+        p->offers[p->n_offers++] =
+            (gen_offer){NULL, p->choices[i].name, p->choices[i].value, GEN_OFFERED, NULL};
+    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
+        variant_setting *s = &p->variant.settings[i];
+        for (int k = 0; k < PART_CHOICES; ++k)
+            if (!p->choices[k].open && strcmp(p->choices[k].name, s->name) == 0)
+                return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                 "variant: %s is what the scene decides, and cannot be set",
+                                 s->name);
+        p->offers[p->n_offers++] = (gen_offer){s->kernel, s->name, s->value, GEN_OFFERED, &s->used};
+    }
+    return true;
+}
+
+#define ASK(p, list, err)                                                                \
+    program_set_kernels((p)->programs, list, sizeof(list) / sizeof *(list), (p)->offers, \
+                        (p)->n_offers, err)
+
+static bool ask_sorts(part *p, duet_error *err)
+{
+    const kernel_request list[] = {SCAN_KERNELS(&p->scan, true),
+                                   RADIX_SORT_KERNELS(&p->radix, p->variant.sort == SORT_RADIX)};
+    if (!ASK(p, list, err))
+        return false;
+    if (p->kernels.summed)
+        p->offers[p->n_offers++] =
+            (gen_offer){"hash", "SUM_BLOCK", SCAN_BLOCK(&p->scan), GEN_OFFERED, NULL};
+    return true;
+}
+
+static bool ask_grid_and_search(part *p, bool own, duet_error *err)
+{
+    part_kernels *k = &p->kernels;
+    const int search = p->variant.search;
+    const bool counting = p->variant.sort == SORT_COUNTING;
+    const char *const *place = searches[search].place, *starts = searches[search].starts;
+    const char *candidates = searches[search].candidates;
+    const kernel_request list[] = {
+        {&k->clear, true, "clear", "clear", part_bindings},
+        {&k->hash, true, "hash", "hash", part_bindings},
+        {&k->own_cells, own, "hash", "own_cells", part_bindings},
+        {&k->count_others, own, "hash", "count_others", part_bindings},
+        {&k->scatter, counting, "scatter", "scatter", part_bindings},
+        {&k->starts, !counting, "cell_start", starts, part_bindings},
+        {&k->place, true, place[0], place[1], part_bindings},
+        {&k->candidates, true, candidates, candidates, part_bindings},
+    };
+    if (!ASK(p, list, err))
+        return false;
+    k->from_ids = search == SEARCH_GPU ? kernel_param(k->place, "FROM_IDS") == 1 : !k->summed;
+    k->fused = kernel_param(k->candidates, "FUSED") == 1;
+    return true;
+}
+
+// Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
+static bool ask_tests_and_reads(part *p, duet_error *err)
+{
+    part_kernels *k = &p->kernels;
+    const char *narrow = searches[p->variant.search].narrow;
+    const bool narrows = !k->listed && !(k->fused && p->variant.search == SEARCH_SIMD);
+    const kernel_request list[] = {
+        {&k->narrow, narrows, narrow, narrow, part_bindings},
+        {&k->gather, gathers(p), "read_rows", "gather_rows", part_gather_bindings},
+        {&k->change_ids, p->task.ids, "count_pairs", "change_ids", part_bindings},
+        {&k->count_pairs, p->task.ids, "count_pairs", "count_pairs", part_bindings},
+    };
+    return ASK(p, list, err);
+}
+
+bool part_prepare_skim(part *p, duet_error *err)
+{
+    const kernel_request list[] = {{&p->kernels.skim, true, "skim", "skim", part_bindings}};
+    return ASK(p, list, err) && program_set_build(p->programs, err);
+}
+
+// Whether some kernel has the parameter of a setting. The kernel of part_skim comes later.
+static bool is_known(const variant_setting *s)
+{
+    return s->used || strcmp(s->kernel, "skim") == 0;
+}
+
+static bool build(part *p, bool own, duet_error *err)
+{
+    if (!list_offers(p, err) || !ask_sorts(p, err) || !ask_grid_and_search(p, own, err) ||
+        !ask_tests_and_reads(p, err))
+        return false;
+    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
+        const variant_setting *s = &p->variant.settings[i];
+        if (!is_known(s))
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "variant: no kernel that it runs has a parameter '%s%s%s'", s->kernel,
+                             s->kernel[0] ? "." : "", s->name);
+    }
+    return program_set_build(p->programs, err);
+}
+
+bool part_prepare(part *p, const variant *asked, duet_error *err)
+{
+    if (is_prepared(p, asked))
+        return true;
+    const part_task *task = &p->task;
+    p->variant = *asked;
+    bool was_summed = p->kernels.summed, sums = sums_blocks(p);
+    bool own = counts_own_cells(p);
+    choose(p, p->choices);
+    p->kernels = (part_kernels){
+        .summed = sums,
+        .unboxed = leaves_boxes(&p->variant, task),
+        .guarded = has_slabs(task) && p->variant.search != SEARCH_PAPER,
+        .listed = !tests_boxes(task),
+    };
+    if (sums && !was_summed)
+        p->zero_words = 0; // other kernels leave the scan's sums as they are
+    bool ok = build(p, own, err);
+    if (!ok)
+        p->kernels = (part_kernels){0};
+    return ok;
+}
+
+const kernel *part_kernel(const part *p, const char *name)
+{
+    const part_kernels *k = &p->kernels;
+    const kernel *all[] = {k->clear,  k->hash,       k->scatter,     k->starts,    k->place,
+                           k->narrow, k->candidates, p->scan.blocks, p->radix.move};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
+        if (kernel_is(all[i], name))
+            return all[i];
+    return NULL;
+}
