@@ -29,6 +29,10 @@ static inline void fill_lane(__global float *lane, const source *from, uint i, b
     lane[IN_RESTITUTION * BLOCK] = fmax(from->restitutions[link.x], from->restitutions[partner]);
     if (FRICTION)
         lane[IN_FRICTION * BLOCK] = from->frictions[link.x] * from->frictions[partner];
+#if ROLLING
+    lane[IN_ROLLING * BLOCK] = fmax(from->rolling_resistances[link.x], from->rolling_resistances[partner]) *
+                               fmax(from->halves[link.x].w, from->halves[partner].w);
+#endif
 }
 
 static inline void fill_point(__global float *point, const source *from, const uint places[LANES], int k, mask where)
@@ -57,6 +61,8 @@ static inline void fill_lanes(__global float *constraint, const source *from, __
     load_eight(from->contacts, places, RECORD, 0, head);
     put_vec(constraint, IN_NORMAL, (vec){head[AT_NORMAL], head[AT_NORMAL + 1], head[AT_NORMAL + 2]});
     put_vec(constraint, IN_OFFSET, (vec){head[AT_OFFSET], head[AT_OFFSET + 1], head[AT_OFFSET + 2]});
+    if (ROLLING)
+        put_vec(constraint, IN_ROLLING + 1, (vec){0.0f, 0.0f, 0.0f});
     word points = points_of(constraint);
     int most = most_points(points);
     for (int k = 0; k < most; ++k)

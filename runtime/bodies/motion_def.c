@@ -162,5 +162,7 @@ const char *motion_body_fault(const duet_body *b)
         return "the restitution must be from 0 to 1";
     if (!is_between(b->radius, 0.0, FLT_MAX))
         return "the radius must be 0 or above";
+    if (!is_between(b->rolling_resistance, 0.0, 1e6))
+        return "the rolling resistance must be from 0 to 1e6";
     return is_between(b->friction, 0.0, 1e6) ? NULL : "the friction must be from 0 to 1e6";
 }
