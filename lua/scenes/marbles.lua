@@ -6,7 +6,7 @@ local p = parameters {
   seed = 1,
   friction = 0.3,
   restitution = 0.3,
-  rolling_resistance = 0, -- 0.02: all come to rest
+  rolling_resistance = 0.0, -- 0.02: all come to rest
 }
 
 local random = random(p.seed)
