@@ -70,6 +70,9 @@
 // impulse of that torque, of all substeps so far.
 #define ROLLING_FIELDS 4
 
+// And where surfaces move: the other's surface velocity less the owner's, along the world's axes.
+#define BELT_FIELDS 3
+
 // ------------------------------------------------------------ bodies
 
 // A body while a step is solved, in vectors of four: velocity and inverse mass, the way

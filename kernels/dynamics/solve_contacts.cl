@@ -197,6 +197,8 @@ static inline mask solve_friction(pair *p, point one, real friction, mask where)
     vec anchor = get_vec_of(one, BY_ANCHOR);
     real most = friction * get_of(one, BY_NORMAL_IMPULSE);
     vec velocity = velocity_between(p, anchor);
+    if (CONVEYS)
+        velocity = vec_sum(velocity, p->belt);
     real old_t = get_of(one, BY_TANGENT_IMPULSE);
     real t = fma(-get_of(one, BY_TANGENT_MASS), vec_dot(velocity, p->tangent), old_t);
     if (DIMS == 2) {

@@ -156,6 +156,8 @@ const char *motion_body_fault(const duet_body *b)
 {
     if (!vector_is_finite(b->velocity, 3) || !vector_is_finite(b->angular_velocity, 3))
         return "a velocity or angular velocity is not finite";
+    if (!vector_is_finite(b->surface_velocity, 3))
+        return "the surface velocity is not finite";
     if (!is_between(b->mass, 0.0, 1e30) || (b->mass > 0.0f && b->mass < 1e-30f))
         return "the mass must be 0, or from 1e-30 to 1e30";
     if (!is_between(b->restitution, 0.0, 1.0))

@@ -15,10 +15,9 @@ typedef struct saved_place {
     packed_body body;
     uint32_t generation, state;
     int32_t cell[3];
-    uint32_t unused; // 0
 } saved_place;
 
-static_assert(sizeof(saved_place) == 128 && sizeof(motion_target) == 32,
+static_assert(sizeof(saved_place) == 136 && sizeof(motion_target) == 32,
               "no byte of a file is left to chance");
 
 enum { FORCE_WORDS = 8 };
@@ -97,7 +96,7 @@ static bool take_head(duet_motion *copy, const saved_head *h, const char *path, 
 static const char *place_fault(const duet_motion *copy, const saved_place *s)
 {
     uint32_t place_is_empty = s->state == PLACE_EMPTY || s->state == PLACE_LEFT;
-    if (s->state >= PLACE_STATES || s->body.flags > PACKED_FLAGS || s->unused)
+    if (s->state >= PLACE_STATES || s->body.flags > PACKED_FLAGS)
         return "there is no such word for its body";
     if (place_is_empty && s->body.mass != 0.0f)
         return "it is empty and has a mass";

@@ -47,6 +47,7 @@ TEST(each_cause_calls_for_its_effect)
         GROUPS,
         SKIN,
         RESISTING,
+        CONVEYING,
         CAUSES
     };
     const uint32_t motion = DUET_EFFECT_MOTION;
@@ -63,6 +64,7 @@ TEST(each_cause_calls_for_its_effect)
         [QUICK] = push | DUET_EFFECT_CONTINUOUS,
         [GROUPS] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_FILTER,
         [RESISTING] = push | DUET_EFFECT_RADIUS | DUET_EFFECT_ROLLING_RESISTANCE,
+        [CONVEYING] = push | DUET_EFFECT_FRICTION | DUET_EFFECT_SURFACE_VELOCITY,
         [SKIN] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_SKIN,
     };
     for (int cause = 0; cause < CAUSES; ++cause) {
@@ -76,7 +78,8 @@ TEST(each_cause_calls_for_its_effect)
         m->def.drag = cause == DRAG ? 1.0 : 0.0;
         m->def.boundary = cause == WALLS ? DUET_BOUNDARY_WALLS : DUET_BOUNDARY_NONE;
         m->def.upper[0] = m->def.upper[1] = m->def.upper[2] = 10.0;
-        m->bodies[0].friction = cause == ROUGH ? 0.5f : 0.0f;
+        m->bodies[0].friction = cause == ROUGH || cause == CONVEYING ? 0.5f : 0.0f;
+        m->bodies[0].surface_velocity[1] = cause == CONVEYING ? 0.5f : 0.0f;
         m->bodies[0].mask = cause == GROUPS ? 1u : UINT32_MAX;
         m->def.skin = cause == SKIN ? 0.1 : 0.0;
         m->bodies[0].rolling_resistance = cause == RESISTING ? 0.1f : 0.0f;
@@ -135,6 +138,7 @@ static mover *make_scene_in(medium in, uint32_t set)
             b->angular_velocity[flat ? 2 : i % 3] = 0.5f + 0.1f * (float)i;
         b->friction = set & DUET_EFFECT_FRICTION ? 0.4f : 0.0f;
         b->rolling_resistance = set & DUET_EFFECT_ROLLING_RESISTANCE ? 0.05f : 0.0f;
+        b->surface_velocity[i % 2] = set & DUET_EFFECT_SURFACE_VELOCITY ? 0.3f : 0.0f;
         if (set & DUET_EFFECT_RADIUS) {
             b->radius = i % 2 ? 0.1f : 0.5f; // a sphere
             for (int k = 0; k < 3; ++k)
@@ -190,6 +194,7 @@ static const uint32_t effects[] = {
     DUET_EFFECT_SENSORS,
     DUET_EFFECT_RADIUS,
     DUET_EFFECT_ROLLING_RESISTANCE,
+    DUET_EFFECT_SURFACE_VELOCITY,
 };
 
 enum { N_EFFECTS = sizeof effects / sizeof effects[0] };
@@ -197,9 +202,11 @@ enum { N_EFFECTS = sizeof effects / sizeof effects[0] };
 static uint32_t with_needs(uint32_t set)
 {
     const uint32_t needs_response = DUET_EFFECT_FRICTION | DUET_EFFECT_CONTINUOUS |
-                                    DUET_EFFECT_SLEEP | DUET_EFFECT_ROLLING_RESISTANCE;
+                                    DUET_EFFECT_SLEEP | DUET_EFFECT_ROLLING_RESISTANCE |
+                                    DUET_EFFECT_SURFACE_VELOCITY;
     set |= set & DUET_EFFECT_ROLLING_RESISTANCE ? DUET_EFFECT_RADIUS | DUET_EFFECT_ANGULAR_VELOCITY
                                                 : 0;
+    set |= set & DUET_EFFECT_SURFACE_VELOCITY ? DUET_EFFECT_FRICTION | DUET_EFFECT_ROTATION : 0;
     set |= set & DUET_EFFECT_SENSORS ? DUET_EFFECT_EVENTS : 0;
     const uint32_t needs_contact = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FILTER |
                                    DUET_EFFECT_SKIN | DUET_EFFECT_EVENTS | DUET_EFFECT_RADIUS;
@@ -247,7 +254,7 @@ static uint32_t general_in(medium in, uint32_t set)
 {
     const uint32_t pushes = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FRICTION |
                             DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP |
-                            DUET_EFFECT_ROLLING_RESISTANCE;
+                            DUET_EFFECT_ROLLING_RESISTANCE | DUET_EFFECT_SURFACE_VELOCITY;
     bool flies = in.doubles && !(set & DUET_EFFECT_CONTACT_RESPONSE);
     return flies ? DUET_EFFECT_ALL & ~pushes : DUET_EFFECT_ALL;
 }
@@ -292,8 +299,9 @@ static const struct {
     {"GRAVITY", "gravity", "gravity", NULL},
     {"DRAG", "drag", "drag", NULL},
     {"BOUNDARY", "boundary", "upper", NULL},
-    {"CONTACT_RESPONSE", "contact_response", "colours", "FRICTION ROLLING CONTINUOUS SLEEP HITS"},
-    {"FRICTION", "friction", "friction", NULL},
+    {"CONTACT_RESPONSE", "contact_response", "colours",
+     "FRICTION CONVEYS ROLLING CONTINUOUS SLEEP HITS"},
+    {"FRICTION", "friction", "friction", "CONVEYS"},
     {"CONTINUOUS", "continuous", NULL, NULL},
     {"FILTER", "filter", "filter", NULL},
     {"SLEEP", "sleep", "asleep", NULL},
@@ -302,6 +310,7 @@ static const struct {
     {"FORCES", "forces", "forces", NULL},
     {"SENSORS", "sensors", "sensors", NULL},
     {"ROUNDED", "radius", NULL, NULL},
+    {"CONVEYS", "surface_velocity", "surface_velocities", NULL},
     {"ROLLING", "rolling_resistance", "rolling_resistances", NULL},
     {"ROTATED", "rotation", "rotations", "ANGULAR_VELOCITY GYRO ROLLING"},
 };
@@ -441,6 +450,7 @@ TEST(buffers_are_those_that_are_called_for)
         {DUET_EFFECT_CONTACT_RESPONSE, BLOCKS},
         {DUET_EFFECT_FRICTION, FRICTIONS},
         {DUET_EFFECT_ROLLING_RESISTANCE, ROLLING_RESISTANCES},
+        {DUET_EFFECT_SURFACE_VELOCITY, SURFACE_VELOCITIES},
         {DUET_EFFECT_FILTER, FILTERS},
         {DUET_EFFECT_SLEEP, ASLEEP},
         {DUET_EFFECT_SLEEP, AWAKE},
