@@ -78,6 +78,10 @@ static void change_body(duet_body *b, uint32_t effect)
 {
     if (effect == DUET_EFFECT_FRICTION)
         b->friction = 0.0f;
+    if (effect == DUET_EFFECT_ROLLING_RESISTANCE)
+        b->rolling_resistance = 0.0f;
+    if (effect == DUET_EFFECT_SURFACE_VELOCITY)
+        memset(b->surface_velocity, 0, sizeof b->surface_velocity);
     if (effect == DUET_EFFECT_FILTER)
         b->group = b->mask = UINT32_MAX;
     if (effect == DUET_EFFECT_ANGULAR_VELOCITY) {
@@ -94,7 +98,8 @@ static void take_away(subject *s, uint32_t effect)
     s->def.wants &= ~effect;
     if (effect == DUET_EFFECT_CONTACT_RESPONSE)
         s->def.wants &=
-            ~(uint32_t)(DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP | DUET_EFFECT_FRICTION);
+            ~(uint32_t)(DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP | DUET_EFFECT_FRICTION |
+                        DUET_EFFECT_ROLLING_RESISTANCE | DUET_EFFECT_SURFACE_VELOCITY);
     if (effect == DUET_EFFECT_GRAVITY) {
         memset(s->def.gravity, 0, sizeof s->def.gravity);
         s->def.attraction = 0.0;

@@ -15,6 +15,7 @@ typedef struct kind_info {
     lua_class class;
     const char *columns;
     size_t bytes;
+    size_t least; // columns that a row in a table may end after; 0: it has all
 } kind_info;
 
 static const kind_info kinds[ARRAY_KINDS];
@@ -27,8 +28,9 @@ _Static_assert(offsetof(duet_transform, rotation[3]) == 6 * 4, "a transform is s
 _Static_assert(offsetof(duet_compact_transform, rotation[3]) == 3 * 4 + 3 * 2,
                "three floats and four short integers");
 _Static_assert(offsetof(duet_body, fixed_rotation) == 12 * 4 &&
-                   offsetof(duet_body, sensor) == 12 * 4 + 1,
-               "twelve numbers, then two of one byte");
+                   offsetof(duet_body, sensor) == 12 * 4 + 1 &&
+                   offsetof(duet_body, rolling_resistance) == 13 * 4,
+               "twelve numbers, two of one byte, and what came later");
 _Static_assert(offsetof(duet_ray, t_max) == 6 * 4, "a ray is seven floats");
 _Static_assert(offsetof(duet_large_ray, cell[2]) == 9 * 4, "and its cell three more");
 _Static_assert(offsetof(duet_large_pose, cell[2]) == 12 * 4, "a pose, then a cell");
@@ -53,14 +55,24 @@ static void *row_at(const array *a, uint64_t i)
     return (char *)a->rows + i * kinds[a->kind].bytes;
 }
 
-// All members but the last are of one size, and short ones come after the others.
+static size_t bytes_of(char letter)
+{
+    return strchr("dQ", letter)   ? sizeof(double)
+           : letter == 'h'        ? sizeof(int16_t)
+           : strchr("CB", letter) ? sizeof(bool)
+                                  : sizeof(float);
+}
+
+// A member begins at a multiple of its size.
 static void *column_at(const array *a, uint64_t i, int column)
 {
     const char *columns = kinds[a->kind].columns;
-    size_t at = (size_t)column * (strchr("dQ", columns[0]) ? 8 : 4);
-    for (int k = column - 1; k >= 0 && strchr("hB", columns[k]); --k)
-        at -= sizeof(float) - (columns[k] == 'h' ? sizeof(int16_t) : sizeof(bool));
-    return (char *)row_at(a, i) + at;
+    size_t at = 0;
+    for (int k = 0; k <= column; ++k) {
+        size_t bytes = bytes_of(columns[k]);
+        at = (at + bytes - 1) / bytes * bytes + bytes;
+    }
+    return (char *)row_at(a, i) + at - bytes_of(columns[column]);
 }
 
 // ---------------------------------------------------------------- making
@@ -178,11 +190,14 @@ static void take_column(lua_State *L, const array *a, uint64_t i, int column)
 static void read_row(lua_State *L, int index, const array *a, uint64_t i)
 {
     int width = width_of(a);
+    size_t least = kinds[a->kind].least ? kinds[a->kind].least : (size_t)width;
     lua_Unsigned given = lua_istable(L, index) ? lua_rawlen(L, index) : 0;
-    if (given != (lua_Unsigned)width)
+    if (given < least || given > (lua_Unsigned)width)
         luaL_error(L, "%s: row %I: %I numbers, and a row has %d", kinds[a->kind].class.name,
                    (LUAI_UACINT)i, (LUAI_UACINT)given, width);
-    for (int column = 0; column < width; ++column) {
+    if (given < (lua_Unsigned)width)
+        memset(row_at(a, i), 0, kinds[a->kind].bytes);
+    for (int column = 0; column < (int)given; ++column) {
         lua_rawgeti(L, index, column + 1);
         take_column(L, a, i, column);
     }
@@ -224,7 +239,7 @@ static void push_from_bytes(lua_State *L, int index, array_kind kind)
     array *a = array_push(L, kind, length / width);
     memcpy(a->rows, bytes, length);
     for (uint64_t i = 0; kind == ARRAY_BODIES && i < a->n; ++i)
-        for (int column = 12; column < width_of(a); ++column) { // any other byte is no bool
+        for (int column = 12; column < 14; ++column) { // any other byte is no bool
             unsigned char *flag = column_at(a, i, column);
             *flag = *flag != 0;
         }
@@ -529,10 +544,11 @@ static const luaL_Reg rounded_boxes_methods[] = {
     {"collide", rounded_boxes_collide}, {"separation", rounded_boxes_separation}, {NULL, NULL}};
 static const luaL_Reg pairs_methods[] = {{"hash", pairs_hash}, {NULL, NULL}};
 
-#define ROWS(name_, columns, bytes)                                                 \
-    {                                                                               \
-        {.name = "duet." name_, .methods = methods, .metas = metas}, columns, bytes \
+#define ROWS_FROM(name_, columns, bytes, least)                                            \
+    {                                                                                      \
+        {.name = "duet." name_, .methods = methods, .metas = metas}, columns, bytes, least \
     }
+#define ROWS(name, columns, bytes) ROWS_FROM(name, columns, bytes, 0)
 
 static const kind_info kinds[] = {
     [ARRAY_POSES] = ROWS("poses", "ffffffffff", sizeof(duet_pose)),
@@ -546,7 +562,7 @@ static const kind_info kinds[] = {
     [ARRAY_LARGE_POSES] = ROWS("large_poses", "ffffffffffiii", sizeof(duet_large_pose)),
     [ARRAY_PAIRS] = ROWS("pairs", "II", sizeof(duet_pair)),
     [ARRAY_PAIRS64] = ROWS("pairs64", "QQ", 2 * sizeof(uint64_t)),
-    [ARRAY_BODIES] = ROWS("bodies", "fffffffffIIfBB", sizeof(duet_body)),
+    [ARRAY_BODIES] = ROWS_FROM("bodies", "fffffffffIIfBBffff", sizeof(duet_body), 14),
     [ARRAY_STATES] = ROWS("states", "ddddddddddddd", sizeof(duet_state)),
     [ARRAY_CONTACTS] = ROWS("contacts", "IIfffIffffffffffffffffffff", sizeof(duet_contact)),
     [ARRAY_ANSWERS] = ROWS("answers", "C", sizeof(uint8_t)),

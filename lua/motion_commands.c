@@ -49,7 +49,7 @@ static uint32_t field_of(lua_State *L, int index)
     return (uint32_t)luaL_error(L,
                                 "'%s' is no field that can be set; expected velocity, "
                                 "angular_velocity, mass, restitution, friction, filter, "
-                                "fixed_rotation or radius",
+                                "fixed_rotation, radius, rolling_resistance or surface_velocity",
                                 name);
 }
 

@@ -30,7 +30,9 @@ typedef enum duet_effect {
     DUET_EFFECT_FORCES = 1u << 14,          // commands push (duet_motion_commands.h)
     DUET_EFFECT_SENSORS = 1u << 15,         // bodies that touch without pushing
     DUET_EFFECT_RADIUS = 1u << 16,          // bodies have radii: spheres, capsules, rounded boxes
-    DUET_EFFECT_ALL = (1u << 17) - 1
+    DUET_EFFECT_ROLLING_RESISTANCE = 1u << 17, // what rolls slows down
+    DUET_EFFECT_SURFACE_VELOCITY = 1u << 18,   // surfaces move: conveyors
+    DUET_EFFECT_ALL = (1u << 19) - 1
 } duet_effect;
 
 DUET_API const char *duet_effect_name(uint32_t effect); // one bit: "rotation"; NULL for others
@@ -47,6 +49,10 @@ typedef struct duet_body {
     float radius;              // >= 0; the body is all points so near to the pose's box
     bool fixed_rotation;       // contacts never turn it
     bool sensor;               // its contacts are reported as events and push nothing
+    float rolling_resistance;  // >= 0; a contact has the greater one of both bodies'. It turns them
+                               // back with that part of the push times the greater radius
+    float
+        surface_velocity[3]; // of its surface, along its own axes: friction carries what it touches
 } duet_body;
 
 DUET_API duet_body duet_default_body(void); // at rest, mass 1, friction 0, all groups

@@ -13,9 +13,25 @@
 //   list    contacts by colour
 //   blocks  constraints
 //   each    contacts of a colour that a work-item takes
+#if DOUBLE
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+#endif
+
 typedef struct {
     ARG_FIELDS
 } source;
+
+#if CONVEYS
+// The velocity of a surface against its body, along the world's axes; a wall has none.
+static inline float4 surface_velocity_of(const source *from, uint id)
+{
+    if (id >= from->n)
+        return (float4)(0.0f);
+    float4 velocity = from->surface_velocities[id], q = convert_float4(from->rotations[id]);
+    float4 axis = (float4)(q.xyz, 0.0f), t = 2.0f * cross_float(axis, velocity);
+    return velocity + add_float(cross_float(axis, t), q.w, t);
+}
+#endif
 
 // Fills what a lane has one number of; lanes that no contact is left for have no points and are
 // between walls.
@@ -29,6 +45,16 @@ static inline void fill_lane(__global float *lane, const source *from, uint i, b
     lane[IN_RESTITUTION * BLOCK] = fmax(from->restitutions[link.x], from->restitutions[partner]);
     if (FRICTION)
         lane[IN_FRICTION * BLOCK] = from->frictions[link.x] * from->frictions[partner];
+#if ROLLING
+    lane[IN_ROLLING * BLOCK] = fmax(from->rolling_resistances[link.x], from->rolling_resistances[partner]) *
+                               fmax(from->halves[link.x].w, from->halves[partner].w);
+#endif
+#if CONVEYS
+    float4 belt = surface_velocity_of(from, link.y) - surface_velocity_of(from, link.x);
+    lane[IN_BELT * BLOCK] = belt.x;
+    lane[(IN_BELT + 1) * BLOCK] = belt.y;
+    lane[(IN_BELT + 2) * BLOCK] = belt.z;
+#endif
 }
 
 static inline void fill_point(__global float *point, const source *from, const uint places[LANES], int k, mask where)
@@ -57,6 +83,8 @@ static inline void fill_lanes(__global float *constraint, const source *from, __
     load_eight(from->contacts, places, RECORD, 0, head);
     put_vec(constraint, IN_NORMAL, (vec){head[AT_NORMAL], head[AT_NORMAL + 1], head[AT_NORMAL + 2]});
     put_vec(constraint, IN_OFFSET, (vec){head[AT_OFFSET], head[AT_OFFSET + 1], head[AT_OFFSET + 2]});
+    if (ROLLING)
+        put_vec(constraint, IN_ROLLING + 1, (vec){0.0f, 0.0f, 0.0f});
     word points = points_of(constraint);
     int most = most_points(points);
     for (int k = 0; k < most; ++k)

@@ -1,12 +1,15 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "contacts into blocks of constraints, and their impulses back",
-  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh" },
+  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/float_vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "DOUBLE", values = { 0, 1 }, default = 0, silent = true, about = "1: the state is in double" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
     { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    { "CONVEYS", values = { 0, 1 }, default = 0, silent = true, about = "1: surfaces move" },
+    { "ROLLING", values = { 0, 1 }, default = 0, silent = true, about = "1: contacts resist to roll" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "contacts side by side in a work-item" },
     { "BLOCK", values = { 8, 32 }, default = function(limits) return limits.cpu and 8 or 32 end,
@@ -23,6 +26,10 @@ return {
       const float *contacts
       const float *restitutions
       const float *frictions  if FRICTION == 1
+      const float *rolling_resistances  if ROLLING == 1
+      const float4 *halves    if ROLLING == 1
+      const float4 *surface_velocities  if CONVEYS == 1
+      const real4 *rotations  if CONVEYS == 1
       uint n
       const uint *list
       const uint4 *spans
@@ -44,7 +51,10 @@ return {
       float *contacts
     ]],
   },
-  valid = function(p)
+  valid = function(p, limits)
+    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
+    if p.CONVEYS == 1 and p.FRICTION == 0 then return false, "what conveys has friction" end
+    if p.ROLLING == 1 and p.ANGULAR_VELOCITY == 0 then return false, "what rolls turns" end
     if p.LANES == 8 and p.BLOCK ~= 8 then return false, "lanes are blocks" end
     if p.PER_ITEM % p.LANES ~= 0 then return false, "PER_ITEM is not a multiple of LANES" end
     return true

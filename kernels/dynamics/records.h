@@ -66,6 +66,13 @@
 #define CONSTRAINT_OF(FRICTION, POINTS, DIMS)                                                      \
     (FIELDS_OF(FRICTION) + (POINTS) * (BY_FIELDS_OF(FRICTION, DIMS) + 1))
 
+// Behind them, where bodies resist to roll: the length that a push turns them back with, and the
+// impulse of that torque, of all substeps so far.
+#define ROLLING_FIELDS 4
+
+// And where surfaces move: the other's surface velocity less the owner's, along the world's axes.
+#define BELT_FIELDS 3
+
 // ------------------------------------------------------------ bodies
 
 // A body while a step is solved, in vectors of four: velocity and inverse mass, the way

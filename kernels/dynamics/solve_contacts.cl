@@ -197,6 +197,8 @@ static inline mask solve_friction(pair *p, point one, real friction, mask where)
     vec anchor = get_vec_of(one, BY_ANCHOR);
     real most = friction * get_of(one, BY_NORMAL_IMPULSE);
     vec velocity = velocity_between(p, anchor);
+    if (CONVEYS)
+        velocity = vec_sum(velocity, p->belt);
     real old_t = get_of(one, BY_TANGENT_IMPULSE);
     real t = fma(-get_of(one, BY_TANGENT_MASS), vec_dot(velocity, p->tangent), old_t);
     if (DIMS == 2) {
@@ -235,6 +237,30 @@ static inline void limit_impulse(point one, real expected)
         put_of(one, BY_TANGENT_IMPULSE + 1, part * get_of(one, BY_TANGENT_IMPULSE + 1));
 }
 
+// ------------------------------------------------------------ rolling resistance
+
+// Turns both bodies to one angular velocity, by an impulse of a torque whose length is at most
+// `lever` times what presses.
+static inline void solve_rolling(pair *p, points *all, real lever)
+{
+    const real zero = 0.0f;
+    real pressed = zero;
+    EACH_POINT(k, p->most)
+        pressed += get_of(point_of(all, k), BY_NORMAL_IMPULSE);
+    real most = lever * pressed;
+    vec turn = vec_less(p->b.angular, p->a.angular);
+    real square = vec_dot(turn, turn);
+    real answer = vec_dot(turn, vec_sum(turn_by(&p->a, turn), turn_by(&p->b, turn)));
+    real scale = select(zero, square * inverse(answer), answer > 1e-30f); // else it stands
+    vec wanted = vec_add(p->rolling, -scale, turn);
+    real length2 = vec_dot(wanted, wanted);
+    real part = select((real)(1.0f), most * inverse_root(length2), length2 > most * most);
+    vec more = vec_less(vec_times(select(zero, part, most > 0.0f), wanted), p->rolling);
+    p->rolling = vec_sum(p->rolling, more);
+    p->a.angular = vec_less(p->a.angular, turn_by(&p->a, more));
+    p->b.angular = vec_sum(p->b.angular, turn_by(&p->b, more));
+}
+
 // ------------------------------------------------------------ a contact
 
 static inline void load_turns(pair *p, __global const float4 *bodies)
@@ -261,6 +287,10 @@ static inline void solve_constraint(const solver *s, uint soft, __global float *
         update_masses(&p, &all, is_pair_far_turned(&p));
     real friction = FRICTION ? get(constraint, IN_FRICTION) : (real)(0.0f);
     mask slides = 0;
+    if (ROLLING) {
+        solve_rolling(&p, &all, get(constraint, IN_ROLLING));
+        put_vec(constraint, IN_ROLLING + 1, p.rolling);
+    }
     if (FRICTION)
         EACH_IN_TURN(k, !soft, p.most)
             slides |= solve_friction(&p, point_of(&all, k), friction, has_point(&p, k)) & has_point(&p, k);

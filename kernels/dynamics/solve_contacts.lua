@@ -7,6 +7,8 @@ return {
     { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
     { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    { "CONVEYS", values = { 0, 1 }, default = 0, silent = true, about = "1: surfaces move" },
+    { "ROLLING", values = { 0, 1 }, default = 0, silent = true, about = "1: contacts resist to roll" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "contacts side by side in a work-item" },
     { "BLOCK", values = { 8, 32 }, default = function(limits) return limits.cpu and 8 or 32 end,
@@ -45,6 +47,8 @@ return {
     ]],
   },
   valid = function(p)
+    if p.CONVEYS == 1 and p.FRICTION == 0 then return false, "what conveys has friction" end
+    if p.ROLLING == 1 and p.ANGULAR_VELOCITY == 0 then return false, "what rolls turns" end
     if p.LANES == 8 and p.BLOCK ~= 8 then return false, "lanes are blocks" end
     if p.PER_ITEM % p.LANES ~= 0 then return false, "PER_ITEM is not a multiple of LANES" end
     return true

@@ -6,6 +6,7 @@ local p = parameters {
   seed = 1,
   friction = 0.3,
   restitution = 0.3,
+  rolling_resistance = 0.0, -- 0.02: all come to rest
 }
 
 local random = random(p.seed)
@@ -40,7 +41,7 @@ return {
   world = { lower = { 0, 0, 0 }, upper = { side * apart, side * apart, 2 + layers * apart } },
   boundary = "walls",
   gravity = { 0, 0, -9.81 },
-  body = { friction = p.friction, restitution = p.restitution },
+  body = { friction = p.friction, restitution = p.restitution, rolling_resistance = p.rolling_resistance },
   wants = { "contact_response", "sleep" },
   skin = 0.05,
 }

@@ -38,6 +38,13 @@ static const effect_row rows[] = {
     {DUET_EFFECT_FRICTION, "friction", DUET_EFFECT_CONTACT_RESPONSE, "a friction", "friction",
      "match_contacts, build_manifolds, update_sleep, graph_colour, prepare_contacts, "
      "solve_contacts, integrate_positions, contact_events"},
+    {DUET_EFFECT_ROLLING_RESISTANCE, "rolling_resistance",
+     DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_ANGULAR_VELOCITY | DUET_EFFECT_RADIUS,
+     "a rolling_resistance and a radius, with contact_response", "rolling_resistances",
+     "prepare_contacts, solve_contacts"},
+    {DUET_EFFECT_SURFACE_VELOCITY, "surface_velocity",
+     DUET_EFFECT_FRICTION | DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_ROTATION,
+     "a surface_velocity, with friction", "surface_velocities", "prepare_contacts, solve_contacts"},
     {DUET_EFFECT_CONTINUOUS, "continuous", DUET_EFFECT_CONTACT_RESPONSE,
      "something that moves, or whose corners swing, more than half its least half extent in a step",
      "swept", "fat_aabbs, build_manifolds, bodies, integrate_positions, solve_contacts"},
@@ -108,6 +115,8 @@ static void add_object(effect_facts *f, const duet_pose *p, const duet_body *b, 
     f->uneven |= dims == 3 && b->mass > 0.0f && (h[0] != h[1] || h[1] != h[2]);
     f->elastic |= b->restitution > 0.0f;
     f->rough |= b->friction > 0.0f;
+    f->resists |= b->rolling_resistance > 0.0f;
+    f->conveys |= !is_zero(b->surface_velocity, dims);
     f->sensing |= b->sensor;
     f->round |= b->radius > 0.0f;
     f->filtered |= b->group != UINT32_MAX || b->mask != UINT32_MAX;
@@ -156,6 +165,10 @@ static bool is_called(uint32_t effect, const duet_motion_def *def, const effect_
         return f->round && (so_far & (DUET_EFFECT_CONTACT | DUET_EFFECT_BOUNDARY));
     case DUET_EFFECT_FRICTION:
         return pushes && f->rough;
+    case DUET_EFFECT_ROLLING_RESISTANCE:
+        return pushes && f->resists && f->round;
+    case DUET_EFFECT_SURFACE_VELOCITY:
+        return f->conveys && (so_far & DUET_EFFECT_FRICTION);
     case DUET_EFFECT_CONTINUOUS:
         return pushes && f->reach > 0.5;
     case DUET_EFFECT_FILTER:

@@ -15,6 +15,8 @@ typedef struct effect_facts {
     bool uneven;   // some inertia is not the same along all axes
     bool elastic;  // some restitution is not 0
     bool rough;    // some friction is not 0
+    bool resists;  // some rolling resistance is not 0
+    bool conveys;  // some surface velocity is not 0
     bool filtered; // some group or mask is not all
     bool sensing;  // some body is a sensor
     bool round;    // some radius is not 0

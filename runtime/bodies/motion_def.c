@@ -156,11 +156,15 @@ const char *motion_body_fault(const duet_body *b)
 {
     if (!vector_is_finite(b->velocity, 3) || !vector_is_finite(b->angular_velocity, 3))
         return "a velocity or angular velocity is not finite";
+    if (!vector_is_finite(b->surface_velocity, 3))
+        return "the surface velocity is not finite";
     if (!is_between(b->mass, 0.0, 1e30) || (b->mass > 0.0f && b->mass < 1e-30f))
         return "the mass must be 0, or from 1e-30 to 1e30";
     if (!is_between(b->restitution, 0.0, 1.0))
         return "the restitution must be from 0 to 1";
     if (!is_between(b->radius, 0.0, FLT_MAX))
         return "the radius must be 0 or above";
+    if (!is_between(b->rolling_resistance, 0.0, 1e6))
+        return "the rolling resistance must be from 0 to 1e6";
     return is_between(b->friction, 0.0, 1e6) ? NULL : "the friction must be from 0 to 1e6";
 }

@@ -29,6 +29,8 @@ static const struct {
     {"filter", MEMBERS(group, mask), PART_FILTER},
     {"fixed_rotation", MEMBERS(fixed_rotation, fixed_rotation), PART_MASS},
     {"radius", MEMBERS(radius, radius), PART_SIZE},
+    {"rolling_resistance", MEMBERS(rolling_resistance, rolling_resistance), PART_SURFACE},
+    {"surface_velocity", MEMBERS(surface_velocity, surface_velocity), PART_SURFACE},
 };
 
 enum { N_FIELDS = sizeof fields / sizeof fields[0] };

@@ -15,7 +15,7 @@
 static_assert(sizeof(saved_head) == 240 && sizeof(saved_head) % sizeof(cl_int4) == 0,
               "no byte of a file is left to chance");
 
-static const char magic[16] = "duet motion 1\n";
+static const char magic[16] = "duet motion 2\n";
 
 // By object first, then by contact. Rows are kept for those that sleep and for
 // skins.

@@ -4,7 +4,7 @@
 #include <assert.h>
 #include <string.h>
 
-static_assert(sizeof(packed_body) == 52 && sizeof(packed_def) == 144,
+static_assert(sizeof(packed_body) == 68 && sizeof(packed_def) == 144,
               "no byte of a file is left to chance");
 
 packed_body packed_body_of(const duet_body *b)
@@ -16,9 +16,11 @@ packed_body packed_body_of(const duet_body *b)
                      .mask = b->mask,
                      .flags = (b->fixed_rotation ? PACKED_FIXED_ROTATION : 0) |
                               (b->sensor ? PACKED_SENSOR : 0),
-                     .radius = b->radius};
+                     .radius = b->radius,
+                     .rolling_resistance = b->rolling_resistance};
     memcpy(p.velocity, b->velocity, sizeof p.velocity);
     memcpy(p.angular_velocity, b->angular_velocity, sizeof p.angular_velocity);
+    memcpy(p.surface_velocity, b->surface_velocity, sizeof p.surface_velocity);
     return p;
 }
 
@@ -31,9 +33,11 @@ duet_body packed_to_body(const packed_body *p)
                    .mask = p->mask,
                    .radius = p->radius,
                    .fixed_rotation = p->flags & PACKED_FIXED_ROTATION,
-                   .sensor = p->flags & PACKED_SENSOR};
+                   .sensor = p->flags & PACKED_SENSOR,
+                   .rolling_resistance = p->rolling_resistance};
     memcpy(b.velocity, p->velocity, sizeof b.velocity);
     memcpy(b.angular_velocity, p->angular_velocity, sizeof b.angular_velocity);
+    memcpy(b.surface_velocity, p->surface_velocity, sizeof b.surface_velocity);
     return b;
 }
 

@@ -9,7 +9,7 @@
 typedef struct packed_body {
     float velocity[3], angular_velocity[3], mass, restitution, friction;
     uint32_t group, mask, flags;
-    float radius;
+    float radius, rolling_resistance, surface_velocity[3];
 } packed_body;
 
 enum { PACKED_FIXED_ROTATION = 1, PACKED_SENSOR = 2, PACKED_FLAGS = 3 };

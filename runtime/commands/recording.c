@@ -11,7 +11,7 @@
 static_assert(sizeof(recording_head) == 40 && sizeof(recorded) == 16,
               "no byte of a file is left to chance");
 
-const char recording_magic[16] = "duet commands 1\n";
+const char recording_magic[16] = "duet commands 2\n";
 
 recorded_sizes recorded_sizes_of(const command_op *op)
 {

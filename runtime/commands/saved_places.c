@@ -17,7 +17,7 @@ typedef struct saved_place {
     int32_t cell[3];
 } saved_place;
 
-static_assert(sizeof(saved_place) == 120 && sizeof(motion_target) == 32,
+static_assert(sizeof(saved_place) == 136 && sizeof(motion_target) == 32,
               "no byte of a file is left to chance");
 
 enum { FORCE_WORDS = 8 };

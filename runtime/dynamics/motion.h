@@ -225,7 +225,7 @@ enum motion_part {
     PART_VELOCITY = 1 << 2,
     PART_ANGULAR_VELOCITY = 1 << 3,
     PART_MASS = 1 << 4,
-    PART_SURFACE = 1 << 5, // restitution and friction
+    PART_SURFACE = 1 << 5, // what contacts know of a body
     PART_FILTER = 1 << 6,
     PART_SENSOR = 1 << 7,
     PART_ALL = (1 << 8) - 1

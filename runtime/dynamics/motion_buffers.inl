@@ -16,6 +16,10 @@ BY_OBJECT(INERTIAS, "inertias", "float4 *", ANGULAR_VELOCITY, ANGULAR_VELOCITY, 
 BY_OBJECT(HALVES, "halves", "float4 *", CONTACT, BOUNDARY, 0, 4)
 BY_OBJECT(RESTITUTIONS, "restitutions", "float *", CONTACT_RESPONSE, CONTACT_RESPONSE, 0, 1)
 BY_OBJECT(FRICTIONS, "frictions", "float *", FRICTION, FRICTION, 0, 1)
+BY_OBJECT(ROLLING_RESISTANCES, "rolling_resistances", "float *", ROLLING_RESISTANCE,
+          ROLLING_RESISTANCE, 0, 1)
+BY_OBJECT(SURFACE_VELOCITIES, "surface_velocities", "float4 *", SURFACE_VELOCITY, SURFACE_VELOCITY,
+          0, 4)
 BY_OBJECT(FILTERS, "filters", "uint2 *", FILTER, FILTER, 0, 2)
 BY_OBJECT(SENSORS, "sensors", "float *", SENSORS, SENSORS, 0, 1)
 BY_OBJECT(RESTS, "rests", "float *", SLEEP, SLEEP, 0, 1)

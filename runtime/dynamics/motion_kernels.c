@@ -129,6 +129,8 @@ uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFF
         OFFER("BOUNDARY", boundary_kind(m)),
         OFFER("CONTACT_RESPONSE", has(m, DUET_EFFECT_CONTACT_RESPONSE)),
         OFFER("FRICTION", has(m, DUET_EFFECT_FRICTION)),
+        OFFER("ROLLING", has(m, DUET_EFFECT_ROLLING_RESISTANCE)),
+        OFFER("CONVEYS", has(m, DUET_EFFECT_SURFACE_VELOCITY)),
         OFFER("CONTINUOUS", has(m, DUET_EFFECT_CONTINUOUS)),
         OFFER("FILTER", has(m, DUET_EFFECT_FILTER)),
         OFFER("SLEEP", has(m, DUET_EFFECT_SLEEP)),
@@ -177,7 +179,9 @@ static motion_layout lay_out(const duet_motion *m)
         .body = BODY_OF(turns),
     };
     l.record = l.head + l.points * l.point;
-    l.constraint = CONSTRAINT_OF(friction, l.points, dims);
+    l.constraint = CONSTRAINT_OF(friction, l.points, dims) +
+                   (has(m, DUET_EFFECT_ROLLING_RESISTANCE) ? ROLLING_FIELDS : 0) +
+                   (has(m, DUET_EFFECT_SURFACE_VELOCITY) ? BELT_FIELDS : 0);
     return l;
 }
 

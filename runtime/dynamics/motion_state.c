@@ -295,6 +295,17 @@ static entry friction_of(const duet_motion *m, uint32_t id)
     return (entry){{m->bodies[id].friction}};
 }
 
+static entry rolling_resistance_of(const duet_motion *m, uint32_t id)
+{
+    return (entry){{m->bodies[id].rolling_resistance}};
+}
+
+static entry surface_velocity_of(const duet_motion *m, uint32_t id)
+{
+    const float *v = m->bodies[id].surface_velocity;
+    return (entry){{v[0], v[1], m->def.dims == 3 ? v[2] : 0.0}};
+}
+
 static entry filter_of(const duet_motion *m, uint32_t id)
 {
     return (entry){{m->bodies[id].group, m->bodies[id].mask}};
@@ -331,6 +342,8 @@ static const struct {
     {HALVES, half_of, PART_SIZE, 0, 4, false},
     {RESTITUTIONS, restitution_of, PART_SURFACE, 0, 1, false},
     {FRICTIONS, friction_of, PART_SURFACE, 0, 1, false},
+    {ROLLING_RESISTANCES, rolling_resistance_of, PART_SURFACE, 0, 1, false},
+    {SURFACE_VELOCITIES, surface_velocity_of, PART_SURFACE, 0, 4, false},
     {FILTERS, filter_of, PART_FILTER, 0, 2, true},
     {SENSORS, sensor_of, PART_SENSOR, 0, 1, false},
 };

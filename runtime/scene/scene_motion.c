@@ -27,6 +27,8 @@ static const struct {
     {"mask", BITS, offsetof(duet_body, mask)},
     {"fixed_rotation", BOOLEAN, offsetof(duet_body, fixed_rotation)},
     {"sensor", BOOLEAN, offsetof(duet_body, sensor)},
+    {"rolling_resistance", NUMBER, offsetof(duet_body, rolling_resistance)},
+    {"surface_velocity", VECTOR, offsetof(duet_body, surface_velocity)},
 };
 
 enum { N_BODY_FIELDS = sizeof body_fields / sizeof body_fields[0] };

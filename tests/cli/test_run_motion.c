@@ -184,7 +184,7 @@ TEST(a_recording_gives_the_same_hash_with_another_plan)
     p = program_run("run --steps 9 --replay " RECORDING " " SCENE);
     program_assert_refused(&p, 2, RECORDING " has 8 recorded steps");
     p = program_run("run --steps 8 --replay " SCENE " " SCENE);
-    program_assert_refused(&p, 1, "expected \"duet commands 1\"");
+    program_assert_refused(&p, 1, "expected \"duet commands 2\"");
     p = program_run("run --steps 8 --replay " RECORDING " falling -n 9");
     assert_int_equal(p.exit_code, 1);
     assert_non_null(strstr(p.err, "recorded from step 0, 9 places"));

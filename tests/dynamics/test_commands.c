@@ -81,7 +81,7 @@ TEST(wrong_commands_are_refused_by_name_and_change_nothing)
     b.fixed_rotation = false;
     assert_refused(duet_motion_set_bodies(motion, one(1), DUET_BODY_FIXED_ROTATION, &b, &err),
                    "needs the effect angular_velocity");
-    assert_refused(duet_motion_set_bodies(motion, one(1), 1u << 9, &b, &err), "duet_body_field");
+    assert_refused(duet_motion_set_bodies(motion, one(1), 1u << 30, &b, &err), "duet_body_field");
     assert_refused(duet_motion_set_bodies(motion, one(2), mass, &b, &err), "no body 2");
     assert_refused(duet_motion_set_bodies(motion, by_ids(ids, 2), mass, &b, &err), "no body 2");
     assert_refused(duet_motion_remove_bodies(motion, by_ids(again, 2), &err), "listed twice");
@@ -673,10 +673,10 @@ TEST(a_file_of_another_version_is_refused_by_name)
     static const char old[] = "duet motion 4\n\0\0";
     assert_done(text_write_file(path, old, sizeof old, &err));
     assert_refused(duet_motion_load(m->motion, path, &err),
-                   ": begins with \"duet motion 4\"; expected \"duet motion 1\"");
+                   ": begins with \"duet motion 4\"; expected \"duet motion 2\"");
     duet_replay *replay = NULL;
     assert_refused((replay = duet_replay_create(path, &err)),
-                   ": begins with \"duet motion 4\"; expected \"duet commands 1\"");
+                   ": begins with \"duet motion 4\"; expected \"duet commands 2\"");
     assert_done(text_write_file(path, "\x1b\n", 1, &err));
     assert_refused(duet_motion_load(m->motion, path, &err), ": begins with \"\\x1b\"");
     assert_true(mover_hash(m) == hash);

@@ -35,7 +35,21 @@ TEST(a_still_scene_calls_for_nothing)
 // Each cause calls for its effect, and for nothing but that and what it needs.
 TEST(each_cause_calls_for_its_effect)
 {
-    enum { VELOCITY, TURNED, TURNING, GRAVITY, DRAG, WALLS, ROUGH, QUICK, GROUPS, SKIN, CAUSES };
+    enum {
+        VELOCITY,
+        TURNED,
+        TURNING,
+        GRAVITY,
+        DRAG,
+        WALLS,
+        ROUGH,
+        QUICK,
+        GROUPS,
+        SKIN,
+        RESISTING,
+        CONVEYING,
+        CAUSES
+    };
     const uint32_t motion = DUET_EFFECT_MOTION;
     const uint32_t push = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_CONTACT | DUET_EFFECT_MOTION |
                           DUET_EFFECT_ANGULAR_VELOCITY | DUET_EFFECT_ROTATION;
@@ -49,6 +63,8 @@ TEST(each_cause_calls_for_its_effect)
         [ROUGH] = push | DUET_EFFECT_FRICTION,
         [QUICK] = push | DUET_EFFECT_CONTINUOUS,
         [GROUPS] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_FILTER,
+        [RESISTING] = push | DUET_EFFECT_RADIUS | DUET_EFFECT_ROLLING_RESISTANCE,
+        [CONVEYING] = push | DUET_EFFECT_FRICTION | DUET_EFFECT_SURFACE_VELOCITY,
         [SKIN] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_SKIN,
     };
     for (int cause = 0; cause < CAUSES; ++cause) {
@@ -62,10 +78,13 @@ TEST(each_cause_calls_for_its_effect)
         m->def.drag = cause == DRAG ? 1.0 : 0.0;
         m->def.boundary = cause == WALLS ? DUET_BOUNDARY_WALLS : DUET_BOUNDARY_NONE;
         m->def.upper[0] = m->def.upper[1] = m->def.upper[2] = 10.0;
-        m->bodies[0].friction = cause == ROUGH ? 0.5f : 0.0f;
+        m->bodies[0].friction = cause == ROUGH || cause == CONVEYING ? 0.5f : 0.0f;
+        m->bodies[0].surface_velocity[1] = cause == CONVEYING ? 0.5f : 0.0f;
         m->bodies[0].mask = cause == GROUPS ? 1u : UINT32_MAX;
         m->def.skin = cause == SKIN ? 0.1 : 0.0;
-        if (cause == QUICK)
+        m->bodies[0].rolling_resistance = cause == RESISTING ? 0.1f : 0.0f;
+        m->bodies[0].radius = cause == RESISTING ? 0.1f : 0.0f;
+        if (cause == QUICK || cause == RESISTING)
             m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
         if (cause == GROUPS || cause == SKIN)
             m->def.wants = DUET_EFFECT_CONTACT;
@@ -118,6 +137,8 @@ static mover *make_scene_in(medium in, uint32_t set)
         if (set & DUET_EFFECT_ANGULAR_VELOCITY)
             b->angular_velocity[flat ? 2 : i % 3] = 0.5f + 0.1f * (float)i;
         b->friction = set & DUET_EFFECT_FRICTION ? 0.4f : 0.0f;
+        b->rolling_resistance = set & DUET_EFFECT_ROLLING_RESISTANCE ? 0.05f : 0.0f;
+        b->surface_velocity[i % 2] = set & DUET_EFFECT_SURFACE_VELOCITY ? 0.3f : 0.0f;
         if (set & DUET_EFFECT_RADIUS) {
             b->radius = i % 2 ? 0.1f : 0.5f; // a sphere
             for (int k = 0; k < 3; ++k)
@@ -172,14 +193,20 @@ static const uint32_t effects[] = {
     DUET_EFFECT_EVENTS,
     DUET_EFFECT_SENSORS,
     DUET_EFFECT_RADIUS,
+    DUET_EFFECT_ROLLING_RESISTANCE,
+    DUET_EFFECT_SURFACE_VELOCITY,
 };
 
 enum { N_EFFECTS = sizeof effects / sizeof effects[0] };
 
 static uint32_t with_needs(uint32_t set)
 {
-    const uint32_t needs_response =
-        DUET_EFFECT_FRICTION | DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP;
+    const uint32_t needs_response = DUET_EFFECT_FRICTION | DUET_EFFECT_CONTINUOUS |
+                                    DUET_EFFECT_SLEEP | DUET_EFFECT_ROLLING_RESISTANCE |
+                                    DUET_EFFECT_SURFACE_VELOCITY;
+    set |= set & DUET_EFFECT_ROLLING_RESISTANCE ? DUET_EFFECT_RADIUS | DUET_EFFECT_ANGULAR_VELOCITY
+                                                : 0;
+    set |= set & DUET_EFFECT_SURFACE_VELOCITY ? DUET_EFFECT_FRICTION | DUET_EFFECT_ROTATION : 0;
     set |= set & DUET_EFFECT_SENSORS ? DUET_EFFECT_EVENTS : 0;
     const uint32_t needs_contact = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FILTER |
                                    DUET_EFFECT_SKIN | DUET_EFFECT_EVENTS | DUET_EFFECT_RADIUS;
@@ -226,7 +253,8 @@ TEST(sampled_sets_equal_the_general_step)
 static uint32_t general_in(medium in, uint32_t set)
 {
     const uint32_t pushes = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FRICTION |
-                            DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP;
+                            DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP |
+                            DUET_EFFECT_ROLLING_RESISTANCE | DUET_EFFECT_SURFACE_VELOCITY;
     bool flies = in.doubles && !(set & DUET_EFFECT_CONTACT_RESPONSE);
     return flies ? DUET_EFFECT_ALL & ~pushes : DUET_EFFECT_ALL;
 }
@@ -267,12 +295,13 @@ static const struct {
     const char *word;    // NULL: it has no arguments of its own
     const char *off_too; // effects that need it
 } words[] = {
-    {"ANGULAR_VELOCITY", "angular_velocity", "angular_velocit", "GYRO"},
+    {"ANGULAR_VELOCITY", "angular_velocity", "angular_velocit", "GYRO ROLLING"},
     {"GRAVITY", "gravity", "gravity", NULL},
     {"DRAG", "drag", "drag", NULL},
     {"BOUNDARY", "boundary", "upper", NULL},
-    {"CONTACT_RESPONSE", "contact_response", "colours", "FRICTION CONTINUOUS SLEEP HITS"},
-    {"FRICTION", "friction", "friction", NULL},
+    {"CONTACT_RESPONSE", "contact_response", "colours",
+     "FRICTION CONVEYS ROLLING CONTINUOUS SLEEP HITS"},
+    {"FRICTION", "friction", "friction", "CONVEYS"},
     {"CONTINUOUS", "continuous", NULL, NULL},
     {"FILTER", "filter", "filter", NULL},
     {"SLEEP", "sleep", "asleep", NULL},
@@ -281,7 +310,9 @@ static const struct {
     {"FORCES", "forces", "forces", NULL},
     {"SENSORS", "sensors", "sensors", NULL},
     {"ROUNDED", "radius", NULL, NULL},
-    {"ROTATED", "rotation", "rotations", "ANGULAR_VELOCITY GYRO"},
+    {"CONVEYS", "surface_velocity", "surface_velocities", NULL},
+    {"ROLLING", "rolling_resistance", "rolling_resistances", NULL},
+    {"ROTATED", "rotation", "rotations", "ANGULAR_VELOCITY GYRO ROLLING"},
 };
 
 enum { N_WORDS = sizeof words / sizeof words[0] };
@@ -418,6 +449,8 @@ TEST(buffers_are_those_that_are_called_for)
         {DUET_EFFECT_CONTACT_RESPONSE, BODIES},
         {DUET_EFFECT_CONTACT_RESPONSE, BLOCKS},
         {DUET_EFFECT_FRICTION, FRICTIONS},
+        {DUET_EFFECT_ROLLING_RESISTANCE, ROLLING_RESISTANCES},
+        {DUET_EFFECT_SURFACE_VELOCITY, SURFACE_VELOCITIES},
         {DUET_EFFECT_FILTER, FILTERS},
         {DUET_EFFECT_SLEEP, ASLEEP},
         {DUET_EFFECT_SLEEP, AWAKE},

@@ -109,7 +109,7 @@ static void aim(mover *m)
 
 // ------------------------------------------------------------ files
 
-enum { HEADER = 240, AT_N_CONTACTS = 36, AT_HAS_ROWS = 40, PLACE = 120, TARGET = 32 };
+enum { HEADER = 240, AT_N_CONTACTS = 36, AT_HAS_ROWS = 40, PLACE = 136, TARGET = 32 };
 
 // The order of a file (docs/formats.md), and how many words one contact has; 0 for
 // what objects have.
