@@ -17,8 +17,8 @@
 static size_t card_length(const char *file)
 {
     size_t length = strlen(file);
-    bool is_card = length > 4 && strcspn(file, ".") == length - 4 &&
-                   strcmp(file + length - 4, ".lua") == 0;
+    bool is_card =
+        length > 4 && strcspn(file, ".") == length - 4 && strcmp(file + length - 4, ".lua") == 0;
     return is_card ? length - 4 : 0;
 }
 

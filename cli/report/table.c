@@ -267,8 +267,7 @@ table_text table_gain(uint32_t share, double gain, double low, double high, cons
                  "%s alone; sharing would be %.1f %% slower (%.1f to %.1f)", device, -100 * gain,
                  -100 * high, -100 * low);
     else if (strcmp(verdict, "ambiguous") == 0)
-        snprintf(t.chars, sizeof t.chars, "%s alone; not certain what sharing gains",
-                 device);
+        snprintf(t.chars, sizeof t.chars, "%s alone; not certain what sharing gains", device);
     else if (low < high)
         snprintf(t.chars, sizeof t.chars,
                  "%s alone; sharing may gain nothing: %+.1f %% (%+.1f to %+.1f)", device,

@@ -35,7 +35,7 @@
 // without points, that separates the boxes (box_contact.clh).
 #define TOUCH_POINTS 7u
 #define TOUCH_DEEP 8u // where bodies sleep: some point is deeper than the margin
-#define TOUCH_AXIS 4 // the least of its bits
+#define TOUCH_AXIS 4  // the least of its bits
 
 // ------------------------------------------------------------ constraints
 
@@ -51,19 +51,19 @@
 #define IN_TANGENT 11  // 3, with friction
 #define FIELDS_OF(FRICTION) ((FRICTION) ? 14 : 10)
 
-#define BY_ANCHOR 0          // 3, the owner's
-#define BY_NORMAL_MASS 3     // effective, along the normal
-#define BY_SEPARATION 4      // when the step began
+#define BY_ANCHOR 0           // 3, the owner's
+#define BY_NORMAL_MASS 3      // effective, along the normal
+#define BY_SEPARATION 4       // when the step began
 #define BY_CURRENT 5          // the separation after the last substep
 #define BY_EXPECTED_IMPULSE 5 // between a substep's two passes: the most that the next begins with
-#define BY_NORMAL_IMPULSE 6  // accumulated in the last substep
-#define BY_MAX_IMPULSE 7     // greatest normal impulse of the step
-#define BY_TANGENT_IMPULSE 8 // with friction: impulse along each tangent, then its mass
+#define BY_NORMAL_IMPULSE 6   // accumulated in the last substep
+#define BY_MAX_IMPULSE 7      // greatest normal impulse of the step
+#define BY_TANGENT_IMPULSE 8  // with friction: impulse along each tangent, then its mass
 #define BY_FIELDS_OF(FRICTION, DIMS) (8 + ((FRICTION) ? 2 * ((DIMS)-1) : 0))
 
 // The speed of each point along the normal when the step began is read once a step, so it
 // lies last.
-#define CONSTRAINT_OF(FRICTION, POINTS, DIMS)                                                      \
+#define CONSTRAINT_OF(FRICTION, POINTS, DIMS) \
     (FIELDS_OF(FRICTION) + (POINTS) * (BY_FIELDS_OF(FRICTION, DIMS) + 1))
 
 // Behind them, where bodies resist to roll: the length that a push turns them back with, and the
@@ -81,17 +81,17 @@
 // in the last substep, an impulse and a torque. Vectors are read two together; what every
 // pass reads is one line of a cache.
 #define BODY_OF(TURNS) ((TURNS) ? 8 : 4)
-#define BODY_VELOCITY 0           // w: inverse mass
-#define BODY_ANGULAR_VELOCITY 1   // where bodies turn; w: yy of the inverse inertia
-#define BODY_INERTIA 2            // where bodies turn: zz, xy, xz, yz
+#define BODY_VELOCITY 0         // w: inverse mass
+#define BODY_ANGULAR_VELOCITY 1 // where bodies turn; w: yy of the inverse inertia
+#define BODY_INERTIA 2          // where bodies turn: zz, xy, xz, yz
 #define BODY_DELTA_POSITION_OF(TURNS) ((TURNS) ? 3 : 1) // w: xx
-#define BODY_DELTA_ROTATION 4     // where bodies turn: a quaternion
-#define BODY_ARC 5                // where they turn far in a step: the sum of all turns, as a vector; else spare
+#define BODY_DELTA_ROTATION 4                           // where bodies turn: a quaternion
+#define BODY_ARC 5 // where they turn far in a step: the sum of all turns, as a vector; else spare
 //@ if ROUNDED == 1 then
 // w of an arc is the radius, where bodies turn.
 //@ end
 #define BODY_WARM_IMPULSE_OF(TURNS) ((TURNS) ? 6 : 2)
-#define BODY_WARM_TORQUE 7        // where bodies turn; else 3 is spare
+#define BODY_WARM_TORQUE 7 // where bodies turn; else 3 is spare
 
 // What has turned so far since the step began, squared and in radians, pushes as it lies then.
 #define FAR_TURNED 0.00390625f
