@@ -15,7 +15,7 @@ typedef struct kind_info {
     lua_class class;
     const char *columns;
     size_t bytes;
-    size_t least; // columns that a row in a table may end after; 0: it has all
+    size_t least; // columns that a row may end after; 0: it has all
 } kind_info;
 
 static const kind_info kinds[ARRAY_KINDS];
@@ -187,16 +187,22 @@ static void take_column(lua_State *L, const array *a, uint64_t i, int column)
     lua_pop(L, 1);
 }
 
-static void read_row(lua_State *L, int index, const array *a, uint64_t i)
+// Refuses a row of another width. Columns that it may leave out are 0.
+static void begin_row(lua_State *L, const array *a, uint64_t i, lua_Unsigned given)
 {
     int width = width_of(a);
     size_t least = kinds[a->kind].least ? kinds[a->kind].least : (size_t)width;
-    lua_Unsigned given = lua_istable(L, index) ? lua_rawlen(L, index) : 0;
     if (given < least || given > (lua_Unsigned)width)
         luaL_error(L, "%s: row %I: %I numbers, and a row has %d", kinds[a->kind].class.name,
                    (LUAI_UACINT)i, (LUAI_UACINT)given, width);
     if (given < (lua_Unsigned)width)
         memset(row_at(a, i), 0, kinds[a->kind].bytes);
+}
+
+static void read_row(lua_State *L, int index, const array *a, uint64_t i)
+{
+    lua_Unsigned given = lua_istable(L, index) ? lua_rawlen(L, index) : 0;
+    begin_row(L, a, i, given);
     for (int column = 0; column < (int)given; ++column) {
         lua_rawgeti(L, index, column + 1);
         take_column(L, a, i, column);
@@ -389,12 +395,10 @@ static int array_set(lua_State *L)
 {
     const array *a = check_self(L);
     uint64_t i = check_place(L, 2, a);
-    int width = width_of(a);
+    int given = lua_gettop(L) - 2;
     luaL_argcheck(L, !a->fixed, 1, "these rows cannot be changed");
-    if (lua_gettop(L) != width + 2)
-        return luaL_error(L, "%s: row %I: %d numbers, and a row has %d", kinds[a->kind].class.name,
-                          (LUAI_UACINT)i, lua_gettop(L) - 2, width);
-    for (int column = 0; column < width; ++column) {
+    begin_row(L, a, i, given > 0 ? (lua_Unsigned)given : 0);
+    for (int column = 0; column < given; ++column) {
         lua_pushvalue(L, 3 + column);
         take_column(L, a, i, column);
     }

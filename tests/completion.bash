@@ -70,7 +70,7 @@ has() {
 has duet '.SH SYNOPSIS duet SUBCOMMAND [arguments]'
 has duet '.TP DUET_PROFILE the profile file'
 has duet '.BR duet-tune (1)'
-has duet-run '.SH SYNOPSIS duet run SCENE|FILE [options]'
+has duet-run '.SH SYNOPSIS duet run [SCENE|FILE] [options]'
 has duet-run '.TP --share R'
 has duet-run 'duet run lua/scenes/mixed.lua --pair halves --share 1/4 --check'
 has duet-profiles-why '.BR duet-profiles (1)'

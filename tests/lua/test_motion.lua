@@ -20,12 +20,22 @@ local falling <const> = { gravity = { 0, 0, -10 }, wants = { "contact_response",
 
 holds("what is not said about a body is its default", function()
   local body = { duet.bodies(1):get(0) }
-  equal(#body, 14)
+  equal(#body, 18)
   equal(body[7], 1) -- mass
   equal(body[11], mask)
   equal(body[12], 0) -- radius
   equal(body[13], false)
   equal(body[14], false)
+  for i = 15, 18 do equal(body[i], 0) end -- rolling resistance, surface velocity
+end)
+
+holds("a row of a body may end behind sensor", function()
+  local set = duet.bodies(1)
+  set:set(0, 1, 0, 0, 0, 0, 0, 2, 0, 0.5, 1, mask, 0, false, false)
+  local body = { set:get(0) }
+  equal(body[7], 2)
+  for i = 15, 18 do equal(body[i], 0) end
+  raises("13 numbers, and a row has 18", set.set, set, 0, 1, 0, 0, 0, 0, 0, 2, 0, 0.5, 1, mask, 0, false)
 end)
 
 holds("a script acts between steps", function()
