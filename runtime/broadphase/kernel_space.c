@@ -75,7 +75,8 @@ static bool list_params(const kernel_space_source *from, kernel_space *space, se
     uint32_t n_params;
     if (!gen_params(from->gen, space->kernel, &from->limits, &params, &n_params, err))
         return false;
-    memcpy(s->at, from->offers, from->n_offers * sizeof *s->at);
+    if (from->n_offers > 0)
+        memcpy(s->at, from->offers, from->n_offers * sizeof *s->at);
     s->free = s->at + from->n_offers;
     for (uint32_t i = 0; i < n_params && space->n_params < KERNEL_SPACE_PARAMS; ++i)
         if (is_free(from, space->kernel, &params[i]))

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// A step goes over lists of what is awake. If most bodies are awake it goes over all, which makes
+// the truth here: the same bodies, beside three times as many that fall for ever far away.
+#include "support/commands.h"
+#include "support/mover.h"
+#include "support/test.h"
+
+#include <string.h>
+
+enum { ROWS = 6, HIGH = 4, SPANS = 8 };
+
+// Towers with a beam across each two, so that beams lean on sleepers that lean on sleepers.
+static mover *make(bool crowded)
+{
+    mover *m = mover_new(3);
+    m->def.wants |= DUET_EFFECT_SLEEP;
+    m->def.slop = 0.005; // by default it is a part of the mean size
+    m->def.substeps = 4;
+    mover_add_floor(m, 60);
+    for (int row = 0; row < ROWS; ++row)
+        for (int span = 0; span <= SPANS; ++span)
+            for (int k = 0; k < HIGH; ++k)
+                mover_add_rough_cube(m, 2 * span, 3 * row, k + 0.5);
+    for (int row = 0; row < ROWS; ++row)
+        for (int span = 0; span < SPANS; ++span)
+            mover_add(m, 2 * span + 1, 3 * row, HIGH + 0.25, 0.95, 0.4, 0.25);
+    for (uint32_t i = 0, n = 3 * m->n; crowded && i < n; ++i)
+        mover_add(m, 3 * (i % 40), 400 + 3 * (i / 40), 5000, 0.5, 0.5, 0.5);
+    return m;
+}
+
+static void assert_same_states(const mover *few, const mover *many, uint32_t step)
+{
+    for (uint32_t i = 0; i < few->n; ++i)
+        if (memcmp(&few->states[i], &many->states[i], sizeof few->states[i]) != 0)
+            fail_msg("after step %u body %u is at %.9g %.9g %.9g, not at %.9g %.9g %.9g", step, i,
+                     few->states[i].centre[0], few->states[i].centre[1], few->states[i].centre[2],
+                     many->states[i].centre[0], many->states[i].centre[1],
+                     many->states[i].centre[2]);
+}
+
+static uint32_t count_moving(const mover *m)
+{
+    uint32_t moving = 0;
+    for (uint32_t i = 1; i < m->n; ++i)
+        moving += mover_speed(m, i) > 0;
+    return moving;
+}
+
+// All sleep; then a block in the middle of a tower goes, and another is thrown at a tower.
+TEST(sleepers_that_lose_their_support_move_as_if_all_were_gone_over)
+{
+    mover *few = make(false), *many = make(true);
+    uint32_t least = UINT32_MAX, most = 0;
+    uint32_t taken = 1 + 2 * (SPANS + 1) * HIGH + 3 * HIGH + 1, thrown = taken + 1 + HIGH;
+    for (uint32_t step = 0; step < 480; step += 10) {
+        mover_run(few, 10);
+        mover_run(many, 10);
+        assert_same_states(few, many, step + 10);
+        uint32_t moving = count_moving(few);
+        least = moving < least ? moving : least;
+        most = step >= 240 && moving > most ? moving : most;
+        if (step == 240) {
+            const duet_impulse push = {.impulse = {0, 4, 0}};
+            assert_done(duet_motion_disable_bodies(few->motion, one(taken), &err));
+            assert_done(duet_motion_disable_bodies(many->motion, one(taken), &err));
+            assert_done(duet_motion_apply_impulses(few->motion, one(thrown), &push, &err));
+            assert_done(duet_motion_apply_impulses(many->motion, one(thrown), &push, &err));
+        }
+    }
+    assert_int_equal(least, 0);
+    assert_true(most > 4 && most < few->n / 4);
+    mover_free(few);
+    mover_free(many);
+}
+
+TEST_MAIN(mover_open_pair, mover_close_pair)
