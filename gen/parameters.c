@@ -35,7 +35,7 @@ static const char *push_names(lua_State *L, int index)
     return lua_tostring(L, -1);
 }
 
-void parameters_check(lua_State *L)
+static void check_defaults(lua_State *L)
 {
     luaL_checktype(L, 1, LUA_TTABLE);
     for (lua_pushnil(L); lua_next(L, 1); lua_pop(L, 1)) {
@@ -46,6 +46,23 @@ void parameters_check(lua_State *L)
             luaL_error(L, "parameter '%s': its default must be a number, boolean or string",
                        lua_tostring(L, -2));
     }
+}
+
+void parameters_declare(lua_State *L, bool *declared)
+{
+    if (*declared)
+        luaL_error(L, "parameters are declared a second time");
+    *declared = true;
+    lua_settop(L, 1);
+    check_defaults(L);
+}
+
+uint64_t parameters_seed(lua_State *L)
+{
+    lua_getfield(L, 1, "seed");
+    uint64_t seed = (uint64_t)lua_tointeger(L, -1);
+    lua_settop(L, 1);
+    return seed;
 }
 
 // Pushes text as a value like the default on top of the stack; false where it
@@ -79,6 +96,7 @@ static const char *kind_of_default(lua_State *L)
 
 void parameters_set(lua_State *L, const char *whose, const char *name, const char *value)
 {
+    duet_status before = script_set_failure(L, DUET_STATUS_BAD_ARGUMENT);
     if (lua_getfield(L, 1, name) == LUA_TNIL)
         luaL_error(L, "no parameter '%s'; %s has %s", name, whose, push_names(L, 1));
     const char *kind = kind_of_default(L);
@@ -86,4 +104,5 @@ void parameters_set(lua_State *L, const char *whose, const char *name, const cha
         luaL_error(L, "parameter %s is '%s'; it must be %s", name, value, kind);
     lua_setfield(L, 1, name);
     lua_settop(L, 1);
+    script_set_failure(L, before);
 }

@@ -28,20 +28,12 @@
 static int word_parameters(lua_State *L)
 {
     scene_reading *reading = lua_touserdata(L, lua_upvalueindex(1));
-    if (reading->declared)
-        return luaL_error(L, "parameters are declared a second time");
-    reading->declared = true;
-    lua_settop(L, 1);
-    parameters_check(L);
-    duet_status before = script_set_failure(L, DUET_STATUS_BAD_ARGUMENT);
+    parameters_declare(L, &reading->declared);
     for (uint32_t i = 0; i < reading->n_settings; ++i)
         parameters_set(L, "the scene", reading->settings[i].name, reading->settings[i].value);
-    script_set_failure(L, before);
     if (lua_getfield(L, 1, "n") == LUA_TNUMBER && lua_tointeger(L, -1) > 0)
         reading->expected = (uint64_t)lua_tointeger(L, -1);
-    lua_getfield(L, 1, "seed");
-    reading->seed = (uint64_t)lua_tointeger(L, -1);
-    lua_settop(L, 1);
+    reading->seed = parameters_seed(L);
     return 1;
 }
 

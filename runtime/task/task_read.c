@@ -34,18 +34,10 @@ typedef struct reading {
 static int word_parameters(lua_State *L)
 {
     reading *r = lua_touserdata(L, lua_upvalueindex(1));
-    if (r->declared)
-        return luaL_error(L, "parameters are declared a second time");
-    r->declared = true;
-    lua_settop(L, 1);
-    parameters_check(L);
-    duet_status before = script_set_failure(L, DUET_STATUS_BAD_ARGUMENT);
+    parameters_declare(L, &r->declared);
     for (uint32_t i = 0; i < r->n_settings; ++i)
         parameters_set(L, "the task", r->settings[i].name, r->settings[i].value);
-    script_set_failure(L, before);
-    lua_getfield(L, 1, "seed");
-    r->seed = (uint64_t)lua_tointeger(L, -1);
-    lua_settop(L, 1);
+    r->seed = parameters_seed(L);
     return 1;
 }
 
