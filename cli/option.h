@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the files behind options.h share: values, and what options say of each other. Each says on
-// stderr what is wrong with the command line.
+// Shared by the files behind options.h: values, and checks of options against each other. Each says
+// on stderr what is wrong with the command line.
 #ifndef CLI_OPTION_H
 #define CLI_OPTION_H
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What options say of each other, and the files that they name.
+// Checks of options against each other, and of the files that they name.
 #include "cli/option.h"
 
 #include "base/output.h"

@@ -18,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What was run, and how long it took.
+// The report of a run: what it launched, and how long that took.
 typedef struct ran {
     const task *task;
     const duet_device_pair *pair;

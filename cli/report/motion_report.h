@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What `duet run --steps` tells, to a person or as JSON: a row for some of the steps, and what they
-// took by effect. The first step builds kernels and makes space: times are of those after it.
+// The report of `duet run --steps`, to a person or as JSON: a row for some of the steps, and what
+// they took by effect. The first step builds kernels and makes space: times are of those after it.
 #ifndef CLI_MOTION_REPORT_H
 #define CLI_MOTION_REPORT_H
 
