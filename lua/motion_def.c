@@ -54,7 +54,7 @@ static void push_wants(lua_State *L, const member *m, const void *at)
     motion_push_effects(L, *(const uint32_t *)at);
 }
 
-static const member_type member_effects = {read_effects, push_wants};
+static const member_type member_effects = {.read = read_effects, .push = push_wants};
 
 static const char *boundary_name(int boundary)
 {
@@ -70,7 +70,7 @@ static void read_script(lua_State *L, const member *m, void *at)
         member_refuse(L, m, "a function of the step and the motion");
 }
 
-static const member_type member_script = {read_script, NULL};
+static const member_type member_script = {.read = read_script};
 
 const member motion_def_members[] = {
     {"script", &member_script, 0, 1, NULL},

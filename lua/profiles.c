@@ -12,13 +12,7 @@ static const member device_parts[] = {
     {0},
 };
 
-static void push_device(lua_State *L, const member *m, const void *at)
-{
-    (void)m;
-    member_push_table(L, device_parts, at);
-}
-
-static const member_type member_device = {.push = push_device};
+static const member_type member_device = {.push = member_push_struct, .members = device_parts};
 
 static const member profile_members[] = {
     MEMBER(member_chars, duet_stored_profile, uid),
@@ -198,6 +192,14 @@ void profile_push_known(lua_State *L, const duet_profile *profile)
     member_push_table(L, known_members, profile);
 }
 
+static int push_loaded(lua_State *L, bool ok, const duet_profile *profile, const duet_error *err)
+{
+    if (!ok)
+        return class_push_failure(L, err);
+    profile_push_known(L, profile);
+    return 1;
+}
+
 // world:load_profile(path)
 static int world_load_profile(lua_State *L)
 {
@@ -205,10 +207,8 @@ static int world_load_profile(lua_State *L)
     duet_profile profile;
     world_box *box = world_check(L, 1);
     const char *path = check_store(L, 2);
-    if (!duet_world_load_profile(box->world, path, &profile, &err))
-        return class_push_failure(L, &err);
-    profile_push_known(L, &profile);
-    return 1;
+    return push_loaded(L, duet_world_load_profile(box->world, path, &profile, &err), &profile,
+                       &err);
 }
 
 // motion:load_profile(path)
@@ -218,10 +218,7 @@ static int motion_load_profile(lua_State *L)
     duet_profile profile;
     duet_motion *motion = motion_check_lua(L);
     const char *path = check_store(L, 2);
-    if (!duet_motion_load_profile(motion, path, &profile, &err))
-        return class_push_failure(L, &err);
-    profile_push_known(L, &profile);
-    return 1;
+    return push_loaded(L, duet_motion_load_profile(motion, path, &profile, &err), &profile, &err);
 }
 
 // tree:load_profile(query, n, path)
@@ -234,10 +231,8 @@ static int tree_load_profile(lua_State *L)
     lua_Integer n = luaL_checkinteger(L, 3);
     luaL_argcheck(L, n > 0, 3, "a number of items above 0");
     const char *path = check_store(L, 4);
-    if (!duet_tree_load_profile(tree, query, (uint64_t)n, path, &profile, &err))
-        return class_push_failure(L, &err);
-    profile_push_known(L, &profile);
-    return 1;
+    bool ok = duet_tree_load_profile(tree, query, (uint64_t)n, path, &profile, &err);
+    return push_loaded(L, ok, &profile, &err);
 }
 
 // world:explain_profile(path)
