@@ -15,56 +15,17 @@ static const member device_parts[] = {
 static const member_type member_device = {.push = member_push_struct, .members = device_parts};
 
 static const member profile_members[] = {
-    MEMBER(member_chars, duet_stored_profile, uid),
-    MEMBER(member_chars, duet_stored_profile, replaced),
-    MEMBER(member_chars, duet_stored_profile, scene),
-    MEMBER(member_count, duet_stored_profile, dims),
-    MEMBER(member_count, duet_stored_profile, objects),
-    MEMBER(member_chars, duet_stored_profile, query),
-    MEMBER(member_count, duet_stored_profile, items),
-    MEMBER(member_bool, duet_stored_profile, moving),
-    MEMBER(member_device, duet_stored_profile, a),
-    MEMBER(member_device, duet_stored_profile, b),
-    MEMBER(member_share, duet_stored_profile, share),
-    MEMBER(member_chars, duet_stored_profile, mode),
-    MEMBER(member_chars, duet_stored_profile, variant_a),
-    MEMBER(member_chars, duet_stored_profile, variant_b),
-    MEMBER(member_chars, duet_stored_profile, level),
-    MEMBER(member_double, duet_stored_profile, step_ms),
-    MEMBER(member_double, duet_stored_profile, low_ms),
-    MEMBER(member_double, duet_stored_profile, high_ms),
-    MEMBER(member_double, duet_stored_profile, gain),
-    MEMBER(member_double, duet_stored_profile, gain_low),
-    MEMBER(member_double, duet_stored_profile, gain_high),
-    MEMBER(member_chars, duet_stored_profile, verdict),
-    MEMBER(member_count, duet_stored_profile, rounds),
-    MEMBER(member_count, duet_stored_profile, watched),
-    MEMBER(member_count, duet_stored_profile, disturbed),
-    MEMBER(member_double, duet_stored_profile, whole_ms),
-    MEMBER(member_double, duet_stored_profile, whole_gain),
-    MEMBER(member_double, duet_stored_profile, whole_gain_low),
-    MEMBER(member_double, duet_stored_profile, whole_gain_high),
-    MEMBER(member_double, duet_stored_profile, missed_rate),
-    MEMBER(member_double, duet_stored_profile, false_rate),
-    MEMBER(member_chars, duet_stored_profile, origin),
-    MEMBER(member_chars, duet_stored_profile, session),
-    MEMBER(member_int, duet_stored_profile, measured_s),
+#define STORED_PROFILE
+#define FIELD(type, member, value) MEMBER(member_##type, duet_stored_profile, member),
+#define DEVICE(member, name, part, driver) MEMBER(member_device, duet_stored_profile, member),
+#include "profiles/stored.inl"
     {0},
 };
 
 static const member trial_members[] = {
-    MEMBER(member_share, duet_stored_trial, share),
-    MEMBER(member_chars, duet_stored_trial, mode),
-    MEMBER(member_chars, duet_stored_trial, variant_a),
-    MEMBER(member_chars, duet_stored_trial, variant_b),
-    MEMBER(member_count, duet_stored_trial, samples),
-    MEMBER(member_double, duet_stored_trial, step_ms),
-    MEMBER(member_double, duet_stored_trial, low_ms),
-    MEMBER(member_double, duet_stored_trial, high_ms),
-    MEMBER(member_double, duet_stored_trial, a_ms),
-    MEMBER(member_double, duet_stored_trial, b_ms),
-    MEMBER(member_chars, duet_stored_trial, outcome),
-    MEMBER(member_chars, duet_stored_trial, reason),
+#define STORED_TRIAL
+#define FIELD(type, member, value) MEMBER(member_##type, duet_stored_trial, member),
+#include "profiles/stored.inl"
     {0},
 };
 
