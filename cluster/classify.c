@@ -176,9 +176,9 @@ static void begin(class_part *p)
     p->first_bad = UINT64_MAX;
     p->widest = 0;
     p->deep = skim_none;
-    row_list_clear(&p->leavers);
-    row_list_clear(&p->boundary);
-    run_list_clear(&p->runs);
+    list_clear(&p->leavers.list);
+    list_clear(&p->boundary.list);
+    list_clear(&p->runs.list);
 }
 
 static void add_part(classes *c, owned *o, const class_part *p)
@@ -187,9 +187,9 @@ static void add_part(classes *c, owned *o, const class_part *p)
     c->first_bad = c->first_bad < p->first_bad ? c->first_bad : p->first_bad;
     c->widest = fmax(c->widest, p->widest);
     extent_join(&c->deep.centres, &p->deep.centres);
-    row_list_append(&c->leavers, &p->leavers);
-    row_list_append(&o->boundary, &p->boundary);
-    run_list_append(&o->runs, &p->runs);
+    list_append(&c->leavers.list, &p->leavers.list, sizeof *c->leavers.rows);
+    list_append(&o->boundary.list, &p->boundary.list, sizeof *o->boundary.rows);
+    list_append(&o->runs.list, &p->runs.list, sizeof *o->runs.runs);
 }
 
 static extent around_all(const owned *o, const extent *deep)
@@ -212,9 +212,9 @@ bool classify(classes *c, owned *o)
     c->first_bad = UINT64_MAX;
     c->widest = 0;
     c->deep = skim_none;
-    row_list_clear(&c->leavers);
-    row_list_clear(&o->boundary);
-    run_list_clear(&o->runs);
+    list_clear(&c->leavers.list);
+    list_clear(&o->boundary.list);
+    list_clear(&o->runs.list);
     for (int i = 0; i < PARALLEL_MOST; ++i)
         begin(&c->parts[i]);
     for (uint32_t d = 0; d < o->most_domains; ++d)

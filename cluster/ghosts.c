@@ -9,27 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool add_visit(visits *v, visit added)
-{
-    if (v->n == v->capacity) {
-        visit *list = list_grow(v->list, &v->capacity, sizeof *list);
-        if (!list)
-            return false;
-        v->list = list;
-    }
-    v->list[v->n++] = added;
-    return true;
-}
-
 typedef struct search {
     const owned *o;
     ghosts *g;
     uint32_t first_place; // this rank's first place
-    uint32_t *neighbours; // places: of each domain those whose boxes meet its own
+    row_list neighbours;  // places: of each domain those whose boxes meet its own
     uint64_t *first;      // [n_domains + 1] of each domain's neighbours
     uint64_t *counts;     // [PARALLEL_MOST][n_ranks] of each part's visits, and then where they go
     int n_ranks;
-    bool failed[PARALLEL_MOST];
 } search;
 
 static const extent *all_of(const ghosts *g, uint32_t place)
@@ -40,25 +27,16 @@ static const extent *all_of(const ghosts *g, uint32_t place)
 static bool list_neighbours(search *s)
 {
     uint32_t n = s->o->n_domains, n_places = s->o->most_domains * (uint32_t)s->n_ranks;
-    uint64_t at = 0, capacity = 0;
     s->first = malloc((n + 1) * sizeof *s->first);
     for (uint32_t d = 0; s->first && d < n; ++d) {
-        s->first[d] = at;
-        for (uint32_t q = 0; q < n_places; ++q) {
-            if (q == s->first_place + d ||
-                !extents_meet(all_of(s->g, q), all_of(s->g, s->first_place + d)))
-                continue;
-            if (at == capacity) {
-                uint32_t *more = list_grow(s->neighbours, &capacity, sizeof *more);
-                if (!more)
-                    return false;
-                s->neighbours = more;
-            }
-            s->neighbours[at++] = q;
-        }
-        s->first[d + 1] = at;
+        s->first[d] = s->neighbours.n;
+        for (uint32_t q = 0; q < n_places; ++q)
+            if (q != s->first_place + d &&
+                extents_meet(all_of(s->g, q), all_of(s->g, s->first_place + d)))
+                row_list_add(&s->neighbours, q);
+        s->first[d + 1] = s->neighbours.n;
     }
-    return s->first;
+    return s->first && !s->neighbours.failed;
 }
 
 // No extent is longer than `widest`; most objects are farther than that from all neighbours.
@@ -68,7 +46,7 @@ static bool is_near(const search *s, uint32_t d, const double centre[3])
     const extent around = {{centre[0] - far, centre[1] - far, centre[2] - far},
                            {centre[0] + far, centre[1] + far, centre[2] + far}};
     for (uint64_t k = s->first[d]; k < s->first[d + 1]; ++k)
-        if (extents_meet(all_of(s->g, s->neighbours[k]), &around))
+        if (extents_meet(all_of(s->g, s->neighbours.rows[k]), &around))
             return true;
     return false;
 }
@@ -79,9 +57,8 @@ static void search_part(void *context, uint32_t part, uint64_t first, uint64_t e
 {
     search *s = context;
     const owned *o = s->o;
-    visits found = s->g->parts[part]; // apart from what other threads write
+    visit_list found = s->g->parts[part]; // apart from what other threads write
     uint64_t *counts = s->counts + part * (size_t)s->n_ranks;
-    bool failed = false;
     for (uint64_t at = first; at < end; ++at) {
         uint32_t row = o->boundary.rows[at];
         const void *object = object_row(&o->rows, &o->form, row);
@@ -95,16 +72,15 @@ static void search_part(void *context, uint32_t part, uint64_t first, uint64_t e
         extent e = extent_of(&o->form, object);
         int own_level = level_of(extent_widest(&e), o->widest);
         for (uint64_t k = s->first[d]; k < s->first[d + 1]; ++k) {
-            uint32_t to = s->neighbours[k];
+            uint32_t to = s->neighbours.rows[k];
             int level = owners_upto(own_level, from, to);
             if (level < 0 || !extents_meet(&s->g->boxes[to].upto[level], &e))
                 continue;
-            failed |= !add_visit(&found, (visit){row, from, to});
+            list_add(&found.list, &(visit){row, from, to}, 1, sizeof(visit));
             ++counts[to / o->most_domains];
         }
     }
     s->g->parts[part] = found;
-    s->failed[part] = failed;
 }
 
 static bool find_visits(search *s, duet_error *err)
@@ -112,11 +88,11 @@ static bool find_visits(search *s, duet_error *err)
     s->counts = calloc(PARALLEL_MOST * (size_t)s->n_ranks, sizeof *s->counts);
     bool ok = s->counts && list_neighbours(s);
     for (int part = 0; part < PARALLEL_MOST; ++part)
-        s->g->parts[part].n = 0;
+        list_clear(&s->g->parts[part].list);
     if (ok && s->first[s->o->n_domains] > 0)
         parallel_each(s->o->threads, s->o->boundary.n, search_part, s);
     for (int part = 0; ok && part < PARALLEL_MOST; ++part)
-        ok = !s->failed[part];
+        ok = !s->g->parts[part].failed;
     return ok || error_set(err, DUET_STATUS_NO_MEMORY, "ghosts: no memory");
 }
 
@@ -130,13 +106,13 @@ static void write_part(void *context, uint32_t part, uint64_t first, uint64_t en
 {
     const search *s = context;
     const owned *o = s->o;
-    const visits *found = &s->g->parts[part];
+    const visit_list *found = &s->g->parts[part];
     uint64_t *places = s->counts + part * (size_t)s->n_ranks;
     (void)first, (void)end;
     for (uint64_t i = 0; i < found->n; ++i) {
-        visit v = found->list[i];
+        visit v = found->visits[i];
         if (i + ROWS_AHEAD < found->n) {
-            uint32_t next = found->list[i + ROWS_AHEAD].row;
+            uint32_t next = found->visits[i + ROWS_AHEAD].row;
             __builtin_prefetch(object_row(&o->rows, &o->form, next));
             __builtin_prefetch(&o->rows.ids[next]);
         }
@@ -232,7 +208,7 @@ bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, duet_error *err)
     bool ok = is_well(err) && find_visits(&s, err);
     ok = parcels_begin(&g->out, r, message_bytes(&o->form), err) && ok;
     ok = ok && write_visits(&s, r, err);
-    free(s.neighbours);
+    free(s.neighbours.rows);
     free(s.first);
     free(s.counts);
     return parcels_exchange(r, ok, &g->out, &g->in, err);
@@ -250,7 +226,7 @@ bool ghosts_begin(ghosts *g, const owned *o, const ranks *r, duet_error *err)
 void ghosts_end(ghosts *g)
 {
     for (int part = 0; part < PARALLEL_MOST; ++part)
-        free(g->parts[part].list);
+        free(g->parts[part].visits);
     free(g->boxes);
     free(g->first);
     free(g->list);

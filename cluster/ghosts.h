@@ -13,17 +13,13 @@ typedef struct visit {
     uint32_t from, to; // places
 } visit;
 
-typedef struct visits {
-    visit *list;
-    uint64_t n;
-    uint64_t capacity;
-} visits;
+typedef LIST_OF(visit, visits) visit_list;
 
 // The ghosts of the last exchange, whose memory the next one uses.
 typedef struct ghosts {
     parcels in; // the messages: an object's, and two places behind it
     parcels out;
-    visits parts[PARALLEL_MOST];
+    visit_list parts[PARALLEL_MOST];
     level_boxes *boxes; // [n of places]
     uint64_t *first;    // [n_domains + 1] of each domain's in list
     uint32_t *list;     // [in.n] messages, domain after domain; NULL: there is one domain

@@ -62,7 +62,7 @@ void owned_end(owned *o)
 
 void owned_forget_renamed(owned *o)
 {
-    row_list_clear(&o->renamed);
+    list_clear(&o->renamed.list);
 }
 
 // ---------------------------------------------------------------- rows
@@ -197,6 +197,7 @@ bool owned_sort_runs(owned *o, duet_error *err)
         d->n += run->n;
     }
     free(l->runs);
-    *l = (run_list){.runs = sorted, .n = l->n, .capacity = capacity};
+    l->runs = sorted;
+    l->capacity = capacity;
     return true;
 }

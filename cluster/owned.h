@@ -17,11 +17,25 @@
 #ifndef CLUSTER_OWNED_H
 #define CLUSTER_OWNED_H
 
+#include "cluster/list.h"
 #include "cluster/owner.h"
 #include "cluster/parallel.h"
 #include "cluster/partition.h"
-#include "cluster/row_list.h"
 #include "cluster/worker.h"
+
+// Rows [first, first + n) whose objects lie in one domain.
+typedef struct row_run {
+    uint32_t domain;
+    uint32_t first, n;
+    uint32_t at; // how many of the domain's rows come before, once runs are sorted by domain
+} row_run;
+
+typedef LIST_OF(row_run, runs) run_list;
+
+static inline void run_list_add(run_list *l, row_run run)
+{
+    list_add(&l->list, &run, 1, sizeof run);
+}
 
 typedef struct domain {
     extent box;   // holds the centres of its objects

@@ -107,20 +107,15 @@ void array_own(array *a, void *rows, uint64_t n)
 {
     a->rows = rows;
     a->n = n;
-    a->owned = true;
+    a->access = ARRAY_OWNED;
     budget_hold(n * kinds[a->kind].bytes);
 }
 
-array *array_push_view(lua_State *L, array_kind kind, void *rows, uint64_t n, int owner_index,
-                       const uint64_t *epoch)
+void array_push_view(lua_State *L, array_kind kind, array_access access, void *rows, uint64_t n,
+                     int owner_index, const uint64_t *epoch)
 {
     array *a = class_push_of(L, &kinds[kind].class, sizeof *a, owner_index);
-    a->kind = kind;
-    a->rows = rows;
-    a->n = n;
-    a->epoch = epoch;
-    a->epoch_made = *epoch;
-    return a;
+    *a = (array){kind, access, rows, n, epoch, *epoch};
 }
 
 // Raises an error about the value on top of the stack.
@@ -396,7 +391,7 @@ static int array_set(lua_State *L)
     const array *a = check_self(L);
     uint64_t i = check_place(L, 2, a);
     int given = lua_gettop(L) - 2;
-    luaL_argcheck(L, !a->fixed, 1, "these rows cannot be changed");
+    luaL_argcheck(L, a->access != ARRAY_FIXED, 1, "these rows cannot be changed");
     begin_row(L, a, i, given > 0 ? (lua_Unsigned)given : 0);
     for (int column = 0; column < given; ++column) {
         lua_pushvalue(L, 3 + column);
@@ -490,35 +485,24 @@ static uint32_t check_two(lua_State *L, array_kind kind, const void *rows[2])
     return (uint32_t)dims;
 }
 
-static int poses_collide(lua_State *L)
+// poses:collide(a, b, dims), and of rounded boxes; the upvalue is the kind of rows.
+static int collide(lua_State *L)
 {
     const void *rows[2];
-    uint32_t dims = check_two(L, ARRAY_POSES, rows);
-    lua_pushboolean(L, duet_poses_collide(rows[0], rows[1], dims));
+    array_kind kind = (array_kind)lua_tointeger(L, lua_upvalueindex(1));
+    uint32_t dims = check_two(L, kind, rows);
+    lua_pushboolean(L, kind == ARRAY_POSES ? duet_poses_collide(rows[0], rows[1], dims)
+                                           : duet_rounded_boxes_collide(rows[0], rows[1], dims));
     return 1;
 }
 
-static int poses_separation(lua_State *L)
+static int separation(lua_State *L)
 {
     const void *rows[2];
-    uint32_t dims = check_two(L, ARRAY_POSES, rows);
-    lua_pushnumber(L, duet_poses_separation(rows[0], rows[1], dims));
-    return 1;
-}
-
-static int rounded_boxes_collide(lua_State *L)
-{
-    const void *rows[2];
-    uint32_t dims = check_two(L, ARRAY_ROUNDED_BOXES, rows);
-    lua_pushboolean(L, duet_rounded_boxes_collide(rows[0], rows[1], dims));
-    return 1;
-}
-
-static int rounded_boxes_separation(lua_State *L)
-{
-    const void *rows[2];
-    uint32_t dims = check_two(L, ARRAY_ROUNDED_BOXES, rows);
-    lua_pushnumber(L, duet_rounded_boxes_separation(rows[0], rows[1], dims));
+    array_kind kind = (array_kind)lua_tointeger(L, lua_upvalueindex(1));
+    uint32_t dims = check_two(L, kind, rows);
+    lua_pushnumber(L, kind == ARRAY_POSES ? duet_poses_separation(rows[0], rows[1], dims)
+                                          : duet_rounded_boxes_separation(rows[0], rows[1], dims));
     return 1;
 }
 
@@ -527,11 +511,11 @@ static int array_close(lua_State *L)
     array *a = array_test(L, 1);
     if (!a)
         return luaL_typeerror(L, 1, "duet.poses or another array");
-    if (a->owned) {
+    if (a->access == ARRAY_OWNED) {
         budget_release(a->n * kinds[a->kind].bytes);
         duet_free(a->rows);
     }
-    a->owned = false;
+    a->access = ARRAY_FIXED;
     if (a->n > 0)
         a->rows = NULL;
     return 0;
@@ -542,10 +526,11 @@ static const luaL_Reg methods[] = {{"get", array_get},     {"set", array_set},
                                    {"close", array_close}, {NULL, NULL}};
 static const luaL_Reg metas[] = {
     {"__len", array_length}, {"__tostring", array_tostring}, {NULL, NULL}};
-static const luaL_Reg poses_methods[] = {
-    {"collide", poses_collide}, {"separation", poses_separation}, {NULL, NULL}};
-static const luaL_Reg rounded_boxes_methods[] = {
-    {"collide", rounded_boxes_collide}, {"separation", rounded_boxes_separation}, {NULL, NULL}};
+static const lua_shared poses_methods[] = {
+    {"collide", collide, ARRAY_POSES}, {"separation", separation, ARRAY_POSES}, {NULL, NULL, 0}};
+static const lua_shared rounded_boxes_methods[] = {{"collide", collide, ARRAY_ROUNDED_BOXES},
+                                                   {"separation", separation, ARRAY_ROUNDED_BOXES},
+                                                   {NULL, NULL, 0}};
 static const luaL_Reg pairs_methods[] = {{"hash", pairs_hash}, {NULL, NULL}};
 
 #define ROWS_FROM(name_, columns, bytes, least)                                            \
@@ -601,7 +586,7 @@ void array_open(lua_State *L)
         lua_pushcclosure(L, make, 1);
         lua_setfield(L, -2, kinds[kind].class.name + sizeof "duet." - 1);
     }
-    class_add_methods(L, "duet.poses", poses_methods, NULL);
-    class_add_methods(L, "duet.rounded_boxes", rounded_boxes_methods, NULL);
+    class_add_methods(L, "duet.poses", NULL, poses_methods);
+    class_add_methods(L, "duet.rounded_boxes", NULL, rounded_boxes_methods);
     class_add_methods(L, "duet.pairs", pairs_methods, NULL);
 }

@@ -49,12 +49,18 @@ typedef enum array_kind {
     ARRAY_KINDS
 } array_kind;
 
+// Whose the rows are.
+typedef enum array_access {
+    ARRAY_OPEN,  // the userdata's or its owner's, and may be written
+    ARRAY_FIXED, // the owner's, and must not be written
+    ARRAY_OWNED, // C's, and given back by duet_free
+} array_access;
+
 typedef struct array {
     array_kind kind;
+    array_access access;
     void *rows; // duet_pose, duet_bounds ...
     uint64_t n;
-    bool owned;            // rows are given back by duet_free
-    bool fixed;            // must not be written
     const uint64_t *epoch; // the owner's epoch; a view is valid while it equals epoch_made
     uint64_t epoch_made;
 } array;
@@ -72,9 +78,9 @@ void array_push_copy(lua_State *L, array_kind kind, const void *rows, uint64_t n
 array *array_push_empty(lua_State *L, array_kind kind);
 void array_own(array *a, void *rows, uint64_t n);
 
-// Pushes a view of rows that the userdata at owner_index has.
-array *array_push_view(lua_State *L, array_kind kind, void *rows, uint64_t n, int owner_index,
-                       const uint64_t *epoch);
+// Pushes a view of rows that the userdata at owner_index has. access: open or fixed.
+void array_push_view(lua_State *L, array_kind kind, array_access access, void *rows, uint64_t n,
+                     int owner_index, const uint64_t *epoch);
 
 // The rows at index: an array, a string of packed rows, a table of rows or of
 // numbers; the latter become an array, which takes their place at index.

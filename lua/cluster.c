@@ -121,16 +121,9 @@ typedef struct cluster_box {
 
 static const lua_class cluster_class;
 
-#define WORLD_MEMBER(type_, member)                                                            \
-    {                                                                                          \
-        .name = #member, .type = &(type_), .offset = offsetof(duet_cluster_def, world.member), \
-        .size = sizeof((duet_world_def *)0)->member                                            \
-    }
-#define WORLD_ENUM(member, name_of_)                                                               \
-    {                                                                                              \
-        .name = #member, .type = &member_enum, .offset = offsetof(duet_cluster_def, world.member), \
-        .size = sizeof((duet_world_def *)0)->member, .name_of = (name_of_)                         \
-    }
+#define WORLD_MEMBER(type, member) WORLD_ENUM(type, member, NULL)
+#define WORLD_ENUM(type, member, name_of) \
+    MEMBER_AT(#member, type, duet_cluster_def, world.member, name_of)
 
 static const member def_members[] = {
     MEMBER(member_string, duet_cluster_def, pair),
@@ -141,8 +134,8 @@ static const member def_members[] = {
     MEMBER(member_double, duet_cluster_def, imbalance),
     WORLD_MEMBER(member_plan, plan),
     WORLD_MEMBER(member_count, dims),
-    WORLD_ENUM(shape, shape_name),
-    WORLD_ENUM(level, level_name),
+    WORLD_ENUM(member_enum, shape, shape_name),
+    WORLD_ENUM(member_enum, level, level_name),
     WORLD_MEMBER(member_bool, rotated),
     WORLD_MEMBER(member_float, cell),
     WORLD_MEMBER(member_bool, cell_fixed),
@@ -205,23 +198,12 @@ static void hold(lua_State *L, bool held)
     lua_pop(L, 1);
 }
 
-static array_kind rows_of(duet_shape shape, float origin_edge)
-{
-    static const array_kind rows[DUET_SHAPES] = {
-        [DUET_SHAPE_POSES] = ARRAY_POSES,
-        [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS,
-        [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_BOXES,
-        [DUET_SHAPE_SPHERES] = ARRAY_SPHERES,
-    };
-    return origin_edge > 0 ? ARRAY_LARGE_POSES : rows[shape];
-}
-
 // Leaves its userdata on the stack.
 static bool push_cluster(lua_State *L, const cluster_library *calls, const duet_cluster_def *def,
                          duet_error *err)
 {
     cluster_box *box = class_push(L, &cluster_class, sizeof *box);
-    *box = (cluster_box){.calls = calls, .rows = rows_of(def->world.shape, 0)};
+    *box = (cluster_box){.calls = calls, .rows = shape_array_kind((int)def->world.shape)};
     hold(L, true);
     box->cluster.object = calls->create(def, err);
     box->rank = calls->get_rank(box->cluster.object);
@@ -296,7 +278,7 @@ static int cluster_load_scene(lua_State *L)
     if (!box->calls->load_scene(box->cluster.object, path, settings, n, &err))
         return class_push_failure(L, &err);
     const duet_scene_info *info = box->calls->get_scene_info(box->cluster.object);
-    box->rows = rows_of(info->shape, info->origin_edge);
+    box->rows = shape_array_kind(info->origin_edge > 0 ? TREE_LARGE_POSES : (int)info->shape);
     scene_push_info(L, info);
     return 1;
 }
@@ -339,9 +321,8 @@ static int cluster_map_owned(lua_State *L)
         box->calls->map_owned(box->cluster.object, array_object_kind(box->rows), &ids, &n, &err);
     if (!owned)
         return class_push_failure(L, &err);
-    array_push_view(L, box->rows, owned, n, 1, &box->maps);
-    array *names = array_push_view(L, ARRAY_IDS, (void *)ids, n, 1, &box->maps);
-    names->fixed = true;
+    array_push_view(L, box->rows, ARRAY_OPEN, owned, n, 1, &box->maps);
+    array_push_view(L, ARRAY_IDS, ARRAY_FIXED, (void *)ids, n, 1, &box->maps);
     return 2;
 }
 
@@ -350,11 +331,9 @@ static int cluster_map_owned(lua_State *L)
 static int cluster_set_plan(lua_State *L)
 {
     duet_error err = {0};
-    static const member argument = {.name = "plan"};
     cluster_box *box = check(L);
     duet_plan plan = duet_default_plan(NULL);
-    lua_settop(L, 2);
-    member_plan.read(L, &argument, &plan);
+    plan_read(L, &plan);
     return class_push_done(L, box->calls->set_plan(box->cluster.object, &plan, &err), &err);
 }
 
@@ -404,8 +383,7 @@ static int cluster_own_pairs(lua_State *L)
     cluster_box *box = check(L);
     if (!box->calls->get_own_pairs(box->cluster.object, &pairs, &n, &err))
         return class_push_failure(L, &err);
-    array *own = array_push_view(L, ARRAY_PAIRS64, (void *)pairs, n, 1, &box->steps);
-    own->fixed = true;
+    array_push_view(L, ARRAY_PAIRS64, ARRAY_FIXED, (void *)pairs, n, 1, &box->steps);
     return 1;
 }
 

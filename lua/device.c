@@ -153,8 +153,7 @@ static int pair_about(lua_State *L)
 static int pair_plan(lua_State *L)
 {
     duet_plan plan = duet_default_plan(device_pair_check(L, 1));
-    member_plan.push(L, NULL, &plan);
-    return 1;
+    return plan_push(L, &plan);
 }
 
 static int pair_check_cache(lua_State *L)

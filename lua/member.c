@@ -226,17 +226,17 @@ static void push_double(lua_State *L, const member *m, const void *at)
         push_doubles(L, m, at);
 }
 
-const member_type member_string = {read_string, push_string};
-const member_type member_chars = {read_chars, push_chars};
-const member_type member_bool = {read_bool, push_bool};
-const member_type member_count = {read_count, push_count};
-const member_type member_int = {NULL, push_int};
-const member_type member_float = {read_float, push_float};
-const member_type member_double = {read_double, push_double};
-const member_type member_counts = {NULL, push_counts};
-const member_type member_sizes = {NULL, push_sizes};
-const member_type member_share = {read_share, push_share};
-const member_type member_enum = {read_enum, push_enum};
+const member_type member_string = {.read = read_string, .push = push_string};
+const member_type member_chars = {.read = read_chars, .push = push_chars};
+const member_type member_bool = {.read = read_bool, .push = push_bool};
+const member_type member_count = {.read = read_count, .push = push_count};
+const member_type member_int = {.push = push_int};
+const member_type member_float = {.read = read_float, .push = push_float};
+const member_type member_double = {.read = read_double, .push = push_double};
+const member_type member_counts = {.push = push_counts};
+const member_type member_sizes = {.push = push_sizes};
+const member_type member_share = {.read = read_share, .push = push_share};
+const member_type member_enum = {.read = read_enum, .push = push_enum};
 
 // ---------------------------------------------------------------- tables
 
@@ -291,6 +291,18 @@ void member_push_table(lua_State *L, const member *members, const void *from)
         member_push(L, f, from);
         lua_setfield(L, -2, f->name);
     }
+}
+
+void member_read_struct(lua_State *L, const member *m, void *at)
+{
+    if (!lua_istable(L, -1))
+        member_refuse(L, m, "a table");
+    member_read_table(L, -1, m->type->what, m->type->members, at);
+}
+
+void member_push_struct(lua_State *L, const member *m, const void *at)
+{
+    member_push_table(L, m->type->members, at);
 }
 
 void member_push_list(lua_State *L, const member *members, const void *from, uint64_t n,

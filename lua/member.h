@@ -15,6 +15,8 @@ typedef struct member member;
 typedef struct member_type {
     void (*read)(lua_State *L, const member *m, void *at);
     void (*push)(lua_State *L, const member *m, const void *at);
+    const member *members; // of a struct
+    const char *what;      // its name in messages: "a plan"
 } member_type;
 
 struct member {
@@ -26,15 +28,14 @@ struct member {
 };
 
 // A row for a member of a struct; the table of rows ends with {0}.
-#define MEMBER(type_, struct_, member)                                          \
-    {                                                                           \
-        .name = #member, .type = &(type_), .offset = offsetof(struct_, member), \
-        .size = sizeof((struct_ *)0)->member                                    \
-    }
-#define MEMBER_ENUM(struct_, member, name_of_)                                      \
-    {                                                                               \
-        .name = #member, .type = &member_enum, .offset = offsetof(struct_, member), \
-        .size = sizeof((struct_ *)0)->member, .name_of = (name_of_)                 \
+#define MEMBER(type, struct_, member) MEMBER_AT(#member, type, struct_, member, NULL)
+#define MEMBER_ENUM(struct_, member, name_of) \
+    MEMBER_AT(#member, member_enum, struct_, member, name_of)
+// Under another name, or of a struct in it.
+#define MEMBER_AT(name_, type_, struct_, path, name_of_)                      \
+    {                                                                         \
+        .name = (name_), .type = &(type_), .offset = offsetof(struct_, path), \
+        .size = sizeof((struct_ *)0)->path, .name_of = (name_of_)             \
     }
 
 extern const member_type member_string; // const char *; the table's, so only read by a call
@@ -48,6 +49,10 @@ extern const member_type member_counts; // several uint32_t
 extern const member_type member_sizes;  // several uint64_t
 extern const member_type member_share;  // uint32_t out of DUET_SHARE_ONE, as 0 to 1
 extern const member_type member_enum;   // an enum, by its name
+
+// read and push of a type that is a struct: a table. Members that it leaves out stay as they are.
+void member_read_struct(lua_State *L, const member *m, void *at);
+void member_push_struct(lua_State *L, const member *m, const void *at);
 
 // Copies the table at index into the struct; nil or none leaves it as it is. A
 // key that is no field is an error that lists the fields, so that a misspelt

@@ -121,24 +121,17 @@ static int motion_effects(lua_State *L)
 static int motion_set_plan(lua_State *L)
 {
     duet_error err = {0};
-    static const member argument = {.name = "plan"};
     duet_motion *motion = motion_check_lua(L);
     const duet_motion_def *def = duet_motion_get_def(motion);
     duet_plan plan = def ? def->plan : duet_default_plan(NULL);
-    lua_settop(L, 2);
-    member_plan.read(L, &argument, &plan);
+    plan_read(L, &plan);
     return class_push_done(L, duet_motion_set_plan(motion, &plan, &err), &err);
 }
 
 // motion:plan() -> the plan by which it seeks pairs; nil if it seeks none
 static int motion_plan(lua_State *L)
 {
-    const duet_plan *plan = duet_motion_get_plan(motion_check_lua(L));
-    if (plan)
-        member_plan.push(L, NULL, plan);
-    else
-        lua_pushnil(L);
-    return 1;
+    return plan_push(L, duet_motion_get_plan(motion_check_lua(L)));
 }
 
 static int motion_step(lua_State *L)

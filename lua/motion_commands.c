@@ -209,10 +209,9 @@ static int map_states(lua_State *L)
     void *rows = duet_motion_map_states(motion, part, access, (uint32_t)first, (uint32_t)n, &err);
     if (!rows)
         return class_push_failure(L, &err);
-    array *a = array_push_view(
-        L, duet_motion_get_def(motion)->doubles ? ARRAY_DOUBLE_STATE_ROWS : ARRAY_STATE_ROWS, rows,
-        (uint64_t)n, 1, &maps[part]);
-    a->fixed = access == DUET_MAP_READ;
+    array_push_view(
+        L, duet_motion_get_def(motion)->doubles ? ARRAY_DOUBLE_STATE_ROWS : ARRAY_STATE_ROWS,
+        access == DUET_MAP_READ ? ARRAY_FIXED : ARRAY_OPEN, rows, (uint64_t)n, 1, &maps[part]);
     return 1;
 }
 

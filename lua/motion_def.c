@@ -3,8 +3,6 @@
 #include "lua/motion.h"
 #include "runtime/scene/scene.h"
 
-#include <string.h>
-
 // The effects' names, one bit after the other; NULL past the last.
 static const char *effect_at(uint32_t i)
 {
@@ -35,15 +33,13 @@ static void read_effects(lua_State *L, const member *m, void *at)
     if (!lua_istable(L, -1))
         member_refuse(L, m, "a list of effects' names");
     for (lua_Unsigned n = lua_rawlen(L, -1), k = 1; k <= n; ++k) {
-        uint32_t i = 0;
         lua_rawgeti(L, -1, (lua_Integer)k);
         const char *name = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "?";
-        while (effect_at(i) && strcmp(effect_at(i), name) != 0)
-            ++i;
-        if (!effect_at(i))
+        uint32_t effect = scene_effect_named(name);
+        if (!effect)
             luaL_error(L, "field '%s': there is no effect '%s'; duet.effects() lists them", m->name,
                        name);
-        *effects |= 1u << i;
+        *effects |= effect;
         lua_pop(L, 1);
     }
 }
@@ -54,7 +50,7 @@ static void push_wants(lua_State *L, const member *m, const void *at)
     motion_push_effects(L, *(const uint32_t *)at);
 }
 
-static const member_type member_effects = {read_effects, push_wants};
+static const member_type member_effects = {.read = read_effects, .push = push_wants};
 
 static const char *boundary_name(int boundary)
 {
@@ -70,7 +66,7 @@ static void read_script(lua_State *L, const member *m, void *at)
         member_refuse(L, m, "a function of the step and the motion");
 }
 
-static const member_type member_script = {read_script, NULL};
+static const member_type member_script = {.read = read_script};
 
 const member motion_def_members[] = {
     {"script", &member_script, 0, 1, NULL},

@@ -81,29 +81,17 @@ static int motion_energy(lua_State *L)
     return 1;
 }
 
-static int motion_poses(lua_State *L)
+// motion:poses() and others, a row for each body; the upvalue is the kind of rows.
+static int motion_rows(lua_State *L)
 {
     duet_error err = {0};
+    array_kind kind = (array_kind)lua_tointeger(L, lua_upvalueindex(1));
     duet_motion *motion = motion_check_lua(L);
-    array *poses = array_push(L, ARRAY_POSES, duet_motion_get_count(motion));
-    return duet_motion_get_poses(motion, poses->rows, &err) ? 1 : class_push_failure(L, &err);
-}
-
-static int motion_rounded_boxes(lua_State *L)
-{
-    duet_error err = {0};
-    duet_motion *motion = motion_check_lua(L);
-    array *boxes = array_push(L, ARRAY_ROUNDED_BOXES, duet_motion_get_count(motion));
-    return duet_motion_get_rounded_boxes(motion, boxes->rows, &err) ? 1
-                                                                    : class_push_failure(L, &err);
-}
-
-static int motion_asleep(lua_State *L)
-{
-    duet_error err = {0};
-    duet_motion *motion = motion_check_lua(L);
-    array *asleep = array_push(L, ARRAY_ANSWERS, duet_motion_get_count(motion));
-    return duet_motion_get_asleep(motion, asleep->rows, &err) ? 1 : class_push_failure(L, &err);
+    void *rows = array_push(L, kind, duet_motion_get_count(motion))->rows;
+    bool ok = kind == ARRAY_POSES           ? duet_motion_get_poses(motion, rows, &err)
+              : kind == ARRAY_ROUNDED_BOXES ? duet_motion_get_rounded_boxes(motion, rows, &err)
+                                            : duet_motion_get_asleep(motion, rows, &err);
+    return ok ? 1 : class_push_failure(L, &err);
 }
 
 static int motion_contacts(lua_State *L)
@@ -122,16 +110,14 @@ static int motion_contacts(lua_State *L)
 void motion_state_open_lua(lua_State *L)
 {
     static const luaL_Reg functions[] = {{"states_between", states_between}, {NULL, NULL}};
-    static const luaL_Reg methods[] = {{"read", motion_read},
-                                       {"read_of", motion_read_of},
-                                       {"moved", motion_moved},
-                                       {"poses", motion_poses},
-                                       {"rounded_boxes", motion_rounded_boxes},
-                                       {"asleep", motion_asleep},
-                                       {"hash", motion_hash},
-                                       {"energy", motion_energy},
-                                       {"contacts", motion_contacts},
-                                       {NULL, NULL}};
+    static const luaL_Reg methods[] = {
+        {"read", motion_read}, {"read_of", motion_read_of}, {"moved", motion_moved},
+        {"hash", motion_hash}, {"energy", motion_energy},   {"contacts", motion_contacts},
+        {NULL, NULL}};
+    static const lua_shared shared[] = {{"poses", motion_rows, ARRAY_POSES},
+                                        {"rounded_boxes", motion_rows, ARRAY_ROUNDED_BOXES},
+                                        {"asleep", motion_rows, ARRAY_ANSWERS},
+                                        {NULL, NULL, 0}};
     luaL_setfuncs(L, functions, 0);
-    class_add_methods(L, "duet.motion", methods, NULL);
+    class_add_methods(L, "duet.motion", methods, shared);
 }

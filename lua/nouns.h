@@ -34,7 +34,9 @@ void pair_delta_open_lua(lua_State *L);
 void replay_open_lua(lua_State *L);
 void cluster_open_lua(lua_State *L);
 
-extern const member_type member_plan; // a duet_plan as a table
+extern const member_type member_plan;               // a duet_plan as a table
+void plan_read(lua_State *L, duet_plan *plan);      // the argument at 2
+int plan_push(lua_State *L, const duet_plan *plan); // nil for NULL; returns 1
 const char *shape_name(int shape);
 const char *level_name(int level);
 const char *query_wants_name(int wants);
@@ -52,7 +54,7 @@ duet_tree *tree_check(lua_State *L, int index);
 enum { TREE_LARGE_POSES = DUET_SHAPES };
 int tree_shape(lua_State *L, int index); // shape of its objects, a duet_shape, or TREE_LARGE_POSES
 
-array_kind shape_array_kind(duet_shape shape);
+array_kind shape_array_kind(int shape); // or TREE_LARGE_POSES
 
 duet_motion *motion_check_lua(lua_State *L); // the one at 1
 duet_motion *motion_check_at(lua_State *L, int index);

@@ -17,11 +17,7 @@ typedef struct online_def {
     name_list modes;
 } online_def;
 
-#define ONLINE_OPTION(type_, member_)                                                    \
-    {                                                                                    \
-        .name = #member_, .type = &(type_), .offset = offsetof(online_def, def.member_), \
-        .size = sizeof((duet_online_def *)0)->member_                                    \
-    }
+#define ONLINE_OPTION(type, member) MEMBER_AT(#member, type, online_def, def.member, NULL)
 
 static const member online_members[] = {
     ONLINE_OPTION(member_double, most_extra), ONLINE_OPTION(member_bool, keep),

@@ -16,21 +16,23 @@ static const member plan_members[] = {
     {0},
 };
 
-// Members that the table does not name stay as they are in the plan.
-static void read_plan(lua_State *L, const member *m, void *at)
+const member_type member_plan = {member_read_struct, member_push_struct, plan_members, "a plan"};
+
+void plan_read(lua_State *L, duet_plan *plan)
 {
-    if (!lua_istable(L, -1))
-        member_refuse(L, m, "a table");
-    member_read_table(L, -1, "a plan", plan_members, at);
+    static const member argument = {.name = "plan", .type = &member_plan};
+    lua_settop(L, 2);
+    member_read_struct(L, &argument, plan);
 }
 
-static void push_plan(lua_State *L, const member *m, const void *at)
+int plan_push(lua_State *L, const duet_plan *plan)
 {
-    (void)m;
-    member_push_table(L, plan_members, at);
+    if (plan)
+        member_push_table(L, plan_members, plan);
+    else
+        lua_pushnil(L);
+    return 1;
 }
-
-const member_type member_plan = {read_plan, push_plan};
 
 // The modes there are.
 static int modes(lua_State *L)
@@ -68,19 +70,12 @@ static const member accuracy_members[] = {
 // Members that the table leaves out are 0.
 static void read_accuracy(lua_State *L, const member *m, void *at)
 {
-    if (!lua_istable(L, -1))
-        member_refuse(L, m, "a table");
     *(duet_accuracy *)at = (duet_accuracy){0};
-    member_read_table(L, -1, "an accuracy", accuracy_members, at);
+    member_read_struct(L, m, at);
 }
 
-static void push_accuracy(lua_State *L, const member *m, const void *at)
-{
-    (void)m;
-    member_push_table(L, accuracy_members, at);
-}
-
-const member_type member_accuracy = {read_accuracy, push_accuracy};
+const member_type member_accuracy = {read_accuracy, member_push_struct, accuracy_members,
+                                     "an accuracy"};
 
 duet_level level_check(lua_State *L, int index)
 {

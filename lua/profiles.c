@@ -12,65 +12,20 @@ static const member device_parts[] = {
     {0},
 };
 
-static void push_device(lua_State *L, const member *m, const void *at)
-{
-    (void)m;
-    member_push_table(L, device_parts, at);
-}
-
-static const member_type member_device = {.push = push_device};
+static const member_type member_device = {.push = member_push_struct, .members = device_parts};
 
 static const member profile_members[] = {
-    MEMBER(member_chars, duet_stored_profile, uid),
-    MEMBER(member_chars, duet_stored_profile, replaced),
-    MEMBER(member_chars, duet_stored_profile, scene),
-    MEMBER(member_count, duet_stored_profile, dims),
-    MEMBER(member_count, duet_stored_profile, objects),
-    MEMBER(member_chars, duet_stored_profile, query),
-    MEMBER(member_count, duet_stored_profile, items),
-    MEMBER(member_bool, duet_stored_profile, moving),
-    MEMBER(member_device, duet_stored_profile, a),
-    MEMBER(member_device, duet_stored_profile, b),
-    MEMBER(member_share, duet_stored_profile, share),
-    MEMBER(member_chars, duet_stored_profile, mode),
-    MEMBER(member_chars, duet_stored_profile, variant_a),
-    MEMBER(member_chars, duet_stored_profile, variant_b),
-    MEMBER(member_chars, duet_stored_profile, level),
-    MEMBER(member_double, duet_stored_profile, step_ms),
-    MEMBER(member_double, duet_stored_profile, low_ms),
-    MEMBER(member_double, duet_stored_profile, high_ms),
-    MEMBER(member_double, duet_stored_profile, gain),
-    MEMBER(member_double, duet_stored_profile, gain_low),
-    MEMBER(member_double, duet_stored_profile, gain_high),
-    MEMBER(member_chars, duet_stored_profile, verdict),
-    MEMBER(member_count, duet_stored_profile, rounds),
-    MEMBER(member_count, duet_stored_profile, watched),
-    MEMBER(member_count, duet_stored_profile, disturbed),
-    MEMBER(member_double, duet_stored_profile, whole_ms),
-    MEMBER(member_double, duet_stored_profile, whole_gain),
-    MEMBER(member_double, duet_stored_profile, whole_gain_low),
-    MEMBER(member_double, duet_stored_profile, whole_gain_high),
-    MEMBER(member_double, duet_stored_profile, missed_rate),
-    MEMBER(member_double, duet_stored_profile, false_rate),
-    MEMBER(member_chars, duet_stored_profile, origin),
-    MEMBER(member_chars, duet_stored_profile, session),
-    MEMBER(member_int, duet_stored_profile, measured_s),
+#define STORED_PROFILE
+#define FIELD(type, member, value) MEMBER(member_##type, duet_stored_profile, member),
+#define DEVICE(member, name, part, driver) MEMBER(member_device, duet_stored_profile, member),
+#include "profiles/stored.inl"
     {0},
 };
 
 static const member trial_members[] = {
-    MEMBER(member_share, duet_stored_trial, share),
-    MEMBER(member_chars, duet_stored_trial, mode),
-    MEMBER(member_chars, duet_stored_trial, variant_a),
-    MEMBER(member_chars, duet_stored_trial, variant_b),
-    MEMBER(member_count, duet_stored_trial, samples),
-    MEMBER(member_double, duet_stored_trial, step_ms),
-    MEMBER(member_double, duet_stored_trial, low_ms),
-    MEMBER(member_double, duet_stored_trial, high_ms),
-    MEMBER(member_double, duet_stored_trial, a_ms),
-    MEMBER(member_double, duet_stored_trial, b_ms),
-    MEMBER(member_chars, duet_stored_trial, outcome),
-    MEMBER(member_chars, duet_stored_trial, reason),
+#define STORED_TRIAL
+#define FIELD(type, member, value) MEMBER(member_##type, duet_stored_trial, member),
+#include "profiles/stored.inl"
     {0},
 };
 
@@ -198,6 +153,14 @@ void profile_push_known(lua_State *L, const duet_profile *profile)
     member_push_table(L, known_members, profile);
 }
 
+static int push_loaded(lua_State *L, bool ok, const duet_profile *profile, const duet_error *err)
+{
+    if (!ok)
+        return class_push_failure(L, err);
+    profile_push_known(L, profile);
+    return 1;
+}
+
 // world:load_profile(path)
 static int world_load_profile(lua_State *L)
 {
@@ -205,10 +168,8 @@ static int world_load_profile(lua_State *L)
     duet_profile profile;
     world_box *box = world_check(L, 1);
     const char *path = check_store(L, 2);
-    if (!duet_world_load_profile(box->world, path, &profile, &err))
-        return class_push_failure(L, &err);
-    profile_push_known(L, &profile);
-    return 1;
+    return push_loaded(L, duet_world_load_profile(box->world, path, &profile, &err), &profile,
+                       &err);
 }
 
 // motion:load_profile(path)
@@ -218,10 +179,7 @@ static int motion_load_profile(lua_State *L)
     duet_profile profile;
     duet_motion *motion = motion_check_lua(L);
     const char *path = check_store(L, 2);
-    if (!duet_motion_load_profile(motion, path, &profile, &err))
-        return class_push_failure(L, &err);
-    profile_push_known(L, &profile);
-    return 1;
+    return push_loaded(L, duet_motion_load_profile(motion, path, &profile, &err), &profile, &err);
 }
 
 // tree:load_profile(query, n, path)
@@ -234,10 +192,8 @@ static int tree_load_profile(lua_State *L)
     lua_Integer n = luaL_checkinteger(L, 3);
     luaL_argcheck(L, n > 0, 3, "a number of items above 0");
     const char *path = check_store(L, 4);
-    if (!duet_tree_load_profile(tree, query, (uint64_t)n, path, &profile, &err))
-        return class_push_failure(L, &err);
-    profile_push_known(L, &profile);
-    return 1;
+    bool ok = duet_tree_load_profile(tree, query, (uint64_t)n, path, &profile, &err);
+    return push_loaded(L, ok, &profile, &err);
 }
 
 // world:explain_profile(path)

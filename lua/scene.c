@@ -161,9 +161,8 @@ static int push_rows(lua_State *L, array_kind kind, const void *rows)
         lua_pushnil(L);
         return 1;
     }
-    array *a = array_push_view(L, kind, (void *)rows, duet_scene_get_info(box->scene)->n, 1,
-                               &box->closings);
-    a->fixed = true;
+    array_push_view(L, kind, ARRAY_FIXED, (void *)rows, duet_scene_get_info(box->scene)->n, 1,
+                    &box->closings);
     return 1;
 }
 

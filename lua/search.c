@@ -19,11 +19,7 @@ typedef struct search_def {
     search_options options;
 } search_def;
 
-#define OPTION(type_, member_)                                                               \
-    {                                                                                        \
-        .name = #member_, .type = &(type_), .offset = offsetof(search_def, options.member_), \
-        .size = sizeof((search_options *)0)->member_                                         \
-    }
+#define OPTION(type, member) MEMBER_AT(#member, type, search_def, options.member, NULL)
 
 static const member def_members[] = {
     MEMBER(member_string, search_def, strategy),

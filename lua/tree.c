@@ -53,7 +53,7 @@ static const array_kind rows_of[DUET_SHAPES + 1] = {
     [TREE_LARGE_POSES] = ARRAY_LARGE_POSES,
 };
 
-array_kind shape_array_kind(duet_shape shape)
+array_kind shape_array_kind(int shape)
 {
     return rows_of[shape];
 }

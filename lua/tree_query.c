@@ -32,26 +32,21 @@ static void read_filter(lua_State *L, const member *m, void *at)
     def->asked.filter = &def->filter;
 }
 
-static const member_type member_filter = {read_filter, NULL};
+static const member_type member_filter = {.read = read_filter};
 
-#define DEF_MEMBER(name_, type_, member_, name_of_)                                \
-    {                                                                              \
-        .name = (name_), .type = &(type_), .offset = offsetof(query_def, member_), \
-        .size = sizeof(((query_def *)0)->member_), .name_of = (name_of_)           \
-    }
-#define WANTS DEF_MEMBER("wants", member_enum, asked.name.wants, query_wants_name)
+#define WANTS MEMBER_AT("wants", member_enum, query_def, asked.name.wants, query_wants_name)
 #define FILTER                                                             \
     {                                                                      \
         .name = "filter", .type = &member_filter, .size = sizeof(uint32_t) \
     }
 
 static const member ray_members[] = {
-    WANTS, DEF_MEMBER("normals", member_bool, asked.normals, NULL), FILTER, {0}};
+    WANTS, MEMBER_AT("normals", member_bool, query_def, asked.normals, NULL), FILTER, {0}};
 static const member sweep_members[] = {WANTS, FILTER, {0}};
 static const member box_members[] = {
-    DEF_MEMBER("level", member_enum, asked.level, level_name), FILTER, {0}};
+    MEMBER_AT("level", member_enum, query_def, asked.level, level_name), FILTER, {0}};
 static const member point_members[] = {
-    DEF_MEMBER("nearest", member_count, asked.name.nearest, NULL), FILTER, {0}};
+    MEMBER_AT("nearest", member_count, query_def, asked.name.nearest, NULL), FILTER, {0}};
 
 typedef struct query_kind {
     lua_class class;

@@ -21,7 +21,7 @@ static void read_names(lua_State *L, const member *m, void *at)
     }
 }
 
-const member_type member_names = {read_names, NULL};
+const member_type member_names = {.read = read_names};
 
 // One name, or a list of them.
 static void read_levels(lua_State *L, const member *m, void *at)
@@ -35,7 +35,7 @@ static void read_levels(lua_State *L, const member *m, void *at)
     list->n = 1;
 }
 
-static const member_type member_levels = {read_levels, NULL};
+static const member_type member_levels = {.read = read_levels};
 
 // The function stays in the def's table and is called from there.
 static void read_watch(lua_State *L, const member *m, void *at)
@@ -45,7 +45,7 @@ static void read_watch(lua_State *L, const member *m, void *at)
     *(bool *)at = true;
 }
 
-static const member_type member_watch = {read_watch, NULL};
+static const member_type member_watch = {.read = read_watch};
 
 // false: no store; true: what another strategy than the default one finds, too.
 static void read_keep(lua_State *L, const member *m, void *at)
@@ -55,7 +55,7 @@ static void read_keep(lua_State *L, const member *m, void *at)
     *(duet_keep *)at = lua_toboolean(L, -1) ? DUET_KEEP_ALWAYS : DUET_KEEP_NOTHING;
 }
 
-static const member_type member_keep = {read_keep, NULL};
+static const member_type member_keep = {.read = read_keep};
 
 // A script's form of the def; the rest of the C def follows from it.
 typedef struct tune_def {
@@ -66,11 +66,7 @@ typedef struct tune_def {
     bool watch;
 } tune_def;
 
-#define OPTION(type_, member_)                                                         \
-    {                                                                                  \
-        .name = #member_, .type = &(type_), .offset = offsetof(tune_def, def.member_), \
-        .size = sizeof((duet_tune_def *)0)->member_                                    \
-    }
+#define OPTION(type, member) MEMBER_AT(#member, type, tune_def, def.member, NULL)
 
 static const member def_members[] = {
     OPTION(member_string, store),
@@ -92,10 +88,7 @@ static const member def_members[] = {
     OPTION(member_count, repeats),
     OPTION(member_count, seed),
     OPTION(member_string, script),
-    {.name = "level",
-     .type = &member_levels,
-     .offset = offsetof(tune_def, levels),
-     .size = sizeof(name_list)},
+    MEMBER_AT("level", member_levels, tune_def, levels, NULL),
     OPTION(member_accuracy, accuracy),
     MEMBER(member_watch, tune_def, watch),
     {0},
@@ -115,13 +108,7 @@ static const member terms_members[] = {
     {0},
 };
 
-static void push_terms(lua_State *L, const member *m, const void *at)
-{
-    (void)m;
-    member_push_table(L, terms_members, at);
-}
-
-static const member_type member_terms = {NULL, push_terms};
+static const member_type member_terms = {.push = member_push_struct, .members = terms_members};
 
 static const member kernels_members[] = {
     MEMBER(member_count, duet_kernel_search, configs),
@@ -141,7 +128,7 @@ static void push_kernels(lua_State *L, const member *m, const void *at)
     member_push_list(L, kernels_members, at, 2, sizeof(duet_kernel_search));
 }
 
-static const member_type member_kernels = {NULL, push_kernels};
+static const member_type member_kernels = {.push = push_kernels};
 
 static const member outcome_members[] = {
     MEMBER(member_plan, duet_tune_outcome, plan),
@@ -203,7 +190,7 @@ static int call_watch(lua_State *L)
     const duet_tune_progress *progress = lua_touserdata(L, 2);
     lua_pushvalue(L, 1);
     member_push_table(L, progress_members, progress);
-    member_plan.push(L, NULL, progress->plan);
+    plan_push(L, progress->plan);
     lua_setfield(L, -2, "plan");
     lua_call(L, 1, 1);
     return 1;

@@ -142,7 +142,7 @@ static int world_map_objects(lua_State *L)
     void *memory = duet_world_map_objects(box->world, array_object_kind(rows), (uint32_t)n, &err);
     if (!memory)
         return class_push_failure(L, &err);
-    array_push_view(L, rows, memory, (uint64_t)n, 1, maps);
+    array_push_view(L, rows, ARRAY_OPEN, memory, (uint64_t)n, 1, maps);
     return 1;
 }
 
@@ -160,26 +160,20 @@ static int world_order(lua_State *L)
 
 // ---------------------------------------------------------------- stepping
 
+// world:plan(), or nil while a step is under way
 static int world_plan(lua_State *L)
 {
-    const duet_plan *plan = duet_world_get_plan(world_check(L, 1)->world);
-    if (plan)
-        member_plan.push(L, NULL, plan);
-    else
-        lua_pushnil(L); // a step is under way
-    return 1;
+    return plan_push(L, duet_world_get_plan(world_check(L, 1)->world));
 }
 
 // Fields that the table leaves out stay as they are.
 static int world_set_plan(lua_State *L)
 {
     duet_error err = {0};
-    static const member argument = {.name = "plan"};
     world_box *box = world_check(L, 1);
     const duet_plan *now = duet_world_get_plan(box->world);
     duet_plan plan = now ? *now : duet_default_plan(NULL);
-    lua_settop(L, 2);
-    member_plan.read(L, &argument, &plan);
+    plan_read(L, &plan);
     return class_push_done(L, duet_world_set_plan(box->world, &plan, &err), &err);
 }
 

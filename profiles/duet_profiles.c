@@ -18,44 +18,13 @@ struct duet_profile_list {
 // ---------------------------------------------------------------- profiles
 
 static const sql_column profile_columns[] = {
-    SQL_COLUMN("p.uid", duet_stored_profile, uid),
-    SQL_COLUMN("p.dead_reason", duet_stored_profile, replaced),
-    SQL_COLUMN("w.name", duet_stored_profile, scene),
-    SQL_COLUMN("w.dims", duet_stored_profile, dims),
-    SQL_COLUMN("iif(w.query IS NULL, w.n, w.boxes)", duet_stored_profile, objects),
-    SQL_COLUMN("coalesce(w.query, '')", duet_stored_profile, query),
-    SQL_COLUMN("iif(w.query IS NULL, 0, w.n)", duet_stored_profile, items),
-    SQL_COLUMN(PROFILE_IS_MOVING, duet_stored_profile, moving),
-    SQL_COLUMN("da.name", duet_stored_profile, a.name),
-    SQL_COLUMN("a.part", duet_stored_profile, a.part),
-    SQL_COLUMN("a.driver", duet_stored_profile, a.driver),
-    SQL_COLUMN("db.name", duet_stored_profile, b.name),
-    SQL_COLUMN("b.part", duet_stored_profile, b.part),
-    SQL_COLUMN("b.driver", duet_stored_profile, b.driver),
-    SQL_COLUMN("p.share", duet_stored_profile, share),
-    SQL_COLUMN("p.mode", duet_stored_profile, mode),
-    SQL_COLUMN("p.variant_a", duet_stored_profile, variant_a),
-    SQL_COLUMN("p.variant_b", duet_stored_profile, variant_b),
-    SQL_COLUMN("p.level", duet_stored_profile, level),
-    SQL_COLUMN("p.median_ns * 1e-6", duet_stored_profile, step_ms),
-    SQL_COLUMN("p.low_ns * 1e-6", duet_stored_profile, low_ms),
-    SQL_COLUMN("p.high_ns * 1e-6", duet_stored_profile, high_ms),
-    SQL_COLUMN("p.gain", duet_stored_profile, gain),
-    SQL_COLUMN("p.gain_low", duet_stored_profile, gain_low),
-    SQL_COLUMN("p.gain_high", duet_stored_profile, gain_high),
-    SQL_COLUMN("p.verdict", duet_stored_profile, verdict),
-    SQL_COLUMN("p.rounds", duet_stored_profile, rounds),
-    SQL_COLUMN("p.watched", duet_stored_profile, watched),
-    SQL_COLUMN("p.disturbed", duet_stored_profile, disturbed),
-    SQL_COLUMN("p.whole_ns * 1e-6", duet_stored_profile, whole_ms),
-    SQL_COLUMN("p.whole_gain", duet_stored_profile, whole_gain),
-    SQL_COLUMN("p.whole_gain_low", duet_stored_profile, whole_gain_low),
-    SQL_COLUMN("p.whole_gain_high", duet_stored_profile, whole_gain_high),
-    SQL_COLUMN("p.missed_rate", duet_stored_profile, missed_rate),
-    SQL_COLUMN("p.false_rate", duet_stored_profile, false_rate),
-    SQL_COLUMN("p.origin", duet_stored_profile, origin),
-    SQL_COLUMN("s.id", duet_stored_profile, session),
-    SQL_COLUMN("p.created_ns / 1000000000", duet_stored_profile, measured_s),
+#define STORED_PROFILE
+#define FIELD(type, member, value) SQL_COLUMN(value, duet_stored_profile, member),
+#define DEVICE(member, name_, part_, driver_)                \
+    SQL_COLUMN(name_, duet_stored_profile, member.name),     \
+        SQL_COLUMN(part_, duet_stored_profile, member.part), \
+        SQL_COLUMN(driver_, duet_stored_profile, member.driver),
+#include "profiles/stored.inl"
     {0},
 };
 
@@ -105,18 +74,9 @@ const duet_stored_profile *duet_profile_list_get_profile(const duet_profile_list
 // ---------------------------------------------------------------- trials
 
 static const sql_column trial_columns[] = {
-    SQL_COLUMN("share", duet_stored_trial, share),
-    SQL_COLUMN("mode", duet_stored_trial, mode),
-    SQL_COLUMN("variant_a", duet_stored_trial, variant_a),
-    SQL_COLUMN("variant_b", duet_stored_trial, variant_b),
-    SQL_COLUMN("(SELECT count(*) FROM sample WHERE trial_id = id)", duet_stored_trial, samples),
-    SQL_COLUMN("median_ns * 1e-6", duet_stored_trial, step_ms),
-    SQL_COLUMN("low_ns * 1e-6", duet_stored_trial, low_ms),
-    SQL_COLUMN("high_ns * 1e-6", duet_stored_trial, high_ms),
-    SQL_COLUMN("a_ns * 1e-6", duet_stored_trial, a_ms),
-    SQL_COLUMN("b_ns * 1e-6", duet_stored_trial, b_ms),
-    SQL_COLUMN("outcome", duet_stored_trial, outcome),
-    SQL_COLUMN("reason", duet_stored_trial, reason),
+#define STORED_TRIAL
+#define FIELD(type, member, value) SQL_COLUMN(value, duet_stored_trial, member),
+#include "profiles/stored.inl"
     {0},
 };
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// A query of any kind, by its name: for whoever asks a tree what another one chose.
+// A query of any kind, by its name: for whoever asks a tree what another one chose. The public
+// queries are such ones, each under a name of its own.
 #ifndef RUNTIME_ANY_QUERY_H
 #define RUNTIME_ANY_QUERY_H
 
 #include "runtime/duet.h"
 #include "runtime/queries/query_name.h"
 
-typedef struct any_query any_query;
+typedef struct tree_query any_query;
 
 // The result of a run, like the public queries'; the query's, until its next run.
 typedef struct query_result {
@@ -26,7 +27,7 @@ typedef struct any_query_def {
 } any_query_def;
 
 any_query *any_query_create(duet_tree *tree, const any_query_def *def, duet_error *err);
-void any_query_destroy(any_query *q);
+void any_query_destroy(any_query *q); // NULL is fine
 
 // n items as the public call takes them, of the tree's kind.
 bool any_query_run(any_query *q, const void *items, uint64_t n, query_result *found,

@@ -5,14 +5,9 @@
 #include "runtime/queries/tree_query.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { COOKIE = 0x0d0e700d };
-
-struct duet_point_query {
-    tree_query asked;
-};
 
 _Static_assert(sizeof(duet_point) == 3 * sizeof(float), "a point is three floats");
 _Static_assert(sizeof(duet_large_point) == 6 * sizeof(float), "and with its cell six words");
@@ -47,53 +42,30 @@ static void take_root(const duet_tree *tree, const void *item, uint32_t *hit)
     found->distance = sqrtf(found->distance);
 }
 
-static const query_kind kind = {
-    .item = "point",
-    .items = "points",
-    .wrong = "not a number, above 2^100, or beyond 2^30 origin cells",
-    .kernel = "point_query",
-    .hit_words = 3,
-    .meets = meets,
-    .finish = take_root,
-};
+#define POINTS(type_)                                                                           \
+    {                                                                                           \
+        .item = "point", .items = "points", .kernel = "point_query",                            \
+        .wrong = "not a number, above 2^100, or beyond 2^30 origin cells",                      \
+        .item_words = QUERY_WORDS(type_), .item_cell = QUERY_WORDS(duet_point), .hit_words = 3, \
+        .meets = meets, .finish = take_root                                                     \
+    }
 
-static bool check_def(const duet_point_query_def *def, duet_error *err)
-{
-    bool ours = def && def->cookie == COOKIE;
-    return tree_query_check_def(ours, ours ? def->tree : NULL, "duet_default_point_query_def",
-                                err) &&
-           (def->nearest <= DUET_MOST_NEAREST ||
-            error_set(err, DUET_STATUS_BAD_ARGUMENT, "nearest is %u; expected at most %u",
-                      def->nearest, DUET_MOST_NEAREST));
-}
+const query_kinds point_kinds = {POINTS(duet_point), POINTS(duet_point), POINTS(duet_point),
+                                 POINTS(duet_point), POINTS(duet_large_point)};
 
 duet_point_query *duet_point_query_create(const duet_point_query_def *def, duet_error *err)
 {
     PUBLIC_CALL(err);
-    duet_point_query *query = check_def(def, err) ? tree_query_new(sizeof *query, err) : NULL;
-    if (!query)
+    if (!tree_query_check_def(def && def->cookie == COOKIE, "duet_default_point_query_def", err))
         return NULL;
-    bool far = def->tree->def.origin_edge > 0.0f;
-    size_t bytes = far ? sizeof(duet_large_point) : sizeof(duet_point);
-    query->asked = (tree_query){.kind = &kind,
-                                .tree = def->tree,
-                                .wants = def->nearest > 0 ? QUERY_NEAREST : QUERY_EVERY,
-                                .item_words = (uint32_t)(bytes / sizeof(float)),
-                                .item_cell = sizeof(duet_point) / sizeof(float),
-                                .each = def->nearest};
-    const gen_setting settings[] = {{"WANTS", query->asked.wants}};
-    const query_name name = {.item = QUERY_POINTS, .nearest = def->nearest};
-    if (tree_query_open(&query->asked, &name, def->filter, settings, 1, err))
-        return query;
-    duet_point_query_destroy(query);
-    return NULL;
+    const any_query_def any = {.name = {.item = QUERY_POINTS, .nearest = def->nearest},
+                               .filter = def->filter};
+    return (duet_point_query *)tree_query_create(def->tree, point_kinds, &any, err);
 }
 
 void duet_point_query_destroy(duet_point_query *query)
 {
-    if (query)
-        tree_query_close(&query->asked);
-    free(query);
+    any_query_destroy((tree_query *)query);
 }
 
 static bool run(duet_point_query *query, const void *points, uint64_t n, bool far, const char *call,
@@ -101,8 +73,8 @@ static bool run(duet_point_query *query, const void *points, uint64_t n, bool fa
 {
     query_result found;
     if (!error_given(query, call, "query", err) || !error_given(result, call, "result", err) ||
-        !tree_query_is_far(&query->asked, far, err) ||
-        !tree_query_run(&query->asked, points, n, &found, err))
+        !tree_query_is_far((tree_query *)query, far, err) ||
+        !tree_query_run((tree_query *)query, points, n, &found, err))
         return false;
     *result = QUERY_RESULT(duet_point_query_result, duet_point_hit, found);
     return true;

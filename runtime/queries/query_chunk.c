@@ -51,7 +51,7 @@ static bool send_items(query_side *s)
     if (s->query->itself)
         return true;
     const char *items = query_item_at(s->query, s->first_item);
-    size_t bytes = (size_t)s->n * s->query->item_words * sizeof(float);
+    size_t bytes = (size_t)s->n * s->query->kind->item_words * sizeof(float);
     return buffer_hold(&s->items, s->tree->device, (void *)items, bytes, &s->tree->err) &&
            timeline_write(&s->tree->times, "send items", &s->items, items, bytes, &s->tree->err);
 }
@@ -62,7 +62,7 @@ bool query_order_items(query_side *s)
     bool itself = s->query->itself;
     s->in_order = s->n < LEAST_SORTED;
     return s->in_order || box_tree_order(t, &s->tree->times, itself ? &t->objects : &s->items,
-                                         s->query->item_words, s->query->item_cell,
+                                         s->query->kind->item_words, s->query->kind->item_cell,
                                          itself ? s->first_item : 0, s->n, &s->tree->err);
 }
 

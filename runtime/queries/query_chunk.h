@@ -23,7 +23,7 @@ static inline size_t query_hit_size(const tree_query *q)
 
 static inline const char *query_item_at(const tree_query *q, uint64_t i)
 {
-    return q->items + i * q->item_words * sizeof(float);
+    return q->items + i * q->kind->item_words * sizeof(float);
 }
 
 static inline uint64_t query_count_of(const cl_uint *words)

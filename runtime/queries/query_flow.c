@@ -39,7 +39,7 @@ static void select_chunk(query_side *s, const query_flow *f)
 
 static size_t item_bytes(const query_side *s, uint64_t n)
 {
-    return (size_t)n * s->query->item_words * sizeof(float);
+    return (size_t)n * s->query->kind->item_words * sizeof(float);
 }
 
 static size_t flow_hit_bytes(const query_side *s, const query_flow *f)
@@ -63,7 +63,7 @@ static bool reserve_flow(query_side *s, query_flow *f)
 static void copy_some(void *arg, uint64_t first, uint64_t last)
 {
     const shared_rows *rows = arg;
-    size_t bytes = rows->query->item_words * sizeof(float);
+    size_t bytes = rows->query->kind->item_words * sizeof(float);
     memcpy(rows->to + first * bytes, rows->from + first * bytes, (size_t)(last - first) * bytes);
 }
 

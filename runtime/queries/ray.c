@@ -16,32 +16,48 @@ typedef enum met { MISSED, MET, OPEN } met;
 #define SLACK (64 * 0x1p-53)
 #define SLOW 0x1p-60
 
+// A ray from a box: its origin and direction along the box's edges.
+typedef struct approach {
+    double axis[3][3], at[3], go[3];
+    double size, length;
+} approach;
+
 // The difference of two offsets in origin cells is exact, so way is rounded once.
-static met meet_in_double(const duet_ray *ray, const duet_pose *box, const double shift[3],
-                          int dims)
+static approach approach_of(const duet_ray *ray, const duet_pose *box, const double shift[3],
+                            int dims)
 {
-    double axis[3][3], way[3] = {0}, direction[3] = {0};
-    double size = 0, length = 0;
-    narrow_axes(axis, box->rotation);
+    approach a = {.size = 0};
+    double way[3] = {0}, direction[3] = {0};
+    narrow_axes(a.axis, box->rotation);
     for (int k = 0; k < dims; ++k) {
         way[k] = (double)ray->origin[k] - box->centre[k] + shift[k];
         direction[k] = ray->direction[k];
-        size += fabs(way[k]) + box->half_extents[k];
-        length = fmax(length, fabs(direction[k]));
+        a.size += fabs(way[k]) + box->half_extents[k];
+        a.length = fmax(a.length, fabs(direction[k]));
     }
-    double doubt = SLACK * size, surely_enter = 0, maybe_enter = 0;
-    double surely_leave = length > 0 ? ray->t_max : 0, maybe_leave = surely_leave;
-    bool open = !(size > 0x1p-140); // underflows could count
     for (int k = 0; k < dims; ++k) {
-        double at = dot(axis[k], way), speed = dot(axis[k], direction);
-        double half = box->half_extents[k];
-        if (fabs(speed) <= SLOW * length) {
-            if (fabs(at) > half + doubt)
+        a.at[k] = dot(a.axis[k], way);
+        a.go[k] = dot(a.axis[k], direction);
+    }
+    return a;
+}
+
+static met meet_in_double(const duet_ray *ray, const duet_pose *box, const double shift[3],
+                          int dims)
+{
+    const approach a = approach_of(ray, box, shift, dims);
+    double doubt = SLACK * a.size, surely_enter = 0, maybe_enter = 0;
+    double surely_leave = a.length > 0 ? ray->t_max : 0, maybe_leave = surely_leave;
+    bool open = !(a.size > 0x1p-140); // underflows could count
+    for (int k = 0; k < dims; ++k) {
+        double speed = a.go[k], half = box->half_extents[k];
+        if (fabs(speed) <= SLOW * a.length) {
+            if (fabs(a.at[k]) > half + doubt)
                 return open ? OPEN : MISSED;
-            open = open || fabs(at) > half - doubt;
+            open = open || fabs(a.at[k]) > half - doubt;
             continue;
         }
-        at = speed > 0 ? at : -at;
+        double at = speed > 0 ? a.at[k] : -a.at[k];
         double inverse = 1 / fabs(speed), in = (-half - at) * inverse, out = (half - at) * inverse;
         surely_enter = fmax(surely_enter, in + doubt * inverse);
         maybe_enter = fmax(maybe_enter, in - doubt * inverse);
@@ -232,31 +248,6 @@ static bool comes_near(numbers *n, bool ends)
             return true;
     }
     return false;
-}
-
-// A ray from a box: its origin and direction along the box's edges.
-typedef struct approach {
-    double axis[3][3], at[3], go[3];
-    double size, length;
-} approach;
-
-static approach approach_of(const duet_ray *ray, const duet_pose *box, const double shift[3],
-                            int dims)
-{
-    approach a = {.size = 0};
-    double way[3] = {0}, direction[3] = {0};
-    narrow_axes(a.axis, box->rotation);
-    for (int k = 0; k < dims; ++k) {
-        way[k] = (double)ray->origin[k] - box->centre[k] + shift[k];
-        direction[k] = ray->direction[k];
-        a.size += fabs(way[k]) + box->half_extents[k];
-        a.length = fmax(a.length, fabs(direction[k]));
-    }
-    for (int k = 0; k < dims; ++k) {
-        a.at[k] = dot(a.axis[k], way);
-        a.go[k] = dot(a.axis[k], direction);
-    }
-    return a;
 }
 
 // The way from the core to the ray at t, along the core's edges; returns its square.

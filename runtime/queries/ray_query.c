@@ -7,14 +7,9 @@
 #include "runtime/queries/tree_query.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { COOKIE = 0x0d0e700a };
-
-struct duet_ray_query {
-    tree_query asked;
-};
 
 _Static_assert(sizeof(duet_ray) == 7 * sizeof(float), "a ray is seven floats");
 _Static_assert(sizeof(duet_large_ray) == 10 * sizeof(float), "and with its cell ten words");
@@ -82,63 +77,39 @@ static void normal_far(const duet_tree *tree, const void *item, const uint32_t *
     ray_normal(&ray->ray, &box->pose, shift, tree->def.dims, out);
 }
 
-#define RAYS(wrong_, meets_)                                                                      \
-    {                                                                                             \
-        .item = "ray", .items = "rays", .wrong = (wrong_), .kernel = "ray_query", .hit_words = 3, \
-        .meets = (meets_)                                                                         \
+#define RAYS(type_, wrong_, meets_, normal_)                                                  \
+    {                                                                                         \
+        .item = "ray", .items = "rays", .wrong = (wrong_), .kernel = "ray_query",             \
+        .item_words = QUERY_WORDS(type_), .item_cell = QUERY_WORDS(duet_ray), .hit_words = 3, \
+        .meets = (meets_), .normal = (normal_)                                                \
     }
+#define NEAR_RAYS                                                                            \
+    RAYS(duet_ray,                                                                           \
+         "not a number, an origin or direction above 2^100, a direction below 2^-100, or a " \
+         "t_max below 0",                                                                    \
+         meets, normal)
 
-static const query_kind far_kind =
-    RAYS("not a number, an origin beyond 2^30 origin cells, a direction above 2^100 or below "
+const query_kinds ray_kinds = {
+    NEAR_RAYS, NEAR_RAYS, NEAR_RAYS, NEAR_RAYS,
+    RAYS(duet_large_ray,
+         "not a number, an origin beyond 2^30 origin cells, a direction above 2^100 or below "
          "2^-100, or a t_max below 0",
-         meets_far);
-
-static const query_kind kind =
-    RAYS("not a number, an origin or direction above 2^100, a direction below 2^-100, or a "
-         "t_max below 0",
-         meets);
-
-static bool check_def(const duet_ray_query_def *def, duet_error *err)
-{
-    bool ours = def && def->cookie == COOKIE;
-    return tree_query_check_def(ours, ours ? def->tree : NULL, "duet_default_ray_query_def", err) &&
-           tree_query_knows(def->wants, err) &&
-           (!def->normals || def->wants != DUET_QUERY_ANY ||
-            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                      "normals with wants any, which says of no hit where it is; expected closest "
-                      "or every"));
-}
+         meets_far, normal_far)};
 
 duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error *err)
 {
     PUBLIC_CALL(err);
-    duet_ray_query *query = check_def(def, err) ? tree_query_new(sizeof *query, err) : NULL;
-    if (!query)
+    if (!tree_query_check_def(def && def->cookie == COOKIE, "duet_default_ray_query_def", err))
         return NULL;
-    bool far = def->tree->def.origin_edge > 0.0f;
-    size_t bytes = far ? sizeof(duet_large_ray) : sizeof(duet_ray);
-    query->asked = (tree_query){.kind = far ? &far_kind : &kind,
-                                .tree = def->tree,
-                                .wants = (query_wants)def->wants,
-                                .item_words = (uint32_t)(bytes / sizeof(float)),
-                                .item_cell = sizeof(duet_ray) / sizeof(float),
-                                .each = def->wants != DUET_QUERY_EVERY,
-                                .normal = !def->normals ? NULL
-                                          : far         ? normal_far
-                                                        : normal};
-    const gen_setting settings[] = {{"WANTS", def->wants}};
-    const query_name name = {.item = QUERY_RAYS, .wants = def->wants};
-    if (tree_query_open(&query->asked, &name, def->filter, settings, 1, err))
-        return query;
-    duet_ray_query_destroy(query);
-    return NULL;
+    const any_query_def any = {.name = {.item = QUERY_RAYS, .wants = def->wants},
+                               .normals = def->normals,
+                               .filter = def->filter};
+    return (duet_ray_query *)tree_query_create(def->tree, ray_kinds, &any, err);
 }
 
 void duet_ray_query_destroy(duet_ray_query *query)
 {
-    if (query)
-        tree_query_close(&query->asked);
-    free(query);
+    any_query_destroy((tree_query *)query);
 }
 
 static bool run(duet_ray_query *query, const void *rays, uint64_t n, bool far, const char *call,
@@ -146,8 +117,8 @@ static bool run(duet_ray_query *query, const void *rays, uint64_t n, bool far, c
 {
     query_result found;
     if (!error_given(query, call, "query", err) || !error_given(result, call, "result", err) ||
-        !tree_query_is_far(&query->asked, far, err) ||
-        !tree_query_run(&query->asked, rays, n, &found, err))
+        !tree_query_is_far((tree_query *)query, far, err) ||
+        !tree_query_run((tree_query *)query, rays, n, &found, err))
         return false;
     *result = QUERY_RESULT(duet_ray_query_result, duet_ray_hit, found);
     result->normals = (const duet_ray_normal *)found.normals;

@@ -7,14 +7,9 @@
 #include "runtime/queries/tree_query.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { COOKIE = 0x0d0e700e };
-
-struct duet_sweep_query {
-    tree_query asked;
-};
 
 _Static_assert(sizeof(duet_sweep) == 14 * sizeof(float), "a sweep is a pose and four floats");
 _Static_assert(sizeof(duet_bounds_sweep) == 10 * sizeof(float), "and so with bounds");
@@ -110,66 +105,47 @@ static void copy_spheres(const duet_tree *tree, const void *items, uint64_t n, v
     }
 }
 
-#define SWEEPS(wrong_, meets_, enter_)                                                            \
-    .item = "sweep", .items = "sweeps", .wrong = (wrong_), .kernel = "ray_query", .hit_words = 6, \
+#define SWEEPS(type_, wrong_, meets_, enter_)                                     \
+    .item = "sweep", .items = "sweeps", .wrong = (wrong_), .kernel = "ray_query", \
+    .item_words = QUERY_WORDS(type_), .item_cell = FAR_POSE_CELL, .hit_words = 6, \
     .meets = (meets_), .finish = (enter_), .finish_reads = true
 
 #define WRONG_ROUNDED                                                                            \
     "no box, a radius below 0, a number that is none or above 2^100, a direction below 2^-100, " \
     "or a t_max below 0"
 
-static const query_kind kinds[DUET_SHAPES] = {
-    [DUET_SHAPE_POSES] = {SWEEPS("no box, a number that is none or above 2^100, a direction below "
+const query_kinds sweep_kinds = {
+    [DUET_SHAPE_POSES] = {SWEEPS(duet_sweep,
+                                 "no box, a number that is none or above 2^100, a direction below "
                                  "2^-100, or a t_max below 0",
                                  meets, enter)},
-    [DUET_SHAPE_BOUNDS] = {SWEEPS("no bounds, a number that is none or above 2^100, a direction "
+    [DUET_SHAPE_BOUNDS] = {SWEEPS(duet_bounds_sweep,
+                                  "no bounds, a number that is none or above 2^100, a direction "
                                   "below 2^-100, or a t_max below 0",
                                   meets_bounds, enter_bounds)},
-    [DUET_SHAPE_ROUNDED_BOXES] = {SWEEPS(WRONG_ROUNDED, meets_rounded, enter_rounded)},
-    [DUET_SHAPE_SPHERES] = {SWEEPS(WRONG_ROUNDED, meets_rounded, enter_rounded),
+    [DUET_SHAPE_ROUNDED_BOXES] = {SWEEPS(duet_rounded_sweep, WRONG_ROUNDED, meets_rounded,
+                                         enter_rounded)},
+    [DUET_SHAPE_SPHERES] = {SWEEPS(duet_rounded_sweep, WRONG_ROUNDED, meets_rounded, enter_rounded),
                             .copy = copy_spheres},
+    [DUET_SHAPES] = {SWEEPS(duet_large_sweep,
+                            "no box, beyond 2^30 origin cells, a number that is none or above "
+                            "2^100, a direction below 2^-100, or a t_max below 0",
+                            meets_far, enter_far)},
 };
-
-static const query_kind far_kind = {
-    SWEEPS("no box, beyond 2^30 origin cells, a number that is none or above 2^100, a direction "
-           "below 2^-100, or a t_max below 0",
-           meets_far, enter_far)};
-
-static bool check_def(const duet_sweep_query_def *def, duet_error *err)
-{
-    bool ours = def && def->cookie == COOKIE;
-    return tree_query_check_def(ours, ours ? def->tree : NULL, "duet_default_sweep_query_def",
-                                err) &&
-           tree_query_knows(def->wants, err);
-}
 
 duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def, duet_error *err)
 {
     PUBLIC_CALL(err);
-    duet_sweep_query *query = check_def(def, err) ? tree_query_new(sizeof *query, err) : NULL;
-    if (!query)
+    if (!tree_query_check_def(def && def->cookie == COOKIE, "duet_default_sweep_query_def", err))
         return NULL;
-    bool far = def->tree->def.origin_edge > 0.0f;
-    size_t bytes = tree_row_bytes(def->tree) + 4 * sizeof(float); // and a direction and t_max
-    query->asked = (tree_query){.kind = far ? &far_kind : &kinds[def->tree->def.shape],
-                                .tree = def->tree,
-                                .wants = (query_wants)def->wants,
-                                .item_words = (uint32_t)(bytes / sizeof(float)),
-                                .item_cell = FAR_POSE_CELL,
-                                .each = def->wants != DUET_QUERY_EVERY};
-    const gen_setting settings[] = {{"WANTS", def->wants}, {"SWEPT", 1}};
-    const query_name name = {.item = QUERY_SWEEPS, .wants = def->wants};
-    if (tree_query_open(&query->asked, &name, def->filter, settings, 2, err))
-        return query;
-    duet_sweep_query_destroy(query);
-    return NULL;
+    const any_query_def any = {.name = {.item = QUERY_SWEEPS, .wants = def->wants},
+                               .filter = def->filter};
+    return (duet_sweep_query *)tree_query_create(def->tree, sweep_kinds, &any, err);
 }
 
 void duet_sweep_query_destroy(duet_sweep_query *query)
 {
-    if (query)
-        tree_query_close(&query->asked);
-    free(query);
+    any_query_destroy((tree_query *)query);
 }
 
 bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kind, const void *sweeps,
@@ -179,8 +155,8 @@ bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kind, const 
     query_result found;
     if (!error_given(query, __func__, "query", err) ||
         !error_given(result, __func__, "result", err) ||
-        !tree_takes(query->asked.tree, kind, err) ||
-        !tree_query_run(&query->asked, sweeps, n, &found, err))
+        !tree_takes(((tree_query *)query)->tree, kind, err) ||
+        !tree_query_run((tree_query *)query, sweeps, n, &found, err))
         return false;
     *result = QUERY_RESULT(duet_sweep_query_result, duet_sweep_hit, found);
     return true;

@@ -38,30 +38,73 @@ static const binding side_bindings[] = {BIND_BUFFER(query_side, "items", "float 
                                         BIND_VALUE(query_side, "mask", mask),
                                         {0}};
 
-bool tree_query_knows(duet_query_wants wants, duet_error *err)
+// ---------------------------------------------------------------- def
+
+bool tree_query_check_def(bool is_ours, const char *maker, duet_error *err)
 {
-    return duet_query_wants_name(wants) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "wants is %d; expected a duet_query_wants",
-                     (int)wants);
+    return is_ours ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def does not come from %s", maker);
 }
 
-bool tree_query_check_def(bool is_ours, const duet_tree *tree, const char *maker, duet_error *err)
+static bool check_def(const duet_tree *tree, const any_query_def *def, duet_error *err)
 {
-    if (!is_ours)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def does not come from %s",
-                         maker);
-    return tree || error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
+    const query_name *name = &def->name;
+    if (!tree)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
+    if (!duet_query_wants_name(name->wants))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "wants is %d; expected a duet_query_wants",
+                         (int)name->wants);
+    if (def->normals && name->wants == DUET_QUERY_ANY)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "normals with wants any, which says of no hit where it is; expected "
+                         "closest or every");
+    if (!duet_level_get_info(def->level))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
+                         (int)def->level);
+    return name->nearest <= DUET_MOST_NEAREST ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "nearest is %u; expected at most %u",
+                     name->nearest, DUET_MOST_NEAREST);
+}
+
+static query_wants wants_of(const query_name *name)
+{
+    if (name->item == QUERY_BOXES || (name->item == QUERY_POINTS && name->nearest == 0))
+        return QUERY_EVERY;
+    return name->item == QUERY_POINTS ? QUERY_NEAREST : (query_wants)name->wants;
+}
+
+static void set_def(tree_query *q, const any_query_def *def)
+{
+    query_name_write(&def->name, q->name);
+    q->wants = wants_of(&def->name);
+    q->each = q->wants == QUERY_NEAREST ? def->name.nearest : q->wants != QUERY_EVERY;
+    q->level = def->level;
+    q->itself = def->name.itself;
+    q->normal = def->normals ? q->kind->normal : NULL;
+    if (def->filter) {
+        q->own_filter = *def->filter;
+        q->filter = &q->own_filter;
+    }
+}
+
+static void set_settings(tree_query *q, query_item item)
+{
+    const duet_tree_def *tree = &q->tree->def;
+    const bool boxes = item == QUERY_BOXES, poses = tree->shape == DUET_SHAPE_POSES;
+    const gen_setting settings[QUERY_SETTINGS] = {
+        {"DIMS", tree->dims},
+        {"SHAPE", box_tree_shape(tree->shape)},
+        {"ORIGIN", origin_setting(tree->origin_edge)},
+        {"FILTERED", q->filter != NULL},
+        {boxes ? "ACCURACY" : "WANTS", !boxes  ? (int64_t)q->wants
+                                       : poses ? (int64_t)q->level
+                                               : DUET_LEVEL_CERTIFIED},
+        {boxes ? "ITSELF" : "SWEPT", boxes ? q->itself : 1}};
+    memcpy(q->settings, settings, sizeof settings);
+    q->n_settings = boxes || item == QUERY_SWEEPS ? QUERY_SETTINGS : QUERY_SETTINGS - 1;
 }
 
 // ---------------------------------------------------------------- owner
-
-void *tree_query_new(size_t bytes, duet_error *err)
-{
-    void *query = calloc(1, bytes);
-    if (!query)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
-    return query;
-}
 
 static void close_flow(query_flow *f)
 {
@@ -111,33 +154,37 @@ static bool open_sides(tree_query *q, duet_error *err)
     return ok;
 }
 
-bool tree_query_open(tree_query *q, const query_name *name, const duet_filter *filter,
-                     const gen_setting *settings, uint32_t n_settings, duet_error *err)
+tree_query *tree_query_create(duet_tree *tree, const query_kinds kinds, const any_query_def *def,
+                              duet_error *err)
 {
-    tree_hold(q->tree);
-    query_name_write(name, q->name);
-    if (filter) {
-        q->own_filter = *filter;
-        q->filter = &q->own_filter;
-    }
-    q->settings[0] = (gen_setting){"DIMS", q->tree->def.dims};
-    q->settings[1] = (gen_setting){"SHAPE", box_tree_shape(q->tree->def.shape)};
-    q->settings[2] = (gen_setting){"ORIGIN", origin_setting(q->tree->def.origin_edge)};
-    q->settings[3] = (gen_setting){"FILTERED", filter != NULL};
-    for (uint32_t i = 0; i < n_settings; ++i)
-        q->settings[4 + i] = settings[i];
-    q->n_settings = 4 + n_settings;
-    return open_sides(q, err);
+    if (!check_def(tree, def, err))
+        return NULL;
+    tree_query *q = calloc(1, sizeof *q);
+    if (!q)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
+    q->kind = &kinds[tree->def.origin_edge > 0.0f ? DUET_SHAPES : tree->def.shape];
+    q->tree = tree;
+    tree_hold(tree);
+    set_def(q, def);
+    set_settings(q, def->name.item);
+    if (open_sides(q, err))
+        return q;
+    any_query_destroy(q);
+    return NULL;
 }
 
-void tree_query_close(tree_query *q)
+void any_query_destroy(any_query *q)
 {
+    if (!q)
+        return;
+    any_query_destroy(q->own);
     close_side(&q->sides[0]);
     close_side(&q->sides[1]);
     host_block_release(&q->joined.block);
     free(q->own_items);
     free(q->normals);
     duet_tree_destroy(q->tree);
+    free(q);
 }
 
 // ---------------------------------------------------------------- one device
@@ -255,7 +302,7 @@ bool tree_query_is_far(const tree_query *q, bool far, duet_error *err)
 // The tree's objects count from its middle already.
 static bool take_items(tree_query *q, const void *items, uint64_t n, duet_error *err)
 {
-    size_t bytes = (size_t)n * q->item_words * sizeof(float);
+    size_t bytes = (size_t)n * q->kind->item_words * sizeof(float);
     bool is_far = q->tree->def.origin_edge > 0.0f;
     q->items = items;
     if ((!is_far && !q->kind->copy) || q->itself || n == 0)
@@ -269,7 +316,7 @@ static bool take_items(tree_query *q, const void *items, uint64_t n, duet_error 
         q->kind->copy(q->tree, items, n, copies);
         return true;
     }
-    const far_rows far = {memcpy(copies, items, bytes), n, q->item_words, q->item_cell};
+    const far_rows far = {memcpy(copies, items, bytes), n, q->kind->item_words, q->kind->item_cell};
     far_rows_settle(&far, q->tree->def.origin_edge);
     far_rows_count_from(&far, q->tree->middle);
     return true;

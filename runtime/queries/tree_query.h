@@ -18,12 +18,17 @@ typedef enum query_wants {
     QUERY_NEAREST // `each` hits an item, as the device has them
 } query_wants;
 
+typedef void query_normal(const duet_tree *tree, const void *item, const uint32_t *hit,
+                          float normal[3]);
+
 // A hit is an item's number, an object's id and, where there are more than two words, a value.
 typedef struct query_kind {
     const char *item;   // "ray"
     const char *items;  // "rays"
     const char *wrong;  // mistakes in an item, for messages
     const char *kernel; // kernel of kernels/queries, and its entry
+    uint32_t item_words;
+    uint32_t item_cell; // in origin cells: the word of an item's cell
     uint32_t hit_words;
     // Copies items as the caller has them to items as the kernel does; NULL: they are that.
     void (*copy)(const duet_tree *tree, const void *items, uint64_t n, void *to);
@@ -33,11 +38,15 @@ typedef struct query_kind {
     // Makes of a hit on an object, as the device wrote it, what the caller reads; NULL: it is that.
     void (*finish)(const duet_tree *tree, const void *item, uint32_t *hit);
     bool finish_reads; // the tree's objects
+    // Computes the normal of a hit on an object; NULL: its hits have none.
+    query_normal *normal;
 } query_kind;
 
-// The normal of a hit on an object.
-typedef void query_normal(const duet_tree *tree, const void *item, const uint32_t *hit,
-                          float normal[3]);
+// A kind for each shape of a tree, then that of large poses.
+typedef query_kind query_kinds[DUET_SHAPES + 1];
+extern const query_kinds ray_kinds, sweep_kinds, box_kinds, point_kinds;
+
+#define QUERY_WORDS(type) (sizeof(type) / sizeof(uint32_t))
 
 // A chunk on its way to a device with memory of its own, and back.
 typedef struct query_flow {
@@ -74,10 +83,10 @@ typedef struct tree_query {
     duet_tree *tree; // held
     char name[QUERY_NAME];
     query_wants wants;
-    uint32_t item_words;
-    uint32_t item_cell;        // in origin cells: the word of an item's cell
-    uint32_t each;             // hits an item; 0 for QUERY_EVERY
+    uint32_t each; // hits an item; 0 for QUERY_EVERY
+    duet_level level;
     bool itself;               // its items are the tree's objects
+    struct tree_query *own;    // of these, once a query of boxes is asked for them; else NULL
     const duet_filter *filter; // filter of the items, own_filter; NULL: they find every object
     duet_filter own_filter;
     gen_setting settings[QUERY_SETTINGS];
@@ -104,21 +113,13 @@ typedef struct tree_query {
         },                                                                \
     }
 
-// BAD_ARGUMENT unless the def of a query comes from its maker and has a tree.
-bool tree_query_check_def(bool is_ours, const duet_tree *tree, const char *maker, duet_error *err);
+// BAD_ARGUMENT unless the def of a public query comes from its maker.
+bool tree_query_check_def(bool is_ours, const char *maker, duet_error *err);
 
-// BAD_ARGUMENT for no duet_query_wants.
-bool tree_query_knows(duet_query_wants wants, duet_error *err);
-
-// Zeroed memory of a public query, which begins with a tree_query.
-void *tree_query_new(size_t bytes, duet_error *err);
-
-// Builds the kernel of q->kind with these settings and DIMS, SHAPE, ORIGIN, FILTERED. kind, tree,
-// wants, item_words, each and itself are set. filter, which is copied: of the items; NULL: they
-// find every object.
-bool tree_query_open(tree_query *q, const query_name *name, const duet_filter *filter,
-                     const gen_setting *settings, uint32_t n_settings, duet_error *err);
-void tree_query_close(tree_query *q);
+// Builds the kernel of the kind that the tree's shape has. BAD_ARGUMENT without a tree, and for a
+// def that no query can have.
+tree_query *tree_query_create(duet_tree *tree, const query_kinds kinds, const any_query_def *def,
+                              duet_error *err);
 
 // BAD_ARGUMENT unless the tree is in origin cells, or with far false is not.
 bool tree_query_is_far(const tree_query *q, bool far, duet_error *err);
