@@ -74,17 +74,31 @@ static inline aabb body_aabb(const bodies_at *s, uint id, real margin)
 // long and thin AABB has few neighbours.
 static inline real4 most_ahead(const bodies_at *s, real4 below, real4 above)
 {
+    real most = s->horizon * s->skin;
+    if (!(s->horizon > LEAST_HORIZON))
+        return (real4)(most);
     real4 far = fmax(below, above);
-    real longest = fmax(far.x, fmax(far.y, far.z)), most = s->horizon * s->skin;
-    real along = most * (s->horizon / LEAST_HORIZON);
+    real longest = fmax(far.x, fmax(far.y, far.z)), along = most * (s->horizon / LEAST_HORIZON);
     return (real4)(far.x < longest ? most : along, far.y < longest ? most : along, far.z < longest ? most : along, most);
 }
 
+// How much further a body that turns reaches in `horizon` steps, at most `most`: no corner leaves the ball about
+// the box.
+static inline real4 arc_ahead(const bodies_at *s, uint id, real most)
+{
+    real4 turn = s->angular_velocities[id], half_size = convert_real4(s->halves[id]);
+    real square = dot_product(half_size, half_size), way = dot_product(turn, turn) * square;
+    if (!(way > 0))
+        return (real4)(0);
+    real arc = fmin(s->horizon * s->dt * root(way), most);
+    return fmin((real4)(arc), fmax(root(square) - turned_reach(s, id), (real4)(0)));
+}
+
 // How much further AABBs reach than the skin, below and above: as far as the body comes in `horizon`
-// steps, if nothing stops it. By turning no corner leaves the ball about the box.
+// steps, if nothing stops it.
 static inline void grow_by_skin(const bodies_at *s, uint id, aabb *b)
 {
-    real time = s->horizon * s->dt, most = s->horizon * s->skin;
+    real time = s->horizon * s->dt;
     real4 velocity = s->velocities[id], way = velocity * time, fallen = way;
     if (GRAVITY == 1 && velocity.w > 0)
         fallen += s->gravity * ((real)0.5 * time * time);
@@ -93,12 +107,9 @@ static inline void grow_by_skin(const bodies_at *s, uint id, aabb *b)
     lower = fmin(lower, ahead);
     upper = fmin(upper, ahead);
     if (ANGULAR_VELOCITY) {
-        real4 turn = s->angular_velocities[id], half_size = convert_real4(s->halves[id]);
-        real square = dot_product(half_size, half_size);
-        real arc = fmin(s->horizon * s->dt * root(dot_product(turn, turn) * square), most);
-        real4 to_ball = fmax(root(square) - turned_reach(s, id), (real4)(0));
-        lower += fmin((real4)(arc), to_ball);
-        upper += fmin((real4)(arc), to_ball);
+        real4 arc = arc_ahead(s, id, s->horizon * s->skin);
+        lower += arc;
+        upper += arc;
     }
     if (SLEEP && (s->asleep[id] & PRESSED)) { // it goes somewhere, without a velocity
         lower += s->skin;

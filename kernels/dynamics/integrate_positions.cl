@@ -178,57 +178,49 @@ static inline void move_body(const substep *s, uint id)
     body[BODY_DELTA_POSITION].xyz = fma((float4)(s->h), body[BODY_VELOCITY], body[BODY_DELTA_POSITION]).xyz;
 }
 
-#if ANGULAR_VELOCITY && SLEEP && LANES > 1
+#if ANGULAR_VELOCITY
 
 // Listed bodies lie apart, so that no stream brings them: they are asked for 16 places ahead.
-static inline void integrate_listed(const substep *s, uint first, uint last)
+static inline void ask_ahead(const substep *s, uint k, uint last)
 {
-    for (uint i = first; i < last; i += LANES) {
-        uint ids[LANES];
-        word wanted = 0;
-        for (uint k = 0; k < LANES; ++k) {
-            ids[k] = s->awake[min(i + k, last - 1)];
-            ((uint *)&wanted)[k] = i + k < last;
-            __global const float4 *ahead = s->bodies + (size_t)s->awake[min(i + k + 16, last - 1)] * BODY;
-            ask_for(ahead);
-            ask_for(ahead + BODY - 1);
-        }
-        integrate_lanes(s, ids, wanted);
+#if SLEEP && LANES > 1
+    __global const float4 *ahead = s->bodies + (size_t)s->awake[min(k + 16, last - 1)] * BODY;
+    ask_for(ahead);
+    ask_for(ahead + BODY - 1);
+#endif
+}
+
+// Lanes past the last body take it once more and keep nothing.
+static inline word list_lanes(const substep *s, uint k, uint last, uint ids[LANES])
+{
+    word wanted = 0;
+    for (uint lane = 0; lane < LANES; ++lane) {
+        ids[lane] = min(k + lane, last - 1);
+        ((uint *)&wanted)[lane] = k + lane < last;
     }
+#if SLEEP
+    for (uint lane = 0; lane < LANES && !s->all_awake; ++lane) {
+        ids[lane] = s->awake[ids[lane]];
+        ask_ahead(s, k + lane, last);
+    }
+#endif
+    return wanted;
 }
 #endif
-
-// Of each body side by side; lanes past the last one take it once more and keep nothing.
-static inline void integrate_row(const substep *s, uint first, uint last)
-{
-    for (uint id = first; id < last; id += LANES) {
-        uint ids[LANES];
-        word wanted = 0;
-        for (uint k = 0; k < LANES; ++k) {
-            ids[k] = min(id + k, last - 1);
-            ((uint *)&wanted)[k] = id + k < last;
-        }
-        integrate_lanes(s, ids, wanted);
-    }
-}
 
 __kernel void integrate_positions(INTEGRATE_POSITIONS_ARGS)
 {
     const substep s = {INTEGRATE_POSITIONS_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, N_AWAKE);
-#if !ANGULAR_VELOCITY
+#if ANGULAR_VELOCITY
+    for (uint k = first; k < last; k += LANES) {
+        uint ids[LANES];
+        word wanted = list_lanes(&s, k, last, ids);
+        integrate_lanes(&s, ids, wanted);
+    }
+#else
     for (uint k = first; k < last; ++k)
         move_body(&s, AWAKE_AT(k));
-#elif SLEEP && LANES > 1
-    if (all_awake)
-        integrate_row(&s, first, last);
-    else
-        integrate_listed(&s, first, last);
-#elif SLEEP
-    for (uint k = first; k < last; ++k)
-        integrate_row(&s, AWAKE_AT(k), AWAKE_AT(k) + 1);
-#else
-    integrate_row(&s, first, last);
 #endif
 }

@@ -50,14 +50,15 @@ static bool list(duet_motion *m, duet_error *err)
                                sizeof a->counted, err);
 }
 
-// Lists of more than one in FEW bodies are not made, but for each COUNTED_EVERY steps: then it is
-// seen whether they have become fewer.
+// Lists of more than one in FEW bodies are not made, but for each COUNTED_EVERY steps if something
+// woke or fell asleep: then it is seen whether they have become fewer.
 enum { FEW = 4, COUNTED_EVERY = 16 };
 
 static bool are_most_awake(const duet_motion *m)
 {
     const awake_lists *a = &m->awake;
-    return a->counted[LISTED_BODIES] > m->n / FEW && m->step - a->counted_in < COUNTED_EVERY;
+    bool due = a->changed_in >= a->counted_in && m->step - a->counted_in >= COUNTED_EVERY;
+    return a->counted[LISTED_BODIES] > m->n / FEW && !due;
 }
 
 // Bodies that were never prepared are, with all others, in the first step.
@@ -66,7 +67,10 @@ bool motion_make_awake(duet_motion *m, duet_error *err)
     awake_lists *a = &m->awake;
     a->n_bodies = m->n;
     a->n_contacts = m->graph.n_contacts;
-    a->all_awake = !product_was_made(&m->products, PRODUCT_AWAKE) || are_most_awake(m);
+    bool made = product_was_made(&m->products, PRODUCT_AWAKE);
+    if (!made)
+        a->counted[LISTED_BODIES] = 0; // the next step counts
+    a->all_awake = !made || are_most_awake(m);
     product_renew(&m->products, PRODUCT_AWAKE);
     if (!(m->effects & DUET_EFFECT_SLEEP))
         return true;
@@ -90,6 +94,8 @@ void motion_count_awake(duet_motion *m)
 void motion_note_awake(duet_motion *m)
 {
     motion_count_awake(m);
+    if (m->flags[FLAG_FELL_ASLEEP])
+        m->awake.changed_in = m->step;
     if (m->awake.all_awake || m->flags[FLAG_FELL_ASLEEP] || m->flags[FLAG_PRESSED])
         product_forget(&m->products, PRODUCT_AWAKE);
 }

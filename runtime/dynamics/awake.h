@@ -20,6 +20,8 @@ typedef struct awake_lists {
     cl_uint all_awake;       // 0 or 1
     cl_uint counted[LISTED]; // by the device, once a later read has waited
     uint64_t counted_in;     // the step
+    uint64_t changed_in;     // the last step in which something woke or fell asleep, or a command
+                             // altered bodies
     // what a launch is told besides
     cl_uint level, n_parts;
 } awake_lists;

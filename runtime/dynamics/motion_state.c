@@ -429,6 +429,7 @@ bool motion_set_asleep(duet_motion *m, const uint32_t *places, uint32_t n, bool 
         return true;
     product_forget(&m->products, PRODUCT_BODIES);
     product_forget(&m->products, PRODUCT_AWAKE);
+    m->awake.changed_in = m->step;
     return !(m->effects & DUET_EFFECT_SLEEP) ||
            (mark_rests(m, places, n, asleep, err) && mark_awake(m, places, n, err));
 }
