@@ -76,6 +76,8 @@ static bool measure(const subject *s, const subject *beside, uint64_t steps, dou
 
 static void change_body(duet_body *b, uint32_t effect)
 {
+    if (effect == DUET_EFFECT_MATERIALS)
+        b->material = 0;
     if (effect == DUET_EFFECT_FRICTION)
         b->friction = 0.0f;
     if (effect == DUET_EFFECT_ROLLING_RESISTANCE)
@@ -88,8 +90,18 @@ static void change_body(duet_body *b, uint32_t effect)
         b->fixed_rotation = true;
         memset(b->angular_velocity, 0, sizeof b->angular_velocity);
     }
-    if (effect == DUET_EFFECT_CONTACT_RESPONSE)
+    if (effect == DUET_EFFECT_CONTACT_RESPONSE) {
         b->friction = b->restitution = 0.0f;
+        b->material = 0;
+    }
+}
+
+static void smooth_materials(duet_motion_def *def)
+{
+    for (uint32_t i = 1; i <= def->n_materials; ++i)
+        def->materials[i].friction = 0.0f;
+    for (uint32_t i = 0; i < def->n_material_pairs; ++i)
+        def->material_pairs[i].friction = 0.0f;
 }
 
 // Takes away what calls for the effect.
@@ -97,9 +109,11 @@ static void take_away(subject *s, uint32_t effect)
 {
     s->def.wants &= ~effect;
     if (effect == DUET_EFFECT_CONTACT_RESPONSE)
-        s->def.wants &=
-            ~(uint32_t)(DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP | DUET_EFFECT_FRICTION |
-                        DUET_EFFECT_ROLLING_RESISTANCE | DUET_EFFECT_SURFACE_VELOCITY);
+        s->def.wants &= ~(uint32_t)(DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP |
+                                    DUET_EFFECT_FRICTION | DUET_EFFECT_ROLLING_RESISTANCE |
+                                    DUET_EFFECT_SURFACE_VELOCITY | DUET_EFFECT_MATERIALS);
+    if (effect == DUET_EFFECT_FRICTION)
+        smooth_materials(&s->def);
     if (effect == DUET_EFFECT_GRAVITY) {
         memset(s->def.gravity, 0, sizeof s->def.gravity);
         s->def.attraction = 0.0;

@@ -29,7 +29,7 @@ api.classes = {
   { "duet.Search", "A strategy that looks for the best share, asked and told by a script." },
   { "duet.Strategy", "A table: a way to search." },
   { "duet.Tuning", "A table: what a tuning found." },
-  { "duet.Bodies", "What objects are besides: rows of velocity xyz, angular velocity xyz, mass, restitution, friction, group, mask, radius, fixed_rotation, sensor, rolling_resistance, surface velocity xyz. In a table a row may end behind sensor: the rest is 0." },
+  { "duet.Bodies", "What objects are besides: rows of velocity xyz, angular velocity xyz, mass, restitution, friction, group, mask, radius, fixed_rotation, sensor, rolling_resistance, surface velocity xyz, material. In a table a row may end behind sensor: the rest is 0." },
   { "duet.States", "Where objects are and how they move: rows of centre xyz, rotation xyzw, velocity xyz, angular velocity xyz." },
   { "duet.Contacts", "Where objects touch: rows of a, b, normal xyz, n, and four times anchor xyz, separation, normal impulse." },
   { "duet.PairQuery", "The narrow phase alone: tests pairs that the script brings." },
@@ -526,7 +526,7 @@ api.names = {
   { "duet.DevicePair:motion", { "objects: duet.Scene|duet.Poses|string|any[]", "bodies?: duet.Bodies|string|any[]|table",
     "def?: table" },
     "duet.Motion", "Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, origin_edge, gravity, attraction, centre, drag, " ..
-    "boundary, lower, upper, dt, substeps, integrator, skin, slop, max_push_speed, restitution_threshold, sleep_speed, sleep_after, hit_speed, event_mask, stage_times, script }; " ..
+    "boundary, lower, upper, dt, substeps, integrator, skin, slop, max_push_speed, restitution_threshold, sleep_speed, sleep_after, hit_speed, event_mask, materials, material_pairs, stage_times, script }; " ..
     "wants is a list of effects, boundary none, walls or periodic, integrator euler, verlet or yoshida. Before each step script(step, motion) is called, " ..
     "with the number of the step that comes.",
     fails = true, c = { "duet_motion_create", "duet_motion_create_from_scene", "duet_scene_motion_def" } },
@@ -625,7 +625,7 @@ api.names = {
     fails = true, c = "duet_motion_get_user_data" },
   { "duet.Motion:set_bodies", { "ids: duet.Ids|integer[]|integer|table", "fields: string|string[]",
     "bodies: duet.Bodies|string|any[]" }, "true",
-    "Sets velocity, angular_velocity, mass, restitution, friction, filter, fixed_rotation, radius, rolling_resistance or surface_velocity; the other columns are not read.",
+    "Sets velocity, angular_velocity, mass, restitution, friction, filter, fixed_rotation, radius, rolling_resistance, surface_velocity or material; the other columns are not read.",
     fails = true, c = { "duet_motion_set_bodies", "duet_body_field_name" } },
   { "duet.Motion:set_poses", { "ids: duet.Ids|integer[]|integer|table", "poses: duet.Poses|string|any[]" }, "true",
     "Puts them elsewhere, with these sizes.", fails = true, c = "duet_motion_set_poses" },

@@ -46,11 +46,12 @@ static uint32_t field_of(lua_State *L, int index)
     for (uint32_t i = 0; duet_body_field_name(1u << i); ++i)
         if (strcmp(duet_body_field_name(1u << i), name) == 0)
             return 1u << i;
-    return (uint32_t)luaL_error(L,
-                                "'%s' is no field that can be set; expected velocity, "
-                                "angular_velocity, mass, restitution, friction, filter, "
-                                "fixed_rotation, radius, rolling_resistance or surface_velocity",
-                                name);
+    return (uint32_t)luaL_error(
+        L,
+        "'%s' is no field that can be set; expected velocity, "
+        "angular_velocity, mass, restitution, friction, filter, "
+        "fixed_rotation, radius, rolling_resistance, surface_velocity or material",
+        name);
 }
 
 // "velocity" or { "velocity", "mass" }

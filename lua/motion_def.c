@@ -2,6 +2,7 @@
 // A motion's def as a table, and effects by their names.
 #include "lua/motion.h"
 #include "runtime/scene/scene.h"
+#include "runtime/scene/scene_materials.h"
 
 // The effects' names, one bit after the other; NULL past the last.
 static const char *effect_at(uint32_t i)
@@ -68,6 +69,29 @@ static void read_script(lua_State *L, const member *m, void *at)
 
 static const member_type member_script = {.read = read_script};
 
+static void check_row(lua_State *L, const member *m, const char *fault, lua_Integer row)
+{
+    if (fault)
+        luaL_error(L, "field '%s', row %I: expected %s", m->name, row, fault);
+}
+
+static void read_materials(lua_State *L, const member *m, void *at)
+{
+    lua_Integer row = 0;
+    const char *fault = scene_take_materials(L, at, &row);
+    check_row(L, m, fault, row);
+}
+
+static void read_material_pairs(lua_State *L, const member *m, void *at)
+{
+    lua_Integer row = 0;
+    const char *fault = scene_take_material_pairs(L, at, &row);
+    check_row(L, m, fault, row);
+}
+
+static const member_type member_materials = {read_materials, NULL};
+static const member_type member_material_pairs = {read_material_pairs, NULL};
+
 const member motion_def_members[] = {
     {"script", &member_script, 0, 1, NULL},
     MEMBER(member_plan, duet_motion_def, plan),
@@ -94,6 +118,8 @@ const member motion_def_members[] = {
     MEMBER(member_double, duet_motion_def, sleep_after),
     MEMBER(member_double, duet_motion_def, hit_speed),
     MEMBER(member_count, duet_motion_def, event_mask),
+    {"materials", &member_materials, 0, sizeof(duet_motion_def), NULL},
+    {"material_pairs", &member_material_pairs, 0, sizeof(duet_motion_def), NULL},
     MEMBER(member_bool, duet_motion_def, stage_times),
     {0},
 };

@@ -32,7 +32,8 @@ typedef enum duet_effect {
     DUET_EFFECT_RADIUS = 1u << 16,          // bodies have radii: spheres, capsules, rounded boxes
     DUET_EFFECT_ROLLING_RESISTANCE = 1u << 17, // what rolls slows down
     DUET_EFFECT_SURFACE_VELOCITY = 1u << 18,   // surfaces move: conveyors
-    DUET_EFFECT_ALL = (1u << 19) - 1
+    DUET_EFFECT_MATERIALS = 1u << 19,          // bodies name materials of a table
+    DUET_EFFECT_ALL = (1u << 20) - 1
 } duet_effect;
 
 DUET_API const char *duet_effect_name(uint32_t effect); // one bit: "rotation"; NULL for others
@@ -53,6 +54,8 @@ typedef struct duet_body {
                                // back with that part of the push times the greater radius
     float
         surface_velocity[3]; // of its surface, along its own axes: friction carries what it touches
+    uint32_t material;       // 1 .. n_materials of the def: that one's friction and restitution
+                             // count; 0: the body's own
 } duet_body;
 
 DUET_API duet_body duet_default_body(void); // at rest, mass 1, friction 0, all groups
@@ -77,6 +80,31 @@ typedef enum duet_integrator {
     DUET_INTEGRATOR_YOSHIDA // fourth order, symmetric; without contact response
 } duet_integrator;
 
+// How the numbers of two materials become a contact's. Where they differ in it, the later counts.
+typedef enum duet_combine {
+    DUET_COMBINE_AVERAGE,
+    DUET_COMBINE_GEOMETRIC_MEAN,
+    DUET_COMBINE_MIN,
+    DUET_COMBINE_PRODUCT,
+    DUET_COMBINE_MAX
+} duet_combine;
+
+typedef struct duet_material {
+    float friction;    // >= 0
+    float restitution; // 0 .. 1
+    duet_combine friction_rule;
+    duet_combine restitution_rule;
+} duet_material;
+
+// What two materials have together, whatever their rules say.
+typedef struct duet_material_pair {
+    uint32_t a, b; // 1 .. n_materials, in any order, and equal for a material with itself
+    float friction;
+    float restitution;
+} duet_material_pair;
+
+enum { DUET_MATERIALS = 16, DUET_MATERIAL_PAIRS = 120 };
+
 typedef struct duet_motion_def {
     duet_device_pair *pair; // held; B has the state, both find pairs
     duet_plan plan;         // how pairs are found, and B's kernels (duet_motion_set_plan)
@@ -100,10 +128,14 @@ typedef struct duet_motion_def {
     double max_push_speed;        // greatest speed at which overlap is resolved
     double restitution_threshold; // impacts below this speed do not bounce
     double sleep_speed;           // slower bodies rest; faster ones lose twice that time of rest
-    double sleep_after;  // seconds of rest before a body sleeps, unless a moving one touches it
-    double hit_speed;    // > 0: reports impacts above that speed as hits
-    uint32_t event_mask; // reports events if a bit of it is in the group of one of the two bodies
-    bool stage_times;    // times every step by stages; otherwise a GPU times one in 16
+    double sleep_after;   // seconds of rest before a body sleeps, unless a moving one touches it
+    double hit_speed;     // > 0: reports impacts above that speed as hits
+    uint32_t event_mask;  // reports events if a bit of it is in the group of one of the two bodies
+    bool stage_times;     // times every step by stages; otherwise a GPU times one in 16
+    uint32_t n_materials; // at most 15: those that bodies can name
+    duet_material materials[DUET_MATERIALS]; // [1] is the first; [0] is not read
+    uint32_t n_material_pairs;
+    duet_material_pair material_pairs[DUET_MATERIAL_PAIRS]; // of equal pairs the last counts
     int cookie;
 } duet_motion_def;
 

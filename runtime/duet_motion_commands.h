@@ -78,7 +78,8 @@ typedef enum duet_body_field {
     DUET_BODY_RADIUS = 1u << 7,
     DUET_BODY_ROLLING_RESISTANCE = 1u << 8,
     DUET_BODY_SURFACE_VELOCITY = 1u << 9,
-    DUET_BODY_ALL = (1u << 10) - 1
+    DUET_BODY_MATERIAL = 1u << 10,
+    DUET_BODY_ALL = (1u << 11) - 1
 } duet_body_field;
 
 DUET_API const char *duet_body_field_name(uint32_t field); // one bit: "velocity"; NULL for others

@@ -33,6 +33,34 @@ static inline float4 surface_velocity_of(const source *from, uint id)
 }
 #endif
 
+#if MATERIALS
+// Combines the numbers of both bodies by a rule. Below 0 it stands for the root of its amount.
+static inline float combined(float rule, float given, float a, float b)
+{
+    if (rule == RULE_GIVEN)
+        return given;
+    if (rule == RULE_AVERAGE)
+        return 0.5f * (a + b);
+    if (rule == RULE_MIN)
+        return fmin(a, b);
+    if (rule == RULE_MAX)
+        return fmax(a, b);
+    return rule == RULE_PRODUCT ? a * b : -(a * b);
+}
+
+static inline void fill_materials(__global float *lane, const source *from, uint a, uint b)
+{
+    __global const float *row =
+        from->material_rules + MATERIAL_ROW * (from->materials[a] * MATERIALS_MOST + from->materials[b]);
+    lane[IN_RESTITUTION * BLOCK] = combined(row[RULE_RESTITUTION], row[GIVEN_RESTITUTION], from->restitutions[a],
+                                            from->restitutions[b]);
+#if FRICTION
+    lane[IN_FRICTION * BLOCK] =
+        combined(row[RULE_FRICTION], row[GIVEN_FRICTION], from->frictions[a], from->frictions[b]);
+#endif
+}
+#endif
+
 // Fills what a lane has one number of; lanes that no contact is left for have no points and are
 // between walls.
 static inline void fill_lane(__global float *lane, const source *from, uint i, bool empty)
@@ -42,9 +70,13 @@ static inline void fill_lane(__global float *lane, const source *from, uint i, b
     lane[IN_OWNER * BLOCK] = as_float(empty ? from->n : link.x);
     lane[IN_OTHER * BLOCK] = as_float(empty ? from->n : link.y);
     lane[IN_POINTS * BLOCK] = as_float(empty ? 0u : from->touches[i] & TOUCH_POINTS);
+#if MATERIALS
+    fill_materials(lane, from, link.x, partner);
+#else
     lane[IN_RESTITUTION * BLOCK] = fmax(from->restitutions[link.x], from->restitutions[partner]);
     if (FRICTION)
         lane[IN_FRICTION * BLOCK] = from->frictions[link.x] * from->frictions[partner];
+#endif
 #if ROLLING
     lane[IN_ROLLING * BLOCK] = fmax(from->rolling_resistances[link.x], from->rolling_resistances[partner]) *
                                fmax(from->halves[link.x].w, from->halves[partner].w);
@@ -103,10 +135,25 @@ static inline vec tangent_of(vec normal)
     return vec_times(inverse_root(vec_dot(t, t)), t);
 }
 
+// The root of a number above 0; else 0.
+static inline real root_of(real x)
+{
+    return select((real)(0.0f), x * inverse_root(x), x > 0.0f);
+}
+
+// Takes the roots that combined() left.
+static inline void take_root(__global float *constraint, uint field)
+{
+    real x = get(constraint, field);
+    put(constraint, field, select(fabs(x), root_of(-x), x < 0.0f));
+}
+
 static inline void prepare_friction(__global float *constraint)
 {
-    real friction = get(constraint, IN_FRICTION);
-    put(constraint, IN_FRICTION, select((real)(0.0f), friction * inverse_root(friction), friction > 0.0f));
+    if (MATERIALS)
+        take_root(constraint, IN_FRICTION);
+    else
+        put(constraint, IN_FRICTION, root_of(get(constraint, IN_FRICTION)));
     put_vec(constraint, IN_TANGENT, tangent_of(get_vec(constraint, IN_NORMAL)));
 }
 
@@ -134,6 +181,8 @@ static inline void prepare_point(const pair *p, __global float *constraint, int 
 static inline void prepare_lanes(__global float *constraint, const source *from, __global const uint *list, uint n)
 {
     fill_lanes(constraint, from, list, n);
+    if (MATERIALS)
+        take_root(constraint, IN_RESTITUTION);
     if (FRICTION)
         prepare_friction(constraint);
     pair p;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "contacts into blocks of constraints, and their impulses back",
-  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/float_vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh" },
+  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/float_vector.clh", "dynamics/records.h", "dynamics/materials.h", "dynamics/contact.clh", "dynamics/constraint.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, silent = true, about = "1: the state is in double" },
@@ -9,6 +9,7 @@ return {
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
     { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
     { "CONVEYS", values = { 0, 1 }, default = 0, silent = true, about = "1: surfaces move" },
+    { "MATERIALS", values = { 0, 1 }, default = 0, silent = true, about = "1: bodies name materials" },
     { "ROLLING", values = { 0, 1 }, default = 0, silent = true, about = "1: contacts resist to roll" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "contacts side by side in a work-item" },
@@ -26,6 +27,8 @@ return {
       const float *contacts
       const float *restitutions
       const float *frictions  if FRICTION == 1
+      const uint *materials   if MATERIALS == 1
+      const float *material_rules  if MATERIALS == 1
       const float *rolling_resistances  if ROLLING == 1
       const float4 *halves    if ROLLING == 1
       const float4 *surface_velocities  if CONVEYS == 1

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/bodies/effect.h"
 
+#include "runtime/bodies/material.h"
+
 #include <math.h>
 
 // An effect stands after those that it can be called for by.
@@ -45,6 +47,8 @@ static const effect_row rows[] = {
     {DUET_EFFECT_SURFACE_VELOCITY, "surface_velocity",
      DUET_EFFECT_FRICTION | DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_ROTATION,
      "a surface_velocity, with friction", "surface_velocities", "prepare_contacts, solve_contacts"},
+    {DUET_EFFECT_MATERIALS, "materials", DUET_EFFECT_CONTACT_RESPONSE,
+     "a body that names a material, with contact_response", "material_rules", "prepare_contacts"},
     {DUET_EFFECT_CONTINUOUS, "continuous", DUET_EFFECT_CONTACT_RESPONSE,
      "something that moves, or whose corners swing, more than half its least half extent in a step",
      "swept", "fat_aabbs, build_manifolds, bodies, integrate_positions, solve_contacts"},
@@ -102,9 +106,10 @@ static double reach_of(const duet_pose *p, const duet_body *b, uint32_t dims, do
     return speed > 0.0 ? speed * dt / (least + b->radius) : 0.0;
 }
 
-static void add_object(effect_facts *f, const duet_pose *p, const duet_body *b, uint32_t dims,
-                       double dt)
+static void add_object(effect_facts *f, const duet_motion_def *def, const duet_pose *p,
+                       const duet_body *b)
 {
+    const uint32_t dims = def->dims;
     const float *h = p->half_extents;
     bool turns = b->angular_velocity[2] != 0.0f || (dims == 3 && !is_zero(b->angular_velocity, 3));
     f->rotated |= is_turned(p, dims);
@@ -113,21 +118,22 @@ static void add_object(effect_facts *f, const duet_pose *p, const duet_body *b, 
     f->massive |= b->mass > 0.0f;
     f->turnable |= b->mass > 0.0f && !b->fixed_rotation;
     f->uneven |= dims == 3 && b->mass > 0.0f && (h[0] != h[1] || h[1] != h[2]);
-    f->elastic |= b->restitution > 0.0f;
-    f->rough |= b->friction > 0.0f;
+    f->elastic |= material_is_elastic(def, b);
+    f->rough |= material_is_rough(def, b);
+    f->made |= b->material > 0;
     f->resists |= b->rolling_resistance > 0.0f;
     f->conveys |= !is_zero(b->surface_velocity, dims);
     f->sensing |= b->sensor;
     f->round |= b->radius > 0.0f;
     f->filtered |= b->group != UINT32_MAX || b->mask != UINT32_MAX;
-    f->reach = fmax(f->reach, reach_of(p, b, dims, dt));
+    f->reach = fmax(f->reach, reach_of(p, b, dims, def->dt));
 }
 
 void effect_facts_add(effect_facts *facts, const duet_motion_def *def, const duet_pose *poses,
                       const duet_body *bodies, uint32_t n)
 {
     for (uint32_t i = 0; i < n; ++i)
-        add_object(facts, &poses[i], &bodies[i], def->dims, def->dt);
+        add_object(facts, def, &poses[i], &bodies[i]);
 }
 
 // ---------------------------------------------------------------- inference
@@ -169,6 +175,8 @@ static bool is_called(uint32_t effect, const duet_motion_def *def, const effect_
         return pushes && f->resists && f->round;
     case DUET_EFFECT_SURFACE_VELOCITY:
         return f->conveys && (so_far & DUET_EFFECT_FRICTION);
+    case DUET_EFFECT_MATERIALS:
+        return pushes && f->made;
     case DUET_EFFECT_CONTINUOUS:
         return pushes && f->reach > 0.5;
     case DUET_EFFECT_FILTER:

@@ -17,6 +17,7 @@ typedef struct effect_facts {
     bool rough;    // some friction is not 0
     bool resists;  // some rolling resistance is not 0
     bool conveys;  // some surface velocity is not 0
+    bool made;     // some body names a material
     bool filtered; // some group or mask is not all
     bool sensing;  // some body is a sensor
     bool round;    // some radius is not 0

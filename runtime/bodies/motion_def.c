@@ -4,6 +4,7 @@
 #include "runtime/bodies/motion_def.h"
 
 #include "base/error.h"
+#include "runtime/bodies/material.h"
 #include "runtime/bodies/vector.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/opencl/device_pair.h"
@@ -20,7 +21,7 @@ duet_body duet_default_body(void)
 
 duet_motion_def duet_default_motion_def(void)
 {
-    return (duet_motion_def){
+    duet_motion_def def = {
         .plan = duet_default_plan(NULL),
         .dims = 3,
         .dt = 1.0 / 60.0,
@@ -31,6 +32,9 @@ duet_motion_def duet_default_motion_def(void)
         .event_mask = UINT32_MAX,
         .cookie = COOKIE,
     };
+    for (int i = 0; i < DUET_MATERIALS; ++i)
+        def.materials[i] = material_of_rules();
+    return def;
 }
 
 duet_motion_def duet_game_motion_def(duet_device_pair *pair, uint32_t dims)
@@ -134,7 +138,8 @@ bool motion_check_def(const duet_motion_def *def, duet_error *err)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s has no double; expected doubles = false",
                          def->pair->devices[1].info.selector);
-    return check_numbers(def, err) && check_edge(def, err) && check_origin(def, err);
+    return check_numbers(def, err) && materials_check(def, err) && check_edge(def, err) &&
+           check_origin(def, err);
 }
 
 const char *motion_pose_fault(const duet_pose *p, uint32_t dims)
@@ -152,7 +157,7 @@ const char *motion_pose_fault(const duet_pose *p, uint32_t dims)
     return norm > 0.0 ? NULL : "its rotation is zero";
 }
 
-const char *motion_body_fault(const duet_body *b)
+const char *motion_body_fault(const duet_motion_def *def, const duet_body *b)
 {
     if (!vector_is_finite(b->velocity, 3) || !vector_is_finite(b->angular_velocity, 3))
         return "a velocity or angular velocity is not finite";
@@ -166,5 +171,7 @@ const char *motion_body_fault(const duet_body *b)
         return "the radius must be 0 or above";
     if (!is_between(b->rolling_resistance, 0.0, 1e6))
         return "the rolling resistance must be from 0 to 1e6";
+    if (b->material > def->n_materials)
+        return "it names a material that the def does not have";
     return is_between(b->friction, 0.0, 1e6) ? NULL : "the friction must be from 0 to 1e6";
 }

@@ -96,7 +96,7 @@ bool command_check(const duet_motion *m, const command *c, uint32_t parts, duet_
         if (parts & PART_POSE)
             fault = motion_pose_fault(&c->poses[i], m->def.dims);
         if (!fault && (parts & ~(uint32_t)PART_POSE))
-            fault = motion_body_fault(&c->bodies[i]);
+            fault = motion_body_fault(&m->def, &c->bodies[i]);
         if (fault)
             return command_refuse(c, i, fault, err);
     }

@@ -3,6 +3,7 @@
 #include "runtime/commands/command.h"
 
 #include "base/error.h"
+#include "runtime/bodies/material.h"
 #include "runtime/dynamics/motion_rows.h"
 
 #include <stddef.h>
@@ -31,6 +32,7 @@ static const struct {
     {"radius", MEMBERS(radius, radius), PART_SIZE},
     {"rolling_resistance", MEMBERS(rolling_resistance, rolling_resistance), PART_SURFACE},
     {"surface_velocity", MEMBERS(surface_velocity, surface_velocity), PART_SURFACE},
+    {"material", MEMBERS(material, material), PART_SURFACE},
 };
 
 enum { N_FIELDS = sizeof fields / sizeof fields[0] };
@@ -176,6 +178,10 @@ static bool check_same(const duet_motion_def *a, const duet_motion_def *b, const
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "%s: %s is %g; expected the motion's %g, which cannot change", call,
                              same[i].name, same[i].of, same[i].motion);
+    if (!materials_are_same(a, b))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: the materials are others; expected the motion's, which cannot change",
+                         call);
     if ((a->attraction != 0.0) != (b->attraction != 0.0))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: the attraction is %g, the motion's %g; expected none or both to be 0",

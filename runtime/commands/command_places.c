@@ -80,10 +80,10 @@ static bool check_kinematic(const duet_motion *m, const command *c, duet_error *
 }
 
 // A pose may be too far away for a step.
-static bool check_velocities(const command *c, duet_error *err)
+static bool check_velocities(const duet_motion *m, const command *c, duet_error *err)
 {
     for (uint32_t i = 0; i < c->list.n; ++i) {
-        const char *fault = motion_body_fault(&c->bodies[i]);
+        const char *fault = motion_body_fault(&m->def, &c->bodies[i]);
         if (fault)
             return error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: to get there, %s",
                              c->op->call, i, c->list.n, fault);
@@ -116,6 +116,6 @@ bool command_set_targets(duet_motion *m, command *c, duet_error *err)
     for (uint32_t i = 0; i < c->list.n; ++i)
         c->poses[i] = motion_aim(m, c->poses[i], &targets[i]);
     return check_kinematic(m, c, err) && command_check(m, c, PART_POSE, err) &&
-           command_settle(m, c, err) && find_velocities(m, c, err) && check_velocities(c, err) &&
+           command_settle(m, c, err) && find_velocities(m, c, err) && check_velocities(m, c, err) &&
            command_admit(m, c, err) && motion_keep_whole(m, aim(m, c, err));
 }

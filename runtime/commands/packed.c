@@ -15,7 +15,7 @@ packed_body packed_body_of(const duet_body *b)
                      .group = b->group,
                      .mask = b->mask,
                      .flags = (b->fixed_rotation ? PACKED_FIXED_ROTATION : 0) |
-                              (b->sensor ? PACKED_SENSOR : 0),
+                              (b->sensor ? PACKED_SENSOR : 0) | b->material << PACKED_MATERIAL,
                      .radius = b->radius,
                      .rolling_resistance = b->rolling_resistance};
     memcpy(p.velocity, b->velocity, sizeof p.velocity);
@@ -34,7 +34,8 @@ duet_body packed_to_body(const packed_body *p)
                    .radius = p->radius,
                    .fixed_rotation = p->flags & PACKED_FIXED_ROTATION,
                    .sensor = p->flags & PACKED_SENSOR,
-                   .rolling_resistance = p->rolling_resistance};
+                   .rolling_resistance = p->rolling_resistance,
+                   .material = p->flags >> PACKED_MATERIAL};
     memcpy(b.velocity, p->velocity, sizeof b.velocity);
     memcpy(b.angular_velocity, p->angular_velocity, sizeof b.angular_velocity);
     memcpy(b.surface_velocity, p->surface_velocity, sizeof b.surface_velocity);

@@ -12,7 +12,13 @@ typedef struct packed_body {
     float radius, rolling_resistance, surface_velocity[3];
 } packed_body;
 
-enum { PACKED_FIXED_ROTATION = 1, PACKED_SENSOR = 2, PACKED_FLAGS = 3 };
+// The material is in the bits of the flags from PACKED_MATERIAL on.
+enum {
+    PACKED_FIXED_ROTATION = 1,
+    PACKED_SENSOR = 2,
+    PACKED_MATERIAL = 4,
+    PACKED_FLAGS = 3 | (DUET_MATERIALS - 1) << PACKED_MATERIAL
+};
 
 typedef struct packed_def {
 #define DEF_MEMBER(name) __typeof__(((duet_motion_def *)0)->name) name;

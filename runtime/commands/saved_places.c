@@ -124,7 +124,7 @@ static bool take_place(duet_motion *copy, uint32_t place, const saved_place *s, 
         c->first_empty = place;
     const char *fault = place_fault(copy, s);
     fault = fault ? fault : motion_pose_fault(&s->pose, copy->def.dims);
-    fault = fault ? fault : motion_body_fault(b);
+    fault = fault ? fault : motion_body_fault(&copy->def, b);
     return !fault || bad_place(path, place, fault, err);
 }
 

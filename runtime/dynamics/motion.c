@@ -34,7 +34,7 @@ static bool check_objects(const duet_motion *m, duet_error *err)
     for (uint32_t id = 0; id < m->n; ++id) {
         const char *fault = motion_pose_fault(&m->poses[id], m->def.dims);
         if (!fault)
-            fault = motion_body_fault(&m->bodies[id]);
+            fault = motion_body_fault(&m->def, &m->bodies[id]);
         if (fault)
             return error_set(err, DUET_STATUS_BAD_OBJECT, "object %u of %u: %s", id, m->n, fault);
     }

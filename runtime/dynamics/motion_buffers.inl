@@ -20,6 +20,7 @@ BY_OBJECT(ROLLING_RESISTANCES, "rolling_resistances", "float *", ROLLING_RESISTA
           ROLLING_RESISTANCE, 0, 1)
 BY_OBJECT(SURFACE_VELOCITIES, "surface_velocities", "float4 *", SURFACE_VELOCITY, SURFACE_VELOCITY,
           0, 4)
+BY_OBJECT(MATERIALS_OF, "materials", "uint *", MATERIALS, MATERIALS, 0, 1)
 BY_OBJECT(FILTERS, "filters", "uint2 *", FILTER, FILTER, 0, 2)
 BY_OBJECT(SENSORS, "sensors", "float *", SENSORS, SENSORS, 0, 1)
 BY_OBJECT(RESTS, "rests", "float *", SLEEP, SLEEP, 0, 1)
@@ -53,6 +54,7 @@ BUFFER(BLOCKS, "blocks", "float *")      // contacts by colour while they are so
 BUFFER(TOUCHING, "touching", "uint *") // a bit for each contact
 BUFFER(HITS, "hits", "uint *")
 BUFFER(FLAG_WORDS, "flags", "uint *")
+BUFFER(MATERIAL_RULES, "material_rules", "float *") // a row for each two materials
 // what a step may change
 BUFFER(LEVELS, "levels", "uint *")
 BUFFER(NEXT_LEVELS, "next_levels", "uint *")

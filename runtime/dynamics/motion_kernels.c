@@ -131,6 +131,7 @@ uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFF
         OFFER("FRICTION", has(m, DUET_EFFECT_FRICTION)),
         OFFER("ROLLING", has(m, DUET_EFFECT_ROLLING_RESISTANCE)),
         OFFER("CONVEYS", has(m, DUET_EFFECT_SURFACE_VELOCITY)),
+        OFFER("MATERIALS", has(m, DUET_EFFECT_MATERIALS)),
         OFFER("CONTINUOUS", has(m, DUET_EFFECT_CONTINUOUS)),
         OFFER("FILTER", has(m, DUET_EFFECT_FILTER)),
         OFFER("SLEEP", has(m, DUET_EFFECT_SLEEP)),

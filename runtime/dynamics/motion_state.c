@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The state of a motion on B: what each buffer holds by object, and what the host writes there.
+#include "kernels/dynamics/materials.h"
+#include "runtime/bodies/material.h"
 #include "runtime/dynamics/inertia.h"
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
@@ -287,12 +289,17 @@ static entry half_of(const duet_motion *m, uint32_t id)
 
 static entry restitution_of(const duet_motion *m, uint32_t id)
 {
-    return (entry){{m->bodies[id].restitution}};
+    return (entry){{material_restitution(&m->def, &m->bodies[id])}};
 }
 
 static entry friction_of(const duet_motion *m, uint32_t id)
 {
-    return (entry){{m->bodies[id].friction}};
+    return (entry){{material_friction(&m->def, &m->bodies[id])}};
+}
+
+static entry material_of(const duet_motion *m, uint32_t id)
+{
+    return (entry){{m->bodies[id].material}};
 }
 
 static entry rolling_resistance_of(const duet_motion *m, uint32_t id)
@@ -344,6 +351,7 @@ static const struct {
     {FRICTIONS, friction_of, PART_SURFACE, 0, 1, false},
     {ROLLING_RESISTANCES, rolling_resistance_of, PART_SURFACE, 0, 1, false},
     {SURFACE_VELOCITIES, surface_velocity_of, PART_SURFACE, 0, 4, false},
+    {MATERIALS_OF, material_of, PART_SURFACE, 0, 1, true},
     {FILTERS, filter_of, PART_FILTER, 0, 2, true},
     {SENSORS, sensor_of, PART_SENSOR, 0, 1, false},
 };
@@ -382,12 +390,25 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
     return ok;
 }
 
+// The rules by which materials combine, once a motion.
+static bool send_rules(duet_motion *m, duet_error *err)
+{
+    float rules[DUET_MATERIALS * DUET_MATERIALS * MATERIAL_ROW];
+    if (!(m->effects & DUET_EFFECT_MATERIALS))
+        return true;
+    material_fill_rules(&m->def, rules);
+    return motion_reserve(m, MATERIAL_RULES, 1, sizeof rules, err) &&
+           timeline_write_at(&m->times, "clear", &m->buffers[MATERIAL_RULES], 0, rules,
+                             sizeof rules, err) &&
+           timeline_finish(&m->times, err);
+}
+
 bool motion_reset(duet_motion *m, duet_error *err)
 {
     return (!(m->effects & DUET_EFFECT_CONTACT) ||
             motion_reserve(m, FLAG_WORDS, FLAGS, sizeof(uint32_t), err)) &&
-           motion_grow(m, 0, err) && motion_send_places(m, NULL, m->n, PART_ALL, err) &&
-           timeline_finish(&m->times, err);
+           motion_grow(m, 0, err) && send_rules(m, err) &&
+           motion_send_places(m, NULL, m->n, PART_ALL, err) && timeline_finish(&m->times, err);
 }
 
 // ---------------------------------------------------------------- sleep

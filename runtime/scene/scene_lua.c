@@ -622,13 +622,16 @@ static const struct {
     {"boundary", scene_read_boundary},
     {"wants", scene_read_wants},
     {"integrator", scene_read_integrator},
+    {"materials", scene_read_materials},
     {"dt", scene_read_motion_numbers},
 };
 
 // Fields that others above read along with theirs.
-static const char *const more_names[] = {
-    "origin_edge", "drag",        "skin",     "slop",    "max_push_speed", "restitution_threshold",
-    "sleep_speed", "sleep_after", "substeps", "doubles", "hit_speed",      "event_mask"};
+static const char *const more_names[] = {"origin_edge",   "drag",           "skin",
+                                         "slop",          "max_push_speed", "restitution_threshold",
+                                         "sleep_speed",   "sleep_after",    "substeps",
+                                         "doubles",       "hit_speed",      "event_mask",
+                                         "material_pairs"};
 
 #define N_MORE (sizeof more_names / sizeof more_names[0])
 

@@ -34,9 +34,9 @@ typedef struct scene_body {
 // Reads the field `name` of an object from the top of the stack. False where
 // bodies have no such field; the fields are named by SCENE_BODY_NAMES.
 bool scene_read_body_field(lua_State *L, const char *name, scene_body *body);
-#define SCENE_BODY_NAMES                                                           \
-    "angular_velocity, fixed_rotation, friction, group, mask, mass, restitution, " \
-    "rolling_resistance, sensor, surface_velocity, velocity"
+#define SCENE_BODY_NAMES                                                        \
+    "angular_velocity, fixed_rotation, friction, group, mask, mass, material, " \
+    "restitution, rolling_resistance, sensor, surface_velocity, velocity"
 
 // Keeps what was given for the object that was added last.
 bool scene_keep_body(duet_scene *scene, const scene_body *body, duet_error *err);
@@ -49,6 +49,7 @@ void scene_read_attraction(lua_State *L, scene_reading *reading);
 void scene_read_boundary(lua_State *L, scene_reading *reading);
 void scene_read_wants(lua_State *L, scene_reading *reading);
 void scene_read_integrator(lua_State *L, scene_reading *reading);
+void scene_read_materials(lua_State *L, scene_reading *reading);
 void scene_read_motion_numbers(lua_State *L, scene_reading *reading);
 
 // Makes the bodies of all objects of what was given, after the last field.

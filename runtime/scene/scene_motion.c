@@ -29,6 +29,7 @@ static const struct {
     {"sensor", BOOLEAN, offsetof(duet_body, sensor)},
     {"rolling_resistance", NUMBER, offsetof(duet_body, rolling_resistance)},
     {"surface_velocity", VECTOR, offsetof(duet_body, surface_velocity)},
+    {"material", BITS, offsetof(duet_body, material)},
 };
 
 enum { N_BODY_FIELDS = sizeof body_fields / sizeof body_fields[0] };

@@ -48,6 +48,7 @@ TEST(each_cause_calls_for_its_effect)
         SKIN,
         RESISTING,
         CONVEYING,
+        MADE,
         CAUSES
     };
     const uint32_t motion = DUET_EFFECT_MOTION;
@@ -65,6 +66,7 @@ TEST(each_cause_calls_for_its_effect)
         [GROUPS] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_FILTER,
         [RESISTING] = push | DUET_EFFECT_RADIUS | DUET_EFFECT_ROLLING_RESISTANCE,
         [CONVEYING] = push | DUET_EFFECT_FRICTION | DUET_EFFECT_SURFACE_VELOCITY,
+        [MADE] = push | DUET_EFFECT_MATERIALS,
         [SKIN] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_SKIN,
     };
     for (int cause = 0; cause < CAUSES; ++cause) {
@@ -80,6 +82,8 @@ TEST(each_cause_calls_for_its_effect)
         m->def.upper[0] = m->def.upper[1] = m->def.upper[2] = 10.0;
         m->bodies[0].friction = cause == ROUGH || cause == CONVEYING ? 0.5f : 0.0f;
         m->bodies[0].surface_velocity[1] = cause == CONVEYING ? 0.5f : 0.0f;
+        m->bodies[0].material = m->def.n_materials = cause == MADE;
+        m->def.materials[1].restitution = 0.5f;
         m->bodies[0].mask = cause == GROUPS ? 1u : UINT32_MAX;
         m->def.skin = cause == SKIN ? 0.1 : 0.0;
         m->bodies[0].rolling_resistance = cause == RESISTING ? 0.1f : 0.0f;
@@ -116,6 +120,10 @@ static mover *make_scene_in(medium in, uint32_t set)
     m->def.doubles = in.doubles;
     m->def.wants = set & (DUET_EFFECT_SENSORS | DUET_EFFECT_CONTACT | DUET_EFFECT_CONTACT_RESPONSE |
                           DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS);
+    m->def.n_materials = 2;
+    m->def.materials[1].friction = set & DUET_EFFECT_FRICTION ? 0.6f : 0.0f;
+    m->def.materials[2] = m->def.materials[1];
+    m->def.materials[2].friction_rule = DUET_COMBINE_MIN;
     m->def.gravity[1] = set & DUET_EFFECT_GRAVITY ? -3.0 : 0.0;
     m->def.drag = set & DUET_EFFECT_DRAG ? 0.3 : 0.0;
     m->def.skin = set & DUET_EFFECT_SKIN ? 0.1 : 0.0;
@@ -138,6 +146,7 @@ static mover *make_scene_in(medium in, uint32_t set)
             b->angular_velocity[flat ? 2 : i % 3] = 0.5f + 0.1f * (float)i;
         b->friction = set & DUET_EFFECT_FRICTION ? 0.4f : 0.0f;
         b->rolling_resistance = set & DUET_EFFECT_ROLLING_RESISTANCE ? 0.05f : 0.0f;
+        b->material = set & DUET_EFFECT_MATERIALS ? (uint32_t)i % 3 : 0;
         b->surface_velocity[i % 2] = set & DUET_EFFECT_SURFACE_VELOCITY ? 0.3f : 0.0f;
         if (set & DUET_EFFECT_RADIUS) {
             b->radius = i % 2 ? 0.1f : 0.5f; // a sphere
@@ -195,6 +204,7 @@ static const uint32_t effects[] = {
     DUET_EFFECT_RADIUS,
     DUET_EFFECT_ROLLING_RESISTANCE,
     DUET_EFFECT_SURFACE_VELOCITY,
+    DUET_EFFECT_MATERIALS,
 };
 
 enum { N_EFFECTS = sizeof effects / sizeof effects[0] };
@@ -203,7 +213,7 @@ static uint32_t with_needs(uint32_t set)
 {
     const uint32_t needs_response = DUET_EFFECT_FRICTION | DUET_EFFECT_CONTINUOUS |
                                     DUET_EFFECT_SLEEP | DUET_EFFECT_ROLLING_RESISTANCE |
-                                    DUET_EFFECT_SURFACE_VELOCITY;
+                                    DUET_EFFECT_SURFACE_VELOCITY | DUET_EFFECT_MATERIALS;
     set |= set & DUET_EFFECT_ROLLING_RESISTANCE ? DUET_EFFECT_RADIUS | DUET_EFFECT_ANGULAR_VELOCITY
                                                 : 0;
     set |= set & DUET_EFFECT_SURFACE_VELOCITY ? DUET_EFFECT_FRICTION | DUET_EFFECT_ROTATION : 0;
@@ -254,7 +264,8 @@ static uint32_t general_in(medium in, uint32_t set)
 {
     const uint32_t pushes = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FRICTION |
                             DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP |
-                            DUET_EFFECT_ROLLING_RESISTANCE | DUET_EFFECT_SURFACE_VELOCITY;
+                            DUET_EFFECT_ROLLING_RESISTANCE | DUET_EFFECT_SURFACE_VELOCITY |
+                            DUET_EFFECT_MATERIALS;
     bool flies = in.doubles && !(set & DUET_EFFECT_CONTACT_RESPONSE);
     return flies ? DUET_EFFECT_ALL & ~pushes : DUET_EFFECT_ALL;
 }
@@ -300,7 +311,7 @@ static const struct {
     {"DRAG", "drag", "drag", NULL},
     {"BOUNDARY", "boundary", "upper", NULL},
     {"CONTACT_RESPONSE", "contact_response", "colours",
-     "FRICTION CONVEYS ROLLING CONTINUOUS SLEEP HITS"},
+     "FRICTION CONVEYS MATERIALS ROLLING CONTINUOUS SLEEP HITS"},
     {"FRICTION", "friction", "friction", "CONVEYS"},
     {"CONTINUOUS", "continuous", NULL, NULL},
     {"FILTER", "filter", "filter", NULL},
@@ -310,6 +321,7 @@ static const struct {
     {"FORCES", "forces", "forces", NULL},
     {"SENSORS", "sensors", "sensors", NULL},
     {"ROUNDED", "radius", NULL, NULL},
+    {"MATERIALS", "materials", "material", NULL},
     {"CONVEYS", "surface_velocity", "surface_velocities", NULL},
     {"ROLLING", "rolling_resistance", "rolling_resistances", NULL},
     {"ROTATED", "rotation", "rotations", "ANGULAR_VELOCITY GYRO ROLLING"},
@@ -451,6 +463,8 @@ TEST(buffers_are_those_that_are_called_for)
         {DUET_EFFECT_FRICTION, FRICTIONS},
         {DUET_EFFECT_ROLLING_RESISTANCE, ROLLING_RESISTANCES},
         {DUET_EFFECT_SURFACE_VELOCITY, SURFACE_VELOCITIES},
+        {DUET_EFFECT_MATERIALS, MATERIALS_OF},
+        {DUET_EFFECT_MATERIALS, MATERIAL_RULES},
         {DUET_EFFECT_FILTER, FILTERS},
         {DUET_EFFECT_SLEEP, ASLEEP},
         {DUET_EFFECT_SLEEP, AWAKE},

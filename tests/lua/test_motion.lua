@@ -20,13 +20,13 @@ local falling <const> = { gravity = { 0, 0, -10 }, wants = { "contact_response",
 
 holds("what is not said about a body is its default", function()
   local body = { duet.bodies(1):get(0) }
-  equal(#body, 18)
+  equal(#body, 19)
   equal(body[7], 1) -- mass
   equal(body[11], mask)
   equal(body[12], 0) -- radius
   equal(body[13], false)
   equal(body[14], false)
-  for i = 15, 18 do equal(body[i], 0) end -- rolling resistance, surface velocity
+  for i = 15, 19 do equal(body[i], 0) end -- rolling resistance, surface velocity, material
 end)
 
 holds("a row of a body may end behind sensor", function()
@@ -34,8 +34,33 @@ holds("a row of a body may end behind sensor", function()
   set:set(0, 1, 0, 0, 0, 0, 0, 2, 0, 0.5, 1, mask, 0, false, false)
   local body = { set:get(0) }
   equal(body[7], 2)
-  for i = 15, 18 do equal(body[i], 0) end
-  raises("13 numbers, and a row has 18", set.set, set, 0, 1, 0, 0, 0, 0, 0, 2, 0, 0.5, 1, mask, 0, false)
+  for i = 15, 19 do equal(body[i], 0) end
+  raises("13 numbers, and a row has 19", set.set, set, 0, 1, 0, 0, 0, 0, 0, 2, 0, 0.5, 1, mask, 0, false)
+end)
+
+-- Both slide at 4 m/s on a floor of material 1: mu g t is 0.1 (a pair) and 0.2 (min) of it.
+holds("bodies name materials of a table", function()
+  local function slider(material) return { 4, 0, 0, 0, 0, 0, 1, 0, 9, 1, mask, 0, false, false, 0, 0, 0, 0, material } end
+  local def = {
+    gravity = { 0, 0, -10 }, dt = 0.01,
+    materials = { { friction = 0.5 }, { friction = 0.2, friction_rule = "min" }, { friction = 0.9 } },
+    material_pairs = { { 3, 1, friction = 0.1 } },
+  }
+  local floor = { 0, 0, 0, 0, 0, 0, 0, 0, 9, 1, mask, 0, false, false, 0, 0, 0, 0, 1 }
+  local boxes = { { 0, 3, 0.5, 0.5, 0.5, 0.5, 0, 0, 0, 1 }, { 0, -3, 0.5, 0.5, 0.5, 0.5, 0, 0, 0, 1 }, { 0, 0, -1, 50, 50, 1, 0, 0, 0, 1 } }
+  local motion <close> = assert(pair:motion(boxes, { slider(2), slider(3), floor }, def))
+  for _ = 1, 100 do assert(motion:advance()) end
+  local states = assert(motion:read())
+  for i, friction in ipairs { 0.2, 0.1 } do
+    local speed = select(8, states:get(i - 1))
+    equal(math.abs(speed - (4 - 10 * friction)) < 0.02, true)
+  end
+  local function with(field, value) return pair.motion, pair, boxes, nil, { [field] = value } end
+  raises("field 'materials', row 1: expected a rule: average, geometric_mean, min, product or max",
+    with("materials", { { friction_rule = "mean" } }))
+  raises("field 'material_pairs', row 2: expected two materials by their numbers",
+    with("material_pairs", { { 1, 1 }, { 1 } }))
+  raises("field 'materials', row 0: expected a list of at most 15 materials", with("materials", 3))
 end)
 
 holds("a script acts between steps", function()

@@ -37,6 +37,32 @@ TEST(a_scene_says_what_moves)
     duet_scene_destroy(s);
 }
 
+TEST(a_scene_has_materials)
+{
+    duet_error err = {0};
+    duet_scene *s = scene_from_text(
+        "made.lua",
+        "add{centre = {0, 0, 1}, half_extents = {1, 1, 1}, material = 2}\n"
+        "return {body = {material = 1}, materials = {{friction = 0.5, restitution_rule = 'min'},\n"
+        "  {restitution = 0.25, friction_rule = 'product'}},\n"
+        "  material_pairs = {{2, 1, friction = 0.75, restitution = 1}}}",
+        &err);
+    assert_ok(s, err);
+    assert_int_equal(duet_scene_get_bodies(s)[0].material, 2);
+    duet_motion_def def = duet_scene_motion_def(s, NULL);
+    assert_int_equal(def.n_materials, 2);
+    assert_true(def.materials[1].friction == 0.5f && def.materials[2].restitution == 0.25f);
+    assert_int_equal(def.materials[1].friction_rule, DUET_COMBINE_GEOMETRIC_MEAN);
+    assert_int_equal(def.materials[1].restitution_rule, DUET_COMBINE_MIN);
+    assert_int_equal(def.materials[2].friction_rule, DUET_COMBINE_PRODUCT);
+    assert_int_equal(def.materials[2].restitution_rule, DUET_COMBINE_MAX);
+    assert_int_equal(def.n_material_pairs, 1);
+    assert_true(def.material_pairs[0].a == 2 && def.material_pairs[0].b == 1 &&
+                def.material_pairs[0].friction == 0.75f &&
+                def.material_pairs[0].restitution == 1.0f);
+    duet_scene_destroy(s);
+}
+
 TEST(a_scene_that_says_nothing_of_bodies_has_none)
 {
     duet_error err = {0};
@@ -61,6 +87,15 @@ TEST(what_is_wrong_is_refused_with_its_name)
         {"return {dt = -1}", "dt is -1"},
         {"return {substeps = 1001}", "substeps is 1001"},
         {"return {body = {weight = 1}}", "body has no field 'weight'"},
+        {"return {materials = {{friction = 1}, {weight = 1}}}",
+         "materials, row 2: expected no fields but friction, restitution, friction_rule"},
+        {"return {materials = {{friction = 'low'}}}",
+         "row 1: expected friction and restitution as"},
+        {"return {materials = {7}}", "row 1: expected a table of friction and restitution"},
+        {"return {material_pairs = {{1, 2, 3}}}", "row 1: expected two materials by their numbers"},
+        {"return {material_pairs = {{1, 99}}}", "row 1: expected two materials by their numbers"},
+        {"return {material_pairs = {{1, 1, weight = 1}}}", "row 1: expected no fields but two"},
+        {"return {material_pairs = true}", "row 0: expected a list of at most 120 pairs"},
         {"add{centre={0,0,0}, half_extents={1,1,1}, velocity={1}} return {}",
          "velocity must be 2 or 3"},
         {"add{centre={0,0,0}, half_extents={1,1,1}, group=-1} return {}",
