@@ -113,6 +113,7 @@ api.others = {
   ["tostring of a device pair"] = { "duet_device_pair_is_one" },
   ["require"] = {
     "luaopen_duet", "luaopen_duet_frame", "luaopen_duet_lab", "luaopen_duet_plot",
+    "luaopen_duet_timeline",
   },
 }
 
@@ -760,6 +761,8 @@ api.names = {
   { "duet.Stage.device", "\"A\"|\"B\"", "" },
   { "duet.Stage.ms", "number", "from OpenCL events; a host stage from the clock" },
   { "duet.Stage.transfer", "boolean", "" },
+  { "duet.Stage.begin_ms", "number", "of its first command, by the host's clock, since its device's part began" },
+  { "duet.Stage.end_ms", "number", "of its last one" },
 }
 
 -- Arrays are made, read and written alike; a letter says what a column is.
