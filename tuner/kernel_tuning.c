@@ -136,7 +136,7 @@ static bool confirm_kernels(tuning *t, int device, const duet_plan *before, cons
 {
     static const char *const stages[] = {
         "search", "candidates", "narrow",     "reorder", "bounds",
-        "hash",   "sort",       "cell start", "clear",
+        "hash",   "sort",       "cell start", "clear",   "kernel",
     };
     // Stages of a motion, in which the search is one of B's stages.
     static const char *const of_motion[] = {
