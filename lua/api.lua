@@ -257,6 +257,8 @@ api.names = {
   { "duet.Tuning.whole_gain_high", "number?", "" },
   { "duet.Tuning.terms", "table<string, number>", "of equations 4 to 6: t1, cpu1, cpu2, gpu1 ... bus3, imbalance" },
   { "duet.Tuning.kernels", "table[]", "what was searched of A's and B's: configs, tried, launches, gain, gain_low, gain_high, verdict" },
+  { "duet.Tuning.plans", "integer", "that a strategy for kernels and share together could choose from; 0: it was none" },
+  { "duet.Tuning.plans_tried", "integer", "by it" },
   { "duet.Tuning.trials", "integer", "" },
   { "duet.Tuning.launches", "integer", "all, of interrupted sessions too" },
   { "duet.Tuning.seconds", "number", "" },
