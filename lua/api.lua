@@ -113,6 +113,7 @@ api.others = {
   ["tostring of a device pair"] = { "duet_device_pair_is_one" },
   ["require"] = {
     "luaopen_duet", "luaopen_duet_frame", "luaopen_duet_lab", "luaopen_duet_plot",
+    "luaopen_duet_timeline",
   },
 }
 
@@ -256,6 +257,8 @@ api.names = {
   { "duet.Tuning.whole_gain_high", "number?", "" },
   { "duet.Tuning.terms", "table<string, number>", "of equations 4 to 6: t1, cpu1, cpu2, gpu1 ... bus3, imbalance" },
   { "duet.Tuning.kernels", "table[]", "what was searched of A's and B's: configs, tried, launches, gain, gain_low, gain_high, verdict" },
+  { "duet.Tuning.plans", "integer", "that a strategy for kernels and share together could choose from; 0: it was none" },
+  { "duet.Tuning.plans_tried", "integer", "by it" },
   { "duet.Tuning.trials", "integer", "" },
   { "duet.Tuning.launches", "integer", "all, of interrupted sessions too" },
   { "duet.Tuning.seconds", "number", "" },
@@ -760,6 +763,8 @@ api.names = {
   { "duet.Stage.device", "\"A\"|\"B\"", "" },
   { "duet.Stage.ms", "number", "from OpenCL events; a host stage from the clock" },
   { "duet.Stage.transfer", "boolean", "" },
+  { "duet.Stage.begin_ms", "number", "of its first command, by the host's clock, since its device's part began" },
+  { "duet.Stage.end_ms", "number", "of its last one" },
 }
 
 -- Arrays are made, read and written alike; a letter says what a column is.

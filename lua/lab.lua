@@ -7,6 +7,7 @@
 local duet = require "duet"
 local frame = require "duet.frame"
 local plot = require "duet.plot"
+local draw_timeline = require "duet.timeline"
 
 local lab = {}
 
@@ -286,6 +287,12 @@ function lab.picture(options, name, chart)
   local ok, why = plot.draw(options.out .. "/" .. name, chart)
   if not ok then io.stderr:write(why, "\n") end
   return ok and (", %s.svg, %s.png"):format(name, name) or ""
+end
+
+-- NAME.svg with the time lines of a step (duet.timeline).
+function lab.timeline(options, name, def)
+  local file <close> = assert(io.open(options.out .. "/" .. name .. ".svg", "w"))
+  assert(file:write(draw_timeline(def)))
 end
 
 -- Prints the rows, and writes NAME.csv, NAME.json, the picture and other ones, NAME_KEY for

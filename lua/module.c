@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The module's table: one line a noun, after those whose classes it adds to; and the parts that are
-// written in Lua: require "duet.frame", "duet.plot" and "duet.lab" find them inside the library.
+// written in Lua: require "duet.frame", "duet.plot", "duet.timeline" and "duet.lab" find them
+// inside the library.
 #include "duet_lua.h"
 
 #include "base/blob.h"
@@ -34,11 +35,17 @@ int luaopen_duet_plot(lua_State *L)
     return run_carried(L, "lua/plot.lua");
 }
 
+int luaopen_duet_timeline(lua_State *L)
+{
+    return run_carried(L, "lua/timeline.lua");
+}
+
 static void preload_carried(lua_State *L)
 {
     static const luaL_Reg modules[] = {{"duet.frame", luaopen_duet_frame},
                                        {"duet.lab", luaopen_duet_lab},
                                        {"duet.plot", luaopen_duet_plot},
+                                       {"duet.timeline", luaopen_duet_timeline},
                                        {NULL, NULL}};
     luaL_getsubtable(L, LUA_REGISTRYINDEX, LUA_PRELOAD_TABLE);
     luaL_setfuncs(L, modules, 0);

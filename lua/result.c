@@ -42,6 +42,8 @@ static const member stage_members[] = {
     MEMBER_ENUM(duet_stage, device, device_letter),
     MEMBER(member_double, duet_stage, ms),
     MEMBER(member_bool, duet_stage, transfer),
+    MEMBER(member_double, duet_stage, begin_ms),
+    MEMBER(member_double, duet_stage, end_ms),
     {0},
 };
 

@@ -154,6 +154,8 @@ static const member outcome_members[] = {
     MEMBER(member_double, duet_tune_outcome, whole_gain_high),
     MEMBER(member_terms, duet_tune_outcome, terms),
     MEMBER(member_kernels, duet_tune_outcome, kernels),
+    MEMBER(member_count, duet_tune_outcome, plans),
+    MEMBER(member_count, duet_tune_outcome, plans_tried),
     MEMBER(member_count, duet_tune_outcome, trials),
     MEMBER(member_count, duet_tune_outcome, launches),
     MEMBER(member_double, duet_tune_outcome, seconds),

@@ -128,6 +128,8 @@ typedef struct duet_stage {
     int device;       // 0: A, 1: B
     double ms;        // from OpenCL events; a host stage from the clock
     bool transfer;
+    double begin_ms; // of its first command, by the host's clock, since its device's part began
+    double end_ms;   // of its last one; between them the device may have done other things
 } duet_stage;
 
 typedef struct duet_span {

@@ -9,9 +9,10 @@
 #include "runtime/scene/scene.h"
 #include "runtime/selection/profile_subject.h"
 #include "tuner/device_lock.h"
+#include "tuner/joint_strategy.h"
 #include "tuner/level_costs.h"
 #include "tuner/record.h"
-#include "tuner/search.h"
+#include "tuner/strategy.h"
 #include "tuner/subject.h"
 #include "tuner/terms.h"
 #include "tuner/trial_budget.h"
@@ -35,14 +36,6 @@ duet_tune_def duet_default_tune_def(void)
 }
 
 // ---------------------------------------------------------------- checks
-
-static bool check_strategy(const char *name, duet_error *err)
-{
-    search s;
-    bool ok = search_begin(&s, name, NULL, err);
-    search_end(&s);
-    return ok;
-}
 
 // Checks that a list is given if its number of rows is not 0, and its rows, too.
 static bool check_lists(const duet_tune_def *def, duet_error *err)
@@ -142,7 +135,7 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
         if (!variant_parse(&v, def->variants[i], duet_device_pair_get_info(def->pair, 0), err))
             return false;
     }
-    return check_levels(def, err) && check_strategy(def->strategy, err) &&
+    return check_levels(def, err) && joint_strategy_check(def->strategy, err) &&
            (def->task || check_search(def->search, err)) && subject_kind_of(def)->check(def, err) &&
            check_budget(&whole, err);
 }

@@ -130,6 +130,9 @@ typedef struct duet_tune_outcome {
     double whole_gain_high;
     duet_tune_terms terms;         // terms of the best plan; zero if a store has none
     duet_kernel_search kernels[2]; // A's, B's; a store keeps only what they led to
+    uint32_t plans; // that a strategy for kernels and share together could choose from; 0: it was
+                    // none
+    uint32_t plans_tried; // by it
     uint32_t trials;
     uint32_t launches; // all, of interrupted sessions too
     double seconds;

@@ -136,7 +136,7 @@ static bool confirm_kernels(tuning *t, int device, const duet_plan *before, cons
 {
     static const char *const stages[] = {
         "search", "candidates", "narrow",     "reorder", "bounds",
-        "hash",   "sort",       "cell start", "clear",
+        "hash",   "sort",       "cell start", "clear",   "kernel",
     };
     // Stages of a motion, in which the search is one of B's stages.
     static const char *const of_motion[] = {
@@ -165,7 +165,7 @@ static bool confirm_kernels(tuning *t, int device, const duet_plan *before, cons
     return true;
 }
 
-static bool is_meant(const char *what, const kernel_space *space)
+bool kernel_tuning_is_meant(const char *what, const kernel_space *space)
 {
     return strcmp(what, "kernels") == 0 || strcmp(what, space->kernel) == 0;
 }
@@ -177,7 +177,8 @@ static void expect_trials(tuning *t, int device, const kernel_space *spaces, uin
 {
     uint32_t left = 2 * confirmation.most_rounds;
     for (uint32_t i = 0; i < n; ++i)
-        for (uint32_t p = 0; is_meant(t->task->def->search, &spaces[i]) && p < spaces[i].n_params;
+        for (uint32_t p = 0;
+             kernel_tuning_is_meant(t->task->def->search, &spaces[i]) && p < spaces[i].n_params;
              ++p)
             left += (uint32_t)(TRIALS_A_VALUE * (spaces[i].params[p].n_values - 1));
     uint32_t next = device == 1 && !t->task->one_device ? so_far + left : 0;
@@ -198,7 +199,7 @@ static bool search_device(tuning *t, int device, uint32_t share, duet_kernel_sea
     t->found |= !got.usable; // the verdict tells why
     bool ok = !got.usable || kernels->read(kernels->context, &before, device, &spaces, &n, err);
     for (uint32_t i = 0; ok && i < n && tuning_within_budget(t); ++i) {
-        if (!is_meant(t->task->def->search, &spaces[i]))
+        if (!kernel_tuning_is_meant(t->task->def->search, &spaces[i]))
             continue;
         t->found = true;
         expect_trials(t, device, &spaces[i], n - i, t->state->played - begun);

@@ -11,4 +11,7 @@
 // neither device runs.
 bool kernel_tuning_run(tuning *t, duet_kernel_search told[2], duet_error *err);
 
+// Whether a tuning with that option `search` varies the kernel.
+bool kernel_tuning_is_meant(const char *what, const kernel_space *space);
+
 #endif

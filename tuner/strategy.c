@@ -219,15 +219,19 @@ static const strategy strategy_chunks = {
 
 // ---------------------------------------------------------------- lua
 
-// The script's function stays at the bottom of its stack.
-enum { FUNCTION = 1 };
+// The script's function stays at the bottom of its stack, and above it whether it chooses kernels
+// too.
+enum { FUNCTION = 1, IS_JOINT = 2 };
 
-// the script's result -> the function in it
+// the script's result -> the function in it, whether it is the field `joint`
 static int find_function(lua_State *L)
 {
-    if (lua_istable(L, 1))
+    bool is_table = lua_istable(L, 1);
+    bool joint = is_table && lua_getfield(L, 1, "joint") != LUA_TNIL;
+    if (is_table && !joint)
         lua_getfield(L, 1, "strategy");
-    return 1;
+    lua_pushboolean(L, joint);
+    return 2;
 }
 
 script *strategy_lua_open(const char *name, const char *chars, duet_error *err)
@@ -237,7 +241,7 @@ script *strategy_lua_open(const char *name, const char *chars, duet_error *err)
         return NULL;
     lua_State *L = script_lua(s);
     lua_pushcfunction(L, find_function);
-    bool ok = script_run(s, name, chars, strlen(chars), 1, err) && script_call(s, 1, 1, err);
+    bool ok = script_run(s, name, chars, strlen(chars), 1, err) && script_call(s, 1, 2, err);
     if (ok && !lua_isfunction(L, FUNCTION))
         ok = error_set(err, DUET_STATUS_BAD_INPUT,
                        "%s: the strategy is a %s; expected a function of the history", name,
@@ -247,6 +251,22 @@ script *strategy_lua_open(const char *name, const char *chars, duet_error *err)
         return NULL;
     }
     return s;
+}
+
+bool strategy_lua_is_joint(script *s)
+{
+    return lua_toboolean(script_lua(s), IS_JOINT);
+}
+
+bool strategy_lua_call(script *s, int (*call)(lua_State *L), const void *history, void *next,
+                       duet_error *err)
+{
+    lua_State *L = script_lua(s);
+    lua_pushcfunction(L, call);
+    lua_pushvalue(L, FUNCTION);
+    lua_pushlightuserdata(L, (void *)history);
+    lua_pushlightuserdata(L, next);
+    return script_call(s, 3, 0, err);
 }
 
 static void set_number(lua_State *L, const char *name, double value)
@@ -293,12 +313,7 @@ static bool lua_ask(const search_history *h, search_next *next, duet_error *err)
     if (!h->script)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "strategy 'lua': there is no script; expected a function in tune.lua");
-    lua_State *L = script_lua(h->script);
-    lua_pushcfunction(L, call_function);
-    lua_pushvalue(L, FUNCTION);
-    lua_pushlightuserdata(L, (void *)h);
-    lua_pushlightuserdata(L, next);
-    return script_call(h->script, 3, 0, err);
+    return strategy_lua_call(h->script, call_function, h, next, err);
 }
 
 const strategy strategy_lua = {

@@ -51,4 +51,11 @@ extern const strategy strategy_lua;
 // script_close.
 script *strategy_lua_open(const char *name, const char *chars, duet_error *err);
 
+// Whether the script's function chooses kernels and share together (joint_strategy.h).
+bool strategy_lua_is_joint(script *s);
+
+// Calls `call` with the script's function, history and next on its stack.
+bool strategy_lua_call(script *s, int (*call)(lua_State *L), const void *history, void *next,
+                       duet_error *err);
+
 #endif

@@ -30,7 +30,8 @@ uint32_t trial_budget_most(const tune_task *task, uint32_t kernels)
 {
     const duet_tune_def *def = task->def;
     uint32_t variants = task_count_variants(def), modes = task_count_modes(def);
-    uint32_t searched = strategy_find(def->strategy)->launches;
+    const strategy *searches = strategy_find(def->strategy);
+    uint32_t searched = searches ? searches->launches : 0; // else kernels and share are one search
     uint32_t most = kernels +
                     (variants > 1 ? 2 * variants * trial_budget_quick_race.most_rounds + 2 : 0) +
                     modes * searched + most_rivals(def) * race_default_options().most_rounds +

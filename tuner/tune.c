@@ -2,6 +2,7 @@
 #include "tuner/tune.h"
 
 #include "base/error.h"
+#include "tuner/joint_search.h"
 #include "tuner/kernel_tuning.h"
 #include "tuner/race.h"
 #include "tuner/variants.h"
@@ -35,6 +36,16 @@ static void give_up(const tuning *t, duet_tune_outcome *outcome)
              tuning_describe_others(t).chars);
 }
 
+// Kernels, then mode and share; or all of it by one strategy.
+static bool search(tuning *t, mode_found *founds, uint32_t *n, duet_tune_outcome *told,
+                   duet_error *err)
+{
+    if (!joint_search_is_asked(t->task))
+        return kernel_tuning_run(t, told->kernels, err) && mode_search_run(t, founds, n, err);
+    *n = 1;
+    return joint_search_run(t, founds, told, err);
+}
+
 bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err)
 {
     tuning t = {.task = task, .state = state, .plan = task->plan, .repeats = task->def->repeats};
@@ -43,8 +54,7 @@ bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcom
     state->played = 0;
     *outcome = nothing_known(&t);
     duet_error why = {0};
-    bool ok = variants_choose(&t, &why) && kernel_tuning_run(&t, outcome->kernels, &why) &&
-              mode_search_run(&t, founds, &n, &why) &&
+    bool ok = variants_choose(&t, &why) && search(&t, founds, &n, outcome, &why) &&
               verdict_reach(&t, founds, n, outcome, &why) && verdict_race_whole(&t, outcome, &why);
     if (!ok && tuning_is_out_of_patience(&t)) {
         give_up(&t, outcome);

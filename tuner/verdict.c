@@ -59,7 +59,8 @@ static bool undisturbed(const trial_log *state, const duet_plan *plan, double ns
 static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
 {
     double ns[2];
-    if (!strategy_find(t->task->def->strategy)->evened || !undisturbed(t->state, plan, ns))
+    const strategy *searched = strategy_find(t->task->def->strategy); // NULL: with kernels
+    if ((searched && !searched->evened) || !undisturbed(t->state, plan, ns))
         return false;
     double part = (double)plan->share / DUET_SHARE_ONE;
     double a = ns[0] / part, b = ns[1] / (1 - part); // each device's time for all the work

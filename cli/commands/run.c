@@ -31,6 +31,8 @@ static const option options[] = {
     OPTION_INPUT("replay", replay, "F.replay", "replay recorded commands, and compare the hash"),
     OPTION_OUTPUT("pairs", pairs_path, "OUT.csv",
                   "write the pairs, a line each, ascending; - is stdout"),
+    OPTION_OUTPUT("timeline", timeline, "F.svg",
+                  "draw when each device of the step did what, as the paper's figures 10 and 11"),
     OPTION_FLAG("check", check, "compare the pairs with the plain C reference"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
@@ -41,7 +43,7 @@ static const option_rule rules[] = {
     {"picture frames record replay", OPTION_NEEDS, "steps"},
     {"format", OPTION_NEEDS, "frames"},
     {"input ordered steps pairs check level missed false-rate", OPTION_EXCLUDES, "task"},
-    {"repeat input ordered pairs check level missed false-rate", OPTION_EXCLUDES, "steps"},
+    {"repeat input ordered pairs timeline check level missed false-rate", OPTION_EXCLUDES, "steps"},
     {0},
 };
 

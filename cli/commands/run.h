@@ -21,6 +21,7 @@ typedef struct arguments {
     const char *input;   // the name of a timed_input
     bool ordered;
     const char *pairs_path;
+    const char *timeline; // an SVG of one step's time lines
     bool check;
     bool json;
 } arguments;

@@ -8,6 +8,7 @@
 #include "cli/command_text.h"
 #include "cli/interrupt.h"
 #include "cli/report/run_report.h"
+#include "cli/report/time_lines.h"
 #include "cli/say.h"
 #include "tuner/sorted_pairs.h"
 
@@ -153,12 +154,28 @@ static void begin_report(still *s)
                              .accuracy_given = inputs_accuracy_given(&s->args->level, &accuracy)};
 }
 
+// The step whose stages the report has.
+static bool draw_timeline(const still *s, duet_error *err)
+{
+    const timed_step *step = timed_staged(&s->timed);
+    const time_lines shown = {.title = s->report.scene->name,
+                              .pair = s->pair,
+                              .plan = s->report.plan,
+                              .total_ms = step->total_ms,
+                              .stages = step->stages,
+                              .n_stages = step->n_stages};
+    return !s->args->timeline || time_lines_write(&shown, s->args->timeline, err);
+}
+
 static bool tell(const still *s, duet_error *err)
 {
     const run_report *r = &s->report;
+    if (!draw_timeline(s, err))
+        return false;
     if (s->args->json && !run_report_json(r, err))
         return false;
-    if (!s->args->json && !options_is_stdout(s->args->pairs_path))
+    if (!s->args->json && !options_is_stdout(s->args->pairs_path) &&
+        !options_is_stdout(s->args->timeline))
         run_report_text(r);
     return reference_check_is_right(&r->check) ||
            error_set(err, DUET_STATUS_WRONG_RESULT, "%s: the pairs differ from the reference's",

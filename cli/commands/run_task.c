@@ -10,6 +10,7 @@
 #include "cli/report/json.h"
 #include "cli/report/run_report.h"
 #include "cli/report/table.h"
+#include "cli/report/time_lines.h"
 #include "cli/say.h"
 #include "runtime/selection/profile_subject.h"
 #include "runtime/task/task_launch.h"
@@ -168,14 +169,27 @@ static bool print_json(const ran *r, duet_error *err)
     return say_json(o, err);
 }
 
+static bool draw_timeline(const arguments *args, const ran *r, duet_error *err)
+{
+    const task_result *m = &r->results[r->n / 2];
+    const time_lines shown = {.title = r->task->name,
+                              .pair = r->pair,
+                              .plan = &r->plan,
+                              .total_ms = m->total_ms,
+                              .stages = m->stages,
+                              .n_stages = m->n_stages};
+    return !args->timeline || time_lines_write(&shown, args->timeline, err);
+}
+
 static bool run_on(const arguments *args, task *t, duet_device_pair *pair, duet_error *err)
 {
     ran r = {.task = t, .pair = pair};
     task_launcher *l = task_launcher_open(t, pair, err);
-    bool ok = l && choose_plan(args, &r, err) && launch_all(args, l, &r, err);
+    bool ok = l && choose_plan(args, &r, err) && launch_all(args, l, &r, err) &&
+              draw_timeline(args, &r, err);
     if (ok && args->json)
         ok = print_json(&r, err);
-    else if (ok)
+    else if (ok && !options_is_stdout(args->timeline))
         print_text(args, &r);
     free(r.results);
     task_launcher_close(l);

@@ -11,7 +11,7 @@
 #include "cli/inputs.h"
 #include "cli/report/tune_report.h"
 #include "runtime/task/task.h"
-#include "tuner/search.h"
+#include "tuner/joint_strategy.h"
 #include "tuner/tune_config.h"
 
 #include <stdio.h>
@@ -57,9 +57,10 @@ static const option options[] = {
     OPTION_SETTINGS("set", scene.settings, "K=V", "any other parameter of the scene"),
     PAIR_OPTION_ROW(pair),
     OPTION_TEXT("strategy", strategy, "S",
-                "how the share is searched: balance (default), fig12, grid, chunks"),
+                "how the share is searched: balance (default), fig12, grid, chunks; or kernels and "
+                "share together: random, annealing, brute"),
     OPTION_TEXT("strategy-lua", strategy_path, "FILE",
-                "script that returns a function from the history to the next share"),
+                "script that returns a function from the history to the next share, or plan"),
     OPTION_TEXT(
         "variants", variants, "LIST",
         "kernels to choose from, with commas between them (auto,simd,auto sort=radix,paper)"),
@@ -399,12 +400,8 @@ static bool check_query(const config_workload *w, const duet_device_pair *pair, 
 
 static bool check_strategy(const arguments *args, const duet_device_pair *pair, duet_error *err)
 {
-    search s;
-    if (args->strategy) {
-        if (!search_begin(&s, args->strategy, NULL, err))
-            return false;
-        search_end(&s);
-    }
+    if (args->strategy && !joint_strategy_check(args->strategy, err))
+        return false;
     return !duet_device_pair_is_one(pair) || (!args->strategy && !args->strategy_path) ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "--strategy%s: %s is one device and has no share to search; expected --pair "

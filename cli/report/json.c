@@ -112,6 +112,20 @@ cJSON *json_add_row(cJSON *list)
     return row;
 }
 
+void json_add_stages(cJSON *o, const duet_stage *stages, uint32_t n)
+{
+    cJSON *list = cJSON_AddArrayToObject(o, "stages");
+    for (uint32_t i = 0; i < n; ++i) {
+        cJSON *stage = json_add_row(list);
+        cJSON_AddStringToObject(stage, "name", stages[i].name);
+        cJSON_AddStringToObject(stage, "device", stages[i].device == 0 ? "A" : "B");
+        cJSON_AddNumberToObject(stage, "ms", stages[i].ms);
+        cJSON_AddBoolToObject(stage, "transfer", stages[i].transfer);
+        cJSON_AddNumberToObject(stage, "begin_ms", stages[i].begin_ms);
+        cJSON_AddNumberToObject(stage, "end_ms", stages[i].end_ms);
+    }
+}
+
 void json_add_devices(cJSON *o, const duet_device_pair *pair)
 {
     cJSON_AddStringToObject(o, "a", duet_device_pair_get_info(pair, 0)->selector);

@@ -53,6 +53,9 @@ void json_add_cores(cJSON *o, const core_tally *cores);
 // Adds a field "A,B" from the devices' selectors.
 void json_add_pair(cJSON *o, const char *name, const duet_device_pair *pair);
 
+// Adds "stages", a row each.
+void json_add_stages(cJSON *o, const duet_stage *stages, uint32_t n);
+
 // Adds the fields "a" and "b", the devices' selectors.
 void json_add_devices(cJSON *o, const duet_device_pair *pair);
 

@@ -244,19 +244,6 @@ void run_report_check(const reference_check *check)
 
 // ---------------------------------------------------------------- as JSON
 
-static cJSON *stages_json(const timed_step *step)
-{
-    cJSON *stages = cJSON_CreateArray();
-    for (uint32_t i = 0; i < step->n_stages; ++i) {
-        cJSON *stage = json_add_row(stages);
-        cJSON_AddStringToObject(stage, "name", step->stages[i].name);
-        cJSON_AddStringToObject(stage, "device", step->stages[i].device == 0 ? "A" : "B");
-        cJSON_AddNumberToObject(stage, "ms", step->stages[i].ms);
-        cJSON_AddBoolToObject(stage, "transfer", step->stages[i].transfer);
-    }
-    return stages;
-}
-
 static void add_plan(cJSON *o, const duet_device_pair *pair, const duet_plan *plan)
 {
     char both[2 * DUET_VARIANT];
@@ -303,7 +290,7 @@ static void add_times(cJSON *o, const timed *m)
     cJSON_AddNumberToObject(o, "most_ms", m->steps[m->n - 1].total_ms);
     cJSON_AddNumberToObject(o, "a_ms", median->device_ms[0]);
     cJSON_AddNumberToObject(o, "b_ms", median->device_ms[1]);
-    cJSON_AddItemToObject(o, "stages", stages_json(staged));
+    json_add_stages(o, staged->stages, staged->n_stages);
 }
 
 void run_report_add_check(cJSON *o, const reference_check *check)

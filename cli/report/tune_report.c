@@ -195,6 +195,10 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o, text *command)
     cJSON_AddStringToObject(row, "unused", o->unused);
     add_terms(row, &o->terms);
     add_kernels(row, o);
+    if (o->plans > 0) {
+        cJSON_AddNumberToObject(row, "plans", o->plans);
+        cJSON_AddNumberToObject(row, "plans_tried", o->plans_tried);
+    }
     clear_line(r);
 }
 
@@ -348,6 +352,9 @@ static void print_details(const tune_report *r, const cJSON *row)
     if (json_true(row, "known"))
         printf("  known: the same was measured before; --fresh measures it again\n");
     print_kernels(row);
+    if (json_number(row, "plans") > 0)
+        printf("  kernels and share together: %.0f of %.0f plans tried\n",
+               json_number(row, "plans_tried"), json_number(row, "plans"));
 }
 
 static void print_shares(const cJSON *workloads)

@@ -6,17 +6,26 @@
 #include "runtime/opencl/buffer.h"
 #include "runtime/opencl/program.h"
 
-// TIMED_EVERY: one step in so many has times where asking for them costs a device time.
-enum { TIMELINE_EVENTS = 192, TIMELINE_STAGES = 24, TIMELINE_SEEN = 4, TIMELINE_TIMED_EVERY = 16 };
+// TIMED_EVERY: one step in so many has times where asking for them costs a device time. TIED: so
+// many commands are asked when they were queued.
+enum {
+    TIMELINE_EVENTS = 192,
+    TIMELINE_STAGES = 24,
+    TIMELINE_SEEN = 4,
+    TIMELINE_TIMED_EVERY = 16,
+    TIMELINE_TIED = 4
+};
 
 typedef struct timeline {
     const device *device;
     struct {
         int stage;
         cl_event event;
+        uint64_t sent_ns; // by the host's clock; not before it was queued
     } events[TIMELINE_EVENTS];
     int n_events;
     duet_stage stages[TIMELINE_STAGES]; // in order of first appearance
+    bool on_host[TIMELINE_STAGES];      // stages that the host timed
     int n_stages;
     bool untimed;         // commands on the device's memory have no events
     bool unheard;         // some of those may be under way
@@ -25,8 +34,12 @@ typedef struct timeline {
     uint32_t n_waits;     // reads that the host waited for
     cl_ulong first_begin; // begin of the first kernel, on the device's clock; 0: none ran
     cl_ulong last_end;
-    bool beside; // something was written beside the kernels
-    cl_int lost; // the device did not say how a command stands; the step has failed
+    uint64_t begun_ns; // by the host's clock, from which stages' begins and ends are counted
+    cl_ulong queued;   // when the first command was, by the device's clock
+    int64_t first_ns;  // and since begun_ns, by the host's clock, as well as that is known
+    int n_tied;        // commands that say so
+    bool beside;       // something was written beside the kernels
+    cl_int lost;       // the device did not say how a command stands; the step has failed
 } timeline;
 
 // Forgets the last step. Without times the stages, and the kernels' first begin and last end, stay
@@ -107,7 +120,7 @@ bool timeline_collect_to(timeline *t, cl_event last, duet_error *err);
 bool timeline_flush(timeline *t, duet_error *err);
 bool timeline_finish(timeline *t, duet_error *err); // waits and reads the times
 
-// Adds time that the host spent on a stage of this device.
+// Adds time that the host has just spent on a stage of this device.
 void timeline_add_host(timeline *t, const char *stage, double ms);
 
 // From the begin of the first kernel to the end of the last one.

@@ -2,9 +2,11 @@
 // The events of a timeline: kept by their stages, waited for, and their times read.
 #include "runtime/opencl/timeline.h"
 
+#include "base/clock.h"
 #include "base/error.h"
 
 #include <assert.h>
+#include <math.h>
 #include <sched.h>
 #include <string.h>
 
@@ -20,6 +22,8 @@ void timeline_begin(timeline *t, const device *d, bool timed)
         return;
     t->n_stages = 0;
     t->first_begin = t->last_end = 0;
+    t->begun_ns = clock_steady_ns();
+    t->n_tied = 0;
 }
 
 void timeline_begin_step(timeline *t, const device *d, uint64_t step)
@@ -35,6 +39,7 @@ static int stage_index(timeline *t, const char *name, bool transfer)
             return i;
     assert(t->n_stages < TIMELINE_STAGES);
     t->stages[t->n_stages] = (duet_stage){.name = name, .transfer = transfer};
+    t->on_host[t->n_stages] = false;
     return t->n_stages++;
 }
 
@@ -56,6 +61,7 @@ bool timeline_keep(timeline *t, const char *stage, bool transfer, cl_event event
     }
     t->events[t->n_events].stage = at;
     t->events[t->n_events].event = event;
+    t->events[t->n_events].sent_ns = t->untimed ? 0 : clock_steady_ns();
     ++t->n_events;
     return true;
 }
@@ -94,6 +100,45 @@ bool timeline_flush(timeline *t, duet_error *err)
     return code == CL_SUCCESS || error_set_cl(err, code, "%s: flush", t->device->info.selector);
 }
 
+static double host_ms(const timeline *t, cl_ulong device_ns)
+{
+    return (double)((int64_t)(device_ns - t->queued) + t->first_ns) * 1e-6;
+}
+
+static void move_stages(timeline *t, double ms)
+{
+    for (int i = 0; i < t->n_stages; ++i) {
+        bool moves = !t->on_host[i] && t->stages[i].end_ms != 0;
+        t->stages[i].begin_ms += moves ? ms : 0;
+        t->stages[i].end_ms += moves ? ms : 0;
+    }
+}
+
+// A device's clock counts from a moment of its own. Each of the first commands was queued before
+// the host saw that it was sent, mostly just before; the one with the least delay says when.
+static void tie_clocks(timeline *t, int i)
+{
+    cl_ulong queued = 0;
+    clGetEventProfilingInfo(t->events[i].event, CL_PROFILING_COMMAND_QUEUED, sizeof queued, &queued,
+                            NULL);
+    bool first = t->n_tied++ == 0;
+    t->queued = first ? queued : t->queued;
+    int64_t sent_ns = (int64_t)(t->events[i].sent_ns - t->begun_ns);
+    int64_t first_ns = sent_ns - (int64_t)(queued - t->queued);
+    if (!first && first_ns >= t->first_ns)
+        return;
+    if (!first)
+        move_stages(t, (double)(first_ns - t->first_ns) * 1e-6);
+    t->first_ns = first_ns;
+}
+
+static void extend_stage(duet_stage *stage, double begin_ms, double end_ms)
+{
+    bool first = stage->end_ms == 0;
+    stage->begin_ms = first ? begin_ms : fmin(stage->begin_ms, begin_ms);
+    stage->end_ms = first ? end_ms : fmax(stage->end_ms, end_ms);
+}
+
 static void add_event(timeline *t, duet_stage *stage, cl_event event)
 {
     cl_ulong begin = 0;
@@ -103,6 +148,7 @@ static void add_event(timeline *t, duet_stage *stage, cl_event event)
     if (end <= begin)
         return;
     stage->ms += (double)(end - begin) * 1e-6;
+    extend_stage(stage, host_ms(t, begin), host_ms(t, end));
     if (stage->transfer)
         return;
     if (t->first_begin == 0 || begin < t->first_begin)
@@ -124,6 +170,8 @@ static cl_int finish_queues(timeline *t)
 static cl_int collect(timeline *t, int n)
 {
     cl_int code = CL_SUCCESS;
+    for (int i = 0; i < n && !t->untimed && t->n_tied < TIMELINE_TIED; ++i)
+        tie_clocks(t, i);
     for (int i = 0; i < n; ++i) {
         cl_event event = t->events[i].event;
         cl_int state = state_of(t, event);
@@ -183,8 +231,14 @@ bool timeline_finish(timeline *t, duet_error *err)
 
 void timeline_add_host(timeline *t, const char *stage, double ms)
 {
-    if (!t->untimed)
-        t->stages[stage_index(t, stage, false)].ms += ms;
+    if (t->untimed)
+        return;
+    int i = stage_index(t, stage, false);
+    duet_stage *at = &t->stages[i];
+    t->on_host[i] |= at->end_ms == 0;
+    double end_ms = clock_ms_since(t->begun_ns);
+    at->ms += ms;
+    extend_stage(at, end_ms - ms, end_ms);
 }
 
 double timeline_kernel_ms(const timeline *t)

@@ -148,14 +148,18 @@ static bool has_sum(const task *t)
     return has;
 }
 
-static void list_stages(const task_launcher *l, double merge_ms, task_result *r)
+static void list_stages(const task_launcher *l, double before_ms, task_result *r)
 {
     int n = 0;
     for (int side = 0; side < 2; ++side)
         if (r->device_ms[side] > 0)
             n = timeline_list_stages(&l->sides[side].side.times, side, r->stages, n);
     if (has_sum(l->task))
-        r->stages[n++] = (duet_stage){.name = "merge", .device = 1, .ms = merge_ms};
+        r->stages[n++] = (duet_stage){.name = "merge",
+                                      .device = 1,
+                                      .ms = r->total_ms - before_ms,
+                                      .begin_ms = before_ms,
+                                      .end_ms = r->total_ms};
     r->n_stages = (uint32_t)n;
 }
 
@@ -172,7 +176,7 @@ static bool run(task_launcher *l, uint32_t share, task_result *r, duet_error *er
     r->total_ms = clock_ms_since(begun);
     for (int side = 0; side < 2; ++side)
         r->device_ms[side] = l->sides[side].side.wall_ms;
-    list_stages(l, r->total_ms - before_ms, r);
+    list_stages(l, before_ms, r);
     return true;
 }
 

@@ -883,6 +883,7 @@ static void lua_modules(void)
     assert_int_equal(luaopen_duet_frame(NULL), 0);
     assert_int_equal(luaopen_duet_lab(NULL), 0);
     assert_int_equal(luaopen_duet_plot(NULL), 0);
+    assert_int_equal(luaopen_duet_timeline(NULL), 0);
 }
 
 // ------------------------------------------------------------ the table
@@ -982,7 +983,8 @@ static const struct {
      "duet_profile_list_get_profile duet_profile_get_trials duet_profile_use "
      "duet_profile_forget duet_profiles_export duet_profiles_import",
      profiles},
-    {"luaopen_duet luaopen_duet_frame luaopen_duet_lab luaopen_duet_plot", lua_modules},
+    {"luaopen_duet luaopen_duet_frame luaopen_duet_lab luaopen_duet_plot luaopen_duet_timeline",
+     lua_modules},
 };
 
 enum { ROWS = sizeof rows / sizeof rows[0] };

@@ -198,6 +198,53 @@ TEST(text_names_devices_stages_and_pairs)
     program_free(&p);
 }
 
+// Stages of one device's queue follow each other, and all of them lie within the step.
+static void check_stage_times(const cJSON *o)
+{
+    double ends[2] = {0, 0};
+    const cJSON *stage = NULL;
+    cJSON_ArrayForEach(stage, cJSON_GetObjectItemCaseSensitive(o, "stages"))
+    {
+        double begin = json_number(stage, "begin_ms"), end = json_number(stage, "end_ms");
+        int device = json_string(stage, "device")[0] - 'A';
+        if (end == 0)
+            continue;
+        assert_true(begin >= 0 && begin < end && end <= json_number(o, "total_ms") + 0.05);
+        assert_true(json_number(stage, "ms") <= end - begin + 1e-6);
+        if (!cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(stage, "transfer"))) {
+            assert_true(end > ends[device] - 0.05); // host and device have clocks of their own
+            ends[device] = end;
+        }
+    }
+    assert_true(ends[1] > 0);
+}
+
+TEST(timeline_shows_each_stage_where_it_was)
+{
+    cJSON *o = run_json(SCENE " --share 1/4 --mode own --repeat 3 --timeline test_run.svg");
+    check_stage_times(o);
+    text svg = {0};
+    assert_true(text_read_file(&svg, "test_run.svg", NULL));
+    assert_memory_equal(svg.chars, "<svg ", 5);
+    const cJSON *stage = NULL;
+    cJSON_ArrayForEach(stage, cJSON_GetObjectItemCaseSensitive(o, "stages"))
+    {
+        char bar[200];
+        snprintf(bar, sizeof bar, "<title>%s: %.3f ms, from %.3f to %.3f</title>",
+                 json_string(stage, "name"), json_number(stage, "ms"),
+                 json_number(stage, "begin_ms"), json_number(stage, "end_ms"));
+        assert_true(json_number(stage, "end_ms") == 0 || strstr(svg.chars, bar));
+    }
+    text_free(&svg);
+    cJSON_Delete(o);
+    program p = program_run("run %s --steps 2 --timeline test_run.svg", SCENE);
+    program_assert_refused(&p, 2, "--timeline");
+    p = program_run("run %s --repeat 1 --timeline -", SCENE);
+    assert_int_equal(p.exit_code, 0);
+    assert_memory_equal(p.out, "<svg ", 5);
+    program_free(&p);
+}
+
 TEST(wrong_usage_is_one_line_and_exit_2)
 {
     static const char *const wrong[][2] = {

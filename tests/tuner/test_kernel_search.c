@@ -145,7 +145,8 @@ static bool launch_fake(void *context, const duet_plan *plan, bool staged, measu
             part[device] * disturbed(f, time_of(f, config)) * coldness(f, device, config);
         double ms = kernel_ms + part[device] * disturbed(f, REST_MS);
         if (staged)
-            launch->stages[launch->n_stages++] = (duet_stage){"search", device, kernel_ms, false};
+            launch->stages[launch->n_stages++] =
+                (duet_stage){.name = "search", .device = device, .ms = kernel_ms};
         *(device == 0 ? &launch->a_ns : &launch->b_ns) = (int64_t)(ms * 1e6);
     }
     launch->total_ns = launch->a_ns > launch->b_ns ? launch->a_ns : launch->b_ns;
@@ -400,8 +401,9 @@ static bool launch_clearing(void *context, const duet_plan *plan, bool staged,
     assert_true(staged);
     bool first = (*launched)++ == 0;
     if (first)
-        launch->stages[launch->n_stages++] = (duet_stage){"clear", 1, 5.0, false};
-    launch->stages[launch->n_stages++] = (duet_stage){"search", 1, first ? 1.0 : 2.0, false};
+        launch->stages[launch->n_stages++] = (duet_stage){.name = "clear", .device = 1, .ms = 5.0};
+    launch->stages[launch->n_stages++] =
+        (duet_stage){.name = "search", .device = 1, .ms = first ? 1.0 : 2.0};
     launch->total_ns = launch->b_ns = first ? 7000000 : 3000000;
     launch->hash = RIGHT;
     return true;

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+// Texts that the program's own Lua scripts make of a JSON object: a page, a picture.
+#ifndef CLI_RENDERING_H
+#define CLI_RENDERING_H
+
+#include "base/text.h"
+#include "duet_error.h"
+
+#include <cjson/cJSON.h>
+
+// Adds the text to out. Each part, a carried script, is given what the one before it returned, and
+// the last returns a function from the object, as a Lua table, to the text. parts ends with NULL.
+bool rendering_make(text *out, const char *const *parts, const cJSON *shown, duet_error *err);
+
+#endif

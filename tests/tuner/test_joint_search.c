@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: MIT
+// Strategies that choose kernels and share together, on two kernels that are only arithmetic.
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "tuner/joint_strategy.h"
+#include "tuner/strategy.h"
+#include "tuner/tune.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIZES = 4, TILES = 3, CONFIGS = SIZES * TILES, POINTS = 16 };
+
+// A takes `slower` times as long as B; a config takes its factor times as long as the best one.
+typedef struct fake {
+    kernel_space space; // of both devices
+    double factor[2][CONFIGS];
+    double slower;
+    double sigma;
+    rng random;
+    uint32_t launches, stop_after;
+} fake;
+
+static void invent(fake *f)
+{
+    kernel_space *s = &f->space;
+    *s = (kernel_space){.kernel = "k", .stages = {"kernel"}, .n_params = 2, .now = 5};
+    snprintf(s->params[0].name, sizeof s->params[0].name, "SIZE");
+    snprintf(s->params[1].name, sizeof s->params[1].name, "TILE");
+    s->params[0].n_values = SIZES;
+    s->params[1].n_values = TILES;
+    for (uint32_t i = 0; i < SIZES; ++i)
+        s->params[0].values[i] = 1 << i;
+    for (uint32_t i = 0; i < TILES; ++i)
+        s->params[1].values[i] = i;
+    for (uint8_t size = 0; size < SIZES; ++size)
+        for (uint8_t tile = 0; tile < TILES; ++tile)
+            memcpy(s->configs[s->n_configs++], (uint8_t[]){size, tile}, 2);
+    for (int device = 0; device < 2; ++device) {
+        double sizes[SIZES], tiles[TILES];
+        for (uint32_t i = 0; i < SIZES; ++i)
+            sizes[i] = 1 + rng_unit(&f->random);
+        for (uint32_t i = 0; i < TILES; ++i)
+            tiles[i] = 1 + 0.5 * rng_unit(&f->random);
+        for (uint32_t c = 0; c < CONFIGS; ++c)
+            f->factor[device][c] =
+                sizes[c / TILES] * tiles[c % TILES] * (1 + 0.1 * rng_unit(&f->random));
+    }
+    f->slower = 1 + 7 * rng_unit(&f->random);
+}
+
+static double time_of(const fake *f, double share, uint32_t a, uint32_t b)
+{
+    double shared = share > 0 && share < 1 ? 0.05 : 0;
+    double of_a = share > 0 ? f->slower * share * f->factor[0][a] + shared : 0;
+    double of_b = share < 1 ? (1 - share) * f->factor[1][b] + shared : 0;
+    return fmax(of_a, of_b);
+}
+
+static double least_time(const fake *f)
+{
+    double least = INFINITY;
+    for (uint32_t point = 0; point <= POINTS; ++point)
+        for (uint32_t a = 0; a < CONFIGS; ++a)
+            for (uint32_t b = 0; b < CONFIGS; ++b)
+                least = fmin(least, time_of(f, point / (double)POINTS, a, b));
+    return least;
+}
+
+// The config that a variant's text sets.
+static uint32_t read_config(const fake *f, const char *variant)
+{
+    uint32_t size = f->space.now / TILES, tile = f->space.now % TILES;
+    const char *at = strstr(variant, "k.SIZE=");
+    if (at)
+        for (size = 0; f->space.params[0].values[size] != atoi(at + 7); ++size)
+            assert_true(size < SIZES);
+    at = strstr(variant, "k.TILE=");
+    tile = at ? (uint32_t)atoi(at + 7) : tile;
+    assert_true(tile < TILES);
+    return size * TILES + tile;
+}
+
+static double noisy(fake *f, double ms)
+{
+    return ms * (1 + f->sigma * rng_normal(&f->random));
+}
+
+static bool launch_fake(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
+                        duet_error *err)
+{
+    fake *f = context;
+    double share = plan->share / 65536.0;
+    uint32_t a = read_config(f, plan->variant_a), b = read_config(f, plan->variant_b);
+    (void)err;
+    ++f->launches;
+    launch->a_ns = share > 0 ? (int64_t)(1e7 * noisy(f, f->slower * share * f->factor[0][a])) : 0;
+    launch->b_ns = share < 1 ? (int64_t)(1e7 * noisy(f, (1 - share) * f->factor[1][b])) : 0;
+    launch->total_ns = (int64_t)(1e7 * noisy(f, time_of(f, share, a, b)));
+    for (int device = 0; staged && device < 2; ++device)
+        launch->stages[launch->n_stages++] =
+            (duet_stage){.name = "kernel",
+                         .device = device,
+                         .ms = (double)(device == 0 ? launch->a_ns : launch->b_ns) * 1e-6};
+    return true;
+}
+
+static bool read_fake(void *context, const duet_plan *plan, int device, kernel_space **spaces,
+                      uint32_t *n, duet_error *err)
+{
+    const fake *f = context;
+    (void)plan, (void)device, (void)err;
+    *spaces = malloc(sizeof **spaces);
+    assert_non_null(*spaces);
+    **spaces = f->space;
+    *n = 1;
+    return true;
+}
+
+static bool watch_fake(void *context, const duet_tune_progress *p)
+{
+    const fake *f = context;
+    return f->stop_after == 0 || p->remembered || p->trials % f->stop_after != 0;
+}
+
+static bool run_fake(fake *f, const char *name, script *own, trial_log *log,
+                     duet_tune_outcome *outcome, duet_error *err)
+{
+    static const char *const one[] = {"auto"};
+    static const duet_mode modes[] = {DUET_MODE_OWN};
+    const duet_tune_def def = {.strategy = name,
+                               .search = "kernels",
+                               .variants = one,
+                               .n_variants = 1,
+                               .modes = modes,
+                               .n_modes = 1,
+                               .repeats = 1,
+                               .seed = 7,
+                               .watch = watch_fake,
+                               .watch_context = f};
+    tune_task task = {.def = &def,
+                      .machine = {.context = f, .launch = launch_fake},
+                      .kernels = {.context = f, .read = read_fake},
+                      .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
+                      .script = own,
+                      .least_share = 8};
+    return tune_run(&task, log, outcome, err);
+}
+
+static duet_tune_outcome tune_fake(fake *f, const char *name)
+{
+    duet_tune_outcome o;
+    duet_error err = {0};
+    trial_log log = {0};
+    assert_ok(run_fake(f, name, NULL, &log, &o, &err), err);
+    trial_log_free(&log);
+    return o;
+}
+
+static double time_of_plan(const fake *f, const duet_plan *plan)
+{
+    return time_of(f, plan->share / 65536.0, read_config(f, plan->variant_a),
+                   read_config(f, plan->variant_b));
+}
+
+// ---------------------------------------------------------------- the space
+
+static joint_space open_space(const fake *f)
+{
+    joint_space s = {.points = POINTS, .n_kernels = {1, 1}};
+    for (int device = 0; device < 2; ++device)
+        assert_true(
+            read_fake((void *)f, NULL, device, &s.kernels[device], &s.n_kernels[device], NULL));
+    return s;
+}
+
+TEST(every_plan_of_the_grid_has_one_number)
+{
+    fake f = {.random = rng_seed(test_seed())};
+    invent(&f);
+    joint_space s = open_space(&f);
+    uint64_t n = joint_space_count(&s);
+    assert_int_equal(n, (POINTS - 1) * CONFIGS * CONFIGS + 2 * CONFIGS);
+    bool seen[POINTS + 1][CONFIGS][CONFIGS] = {{{false}}};
+    for (uint64_t i = 0; i < n; ++i) {
+        joint_point p = joint_space_at(&s, i), same = p;
+        uint32_t point = p.share / (SEARCH_ONE / POINTS);
+        assert_int_equal(p.share % (SEARCH_ONE / POINTS), 0);
+        joint_space_normalize(&s, &same);
+        assert_true(joint_point_same(&p, &same));
+        assert_false(seen[point][p.configs[0][0]][p.configs[1][0]]);
+        seen[point][p.configs[0][0]][p.configs[1][0]] = true;
+    }
+    joint_space_free(&s);
+}
+
+TEST(a_neighbour_differs_in_one_parameter_or_in_the_share)
+{
+    fake f = {.random = rng_seed(test_seed())};
+    invent(&f);
+    joint_space s = open_space(&f);
+    for (int i = 0; i < 2000; ++i) {
+        joint_point p = joint_space_random(&s, &f.random);
+        joint_point to = joint_space_neighbour(&s, &p, &f.random);
+        if (p.share == 0 || p.share == SEARCH_ONE || to.share == 0 || to.share == SEARCH_ONE)
+            continue;
+        uint32_t differ = p.share != to.share;
+        for (int device = 0; device < 2; ++device)
+            for (uint32_t k = 0; k < 2; ++k)
+                differ += f.space.configs[p.configs[device][0]][k] !=
+                          f.space.configs[to.configs[device][0]][k];
+        assert_true(differ <= 1);
+    }
+    joint_space_free(&s);
+}
+
+// ---------------------------------------------------------------- strategies
+
+TEST(brute_force_finds_the_best_plan_of_all)
+{
+    fake f = {.random = rng_seed(test_seed())};
+    for (int i = 0; i < 5; ++i) {
+        invent(&f);
+        duet_tune_outcome o = tune_fake(&f, "brute");
+        assert_int_equal(o.plans, (POINTS - 1) * CONFIGS * CONFIGS + 2 * CONFIGS);
+        assert_int_equal(o.plans_tried, o.plans);
+        // the verdict may even the share out between those of the grid
+        assert_true(time_of_plan(&f, &o.plan) <= least_time(&f) + 1e-12);
+    }
+}
+
+TEST(a_tenth_of_the_plans_comes_near_the_best)
+{
+    static const struct {
+        const char *strategy;
+        double mean; // at most so much above the best
+    } cases[] = {{"random", 0.06}, {"annealing", 0.02}, {"balance", 0.02}};
+    enum { TIMES = 60 };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        fake f = {.random = rng_seed(test_seed() + 1), .sigma = 0.01};
+        double mean = 0, worst = 0;
+        for (int i = 0; i < TIMES; ++i) {
+            invent(&f);
+            duet_tune_outcome o = tune_fake(&f, cases[k].strategy);
+            double off = time_of_plan(&f, &o.plan) / least_time(&f) - 1;
+            mean += off / TIMES;
+            worst = fmax(worst, off);
+            assert_true(10 * o.plans_tried <= o.plans);
+        }
+        print_message("%s: %.1f %% above the best in the mean, %.1f %% at worst\n",
+                      cases[k].strategy, 100 * mean, 100 * worst);
+        assert_true(mean <= cases[k].mean);
+    }
+}
+
+TEST(no_plan_is_measured_twice)
+{
+    fake f = {.random = rng_seed(test_seed())};
+    invent(&f);
+    joint_space s = open_space(&f);
+    for (int k = 0; joint_strategies[k]; ++k) {
+        joint_history h = {.space = &s, .seed = 3, .most = 300};
+        duet_error err = {0};
+        while (h.n < h.most) {
+            joint_next next;
+            assert_ok(joint_strategies[k]->ask(&h, &next, &err), err);
+            if (next.done)
+                break;
+            assert_null(joint_history_find(&h, &next.at));
+            joint_sample sample = {.at = next.at, .usable = rng_below(&f.random, 9) > 0};
+            sample.times.total_ns = 1000 + rng_below(&f.random, 1000);
+            assert_ok(joint_history_add(&h, &sample, &err), err);
+        }
+        assert_int_equal(h.n, h.most);
+        joint_history_free(&h);
+    }
+    joint_space_free(&s);
+}
+
+// Stopped after every few trials, and taken up from JSON each time.
+TEST(a_resumed_search_ends_as_an_uninterrupted_one)
+{
+    static const char *const names[] = {"random", "annealing"};
+    for (int k = 0; k < 2; ++k) {
+        fake f = {.random = rng_seed(test_seed())};
+        invent(&f);
+        duet_tune_outcome expected = tune_fake(&f, names[k]), o;
+        duet_error err = {0};
+        trial_log log = {0};
+        uint32_t stops = 0;
+        for (f.stop_after = 9; !run_fake(&f, names[k], NULL, &log, &o, &err); ++stops) {
+            text json = {0};
+            assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
+            err = (duet_error){0};
+            trial_log_to_json(&log, &json);
+            trial_log_free(&log);
+            assert_ok(trial_log_from_json(&log, text_chars(&json), &err), err);
+            text_free(&json);
+        }
+        assert_true(stops > 10);
+        assert_string_equal(o.plan.variant_a, expected.plan.variant_a);
+        assert_string_equal(o.plan.variant_b, expected.plan.variant_b);
+        assert_int_equal(o.plan.share, expected.plan.share);
+        trial_log_free(&log);
+    }
+}
+
+// ---------------------------------------------------------------- scripts
+
+static bool tune_by(fake *f, const char *chars, duet_tune_outcome *o, duet_error *err)
+{
+    trial_log log = {0};
+    script *own = strategy_lua_open("s.lua", chars, err);
+    bool ok = own && run_fake(f, "lua", own, &log, o, err);
+    trial_log_free(&log);
+    script_close(own);
+    return ok;
+}
+
+// It sees all of the space: the configs' values, the grid, and what each plan took.
+TEST(a_script_searches_kernels_and_share_together)
+{
+    static const char chars[] =
+        "local function best(history)\n"
+        "  local at = history[1]\n"
+        "  for _, h in ipairs(history) do if h.ok and h.total < at.total then at = h end end\n"
+        "  return at\n"
+        "end\n"
+        "return { joint = function(space, history)\n"
+        "  local a, b = space.kernels[1], space.kernels[2]\n"
+        "  assert(a.device == 'A' and b.device == 'B' and a.name == 'k' and #space.shares == 17)\n"
+        "  assert(a.configs[2].SIZE == 1 and a.configs[2].TILE == 1 and a.now == 6)\n"
+        "  local n, na = #history, #a.configs\n"
+        "  if n < na then return { share = 0.5, configs = { n + 1, b.now } } end\n"
+        "  local from = { table.unpack(history, 1, na) }\n"
+        "  table.sort(from, function(x, y) return x.a < y.a end)\n"
+        "  if n < 2 * na then return { share = 0.5, configs = { from[1].configs[1], n - na + 1 } } "
+        "end\n"
+        "  local of_b = { table.unpack(history, na + 1, 2 * na) }\n"
+        "  table.sort(of_b, function(x, y) return x.b < y.b end)\n"
+        "  local configs = { from[1].configs[1], of_b[1].configs[2] }\n"
+        "  if n < 2 * na + 17 then return { share = space.shares[n - 2 * na + 1], configs = "
+        "configs } end\n"
+        "end }\n";
+    fake f = {.random = rng_seed(test_seed())};
+    for (int i = 0; i < 5; ++i) {
+        duet_tune_outcome o;
+        duet_error err = {0};
+        invent(&f);
+        assert_ok(tune_by(&f, chars, &o, &err), err);
+        assert_int_equal(o.plans_tried, 2 * CONFIGS + POINTS + 1);
+        assert_true(time_of_plan(&f, &o.plan) <= least_time(&f) + 1e-12);
+    }
+}
+
+TEST(a_script_that_gives_no_plan_is_told_what_was_expected)
+{
+    static const char *const wrong[][2] = {
+        {"return { joint = 3 }", "expected a function of the history"},
+        {"return { joint = function() return 0.5 end }", "expected { share =, configs = } or nil"},
+        {"return { joint = function() return { share = 2 } end }", "expected 0 to 1"},
+        {"return { joint = function() return { share = 0.5, configs = { 13, 1 } } end }",
+         "config 1 is 13; expected 1 to 12"},
+    };
+    fake f = {.random = rng_seed(test_seed())};
+    invent(&f);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        duet_tune_outcome o;
+        duet_error err = {0};
+        assert_false(tune_by(&f, wrong[i][0], &o, &err));
+        if (!strstr(err.text, wrong[i][1]))
+            fail_msg("'%s' does not say '%s'", err.text, wrong[i][1]);
+    }
+}
+
+TEST_MAIN(NULL, NULL)

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/joint_space.h"
+
+#include "tuner/tuning.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void joint_space_free(joint_space *s)
+{
+    free(s->kernels[0]);
+    free(s->kernels[1]);
+    *s = (joint_space){0};
+}
+
+static void reset_device(const joint_space *s, joint_point *p, int device)
+{
+    for (uint32_t i = 0; i < s->n_kernels[device]; ++i)
+        p->configs[device][i] = (uint16_t)s->kernels[device][i].now;
+}
+
+joint_point joint_space_base(const joint_space *s, uint32_t share)
+{
+    joint_point p = {.share = share};
+    reset_device(s, &p, 0);
+    reset_device(s, &p, 1);
+    return p;
+}
+
+void joint_space_normalize(const joint_space *s, joint_point *p)
+{
+    if (p->share == 0)
+        reset_device(s, p, 0);
+    if (p->share == SEARCH_ONE)
+        reset_device(s, p, 1);
+}
+
+bool joint_point_same(const joint_point *a, const joint_point *b)
+{
+    return a->share == b->share && memcmp(a->configs, b->configs, sizeof a->configs) == 0;
+}
+
+// ---------------------------------------------------------------- numbers
+
+static uint32_t share_of(const joint_space *s, uint32_t place)
+{
+    return s->points ? (uint32_t)((uint64_t)SEARCH_ONE * place / s->points) : 0;
+}
+
+static uint64_t count_configs(const joint_space *s, int device)
+{
+    uint64_t n = 1;
+    for (uint32_t i = 0; i < s->n_kernels[device]; ++i)
+        n *= s->kernels[device][i].n_configs;
+    return n;
+}
+
+uint64_t joint_space_count(const joint_space *s)
+{
+    uint64_t a = count_configs(s, 0), b = count_configs(s, 1);
+    return s->points ? a * b * (s->points - 1) + a + b : b;
+}
+
+static void set_configs(const joint_space *s, joint_point *p, int device, uint64_t number)
+{
+    for (uint32_t i = 0; i < s->n_kernels[device]; ++i) {
+        uint32_t n = s->kernels[device][i].n_configs;
+        p->configs[device][i] = (uint16_t)(number % n);
+        number /= n;
+    }
+}
+
+// B alone, then A alone, then both at each share between.
+joint_point joint_space_at(const joint_space *s, uint64_t number)
+{
+    uint64_t a = count_configs(s, 0), b = count_configs(s, 1);
+    joint_point p = joint_space_base(s, 0);
+    if (number < b) {
+        set_configs(s, &p, 1, number);
+    } else if (number < a + b) {
+        p.share = SEARCH_ONE;
+        set_configs(s, &p, 0, number - b);
+    } else {
+        uint64_t shared = number - a - b, inner = s->points - 1;
+        p.share = share_of(s, 1 + (uint32_t)(shared % inner));
+        set_configs(s, &p, 0, shared / inner % a);
+        set_configs(s, &p, 1, shared / inner / a);
+    }
+    return p;
+}
+
+// ---------------------------------------------------------------- chance
+
+joint_point joint_space_random(const joint_space *s, rng *r)
+{
+    joint_point p = {.share = share_of(s, rng_below(r, s->points + 1))};
+    for (int device = 0; device < 2; ++device)
+        for (uint32_t i = 0; i < s->n_kernels[device]; ++i)
+            p.configs[device][i] = (uint16_t)rng_below(r, s->kernels[device][i].n_configs);
+    joint_space_normalize(s, &p);
+    return p;
+}
+
+// Another config that differs in the fewest parameters, by chance where several do.
+static uint16_t step_config(const kernel_space *k, uint16_t from, rng *r)
+{
+    uint32_t least = UINT32_MAX, n = 0;
+    uint16_t chosen = from;
+    for (uint32_t i = 0; i < k->n_configs; ++i) {
+        uint32_t differ = 0;
+        for (uint32_t param = 0; param < k->n_params; ++param)
+            differ += k->configs[i][param] != k->configs[from][param];
+        if (differ == 0 || differ > least)
+            continue;
+        n = differ < least ? 1 : n + 1;
+        least = differ;
+        if (rng_below(r, n) == 0)
+            chosen = (uint16_t)i;
+    }
+    return chosen;
+}
+
+static uint32_t step_share(const joint_space *s, uint32_t share, rng *r)
+{
+    enum { FARTHEST = 4 };
+    int place = (int)(((uint64_t)share * s->points + SEARCH_ONE / 2) / SEARCH_ONE);
+    int by = 1 + (int)rng_below(r, FARTHEST);
+    place += rng_below(r, 2) ? by : -by;
+    place = place < 0 ? 0 : place > (int)s->points ? (int)s->points : place;
+    return share_of(s, (uint32_t)place);
+}
+
+// The share is what most depends on the others, and is moved in a third of the steps.
+joint_point joint_space_neighbour(const joint_space *s, const joint_point *p, rng *r)
+{
+    joint_point to = *p;
+    uint32_t n = s->n_kernels[0] + s->n_kernels[1];
+    if (n == 0 || (s->points && rng_below(r, 3) == 0)) {
+        to.share = step_share(s, p->share, r);
+    } else {
+        uint32_t which = rng_below(r, n);
+        int device = which >= s->n_kernels[0];
+        uint32_t i = device ? which - s->n_kernels[0] : which;
+        to.configs[device][i] = step_config(&s->kernels[device][i], to.configs[device][i], r);
+    }
+    joint_space_normalize(s, &to);
+    return to;
+}
+
+// ---------------------------------------------------------------- plans
+
+bool joint_space_plan(const joint_space *s, const joint_point *p, duet_plan *plan)
+{
+    *plan = s->base;
+    plan->share = p->share;
+    for (int device = 0; device < 2; ++device)
+        for (uint32_t i = 0; i < s->n_kernels[device]; ++i) {
+            char variant[DUET_VARIANT];
+            if (!kernel_space_write(&s->kernels[device][i], p->configs[device][i],
+                                    plan_variant(plan, device), variant, sizeof variant))
+                return false;
+            plan_set_variant(plan, device, variant);
+        }
+    return true;
+}

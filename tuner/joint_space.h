@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// The space of a search that chooses both devices' kernels and the share together: a config for
+// each kernel that a device varies, and a share of an even grid.
+#ifndef TUNER_JOINT_SPACE_H
+#define TUNER_JOINT_SPACE_H
+
+#include "base/rng.h"
+#include "runtime/broadphase/kernel_space.h"
+#include "tuner/search_history.h"
+
+enum { JOINT_KERNELS = 8 }; // of a device; others keep their config
+
+typedef struct joint_space {
+    kernel_space *kernels[2]; // of A and of B, owned
+    uint32_t n_kernels[2];
+    uint32_t points; // intervals of the grid of shares; 0: B does all
+    duet_plan base;  // with the texts of the variants that configs are added to
+} joint_space;
+
+// A device without work has the configs that ran at first.
+typedef struct joint_point {
+    uint32_t share; // out of SEARCH_ONE
+    uint16_t configs[2][JOINT_KERNELS];
+} joint_point;
+
+void joint_space_free(joint_space *s);
+
+// The configs that ran at first, at a share.
+joint_point joint_space_base(const joint_space *s, uint32_t share);
+
+// Gives a device without work the configs that ran at first: they are the same plan.
+void joint_space_normalize(const joint_space *s, joint_point *p);
+
+bool joint_point_same(const joint_point *a, const joint_point *b);
+
+// How many plans the grid has, and the one of a number below that. Plans that follow each other
+// mostly differ in the share alone, whose change builds no kernel.
+uint64_t joint_space_count(const joint_space *s);
+joint_point joint_space_at(const joint_space *s, uint64_t number);
+
+joint_point joint_space_random(const joint_space *s, rng *r);
+
+// One step away: another value of one parameter of one kernel, or a share up to four steps of the
+// grid away.
+joint_point joint_space_neighbour(const joint_space *s, const joint_point *p, rng *r);
+
+// False if a variant's text would be too long.
+bool joint_space_plan(const joint_space *s, const joint_point *p, duet_plan *plan);
+
+#endif
