@@ -89,8 +89,8 @@ static void read_material_pairs(lua_State *L, const member *m, void *at)
     check_row(L, m, fault, row);
 }
 
-static const member_type member_materials = {read_materials, NULL};
-static const member_type member_material_pairs = {read_material_pairs, NULL};
+static const member_type member_materials = {.read = read_materials};
+static const member_type member_material_pairs = {.read = read_material_pairs};
 
 const member motion_def_members[] = {
     {"script", &member_script, 0, 1, NULL},
