@@ -85,7 +85,7 @@ api.classes = {
   { "duet.ClusterResult", "A table: what all ranks found in a step." },
   { "duet.ClusterRank", "A table: what one rank did in the last step." },
   { "duet.Pairs64", "Collisions of a cluster: rows of two ids a < b, of 64 bits." },
-  { "duet.Online", "Keeps a world's share near its best while frames go by." },
+  { "duet.Online", "Keeps the plan of a world or a motion near its best while frames go by." },
   { "duet.Result", "What a step found; holds until the world's next step." },
 }
 
@@ -358,6 +358,9 @@ api.names = {
     "Steps the world with every mode and variant, if it has objects, and begins to watch the frames' times.",
     fails = true, c = "duet_online_create" },
   { "duet.Online:step", {}, "duet.Result", "In the place of world:step.", fails = true, c = "duet_online_step" },
+  { "duet.Motion:online", { "def?: { most_extra?: number }" }, "duet.Online",
+    "Watches the motion's searches of pairs, and moves their share.", fails = true, c = "duet_online_create" },
+  { "duet.Online:advance", {}, "duet.MotionResult", "In the place of motion:advance.", fails = true, c = "duet_online_advance" },
   { "duet.Online:tunings", {}, "integer", "How often the share was tuned again, or another plan taken.", c = "duet_online_get_tunings" },
   { "duet.Online:close", {}, "true", "Stores what was learned, where that was asked for.", fails = true,
     c = "duet_online_destroy" },

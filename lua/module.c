@@ -68,8 +68,8 @@ int luaopen_duet(lua_State *L)
     result_open_lua(L);
     search_open_lua(L);
     tune_open_lua(L);
-    online_open_lua(L);
     motion_open_lua(L);
+    online_open_lua(L);
     motion_def_open_lua(L);
     motion_step_open_lua(L);
     motion_state_open_lua(L);

@@ -142,15 +142,15 @@ static bool advance_once(void *by, duet_motion *motion, duet_motion_result *resu
     return duet_motion_advance(motion, result, err);
 }
 
-// Calls script(step, motion), where the motion has one.
-static void run_script(lua_State *L)
+// Calls script(step, motion), if the motion has one.
+static void run_script(lua_State *L, int index)
 {
-    motion_box *box = motion_check_box(L, 1);
-    if (lua_getiuservalue(L, 1, 1) == LUA_TTABLE) {
+    motion_box *box = motion_check_box(L, index);
+    if (lua_getiuservalue(L, index, 1) == LUA_TTABLE) {
         luaL_argcheck(L, !box->in_script, 1, "its script is running: it cannot be advanced by it");
         lua_rawgeti(L, -1, 2);
         lua_pushinteger(L, (lua_Integer)duet_motion_get_step(box->motion) + 1);
-        lua_pushvalue(L, 1);
+        lua_pushvalue(L, index);
         box->in_script = true;
         int status = lua_pcall(L, 2, 0, 0);
         box->in_script = false;
@@ -160,17 +160,22 @@ static void run_script(lua_State *L)
     lua_pop(L, 1);
 }
 
+int motion_run_by(lua_State *L, int index, advance_call *advance, void *by)
+{
+    run_script(L, index);
+    return motion_advance_by(L, index, advance, by);
+}
+
 static int motion_advance(lua_State *L)
 {
-    run_script(L);
-    return motion_advance_by(L, 1, advance_once, NULL);
+    return motion_run_by(L, 1, advance_once, NULL);
 }
 
 // The script acts before the first half. Results of earlier steps are gone with it.
 static int motion_advance_begin(lua_State *L)
 {
     duet_error err = {0};
-    run_script(L);
+    run_script(L, 1);
     motion_box *box = motion_check_box(L, 1);
     bool ok = duet_motion_advance_begin(box->motion, &err);
     box->steps += ok;

@@ -49,6 +49,8 @@ duet_device_pair *device_pair_check(lua_State *L, int index);
 typedef bool advance_call(void *by, duet_motion *motion, duet_motion_result *result,
                           duet_error *err);
 int motion_advance_by(lua_State *L, int index, advance_call *advance, void *by);
+// The same, after the motion's script.
+int motion_run_by(lua_State *L, int index, advance_call *advance, void *by);
 
 duet_tree *tree_check(lua_State *L, int index);
 enum { TREE_LARGE_POSES = DUET_SHAPES };

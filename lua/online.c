@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// world:online: keeps a world's plan near its best while frames go by.
+// world:online and motion:online: keep a plan near its best while frames go by.
+#include "lua/motion.h"
 #include "lua/policy.h"
 #include "lua/tune.h"
 
 typedef struct online_box {
     duet_online *online;
-    world_box *world; // the uservalue's
+    world_box *world; // the uservalue's; NULL if that is a motion
 } online_box;
 
 static const lua_class online_class;
@@ -24,6 +25,8 @@ static const member online_members[] = {
     ONLINE_OPTION(member_string, store),      MEMBER(member_names, online_def, variants),
     MEMBER(member_names, online_def, modes),  {0},
 };
+
+static const member of_motion[] = {ONLINE_OPTION(member_double, most_extra), {0}};
 
 static online_box *check_online(lua_State *L)
 {
@@ -58,11 +61,24 @@ static int world_online(lua_State *L)
     return 1;
 }
 
+// motion:online(def)
+static int motion_online(lua_State *L)
+{
+    duet_error err = {0};
+    online_def o = {.def = duet_default_online_def()};
+    o.def.motion = motion_check_box(L, 1)->motion;
+    member_read_table(L, 2, "an online plan", of_motion, &o);
+    online_box *box = class_push_of(L, &online_class, sizeof *box, 1);
+    box->online = duet_online_create(&o.def, &err);
+    return box->online ? 1 : class_push_failure(L, &err);
+}
+
 static int online_step(lua_State *L)
 {
     duet_error err = {0};
     duet_result result = {0};
     online_box *box = check_online(L);
+    luaL_argcheck(L, box->world, 1, "it follows a motion: expected online:advance()");
     ++box->world->steps;
     world_forget_views(box->world);
     if (!duet_online_step(box->online, &result, &err))
@@ -70,6 +86,21 @@ static int online_step(lua_State *L)
     lua_getiuservalue(L, 1, 1);
     result_push(L, -1, &result);
     return 1;
+}
+
+static bool advance_online(void *by, duet_motion *motion, duet_motion_result *result,
+                           duet_error *err)
+{
+    (void)motion;
+    return duet_online_advance(by, result, err);
+}
+
+static int online_advance(lua_State *L)
+{
+    online_box *box = check_online(L);
+    luaL_argcheck(L, !box->world, 1, "it follows a world: expected online:step()");
+    lua_getiuservalue(L, 1, 1);
+    return motion_run_by(L, lua_gettop(L), advance_online, box->online);
 }
 
 static int online_tunings(lua_State *L)
@@ -87,17 +118,23 @@ static int online_close(lua_State *L)
         return class_push_done(L, true, &err);
     bool ok = duet_online_destroy(box->online, &err);
     box->online = NULL;
-    --box->world->onlines;
+    if (box->world)
+        --box->world->onlines;
     return class_push_done(L, ok, &err);
 }
 
-static const luaL_Reg online_methods[] = {
-    {"step", online_step}, {"tunings", online_tunings}, {"close", online_close}, {NULL, NULL}};
+static const luaL_Reg online_methods[] = {{"step", online_step},
+                                          {"advance", online_advance},
+                                          {"tunings", online_tunings},
+                                          {"close", online_close},
+                                          {NULL, NULL}};
 static const lua_class online_class = {.name = "duet.online", .methods = online_methods};
 
 void online_open_lua(lua_State *L)
 {
     static const luaL_Reg of_world[] = {{"online", world_online}, {NULL, NULL}};
+    static const luaL_Reg of_motions[] = {{"online", motion_online}, {NULL, NULL}};
     class_open(L, &online_class);
     class_add_methods(L, "duet.world", of_world, NULL);
+    class_add_methods(L, "duet.motion", of_motions, NULL);
 }

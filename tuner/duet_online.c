@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
-// A world whose plan follows its frames' times. The kernels that it may change to are built and
-// timed where it is created, so that no frame waits for them.
+// A world or a motion whose plan follows its frames' times. The kernels that a world may change to
+// are built and timed where it is created, so that no frame waits for them. A motion's frames are
+// its searches, and only their share moves: its kernels cannot be timed beside the run, since each
+// step changes the state.
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
+#include "runtime/dynamics/motion.h"
 #include "runtime/selection/profile_subject.h"
 #include "tuner/online.h"
 #include "tuner/record.h"
@@ -26,21 +29,42 @@ duet_online_def duet_default_online_def(void)
     return (duet_online_def){.most_extra = 0.1, .cookie = COOKIE};
 }
 
-static bool check_def(const duet_online_def *def, duet_error *err)
+static bool check_modes(const duet_online_def *def, duet_error *err)
 {
-    if (!def || def->cookie != COOKIE || !def->world)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the def has no world or does not come from duet_default_online_def");
-    if (!world_is_idle(def->world, "duet_online_create", err))
-        return false;
-    if (!(def->most_extra >= 0) || !isfinite(def->most_extra))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "most_extra is %g; expected a part, as 0.1",
-                         def->most_extra);
     for (uint32_t i = 0; i < def->n_modes; ++i)
         if (def->modes[i] >= DUET_MODE_DEFAULT)
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "modes: %d; expected shared, own or slab", (int)def->modes[i]);
     return true;
+}
+
+static bool check_motion(const duet_online_def *def, duet_error *err)
+{
+    const char *other = def->n_modes      ? "modes"
+                        : def->n_variants ? "variants"
+                        : def->keep       ? "keep"
+                                          : NULL;
+    if (!motion_is_whole(def->motion, "duet_online_create", err))
+        return false;
+    if (!def->motion->graph.world)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the motion finds no pairs; expected one with contact");
+    return !other || error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                               "%s: expected none for a motion, whose share alone moves", other);
+}
+
+static bool check_def(const duet_online_def *def, duet_error *err)
+{
+    if (!def || def->cookie != COOKIE || !def->world == !def->motion)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the def comes not from duet_default_online_def, or has no world and no "
+                         "motion, or both; expected one");
+    if (!(def->most_extra >= 0) || !isfinite(def->most_extra))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "most_extra is %g; expected a part, as 0.1",
+                         def->most_extra);
+    if (def->motion)
+        return check_motion(def, err);
+    return world_is_idle(def->world, "duet_online_create", err) && check_modes(def, err);
 }
 
 // ---------------------------------------------------------------- plans
@@ -152,7 +176,16 @@ static bool learn(duet_online *o, duet_error *err)
     return true;
 }
 
-// ---------------------------------------------------------------- on a world
+// ---------------------------------------------------------------- open
+
+static bool begin(duet_online *o, duet_error *err)
+{
+    if (o->def.world)
+        return learn(o, err);
+    o->online = online_begin(&(listed_plan){.share = duet_motion_get_plan(o->def.motion)->share},
+                             o->def.most_extra);
+    return true;
+}
 
 duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
 {
@@ -163,12 +196,23 @@ duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
     if (!o)
         return error_null(err, DUET_STATUS_NO_MEMORY, "no memory to tune on line");
     o->def = *def;
-    if (!learn(o, err)) {
+    if (!begin(o, err)) {
         free(o);
         return NULL;
     }
-    world_hold(def->world);
+    if (def->world)
+        world_hold(def->world);
     return o;
+}
+
+// ---------------------------------------------------------------- frames
+
+static bool has(const duet_online *o, const void *subject, const char *call, const char *name,
+                duet_error *err)
+{
+    return error_given(o, call, "online", err) &&
+           (subject || error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                 "%s: the def had no %s; expected one", call, name));
 }
 
 bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
@@ -176,7 +220,8 @@ bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
     PUBLIC_CALL(err);
     listed_plan plan;
     search_sample frame;
-    if (!error_given(o, __func__, "online", err) || !error_given(result, __func__, "result", err) ||
+    if (!has(o, o ? o->def.world : NULL, __func__, "world", err) ||
+        !error_given(result, __func__, "result", err) ||
         !world_is_idle(o->def.world, __func__, err) || !online_plan(&o->online, &plan, err))
         return false;
     bool trial = online_is_trial(&o->online);
@@ -187,6 +232,27 @@ bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
     online_refuse(&o->online);
     return online_tell(&o->online, &frame, err);
 }
+
+bool duet_online_advance(duet_online *o, duet_motion_result *result, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    listed_plan plan;
+    duet_result found;
+    if (!has(o, o ? o->def.motion : NULL, __func__, "motion", err) ||
+        !error_given(result, __func__, "result", err) ||
+        !motion_is_whole(o->def.motion, __func__, err) || !online_plan(&o->online, &plan, err) ||
+        !motion_set_share(o->def.motion, plan.share, err))
+        return false;
+    motion_take_search(o->def.motion, &found); // of a step that was not this one's
+    if (!duet_motion_advance(o->def.motion, result, err))
+        return false;
+    if (!motion_take_search(o->def.motion, &found))
+        return true;
+    search_sample frame = measure_sample(&found, duet_motion_get_plan(o->def.motion));
+    return online_tell(&o->online, &frame, err);
+}
+
+// ---------------------------------------------------------------- close
 
 uint32_t duet_online_get_tunings(const duet_online *o)
 {
@@ -220,7 +286,7 @@ bool duet_online_destroy(duet_online *o, duet_error *err)
                    o->online.state != ONLINE_MOVING;
     bool ok = !o->def.keep || !settled || keep(o, err);
     online_end(&o->online);
-    duet_world_destroy(o->def.world);
+    duet_world_destroy(o->def.world); // NULL for a motion
     free(o);
     return ok;
 }

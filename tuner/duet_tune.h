@@ -166,18 +166,20 @@ DUET_API bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome
 
 // ---------------------------------------------------------------- on line
 
-// Keeps a world's plan near its best while frames go by.
+// Keeps the plan of a world or a motion near its best while frames go by.
 typedef struct duet_online duet_online;
 
+// A world or a motion.
 typedef struct duet_online_def {
     duet_world *world;           // held until the close; begins with the plan that it has
+    duet_motion *motion;         // the caller's, and there until the close; only its share moves
     double most_extra;           // a frame may be expected to take so much longer for a trial: 0.1
     const duet_mode *modes;      // to choose from
     uint32_t n_modes;            // 0: all
     const char *const *variants; // to choose from for each device, besides those of the plan
-    uint32_t n_variants;         // up to four with those of the plan
+    uint32_t n_variants; // up to four with those of the plan; a motion has no choice of both
     bool keep;         // stores at the close what was learned; it is loaded from then on if a tuned
-                       // profile was before
+                       // profile was before; false for a motion: a phase is not its run
     const char *store; // in this file; NULL: the user's (DUET_PROFILE)
     int cookie;
 } duet_online_def;
@@ -189,11 +191,18 @@ DUET_API duet_online_def duet_default_online_def(void);
 // loads. Without objects only the share is moved later. BAD_ARGUMENT for an unknown variant.
 DUET_API duet_online *duet_online_create(const duet_online_def *def, duet_error *err);
 
-// Steps the world in the place of duet_world_step, with a plan that it sets. If frames take other
-// times than before, or one device waits for the other, the next few frames move the share a
-// little. Another mode, other kernels, and one device or two, are tried if most_extra allows what
-// they are expected to take, and kept with a verdict as a tuning's. Nothing is read or written.
+// Steps the world in the place of duet_world_step, with a plan that it sets. BAD_ARGUMENT if the
+// def had no world. If frames take other times than before, or one device waits for the other, the
+// next few frames move the share a little. Another mode, other kernels, and one device or two, are
+// tried if most_extra allows what they are expected to take, and kept with a verdict as a tuning's.
+// Nothing is read or written.
 DUET_API bool duet_online_step(duet_online *online, duet_result *result, duet_error *err);
+
+// Advances the motion in the place of duet_motion_advance, with a share that it sets. It watches
+// the searches of all pairs, and follows the phases of a run: in the air, in a crash and at rest
+// the devices need other shares. A motion of one device, by its pair or its plan, keeps its share.
+// BAD_ARGUMENT if the def had no motion.
+DUET_API bool duet_online_advance(duet_online *online, duet_motion_result *result, duet_error *err);
 
 // Returns how often the share was tuned again, or another plan taken.
 DUET_API uint32_t duet_online_get_tunings(const duet_online *online);

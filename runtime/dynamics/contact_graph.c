@@ -125,6 +125,13 @@ bool motion_make_pairs(duet_motion *m, duet_error *err)
     return (!listed || compute_bounds(m, err)) && search_all(m, err);
 }
 
+bool motion_take_search(duet_motion *m, duet_result *search)
+{
+    *search = m->graph.searched;
+    m->graph.searched = (duet_result){0};
+    return search->total_ms > 0;
+}
+
 // ---------------------------------------------------------------- rows
 
 // Counts (fill 0) or writes (fill 1) what each object may touch.

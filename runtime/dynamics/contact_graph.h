@@ -7,7 +7,7 @@
 
 typedef struct contact_graph {
     duet_world *world;    // a world of bounds; NULL without contact
-    duet_result searched; // its last result
+    duet_result searched; // its last result; zero once it was taken
     scan scan;
     buffer pairs; // that rows are made of
     cl_uint n_pairs;
@@ -20,6 +20,10 @@ typedef struct contact_graph {
 bool motion_make_bounds(duet_motion *m, duet_error *err);
 bool motion_make_pairs(duet_motion *m, duet_error *err);
 bool motion_make_rows(duet_motion *m, duet_error *err);
+
+// Takes the result of the last search of all bodies. Returns false if there was none since the last
+// call.
+bool motion_take_search(duet_motion *m, duet_result *search);
 
 // Sends a check that sets FLAG_MOVED if a body has left its bounds, of all bodies or of the listed
 // ones; once flags are read, notes in

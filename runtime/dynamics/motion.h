@@ -190,6 +190,9 @@ uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFF
 bool motion_prepare(duet_motion *m, duet_error *err);
 bool motion_prepare_again(duet_motion *m, duet_error *err);
 
+// Sets the share of the following searches, of a motion that finds pairs.
+bool motion_set_share(duet_motion *m, uint32_t share, duet_error *err);
+
 // The skin, if there is one, and the kernels that only a motion has, of those that this one has
 // built, as kernel_spaces_read.
 bool motion_kernel_spaces(duet_motion *m, kernel_space **spaces, uint32_t *n, duet_error *err);

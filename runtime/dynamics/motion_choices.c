@@ -51,6 +51,17 @@ bool duet_motion_set_plan(duet_motion *m, const duet_plan *plan, duet_error *err
     return ok;
 }
 
+bool motion_set_share(duet_motion *m, uint32_t share, duet_error *err)
+{
+    duet_plan plan = plan_of(m->graph.world);
+    plan.share = share;
+    if (!duet_world_set_plan(m->graph.world, &plan, err))
+        return false;
+    m->plan.search.share = share;
+    motion_plan_note(m);
+    return true;
+}
+
 // ---------------------------------------------------------------- what is free
 
 static const int64_t skins[] = {0, 5, 10, 20, 40, 80}; // in percent; 0: the def's

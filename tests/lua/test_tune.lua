@@ -209,6 +209,24 @@ holds("an online plan gives the same pairs, and outlives no world", function()
   raises("the online plan is closed", online.step, online)
 end)
 
+holds("an online plan follows a motion, and its script runs", function()
+  local bodies, steps = assert(duet.scene("falling", { n = 200 })), 0
+  local plain <close> = assert(pair:motion(bodies, {}))
+  local motion <close> = assert(pair:motion(bodies, { script = function() steps = steps + 1 end }))
+  local online <close> = assert(motion:online { most_extra = 0.2 })
+  for _ = 1, 40 do
+    assert(plain:advance())
+    equal(assert(online:advance()).step, motion:step())
+  end
+  equal(steps, 40)
+  equal(motion:hash(), plain:hash())
+  raises("it follows a motion", online.step, online)
+  raises("keep", motion.online, motion, { keep = true })
+  motion:close()
+  raises("closed", online.advance, online)
+  equal(online:close(), true)
+end)
+
 holds("a tuning refuses what makes no sense", function()
   refused("BAD_ARGUMENT", "42 trials ends before a verdict; expected at least 43", pair.tune, pair, scene,
     quick { budget_trials = 42 })

@@ -468,11 +468,73 @@ TEST(what_was_learned_is_loaded_at_the_next_start_of_what_was_tuned)
     destroy_world(&f);
 }
 
+// ---------------------------------------------------------------- on a motion
+
+enum { PHASES = 90 };
+
+static duet_motion *drop(duet_device_pair *pair, const duet_scene *scene, uint32_t share)
+{
+    duet_error err = {0};
+    duet_motion_def def = duet_scene_motion_def(scene, pair);
+    def.plan.share = share;
+    duet_motion *m = duet_motion_create_from_scene(&def, scene, NULL, &err);
+    assert_ok(m != NULL, err);
+    return m;
+}
+
+// The state's bits after bodies fell, crashed and lay down.
+static uint64_t run_falling(duet_motion *m, duet_online *watching)
+{
+    duet_motion_result result;
+    duet_error err = {0};
+    uint64_t hash = 0;
+    for (int i = 0; i < PHASES; ++i)
+        assert_ok(watching ? duet_online_advance(watching, &result, &err)
+                           : duet_motion_advance(m, &result, &err),
+                  err);
+    assert_true(result.contacts > 0);
+    assert_ok(duet_motion_get_hash(m, &hash, &err), err);
+    return hash;
+}
+
+TEST(a_motion_keeps_its_bits_while_its_share_follows_the_searches)
+{
+    duet_error err = {0};
+    duet_device_pair_def devices = duet_default_device_pair_def();
+    duet_device_pair *pair = duet_device_pair_create(&devices, &err);
+    const duet_setting n = {"n", "600"};
+    duet_scene *scene = duet_scene_load("falling", &n, 1, &err);
+    assert_ok(pair && scene, err);
+    duet_motion *plain = drop(pair, scene, DUET_SHARE_ONE / 2);
+    uint64_t hash = run_falling(plain, NULL);
+    duet_motion_destroy(plain);
+
+    duet_motion *m = drop(pair, scene, DUET_SHARE_ONE / 16 * 15);
+    duet_online_def def = duet_default_online_def();
+    def.motion = m;
+    def.keep = true;
+    assert_null(duet_online_create(&def, &err));
+    assert_non_null(strstr(err.text, "keep: expected none for a motion"));
+    def.keep = false;
+    duet_online *watching = duet_online_create(&def, &err);
+    assert_ok(watching != NULL, err);
+    assert_true(run_falling(m, watching) == hash);
+    duet_result still;
+    assert_false(duet_online_step(watching, &still, &err));
+    assert_non_null(strstr(err.text, "the def had no world"));
+    assert_ok(duet_online_destroy(watching, &err), err);
+    duet_motion_destroy(m);
+    duet_scene_destroy(scene);
+    duet_device_pair_destroy(pair);
+}
+
 TEST(a_def_that_is_no_def_is_refused)
 {
-    duet_online_def zero = {0};
+    duet_online_def zero = {0}, neither = duet_default_online_def();
     duet_error err = {0};
     assert_null(duet_online_create(&zero, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    assert_null(duet_online_create(&neither, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
 }
 
