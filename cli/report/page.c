@@ -2,7 +2,6 @@
 #include "cli/report/page.h"
 
 #include "base/blob.h"
-#include "base/error.h"
 #include "base/text.h"
 #include "cli/report/profile_report.h"
 #include "gen/sandbox.h"
