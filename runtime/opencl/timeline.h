@@ -9,6 +9,13 @@
 // TIMED_EVERY: one step in so many has times where asking for them costs a device time.
 enum { TIMELINE_EVENTS = 192, TIMELINE_STAGES = 24, TIMELINE_SEEN = 4, TIMELINE_TIMED_EVERY = 16 };
 
+// What the host knows of the commands that were sent.
+typedef enum timeline_sent {
+    SENT_TOLD,   // each of those under way has an event
+    SENT_UNTOLD, // some without an event may be under way
+    SENT_SEEN,   // it has seen the end of all of them
+} timeline_sent;
+
 typedef struct timeline {
     const device *device;
     struct {
@@ -18,9 +25,8 @@ typedef struct timeline {
     int n_events;
     duet_stage stages[TIMELINE_STAGES]; // in order of first appearance
     int n_stages;
-    bool untimed;         // commands on the device's memory have no events
-    bool unheard;         // some of those may be under way
-    bool seen;            // the host has seen the end of all that was sent
+    bool untimed; // commands on the device's memory have no events
+    timeline_sent sent;
     uint32_t n_launches;  // launches of kernels
     uint32_t n_waits;     // reads that the host waited for
     cl_ulong first_begin; // begin of the first kernel, on the device's clock; 0: none ran
