@@ -39,7 +39,9 @@ static void add_quoted(text *t, const char *word)
     text_add(t, "'");
 }
 
-void command_text_word(text *t, const char *word)
+// Adds the word, quoted for a POSIX shell. A word with control characters or invalid UTF-8 is
+// written as octal numbers for printf, so that a terminal shows it safely.
+static void add_word(text *t, const char *word)
 {
     text_add(t, " ");
     if (*word && word[strspn(word, plain)] == '\0')
@@ -51,7 +53,7 @@ void command_text_word(text *t, const char *word)
 void command_text_option(text *t, const char *name, const char *value)
 {
     text_add(t, " --%s", name);
-    command_text_word(t, value);
+    add_word(t, value);
 }
 
 // A path like an option would be read as one.
@@ -59,7 +61,7 @@ void command_text_scene(text *t, const char *path, const scene_options *options)
 {
     text file = {0};
     text_add(&file, "%s%s", path[0] == '-' && path[1] ? "./" : "", path);
-    command_text_word(t, text_chars(&file));
+    add_word(t, text_chars(&file));
     text_free(&file);
     command_text_settings(t, options);
 }

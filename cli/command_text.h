@@ -8,10 +8,6 @@
 
 #include <stdio.h>
 
-// Adds the word, quoted for a POSIX shell. A word with control characters or invalid UTF-8 is
-// written as octal numbers for printf, so that a terminal shows it safely.
-void command_text_word(text *t, const char *word);
-
 // Adds "--name value".
 void command_text_option(text *t, const char *name, const char *value);
 

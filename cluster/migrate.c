@@ -5,7 +5,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 
 // An extent is a little wider the farther an object is from 0.
 #define ROOM_TO_MOVE 1.01

@@ -4,7 +4,6 @@
 
 #include "base/error.h"
 
-#include <inttypes.h>
 #include <limits.h>
 #include <math.h>
 #include <sched.h>

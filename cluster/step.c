@@ -14,7 +14,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 static double ms_since(uint64_t begun_ns)
 {

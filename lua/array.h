@@ -8,7 +8,6 @@
 #include "runtime/duet.h"
 
 #include <lua.h>
-#include <stdbool.h>
 
 typedef enum array_kind {
     ARRAY_POSES,

@@ -3,8 +3,6 @@
 
 #include "profiles/sql.h"
 
-#include <stdlib.h>
-
 #define LEAST_PLANS "16" // a mode's search with a coarse grid
 
 // The time of a launch that no other program disturbed; a file may say anything. Eleven days are

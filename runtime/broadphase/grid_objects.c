@@ -48,14 +48,16 @@ float grid_radius_of(const grid_objects *objects, uint32_t id)
                                                   : 0.0f;
 }
 
-duet_rounded_box grid_rounded_box_of(const grid_objects *objects, uint32_t id)
+// An object that has a radius.
+static duet_rounded_box rounded_box_of(const grid_objects *objects, uint32_t id)
 {
     return objects->shape == DUET_SHAPE_SPHERES
                ? rounded_of_sphere(&((const duet_sphere *)objects->array)[id])
                : ((const duet_rounded_box *)objects->array)[id];
 }
 
-void grid_point_of(double at[3], const grid_objects *objects, uint32_t id)
+// The point that decides an object\'s cell; z is 0 in 2D.
+static void point_of(double at[3], const grid_objects *objects, uint32_t id)
 {
     const void *row = row_of(objects, id);
     at[2] = 0.0;
@@ -67,7 +69,7 @@ void grid_point_of(double at[3], const grid_objects *objects, uint32_t id)
 
 void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)
 {
-    grid_point_of(centre, objects, id);
+    point_of(centre, objects, id);
     if (objects->shape != DUET_SHAPE_BOUNDS)
         return;
     const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
@@ -78,8 +80,8 @@ void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)
 bool grid_objects_collide(const grid_objects *objects, uint32_t a, uint32_t b)
 {
     if (grid_has_radii(objects)) {
-        const duet_rounded_box of_a = grid_rounded_box_of(objects, a);
-        const duet_rounded_box of_b = grid_rounded_box_of(objects, b);
+        const duet_rounded_box of_a = rounded_box_of(objects, a);
+        const duet_rounded_box of_b = rounded_box_of(objects, b);
         return rounded_decide(&of_a, &of_b, objects->dims);
     }
     double shift[3];
@@ -201,7 +203,7 @@ static void add_some(grid_needs *needs, const grid_objects *objects, uint32_t fi
                           .upper = {-INFINITY, -INFINITY, -INFINITY}};
     for (uint32_t id = first; id < last; ++id) {
         double point[3] = {0};
-        grid_point_of(point, objects, id);
+        point_of(point, objects, id);
         double rounding;
         double widest = widest_of(objects, id, &rounding);
         if (isfinite(point[0] + point[1] + point[2] + widest) && widest >= 0.0)

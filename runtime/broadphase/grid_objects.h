@@ -45,12 +45,6 @@ static inline bool grid_has_radii(const grid_objects *objects)
     return objects->shape == DUET_SHAPE_ROUNDED_BOXES || objects->shape == DUET_SHAPE_SPHERES;
 }
 
-// An object that has a radius.
-duet_rounded_box grid_rounded_box_of(const grid_objects *objects, uint32_t id);
-
-// The point that decides an object's cell; z is 0 in 2D.
-void grid_point_of(double at[3], const grid_objects *objects, uint32_t id);
-
 // An object's centre; z is 0 in 2D.
 void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id);
 

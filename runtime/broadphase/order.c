@@ -12,7 +12,6 @@
 #include "base/error.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -17,7 +17,6 @@
 #include "base/error.h"
 
 #include <math.h>
-#include <string.h>
 
 // ---------------------------------------------------------------- tasks
 

@@ -130,13 +130,3 @@ bool variant_is(const variant *a, const variant *b)
     }
     return same;
 }
-
-bool variant_sets(const variant *v, const char *kernel, const char *param)
-{
-    for (uint32_t i = 0; i < v->n_settings; ++i) {
-        const char *whose = v->settings[i].kernel;
-        if (strcmp(v->settings[i].name, param) == 0 && (!*whose || strcmp(whose, kernel) == 0))
-            return true;
-    }
-    return false;
-}

@@ -57,7 +57,4 @@ bool variant_parse(variant *v, const char *text, const duet_device_info *device,
 // Whether both ask for the same.
 bool variant_is(const variant *a, const variant *b);
 
-// Whether some setting is one of that parameter of that kernel.
-bool variant_sets(const variant *v, const char *kernel, const char *param);
-
 #endif

@@ -40,12 +40,6 @@ static row_span next_missing(const selection *there, const selection *wanted, ui
 
 // ---------------------------------------------------------------- views
 
-void view_release(device_view *v)
-{
-    buffer_release(&v->own);
-    buffer_release(&v->ids);
-}
-
 void view_bind(device_view *v, const buffer *memory)
 {
     v->bound = memory ? *memory : (buffer){0};

@@ -47,7 +47,6 @@ typedef struct selection {
 } selection;
 
 selection select_all(uint32_t n);
-selection select_first(uint32_t n);           // a range of the first n rows
 uint32_t selection_count(const selection *s); // rows of ALL or RANGES
 
 // An array in host memory.
@@ -76,8 +75,6 @@ typedef struct device_view {
     view_chunk chunks[2 * VIEW_CHUNKS]; // that kernels must wait for
     uint32_t n_chunks;
 } device_view;
-
-void view_release(device_view *v);
 
 // Reads memory of another's from now on, which has all rows; NULL: the view's own again.
 void view_bind(device_view *v, const buffer *memory);

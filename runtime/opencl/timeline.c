@@ -9,8 +9,7 @@
 // Keeps a launch or a fill; event is NULL in an untimed step.
 static bool keep_command(timeline *t, const char *stage, cl_event event, duet_error *err)
 {
-    t->unheard = true;
-    t->seen = false;
+    t->sent = SENT_UNTOLD;
     return !event || timeline_keep(t, stage, false, event, err);
 }
 
@@ -72,8 +71,7 @@ bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, si
 static bool await_queue(timeline *t, duet_error *err)
 {
     cl_int code = clFinish(t->device->queue);
-    t->unheard = code != CL_SUCCESS;
-    t->seen = code == CL_SUCCESS;
+    t->sent = code == CL_SUCCESS ? SENT_SEEN : SENT_UNTOLD;
     return code == CL_SUCCESS ||
            error_set_cl(err, code, "%s: running the step", t->device->info.selector);
 }
@@ -86,7 +84,8 @@ static bool hand_over(timeline *t, buffer *b, cl_map_flags flags, size_t bytes, 
     cl_int code = CL_SUCCESS;
     if (t->device->driver.in_place)
         return !wait || await_queue(t, err);
-    t->seen = false;
+    if (t->sent == SENT_SEEN)
+        t->sent = SENT_TOLD;
     void *seen =
         clEnqueueMapBuffer(t->device->queue, b->mem, wait, flags, 0, bytes, 0, NULL, NULL, &code);
     if (seen)
@@ -168,7 +167,8 @@ static bool enqueue_read(timeline *t, const char *stage, buffer *b, size_t at, v
         clEnqueueReadBuffer(t->device->queue, b->mem, wait, at, bytes, to, 0, NULL, &event);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s: fetching %zu bytes", t->device->info.selector, bytes);
-    t->unheard = t->unheard && !wait;
+    if (wait)
+        t->sent = SENT_TOLD;
     return timeline_keep(t, stage, true, event, err);
 }
 
@@ -216,8 +216,7 @@ bool timeline_see(timeline *t, const char *stage, const buffer *const list[], in
     bool kept = !event || timeline_keep(t, stage, true, event, err);
     if (code == CL_SUCCESS)
         code = clFlush(t->device->queue);
-    t->unheard = code != CL_SUCCESS;
-    t->seen = code == CL_SUCCESS;
+    t->sent = code == CL_SUCCESS ? SENT_SEEN : SENT_UNTOLD;
     return kept && (code == CL_SUCCESS ||
                     error_set_cl(err, code, "%s: seeing what was found", t->device->info.selector));
 }

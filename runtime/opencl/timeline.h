@@ -16,6 +16,13 @@ enum {
     TIMELINE_TIED = 4
 };
 
+// What the host knows of the commands that were sent.
+typedef enum timeline_sent {
+    SENT_TOLD,   // each of those under way has an event
+    SENT_UNTOLD, // some without an event may be under way
+    SENT_SEEN,   // it has seen the end of all of them
+} timeline_sent;
+
 typedef struct timeline {
     const device *device;
     struct {
@@ -27,9 +34,8 @@ typedef struct timeline {
     duet_stage stages[TIMELINE_STAGES]; // in order of first appearance
     bool on_host[TIMELINE_STAGES];      // stages that the host timed
     int n_stages;
-    bool untimed;         // commands on the device's memory have no events
-    bool unheard;         // some of those may be under way
-    bool seen;            // the host has seen the end of all that was sent
+    bool untimed; // commands on the device's memory have no events
+    timeline_sent sent;
     uint32_t n_launches;  // launches of kernels
     uint32_t n_waits;     // reads that the host waited for
     cl_ulong first_begin; // begin of the first kernel, on the device's clock; 0: none ran

@@ -54,7 +54,8 @@ bool timeline_keep(timeline *t, const char *stage, bool transfer, cl_event event
 {
     int at = t->untimed ? 0 : stage_index(t, stage, transfer);
     device_object_made();
-    t->seen = false;
+    if (t->sent == SENT_SEEN)
+        t->sent = SENT_TOLD;
     if (t->n_events == TIMELINE_EVENTS && !timeline_finish(t, err)) {
         release(event);
         return false;
@@ -213,15 +214,16 @@ static cl_int mark_end(timeline *t, duet_error *err)
 bool timeline_finish(timeline *t, duet_error *err)
 {
     cl_int code = CL_SUCCESS;
-    if (t->untimed && t->unheard && t->n_events < TIMELINE_EVENTS)
+    if (t->untimed && t->sent == SENT_UNTOLD && t->n_events < TIMELINE_EVENTS)
         code = mark_end(t, err);
-    t->unheard = false;
+    if (t->sent == SENT_UNTOLD)
+        t->sent = SENT_TOLD;
     if (code == CL_SUCCESS && t->n_events > 0 && !t->device->info.host_memory) {
         code = clFlush(t->device->queue);
         if (code == CL_SUCCESS)
             timeline_spin(t, timeline_last_event(t));
     }
-    cl_int finished = t->seen && !t->beside ? CL_SUCCESS : finish_queues(t);
+    cl_int finished = t->sent == SENT_SEEN && !t->beside ? CL_SUCCESS : finish_queues(t);
     code = code != CL_SUCCESS ? code : finished;
     if (code == CL_SUCCESS)
         code = collect(t, t->n_events);
@@ -257,11 +259,12 @@ int timeline_list_stages(const timeline *t, int side, duet_stage *list, int n)
 
 void timeline_clear(timeline *t)
 {
-    if (t->n_events > 0 || t->unheard)
+    if (t->n_events > 0 || t->sent == SENT_UNTOLD)
         finish_queues(t);
     for (int i = 0; i < t->n_events; ++i)
         release(t->events[i].event);
     t->n_events = 0;
-    t->unheard = false;
+    if (t->sent == SENT_UNTOLD)
+        t->sent = SENT_TOLD;
     t->lost = CL_SUCCESS;
 }

@@ -75,7 +75,7 @@ typedef struct building {
     bool sent; // the side has the objects
 } building;
 
-size_t tree_row_bytes(const duet_tree *tree)
+static size_t tree_row_bytes(const duet_tree *tree)
 {
     return box_tree_width(tree->def.shape, tree->def.origin_edge);
 }
@@ -339,7 +339,7 @@ static const shape_row shape_rows[DUET_SHAPES] = {
     [DUET_SHAPE_SPHERES] = {DUET_OBJECT_SPHERES, "spheres"},
 };
 
-duet_object_kind tree_kind(const duet_tree *tree)
+static duet_object_kind tree_kind(const duet_tree *tree)
 {
     return tree->def.origin_edge > 0.0f ? DUET_OBJECT_LARGE_POSES
                                         : shape_rows[tree->def.shape].kind;

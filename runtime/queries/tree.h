@@ -51,7 +51,6 @@ const char *tree_shape_name(const duet_tree *tree); // "rounded boxes"
 
 // n objects of the tree's kind, as the tree has them; in origin cells settled, but from 0.
 void tree_copy_rows(const duet_tree *tree, const void *objects, uint64_t n, void *rows);
-size_t tree_row_bytes(const duet_tree *tree); // bytes of a row
 
 // The objects' cells count from their middle from now on, which all are that the host has.
 void tree_find_middle(duet_tree *tree);

@@ -8,9 +8,6 @@
 const duet_tree_def *tree_def(const duet_tree *tree);
 uint32_t tree_count(const duet_tree *tree);
 
-// Returns the kind of its objects.
-duet_object_kind tree_kind(const duet_tree *tree);
-
 // Returns the share of queries of that name: their own, or else the tree's.
 uint32_t tree_share_of(const duet_tree *tree, const char *query);
 

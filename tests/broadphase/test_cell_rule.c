@@ -9,7 +9,6 @@
 
 #include "base/rng.h"
 
-#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

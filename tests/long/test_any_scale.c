@@ -9,7 +9,6 @@
 
 #include "base/rng.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

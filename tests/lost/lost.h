@@ -9,7 +9,6 @@
 
 #include "runtime/opencl/device_pair.h"
 
-#include <stdbool.h>
 #include <stdint.h>
 
 typedef enum lost_way {

@@ -11,7 +11,6 @@
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/queries/ray.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

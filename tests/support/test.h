@@ -67,11 +67,6 @@ static inline const duet_bounds *test_bounds(const duet_scene *scene)
     return duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS);
 }
 
-static inline const duet_large_pose *test_large_poses(const duet_scene *scene)
-{
-    return duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
-}
-
 // Both skip the test with a line: where a device file cannot be opened for reading and writing,
 // as in a root that has few of them, and where no pseudo terminal can be opened.
 void skip_without_device(const char *path);
