@@ -377,31 +377,6 @@ __kernel void solve_contacts(SOLVE_CONTACTS_ARGS)
 // that tumble gain energy without end.
 #define RESTITUTION_ROUNDS 8
 
-// The speed at which a point leaves that came at `speed` when the step began, `separation`
-// apart, and was stopped `current` apart: pulled by `gain` a substep on the way (below 0:
-// closer), it met the surface, leaves that with its part of the speed, and is pulled again from
-// there to where it is. Velocities are those of the middle of a substep, so half a gain lies
-// between them and the place.
-//
-//   per_h  1 / the substep's time
-static inline real speed_after(real speed, real restitution, real gain, real per_h, real separation, real current)
-{
-    real half_gain = 0.5f * gain, way = -2.0f * per_h * gain;
-    real came = -(speed + half_gain);
-    real met = fma(way, separation, came * came);
-    real left = fma(-way, current, restitution * restitution * met);
-    real leaves = fma(left, inverse_root(left), -half_gain);
-    return select(-restitution * speed, leaves, (came > 0.0f) & (met > 0.0f) & (left > 0.0f) & (gain != 0.0f));
-}
-
-// The speed along the normal that a substep's fall adds between the two; 0 if both fall alike.
-static inline real gain_of(const pair *p, vec fall)
-{
-    const real zero = 0.0f, one = 1.0f;
-    real one_falls = select(zero, one, p->b.inverse_mass > 0.0f) - select(zero, one, p->a.inverse_mass > 0.0f);
-    return one_falls * vec_dot(fall, p->normal);
-}
-
 // Which points bounce: those that came fast enough and pushed. True if any lane has one.
 static inline bool find_bouncing(__global const float *constraint, real restitution, float least_speed, mask bounces[POINTS])
 {

@@ -47,7 +47,7 @@ typedef struct motion_kernels {
     kernel *prepare_bodies, *integrate_velocities, *integrate_positions, *finalize_bodies;
     kernel *graph_colour_mark, *graph_colour_choose, *graph_colour_take, *graph_colour_key;
     kernel *prepare_contacts, *store_impulses;
-    kernel *solve_contacts, *apply_restitution;
+    kernel *solve_contacts, *apply_restitution, *solve_shocks;
     kernel *row_start;
     kernel *write_poses; // NULL until a tree asks for it
     // likewise, a command
@@ -67,6 +67,7 @@ typedef struct motion_args {
     cl_float h, per_h, drag; // a substep's
     cl_float4 spring, hard_spring, fall;
     cl_float load_speed, margin, least_speed;
+    cl_float soon; // 1 / two substeps' time
     arg_real skin, horizon;
     arg_real aabb_margin, contact_margin; // bounds of objects: with half a skin, and without
     cl_float sleep_speed, sleep_after;

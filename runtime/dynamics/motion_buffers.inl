@@ -54,6 +54,7 @@ BUFFER(BLOCKS, "blocks", "float *")      // contacts by colour while they are so
 BUFFER(TOUCHING, "touching", "uint *") // a bit for each contact
 BUFFER(HITS, "hits", "uint *")
 BUFFER(FLAG_WORDS, "flags", "uint *")
+BUFFER(SHOCKED, "shocked", "uint *") // a word
 BUFFER(MATERIAL_RULES, "material_rules", "float *") // a row for each two materials
 // what a step may change
 BUFFER(LEVELS, "levels", "uint *")

@@ -56,6 +56,7 @@ const binding motion_bindings[] = {
     VALUE(skin),
     VALUE(horizon),
     VALUE(least_speed),
+    VALUE(soon),
     VALUE(sleep_speed),
     VALUE(sleep_after),
     VALUE(hit_speed),
@@ -69,6 +70,8 @@ const binding motion_bindings[] = {
     VALUE_OF(solver, soft),
     VALUE_OF(solver, span),
     VALUE_OF(solver, round),
+    VALUE_OF(solver, sweep),
+    VALUE_OF(solver, first_sweep),
     VALUE_OF(solver, from_colour),
     VALUE_OF(solver, to_colour),
     VALUE_OF(solver, each),
@@ -200,7 +203,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
     bool flight = has(m, DUET_EFFECT_MOTION) && !response;
     bool walls = contact && boundary_kind(m) == 1;
     bool sleep = has(m, DUET_EFFECT_SLEEP), skin = has(m, DUET_EFFECT_SKIN);
-    bool events = has(m, DUET_EFFECT_EVENTS);
+    bool events = has(m, DUET_EFFECT_EVENTS), shocks = has(m, DUET_EFFECT_SHOCKS);
     const kernel_request list[] = {
         KERNEL(integrate_free_flight, flight, "integrate_free_flight"),
         KERNEL(compute_fat_aabbs, contact, "fat_aabbs"),
@@ -231,6 +234,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         KERNEL(store_impulses, response, "prepare_contacts"),
         KERNEL(solve_contacts, response, "solve_contacts"),
         KERNEL(apply_restitution, response, "solve_contacts"),
+        KERNEL(solve_shocks, shocks, "solve_shocks"),
         KERNEL(row_start, response, "cell_start"),
     };
     m->layout = lay_out(m);

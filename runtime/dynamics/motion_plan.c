@@ -22,6 +22,7 @@ const motion_plan_kernel motion_plan_kernels[MOTION_PLAN_KERNELS] = {
     {"fat_aabbs", {"fat_aabbs", "grid"}},     {"contact_graph", {"contact_graph"}},
     {"match_contacts", {"match_contacts"}},   {"update_sleep", {"sleep"}},
     {"contact_events", {"events"}},           {"integrate_free_flight", {"integrate"}},
+    {"solve_shocks", {"solve_contacts"}},
 };
 
 enum { MOST_SKIN = 1000 };

@@ -14,7 +14,7 @@ typedef struct motion_plan_kernel {
     const char *stages[KERNEL_SPACE_STAGES];
 } motion_plan_kernel;
 
-enum { MOTION_PLAN_KERNELS = 12 };
+enum { MOTION_PLAN_KERNELS = 13 };
 extern const motion_plan_kernel motion_plan_kernels[MOTION_PLAN_KERNELS];
 
 #define MOTION_PLAN_WORD "motion" // in a kernel's place: "motion.skin=20"

@@ -407,6 +407,8 @@ bool motion_reset(duet_motion *m, duet_error *err)
 {
     return (!(m->effects & DUET_EFFECT_CONTACT) ||
             motion_reserve(m, FLAG_WORDS, FLAGS, sizeof(uint32_t), err)) &&
+           (!(m->effects & DUET_EFFECT_SHOCKS) ||
+            motion_reserve(m, SHOCKED, 1, sizeof(uint32_t), err)) &&
            motion_grow(m, 0, err) && send_rules(m, err) &&
            motion_send_places(m, NULL, m->n, PART_ALL, err) && timeline_finish(&m->times, err);
 }

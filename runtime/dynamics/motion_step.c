@@ -72,6 +72,7 @@ static void set_solver(duet_motion *m, double h)
     m->args.spring = spring_of(m, h, 1.0 / (6.0 * h));
     m->args.hard_spring = spring_of(m, h, 1.0 / (5.0 * h));
     m->args.least_speed = (float)d->restitution_threshold;
+    m->args.soon = (float)(0.5 / h);
     // The velocity that a substep adds to all that falls, and 1 / its time. An attraction, which
     // differs from place to place, is left out.
     double part = d->attraction != 0.0 ? 0.0 : h;

@@ -203,13 +203,29 @@ static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
     return for_colours(m, m->kernels.solve_contacts, err);
 }
 
+// A row of so many bodies hands an impact on from end to end.
+enum { SHOCK_SWEEPS = 16 };
+
+// The first sweep looks at all contacts, and the others go on while something bounced.
+static bool solve_shocks(duet_motion *m, duet_error *err)
+{
+    contact_solver *s = &m->solver;
+    bool ok = true;
+    if (!(m->effects & DUET_EFFECT_SHOCKS) || !m->facts.elastic)
+        return true;
+    s->first_sweep = s->sweep;
+    for (int i = 0; ok && i < SHOCK_SWEEPS; ++i, ++s->sweep)
+        ok = for_colours(m, m->kernels.solve_shocks, err);
+    return ok;
+}
+
 // Contacts are soft springs, and then relax without these.
 static bool substep(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
     return budget_check(err) &&
            motion_launch(m, "integrate", k->integrate_velocities, m->awake.n_bodies, err) &&
-           solve(m, 1, err) &&
+           solve_shocks(m, err) && solve(m, 1, err) &&
            motion_launch(m, "integrate", k->integrate_positions, m->awake.n_bodies, err) &&
            solve(m, 0, err);
 }
@@ -237,13 +253,19 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- all stages
 
+// Shocks have given back all speed.
+static bool restore_speeds(duet_motion *m, duet_error *err)
+{
+    return !m->facts.elastic || (m->effects & DUET_EFFECT_SHOCKS) ||
+           for_colours(m, m->kernels.apply_restitution, err);
+}
+
 bool motion_solve(duet_motion *m, duet_error *err)
 {
     bool ok = for_colours(m, m->kernels.prepare_contacts, err);
     for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
         ok = substep(m, err);
-    return ok && (!m->facts.elastic || for_colours(m, m->kernels.apply_restitution, err)) &&
-           store_impulses(m, err);
+    return ok && restore_speeds(m, err) && store_impulses(m, err);
 }
 
 bool motion_finalize(duet_motion *m, duet_error *err)

@@ -27,6 +27,7 @@ typedef struct contact_solver {
     uint32_t rounds; // that the next colouring sends at once; 0: the device is asked first
     // what a launch is told besides
     cl_uint woken, soft, round;
+    cl_uint sweep, first_sweep; // of shocks, counted on from substep to substep
     cl_uint from_colour, to_colour, each;
     cl_int4 span; // from_colour's
 } contact_solver;
