@@ -253,9 +253,16 @@ typedef struct question {
     char reason[200];
 } question;
 
+// Objects that a CPU's work-item takes: fewer where there are many units, so that each has several.
+static int batch_for(uint32_t units)
+{
+    enum { FEW_UNITS = 4 };
+    return units > FEW_UNITS ? 256 : 1024;
+}
+
 static void push_limits(lua_State *L, const gen_limits *limits)
 {
-    lua_createtable(L, 0, 4);
+    lua_createtable(L, 0, 5);
     lua_pushinteger(L, limits->max_group);
     lua_setfield(L, -2, "max_group");
     lua_pushinteger(L, limits->local_bytes > INT64_MAX ? INT64_MAX : (int64_t)limits->local_bytes);
@@ -264,6 +271,8 @@ static void push_limits(lua_State *L, const gen_limits *limits)
     lua_setfield(L, -2, "fp64");
     lua_pushboolean(L, limits->cpu);
     lua_setfield(L, -2, "cpu");
+    lua_pushinteger(L, batch_for(limits->units));
+    lua_setfield(L, -2, "batch");
 }
 
 // valid(p, limits), where the card has it. The table is at [2].

@@ -173,7 +173,7 @@ enum { BLOCK = 256 };
 static bool same_limits(const gen_limits *a, const gen_limits *b)
 {
     return a->max_group == b->max_group && a->local_bytes == b->local_bytes && a->fp64 == b->fp64 &&
-           a->cpu == b->cpu;
+           a->cpu == b->cpu && a->units == b->units;
 }
 
 // Walks through the block from its first config on and ends after the valid

@@ -27,6 +27,7 @@ typedef struct gen_limits {
     uint64_t local_bytes;
     bool fp64;
     bool cpu;
+    uint32_t units; // 0: few
 } gen_limits;
 
 // One parameter of a config.

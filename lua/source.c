@@ -34,11 +34,9 @@ static source_box *push_generator(lua_State *L, duet_error *err)
 // ---------------------------------------------------------------- limits
 
 static const member limits_members[] = {
-    MEMBER(member_count, gen_limits, max_group),
-    MEMBER(member_count, gen_limits, local_bytes),
-    MEMBER(member_bool, gen_limits, fp64),
-    MEMBER(member_bool, gen_limits, cpu),
-    {0},
+    MEMBER(member_count, gen_limits, max_group), MEMBER(member_count, gen_limits, local_bytes),
+    MEMBER(member_bool, gen_limits, fp64),       MEMBER(member_bool, gen_limits, cpu),
+    MEMBER(member_count, gen_limits, units),     {0},
 };
 
 // The least that OpenCL 1.2 asks for and GPUs have, or what the table says.

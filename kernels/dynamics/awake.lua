@@ -8,7 +8,7 @@ return {
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
-    { "PER_ITEM", values = { 8, 1024 }, default = function(limits) return limits.cpu and 1024 or 8 end,
+    { "PER_ITEM", values = { 8, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 8 end,
       about = "bodies and contacts a work-item" },
   },
   args = {

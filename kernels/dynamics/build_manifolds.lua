@@ -22,7 +22,7 @@ return {
     { "SENSORS", values = { 0, 1 }, default = 0, silent = true, about = "1: some bodies are sensors" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 4, 8, 256 }, default = function(limits) return limits.cpu and 256 or 4 end,
+    { "PER_ITEM", values = { 1, 4, 8, 64, 256 }, default = function(limits) return limits.cpu and limits.batch // 4 or 4 end,
       about = "objects, pairs or contacts a work-item" },
   },
   args = {

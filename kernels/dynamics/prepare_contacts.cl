@@ -219,22 +219,30 @@ static inline void ask_for_bodies(const source *from, __global const uint *list)
 }
 #endif
 
+static inline void prepare_part(__global float *blocks, const source *from, __global const uint *list,
+                                const colour_part *part, uint k)
+{
+    __global const uint *contacts_here = list + part->first + k;
+#if LANES > 1
+    if (k + 3 * LANES <= part->to)
+        ask_for_records(from, contacts_here + 2 * LANES);
+    if (k + 2 * LANES <= part->to)
+        ask_for_bodies(from, contacts_here + LANES);
+#endif
+    prepare_lanes(constraint_at(blocks, part, k), from, contacts_here, min(part->to - k, part->stride));
+}
+
 __kernel void prepare_contacts(PREPARE_CONTACTS_ARGS)
 {
     const source from = {PREPARE_CONTACTS_VALUES};
+    colour_parts parts = COLOUR_PARTS;
+    colour_part part;
     for (uint colour = from_colour; colour < to_colour; ++colour) {
-        const colour_part part = PART_OF(colour);
-        for (uint k = part.from; k < part.to; k += part.stride) {
-            __global const uint *contacts_here = list + part.first + k;
-#if LANES > 1
-            if (k + 3 * LANES <= part.to)
-                ask_for_records(&from, contacts_here + 2 * LANES);
-            if (k + 2 * LANES <= part.to)
-                ask_for_bodies(&from, contacts_here + LANES);
-#endif
-            prepare_lanes(constraint_at(blocks, &part, k), &from, contacts_here, min(part.to - k, part.stride));
-        }
-        END_COLOUR;
+        BEGIN_COLOUR(parts, colour);
+        while (next_part(&parts, &part))
+            for (uint k = part.from; k < part.to; k += part.stride)
+                prepare_part(blocks, &from, list, &part, k);
+        END_COLOUR(parts);
     }
 }
 

@@ -1,7 +1,9 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "contacts into blocks of constraints, and their impulses back",
-  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/float_vector.clh", "dynamics/records.h", "dynamics/materials.h", "dynamics/contact.clh", "dynamics/constraint.clh" },
+  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/float_vector.clh", "dynamics/records.h", "dynamics/materials.h",
+    "dynamics/contact.clh", "dynamics/constraint.clh",
+    "dynamics/colour_parts.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, silent = true, about = "1: the state is in double" },
@@ -15,9 +17,10 @@ return {
       about = "contacts side by side in a work-item" },
     { "BLOCK", values = { 8, 32 }, default = function(limits) return limits.cpu and 8 or 32 end,
       about = "contacts that are neighbours in memory" },
+    { "TEAM", values = { 0, 1 }, default = 0, silent = true, about = "1: a launch's groups take all colours together" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
+    { "PER_ITEM", values = { 1, 64, 256 }, default = function(limits) return limits.cpu and limits.batch // 4 or 1 end,
       about = "contacts a work-item" },
   },
   args = {
@@ -41,6 +44,9 @@ return {
       uint to_colour
       uint each
       float *blocks
+      volatile uint *team  if TEAM == 1
+      uint stage          if TEAM == 1
+      uint n_done         if TEAM == 1
       float4 *bodies
     ]],
     store_impulses = [[

@@ -13,7 +13,6 @@
 // With `soft` a point that overlaps is a stiff, damped spring, and a point whose separation could close
 // within the substep is a stop. Without `soft` every point is only a stop.
 //
-//   spans   of each colour: first in the list, count, first slot
 //   blocks  constraints (constraint.clh)
 //   each    contacts of a colour that a work-item takes
 //   spring  bias rate, mass scale, impulse scale, greatest speed of push-out;
@@ -362,11 +361,14 @@ static inline void solve_part(const solver *s, const colour_part *part, uint k)
 __kernel void solve_contacts(SOLVE_CONTACTS_ARGS)
 {
     const solver s = {SOLVE_CONTACTS_VALUES};
+    colour_parts parts = COLOUR_PARTS;
+    colour_part part;
     for (uint colour = from_colour; colour < to_colour; ++colour) {
-        const colour_part part = PART_OF(colour);
-        for (uint k = part.from; k < part.to; k += part.stride)
-            solve_part(&s, &part, k);
-        END_COLOUR;
+        BEGIN_COLOUR(parts, colour);
+        while (next_part(&parts, &part))
+            for (uint k = part.from; k < part.to; k += part.stride)
+                solve_part(&s, &part, k);
+        END_COLOUR(parts);
     }
 }
 
@@ -444,10 +446,13 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
 
 __kernel void apply_restitution(APPLY_RESTITUTION_ARGS)
 {
+    colour_parts parts = COLOUR_PARTS;
+    colour_part part;
     for (uint colour = from_colour; colour < to_colour; ++colour) {
-        const colour_part part = PART_OF(colour);
-        for (uint k = part.from; k < part.to; k += part.stride)
-            restore_speeds(constraint_at(blocks, &part, k), bodies, fall, least_speed);
-        END_COLOUR;
+        BEGIN_COLOUR(parts, colour);
+        while (next_part(&parts, &part))
+            for (uint k = part.from; k < part.to; k += part.stride)
+                restore_speeds(constraint_at(blocks, &part, k), bodies, fall, least_speed);
+        END_COLOUR(parts);
     }
 }

@@ -15,7 +15,7 @@ return {
     { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
+    { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
       about = "objects, pairs or contacts a work-item" },
   },
   args = {

@@ -8,7 +8,7 @@ return {
     { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
+    { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
       about = "bodies a work-item" },
   },
   args = {

@@ -184,7 +184,7 @@ extern const binding motion_bindings[];
 
 // Fills offers for the kernels, and returns how many they are: what the scene says of their
 // parameters, then what the plan does.
-enum { MOTION_OFFERS = 40 };
+enum { MOTION_OFFERS = 48 };
 uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFFERS]);
 
 // Generates and builds what the effects need; again: for facts or a plan that have changed.

@@ -51,6 +51,7 @@ HIDDEN(LIST_KEYS_SPARE)
 BUFFER(COLOUR_STARTS, "key_starts", "uint *")
 BUFFER(SPANS, "spans", "uint4 *")
 BUFFER(BLOCKS, "blocks", "float *")      // contacts by colour while they are solved
+BUFFER(TEAM, "team", "uint *")
 BUFFER(TOUCHING, "touching", "uint *") // a bit for each contact
 BUFFER(HITS, "hits", "uint *")
 BUFFER(FLAG_WORDS, "flags", "uint *")

@@ -75,6 +75,8 @@ const binding motion_bindings[] = {
     VALUE_OF(solver, from_colour),
     VALUE_OF(solver, to_colour),
     VALUE_OF(solver, each),
+    VALUE_OF(solver, stage),
+    VALUE_OF(solver, n_done),
     {0}};
 
 // ---------------------------------------------------------------- parameters
@@ -143,6 +145,7 @@ uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFF
         OFFER("SENSORS", has(m, DUET_EFFECT_SENSORS)),
         OFFER("HITS", motion_tells_hits(m)),
         OFFER("ALTERED", altered),
+        OFFER("TEAM", m->device->info.kind == DUET_KIND_CPU),
     };
     const uint32_t n = sizeof of_scene / sizeof *of_scene;
     _Static_assert(sizeof of_scene / sizeof *of_scene + VARIANT_SETTINGS <= MOTION_OFFERS,

@@ -183,8 +183,59 @@ static uint32_t end_of_few(const contact_solver *s, const kernel *k, uint32_t fr
     return to;
 }
 
+// ---------------------------------------------------------------- colours by a team
+
+static bool is_for_team(const kernel *k)
+{
+    return k->group == 1 && kernel_param(k, "TEAM") == 1;
+}
+
+// Numbers of stages begin anew before they have no next one.
+static bool reserve_stages(duet_motion *m, uint32_t n_stages, duet_error *err)
+{
+    contact_solver *s = &m->solver;
+    if (s->stage > 0 && s->stage < UINT32_MAX - n_stages)
+        return true;
+    s->stage = s->n_done = 0;
+    return motion_reserve(m, TEAM, TEAM_WORDS, sizeof(uint32_t), err) &&
+           motion_clear(m, "solve_contacts", TEAM, 0, TEAM_WORDS, err);
+}
+
+static uint32_t count_groups(const duet_motion *m)
+{
+    const uint32_t least = TEAM_LEAST_PART, units = m->device->info.units;
+    uint32_t parts = (most_of(&m->solver, 0, COLOUR_OVERFLOW) + least - 1) / least;
+    uint32_t most = units < TEAM_MOST ? units : TEAM_MOST;
+    return parts == 0 ? 1 : parts < most ? parts : most;
+}
+
+static uint32_t end_of_colours(const contact_solver *s)
+{
+    uint32_t to = COLOUR_OVERFLOW + 1;
+    while (to > 0 && s->colours[to - 1].count == 0)
+        --to;
+    return to;
+}
+
+// Takes all colours in one launch.
+static bool launch_team(duet_motion *m, const kernel *k, duet_error *err)
+{
+    contact_solver *s = &m->solver;
+    const uint32_t n_stages = end_of_colours(s), n_groups = count_groups(m);
+    if (n_stages == 0)
+        return true;
+    if (!reserve_stages(m, n_stages, err) ||
+        !launch_colours(m, k, 0, n_stages, 0, (uint64_t)n_groups * k->per_item, err))
+        return false;
+    s->stage += n_stages;
+    s->n_done += n_stages * n_groups;
+    return true;
+}
+
+// ---------------------------------------------------------------- colours by launches
+
 // Contacts that found no colour are taken in order, by one work-item.
-static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
+static bool launch_each(duet_motion *m, const kernel *k, duet_error *err)
 {
     const contact_solver *s = &m->solver;
     uint32_t in_order = s->colours[COLOUR_OVERFLOW].count;
@@ -195,6 +246,11 @@ static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
     }
     return ok && (in_order == 0 ||
                   launch_colours(m, k, COLOUR_OVERFLOW, COLOUR_OVERFLOW + 1, in_order, 1, err));
+}
+
+static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
+{
+    return is_for_team(k) ? launch_team(m, k, err) : launch_each(m, k, err);
 }
 
 static bool solve(duet_motion *m, uint32_t soft, duet_error *err)

@@ -30,6 +30,8 @@ typedef struct contact_solver {
     cl_uint sweep, first_sweep; // of shocks, counted on from substep to substep
     cl_uint from_colour, to_colour, each;
     cl_int4 span; // from_colour's
+    // a team's, of all launches so far (kernels/dynamics/colour_parts.clh)
+    cl_uint stage, n_done;
 } contact_solver;
 
 bool motion_make_manifolds(duet_motion *m, duet_error *err);

@@ -36,6 +36,7 @@ gen_limits program_limits(const duet_device_info *info)
         .local_bytes = info->local_bytes,
         .fp64 = info->fp64,
         .cpu = info->kind == DUET_KIND_CPU,
+        .units = info->units,
     };
 }
 
