@@ -2,6 +2,7 @@
 // Reads a card once and asks its functions later. A config reaches them as a
 // table with a field for each parameter.
 #include "gen/card.h"
+#include "base/blob.h"
 #include "gen/field.h"
 #include "gen/sandbox.h"
 
@@ -179,12 +180,12 @@ static void read_names(lua_State *L, const char *field, card_names *names)
     lua_pop(L, 2);
 }
 
-static void want_function(lua_State *L, const char *name)
+static bool has_function(lua_State *L, const char *name)
 {
-    if (field_push(L, 1, name, LUA_TFUNCTION))
+    bool has = field_push(L, 1, name, LUA_TFUNCTION);
+    if (has)
         lua_pop(L, 1);
-    else if (strcmp(name, "launch") == 0)
-        field_raise(L, NULL, "the card has no launch function");
+    return has;
 }
 
 // [1] what the card returned, [2] the card to fill
@@ -201,11 +202,19 @@ static int read_card(lua_State *L)
     read_names(L, "uses", &c->uses);
     read_names(L, "emit", &c->emit);
     signature_read(L, 1, &c->signatures, &c->n_signatures);
-    want_function(L, "valid");
-    want_function(L, "launch");
+    has_function(L, "valid");
+    if (!has_function(L, "launch") && !(find_param(c, "WG") && find_param(c, "PER_ITEM")))
+        field_raise(L, NULL, "the card has no launch function, nor WG and PER_ITEM");
     lua_pushvalue(L, 1);
     c->table = luaL_ref(L, LUA_REGISTRYINDEX);
     return 0;
+}
+
+// Gives the card's script what parameters of many cards are.
+static bool run_common(script *s, duet_error *err)
+{
+    const blob *b = blob_find("gen/common.lua");
+    return script_run(s, "gen/common.lua", b->bytes, b->length, 0, err);
 }
 
 bool card_open(card *c, const char *kernel, const char *path, const text *chars, duet_error *err)
@@ -214,7 +223,8 @@ bool card_open(card *c, const char *kernel, const char *path, const text *chars,
     limits.failure = DUET_STATUS_BUILD_FAILED;
     *c = (card){.kernel = kernel};
     c->script = sandbox_open(&limits, err);
-    bool ok = c->script && script_run(c->script, path, chars->chars, chars->length, 1, err);
+    bool ok = c->script && run_common(c->script, err) &&
+              script_run(c->script, path, chars->chars, chars->length, 1, err);
     if (ok) {
         lua_State *L = script_lua(c->script);
         lua_pushcfunction(L, read_card);
@@ -283,7 +293,7 @@ static void ask_valid(lua_State *L, question *q)
         signature_push_config(L, q->config, q->card->n_params);
         push_limits(L, q->limits);
         lua_call(L, 2, 2);
-        q->is_valid = lua_toboolean(L, -2);
+        q->is_valid = lua_isnil(L, -2) || lua_toboolean(L, -2);
         const char *reason = lua_tostring(L, -1);
         snprintf(q->reason, sizeof q->reason, "%s", reason ? reason : "its card says so");
     }
@@ -301,17 +311,19 @@ static uint32_t launch_field(lua_State *L, const char *name)
     return (uint32_t)value;
 }
 
-// launch(p). A group above the device's limit is never valid.
+// launch(p), where the card has it, else WG and PER_ITEM. A group above the device's limit is
+// never valid.
 static void ask_launch(lua_State *L, question *q)
 {
-    lua_getfield(L, 2, "launch");
+    bool asks = lua_getfield(L, 2, "launch") == LUA_TFUNCTION;
     signature_push_config(L, q->config, q->card->n_params);
-    lua_call(L, 1, 1);
+    if (asks)
+        lua_call(L, 1, 1);
     if (lua_type(L, -1) != LUA_TTABLE)
         luaL_error(L, "launch gives a %s, not { group = ..., per_item = ... }",
                    luaL_typename(L, -1));
-    q->launch.group = launch_field(L, "group");
-    q->launch.per_item = launch_field(L, "per_item");
+    q->launch.group = launch_field(L, asks ? "group" : "WG");
+    q->launch.per_item = launch_field(L, asks ? "per_item" : "PER_ITEM");
     q->is_valid = q->launch.group <= q->limits->max_group;
     snprintf(q->reason, sizeof q->reason, "a group of %" PRIu32 " is above the device's %" PRIu32,
              q->launch.group, q->limits->max_group);

@@ -2,10 +2,7 @@
 return {
   about = "where each cell begins among the sorted keys",
   params = {
-    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
-      about = "objects a work-item" },
+    common.WG(256), common.PER_ITEM,
   },
   args = {
     cell_start = [[
@@ -21,5 +18,4 @@ return {
       uint *key_starts
     ]],
   },
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

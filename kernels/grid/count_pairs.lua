@@ -3,10 +3,8 @@ return {
   about = "counts and hashes the pairs of objects that have global ids",
   uses = { "counters.h", "grid/pair_counts.h" },
   params = {
-    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 8, 16, 4096 }, default = function(limits) return limits.cpu and 4096 or 8 end,
-      about = "pairs a work-item" },
+    common.WG(256),
+    { "PER_ITEM", values = { 8, 16, 4096 }, default = common.by_device(4096, 8), about = "pairs a work-item" },
   },
   args = {
     change_ids = [[
@@ -25,5 +23,4 @@ return {
       uint left_capacity
     ]],
   },
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -3,15 +3,7 @@ return {
   about = "cell of each object, and its rank in the cell",
   uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0,
-      about = "0 poses, 1 bounds, 2 rounded boxes, 3 spheres" },
-    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
-    { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    { "APART", values = { 0, 1, 2 }, default = 0, about = "1: poses are transforms, and their sizes apart; 2: compact ones" },
-    { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
-    { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
+    common.DIMS, common.SHAPE, common.ROTATED, common.ORIGIN, common.APART, common.GRID, common.LEVELS,
     { "RANK", values = { 0, 1 }, default = 1, about = "count objects a cell, for the counting sort" },
     { "PACKED", values = { 0, 1 }, default = 0, about = "1: objects of one slab, with their ids" },
     { "STRAYS", min = 0, max = 65536, default = 0, silent = true,
@@ -20,17 +12,10 @@ return {
       about = "1: objects are in about the order of cells, of which each work-item has its own" },
     { "SUM_BLOCK", min = 0, max = 1048576, default = 0, silent = true,
       about = "cells whose objects are counted together, too, for the scan of the counts" },
-    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
-      about = "objects side by side in a work-item" },
-    { "BATCH", values = { 1, 8, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,
+    { "LANES", values = { 1, 8 }, default = common.by_device(8, 1), about = "objects side by side in a work-item" },
+    { "BATCH", values = { 1, 8, 64 }, default = common.by_device(64, 1),
       about = "objects whose cells are known before the first is counted" },
-    { "CELLS_X", min = 0, max = 65536, default = 0, about = "cells along x that are compiled in; 0: read" },
-    { "CELLS_Y", min = 0, max = 65536, default = 0, about = "along y" },
-    { "CELLS_Z", min = 0, max = 65536, default = 0, about = "along z" },
-    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
-      about = "objects a work-item" },
+    common.CELLS_X, common.CELLS_Y, common.CELLS_Z, common.WG(256), common.PER_ITEM,
   },
   args = {
     hash = [[
@@ -86,7 +71,5 @@ return {
     if p.APART > 0 and p.PACKED == 1 then return false, "what is packed is whole poses" end
     if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
     if p.CELLS_X > 0 and (p.GRID == 1 or p.LEVELS == 1) then return false, "CELLS_X is for dense grids of one size" end
-    return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -5,32 +5,20 @@ return {
     "narrowphase/rounded.clh", "narrowphase/boxes.clh" },
   emit = { "stencil" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0,
-      about = "0 poses, 1 bounds, 2 rounded boxes, 3 spheres" },
-    { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
-    { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
+    common.DIMS, common.SHAPE, common.GRID, common.LEVELS,
     { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
-    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
-    { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
-      about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
+    common.ROTATED, common.ORIGIN, common.ACCURACY,
     { "SORTED", values = { 1 }, min = 0, max = 1, default = 1, about = "where a box is read: 0 by id, 1 in cell order" },
     { "FUSED", values = { 0, 1 }, default = 0, about = "1: candidates are tested where they are found" },
-    { "JOINED", values = { 0, 1 }, default = function(limits) return limits.cpu and 0 or 1 end,
+    { "JOINED", values = { 0, 1 }, default = common.by_device(0, 1),
       about = "1: one loop over all ranges around a cell" },
     { "IDS", values = { 0, 1 }, default = 0, about = "what a pair names: 0 places in cell order, 1 ids" },
     { "GUARDED", min = 0, max = 1, default = 0, silent = true,
       about = "1: nothing is searched in a grid that got more objects than it has space for" },
-    { "CELLS_X", min = 0, max = 65536, default = 0, about = "cells along x that are compiled in; 0: read" },
-    { "CELLS_Y", min = 0, max = 65536, default = 0, about = "along y" },
-    { "CELLS_Z", min = 0, max = 65536, default = 0, about = "along z" },
-    { "WG", values = { 1, 32, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
-      about = "work-items a group" },
+    common.CELLS_X, common.CELLS_Y, common.CELLS_Z,
+    { "WG", values = { 1, 32, 64, 128, 256 }, default = common.by_device(1, 128), about = "work-items a group" },
     { "BUF", values = { 256, 512, 1024 }, default = 512, about = "pairs a group collects" },
-    { "PER_ITEM", values = { 1, 2, 4, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
-      about = "objects a work-item" },
+    { "PER_ITEM", values = { 1, 2, 4, 256 }, default = common.by_device(256, 1), about = "objects a work-item" },
   },
   args = {
     pair_search_gpu = [[
@@ -66,7 +54,5 @@ return {
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
     if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
     if p.CELLS_X > 0 and (p.GRID == 1 or p.LEVELS == 1) then return false, "CELLS_X is for dense grids of one size" end
-    return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

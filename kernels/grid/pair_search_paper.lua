@@ -3,11 +3,9 @@ return {
   about = "the paper's search: all cells around, through ids, one atomic a pair",
   uses = { "counters.h" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "IDS", values = { 0, 1 }, default = 0, about = "1: the candidates are the answer" },
-    { "CELLS_X", min = 0, max = 65536, default = 0, about = "cells along x that are compiled in; 0: read" },
-    { "CELLS_Y", min = 0, max = 65536, default = 0, about = "along y" },
-    { "CELLS_Z", min = 0, max = 65536, default = 0, about = "along z" },
+    common.CELLS_X, common.CELLS_Y, common.CELLS_Z,
     { "WG", values = { 1, 32, 64, 128, 256 }, default = 64, about = "work-items a group" },
   },
   args = {
@@ -30,7 +28,6 @@ return {
   },
   valid = function(p)
     if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
-    return true
   end,
   launch = function(p) return { group = p.WG, per_item = 1 } end,
 }

@@ -5,22 +5,13 @@ return {
     "narrowphase/rounded.clh", "narrowphase/box_rows.clh", "narrowphase/collide.clh", "grid/corners.clh" },
   emit = { "stencil" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0,
-      about = "0 poses, 1 bounds, 2 rounded boxes, 3 spheres" },
-    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
-    { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
-      about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
-    { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
-    { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
+    common.DIMS, common.SHAPE, common.ROTATED, common.ORIGIN, common.ACCURACY, common.GRID, common.LEVELS,
     { "ROOMY", values = { 0, 1 }, default = 0, about = "1: dense, one size, three cells or more along x and y" },
     { "FUSED", values = { 0, 1 }, default = 1, about = "1: candidates are tested where they are found" },
     { "LANES", values = { 8 }, default = 8, about = "objects side by side in a work-item" },
     { "WG", values = { 1 }, default = 1, about = "work-items a group" },
     { "BUF", values = { 256, 512, 1024, 2048 }, default = 512, about = "candidates that wait for the axis test" },
-    { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 32 or 0 end,
+    { "AHEAD", values = { 0, 16, 32, 64 }, default = common.by_device(32, 0),
       about = "boxes asked for before they are needed" },
     { "PER_ITEM", values = { 256, 1024, 4096 }, default = 1024, about = "objects a work-item" },
   },
@@ -54,7 +45,5 @@ return {
     if p.SHAPE == 3 and p.ROTATED == 1 then return false, "spheres have no rotation" end
     if p.SHAPE >= 2 and p.ORIGIN > 0 then return false, "what has a radius is not in origin cells" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
-    return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

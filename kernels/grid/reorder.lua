@@ -3,26 +3,14 @@ return {
   about = "objects and their bounds into cell order",
   uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0,
-      about = "0 poses, 1 bounds, 2 rounded boxes, 3 spheres" },
-    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
-    { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    { "APART", values = { 0, 1, 2 }, default = 0, about = "1: poses are transforms, and their sizes apart; 2: compact ones" },
-    { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
-    { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
+    common.DIMS, common.SHAPE, common.ROTATED, common.ORIGIN, common.APART, common.GRID, common.LEVELS,
     { "FROM_IDS", values = { 0, 1 }, default = 1, about = "1: gathers by sorted ids, 0: scatters by cell and rank" },
     { "PACKED", values = { 0, 1 }, default = 0, about = "1: objects of one slab, with their ids" },
-    { "STRETCH", min = 0, max = 1, default = 0, silent = true, about = "1: objects from n_hashed on, to their places" },
+    common.STRETCH,
     { "UNBOXED", min = 0, max = 1, default = 0, silent = true, about = "1: boxes are read by id, and only bounds are moved" },
     { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
-    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
-      about = "objects a work-item" },
-    { "BATCH", values = { 1, 16 }, default = function(limits) return limits.cpu and 16 or 1 end,
-      about = "objects read ahead" },
+    common.WG(256), common.PER_ITEM,
+    { "BATCH", values = { 1, 16 }, default = common.by_device(16, 1), about = "objects read ahead" },
   },
   args = {
     reorder = [[
@@ -51,7 +39,5 @@ return {
     if p.SHAPE >= 2 and p.ORIGIN > 0 then return false, "what has a radius is not in origin cells" end
     if p.APART > 0 and (p.SHAPE >= 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
     if p.APART > 0 and p.PACKED == 1 then return false, "what is packed is whole poses" end
-    return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -4,29 +4,18 @@ return {
   uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh",
     "narrowphase/rounded.clh", "narrowphase/box_rows.clh", "grid/corners.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0,
-      about = "0 poses, 1 bounds, 2 rounded boxes, 3 spheres" },
-    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
-    { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    { "APART", values = { 0, 1, 2 }, default = 0, about = "1: poses are transforms, and their sizes apart; 2: compact ones" },
-    { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
-      about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
-    { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
-    { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
+    common.DIMS, common.SHAPE, common.ROTATED, common.ORIGIN, common.APART, common.ACCURACY, common.GRID,
+    common.LEVELS,
     { "ROOMY", values = { 0, 1 }, default = 0, about = "1: dense, one size, three cells or more along x and y" },
     { "LANES", values = { 8 }, default = 8, about = "objects side by side in a work-item" },
-    { "CELLS_X", min = 0, max = 65536, default = 0, about = "cells along x that are compiled in; 0: read" },
-    { "CELLS_Y", min = 0, max = 65536, default = 0, about = "along y" },
-    { "CELLS_Z", min = 0, max = 65536, default = 0, about = "along z" },
+    common.CELLS_X, common.CELLS_Y, common.CELLS_Z,
     { "WG", values = { 1 }, default = 1, about = "work-items a group" },
-    { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 64 or 0 end,
+    { "AHEAD", values = { 0, 16, 32, 64 }, default = common.by_device(64, 0),
       about = "objects asked for before they are needed" },
     { "PER_ITEM", values = { 256, 1024, 4096 }, default = 1024, about = "objects a work-item" },
     { "TO_PLACES", min = 0, max = 1, default = 0, silent = true,
       about = "1: each object goes to its place by cell and rank, without sorted ids" },
-    { "STRETCH", min = 0, max = 1, default = 0, silent = true, about = "1: objects from n_hashed on, to their places" },
+    common.STRETCH,
   },
   args = {
     reorder_simd = [[
@@ -63,7 +52,5 @@ return {
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
     if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
     if p.CELLS_X > 0 and (p.GRID == 1 or p.LEVELS == 1) then return false, "CELLS_X is for dense grids of one size" end
-    return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

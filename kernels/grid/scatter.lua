@@ -5,10 +5,7 @@ return {
     { "STRETCH", min = 0, max = 1, default = 0, silent = true, about = "1: objects from n_hashed on" },
     { "SLAB", min = 0, max = 1, default = 0, silent = true,
       about = "1: many objects have no place, for they are another device's" },
-    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
-      about = "objects a work-item" },
+    common.WG(256), common.PER_ITEM,
   },
   args = {
     scatter = [[
@@ -20,5 +17,4 @@ return {
       uint *ids
     ]],
   },
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -3,10 +3,9 @@ return {
   about = "which objects lie deep inside a box and need no second look",
   uses = { "grid/skim.h" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
-    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
-      about = "work-items a group" },
+    common.WG(256),
   },
   args = {
     skim = [[

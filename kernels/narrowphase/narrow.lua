@@ -4,19 +4,14 @@ return {
   uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh",
     "narrowphase/rounded.clh", "grid/places.h", "narrowphase/boxes.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "SHAPE", values = { 0 }, min = 0, max = 3, default = 0,
       about = "0 poses, 2 rounded boxes, 3 spheres; bounds need no test" },
-    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
-    { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
-      about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
+    common.ROTATED, common.ORIGIN, common.ACCURACY,
     { "SORTED", values = { 0, 1 }, default = 1, about = "where a box is read: 0 by id, 1 in cell order" },
     { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
-    { "WG", values = { 1, 32, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 2, 4, 256 }, default = function(limits) return limits.cpu and 256 or 4 end,
+    { "WG", values = { 1, 32, 64, 128, 256 }, default = common.by_device(1, 256), about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 2, 4, 256 }, default = common.by_device(256, 4),
       about = "candidates a work-item tests between two flushes" },
   },
   args = {
@@ -37,7 +32,5 @@ return {
     if p.SHAPE == 3 and p.ROTATED == 1 then return false, "spheres have no rotation" end
     if p.WG * p.PER_ITEM * 8 + 64 > limits.local_bytes then return false, "pairs above the device's local memory" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
-    return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -4,17 +4,13 @@ return {
   uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh",
     "narrowphase/rounded.clh", "grid/places.h", "narrowphase/box_rows.clh", "narrowphase/collide.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "SHAPE", values = { 0 }, min = 0, max = 3, default = 0,
       about = "0 poses, 2 rounded boxes, 3 spheres; bounds need no test" },
-    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
-    { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
-      about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
+    common.ROTATED, common.ORIGIN, common.ACCURACY,
     { "LANES", values = { 8 }, default = 8, about = "pairs side by side in a work-item" },
     { "WG", values = { 1 }, default = 1, about = "work-items a group" },
-    { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 32 or 0 end,
+    { "AHEAD", values = { 0, 16, 32, 64 }, default = common.by_device(32, 0),
       about = "boxes asked for before they are needed" },
     { "PER_ITEM", values = { 256, 512, 1024 }, default = 512, about = "candidates a work-item tests at once" },
   },
@@ -35,7 +31,5 @@ return {
     if p.SHAPE == 3 and p.ROTATED == 1 then return false, "spheres have no rotation" end
     if p.AHEAD > 0 and not limits.cpu then return false, "AHEAD is for CPUs" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
-    return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -2,10 +2,8 @@
 return {
   about = "zeroes what a step counts",
   params = {
-    { "WG", values = { 1, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 4, 16384 }, default = function(limits) return limits.cpu and 16384 or 4 end,
-      about = "words a work-item" },
+    { "WG", values = { 1, 256 }, default = common.by_device(1, 256), about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 4, 16384 }, default = common.by_device(16384, 4), about = "words a work-item" },
   },
   args = {
     clear = [[
@@ -15,5 +13,4 @@ return {
       uint n_counts
     ]],
   },
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -2,11 +2,9 @@
 return {
   about = "one pass of a stable radix sort",
   params = {
-    { "BITS", values = { 2, 4, 8 }, default = function(limits) return limits.cpu and 8 or 4 end,
-      about = "bits a pass" },
-    { "WG", values = { 1, 32, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 4, 8, 16, 16384 }, default = function(limits) return limits.cpu and 16384 or 16 end,
+    { "BITS", values = { 2, 4, 8 }, default = common.by_device(8, 4), about = "bits a pass" },
+    { "WG", values = { 1, 32, 64, 128, 256 }, default = common.by_device(1, 128), about = "work-items a group" },
+    { "PER_ITEM", values = { 4, 8, 16, 16384 }, default = common.by_device(16384, 16),
       about = "consecutive elements a work-item" },
   },
   args = {
@@ -29,7 +27,5 @@ return {
   },
   valid = function(p, limits)
     if (1 << p.BITS) * p.WG * 4 > limits.local_bytes then return false, "counts above the device's local memory" end
-    return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

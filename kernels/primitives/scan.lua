@@ -2,10 +2,8 @@
 return {
   about = "exclusive prefix sum",
   params = {
-    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 4, 8, 16, 8192 }, default = function(limits) return limits.cpu and 8192 or 4 end,
-      about = "values a work-item" },
+    common.WG(256),
+    { "PER_ITEM", values = { 4, 8, 16, 8192 }, default = common.by_device(8192, 4), about = "values a work-item" },
     { "EMPTIES", min = 0, max = 1, default = 0, silent = true,
       about = "1: sums go to a buffer of their own, and the values become zero" },
   },
@@ -27,5 +25,4 @@ return {
       uint use_tops
     ]],
   },
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -4,21 +4,14 @@ return {
   uses = { "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh",
     "narrowphase/rounded.clh", "narrowphase/answer.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh", "queries/refused.clh", "queries/far.clh", "queries/traversal.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0, about = "0 poses, 1 bounds, 2 rounded boxes" },
-    { "ORIGIN", min = 0, max = 254, default = 0, silent = true,
-      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
+    common.DIMS, common.TREE_SHAPE, common.TREE_ORIGIN,
     { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
-    { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
-      about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
+    common.ACCURACY,
     { "ITSELF", values = { 0, 1 }, default = 0, about = "1: the tree's objects against each other, by their filters" },
-    { "FILTERED", min = 0, max = 1, default = 0, silent = true, about = "1: only objects that the items' filter can touch" },
-    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
-      about = "boxes side by side in a work-item" },
-    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 64 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
-      about = "boxes a work-item" },
+    common.FILTERED,
+    { "LANES", values = { 1, 8 }, default = common.by_device(8, 1), about = "boxes side by side in a work-item" },
+    common.WG(64),
+    { "PER_ITEM", values = { 1, 256 }, default = common.by_device(256, 1), about = "boxes a work-item" },
   },
   args = {
     box_query = [[
@@ -47,7 +40,5 @@ return {
     if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
     if p.ORIGIN > 0 and p.SHAPE > 0 then return false, "origin cells are for poses" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
-    return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -4,19 +4,13 @@ return {
   uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh",
     "queries/refused.clh", "queries/far.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0, about = "0 poses, 1 bounds, 2 rounded boxes" },
-    { "ORIGIN", min = 0, max = 254, default = 0, silent = true,
-      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
+    common.DIMS, common.TREE_SHAPE, common.TREE_ORIGIN,
     { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
-    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
-      about = "boxes side by side in a work-item" },
-    { "ITEM_BITS", values = { 16, 24 }, default = function(limits) return limits.cpu and 24 or 16 end,
+    { "LANES", values = { 1, 8 }, default = common.by_device(8, 1), about = "boxes side by side in a work-item" },
+    { "ITEM_BITS", values = { 16, 24 }, default = common.by_device(24, 16),
       about = "bits of an item's place along the curve, by which items are sorted" },
-    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
-      about = "boxes a work-item" },
+    common.WG(128),
+    { "PER_ITEM", values = { 1, 1024 }, default = common.by_device(1024, 1), about = "boxes a work-item" },
   },
   args = {
     tree_extent = [[
@@ -60,7 +54,5 @@ return {
   valid = function(p)
     if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
     if p.ORIGIN > 0 and p.SHAPE > 0 then return false, "origin cells are for poses" end
-    return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

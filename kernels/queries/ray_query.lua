@@ -4,20 +4,14 @@ return {
   uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh",
     "queries/refused.clh", "queries/far.clh", "queries/traversal.clh", "queries/line.clh", "queries/sweep.clh", "queries/rounded_ray.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0, about = "0 poses, 1 bounds, 2 rounded boxes" },
-    { "ORIGIN", min = 0, max = 254, default = 0, silent = true,
-      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
+    common.DIMS, common.TREE_SHAPE, common.TREE_ORIGIN,
     { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
     { "SWEPT", values = { 0, 1 }, default = 0, about = "0 rays, 1 boxes that move along them" },
     { "WANTS", values = { 0, 1, 2 }, default = 0, about = "0 the closest hit, 1 whether there is any, 2 every hit" },
-    { "FILTERED", min = 0, max = 1, default = 0, silent = true, about = "1: only objects that the items' filter can touch" },
-    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
-      about = "children of a node side by side" },
-    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 64 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
-      about = "rays a work-item" },
+    common.FILTERED,
+    { "LANES", values = { 1, 8 }, default = common.by_device(8, 1), about = "children of a node side by side" },
+    common.WG(64),
+    { "PER_ITEM", values = { 1, 256 }, default = common.by_device(256, 1), about = "rays a work-item" },
   },
   args = {
     ray_query = [[
@@ -43,7 +37,5 @@ return {
   valid = function(p)
     if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
     if p.ORIGIN > 0 and p.SHAPE > 0 then return false, "origin cells are for poses" end
-    return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

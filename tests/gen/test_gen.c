@@ -365,7 +365,7 @@ TEST(a_broken_card_is_told_with_its_line)
         {"return {\n  params = {", "k.lua:2: unexpected symbol"},
         {"return 5", "k.lua: the card returns a number, not a table"},
         {"return {}", "k.lua: the card has no params"},
-        {"return { params = {} }", "k.lua: the card has no launch function"},
+        {"return { params = {} }", "k.lua: the card has no launch function, nor"},
         {CARD("", "parms = 1,"), "k.lua:3: the card has no field 'parms'"},
         {CARD("", "valid = true,"), "k.lua:3: valid must be a function, is a boolean"},
         {CARD("7", ""), "k.lua:2: parameter 1 is a number, not a table"},

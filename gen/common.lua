@@ -1,0 +1,38 @@
+-- SPDX-License-Identifier: MIT
+-- Parameters that many cards have: in a card's params, common.NAME stands for a table.
+
+-- A default: one for a CPU, another for other devices.
+local function by_device(cpu, other)
+  return function(limits) return limits.cpu and cpu or other end
+end
+
+common = {
+  by_device = by_device,
+  DIMS = { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+  SHAPE = { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0,
+    about = "0 poses, 1 bounds, 2 rounded boxes, 3 spheres" },
+  ROTATED = { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+  ORIGIN = { "ORIGIN", min = 0, max = 254, default = 0,
+    about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
+  TREE_SHAPE = { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0,
+    about = "0 poses, 1 bounds, 2 rounded boxes" },
+  TREE_ORIGIN = { "ORIGIN", min = 0, max = 254, default = 0, silent = true,
+    about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
+  APART = { "APART", values = { 0, 1, 2 }, default = 0,
+    about = "1: poses are transforms, and their sizes apart; 2: compact ones" },
+  ACCURACY = { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
+    about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
+  GRID = { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
+  LEVELS = { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
+  CELLS_X = { "CELLS_X", min = 0, max = 65536, default = 0, about = "cells along x that are compiled in; 0: read" },
+  CELLS_Y = { "CELLS_Y", min = 0, max = 65536, default = 0, about = "along y" },
+  CELLS_Z = { "CELLS_Z", min = 0, max = 65536, default = 0, about = "along z" },
+  STRETCH = { "STRETCH", min = 0, max = 1, default = 0, silent = true,
+    about = "1: objects from n_hashed on, to their places" },
+  FILTERED = { "FILTERED", min = 0, max = 1, default = 0, silent = true,
+    about = "1: only objects that the items' filter can touch" },
+  WG = function(other)
+    return { "WG", values = { 1, 64, 128, 256 }, default = by_device(1, other), about = "work-items a group" }
+  end,
+  PER_ITEM = { "PER_ITEM", values = { 1, 1024 }, default = by_device(1024, 1), about = "objects a work-item" },
+}
