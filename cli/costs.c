@@ -109,9 +109,10 @@ static void take_away(subject *s, uint32_t effect)
 {
     s->def.wants &= ~effect;
     if (effect == DUET_EFFECT_CONTACT_RESPONSE)
-        s->def.wants &= ~(uint32_t)(DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP |
-                                    DUET_EFFECT_FRICTION | DUET_EFFECT_ROLLING_RESISTANCE |
-                                    DUET_EFFECT_SURFACE_VELOCITY | DUET_EFFECT_MATERIALS | DUET_EFFECT_SHOCKS);
+        s->def.wants &=
+            ~(uint32_t)(DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP | DUET_EFFECT_FRICTION |
+                        DUET_EFFECT_ROLLING_RESISTANCE | DUET_EFFECT_SURFACE_VELOCITY |
+                        DUET_EFFECT_MATERIALS | DUET_EFFECT_SHOCKS | DUET_EFFECT_DEPENETRATION);
     if (effect == DUET_EFFECT_FRICTION)
         smooth_materials(&s->def);
     if (effect == DUET_EFFECT_GRAVITY) {

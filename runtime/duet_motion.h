@@ -34,7 +34,8 @@ typedef enum duet_effect {
     DUET_EFFECT_SURFACE_VELOCITY = 1u << 18,   // surfaces move: conveyors
     DUET_EFFECT_MATERIALS = 1u << 19,          // bodies name materials of a table
     DUET_EFFECT_SHOCKS = 1u << 20,             // impacts pass through rows of bodies that touch
-    DUET_EFFECT_ALL = (1u << 21) - 1
+    DUET_EFFECT_DEPENETRATION = 1u << 21,      // what begins deep in each other is taken apart
+    DUET_EFFECT_ALL = (1u << 22) - 1
 } duet_effect;
 
 DUET_API const char *duet_effect_name(uint32_t effect); // one bit: "rotation"; NULL for others

@@ -51,6 +51,8 @@ static const effect_row rows[] = {
      "a body that names a material, with contact_response", "material_rules", "prepare_contacts"},
     {DUET_EFFECT_SHOCKS, "shocks", DUET_EFFECT_CONTACT_RESPONSE, "wants", "shocked",
      "solve_shocks"},
+    {DUET_EFFECT_DEPENETRATION, "depenetration", DUET_EFFECT_CONTACT_RESPONSE, "wants", NULL,
+     "none: the host moves bodies once"},
     {DUET_EFFECT_CONTINUOUS, "continuous", DUET_EFFECT_CONTACT_RESPONSE,
      "something that moves, or whose corners swing, more than half its least half extent in a step",
      "swept", "fat_aabbs, build_manifolds, bodies, integrate_positions, solve_contacts"},

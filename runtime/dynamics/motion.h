@@ -241,6 +241,12 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
 // 0; the device may still be writing that on return.
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
 
+// Contacts of the manifolds that are right now, as duet_motion_get_contacts.
+bool motion_read_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, duet_error *err);
+
+// Takes bodies apart whose manifolds are deep; *parted: some were, and are elsewhere now.
+bool motion_part_deep(duet_motion *m, bool *parted, duet_error *err);
+
 // Space for n elements of `size` bytes in a buffer.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);
 

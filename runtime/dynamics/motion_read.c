@@ -312,12 +312,8 @@ static duet_contact read_record(const duet_motion *m, const uint32_t link[2], ui
     return c;
 }
 
-bool duet_motion_get_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, duet_error *err)
+bool motion_read_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, duet_error *err)
 {
-    PUBLIC_CALL(err);
-    if (!motion_is_whole(m, __func__, err) || !error_given(contacts, __func__, "contacts", err) ||
-        !error_given(n, __func__, "n", err))
-        return false;
     size_t count = m->graph.n_contacts;
     size_t record = m->layout.record;
     uint32_t(*links)[2] = malloc(count * sizeof *links + 1);
@@ -332,8 +328,7 @@ bool duet_motion_get_contacts(duet_motion *m, duet_contact **contacts, uint64_t 
          timeline_read(&m->times, "fetch", &m->buffers[TOUCHES], touches, count * sizeof *touches,
                        err) &&
          timeline_read(&m->times, "fetch", &m->buffers[CONTACTS], records,
-                       count * record * sizeof *records, err) &&
-         timeline_finish(&m->times, err);
+                       count * record * sizeof *records, err);
     *n = 0;
     for (size_t i = 0; ok && i < count; ++i)
         if (touches[i] & TOUCH_POINTS)
@@ -346,6 +341,14 @@ bool duet_motion_get_contacts(duet_motion *m, duet_contact **contacts, uint64_t 
     if (!ok)
         free(found);
     return ok;
+}
+
+bool duet_motion_get_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    return motion_is_whole(m, __func__, err) && error_given(contacts, __func__, "contacts", err) &&
+           error_given(n, __func__, "n", err) && motion_read_contacts(m, contacts, n, err) &&
+           timeline_finish(&m->times, err);
 }
 
 // ---------------------------------------------------------------- between two states

@@ -170,10 +170,21 @@ static bool fly(duet_motion *m, duet_error *err)
             (ensure(m, PRODUCT_MANIFOLDS, err) && motion_note_events(m, err)));
 }
 
+// Contacts are found and parted so often at most.
+enum { PARTINGS = 16 };
+
+static bool begin_apart(duet_motion *m, duet_error *err)
+{
+    bool ok = true, parted = m->step == 0 && (m->effects & DUET_EFFECT_DEPENETRATION);
+    for (int i = 0; ok && parted && i < PARTINGS; ++i)
+        ok = ensure(m, PRODUCT_MANIFOLDS, err) && motion_part_deep(m, &parted, err);
+    return ok;
+}
+
 // With response what touches when the step begins is solved.
 static bool respond(duet_motion *m, duet_error *err)
 {
-    bool ok = ensure(m, PRODUCT_COLOURS, err) && motion_solve(m, err) &&
+    bool ok = begin_apart(m, err) && ensure(m, PRODUCT_COLOURS, err) && motion_solve(m, err) &&
               motion_note_events(m, err) && motion_finalize(m, err);
     products_move_bodies(&m->products);
     return ok && (!m->kernels.check_fat_aabbs || motion_check_bounds(m, false, err));

@@ -119,7 +119,8 @@ static mover *make_scene_in(medium in, uint32_t set)
     const int side = flat ? 5 : 3, n = flat ? 25 : 27;
     m->def.doubles = in.doubles;
     m->def.wants = set & (DUET_EFFECT_SENSORS | DUET_EFFECT_CONTACT | DUET_EFFECT_CONTACT_RESPONSE |
-                          DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS | DUET_EFFECT_SHOCKS);
+                          DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS | DUET_EFFECT_SHOCKS |
+                          DUET_EFFECT_DEPENETRATION);
     m->def.n_materials = 2;
     m->def.materials[1].friction = set & DUET_EFFECT_FRICTION ? 0.6f : 0.0f;
     m->def.materials[2] = m->def.materials[1];
@@ -206,6 +207,7 @@ static const uint32_t effects[] = {
     DUET_EFFECT_SURFACE_VELOCITY,
     DUET_EFFECT_MATERIALS,
     DUET_EFFECT_SHOCKS,
+    DUET_EFFECT_DEPENETRATION,
 };
 
 enum { N_EFFECTS = sizeof effects / sizeof effects[0] };
@@ -215,7 +217,7 @@ static uint32_t with_needs(uint32_t set)
     const uint32_t needs_response = DUET_EFFECT_FRICTION | DUET_EFFECT_CONTINUOUS |
                                     DUET_EFFECT_SLEEP | DUET_EFFECT_ROLLING_RESISTANCE |
                                     DUET_EFFECT_SURFACE_VELOCITY | DUET_EFFECT_MATERIALS |
-                                    DUET_EFFECT_SHOCKS;
+                                    DUET_EFFECT_SHOCKS | DUET_EFFECT_DEPENETRATION;
     set |= set & DUET_EFFECT_ROLLING_RESISTANCE ? DUET_EFFECT_RADIUS | DUET_EFFECT_ANGULAR_VELOCITY
                                                 : 0;
     set |= set & DUET_EFFECT_SURFACE_VELOCITY ? DUET_EFFECT_FRICTION | DUET_EFFECT_ROTATION : 0;
@@ -267,7 +269,7 @@ static uint32_t general_in(medium in, uint32_t set)
     const uint32_t pushes = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FRICTION |
                             DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP |
                             DUET_EFFECT_ROLLING_RESISTANCE | DUET_EFFECT_SURFACE_VELOCITY |
-                            DUET_EFFECT_MATERIALS | DUET_EFFECT_SHOCKS;
+                            DUET_EFFECT_MATERIALS | DUET_EFFECT_SHOCKS | DUET_EFFECT_DEPENETRATION;
     bool flies = in.doubles && !(set & DUET_EFFECT_CONTACT_RESPONSE);
     return flies ? DUET_EFFECT_ALL & ~pushes : DUET_EFFECT_ALL;
 }
