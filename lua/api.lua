@@ -107,7 +107,13 @@ api.others = {
   ["an OpenCL program in C: scripts have no OpenCL of their own"] = {
     "duet_device_pair_create_on_queues", "duet_world_set_objects_buffer", "duet_world_leave_pairs",
     "duet_world_bring_pairs", "duet_world_get_pair_buffers", "duet_world_step_begin_event",
-    "duet_motion_copy_states",
+    "duet_motion_copy_states", "duet_task_set_buffer",
+  },
+  ["an application in C"] = {
+    "duet_task_file_load", "duet_task_file_destroy", "duet_default_task_def", "duet_task_create",
+    "duet_task_destroy", "duet_task_get_arg", "duet_task_get_items", "duet_task_set_number",
+    "duet_task_set_integer", "duet_task_set_array", "duet_task_get_array", "duet_task_set_plan",
+    "duet_task_get_plan", "duet_task_load_profile", "duet_task_run",
   },
   ["set_poses of a world with compact_transforms"] = { "duet_compact_transform_set" },
   ["tostring of a device pair"] = { "duet_device_pair_is_one" },
