@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#define _POSIX_C_SOURCE 200809L // setenv
 #include "cli/inputs.h"
 
 #include "base/clock.h"
@@ -121,18 +120,7 @@ static duet_scene *load_with(const char *path, const scene_options *options, due
     return scene;
 }
 
-duet_device_pair *inputs_open_task_pair(const char *selectors, const char *path, duet_error *err)
-{
-    const char *slash = strrchr(path, '/');
-    text folder = {0};
-    text_add(&folder, "%.*s", slash ? (int)(slash - path + 1) : 2, slash ? path : "./");
-    if (text_ok(&folder, err))
-        setenv("DUET_KERNEL_DIR", folder.chars, false);
-    text_free(&folder);
-    return inputs_open_pair(selectors, err);
-}
-
-struct duet_task *inputs_load_task(const char *path, const scene_options *options, duet_error *err)
+task *inputs_load_task(const char *path, const scene_options *options, duet_error *err)
 {
     scene_settings settings;
     task *t = NULL;

@@ -98,12 +98,8 @@ void inputs_show_compiling(void *context, const duet_device_info *device, const 
 // NULL selectors: the default pair.
 duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err);
 
-// The same for the task file of that path, whose folder has the kernels unless DUET_KERNEL_DIR
-// names another.
-duet_device_pair *inputs_open_task_pair(const char *selectors, const char *path, duet_error *err);
-
 // Reads a task file with the settings of the options.
-struct duet_task *inputs_load_task(const char *path, const scene_options *options, duet_error *err);
+duet_task_file *inputs_load_task(const char *path, const scene_options *options, duet_error *err);
 
 // Settings of a scene, as the library takes them.
 typedef struct scene_settings {

@@ -71,6 +71,10 @@ api.classes = {
   { "duet.SphereSweeps", "Rows of centre xyz, radius, direction xyz, t_max." },
   { "duet.SweepHits", "Rows of a sweep, the id of the box that it meets, t, and the normal there." },
   { "duet.SweepQueryResult", "A table: what moving boxes took." },
+  { "duet.TaskFile", "A kernel of the user's with its arguments and what is right, as a task file describes it." },
+  { "duet.Task", "The same on a device pair, run again and again." },
+  { "duet.TaskArg", "A table: an argument of a task's kernel." },
+  { "duet.TaskResult", "A table: what a run of a task took." },
   { "duet.Kernel", "A table: a kernel and its card." },
   { "duet.Source", "A table: the text of a variant." },
   { "duet.Level", "A table: a level of accuracy." },
@@ -97,7 +101,7 @@ api.others = {
     "duet_default_device_pair_def", "duet_default_world_def", "duet_default_tune_def",
     "duet_default_online_def", "duet_default_cluster_def", "duet_default_motion_def", "duet_default_body", "duet_default_pair_query_def",
     "duet_default_ray_query_def", "duet_default_contact_query_def",
-    "duet_default_tree_def", "duet_default_ray_query_def", "duet_default_box_query_def",
+    "duet_default_task_def", "duet_default_tree_def", "duet_default_ray_query_def", "duet_default_box_query_def",
     "duet_default_point_query_def", "duet_default_sweep_query_def",
   },
   ["a scene with origin = \"cell\""] = {
@@ -107,7 +111,7 @@ api.others = {
   ["an OpenCL program in C: scripts have no OpenCL of their own"] = {
     "duet_device_pair_create_on_queues", "duet_world_set_objects_buffer", "duet_world_leave_pairs",
     "duet_world_bring_pairs", "duet_world_get_pair_buffers", "duet_world_step_begin_event",
-    "duet_motion_copy_states",
+    "duet_motion_copy_states", "duet_task_set_buffer",
   },
   ["set_poses of a world with compact_transforms"] = { "duet_compact_transform_set" },
   ["tostring of a device pair"] = { "duet_device_pair_is_one" },
@@ -225,8 +229,8 @@ api.names = {
     "A world by a def { plan, dims, shape, level, accuracy, rotated, cell, cell_fixed, lower, upper, " ..
     "separate_sizes, compact_transforms, ordered, keep_bad, max_pairs, stage_times }; given a scene, with its objects and, where the def says nothing, its settings.",
     fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
-  { "duet.DevicePair:tune", { "scene: duet.Scene", "def?: table" }, "duet.Tuning",
-    "Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, ordered, " ..
+  { "duet.DevicePair:tune", { "scene: duet.Scene|duet.TaskFile", "def?: table" }, "duet.Tuning",
+    "Chooses variants, mode and share for the scene or task file and keeps them in a store. A def { store, keep, fresh, ordered, " ..
     "strategy, strategy_lua, strategy_name, search, query, items, steps, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, wait_seconds, repeats, seed, script, watch }; " ..
     "watch(progress) is called after each trial, and while the tuning waits for other programs (progress.waiting says why), and stops the tuning with false. keep = false uses no store; " ..
     "keep = true lets applications load what a strategy other than the default one finds, too. " ..
@@ -411,6 +415,38 @@ api.names = {
   { "duet.PairQueryResult.undecided", "integer", "pairs that float left open and the host decided" },
   { "duet.PairQueryResult.total_ms", "number", "wall clock" },
   { "duet.PairQueryResult.device_ms", "number[]", "of A and of B" },
+
+  { "duet.task_file", { "path: string", "settings?: table" }, "duet.TaskFile",
+    "Reads a task file with these parameters set, to be tuned.", fails = true, c = "duet_task_file_load" },
+  { "duet.TaskFile:close", {}, nil, "Gives the arrays' memory back.", c = "duet_task_file_destroy" },
+  { "duet.DevicePair:task", { "path: string", "settings?: table" }, "duet.Task",
+    "Reads a task file without what is right, makes its arrays on both devices and builds its kernel. Runs are not checked.",
+    fails = true, c = "duet_task_create" },
+  { "duet.Task:args", {}, "duet.TaskArg[]", "The kernel's arguments, by name.", c = "duet_task_get_arg" },
+  { "duet.Task:items", {}, "integer", "How many items there are.", c = "duet_task_get_items" },
+  { "duet.Task:set", { "name: string", "value: number|number[]|string" }, "duet.Task",
+    "Sets a number, or all of an array that is read: a list of its components, or a string of its bytes.",
+    fails = true, c = { "duet_task_set_number", "duet_task_set_integer", "duet_task_set_array" } },
+  { "duet.Task:get", { "name: string", "form?: string" }, "number[]|string",
+    "All of an array, as a list of its components, or with \"bytes\" as a string.",
+    fails = true, c = "duet_task_get_array" },
+  { "duet.Task:plan", {}, "duet.Plan", "The plan of its runs; a task has no modes.", c = "duet_task_get_plan" },
+  { "duet.Task:set_plan", { "plan: duet.Plan|table" }, "duet.Task",
+    "Sets share and variants of the following runs; what it leaves out stays.", fails = true, c = "duet_task_set_plan" },
+  { "duet.Task:load_profile", { "path?: string" }, "duet.Profile",
+    "Gives it the best plan that a store knows for its kernel, key and size on these devices.",
+    fails = true, c = "duet_task_load_profile" },
+  { "duet.Task:run", {}, "duet.TaskResult", "Runs the kernel over all items on both devices.",
+    fails = true, c = "duet_task_run" },
+  { "duet.Task:close", {}, nil, "Gives the devices' memory back.", c = "duet_task_destroy" },
+  { "duet.TaskArg.name", "string", "the kernel's name of it" },
+  { "duet.TaskArg.type", "string", "of an element of an array, \"float4\"; empty for a number" },
+  { "duet.TaskArg.access", "string", "of an array: all, slice, out slice, in out slice or sum" },
+  { "duet.TaskArg.elements", "integer", "of an array; 0: it is a number" },
+  { "duet.TaskArg.bytes", "integer", "of an element" },
+  { "duet.TaskResult.total_ms", "number", "wall clock" },
+  { "duet.TaskResult.device_ms", "number[]", "of A and of B" },
+  { "duet.TaskResult.stages", "duet.Stage[]", "what was sent, launched and fetched" },
 
   { "duet.DevicePair:tree", { "motion?: duet.Motion|table", "def?: { shape?: string, share?: number, dims?: integer, origin_edge?: number }" }, "duet.Tree",
     "An empty tree; shape is that of a world, and A has the share of what its queries ask. With an origin_edge " ..

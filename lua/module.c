@@ -76,6 +76,7 @@ int luaopen_duet(lua_State *L)
     motion_commands_open_lua(L);
     source_open_lua(L);
     pair_query_open_lua(L);
+    task_open_lua(L);
     tree_open_lua(L);
     tree_query_open_lua(L);
     profiles_open_lua(L);

@@ -33,6 +33,7 @@ void contact_query_open_lua(lua_State *L);
 void pair_delta_open_lua(lua_State *L);
 void replay_open_lua(lua_State *L);
 void cluster_open_lua(lua_State *L);
+void task_open_lua(lua_State *L);
 
 extern const member_type member_plan;               // a duet_plan as a table
 void plan_read(lua_State *L, duet_plan *plan);      // the argument at 2
@@ -73,6 +74,9 @@ typedef struct world_box {
 
 world_box *world_check(lua_State *L, int index);
 void world_forget_views(world_box *box); // objects mapped before are not sent again
+
+duet_task *task_check_lua(lua_State *L, int index);
+duet_task_file *task_file_test(lua_State *L, int index); // NULL if there is something else
 
 duet_scene *scene_check(lua_State *L, int index);
 // { n = 1000, rotated = false } -> names and values as text, kept by a table

@@ -182,6 +182,16 @@ static int motion_load_profile(lua_State *L)
     return push_loaded(L, duet_motion_load_profile(motion, path, &profile, &err), &profile, &err);
 }
 
+// task:load_profile(path)
+static int task_load_profile(lua_State *L)
+{
+    duet_error err = {0};
+    duet_profile profile;
+    duet_task *task = task_check_lua(L, 1);
+    const char *path = check_store(L, 2);
+    return push_loaded(L, duet_task_load_profile(task, path, &profile, &err), &profile, &err);
+}
+
 // tree:load_profile(query, n, path)
 static int tree_load_profile(lua_State *L)
 {
@@ -228,6 +238,8 @@ void profiles_open_lua(lua_State *L)
     class_open(L, &memory_class);
     class_add_methods(L, "duet.world", of_world, NULL);
     static const luaL_Reg of_motion[] = {{"load_profile", motion_load_profile}, {NULL, NULL}};
+    static const luaL_Reg of_task[] = {{"load_profile", task_load_profile}, {NULL, NULL}};
+    class_add_methods(L, "duet.task", of_task, NULL);
     class_add_methods(L, "duet.tree", of_tree, NULL);
     class_add_methods(L, "duet.motion", of_motion, NULL);
     luaL_setfuncs(L, functions, 0);

@@ -247,7 +247,7 @@ static void check_policy(lua_State *L, const duet_tune_def *def)
         policy_check_read(L, def->store);
 }
 
-// device_pair:tune(scene, def)
+// device_pair:tune(scene or task file, def)
 static int pair_tune(lua_State *L)
 {
     duet_error err = {0};
@@ -256,7 +256,8 @@ static int pair_tune(lua_State *L)
     duet_level levels[32];
     tune_def t = {.def = duet_default_tune_def()};
     t.def.pair = device_pair_check(L, 1);
-    t.def.scene = scene_check(L, 2);
+    t.def.task = task_file_test(L, 2);
+    t.def.scene = t.def.task ? NULL : scene_check(L, 2);
     lua_settop(L, 3);
     member_read_table(L, 3, "a tuning", def_members, &t);
     check_policy(L, &t.def);

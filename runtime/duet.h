@@ -38,6 +38,7 @@
 #include "duet_replay.h"
 #include "duet_scene.h"
 #include "duet_sweep_query.h"
+#include "duet_task.h"
 #include "duet_tree.h"
 #include "duet_world.h"
 

@@ -19,6 +19,7 @@
 #define DUET_OPENCL_H
 
 #include "duet_motion_map.h"
+#include "duet_task.h"
 #include "duet_world.h"
 
 #include <CL/cl.h>
@@ -96,6 +97,20 @@ DUET_API bool duet_world_step_begin_event(duet_world *world, cl_event *done, due
 DUET_API bool duet_motion_copy_states(duet_motion *motion, duet_state_part part, cl_mem rows,
                                       cl_uint n_events, const cl_event *events, cl_event *done,
                                       duet_error *err);
+
+// ---------------------------------------------------------------- tasks
+
+// Lets an array of a task lie in a buffer with its elements, instead of memory of Duet's, until
+// duet_task_set_array or another call. A device of the buffer's context works on the buffer in
+// place; the other device gets its part through the host in each run, and what it wrote comes back
+// into the buffer. Of two devices of that context only B writes in place, and a "sum" is added on
+// the host. What the kernel wrote is in the buffer when duet_task_run returns.
+//
+// A run reads the buffer after `events` [n_events], and after all that the caller enqueued before
+// this call in the pair's queues of that context, as duet_world_set_objects_buffer does. To use
+// the buffer for the next run, too, once its contents changed, make this call again.
+DUET_API bool duet_task_set_buffer(duet_task *task, const char *name, cl_mem elements,
+                                   cl_uint n_events, const cl_event *events, duet_error *err);
 
 DUET_C_END
 

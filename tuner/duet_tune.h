@@ -35,8 +35,8 @@ typedef enum duet_keep {
 typedef struct duet_tune_def {
     duet_device_pair *pair; // stays open until the call returns, as the scene does
     const duet_scene *scene;
-    struct duet_task *task; // tunes a kernel of the user's, as 'duet tune --task' reads it; scene
-                            // is then NULL. NULL: tunes the scene
+    duet_task_file *task; // tunes this kernel of the user's; stays until the call returns. scene is
+                          // then NULL. NULL: tunes the scene
     const char *query; // tunes the share of this query of a tree of the scene's objects, named as
                        // in duet_tree_load_profile; NULL: tunes a step
     uint64_t items;    // items of the query, drawn among the objects by the seed; 0: as many as

@@ -6,13 +6,7 @@
 #include "runtime/task/task_launch.h"
 #include "tuner/tuning.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-typedef struct launched {
-    task_launcher *launcher;
-    char words[TASK_WORDS];
-} launched;
 
 // ---------------------------------------------------------------- def
 
@@ -54,33 +48,22 @@ static void complete(duet_tune_def *def)
 
 static bool open(subject *s, duet_error *err)
 {
-    const task *t = s->def->task;
-    launched *l = s->state = calloc(1, sizeof *l);
-    if (!l)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for task %s", t->name);
-    task_write_words(t, l->words);
-    s->units = t->items;
+    s->units = s->def->task->items;
     s->plan.mode = DUET_MODE_OWN;
     plan_set_variants(&s->plan, variants[0]);
-    l->launcher = task_launcher_open(s->def->task, s->pair, err);
-    return l->launcher;
+    s->state = task_launcher_open(s->def->task, s->pair, err);
+    return s->state;
 }
 
 static void close(subject *s)
 {
-    launched *l = s->state;
-    if (l)
-        task_launcher_close(l->launcher);
-    free(l);
+    task_launcher_close(s->state);
 }
 
 static bool describe(subject *s, profile_subject *p, duet_error *err)
 {
-    const launched *l = s->state;
-    char hash[PROFILE_SHA];
-    if (!task_kernel_hash(s->def->task, s->pair, hash, err))
+    if (!profile_subject_read_task(s->def->task, s->pair, p, err))
         return false;
-    profile_subject_read_task(s->pair, l->words, s->def->task->size, hash, p);
     p->workload.name = s->def->task->name;
     return true;
 }
@@ -103,7 +86,7 @@ static bool launch(void *context, const duet_plan *plan, bool staged, measure_la
     task_result r;
     (void)staged;
     core_watch_start(s->cores);
-    if (!task_launch(((launched *)s->state)->launcher, plan, &r, err))
+    if (!task_launch(s->state, plan, &r, err))
         return false;
     *out = (measure_launch){.total_ns = measure_to_ns(r.total_ms),
                             .a_ns = measure_to_ns(r.device_ms[0]),
@@ -119,8 +102,7 @@ static bool launch(void *context, const duet_plan *plan, bool staged, measure_la
 static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_space **spaces,
                          uint32_t *n, duet_error *err)
 {
-    return task_kernel_space(((launched *)((subject *)context)->state)->launcher, plan, side,
-                             spaces, n, err);
+    return task_kernel_space(((subject *)context)->state, plan, side, spaces, n, err);
 }
 
 const subject_kind subject_task = {

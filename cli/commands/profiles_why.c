@@ -8,7 +8,7 @@
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/selection/profile_subject.h"
-#include "runtime/task/task_launch.h"
+#include "runtime/task/task.h"
 
 #include <string.h>
 
@@ -66,8 +66,7 @@ typedef struct answer {
     text why; // a line for each grade
     duet_plan fallback;
     bool one_device;
-    char words[TASK_WORDS]; // of a task
-    char whole[80];         // the selector of the device that A is a part of, or is
+    char whole[80]; // the selector of the device that A is a part of, or is
 } answer;
 
 static bool read_world(const arguments *args, const duet_scene *scene, duet_device_pair *pair,
@@ -285,14 +284,9 @@ static bool ask_scene(const arguments *args, const char *path, duet_device_pair 
 
 static bool ask_task(const arguments *args, duet_device_pair *pair, answer *a, duet_error *err)
 {
-    char hash[PROFILE_SHA];
     task *t = inputs_load_task(args->task, &args->scene, err);
-    bool ok = t && task_kernel_hash(t, pair, hash, err);
-    if (ok) {
-        task_write_words(t, a->words);
-        profile_subject_read_task(pair, a->words, t->size, hash, &a->asked);
-        ok = look_and_tell(args, a, err);
-    }
+    bool ok =
+        t && profile_subject_read_task(t, pair, &a->asked, err) && look_and_tell(args, a, err);
     task_destroy(t);
     return ok;
 }
@@ -301,8 +295,7 @@ static bool run(void *given, char **operands, duet_error *err)
 {
     const arguments *args = given;
     answer a = {0};
-    duet_device_pair *pair = args->task ? inputs_open_task_pair(args->pair, args->task, err)
-                                        : inputs_open_pair(args->pair, err);
+    duet_device_pair *pair = inputs_open_pair(args->pair, err);
     if (!pair)
         return false;
     a.fallback = duet_default_plan(pair);

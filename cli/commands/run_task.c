@@ -36,14 +36,11 @@ typedef struct ran {
 // that cannot be read is told of.
 static bool find_plan(ran *r, duet_error *err)
 {
-    char words[TASK_WORDS], hash[PROFILE_SHA];
     profile_subject subject;
     profile_found found = {.grade = PROFILE_DEFAULT};
     duet_error failure = {0};
-    if (!task_kernel_hash(r->task, r->pair, hash, err))
+    if (!profile_subject_read_task(r->task, r->pair, &subject, err))
         return false;
-    task_write_words(r->task, words);
-    profile_subject_read_task(r->pair, words, r->task->size, hash, &subject);
     profile_request request = profile_subject_request(&subject);
     if (!profile_subject_look(NULL, &request, &found, NULL, &failure))
         say_failed(&failure);
@@ -199,7 +196,7 @@ static bool run_on(const arguments *args, task *t, duet_device_pair *pair, duet_
 bool run_task(const arguments *args, duet_error *err)
 {
     task *t = inputs_load_task(args->task, &args->scene, err);
-    duet_device_pair *pair = t ? inputs_open_task_pair(args->pair, args->task, err) : NULL;
+    duet_device_pair *pair = t ? inputs_open_pair(args->pair, err) : NULL;
     bool ok = pair && run_on(args, t, pair, err);
     duet_device_pair_destroy(pair);
     task_destroy(t);

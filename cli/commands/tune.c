@@ -434,8 +434,7 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
                            duet_error *err)
 {
     duet_tune_def def = make_def(args, config, report);
-    def.pair = args->task ? inputs_open_task_pair(config->pair, args->task, err)
-                          : inputs_open_pair(config->pair, err);
+    def.pair = inputs_open_pair(config->pair, err);
     bool ok = def.pair && check_strategy(args, def.pair, err);
     if (ok)
         tune_report_expect(report, def.pair, config->n_workloads, config->budget_seconds);

@@ -36,7 +36,7 @@ void tune_report_expect(tune_report *r, const duet_device_pair *pair, uint32_t n
 // The workload that is measured next.
 void tune_report_workload(tune_report *r, const duet_scene_info *scene, const duet_tune_def *def);
 
-void tune_report_task(tune_report *r, const struct duet_task *task);
+void tune_report_task(tune_report *r, const duet_task_file *task);
 
 // A duet_tune_watch; stops after Ctrl-C.
 bool tune_report_watch(void *report, const duet_tune_progress *p);

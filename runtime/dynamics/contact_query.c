@@ -133,7 +133,8 @@ duet_contact_query *duet_contact_query_create(const duet_contact_query_def *def,
     uint32_t share = def->share;
     if (share == DUET_SHARE_DEFAULT)
         share = duet_default_plan(def->pair).share;
-    if (!shared_work_open(&query->work, def->pair, share, &a->work, &b->work, err) ||
+    if (!shared_work_open(&query->work, def->pair, def->pair->kernel_dir, share, &a->work, &b->work,
+                          err) ||
         !open_side(a, def, err) || !open_side(b, def, err)) {
         duet_contact_query_destroy(query);
         return NULL;

@@ -88,7 +88,8 @@ duet_pair_query *duet_pair_query_create(const duet_pair_query_def *def, duet_err
     if (!query)
         return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a pair query");
     side *a = &query->sides[0], *b = &query->sides[1];
-    if (!shared_work_open(&query->work, def->pair, def->share, &a->work, &b->work, err) ||
+    if (!shared_work_open(&query->work, def->pair, def->pair->kernel_dir, def->share, &a->work,
+                          &b->work, err) ||
         !open_side(a, def, err) || !open_side(b, def, err)) {
         duet_pair_query_destroy(query);
         return NULL;

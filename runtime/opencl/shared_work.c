@@ -11,21 +11,23 @@ bool shared_work_check(uint32_t share, duet_error *err)
                      share, DUET_SHARE_ONE);
 }
 
-static bool open_side(work_side *s, const duet_device_pair *pair, int which, duet_error *err)
+static bool open_side(work_side *s, const duet_device_pair *pair, const char *kernel_dir, int which,
+                      duet_error *err)
 {
     s->device = &pair->devices[which];
-    s->gen = gen_open(pair->kernel_dir, err);
+    s->gen = gen_open(kernel_dir, err);
     s->programs = s->gen ? program_set_open(s->device, s->gen, &pair->builder, err) : NULL;
     return s->programs;
 }
 
-bool shared_work_open(shared_work *w, duet_device_pair *pair, uint32_t share, work_side *a,
-                      work_side *b, duet_error *err)
+bool shared_work_open(shared_work *w, duet_device_pair *pair, const char *kernel_dir,
+                      uint32_t share, work_side *a, work_side *b, duet_error *err)
 {
     *w = (shared_work){.pair = pair, .share = share, .sides = {a, b}};
     device_pair_hold(pair);
     bool uses_a = share > 0, uses_b = share < DUET_SHARE_ONE;
-    return (!uses_a || open_side(a, pair, 0, err)) && (!uses_b || open_side(b, pair, 1, err)) &&
+    return (!uses_a || open_side(a, pair, kernel_dir, 0, err)) &&
+           (!uses_b || open_side(b, pair, kernel_dir, 1, err)) &&
            (!uses_a || !uses_b || (w->driver = thread_pool_open(1, err)) != NULL);
 }
 
@@ -63,15 +65,22 @@ static uint64_t part_of(uint64_t n, uint32_t share)
     return n / DUET_SHARE_ONE * share + n % DUET_SHARE_ONE * share / DUET_SHARE_ONE;
 }
 
-bool shared_work_run(shared_work *w, uint64_t n, bool (*part)(work_side *), duet_error *err)
+void shared_work_divide(shared_work *w, uint64_t n)
 {
     uint64_t cut = part_of(n, w->share);
+    w->sides[0]->first = 0;
+    w->sides[0]->last = w->sides[1]->first = cut;
+    w->sides[1]->last = n;
+}
+
+bool shared_work_run(shared_work *w, uint64_t n, bool (*part)(work_side *), duet_error *err)
+{
     job jobs[2];
+    shared_work_divide(w, n);
+    uint64_t cut = w->sides[1]->first;
     for (int which = 0; which < 2; ++which) {
         work_side *s = w->sides[which];
         jobs[which] = (job){s, part};
-        s->first = which == 0 ? 0 : cut;
-        s->last = which == 0 ? cut : n;
         s->wall_ms = 0;
         s->ok = true;
         s->err = (duet_error){0};

@@ -30,10 +30,14 @@ typedef struct shared_work {
 // BAD_ARGUMENT for no share.
 bool shared_work_check(uint32_t share, duet_error *err);
 
-// Opens the sides that have a share: programs are then to be asked for and built.
-bool shared_work_open(shared_work *w, duet_device_pair *pair, uint32_t share, work_side *a,
-                      work_side *b, duet_error *err);
+// Opens the sides that have a share: programs are then to be asked for and built, of kernels in
+// that folder; NULL: the carried ones.
+bool shared_work_open(shared_work *w, duet_device_pair *pair, const char *kernel_dir,
+                      uint32_t share, work_side *a, work_side *b, duet_error *err);
 void shared_work_close(shared_work *w);
+
+// Divides n items for the next run.
+void shared_work_divide(shared_work *w, uint64_t n);
 
 // Each side that has some of the n items does its part. The first failure counts: A's, if it
 // has one.

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // What an application does at its start: finds the plan that was measured for
-// such objects, queries or bodies, on such devices, and gives it to its world, tree or motion.
+// such objects, queries, bodies or items, on such devices, and gives it to its world, tree, motion
+// or task.
 #define _POSIX_C_SOURCE 200809L // strdup
 #include "runtime/selection/profile_subject.h"
 
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
+#include "runtime/task/app_task.h"
 
 #include <string.h>
 
@@ -125,6 +127,30 @@ bool duet_motion_load_profile(duet_motion *m, const char *path, duet_profile *pr
             !duet_motion_set_plan(m, &plan, err))
             return false;
         profile->plan = m->def.plan;
+    }
+    tell(&found, profile);
+    return ok;
+}
+
+bool duet_task_load_profile(duet_task *t, const char *path, duet_profile *profile, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    if (!error_given(t, __func__, "task", err) || !error_given(profile, __func__, "profile", err))
+        return false;
+    *profile =
+        (duet_profile){.grade = DUET_GRADE_DEFAULT, .plan = t->plan, .level = DUET_LEVEL_CERTIFIED};
+    profile_subject asked;
+    profile_found found;
+    if (!profile_subject_read_task(t->file, t->pair, &asked, err))
+        return false;
+    profile_request request = profile_subject_request(&asked);
+    bool ok = profile_subject_look(path, &request, &found, NULL, err);
+    if (is_trusted(&found)) {
+        duet_plan plan;
+        if (!profile_subject_read_plan(&found.plan, &plan, err) ||
+            !duet_task_set_plan(t, &plan, err))
+            return false;
+        profile->plan = t->plan;
     }
     tell(&found, profile);
     return ok;

@@ -9,6 +9,7 @@
 #include "runtime/broadphase/workload_stats.h"
 #include "runtime/dynamics/motion.h"
 #include "runtime/narrowphase/origin.h"
+#include "runtime/task/task.h"
 
 #include <sha256.h>
 #include <stdio.h>
@@ -244,20 +245,23 @@ bool profile_subject_read_query(const duet_tree *tree, const query_name *query, 
     return hash_kernels(def->pair->kernel_dir, p->kernels, err);
 }
 
-void profile_subject_read_task(const duet_device_pair *pair, const char *words, uint64_t n,
-                               const char kernel_hash[PROFILE_SHA], profile_subject *p)
+_Static_assert(PROFILE_TASK >= TASK_WORDS, "a task's words fit");
+
+bool profile_subject_read_task(const duet_task_file *t, const duet_device_pair *pair,
+                               profile_subject *p, duet_error *err)
 {
     *p = (profile_subject){0};
     describe_pair(p, pair);
-    memcpy(p->kernels, kernel_hash, sizeof p->kernels);
+    task_write_words(t, p->task);
     p->workload = (profile_workload){
         .dims = 3,
-        .n = n,
+        .n = t->size,
         .size_ratio = 1,
         .shape = "task",
         .level = duet_level_get_info(DUET_LEVEL_CERTIFIED)->name,
-        .query = words,
+        .query = p->task,
     };
+    return task_kernel_hash(t, pair, p->kernels, err);
 }
 
 // ---------------------------------------------------------------- motions

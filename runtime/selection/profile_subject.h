@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A world as the profile store knows it, what a tree is asked, or a motion: its devices, its
+// A world as the profile store knows it, what a tree is asked, a motion or a task: its devices, its
 // workload, its kernels.
 #ifndef RUNTIME_PROFILE_SUBJECT_H
 #define RUNTIME_PROFILE_SUBJECT_H
@@ -10,12 +10,14 @@
 
 #define PROFILE_PART 24 // with the NUL
 #define PROFILE_EFFECTS 320
+#define PROFILE_TASK 224
 
 typedef struct profile_subject {
     profile_pair pair; // its strings are the device pair's, or lie in parts
     profile_workload workload;
     char parts[2][PROFILE_PART];     // "0-0" of a part of a CPU, "second" of an equal device
     char query[QUERY_NAME];          // the workload's
+    char task[PROFILE_TASK];         // its words instead of a query
     char effects[PROFILE_EFFECTS];   // a motion's
     char kernels[PROFILE_SHA];       // hash of all kernel text
     const char *levels[DUET_LEVELS]; // that may be within the accuracy asked for
@@ -37,10 +39,9 @@ bool profile_subject_read_query(const duet_tree *tree, const query_name *query, 
 // bodies, or in which nothing happens.
 bool profile_subject_read_motion(const duet_motion *motion, profile_subject *p, duet_error *err);
 
-// n items of a task of that text, "task saxpy", with the hash of its kernel. The text must live as
-// long as the subject.
-void profile_subject_read_task(const duet_device_pair *pair, const char *words, uint64_t n,
-                               const char kernel_hash[PROFILE_SHA], profile_subject *p);
+// A task with the text of its kernel as it is now.
+bool profile_subject_read_task(const duet_task_file *t, const duet_device_pair *pair,
+                               profile_subject *p, duet_error *err);
 
 // From here on it is the workload at that level, whatever was asked for.
 void profile_subject_settle(profile_subject *p, duet_level level);

@@ -2,6 +2,7 @@
 #include "runtime/task/task.h"
 
 #include "base/error.h"
+#include "runtime/opencl/device_pair.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -13,6 +14,19 @@ const char *task_access_name(task_access access)
 {
     static const char *const names[] = {"all", "slice", "out slice", "in out slice", "sum"};
     return access <= TASK_SUM ? names[access] : NULL;
+}
+
+uint32_t task_find_arg(const task *t, const char *name)
+{
+    uint32_t i = 0;
+    while (i < t->n_args && strcmp(t->args[i].name, name) != 0)
+        ++i;
+    return i;
+}
+
+const char *task_kernel_dir(const task *t, const duet_device_pair *pair)
+{
+    return pair->kernel_dir ? pair->kernel_dir : t->folder;
 }
 
 void task_destroy(task *t)

@@ -75,7 +75,7 @@ typedef struct task_arg {
                           // says so
 } task_arg;
 
-typedef struct duet_task {
+typedef struct duet_task_file {
     char name[TASK_NAME]; // the file's, without folder and endings
     char *path;           // the file's
     char *folder;         // the file's, where its kernel is by default
@@ -95,10 +95,23 @@ typedef struct duet_task {
 // parameter that cannot be set. NULL after a failure.
 task *task_load(const char *path, const duet_setting *settings, uint32_t n_settings,
                 duet_error *err);
+
+// The same without what is right: such a task cannot be checked.
+task *task_load_unchecked(const char *path, const duet_setting *settings, uint32_t n_settings,
+                          duet_error *err);
 void task_destroy(task *t); // NULL does nothing
+
+// The folder of the kernel's text and card on that pair.
+const char *task_kernel_dir(const task *t, const duet_device_pair *pair);
+
+// Returns the index of the argument of that name; n_args if there is none.
+uint32_t task_find_arg(const task *t, const char *name);
 
 // "task saxpy bins=64": by which the profile store knows it.
 void task_write_words(const task *t, char words[TASK_WORDS]);
+
+// The hash of what the task's kernel is made from on the pair: its card, and its text.
+bool task_kernel_hash(const task *t, const duet_device_pair *pair, char hash[65], duet_error *err);
 
 // Whether a launch changes the array.
 bool task_arg_is_written(const task_arg *arg);

@@ -11,9 +11,9 @@ static const char *const ranges[2] = {"first", "last"};
 // The argument's slot; TASK_SLOTS if the task has none of that name.
 static uint32_t find_slot(const task *t, const char *name)
 {
-    for (uint32_t i = 0; i < t->n_args; ++i)
-        if (strcmp(t->args[i].name, name) == 0)
-            return i;
+    uint32_t arg = task_find_arg(t, name);
+    if (arg < t->n_args)
+        return arg;
     for (uint32_t i = 0; i < 2; ++i)
         if (strcmp(ranges[i], name) == 0)
             return t->n_args + i;
@@ -43,41 +43,64 @@ static bool check_array(const task_call *c, const task *t, const task_arg *arg, 
     return true;
 }
 
-static bool set_whole(task_slot *slot, const char *type, int64_t value)
+// The type that the card gives a number; false if it is none that a task has.
+static bool read_scalar(const gen_arg *card, task_scalar *scalar)
 {
-    if (strcmp(type, "int") == 0)
+    static const task_scalar known[] = {TASK_INT,   TASK_UINT,  TASK_LONG,
+                                        TASK_ULONG, TASK_FLOAT, TASK_DOUBLE};
+    uint32_t lanes = 0;
+    *scalar = card->is_double ? TASK_DOUBLE : TASK_FLOAT;
+    if (strcmp(card->type, "real") == 0)
+        return true;
+    bool is_known = false;
+    if (task_type_read(card->type, scalar, &lanes) && lanes == 1)
+        for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
+            is_known |= *scalar == known[i];
+    return is_known;
+}
+
+// False if the type does not hold the number.
+static bool set_whole(task_slot *slot, task_scalar scalar, int64_t value)
+{
+    switch (scalar) {
+    case TASK_INT:
         slot->i = (cl_int)value;
-    else if (strcmp(type, "uint") == 0)
+        return value == slot->i;
+    case TASK_UINT:
         slot->u = (cl_uint)value;
-    else
+        return value == slot->u;
+    default:
         slot->l = (cl_long)value;
-    return (strcmp(type, "int") != 0 || value == slot->i) &&
-           (strcmp(type, "uint") != 0 || value == slot->u) &&
-           (strcmp(type, "ulong") != 0 || value >= 0);
+        return scalar == TASK_LONG || value >= 0;
+    }
 }
 
-static bool is_whole_type(const char *type)
+static bool set_slot(task_slot *slot, task_scalar scalar, const task_arg *arg)
 {
-    return strcmp(type, "int") == 0 || strcmp(type, "uint") == 0 || strcmp(type, "long") == 0 ||
-           strcmp(type, "ulong") == 0;
-}
-
-static bool set_value(task_call *c, const task *t, const task_arg *arg, task_slot *slot,
-                      const gen_arg *card, duet_error *err)
-{
-    bool ok = true;
-    if (is_whole_type(card->type))
-        ok = arg->is_whole && set_whole(slot, card->type, arg->whole);
-    else if (strcmp(card->type, "float") == 0 ||
-             (strcmp(card->type, "real") == 0 && !card->is_double))
+    if (task_scalar_is_whole(scalar))
+        return arg->is_whole && set_whole(slot, scalar, arg->whole);
+    if (scalar == TASK_FLOAT)
         slot->f = (cl_float)arg->value;
-    else if (strcmp(card->type, "double") == 0 || strcmp(card->type, "real") == 0)
-        slot->d = arg->value;
     else
-        ok = false;
-    return ok ||
+        slot->d = arg->value;
+    return true;
+}
+
+static bool set_value(task_call *c, const task *t, uint32_t i, const gen_arg *card, duet_error *err)
+{
+    const task_arg *arg = &t->args[i];
+    return (read_scalar(card, &c->scalars[i]) && set_slot(&c->slots[i], c->scalars[i], arg)) ||
            error_set(err, DUET_STATUS_BAD_INPUT, "%s: args.%s is %.17g; the card of %s has '%s'",
                      t->path, arg->name, arg->value, c->kernel, card->type);
+}
+
+bool task_call_set_number(task_call *c, const task *t, uint32_t i, duet_error *err)
+{
+    const task_arg *arg = &t->args[i];
+    return set_slot(&c->slots[i], c->scalars[i], arg) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "task %s: %s is %.17g; expected a number that %s holds", t->name, arg->name,
+                     arg->value, c->types[i]);
 }
 
 // An item's number: of 32 bits only if all have one.
@@ -85,8 +108,8 @@ static bool check_range(task_call *c, const task *t, uint32_t slot, const gen_ar
                         duet_error *err)
 {
     task_slot most;
-    c->is_long[slot - t->n_args] = strstr(card->type, "long");
-    return (is_whole_type(card->type) && set_whole(&most, card->type, (int64_t)t->items)) ||
+    return (read_scalar(card, &c->scalars[slot]) && task_scalar_is_whole(c->scalars[slot]) &&
+            set_whole(&most, c->scalars[slot], (int64_t)t->items)) ||
            error_set(err, DUET_STATUS_BAD_INPUT,
                      "%s: items is %llu; the card of %s has '%s %s', expected ulong", t->path,
                      (unsigned long long)t->items, c->kernel, card->type, card->name);
@@ -108,7 +131,7 @@ static bool bind_arg(task_call *c, const task *t, const gen_arg *card, duet_erro
     snprintf(c->types[i], sizeof c->types[i], "%s", card->type);
     return is_range(t, i)  ? check_range(c, t, i, card, err)
            : arg->is_array ? check_array(c, t, arg, card, err)
-                           : set_value(c, t, arg, &c->slots[i], card, err);
+                           : set_value(c, t, i, card, err);
 }
 
 // ---------------------------------------------------------------- the call
@@ -173,11 +196,6 @@ bool task_call_read(task_call *c, const task *t, const char *kernel_name, const 
 void task_call_aim(task_call *c, const task *t, uint64_t first, uint64_t last)
 {
     const uint64_t range[2] = {first, last};
-    for (uint32_t i = 0; i < 2; ++i) {
-        task_slot *slot = &c->slots[t->n_args + i];
-        if (c->is_long[i])
-            slot->ul = range[i];
-        else
-            slot->u = (cl_uint)range[i];
-    }
+    for (uint32_t i = 0; i < 2; ++i)
+        set_whole(&c->slots[t->n_args + i], c->scalars[t->n_args + i], (int64_t)range[i]);
 }

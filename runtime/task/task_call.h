@@ -23,7 +23,7 @@ typedef struct task_call {
     char kernel[GEN_NAME];
     char entry[GEN_NAME];
     task_slot slots[TASK_SLOTS];
-    bool is_long[2];                  // of first and last
+    task_scalar scalars[TASK_SLOTS];  // of numbers
     char types[TASK_SLOTS][24];       // as the card has them
     binding bindings[TASK_SLOTS + 1]; // names and types are the task's and the call's own
 } task_call;
@@ -32,6 +32,9 @@ typedef struct task_call {
 // The call must stay where it is.
 bool task_call_read(task_call *c, const task *t, const char *kernel_name, const char *entry, gen *g,
                     const gen_limits *limits, duet_error *err);
+
+// Gives the next launch the argument's number. BAD_ARGUMENT if the kernel's type does not hold it.
+bool task_call_set_number(task_call *c, const task *t, uint32_t arg, duet_error *err);
 
 // The items of the next launch.
 void task_call_aim(task_call *c, const task *t, uint64_t first, uint64_t last);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/task/task_launch.h"
+#include "runtime/task/task.h"
 
 #include "base/text_file.h"
 #include "runtime/opencl/device_pair.h"
@@ -29,14 +29,14 @@ static void hash_files(SHA2_CTX *sha, const char *folder, const char *name)
 bool task_kernel_hash(const task *t, const duet_device_pair *pair, char hash[65], duet_error *err)
 {
     gen_limits limits = program_limits(&pair->devices[1].info);
-    gen *g = gen_open(pair->kernel_dir, err);
+    gen *g = gen_open(task_kernel_dir(t, pair), err);
     gen_variant v = {0};
     bool ok = g && gen_make(g, t->kernel, NULL, 0, &limits, &v, err);
     if (ok) {
         SHA2_CTX sha;
         SHA256Init(&sha);
         SHA256Update(&sha, (const uint8_t *)v.sha256, strlen(v.sha256));
-        hash_files(&sha, pair->kernel_dir, t->kernel);
+        hash_files(&sha, task_kernel_dir(t, pair), t->kernel);
         SHA256End(&sha, hash);
     }
     gen_variant_free(&v);

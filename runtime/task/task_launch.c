@@ -19,6 +19,8 @@ static bool fetch_array(task_side *s, uint32_t i, duet_error *err)
     const task_arg *arg = &t->args[i];
     buffer *b = &s->buffers[i];
     size_t from, to;
+    if (s->ways[i] == TASK_IN_PLACE)
+        return true;
     if (b->host)
         return timeline_read(&s->side.times, "fetch", b, b->host, arg->initial.size, err);
     if (arg->access == TASK_SUM)
@@ -41,18 +43,24 @@ static bool run_part(work_side *w)
 
 // ---------------------------------------------------------------- results
 
-// Puts arrays back to what they hold before a launch. What is only written gets bytes that no
-// launch leaves by chance, so that an earlier launch's results are never taken for this one's.
-static void prepare_results(task_launcher *l)
+// Puts arrays back to what they hold before a launch.
+static void reset_results(task_launcher *l)
 {
-    enum { UNWRITTEN = 0xA5 };
     for (uint32_t i = 0; i < l->task->n_args; ++i) {
         const task_arg *arg = &l->task->args[i];
-        if (arg->is_array && arg->access == TASK_OUT)
-            memset(l->results[i].bytes, UNWRITTEN, l->results[i].size);
-        else if (arg->is_array && arg->access == TASK_IN_OUT)
+        if (arg->is_array && arg->access == TASK_IN_OUT)
             memcpy(l->results[i].bytes, arg->initial.bytes, arg->initial.size);
     }
+}
+
+// What is only written gets bytes that no launch leaves by chance, so that an earlier launch's
+// results are never taken for this one's.
+static void spoil_results(task_launcher *l)
+{
+    enum { UNWRITTEN = 0xA5 };
+    for (uint32_t i = 0; i < l->task->n_args; ++i)
+        if (l->task->args[i].is_array && l->task->args[i].access == TASK_OUT)
+            memset(l->results[i].bytes, UNWRITTEN, l->results[i].size);
 }
 
 static void add(task_values *to, const task_values *a, const task_values *b)
@@ -148,7 +156,8 @@ static bool has_sum(const task *t)
     return has;
 }
 
-static void list_stages(const task_launcher *l, double before_ms, task_result *r)
+// The host merges from the one time to the other.
+static void list_stages(const task_launcher *l, double from_ms, double to_ms, task_result *r)
 {
     int n = 0;
     for (int side = 0; side < 2; ++side)
@@ -157,9 +166,9 @@ static void list_stages(const task_launcher *l, double before_ms, task_result *r
     if (has_sum(l->task))
         r->stages[n++] = (duet_stage){.name = "merge",
                                       .device = 1,
-                                      .ms = r->total_ms - before_ms,
-                                      .begin_ms = before_ms,
-                                      .end_ms = r->total_ms};
+                                      .ms = to_ms - from_ms,
+                                      .begin_ms = from_ms,
+                                      .end_ms = to_ms};
     r->n_stages = (uint32_t)n;
 }
 
@@ -167,16 +176,19 @@ static bool run(task_launcher *l, uint32_t share, task_result *r, duet_error *er
 {
     *r = (task_result){0};
     l->work.share = share;
-    prepare_results(l);
     uint64_t begun = clock_steady_ns();
-    if (!shared_work_run(&l->work, l->task->items, run_part, err))
+    shared_work_divide(&l->work, l->task->items);
+    if (!task_bound_load(l, err) || !shared_work_run(&l->work, l->task->items, run_part, err))
         return false;
     double before_ms = clock_ms_since(begun);
     merge_results(l);
+    double merged_ms = clock_ms_since(begun);
+    if (!task_bound_store(l, err))
+        return false;
     r->total_ms = clock_ms_since(begun);
     for (int side = 0; side < 2; ++side)
         r->device_ms[side] = l->sides[side].side.wall_ms;
-    list_stages(l, before_ms, r);
+    list_stages(l, before_ms, merged_ms, r);
     return true;
 }
 
@@ -186,12 +198,24 @@ static uint32_t share_of(const task_launcher *l, const duet_plan *plan)
     return l->sides[0].side.device ? plan->share : 0;
 }
 
+bool task_launcher_prepare(task_launcher *l, const duet_plan *plan, duet_error *err)
+{
+    return take_variant(&l->sides[0], plan->variant_a, err) &&
+           take_variant(&l->sides[1], plan->variant_b, err);
+}
+
+bool task_launch_unchecked(task_launcher *l, const duet_plan *plan, task_result *result,
+                           duet_error *err)
+{
+    return shared_work_check(plan->share, err) && task_launcher_prepare(l, plan, err) &&
+           run(l, share_of(l, plan), result, err);
+}
+
 bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, duet_error *err)
 {
-    return shared_work_check(plan->share, err) &&
-           take_variant(&l->sides[0], plan->variant_a, err) &&
-           take_variant(&l->sides[1], plan->variant_b, err) &&
-           run(l, share_of(l, plan), result, err) && check_results(l, err);
+    reset_results(l);
+    spoil_results(l);
+    return task_launch_unchecked(l, plan, result, err) && check_results(l, err);
 }
 
 bool task_kernel_space(task_launcher *l, const duet_plan *plan, int which, kernel_space **spaces,
@@ -219,10 +243,8 @@ bool task_kernel_space(task_launcher *l, const duet_plan *plan, int which, kerne
 static bool hold_array(task_side *s, uint32_t i, duet_error *err)
 {
     task_launcher *l = s->launcher;
-    const task_arg *arg = &l->task->args[i];
-    bool is_written = task_arg_is_written(arg);
-    const task_values *v = is_written ? &l->results[i] : &arg->initial;
-    bool ok = arg->access == TASK_SUM
+    const task_values *v = task_host_values(l, i);
+    bool ok = l->task->args[i].access == TASK_SUM
                   ? buffer_reserve(&s->buffers[i], s->side.device, v->size, err) &&
                         task_values_make(&s->partial[i], v->scalar, v->n, err)
                   : buffer_hold(&s->buffers[i], s->side.device, v->bytes, v->size, err);
@@ -281,22 +303,34 @@ static bool run_reference(task_launcher *l, duet_error *err)
 
 static bool open(task_launcher *l, duet_device_pair *pair, duet_error *err)
 {
+    static const duet_plan usual = {.variant_a = "auto", .variant_b = "auto"};
     uint32_t share = duet_device_pair_is_one(pair) ? 0 : DUET_SHARE_ONE / 2;
     for (int side = 0; side < 2; ++side)
         l->sides[side].launcher = l;
-    return shared_work_open(&l->work, pair, share, &l->sides[0].side, &l->sides[1].side, err) &&
-           make_results(l, err) && open_side(&l->sides[0], err) && open_side(&l->sides[1], err) &&
-           take_variant(&l->sides[0], "auto", err) && take_variant(&l->sides[1], "auto", err) &&
-           task_guard_check(l, share, err) && run_reference(l, err);
+    if (!shared_work_open(&l->work, pair, task_kernel_dir(l->task, pair), share, &l->sides[0].side,
+                          &l->sides[1].side, err) ||
+        !make_results(l, err) || !open_side(&l->sides[0], err) || !open_side(&l->sides[1], err))
+        return false;
+    reset_results(l);
+    return task_launcher_prepare(l, &usual, err);
 }
 
-task_launcher *task_launcher_open(task *t, duet_device_pair *pair, duet_error *err)
+task_launcher *task_launcher_open_unchecked(task *t, duet_device_pair *pair, duet_error *err)
 {
     task_launcher *l = calloc(1, sizeof *l);
     if (!l)
         return error_null(err, DUET_STATUS_NO_MEMORY, "task %s: no memory", t->name);
     l->task = t;
     if (open(l, pair, err))
+        return l;
+    task_launcher_close(l);
+    return NULL;
+}
+
+task_launcher *task_launcher_open(task *t, duet_device_pair *pair, duet_error *err)
+{
+    task_launcher *l = task_launcher_open_unchecked(t, pair, err);
+    if (l && task_guard_check(l, l->work.share, err) && run_reference(l, err))
         return l;
     task_launcher_close(l);
     return NULL;
@@ -311,8 +345,10 @@ void task_launcher_close(task_launcher *l)
             buffer_release(&l->sides[side].buffers[i]);
             task_values_free(&l->sides[side].partial[i]);
         }
-    for (uint32_t i = 0; i < GEN_MAX_ARGS; ++i)
+    for (uint32_t i = 0; i < GEN_MAX_ARGS; ++i) {
+        task_unbind(l, i);
         task_values_free(&l->results[i]);
+    }
     if (l->work.pair)
         shared_work_close(&l->work);
     free(l);

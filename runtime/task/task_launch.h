@@ -19,10 +19,12 @@ typedef struct task_result {
     uint32_t n_stages;
 } task_result;
 
-// Makes the arrays and the kernels of the default variant, finds what is right if another kernel
-// says it, and checks once that the kernel writes nothing outside its items. The task must live as
-// long. BAD_INPUT if the file's arguments are not the card's, WRONG_RESULT for a kernel that writes
-// elsewhere. NULL after a failure.
+// Makes the arrays and the kernels of the default variant. The task must live as long. BAD_INPUT if
+// the file's arguments are not the card's. NULL after a failure.
+task_launcher *task_launcher_open_unchecked(task *t, duet_device_pair *pair, duet_error *err);
+
+// The same; also finds what is right if another kernel says it, and checks once that the kernel
+// writes nothing outside its items. WRONG_RESULT for a kernel that writes elsewhere.
 task_launcher *task_launcher_open(task *t, duet_device_pair *pair, duet_error *err);
 void task_launcher_close(task_launcher *l); // NULL does nothing
 
@@ -30,11 +32,16 @@ void task_launcher_close(task_launcher *l); // NULL does nothing
 // says before each launch; what that takes does not count. WRONG_RESULT as task_check.
 bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, duet_error *err);
 
+// The same with arrays as they are, and unchecked. An array that is read and written goes on from
+// what the last launch left.
+bool task_launch_unchecked(task_launcher *l, const duet_plan *plan, task_result *result,
+                           duet_error *err);
+
+// Makes the kernels of the plan's variants, unless they are there.
+bool task_launcher_prepare(task_launcher *l, const duet_plan *plan, duet_error *err);
+
 // Reads the space of the kernel on a device by the plan, as kernel_spaces_read does.
 bool task_kernel_space(task_launcher *l, const duet_plan *plan, int side, kernel_space **spaces,
                        uint32_t *n, duet_error *err);
-
-// The hash of what the task's kernel is made from on the pair: its card, and its text.
-bool task_kernel_hash(const task *t, const duet_device_pair *pair, char hash[65], duet_error *err);
 
 #endif

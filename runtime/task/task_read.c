@@ -23,8 +23,9 @@ typedef struct reading {
     task *task;
     const duet_setting *settings;
     uint32_t n_settings;
-    bool declared; // the script has declared its parameters
-    uint64_t seed; // the parameter of that name; 0: there is none
+    bool declared;                   // the script has declared its parameters
+    uint64_t seed;                   // the parameter of that name; 0: there is none
+    enum { CHECKED, UNCHECKED } use; // UNCHECKED: what is right is not read
     duet_error why;
 } reading;
 
@@ -166,7 +167,8 @@ static int read_task(lua_State *L)
     read_key(L, t);
     task_args_read(L, ROOT, t, r->seed, &r->why);
     lua_settop(L, READING);
-    task_reference_read(L, ROOT, t, &r->why);
+    if (r->use == CHECKED)
+        task_reference_read(L, ROOT, t, &r->why);
     return 0;
 }
 
@@ -209,19 +211,31 @@ static bool read_script(reading *r, const char *path, const text *chars, duet_er
     return ok;
 }
 
-task *task_load(const char *path, const duet_setting *settings, uint32_t n_settings,
-                duet_error *err)
+static task *load(reading *r, const char *path, duet_error *err)
 {
-    task *t = calloc(1, sizeof *t);
+    task *t = r->task = calloc(1, sizeof *t);
     text chars = {0};
     if (!t)
         return error_null(err, DUET_STATUS_NO_MEMORY, "%s: no memory", path);
-    reading r = {.task = t, .settings = settings, .n_settings = n_settings};
     bool ok = take_path(t, path, err) && text_read_lines(&chars, path, err) &&
-              read_script(&r, path, &chars, err);
+              read_script(r, path, &chars, err);
     text_free(&chars);
     if (ok)
         return t;
     task_destroy(t);
     return NULL;
+}
+
+task *task_load(const char *path, const duet_setting *settings, uint32_t n_settings,
+                duet_error *err)
+{
+    reading r = {.settings = settings, .n_settings = n_settings, .use = CHECKED};
+    return load(&r, path, err);
+}
+
+task *task_load_unchecked(const char *path, const duet_setting *settings, uint32_t n_settings,
+                          duet_error *err)
+{
+    reading r = {.settings = settings, .n_settings = n_settings, .use = UNCHECKED};
+    return load(&r, path, err);
 }

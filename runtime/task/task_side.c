@@ -21,22 +21,40 @@ void task_arg_range(const task_arg *arg, uint64_t items, uint64_t first, uint64_
 
 // ---------------------------------------------------------------- a device's part
 
+task_values *task_host_values(task_launcher *l, uint32_t i)
+{
+    task_arg *arg = &l->task->args[i];
+    return task_arg_is_written(arg) ? &l->results[i] : &arg->initial;
+}
+
 static bool send_array(task_side *s, uint32_t i, duet_error *err)
 {
     const task *t = s->launcher->task;
     const task_arg *arg = &t->args[i];
+    const task_values *v = task_host_values(s->launcher, i);
     buffer *b = &s->buffers[i];
     size_t from, to;
+    if (s->ways[i] == TASK_IN_PLACE)
+        return true;
     if (arg->access == TASK_SUM)
         return timeline_fill(&s->side.times, "send", b, 0, 0, arg->initial.size / 4, err);
     if (b->host)
         return timeline_write(&s->side.times, "send", b, b->host, arg->initial.size, err);
-    if (arg->access == TASK_OUT || s->sent[i])
+    if (arg->access == TASK_OUT || s->ways[i] == TASK_SENT)
         return true;
     task_arg_range(arg, t->items, s->side.first, s->side.last, &from, &to);
-    s->sent[i] = arg->once;
-    return timeline_write_at(&s->side.times, "send", b, from,
-                             (const char *)arg->initial.bytes + from, to - from, err);
+    s->ways[i] = arg->once ? TASK_SENT : TASK_SENT_EACH;
+    return timeline_write_at(&s->side.times, "send", b, from, (const char *)v->bytes + from,
+                             to - from, err);
+}
+
+bool task_set_number(task_launcher *l, uint32_t arg, duet_error *err)
+{
+    bool ok = true;
+    for (int side = 0; ok && side < 2; ++side)
+        ok = !l->sides[side].side.device ||
+             task_call_set_number(&l->sides[side].own, l->task, arg, err);
+    return ok;
 }
 
 bool task_side_send(task_side *s, duet_error *err)

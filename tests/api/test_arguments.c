@@ -4,6 +4,7 @@
 // earlier failure, which gives way to the call's own. The list of calls is read from the headers
 // and from the library, so that a call without a row here fails.
 #define _POSIX_C_SOURCE 200809L // popen
+#include "support/task_files.h"
 #include "support/test.h"
 
 #include "runtime/duet.h"
@@ -792,6 +793,76 @@ static void explain_motion(void)
     assert_false(duet_motion_explain_substeps(motion, NULL));
 }
 
+// ------------------------------------------------------------ tasks
+
+static duet_task *make_task(void)
+{
+    duet_error err = {0};
+    duet_task_def def = duet_default_task_def();
+    task_files_write(".", "twice", "int m\nconst int *x\nint *y\n", "y[i] = m * x[i];");
+    test_write_file("twice.task.lua",
+                    "return { kernel = 'twice', items = 4, args = { m = 2, x = { 'int', 4, access "
+                    "= 'slice' }, y = { 'int', 4, access = 'out slice' } } }");
+    def.pair = pair;
+    def.path = "twice.task.lua";
+    duet_task *task = duet_task_create(&def, &err);
+    assert_ok(task, err);
+    return task;
+}
+
+static void create_task(void)
+{
+    const duet_setting nameless = {NULL, "1"}, without_value = {"n", NULL};
+    duet_task_def def = duet_default_task_def();
+    REFUSES(duet_task_create(NULL, e));
+    REFUSES(duet_task_create(&def, e));
+    def.pair = pair;
+    REFUSES(duet_task_create(&def, e));
+    def = (duet_task_def){.pair = pair, .path = "twice.task.lua"};
+    REFUSES(duet_task_create(&def, e));
+    REFUSES(duet_task_file_load(NULL, NULL, 0, e));
+    REFUSES(duet_task_file_load("twice.task.lua", NULL, 1, e));
+    REFUSES(duet_task_file_load("twice.task.lua", &nameless, 1, e));
+    REFUSES(duet_task_file_load("twice.task.lua", &without_value, 1, e));
+    duet_task_file_destroy(NULL);
+    duet_task_destroy(NULL);
+    assert_null(duet_task_get_arg(NULL, 0));
+    assert_int_equal(duet_task_get_items(NULL), 0);
+    assert_null(duet_task_get_plan(NULL));
+}
+
+static void use_task(void)
+{
+    const int x[4] = {1, 2, 3, 4};
+    duet_task_result ran;
+    duet_profile profile;
+    duet_task *task = make_task();
+    duet_plan plan = *duet_task_get_plan(task);
+    REFUSES(duet_task_set_number(NULL, "m", 1, e));
+    REFUSES(duet_task_set_number(task, NULL, 1, e));
+    REFUSES(duet_task_set_number(task, "m", NAN, e));
+    REFUSES(duet_task_set_integer(NULL, "m", 1, e));
+    REFUSES(duet_task_set_integer(task, "m", INT64_MAX, e));
+    REFUSES(duet_task_set_array(NULL, "x", x, 4, e));
+    REFUSES(duet_task_set_array(task, NULL, x, 4, e));
+    REFUSES(duet_task_set_array(task, "x", NULL, 4, e));
+    REFUSES(duet_task_set_array(task, "x", x, UINT64_MAX, e));
+    REFUSES(duet_task_get_array(NULL, "y", NULL, e));
+    REFUSES(duet_task_get_array(task, NULL, NULL, e));
+    REFUSES(duet_task_set_buffer(NULL, "x", NULL, 0, NULL, e));
+    REFUSES(duet_task_set_buffer(task, "x", NULL, 0, NULL, e));
+    REFUSES(duet_task_set_plan(NULL, &plan, e));
+    REFUSES(duet_task_set_plan(task, NULL, e));
+    memset(plan.variant_a, 'x', sizeof plan.variant_a);
+    REFUSES(duet_task_set_plan(task, &plan, e));
+    REFUSES(duet_task_load_profile(NULL, NULL, &profile, e));
+    REFUSES(duet_task_load_profile(task, NULL, NULL, e));
+    REFUSES(duet_task_run(NULL, &ran, e));
+    REFUSES(duet_task_run(task, NULL, e));
+    TAKES(duet_task_run(task, &ran, e));
+    duet_task_destroy(task);
+}
+
 // ------------------------------------------------------------ tuning and stores
 
 static void tune(void)
@@ -976,6 +1047,12 @@ static const struct {
      "duet_motion_set_bodies duet_body_field_name duet_motion_set_poses duet_motion_set_targets "
      "duet_motion_set_def duet_motion_get_def duet_motion_apply_forces duet_motion_apply_impulses",
      command_motion},
+    {"duet_task_create duet_task_destroy duet_default_task_def duet_task_file_load "
+     "duet_task_file_destroy duet_task_get_arg duet_task_get_items duet_task_get_plan",
+     create_task},
+    {"duet_task_set_number duet_task_set_integer duet_task_set_array duet_task_get_array "
+     "duet_task_set_buffer duet_task_set_plan duet_task_load_profile duet_task_run",
+     use_task},
     {"duet_tune_run", tune},
     {"duet_online_create duet_online_step duet_online_get_tunings duet_online_destroy",
      keep_online},
@@ -1026,6 +1103,7 @@ static const char *const headers[] = {"runtime/duet.h",
                                       "runtime/duet_ray_query.h",
                                       "runtime/duet_replay.h",
                                       "runtime/duet_sweep_query.h",
+                                      "runtime/duet_task.h",
                                       "runtime/duet_tree.h",
                                       "runtime/duet_scene.h",
                                       "runtime/duet_world.h",

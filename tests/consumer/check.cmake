@@ -60,10 +60,12 @@ run_says("^10 balls in 5 places; the wall is broken\n$" ${built}/thrower)
 run_says("^the fork is at 3[.]00 2[.]10, and the crate on it at 3[.]0 2[.]7\n$" ${built}/crane)
 run_says("^[1-9][0-9]+ pairs; the kernel met each twice: yes; no box has more than [1-9] neighbours\n$"
   ${built}/own_opencl)
+get_filename_component(examples ${HELLO} DIRECTORY)
+run_says("^plan: default, share [01][.][0-9]+\n20 steps of 512 bodies; momentum is kept: yes\n$"
+  ${built}/own_kernel ${examples}/tasks/nbody.task.lua ${built}/no_store.db)
 run(${prefix}/bin/duet --version)
 
 # They are C++ too. {0} is how C begins an empty struct, of which g++ warns.
-get_filename_component(examples ${HELLO} DIRECTORY)
 file(GLOB examples ${examples}/*.c)
 foreach(example IN LISTS examples)
   run(c++ -x c++ -std=c++17 -Wall -Wextra -pedantic -Werror -Wno-missing-field-initializers

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Kernels of the user's on two devices: what a task file may say, and what launches find.
 #define _POSIX_C_SOURCE 200809L
+#include "support/task_files.h"
 #include "support/test.h"
 
 #include "base/rng.h"
@@ -15,23 +16,7 @@
 
 static void write_kernel(const char *name, const char *args, const char *body)
 {
-    char path[80], text[2048];
-    snprintf(path, sizeof path, "%s.lua", name);
-    snprintf(text, sizeof text,
-             "return { about = 'test', params = { { 'WG', values = { 1, 4, 16 }, about = 'group' "
-             "} }, args = { %s = [[\nulong first\nulong last\n%s]] }, launch = function(p) return "
-             "{ group = p.WG, per_item = 1 } end }",
-             name, args);
-    test_write_file(path, text);
-    char upper[48] = "";
-    for (size_t i = 0; name[i]; ++i)
-        upper[i] = name[i] >= 'a' && name[i] <= 'z' ? (char)(name[i] - 32) : name[i];
-    snprintf(path, sizeof path, "%s.cl", name);
-    snprintf(text, sizeof text,
-             "__kernel void %s(%s_ARGS)\n{\n    ulong i = first + get_global_id(0);\n    if (i >= "
-             "last)\n        return;\n    %s\n}\n",
-             name, upper, body);
-    test_write_file(path, text);
+    task_files_write(".", name, args, body);
 }
 
 static task *load(const char *lua)

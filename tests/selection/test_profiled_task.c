@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+// A task as the profile store knows it: an application gets the plan that its kernel was tuned to.
+#include "support/store.h"
+#include "support/task_files.h"
+#include "support/test.h"
+
+#include "runtime/selection/profile_subject.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char task_text[] =
+    "local p = parameters { n = 4000 }\n"
+    "return { kernel = 'twice', items = p.n, key = { n = p.n }, args = { x "
+    "= { 'int', p.n, init = 'index', access = 'slice' }, y = { 'int', p.n, "
+    "access = 'out slice' } } }\n";
+
+static duet_device_pair *pair;
+
+static int open_pair(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    pair = duet_device_pair_open(NULL, &err);
+    assert_ok(pair, err);
+    return 0;
+}
+
+static int close_pair(void **state)
+{
+    (void)state;
+    duet_device_pair_destroy(pair);
+    return 0;
+}
+
+static int begin(void **state)
+{
+    int code = test_enter_folder(state);
+    task_files_write(".", "twice", "const int *x\nint *y\n", "y[i] = 2 * x[i];");
+    test_write_file("twice.task.lua", task_text);
+    return code;
+}
+
+static duet_task *create(const char *n)
+{
+    duet_error err = {0};
+    const duet_setting setting = {"n", n};
+    duet_task_def def = duet_default_task_def();
+    def.pair = pair;
+    def.path = "twice.task.lua";
+    def.settings = &setting;
+    def.n_settings = 1;
+    duet_task *t = duet_task_create(&def, &err);
+    assert_ok(t, err);
+    return t;
+}
+
+// Stores a plan for n items, as a tuning does.
+static void put(const char *n, double share, const char *variant)
+{
+    duet_error err = {0};
+    const duet_setting setting = {"n", n};
+    profile_subject p;
+    duet_task_file *file = duet_task_file_load("twice.task.lua", &setting, 1, &err);
+    assert_ok(file, err);
+    assert_ok(profile_subject_read_task(file, pair, &p, &err), err);
+    duet_plan plan = {.share = (uint32_t)(share * DUET_SHARE_ONE), .mode = DUET_MODE_OWN};
+    strcpy(plan.variant_a, variant);
+    strcpy(plan.variant_b, variant);
+    profile_row row = {
+        .kernels = p.kernels,
+        .objective = "time",
+        .plan = profile_subject_write_plan(&plan, p.workload.level),
+        .median_ns = 2e6,
+        .low_ns = 1e6,
+        .high_ns = 3e6,
+        .gain = 0.5,
+        .verdict = "faster",
+        .origin = "manual",
+        .trial_number = -1,
+    };
+    store *s = store_open("store.db", STORE_WRITE, &err);
+    assert_ok(s, err);
+    assert_ok(profile_pair_put(s, &p.pair, &row.pair_id, &err), err);
+    assert_ok(profile_workload_put(s, &p.workload, &row.workload_id, &err), err);
+    assert_ok(profile_put(s, &row, NULL, "put again", NULL, &err), err);
+    store_close(s);
+    duet_task_file_destroy(file);
+}
+
+static duet_profile load(duet_task *t)
+{
+    duet_error err = {0};
+    duet_profile profile;
+    assert_ok(duet_task_load_profile(t, "store.db", &profile, &err), err);
+    assert_memory_equal(&profile.plan, duet_task_get_plan(t), sizeof profile.plan);
+    return profile;
+}
+
+static void expect_twice(duet_task *t)
+{
+    duet_error err = {0};
+    duet_task_result result;
+    uint64_t n = 0;
+    assert_ok(duet_task_run(t, &result, &err), err);
+    const int *y = duet_task_get_array(t, "y", &n, &err);
+    assert_ok(y, err);
+    for (uint64_t i = 0; i < n; ++i)
+        assert_int_equal(y[i], 2 * i);
+}
+
+TEST(an_application_runs_by_the_plan_that_was_measured)
+{
+    put("4000", 0.25, "auto twice.WG=16");
+    duet_task *t = create("4000");
+    duet_profile found = load(t);
+    assert_int_equal(found.grade, DUET_GRADE_EXACT);
+    assert_int_equal(found.plan.share, DUET_SHARE_ONE / 4);
+    assert_string_equal(found.plan.variant_b, "auto twice.WG=16");
+    assert_string_equal(found.verdict, "faster");
+    assert_true(found.step_ms == 2);
+    expect_twice(t);
+    duet_task_destroy(t);
+}
+
+TEST(a_size_within_a_tenth_gets_the_same_plan)
+{
+    put("4000", 0.25, "auto twice.WG=16");
+    duet_task *t = create("4100");
+    duet_profile found = load(t);
+    assert_int_equal(found.grade, DUET_GRADE_INTERPOLATED);
+    assert_int_equal(found.plan.share, DUET_SHARE_ONE / 4);
+    expect_twice(t);
+    duet_task_destroy(t);
+}
+
+static void expect_default(duet_task *t, duet_grade grade)
+{
+    const duet_plan before = *duet_task_get_plan(t);
+    duet_profile found = load(t);
+    assert_int_equal(found.grade, grade);
+    assert_memory_equal(&found.plan, &before, sizeof before);
+    expect_twice(t);
+}
+
+TEST(a_changed_kernel_runs_by_the_default_plan)
+{
+    put("4000", 0.25, "auto twice.WG=16");
+    task_files_write(".", "twice", "const int *x\nint *y\n", "y[i] = x[i] + x[i];");
+    duet_task *t = create("4000");
+    expect_default(t, DUET_GRADE_STALE);
+    duet_task_destroy(t);
+}
+
+TEST(without_a_store_the_plan_is_the_default)
+{
+    duet_task *t = create("4000");
+    expect_default(t, DUET_GRADE_DEFAULT);
+    duet_task_destroy(t);
+}
+
+TEST(a_store_that_cannot_be_read_leaves_a_task_that_runs)
+{
+    duet_error err = {0};
+    duet_profile profile;
+    duet_task *t = create("4000");
+    const duet_plan before = *duet_task_get_plan(t);
+    test_write_file("store.db", "this is no store, and it is long enough to be seen as none");
+    assert_false(duet_task_load_profile(t, "store.db", &profile, &err));
+    assert_non_null(strstr(err.text, "store.db"));
+    assert_memory_equal(duet_task_get_plan(t), &before, sizeof before);
+    expect_twice(t);
+    duet_task_destroy(t);
+}
+
+int main(void)
+{
+    test_each(begin, NULL);
+    return test_run(open_pair, close_pair);
+}

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: MIT
+// Arrays of a task in buffers of a program with OpenCL of its own: what plain C computes lies in
+// the buffers after a run, whichever devices know their context.
+#define _POSIX_C_SOURCE 200809L
+#include "support/task_files.h"
+#include "support/test.h"
+
+#include "runtime/duet_opencl.h"
+#include "runtime/opencl/device_pair.h"
+
+#include <string.h>
+
+enum { N = 1003, BINS = 16 };
+
+// The program's context with both halves of the CPU, or the CPU twice.
+static struct {
+    cl_device_id ids[2];
+    bool cut;
+    cl_context context, other;
+    cl_command_queue queues[2];
+} own;
+
+static int open_program(void **state)
+{
+    (void)state;
+    const cl_device_partition_property halves[] = {CL_DEVICE_PARTITION_BY_COUNTS, 1, 1,
+                                                   CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+    cl_platform_id platform = NULL;
+    cl_device_id root = NULL;
+    cl_uint n = 0;
+    assert_int_equal(clGetPlatformIDs(1, &platform, NULL), CL_SUCCESS);
+    assert_int_equal(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 1, &root, NULL), CL_SUCCESS);
+    own.cut = clCreateSubDevices(root, halves, 2, own.ids, &n) == CL_SUCCESS && n == 2;
+    if (!own.cut)
+        own.ids[0] = own.ids[1] = root;
+    own.context = clCreateContext(NULL, own.cut ? 2 : 1, own.ids, NULL, NULL, NULL);
+    own.other = clCreateContext(NULL, 1, &root, NULL, NULL, NULL);
+    for (int i = 0; i < 2; ++i)
+        own.queues[i] = clCreateCommandQueue(own.context, own.ids[i], 0, NULL);
+    assert_true(own.context && own.other && own.queues[0] && own.queues[1]);
+    task_files_write(".", "blend",
+                     "float a\nconst float *x\nconst float *w\nfloat *y\nfloat *z\n"
+                     "uint *bins\n",
+                     "y[i] = a * x[i] + w[i % 5]; z[i] += x[i]; atomic_inc(&bins[(uint)x[i] % "
+                     "16]);");
+    test_write_file("blend.task.lua",
+                    "local n = 1003 return { kernel = 'blend', items = n, args = { a = 2, x = { "
+                    "'float', n, access = 'slice' }, w = { 'float', 5 }, y = { 'float', n, access "
+                    "= 'out slice' }, z = { 'float', n, access = 'in out slice' }, bins = { "
+                    "'uint', 16, access = 'sum' } } }");
+    return 0;
+}
+
+static int close_program(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; ++i)
+        clReleaseCommandQueue(own.queues[i]);
+    clReleaseContext(own.context);
+    clReleaseContext(own.other);
+    for (int i = 0; own.cut && i < 2; ++i)
+        clReleaseDevice(own.ids[i]);
+    return 0;
+}
+
+// ---------------------------------------------------------------- the program's buffers
+
+typedef struct numbers {
+    float x[N], w[5], y[N], z[N];
+    cl_uint bins[BINS];
+} numbers;
+
+typedef struct buffers {
+    cl_mem x, w, y, z, bins;
+} buffers;
+
+static cl_mem make_buffer(const void *bytes, size_t size, cl_mem_flags flags)
+{
+    cl_int code = 0;
+    cl_mem mem =
+        clCreateBuffer(own.context, flags | CL_MEM_COPY_HOST_PTR, size, (void *)bytes, &code);
+    assert_int_equal(code, CL_SUCCESS);
+    return mem;
+}
+
+static buffers make_buffers(const numbers *n)
+{
+    return (buffers){.x = make_buffer(n->x, sizeof n->x, CL_MEM_READ_ONLY),
+                     .w = make_buffer(n->w, sizeof n->w, CL_MEM_READ_ONLY),
+                     .y = make_buffer(n->y, sizeof n->y, CL_MEM_READ_WRITE),
+                     .z = make_buffer(n->z, sizeof n->z, CL_MEM_READ_WRITE),
+                     .bins = make_buffer(n->bins, sizeof n->bins, CL_MEM_READ_WRITE)};
+}
+
+static void bind(duet_task *t, const buffers *b)
+{
+    duet_error err = {0};
+    assert_ok(duet_task_set_buffer(t, "x", b->x, 0, NULL, &err), err);
+    assert_ok(duet_task_set_buffer(t, "w", b->w, 0, NULL, &err), err);
+    assert_ok(duet_task_set_buffer(t, "y", b->y, 0, NULL, &err), err);
+    assert_ok(duet_task_set_buffer(t, "z", b->z, 0, NULL, &err), err);
+    assert_ok(duet_task_set_buffer(t, "bins", b->bins, 0, NULL, &err), err);
+}
+
+// The task holds what it needs.
+static void release(buffers *b)
+{
+    clReleaseMemObject(b->x);
+    clReleaseMemObject(b->w);
+    clReleaseMemObject(b->y);
+    clReleaseMemObject(b->z);
+    clReleaseMemObject(b->bins);
+}
+
+static void read_buffer(cl_mem mem, void *to, size_t bytes)
+{
+    assert_int_equal(clEnqueueReadBuffer(own.queues[0], mem, CL_TRUE, 0, bytes, to, 0, NULL, NULL),
+                     CL_SUCCESS);
+}
+
+static cl_uint references(cl_mem mem)
+{
+    cl_uint n = 0;
+    clGetMemObjectInfo(mem, CL_MEM_REFERENCE_COUNT, sizeof n, &n, NULL);
+    return n;
+}
+
+// ---------------------------------------------------------------- what is right
+
+static void begin(numbers *n)
+{
+    for (int i = 0; i < N; ++i) {
+        n->x[i] = (float)(i * 7 % 101);
+        n->y[i] = -1;
+        n->z[i] = (float)(i % 13);
+    }
+    for (int i = 0; i < 5; ++i)
+        n->w[i] = (float)(10 * i);
+    for (int i = 0; i < BINS; ++i)
+        n->bins[i] = 77;
+}
+
+static void compute(numbers *n)
+{
+    memset(n->bins, 0, sizeof n->bins);
+    for (int i = 0; i < N; ++i) {
+        n->y[i] = 2 * n->x[i] + n->w[i % 5];
+        n->z[i] += n->x[i];
+        ++n->bins[(int)n->x[i] % BINS];
+    }
+}
+
+static void expect_in_buffers(const buffers *b, const numbers *right)
+{
+    numbers found;
+    read_buffer(b->y, found.y, sizeof found.y);
+    read_buffer(b->z, found.z, sizeof found.z);
+    read_buffer(b->bins, found.bins, sizeof found.bins);
+    assert_memory_equal(found.y, right->y, sizeof found.y);
+    assert_memory_equal(found.z, right->z, sizeof found.z);
+    assert_memory_equal(found.bins, right->bins, sizeof found.bins);
+}
+
+static void expect_on_host(duet_task *t, const char *name, const void *right, size_t bytes)
+{
+    duet_error err = {0};
+    const void *found = duet_task_get_array(t, name, NULL, &err);
+    assert_ok(found, err);
+    assert_memory_equal(found, right, bytes);
+}
+
+// ---------------------------------------------------------------- runs
+
+static duet_task *open_task(duet_device_pair *pair)
+{
+    duet_error err = {0};
+    duet_task_def def = duet_default_task_def();
+    def.pair = pair;
+    def.path = "blend.task.lua";
+    duet_task *t = duet_task_create(&def, &err);
+    assert_ok(t, err);
+    return t;
+}
+
+static void run_at(duet_task *t, double share)
+{
+    duet_error err = {0};
+    duet_task_result result;
+    duet_plan plan = *duet_task_get_plan(t);
+    plan.share = (uint32_t)(share * DUET_SHARE_ONE);
+    assert_ok(duet_task_set_plan(t, &plan, &err), err);
+    assert_ok(duet_task_run(t, &result, &err), err);
+}
+
+static void run_in_buffers(duet_device_pair *pair)
+{
+    static const double shares[] = {0, 0.31, 1};
+    static numbers right;
+    duet_task *t = open_task(pair);
+    begin(&right);
+    buffers b = make_buffers(&right);
+    bind(t, &b);
+    for (int s = 0; s < 3; ++s) {
+        run_at(t, shares[s]);
+        compute(&right);
+        expect_in_buffers(&b, &right);
+        expect_on_host(t, "y", right.y, sizeof right.y);
+        expect_on_host(t, "z", right.z, sizeof right.z);
+        expect_on_host(t, "x", right.x, sizeof right.x);
+        expect_on_host(t, "bins", right.bins, sizeof right.bins);
+    }
+    assert_int_equal(references(b.z), 2);
+    duet_error err = {0}; // from here on x and z are the host's
+    assert_ok(duet_task_set_array(t, "z", right.z, N, &err), err);
+    assert_ok(duet_task_set_array(t, "x", right.x, N, &err), err);
+    assert_int_equal(references(b.z), 1);
+    run_at(t, 0.31);
+    compute(&right);
+    expect_on_host(t, "z", right.z, sizeof right.z);
+    duet_task_destroy(t);
+    assert_int_equal(references(b.y), 1);
+    release(&b);
+}
+
+static duet_device_pair *open_pair(const char *selector, cl_command_queue a, cl_command_queue b)
+{
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.a = def.b = selector;
+    duet_device_pair *pair = duet_device_pair_create_on_queues(&def, a, b, &err);
+    assert_ok(pair, err);
+    return pair;
+}
+
+static void run_on(const char *selector, cl_command_queue a, cl_command_queue b)
+{
+    for (int copies = 0; copies < 2; ++copies) {
+        duet_device_pair *pair = open_pair(selector, a, b);
+        for (int side = 0; side < 2; ++side)
+            pair->devices[side].info.host_memory &= !copies;
+        run_in_buffers(pair);
+        duet_device_pair_destroy(pair);
+    }
+}
+
+TEST(both_devices_know_the_buffers)
+{
+    run_on(NULL, own.queues[0], own.queues[1]);
+}
+
+TEST(one_device_knows_the_buffers)
+{
+    const char *other = own.cut ? "cpu[2/2]" : "cpu";
+    run_on(other, own.queues[0], NULL);
+    run_on(other, NULL, own.queues[0]);
+}
+
+TEST(one_device_does_all)
+{
+    run_on(NULL, own.queues[0], NULL);
+}
+
+// The program fills x behind an event that it completes only later: a run waits for that.
+TEST(a_run_waits_for_events)
+{
+    static numbers right;
+    duet_error err = {0};
+    duet_device_pair *pair = open_pair(NULL, own.queues[0], own.queues[1]);
+    duet_task *t = open_task(pair);
+    begin(&right);
+    buffers b = make_buffers(&right);
+    bind(t, &b);
+    const float nine = 9;
+    cl_event filled = NULL;
+    for (int i = 0; i < N; ++i)
+        right.x[i] = nine;
+    assert_int_equal(clEnqueueFillBuffer(own.queues[1], b.x, &nine, sizeof nine, 0, N * sizeof nine,
+                                         0, NULL, &filled),
+                     CL_SUCCESS);
+    clFlush(own.queues[1]);
+    assert_ok(duet_task_set_buffer(t, "x", b.x, 1, &filled, &err), err);
+    clReleaseEvent(filled);
+    run_at(t, 0.5);
+    compute(&right);
+    expect_in_buffers(&b, &right);
+    duet_task_destroy(t);
+    release(&b);
+    duet_device_pair_destroy(pair);
+}
+
+// ---------------------------------------------------------------- what is refused
+
+static void refused(duet_task *t, const char *name, cl_mem mem, cl_uint n, const char *says)
+{
+    duet_error err = {0};
+    assert_false(duet_task_set_buffer(t, name, mem, n, NULL, &err));
+    if (err.status != DUET_STATUS_BAD_ARGUMENT || !strstr(err.text, says) || strchr(err.text, '\n'))
+        fail_msg("%s '%s' instead of '%s'", duet_status_name(err.status), err.text, says);
+}
+
+TEST(a_wrong_buffer_is_one_line)
+{
+    static const float zeros[N];
+    duet_device_pair *pair = open_pair(NULL, own.queues[0], own.queues[1]);
+    duet_task *t = open_task(pair);
+    cl_mem small = make_buffer(zeros, sizeof zeros - 4, CL_MEM_READ_WRITE);
+    cl_mem read_only = make_buffer(zeros, sizeof zeros, CL_MEM_READ_ONLY);
+    cl_mem elsewhere = clCreateBuffer(own.other, CL_MEM_READ_WRITE, sizeof zeros, NULL, NULL);
+    refused(t, "a", small, 0, "duet_task_set_buffer: a is a number; expected an array");
+    refused(t, "x", NULL, 0, "duet_task_set_buffer: x is NULL");
+    refused(t, "x", small, 0, "x has 4008 bytes; expected at least 4012");
+    refused(t, "y", read_only, 0, "y cannot be written by devices");
+    refused(t, "x", elsewhere, 0, "x is of another context");
+    refused(t, "x", read_only, 1, "events is NULL");
+    clReleaseMemObject(small);
+    clReleaseMemObject(read_only);
+    clReleaseMemObject(elsewhere);
+    duet_task_destroy(t);
+    duet_device_pair_destroy(pair);
+}
+
+static int nothing_is_left(void **state)
+{
+    (void)state;
+    assert_int_equal(device_live_objects(), 0);
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    test_begin(argc, argv);
+    test_each(NULL, nothing_is_left);
+    return test_run(open_program, close_program);
+}
