@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/task/task_launch.h"
 
+#include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "runtime/broadphase/variant.h"
@@ -186,12 +187,26 @@ static uint32_t share_of(const task_launcher *l, const duet_plan *plan)
     return l->sides[0].side.device ? plan->share : 0;
 }
 
-bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, duet_error *err)
+static bool take_plan(task_launcher *l, const duet_plan *plan, duet_error *err)
 {
     return shared_work_check(plan->share, err) &&
            take_variant(&l->sides[0], plan->variant_a, err) &&
-           take_variant(&l->sides[1], plan->variant_b, err) &&
-           run(l, share_of(l, plan), result, err) && check_results(l, err);
+           take_variant(&l->sides[1], plan->variant_b, err);
+}
+
+bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, duet_error *err)
+{
+    return take_plan(l, plan, err) && run(l, share_of(l, plan), result, err) &&
+           check_results(l, err);
+}
+
+bool task_launch_train(task_launcher *l, const duet_plan *plan, uint32_t n, duet_error *err)
+{
+    task_result result;
+    bool ok = take_plan(l, plan, err);
+    for (uint32_t i = 0; ok && i < n; ++i)
+        ok = budget_check(err) && run(l, share_of(l, plan), &result, err);
+    return ok && check_results(l, err);
 }
 
 bool task_kernel_space(task_launcher *l, const duet_plan *plan, int which, kernel_space **spaces,

@@ -30,6 +30,9 @@ void task_launcher_close(task_launcher *l); // NULL does nothing
 // says before each launch; what that takes does not count. WRONG_RESULT as task_check.
 bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, duet_error *err);
 
+// Launches it n times, of which only the last is checked.
+bool task_launch_train(task_launcher *l, const duet_plan *plan, uint32_t n, duet_error *err);
+
 // Reads the space of the kernel on a device by the plan, as kernel_spaces_read does.
 bool task_kernel_space(task_launcher *l, const duet_plan *plan, int side, kernel_space **spaces,
                        uint32_t *n, duet_error *err);
