@@ -231,7 +231,7 @@ api.names = {
     fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
   { "duet.DevicePair:tune", { "scene: duet.Scene|duet.TaskFile", "def?: table" }, "duet.Tuning",
     "Chooses variants, mode and share for the scene or task file and keeps them in a store. A def { store, keep, fresh, ordered, " ..
-    "strategy, strategy_lua, strategy_name, search, query, items, steps, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, wait_seconds, repeats, seed, script, watch }; " ..
+    "strategy, strategy_lua, strategy_name, objective (time, energy), search, query, items, steps, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, wait_seconds, repeats, seed, script, watch }; " ..
     "watch(progress) is called after each trial, and while the tuning waits for other programs (progress.waiting says why), and stops the tuning with false. keep = false uses no store; " ..
     "keep = true lets applications load what a strategy other than the default one finds, too. " ..
     "With search = \"kernels\", or a kernel's name, it searches the kernels' parameters too. " ..
@@ -255,11 +255,12 @@ api.names = {
   { "duet.Tuning.step_low_ms", "number", "" },
   { "duet.Tuning.step_high_ms", "number", "" },
   { "duet.Tuning.single_ms", "number?", "by the better single device; nil: not known" },
+  { "duet.Tuning.single_joules", "number", "by it, as terms.joules by the plan to use; 0: energy was not measured" },
   { "duet.Tuning.whole_ms", "number?", "by the one device that A and B are parts of; nil: not raced" },
   { "duet.Tuning.whole_gain", "number?", "of the plan to use over that one; nil: not raced" },
   { "duet.Tuning.whole_gain_low", "number?", "" },
   { "duet.Tuning.whole_gain_high", "number?", "" },
-  { "duet.Tuning.terms", "table<string, number>", "of equations 4 to 6: t1, cpu1, cpu2, gpu1 ... bus3, imbalance" },
+  { "duet.Tuning.terms", "table<string, number>", "of equations 4 to 6: t1, cpu1, cpu2, gpu1 ... bus3, imbalance; joules" },
   { "duet.Tuning.kernels", "table[]", "what was searched of A's and B's: configs, tried, launches, gain, gain_low, gain_high, verdict" },
   { "duet.Tuning.plans", "integer", "that a strategy for kernels and share together could choose from; 0: it was none" },
   { "duet.Tuning.plans_tried", "integer", "by it" },

@@ -76,6 +76,7 @@ static const member def_members[] = {
     OPTION(member_string, strategy),
     OPTION(member_string, strategy_lua),
     OPTION(member_string, strategy_name),
+    OPTION(member_string, objective),
     OPTION(member_string, search),
     OPTION(member_string, query),
     OPTION(member_count, items),
@@ -105,6 +106,7 @@ static const member terms_members[] = {
     MEMBER(member_double, duet_tune_terms, bus2),
     MEMBER(member_double, duet_tune_terms, bus3),
     MEMBER(member_double, duet_tune_terms, imbalance),
+    MEMBER(member_double, duet_tune_terms, joules),
     {0},
 };
 
@@ -148,6 +150,7 @@ static const member outcome_members[] = {
     MEMBER(member_double, duet_tune_outcome, step_low_ms),
     MEMBER(member_double, duet_tune_outcome, step_high_ms),
     MEMBER(member_double, duet_tune_outcome, single_ms),
+    MEMBER(member_double, duet_tune_outcome, single_joules),
     MEMBER(member_double, duet_tune_outcome, whole_ms),
     MEMBER(member_double, duet_tune_outcome, whole_gain),
     MEMBER(member_double, duet_tune_outcome, whole_gain_low),

@@ -29,6 +29,7 @@ enum { COOKIE = 0x0d0e7006, REPEATS = 3, CHOICE_ROUNDS = 7, WAIT_SECONDS = 60 };
 duet_tune_def duet_default_tune_def(void)
 {
     return (duet_tune_def){.strategy = strategies[0]->name,
+                           .objective = "time",
                            .keep = DUET_KEEP_DEFAULT,
                            .repeats = REPEATS,
                            .wait_seconds = -1,
@@ -101,12 +102,28 @@ static double default_wait(void)
     return wait >= 0 && (!end || (end != seconds && !*end)) ? wait : WAIT_SECONDS;
 }
 
+static bool makes_energy_small(const duet_tune_def *def)
+{
+    return def->objective && strcmp(def->objective, "energy") == 0;
+}
+
+static bool check_objective(const duet_tune_def *def, duet_error *err)
+{
+    return !def->objective || makes_energy_small(def) || strcmp(def->objective, "time") == 0 ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "objective '%s': expected 'time' or 'energy'",
+                     def->objective);
+}
+
 // Fills in what the def leaves open, from the scene or the defaults.
 static duet_tune_def complete_def(const duet_tune_def *def)
 {
     duet_tune_def whole = *def;
     whole.repeats = def->repeats ? def->repeats : REPEATS;
     whole.wait_seconds = def->wait_seconds < 0 ? default_wait() : def->wait_seconds;
+    whole.objective = def->objective ? def->objective : "time";
+    const strategy *evens = makes_energy_small(def) ? strategy_find(def->strategy) : NULL;
+    if (evens && evens->evened)
+        whole.strategy = "annealing";
     const subject_kind *kind = subject_kind_of(def);
     if (kind->complete)
         kind->complete(&whole);
@@ -135,7 +152,8 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
         if (!variant_parse(&v, def->variants[i], duet_device_pair_get_info(def->pair, 0), err))
             return false;
     }
-    return check_levels(def, err) && joint_strategy_check(def->strategy, err) &&
+    return check_objective(def, err) && check_levels(def, err) &&
+           joint_strategy_check(def->strategy, err) &&
            (def->task || check_search(def->search, err)) && subject_kind_of(def)->check(def, err) &&
            check_budget(&whole, err);
 }
@@ -147,7 +165,8 @@ typedef struct tuning_resources {
     duet_tune_def def;
     subject subject;
     script *script;
-    core_watch *cores; // NULL: the system does not tell
+    core_watch *cores;   // NULL: the system does not tell
+    energy_meter *meter; // NULL: time is made small
     device_lock lock;
     profile_subject profile;
     record record; // without a store if nothing is kept
@@ -169,6 +188,7 @@ static void let_go(tuning_resources *h)
     duet_device_pair_destroy(h->whole_pair);
     subject_release(&h->subject);
     core_watch_close(h->cores);
+    energy_meter_close(h->meter);
     device_lock_release(&h->lock);
 }
 
@@ -190,11 +210,23 @@ static bool describe_subject(tuning_resources *h, duet_error *err)
     return true;
 }
 
+// Reads CPUs, and the GPUs of the pair by their names.
+static bool open_meter(tuning_resources *h, duet_error *err)
+{
+    energy_meter_def def = energy_meter_default_def();
+    for (int i = 0; i < 2; ++i) {
+        const duet_device_info *d = duet_device_pair_get_info(h->def.pair, i);
+        def.gpus[i] = d->kind == DUET_KIND_GPU ? d->name : NULL;
+    }
+    h->meter = makes_energy_small(&h->def) ? energy_meter_open(&def, err) : NULL;
+    return h->meter || !makes_energy_small(&h->def);
+}
+
 static bool prepare(tuning_resources *h, const duet_tune_def *def, duet_error *err)
 {
     h->def = complete_def(def);
     h->cores = core_watch_open();
-    return device_lock_take(&h->lock, &h->def, err) &&
+    return open_meter(h, err) && device_lock_take(&h->lock, &h->def, err) &&
            subject_prepare(&h->subject, &h->def, h->def.pair, h->cores, err) &&
            open_script(h, err) && describe_subject(h, err) &&
            (def->keep == DUET_KEEP_NOTHING || record_open(&h->record, def->store, err));
@@ -292,6 +324,7 @@ static bool settle_level(tuning_resources *h, duet_error *err)
     h->level = subject_level(&h->subject);
     profile_subject_settle(&h->profile, h->level);
     profile_request request = profile_subject_request(&h->profile);
+    request.objective = h->meter ? "energy" : "time";
     return !h->record.store || record_aim(&h->record, &request, err);
 }
 
@@ -403,6 +436,7 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         .def = &h->def,
         .machine = subject_machine(s, h->hash),
         .others = {h->cores, look_at_others},
+        .meter = h->meter,
         .kernels = {.context = s, .read = s->kind->read_kernels},
         .one_device = s->one_device,
         .plan = s->plan,
@@ -412,7 +446,7 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         .script = h->script,
         .least_share = task_least_share(s->units),
     };
-    if (find_whole(h->def.pair, s->kind->lives_on_one, h->whole_name))
+    if (!h->meter && find_whole(h->def.pair, s->kind->lives_on_one, h->whole_name))
         task.whole = (tune_whole){h, open_whole};
     if (h->record.store)
         task.recorder = record_recorder(&h->record);

@@ -50,6 +50,9 @@ typedef struct duet_tune_def {
     const char *strategy;      // "balance"; duet_strategy lists them
     const char *strategy_lua;  // text of a script that returns a function, if strategy is "lua"
     const char *strategy_name; // name of that text in messages, as its file; NULL: "strategy"
+    const char *objective;     // what is made small: "time", or "energy" by the counters that the
+                           // system has; NOT_FOUND if none can be read. A strategy that evens out
+                           // times gives way to "annealing" then
     const char *search; // "kernels": their parameters too, or one kernel's by its name; NULL: none
     const char *const *variants; // to choose from, for each device
     uint32_t n_variants;         // 0: the default list
@@ -92,6 +95,7 @@ typedef struct duet_tune_terms {
     double bus2;      // grid, to A
     double bus3;      // pairs, to the host
     double imbalance; // A's side of equation 4 less B's side, as part of the longer side
+    double joules;    // that a launch takes; 0: it was not measured
 } duet_tune_terms;
 
 // Holds the result of a search of a device's kernels.
@@ -122,10 +126,12 @@ typedef struct duet_tune_outcome {
     double step_ms;     // by the plan to use, the median; 0: the tuning gave up
     double step_low_ms; // and its interval
     double step_high_ms;
-    double single_ms;  // by the better single device; NaN: not known
-    double whole_ms;   // by the one device that A and B are parts of, or of a motion by A as the
-                       // only one; NaN: not raced
-    double whole_gain; // gain of the plan to use over that device; NaN: not raced
+    double single_joules; // by the better single device, as terms.joules by the plan to use; 0:
+                          // energy was not measured
+    double single_ms;     // by the better single device; NaN: not known
+    double whole_ms;      // by the one device that A and B are parts of, or of a motion by A as the
+                          // only one; NaN: not raced
+    double whole_gain;    // gain of the plan to use over that device; NaN: not raced
     double whole_gain_low;
     double whole_gain_high;
     duet_tune_terms terms;         // terms of the best plan; zero if a store has none

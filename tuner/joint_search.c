@@ -151,8 +151,10 @@ static bool choose(tuning *t, joint_history *h, mode_found *found, duet_error *e
     return true;
 }
 
-bool joint_search_run(tuning *t, mode_found *found, duet_tune_outcome *told, duet_error *err)
+bool joint_search_run(tuning *t, mode_found *found, uint32_t *n, duet_tune_outcome *told,
+                      duet_error *err)
 {
+    *n = 1;
     joint_space s = {0};
     joint_history h = {.space = &s, .script = t->task->script, .seed = t->task->def->seed};
     t->stage = "kernels and share";

@@ -11,7 +11,8 @@ bool joint_search_is_asked(const tune_task *task);
 
 // Measures plans until the strategy or the budget ends, and races the best few. The winner's
 // kernels enter the tuning's plan, and found has its share; told gets how many plans there are and
-// were tried. The mode is the first of those that may be chosen.
-bool joint_search_run(tuning *t, mode_found *found, duet_tune_outcome *told, duet_error *err);
+// were tried. The mode is the first of those that may be chosen; *n is 1.
+bool joint_search_run(tuning *t, mode_found *found, uint32_t *n, duet_tune_outcome *told,
+                      duet_error *err);
 
 #endif

@@ -86,8 +86,8 @@ static const joint_strategy strategy_random = {
 
 // Simulated annealing (Kirkpatrick et al. 1983) on the ratio of times. It begins with the configs
 // that ran at first at a quarter, for a device that is slower is the usual case. Plans that were
-// measured are not measured again: the walk over them is played from the start each time. Once it is
-// caught among them, plans by chance follow.
+// measured are not measured again: the walk over them is played from the start each time. Once it
+// is caught among them, plans by chance follow.
 static const double WARMEST = 0.3, COLDEST = 0.005; // in parts of the time
 
 static double cost_of(const joint_sample *sample)

@@ -162,6 +162,37 @@ static bool add_launch(measurement *m, const measure_machine *machine, const due
     return true;
 }
 
+static bool train(const measure_machine *machine, const duet_plan *plan, uint32_t n,
+                  duet_error *err)
+{
+    if (machine->train)
+        return machine->train(machine->context, plan, n, err);
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        measure_launch launch = {0};
+        ok =
+            budget_check_stop(NULL) && machine->launch(machine->context, plan, false, &launch, err);
+    }
+    return ok;
+}
+
+// As many launches as fill the time in which the counters move.
+static bool measure_energy(measurement *m, const measure_machine *machine, const duet_plan *plan,
+                           energy_meter *meter)
+{
+    enum { MOST = 1000000 };
+    double wanted = ceil((double)energy_meter_window_ns(meter) / fmax(m->median_ns, 1));
+    uint32_t n = (uint32_t)fmin(fmax(wanted, 1), MOST);
+    double before = energy_meter_read(meter);
+    if (!train(machine, plan, n, &m->failure))
+        return false;
+    m->launch.terms.joules = (energy_meter_read(meter) - before) / n;
+    return m->launch.terms.joules > 0 ||
+           error_set(&m->failure, DUET_STATUS_NOT_FOUND,
+                     "energy: %s did not move within %u launch%s", energy_meter_describe(meter), n,
+                     n == 1 ? "" : "es");
+}
+
 measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way)
 {
     assert(way.repeats > 0 && way.repeats <= MEASURE_REPEATS && (way.staged || !way.warm));
@@ -175,9 +206,11 @@ measurement measure_plan(const measure_machine *machine, const duet_plan *plan, 
     // Ctrl-C reaches a driver's compiler as well, whose complaint is none of the plan's.
     if (!ok && !budget_check_stop(NULL))
         *err = (duet_error){.status = DUET_STATUS_INTERRUPTED, .text = "stopped"};
-    m.spent_ns = clock_steady_ns() - begun;
-    m.outcome = outcome_of(err);
     if (err->status == DUET_STATUS_OK && m.counted > 0)
         summarize(&m, launches);
+    if (way.meter && err->status == DUET_STATUS_OK && m.counted == way.repeats)
+        measure_energy(&m, machine, plan, way.meter);
+    m.spent_ns = clock_steady_ns() - begun;
+    m.outcome = outcome_of(err);
     return m;
 }

@@ -6,6 +6,7 @@
 #define TUNER_MEASURE_H
 
 #include "base/core_watch.h"
+#include "base/energy_meter.h"
 #include "profiles/session.h"
 #include "tuner/duet_tune.h"
 #include "tuner/search_history.h"
@@ -37,6 +38,8 @@ typedef struct measure_machine {
     bool (*launch)(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
                    duet_error *err);
     uint64_t hash; // the right result's hash
+    // The plan so many times, of which only the last is checked; NULL: by `launch`.
+    bool (*train)(void *context, const duet_plan *plan, uint32_t n, duet_error *err);
 } measure_machine;
 
 typedef struct measurement {
@@ -62,10 +65,12 @@ typedef struct measurement {
 // A measurement that is not staged stages only the warm-up launch, so that the launches that count
 // are as applications have them; its plan cannot be warm.
 typedef struct measure_way {
-    uint32_t repeats; // launches that count, at most MEASURE_REPEATS
-    bool warm;        // the plan ran before, and no launch warms it up
-    bool staged;      // the time of stages counts
-    bool quiet;       // a launch that other programs disturbed is repeated and does not count
+    uint32_t repeats;    // launches that count, at most MEASURE_REPEATS
+    bool warm;           // the plan ran before, and no launch warms it up
+    bool staged;         // the time of stages counts
+    bool quiet;          // a launch that other programs disturbed is repeated and does not count
+    energy_meter *meter; // what a launch takes is read from it, over launches of its own, and put
+                         // into the terms; NULL: it is not
 } measure_way;
 
 // Runs one launch to warm up, unless the plan is warm, then `repeats`; all are verified. A plan

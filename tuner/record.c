@@ -234,7 +234,9 @@ static profile_row row_of(const record *r, const duet_plan *plan, const char *or
 // A search of another kind is research: applications load it by request only.
 static const char *unused_because(const duet_tune_def *def, char because[64])
 {
-    if (def->keep == DUET_KEEP_ALWAYS || strcmp(def->strategy, duet_strategy_get_name(0)) == 0)
+    bool usual = strcmp(def->strategy, duet_strategy_get_name(0)) == 0 ||
+                 (strcmp(def->objective, "energy") == 0 && strcmp(def->strategy, "annealing") == 0);
+    if (def->keep == DUET_KEEP_ALWAYS || usual)
         return NULL;
     snprintf(because, 64, "found by strategy '%s' without --keep", def->strategy);
     return because;

@@ -39,5 +39,6 @@ duet_level subject_level(const subject *s)
 
 measure_machine subject_machine(subject *s, uint64_t hash)
 {
-    return (measure_machine){.context = s, .launch = s->kind->launch, .hash = hash};
+    return (measure_machine){
+        .context = s, .launch = s->kind->launch, .hash = hash, .train = s->kind->train};
 }

@@ -49,6 +49,8 @@ typedef struct subject_kind {
     bool (*read_kernels)(void *context, const duet_plan *plan, int device, kernel_space **spaces,
                          uint32_t *n, duet_error *err);
     bool lives_on_one; // its state is on one device: A alone may be the better one for it
+    // As measure_machine has it; NULL: by launches.
+    bool (*train)(void *context, const duet_plan *plan, uint32_t n, duet_error *err);
 } subject_kind;
 
 extern const subject_kind subject_still, subject_query, subject_motion, subject_task;

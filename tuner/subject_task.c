@@ -99,6 +99,11 @@ static bool launch(void *context, const duet_plan *plan, bool staged, measure_la
     return true;
 }
 
+static bool train(void *context, const duet_plan *plan, uint32_t n, duet_error *err)
+{
+    return task_launch_train(((launched *)((subject *)context)->state)->launcher, plan, n, err);
+}
+
 static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_space **spaces,
                          uint32_t *n, duet_error *err)
 {
@@ -114,5 +119,6 @@ const subject_kind subject_task = {
     .describe = describe,
     .find_truth = find_truth,
     .launch = launch,
+    .train = train,
     .read_kernels = read_kernels,
 };

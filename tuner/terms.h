@@ -17,8 +17,8 @@ typedef struct terms_field {
 extern const terms_field terms_fields[];
 double terms_value(const terms_field *field, const duet_tune_terms *terms);
 
-// {"T_1":..,"T_CPU1":..,...,"imbalance":..}, milliseconds. Missing terms come back as 0, and NULL
-// as all 0.
+// {"T_1":..,"T_CPU1":..,...,"imbalance":..,"joules":..}, milliseconds. Missing terms come back as
+// 0, and NULL as all 0.
 void terms_to_json(const duet_tune_terms *terms, text *json);
 void terms_from_json(const cJSON *json, duet_tune_terms *terms);
 

@@ -5,6 +5,7 @@
 #include "tuner/joint_search.h"
 #include "tuner/kernel_tuning.h"
 #include "tuner/race.h"
+#include "tuner/stats.h"
 #include "tuner/variants.h"
 #include "tuner/verdict.h"
 
@@ -36,14 +37,46 @@ static void give_up(const tuning *t, duet_tune_outcome *outcome)
              tuning_describe_others(t).chars);
 }
 
+// ---------------------------------------------------------------- energy
+
+static double median_ms(const trial_log *log, const duet_plan *plan)
+{
+    double ms[STATS_MOST];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < log->played && n < STATS_MOST; ++i)
+        if (log->entries[i].usable && trial_log_same_plan(&log->entries[i].plan, plan))
+            ms[n++] = (double)log->entries[i].sample.total_ns * 1e-6;
+    return n ? stats_median(ms, n) : NAN;
+}
+
+// The verdict raced what launches take in nJ as others do in ns: those are the energy, and the
+// times are in the log. The gain stays that of energy.
+static void separate_energy(const tuning *t, duet_tune_outcome *o)
+{
+    o->terms.joules = o->step_ms * 1e-3;
+    o->single_joules = o->single_ms * 1e-3;
+    o->step_ms = o->step_low_ms = o->step_high_ms = median_ms(t->state, &o->plan);
+    duet_plan alone = o->plan;
+    if (alone.share < DUET_SHARE_ONE)
+        alone.share = 0;
+    alone.mode = DUET_MODE_OWN;
+    o->single_ms = median_ms(t->state, &alone);
+}
+
+// ---------------------------------------------------------------- a tuning
+
 // Kernels, then mode and share; or all of it by one strategy.
 static bool search(tuning *t, mode_found *founds, uint32_t *n, duet_tune_outcome *told,
                    duet_error *err)
 {
-    if (!joint_search_is_asked(t->task))
-        return kernel_tuning_run(t, told->kernels, err) && mode_search_run(t, founds, n, err);
-    *n = 1;
-    return joint_search_run(t, founds, told, err);
+    bool ok = true;
+    if (joint_search_is_asked(t->task))
+        ok = joint_search_run(t, founds, n, told, err);
+    else
+        ok = kernel_tuning_run(t, told->kernels, err) && mode_search_run(t, founds, n, err);
+    for (uint32_t i = 0; t->task->meter && i < *n; ++i)
+        founds[i].a_alone_ns = 0; // a slow device may be the more efficient one, and is raced
+    return ok;
 }
 
 bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err)
@@ -56,6 +89,8 @@ bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcom
     duet_error why = {0};
     bool ok = variants_choose(&t, &why) && search(&t, founds, &n, outcome, &why) &&
               verdict_reach(&t, founds, n, outcome, &why) && verdict_race_whole(&t, outcome, &why);
+    if (ok && task->meter)
+        separate_energy(&t, outcome);
     if (!ok && tuning_is_out_of_patience(&t)) {
         give_up(&t, outcome);
         ok = true;

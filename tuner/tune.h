@@ -41,6 +41,7 @@ typedef struct tune_task {
     const duet_tune_def *def; // the choices, budget, strategy and watch
     measure_machine machine;
     tune_others others;
+    energy_meter *meter; // energy is made small, which this reads; NULL: time is
     tune_recorder recorder;
     tune_whole whole;               // open NULL: there is none
     tune_kernels kernels;           // asked only if def->search is given

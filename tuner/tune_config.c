@@ -246,8 +246,10 @@ static int read_config(lua_State *L)
     if (!lua_istable(L, ROOT))
         return field_raise(L, NULL, "a tune file returns a table, not %s", luaL_typename(L, ROOT));
     field_only(L, ROOT, "a tune file", names);
-    if (strcmp(field_string(L, ROOT, "objective", "time"), "time") != 0)
-        field_raise(L, "objective", "the only objective is 'time'");
+    c->objective = field_string(L, ROOT, "objective", "time");
+    if (strcmp(c->objective, "time") != 0 && strcmp(c->objective, "energy") != 0)
+        field_raise(L, "objective", "there is no objective '%s'; expected 'time' or 'energy'",
+                    c->objective);
     read_workloads(L, c);
     read_strategy(L, c);
     read_modes(L, c);

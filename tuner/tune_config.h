@@ -26,6 +26,7 @@ typedef struct tune_config {
     const char *pair; // "A,B", or NULL
     const char *strategy;
     const char *strategy_lua; // the file's text, if strategy is a function
+    const char *objective;    // "time" or "energy"; NULL: time
     const char *search;       // "kernels", a kernel's name, or NULL
     const char *variants[CONFIG_VARIANTS];
     uint32_t n_variants;

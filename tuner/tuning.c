@@ -241,8 +241,10 @@ static bool is_warm(const tuning *t, const duet_plan *plan)
 
 static measure_way way_of(const tuning *t, const duet_plan *plan)
 {
-    return (measure_way){
-        .repeats = t->repeats, .warm = is_warm(t, plan), .staged = t->focus.stages};
+    return (measure_way){.repeats = t->repeats,
+                         .warm = is_warm(t, plan),
+                         .staged = t->focus.stages,
+                         .meter = t->task->meter};
 }
 
 static bool measure_live(tuning *t, const duet_plan *plan, trial_log_entry *entry, duet_error *err)
@@ -285,8 +287,12 @@ bool tuning_run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *
     out->sample = entry.sample;
     out->focus_ns = entry.focus_ns;
     out->terms = entry.terms;
-    return tell_watcher(t, &entry, kept, err) &&
-           (t->state->played > 1 || check_budget(t, out, err));
+    if (!tell_watcher(t, &entry, kept, err) ||
+        (t->state->played == 1 && !check_budget(t, out, err)))
+        return false;
+    if (t->task->meter) // what races and searches make small
+        out->sample.total_ns = (uint64_t)(entry.terms.joules * 1e9);
+    return true;
 }
 
 bool tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan,

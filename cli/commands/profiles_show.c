@@ -2,6 +2,7 @@
 // duet profiles show: a profile with the session it comes from and all its trials, or a run of a
 // cluster. duet profiles diff: two profiles side by side, and which is the quicker.
 #include "cli/commands/profiles.h"
+#include "cli/report/pareto.h"
 #include "cli/report/profile_report.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
@@ -78,6 +79,15 @@ static bool show_json(profile_showing *show, const profile_entry *e)
     return false;
 }
 
+static bool print_pareto(profile_showing *show, const profile_entry *e)
+{
+    cJSON *o = cJSON_CreateObject();
+    bool ok = profile_report_add_trials(o, show->s, e->session.id, show->err);
+    pareto_print(o);
+    cJSON_Delete(o);
+    return ok;
+}
+
 static bool show_text(profile_showing *show, const profile_entry *e)
 {
     profile_report_text(e);
@@ -92,7 +102,7 @@ static bool show_text(profile_showing *show, const profile_entry *e)
     printf("\n");
     print_kernels(&t);
     text_free(&t.kernels);
-    return ok;
+    return ok && print_pareto(show, e);
 }
 
 static bool show_entry(void *context, const profile_entry *e)

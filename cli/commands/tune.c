@@ -28,6 +28,7 @@ typedef struct arguments {
     const char *pair;
     const char *strategy;
     const char *strategy_path;
+    const char *objective;
     const char *search;
     const char *query;
     uint64_t items;
@@ -61,6 +62,8 @@ static const option options[] = {
                 "share together: random, annealing, brute"),
     OPTION_TEXT("strategy-lua", strategy_path, "FILE",
                 "script that returns a function from the history to the next share, or plan"),
+    OPTION_TEXT("objective", objective, "O",
+                "what is made small (time): time, or energy, where the system lets it be read"),
     OPTION_TEXT(
         "variants", variants, "LIST",
         "kernels to choose from, with commas between them (auto,simd,auto sort=radix,paper)"),
@@ -101,7 +104,8 @@ static const option options[] = {
 
 // A replay has these from its store, or does not do them.
 static const option_rule rules[] = {
-    {"config task set pair variants search query items level missed false-rate budget trials "
+    {"config task set pair objective variants search query items level missed false-rate budget "
+     "trials "
      "profile ordered fresh keep",
      OPTION_EXCLUDES, "replay"},
     {"config query items steps level missed false-rate ordered", OPTION_EXCLUDES, "task"},
@@ -259,6 +263,7 @@ static bool make_config(arguments *args, const char *path, tune_config *config, 
             return false;
         config->strategy_lua = text_chars(&config->text);
     }
+    config->objective = args->objective ? args->objective : config->objective;
     config->search = args->search ? args->search : config->search;
     config->pair = args->pair ? args->pair : config->pair;
     config->budget_seconds =
@@ -284,6 +289,7 @@ static duet_tune_def make_def(const arguments *args, const tune_config *config, 
     def.strategy_lua = config->strategy_lua;
     def.strategy_name = args->strategy_path ? args->strategy_path : args->config;
     def.script = args->config ? text_chars(&config->text) : NULL;
+    def.objective = config->objective;
     def.search = config->search;
     def.variants = config->variants;
     def.n_variants = config->n_variants;

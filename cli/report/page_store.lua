@@ -108,6 +108,38 @@ local function add_searches(profiles)
   end)
 end
 
+-- Of the plans whose energy was measured, those that no other beats in both.
+local function draw_energy(p)
+  local front, chosen = {}, {}
+  for _, plan in ipairs(list(p, "pareto")) do
+    local says = ("share %.4f, %s | %s: %.3f ms, %.4g J"):format(plan.share, plan.variant_a, plan.variant_b, plan.ms, plan.joules)
+    local points = same_plan(plan, p) and plan.share == p.share and chosen or front
+    points[#points + 1] = { x = plan.ms, y = plan.joules, says = says }
+    if points == chosen then front[#front + 1] = points[#points] end
+  end
+  if #front == 0 then return end
+  draw_chart { title = title_of(p), x_label = "ms a launch", y_label = "J a launch", series = {
+    { name = "plans that no other beats", colour = "a", points = front },
+    { name = "the plan to use", colour = "step", points = chosen, loose = true },
+  } }
+end
+
+local function has_energy(profiles)
+  for _, p in ipairs(profiles) do
+    if p.live and p.pareto then return true end
+  end
+  return false
+end
+
+local function add_energy(profiles)
+  paragraph("The plans that no other plan beats in both time and energy.")
+  charts(function()
+    for _, p in ipairs(profiles) do
+      if p.live then draw_energy(p) end
+    end
+  end)
+end
+
 local function has_shares(profiles)
   for _, p in ipairs(profiles) do
     if p.live and not is_of_one(p) then return true end
@@ -173,6 +205,7 @@ local function add_store(store)
   end
   section("Profiles", function() add_profiles(profiles) end)
   if has_shares(profiles) then section("Searches", function() add_searches(profiles) end) end
+  if has_energy(profiles) then section("Time and energy", function() add_energy(profiles) end) end
   if has_levels(profiles) then section("Levels of the profiles", function() add_accuracy(profiles) end) end
   add_replaced(profiles)
 end

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/report/profile_report.h"
 
+#include "cli/report/pareto.h"
 #include "cli/say.h"
 
 #include <inttypes.h>
@@ -141,7 +142,9 @@ static bool add_trial(void *context, int64_t number, const profile_trial *trial)
 bool profile_report_add_trials(cJSON *o, store *s, const char *session, duet_error *err)
 {
     cJSON *trials = cJSON_AddArrayToObject(o, "trials");
-    return !session || profile_trial_each(s, session, add_trial, trials, err);
+    bool ok = !session || profile_trial_each(s, session, add_trial, trials, err);
+    pareto_add(o);
+    return ok;
 }
 
 // --------------------------------------------------------------------------- text

@@ -183,6 +183,10 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o, text *command)
     cJSON_AddNumberToObject(row, "watched", o->watched);
     cJSON_AddNumberToObject(row, "disturbed", o->disturbed);
     json_add_figure(row, "single_ms", o->single_ms);
+    if (o->terms.joules > 0) {
+        cJSON_AddNumberToObject(row, "joules", o->terms.joules);
+        cJSON_AddNumberToObject(row, "single_joules", o->single_joules);
+    }
     if (o->whole_ms > 0)
         cJSON_AddStringToObject(row, "whole", r->whole);
     json_add_whole(row, o->whole_ms, o->whole_gain, o->whole_gain_low, o->whole_gain_high);
@@ -210,6 +214,15 @@ static void print_accuracy(const cJSON *row)
     printf("  of %s pairs that collide, '%s' misses %.3g %% and adds %.3g %% that are false\n",
            table_count((uint64_t)json_number(row, "true_pairs")).chars, json_string(row, "level"),
            100 * json_number(row, "missed_rate"), 100 * json_number(row, "false_rate"));
+}
+
+// What a device alone takes is not kept in a store.
+static void print_energy(const cJSON *row)
+{
+    printf("  energy: %.6g J a launch", json_number(row, "joules"));
+    if (json_number(row, "single_joules") > 0)
+        printf(", %.6g J by the better device alone", json_number(row, "single_joules"));
+    printf("; the gain is of energy\n");
 }
 
 static void print_search(const cJSON *o)
@@ -352,6 +365,8 @@ static void print_details(const tune_report *r, const cJSON *row)
     if (json_true(row, "known"))
         printf("  known: the same was measured before; --fresh measures it again\n");
     print_kernels(row);
+    if (json_number(row, "joules") > 0)
+        print_energy(row);
     if (json_number(row, "plans") > 0)
         printf("  kernels and share together: %.0f of %.0f plans tried\n",
                json_number(row, "plans_tried"), json_number(row, "plans"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/task/task_launch.h"
 
+#include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "runtime/broadphase/variant.h"
@@ -216,6 +217,18 @@ bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, d
     reset_results(l);
     spoil_results(l);
     return task_launch_unchecked(l, plan, result, err) && check_results(l, err);
+}
+
+bool task_launch_train(task_launcher *l, const duet_plan *plan, uint32_t n, duet_error *err)
+{
+    task_result result;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        reset_results(l);
+        spoil_results(l);
+        ok = budget_check(err) && task_launch_unchecked(l, plan, &result, err);
+    }
+    return ok && check_results(l, err);
 }
 
 bool task_kernel_space(task_launcher *l, const duet_plan *plan, int which, kernel_space **spaces,

@@ -37,6 +37,8 @@ static const struct {
     {"spheres", bench_spheres,
      "a million equal spheres, and as many unrotated cubes in their places"},
     {"tune", bench_tune, "searches for the share on this machine, one device slowed down"},
+    {"tasks", bench_tasks,
+     "kernels and share of the example tasks, by each strategy and by all plans"},
     {"strategies", bench_strategies, "searches for the share on invented device pairs"},
 };
 

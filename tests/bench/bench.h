@@ -41,6 +41,7 @@ bench_run bench_share;
 bench_run bench_step;
 bench_run bench_still;
 bench_run bench_strategies;
+bench_run bench_tasks;
 bench_run bench_tune;
 
 // The device pair that was asked for, else the default one.

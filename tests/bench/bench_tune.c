@@ -115,7 +115,8 @@ static bool launch_slowed(void *context, const duet_plan *plan, bool staged, mea
 static bool compare(const measure_machine *real, uint32_t slower, duet_error *err)
 {
     slowed as = {*real, slower};
-    const measure_machine slow = {&as, launch_slowed, real->hash}, *machine = &slow;
+    const measure_machine slow = {.context = &as, .launch = launch_slowed, .hash = real->hash};
+    const measure_machine *machine = &slow;
     chosen found[N_NAMES];
     race r;
     for (uint32_t i = 0; i < N_NAMES; ++i) {

@@ -107,6 +107,37 @@ TEST(a_changed_kernel_is_another_workload)
     cJSON_Delete(root);
 }
 
+// Watts that never change: energy follows time.
+TEST(energy_is_made_small_and_kept_beside_time)
+{
+    test_write_file("energy.txt", "50 W\n");
+    program p = program_run_with(STORE " DUET_ENERGY=energy.txt",
+                                 "tune --json --task saxpy.task.lua --pair halves --repeat 1 "
+                                 "--objective energy --trials 120");
+    cJSON *root = json_of_program(&p);
+    const cJSON *row = cJSON_GetObjectItemCaseSensitive(root, "workloads")->child;
+    assert_true(json_number(row, "joules") > 0 && json_number(row, "plans_tried") > 3);
+    p = program_run_with(STORE, "profiles show --json %.8s", json_string(row, "uid"));
+    cJSON *shown = json_of_program(&p);
+    assert_string_equal(json_string(shown, "objective"), "energy");
+    double ms = 0, joules = 1e9;
+    const cJSON *plan;
+    cJSON_ArrayForEach(plan, cJSON_GetObjectItemCaseSensitive(shown, "pareto"))
+    {
+        assert_true(json_number(plan, "ms") > ms && json_number(plan, "joules") < joules);
+        ms = json_number(plan, "ms");
+        joules = json_number(plan, "joules");
+    }
+    assert_true(ms > 0);
+    cJSON_Delete(shown);
+    cJSON_Delete(root);
+    p = program_run_with(STORE " DUET_ENERGY=none.txt", "tune --task saxpy.task.lua "
+                                                        "--objective energy");
+    program_assert_refused(&p, 1, "energy: none.txt: expected a number, then J");
+    p = program_run_with(STORE, "tune --task saxpy.task.lua --objective speed");
+    program_assert_refused(&p, 2, "objective 'speed': expected 'time' or 'energy'");
+}
+
 TEST(wrong_calls_are_refused)
 {
     static const struct {

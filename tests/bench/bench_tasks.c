@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+// The six example tasks: what each strategy finds of kernels and share, beside every plan of an
+// even grid (brute, and its best shared plan). The winners, and each device alone by the kernels
+// that the default strategy found, then race in turn.
+#include "bench.h"
+
+#include "base/error.h"
+#include "runtime/task/task.h"
+#include "tuner/stats.h"
+#include "tuner/subject.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const struct {
+    const char *name;
+    const char *n;
+} tasks[] = {{"saxpy", "1000000"}, {"nbody", "4096"}, {"histogram", "4000000"},
+             {"stencil", "512"},   {"matmul", "256"}, {"black_scholes", "200000"}};
+
+// The first is what the others are compared with, and the second the default.
+static const char *const names[] = {"brute", "balance", "annealing", "random"};
+
+enum { N_NAMES = sizeof names / sizeof *names, RIVALS = N_NAMES + 3, TASKS = 6 };
+
+typedef struct rival {
+    const char *name;
+    duet_plan plan;
+    duet_tune_outcome found; // of a strategy
+    double ms[SERIES_ROOM];
+} rival;
+
+static bool find_plan(duet_device_pair *pair, task *t, rival *r, const bench_options *options,
+                      duet_error *err)
+{
+    duet_tune_def def = duet_default_tune_def();
+    def.pair = pair;
+    def.task = t;
+    def.keep = DUET_KEEP_NOTHING;
+    def.strategy = r->name;
+    def.wait_seconds = 0;
+    def.seed = options->seed;
+    def.repeats = r->name == names[0] ? 1 : 0;
+    bool ok = duet_tune_run(&def, &r->found, err);
+    r->plan = r->found.plan;
+    return ok;
+}
+
+// A is the share of a plan; a verdict that was not sure uses one device, though sharing may be
+// faster.
+static void add_plans(rival *rivals)
+{
+    rival *more = rivals + N_NAMES;
+    more[0] = (rival){.name = "shared", .plan = rivals[0].found.best};
+    more[1] = (rival){.name = "A alone", .plan = rivals[1].plan};
+    more[2] = (rival){.name = "B alone", .plan = rivals[1].plan};
+    more[1].plan.share = DUET_SHARE_ONE;
+    more[2].plan.share = 0;
+}
+
+// One launch to warm up, for the plan before had other kernels, and one that counts.
+static bool launch_twice(measure_machine *machine, const duet_plan *plan, double *ms,
+                         duet_error *err)
+{
+    measure_launch launch;
+    for (int i = 0; i < 2; ++i) {
+        launch = (measure_launch){0};
+        if (!machine->launch(machine->context, plan, false, &launch, err))
+            return false;
+    }
+    *ms = (double)launch.total_ns * 1e-6;
+    return true;
+}
+
+static bool race_all(duet_device_pair *pair, task *t, rival *rivals, uint32_t runs, duet_error *err)
+{
+    subject s;
+    const duet_tune_def def = {.pair = pair, .task = t, .strategy = names[1]};
+    bool ok = subject_prepare(&s, &def, pair, NULL, err);
+    measure_machine machine = ok ? subject_machine(&s, 0) : (measure_machine){0};
+    for (uint32_t run = 0; ok && run < runs; ++run)
+        for (uint32_t turn = 0; ok && turn < RIVALS; ++turn) {
+            rival *r = &rivals[(turn + run) % RIVALS];
+            ok = launch_twice(&machine, &r->plan, &r->ms[run], err);
+        }
+    subject_release(&s);
+    return ok;
+}
+
+static void print(const task *t, const rival *rivals, uint32_t runs)
+{
+    double best = fmin(stats_median(rivals[0].ms, runs), stats_median(rivals[N_NAMES].ms, runs));
+    for (int i = 0; i < RIVALS; ++i) {
+        const rival *r = &rivals[i];
+        const duet_tune_outcome *o = &r->found;
+        double ms = stats_median(r->ms, runs);
+        printf("| %-13s | %-9s | %6u | %5.1f %% | %8.1f | %.4f | %9.4f ms | %+6.1f %% | %s, %s |\n",
+               t->name, r->name, o->trials, 100.0 * o->trials / rivals[0].found.trials, o->seconds,
+               r->plan.share / (double)DUET_SHARE_ONE, ms, 100 * (ms / best - 1), r->plan.variant_a,
+               r->plan.variant_b);
+    }
+    fflush(stdout);
+}
+
+static bool compare(duet_device_pair *pair, task *t, const bench_options *options, duet_error *err)
+{
+    rival *rivals = calloc(RIVALS, sizeof *rivals);
+    if (!rivals)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for plans");
+    bool ok = true;
+    for (int i = 0; ok && i < N_NAMES; ++i) {
+        rivals[i].name = names[i];
+        ok = find_plan(pair, t, &rivals[i], options, err);
+    }
+    add_plans(rivals);
+    ok = ok && race_all(pair, t, rivals, options->runs, err);
+    if (ok)
+        print(t, rivals, options->runs);
+    free(rivals);
+    return ok;
+}
+
+static bool run_task(const bench_options *options, const char *folder, int i, duet_error *err)
+{
+    char path[600];
+    const duet_setting setting = {"n", tasks[i].n};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.kernel_dir = folder;
+    def.a = options->device_a ? options->device_a : "halves";
+    def.b = options->device_b;
+    snprintf(path, sizeof path, "%s/%s.task.lua", folder, tasks[i].name);
+    task *t = task_load(path, &setting, 1, err);
+    duet_device_pair *pair = t ? duet_device_pair_create(&def, err) : NULL;
+    bool ok = pair && compare(pair, t, options, err);
+    duet_device_pair_destroy(pair);
+    task_destroy(t);
+    return ok;
+}
+
+bool bench_tasks(const bench_options *options, duet_error *err)
+{
+    const char *folder = getenv("DUET_TASKS");
+    printf("| task          | strategy  | trials | of all  | seconds  | share  | a launch     | to "
+           "brute | kernels of A, B |\n"
+           "|---------------|-----------|--------|---------|----------|--------|--------------|----"
+           "------|-----------------|\n");
+    bool ok = true;
+    for (int i = 0; ok && i < TASKS; ++i)
+        ok = run_task(options, folder ? folder : DUET_EXAMPLE_TASKS, i, err);
+    return ok;
+}
