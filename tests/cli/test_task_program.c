@@ -93,7 +93,27 @@ TEST(a_tuned_plan_is_kept_and_used)
     cJSON_Delete(root);
 }
 
-// A tune file in another folder has a scene and a task; its modes and levels are the scene's.
+TEST(a_task_is_explained)
+{
+    static const char *const says[] = {
+        "saxpy: 20 000 items of kernel saxpy", "in out slice",
+        "2 valid sets of parameters",          "right: as the file's reference, within 1e-06",
+        "in the store: task saxpy; n 20000",   NULL};
+    program p = program_run_with(STORE, "explain --task saxpy.task.lua");
+    expect_says(&p, says);
+    p = program_run_with(STORE, "explain --json --task saxpy.task.lua -n 500");
+    cJSON *root = json_of_program(&p);
+    assert_int_equal(json_number(root, "items"), 500);
+    const cJSON *args = cJSON_GetObjectItemCaseSensitive(root, "arguments");
+    assert_int_equal(cJSON_GetArraySize(args), 3);
+    assert_int_equal(json_number(cJSON_GetArrayItem(args, 1), "an_item"), 1);
+    const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(root, "kernels");
+    const cJSON *b = cJSON_GetArrayItem(kernels, cJSON_GetArraySize(kernels) - 1);
+    assert_int_equal(json_number(b, "configs"), 2);
+    cJSON_Delete(root);
+}
+
+// A tune file has tasks and a scene; its modes and levels are the scene's.
 TEST(a_tune_file_has_tasks)
 {
     test_write_file("tune.lua", "return { workloads = { { task = 'saxpy.task.lua', n = { 3000, "
@@ -197,6 +217,9 @@ TEST(wrong_calls_are_refused)
         {"run --task none.task.lua", 2, "none.task.lua"},
         {"profiles why paper --task saxpy.task.lua", 2, "--task: the file says what is looked up"},
         {"profiles why", 2, "SCENE|FILE is missing"},
+        {"explain", 2, "SCENE is missing"},
+        {"explain paper --task saxpy.task.lua", 2, "--task: the file says what is explained"},
+        {"explain --task saxpy.task.lua --measure", 2, "--measure"},
         {"tune paper --task saxpy.task.lua", 2, "paper: with --task the file says what is tuned"},
         {"tune --task saxpy.task.lua --query rays", 2, "--task"},
     };
