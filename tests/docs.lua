@@ -12,7 +12,7 @@
 -- those with --simulate where it was built without SimGrid, and those that search a share where the
 -- device pair is one device.
 -- The blocks of a tutorial build on each other. It begins with a comment,
--- <!-- all blocks in one folder -->, and a block of C or Lua in it whose first line is
+-- <!-- all blocks in one folder -->, and a block of C, Lua or CMake in it whose first line is
 -- a comment with a file's name, `// game.c`, becomes that file.
 
 local program, root, folder = table.unpack(arg, 1, 3)
@@ -46,7 +46,7 @@ local function blocks(path)
       cats = nil
     end
     if block and line:match("^```") then
-      block.name = block.is_text and block.commands[1]:match("^[/-][/-] ([%w_.]+%.%a+)$")
+      block.name = block.is_text and block.commands[1]:match("^[/#-][/-]? ([%w_.]+%.%a+)$")
       block.one_folder = one_folder
       local commands = table.concat(block.commands, "\n")
       local uses_mpi = commands:find("duet cluster", 1, true) or commands:find("duet_cluster", 1, true) or commands:find("mpirun", 1, true)
@@ -61,7 +61,7 @@ local function blocks(path)
       block = nil
     elseif block then
       block.commands[#block.commands + 1] = line
-    elseif line:match("^```sh") or line == "```c" or line == "```lua" then
+    elseif line:match("^```sh") or line == "```c" or line == "```lua" or line == "```cmake" then
       block = { line = number, commands = {}, skipped = skipped, is_text = line ~= "```sh" }
     end
     one_folder = one_folder or line == "<!-- all blocks in one folder -->"
@@ -110,7 +110,7 @@ local function find_library()
     program:match("^(.*)/"), installed, folder)))
   local find <close> = assert(io.popen(("find '%s' -name duet.pc"):format(installed)))
   local packages = find:read("l"):match("^(.*)/")
-  library = ("PKG_CONFIG_PATH='%s' LD_LIBRARY_PATH='%s/..'"):format(packages, packages)
+  library = ("PKG_CONFIG_PATH='%s' LD_LIBRARY_PATH='%s/..' CMAKE_PREFIX_PATH='%s'"):format(packages, packages, installed)
   return library
 end
 
@@ -125,7 +125,7 @@ local function run(block, is_first)
   for _, line in ipairs(block.commands) do script[#script + 1] = small(line) .. "\n" end
   write_file("block.sh", table.concat(script))
   return os.execute(("cd '%s' && PATH=\"%s:$PATH\" DUET_PROFILE='%s/profiles.db' %s bash block.sh >out 2>err </dev/null")
-    :format(folder, program:match("^(.*)/"), folder, (library or text:find("pkg-config", 1, true)) and find_library() or ""))
+    :format(folder, program:match("^(.*)/"), folder, (library or text:find("pkg-config", 1, true) or text:find("cmake -B", 1, true)) and find_library() or ""))
 end
 
 local function prints_what_it_should(block)

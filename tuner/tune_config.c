@@ -27,21 +27,31 @@ static const char *keep_string(lua_State *L)
 // ---------------------------------------------------------------- workloads
 
 // The path as it is, or in the folder that the file lies in.
-static const char *find_scene(lua_State *L, int table)
+static const char *find_path(lua_State *L, const char *path)
 {
     const char *file = NULL;
-    const char *scene = field_string(L, table, "scene", NULL);
-    if (!scene)
-        field_raise(L, "workloads", "a workload needs a scene, the path of a file");
     script_chunk(L, &file);
     const char *slash = file ? strrchr(file, '/') : NULL;
-    shipped_scene shipped;
-    if (scene[0] == '/' || !slash || shipped_find(scene, &shipped))
-        return scene;
+    if (path[0] == '/' || !slash)
+        return path;
     lua_pushlstring(L, file, (size_t)(slash - file) + 1);
-    lua_pushstring(L, scene);
+    lua_pushstring(L, path);
     lua_concat(L, 2);
     return keep_string(L);
+}
+
+static void read_paths(lua_State *L, int table, config_workload *w)
+{
+    shipped_scene shipped;
+    w->scene = field_string(L, table, "scene", NULL);
+    w->task = field_string(L, table, "task", NULL);
+    if (!w->scene == !w->task)
+        field_raise(L, "workloads", "a workload needs a scene or a task, the path of a file%s",
+                    w->task ? "; this one has both" : "");
+    if (w->task)
+        w->task = find_path(L, w->task);
+    else if (!shipped_find(w->scene, &shipped))
+        w->scene = find_path(L, w->scene);
 }
 
 static int compare_strings(const void *a, const void *b)
@@ -57,7 +67,7 @@ static void read_settings(lua_State *L, int table, config_workload *w)
     int set = lua_gettop(L);
     for (lua_pushnil(L); lua_next(L, set); lua_pop(L, 1)) {
         if (lua_type(L, -2) != LUA_TSTRING || w->n_settings == CONFIG_SETTINGS)
-            field_raise(L, "set", "set is up to %d parameters of the scene, by name",
+            field_raise(L, "set", "set is up to %d parameters of the scene or task, by name",
                         CONFIG_SETTINGS);
         const char *value = script_tostring(L, -1, NULL);
         lua_pushfstring(L, "%s=%s", lua_tostring(L, -3), value);
@@ -72,6 +82,8 @@ static void read_query(lua_State *L, int table, config_workload *w)
 {
     int64_t items = field_integer(L, table, "items", 0);
     w->query = field_string(L, table, "query", NULL);
+    if (w->task && w->query)
+        field_raise(L, "query", "a task has no query; expected a scene");
     if (items < 0 || items > UINT32_MAX || (items > 0 && !w->query))
         field_raise(L, "items", "items is a number of rays, boxes ... of a query");
     w->items = (uint64_t)items;
@@ -80,7 +92,7 @@ static void read_query(lua_State *L, int table, config_workload *w)
 static void read_steps(lua_State *L, int table, config_workload *w)
 {
     int64_t steps = field_integer(L, table, "steps", 0);
-    if (steps < 0 || steps == 1 || steps > UINT32_MAX || (steps > 0 && w->query))
+    if (steps < 0 || steps == 1 || steps > UINT32_MAX || (steps > 0 && (w->query || w->task)))
         field_raise(L, "steps", "steps is a number of 2 or more, of a scene without a query");
     w->steps = (uint32_t)steps;
 }
@@ -97,10 +109,11 @@ static void add_workload(lua_State *L, tune_config *c, const config_workload *w,
 
 static void read_workload(lua_State *L, int table, tune_config *c)
 {
-    static const char *const names[] = {"scene", "n", "set", "query", "items", "steps", NULL};
+    static const char *const names[] = {"scene", "task",  "n",     "set",
+                                        "query", "items", "steps", NULL};
     config_workload w = {0};
     field_only(L, table, "a workload", names);
-    w.scene = find_scene(L, table);
+    read_paths(L, table, &w);
     read_settings(L, table, &w);
     read_query(L, table, &w);
     read_steps(L, table, &w);

@@ -9,10 +9,11 @@
 
 enum { CONFIG_WORKLOADS = 256, CONFIG_SETTINGS = 16, CONFIG_VARIANTS = 32, CONFIG_MODES = 8 };
 
-// One scene at one size, or what a tree of it is asked.
+// One scene or task at one size, or what a tree of the scene is asked.
 typedef struct config_workload {
     const char *scene;                     // a path, from the tune file's folder unless absolute
-    int64_t n;                             // objects; -1: as the scene has them
+    const char *task;                      // likewise; NULL: a scene is tuned, else scene is NULL
+    int64_t n;                             // objects or items; -1: as the file has them
     const char *settings[CONFIG_SETTINGS]; // "name=value"
     uint32_t n_settings;
     const char *query; // a query of a tree of the objects, or NULL: steps

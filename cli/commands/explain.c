@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // duet explain: what a scene calls for, by what, and what it costs. A scene that
-// moves calls for effects, a still one for the kernels that find its pairs.
+// moves calls for effects, a still one for the kernels that find its pairs. explain_task.c has
+// --task.
 #include "base/error.h"
 #include "cli/commands.h"
+#include "cli/commands/explain_task.h"
 #include "cli/costs.h"
 #include "cli/inputs.h"
 #include "cli/report/table.h"
@@ -13,6 +15,7 @@
 
 typedef struct arguments {
     scene_options scene;
+    const char *task; // a task file; NULL: a scene is explained
     const char *pair;
     plan_options plan;
     const char *level;
@@ -23,6 +26,7 @@ typedef struct arguments {
 
 static const option options[] = {
     SCENE_OPTION_ROWS(scene),
+    OPTION_INPUT("task", task, "FILE", "explain a kernel of your own: a task file"),
     PAIR_OPTION_ROW(pair),
     PLAN_OPTION_ROWS(plan),
     LEVEL_OPTION_ROW(level),
@@ -32,18 +36,32 @@ static const option options[] = {
     {0},
 };
 
-static const option_rule rules[] = {{"steps", OPTION_NEEDS, "measure"}, {0}};
+static const option_rule rules[] = {
+    {"steps", OPTION_NEEDS, "measure"},
+    {"share mode variant variant-a variant-b level measure", OPTION_EXCLUDES, "task"},
+    {0},
+};
+
+static const char *refuse(const void *given, char **operands)
+{
+    const arguments *args = given;
+    return !operands[0] && !args->task ? "SCENE is missing; 'duet explain --help' says what it is"
+           : operands[0] && args->task ? "--task: the file says what is explained; give no scene"
+                                       : NULL;
+}
 
 static const command_line line = {
     .name = "explain",
-    .operands = "SCENE",
-    .least_operands = 1,
+    .operands = "[SCENE]",
+    .least_operands = 0,
     .most_operands = 1,
     .about = "Shows what a scene calls for. A moving scene has effects: what calls for each,\n"
              "its kernels and its bytes an object. A still scene has kernels that find its\n"
-             "pairs, kernels left out, and the property of the scene that decides it.",
+             "pairs, kernels left out, and the property of the scene that decides it. A task\n"
+             "has arguments, and parameters of its kernel to choose from.",
     .options = options,
     .rules = rules,
+    .refuse = refuse,
 };
 
 // ---------------------------------------------------------------- a still scene
@@ -192,6 +210,8 @@ static bool run(void *given, char **operands, duet_error *err)
 {
     const arguments *args = given;
     costs c;
+    if (args->task)
+        return explain_task(args->task, &args->scene, args->pair, args->json, err);
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
     duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
     bool ok = scene && tell_effects(&c, args, pair, scene, err);

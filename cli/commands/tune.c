@@ -215,6 +215,7 @@ static bool add_scene(const arguments *args, const char *path, tune_config *conf
     config->n_workloads = n;
     for (uint32_t i = 0; i < n; ++i)
         config->workloads[i] = (config_workload){.scene = path,
+                                                 .task = args->task,
                                                  .n = numbers[i],
                                                  .query = args->query,
                                                  .items = args->items,
@@ -250,7 +251,7 @@ static bool make_config(arguments *args, const char *path, tune_config *config, 
     if (!check_operands(args, path, err))
         return false;
     if (args->config ? !tune_config_load(config, args->config, err)
-                     : !add_scene(args, args->task ? args->task : path, config, err))
+                     : !add_scene(args, path, config, err))
         return false;
     if (args->strategy) {
         config->strategy = args->strategy;
@@ -339,18 +340,18 @@ static bool put_in_order(const duet_tune_def *def, duet_scene *scene, duet_error
     return ok;
 }
 
-// A tune file's variants for still steps are not for its queries, and its levels are not for its
-// motions.
+// A tune file's variants for still steps are not for its queries and tasks, and its levels are not
+// for its motions.
 static void aim_at(duet_tune_def *def, const config_workload *w, bool from_file)
 {
     def->query = w->query;
     def->items = w->items;
     def->steps = w->steps;
-    if (!from_file || !(w->query || w->steps))
+    if (!from_file || !(w->query || w->steps || w->task))
         return;
     def->n_levels = 0;
     def->has_accuracy = false;
-    if (!w->query)
+    if (w->steps)
         return;
     def->search = NULL;
     def->n_variants = def->n_modes = 0;
@@ -383,11 +384,12 @@ static bool tune_task(const arguments *args, const duet_tune_def *tuning, const 
     scene_options asked = options_of(args, w);
     text command = {0};
     def.task = t;
+    aim_at(&def, w, args->config);
     tune_report_task(report, t);
     if (!duet_tune_run(&def, &outcome, err))
         return false;
     text_add(&command, "duet run");
-    command_text_option(&command, "task", w->scene);
+    command_text_option(&command, "task", w->task);
     command_text_settings(&command, &asked);
     command_text_pair(&command, def.pair);
     tune_report_add(report, &outcome, &command);
@@ -430,7 +432,7 @@ static bool load_and_tune_task(const arguments *args, const duet_tune_def *def,
                                const config_workload *w, tune_report *report, duet_error *err)
 {
     scene_options asked = options_of(args, w);
-    task *t = inputs_load_task(w->scene, &asked, err);
+    task *t = inputs_load_task(w->task, &asked, err);
     bool ok = t && tune_task(args, def, w, t, report, err);
     task_destroy(t);
     return ok;
@@ -445,8 +447,8 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
     if (ok)
         tune_report_expect(report, def.pair, config->n_workloads, config->budget_seconds);
     for (uint32_t i = 0; ok && i < config->n_workloads; ++i)
-        ok = (args->task ? load_and_tune_task : tune_scene)(args, &def, &config->workloads[i],
-                                                            report, err);
+        ok = (config->workloads[i].task ? load_and_tune_task : tune_scene)(
+            args, &def, &config->workloads[i], report, err);
     duet_device_pair_destroy(def.pair);
     return ok;
 }

@@ -6,6 +6,7 @@
 #include "support/program.h"
 #include "support/test.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #define STORE "DUET_PROFILE=task.db"
@@ -92,6 +93,70 @@ TEST(a_tuned_plan_is_kept_and_used)
     cJSON_Delete(root);
 }
 
+TEST(a_task_is_explained)
+{
+    static const char *const says[] = {
+        "saxpy: 20 000 items of kernel saxpy", "in out slice",
+        "2 valid sets of parameters",          "right: as the file's reference, within 1e-06",
+        "in the store: task saxpy; n 20000",   NULL};
+    program p = program_run_with(STORE, "explain --task saxpy.task.lua");
+    expect_says(&p, says);
+    p = program_run_with(STORE, "explain --json --task saxpy.task.lua -n 500");
+    cJSON *root = json_of_program(&p);
+    assert_int_equal(json_number(root, "items"), 500);
+    const cJSON *args = cJSON_GetObjectItemCaseSensitive(root, "arguments");
+    assert_int_equal(cJSON_GetArraySize(args), 3);
+    assert_int_equal(json_number(cJSON_GetArrayItem(args, 1), "an_item"), 1);
+    const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(root, "kernels");
+    const cJSON *b = cJSON_GetArrayItem(kernels, cJSON_GetArraySize(kernels) - 1);
+    assert_int_equal(json_number(b, "configs"), 2);
+    cJSON_Delete(root);
+}
+
+// A tune file has tasks and a scene; its modes and levels are the scene's.
+TEST(a_tune_file_has_tasks)
+{
+    test_write_file("tune.lua", "return { workloads = { { task = 'saxpy.task.lua', n = { 3000, "
+                                "4000 }, set = { seed = 2 } }, { scene = 'paper', n = 300 } }, "
+                                "modes = { 'own' }, level = 'certified', variants = { 'simd' }, "
+                                "budget = { trials = 80 } }");
+    program p = program_run_with(STORE, "tune --json --config tune.lua");
+    cJSON *root = json_of_program(&p);
+    const cJSON *rows = cJSON_GetObjectItemCaseSensitive(root, "workloads");
+    assert_int_equal(cJSON_GetArraySize(rows), 3);
+    for (int i = 0; i < 2; ++i) {
+        const cJSON *row = cJSON_GetArrayItem(rows, i);
+        assert_string_equal(json_string(row, "task"), "saxpy");
+        assert_int_equal(json_number(row, "items"), 3000 + 1000 * i);
+        assert_non_null(strstr(json_string(row, "command"), "--task saxpy.task.lua -n"));
+    }
+    assert_int_equal(json_number(cJSON_GetArrayItem(rows, 2), "objects"), 300);
+    cJSON_Delete(root);
+}
+
+TEST(a_wrong_task_in_a_tune_file_is_told)
+{
+    static const struct {
+        const char *workload, *says;
+    } cases[] = {
+        {"n = 5", "a workload needs a scene or a task"},
+        {"scene = 'paper', task = 'saxpy.task.lua'", "this one has both"},
+        {"task = 'saxpy.task.lua', query = 'rays'", "a task has no query; expected a scene"},
+        {"task = 'saxpy.task.lua', steps = 9", "steps is a number of 2 or more, of a scene"},
+        {"task = 'none.task.lua'", "none.task.lua"},
+        {"task = 'saxpy.task.lua', set = { m = 1 }", "no parameter 'm'; the task has n, seed"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char text[200];
+        snprintf(text, sizeof text, "return { workloads = { { %s } } }", cases[i].workload);
+        test_write_file("tune.lua", text);
+        program p = program_run_with(STORE, "tune --config tune.lua");
+        if (p.exit_code == 0 || !strstr(p.err, cases[i].says))
+            fail_msg("%s: %d '%s'", cases[i].workload, p.exit_code, p.err);
+        program_free(&p);
+    }
+}
+
 // The kernel's text is part of what was measured.
 TEST(a_changed_kernel_is_another_workload)
 {
@@ -152,6 +217,9 @@ TEST(wrong_calls_are_refused)
         {"run --task none.task.lua", 2, "none.task.lua"},
         {"profiles why paper --task saxpy.task.lua", 2, "--task: the file says what is looked up"},
         {"profiles why", 2, "SCENE|FILE is missing"},
+        {"explain", 2, "SCENE is missing"},
+        {"explain paper --task saxpy.task.lua", 2, "--task: the file says what is explained"},
+        {"explain --task saxpy.task.lua --measure", 2, "--measure"},
         {"tune paper --task saxpy.task.lua", 2, "paper: with --task the file says what is tuned"},
         {"tune --task saxpy.task.lua --query rays", 2, "--task"},
     };

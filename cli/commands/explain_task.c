@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+// duet explain --task: what a task sends each device, what its kernel leaves to be chosen, and by
+// what the store knows it.
+#include "cli/commands/explain_task.h"
+
+#include "base/error.h"
+#include "cli/report/json.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+#include "runtime/task/task_launch.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+// A task on its devices, with what is free of its kernel on each.
+typedef struct explained {
+    const task *task;
+    const duet_device_pair *pair;
+    kernel_space *spaces[2]; // NULL: the device has no work, or nothing is free
+} explained;
+
+// ---------------------------------------------------------------- arguments
+
+// Elements that an item brings to the device that does it; 0: the device gets all of them.
+static uint64_t elements_an_item(const task_arg *arg)
+{
+    return arg->once ? 0 : arg->per_item;
+}
+
+static void print_arguments(const task *t)
+{
+    table rows = table_begin("llrrl");
+    table_words(&rows, "argument", "type", "elements", "an item", "access", NULL);
+    for (uint32_t i = 0; i < t->n_args; ++i) {
+        const task_arg *arg = &t->args[i];
+        table_words(&rows, arg->name, arg->is_array ? arg->type : "number", NULL);
+        if (!arg->is_array) {
+            table_words(&rows, "", "", NULL);
+            table_cell(&rows, "%.9g", arg->value);
+            continue;
+        }
+        table_cell(&rows, "%" PRIu64, arg->count);
+        if (elements_an_item(arg) > 0)
+            table_cell(&rows, "%" PRIu64, elements_an_item(arg));
+        else
+            table_words(&rows, "all", NULL);
+        char halo[40] = "";
+        if (arg->halo > 0)
+            snprintf(halo, sizeof halo, ", halo %" PRIu64, arg->halo);
+        table_cell(&rows, "%s%s%s", task_access_name(arg->access), halo,
+                   arg->once ? ", sent once" : "");
+    }
+    table_print(&rows, stdout);
+}
+
+static void add_arguments(cJSON *o, const task *t)
+{
+    cJSON *list = cJSON_AddArrayToObject(o, "arguments");
+    for (uint32_t i = 0; i < t->n_args; ++i) {
+        const task_arg *arg = &t->args[i];
+        cJSON *row = json_add_row(list);
+        cJSON_AddStringToObject(row, "name", arg->name);
+        if (!arg->is_array) {
+            cJSON_AddNumberToObject(row, "value", arg->value);
+            continue;
+        }
+        cJSON_AddStringToObject(row, "type", arg->type);
+        cJSON_AddNumberToObject(row, "elements", (double)arg->count);
+        cJSON_AddNumberToObject(row, "an_item", (double)elements_an_item(arg));
+        cJSON_AddNumberToObject(row, "halo", (double)arg->halo);
+        cJSON_AddStringToObject(row, "access", task_access_name(arg->access));
+        cJSON_AddBoolToObject(row, "once", arg->once);
+    }
+}
+
+// ---------------------------------------------------------------- kernels
+
+static const char *const sides[] = {"A", "B"};
+
+// The values of a parameter, the one that the default has in brackets: "1 [16] 64".
+static void write_values(text *t, const kernel_space *s, uint32_t param)
+{
+    for (uint32_t i = 0; i < s->params[param].n_values; ++i) {
+        bool now = s->configs[s->now][param] == i;
+        text_add(t, "%s%s%" PRId64 "%s", i ? " " : "", now ? "[" : "", s->params[param].values[i],
+                 now ? "]" : "");
+    }
+}
+
+static void print_kernel(const explained *e, int side)
+{
+    const kernel_space *s = e->spaces[side];
+    printf("\n%s  %s: kernel %s, ", sides[side], duet_device_pair_get_info(e->pair, side)->selector,
+           e->task->kernel);
+    if (!s) {
+        printf("which leaves nothing to be chosen\n");
+        return;
+    }
+    printf("%u valid sets of parameters\n", s->n_configs);
+    for (uint32_t i = 0; i < s->n_params; ++i) {
+        text values = {0};
+        write_values(&values, s, i);
+        printf("  %s  %s\n", s->params[i].name, text_chars(&values));
+        text_free(&values);
+    }
+}
+
+static void add_kernel(cJSON *list, const explained *e, int side)
+{
+    const kernel_space *s = e->spaces[side];
+    cJSON *row = json_add_row(list);
+    cJSON_AddStringToObject(row, "device", sides[side]);
+    cJSON_AddNumberToObject(row, "configs", s ? s->n_configs : 1);
+    cJSON *params = cJSON_AddArrayToObject(row, "parameters");
+    for (uint32_t i = 0; s && i < s->n_params; ++i) {
+        cJSON *param = json_add_row(params);
+        cJSON_AddStringToObject(param, "name", s->params[i].name);
+        cJSON *values = cJSON_AddArrayToObject(param, "values");
+        for (uint32_t k = 0; k < s->params[i].n_values; ++k)
+            cJSON_AddItemToArray(values, cJSON_CreateNumber((double)s->params[i].values[k]));
+        cJSON_AddNumberToObject(param, "default",
+                                (double)s->params[i].values[s->configs[s->now][i]]);
+    }
+}
+
+// ---------------------------------------------------------------- the whole
+
+static bool has_work(const explained *e, int side)
+{
+    return side == 1 || !duet_device_pair_is_one(e->pair);
+}
+
+static void print_text(const explained *e)
+{
+    const task *t = e->task;
+    char words[TASK_WORDS];
+    task_write_words(t, words);
+    printf("%s: %s items of kernel %s\n\n", say_name(t->name).chars, table_count(t->items).chars,
+           t->kernel);
+    print_arguments(t);
+    for (int side = 0; side < 2; ++side)
+        if (has_work(e, side))
+            print_kernel(e, side);
+    printf("\nright: %s%s", *t->reference ? "as kernel " : "as the file's reference",
+           *t->reference ? t->reference : "");
+    if (t->tolerance > 0)
+        printf(", within %g\n", t->tolerance);
+    else
+        printf(", exactly\n");
+    printf("in the store: %s; n %" PRIu64 "\n", words, t->size);
+}
+
+static bool print_json(const explained *e, duet_error *err)
+{
+    const task *t = e->task;
+    char words[TASK_WORDS];
+    task_write_words(t, words);
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "type", "duet explain");
+    cJSON_AddStringToObject(o, "task", t->name);
+    cJSON_AddStringToObject(o, "kernel", t->kernel);
+    cJSON_AddNumberToObject(o, "items", (double)t->items);
+    cJSON_AddStringToObject(o, "key", words);
+    cJSON_AddNumberToObject(o, "n", (double)t->size);
+    cJSON_AddNumberToObject(o, "tolerance", t->tolerance);
+    add_arguments(o, t);
+    cJSON *kernels = cJSON_AddArrayToObject(o, "kernels");
+    for (int side = 0; side < 2; ++side)
+        if (has_work(e, side))
+            add_kernel(kernels, e, side);
+    return say_json(o, err);
+}
+
+static bool read_spaces(explained *e, task_launcher *l, duet_error *err)
+{
+    static const duet_plan usual = {.variant_a = "auto", .variant_b = "auto"};
+    bool ok = true;
+    for (int side = 0; ok && side < 2; ++side) {
+        uint32_t n = 0;
+        ok = task_kernel_space(l, &usual, side, &e->spaces[side], &n, err);
+        if (n > 0)
+            continue;
+        free(e->spaces[side]);
+        e->spaces[side] = NULL;
+    }
+    return ok;
+}
+
+static bool explain(explained *e, task *t, duet_device_pair *pair, bool json, duet_error *err)
+{
+    task_launcher *l = task_launcher_open_unchecked(t, pair, err);
+    bool ok = l && read_spaces(e, l, err);
+    if (ok && json)
+        ok = print_json(e, err);
+    else if (ok)
+        print_text(e);
+    task_launcher_close(l);
+    for (int side = 0; side < 2; ++side)
+        free(e->spaces[side]);
+    return ok;
+}
+
+bool explain_task(const char *path, const scene_options *scene, const char *pair_words, bool json,
+                  duet_error *err)
+{
+    task *t = inputs_load_task(path, scene, err);
+    duet_device_pair *pair = t ? inputs_open_pair(pair_words, err) : NULL;
+    explained e = {.task = t, .pair = pair};
+    bool ok = pair && explain(&e, t, pair, json, err);
+    duet_device_pair_destroy(pair);
+    task_destroy(t);
+    return ok;
+}
