@@ -101,7 +101,7 @@ static bool launch(void *context, const duet_plan *plan, bool staged, measure_la
 
 static bool train(void *context, const duet_plan *plan, uint32_t n, duet_error *err)
 {
-    return task_launch_train(((launched *)((subject *)context)->state)->launcher, plan, n, err);
+    return task_launch_train(((subject *)context)->state, plan, n, err);
 }
 
 static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_space **spaces,
