@@ -47,11 +47,17 @@ static uint32_t share_of(const joint_space *s, uint32_t place)
     return s->points ? (uint32_t)((uint64_t)SEARCH_ONE * place / s->points) : 0;
 }
 
+// At most so many sets of configs of a device count: several kernels may have more than any search
+// goes through, and their product stays a number.
+#define MOST_CONFIGS (UINT64_C(1) << 24)
+
 static uint64_t count_configs(const joint_space *s, int device)
 {
     uint64_t n = 1;
-    for (uint32_t i = 0; i < s->n_kernels[device]; ++i)
+    for (uint32_t i = 0; i < s->n_kernels[device]; ++i) {
         n *= s->kernels[device][i].n_configs;
+        n = n < MOST_CONFIGS ? n : MOST_CONFIGS;
+    }
     return n;
 }
 

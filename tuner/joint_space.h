@@ -33,8 +33,9 @@ void joint_space_normalize(const joint_space *s, joint_point *p);
 
 bool joint_point_same(const joint_point *a, const joint_point *b);
 
-// How many plans the grid has, and the one of a number below that. Plans that follow each other
-// mostly differ in the share alone, whose change builds no kernel.
+// How many plans the grid has, of at most 2^24 sets of configs of a device; and the one of a number
+// below that. Plans that follow each other mostly differ in the share alone, whose change builds no
+// kernel.
 uint64_t joint_space_count(const joint_space *s);
 joint_point joint_space_at(const joint_space *s, uint64_t number);
 

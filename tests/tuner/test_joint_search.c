@@ -197,6 +197,31 @@ TEST(every_plan_of_the_grid_has_one_number)
     joint_space_free(&s);
 }
 
+// Eight kernels of 12 configs: more than a search goes through, and more than 64 bits count.
+TEST(many_kernels_leave_a_number_of_plans)
+{
+    fake f = {.random = rng_seed(test_seed())};
+    invent(&f);
+    kernel_space *kernels[2];
+    for (int device = 0; device < 2; ++device) {
+        kernels[device] = malloc(JOINT_KERNELS * sizeof f.space);
+        assert_non_null(kernels[device]);
+        for (int i = 0; i < JOINT_KERNELS; ++i)
+            kernels[device][i] = f.space;
+    }
+    joint_space s = {.points = POINTS,
+                     .kernels = {kernels[0], kernels[1]},
+                     .n_kernels = {JOINT_KERNELS, JOINT_KERNELS}};
+    const uint64_t most = UINT64_C(1) << 24;
+    uint64_t n = joint_space_count(&s);
+    assert_true(n == most * most * (POINTS - 1) + 2 * most);
+    joint_point last = joint_space_at(&s, n - 1);
+    for (int device = 0; device < 2; ++device)
+        for (int i = 0; i < JOINT_KERNELS; ++i)
+            assert_true(last.configs[device][i] < CONFIGS);
+    joint_space_free(&s);
+}
+
 TEST(a_neighbour_differs_in_one_parameter_or_in_the_share)
 {
     fake f = {.random = rng_seed(test_seed())};
