@@ -36,8 +36,10 @@ static inline void load_four(const float4 rows[LANES], real to[4])
 #endif
 }
 
-static inline real energy_of(vec rates, vec i)
+// Twice the energy of a turn, on the scale of ratios_of.
+static inline real energy_of(vec rates, vec inverse_inertia)
 {
+    vec i = ratios_of(inverse_inertia);
     return vec_dot((vec){rates.x * inverse(i.x), rates.y * inverse(i.y), rates.z * inverse(i.z)}, rates);
 }
 

@@ -6,7 +6,6 @@
 // colour, and again as long as any does: a blow goes from ball to ball as in a cradle.
 //
 //   blocks   constraints (constraint.clh)
-//   spans    of each colour: first in the list, count, first slot
 //   fall     what a substep adds to the velocity of all that falls; w: 1 / its time
 //   soon     1 / the time that two substeps take: the second pass of a substep stops what would meet in
 //            the next one
@@ -113,12 +112,14 @@ static inline void solve_shock(const shocks *s, __global float *constraint)
 __kernel void solve_shocks(SOLVE_SHOCKS_ARGS)
 {
     const shocks s = {SOLVE_SHOCKS_VALUES};
-    if (sweep != first_sweep && *shocked + 1 != sweep && *shocked != sweep)
-        return;
+    const bool ended = sweep != first_sweep && *shocked + 1 != sweep && *shocked != sweep;
+    colour_parts parts = COLOUR_PARTS;
+    colour_part part;
     for (uint colour = from_colour; colour < to_colour; ++colour) {
-        const colour_part part = PART_OF(colour);
-        for (uint k = part.from; k < part.to; k += part.stride)
-            solve_shock(&s, constraint_at(blocks, &part, k));
-        END_COLOUR;
+        BEGIN_COLOUR(parts, colour);
+        while (next_part(&parts, &part))
+            for (uint k = part.from; k < part.to && !ended; k += part.stride)
+                solve_shock(&s, constraint_at(blocks, &part, k));
+        END_COLOUR(parts);
     }
 }

@@ -1,7 +1,9 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "lets impacts pass through rows of bodies that touch",
-  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh", "dynamics/restitution.clh" },
+  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh",
+    "dynamics/restitution.clh",
+    "dynamics/colour_parts.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
@@ -14,9 +16,10 @@ return {
     { "BLOCK", values = { 8, 32 }, default = function(limits) return limits.cpu and 8 or 32 end,
       about = "contacts that are neighbours in memory" },
     { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
+    { "TEAM", values = { 0, 1 }, default = 0, silent = true, about = "1: a launch's groups take all colours together" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
+    { "PER_ITEM", values = { 1, 64, 256 }, default = function(limits) return limits.cpu and limits.batch // 4 or 1 end,
       about = "contacts a work-item" },
   },
   args = {
@@ -27,13 +30,16 @@ return {
       uint to_colour
       uint each
       float *blocks
+      volatile uint *team  if TEAM == 1
+      uint stage          if TEAM == 1
+      uint n_done         if TEAM == 1
       float4 *bodies
       float4 fall
       float least_speed
       float soon
       uint sweep
       uint first_sweep
-      uint *shocked
+      volatile uint *shocked
     ]],
   },
   valid = function(p)
