@@ -115,10 +115,13 @@ __kernel void solve_shocks(SOLVE_SHOCKS_ARGS)
     const shocks s = {SOLVE_SHOCKS_VALUES};
     if (sweep != first_sweep && *shocked + 1 != sweep && *shocked != sweep)
         return;
+    colour_parts parts = COLOUR_PARTS;
+    colour_part part;
     for (uint colour = from_colour; colour < to_colour; ++colour) {
-        const colour_part part = PART_OF(colour);
-        for (uint k = part.from; k < part.to; k += part.stride)
-            solve_shock(&s, constraint_at(blocks, &part, k));
-        END_COLOUR;
+        BEGIN_COLOUR(parts, colour);
+        while (next_part(&parts, &part))
+            for (uint k = part.from; k < part.to; k += part.stride)
+                solve_shock(&s, constraint_at(blocks, &part, k));
+        END_COLOUR(parts);
     }
 }

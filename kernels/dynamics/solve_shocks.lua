@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "lets impacts pass through rows of bodies that touch",
-  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh", "dynamics/restitution.clh" },
+  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh",
+    "dynamics/restitution.clh", "dynamics/colour_parts.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
