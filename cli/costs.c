@@ -125,6 +125,8 @@ static void take_away(subject *s, uint32_t effect)
         s->def.boundary = DUET_BOUNDARY_NONE;
     if (effect == DUET_EFFECT_SKIN)
         s->def.skin = 0.0;
+    if (effect == DUET_EFFECT_HEIGHTS)
+        s->def.heights = NULL;
     for (uint32_t i = 0; i < s->n; ++i)
         change_body(&s->bodies[i], effect);
 }

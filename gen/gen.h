@@ -72,7 +72,7 @@ typedef struct gen_entry {
 } gen_entry;
 
 typedef struct gen_variant {
-    char name[160];     // "pair_search_gpu.DIMS3.WG128.BUF512"
+    char name[192];     // "pair_search_gpu.DIMS3.WG128.BUF512"
     char sha256[65];    // hash of the text, lower-case hex
     char *text;         // OpenCL C; owned, given back by gen_variant_free
     uint32_t group;     // work-group size that the card asks for

@@ -2,7 +2,12 @@
 // A motion's def as a table, and effects by their names.
 #include "lua/motion.h"
 #include "runtime/scene/scene.h"
+#include "runtime/scene/scene_heights.h"
 #include "runtime/scene/scene_materials.h"
+
+#include <lauxlib.h>
+#include <stdlib.h>
+#include <string.h>
 
 // The effects' names, one bit after the other; NULL past the last.
 static const char *effect_at(uint32_t i)
@@ -58,6 +63,28 @@ static const char *boundary_name(int boundary)
     static const char *const names[] = {"none", "walls", "periodic"};
     return boundary < 3 ? names[boundary] : NULL;
 }
+
+// heights = { nx = 65, ... }: kept in the registry until a motion has copied them.
+static void read_heights(lua_State *L, const member *m, void *at)
+{
+    duet_heights read;
+    float *values;
+    if (!lua_istable(L, -1))
+        member_refuse(L, m, "a table of nx, ny, spacing, origin and values");
+    const char *fault = heights_read(L, &read, &values);
+    if (fault)
+        luaL_error(L, "field 'heights': %s", fault);
+    size_t bytes = (size_t)read.nx * read.ny * sizeof *values;
+    duet_heights *kept = lua_newuserdatauv(L, sizeof *kept + bytes, 0);
+    memcpy(kept + 1, values, bytes);
+    free(values);
+    *kept = read;
+    kept->heights = (const float *)(kept + 1);
+    *(const duet_heights **)at = kept;
+    lua_setfield(L, LUA_REGISTRYINDEX, "duet heights");
+}
+
+static const member_type member_heights = {.read = read_heights};
 
 // script = function(step, motion): kept beside the pair.
 static void read_script(lua_State *L, const member *m, void *at)
@@ -120,6 +147,7 @@ const member motion_def_members[] = {
     MEMBER(member_count, duet_motion_def, event_mask),
     {"materials", &member_materials, 0, sizeof(duet_motion_def), NULL},
     {"material_pairs", &member_material_pairs, 0, sizeof(duet_motion_def), NULL},
+    MEMBER(member_heights, duet_motion_def, heights),
     MEMBER(member_bool, duet_motion_def, stage_times),
     {0},
 };

@@ -35,7 +35,8 @@ typedef enum duet_effect {
     DUET_EFFECT_MATERIALS = 1u << 19,          // bodies name materials of a table
     DUET_EFFECT_SHOCKS = 1u << 20,             // impacts pass through rows of bodies that touch
     DUET_EFFECT_DEPENETRATION = 1u << 21,      // what begins deep in each other is taken apart
-    DUET_EFFECT_ALL = (1u << 22) - 1
+    DUET_EFFECT_HEIGHTS = 1u << 22,            // a ground of heights
+    DUET_EFFECT_ALL = (1u << 23) - 1
 } duet_effect;
 
 DUET_API const char *duet_effect_name(uint32_t effect); // one bit: "rotation"; NULL for others
@@ -107,6 +108,20 @@ typedef struct duet_material_pair {
 
 enum { DUET_MATERIALS = 16, DUET_MATERIAL_PAIRS = 120 };
 
+// A ground: a grid of heights in 3D. The cell with the places i and j as its lowest corner lies
+// between them and i + 1, j + 1; the line between these two corners divides it into two triangles.
+// What is below them is solid, and beside the grid there is no ground.
+typedef struct duet_heights {
+    uint32_t nx; // heights along x and along y, each at least 2
+    uint32_t ny;
+    double origin[3];     // position of place 0, 0; its z is added to all heights
+    double spacing[2];    // between places, along x and y
+    const float *heights; // [ny][nx]
+} duet_heights;
+
+// A ground has at most so many heights.
+#define DUET_MOST_HEIGHTS (1u << 26)
+
 typedef struct duet_motion_def {
     duet_device_pair *pair; // held; B has the state, both find pairs
     duet_plan plan;         // how pairs are found, and B's kernels (duet_motion_set_plan)
@@ -130,11 +145,12 @@ typedef struct duet_motion_def {
     double max_push_speed;        // greatest speed at which overlap is resolved
     double restitution_threshold; // impacts below this speed do not bounce
     double sleep_speed;           // slower bodies rest; faster ones lose twice that time of rest
-    double sleep_after;   // seconds of rest before a body sleeps, unless a moving one touches it
-    double hit_speed;     // > 0: reports impacts above that speed as hits
-    uint32_t event_mask;  // reports events if a bit of it is in the group of one of the two bodies
-    bool stage_times;     // times every step by stages; otherwise a GPU times one in 16
-    uint32_t n_materials; // at most 15: those that bodies can name
+    double sleep_after;  // seconds of rest before a body sleeps, unless a moving one touches it
+    double hit_speed;    // > 0: reports impacts above that speed as hits
+    uint32_t event_mask; // reports events if a bit of it is in the group of one of the two bodies
+    const duet_heights *heights; // the ground, copied; NULL: none
+    bool stage_times;            // times every step by stages; otherwise a GPU times one in 16
+    uint32_t n_materials;        // at most 15: those that bodies can name
     duet_material materials[DUET_MATERIALS]; // [1] is the first; [0] is not read
     uint32_t n_material_pairs;
     duet_material_pair material_pairs[DUET_MATERIAL_PAIRS]; // of equal pairs the last counts
@@ -171,7 +187,7 @@ DUET_API void duet_motion_destroy(duet_motion *motion);
 
 // A contact that began or ended, a < b. Two objects touch in a step if one of their contact's
 // points overlaps or pushes. Walls are objects, too: n + 2 k is the lower and n + 2 k + 1 the
-// upper wall of axis k.
+// upper wall of axis k, and n + 6 the ground.
 typedef struct duet_event {
     uint32_t a;
     uint32_t b;
@@ -295,7 +311,8 @@ DUET_API bool duet_motion_get_energy(duet_motion *motion, duet_energy *energy, d
 
 // The contact of two objects in the last step.
 typedef struct duet_contact {
-    uint32_t a, b;   // a has a mass, or is a sensor; b may be below a, or a wall as in duet_event
+    uint32_t a, b;   // a has a mass, or is a sensor; b may be below a, or a wall as in duet_event;
+                     // a body has a contact with the ground for each direction, up to four
     float normal[3]; // from a to b
     uint32_t n;      // points, 1 .. 4
     struct {

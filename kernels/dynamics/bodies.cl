@@ -8,7 +8,7 @@
 //   integrate_velocities  each substep: gravity, drag, forces, the impulses to warm start with
 //   finalize_bodies       bodies -> state, and rest times
 //
-//   bodies [n + 6][BODY]  the last six are the walls
+//   bodies [n + FIXED][BODY]  the last are the walls and the ground
 
 typedef struct {
     ARG_FIELDS
@@ -59,7 +59,7 @@ __kernel void prepare_bodies(PREPARE_BODIES_ARGS)
     if (SLEEP && s.woken && !s.flags[FLAG_FELL_ASLEEP])
         return;
     uint first = get_global_id(0) * PER_ITEM;
-    uint n_here = N_AWAKE, last = min(first + PER_ITEM, n_here + 6);
+    uint n_here = N_AWAKE, last = min(first + PER_ITEM, n_here + FIXED);
     for (uint k = first; k < last; ++k) {
         uint id = k < n_here ? AWAKE_AT(k) : n + (k - n_here);
         __global float4 *body = bodies + (size_t)id * BODY;

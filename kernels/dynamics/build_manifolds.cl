@@ -9,10 +9,10 @@
 //         \---- pushed, and hardly moved ------------------> renew_separations
 //          \--- else: find_axis, points; fast: at the impact -> smooth_seams -> store_contact
 //
-//   links    [n_contacts] owner and other; n + k: wall k
+//   links    [n_contacts] owner and other; n + k: wall k, from n + AT_GROUND on the ground
 //   contacts [n_contacts] records (records.h)
 //   touches  [n_contacts] words
-//   bodies   [n + 6][BODY]
+//   bodies   [n + FIXED][BODY]
 
 // Eight pairs of a work-item side by side; a wider state or rounded boxes go one by one.
 #define SIDE_BY_SIDE (LANES == 8 && DIMS == 3 && ROTATED && !DOUBLE && !CONTINUOUS && !ROUNDED)
@@ -159,9 +159,16 @@ static inline uint contacts_to_update(const scene *s)
     return SLEEP && s->woken && !s->flags[FLAG_FELL_ASLEEP] ? 0 : N_AWAKE_CONTACTS_OF(s);
 }
 
-// Whether a pair needs no search for an axis: a wall, or a record that could be renewed.
+// Whether a pair needs no search for an axis: a wall, the ground, or a record that could be renewed.
 static inline bool update_directly(const scene *s, uint i, uint2 link)
 {
+//@ if HEIGHTS == 1 then
+    if (link.y >= s->n + AT_GROUND) {
+        if (link.y == s->n + AT_GROUND)
+            collide_ground(s, i, link);
+        return true;
+    }
+//@ end
     if (BOUNDARY && is_wall(s, link.y)) {
         collide_wall(s, i, link);
         return true;

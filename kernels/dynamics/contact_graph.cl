@@ -8,7 +8,7 @@
 // ends, and so where row o + 1 begins.
 //
 //   starts  [n + 1]
-//   others  [n_contacts] the other's id; n + k: wall k
+//   others  [n_contacts] the other's id; n + k: wall k; from n + AT_GROUND on the ground
 //   links   [n_contacts] owner and other of each contact
 //   touches, colours  as of contacts that begin
 //   returns [n_returns]  for each object the contacts where it is the other
@@ -71,6 +71,52 @@ __kernel void contact_graph_walls(CONTACT_GRAPH_WALLS_ARGS)
     }
 }
 #endif
+//@ if HEIGHTS == 1 then
+
+// The places of the grid from one before a coordinate, or to one behind it.
+static inline int place_before(real at, int n)
+{
+    return (int)clamp(floor(at) - 1, (real)0, (real)(n - 1));
+}
+
+static inline int place_behind(real at, int n)
+{
+    return (int)clamp(floor(at) + 2, (real)0, (real)(n - 1));
+}
+
+// Whether the ground under bounds comes so near to them that a body within could touch it.
+static inline bool reaches_up(__global const float *box, __global const float *heights, real4 origin, real4 spacing,
+                              int4 size, real margin)
+{
+    real x = (box[0] - margin - origin.x) * spacing.z, x_end = (box[3] + margin - origin.x) * spacing.z;
+    real y = (box[1] - margin - origin.y) * spacing.w, y_end = (box[4] + margin - origin.y) * spacing.w;
+    if (!(x_end >= -1 && y_end >= -1 && x <= size.x && y <= size.y))
+        return false;
+    for (int j = place_before(y, size.y); j <= place_behind(y_end, size.y); ++j)
+        for (int i = place_before(x, size.x); i <= place_behind(x_end, size.x); ++i)
+            if (origin.z + heights[(size_t)j * size.x + i] >= box[2] - margin)
+                return true;
+    return false;
+}
+
+__kernel void contact_graph_ground(CONTACT_GRAPH_GROUND_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id) {
+        if (!(velocities[id].w > 0))
+            continue;
+#if SENSORS
+        if (sensors[id] > 0.0f)
+            continue;
+#endif
+        __global const float *box = boxes + 6 * (size_t)id;
+        if (reaches_up(box, heights, ground_origin, ground_spacing, ground_size, contact_margin))
+            for (uint k = 0; k < GROUND_CONTACTS; ++k)
+                count_or_put(starts, others, id, n + AT_GROUND + k, fill);
+    }
+}
+//@ end
 
 static inline void sink_down(__global uint *values, uint at, uint n)
 {

@@ -9,6 +9,7 @@ return {
     { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
     { "FILTER", values = { 0, 1 }, default = 0, about = "1: groups and masks" },
     { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
+    { "HEIGHTS", values = { 0, 1 }, default = 0, silent = true, about = "1: a ground of heights" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
@@ -31,6 +32,20 @@ return {
       const float *sensors  if SENSORS == 1
       real4 lower           if BOUNDARY == 1
       real4 upper           if BOUNDARY == 1
+      uint n
+      uint fill
+      volatile uint *starts
+      uint *others
+    ]],
+    contact_graph_ground = [[
+      const float *boxes
+      const real4 *velocities
+      const float *sensors    if SENSORS == 1
+      const float *heights    if HEIGHTS == 1
+      real4 ground_origin     if HEIGHTS == 1
+      real4 ground_spacing    if HEIGHTS == 1
+      int4 ground_size        if HEIGHTS == 1
+      real contact_margin     if HEIGHTS == 1
       uint n
       uint fill
       volatile uint *starts

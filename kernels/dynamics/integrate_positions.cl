@@ -4,7 +4,7 @@
 // Invariant: a body that neither moves nor turns keeps its bits, and lanes do step for step what
 // integrate_free_flight.cl does for one body.
 //
-//   bodies [n + 6][BODY]  the last six are the walls
+//   bodies [n + FIXED][BODY]  the last are the walls and the ground
 #if DOUBLE
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 #endif

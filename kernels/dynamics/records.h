@@ -80,6 +80,12 @@
 // and the inverse inertia along the world's axes. The warm impulse is what contacts did to it
 // in the last substep, an impulse and a torque. Vectors are read two together; what every
 // pass reads is one line of a cache.
+//
+// Behind the last body are what never moves: six walls, and the ground, with which a body has so many
+// contacts at most.
+#define AT_GROUND 6
+#define GROUND_CONTACTS 4
+#define FIXED (AT_GROUND + GROUND_CONTACTS)
 #define BODY_OF(TURNS) ((TURNS) ? 8 : 4)
 #define BODY_VELOCITY 0         // w: inverse mass
 #define BODY_ANGULAR_VELOCITY 1 // where bodies turn; w: yy of the inverse inertia

@@ -73,7 +73,7 @@ __kernel void update_sleep(UPDATE_SLEEP_ARGS)
 // Bodies that sleep deep in others go out of them in rounds, each from the ways of the round
 // before. Only what goes has a way; ways are kept where the solver will have its bodies.
 //
-//   bodies  [n + 6][BODY] ways, of even rounds in the first vector and of odd ones in the next
+//   bodies  [n + FIXED][BODY] ways, of even rounds in the first vector and of odd ones in the next
 #define LEFT 0.5f // of the margin, which is not pushed out
 
 static inline bool is_pushed_out(const scene *s, uint id)

@@ -61,6 +61,8 @@ static const effect_row rows[] = {
     {DUET_EFFECT_SLEEP, "sleep", DUET_EFFECT_CONTACT_RESPONSE, "wants", "asleep",
      "fat_aabbs, match_contacts, awake, build_manifolds, update_sleep, bodies, graph_colour, "
      "integrate_positions"},
+    {DUET_EFFECT_HEIGHTS, "heights", DUET_EFFECT_CONTACT, "heights, with contact", "ground",
+     "contact_graph, build_manifolds"},
     {DUET_EFFECT_SKIN, "skin", DUET_EFFECT_CONTACT, "a skin above 0", "check_fat_aabbs",
      "fat_aabbs"},
 };
@@ -189,6 +191,8 @@ static bool is_called(uint32_t effect, const duet_motion_def *def, const effect_
         return f->sensing;
     case DUET_EFFECT_EVENTS:
         return def->hit_speed > 0.0;
+    case DUET_EFFECT_HEIGHTS:
+        return (so_far & DUET_EFFECT_CONTACT) && def->heights;
     case DUET_EFFECT_SKIN:
         return (so_far & DUET_EFFECT_CONTACT) && def->skin > 0.0;
     default:

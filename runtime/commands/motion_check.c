@@ -128,7 +128,8 @@ static bool check_object(const duet_motion *m, const motion_saved *s, uint32_t i
 static bool check_counts(const duet_motion *m, const motion_saved *s, duet_error *err)
 {
     bool contact = m->effects & DUET_EFFECT_CONTACT;
-    uint64_t most = s->n_pairs + (m->kernels.contact_graph_walls ? 6 * (uint64_t)m->n : 0);
+    uint64_t most = s->n_pairs + (m->kernels.contact_graph_walls ? 6 * (uint64_t)m->n : 0) +
+                    (m->kernels.contact_graph_ground ? GROUND_CONTACTS * (uint64_t)m->n : 0);
     if (s->has_graph > contact || (!s->has_graph && (s->n_contacts > 0 || s->n_pairs > 0)))
         return error_set(err, DUET_STATUS_BAD_INPUT,
                          "%s: the saved motion has %u contacts, but nothing that finds them",
@@ -164,6 +165,13 @@ static bool is_sensor(const duet_motion *m, uint32_t id)
     return id < m->n && m->bodies[id].sensor;
 }
 
+// Whether there is such a wall, or contact with the ground.
+static bool is_fixed(const duet_motion *m, uint32_t k)
+{
+    return k < AT_GROUND ? m->kernels.contact_graph_walls && k < 2 * m->def.dims
+                         : m->kernels.contact_graph_ground && k < FIXED;
+}
+
 // The first of two bodies with a mass owns the contact; a body without mass owns one only as a
 // sensor, with another body without mass. Sensors meet no walls and no sensors.
 static bool can_meet(const duet_motion *m, uint32_t owner, uint32_t other)
@@ -173,7 +181,7 @@ static bool can_meet(const duet_motion *m, uint32_t owner, uint32_t other)
     if (!moves(m, owner) && (!is_sensor(m, owner) || moves(m, other)))
         return false;
     if (other >= m->n)
-        return m->kernels.contact_graph_walls && other - m->n < 2 * m->def.dims;
+        return is_fixed(m, other - m->n);
     return other != owner && (!moves(m, other) || owner < other) && may_touch(m, owner, other);
 }
 
@@ -280,7 +288,7 @@ static bool check_links(const duet_motion *m, const motion_saved *s, duet_error 
 {
     const uint32_t *links = words_of(s, LINKS);
     for (uint32_t i = 0; i < s->n_contacts; ++i)
-        if (links[2 * (size_t)i] >= m->n || links[2 * (size_t)i + 1] >= m->n + 2 * m->def.dims ||
+        if (links[2 * (size_t)i] >= m->n || links[2 * (size_t)i + 1] >= m->n + FIXED ||
             links[2 * (size_t)i] == links[2 * (size_t)i + 1])
             return bad_contact(s, i, "its objects cannot touch", err);
     return true;

@@ -78,10 +78,11 @@ static bool tell_left_out(duet_motion *m, duet_error *err)
                            (unsigned long long)m->step);
 }
 
-// Contacts that rows may have: pairs, and walls.
+// Contacts that rows may have: pairs, walls and the ground.
 static uint64_t most_contacts(const duet_motion *m, uint64_t pairs)
 {
-    return pairs + (m->kernels.contact_graph_walls ? 6 * (uint64_t)m->n : 0);
+    return pairs + (m->kernels.contact_graph_walls ? 6 * (uint64_t)m->n : 0) +
+           (m->kernels.contact_graph_ground ? GROUND_CONTACTS * (uint64_t)m->n : 0);
 }
 
 static bool note_pairs(duet_motion *m, uint64_t n, const buffer *pairs, duet_error *err)
@@ -141,7 +142,9 @@ static bool put_all(duet_motion *m, uint32_t fill, duet_error *err)
     m->graph.fill = fill;
     return motion_launch(m, "contact_graph", k->contact_graph_pairs, m->graph.n_pairs, err) &&
            (!k->contact_graph_walls ||
-            motion_launch(m, "contact_graph", k->contact_graph_walls, m->n, err));
+            motion_launch(m, "contact_graph", k->contact_graph_walls, m->n, err)) &&
+           (!k->contact_graph_ground ||
+            motion_launch(m, "contact_graph", k->contact_graph_ground, m->n, err));
 }
 
 static bool sort_rows(duet_motion *m, motion_buffer starts, motion_buffer values, duet_error *err)

@@ -138,7 +138,9 @@ static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large
     m->margin = MOTION_SLOPS * slop;
     bool ok = check_effects(m, err) && motion_choose_substeps(m, err) && open_device(m, err) &&
               motion_plan_read(&m->plan, &m->def.plan, &m->device->info, err) &&
-              open_world(m, err) && motion_prepare(m, err) && motion_reset(m, err);
+              open_world(m, err) &&
+              (!(m->effects & DUET_EFFECT_HEIGHTS) || ground_send(&m->ground, m->device, err)) &&
+              motion_prepare(m, err) && motion_reset(m, err);
     if (ok)
         motion_plan_note(m);
     return ok;
@@ -165,7 +167,8 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
     }
     m->def = *def;
     device_pair_hold(def->pair);
-    if (!open_motion(m, poses, large_poses, bodies, n, err)) {
+    if (!ground_copy(&m->ground, &m->def, err) ||
+        !open_motion(m, poses, large_poses, bodies, n, err)) {
         duet_motion_destroy(m);
         return NULL;
     }
@@ -197,6 +200,7 @@ void duet_motion_destroy(duet_motion *m)
     free(m->cells);
     free(m->bodies);
     motion_free_events(&m->told);
+    ground_close(&m->ground);
     motion_forget_moved(&m->reading);
     free(m->altered.places);
     motion_forget_commands(m->commands);

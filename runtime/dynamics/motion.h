@@ -11,6 +11,7 @@
 #include "runtime/dynamics/altered.h"
 #include "runtime/dynamics/awake.h"
 #include "runtime/dynamics/contact_graph.h"
+#include "runtime/dynamics/ground.h"
 #include "runtime/dynamics/motion_events.h"
 #include "runtime/dynamics/motion_plan.h"
 #include "runtime/dynamics/motion_read.h"
@@ -20,9 +21,9 @@
 #include "runtime/opencl/background.h"
 #include "runtime/opencl/device_pair.h"
 
-enum { MOTION_WALLS = 6 };
+enum { MOTION_WALLS = AT_GROUND };
 
-#define MOTION_MOST (DUET_MOST_OBJECTS - MOTION_WALLS) // objects
+#define MOTION_MOST (DUET_MOST_OBJECTS - FIXED) // objects
 
 // Contacts are kept while a separation is below this many slops.
 enum { MOTION_SLOPS = 4 };
@@ -38,7 +39,8 @@ typedef enum motion_buffer {
 typedef struct motion_kernels {
     kernel *integrate_free_flight;
     kernel *compute_fat_aabbs, *check_fat_aabbs;
-    kernel *contact_graph_pairs, *contact_graph_walls, *contact_graph_sort, *contact_graph_reverse;
+    kernel *contact_graph_pairs, *contact_graph_walls, *contact_graph_ground;
+    kernel *contact_graph_sort, *contact_graph_reverse;
     kernel *match_contacts;
     kernel *build_manifolds;
     kernel *mark_awake, *spread_awake, *count_awake, *list_awake;
@@ -129,6 +131,7 @@ struct duet_motion {
     awake_lists awake;
     contact_solver solver;
     motion_events told;
+    motion_ground ground;
     motion_halves halves; // motion_step.c
 
     // kept for callers

@@ -44,13 +44,28 @@ static bool fetch(duet_motion *m, motion_buffer which, void *to, size_t bytes, d
 
 // ---------------------------------------------------------------- what touches
 
+// All contacts with the ground are one pair.
+static duet_pair told_pair(const duet_motion *m, duet_pair link)
+{
+    if (link.b > m->n + AT_GROUND)
+        link.b = m->n + AT_GROUND;
+    return link;
+}
+
+static void add_touching(motion_events *e, duet_pair p)
+{
+    const duet_pair *last = e->touching.n > 0 ? &e->touching.pairs[e->touching.n - 1] : NULL;
+    if (!last || last->a != p.a || last->b != p.b)
+        e->touching.pairs[e->touching.n++] = p;
+}
+
 static void list_touching(duet_motion *m, const uint32_t *words)
 {
     motion_events *e = &m->told;
     e->touching.n = 0;
     for (size_t i = 0; i < e->links.n; ++i)
         if ((words[i / 32] >> i % 32 & 1u) && is_told(m, e->links.pairs[i]))
-            e->touching.pairs[e->touching.n++] = e->links.pairs[i];
+            add_touching(e, told_pair(m, e->links.pairs[i]));
 }
 
 // A bit for each contact, and the links if rows are not the last step's.
@@ -138,6 +153,22 @@ static duet_hit_event hit_of(const duet_motion *m, const uint32_t words[HIT_WORD
     return hit;
 }
 
+// Of hits of one body and the ground the fastest is left.
+static void join_hits(motion_events *e)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < e->n_hits; ++i) {
+        const duet_hit_event *hit = &e->hits[i];
+        duet_hit_event *last = n > 0 ? &e->hits[n - 1] : NULL;
+        if (!last || last->a != hit->a || last->b != hit->b)
+            e->hits[n++] = *hit;
+        else if (hit->speed > last->speed ||
+                 (hit->speed == last->speed && hit->impulse > last->impulse))
+            *last = *hit;
+    }
+    e->n_hits = n;
+}
+
 // Devices write them in any order.
 static bool fetch_hits(duet_motion *m, size_t n, duet_error *err)
 {
@@ -151,11 +182,14 @@ static bool fetch_hits(duet_motion *m, size_t n, duet_error *err)
     bool ok = fetch(m, HITS, words, n * sizeof *words, err);
     for (size_t i = 0; ok && i < n; ++i) {
         duet_hit_event hit = hit_of(m, words[i]);
+        hit.b = hit.b > m->n + AT_GROUND ? m->n + AT_GROUND : hit.b;
         if (is_told(m, (duet_pair){hit.a, hit.b}))
             e->hits[e->n_hits++] = hit;
     }
     if (ok)
         qsort(e->hits, e->n_hits, sizeof *e->hits, compare_uint32_pair);
+    if (ok)
+        join_hits(e);
     free(words);
     return ok;
 }

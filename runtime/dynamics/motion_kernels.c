@@ -22,6 +22,10 @@ const binding motion_bindings[] = {
     BIND_BUFFER(duet_motion, "rows", "uint *", reading.rows),
     BIND_BUFFER(duet_motion, "last_rows", "uint *", reading.last_rows),
     BIND_BUFFER(duet_motion, "poses", "float *", poses_to),
+    BIND_BUFFER(duet_motion, "heights", "float *", ground.buffer),
+    BIND_VALUE(duet_motion, "ground_origin", ground.origin),
+    BIND_VALUE(duet_motion, "ground_spacing", ground.spacing),
+    BIND_VALUE(duet_motion, "ground_size", ground.size),
     BIND_VALUE(duet_motion, "n_altered", altered.n),
     VALUE_OF(altered, n_heads),
     VALUE_OF(altered, per_edge),
@@ -98,6 +102,12 @@ static int64_t boundary_kind(const duet_motion *m)
     return !has(m, DUET_EFFECT_BOUNDARY) ? 0 : m->def.boundary == DUET_BOUNDARY_PERIODIC ? 2 : 1;
 }
 
+// A ground lies in 3D, and in no origin cells.
+static int64_t has_ground(const duet_motion *m)
+{
+    return has(m, DUET_EFFECT_HEIGHTS) && m->def.dims == 3 && m->def.origin_edge == 0.0f;
+}
+
 static int64_t order_of(duet_integrator integrator)
 {
     static const int64_t orders[] = {
@@ -143,6 +153,7 @@ uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFF
         OFFER("SKIN", has(m, DUET_EFFECT_SKIN)),
         OFFER("ROUNDED", has(m, DUET_EFFECT_RADIUS)),
         OFFER("SENSORS", has(m, DUET_EFFECT_SENSORS)),
+        OFFER("HEIGHTS", has_ground(m)),
         OFFER("HITS", motion_tells_hits(m)),
         OFFER("ALTERED", altered),
         OFFER("TEAM", m->device->info.kind == DUET_KIND_CPU),
@@ -213,6 +224,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         KERNEL(check_fat_aabbs, skin, "fat_aabbs"),
         KERNEL(contact_graph_pairs, contact, "contact_graph"),
         KERNEL(contact_graph_walls, walls, "contact_graph"),
+        KERNEL(contact_graph_ground, contact && has_ground(m), "contact_graph"),
         KERNEL(contact_graph_sort, contact, "contact_graph"),
         KERNEL(contact_graph_reverse, contact, "contact_graph"),
         KERNEL(match_contacts, contact, "match_contacts"),

@@ -301,6 +301,8 @@ static duet_contact read_record(const duet_motion *m, const uint32_t link[2], ui
 {
     const motion_layout *l = &m->layout;
     duet_contact c = {.a = link[0], .b = link[1], .n = n};
+    if (c.b > m->n + AT_GROUND)
+        c.b = m->n + AT_GROUND;
     memcpy(c.normal, record + AT_NORMAL, sizeof c.normal);
     for (uint32_t k = 0; k < n; ++k) {
         const float *saved = record + l->head + k * l->point;

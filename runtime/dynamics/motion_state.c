@@ -98,7 +98,7 @@ static bool copy(duet_motion *m, const buffer *from, const buffer *to, size_t by
 static bool grow(duet_motion *m, motion_buffer which, uint32_t old_n, duet_error *err)
 {
     size_t words = motion_words(m, which), row = words * sizeof(uint32_t);
-    size_t kept = old_n * row, bytes = ((size_t)m->n + MOTION_WALLS) * row;
+    size_t kept = old_n * row, bytes = ((size_t)m->n + FIXED) * row;
     buffer *b = &m->buffers[which];
     if (b->bytes < bytes) {
         buffer fresh = {0};

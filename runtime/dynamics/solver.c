@@ -20,7 +20,7 @@ static bool prepare_bodies(duet_motion *m, uint32_t woken, duet_error *err)
 {
     m->solver.woken = woken;
     return motion_launch(m, "integrate", m->kernels.prepare_bodies,
-                         (uint64_t)m->awake.n_bodies + MOTION_WALLS, err);
+                         (uint64_t)m->awake.n_bodies + FIXED, err);
 }
 
 // A body that a touch wakes has its mass again before it is pushed.

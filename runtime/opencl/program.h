@@ -16,7 +16,7 @@ typedef struct kernel {
     cl_kernel cl;      // NULL before it is built
     uint32_t group;    // work-items a group
     uint32_t per_item; // objects, pairs or values a work-item does
-    char name[160];    // the variant's name: "radix.BITS8.WG1.PER_ITEM16384"
+    char name[192];    // the variant's name: "radix.BITS8.WG1.PER_ITEM16384"
     launcher launcher;
 } kernel;
 

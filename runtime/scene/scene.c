@@ -35,6 +35,7 @@ void duet_scene_destroy(duet_scene *scene)
     free(scene->name);
     free(scene->given);
     free(scene->bodies);
+    free(scene->height_values);
     free(scene);
 }
 

@@ -30,6 +30,8 @@ struct duet_scene {
     duet_motion_def motion; // the scene's settings of motion
     duet_body body;         // body of objects without their own
     bool has_body;
+    duet_heights heights; // motion.heights, if there is a ground
+    float *height_values;
     struct scene_body *given; // bodies of single objects, as far as given
     uint32_t n_given;
     uint32_t given_capacity;

@@ -617,6 +617,7 @@ static const struct {
     {"accuracy", read_accuracy},
     {"body", scene_read_body},
     {"gravity", scene_read_gravity},
+    {"heights", scene_read_heights},
     {"origin", scene_read_origin},
     {"attraction", scene_read_attraction},
     {"boundary", scene_read_boundary},

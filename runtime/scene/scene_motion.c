@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "gen/field.h"
+#include "runtime/scene/scene_heights.h"
 
 #include <lauxlib.h>
 #include <math.h>
@@ -182,6 +183,18 @@ static void read_corner(lua_State *L, scene_reading *reading, const char *name, 
 void scene_read_gravity(lua_State *L, scene_reading *reading)
 {
     read_corner(L, reading, "gravity", reading->scene->motion.gravity);
+}
+
+void scene_read_heights(lua_State *L, scene_reading *reading)
+{
+    duet_scene *scene = reading->scene;
+    if (!field_push(L, 1, "heights", LUA_TTABLE))
+        return;
+    const char *fault = heights_read(L, &scene->heights, &scene->height_values);
+    if (fault)
+        field_raise(L, "heights", "heights: %s", fault);
+    scene->motion.heights = &scene->heights;
+    lua_pop(L, 1);
 }
 
 void scene_read_origin(lua_State *L, scene_reading *reading)

@@ -251,7 +251,7 @@ TEST(scenes_are_known_by_name)
         assert_int_equal(strncmp(shown.out, "-- SPDX", 7), 0);
         program_free(&shown);
     }
-    assert_int_equal(n, 14);
+    assert_int_equal(n, 15);
     program_free(&list);
     program p = program_run("run papr");
     program_assert_refused(&p, 2, "papr: no such file or scene; did you mean 'paper'?");

@@ -24,6 +24,12 @@ static uint32_t effects_of(mover *m)
     return duet_motion_get_effects(m->motion);
 }
 
+// A ground that reaches up to the lowest bodies.
+static const float uneven_heights[] = {-0.51f, -0.5f,  -0.52f, -0.51f, -0.49f,
+                                       -0.52f, -0.51f, -0.5f,  -0.51f};
+static const duet_heights uneven = {
+    .nx = 3, .ny = 3, .origin = {-1, -1, 0}, .spacing = {2, 2}, .heights = uneven_heights};
+
 TEST(a_still_scene_calls_for_nothing)
 {
     mover *m = mover_new(3);
@@ -49,6 +55,7 @@ TEST(each_cause_calls_for_its_effect)
         RESISTING,
         CONVEYING,
         MADE,
+        GROUND,
         CAUSES
     };
     const uint32_t motion = DUET_EFFECT_MOTION;
@@ -68,6 +75,7 @@ TEST(each_cause_calls_for_its_effect)
         [CONVEYING] = push | DUET_EFFECT_FRICTION | DUET_EFFECT_SURFACE_VELOCITY,
         [MADE] = push | DUET_EFFECT_MATERIALS,
         [SKIN] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_SKIN,
+        [GROUND] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_HEIGHTS,
     };
     for (int cause = 0; cause < CAUSES; ++cause) {
         mover *m = mover_new(3);
@@ -90,7 +98,8 @@ TEST(each_cause_calls_for_its_effect)
         m->bodies[0].radius = cause == RESISTING ? 0.1f : 0.0f;
         if (cause == QUICK || cause == RESISTING)
             m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
-        if (cause == GROUPS || cause == SKIN)
+        m->def.heights = cause == GROUND ? &uneven : NULL;
+        if (cause == GROUPS || cause == SKIN || cause == GROUND)
             m->def.wants = DUET_EFFECT_CONTACT;
         uint32_t found = effects_of(m);
         if (found != expected[cause])
@@ -157,6 +166,8 @@ static mover *make_scene_in(medium in, uint32_t set)
         b->group = set & DUET_EFFECT_FILTER ? 1u << i % 2 : UINT32_MAX;
         b->mask = set & DUET_EFFECT_FILTER ? 1u << i % 3 : UINT32_MAX;
     }
+    if (set & DUET_EFFECT_HEIGHTS && !flat)
+        m->def.heights = &uneven;
     if (set & DUET_EFFECT_CONTINUOUS)
         m->bodies[n - 1].velocity[in.dims - 1] = -200.0f;
     return m;
@@ -208,6 +219,7 @@ static const uint32_t effects[] = {
     DUET_EFFECT_MATERIALS,
     DUET_EFFECT_SHOCKS,
     DUET_EFFECT_DEPENETRATION,
+    DUET_EFFECT_HEIGHTS,
 };
 
 enum { N_EFFECTS = sizeof effects / sizeof effects[0] };
@@ -223,7 +235,8 @@ static uint32_t with_needs(uint32_t set)
     set |= set & DUET_EFFECT_SURFACE_VELOCITY ? DUET_EFFECT_FRICTION | DUET_EFFECT_ROTATION : 0;
     set |= set & DUET_EFFECT_SENSORS ? DUET_EFFECT_EVENTS : 0;
     const uint32_t needs_contact = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FILTER |
-                                   DUET_EFFECT_SKIN | DUET_EFFECT_EVENTS | DUET_EFFECT_RADIUS;
+                                   DUET_EFFECT_SKIN | DUET_EFFECT_EVENTS | DUET_EFFECT_RADIUS |
+                                   DUET_EFFECT_HEIGHTS;
     set |= set & needs_response ? DUET_EFFECT_CONTACT_RESPONSE : 0;
     return set | (set & needs_contact ? DUET_EFFECT_CONTACT : 0);
 }
@@ -328,6 +341,7 @@ static const struct {
     {"MATERIALS", "materials", "material", NULL},
     {"CONVEYS", "surface_velocity", "surface_velocities", NULL},
     {"ROLLING", "rolling_resistance", "rolling_resistances", NULL},
+    {"HEIGHTS", "heights", "ground", NULL},
     {"ROTATED", "rotation", "rotations", "ANGULAR_VELOCITY GYRO ROLLING"},
 };
 

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// A ground of heights as a Lua table:
+// { nx = 65, ny = 65, spacing = 1, origin = { 0, 0, 0 }, values = { ... } }
+#include "runtime/scene/scene_heights.h"
+
+#include <lauxlib.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Up to three numbers in a list, or one for all of them; false for anything else.
+static bool read_numbers(lua_State *L, const char *name, double *to, int n)
+{
+    int type = lua_getfield(L, -1, name);
+    for (int k = 0; k < n && type == LUA_TNUMBER; ++k)
+        to[k] = lua_tonumber(L, -1);
+    bool ok = type == LUA_TNUMBER || type == LUA_TNIL ||
+              (type == LUA_TTABLE && lua_rawlen(L, -1) == (lua_Unsigned)n);
+    for (int k = 0; k < n && ok && type == LUA_TTABLE; ++k) {
+        ok = lua_rawgeti(L, -1, k + 1) == LUA_TNUMBER;
+        to[k] = lua_tonumber(L, -1);
+        lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
+    return ok;
+}
+
+static bool read_count(lua_State *L, const char *name, uint32_t *to)
+{
+    lua_getfield(L, -1, name);
+    lua_Integer n = lua_isinteger(L, -1) ? lua_tointeger(L, -1) : 0;
+    lua_pop(L, 1);
+    *to = (uint32_t)n;
+    return n >= 2 && n <= DUET_MOST_HEIGHTS;
+}
+
+static bool has_only_known(lua_State *L)
+{
+    static const char *const names[] = {"nx", "ny", "spacing", "origin", "values"};
+    bool known = true;
+    for (lua_pushnil(L); known && lua_next(L, -2);) {
+        bool found = false;
+        for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
+            found = found ||
+                    (lua_type(L, -2) == LUA_TSTRING && strcmp(lua_tostring(L, -2), names[i]) == 0);
+        known = found;
+        lua_pop(L, known ? 1 : 2);
+    }
+    return known;
+}
+
+// Reads the list on top of the stack.
+static const char *read_values(lua_State *L, const duet_heights *h, float **values)
+{
+    lua_Unsigned n = (lua_Unsigned)h->nx * h->ny;
+    if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != n)
+        return "values must be nx times ny numbers, row by row along x";
+    float *read = malloc(n * sizeof *read);
+    if (!read)
+        return "no memory for values";
+    bool ok = true;
+    for (lua_Unsigned i = 0; ok && i < n; ++i) {
+        ok = lua_rawgeti(L, -1, (lua_Integer)i + 1) == LUA_TNUMBER;
+        read[i] = (float)lua_tonumber(L, -1);
+        ok = ok && isfinite(read[i]);
+        lua_pop(L, 1);
+    }
+    if (!ok) {
+        free(read);
+        return "values must be finite numbers";
+    }
+    *values = read;
+    return NULL;
+}
+
+const char *heights_read(lua_State *L, duet_heights *h, float **values)
+{
+    *h = (duet_heights){.spacing = {1, 1}};
+    *values = NULL;
+    if (!has_only_known(L))
+        return "the fields are nx, ny, spacing, origin and values";
+    if (!read_count(L, "nx", &h->nx) || !read_count(L, "ny", &h->ny) ||
+        (uint64_t)h->nx * h->ny > DUET_MOST_HEIGHTS)
+        return "nx and ny must be whole numbers from 2 on, their product 2^26 at most";
+    if (!read_numbers(L, "spacing", h->spacing, 2))
+        return "spacing must be a number, or two";
+    lua_getfield(L, -1, "origin");
+    bool is_list = !lua_isnumber(L, -1);
+    lua_pop(L, 1);
+    if (!is_list || !read_numbers(L, "origin", h->origin, 3))
+        return "origin must be three numbers";
+    lua_getfield(L, -1, "values");
+    const char *fault = read_values(L, h, values);
+    lua_pop(L, 1);
+    h->heights = *values;
+    return fault;
+}
