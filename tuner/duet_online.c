@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A world or a motion whose plan follows its frames' times. The kernels that a world may change to
-// are built and timed where it is created, so that no frame waits for them. A motion's frames are
-// its searches, and only their share moves: its kernels cannot be timed beside the run, since each
-// step changes the state.
+// A world, a motion or a task whose plan follows its frames' times. The kernels that a world may
+// change to are built and timed where it is created, so that no frame waits for them. A motion's
+// frames are its searches, and only their share moves: its kernels cannot be timed beside the run,
+// since each step changes the state. Of a task, too, only the share moves.
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
@@ -38,30 +38,39 @@ static bool check_modes(const duet_online_def *def, duet_error *err)
     return true;
 }
 
-static bool check_motion(const duet_online_def *def, duet_error *err)
+// Of a motion and a task nothing but the share is chosen.
+static bool check_share_alone(const duet_online_def *def, duet_error *err)
 {
     const char *other = def->n_modes      ? "modes"
                         : def->n_variants ? "variants"
                         : def->keep       ? "keep"
                                           : NULL;
+    return !other || error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                               "%s: expected none for a %s, whose share alone moves", other,
+                               def->motion ? "motion" : "task");
+}
+
+static bool check_motion(const duet_online_def *def, duet_error *err)
+{
     if (!motion_is_whole(def->motion, "duet_online_create", err))
         return false;
     if (!def->motion->graph.world)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the motion finds no pairs; expected one with contact");
-    return !other || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                               "%s: expected none for a motion, whose share alone moves", other);
+    return check_share_alone(def, err);
 }
 
 static bool check_def(const duet_online_def *def, duet_error *err)
 {
-    if (!def || def->cookie != COOKIE || !def->world == !def->motion)
+    if (!def || def->cookie != COOKIE || !def->world + !def->motion + !def->task != 2)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the def comes not from duet_default_online_def, or has no world and no "
-                         "motion, or both; expected one");
+                         "the def comes not from duet_default_online_def, or has no world, motion "
+                         "or task, or several; expected one");
     if (!(def->most_extra >= 0) || !isfinite(def->most_extra))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "most_extra is %g; expected a part, as 0.1",
                          def->most_extra);
+    if (def->task)
+        return check_share_alone(def, err);
     if (def->motion)
         return check_motion(def, err);
     return world_is_idle(def->world, "duet_online_create", err) && check_modes(def, err);
@@ -182,8 +191,9 @@ static bool begin(duet_online *o, duet_error *err)
 {
     if (o->def.world)
         return learn(o, err);
-    o->online = online_begin(&(listed_plan){.share = duet_motion_get_plan(o->def.motion)->share},
-                             o->def.most_extra);
+    const duet_plan *plan =
+        o->def.task ? duet_task_get_plan(o->def.task) : duet_motion_get_plan(o->def.motion);
+    o->online = online_begin(&(listed_plan){.share = plan->share}, o->def.most_extra);
     return true;
 }
 
@@ -252,6 +262,23 @@ bool duet_online_advance(duet_online *o, duet_motion_result *result, duet_error 
     return online_tell(&o->online, &frame, err);
 }
 
+bool duet_online_run(duet_online *o, duet_task_result *result, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    listed_plan listed;
+    if (!has(o, o ? o->def.task : NULL, __func__, "task", err) ||
+        !error_given(result, __func__, "result", err) || !online_plan(&o->online, &listed, err))
+        return false;
+    duet_plan plan = *duet_task_get_plan(o->def.task);
+    plan.share = listed.share;
+    if (!duet_task_set_plan(o->def.task, &plan, err) || !duet_task_run(o->def.task, result, err))
+        return false;
+    const duet_result times = {.total_ms = result->total_ms,
+                               .device_ms = {result->device_ms[0], result->device_ms[1]}};
+    search_sample frame = measure_sample(&times, &plan);
+    return online_tell(&o->online, &frame, err);
+}
+
 // ---------------------------------------------------------------- close
 
 uint32_t duet_online_get_tunings(const duet_online *o)
@@ -286,7 +313,7 @@ bool duet_online_destroy(duet_online *o, duet_error *err)
                    o->online.state != ONLINE_MOVING;
     bool ok = !o->def.keep || !settled || keep(o, err);
     online_end(&o->online);
-    duet_world_destroy(o->def.world); // NULL for a motion
+    duet_world_destroy(o->def.world); // NULL for a motion or a task
     free(o);
     return ok;
 }

@@ -172,13 +172,14 @@ DUET_API bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome
 
 // ---------------------------------------------------------------- on line
 
-// Keeps the plan of a world or a motion near its best while frames go by.
+// Keeps the plan of a world, a motion or a task near its best while frames go by.
 typedef struct duet_online duet_online;
 
-// A world or a motion.
+// A world, a motion or a task.
 typedef struct duet_online_def {
     duet_world *world;           // held until the close; begins with the plan that it has
     duet_motion *motion;         // the caller's, and there until the close; only its share moves
+    duet_task *task;             // likewise; only its share moves
     double most_extra;           // a frame may be expected to take so much longer for a trial: 0.1
     const duet_mode *modes;      // to choose from
     uint32_t n_modes;            // 0: all
@@ -209,6 +210,10 @@ DUET_API bool duet_online_step(duet_online *online, duet_result *result, duet_er
 // the devices need other shares. A motion of one device, by its pair or its plan, keeps its share.
 // BAD_ARGUMENT if the def had no motion.
 DUET_API bool duet_online_advance(duet_online *online, duet_motion_result *result, duet_error *err);
+
+// Runs the task in the place of duet_task_run, with a share that it sets. BAD_ARGUMENT if the def
+// had no task.
+DUET_API bool duet_online_run(duet_online *online, duet_task_result *result, duet_error *err);
 
 // Returns how often the share was tuned again, or another plan taken.
 DUET_API uint32_t duet_online_get_tunings(const duet_online *online);

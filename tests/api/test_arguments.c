@@ -926,6 +926,12 @@ static void keep_online(void)
     REFUSES(duet_online_create(&def, e));
     REFUSES(duet_online_step(NULL, &result, e));
     REFUSES(duet_online_step(online, NULL, e));
+    duet_motion_result moved;
+    REFUSES(duet_online_advance(NULL, &moved, e));
+    REFUSES(duet_online_advance(online, &moved, e));
+    duet_task_result ran;
+    REFUSES(duet_online_run(NULL, &ran, e));
+    REFUSES(duet_online_run(online, &ran, e));
     assert_int_equal(duet_online_get_tunings(NULL), 0);
     assert_true(duet_online_destroy(NULL, NULL));
 }
@@ -1054,7 +1060,9 @@ static const struct {
      "duet_task_set_buffer duet_task_set_plan duet_task_load_profile duet_task_run",
      use_task},
     {"duet_tune_run", tune},
-    {"duet_online_create duet_online_step duet_online_get_tunings duet_online_destroy",
+    {"duet_online_create duet_online_step duet_online_advance duet_online_get_tunings "
+     "duet_online_run "
+     "duet_online_destroy",
      keep_online},
     {"duet_profile_list_create duet_profile_list_destroy duet_profile_list_get_count "
      "duet_profile_list_get_profile duet_profile_get_trials duet_profile_use "
