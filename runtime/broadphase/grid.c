@@ -389,14 +389,14 @@ bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const gri
             volume *= fmax(length[k], needs->widest);
         choose_levels(&classes, volume, dims);
     }
-    if (wish->hashed) {
+    if (wish->kinds == GRID_ONLY_HASHED) {
         *g = make_hashed(lower, length, &classes, objects);
         return true;
     }
     *g = make_dense(lower, length, &classes, objects);
     bool coarser = g->n_levels < classes.n || (double)g->edge > 2.0 * classes.at[0].widest;
     double others = 0.0;
-    if (!coarser || wish->dense)
+    if (!coarser || wish->kinds == GRID_ONLY_DENSE)
         return true;
     if (!count_crowd(&others, g, objects, err))
         return false;

@@ -38,6 +38,8 @@ typedef struct grid {
 // The begin of a level along an axis.
 double grid_corner(const grid_level *level, float origin, uint32_t axis);
 
+typedef enum grid_kinds { GRID_ANY, GRID_ONLY_DENSE, GRID_ONLY_HASHED } grid_kinds;
+
 // How a grid is to be made; zero if that is open.
 typedef struct grid_wish {
     bool has_world;
@@ -45,8 +47,7 @@ typedef struct grid_wish {
     double upper[3];
     double edge;  // the least edge of the cells; one level then
     bool uniform; // one level, whatever the sizes
-    bool dense;   // never hashed
-    bool hashed;  // always hashed
+    grid_kinds kinds;
     bool by_gpus; // only GPUs search it
 } grid_wish;
 

@@ -60,29 +60,19 @@ static workload_stats see_poses(workload_stats c, const duet_world *world, uint6
 }
 
 // A radius counts on top of a core's half diagonal, or longest half side.
-static workload_stats see_rounded(workload_stats c, const duet_world *world, uint64_t first,
-                                  uint64_t end)
+static workload_stats see_apart(workload_stats c, const duet_world *world, uint64_t first,
+                                uint64_t end)
 {
     grid_objects objects = world_objects(world);
     for (uint32_t id = (uint32_t)first; id < end; ++id) {
         duet_pose scratch;
         const duet_pose *p = grid_pose_of(&objects, id, &scratch);
         float size = size_of_pose(p, &world->def);
-        size = (world->def.rotated ? sqrtf(size) : size) + grid_radius_of(&objects, id);
-        see_object(&c, p->centre[0], p->centre[1], p->centre[2],
-                   world->def.rotated ? size * size : size);
-    }
-    return c;
-}
-
-static workload_stats see_transforms(workload_stats c, const duet_world *world, uint64_t first,
-                                     uint64_t end)
-{
-    grid_objects objects = world_objects(world);
-    for (uint32_t id = (uint32_t)first; id < end; ++id) {
-        duet_pose scratch;
-        const duet_pose *p = grid_pose_of(&objects, id, &scratch);
-        see_object(&c, p->centre[0], p->centre[1], p->centre[2], size_of_pose(p, &world->def));
+        if (grid_has_radii(&objects)) {
+            size = (world->def.rotated ? sqrtf(size) : size) + grid_radius_of(&objects, id);
+            size = world->def.rotated ? size * size : size;
+        }
+        see_object(&c, p->centre[0], p->centre[1], p->centre[2], size);
     }
     return c;
 }
@@ -125,11 +115,10 @@ static workload_stats see_all(const duet_world *world)
     workload_stats c = {.lower = {FLT_MAX, FLT_MAX, FLT_MAX},
                         .upper = {-FLT_MAX, -FLT_MAX, -FLT_MAX},
                         .narrowest = FLT_MAX};
-    see_range *see = def->shape == DUET_SHAPE_BOUNDS  ? see_bounds
-                     : def->shape != DUET_SHAPE_POSES ? see_rounded
-                     : def->separate_sizes            ? see_transforms
-                     : def->origin_edge > 0           ? see_large_poses
-                                                      : see_poses;
+    see_range *see = def->shape == DUET_SHAPE_BOUNDS                         ? see_bounds
+                     : def->shape != DUET_SHAPE_POSES || def->separate_sizes ? see_apart
+                     : def->origin_edge > 0                                  ? see_large_poses
+                                                                             : see_poses;
     for (uint64_t first = 0; first < world->n; first += AT_ONCE) {
         budget_tell(first, world->n);
         c = see(c, world, first, first + AT_ONCE < world->n ? first + AT_ONCE : world->n);

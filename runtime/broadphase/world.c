@@ -131,11 +131,12 @@ static bool find_wish(grid_wish *wish, const duet_plan *plan, const variant *a, 
 {
     bool paper = a->search == SEARCH_PAPER || b->search == SEARCH_PAPER;
     bool slab = plan->mode == DUET_MODE_SLAB;
-    wish->hashed = a->grid == VARIANT_GRID_HASHED || b->grid == VARIANT_GRID_HASHED;
+    bool hashed = a->grid == VARIANT_GRID_HASHED || b->grid == VARIANT_GRID_HASHED;
     wish->uniform =
         paper || slab || a->grid == VARIANT_GRID_UNIFORM || b->grid == VARIANT_GRID_UNIFORM;
-    wish->dense = paper || slab || a->grid == VARIANT_GRID_DENSE || b->grid == VARIANT_GRID_DENSE;
-    if (wish->hashed && (wish->dense || wish->uniform))
+    bool dense = paper || slab || a->grid == VARIANT_GRID_DENSE || b->grid == VARIANT_GRID_DENSE;
+    wish->kinds = hashed ? GRID_ONLY_HASHED : dense ? GRID_ONLY_DENSE : GRID_ANY;
+    if (hashed && (dense || wish->uniform))
         return error_set(
             err, DUET_STATUS_BAD_ARGUMENT,
             "a hashed grid suits neither the paper's search nor slabs nor another grid "
@@ -272,8 +273,7 @@ bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *e
     plan = &whole;
     if (!read_plan(&wish, variants, plan, &world->def, err))
         return false;
-    if (wish.uniform != world->wish.uniform || wish.dense != world->wish.dense ||
-        wish.hashed != world->wish.hashed)
+    if (wish.uniform != world->wish.uniform || wish.kinds != world->wish.kinds)
         world_forget_grid(world);
     take_plan(world, plan, &wish, variants);
     return true;
