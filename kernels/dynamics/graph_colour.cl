@@ -10,11 +10,17 @@
 //            that both have free
 //   key      what contacts are sorted by
 //
+// A team (team.clh) does all of it, and sorts, in one launch: colour_contacts.
+//
 //   colours [n_contacts] COLOUR_NONE: pushes nothing; COLOUR_WAITS: to be coloured
 //   used    [n] a bit for each colour taken
 //   choices [n] the contact that the object points to; NONE: none waits
 #define LAST_COLOUR (COLOUR_OVERFLOW - 1u) // bits of used
 #define NONE 0xffffffffu
+
+typedef struct {
+    ARG_FIELDS
+} colouring;
 
 static inline uint rank_of(uint2 link)
 {
@@ -25,35 +31,45 @@ static inline uint rank_of(uint2 link)
     return k;
 }
 
-// Marks contacts that begin or cease to push.
-__kernel void graph_colour_mark(GRAPH_COLOUR_MARK_ARGS)
+static inline bool is_pushing(const colouring *c, uint i, uint2 link)
 {
-    uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, N_AWAKE_CONTACTS);
+    bool pushes = (c->touches[i] & TOUCH_POINTS) && (c->bodies[(size_t)link.x * BODY + BODY_VELOCITY].w > 0.0f ||
+                                                     c->bodies[(size_t)link.y * BODY + BODY_VELOCITY].w > 0.0f);
+#if SENSORS
+    pushes = pushes && !(c->sensors[link.x] > 0.0f || (link.y < c->n && c->sensors[link.y] > 0.0f));
+#endif
+    return pushes;
+}
+
+// Marks contacts that begin or cease to push.
+static inline void mark_contacts(const colouring *c, uint first, uint last)
+{
     uint waiting = 0, changed = 0;
     for (uint k = first; k < last; ++k) {
-        uint i = AWAKE_CONTACT_AT(k);
-        uint2 link = links[i];
-        bool pushes = (touches[i] & TOUCH_POINTS) && (bodies[(size_t)link.x * BODY + BODY_VELOCITY].w > 0.0f ||
-                                                      bodies[(size_t)link.y * BODY + BODY_VELOCITY].w > 0.0f);
-#if SENSORS
-        pushes = pushes && !(sensors[link.x] > 0.0f || (link.y < n && sensors[link.y] > 0.0f));
-#endif
-        uint old = colours[i];
-        uint colour = !pushes ? COLOUR_NONE : old == COLOUR_NONE ? COLOUR_WAITS : old;
+        uint i = AWAKE_CONTACT_OF(c, k);
+        uint2 link = c->links[i];
+        uint old = c->colours[i];
+        uint colour = !is_pushing(c, i, link) ? COLOUR_NONE : old == COLOUR_NONE ? COLOUR_WAITS : old;
         changed |= colour != old;
-        colours[i] = colour;
+        c->colours[i] = colour;
         if (colour != COLOUR_WAITS)
             continue;
         ++waiting;
-        atomic_xchg(choices + link.x, i);
-        if (link.y < n)
-            atomic_xchg(choices + link.y, i);
+        atomic_xchg(c->choices + link.x, i);
+        if (link.y < c->n)
+            atomic_xchg(c->choices + link.y, i);
     }
     if (waiting)
-        atomic_add(flags + FLAG_UNCOLOURED, waiting);
+        atomic_add(c->flags + FLAG_UNCOLOURED, waiting);
     if (changed)
-        atomic_or(flags + FLAG_RECOLOURED, 1u);
+        atomic_or(c->flags + FLAG_RECOLOURED, 1u);
+}
+
+__kernel void graph_colour_mark(GRAPH_COLOUR_MARK_ARGS)
+{
+    const colouring c = {GRAPH_COLOUR_MARK_VALUES};
+    uint first = get_global_id(0) * PER_ITEM;
+    mark_contacts(&c, first, min(first + PER_ITEM, N_AWAKE_CONTACTS));
 }
 
 static inline void add_contact(uint i, __global const uint2 *links, __global const uint *colours, uint *used, uint *best,
@@ -71,50 +87,65 @@ static inline void add_contact(uint i, __global const uint2 *links, __global con
     }
 }
 
-__kernel void graph_colour_choose(GRAPH_COLOUR_CHOOSE_ARGS)
+static inline void choose_contacts(const colouring *c, uint first, uint last)
 {
-    uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, N_AWAKE);
     for (uint j = first; j < last; ++j) {
-        uint id = AWAKE_AT(j);
-        if (choices[id] == NONE)
+        uint id = AWAKE_OF(c, j);
+        if (c->choices[id] == NONE)
             continue;
         uint taken = 0, best = NONE, best_rank = 0;
-        for (uint i = starts[id]; i < starts[id + 1]; ++i)
-            add_contact(i, links, colours, &taken, &best, &best_rank);
-        for (uint k = return_starts[id]; k < return_starts[id + 1]; ++k)
-            add_contact(returns[k], links, colours, &taken, &best, &best_rank);
-        used[id] = taken;
-        choices[id] = best;
+        for (uint i = c->starts[id]; i < c->starts[id + 1]; ++i)
+            add_contact(i, c->links, c->colours, &taken, &best, &best_rank);
+        for (uint k = c->return_starts[id]; k < c->return_starts[id + 1]; ++k)
+            add_contact(c->returns[k], c->links, c->colours, &taken, &best, &best_rank);
+        c->used[id] = taken;
+        c->choices[id] = best;
     }
 }
 
-// One work-item an object, which owns the contact that it chose.
-__kernel void graph_colour_take(GRAPH_COLOUR_TAKE_ARGS)
+__kernel void graph_colour_choose(GRAPH_COLOUR_CHOOSE_ARGS)
 {
+    const colouring c = {GRAPH_COLOUR_CHOOSE_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, N_AWAKE);
+    choose_contacts(&c, first, min(first + PER_ITEM, N_AWAKE));
+}
+
+// Of the objects, each of which owns the contact that it chose.
+static inline void take_contacts(const colouring *c, uint round, uint first, uint last)
+{
     uint done = 0;
     for (uint k = first; k < last; ++k) {
-        uint id = AWAKE_AT(k);
-        uint i = choices[id];
-        if (i == NONE || links[i].x != id)
+        uint id = AWAKE_OF(c, k);
+        uint i = c->choices[id];
+        if (i == NONE || c->links[i].x != id)
             continue;
-        uint other = links[i].y;
-        uint taken = used[id];
-        if (other < n && velocities[other].w > 0) { // asleep or not
-            if (choices[other] != i)
+        uint other = c->links[i].y;
+        uint taken = c->used[id];
+        if (other < c->n && c->velocities[other].w > 0) { // asleep or not
+            if (c->choices[other] != i)
                 continue;
-            taken |= used[other];
+            taken |= c->used[other];
         }
         uint colour = popcount(taken ^ (taken + 1)) - 1; // the least bit that is not set
-        colours[i] = colour <= LAST_COLOUR ? colour : COLOUR_OVERFLOW;
+        c->colours[i] = colour <= LAST_COLOUR ? colour : COLOUR_OVERFLOW;
         ++done;
     }
     if (done) {
-        atomic_sub(flags + FLAG_UNCOLOURED, done);
-        atomic_max(flags + FLAG_ROUNDS, round);
+        atomic_max(c->flags + FLAG_ROUNDS, round);
+        atomic_sub(c->flags + FLAG_UNCOLOURED, done);
     }
+}
+
+__kernel void graph_colour_take(GRAPH_COLOUR_TAKE_ARGS)
+{
+    const colouring c = {GRAPH_COLOUR_TAKE_VALUES};
+    uint first = get_global_id(0) * PER_ITEM;
+    take_contacts(&c, round, first, min(first + PER_ITEM, N_AWAKE));
+}
+
+static inline uint key_of(uint colour, uint touch)
+{
+    return colour * COLOUR_KEYS + (colour <= LAST_COLOUR ? POINTS - (touch & TOUCH_POINTS) : 0);
 }
 
 // Keys contacts by colour, and within it most points first, so that work-items side by side have as
@@ -128,6 +159,97 @@ __kernel void graph_colour_key(GRAPH_COLOUR_KEY_ARGS)
         uint i = k < n_here ? AWAKE_CONTACT_AT(k) : 0;
         uint colour = k < n_here ? colours[i] : COLOUR_NONE;
         list[k] = i;
-        keys[k] = colour * COLOUR_KEYS + (colour <= LAST_COLOUR ? POINTS - (touches[i] & TOUCH_POINTS) : 0);
+        keys[k] = key_of(colour, touches[i]);
     }
 }
+
+#if TEAM
+
+#define KEYS (COLOURS * COLOUR_KEYS)
+#define PUSHING_KEYS (COLOUR_WAITS * COLOUR_KEYS)
+
+// Counts the keys of a part's contacts that push.
+static inline void count_keys(const colouring *c, uint part, uint2 range)
+{
+    uint counts[PUSHING_KEYS] = {0};
+    for (uint k = range.x; k < range.y; ++k) {
+        uint i = AWAKE_CONTACT_OF(c, k);
+        uint colour = c->colours[i];
+        uint key = colour < COLOUR_WAITS ? key_of(colour, c->touches[i]) : NONE;
+        c->keys[k] = key;
+        if (key != NONE)
+            counts[key] += 1;
+    }
+    for (uint key = 0; key < PUSHING_KEYS; ++key)
+        c->key_counts[part * PUSHING_KEYS + key] = counts[key];
+}
+
+// Where a part's contacts of each key begin in the list: behind those of lesser keys, and of lesser parts.
+static inline void add_up(const colouring *c, uint part, uint groups, uint places[PUSHING_KEYS])
+{
+    uint sum = 0;
+    for (uint key = 0; key < PUSHING_KEYS; ++key) {
+        if (part == 0)
+            c->key_starts[key] = sum;
+        for (uint q = 0; q < groups; ++q) {
+            if (q == part)
+                places[key] = sum;
+            sum += c->key_counts[q * PUSHING_KEYS + key];
+        }
+    }
+    for (uint key = PUSHING_KEYS; part == 0 && key <= KEYS; ++key)
+        c->key_starts[key] = sum;
+}
+
+static inline void list_contacts(const colouring *c, uint part, uint groups, uint2 range)
+{
+    uint places[PUSHING_KEYS];
+    add_up(c, part, groups, places);
+    for (uint k = range.x; k < range.y; ++k)
+        if (c->keys[k] != NONE)
+            c->list[places[c->keys[k]]++] = AWAKE_CONTACT_OF(c, k);
+}
+
+// A group that is behind the others goes on as they did: where none waits any more, they took as many rounds as
+// the last that coloured something.
+static inline bool is_round_next(const colouring *c, uint round)
+{
+    volatile __global const uint *flags = c->flags;
+    bool waits = flags[FLAG_UNCOLOURED] > 0;
+    order_memory();
+    return waits || round <= flags[FLAG_ROUNDS];
+}
+
+//   sorts  1: lists contacts even if none has another colour than before
+__kernel void colour_contacts(COLOUR_CONTACTS_ARGS)
+{
+    const colouring c = {COLOUR_CONTACTS_VALUES};
+    team_member t = TEAM_MEMBER;
+    uint n_bodies = N_AWAKE, n_here = N_AWAKE_CONTACTS, part;
+    IN_STAGE(&t, &part) {
+        uint2 range = range_of(&t, part, n_here);
+        mark_contacts(&c, range.x, range.y);
+    }
+    END_STAGE(&t);
+    for (uint turn = 1; is_round_next(&c, turn); ++turn) {
+        IN_STAGE(&t, &part) {
+            uint2 range = range_of(&t, part, n_bodies);
+            choose_contacts(&c, range.x, range.y);
+        }
+        END_STAGE(&t);
+        IN_STAGE(&t, &part) {
+            uint2 range = range_of(&t, part, n_bodies);
+            take_contacts(&c, turn, range.x, range.y);
+        }
+        END_STAGE(&t);
+    }
+    if (!sorts && !flags[FLAG_RECOLOURED])
+        return;
+    IN_STAGE(&t, &part)
+        count_keys(&c, part, range_of(&t, part, n_here));
+    END_STAGE(&t);
+    IN_STAGE(&t, &part)
+        list_contacts(&c, part, t.groups, range_of(&t, part, n_here));
+}
+
+#endif

@@ -2,7 +2,7 @@
 return {
   about = "graph colouring: contacts of one colour share no body that moves",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh",
-    "dynamics/listed.clh" },
+    "dynamics/listed.clh", "dynamics/team.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
@@ -11,6 +11,7 @@ return {
     { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
     { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
+    { "TEAM", values = { 0, 1 }, default = 0, silent = true, about = "1: a launch's groups colour together" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
@@ -33,7 +34,7 @@ return {
     ]],
     graph_colour_choose = [[
       const uint2 *links
-      const uint *colours
+      uint *colours
       const uint *starts
       const uint *return_starts
       const uint *returns
@@ -42,7 +43,7 @@ return {
       const uint *n_listed  if SLEEP == 1
       uint all_awake        if SLEEP == 1
       uint *used
-      uint *choices
+      volatile uint *choices
     ]],
     graph_colour_take = [[
       const uint2 *links
@@ -51,14 +52,14 @@ return {
       const uint *n_listed  if SLEEP == 1
       uint all_awake        if SLEEP == 1
       const real4 *velocities
-      const uint *used
-      const uint *choices
+      uint *used
+      volatile uint *choices
       uint round
       uint *colours
       volatile uint *flags
     ]],
     graph_colour_key = [[
-      const uint *colours
+      uint *colours
       const uint *touches
       uint n_contacts
       uint n_keys
@@ -67,6 +68,33 @@ return {
       uint all_awake              if SLEEP == 1
       uint *list
       uint *keys
+    ]],
+    colour_contacts = [[
+      const uint2 *links
+      const uint *touches
+      uint n_contacts
+      uint n
+      const uint *awake           if SLEEP == 1
+      const uint *awake_contacts  if SLEEP == 1
+      const uint *n_listed        if SLEEP == 1
+      uint all_awake              if SLEEP == 1
+      const float4 *bodies
+      const float *sensors  if SENSORS == 1
+      const uint *starts
+      const uint *return_starts
+      const uint *returns
+      const real4 *velocities
+      uint sorts
+      uint *used
+      volatile uint *choices
+      uint *colours
+      uint *keys
+      uint *key_counts
+      uint *key_starts
+      uint *list
+      volatile uint *flags
+      volatile uint *team
+      uint stage
     ]],
   },
   valid = function(p, limits)

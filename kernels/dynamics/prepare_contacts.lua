@@ -3,7 +3,7 @@ return {
   about = "contacts into blocks of constraints, and their impulses back",
   uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/float_vector.clh", "dynamics/records.h", "dynamics/materials.h",
     "dynamics/contact.clh", "dynamics/constraint.clh",
-    "dynamics/colour_parts.clh" },
+    "dynamics/team.clh", "dynamics/colour_parts.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, silent = true, about = "1: the state is in double" },
@@ -46,7 +46,6 @@ return {
       float *blocks
       volatile uint *team  if TEAM == 1
       uint stage          if TEAM == 1
-      uint n_done         if TEAM == 1
       float4 *bodies
     ]],
     store_impulses = [[

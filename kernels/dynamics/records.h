@@ -120,10 +120,11 @@
 #define COLOURS 34
 #define COLOUR_KEYS 4 // keys of a colour that contacts are sorted by
 
-// Words of a team's groups (colour_parts.clh): parts that are done, and from TEAM_TAKEN on, in another line of a
-// cache, the stages that parts were taken in.
-#define TEAM_TAKEN 16
-#define TEAM_MOST 240 // groups
+// Words of a team (team.clh), those that all change in lines of a cache of their own.
+#define TEAM_DONE 0
+#define TEAM_STAGE 16
+#define TEAM_TAKEN 32
+#define TEAM_MOST 224 // groups
 #define TEAM_WORDS (TEAM_TAKEN + TEAM_MOST)
 #define TEAM_LEAST_PART 32 // contacts that a group takes of a colour at least
 

@@ -18,6 +18,7 @@
 #include "runtime/dynamics/phase.h"
 #include "runtime/dynamics/products.h"
 #include "runtime/dynamics/solver.h"
+#include "runtime/dynamics/team.h"
 #include "runtime/opencl/background.h"
 #include "runtime/opencl/device_pair.h"
 
@@ -48,6 +49,7 @@ typedef struct motion_kernels {
     kernel *contact_events;
     kernel *prepare_bodies, *integrate_velocities, *integrate_positions, *finalize_bodies;
     kernel *graph_colour_mark, *graph_colour_choose, *graph_colour_take, *graph_colour_key;
+    kernel *colour_contacts; // does what these and the sort do; a team's
     kernel *prepare_contacts, *store_impulses;
     kernel *solve_contacts, *apply_restitution, *solve_shocks;
     kernel *row_start;
@@ -130,6 +132,7 @@ struct duet_motion {
     contact_graph graph;
     awake_lists awake;
     contact_solver solver;
+    motion_team team;
     motion_events told;
     motion_ground ground;
     motion_halves halves; // motion_step.c

@@ -49,6 +49,7 @@ BUFFER(LIST_KEYS, "keys", "uint *")
 HIDDEN(LIST_SPARE)
 HIDDEN(LIST_KEYS_SPARE)
 BUFFER(COLOUR_STARTS, "key_starts", "uint *")
+BUFFER(KEY_COUNTS, "key_counts", "uint *") // of each part of a team's
 BUFFER(SPANS, "spans", "uint4 *")
 BUFFER(BLOCKS, "blocks", "float *")      // contacts by colour while they are solved
 BUFFER(TEAM, "team", "uint *")

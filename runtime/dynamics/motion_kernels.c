@@ -76,11 +76,11 @@ const binding motion_bindings[] = {
     VALUE_OF(solver, round),
     VALUE_OF(solver, sweep),
     VALUE_OF(solver, first_sweep),
+    VALUE_OF(solver, sorts),
     VALUE_OF(solver, from_colour),
     VALUE_OF(solver, to_colour),
     VALUE_OF(solver, each),
-    VALUE_OF(solver, stage),
-    VALUE_OF(solver, n_done),
+    VALUE_OF(team, stage),
     {0}};
 
 // ---------------------------------------------------------------- parameters
@@ -218,6 +218,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
     bool walls = contact && boundary_kind(m) == 1;
     bool sleep = has(m, DUET_EFFECT_SLEEP), skin = has(m, DUET_EFFECT_SKIN);
     bool events = has(m, DUET_EFFECT_EVENTS), shocks = has(m, DUET_EFFECT_SHOCKS);
+    bool team = response && m->device->info.kind == DUET_KIND_CPU;
     const kernel_request list[] = {
         KERNEL(integrate_free_flight, flight, "integrate_free_flight"),
         KERNEL(compute_fat_aabbs, contact, "fat_aabbs"),
@@ -245,6 +246,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         KERNEL(graph_colour_choose, response, "graph_colour"),
         KERNEL(graph_colour_take, response, "graph_colour"),
         KERNEL(graph_colour_key, response, "graph_colour"),
+        KERNEL(colour_contacts, team, "graph_colour"),
         KERNEL(prepare_contacts, response, "prepare_contacts"),
         KERNEL(store_impulses, response, "prepare_contacts"),
         KERNEL(solve_contacts, response, "solve_contacts"),

@@ -98,6 +98,17 @@ static bool run_rounds(duet_motion *m, uint32_t from, uint32_t to, duet_error *e
     return ok;
 }
 
+// Makes space for the blocks of colours that have been laid out.
+static bool use_colours(duet_motion *m, duet_error *err)
+{
+    contact_solver *s = &m->solver;
+    product_renew(&m->products, PRODUCT_COLOURS);
+    return motion_reserve(m, BLOCKS, (uint64_t)s->n_blocks * m->layout.block,
+                          m->layout.constraint * sizeof(float), err) &&
+           timeline_write_at(&m->times, "graph_colour", &m->buffers[SPANS], 0, s->colours,
+                             sizeof s->colours, err);
+}
+
 // Each round colours at least the contact of greatest rank, so rounds end. The expected rounds are
 // sent before the host looks whether any contact still waits.
 static bool list_colours(duet_motion *m, duet_error *err)
@@ -111,12 +122,7 @@ static bool list_colours(duet_motion *m, duet_error *err)
         to += ROUNDS_MORE;
     } while (ok && m->flags[FLAG_UNCOLOURED] > 0);
     s->rounds = m->flags[FLAG_RECOLOURED] ? m->flags[FLAG_ROUNDS] + 1 : 0;
-    product_renew(&m->products, PRODUCT_COLOURS);
-    return ok &&
-           motion_reserve(m, BLOCKS, (uint64_t)s->n_blocks * m->layout.block,
-                          m->layout.constraint * sizeof(float), err) &&
-           timeline_write_at(&m->times, "graph_colour", &m->buffers[SPANS], 0, s->colours,
-                             sizeof s->colours, err);
+    return ok && use_colours(m, err);
 }
 
 // If the contacts are those of the list, and none changed its colour, the list holds.
@@ -139,12 +145,50 @@ static bool list_none(duet_motion *m)
     return true;
 }
 
+// Stages of a team that marks and sorts, and of each of its rounds; rounds that a launch is thought
+// to take at most.
+enum { LEAST_CONTACTS = 256, SORT_STAGES = 3, ROUND_STAGES = 2, MOST_ROUNDS = 1024 };
+
+static bool launch_colouring(duet_motion *m, duet_error *err)
+{
+    return reserve_lists(m, err) &&
+           motion_reserve(m, KEY_COUNTS, (uint64_t)TEAM_MOST * KEYS, sizeof(uint32_t), err) &&
+           team_launch(m, "graph_colour", m->kernels.colour_contacts, m->awake.n_contacts,
+                       LEAST_CONTACTS, SORT_STAGES + ROUND_STAGES * MOST_ROUNDS, err);
+}
+
+// Chooses and sorts in one launch, if any contact changed its colour or the contacts are others.
+static bool colour_by_team(duet_motion *m, duet_error *err)
+{
+    contact_solver *s = &m->solver;
+    buffer *b = m->buffers;
+    uint32_t starts[KEYS + 1];
+    s->sorts = product_is_forgotten(&m->products, PRODUCT_COLOURS);
+    if (!launch_colouring(m, err) ||
+        !timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
+                             err) ||
+        !timeline_read(&m->times, "graph_colour", &b[COLOUR_STARTS], starts, sizeof starts, err))
+        return false;
+    if (m->flags[FLAG_ROUNDS] > MOST_ROUNDS)
+        m->team.stage += ROUND_STAGES * (m->flags[FLAG_ROUNDS] - MOST_ROUNDS);
+    if (m->effects & DUET_EFFECT_SLEEP)
+        motion_count_awake(m);
+    if (!s->sorts && !m->flags[FLAG_RECOLOURED]) {
+        product_keep(&m->products, PRODUCT_COLOURS);
+        return true;
+    }
+    lay_colours(s, m->layout.block, starts);
+    return use_colours(m, err);
+}
+
 // A motion whose colours changed in the last step mostly changes them again: then the contacts are
 // sorted anew without waiting for the device to say so.
 bool motion_make_colours(duet_motion *m, duet_error *err)
 {
     if (m->graph.n_contacts == 0)
         return list_none(m);
+    if (team_takes(m->kernels.colour_contacts))
+        return colour_by_team(m, err);
     return motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->awake.n_contacts,
                          err) &&
            (m->solver.rounds > 0 || keep_colours(m, err)) &&
@@ -161,12 +205,17 @@ static uint32_t most_of(const contact_solver *s, uint32_t from, uint32_t to)
     return most;
 }
 
+static cl_int4 span_of(const contact_solver *s, uint32_t colour)
+{
+    const colour_span *span = &s->colours[colour];
+    return (cl_int4){{(cl_int)span->first, (cl_int)span->count, (cl_int)span->slot}};
+}
+
 // Runs a kernel over the contacts of these colours, one colour after the other.
 static bool launch_colours(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
                            uint32_t each, uint64_t work, duet_error *err)
 {
-    const colour_span *span = &m->solver.colours[from];
-    m->solver.span = (cl_int4){{(cl_int)span->first, (cl_int)span->count, (cl_int)span->slot}};
+    m->solver.span = span_of(&m->solver, from);
     m->solver.from_colour = from;
     m->solver.to_colour = to;
     m->solver.each = each;
@@ -185,30 +234,6 @@ static uint32_t end_of_few(const contact_solver *s, const kernel *k, uint32_t fr
 
 // ---------------------------------------------------------------- colours by a team
 
-static bool is_for_team(const kernel *k)
-{
-    return k->group == 1 && kernel_param(k, "TEAM") == 1;
-}
-
-// Numbers of stages begin anew before they have no next one.
-static bool reserve_stages(duet_motion *m, uint32_t n_stages, duet_error *err)
-{
-    contact_solver *s = &m->solver;
-    if (s->stage > 0 && s->stage < UINT32_MAX - n_stages)
-        return true;
-    s->stage = s->n_done = 0;
-    return motion_reserve(m, TEAM, TEAM_WORDS, sizeof(uint32_t), err) &&
-           motion_clear(m, "solve_contacts", TEAM, 0, TEAM_WORDS, err);
-}
-
-static uint32_t count_groups(const duet_motion *m)
-{
-    const uint32_t least = TEAM_LEAST_PART, units = m->device->info.units;
-    uint32_t parts = (most_of(&m->solver, 0, COLOUR_OVERFLOW) + least - 1) / least;
-    uint32_t most = units < TEAM_MOST ? units : TEAM_MOST;
-    return parts == 0 ? 1 : parts < most ? parts : most;
-}
-
 static uint32_t end_of_colours(const contact_solver *s)
 {
     uint32_t to = COLOUR_OVERFLOW + 1;
@@ -221,15 +246,12 @@ static uint32_t end_of_colours(const contact_solver *s)
 static bool launch_team(duet_motion *m, const kernel *k, duet_error *err)
 {
     contact_solver *s = &m->solver;
-    const uint32_t n_stages = end_of_colours(s), n_groups = count_groups(m);
-    if (n_stages == 0)
-        return true;
-    if (!reserve_stages(m, n_stages, err) ||
-        !launch_colours(m, k, 0, n_stages, 0, (uint64_t)n_groups * k->per_item, err))
-        return false;
-    s->stage += n_stages;
-    s->n_done += n_stages * n_groups;
-    return true;
+    const uint32_t to = end_of_colours(s);
+    s->span = span_of(s, 0);
+    s->from_colour = 0;
+    s->to_colour = to;
+    return to == 0 || team_launch(m, "solve_contacts", k, most_of(s, 0, COLOUR_OVERFLOW),
+                                  TEAM_LEAST_PART, to, err);
 }
 
 // ---------------------------------------------------------------- colours by launches
@@ -250,7 +272,7 @@ static bool launch_each(duet_motion *m, const kernel *k, duet_error *err)
 
 static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
 {
-    return is_for_team(k) ? launch_team(m, k, err) : launch_each(m, k, err);
+    return team_takes(k) ? launch_team(m, k, err) : launch_each(m, k, err);
 }
 
 static bool solve(duet_motion *m, uint32_t soft, duet_error *err)

@@ -31,6 +31,7 @@ set(launched "")
 foreach(case
     "3 --set sleep=true --set events=true"
     "2 --set skin=0.3 --set continuous=true --set boundary=none"
+    "2 --set sleep=true --variant 'auto solve_contacts.WG=64 graph_colour.WG=64'"
     "2 --set turned=false --set filtered=true --set doubles=true"
     "2 --set origin=true --set boundary=none"
     "2 --set falling=false --set boundary=periodic"

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/dynamics/team.h"
+
+#include "runtime/dynamics/motion.h"
+
+bool team_takes(const kernel *k)
+{
+    return k && k->group == 1 && kernel_param(k, "TEAM") == 1;
+}
+
+// Numbers of stages begin anew before they have no next one.
+static bool reserve_stages(duet_motion *m, uint32_t n_stages, duet_error *err)
+{
+    motion_team *t = &m->team;
+    if (t->stage > 0 && t->stage < UINT32_MAX - n_stages)
+        return true;
+    t->stage = 0;
+    return motion_reserve(m, TEAM, TEAM_WORDS, sizeof(uint32_t), err) &&
+           motion_clear(m, "clear", TEAM, 0, TEAM_WORDS, err);
+}
+
+static uint32_t count_groups(const duet_motion *m, uint64_t work, uint32_t least)
+{
+    const uint32_t units = m->device->info.units;
+    uint64_t parts = (work + least - 1) / least;
+    uint32_t most = units < TEAM_MOST ? units : TEAM_MOST;
+    return parts == 0 ? 1 : parts < most ? (uint32_t)parts : most;
+}
+
+bool team_launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work, uint32_t least,
+                 uint32_t n_stages, duet_error *err)
+{
+    uint32_t n_groups = count_groups(m, work, least);
+    if (!reserve_stages(m, n_stages, err) ||
+        !motion_launch(m, stage, k, (uint64_t)n_groups * k->per_item, err))
+        return false;
+    m->team.stage += n_stages;
+    return true;
+}

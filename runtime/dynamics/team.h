@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// Launches whose groups go through stages together (kernels/dynamics/team.clh), on CPUs.
+#ifndef RUNTIME_TEAM_H
+#define RUNTIME_TEAM_H
+
+#include "base/error.h"
+#include "runtime/opencl/program.h"
+
+typedef struct motion_team {
+    cl_uint stage; // the last one of all launches so far; 0: the words are not there yet
+} motion_team;
+
+struct duet_motion;
+
+bool team_takes(const kernel *k);
+
+// Launches at most n_stages stages, by as many groups as have `least` of the work each.
+bool team_launch(struct duet_motion *m, const char *stage, const kernel *k, uint64_t work,
+                 uint32_t least, uint32_t n_stages, duet_error *err);
+
+#endif
