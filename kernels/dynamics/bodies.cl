@@ -10,10 +10,6 @@
 //
 //   bodies [n + FIXED][BODY]  the last are the walls and the ground
 
-typedef struct {
-    ARG_FIELDS
-} state;
-
 // ------------------------------------------------------------ prepare
 
 // The inverse inertia of a turned box along the world's axes.
@@ -75,56 +71,13 @@ __kernel void prepare_bodies(PREPARE_BODIES_ARGS)
 
 // ------------------------------------------------------------ a substep
 
-static inline float4 accelerated(const state *s, uint id, float4 velocity, float4 moved)
-{
-    if (GRAVITY == 1)
-        velocity.xyz = add_float(velocity, s->h, s->gravity).xyz;
-    if (GRAVITY == 2) {
-        float4 to = s->gravity - convert_float4(s->centres[id]) - moved;
-        to.w = 0.0f;
-        float r = inverse_root_float(dot_float(to, to) + 1e-20f);
-        velocity.xyz = add_float(velocity, s->h, to * (s->gravity.w * r * r * r)).xyz;
-    }
-    if (FORCES)
-        velocity.xyz = add_float(velocity, s->h * velocity.w, s->forces[2 * (size_t)id]).xyz;
-    if (DRAG)
-        velocity.xyz *= s->drag;
-    return velocity;
-}
-
-static inline void integrate_angular_velocity(const state *s, uint id, __global float4 *body)
-{
-    float4 angular_velocity = body[BODY_ANGULAR_VELOCITY], inertia = body[BODY_INERTIA], torque = body[BODY_WARM_TORQUE];
-    float xx = body[BODY_DELTA_POSITION].w, yy = angular_velocity.w;
-    if (FORCES)
-        torque = add_float(torque, s->h, s->forces[2 * (size_t)id + 1]);
-    if (DRAG)
-        angular_velocity.xyz *= s->drag;
-    angular_velocity.x += fma(xx, torque.x, fma(inertia.y, torque.y, inertia.z * torque.z));
-    angular_velocity.y += fma(inertia.y, torque.x, fma(yy, torque.y, inertia.w * torque.z));
-    angular_velocity.z += fma(inertia.z, torque.x, fma(inertia.w, torque.y, inertia.x * torque.z));
-    body[BODY_ANGULAR_VELOCITY] = angular_velocity;
-    body[BODY_WARM_TORQUE] = (float4)(0.0f);
-}
-
 __kernel void integrate_velocities(INTEGRATE_VELOCITIES_ARGS)
 {
     const state s = {INTEGRATE_VELOCITIES_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, N_AWAKE);
-    for (uint k = first; k < last; ++k) {
-        uint id = AWAKE_AT(k);
-        __global float4 *body = bodies + (size_t)id * BODY;
-        float4 velocity = body[BODY_VELOCITY];
-        float inverse_mass = velocity.w;
-        if (!(inverse_mass > 0.0f))
-            continue;
-        velocity = accelerated(&s, id, velocity, body[BODY_DELTA_POSITION]);
-        body[BODY_VELOCITY].xyz = add_float(velocity, inverse_mass, body[BODY_WARM_IMPULSE]).xyz;
-        body[BODY_WARM_IMPULSE] = (float4)(0.0f);
-        if (ANGULAR_VELOCITY)
-            integrate_angular_velocity(&s, id, body);
-    }
+    for (uint k = first; k < last; ++k)
+        integrate_velocity(&s, AWAKE_AT(k));
 }
 
 // ------------------------------------------------------------ finalize

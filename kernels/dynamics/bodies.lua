@@ -2,7 +2,7 @@
 return {
   about = "bodies while a step is solved: gathered, accelerated, written back",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/float_vector.clh",
-    "dynamics/listed.clh" },
+    "dynamics/listed.clh", "dynamics/accelerate.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },

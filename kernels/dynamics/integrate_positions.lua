@@ -2,7 +2,7 @@
 return {
   about = "moves and turns bodies by a substep",
   uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh", "dynamics/turn.clh",
-    "dynamics/listed.clh" },
+    "dynamics/listed.clh", "dynamics/move_bodies.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },

@@ -2,7 +2,7 @@
 return {
   about = "solves the contacts of a colour, and applies restitution",
   uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh",
-    "dynamics/restitution.clh", "dynamics/team.clh", "dynamics/colour_parts.clh" },
+    "dynamics/restitution.clh", "dynamics/team.clh", "dynamics/colour_parts.clh", "dynamics/solve_constraint.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },

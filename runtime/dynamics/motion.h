@@ -52,6 +52,7 @@ typedef struct motion_kernels {
     kernel *colour_contacts; // does what these and the sort do; a team's
     kernel *prepare_contacts, *store_impulses;
     kernel *solve_contacts, *apply_restitution, *solve_shocks;
+    kernel *solve_few; // NULL with shocks, and where more bodies are always awake
     kernel *row_start;
     kernel *write_poses; // NULL until a tree asks for it
     // likewise, a command

@@ -219,6 +219,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
     bool sleep = has(m, DUET_EFFECT_SLEEP), skin = has(m, DUET_EFFECT_SKIN);
     bool events = has(m, DUET_EFFECT_EVENTS), shocks = has(m, DUET_EFFECT_SHOCKS);
     bool team = response && m->device->info.kind == DUET_KIND_CPU;
+    bool few = response && !shocks && (sleep || m->n <= SOLVER_FEW);
     const kernel_request list[] = {
         KERNEL(integrate_free_flight, flight, "integrate_free_flight"),
         KERNEL(compute_fat_aabbs, contact, "fat_aabbs"),
@@ -252,6 +253,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         KERNEL(solve_contacts, response, "solve_contacts"),
         KERNEL(apply_restitution, response, "solve_contacts"),
         KERNEL(solve_shocks, shocks, "solve_shocks"),
+        KERNEL(solve_few, few, "solve_few"),
         KERNEL(row_start, response, "cell_start"),
     };
     m->layout = lay_out(m);

@@ -329,6 +329,34 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
     return ok && motion_launch(m, "sleep", k->move_sleepers, m->awake.n_bodies, err);
 }
 
+// ---------------------------------------------------------------- all substeps at once
+
+// Bodies that a work-item may have, as it takes them one after the other.
+enum { BODIES_OF_ONE = 4 };
+
+// Whether one group has space for every colour, and each work-item few bodies.
+static bool are_few(const duet_motion *m, const kernel *k)
+{
+    const contact_solver *s = &m->solver;
+    uint64_t takes = k ? (uint64_t)k->group * k->per_item : 0;
+    uint64_t most = BODIES_OF_ONE * takes < SOLVER_FEW ? BODIES_OF_ONE * takes : SOLVER_FEW;
+    return m->awake.n_bodies <= most && s->colours[COLOUR_OVERFLOW].count == 0 &&
+           most_of(s, 0, COLOUR_OVERFLOW) <= takes;
+}
+
+static bool run_substeps(duet_motion *m, duet_error *err)
+{
+    bool ok = true;
+    if (are_few(m, m->kernels.solve_few)) {
+        m->solver.to_colour = end_of_colours(&m->solver);
+        return budget_check(err) &&
+               motion_launch(m, "solve_contacts", m->kernels.solve_few, 1, err);
+    }
+    for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
+        ok = substep(m, err);
+    return ok;
+}
+
 // ---------------------------------------------------------------- all stages
 
 // Shocks have given back all speed.
@@ -340,10 +368,8 @@ static bool restore_speeds(duet_motion *m, duet_error *err)
 
 bool motion_solve(duet_motion *m, duet_error *err)
 {
-    bool ok = for_colours(m, m->kernels.prepare_contacts, err);
-    for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
-        ok = substep(m, err);
-    return ok && restore_speeds(m, err) && store_impulses(m, err);
+    return for_colours(m, m->kernels.prepare_contacts, err) && run_substeps(m, err) &&
+           restore_speeds(m, err) && store_impulses(m, err);
 }
 
 bool motion_finalize(duet_motion *m, duet_error *err)

