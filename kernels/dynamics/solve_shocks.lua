@@ -3,7 +3,7 @@ return {
   about = "lets impacts pass through rows of bodies that touch",
   uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh",
     "dynamics/restitution.clh",
-    "dynamics/colour_parts.clh" },
+    "dynamics/team.clh", "dynamics/colour_parts.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
@@ -32,7 +32,6 @@ return {
       float *blocks
       volatile uint *team  if TEAM == 1
       uint stage          if TEAM == 1
-      uint n_done         if TEAM == 1
       float4 *bodies
       float4 fall
       float least_speed
