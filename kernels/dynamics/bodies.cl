@@ -77,7 +77,7 @@ __kernel void integrate_velocities(INTEGRATE_VELOCITIES_ARGS)
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, N_AWAKE);
     for (uint k = first; k < last; ++k)
-        integrate_velocity(&s, AWAKE_AT(k));
+        integrate_velocity(&s, bodies, AWAKE_AT(k));
 }
 
 // ------------------------------------------------------------ finalize

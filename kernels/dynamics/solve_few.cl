@@ -48,7 +48,7 @@ __kernel void solve_few(SOLVE_FEW_ARGS)
         s.soft = ~pass & 1u;
         if (s.soft)
             for (uint k = get_local_id(0); k < n_here; k += WG)
-                integrate_velocity(&to_accelerate, AWAKE_AT(k));
+                integrate_velocity(&to_accelerate, bodies, AWAKE_AT(k));
         else
             move_all(&to_move, n_here);
         END_PASS;

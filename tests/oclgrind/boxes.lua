@@ -8,6 +8,8 @@ local p = parameters {
   sleep = false,
   continuous = false,
   events = false,
+  shocks = false,
+  hills = false,
   skin = 0.0,
   boundary = "walls", -- "periodic", "none"
   attraction = 0.0,
@@ -54,8 +56,11 @@ if p.falling then
   add { centre = vector(0, -0.5), half_extents = floor, mass = 0, friction = 0.5 }
 end
 
+local heights = { nx = 4, ny = 4, spacing = 2, origin = { -3, -3, 0 }, values = {} }
+for k = 1, 16 do heights.values[k] = k % 3 * 0.2 end
+
 local wants = {}
-for _, name in ipairs { "sleep", "continuous", "events" } do
+for _, name in ipairs { "sleep", "continuous", "events", "shocks" } do
   if p[name] then wants[#wants + 1] = name end
 end
 if p.falling then wants[#wants + 1] = "contact_response" end
@@ -65,6 +70,7 @@ for k = 1, p.dims do lower[k], upper[k] = -8, 12 end
 
 return {
   dims = p.dims,
+  heights = p.hills and heights or nil,
   boundary = p.boundary ~= "none" and p.boundary or nil,
   world = { lower = lower, upper = upper },
   gravity = p.attraction == 0 and vector(0, -9.81) or nil,

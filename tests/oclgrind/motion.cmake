@@ -28,7 +28,9 @@ function(state_of case steps device result)
 endfunction()
 
 set(launched "")
-foreach(case
+set(cases_3 "2 --set hills=true") # a ground is three-dimensional
+foreach(case ${cases_${DIMS}}
+    "2 --set shocks=true"
     "3 --set sleep=true --set events=true"
     "2 --set skin=0.3 --set continuous=true --set boundary=none"
     "2 --set sleep=true --variant 'auto solve_contacts.WG=64 graph_colour.WG=64'"
@@ -65,6 +67,9 @@ if(NOT simulated STREQUAL right)
   message(FATAL_ERROR "reads: ${simulated}, not ${right}")
 endif()
 
+if(DIMS EQUAL 2) # has no ground
+  list(APPEND launched "kernel 'contact_graph_ground'")
+endif()
 set(lacking "")
 file(GLOB paths ${KERNELS}/dynamics/*.cl ${KERNELS}/dynamics/*.cl.in)
 foreach(path IN LISTS paths)

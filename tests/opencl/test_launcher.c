@@ -141,8 +141,9 @@ TEST(a_card_that_the_host_does_not_know_is_refused)
          "argument 'h' of integrate_positions is of type 'real'; expected 'float'"},
         {"dynamics/build_manifolds.lua", "const float4 *halves", "const float *halves",
          "argument 'halves' of build_manifolds is of type 'float *'; expected 'float4 *'"},
-        {"dynamics/graph_colour.lua", "uint *keys", "uint *key_list",
-         "graph_colour_key has an argument 'key_list' that its launcher does not know"},
+        {"dynamics/graph_colour.lua", "uint *keys\n      uint *key_counts",
+         "uint *key_list\n      uint *key_counts",
+         "colour_contacts has an argument 'key_list' that its launcher does not know"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         duet_error err = {0};
