@@ -58,8 +58,8 @@ static const option options[] = {
     OPTION_SETTINGS("set", scene.settings, "K=V", "any other parameter of the scene"),
     PAIR_OPTION_ROW(pair),
     OPTION_TEXT("strategy", strategy, "S",
-                "how the share is searched: balance (default), fig12, grid, chunks; or kernels and "
-                "share together: random, annealing, brute"),
+                "how the share is searched, by the last three with the kernels: balance (default), "
+                "fig12, grid, chunks, random, annealing or brute"),
     OPTION_TEXT("strategy-lua", strategy_path, "FILE",
                 "script that returns a function from the history to the next share, or plan"),
     OPTION_TEXT("objective", objective, "O",
