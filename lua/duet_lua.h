@@ -15,7 +15,8 @@ struct lua_State;
 DUET_API int luaopen_duet(struct lua_State *L);
 
 // require "duet.frame": rows in named columns; "duet.plot": pictures by
-// gnuplot; "duet.timeline": a step's time lines; "duet.lab": what experiments share. luaopen_duet makes them known.
+// gnuplot; "duet.timeline": a step's time lines; "duet.lab": what experiments share. luaopen_duet
+// makes them known.
 DUET_API int luaopen_duet_frame(struct lua_State *L);
 DUET_API int luaopen_duet_lab(struct lua_State *L);
 DUET_API int luaopen_duet_plot(struct lua_State *L);

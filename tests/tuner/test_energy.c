@@ -74,8 +74,8 @@ static energy_meter *open_meter(void)
     return m;
 }
 
-// By time the best share is 0.2, where both end together. By energy A does all: it takes 0.8 J for it
-// where B takes 2, and the longer step costs 0.3 J more.
+// By time the best share is 0.2, where both end together. By energy A does all: it takes 0.8 J for
+// it where B takes 2, and the longer step costs 0.3 J more.
 TEST(energy_and_time_have_best_plans_of_their_own)
 {
     trial_log log = {0}, timed = {0};
