@@ -34,6 +34,7 @@ void tune_report_expect(tune_report *r, const duet_device_pair *pair, uint32_t n
 
 void tune_report_workload(tune_report *r, const duet_scene_info *scene, const duet_tune_def *def)
 {
+    r->task = NULL;
     r->query = def->query;
     r->items = def->items ? def->items : scene->n;
     r->steps = def->steps;
@@ -44,6 +45,8 @@ void tune_report_workload(tune_report *r, const duet_scene_info *scene, const du
 void tune_report_task(tune_report *r, const task *t)
 {
     r->task = t->kernel;
+    r->query = NULL;
+    r->steps = 0;
     r->items = t->items;
     snprintf(r->name, sizeof r->name, "%.30s, %s", t->name, table_count(t->size).chars);
     ++r->number;
