@@ -35,4 +35,21 @@ common = {
     return { "WG", values = { 1, 64, 128, 256 }, default = by_device(1, other), about = "work-items a group" }
   end,
   PER_ITEM = { "PER_ITEM", values = { 1, 1024 }, default = by_device(1024, 1), about = "objects a work-item" },
+  CONTACT_RESPONSE = { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+  FRICTION = { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
+  CONVEYS = { "CONVEYS", values = { 0, 1 }, default = 0, silent = true, about = "1: surfaces move" },
+  ROLLING = { "ROLLING", values = { 0, 1 }, default = 0, silent = true, about = "1: contacts resist to roll" },
+  ROUNDED = { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
+  BLOCK = { "BLOCK", values = { 8, 32 }, default = by_device(8, 32),
+    about = "contacts that are neighbours in memory" },
+  TEAM = { "TEAM", values = { 0, 1 }, default = 0, silent = true, about = "1: a launch's groups take all colours together" },
+  TURNS = { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
+  -- Whether a kernel that solves contacts has this config.
+  can_solve = function(p)
+    if p.CONVEYS == 1 and p.FRICTION == 0 then return false, "what conveys has friction" end
+    if p.ROLLING == 1 and p.ANGULAR_VELOCITY == 0 then return false, "what rolls turns" end
+    if p.LANES == 8 and p.BLOCK ~= 8 then return false, "lanes are blocks" end
+    if p.PER_ITEM % p.LANES ~= 0 then return false, "PER_ITEM is not a multiple of LANES" end
+    return true
+  end,
 }

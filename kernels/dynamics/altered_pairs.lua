@@ -48,5 +48,4 @@ return {
       uint2 *found_pairs
     ]],
   },
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

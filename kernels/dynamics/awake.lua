@@ -3,7 +3,7 @@ return {
   about = "lists of the bodies and contacts that a step may change",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/rest.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
@@ -57,5 +57,4 @@ return {
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -4,16 +4,16 @@ return {
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/float_vector.clh",
     "dynamics/listed.clh", "dynamics/accelerate.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
+    common.TURNS,
     { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
     { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
     { "FORCES", values = { 0, 1 }, default = 0, about = "1: commands push" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
-    { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
+    common.ROUNDED,
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
@@ -71,5 +71,4 @@ return {
     if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -6,7 +6,7 @@ return {
     "dynamics/body_pairs.clh", "dynamics/seam.clh", "dynamics/manifold_record.clh", "dynamics/listed.clh",
     "dynamics/triangle_contact.clh", "dynamics/ground.clh", "dynamics/ground_contact.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
@@ -14,12 +14,12 @@ return {
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "BOUNDARY", values = { 0, 1 }, default = 0, about = "1: walls" },
     { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
-    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
+    common.FRICTION,
     { "CONTINUOUS", values = { 0, 1 }, default = 0, about = "1: fast bodies do not tunnel through thin ones" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "pairs side by side in a work-item, of turned boxes in float" },
-    { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
+    common.ROUNDED,
     { "SENSORS", values = { 0, 1 }, default = 0, silent = true, about = "1: some bodies are sensors" },
     { "HEIGHTS", values = { 0, 1 }, default = 0, silent = true, about = "1: a ground of heights" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
@@ -69,5 +69,4 @@ return {
     if p.SLEEP == 1 and p.CONTACT_RESPONSE == 0 then return false, "SLEEP without CONTACT_RESPONSE" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -3,13 +3,13 @@ return {
   about = "which contacts touch after a step, and which hit hard",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
-    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
+    common.FRICTION,
     { "HITS", values = { 0, 1 }, default = 0, about = "1: reports impacts above a speed" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
@@ -40,5 +40,4 @@ return {
     if p.HITS == 1 and p.CONTACT_RESPONSE == 0 then return false, "HITS without CONTACT_RESPONSE" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -3,7 +3,7 @@ return {
   about = "the contact graph: which bodies each body may touch",
   uses = { "dynamics/motion.clh", "dynamics/records.h" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "BOUNDARY", values = { 0, 1 }, default = 0, about = "1: walls" },
     { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
@@ -73,5 +73,4 @@ return {
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -4,9 +4,9 @@ return {
   uses = { "lanes.clh", "narrowphase/object.clh", "dynamics/float_vector.clh", "dynamics/box_contact.clh", "dynamics/box_lanes.clh",
     "dynamics/rounded_contact.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "SHAPE", values = { 0 }, min = 0, max = 3, default = 0, about = "0 poses, 2 rounded boxes, 3 spheres" },
-    { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
+    common.ROUNDED,
     { "ROTATED", values = { 1 }, default = 1, about = "a pair's contact is its own, whatever the others are" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "pairs side by side in a work-item" },
@@ -29,5 +29,4 @@ return {
     if p.ROUNDED ~= (p.SHAPE >= 2 and 1 or 0) then return false, "ROUNDED is that of SHAPE" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -3,7 +3,7 @@ return {
   about = "fat AABBs of bodies, and whether all are still inside theirs",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/listed.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
@@ -12,7 +12,7 @@ return {
     { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
     { "CONTINUOUS", values = { 0, 1 }, default = 0, about = "1: fast bodies do not tunnel through thin ones" },
     { "SKIN", values = { 0, 1 }, default = 0, about = "1: the contact graph lasts until a body leaves its fat AABB" },
-    { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
+    common.ROUNDED,
     { "ALTERED", values = { 0, 1 }, default = 0, silent = true, about = "1: of the bodies that commands altered" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
@@ -65,5 +65,4 @@ return {
     if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -4,11 +4,11 @@ return {
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh",
     "dynamics/listed.clh", "dynamics/team.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
-    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
-    { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    common.FRICTION,
+    common.CONTACT_RESPONSE,
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
     { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
     { "TEAM", values = { 0, 1 }, default = 0, silent = true, about = "1: a launch's groups colour together" },
@@ -101,5 +101,4 @@ return {
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -3,7 +3,7 @@ return {
   about = "free flight of each object for a step",
   uses = { "dynamics/motion.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: in double" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
@@ -15,7 +15,7 @@ return {
     { "FORCES", values = { 0, 1 }, default = 0, about = "1: commands push" },
     { "BOUNDARY", values = { 0, 1, 2 }, default = 0, about = "1: walls, 2: periodic" },
     { "ORDER", values = { 1, 2, 4 }, default = 1, about = "of the integrator" },
-    { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
+    common.ROUNDED,
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
@@ -47,5 +47,4 @@ return {
     if p.GYRO == 1 and p.ANGULAR_VELOCITY == 0 then return false, "GYRO without ANGULAR_VELOCITY" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

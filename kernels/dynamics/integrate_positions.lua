@@ -4,17 +4,16 @@ return {
   uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh", "dynamics/turn.clh",
     "dynamics/listed.clh", "dynamics/move_bodies.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
-    { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
+    common.TURNS,
     { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
-    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
-    { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    common.FRICTION,
+    common.CONTACT_RESPONSE,
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "objects side by side in a work-item" },
-    { "BLOCK", values = { 8, 32 }, default = function(limits) return limits.cpu and 8 or 32 end,
-      about = "contacts that are neighbours in memory" },
+    common.BLOCK,
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
@@ -38,5 +37,4 @@ return {
     if p.PER_ITEM % p.LANES ~= 0 then return false, "PER_ITEM is not a multiple of LANES" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -3,10 +3,10 @@ return {
   about = "matches the last step's contacts with the new ones, and moves their impulses over",
   uses = { "dynamics/records.h", "dynamics/contact.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
-    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
+    common.FRICTION,
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
@@ -35,5 +35,4 @@ return {
     if p.SLEEP == 1 and p.CONTACT_RESPONSE == 0 then return false, "SLEEP without CONTACT_RESPONSE" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -5,19 +5,18 @@ return {
     "dynamics/contact.clh", "dynamics/constraint.clh",
     "dynamics/team.clh", "dynamics/colour_parts.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "DOUBLE", values = { 0, 1 }, default = 0, silent = true, about = "1: the state is in double" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
-    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
-    { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
-    { "CONVEYS", values = { 0, 1 }, default = 0, silent = true, about = "1: surfaces move" },
+    common.FRICTION,
+    common.CONTACT_RESPONSE,
+    common.CONVEYS,
     { "MATERIALS", values = { 0, 1 }, default = 0, silent = true, about = "1: bodies name materials" },
-    { "ROLLING", values = { 0, 1 }, default = 0, silent = true, about = "1: contacts resist to roll" },
+    common.ROLLING,
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "contacts side by side in a work-item" },
-    { "BLOCK", values = { 8, 32 }, default = function(limits) return limits.cpu and 8 or 32 end,
-      about = "contacts that are neighbours in memory" },
-    { "TEAM", values = { 0, 1 }, default = 0, silent = true, about = "1: a launch's groups take all colours together" },
+    common.BLOCK,
+    common.TEAM,
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 64, 256 }, default = function(limits) return limits.cpu and limits.batch // 4 or 1 end,
@@ -67,5 +66,4 @@ return {
     if p.PER_ITEM % p.LANES ~= 0 then return false, "PER_ITEM is not a multiple of LANES" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

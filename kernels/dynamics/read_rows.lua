@@ -24,5 +24,4 @@ return {
       uint *changed
     ]],
   },
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -5,23 +5,22 @@ return {
     "dynamics/float_vector.clh", "dynamics/turn.clh", "dynamics/listed.clh", "dynamics/accelerate.clh",
     "dynamics/move_bodies.clh", "dynamics/colour_parts.clh", "dynamics/solve_constraint.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
-    { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
+    common.TURNS,
     { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },
     { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
     { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
     { "FORCES", values = { 0, 1 }, default = 0, about = "1: commands push" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
-    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
-    { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
-    { "CONVEYS", values = { 0, 1 }, default = 0, silent = true, about = "1: surfaces move" },
-    { "ROLLING", values = { 0, 1 }, default = 0, silent = true, about = "1: contacts resist to roll" },
+    common.FRICTION,
+    common.CONTACT_RESPONSE,
+    common.CONVEYS,
+    common.ROLLING,
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "contacts and bodies side by side in a work-item" },
-    { "BLOCK", values = { 8, 32 }, default = function(limits) return limits.cpu and 8 or 32 end,
-      about = "contacts that are neighbours in memory" },
-    { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
+    common.BLOCK,
+    common.ROUNDED,
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items of the group" },
     { "PER_ITEM", values = { 1, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,
@@ -55,11 +54,6 @@ return {
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.GYRO == 1 and p.ANGULAR_VELOCITY == 0 then return false, "GYRO without ANGULAR_VELOCITY" end
-    if p.CONVEYS == 1 and p.FRICTION == 0 then return false, "what conveys has friction" end
-    if p.ROLLING == 1 and p.ANGULAR_VELOCITY == 0 then return false, "what rolls turns" end
-    if p.LANES == 8 and p.BLOCK ~= 8 then return false, "lanes are blocks" end
-    if p.PER_ITEM % p.LANES ~= 0 then return false, "PER_ITEM is not a multiple of LANES" end
-    return true
+    return common.can_solve(p)
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -4,13 +4,13 @@ return {
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/rest.clh",
     "dynamics/listed.clh" },
   params = {
-    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    common.DIMS,
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
-    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
-    { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    common.FRICTION,
+    common.CONTACT_RESPONSE,
     { "SLEEP", values = { 1 }, default = 1, about = "bodies at rest are left out" },
     { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
@@ -82,5 +82,4 @@ return {
     if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

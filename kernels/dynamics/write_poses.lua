@@ -5,7 +5,7 @@ return {
   params = {
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
-    { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
+    common.ROUNDED,
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
@@ -25,5 +25,4 @@ return {
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     return true
   end,
-  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }
