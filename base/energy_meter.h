@@ -31,7 +31,7 @@ void energy_meter_close(energy_meter *m); // NULL does nothing
 // Joules of all that is read, since some moment.
 double energy_meter_read(energy_meter *m);
 
-// What is read: "NVIDIA H200, package-0".
+// Names what is read: "NVIDIA H200, package-0".
 const char *energy_meter_describe(const energy_meter *m);
 
 // How long to let something run between two readings: counters move in steps.

@@ -38,7 +38,7 @@ static bool check_modes(const duet_online_def *def, duet_error *err)
     return true;
 }
 
-// Of a motion and a task nothing but the share is chosen.
+// A motion and a task have nothing but their share to choose.
 static bool check_share_alone(const duet_online_def *def, duet_error *err)
 {
     const char *other = def->n_modes      ? "modes"

@@ -219,7 +219,7 @@ static void print_accuracy(const cJSON *row)
            100 * json_number(row, "missed_rate"), 100 * json_number(row, "false_rate"));
 }
 
-// What a device alone takes is not kept in a store.
+// A store keeps no energy of a device alone.
 static void print_energy(const cJSON *row)
 {
     printf("  energy: %.6g J a launch", json_number(row, "joules"));

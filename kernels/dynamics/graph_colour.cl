@@ -110,7 +110,7 @@ __kernel void graph_colour_choose(GRAPH_COLOUR_CHOOSE_ARGS)
     choose_contacts(&c, first, min(first + PER_ITEM, N_AWAKE));
 }
 
-// Of the objects, each of which owns the contact that it chose.
+// Colours the contacts that objects chose; each object owns its contact.
 static inline void take_contacts(const colouring *c, uint round, uint first, uint last)
 {
     uint done = 0;
@@ -184,7 +184,7 @@ static inline void count_keys(const colouring *c, uint part, uint2 range)
         c->key_counts[part * PUSHING_KEYS + key] = counts[key];
 }
 
-// Where a part's contacts of each key begin in the list: behind those of lesser keys, and of lesser parts.
+// Finds the place in the list of a part's contacts of each key: behind lesser keys, and lesser parts.
 static inline void add_up(const colouring *c, uint part, uint groups, uint places[PUSHING_KEYS])
 {
     uint sum = 0;

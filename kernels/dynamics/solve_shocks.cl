@@ -19,7 +19,7 @@ typedef struct {
 
 #define SHOCK_ROUNDS 8
 
-// What bounces of a contact in this sweep.
+// The points of a contact that bounce in this sweep.
 typedef struct {
     mask points[POINTS];
     real wanted[POINTS]; // speeds along the normal to leave with
