@@ -14,7 +14,7 @@
 enum { LEAST_TRIALS = 8 }; // from which a device's undisturbed time is taken
 
 static const double WORTH_ALONE = 1.3;  // A alone is raced if it may take so much of B alone
-static const double MOST_OF_SAME = 1.1; // a gain beyond this is not `same`
+static const double MOST_OF_SAME = 1.1; // a gain or a loss beyond this is not `same`
 static const double UNEVEN = 1.03;      // a step that could be so much shorter is evened out
 
 // The devices alone come first, then the best share of each mode.
@@ -86,13 +86,13 @@ static bool is_mostly_disturbed(const tuning *t, const duet_plan *plan)
     return t->task->def->wait_seconds > 0 && 2 * disturbed > trials;
 }
 
-// Whether sharing may gain much, though that is not proven, and there is a reason to expect that
-// it does: the devices are of one kind, or launches waited for a core.
+// Whether sharing may gain or lose much, though neither is proven, and there is a reason to expect
+// that it gains: the devices are of one kind, or launches waited for a core.
 static bool is_open(const tuning *t, const race_gain *gain)
 {
     bool expected = t->task->fair > 0 || t->disturbed > t->watched / 10;
     return t->task->def->wait_seconds > 0 && gain->verdict == RACE_SAME &&
-           gain->interval.high > MOST_OF_SAME && expected;
+           fmax(gain->interval.high, 1 / gain->interval.low) > MOST_OF_SAME && expected;
 }
 
 // Says why a race that was run to its end proves nothing; false if it proves something.

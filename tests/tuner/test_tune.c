@@ -286,12 +286,16 @@ TEST(parts_on_one_core_are_not_said_to_be_the_same)
 }
 
 // A race of times that differ by up to four times cannot show that sharing gains nothing.
-static int count_ambiguous(double disturbed, uint32_t fair)
+static int count_ambiguous(double disturbed, uint32_t fair, double overhead)
 {
     int ambiguous = 0;
     rng random = rng_seed(test_seed());
     for (int i = 0; i < 100; ++i) {
-        fake f = {.model = {.ratio = 1, .sigma = 0.05, .spike_chance = 0.5, .spike_most = 4},
+        fake f = {.model = {.ratio = 1,
+                            .overhead = {overhead, overhead},
+                            .sigma = 0.05,
+                            .spike_chance = 0.5,
+                            .spike_most = 4},
                   .random = random,
                   .disturbed = disturbed,
                   .one_core = true};
@@ -301,8 +305,10 @@ static int count_ambiguous(double disturbed, uint32_t fair)
         task.fair = fair;
         duet_tune_outcome outcome = tune_task_fake(&task);
         bool is_ambiguous = strcmp(outcome.verdict, "ambiguous") == 0;
-        if (strcmp(outcome.verdict, "same") == 0 && (disturbed > 0.1 || fair))
+        if (strcmp(outcome.verdict, "same") == 0 && (disturbed > 0.1 || fair)) {
             assert_true(outcome.gain_high < 0.1001);
+            assert_true(outcome.gain_low > 1 / 1.1001 - 1);
+        }
         assert_true(is_ambiguous == (strncmp(outcome.unused, "times vary too much: ", 21) == 0));
         ambiguous += is_ambiguous;
         random = f.random;
@@ -312,11 +318,16 @@ static int count_ambiguous(double disturbed, uint32_t fair)
 
 TEST(doubt_chooses_no_single_device_where_sharing_is_expected_to_gain)
 {
-    int with_waits = count_ambiguous(0.2, 0), equal = count_ambiguous(0, DUET_SHARE_ONE / 2);
-    print_message("of 100 ambiguous: %d beside disturbed launches, %d of equal devices\n",
-                  with_waits, equal);
-    assert_true(with_waits > 0 && equal > 0);
-    assert_int_equal(count_ambiguous(0, 0), 0);
+    static const double overheads[] = {0, 0.1, 0.55}; // 0.5: sharing gains nothing
+    for (int i = 0; i < 3; ++i) {
+        int with_waits = count_ambiguous(0.4, 0, overheads[i]);
+        int equal = count_ambiguous(0, DUET_SHARE_ONE / 2, overheads[i]);
+        print_message("overhead %.2f: of 100 ambiguous: %d beside disturbed launches, %d of equal "
+                      "devices\n",
+                      overheads[i], with_waits, equal);
+        assert_true(equal > 0 && (with_waits > 0 || overheads[i] > 0.5));
+        assert_int_equal(count_ambiguous(0, 0, overheads[i]), 0);
+    }
 }
 
 TEST(equal_devices_keep_the_default_mode_unless_another_is_proven_faster)
