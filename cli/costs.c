@@ -256,36 +256,31 @@ void costs_report_text(const costs *c)
 static void add_row(cJSON *list, const cost *row)
 {
     cJSON *o = json_add_row(list);
-    cJSON_AddStringToObject(o, "effect", row->info.name);
-    cJSON_AddBoolToObject(o, "active", row->info.active);
-    cJSON_AddStringToObject(o, "called_by", row->info.called_by);
-    cJSON_AddNumberToObject(o, "bytes", row->info.bytes);
-    cJSON_AddStringToObject(o, "kernels", row->info.active ? row->info.kernels : "");
+    json_add(o, STRING("effect", row->info.name), FLAG("active", row->info.active),
+             STRING("called_by", row->info.called_by), NUMBER("bytes", row->info.bytes),
+             STRING("kernels", row->info.active ? row->info.kernels : ""));
     if (row->measured)
-        cJSON_AddNumberToObject(o, "ms", row->ms);
+        json_add(o, NUMBER("ms", row->ms));
 }
 
 static void add_substeps(cJSON *o, const duet_substep_info *s)
 {
     cJSON *its = cJSON_AddObjectToObject(o, "substeps");
-    cJSON_AddNumberToObject(its, "n", s->substeps);
-    cJSON_AddBoolToObject(its, "chosen", s->chosen);
+    json_add(its, NUMBER("n", s->substeps), FLAG("chosen", s->chosen));
     if (!s->chosen)
         return;
-    cJSON_AddNumberToObject(its, "layers", s->layers);
-    cJSON_AddNumberToObject(its, "edge", s->edge);
+    json_add(its, NUMBER("layers", s->layers), NUMBER("edge", s->edge));
 }
 
 cJSON *costs_report_json(const costs *c, const duet_scene_info *scene, const duet_device_pair *pair)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "type", COSTS_TYPE);
-    cJSON_AddStringToObject(o, "scene", scene->name);
-    cJSON_AddNumberToObject(o, "objects", scene->n);
+    json_add(o, STRING("type", COSTS_TYPE), STRING("scene", scene->name),
+             NUMBER("objects", scene->n));
     json_add_devices(o, pair);
-    cJSON_AddNumberToObject(o, "steps", (double)c->steps);
+    json_add(o, NUMBER("steps", c->steps));
     if (c->steps > 0)
-        cJSON_AddNumberToObject(o, "step_ms", c->step_ms);
+        json_add(o, NUMBER("step_ms", c->step_ms));
     if (c->substeps.substeps > 0)
         add_substeps(o, &c->substeps);
     json_add_cores(o, &c->cores);

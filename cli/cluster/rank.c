@@ -311,15 +311,10 @@ static void add_rank(cJSON *list, const run_state *r, int i)
 {
     const duet_cluster_rank *rank = &r->ranks[i];
     cJSON *o = json_add_row(list);
-    cJSON_AddNumberToObject(o, "rank", i);
-    cJSON_AddStringToObject(o, "host", rank->host);
-    cJSON_AddStringToObject(o, "pair", rank->pair);
-    cJSON_AddNumberToObject(o, "objects", (double)rank->objects);
-    cJSON_AddNumberToObject(o, "ghosts", (double)rank->ghosts);
-    cJSON_AddNumberToObject(o, "pairs", (double)rank->pairs);
-    cJSON_AddNumberToObject(o, "busy_ms", rank->busy_ms);
-    cJSON_AddNumberToObject(o, "wait_ms", rank->wait_ms);
-    cJSON_AddNumberToObject(o, "sent_bytes", (double)rank->sent_bytes);
+    json_add(o, NUMBER("rank", i), STRING("host", rank->host), STRING("pair", rank->pair),
+             NUMBER("objects", rank->objects), NUMBER("ghosts", rank->ghosts),
+             NUMBER("pairs", rank->pairs), NUMBER("busy_ms", rank->busy_ms),
+             NUMBER("wait_ms", rank->wait_ms), NUMBER("sent_bytes", rank->sent_bytes));
 }
 
 static bool print_json(const run_state *r, duet_error *err)
@@ -327,23 +322,20 @@ static bool print_json(const run_state *r, duet_error *err)
     const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
     uint64_t n = r->n_steps;
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "scene", info->name);
-    cJSON_AddNumberToObject(o, "dims", info->dims);
-    cJSON_AddNumberToObject(o, "objects", (double)r->result.objects);
+    json_add(o, STRING("scene", info->name), NUMBER("dims", info->dims),
+             NUMBER("objects", r->result.objects));
     if (!is_forecast(r)) {
-        cJSON_AddNumberToObject(o, "pairs", (double)r->result.pairs);
+        json_add(o, NUMBER("pairs", r->result.pairs));
         json_add_hash(o, r->result.hash);
     }
-    cJSON_AddStringToObject(o, "level", duet_level_get_info(r->cluster->def.world.level)->name);
-    cJSON_AddBoolToObject(o, "resident", r->args->resident);
-    cJSON_AddNumberToObject(o, "repeat", (double)n);
-    cJSON_AddNumberToObject(o, "total_ms", r->total_ms[(n - 1) / 2]);
-    cJSON_AddNumberToObject(o, "least_ms", r->total_ms[0]);
-    cJSON_AddNumberToObject(o, "most_ms", r->total_ms[n - 1]);
+    json_add(o, STRING("level", duet_level_get_info(r->cluster->def.world.level)->name),
+             FLAG("resident", r->args->resident), NUMBER("repeat", n),
+             NUMBER("total_ms", r->total_ms[(n - 1) / 2]), NUMBER("least_ms", r->total_ms[0]),
+             NUMBER("most_ms", r->total_ms[n - 1]));
     if (r->simulation)
-        cJSON_AddStringToObject(o, "platform", r->args->simulate);
+        json_add(o, STRING("platform", r->args->simulate));
     if (is_forecast(r))
-        cJSON_AddNumberToObject(o, "efficiency", efficiency(r));
+        json_add(o, NUMBER("efficiency", efficiency(r)));
     cJSON *rows = cJSON_AddArrayToObject(o, "ranks");
     for (int i = 0; i < r->n_ranks; ++i)
         add_rank(rows, r, i);

@@ -78,23 +78,15 @@ static void print_default(const duet_device_pair *pair)
 static void add_device(cJSON *list, const duet_device_info *d)
 {
     cJSON *o = json_add_row(list);
-    cJSON_AddStringToObject(o, "selector", d->selector);
-    cJSON_AddStringToObject(o, "name", d->name);
-    cJSON_AddStringToObject(o, "kind", kinds[d->kind]);
-    cJSON_AddStringToObject(o, "platform", d->platform);
-    cJSON_AddStringToObject(o, "platform_version", d->platform_version);
-    cJSON_AddStringToObject(o, "vendor", d->vendor);
-    cJSON_AddStringToObject(o, "driver", d->driver);
-    cJSON_AddStringToObject(o, "cl_version", d->cl_version);
-    cJSON_AddNumberToObject(o, "units", d->units);
-    cJSON_AddNumberToObject(o, "clock_mhz", d->clock_mhz);
-    cJSON_AddNumberToObject(o, "max_group", d->max_group);
-    cJSON_AddNumberToObject(o, "global_bytes", (double)d->global_bytes);
-    cJSON_AddNumberToObject(o, "local_bytes", (double)d->local_bytes);
-    cJSON_AddNumberToObject(o, "max_buffer_bytes", (double)d->max_buffer_bytes);
-    cJSON_AddBoolToObject(o, "host_memory", d->host_memory);
-    cJSON_AddBoolToObject(o, "fp64", d->fp64);
-    cJSON_AddBoolToObject(o, "can_cut", d->can_cut);
+    json_add(o, STRING("selector", d->selector), STRING("name", d->name),
+             STRING("kind", kinds[d->kind]), STRING("platform", d->platform),
+             STRING("platform_version", d->platform_version), STRING("vendor", d->vendor),
+             STRING("driver", d->driver), STRING("cl_version", d->cl_version),
+             NUMBER("units", d->units), NUMBER("clock_mhz", d->clock_mhz),
+             NUMBER("max_group", d->max_group), NUMBER("global_bytes", d->global_bytes),
+             NUMBER("local_bytes", d->local_bytes), NUMBER("max_buffer_bytes", d->max_buffer_bytes),
+             FLAG("host_memory", d->host_memory), FLAG("fp64", d->fp64),
+             FLAG("can_cut", d->can_cut));
     cJSON *quirks = cJSON_AddArrayToObject(o, "quirks");
     const char *quirk;
     for (uint32_t i = 0; (quirk = duet_device_info_get_quirk(d, i)); ++i)

@@ -114,10 +114,8 @@ static void add_facts(cJSON *o, const duet_world *world, int side)
     world_fact fact;
     for (uint32_t i = 0; world_fact_at(world, side, i, &fact); ++i) {
         cJSON *row = json_add_row(list);
-        cJSON_AddStringToObject(row, "name", fact.name);
-        cJSON_AddStringToObject(row, "parameter", fact.parameter);
-        cJSON_AddNumberToObject(row, "value", (double)fact.value);
-        cJSON_AddStringToObject(row, "means", fact.means);
+        json_add(row, STRING("name", fact.name), STRING("parameter", fact.parameter),
+                 NUMBER("value", fact.value), STRING("means", fact.means));
     }
 }
 
@@ -127,9 +125,7 @@ static void add_kernels(cJSON *o, const duet_world *world, int side)
     world_kernel k;
     for (uint32_t i = 0; world_kernel_at(world, side, i, &k); ++i) {
         cJSON *row = json_add_row(list);
-        cJSON_AddStringToObject(row, "name", k.name);
-        cJSON_AddBoolToObject(row, "runs", k.runs);
-        cJSON_AddStringToObject(row, "why", k.why);
+        json_add(row, STRING("name", k.name), FLAG("runs", k.runs), STRING("why", k.why));
     }
 }
 
@@ -142,8 +138,7 @@ static void add_json(const duet_world *world, cJSON *o)
         if (!world_is_prepared(world, side))
             continue;
         cJSON *its = json_add_row(search);
-        cJSON_AddStringToObject(its, "device", sides[side]);
-        cJSON_AddStringToObject(its, "variant", variants[side]);
+        json_add(its, STRING("device", sides[side]), STRING("variant", variants[side]));
         add_facts(its, world, side);
         add_kernels(its, world, side);
     }

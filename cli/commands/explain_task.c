@@ -60,17 +60,14 @@ static void add_arguments(cJSON *o, const task *t)
     for (uint32_t i = 0; i < t->n_args; ++i) {
         const task_arg *arg = &t->args[i];
         cJSON *row = json_add_row(list);
-        cJSON_AddStringToObject(row, "name", arg->name);
+        json_add(row, STRING("name", arg->name));
         if (!arg->is_array) {
-            cJSON_AddNumberToObject(row, "value", arg->value);
+            json_add(row, NUMBER("value", arg->value));
             continue;
         }
-        cJSON_AddStringToObject(row, "type", arg->type);
-        cJSON_AddNumberToObject(row, "elements", (double)arg->count);
-        cJSON_AddNumberToObject(row, "an_item", (double)elements_an_item(arg));
-        cJSON_AddNumberToObject(row, "halo", (double)arg->halo);
-        cJSON_AddStringToObject(row, "access", task_access_name(arg->access));
-        cJSON_AddBoolToObject(row, "once", arg->once);
+        json_add(row, STRING("type", arg->type), NUMBER("elements", arg->count),
+                 NUMBER("an_item", (double)elements_an_item(arg)), NUMBER("halo", arg->halo),
+                 STRING("access", task_access_name(arg->access)), FLAG("once", arg->once));
     }
 }
 
@@ -110,17 +107,15 @@ static void add_kernel(cJSON *list, const explained *e, int side)
 {
     const kernel_space *s = e->spaces[side];
     cJSON *row = json_add_row(list);
-    cJSON_AddStringToObject(row, "device", sides[side]);
-    cJSON_AddNumberToObject(row, "configs", s ? s->n_configs : 1);
+    json_add(row, STRING("device", sides[side]), NUMBER("configs", s ? s->n_configs : 1));
     cJSON *params = cJSON_AddArrayToObject(row, "parameters");
     for (uint32_t i = 0; s && i < s->n_params; ++i) {
         cJSON *param = json_add_row(params);
-        cJSON_AddStringToObject(param, "name", s->params[i].name);
+        json_add(param, STRING("name", s->params[i].name));
         cJSON *values = cJSON_AddArrayToObject(param, "values");
         for (uint32_t k = 0; k < s->params[i].n_values; ++k)
             cJSON_AddItemToArray(values, cJSON_CreateNumber((double)s->params[i].values[k]));
-        cJSON_AddNumberToObject(param, "default",
-                                (double)s->params[i].values[s->configs[s->now][i]]);
+        json_add(param, NUMBER("default", (double)s->params[i].values[s->configs[s->now][i]]));
     }
 }
 
@@ -157,13 +152,9 @@ static bool print_json(const explained *e, duet_error *err)
     char words[TASK_WORDS];
     task_write_words(t, words);
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "type", "duet explain");
-    cJSON_AddStringToObject(o, "task", t->name);
-    cJSON_AddStringToObject(o, "kernel", t->kernel);
-    cJSON_AddNumberToObject(o, "items", (double)t->items);
-    cJSON_AddStringToObject(o, "key", words);
-    cJSON_AddNumberToObject(o, "n", (double)t->size);
-    cJSON_AddNumberToObject(o, "tolerance", t->tolerance);
+    json_add(o, STRING("type", "duet explain"), STRING("task", t->name),
+             STRING("kernel", t->kernel), NUMBER("items", t->items), STRING("key", words),
+             NUMBER("n", t->size), NUMBER("tolerance", t->tolerance));
     add_arguments(o, t);
     cJSON *kernels = cJSON_AddArrayToObject(o, "kernels");
     for (int side = 0; side < 2; ++side)

@@ -203,8 +203,7 @@ static bool tell_counts(const arguments *args, const profile_import_counts *coun
         return true;
     }
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddNumberToObject(o, "added", (double)counts->added);
-    cJSON_AddNumberToObject(o, "known", (double)counts->known);
+    json_add(o, NUMBER("added", counts->added), NUMBER("known", counts->known));
     return say_json(o, err);
 }
 
@@ -266,9 +265,8 @@ static bool prune(store *s, const arguments *args, char **operands, duet_error *
         return true;
     }
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddNumberToObject(o, "samples", (double)counts.samples);
-    cJSON_AddNumberToObject(o, "profiles", (double)counts.profiles);
-    cJSON_AddNumberToObject(o, "bytes", (double)counts.bytes);
+    json_add(o, NUMBER("samples", counts.samples), NUMBER("profiles", counts.profiles),
+             NUMBER("bytes", counts.bytes));
     return say_json(o, err);
 }
 

@@ -148,7 +148,7 @@ bool profiles_list(store *s, bool dead, bool json, duet_error *err)
     cJSON *o = json ? cJSON_CreateObject() : NULL;
     listing l = {.json = o ? cJSON_AddArrayToObject(o, "profiles") : NULL};
     if (o)
-        cJSON_AddStringToObject(o, "store", store_path(s));
+        json_add(o, STRING("store", store_path(s)));
     bool ok = profile_entry_each(s, NULL, dead, list_entry, &l, err);
     if (!o && l.n > 0) {
         print_rows(&l);

@@ -126,7 +126,7 @@ static bool keep_json(void *context, const profile_entry *e)
 {
     cJSON *o = profile_report_json(e);
     if (e->session.strategy)
-        cJSON_AddStringToObject(o, "strategy", e->session.strategy);
+        json_add(o, STRING("strategy", e->session.strategy));
     if (e->session.options)
         json_add_object(o, "options", e->session.options);
     *(cJSON **)context = o;

@@ -231,9 +231,9 @@ static void add_figures(cJSON *o, const profile_found *found)
             cJSON_AddNullToObject(o, names[i]);
         return;
     }
-    cJSON_AddNumberToObject(o, "ms", found->median_ns * 1e-6);
-    json_add_interval(o, "gain", found->gain, found->gain_low, found->gain_high);
-    cJSON_AddStringToObject(o, "verdict", found->verdict);
+    json_add(o, NUMBER("ms", found->median_ns * 1e-6),
+             INTERVAL("gain", found->gain, found->gain_low, found->gain_high),
+             STRING("verdict", found->verdict));
 }
 
 static bool print_json(const answer *a, duet_error *err)
@@ -242,20 +242,20 @@ static bool print_json(const answer *a, duet_error *err)
     text workload = {0};
     profile_workload_text(&a->asked.workload, &workload);
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "workload", text_chars(&workload));
+    json_add(o, STRING("workload", text_chars(&workload)));
     text_free(&workload);
-    cJSON_AddStringToObject(o, "grade", profile_grade_name(found->grade));
+    json_add(o, STRING("grade", profile_grade_name(found->grade)));
     add_plan(o, a);
     if (found->grade != PROFILE_DEFAULT) {
-        cJSON_AddStringToObject(o, "level", found->plan.level);
-        cJSON_AddNumberToObject(o, "share_low", found->share_low / (double)PROFILE_SHARE_ONE);
-        cJSON_AddNumberToObject(o, "share_high", found->share_high / (double)PROFILE_SHARE_ONE);
+        json_add(o, STRING("level", found->plan.level),
+                 NUMBER("share_low", found->share_low / (double)PROFILE_SHARE_ONE),
+                 NUMBER("share_high", found->share_high / (double)PROFILE_SHARE_ONE));
         add_figures(o, found);
         json_add_rates(o, (double)found->true_pairs, found->missed_rate, found->false_rate);
         json_add_whole(o, found->whole_ns * 1e-6, found->whole_gain, found->whole_gain_low,
                        found->whole_gain_high);
-        cJSON_AddStringToObject(o, "uid", found->uid);
-        cJSON_AddStringToObject(o, "created", profile_report_when(found->created_ns).chars);
+        json_add(o, STRING("uid", found->uid),
+                 STRING("created", profile_report_when(found->created_ns).chars));
     }
     json_add_lines(o, "why", text_chars(&a->why));
     return say_json(o, err);

@@ -170,15 +170,12 @@ static void tell(const tested *t)
 static bool tell_json(const tested *t, duet_error *err)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "file", t->path);
-    cJSON_AddNumberToObject(o, "dims", t->def.dims);
-    cJSON_AddStringToObject(o, "level", duet_level_get_info(t->def.level)->name);
+    json_add(o, STRING("file", t->path), NUMBER("dims", t->def.dims),
+             STRING("level", duet_level_get_info(t->def.level)->name));
     json_add_pair(o, "pair", t->def.pair);
-    cJSON_AddNumberToObject(o, "share", (double)t->def.share / DUET_SHARE_ONE);
-    cJSON_AddNumberToObject(o, "n", (double)t->n);
-    cJSON_AddNumberToObject(o, "colliding", (double)t->colliding);
-    cJSON_AddNumberToObject(o, "undecided", (double)t->undecided);
-    cJSON_AddNumberToObject(o, "seconds", t->seconds);
+    json_add(o, NUMBER("share", (double)t->def.share / DUET_SHARE_ONE), NUMBER("n", t->n),
+             NUMBER("colliding", t->colliding), NUMBER("undecided", t->undecided),
+             NUMBER("seconds", t->seconds));
     return say_json(o, err);
 }
 

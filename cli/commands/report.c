@@ -117,8 +117,7 @@ static bool add_store(cJSON *shown, const char *path, bool needed, duet_error *e
     duet_error failure = {0};
     store *s = profiles_open(path, STORE_READ, &failure);
     if (!s && failure.status == DUET_STATUS_NOT_FOUND && !path && !needed) {
-        cJSON_AddStringToObject(shown, "no_store",
-                                "There is no profile store yet; duet tune makes one.");
+        json_add(shown, STRING("no_store", "There is no profile store yet; duet tune makes one."));
         return true;
     }
     if (!s)

@@ -152,17 +152,14 @@ static bool print_json(const ran *r, duet_error *err)
 {
     const task_result *m = &r->results[r->n / 2];
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "task", r->task->name);
-    cJSON_AddStringToObject(o, "kernel", r->task->kernel);
-    cJSON_AddNumberToObject(o, "items", (double)r->task->items);
+    json_add(o, STRING("task", r->task->name), STRING("kernel", r->task->kernel),
+             NUMBER("items", r->task->items));
     json_add_plan(o, r->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(r->plan.mode),
                   r->plan.variant_a, r->plan.variant_b);
-    cJSON_AddStringToObject(o, "plan_from", r->given ? "given" : duet_grade_name(r->grade));
-    cJSON_AddNumberToObject(o, "total_ms", m->total_ms);
-    cJSON_AddNumberToObject(o, "a_ms", m->device_ms[0]);
-    cJSON_AddNumberToObject(o, "b_ms", m->device_ms[1]);
-    cJSON_AddNumberToObject(o, "launches", r->n);
-    cJSON_AddNumberToObject(o, "tolerance", r->task->tolerance);
+    json_add(o, STRING("plan_from", r->given ? "given" : duet_grade_name(r->grade)),
+             NUMBER("total_ms", m->total_ms), NUMBER("a_ms", m->device_ms[0]),
+             NUMBER("b_ms", m->device_ms[1]), NUMBER("launches", r->n),
+             NUMBER("tolerance", r->task->tolerance));
     return say_json(o, err);
 }
 

@@ -58,8 +58,7 @@ static bool list_json(duet_error *err)
     cJSON *scenes = cJSON_AddArrayToObject(o, "scenes");
     for (unsigned i = 0; shipped_at(i, &scene); ++i) {
         cJSON *one = json_add_row(scenes);
-        cJSON_AddStringToObject(one, "name", scene.name);
-        cJSON_AddStringToObject(one, "about", scene.about);
+        json_add(one, STRING("name", scene.name), STRING("about", scene.about));
     }
     return say_json(o, err);
 }

@@ -135,11 +135,8 @@ static bool gather_settings(gen *g, const char *name, const gen_limits *limits,
 static bool print_json(const gen_variant *v, duet_error *err)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "variant", v->name);
-    cJSON_AddStringToObject(o, "sha256", v->sha256);
-    cJSON_AddNumberToObject(o, "group", v->group);
-    cJSON_AddNumberToObject(o, "per_item", v->per_item);
-    cJSON_AddStringToObject(o, "text", v->text);
+    json_add(o, STRING("variant", v->name), STRING("sha256", v->sha256), NUMBER("group", v->group),
+             NUMBER("per_item", v->per_item), STRING("text", v->text));
     return say_json(o, err);
 }
 

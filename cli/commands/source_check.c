@@ -80,10 +80,8 @@ static void print_checked(const char *name, const checked *c)
 static cJSON *checked_json(const char *name, const checked *c)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "name", name);
-    cJSON_AddNumberToObject(o, "configs", (double)c->configs);
-    cJSON_AddNumberToObject(o, "compiled", (double)c->compiled);
-    cJSON_AddNumberToObject(o, "failed", (double)c->failed);
+    json_add(o, STRING("name", name), NUMBER("configs", c->configs),
+             NUMBER("compiled", c->compiled), NUMBER("failed", c->failed));
     return o;
 }
 
@@ -112,7 +110,7 @@ bool source_check(gen *g, const device *d, const char *only, const source_sample
         return false;
     uint64_t failed = 0;
     cJSON *o = json ? cJSON_CreateObject() : NULL;
-    cJSON_AddStringToObject(o, "device", d->info.selector);
+    json_add(o, STRING("device", d->info.selector));
     cJSON *kernels = cJSON_AddArrayToObject(o, "kernels");
     bool ok = check_each(g, set, only, sample, kernels, &failed, err);
     program_set_close(set);

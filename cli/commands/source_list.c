@@ -53,12 +53,9 @@ static bool print_kernel(const listed *k, duet_error *err)
 static void add_param(cJSON *list, const gen_param *p)
 {
     cJSON *o = json_add_row(list);
-    cJSON_AddStringToObject(o, "name", p->name);
-    cJSON_AddStringToObject(o, "about", p->about);
-    cJSON_AddNumberToObject(o, "default", (double)p->fallback);
+    json_add(o, STRING("name", p->name), STRING("about", p->about), NUMBER("default", p->fallback));
     if (p->is_range) {
-        cJSON_AddNumberToObject(o, "min", (double)p->least);
-        cJSON_AddNumberToObject(o, "max", (double)p->most);
+        json_add(o, NUMBER("min", p->least), NUMBER("max", p->most));
     }
     cJSON *values = cJSON_AddArrayToObject(o, "values");
     for (uint32_t i = 0; i < p->n_values; ++i)
@@ -68,9 +65,7 @@ static void add_param(cJSON *list, const gen_param *p)
 static void add_kernel(cJSON *list, const listed *k)
 {
     cJSON *o = json_add_row(list);
-    cJSON_AddStringToObject(o, "name", k->name);
-    cJSON_AddStringToObject(o, "about", k->about);
-    cJSON_AddNumberToObject(o, "configs", (double)k->configs);
+    json_add(o, STRING("name", k->name), STRING("about", k->about), NUMBER("configs", k->configs));
     cJSON *params = cJSON_AddArrayToObject(o, "params");
     for (uint32_t i = 0; i < k->n_params; ++i)
         add_param(params, &k->params[i]);

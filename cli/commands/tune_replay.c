@@ -31,16 +31,13 @@ static void add_outcome(cJSON *rows, const char *name, const replay_outcome *o,
                         const replay_outcome *worst)
 {
     cJSON *row = json_add_row(rows);
-    cJSON_AddStringToObject(row, "strategy", name);
+    json_add(row, STRING("strategy", name));
     json_add_plan(row, o->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(o->plan.mode),
                   o->plan.variant_a, o->plan.variant_b);
-    cJSON_AddNumberToObject(row, "ms", o->median_ns * 1e-6);
-    cJSON_AddNumberToObject(row, "loss", o->loss);
-    cJSON_AddNumberToObject(row, "worst_loss", worst->loss);
-    cJSON_AddStringToObject(row, "verdict", o->verdict);
-    cJSON_AddNumberToObject(row, "search_launches", o->search_launches);
-    cJSON_AddNumberToObject(row, "launches", o->launches);
-    cJSON_AddNumberToObject(row, "seconds", o->seconds);
+    json_add(row, NUMBER("ms", o->median_ns * 1e-6), NUMBER("loss", o->loss),
+             NUMBER("worst_loss", worst->loss), STRING("verdict", o->verdict),
+             NUMBER("search_launches", o->search_launches), NUMBER("launches", o->launches),
+             NUMBER("seconds", o->seconds));
 }
 
 static bool replay_strategy(replay *r, replay_def def, cJSON *rows, duet_error *err)
@@ -81,17 +78,13 @@ static cJSON *describe(const replay *r)
     const profile_surface *s = r->surface;
     const duet_plan *best = &r->best->plan;
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "scene", s->scene);
-    cJSON_AddNumberToObject(o, "objects", (double)(*s->query ? s->boxes : s->n));
+    json_add(o, STRING("scene", s->scene),
+             NUMBER("objects", (double)(*s->query ? s->boxes : s->n)));
     if (*s->query) {
-        cJSON_AddStringToObject(o, "query", s->query);
-        cJSON_AddNumberToObject(o, "items", (double)s->n);
+        json_add(o, STRING("query", s->query), NUMBER("items", s->n));
     }
-    cJSON_AddStringToObject(o, "level", s->level);
-    cJSON_AddStringToObject(o, "a", s->a);
-    cJSON_AddStringToObject(o, "b", s->b);
-    cJSON_AddNumberToObject(o, "plans", r->n_points);
-    cJSON_AddNumberToObject(o, "best_ms", r->best->median_ns * 1e-6);
+    json_add(o, STRING("level", s->level), STRING("a", s->a), STRING("b", s->b),
+             NUMBER("plans", r->n_points), NUMBER("best_ms", r->best->median_ns * 1e-6));
     json_add_plan(o, best->share / (double)DUET_SHARE_ONE, duet_mode_name(best->mode), s->variant_a,
                   s->variant_b);
     return o;
@@ -221,8 +214,7 @@ static bool print(cJSON *workloads, const replay_options *options, duet_error *e
         return true;
     }
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddNumberToObject(o, "seed", (double)options->seed);
-    cJSON_AddNumberToObject(o, "runs", RUNS);
+    json_add(o, NUMBER("seed", options->seed), NUMBER("runs", RUNS));
     cJSON_AddItemToObject(o, "workloads", workloads);
     return say_json(o, err);
 }

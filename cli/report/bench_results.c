@@ -24,26 +24,23 @@ static void add_time(cJSON *o)
     char when[40];
     time_t now = time(NULL);
     strftime(when, sizeof when, "%Y-%m-%dT%H:%M:%SZ", gmtime(&now));
-    cJSON_AddStringToObject(o, "time", when);
+    json_add(o, STRING("time", when));
 }
 
 cJSON *bench_begin(const duet_device_pair *pair, bool quick)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "type", BENCH_TYPE);
-    cJSON_AddNumberToObject(o, "version", VERSION);
-    cJSON_AddStringToObject(o, "duet", duet_version());
+    json_add(o, STRING("type", BENCH_TYPE), NUMBER("version", VERSION),
+             STRING("duet", duet_version()));
     add_time(o);
-    cJSON_AddBoolToObject(o, "quick", quick);
+    json_add(o, FLAG("quick", quick));
     cJSON *devices = cJSON_AddArrayToObject(o, "devices");
     for (int i = 0; i < 2; ++i) {
         const duet_device_info *info = duet_device_pair_get_info(pair, i);
         cJSON *device = json_add_row(devices);
-        cJSON_AddStringToObject(device, "selector", info->selector);
-        cJSON_AddStringToObject(device, "name", info->name);
-        cJSON_AddStringToObject(device, "driver", info->driver);
-        cJSON_AddStringToObject(device, "platform", info->platform_version);
-        cJSON_AddNumberToObject(device, "units", info->units);
+        json_add(device, STRING("selector", info->selector), STRING("name", info->name),
+                 STRING("driver", info->driver), STRING("platform", info->platform_version),
+                 NUMBER("units", info->units));
     }
     cJSON_AddArrayToObject(o, "cases");
     cJSON_AddArrayToObject(o, "accuracy");
@@ -58,19 +55,16 @@ static void add_times(cJSON *o, const timed *t)
         ms[i] = t->steps[i].total_ms;
     const timed_step *median = timed_median(t), *staged = timed_staged(t);
     stats_interval in = stats_median_interval(ms, t->n, level);
-    cJSON_AddNumberToObject(o, "median_ms", stats_median(ms, t->n));
-    cJSON_AddNumberToObject(o, "low_ms", in.low);
-    cJSON_AddNumberToObject(o, "high_ms", in.high);
-    cJSON_AddNumberToObject(o, "confidence", in.confidence);
-    cJSON_AddNumberToObject(o, "a_ms", median->device_ms[0]);
-    cJSON_AddNumberToObject(o, "b_ms", median->device_ms[1]);
+    json_add(o, NUMBER("median_ms", stats_median(ms, t->n)), NUMBER("low_ms", in.low),
+             NUMBER("high_ms", in.high), NUMBER("confidence", in.confidence),
+             NUMBER("a_ms", median->device_ms[0]), NUMBER("b_ms", median->device_ms[1]));
     cJSON_AddItemToObject(o, "samples_ms", cJSON_CreateDoubleArray(ms, (int)t->n));
     cJSON *stages = cJSON_AddArrayToObject(o, "stages");
     for (uint32_t i = 0; i < staged->n_stages; ++i) {
         cJSON *stage = json_add_row(stages);
-        cJSON_AddStringToObject(stage, "name", staged->stages[i].name);
-        cJSON_AddStringToObject(stage, "device", staged->stages[i].device == 0 ? "A" : "B");
-        cJSON_AddNumberToObject(stage, "ms", staged->stages[i].ms);
+        json_add(stage, STRING("name", staged->stages[i].name),
+                 STRING("device", staged->stages[i].device == 0 ? "A" : "B"),
+                 NUMBER("ms", staged->stages[i].ms));
     }
 }
 
@@ -78,16 +72,15 @@ cJSON *bench_add(cJSON *results, const duet_scene_info *scene, const duet_plan *
                  const timed *t, const duet_error *failure)
 {
     cJSON *o = json_add_row(cJSON_GetObjectItem(results, "cases"));
-    cJSON_AddStringToObject(o, "scene", scene->name);
-    cJSON_AddNumberToObject(o, "dims", scene->dims);
-    cJSON_AddNumberToObject(o, "objects", scene->n);
+    json_add(o, STRING("scene", scene->name), NUMBER("dims", scene->dims),
+             NUMBER("objects", scene->n));
     json_add_plan(o, (double)plan->share / DUET_SHARE_ONE, duet_mode_name(plan->mode),
                   plan->variant_a, plan->variant_b);
     if (failure) {
-        cJSON_AddStringToObject(o, "failed", failure->text);
+        json_add(o, STRING("failed", failure->text));
     } else {
         json_add_hash(o, t->hash);
-        cJSON_AddNumberToObject(o, "pairs", (double)t->last.pairs);
+        json_add(o, NUMBER("pairs", t->last.pairs));
         add_times(o, t);
         json_add_cores(o, &t->cores);
     }
@@ -251,11 +244,10 @@ static void compare_case(cJSON *one, const cJSON *before)
     uint32_t n_own = samples_of(one, own);
     uint32_t n_others = samples_of(before, others);
     race_gain gain = doubt(race_compare_apart(own, n_own, others, n_others, level), one, before);
-    cJSON_AddNumberToObject(one, fields[0], json_number(before, "median_ms"));
-    cJSON_AddNumberToObject(one, fields[1], gain.ratio);
-    cJSON_AddNumberToObject(one, fields[2], gain.interval.low);
-    cJSON_AddNumberToObject(one, fields[3], gain.interval.high);
-    cJSON_AddStringToObject(one, fields[4], race_verdict_name(gain.verdict));
+    json_add(one, NUMBER(fields[0], json_number(before, "median_ms")),
+             NUMBER(fields[1], gain.ratio), NUMBER(fields[2], gain.interval.low),
+             NUMBER(fields[3], gain.interval.high),
+             STRING(fields[4], race_verdict_name(gain.verdict)));
 }
 
 void bench_compare(cJSON *results, const cJSON *before)

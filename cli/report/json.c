@@ -47,50 +47,48 @@ void json_add_object(cJSON *o, const char *name, const char *chars)
         cJSON_Delete(object);
 }
 
+static cJSON *make(const json_member *m)
+{
+    return m->kind == JSON_STRING ? cJSON_CreateString(m->string)
+           : m->kind == JSON_FLAG ? cJSON_CreateBool(m->number != 0)
+           : isnan(m->number)     ? cJSON_CreateNull()
+                                  : cJSON_CreateNumber(m->number);
+}
+
+void json_add_members(cJSON *o, const json_member *members, size_t n)
+{
+    for (size_t i = 0; i < n; ++i)
+        if (members[i].kind != JSON_STRING || members[i].string)
+            cJSON_AddItemToObject(o, members[i].name, make(&members[i]));
+}
+
 void json_add_plan(cJSON *o, double share, const char *mode, const char *variant_a,
                    const char *variant_b)
 {
-    cJSON_AddNumberToObject(o, "share", share);
-    cJSON_AddStringToObject(o, "mode", mode);
-    cJSON_AddStringToObject(o, "variant_a", variant_a);
-    cJSON_AddStringToObject(o, "variant_b", variant_b);
-}
-
-void json_add_figure(cJSON *o, const char *name, double value)
-{
-    cJSON_AddItemToObject(o, name, isnan(value) ? cJSON_CreateNull() : cJSON_CreateNumber(value));
-}
-
-void json_add_interval(cJSON *o, const char *name, double value, double low, double high)
-{
-    char bound[64];
-    json_add_figure(o, name, value);
-    snprintf(bound, sizeof bound, "%s_low", name);
-    json_add_figure(o, bound, low);
-    snprintf(bound, sizeof bound, "%s_high", name);
-    json_add_figure(o, bound, high);
+    json_add(o, NUMBER("share", share), STRING("mode", mode), STRING("variant_a", variant_a),
+             STRING("variant_b", variant_b));
 }
 
 void json_add_rates(cJSON *o, double true_pairs, double missed, double false_rate)
 {
     bool measured = true_pairs >= 1;
-    json_add_figure(o, "missed_rate", measured ? missed : NAN);
-    json_add_figure(o, "false_rate", measured ? false_rate : NAN);
-    json_add_figure(o, "true_pairs", measured ? true_pairs : NAN);
+    json_add(o, NUMBER("missed_rate", measured ? missed : NAN),
+             NUMBER("false_rate", measured ? false_rate : NAN),
+             NUMBER("true_pairs", measured ? true_pairs : NAN));
 }
 
 void json_add_whole(cJSON *o, double ms, double gain, double low, double high)
 {
     bool raced = ms > 0;
-    json_add_figure(o, "whole_ms", raced ? ms : NAN);
-    json_add_interval(o, "whole_gain", raced ? gain : NAN, raced ? low : NAN, raced ? high : NAN);
+    json_add(o, NUMBER("whole_ms", raced ? ms : NAN),
+             INTERVAL("whole_gain", raced ? gain : NAN, raced ? low : NAN, raced ? high : NAN));
 }
 
 void json_add_hash(cJSON *o, uint64_t hash)
 {
     char digits[17];
     snprintf(digits, sizeof digits, "%016" PRIx64, hash);
-    cJSON_AddStringToObject(o, "hash", digits);
+    json_add(o, STRING("hash", digits));
 }
 
 void json_add_lines(cJSON *o, const char *name, const char *lines)
@@ -117,28 +115,25 @@ void json_add_stages(cJSON *o, const duet_stage *stages, uint32_t n)
     cJSON *list = cJSON_AddArrayToObject(o, "stages");
     for (uint32_t i = 0; i < n; ++i) {
         cJSON *stage = json_add_row(list);
-        cJSON_AddStringToObject(stage, "name", stages[i].name);
-        cJSON_AddStringToObject(stage, "device", stages[i].device == 0 ? "A" : "B");
-        cJSON_AddNumberToObject(stage, "ms", stages[i].ms);
-        cJSON_AddBoolToObject(stage, "transfer", stages[i].transfer);
-        cJSON_AddNumberToObject(stage, "begin_ms", stages[i].begin_ms);
-        cJSON_AddNumberToObject(stage, "end_ms", stages[i].end_ms);
+        json_add(stage, STRING("name", stages[i].name),
+                 STRING("device", stages[i].device == 0 ? "A" : "B"), NUMBER("ms", stages[i].ms),
+                 FLAG("transfer", stages[i].transfer), NUMBER("begin_ms", stages[i].begin_ms),
+                 NUMBER("end_ms", stages[i].end_ms));
     }
 }
 
 void json_add_devices(cJSON *o, const duet_device_pair *pair)
 {
-    cJSON_AddStringToObject(o, "a", duet_device_pair_get_info(pair, 0)->selector);
-    cJSON_AddStringToObject(o, "b", duet_device_pair_get_info(pair, 1)->selector);
+    json_add(o, STRING("a", duet_device_pair_get_info(pair, 0)->selector),
+             STRING("b", duet_device_pair_get_info(pair, 1)->selector));
 }
 
 void json_add_cores(cJSON *o, const core_tally *cores)
 {
     if (cores->of == 0)
         return;
-    cJSON_AddNumberToObject(o, "watched", (double)cores->launches);
-    cJSON_AddNumberToObject(o, "disturbed", (double)cores->disturbed);
-    cJSON_AddNumberToObject(o, "cpu_load", fmin(cores->others / cores->of, 1));
+    json_add(o, NUMBER("watched", cores->launches), NUMBER("disturbed", cores->disturbed),
+             NUMBER("cpu_load", fmin(cores->others / cores->of, 1)));
 }
 
 void json_add_pair(cJSON *o, const char *name, const duet_device_pair *pair)
@@ -146,7 +141,7 @@ void json_add_pair(cJSON *o, const char *name, const duet_device_pair *pair)
     char both[256];
     snprintf(both, sizeof both, "%s,%s", duet_device_pair_get_info(pair, 0)->selector,
              duet_device_pair_get_info(pair, 1)->selector);
-    cJSON_AddStringToObject(o, name, both);
+    json_add(o, STRING(name, both));
 }
 
 bool json_require(const cJSON *o, const json_field *fields, const char *where, duet_error *err)

@@ -21,21 +21,36 @@ bool json_write(const cJSON *o, text *t, duet_error *err);
 // Adds a field from an object's text; none if the text is not one object.
 void json_add_object(cJSON *o, const char *name, const char *chars);
 
+// A member of an object: a string (NULL: none), a flag, or a number (NaN: null).
+typedef struct json_member {
+    const char *name;
+    enum { JSON_NUMBER, JSON_STRING, JSON_FLAG } kind;
+    double number;
+    const char *string;
+} json_member;
+
+#define NUMBER(name, value) ((json_member){(name), JSON_NUMBER, (double)(value), NULL})
+#define STRING(name, value) ((json_member){(name), JSON_STRING, 0, (value)})
+#define FLAG(name, value) ((json_member){(name), JSON_FLAG, (value), NULL})
+// NAME, NAME_low and NAME_high.
+#define INTERVAL(name, value, low, high) \
+    NUMBER(name, value), NUMBER(name "_low", low), NUMBER(name "_high", high)
+
+// Adds members in turn: json_add(o, STRING("mode", mode), NUMBER("ms", ms)).
+#define json_add(o, ...)                                    \
+    json_add_members(o, (const json_member[]){__VA_ARGS__}, \
+                     sizeof((const json_member[]){__VA_ARGS__}) / sizeof(json_member))
+void json_add_members(cJSON *o, const json_member *members, size_t n);
+
 // Adds the fields that every plan has: share (0 to 1), mode, variant_a, variant_b.
 void json_add_plan(cJSON *o, double share, const char *mode, const char *variant_a,
                    const char *variant_b);
-
-// Adds a number; null for NaN, which is a figure that was not measured.
-void json_add_figure(cJSON *o, const char *name, double value);
 
 // Adds what a level got wrong of the true pairs. Below 1: it was not measured.
 void json_add_rates(cJSON *o, double true_pairs, double missed, double false_rate);
 
 // Adds how the undivided device compares, if its step took more than 0 ms; else null.
 void json_add_whole(cJSON *o, double ms, double gain, double low, double high);
-
-// Adds NAME, NAME_low and NAME_high.
-void json_add_interval(cJSON *o, const char *name, double value, double low, double high);
 
 // Adds "hash" as 16 hexadecimal digits, for no number of JSON holds 64 bits.
 void json_add_hash(cJSON *o, uint64_t hash);

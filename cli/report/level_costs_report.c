@@ -128,32 +128,24 @@ void level_costs_report_text(const level_costs_report *r)
 static void add_row(cJSON *list, const level_cost *row)
 {
     cJSON *o = json_add_row(list);
-    cJSON_AddStringToObject(o, "level", name_of(row));
-    cJSON_AddStringToObject(o, "device", row->device == 0 ? "A" : "B");
-    cJSON_AddNumberToObject(o, "step_ms", row->step_ms);
-    cJSON_AddNumberToObject(o, "relative", row->relative);
-    cJSON_AddBoolToObject(o, "same", row->same);
-    cJSON_AddNumberToObject(o, "relative_low", row->relative_low);
+    json_add(o, STRING("level", name_of(row)), STRING("device", row->device == 0 ? "A" : "B"),
+             NUMBER("step_ms", row->step_ms), NUMBER("relative", row->relative),
+             FLAG("same", row->same), NUMBER("relative_low", row->relative_low));
     if (isfinite(row->relative_high))
-        cJSON_AddNumberToObject(o, "relative_high", row->relative_high);
-    cJSON_AddNumberToObject(o, "pairs", (double)row->pairs);
-    cJSON_AddNumberToObject(o, "missed", (double)row->missed);
-    cJSON_AddNumberToObject(o, "false", (double)row->added);
-    cJSON_AddNumberToObject(o, "deepest_missed", row->deepest_missed);
-    cJSON_AddNumberToObject(o, "widest_false", row->widest_added);
-    cJSON_AddNumberToObject(o, "undecided_share", undecided_share(row));
-    cJSON_AddBoolToObject(o, "front", row->front);
+        json_add(o, NUMBER("relative_high", row->relative_high));
+    json_add(o, NUMBER("pairs", row->pairs), NUMBER("missed", row->missed),
+             NUMBER("false", row->added), NUMBER("deepest_missed", row->deepest_missed),
+             NUMBER("widest_false", row->widest_added),
+             NUMBER("undecided_share", undecided_share(row)), FLAG("front", row->front));
 }
 
 cJSON *level_costs_report_json(const level_costs_report *r)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "type", LEVEL_COSTS_TYPE);
-    cJSON_AddStringToObject(o, "scene", r->scene->name);
-    cJSON_AddNumberToObject(o, "objects", r->scene->n);
-    cJSON_AddNumberToObject(o, "pairs", (double)r->costs->truth);
+    json_add(o, STRING("type", LEVEL_COSTS_TYPE), STRING("scene", r->scene->name),
+             NUMBER("objects", r->scene->n), NUMBER("pairs", r->costs->truth));
     json_add_devices(o, r->pair);
-    cJSON_AddNumberToObject(o, "rounds", r->costs->rounds);
+    json_add(o, NUMBER("rounds", r->costs->rounds));
     json_add_cores(o, &r->costs->cores);
     cJSON *levels = cJSON_AddArrayToObject(o, "levels");
     for (uint32_t i = 0; i < r->costs->n; ++i)

@@ -170,20 +170,16 @@ bool motion_report_json(const motion_report *r, uint64_t hash, duet_error *err)
     if (!duet_motion_get_energy(r->motion, &e, err))
         return false;
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "scene", r->scene->name);
-    cJSON_AddNumberToObject(o, "objects", duet_motion_get_count(r->motion));
+    json_add(o, STRING("scene", r->scene->name),
+             NUMBER("objects", duet_motion_get_count(r->motion)));
     duet_plan plan = plan_used(r);
     json_add_plan(o, plan.share / (double)DUET_SHARE_ONE, duet_mode_name(plan.mode), plan.variant_a,
                   plan.variant_b);
-    cJSON_AddStringToObject(o, "profile",
-                            r->plan_given ? "given" : duet_grade_name(r->profile.grade));
-    cJSON_AddNumberToObject(o, "steps", (double)r->done);
-    cJSON_AddNumberToObject(o, "time", r->last.time);
-    cJSON_AddNumberToObject(o, "ms_a_step", mean_ms(r));
-    cJSON_AddNumberToObject(o, "pairs", (double)r->last.pairs);
-    cJSON_AddNumberToObject(o, "contacts", (double)r->last.contacts);
-    cJSON_AddNumberToObject(o, "kinetic", e.kinetic + e.turning);
-    cJSON_AddNumberToObject(o, "potential", e.potential);
+    json_add(o, STRING("profile", r->plan_given ? "given" : duet_grade_name(r->profile.grade)),
+             NUMBER("steps", r->done), NUMBER("time", r->last.time),
+             NUMBER("ms_a_step", mean_ms(r)), NUMBER("pairs", r->last.pairs),
+             NUMBER("contacts", r->last.contacts), NUMBER("kinetic", e.kinetic + e.turning),
+             NUMBER("potential", e.potential));
     json_add_hash(o, hash);
     cJSON *effects = cJSON_AddArrayToObject(o, "effects");
     for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
@@ -191,8 +187,7 @@ bool motion_report_json(const motion_report *r, uint64_t hash, duet_error *err)
             cJSON_AddItemToArray(effects, cJSON_CreateString(duet_effect_name(bit)));
     cJSON *stages = cJSON_AddObjectToObject(o, "stages_ms");
     for (uint32_t i = 0; i < r->n_stages; ++i)
-        cJSON_AddNumberToObject(stages, r->stages[i].name,
-                                r->stages[i].ms / (double)r->staged_steps);
-    cJSON_AddNumberToObject(o, "timed_steps", (double)r->timed_steps);
+        json_add(stages, NUMBER(r->stages[i].name, r->stages[i].ms / (double)r->staged_steps));
+    json_add(o, NUMBER("timed_steps", r->timed_steps));
     return say_json(o, err);
 }

@@ -22,8 +22,7 @@ cJSON *page_begin(void)
     time_t now = time(NULL);
     strftime(when, sizeof when, "%Y-%m-%d %H:%M UTC", gmtime(&now));
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "made", when);
-    cJSON_AddStringToObject(o, "duet", duet_version());
+    json_add(o, STRING("made", when), STRING("duet", duet_version()));
     cJSON_AddArrayToObject(o, "levels");
     cJSON_AddArrayToObject(o, "effects");
     cJSON_AddArrayToObject(o, "bench");
@@ -43,9 +42,8 @@ static bool gather(void *context, const profile_entry *e)
 {
     gathering *g = context;
     cJSON *o = profile_report_json(e);
-    cJSON_AddNumberToObject(o, "pair_id", (double)e->row.pair_id);
-    cJSON_AddNumberToObject(o, "workload_id", (double)e->row.workload_id);
-    cJSON_AddNumberToObject(o, "created_ns", (double)e->created_ns);
+    json_add(o, NUMBER("pair_id", e->row.pair_id), NUMBER("workload_id", e->row.workload_id),
+             NUMBER("created_ns", e->created_ns));
     cJSON_AddItemToArray(g->profiles, o);
     g->ok = e->dead_reason || profile_report_add_trials(o, g->s, e->session.id, g->err);
     return g->ok;
@@ -54,7 +52,7 @@ static bool gather(void *context, const profile_entry *e)
 bool page_add_store(cJSON *shown, store *s, duet_error *err)
 {
     cJSON *o = cJSON_AddObjectToObject(shown, "store");
-    cJSON_AddStringToObject(o, "path", store_path(s));
+    json_add(o, STRING("path", store_path(s)));
     gathering g = {s, cJSON_AddArrayToObject(o, "profiles"), true, err};
     return profile_entry_each(s, NULL, true, gather, &g, err) && g.ok;
 }

@@ -74,8 +74,7 @@ static void add_front(cJSON *front, measured *plans, uint32_t n)
         json_add_plan(row, json_number(plans[i].trial, "share"),
                       json_string(plans[i].trial, "mode"), json_string(plans[i].trial, "variant_a"),
                       json_string(plans[i].trial, "variant_b"));
-        cJSON_AddNumberToObject(row, "ms", plans[i].ms);
-        cJSON_AddNumberToObject(row, "joules", plans[i].joules);
+        json_add(row, NUMBER("ms", plans[i].ms), NUMBER("joules", plans[i].joules));
     }
 }
 

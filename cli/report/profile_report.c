@@ -43,57 +43,47 @@ bool profile_report_is_one(const profile_entry *e)
 static void add_device(cJSON *o, const char *name, const profile_entry_device *d)
 {
     cJSON *device = cJSON_AddObjectToObject(o, name);
-    cJSON_AddStringToObject(device, "name", d->name);
-    cJSON_AddStringToObject(device, "part", d->part ? d->part : "");
-    cJSON_AddStringToObject(device, "driver", d->driver);
-    cJSON_AddStringToObject(device, "platform_version", d->platform_version);
+    json_add(device, STRING("name", d->name), STRING("part", d->part ? d->part : ""),
+             STRING("driver", d->driver), STRING("platform_version", d->platform_version));
 }
 
 static void add_plan(cJSON *o, const profile_plan *plan)
 {
     json_add_plan(o, plan->share / (double)PROFILE_SHARE_ONE, plan->mode, plan->variant_a,
                   plan->variant_b);
-    cJSON_AddStringToObject(o, "level", plan->level);
+    json_add(o, STRING("level", plan->level));
 }
 
 cJSON *profile_report_json(const profile_entry *e)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "uid", e->uid);
-    cJSON_AddBoolToObject(o, "live", !e->dead_reason);
+    json_add(o, STRING("uid", e->uid), FLAG("live", !e->dead_reason));
     if (e->dead_reason)
-        cJSON_AddStringToObject(o, "dead_reason", e->dead_reason);
-    cJSON_AddStringToObject(o, "scene", e->scene ? e->scene : "");
-    cJSON_AddStringToObject(o, "family", e->family);
-    cJSON_AddNumberToObject(o, "dims", (double)e->dims);
+        json_add(o, STRING("dead_reason", e->dead_reason));
+    json_add(o, STRING("scene", e->scene ? e->scene : ""), STRING("family", e->family),
+             NUMBER("dims", e->dims));
     if (e->query) {
-        cJSON_AddStringToObject(o, "query", e->query);
-        cJSON_AddNumberToObject(o, "items", (double)e->n);
+        json_add(o, STRING("query", e->query), NUMBER("items", e->n));
     }
-    cJSON_AddBoolToObject(o, "moving", e->moving);
-    cJSON_AddNumberToObject(o, "objects", (double)(e->query ? e->boxes : e->n));
+    json_add(o, FLAG("moving", e->moving), NUMBER("objects", (double)(e->query ? e->boxes : e->n)));
     add_device(o, "a", &e->a);
     add_device(o, "b", &e->b);
     add_plan(o, &e->row.plan);
-    cJSON_AddNumberToObject(o, "ms", e->row.median_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "low_ms", e->row.low_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "high_ms", e->row.high_ns * 1e-6);
-    json_add_interval(o, "gain", e->row.gain, e->row.gain_low, e->row.gain_high);
-    cJSON_AddStringToObject(o, "verdict", e->row.verdict);
-    cJSON_AddNumberToObject(o, "rounds", e->row.rounds);
-    cJSON_AddNumberToObject(o, "watched", e->row.watched);
-    cJSON_AddNumberToObject(o, "disturbed", e->row.disturbed);
-    json_add_figure(o, "single_ms", e->row.single_ns * 1e-6);
+    json_add(o, NUMBER("ms", e->row.median_ns * 1e-6), NUMBER("low_ms", e->row.low_ns * 1e-6),
+             NUMBER("high_ms", e->row.high_ns * 1e-6),
+             INTERVAL("gain", e->row.gain, e->row.gain_low, e->row.gain_high),
+             STRING("verdict", e->row.verdict), NUMBER("rounds", e->row.rounds),
+             NUMBER("watched", e->row.watched), NUMBER("disturbed", e->row.disturbed),
+             NUMBER("single_ms", e->row.single_ns * 1e-6));
     json_add_whole(o, e->row.whole_ns * 1e-6, e->row.whole_gain, e->row.whole_gain_low,
                    e->row.whole_gain_high);
     json_add_rates(o, (double)e->row.true_pairs, e->row.missed_rate, e->row.false_rate);
     if (e->row.terms)
         json_add_object(o, "terms", e->row.terms);
-    cJSON_AddStringToObject(o, "objective", e->row.objective);
-    cJSON_AddStringToObject(o, "origin", e->row.origin);
-    cJSON_AddStringToObject(o, "kernels", e->row.kernels);
-    cJSON_AddStringToObject(o, "created", profile_report_when(e->created_ns).chars);
-    cJSON_AddBoolToObject(o, "here", profile_report_is_here(e));
+    json_add(o, STRING("objective", e->row.objective), STRING("origin", e->row.origin),
+             STRING("kernels", e->row.kernels),
+             STRING("created", profile_report_when(e->created_ns).chars),
+             FLAG("here", profile_report_is_here(e)));
     return o;
 }
 
@@ -102,38 +92,31 @@ void profile_report_add_session(cJSON *o, const profile_entry_session *s)
     if (!s->id)
         return;
     cJSON *session = cJSON_AddObjectToObject(o, "session");
-    cJSON_AddStringToObject(session, "id", s->id);
-    cJSON_AddStringToObject(session, "state", s->state);
-    cJSON_AddStringToObject(session, "strategy", s->strategy);
+    json_add(session, STRING("id", s->id), STRING("state", s->state),
+             STRING("strategy", s->strategy));
     json_add_object(session, "options", s->options);
     if (s->script)
-        cJSON_AddStringToObject(session, "script", s->script);
-    cJSON_AddStringToObject(session, "tool_version", s->tool_version);
-    cJSON_AddStringToObject(session, "host", s->host);
-    cJSON_AddNumberToObject(session, "seed", (double)s->seed);
-    cJSON_AddNumberToObject(session, "resumed", (double)s->resumed);
-    cJSON_AddNumberToObject(session, "launches", (double)s->launches);
-    json_add_figure(session, "load", s->load);
-    json_add_figure(session, "timer_ns", s->timer_ns);
-    cJSON_AddStringToObject(session, "started", profile_report_when(s->started_ns).chars);
-    cJSON_AddStringToObject(session, "ended", profile_report_when(s->ended_ns).chars);
+        json_add(session, STRING("script", s->script));
+    json_add(session, STRING("tool_version", s->tool_version), STRING("host", s->host),
+             NUMBER("seed", s->seed), NUMBER("resumed", s->resumed),
+             NUMBER("launches", s->launches), NUMBER("load", s->load),
+             NUMBER("timer_ns", s->timer_ns),
+             STRING("started", profile_report_when(s->started_ns).chars),
+             STRING("ended", profile_report_when(s->ended_ns).chars));
 }
 
 static bool add_trial(void *context, int64_t number, const profile_trial *trial)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddNumberToObject(o, "number", (double)number);
+    json_add(o, NUMBER("number", number));
     add_plan(o, &trial->plan);
-    cJSON_AddStringToObject(o, "outcome", trial->outcome);
+    json_add(o, STRING("outcome", trial->outcome));
     if (trial->reason)
-        cJSON_AddStringToObject(o, "reason", trial->reason);
-    cJSON_AddNumberToObject(o, "samples", trial->n_samples);
-    cJSON_AddNumberToObject(o, "outliers", trial->outliers);
-    json_add_figure(o, "ms", trial->median_ns * 1e-6);
-    json_add_figure(o, "low_ms", trial->low_ns * 1e-6);
-    json_add_figure(o, "high_ms", trial->high_ns * 1e-6);
-    json_add_figure(o, "a_ms", trial->a_ns * 1e-6);
-    json_add_figure(o, "b_ms", trial->b_ns * 1e-6);
+        json_add(o, STRING("reason", trial->reason));
+    json_add(o, NUMBER("samples", trial->n_samples), NUMBER("outliers", trial->outliers),
+             NUMBER("ms", trial->median_ns * 1e-6), NUMBER("low_ms", trial->low_ns * 1e-6),
+             NUMBER("high_ms", trial->high_ns * 1e-6), NUMBER("a_ms", trial->a_ns * 1e-6),
+             NUMBER("b_ms", trial->b_ns * 1e-6));
     if (trial->terms)
         json_add_object(o, "terms", trial->terms);
     return cJSON_AddItemToArray(context, o);

@@ -248,58 +248,48 @@ static void add_plan(cJSON *o, const duet_device_pair *pair, const duet_plan *pl
 {
     char both[2 * DUET_VARIANT];
     json_add_pair(o, "pair", pair);
-    cJSON_AddNumberToObject(o, "share", (double)plan->share / DUET_SHARE_ONE);
-    cJSON_AddStringToObject(o, "mode", duet_mode_name(plan->mode));
+    json_add(o, NUMBER("share", (double)plan->share / DUET_SHARE_ONE),
+             STRING("mode", duet_mode_name(plan->mode)));
     bool same = strcmp(plan->variant_a, plan->variant_b) == 0;
     snprintf(both, sizeof both, "%s%s%s", plan->variant_a, same ? "" : ",",
              same ? "" : plan->variant_b);
-    cJSON_AddStringToObject(o, "variant", both);
+    json_add(o, STRING("variant", both));
 }
 
 static void add_counts(cJSON *o, const duet_scene_info *info, const timed *m)
 {
     const duet_result *r = &m->last;
-    cJSON_AddStringToObject(o, "scene", info->name);
-    cJSON_AddNumberToObject(o, "dims", info->dims);
-    cJSON_AddNumberToObject(o, "objects", r->objects);
-    cJSON_AddNumberToObject(o, "bad", r->bad);
-    cJSON_AddNumberToObject(o, "candidates", (double)r->candidates);
-    cJSON_AddNumberToObject(o, "pairs", (double)r->pairs);
-    cJSON_AddNumberToObject(o, "undecided", (double)r->undecided);
+    json_add(o, STRING("scene", info->name), NUMBER("dims", info->dims),
+             NUMBER("objects", r->objects), NUMBER("bad", r->bad),
+             NUMBER("candidates", r->candidates), NUMBER("pairs", r->pairs),
+             NUMBER("undecided", r->undecided));
     json_add_hash(o, m->hash);
     cJSON *cells = cJSON_AddArrayToObject(o, "cells");
     for (uint32_t i = 0; i < info->dims; ++i)
         cJSON_AddItemToArray(cells, cJSON_CreateNumber(r->cells[i]));
-    cJSON_AddNumberToObject(o, "cell", (double)r->cell);
-    cJSON_AddNumberToObject(o, "grid_levels", r->grid_levels);
-    cJSON_AddBoolToObject(o, "hashed", r->hashed);
-    cJSON_AddBoolToObject(o, "cell_widened", r->cell_widened);
-    cJSON_AddNumberToObject(o, "bytes_a", (double)r->bytes[0]);
-    cJSON_AddNumberToObject(o, "bytes_b", (double)r->bytes[1]);
+    json_add(o, NUMBER("cell", r->cell), NUMBER("grid_levels", r->grid_levels),
+             FLAG("hashed", r->hashed), FLAG("cell_widened", r->cell_widened),
+             NUMBER("bytes_a", r->bytes[0]), NUMBER("bytes_b", r->bytes[1]));
 }
 
 static void add_times(cJSON *o, const timed *m)
 {
     const timed_step *median = timed_median(m), *staged = timed_staged(m);
-    cJSON_AddNumberToObject(o, "repeat", m->n);
+    json_add(o, NUMBER("repeat", m->n));
     json_add_cores(o, &m->cores);
-    cJSON_AddNumberToObject(o, "total_ms", median->total_ms);
-    cJSON_AddNumberToObject(o, "kernel_ms_a", staged->kernel_ms[0]);
-    cJSON_AddNumberToObject(o, "kernel_ms_b", staged->kernel_ms[1]);
-    cJSON_AddNumberToObject(o, "least_ms", m->steps[0].total_ms);
-    cJSON_AddNumberToObject(o, "most_ms", m->steps[m->n - 1].total_ms);
-    cJSON_AddNumberToObject(o, "a_ms", median->device_ms[0]);
-    cJSON_AddNumberToObject(o, "b_ms", median->device_ms[1]);
+    json_add(o, NUMBER("total_ms", median->total_ms), NUMBER("kernel_ms_a", staged->kernel_ms[0]),
+             NUMBER("kernel_ms_b", staged->kernel_ms[1]), NUMBER("least_ms", m->steps[0].total_ms),
+             NUMBER("most_ms", m->steps[m->n - 1].total_ms), NUMBER("a_ms", median->device_ms[0]),
+             NUMBER("b_ms", median->device_ms[1]));
     json_add_stages(o, staged->stages, staged->n_stages);
 }
 
 void run_report_add_check(cJSON *o, const reference_check *check)
 {
     cJSON *one = cJSON_AddObjectToObject(o, "check");
-    cJSON_AddBoolToObject(one, "right", reference_check_is_right(check));
-    cJSON_AddNumberToObject(one, "reference", (double)check->reference);
-    cJSON_AddNumberToObject(one, "missing", (double)check->missing);
-    cJSON_AddNumberToObject(one, "extra", (double)check->extra);
+    json_add(one, FLAG("right", reference_check_is_right(check)),
+             NUMBER("reference", check->reference), NUMBER("missing", check->missing),
+             NUMBER("extra", check->extra));
 }
 
 // ---------------------------------------------------------------- the whole
@@ -329,11 +319,9 @@ bool run_report_json(const run_report *r, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     add_counts(o, r->scene, r->timed);
     add_plan(o, r->pair, r->plan);
-    cJSON_AddStringToObject(o, "level", r->level);
-    cJSON_AddStringToObject(o, "profile",
-                            r->plan_given ? "given" : duet_grade_name(r->profile.grade));
-    cJSON_AddStringToObject(o, "input", timed_input_name(r->input));
-    cJSON_AddBoolToObject(o, "ordered", r->ordered);
+    json_add(o, STRING("level", r->level),
+             STRING("profile", r->plan_given ? "given" : duet_grade_name(r->profile.grade)),
+             STRING("input", timed_input_name(r->input)), FLAG("ordered", r->ordered));
     add_times(o, r->timed);
     if (r->check.asked)
         run_report_add_check(o, &r->check);

@@ -25,12 +25,11 @@ static void add_about(cJSON *o, const time_lines *shown)
 static cJSON *describe(const time_lines *shown)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "title", shown->title);
-    cJSON_AddNumberToObject(o, "total_ms", shown->total_ms);
+    json_add(o, STRING("title", shown->title), NUMBER("total_ms", shown->total_ms));
     add_about(o, shown);
     cJSON *devices = cJSON_AddObjectToObject(o, "devices");
-    cJSON_AddStringToObject(devices, "A", duet_device_pair_get_info(shown->pair, 0)->selector);
-    cJSON_AddStringToObject(devices, "B", duet_device_pair_get_info(shown->pair, 1)->selector);
+    json_add(devices, STRING("A", duet_device_pair_get_info(shown->pair, 0)->selector),
+             STRING("B", duet_device_pair_get_info(shown->pair, 1)->selector));
     json_add_stages(o, shown->stages, shown->n_stages);
     return o;
 }

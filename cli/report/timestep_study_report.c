@@ -109,19 +109,14 @@ void timestep_study_report_text(const timestep_study_report *r)
 static cJSON *row_json(const timestep_run *row)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddNumberToObject(o, "dt", row->dt);
-    cJSON_AddNumberToObject(o, "substeps", row->substeps);
-    cJSON_AddStringToObject(o, "integrator", scene_integrator_name(row->integrator));
-    cJSON_AddBoolToObject(o, "own", row->own);
-    cJSON_AddNumberToObject(o, "ms_a_second", row->ms);
+    json_add(o, NUMBER("dt", row->dt), NUMBER("substeps", row->substeps),
+             STRING("integrator", scene_integrator_name(row->integrator)), FLAG("own", row->own),
+             NUMBER("ms_a_second", row->ms));
     if (isfinite(row->noise))
-        cJSON_AddNumberToObject(o, "noise_ms", row->noise);
-    cJSON_AddNumberToObject(o, "error", row->error);
-    cJSON_AddNumberToObject(o, "energy", row->energy);
-    cJSON_AddNumberToObject(o, "gain", row->gain);
-    cJSON_AddNumberToObject(o, "depth", row->depth);
-    cJSON_AddBoolToObject(o, "finite", row->finite);
-    cJSON_AddBoolToObject(o, "front", row->front);
+        json_add(o, NUMBER("noise_ms", row->noise));
+    json_add(o, NUMBER("error", row->error), NUMBER("energy", row->energy),
+             NUMBER("gain", row->gain), NUMBER("depth", row->depth), FLAG("finite", row->finite),
+             FLAG("front", row->front));
     return o;
 }
 
@@ -129,10 +124,9 @@ bool timestep_study_report_json(const timestep_study_report *r, duet_error *err)
 {
     const timestep_study *p = r->study;
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "scene", r->scene->name);
-    cJSON_AddNumberToObject(o, "objects", r->scene->n);
+    json_add(o, STRING("scene", r->scene->name), NUMBER("objects", r->scene->n));
     json_add_devices(o, r->pair);
-    cJSON_AddNumberToObject(o, "time", p->time);
+    json_add(o, NUMBER("time", p->time));
     cJSON_AddItemToObject(o, "reference", row_json(&p->reference));
     cJSON *rows = cJSON_AddArrayToObject(o, "timesteps");
     for (uint32_t i = 0; i < p->n; ++i)

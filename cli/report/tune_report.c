@@ -118,7 +118,7 @@ static void add_terms(cJSON *o, const duet_tune_terms *t)
 {
     cJSON *terms = cJSON_AddObjectToObject(o, "terms");
     for (const terms_field *f = terms_fields; f->name; ++f)
-        cJSON_AddNumberToObject(terms, f->name, terms_value(f, t));
+        json_add(terms, NUMBER(f->name, terms_value(f, t)));
 }
 
 // The searches of either device's kernels.
@@ -130,14 +130,12 @@ static void add_kernels(cJSON *row, const duet_tune_outcome *o)
         if (k->configs == 0)
             continue;
         cJSON *one = json_add_row(list);
-        cJSON_AddStringToObject(one, "device", device == 0 ? "A" : "B");
-        cJSON_AddStringToObject(one, "variant",
-                                device == 0 ? o->plan.variant_a : o->plan.variant_b);
-        cJSON_AddNumberToObject(one, "configs", k->configs);
-        cJSON_AddNumberToObject(one, "tried", k->tried);
-        cJSON_AddNumberToObject(one, "launches", k->launches);
-        json_add_interval(one, "gain", k->gain, k->gain_low, k->gain_high);
-        cJSON_AddStringToObject(one, "verdict", k->verdict);
+        json_add(one, STRING("device", device == 0 ? "A" : "B"),
+                 STRING("variant", device == 0 ? o->plan.variant_a : o->plan.variant_b),
+                 NUMBER("configs", k->configs), NUMBER("tried", k->tried),
+                 NUMBER("launches", k->launches),
+                 INTERVAL("gain", k->gain, k->gain_low, k->gain_high),
+                 STRING("verdict", k->verdict));
     }
 }
 
@@ -158,53 +156,43 @@ static void add_command(cJSON *row, const duet_tune_outcome *o, bool one, bool i
                       o->plan.variant_a, o->plan.variant_b, one);
     if (!is_task)
         command_text_option(command, "level", duet_level_get_info(o->level)->name);
-    cJSON_AddStringToObject(row, "command", text_chars(command));
+    json_add(row, STRING("command", text_chars(command)));
 }
 
 void tune_report_add(tune_report *r, const duet_tune_outcome *o, text *command)
 {
     cJSON *row = json_add_row(r->workloads);
-    cJSON_AddStringToObject(row, "workload", r->name);
-    cJSON_AddNumberToObject(row, "objects", o->objects);
+    json_add(row, STRING("workload", r->name), NUMBER("objects", o->objects));
     if (r->query || r->task) {
-        cJSON_AddStringToObject(row, r->task ? "task" : "query", r->task ? r->task : r->query);
-        cJSON_AddNumberToObject(row, "items", (double)r->items);
+        json_add(row, STRING(r->task ? "task" : "query", r->task ? r->task : r->query),
+                 NUMBER("items", r->items));
     }
     if (r->steps)
-        cJSON_AddNumberToObject(row, "steps", r->steps);
-    cJSON_AddStringToObject(row, "level", duet_level_get_info(o->level)->name);
+        json_add(row, NUMBER("steps", r->steps));
+    json_add(row, STRING("level", duet_level_get_info(o->level)->name));
     json_add_rates(row, (double)o->true_pairs, o->accuracy.missed, o->accuracy.false_rate);
     json_add_plan(row, o->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(o->plan.mode),
                   o->plan.variant_a, o->plan.variant_b);
     add_command(row, o, r->one, r->task, command);
-    cJSON_AddBoolToObject(row, "one_device", r->one);
-    cJSON_AddNumberToObject(row, "best_share", o->best.share / (double)DUET_SHARE_ONE);
-    json_add_interval(row, "gain", o->gain, o->gain_low, o->gain_high);
-    cJSON_AddStringToObject(row, "verdict", o->verdict);
-    json_add_figure(row, "step_ms", o->step_ms > 0 ? o->step_ms : NAN);
-    cJSON_AddNumberToObject(row, "rounds", o->rounds);
-    cJSON_AddNumberToObject(row, "watched", o->watched);
-    cJSON_AddNumberToObject(row, "disturbed", o->disturbed);
-    json_add_figure(row, "single_ms", o->single_ms);
+    json_add(row, FLAG("one_device", r->one),
+             NUMBER("best_share", o->best.share / (double)DUET_SHARE_ONE),
+             INTERVAL("gain", o->gain, o->gain_low, o->gain_high), STRING("verdict", o->verdict),
+             NUMBER("step_ms", o->step_ms > 0 ? o->step_ms : NAN), NUMBER("rounds", o->rounds),
+             NUMBER("watched", o->watched), NUMBER("disturbed", o->disturbed),
+             NUMBER("single_ms", o->single_ms));
     if (o->terms.joules > 0) {
-        cJSON_AddNumberToObject(row, "joules", o->terms.joules);
-        cJSON_AddNumberToObject(row, "single_joules", o->single_joules);
+        json_add(row, NUMBER("joules", o->terms.joules), NUMBER("single_joules", o->single_joules));
     }
     if (o->whole_ms > 0)
-        cJSON_AddStringToObject(row, "whole", r->whole);
+        json_add(row, STRING("whole", r->whole));
     json_add_whole(row, o->whole_ms, o->whole_gain, o->whole_gain_low, o->whole_gain_high);
-    cJSON_AddNumberToObject(row, "launches", o->launches);
-    cJSON_AddNumberToObject(row, "seconds", o->seconds);
-    json_add_figure(row, "break_even_steps", break_even(o));
-    cJSON_AddBoolToObject(row, "known", o->known);
-    cJSON_AddBoolToObject(row, "resumed", o->resumed);
-    cJSON_AddStringToObject(row, "uid", o->uid);
-    cJSON_AddStringToObject(row, "unused", o->unused);
+    json_add(row, NUMBER("launches", o->launches), NUMBER("seconds", o->seconds),
+             NUMBER("break_even_steps", break_even(o)), FLAG("known", o->known),
+             FLAG("resumed", o->resumed), STRING("uid", o->uid), STRING("unused", o->unused));
     add_terms(row, &o->terms);
     add_kernels(row, o);
     if (o->plans > 0) {
-        cJSON_AddNumberToObject(row, "plans", o->plans);
-        cJSON_AddNumberToObject(row, "plans_tried", o->plans_tried);
+        json_add(row, NUMBER("plans", o->plans), NUMBER("plans_tried", o->plans_tried));
     }
     clear_line(r);
 }
