@@ -16,9 +16,7 @@
 static test_folder make_store(void)
 {
     test_folder folder = test_folder_make();
-    duet_error err = {0};
-    store *s = store_open(folder.store, STORE_WRITE, &err);
-    assert_ok(s, err);
+    store *s = must(store_open(folder.store, STORE_WRITE, ERR));
     profile_pair pair = test_pair();
     profile_workload small = test_workload(1000);
     profile_workload large = test_workload(250000);
@@ -189,12 +187,11 @@ TEST(what_one_device_does_alone_is_told_as_such)
     duet_error err = {0};
     char arguments[64];
     store *s = store_open(folder.store, STORE_WRITE, &err);
-    assert_ok(s && sql_script(s,
-                              "UPDATE profile SET share = 0, gain = -0.261, gain_low = -0.3, "
-                              "gain_high = -0.2, verdict = 'slower', whole_ns = 1e6, "
-                              "whole_gain = -0.2, whole_gain_low = -0.25, whole_gain_high = -0.1",
-                              &err),
-              err);
+    must(s && sql_script(s,
+                         "UPDATE profile SET share = 0, gain = -0.261, gain_low = -0.3, "
+                         "gain_high = -0.2, verdict = 'slower', whole_ns = 1e6, "
+                         "whole_gain = -0.2, whole_gain_low = -0.25, whole_gain_high = -0.1",
+                         ERR));
     store_close(s);
     cJSON *o = run_json(&folder, "list --json");
     const cJSON *first = cJSON_GetArrayItem(json_array(o, "profiles", 2), 0);
@@ -284,7 +281,7 @@ TEST(prune_and_check_say_what_they_found)
     assert_prints(&folder, "check", "sound");
     duet_error err = {0};
     store *s = store_open(folder.store, STORE_WRITE, &err);
-    assert_ok(s && sql_script(s, "UPDATE device SET units = 7", &err), err);
+    must(s && sql_script(s, "UPDATE device SET units = 7", ERR));
     store_close(s);
     program p = run_on(&folder, "check");
     assert_int_equal(p.exit_code, 1);
@@ -303,8 +300,7 @@ TEST(what_is_wrong_is_said_in_one_line)
     assert_refused(&folder, "prune --samples -1", 2, "--samples");
     assert_refused(&folder, "list", 1, "there is no profile store; duet tune makes one");
     assert_refused(&folder, "import no/such.jsonl", 1, "no/such.jsonl: No such file");
-    duet_error err = {0};
-    assert_ok(text_write_file(folder.store, "rubbish", 7, &err), err);
+    must(text_write_file(folder.store, "rubbish", 7, ERR));
     assert_refused(&folder, "list", 1, "is not a profile store and was left as it is");
     assert_refused(&folder, "prune", 1, "is not a profile store and was left as it is");
 }
@@ -314,8 +310,7 @@ TEST(every_query_of_the_documentation_works)
 {
     test_folder folder = make_store();
     duet_error err = {0};
-    store *s = store_open(folder.store, STORE_WRITE, &err);
-    assert_ok(s, err);
+    store *s = must(store_open(folder.store, STORE_WRITE, ERR));
     text path = {0};
     text_add(&path, "%s/../../docs/store.md", getenv("DUET_TEST_DATA"));
     text doc = test_read_file(text_chars(&path));

@@ -169,12 +169,11 @@ TEST(objects_in_order_keep_the_ids_of_the_scene)
     text lines[2] = {{0}};
     cJSON *o[2];
     for (int i = 0; i < 2; ++i) {
-        duet_error err = {0};
         char arguments[160];
         snprintf(arguments, sizeof arguments,
                  SCENE " --pairs test_run.csv --check --repeat 2 --share 0.5 %s", orders[i]);
         o[i] = run_json(arguments);
-        assert_ok(text_read_file(&lines[i], "test_run.csv", &err), err);
+        must(text_read_file(&lines[i], "test_run.csv", ERR));
         assert_int_equal(cJSON_IsTrue(cJSON_GetObjectItem(o[i], "ordered")), i);
     }
     assert_string_equal(lines[0].chars, lines[1].chars);

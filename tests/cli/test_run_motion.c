@@ -209,11 +209,10 @@ static text draw_one_that_comes(double radius)
         "  { { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xffffffff, 0xffffffff, %g, false, false } }))\n"
         "assert(motion:advance())\n"
         "assert(motion:save_recording '" RECORDING "')\n";
-    duet_error err = {0};
     char given[sizeof script + 16];
     int n = snprintf(given, sizeof given, script, radius);
     test_write_file(BALL, scene);
-    assert_ok(text_write_file(SCRIPT, given, (size_t)n, &err), err);
+    must(text_write_file(SCRIPT, given, (size_t)n, ERR));
     program p = program_run("lua --trust " SCRIPT);
     if (p.exit_code != 0)
         fail_msg("lua: %s", p.err);

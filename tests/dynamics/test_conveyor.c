@@ -114,15 +114,13 @@ TEST(a_ball_on_a_belt_rolls_on_the_spot_in_part)
 // A command stops the belt, and the box with it.
 TEST(a_command_stops_a_belt)
 {
-    duet_error err = {0};
     belt b = {.dims = 3, .friction = 0.5, .speed = 2, .dt = 1.0 / 60.0, .substeps = 4};
     mover *m = make(&b);
     mover_run(m, 60);
     assert_close(m->states[1].velocity[0], 2.0, 1e-3);
     duet_body still = duet_default_body();
     duet_body_list floor = {.first = 0, .n = 1};
-    assert_ok(duet_motion_set_bodies(m->motion, floor, DUET_BODY_SURFACE_VELOCITY, &still, &err),
-              err);
+    must(duet_motion_set_bodies(m->motion, floor, DUET_BODY_SURFACE_VELOCITY, &still, ERR));
     mover_run(m, 60);
     assert_close(m->states[1].velocity[0], 0.0, 1e-3);
     mover_free(m);
@@ -131,7 +129,6 @@ TEST(a_command_stops_a_belt)
 // A file of a motion on a belt goes on bit for bit, in double as well.
 TEST(a_loaded_belt_runs_on)
 {
-    duet_error err = {0};
     for (int doubles = 0; doubles < 2; ++doubles) {
         belt b = {
             .dims = 3, .friction = 0.5, .speed = 2, .turn = 0.3, .dt = 1.0 / 60.0, .substeps = 4};
@@ -139,8 +136,8 @@ TEST(a_loaded_belt_runs_on)
         m->def.doubles = loaded->def.doubles = doubles == 1;
         mover_run(m, 10);
         mover_run(loaded, 0);
-        assert_ok(duet_motion_save(m->motion, "belt", &err), err);
-        assert_ok(duet_motion_load(loaded->motion, "belt", &err), err);
+        must(duet_motion_save(m->motion, "belt", ERR));
+        must(duet_motion_load(loaded->motion, "belt", ERR));
         mover_run(m, 30);
         mover_run(loaded, 30);
         assert_true(mover_hash(m) == mover_hash(loaded));

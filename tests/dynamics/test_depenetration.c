@@ -149,7 +149,6 @@ TEST(what_does_not_begin_deep_keeps_its_bits)
 // In double, in origin cells and with a skin, and saved before the first step.
 TEST(all_states_are_taken_apart)
 {
-    duet_error err = {0};
     for (int kind = 0; kind < 3; ++kind) {
         mover *pair[2];
         for (int k = 0; k < 2; ++k) {
@@ -161,8 +160,8 @@ TEST(all_states_are_taken_apart)
             m->def.skin = kind == 2 ? 0.05 : 0.0;
             mover_run(m, 0);
         }
-        assert_ok(duet_motion_save(pair[0]->motion, "deep", &err), err);
-        assert_ok(duet_motion_load(pair[1]->motion, "deep", &err), err);
+        must(duet_motion_save(pair[0]->motion, "deep", ERR));
+        must(duet_motion_load(pair[1]->motion, "deep", ERR));
         assert_true(fastest_in(pair[0], 30) < 0.08);
         mover_run(pair[1], 30);
         assert_true(mover_hash(pair[0]) == mover_hash(pair[1]));

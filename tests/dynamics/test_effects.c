@@ -308,8 +308,7 @@ static bool has_param(gen *g, const char *name, const gen_limits *limits, const 
 {
     const gen_param *params = NULL;
     uint32_t n = 0;
-    duet_error err = {0};
-    assert_ok(gen_params(g, name, limits, &params, &n, &err), err);
+    must(gen_params(g, name, limits, &params, &n, ERR));
     for (uint32_t i = 0; i < n; ++i)
         if (strcmp(params[i].name, param) == 0 && params[i].n_values > 1)
             return true;
@@ -378,8 +377,7 @@ static gen_variant variant_without(gen *g, const char *name, const gen_limits *l
         settings[n++] = (gen_setting){param, !is_off};
     }
     gen_variant v = {0};
-    duet_error err = {0};
-    assert_ok(gen_make(g, name, settings, n, limits, &v, &err), err);
+    must(gen_make(g, name, settings, n, limits, &v, ERR));
     return v;
 }
 
@@ -405,9 +403,7 @@ static uint32_t n_arguments(const gen_variant *v)
 TEST(kernels_take_no_argument_of_what_is_left_out)
 {
     const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
-    duet_error err = {0};
-    gen *g = gen_open(NULL, &err);
-    assert_ok(g, err);
+    gen *g = must(gen_open(NULL, ERR));
     int checked = 0;
     for (size_t k = 0; k < N_KERNELS; ++k) {
         gen_variant all = variant_without(g, kernels[k], &limits, -1);
@@ -437,9 +433,7 @@ TEST(kernels_take_no_argument_of_what_is_left_out)
 TEST(an_effect_names_all_its_kernels)
 {
     const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
-    duet_error err = {0};
-    gen *g = gen_open(NULL, &err);
-    assert_ok(g, err);
+    gen *g = must(gen_open(NULL, ERR));
     mover *m = make_scene(0);
     mover_run(m, 1);
     int checked = 0;
@@ -573,8 +567,7 @@ typedef struct traffic {
 
 static traffic step_once(mover *m)
 {
-    duet_error err = {0};
-    assert_ok(duet_motion_advance(m->motion, &m->last, &err), err);
+    must(duet_motion_advance(m->motion, &m->last, ERR));
     const timeline *own = &m->motion->times, *search = &m->motion->graph.world->parts[1].times;
     bool searched = m->last.rebuilt;
     return (traffic){own->n_launches + (searched ? search->n_launches : 0),
@@ -619,11 +612,10 @@ static mover *make_sleepers(void)
 // A change of a motion from outside is a load.
 TEST(a_step_at_rest_sends_nothing)
 {
-    duet_error err = {0};
     mover *m = make_sleepers();
     mover_run(m, 9);
     assert_true(step_once(m).launches > 0);
-    assert_ok(duet_motion_save(m->motion, path, &err), err);
+    must(duet_motion_save(m->motion, path, ERR));
     mover_run(m, 50);
     uint64_t hash = mover_hash(m);
     traffic t = step_once(m);
@@ -632,7 +624,7 @@ TEST(a_step_at_rest_sends_nothing)
     assert_int_equal(t.launches, 0);
     assert_int_equal(t.waits, 0);
     assert_true(mover_hash(m) == hash);
-    assert_ok(duet_motion_load(m->motion, path, &err), err);
+    must(duet_motion_load(m->motion, path, ERR));
     assert_true(step_once(m).launches > 0);
     assert_int_equal(m->last.step, 11);
     mover_free(m);
@@ -662,13 +654,12 @@ TEST(a_loaded_motion_goes_on_as_the_saved_one)
             with_needs(DUET_EFFECT_ROTATION | DUET_EFFECT_ANGULAR_VELOCITY |
                        DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_GRAVITY | DUET_EFFECT_BOUNDARY |
                        wants[i % 3] | (i < 3 ? 0 : DUET_EFFECT_SKIN));
-        duet_error err = {0};
         mover *saved = make_scene(set);
         mover *loaded = make_scene(set);
         mover_run(saved, 60);
-        assert_ok(duet_motion_save(saved->motion, path, &err), err);
+        must(duet_motion_save(saved->motion, path, ERR));
         mover_run(loaded, 0);
-        assert_ok(duet_motion_load(loaded->motion, path, &err), err);
+        must(duet_motion_load(loaded->motion, path, ERR));
         for (int k = 0; k < 3; ++k) {
             assert_true(mover_hash(saved) == mover_hash(loaded));
             mover_run(saved, 20);
@@ -685,7 +676,7 @@ TEST(a_damaged_file_is_refused)
     duet_error err = {0};
     mover *m = make_scene(with_needs(DUET_EFFECT_CONTACT_RESPONSE));
     mover_run(m, 5);
-    assert_ok(duet_motion_save(m->motion, path, &err), err);
+    must(duet_motion_save(m->motion, path, ERR));
     FILE *f = fopen(path, "r+b");
     assert_non_null(f);
     fseek(f, 200, SEEK_SET);

@@ -21,8 +21,7 @@ typedef struct touching {
 
 static void read(duet_motion *m, motion_buffer which, void *to, size_t bytes)
 {
-    duet_error err = {0};
-    assert_ok(timeline_read(&m->times, "test", &m->buffers[which], to, bytes, &err), err);
+    must(timeline_read(&m->times, "test", &m->buffers[which], to, bytes, ERR));
 }
 
 // From all records, whatever order they are in.
@@ -314,13 +313,12 @@ TEST(share_and_launch_change_no_event)
 
 TEST(a_loaded_motion_tells_what_the_saved_one_does)
 {
-    duet_error err = {0};
     mover *m = new_pile(), *other = new_pile();
     m->def.skin = other->def.skin = 0.2;
     mover_run(m, 80);
-    assert_ok(duet_motion_save(m->motion, "events.motion", &err), err);
+    must(duet_motion_save(m->motion, "events.motion", ERR));
     mover_run(other, 30);
-    assert_ok(duet_motion_load(other->motion, "events.motion", &err), err);
+    must(duet_motion_load(other->motion, "events.motion", ERR));
     for (int i = 0; i < 60; ++i) {
         mover_run(m, 1);
         mover_run(other, 1);
@@ -401,17 +399,16 @@ TEST(a_sensor_sees_what_sleeps_and_does_not_wake_it)
     assert_int_equal(events_with(m, still).stays, 1); // the cube, not the floor
     assert_int_equal(events_with(m, guide).stays, 0);
     assert_int_equal(m->last.n_stages, 0); // all sleeps
-    duet_error err = {0};
     const duet_body goes = {.velocity = {2, 0, 0}};
     const duet_body_list list = {.first = guide, .n = 1};
-    assert_ok(duet_motion_set_bodies(m->motion, list, DUET_BODY_VELOCITY, &goes, &err), err);
+    must(duet_motion_set_bodies(m->motion, list, DUET_BODY_VELOCITY, &goes, ERR));
     counts c = run_sensor(m, guide, 360);
     assert_true(c.begins == 2 && c.ends == 2 && c.stays > 60);
     assert_close(mover_speed(m, 1) + mover_speed(m, 2), 0, 0);
     duet_pose away = m->poses[still];
     away.centre[0] = 9;
     const duet_body_list other = {.first = still, .n = 1};
-    assert_ok(duet_motion_set_poses(m->motion, other, &away, &err), err);
+    must(duet_motion_set_poses(m->motion, other, &away, ERR));
     mover_run(m, 1);
     assert_int_equal(events_with(m, still).ends, 1);
     assert_close(mover_speed(m, 1), 0, 0);
@@ -441,12 +438,10 @@ TEST(a_sensor_without_mass_sees_what_has_none)
         assert_int_equal(events_with(m, low).stays, 1);
         assert_int_equal(events_with(m, still).stays + events_with(m, masked).stays, 0);
         assert_int_equal(m->last.n_stages, 0); // all sleeps
-        duet_error err = {0};
         const duet_body goes = {.velocity = {2, 0, 0}};
         const duet_body_list lift = {.first = 3, .n = 1};
-        assert_ok(duet_motion_set_bodies(m->motion, lift, DUET_BODY_VELOCITY, &goes, &err), err);
-        assert_ok(duet_motion_set_bodies(without->motion, lift, DUET_BODY_VELOCITY, &goes, &err),
-                  err);
+        must(duet_motion_set_bodies(m->motion, lift, DUET_BODY_VELOCITY, &goes, ERR));
+        must(duet_motion_set_bodies(without->motion, lift, DUET_BODY_VELOCITY, &goes, ERR));
         counts c = run_sensor(m, still, 180);
         mover_run(without, 180);
         assert_true(c.begins == 1 && c.ends == 1 && c.stays > 30 && c.stays < 60);
@@ -482,14 +477,13 @@ TEST(a_sensor_that_came_by_a_command_is_saved)
     mover *m = make_cubes(false), *fresh = make_cubes(false);
     mover_run(m, 10);
     mover_run(fresh, 1);
-    duet_error err = {0};
     const duet_pose pose = {{5, 0, 2}, {0.25f, 0.25f, 0.25f}, {0, 0, 0, 1}};
     duet_body sensor = duet_default_body();
     sensor.mass = 0;
     sensor.sensor = true;
-    assert_ok(duet_motion_add_bodies(m->motion, &pose, &sensor, 1, NULL, &err), err);
-    assert_ok(duet_motion_save(m->motion, path, &err), err);
-    assert_ok(duet_motion_load(fresh->motion, path, &err), err);
+    must(duet_motion_add_bodies(m->motion, &pose, &sensor, 1, NULL, ERR));
+    must(duet_motion_save(m->motion, path, ERR));
+    must(duet_motion_load(fresh->motion, path, ERR));
     m->n = fresh->n = 4;
     counts c = run_sensor(m, 3, 90), d = run_sensor(fresh, 3, 90);
     assert_true(c.begins == 1 && c.ends == 1 && c.stays == d.stays && d.begins == 1);

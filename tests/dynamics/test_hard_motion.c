@@ -13,9 +13,8 @@ static const char path[] = "motion"; // name of the file that a test saves
 
 static duet_contact *contacts_of(mover *m, uint64_t *n)
 {
-    duet_error err = {0};
     duet_contact *contacts = NULL;
-    assert_ok(duet_motion_get_contacts(m->motion, &contacts, n, &err), err);
+    must(duet_motion_get_contacts(m->motion, &contacts, n, ERR));
     return contacts;
 }
 
@@ -226,7 +225,6 @@ TEST(an_object_that_leaps_out_of_its_skin_is_found_where_it_lands)
 
 TEST(objects_put_back_by_a_file_are_searched_anew)
 {
-    duet_error err = {0};
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT;
     m->def.skin = 0.5;
@@ -235,10 +233,10 @@ TEST(objects_put_back_by_a_file_are_searched_anew)
     m->bodies[1].velocity[0] = 1;
     mover_run(m, 1);
     assert_int_equal(count_contacts(m), 1);
-    assert_ok(duet_motion_save(m->motion, path, &err), err);
+    must(duet_motion_save(m->motion, path, ERR));
     mover_run(m, 100);
     assert_int_equal(count_contacts(m), 0);
-    assert_ok(duet_motion_load(m->motion, path, &err), err);
+    must(duet_motion_load(m->motion, path, ERR));
     mover_run(m, 1);
     assert_int_equal(count_contacts(m), 1);
     mover_free(m);

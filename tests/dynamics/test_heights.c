@@ -312,13 +312,12 @@ static double above_ground(const field *f, vector p)
 // The nearest contact of each ball, from what a step without response says; INFINITY: none.
 static void least_separations(mover *m, double *least)
 {
-    duet_error err = {0};
     duet_contact *contacts;
     uint64_t n;
     mover_run(m, 1);
     for (uint32_t id = 0; id < m->n; ++id)
         least[id] = INFINITY;
-    assert_ok(duet_motion_get_contacts(m->motion, &contacts, &n, &err), err);
+    must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
     for (uint64_t i = 0; i < n; ++i)
         for (uint32_t k = 0; contacts[i].b == m->n + 6 && k < contacts[i].n; ++k)
             least[contacts[i].a] =
@@ -521,7 +520,6 @@ TEST(the_ground_is_one_partner_in_events_and_hits)
 
 TEST(a_saved_motion_on_a_ground_goes_on_bit_for_bit)
 {
-    duet_error err = {0};
     rng r = rng_seed(5);
     drawn = r;
     field *f = malloc(sizeof *f);
@@ -532,10 +530,10 @@ TEST(a_saved_motion_on_a_ground_goes_on_bit_for_bit)
     for (int k = 0; k < 30; ++k)
         add_thrown(m, &r, k % SHAPES);
     mover_run(m, 100);
-    assert_ok(duet_motion_save(m->motion, "saved", &err), err);
+    must(duet_motion_save(m->motion, "saved", ERR));
     mover_run(m, 50);
     uint64_t expected = mover_hash(m);
-    assert_ok(duet_motion_load(m->motion, "saved", &err), err);
+    must(duet_motion_load(m->motion, "saved", ERR));
     mover_run(m, 50);
     assert_int_equal(mover_hash(m), expected);
     mover_free(m);

@@ -227,12 +227,12 @@ TEST(a_command_changes_a_material_and_a_file_keeps_it)
     assert_non_null(strstr(err.text, "material"));
     err = (duet_error){0};
     body.material = 3; // min(0.2, 0.5), where 2 has sqrt(0.18)
-    assert_ok(duet_motion_set_bodies(m->motion, list, DUET_BODY_MATERIAL, &body, &err), err);
+    must(duet_motion_set_bodies(m->motion, list, DUET_BODY_MATERIAL, &body, ERR));
     mover_run(m, 20);
     assert_close(m->states[box].velocity[0], 3.0 - 0.2 * g * m->last.time, 0.02);
-    assert_ok(duet_motion_save(m->motion, "made", &err), err);
+    must(duet_motion_save(m->motion, "made", ERR));
     mover_run(loaded, 0);
-    assert_ok(duet_motion_load(loaded->motion, "made", &err), err);
+    must(duet_motion_load(loaded->motion, "made", ERR));
     mover_run(m, 60);
     mover_run(loaded, 60);
     assert_true(mover_hash(m) == mover_hash(loaded));

@@ -160,9 +160,9 @@ TEST(a_loaded_motion_is_in_the_saved_one_s_cells)
     const char *path = "test_origin_motion.saved";
     mover *saved = stack_at(3, 4, far), *loaded = stack_at(3, 4, far);
     mover_run(saved, 30);
-    assert_ok(duet_motion_save(saved->motion, path, &err), err);
+    must(duet_motion_save(saved->motion, path, ERR));
     mover_run(loaded, 1);
-    assert_ok(duet_motion_load(loaded->motion, path, &err), err);
+    must(duet_motion_load(loaded->motion, path, ERR));
     assert_true(mover_hash(saved) == mover_hash(loaded));
     mover_run(saved, 30);
     mover_run(loaded, 30);

@@ -160,7 +160,6 @@ TEST(what_is_no_resistance_is_refused)
 // Set by a command it acts from then on.
 TEST(a_command_sets_it)
 {
-    duet_error err = {0};
     ball b = {
         .dims = 3, .radius = 0.5, .resistance = 1e-6f, .speed = 2, .dt = 1.0 / 60.0, .substeps = 4};
     mover *m = roll(&b);
@@ -169,8 +168,7 @@ TEST(a_command_sets_it)
     duet_body body = duet_default_body();
     body.rolling_resistance = 0.2f;
     duet_body_list one = {.first = 1, .n = 1};
-    assert_ok(duet_motion_set_bodies(m->motion, one, DUET_BODY_ROLLING_RESISTANCE, &body, &err),
-              err);
+    must(duet_motion_set_bodies(m->motion, one, DUET_BODY_ROLLING_RESISTANCE, &body, ERR));
     mover_run(m, 60);
     assert_close(m->states[1].velocity[0], 2.0 - 0.2 * g / 1.4, 0.02);
     mover_free(m);

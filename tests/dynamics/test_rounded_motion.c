@@ -121,10 +121,9 @@ TEST(points_are_between_the_surfaces)
                 draw_body(m, &r);
             mover_run(m, 1);
             assert_true(duet_motion_get_effects(m->motion) & DUET_EFFECT_RADIUS);
-            duet_error err = {0};
             duet_contact *contacts = NULL;
             uint64_t n = 0;
-            assert_ok(duet_motion_get_contacts(m->motion, &contacts, &n, &err), err);
+            must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
             for (uint64_t c = 0; c < n; ++c) {
                 check_contact(m, &contacts[c], 0.02);
                 ++points[contacts[c].n];
@@ -148,10 +147,9 @@ static duet_contact contact_of_two(const double half[3], double radius, const do
     add_round(m, 0, 0, 0, half, radius);
     add_round(m, apart[0], apart[1], apart[2], other, other_radius);
     mover_run(m, 1);
-    duet_error err = {0};
     duet_contact *contacts = NULL, one = {.n = 0};
     uint64_t n = 0;
-    assert_ok(duet_motion_get_contacts(m->motion, &contacts, &n, &err), err);
+    must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
     if (n == 1)
         one = contacts[0];
     duet_free(contacts);
@@ -426,16 +424,14 @@ static mover *two_on_a_floor(void)
 
 static void advance(duet_motion *motion, uint32_t steps)
 {
-    duet_error err = {0};
     duet_motion_result result;
     for (uint32_t i = 0; i < steps; ++i)
-        assert_ok(duet_motion_advance(motion, &result, &err), err);
+        must(duet_motion_advance(motion, &result, ERR));
 }
 
 TEST(recordings_and_saved_motions_have_radii)
 {
     static const char recording[] = "rounded.replay", saved[] = "rounded.motion";
-    duet_error err = {0};
     uint64_t id, hash[2];
     mover *m = two_on_a_floor(), *other = two_on_a_floor(), *third = two_on_a_floor();
     mover_run(m, 0);
@@ -445,29 +441,28 @@ TEST(recordings_and_saved_motions_have_radii)
         .centre = {0.1f, 0, 5}, .half_extents = {0.2f, 0.2f, 0}, .rotation = {0, 0, 0, 1}};
     duet_body body = duet_default_body();
     body.radius = 0.2f;
-    assert_ok(duet_motion_record(m->motion, &err), err);
-    assert_ok(duet_motion_add_bodies(m->motion, &pose, &body, 1, &id, &err), err);
+    must(duet_motion_record(m->motion, ERR));
+    must(duet_motion_add_bodies(m->motion, &pose, &body, 1, &id, ERR));
     advance(m->motion, 20);
     body.radius = 0.4f;
     const duet_body_list one = {.ids = &id, .n = 1};
-    assert_ok(duet_motion_set_bodies(m->motion, one, DUET_BODY_RADIUS, &body, &err), err);
+    must(duet_motion_set_bodies(m->motion, one, DUET_BODY_RADIUS, &body, ERR));
     advance(m->motion, 10);
-    assert_ok(duet_motion_save(m->motion, saved, &err), err);
+    must(duet_motion_save(m->motion, saved, ERR));
     advance(m->motion, 90);
-    assert_ok(duet_motion_save_recording(m->motion, recording, &err), err);
-    assert_ok(duet_motion_get_hash(m->motion, &hash[0], &err), err);
+    must(duet_motion_save_recording(m->motion, recording, ERR));
+    must(duet_motion_get_hash(m->motion, &hash[0], ERR));
 
-    assert_ok(duet_motion_load(third->motion, saved, &err), err);
+    must(duet_motion_load(third->motion, saved, ERR));
     advance(third->motion, 90);
-    assert_ok(duet_motion_get_hash(third->motion, &hash[1], &err), err);
+    must(duet_motion_get_hash(third->motion, &hash[1], ERR));
     assert_true(hash[0] == hash[1]);
 
-    duet_replay *replay = duet_replay_create(recording, &err);
-    assert_ok(replay, err);
+    duet_replay *replay = must(duet_replay_create(recording, ERR));
     duet_motion_result result;
     while (duet_replay_get_info(replay).steps_done < duet_replay_get_info(replay).steps)
-        assert_ok(duet_replay_advance(replay, other->motion, &result, &err), err);
-    assert_ok(duet_motion_get_hash(other->motion, &hash[1], &err), err);
+        must(duet_replay_advance(replay, other->motion, &result, ERR));
+    must(duet_motion_get_hash(other->motion, &hash[1], ERR));
     assert_true(hash[0] == hash[1]);
     duet_replay_destroy(replay);
     mover_free(m);
@@ -496,7 +491,6 @@ TEST(radii_need_their_effect)
 // Two devices, shares and modes; and a scene's objects instead of poses and bodies.
 TEST(any_plan_gives_the_same_bits)
 {
-    duet_error err = {0};
     duet_rounded_box boxes[60];
     rng r = rng_seed(test_seed());
     mover *m = mover_new(3);
@@ -518,12 +512,10 @@ TEST(any_plan_gives_the_same_bits)
         mover_run(m, 30);
         assert_true(mover_hash(m) == expected);
     }
-    duet_scene *scene = duet_scene_create(DUET_OBJECT_ROUNDED_BOXES, boxes, 60, 3, 0, &err);
-    assert_ok(scene, err);
-    duet_motion *motion = duet_motion_create_from_scene(&m->def, scene, m->bodies, &err);
-    assert_ok(motion, err);
+    duet_scene *scene = must(duet_scene_create(DUET_OBJECT_ROUNDED_BOXES, boxes, 60, 3, 0, ERR));
+    duet_motion *motion = must(duet_motion_create_from_scene(&m->def, scene, m->bodies, ERR));
     advance(motion, 30);
-    assert_ok(duet_motion_get_hash(motion, &hash, &err), err);
+    must(duet_motion_get_hash(motion, &hash, ERR));
     assert_true(hash == expected);
     duet_motion_destroy(motion);
     duet_scene_destroy(scene);

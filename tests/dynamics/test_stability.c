@@ -104,11 +104,10 @@ TEST(a_small_house_of_cards_stands)
 
 static double deepest_contact(mover *m)
 {
-    duet_error err = {0};
     duet_contact *contacts = NULL;
     uint64_t n = 0;
     double deepest = 0.0;
-    assert_ok(duet_motion_get_contacts(m->motion, &contacts, &n, &err), err);
+    must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
     assert_true(n > 0);
     for (uint64_t i = 0; i < n; ++i)
         for (uint32_t k = 0; k < contacts[i].n; ++k)
@@ -141,13 +140,12 @@ TEST(a_pile_does_not_fall_asleep_deep)
 static mover *make_sleeping_row(uint32_t n, double depth)
 {
     mover *m = mover_new(3);
-    duet_error err = {0};
     m->def.wants = DUET_EFFECT_SLEEP;
     m->def.slop = 0.005;
     for (uint32_t i = 0; i < n; ++i)
         mover_add_cube(m, (i - 0.5 * (n - 1)) * (1.0 - depth), 0, 0, 1);
     mover_run(m, 0);
-    assert_ok(duet_motion_sleep_bodies(m->motion, (duet_body_list){.n = n}, &err), err);
+    must(duet_motion_sleep_bodies(m->motion, (duet_body_list){.n = n}, ERR));
     return m;
 }
 
@@ -174,12 +172,11 @@ TEST(what_sleeps_deep_in_others_is_pushed_out)
 static mover *make_pushed_into_another(double skin)
 {
     mover *m = make_sleeping_row(2, 0.4);
-    duet_error err = {0};
     mover_restart(m);
     m->def.skin = skin;
     m->bodies[mover_add_cube(m, 1.45, 0, 0, 1)].velocity[1] = -0.5f;
     mover_run(m, 0);
-    assert_ok(duet_motion_sleep_bodies(m->motion, (duet_body_list){.n = 2}, &err), err);
+    must(duet_motion_sleep_bodies(m->motion, (duet_body_list){.n = 2}, ERR));
     return m;
 }
 
@@ -205,8 +202,7 @@ TEST(what_has_no_space_sleeps_all_the_same)
     mover_restart(m);
     m->bodies[0].mass = m->bodies[2].mass = 0.0f;
     mover_run(m, 0);
-    duet_error err = {0};
-    assert_ok(duet_motion_sleep_bodies(m->motion, (duet_body_list){.first = 1, .n = 1}, &err), err);
+    must(duet_motion_sleep_bodies(m->motion, (duet_body_list){.first = 1, .n = 1}, ERR));
     mover_run(m, 475);
     assert_true(m->last.n_stages > 0);
     mover_run(m, 15);

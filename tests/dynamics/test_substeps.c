@@ -255,7 +255,7 @@ TEST(a_def_that_leaves_its_substeps_changes_the_world)
     uint32_t chosen = explain(m).substeps;
     assert_true(chosen > 4);
     m->def.gravity[2] = -1.0;
-    assert_ok(duet_motion_set_def(m->motion, &m->def, &err), err);
+    must(duet_motion_set_def(m->motion, &m->def, ERR));
     assert_int_equal(explain(m).substeps, chosen);
     m->def.substeps = chosen + 1;
     assert_false(duet_motion_set_def(m->motion, &m->def, &err));

@@ -12,10 +12,8 @@ static duet_device_pair *pair;
 int mover_open_pair(void **state)
 {
     (void)state;
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    pair = duet_device_pair_create(&def, &err);
-    assert_ok(pair, err);
+    pair = must(duet_device_pair_create(&def, ERR));
     return 0;
 }
 
@@ -82,28 +80,24 @@ void mover_turn(mover *m, uint32_t id, double x, double y, double z, double angl
 
 static void make(mover *m)
 {
-    duet_error err = {0};
     if (m->motion)
         return;
-    m->motion = duet_motion_create(&m->def, m->poses, m->bodies, m->n, &err);
-    assert_ok(m->motion, err);
+    m->motion = must(duet_motion_create(&m->def, m->poses, m->bodies, m->n, ERR));
 }
 
 void mover_run(mover *m, uint32_t steps)
 {
-    duet_error err = {0};
     make(m);
     for (uint32_t i = 0; i < steps; ++i)
-        assert_ok(duet_motion_advance(m->motion, &m->last, &err), err);
-    assert_ok(duet_motion_get_states(m->motion, m->states, &err), err);
+        must(duet_motion_advance(m->motion, &m->last, ERR));
+    must(duet_motion_get_states(m->motion, m->states, ERR));
 }
 
 duet_energy mover_energy(mover *m)
 {
-    duet_error err = {0};
     duet_energy energy;
     make(m);
-    assert_ok(duet_motion_get_energy(m->motion, &energy, &err), err);
+    must(duet_motion_get_energy(m->motion, &energy, ERR));
     return energy;
 }
 
@@ -207,9 +201,8 @@ double mover_total(mover *m)
 
 uint64_t mover_hash(mover *m)
 {
-    duet_error err = {0};
     uint64_t hash = 0;
     make(m);
-    assert_ok(duet_motion_get_hash(m->motion, &hash, &err), err);
+    must(duet_motion_get_hash(m->motion, &hash, ERR));
     return hash;
 }

@@ -15,8 +15,7 @@
 static char *take_file(const char *path)
 {
     text t = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&t, path, &err), err);
+    must(text_read_file(&t, path, ERR));
     remove(path);
     return t.chars;
 }

@@ -16,6 +16,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+_Thread_local duet_error test_error;
+
 enum { MOST_TESTS = 64 };
 
 static struct CMUnitTest tests[MOST_TESTS]; // CMocka passes over those without a name
@@ -115,15 +117,13 @@ bool test_takes(uint64_t way, unsigned of)
 
 void test_write_file(const char *path, const char *content)
 {
-    duet_error err = {0};
-    assert_ok(text_write_file(path, content, strlen(content), &err), err);
+    must(text_write_file(path, content, strlen(content), ERR));
 }
 
 text test_read_file(const char *path)
 {
     text content = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&content, path, &err), err);
+    must(text_read_file(&content, path, ERR));
     return content;
 }
 

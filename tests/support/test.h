@@ -82,4 +82,18 @@ int test_count_files(void);
             fail_msg("%s: %s %s", #call, duet_status_name((err).status), (err).text); \
     } while (0)
 
+// The value of a call that must succeed, in which ERR stands for the error that it fills:
+//     duet_world *world = must(duet_world_create(&def, ERR));
+#define must(call)                                                                  \
+    __extension__({                                                                 \
+        test_error = (duet_error){0};                                               \
+        __typeof__(call) given_ = (call);                                           \
+        if (!given_)                                                                \
+            fail_msg("%s: %s %s", #call, duet_status_name(ERR->status), ERR->text); \
+        given_;                                                                     \
+    })
+#define ERR (&test_error)
+
+extern _Thread_local duet_error test_error;
+
 #endif
