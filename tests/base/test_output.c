@@ -229,7 +229,6 @@ TEST(stdout_is_written_to_whatever_it_is)
             assert_string_equal(p.err, "");
             assert_int_equal(strncmp(p.out, "duet ", 5), 0);
             assert_non_null(strstr(p.out, "\n{\"type\":\"store\""));
-            program_free(&p);
         }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Files of pairs: read, tested by `duet query`, and what it writes.
+#include "support/json.h"
 #include "support/program.h"
 #include "support/test.h"
 
@@ -145,12 +146,10 @@ TEST(the_program_tests_a_file_at_every_level)
                                      duet_level_get_info((duet_level)l)->name);
         assert_string_equal(p.err, "");
         assert_int_equal(p.exit_code, 0);
-        cJSON *o = cJSON_Parse(p.out);
+        cJSON *o = json_of(p.out);
         assert_true(number_in(o, "n") == 3 && number_in(o, "colliding") == 2);
         assert_true(number_in(o, "undecided") == (l == DUET_LEVEL_CERTIFIED ? 2 : 0));
         assert_true(number_in(o, "seconds") >= 0);
-        cJSON_Delete(o);
-        program_free(&p);
     }
 }
 
@@ -170,7 +169,6 @@ TEST(the_program_writes_answers_and_separations)
         program p = program_run_with(CACHED, "query pairs.csv --separations -o %s", outs[i]);
         assert_string_equal(p.err, "");
         assert_int_equal(p.exit_code, 0);
-        program_free(&p);
     }
     assert_file("answers.csv", "1,0\n0,1\n");
     must(text_read_file(&bytes, "answers.npy", ERR));

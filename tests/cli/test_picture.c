@@ -42,7 +42,6 @@ static text draw(const char *path, const char *options)
     bool quiet = !*p.err || strstr(p.err, "test_picture: there are no objects\n");
     if (p.exit_code != 0 || !quiet || *p.out)
         fail_msg("picture %s: %s%s", options, p.out, p.err);
-    program_free(&p);
     must(text_read_file(&t, path, ERR));
     if (strcmp(path, SVG) == 0)
         tell_alike(&t);

@@ -63,7 +63,6 @@ static text make_page(void)
                     folder.store);
     if (p.exit_code != 0)
         fail_msg("%s", p.err);
-    program_free(&p);
     must(text_read_file(&page, PAGE, ERR));
     return page;
 }
@@ -127,7 +126,6 @@ TEST(of_one_device_the_page_shows_no_share)
         if (strstr(page.chars, lacks[i]))
             fail_msg("'%s' is on the page", lacks[i]);
     text_free(&page);
-    program_free(&p);
 }
 
 // Gives what the page says of its only profile, from the share on; the caller frees it.
@@ -145,7 +143,6 @@ static text profile_row_of(double share)
     text_add_bytes(&row, from, (size_t)(strstr(from, "</tr>") - from));
     text_free(&page);
     text_free(&change);
-    program_free(&p);
     return row;
 }
 
@@ -172,7 +169,6 @@ TEST(a_page_without_a_name_is_told_of)
     assert_int_equal(p.exit_code, 0);
     assert_string_equal(p.out, "-> duet-report.html\n");
     assert_int_equal(remove("duet-report.html"), 0);
-    program_free(&p);
 }
 
 TEST(one_slow_step_does_not_flatten_the_others)
@@ -197,7 +193,6 @@ TEST(one_slow_step_does_not_flatten_the_others)
     assert_non_null(strstr(page.chars, ">1.5</text>")); // a tick of an axis that ends near 2
     text_free(&results);
     text_free(&page);
-    program_free(&p);
 }
 
 TEST(the_page_loads_nothing)

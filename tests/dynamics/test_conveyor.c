@@ -61,7 +61,6 @@ TEST(a_box_on_a_belt_gains_its_speed_by_friction_and_stays)
         }
         assert_close(hypot(m->states[1].velocity[0], m->states[1].velocity[1]), fabs(b.speed),
                      1e-4 * fabs(b.speed));
-        mover_free(m);
     }
 }
 
@@ -80,7 +79,6 @@ TEST(a_body_with_tracks_drives_itself)
         mover_run(m, 120);
         assert_close(m->states[1].velocity[0], -2.0 * cos(b.turn), 5e-3);
         assert_close(m->states[1].velocity[1], -2.0 * sin(b.turn), 5e-3);
-        mover_free(m);
     }
 }
 
@@ -94,7 +92,6 @@ TEST(a_box_against_a_stop_stays)
     mover_run(m, 120);
     assert_close(m->states[1].centre[0], 0.0, 0.01);
     assert_close(m->states[1].velocity[0], 0.0, 1e-3);
-    mover_free(m);
 }
 
 // A ball on a belt: its surface takes the belt's speed, so that 2/7 of it is left to the centre.
@@ -108,7 +105,6 @@ TEST(a_ball_on_a_belt_rolls_on_the_spot_in_part)
     mover_run(m, 240);
     assert_close(m->states[1].velocity[0], 2.0 * 2.0 / 7.0, 0.01);
     assert_close(m->states[1].angular_velocity[1], -2.0 * 5.0 / 7.0 / 0.25, 0.05);
-    mover_free(m);
 }
 
 // A command stops the belt, and the box with it.
@@ -123,7 +119,6 @@ TEST(a_command_stops_a_belt)
     must(duet_motion_set_bodies(m->motion, floor, DUET_BODY_SURFACE_VELOCITY, &still, ERR));
     mover_run(m, 60);
     assert_close(m->states[1].velocity[0], 0.0, 1e-3);
-    mover_free(m);
 }
 
 // A file of a motion on a belt goes on bit for bit, in double as well.
@@ -141,8 +136,6 @@ TEST(a_loaded_belt_runs_on)
         mover_run(m, 30);
         mover_run(loaded, 30);
         assert_true(mover_hash(m) == mover_hash(loaded));
-        mover_free(m);
-        mover_free(loaded);
     }
 }
 

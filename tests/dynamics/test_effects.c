@@ -35,7 +35,6 @@ TEST(a_still_scene_calls_for_nothing)
     mover *m = mover_new(3);
     mover_add_cube(m, 0, 0, 0, 1);
     assert_int_equal(effects_of(m), 0);
-    mover_free(m);
 }
 
 // Each cause calls for its effect, and for nothing but that and what it needs.
@@ -104,7 +103,6 @@ TEST(each_cause_calls_for_its_effect)
         uint32_t found = effects_of(m);
         if (found != expected[cause])
             fail_msg("cause %d calls for %x, not %x", cause, found, expected[cause]);
-        mover_free(m);
     }
 }
 
@@ -194,8 +192,6 @@ static void assert_same_state(medium in, uint32_t set, uint32_t more)
     assert_int_equal(duet_motion_get_effects(general->motion) & more, more);
     assert_int_not_equal(duet_motion_get_effects(special->motion),
                          duet_motion_get_effects(general->motion));
-    mover_free(special);
-    mover_free(general);
 }
 
 static const uint32_t effects[] = {
@@ -452,7 +448,6 @@ TEST(an_effect_names_all_its_kernels)
         }
     }
     assert_in_range(checked, 30, 100);
-    mover_free(m);
     gen_close(g);
 }
 
@@ -493,7 +488,6 @@ TEST(buffers_are_those_that_are_called_for)
             bool called = duet_motion_get_effects(m->motion) & owned[k].effect;
             assert_int_equal(m->motion->buffers[owned[k].buffer].mem != NULL, called);
         }
-        mover_free(m);
     }
 }
 
@@ -509,14 +503,12 @@ TEST(kernels_are_those_that_are_called_for)
                     NULL);
     assert_int_equal(n_args, 5); // centres, velocities, times, substeps, n
     assert_int_equal(m->last.n_stages, 1);
-    mover_free(m);
     m = mover_new(3);
     mover_add_cube(m, 0, 0, 0, 1);
     mover_run(m, 1);
     only.integrate_free_flight = NULL;
     assert_memory_equal(&m->motion->kernels, &only, sizeof only);
     assert_int_equal(m->last.n_stages, 0);
-    mover_free(m);
 }
 
 // On a device with memory of its own each step has times only where that is asked for.
@@ -535,7 +527,6 @@ TEST(stages_have_times_where_they_are_asked_for)
         assert_true(m->last.timed || m->last.stages[0].ms == last_ms);
     }
     *host = had;
-    mover_free(m);
 }
 
 TEST(explain_tells_effects_and_bytes)
@@ -554,7 +545,6 @@ TEST(explain_tells_effects_and_bytes)
                 assert_int_equal(info.bytes, 4);
         }
         assert_int_equal(active, __builtin_popcount(duet_motion_get_effects(m->motion)));
-        mover_free(m);
     }
 }
 
@@ -595,7 +585,6 @@ TEST(launches_do_not_grow_with_colours)
     }
     assert_true(colours >= 6);
     assert_null(m->motion->buffers[PAIRS].mem); // they stayed where B found them
-    mover_free(m);
 }
 
 static mover *make_sleepers(void)
@@ -627,7 +616,6 @@ TEST(a_step_at_rest_sends_nothing)
     must(duet_motion_load(m->motion, path, ERR));
     assert_true(step_once(m).launches > 0);
     assert_int_equal(m->last.step, 11);
-    mover_free(m);
 }
 
 TEST(what_moves_without_mass_keeps_a_step_from_resting)
@@ -640,7 +628,6 @@ TEST(what_moves_without_mass_keeps_a_step_from_resting)
     assert_int_equal(m->last.contacts, 0); // the others sleep
     assert_true(step_once(m).launches > 0);
     assert_close(m->states[cart].centre[0], 0.5, 1e-4);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- files
@@ -666,8 +653,6 @@ TEST(a_loaded_motion_goes_on_as_the_saved_one)
             mover_run(loaded, 20);
         }
         assert_int_equal(loaded->last.step, 120);
-        mover_free(saved);
-        mover_free(loaded);
     }
 }
 
@@ -689,8 +674,6 @@ TEST(a_damaged_file_is_refused)
     mover_run(other, 1);
     assert_false(duet_motion_load(other->motion, path, &err));
     assert_non_null(strstr(err.text, "effects"));
-    mover_free(other);
-    mover_free(m);
 }
 
 int main(int argc, char **argv)

@@ -141,7 +141,6 @@ TEST(events_are_those_of_the_records)
         assert_true(c.begins > 2 * PILE && c.ends > PILE / 2 && c.stays > 50 * PILE);
         assert_true(c.hits > PILE / 2);
         print_message("%d begin, %d end, %d hit\n", (int)c.begins, (int)c.ends, (int)c.hits);
-        mover_free(m);
     }
 }
 
@@ -155,7 +154,6 @@ TEST(a_mask_leaves_the_events_of_its_groups)
     assert_true(c.begins > PILE / 6);
     for (uint64_t i = 0; i < m->last.n_stays; ++i)
         assert_true(m->last.stays[i].a % 6 == 0 || m->last.stays[i].b % 6 == 0);
-    mover_free(m);
 }
 
 TEST(without_response_events_are_overlaps)
@@ -169,7 +167,6 @@ TEST(without_response_events_are_overlaps)
     }
     counts c = run_and_compare(m, 120);
     assert_true(c.begins > PILE && c.ends > PILE && c.hits == 0);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- closed forms
@@ -236,7 +233,6 @@ TEST(a_cube_that_falls_begins_once_and_hits_once)
         assert_close(fabs(s.first.point[0]), 0.5, 0.02);
         assert_int_equal(m->last.n_stays, 1); // asleep
         assert_int_equal(m->last.n_stages, 0);
-        mover_free(m);
     }
 }
 
@@ -249,7 +245,6 @@ TEST(a_cube_that_bounces_ends_when_it_leaves)
     assert_int_equal(s.begins, s.hits);
     assert_in_range(s.ends, s.begins - 1, s.begins);
     assert_in_range(s.first_end, s.first_hit + 1, s.first_hit + 3);
-    mover_free(m);
 }
 
 TEST(a_hit_far_away_is_where_it_is)
@@ -262,7 +257,6 @@ TEST(a_hit_far_away_is_where_it_is)
         story s = run_story(m, 60);
         assert_int_equal(s.hits, 1);
         assert_close(fabs(s.first.point[0] - 1e7), 0.5, 0.02);
-        mover_free(m);
     }
 }
 
@@ -307,7 +301,6 @@ TEST(share_and_launch_change_no_event)
         if (way == 0)
             expected = sum;
         assert_true(sum == expected);
-        mover_free(m);
     }
 }
 
@@ -324,8 +317,6 @@ TEST(a_loaded_motion_tells_what_the_saved_one_does)
         mover_run(other, 1);
         assert_true(hash_events(m, 0) == hash_events(other, 0));
     }
-    mover_free(m);
-    mover_free(other);
 }
 
 // ---------------------------------------------------------------- sensors
@@ -386,8 +377,6 @@ TEST(what_falls_through_a_sensor_is_told_and_not_pushed)
         assert_true(c.begins == 1 && c.ends == 1 && c.stays > 5 && c.stays < 40);
         assert_memory_equal(m->states, without->states, 3 * sizeof *m->states);
         assert_true(mover_speed(m, 2) == 0.0); // asleep
-        mover_free(m);
-        mover_free(without);
     }
 }
 
@@ -412,7 +401,6 @@ TEST(a_sensor_sees_what_sleeps_and_does_not_wake_it)
     mover_run(m, 1);
     assert_int_equal(events_with(m, still).ends, 1);
     assert_close(mover_speed(m, 1), 0, 0);
-    mover_free(m);
 }
 
 // A body without mass is seen as well: a lift that passes while all sleeps, and a floor.
@@ -446,8 +434,6 @@ TEST(a_sensor_without_mass_sees_what_has_none)
         mover_run(without, 180);
         assert_true(c.begins == 1 && c.ends == 1 && c.stays > 30 && c.stays < 60);
         assert_memory_equal(m->states, without->states, 4 * sizeof *m->states);
-        mover_free(m);
-        mover_free(without);
     }
 }
 
@@ -469,7 +455,6 @@ TEST(sensors_do_not_see_sensors_and_fall_through_all)
     assert_true(c.begins == 2 && c.ends == 2); // the cube and the floor
     assert_true(m->states[falls].centre[2] < -10);
     assert_int_equal(events_with(m, blind).stays, 0);
-    mover_free(m);
 }
 
 TEST(a_sensor_that_came_by_a_command_is_saved)
@@ -488,8 +473,6 @@ TEST(a_sensor_that_came_by_a_command_is_saved)
     counts c = run_sensor(m, 3, 90), d = run_sensor(fresh, 3, 90);
     assert_true(c.begins == 1 && c.ends == 1 && c.stays == d.stays && d.begins == 1);
     assert_true(mover_hash(m) == mover_hash(fresh));
-    mover_free(m);
-    mover_free(fresh);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

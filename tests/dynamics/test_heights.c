@@ -111,7 +111,6 @@ TEST(a_level_ground_holds_as_a_floor)
         if (!(mover_speed(m, id) < 0.002))
             fail_msg("shape %u goes at %g m/s", id % SHAPES, mover_speed(m, id));
     }
-    mover_free(m);
     free(f);
 }
 
@@ -143,7 +142,6 @@ static void glide(field *f, double speed, double direction)
                          speed, direction, kept, hop, i);
         }
     }
-    mover_free(m);
 }
 
 TEST(nothing_trips_over_a_seam_of_the_ground)
@@ -182,7 +180,6 @@ TEST(boxes_slide_down_a_slope_as_the_closed_form_says)
         const double *x = m->states[k].centre;
         assert_close((x[2] + tilt * x[0]) * cos(angle), 0.15, slop);
     }
-    mover_free(m);
     free(f);
 }
 
@@ -198,7 +195,6 @@ TEST(balls_roll_down_a_slope_of_the_ground)
     mover_run(m, 120);
     const double *v = m->states[id].velocity;
     assert_close(hypot(v[0], v[2]), 5.0 / 7 * 9.81 * sin(angle) * m->last.time, 0.1);
-    mover_free(m);
     free(f);
 }
 
@@ -221,7 +217,6 @@ TEST(balls_come_to_rest_at_the_lowest_point_of_a_bowl)
         assert_close(x[2], 0.25, slop);
         mover_restart(m);
     }
-    mover_free(m);
     free(f);
 }
 
@@ -356,7 +351,6 @@ TEST(balls_are_as_far_from_the_ground_as_from_all_its_triangles)
                 if (!(fabs(least[id] - expected) < 0x1p-16))
                     fail_msg("round %d, ball %u: %g apart, not %g", round, id, least[id], expected);
         }
-        mover_free(m);
     }
     assert_true(touching > 200);
     free(least);
@@ -459,7 +453,6 @@ TEST(nothing_falls_through)
             fail_msg("shape %u lies %g deep by its corners, %g by the ground's", id % SHAPES,
                      corners, places);
     }
-    mover_free(m);
     free(f);
 }
 
@@ -475,9 +468,7 @@ static uint64_t hash_of(const field *f, uint32_t share, double skin, bool sleeps
     for (int k = 0; k < 60; ++k)
         add_thrown(m, &r, k % SHAPES);
     mover_run(m, 90);
-    uint64_t hash = mover_hash(m);
-    mover_free(m);
-    return hash;
+    return mover_hash(m);
 }
 
 TEST(any_share_and_any_skin_give_the_same_bits)
@@ -514,7 +505,6 @@ TEST(the_ground_is_one_partner_in_events_and_hits)
         hits += m->last.n_hits > 0 && m->last.hits[0].b == m->n + 6;
     }
     assert_true(begins >= 1 && hits >= 1);
-    mover_free(m);
     free(f);
 }
 
@@ -536,7 +526,6 @@ TEST(a_saved_motion_on_a_ground_goes_on_bit_for_bit)
     must(duet_motion_load(m->motion, "saved", ERR));
     mover_run(m, 50);
     assert_int_equal(mover_hash(m), expected);
-    mover_free(m);
     free(f);
 }
 
@@ -584,7 +573,6 @@ TEST(grounds_that_no_motion_can_have_are_refused_in_a_line)
     refuse(m, &none, "the ground's heights are NULL");
     m->def.dims = 2;
     refuse(m, &f->heights, "heights are for motions in 3D");
-    mover_free(m);
     free(f);
 }
 

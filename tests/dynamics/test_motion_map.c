@@ -94,8 +94,6 @@ static void written_is_as_set_in(uint32_t dims, bool doubles)
         mover_run(by_map, 20);
         mover_run(by_command, 20);
     }
-    mover_free(by_map);
-    mover_free(by_command);
 }
 
 TEST(what_is_written_is_what_is_set)
@@ -135,7 +133,6 @@ TEST(what_is_read_is_the_state_without_a_copy)
     for (int p = 0; p < 4; ++p)
         unmap(m, all[p]);
     assert_true(mover_hash(m) == hash);
-    mover_free(m);
 }
 
 // But that everything wakes.
@@ -151,8 +148,6 @@ TEST(what_is_mapped_and_not_written_stays_bit_for_bit)
         mover_run(m, 5);
         mover_run(same, 5);
     }
-    mover_free(m);
-    mover_free(same);
 }
 
 TEST(a_row_that_is_no_number_stays_mapped_to_be_mended)
@@ -177,7 +172,6 @@ TEST(a_row_that_is_no_number_stays_mapped_to_be_mended)
     unmap(m, DUET_STATE_ROTATIONS);
     mover_run(m, 2);
     mover_assert_finite(m);
-    mover_free(m);
 }
 
 TEST(a_sleeper_that_is_written_wakes_and_a_target_is_forgotten)
@@ -200,7 +194,6 @@ TEST(a_sleeper_that_is_written_wakes_and_a_target_is_forgotten)
     const double before = m->states[0].centre[1];
     mover_run(m, 1);
     assert_true(m->states[0].centre[1] == before);
-    mover_free(m);
 }
 
 TEST(a_disabled_body_stands_still_whatever_is_written)
@@ -216,7 +209,6 @@ TEST(a_disabled_body_stands_still_whatever_is_written)
     const double at = m->states[5].centre[0];
     mover_run(m, 2);
     assert_true(m->states[5].centre[0] == at && m->states[5].velocity[0] == 0.0);
-    mover_free(m);
 }
 
 TEST(while_states_are_mapped_other_calls_are_refused)
@@ -288,7 +280,6 @@ TEST(what_cannot_be_mapped_is_refused_by_name)
     refused(duet_motion_map_states(m, DUET_STATE_CENTRES, DUET_MAP_WRITE, 0, 1, &err), &err,
             DUET_STATUS_BAD_ARGUMENT, "what is written in place is not recorded");
     map(plain, DUET_STATE_CENTRES, DUET_MAP_READ, 0, 1);
-    mover_free(plain);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -43,7 +43,6 @@ TEST(states_of_ids_are_those_of_all)
             for (int i = 0; i < SOME / 2; ++i)
                 assert_memory_equal(&some[i], &m->states[ids[i]], sizeof some[i]);
         }
-        mover_free(m);
     }
 }
 
@@ -77,7 +76,6 @@ TEST(what_moved_is_what_differs_from_the_last_read)
             memcpy(last, m->states, sizeof last);
         }
         assert_true(still > 5 * 59);
-        mover_free(m);
     }
 }
 
@@ -92,7 +90,6 @@ TEST(nothing_moved_where_everything_rests)
     mover_run(m, 3);
     must(duet_motion_get_moved(m->motion, &moved, ERR));
     assert_int_equal(moved.n, 0);
-    mover_free(m);
 }
 
 // A turn of 90 degrees about z, and half of it.

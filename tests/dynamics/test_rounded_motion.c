@@ -133,7 +133,6 @@ TEST(points_are_between_the_surfaces)
                     assert_has_contact(m, contacts, n, a, b);
             touching += (uint32_t)n;
             duet_free(contacts);
-            mover_free(m);
         }
         assert_true(touching > PAIRS / 4 && points[1] > 0 && points[2] > 0);
     }
@@ -153,7 +152,6 @@ static duet_contact contact_of_two(const double half[3], double radius, const do
     if (n == 1)
         one = contacts[0];
     duet_free(contacts);
-    mover_free(m);
     return one;
 }
 
@@ -197,7 +195,6 @@ TEST(balls_rest_at_their_radius)
     assert_close(m->states[capsule].centre[2], 0.4, 0.006);
     assert_close(m->states[box].centre[2], 0.4, 0.006);
     assert_close(mover_greatest_speed(m), 0.0, 1e-12); // asleep
-    mover_free(m);
 }
 
 // Without slip a = 5/7 g sin(slope), a capsule or disc by its own inertia.
@@ -217,7 +214,6 @@ TEST(balls_roll_down_a_slope)
     assert_close(spin * 0.5, v, 0.01);
     assert_close(m->states[ball].centre[2], 0.5, 0.006);
     assert_close(m->states[ball].centre[0], 0.5 * v, 0.03);
-    mover_free(m);
 }
 
 // That a ball turns far in a step lifts it off nothing: it neither hops nor sinks.
@@ -238,7 +234,6 @@ TEST(fast_balls_roll_level)
             assert_close(m->states[ball].velocity[0], 6.0, 0.01);
         }
         assert_close(mover_total(m) / before, 1.0, 2e-3);
-        mover_free(m);
     }
 }
 
@@ -257,7 +252,6 @@ TEST(bouncing_balls_come_back_to_their_height)
             highest = fmax(highest, m->states[ball].centre[2] - 0.5);
     }
     assert_close(highest, 0.64 * 2.0, 0.03);
-    mover_free(m);
 }
 
 // Off centre: the momenta along the line of centres change hands, the others stay.
@@ -276,7 +270,6 @@ TEST(elastic_spheres_exchange_momenta)
     assert_close(m->states[a].velocity[0] + m->states[b].velocity[0], 3.0, 1e-5);
     assert_close(m->states[a].velocity[1] + m->states[b].velocity[1], 0.0, 1e-5);
     assert_close(mover_total(m) / before, 1.0, 1e-4);
-    mover_free(m);
 }
 
 // Fast ones are followed on their way: neither past a thin wall nor held where they miss.
@@ -301,7 +294,6 @@ TEST(fast_balls_meet_what_is_in_their_way)
             assert_close(m->states[ball].velocity[0], 900.0, 1e-3);
         else if (!(furthest < 10 && fabs(m->states[ball].velocity[0]) < 900))
             fail_msg("the ball comes to %g", furthest);
-        mover_free(m);
     }
 }
 
@@ -321,7 +313,6 @@ TEST(round_stacks_stand)
         assert_close(m->states[10].centre[2], 9.5, 0.03);
         assert_close(m->states[10].centre[0], 0, 0.01);
         assert_true(mover_greatest_speed(m) < 0.005);
-        mover_free(m);
     }
 }
 
@@ -352,7 +343,6 @@ TEST(piles_come_to_rest)
             assert_true(c[k] > 0.05 && c[k] < (k < 2 ? 5.95 : 40));
         }
     assert_true(mover_greatest_speed(m) < 0.3);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- how they turn
@@ -364,7 +354,6 @@ static double turning_energy(uint32_t dims, const double half[3], double radius,
     m->bodies[id].mass = 3.0f;
     m->bodies[id].angular_velocity[axis] = 2.0f;
     double turning = mover_energy(m).turning;
-    mover_free(m);
     return turning / (0.5 * 2 * 2 * 3); // the inertia, a mass
 }
 
@@ -410,7 +399,6 @@ TEST(hits_and_sensors_are_told)
         assert_close(m->last.hits[0].speed, sqrt(2 * 9.81), 0.2);
     }
     assert_true(hit && sensed);
-    mover_free(m);
 }
 
 static mover *two_on_a_floor(void)
@@ -465,9 +453,6 @@ TEST(recordings_and_saved_motions_have_radii)
     must(duet_motion_get_hash(other->motion, &hash[1], ERR));
     assert_true(hash[0] == hash[1]);
     duet_replay_destroy(replay);
-    mover_free(m);
-    mover_free(other);
-    mover_free(third);
 }
 
 TEST(radii_need_their_effect)
@@ -485,7 +470,6 @@ TEST(radii_need_their_effect)
     err = (duet_error){0};
     assert_null(duet_motion_create(&m->def, &pose, &body, 1, &err));
     assert_non_null(strstr(err.text, "the radius must be 0 or above"));
-    mover_free(m);
 }
 
 // Two devices, shares and modes; and a scene's objects instead of poses and bodies.
@@ -519,7 +503,6 @@ TEST(any_plan_gives_the_same_bits)
     assert_true(hash == expected);
     duet_motion_destroy(motion);
     duet_scene_destroy(scene);
-    mover_free(m);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -46,7 +46,6 @@ TEST(a_pyramid_does_not_tremble)
     }
     print_message("%g mm/s\n", 1e3 * fastest);
     assert_true(fastest < 1e-3 * f[2]);
-    mover_free(m);
 }
 
 TEST(a_house_of_cards_stands)
@@ -62,7 +61,6 @@ TEST(a_house_of_cards_stands)
     double sunk = height - m->states[m->n - 1].centre[2];
     print_message("%g mm\n", 1e3 * sunk);
     assert_true(sunk < 1e-3 * f[2]);
-    mover_free(m);
 }
 
 TEST(a_great_pile_does_not_sleep_deep)

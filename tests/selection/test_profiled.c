@@ -2,6 +2,7 @@
 // A world as the profile store knows it, and what an application then gets.
 #define _POSIX_C_SOURCE 200809L
 #include "support/devices.h"
+#include "support/json.h"
 #include "support/program.h"
 #include "support/store.h"
 #include "support/test.h"
@@ -382,10 +383,7 @@ static cJSON *ask_why(const char *path)
     program p = program_run("profiles why %s --profile %s --json", SCENE, path);
     assert_string_equal(p.err, "");
     assert_int_equal(p.exit_code, 0);
-    cJSON *o = cJSON_Parse(p.out);
-    assert_true(cJSON_IsObject(o));
-    program_free(&p);
-    return o;
+    return json_of(p.out);
 }
 
 static void assert_why(const cJSON *o, const char *grade, const char *says)
@@ -414,13 +412,11 @@ TEST(a_file_that_is_named_is_all_that_why_looks_in)
              user.store);
     program p = program_run_with(variables, "profiles why %s", SCENE);
     assert_non_null(strstr(p.out, "\nexact: "));
-    program_free(&p);
     p = program_run_with(variables, "profiles why %s --profile %s", SCENE, user.store);
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "there is no profile store"));
     assert_non_null(strstr(p.out, "\ndefault: "));
     assert_null(strstr(p.out, system.path));
-    program_free(&p);
 }
 
 TEST(why_names_the_plan_and_run_uses_it)
@@ -429,44 +425,36 @@ TEST(why_names_the_plan_and_run_uses_it)
     test_write_file(SCENE, scene_text);
     cJSON *o = ask_why(folder.store);
     assert_why(o, "default", "there is no profile store");
-    cJSON_Delete(o);
     put_for_scene(folder.store);
     o = ask_why(folder.store);
     assert_why(o, "exact", "yes: manual 20");
     assert_true(cJSON_GetObjectItemCaseSensitive(o, "share")->valuedouble == 0.375);
     assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "variant_b")->valuestring,
                         "auto sort=radix");
-    cJSON_Delete(o);
     char variables[160];
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
     program p = program_run_with(variables, "run %s --repeat 1", SCENE);
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "plan: from the profile, exact; +50.0 % (+0.0 to +0.0) over "));
-    program_free(&p);
     p = program_run_with(variables, "run %s --repeat 1 --json --check", SCENE);
     assert_non_null(strstr(p.out, "0.375"));
     assert_non_null(strstr(p.out, "\"exact\""));
-    program_free(&p);
     p = program_run_with(variables, "run %s --repeat 1 --share 1/2", SCENE);
     assert_non_null(strstr(p.out, "plan: as given"));
-    program_free(&p);
     p = program_run("profiles why %s --profile %s", SCENE, folder.store);
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, devices_are_two() ? "\nexact: share 0.3750, mode own, A auto, "
                                                       "B auto sort=radix"
                                                     : "\nexact: kernels auto sort=radix"));
-    program_free(&p);
     p = program_run("profiles why %s --profile %s --level sat15", SCENE, folder.store);
     assert_non_null(strstr(p.out, "\n  exact         no: "));
     assert_non_null(strstr(p.out, "\n  other driver  no: "));
     assert_non_null(strstr(p.out, "\n  stale         no: "));
     assert_non_null(strstr(p.out, "of which nothing is known"));
-    program_free(&p);
     test_store_run(folder.store, "UPDATE profile SET share = 0, verdict = 'same'");
     p = program_run_with(variables, "run %s --repeat 1", SCENE);
     if (devices_are_two())
         assert_non_null(strstr(p.out, "exact; B alone; no share promises more"));
-    program_free(&p);
 }
 
 TEST(why_and_run_say_that_no_figure_is_known)
@@ -483,16 +471,13 @@ TEST(why_and_run_say_that_no_figure_is_known)
         assert_true(cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(o, figures[i])));
     assert_true(cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(o, "true_pairs")));
     assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "uid")->valuestring, "");
-    cJSON_Delete(o);
     program p = program_run("profiles why %s --profile %s", SCENE, folder.store);
     assert_non_null(strstr(p.out, "what a step takes and gains here is not known"));
-    program_free(&p);
     char variables[160];
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
     p = program_run_with(variables, "run %s --repeat 1", SCENE);
     assert_non_null(strstr(p.out, "plan: from the profile of another workload; what it gains here "
                                   "is not known"));
-    program_free(&p);
 }
 
 // ------------------------------------------------------------ queries

@@ -106,7 +106,6 @@ TEST(a_plan_changes_kernels_between_steps_and_no_bit)
     assert_own_kernels(m);
     mover_run(m, 2 * STEPS);
     assert_true(mover_hash(m) == hash);
-    mover_free(m);
 }
 
 TEST(a_plan_that_cannot_be_leaves_the_motion_as_it_was)
@@ -143,7 +142,6 @@ TEST(a_plan_that_cannot_be_leaves_the_motion_as_it_was)
     }
     mover_run(m, STEPS);
     assert_true(mover_hash(m) == hash);
-    mover_free(m);
 }
 
 // Steps that searched pairs.
@@ -187,7 +185,6 @@ TEST(a_plans_skin_changes_how_often_pairs_are_searched_and_no_bit)
     create(m);
     assert_false(duet_motion_set_plan(m->motion, &thick, &err));
     assert_non_null(strstr(err.text, "motion.skin=80; expected a motion whose def has a skin"));
-    mover_free(m);
 }
 
 // ------------------------------------------------------------ profiles
@@ -218,7 +215,6 @@ TEST(a_motion_takes_its_profile_and_keeps_its_bits)
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     mover_run(m, STEPS);
     assert_true(mover_hash(m) == hash);
-    mover_free(m);
 }
 
 TEST(a_motion_without_contact_takes_the_kernels_alone)
@@ -236,7 +232,6 @@ TEST(a_motion_without_contact_takes_the_kernels_alone)
     assert_null(duet_motion_get_plan(m->motion)); // no plan of pairs
     mover_run(m, STEPS);
     assert_true(mover_hash(m) == hash);
-    mover_free(m);
 }
 
 static duet_world *make_world(const mover *m)
@@ -266,7 +261,6 @@ TEST(a_still_worlds_profile_is_no_motions_nor_the_reverse)
     assert_int_equal(load(m, still.store).grade, DUET_GRADE_DEFAULT);
     assert_int_equal(load(m, moving.store).grade, DUET_GRADE_EXACT);
     duet_world_destroy(world);
-    mover_free(m);
 }
 
 // A number that makes no motion of another kind.
@@ -285,9 +279,6 @@ TEST(another_number_of_bodies_takes_the_plan_and_no_figure)
     assert_true(profile.step_ms == 0 && profile.gain == 0 && profile.measured_s == 0);
     assert_string_equal(profile.verdict, "");
     assert_int_equal(load(many, folder.store).grade, DUET_GRADE_DEFAULT);
-    mover_free(m);
-    mover_free(more);
-    mover_free(many);
 }
 
 TEST(other_effects_or_substeps_are_another_workload)
@@ -304,7 +295,6 @@ TEST(other_effects_or_substeps_are_another_workload)
     m->def.substeps = 9;
     create(m);
     assert_int_equal(load(m, folder.store).grade, DUET_GRADE_DEFAULT);
-    mover_free(m);
 }
 
 TEST(what_nothing_happens_to_has_no_profile)
@@ -319,7 +309,6 @@ TEST(what_nothing_happens_to_has_no_profile)
         assert_non_null(strstr(err.text, "has no profile; expected bodies that"));
         mover_add_cube(m, 0, 0, 0, 1);
     }
-    mover_free(m);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -30,10 +30,23 @@ duet_device_pair *mover_pair(void)
     return pair;
 }
 
+void mover_restart(mover *m)
+{
+    duet_motion_destroy(m->motion);
+    m->motion = NULL;
+}
+
+static void give_back(void *m)
+{
+    mover_restart(m);
+    free(m);
+}
+
 mover *mover_new(uint32_t dims)
 {
     mover *m = calloc(1, sizeof *m);
     assert_non_null(m);
+    test_keep(m, give_back);
     m->def = duet_default_motion_def();
     m->def.pair = pair;
     m->def.plan = duet_default_plan(pair);
@@ -41,16 +54,9 @@ mover *mover_new(uint32_t dims)
     return m;
 }
 
-void mover_restart(mover *m)
-{
-    duet_motion_destroy(m->motion);
-    m->motion = NULL;
-}
-
 void mover_free(mover *m)
 {
-    mover_restart(m);
-    free(m);
+    test_give_back(m);
 }
 
 uint32_t mover_add(mover *m, double x, double y, double z, double hx, double hy, double hz)

@@ -101,6 +101,4 @@ void skin_run(uint32_t steps)
     }
     print_message("%u steps, the grid was built in %u\n", steps, rebuilt);
     assert_true(rebuilt > 1 && rebuilt < steps / 2);
-    mover_free(skinned);
-    mover_free(plain);
 }
