@@ -797,7 +797,6 @@ static void explain_motion(void)
 
 static duet_task *make_task(void)
 {
-    duet_error err = {0};
     duet_task_def def = duet_default_task_def();
     task_files_write(".", "twice", "int m\nconst int *x\nint *y\n", "y[i] = m * x[i];");
     test_write_file("twice.task.lua",
@@ -805,9 +804,7 @@ static duet_task *make_task(void)
                     "= 'slice' }, y = { 'int', 4, access = 'out slice' } } }");
     def.pair = pair;
     def.path = "twice.task.lua";
-    duet_task *task = duet_task_create(&def, &err);
-    assert_ok(task, err);
-    return task;
+    return must(duet_task_create(&def, ERR));
 }
 
 static void create_task(void)
@@ -1192,21 +1189,17 @@ TEST(every_symbol_of_the_library_has_a_row)
 // A refused call has changed nothing.
 TEST(what_refused_goes_on)
 {
-    duet_error err = {0};
     duet_motion_result moved;
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_step(world, &result, ERR));
     assert_int_equal(result.pairs, 1);
-    assert_ok(duet_motion_advance(motion, &moved, &err), err);
+    must(duet_motion_advance(motion, &moved, ERR));
 }
 
 static duet_world *make_world(duet_world_def def)
 {
-    duet_error err = {0};
     def.pair = pair;
     def.plan = duet_default_plan(pair);
-    duet_world *made = duet_world_create(&def, &err);
-    assert_ok(made, err);
-    return made;
+    return must(duet_world_create(&def, ERR));
 }
 
 static void make_worlds(void)
@@ -1226,53 +1219,41 @@ static void make_worlds(void)
 static int open_all(void **state)
 {
     (void)state;
-    duet_error err = {0};
     const duet_pose two[2] = {pose, pose};
     duet_device_pair_def def = duet_default_device_pair_def();
-    pair = duet_device_pair_create(&def, &err);
-    assert_ok(pair, err);
+    pair = must(duet_device_pair_create(&def, ERR));
     make_worlds();
-    scene = duet_scene_create(DUET_OBJECT_POSES, two, 2, 3, 0, &err);
-    assert_ok(scene, err);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, two, 2, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    scene = must(duet_scene_create(DUET_OBJECT_POSES, two, 2, 3, 0, ERR));
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, two, 2, ERR));
+    must(duet_world_step(world, &result, ERR));
     duet_motion_def moving = duet_scene_motion_def(scene, pair);
-    motion = duet_motion_create_from_scene(&moving, scene, NULL, &err);
-    assert_ok(motion, err);
+    motion = must(duet_motion_create_from_scene(&moving, scene, NULL, ERR));
     duet_pair_query_def testing = duet_default_pair_query_def();
     testing.pair = pair;
-    test = duet_pair_query_create(&testing, &err);
-    assert_ok(test, err);
+    test = must(duet_pair_query_create(&testing, ERR));
     duet_tree_def planting = duet_default_tree_def();
     planting.pair = pair;
     planting.share = 0;
-    tree = duet_tree_create(&planting, &err);
-    assert_ok(tree, err);
+    tree = must(duet_tree_create(&planting, ERR));
     duet_ray_query_def casting = duet_default_ray_query_def();
     casting.tree = tree;
-    rays = duet_ray_query_create(&casting, &err);
-    assert_ok(rays, err);
+    rays = must(duet_ray_query_create(&casting, ERR));
     duet_contact_query_def finding = duet_default_contact_query_def();
     finding.pair = pair;
     finding.share = 0;
-    touching = duet_contact_query_create(&finding, &err);
-    assert_ok(touching, err);
+    touching = must(duet_contact_query_create(&finding, ERR));
     duet_box_query_def joining = duet_default_box_query_def();
     joining.tree = tree;
-    boxes = duet_box_query_create(&joining, &err);
-    assert_ok(boxes, err);
+    boxes = must(duet_box_query_create(&joining, ERR));
     duet_point_query_def asking = duet_default_point_query_def();
     asking.tree = tree;
-    points = duet_point_query_create(&asking, &err);
-    assert_ok(points, err);
+    points = must(duet_point_query_create(&asking, ERR));
     duet_sweep_query_def sweeping = duet_default_sweep_query_def();
     sweeping.tree = tree;
-    sweeps = duet_sweep_query_create(&sweeping, &err);
-    assert_ok(sweeps, err);
+    sweeps = must(duet_sweep_query_create(&sweeping, ERR));
     duet_online_def tuning = duet_default_online_def();
     tuning.world = world;
-    online = duet_online_create(&tuning, &err);
-    assert_ok(online, err);
+    online = must(duet_online_create(&tuning, ERR));
     return 0;
 }
 

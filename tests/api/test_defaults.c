@@ -31,9 +31,7 @@ static void step_default(int wide, duet_mode mode)
 {
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
-    duet_error err = {0};
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
+    duet_world *world = must(duet_world_create(&def, ERR));
     duet_plan usual = duet_default_plan(devices);
     const duet_plan *plan = duet_world_get_plan(world);
     assert_int_equal(plan->share, usual.share);
@@ -42,8 +40,8 @@ static void step_default(int wide, duet_mode mode)
     assert_in_range(plan->share, 1, DUET_SHARE_ONE - 1);
     scatter(wide);
     duet_result result;
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
+    must(duet_world_step(world, &result, ERR));
     for (int d = 0; d < 2; ++d)
         assert_true(result.spans[d].n > 0);
     assert_int_equal(duet_world_get_plan(world)->mode, mode);
@@ -65,9 +63,7 @@ TEST(a_plan_may_leave_things_to_the_world)
     def.pair = pair;
     def.plan.mode = DUET_MODE_SLAB;
     strcpy(def.plan.variant_b, "gpu");
-    duet_error err = {0};
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
+    duet_world *world = must(duet_world_create(&def, ERR));
     duet_plan usual = duet_default_plan(pair);
     const duet_plan *plan = duet_world_get_plan(world);
     assert_int_equal(plan->mode, DUET_MODE_SLAB);
@@ -76,7 +72,7 @@ TEST(a_plan_may_leave_things_to_the_world)
     assert_string_equal(plan->variant_b, "gpu");
     duet_plan open = duet_default_plan(NULL);
     open.share = 0;
-    assert_ok(duet_world_set_plan(world, &open, &err), err);
+    must(duet_world_set_plan(world, &open, ERR));
     assert_int_equal(duet_world_get_plan(world)->share, 0);
     assert_string_equal(duet_world_get_plan(world)->variant_a, usual.variant_a);
     duet_world_destroy(world);

@@ -29,51 +29,41 @@ static uint64_t right_colliding; // the test's own
 
 static void open_world(owners *o)
 {
-    duet_error err = {0};
     duet_world_def def = duet_scene_world_def(o->scene, o->pair);
-    o->world = duet_world_create(&def, &err);
-    assert_ok(o->world, err);
-    assert_ok(duet_world_set_scene(o->world, o->scene, &err), err);
+    o->world = must(duet_world_create(&def, ERR));
+    must(duet_world_set_scene(o->world, o->scene, ERR));
     duet_online_def online = duet_default_online_def();
     online.world = o->world;
-    o->online = duet_online_create(&online, &err);
-    assert_ok(o->online, err);
+    o->online = must(duet_online_create(&online, ERR));
 }
 
 static void open_motion(owners *o)
 {
-    duet_error err = {0};
     duet_motion_def def = duet_scene_motion_def(o->scene, o->pair);
     def.wants = DUET_EFFECT_CONTACT;
     duet_body bodies[N];
     for (int i = 0; i < N; ++i)
         bodies[i] = duet_default_body();
     bodies[0].velocity[0] = 1.0f;
-    o->motion = duet_motion_create_from_scene(&def, o->scene, bodies, &err);
-    assert_ok(o->motion, err);
+    o->motion = must(duet_motion_create_from_scene(&def, o->scene, bodies, ERR));
 }
 
 static void open_all(owners *o)
 {
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     def.cache_dir = "test_lifetimes.cache";
-    o->pair = duet_device_pair_create(&def, &err);
-    assert_ok(o->pair, err);
-    o->scene = duet_scene_create(DUET_OBJECT_POSES, poses, N, 3, 0, &err);
-    assert_ok(o->scene, err);
+    o->pair = must(duet_device_pair_create(&def, ERR));
+    o->scene = must(duet_scene_create(DUET_OBJECT_POSES, poses, N, 3, 0, ERR));
     open_world(o);
     open_motion(o);
     duet_pair_query_def test = duet_default_pair_query_def();
     test.pair = o->pair;
     test.share = DUET_SHARE_ONE / 2;
-    o->test = duet_pair_query_create(&test, &err);
-    assert_ok(o->test, err);
+    o->test = must(duet_pair_query_create(&test, ERR));
 }
 
 static void close_one(owners *o, owner which)
 {
-    duet_error err = {0};
     switch (which) {
     case PAIR:
         duet_device_pair_destroy(o->pair);
@@ -86,7 +76,7 @@ static void close_one(owners *o, owner which)
         o->world = NULL;
         break;
     case ONLINE:
-        assert_ok(duet_online_destroy(o->online, &err), err);
+        must(duet_online_destroy(o->online, ERR));
         o->online = NULL;
         break;
     case MOTION:
@@ -102,23 +92,22 @@ static void close_one(owners *o, owner which)
 // Each open object works.
 static void use(owners *o)
 {
-    duet_error err = {0};
     duet_result result;
     duet_motion_result moved;
     duet_pair_query_result tested;
     uint8_t answers[N];
     if (o->world) {
-        assert_ok(duet_world_step(o->world, &result, &err), err);
+        must(duet_world_step(o->world, &result, ERR));
         assert_true(duet_result_get_hash(&result) == right);
     }
     if (o->online) {
-        assert_ok(duet_online_step(o->online, &result, &err), err);
+        must(duet_online_step(o->online, &result, ERR));
         assert_true(duet_result_get_hash(&result) == right);
     }
     if (o->motion)
-        assert_ok(duet_motion_advance(o->motion, &moved, &err), err);
+        must(duet_motion_advance(o->motion, &moved, ERR));
     if (o->test) {
-        assert_ok(duet_pair_query_run(o->test, poses, N, answers, NULL, &tested, &err), err);
+        must(duet_pair_query_run(o->test, poses, N, answers, NULL, &tested, ERR));
         assert_true(tested.colliding == right_colliding);
     }
 }
@@ -136,7 +125,7 @@ static int make_poses(void **state)
     duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, N, 3, 0, &err);
     duet_pair *pairs = NULL;
     uint64_t n = 0;
-    assert_ok(scene && duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
+    must(scene && duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
     right = duet_pairs_hash(pairs, n);
     assert_true(n > 0);
     duet_free(pairs);

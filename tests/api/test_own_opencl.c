@@ -125,45 +125,36 @@ static cl_mem make_buffer(const void *bytes, size_t size, cl_mem_flags flags)
 
 static duet_device_pair *open_pair(cl_command_queue a, cl_command_queue b)
 {
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = def.b = NULL;
-    duet_device_pair *pair = duet_device_pair_create_on_queues(&def, a, b, &err);
-    assert_ok(pair, err);
-    return pair;
+    return must(duet_device_pair_create_on_queues(&def, a, b, ERR));
 }
 
 static duet_world *make_world(duet_device_pair *pair, duet_world_def def)
 {
-    duet_error err = {0};
     def.pair = pair;
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
-    return world;
+    return must(duet_world_create(&def, ERR));
 }
 
 static uint64_t hash_of(duet_world *world)
 {
-    duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_step(world, &result, ERR));
     return duet_result_get_hash(&result);
 }
 
 static void set_plan(duet_world *world, duet_mode mode, uint32_t share)
 {
-    duet_error err = {0};
     duet_plan plan = *duet_world_get_plan(world);
     plan.mode = mode;
     plan.share = share;
-    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    must(duet_world_set_plan(world, &plan, ERR));
 }
 
 static duet_result step(duet_world *world)
 {
-    duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_step(world, &result, ERR));
     return result;
 }
 
@@ -207,8 +198,8 @@ TEST(a_device_without_a_queue_is_opened_by_its_selector)
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = "cpu";
-    duet_device_pair *pair = duet_device_pair_create_on_queues(&def, NULL, own.queues[1], &err);
-    assert_ok(pair, err);
+    duet_device_pair *pair =
+        must(duet_device_pair_create_on_queues(&def, NULL, own.queues[1], ERR));
     assert_ptr_not_equal(pair->devices[0].context, own.context);
     assert_ptr_equal(pair->devices[1].context, own.context);
     duet_device_pair_destroy(pair);
@@ -239,9 +230,9 @@ TEST(profiles_are_those_of_the_device)
     for (int i = 0; i < 2; ++i) {
         duet_profile profile;
         duet_world *world = make_world(pairs[i], duet_default_world_def());
-        assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
-        assert_ok(profile_subject_read(world, &subjects[i], &err), err);
-        assert_ok(duet_world_load_profile(world, NULL, &profile, &err), err);
+        must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
+        must(profile_subject_read(world, &subjects[i], ERR));
+        must(duet_world_load_profile(world, NULL, &profile, ERR));
         hashes[i] = hash_of(world); // the program has released its queue and context
         duet_world_destroy(world);
     }
@@ -256,7 +247,6 @@ TEST(profiles_are_those_of_the_device)
 // Parts that the program cut off are described as those that Duet cuts off.
 TEST(profiles_are_those_of_the_parts)
 {
-    duet_error err = {0};
     if (!own.cut)
         skip();
     char selectors[2 * sizeof((duet_device_info *)0)->selector];
@@ -264,15 +254,14 @@ TEST(profiles_are_those_of_the_parts)
     const char *whole = duet_device_pair_get_info(pair, 0)->selector;
     int length = (int)strcspn(whole, "[");
     snprintf(selectors, sizeof selectors, "%.*s[0-0],%.*s[1-1]", length, whole, length, whole);
-    duet_device_pair *named = duet_device_pair_open(selectors, &err);
-    assert_ok(named, err);
+    duet_device_pair *named = must(duet_device_pair_open(selectors, ERR));
     duet_device_pair *pairs[] = {pair, named};
     duet_world *worlds[2];
     profile_subject subjects[2];
     for (int i = 0; i < 2; ++i) {
         worlds[i] = make_world(pairs[i], duet_default_world_def());
-        assert_ok(duet_world_set_objects(worlds[i], DUET_OBJECT_POSES, poses, N, &err), err);
-        assert_ok(profile_subject_read(worlds[i], &subjects[i], &err), err);
+        must(duet_world_set_objects(worlds[i], DUET_OBJECT_POSES, poses, N, ERR));
+        must(profile_subject_read(worlds[i], &subjects[i], ERR));
     }
     for (int side = 0; side < 2; ++side) {
         const profile_env *ours = side ? &subjects[0].pair.b : &subjects[0].pair.a;
@@ -323,9 +312,8 @@ static void fill_kinds(void)
 
 static void set_by_buffer(duet_world *world, given g)
 {
-    duet_error err = {0};
     cl_mem mem = make_buffer(g.rows, N * g.bytes, CL_MEM_READ_ONLY);
-    assert_ok(duet_world_set_objects_buffer(world, g.kind, mem, N, 0, NULL, &err), err);
+    must(duet_world_set_objects_buffer(world, g.kind, mem, N, 0, NULL, ERR));
     clReleaseMemObject(mem); // which the world holds
 }
 
@@ -339,12 +327,11 @@ static void steps_are_those_of_the_host(duet_device_pair *pair, duet_world_def d
                  {DUET_MODE_OWN, DUET_SHARE_ONE},
                  {DUET_MODE_SLAB, DUET_SHARE_ONE / 2},
                  {DUET_MODE_SHARED, DUET_SHARE_ONE / 2}};
-    duet_error err = {0};
     duet_world *host = make_world(pair, def), *world = make_world(pair, def);
     const given apart = {DUET_OBJECT_SIZES, sizeof *sizes, sizes};
-    assert_ok(duet_world_set_objects(host, g.kind, g.rows, N, &err), err);
+    must(duet_world_set_objects(host, g.kind, g.rows, N, ERR));
     if (def.separate_sizes || def.compact_transforms) {
-        assert_ok(duet_world_set_objects(host, DUET_OBJECT_SIZES, sizes, N, &err), err);
+        must(duet_world_set_objects(host, DUET_OBJECT_SIZES, sizes, N, ERR));
         set_by_buffer(world, apart);
     }
     set_plan(host, DUET_MODE_OWN, 0);
@@ -398,14 +385,12 @@ TEST(objects_of_a_buffer_are_those_of_the_host)
 
 TEST(a_device_of_another_context_gets_them_through_the_host)
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     duet_device_pair_def devices = duet_default_device_pair_def();
     devices.a = devices.b = own.cut ? "cpu[1/1]" : "cpu";
     for (int side = 0; side < 2; ++side) {
-        duet_device_pair *pair = duet_device_pair_create_on_queues(
-            &devices, side ? NULL : own.queues[0], side ? own.queues[1] : NULL, &err);
-        assert_ok(pair, err);
+        duet_device_pair *pair = must(duet_device_pair_create_on_queues(
+            &devices, side ? NULL : own.queues[0], side ? own.queues[1] : NULL, ERR));
         steps_are_those_of_the_host(pair, def, (given){DUET_OBJECT_POSES, sizeof *poses, poses});
         duet_device_pair_destroy(pair);
     }
@@ -446,7 +431,7 @@ TEST(objects_are_checked_as_the_hosts)
         *numbers[i] = bad[i];
         err = own_err = (duet_error){0};
         set_by_buffer(world, g);
-        assert_ok(duet_world_set_objects(host, g.kind, poses, N, &err), err);
+        must(duet_world_set_objects(host, g.kind, poses, N, ERR));
         assert_false(duet_world_step(host, &result, &err));
         assert_false(duet_world_step(world, &result, &own_err));
         assert_int_equal(own_err.status, DUET_STATUS_BAD_OBJECT);
@@ -458,7 +443,7 @@ TEST(objects_are_checked_as_the_hosts)
     poses[3].half_extents[1] = 5.0f;
     err = (duet_error){0};
     set_by_buffer(world, g);
-    assert_ok(duet_world_set_objects(host, g.kind, poses, N, &err), err);
+    must(duet_world_set_objects(host, g.kind, poses, N, ERR));
     assert_true(hash_of(world) == hash_of(host));
     assert_true(hash_of(world) != right);
     poses[3].half_extents[1] = kept;
@@ -471,12 +456,11 @@ TEST(objects_are_checked_as_the_hosts)
 
 TEST(a_step_reads_objects_once_what_it_waits_for_is_over)
 {
-    duet_error err = {0};
     duet_result result;
     duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
     cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
-    assert_ok(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, &err), err);
+    must(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, ERR));
     const uint64_t right = hash_of(world);
     // Nonsense is there until the program's own event lets the poses come.
     const cl_uint nothing = 0;
@@ -490,18 +474,17 @@ TEST(a_step_reads_objects_once_what_it_waits_for_is_over)
                                               1, &gate, &written),
                          CL_SUCCESS);
         clFlush(own.queues[0]);
-        assert_ok(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, (cl_uint)by_event,
-                                                by_event ? &written : NULL, &err),
-                  err);
-        assert_ok(duet_world_step_begin(world, &err), err);
+        must(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, (cl_uint)by_event,
+                                           by_event ? &written : NULL, ERR));
+        must(duet_world_step_begin(world, ERR));
         clSetUserEventStatus(gate, CL_COMPLETE);
-        assert_ok(duet_world_step_end(world, &result, &err), err);
+        must(duet_world_step_end(world, &result, ERR));
         assert_true(duet_result_get_hash(&result) == right);
         clReleaseEvent(written);
         clReleaseEvent(gate);
     }
     assert_true(references(mem) == 2);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     assert_true(references(mem) == 1);
     assert_true(hash_of(world) == right);
     clReleaseMemObject(mem);
@@ -517,7 +500,7 @@ TEST(what_was_waited_for_in_vain_is_told)
     duet_world *world = make_world(pair, duet_default_world_def());
     cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
     cl_event gate = clCreateUserEvent(own.context, NULL);
-    assert_ok(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 1, &gate, &err), err);
+    must(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 1, &gate, ERR));
     clSetUserEventStatus(gate, -5);
     assert_false(duet_world_step(world, &result, &err));
     refused(&err, DUET_STATUS_DEVICE_FAILED, "an event that the objects wait for has failed");
@@ -550,7 +533,6 @@ static uint64_t hash_of_buffers(const duet_pair_buffers *b)
 static void leave_everywhere(duet_device_pair *pair)
 {
     static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE};
-    duet_error err = {0};
     duet_world *world = make_world(pair, duet_default_world_def());
     const given g = {DUET_OBJECT_POSES, sizeof *poses, poses};
     set_by_buffer(world, g);
@@ -561,9 +543,8 @@ static void leave_everywhere(duet_device_pair *pair)
     for (int i = 0; i < 12; ++i) {
         bool mine = i % 2;
         duet_pair_buffers buffers;
-        assert_ok(duet_world_leave_pairs(world, i / 2 % 2, mine ? pairs : NULL, mine ? count : NULL,
-                                         &err),
-                  err);
+        must(duet_world_leave_pairs(world, i / 2 % 2, mine ? pairs : NULL, mine ? count : NULL,
+                                    ERR));
         set_plan(world, DUET_MODE_OWN, shares[i / 4]);
         duet_result result = step(world);
         assert_int_equal(result.pairs, n);
@@ -571,12 +552,12 @@ static void leave_everywhere(duet_device_pair *pair)
         assert_null(result.spans[0].pairs);
         assert_true(duet_result_get_hash(&result) == 0);
         assert_int_equal(duet_result_get_pair(&result, 0).b, 0);
-        assert_ok(duet_world_get_pair_buffers(world, &buffers, &err), err);
+        must(duet_world_get_pair_buffers(world, &buffers, ERR));
         assert_int_equal(mine, buffers.pairs == pairs);
         assert_int_equal(mine, buffers.count == count);
         assert_true(hash_of_buffers(&buffers) == hash);
     }
-    assert_ok(duet_world_bring_pairs(world, &err), err);
+    must(duet_world_bring_pairs(world, ERR));
     assert_int_equal(references(pairs), 1);
     assert_int_equal(references(count), 1);
     assert_true(hash_of(world) == hash);
@@ -600,26 +581,24 @@ TEST(pairs_are_left_in_buffers)
 // is no queue of the caller's to wait for.
 TEST(buffers_come_from_the_context_of_a_pair_without_queues)
 {
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    duet_device_pair *pair = duet_device_pair_create(&def, &err);
-    assert_ok(pair != NULL, err);
+    duet_device_pair *pair = must(duet_device_pair_create(&def, ERR));
     duet_world *world = make_world(pair, duet_default_world_def());
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     const uint64_t hash = hash_of(world);
     duet_pair_buffers left;
-    assert_ok(duet_world_leave_pairs(world, 1, NULL, NULL, &err), err);
+    must(duet_world_leave_pairs(world, 1, NULL, NULL, ERR));
     step(world);
-    assert_ok(duet_world_get_pair_buffers(world, &left, &err), err);
+    must(duet_world_get_pair_buffers(world, &left, ERR));
     cl_context context = NULL;
     clGetMemObjectInfo(left.pairs, CL_MEM_CONTEXT, sizeof context, &context, NULL);
     cl_int code = CL_SUCCESS;
     cl_mem mem = clCreateBuffer(context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, sizeof poses,
                                 poses, &code);
     assert_int_equal(code, CL_SUCCESS);
-    assert_ok(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, &err), err);
+    must(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, ERR));
     clReleaseMemObject(mem);
-    assert_ok(duet_world_bring_pairs(world, &err), err);
+    must(duet_world_bring_pairs(world, ERR));
     assert_true(hash_of(world) == hash);
     duet_world_destroy(world);
     duet_device_pair_destroy(pair);
@@ -632,11 +611,11 @@ TEST(a_buffer_too_small_for_the_pairs_is_left_as_it_was)
     duet_pair_buffers buffers;
     duet_device_pair *pair = open_pair(own.queues[0], NULL);
     duet_world *world = make_world(pair, duet_default_world_def());
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     const uint64_t n = step(world).pairs;
     duet_pair kept[3] = {{1, 2}, {3, 4}, {5, 6}}, now[3];
     cl_mem pairs = make_buffer(kept, sizeof kept, CL_MEM_READ_WRITE);
-    assert_ok(duet_world_leave_pairs(world, 1, pairs, NULL, &err), err);
+    must(duet_world_leave_pairs(world, 1, pairs, NULL, ERR));
     assert_false(duet_world_step(world, &result, &err));
     refused(&err, DUET_STATUS_TOO_MANY, "the caller's buffer holds 3; expected one of");
     assert_int_equal(result.pairs, n);
@@ -666,26 +645,25 @@ TEST(commands_that_wait_for_a_step_see_its_pairs)
     assert_false(duet_world_step_begin_event(world, &done, &err));
     refused(&err, DUET_STATUS_BAD_ARGUMENT, "pairs come to the host");
     err = (duet_error){0};
-    assert_ok(duet_world_leave_pairs(world, 1, NULL, count, &err), err);
+    must(duet_world_leave_pairs(world, 1, NULL, count, ERR));
     for (int i = 0; i < 3; ++i) {
         read = 0;
-        assert_ok(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, &err),
-                  err);
-        assert_ok(duet_world_step_begin_event(world, &done, &err), err);
+        must(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, ERR));
+        must(duet_world_step_begin_event(world, &done, ERR));
         assert_int_equal(clEnqueueReadBuffer(own.queues[1], count, CL_TRUE, 0, sizeof read, &read,
                                              1, &done, NULL),
                          CL_SUCCESS);
-        assert_ok(duet_world_step_end(world, &result, &err), err);
+        must(duet_world_step_end(world, &result, ERR));
         assert_int_equal(read, result.pairs);
-        assert_ok(duet_world_get_pair_buffers(world, &buffers, &err), err);
+        must(duet_world_get_pair_buffers(world, &buffers, ERR));
         assert_ptr_equal(buffers.count, count);
         clReleaseEvent(done);
     }
     // A step that fails has left no pairs.
     poses[5].centre[0] = NAN;
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     poses[5].centre[0] = 1.0f;
-    assert_ok(duet_world_step_begin_event(world, &done, &err), err);
+    must(duet_world_step_begin_event(world, &done, ERR));
     assert_false(duet_world_step_end(world, &result, &err));
     refused(&err, DUET_STATUS_BAD_OBJECT, "object 5 of");
     read = 9;
@@ -719,8 +697,8 @@ TEST(between_the_halves_of_a_step_nothing_else_is_taken)
     cl_event gate = clCreateUserEvent(own.context, NULL);
     err = (duet_error){0};
     const duet_plan plan = *duet_world_get_plan(world);
-    assert_ok(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 1, &gate, &err), err);
-    assert_ok(duet_world_step_begin(world, &err), err);
+    must(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 1, &gate, ERR));
+    must(duet_world_step_begin(world, ERR));
     assert_null(duet_world_get_plan(world));
     assert_int_equal(duet_world_get_level(world), DUET_LEVEL_CERTIFIED);
 #define REFUSED(call)                                                \
@@ -746,8 +724,8 @@ TEST(between_the_halves_of_a_step_nothing_else_is_taken)
     clSetUserEventStatus(gate, CL_COMPLETE);
     clReleaseEvent(gate);
     err = (duet_error){0};
-    assert_ok(duet_world_step_end(world, &result, &err), err);
-    assert_ok(duet_world_step_begin(world, &err), err);
+    must(duet_world_step_end(world, &result, ERR));
+    must(duet_world_step_begin(world, ERR));
     duet_world_destroy(world); // which waits
     clReleaseMemObject(mem);
     duet_device_pair_destroy(pair);
@@ -766,21 +744,19 @@ TEST(states_are_copied_into_a_buffer)
     duet_motion_def def = duet_default_motion_def();
     def.pair = pair;
     def.gravity[1] = -10.0;
-    duet_motion *motion = duet_motion_create(&def, poses, NULL, SOME, &err);
-    assert_ok(motion, err);
+    duet_motion *motion = must(duet_motion_create(&def, poses, NULL, SOME, ERR));
     cl_mem mem = make_buffer(NULL, sizeof rows, CL_MEM_READ_WRITE);
     cl_mem small = make_buffer(NULL, sizeof rows - 1, CL_MEM_READ_WRITE);
     for (int i = 0; i < 2; ++i) {
         cl_event gate = clCreateUserEvent(own.context, NULL), done = NULL;
-        assert_ok(duet_motion_advance(motion, &result, &err), err);
+        must(duet_motion_advance(motion, &result, ERR));
         clSetUserEventStatus(gate, CL_COMPLETE);
-        assert_ok(duet_motion_copy_states(motion, DUET_STATE_CENTRES, mem, 1, &gate,
-                                          i ? &done : NULL, &err),
-                  err);
+        must(duet_motion_copy_states(motion, DUET_STATE_CENTRES, mem, 1, &gate, i ? &done : NULL,
+                                     ERR));
         assert_int_equal(clEnqueueReadBuffer(own.queues[0], mem, CL_TRUE, 0, sizeof rows, rows,
                                              i ? 1 : 0, i ? &done : NULL, NULL),
                          CL_SUCCESS);
-        assert_ok(duet_motion_get_states(motion, states, &err), err);
+        must(duet_motion_get_states(motion, states, ERR));
         for (int id = 0; id < SOME; ++id)
             for (int k = 0; k < 3; ++k)
                 assert_true((double)rows[id][k] == states[id].centre[k]);

@@ -94,10 +94,9 @@ TEST(an_opencl_failure_names_its_code)
 TEST(a_text_grows_and_survives_a_file)
 {
     text t = {0};
-    duet_error err = {0};
     for (int i = 0; i < 1000; ++i)
         text_add(&t, "%d,", i);
-    assert_ok(text_write_file("test_base.tmp", t.chars, t.length, &err), err);
+    must(text_write_file("test_base.tmp", t.chars, t.length, ERR));
     text back = test_read_file("test_base.tmp");
     assert_int_equal(back.length, t.length);
     assert_memory_equal(back.chars, t.chars, t.length);

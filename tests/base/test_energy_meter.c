@@ -17,10 +17,7 @@
 
 static energy_meter *open_meter(const energy_meter_def *def)
 {
-    duet_error err = {0};
-    energy_meter *m = energy_meter_open(def, &err);
-    assert_ok(m, err);
-    return m;
+    return must(energy_meter_open(def, ERR));
 }
 
 static bool is_near(double a, double b)

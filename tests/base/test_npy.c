@@ -85,9 +85,7 @@ TEST(every_version_type_and_order_gives_the_same_objects)
         for (int k = 0; k < 4; ++k)
             for (int fortran = 0; fortran < 2; ++fortran) {
                 text t = npy_of(version, descrs[k], fortran, rows, 3, 10);
-                duet_error err = {0};
-                duet_scene *scene = read_npy(&t, &err);
-                assert_ok(scene, err);
+                duet_scene *scene = must(read_npy(&t, ERR));
                 assert_int_equal(duet_scene_get_info(scene)->n, 3);
                 for (int i = 0; i < 30; ++i)
                     assert_true(((const float *)duet_scene_get_objects(
@@ -111,7 +109,7 @@ TEST(a_range_is_that_part_of_the_whole)
         duet_error err = {0};
         uint64_t n = 0, deferred = 0;
         text t = npy_of(1, "<f8", fortran, many, ROWS, COLUMNS);
-        assert_ok(text_write_file(FILE_NAME, t.chars, t.length, &err), err);
+        must(text_write_file(FILE_NAME, t.chars, t.length, ERR));
         for (size_t k = 0; k < sizeof ranges / sizeof *ranges; ++k) {
             uint64_t end = ranges[k][1] < ROWS ? ranges[k][1] : ROWS;
             duet_scene *scene =
@@ -127,8 +125,7 @@ TEST(a_range_is_that_part_of_the_whole)
             }
             duet_scene_destroy(scene);
         }
-        duet_scene *first = scene_load_deferred(FILE_NAME, NULL, 0, &n, &deferred, &err);
-        assert_ok(first, err);
+        duet_scene *first = must(scene_load_deferred(FILE_NAME, NULL, 0, &n, &deferred, ERR));
         assert_int_equal(duet_scene_get_info(first)->n, 1);
         assert_int_equal(n, ROWS);
         assert_int_equal(deferred, ROWS - 1);
@@ -152,9 +149,7 @@ TEST(the_second_number_of_the_shape_says_what_a_row_is)
     for (int i = 0; i < 4; ++i)
         for (uint32_t n = 0; n <= 1; ++n) {
             text t = npy_of(1, "<f4", false, ascending, n, kinds[i].columns);
-            duet_error err = {0};
-            duet_scene *scene = read_npy(&t, &err);
-            assert_ok(scene, err);
+            duet_scene *scene = must(read_npy(&t, ERR));
             assert_int_equal(duet_scene_get_info(scene)->n, n);
             assert_int_equal(duet_scene_get_info(scene)->dims, kinds[i].dims);
             assert_int_equal(duet_scene_get_info(scene)->shape, kinds[i].shape);

@@ -229,7 +229,6 @@ TEST(stdout_is_written_to_whatever_it_is)
             assert_string_equal(p.err, "");
             assert_int_equal(strncmp(p.out, "duet ", 5), 0);
             assert_non_null(strstr(p.out, "\n{\"type\":\"store\""));
-            program_free(&p);
         }
 }
 
@@ -239,7 +238,7 @@ TEST(what_comes_between_is_not_replaced)
     write_in("victim", "safe");
     output o;
     duet_error err = {0};
-    assert_ok(output_open(&o, "out", &err), err);
+    must(output_open(&o, "out", ERR));
     fputs("new", o.stream);
     assert_int_equal(symlink("victim", "out"), 0);
     assert_false(output_close(&o, true, &err));
@@ -262,13 +261,12 @@ TEST(what_is_half_written_is_removed)
 {
     static const char *const names[] = {"one", "two", "three"};
     output o[3];
-    duet_error err = {0};
     write_in("two", "old");
     for (int i = 0; i < 3; ++i) {
-        assert_ok(output_open(&o[i], names[i], &err), err);
+        must(output_open(&o[i], names[i], ERR));
         fputs("half", o[i].stream);
     }
-    assert_ok(output_close(&o[2], true, &err), err);
+    must(output_close(&o[2], true, ERR));
     assert_int_equal(system("test $(ls | wc -l) = 4"), 0);
     output_remove_parts();
     assert_int_equal(system("test \"$(echo *)\" = 'three two'"), 0);
@@ -286,8 +284,8 @@ TEST(what_others_began_is_removed_until_it_is_forgotten)
     output o;
     text path = {0};
     assert_int_equal(mkdir("folder", 0777), 0);
-    assert_ok(output_open(&o, "folder/out", &err), err);
-    assert_ok(output_part_path(&o, &path, &err), err);
+    must(output_open(&o, "folder/out", ERR));
+    must(output_part_path(&o, &path, ERR));
     assert_int_equal(access(path.chars, F_OK), 0);
     assert_int_equal(output_watch_part("no/such/folder/out"), -1);
     output_forget_part(-1);
@@ -306,12 +304,12 @@ TEST(what_others_began_is_removed_until_it_is_forgotten)
     assert_false(output_close(&o, true, NULL));
     text_free(&path);
 
-    assert_ok(output_open(&o, "folder/out", &err), err);
-    assert_ok(output_part_path(&o, &path, &err), err);
+    must(output_open(&o, "folder/out", ERR));
+    must(output_part_path(&o, &path, ERR));
     output_forget_part(output_watch_part(path.chars));
-    assert_ok(output_close(&o, true, &err), err);
+    must(output_close(&o, true, ERR));
     text_free(&path);
-    assert_ok(output_open(&o, "/dev/null", &err), err);
+    must(output_open(&o, "/dev/null", ERR));
     assert_false(output_part_path(&o, &path, &err));
     assert_non_null(strstr(err.text, "/dev/null: cannot be written by several ranks"));
     output_close(&o, false, NULL);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Text of strangers, on its way to a terminal, into JSON and into a page.
 #define _GNU_SOURCE
+#include "support/json.h"
 #include "support/test.h"
 
 #include "base/rng.h"
@@ -132,10 +133,9 @@ static void assert_fit(const char *what, const char *chars)
 
 static void assert_json(const char *what, const char *chars)
 {
-    cJSON *o = cJSON_ParseWithOpts(chars, NULL, true);
+    cJSON *o = json_of(chars);
     if (!cJSON_IsObject(o))
         fail_msg("%s is no JSON object: %s", what, chars);
-    cJSON_Delete(o);
 }
 
 // A store whose every text that may be any is hostile.
@@ -191,7 +191,6 @@ TEST(names_from_a_store_do_no_harm_anywhere)
             if (strstr(commands[k], "--json"))
                 assert_json(commands[k], p.out);
             assert_int_equal(p.exit_code, strncmp(commands[k], "check", 5) == 0);
-            program_free(&p);
         }
     }
 }
@@ -206,11 +205,9 @@ TEST(a_profile_is_shown_without_what_was_smuggled_in)
         assert_json("show", p.out);
         assert_fit("show", p.out);
         assert_null(strstr(p.out, "evil"));
-        program_free(&p);
         p = program_run("profiles show '' --profile %s", folder.store);
         assert_int_equal(p.exit_code, 0);
         assert_fit("show", p.out);
-        program_free(&p);
     }
 }
 
@@ -221,7 +218,6 @@ TEST(a_page_of_such_a_store_is_utf8_and_holds_no_markup_of_it)
         make_hostile(folder.store, hostile[i]);
         program p = program_run("report --profile %s -o %s/page.html", folder.store, folder.path);
         assert_int_equal(p.exit_code, 0);
-        program_free(&p);
         char path[96];
         snprintf(path, sizeof path, "%s/page.html", folder.path);
         text page = test_read_file(path);
@@ -235,12 +231,10 @@ TEST(a_scenes_name_is_shown_harmlessly)
 {
     test_folder folder = test_folder_make();
     char path[160];
-    duet_error err = {0};
     for (size_t i = 0; i < 4; ++i) {
         snprintf(path, sizeof path, "%s/%s.csv", folder.path, hostile[i]);
         test_write_file(path, "0 0 0 1 1 1\n");
-        duet_scene *scene = duet_scene_load(path, NULL, 0, &err);
-        assert_ok(scene, err);
+        duet_scene *scene = must(duet_scene_load(path, NULL, 0, ERR));
         assert_fit("a scene's name", duet_scene_get_info(scene)->name);
         assert_null(strchr(duet_scene_get_info(scene)->name, '\n'));
         duet_scene_destroy(scene);

@@ -160,14 +160,13 @@ enum { N_WAYS = sizeof ways / sizeof *ways };
 
 static void step(duet_world *world, size_t way, const char *scene, uint64_t hash, uint64_t n_pairs)
 {
-    duet_error err = {0};
     duet_result result;
     duet_plan plan = {.mode = ways[way].mode, .share = DUET_SHARE_ONE / 2};
     // A's kernels are compiled apart from B's, which takes most of the test's time.
     strcpy(plan.variant_a, plan.mode == DUET_MODE_SHARED ? ways[way].variant : "gpu");
     strcpy(plan.variant_b, ways[way].variant);
-    assert_ok(duet_world_set_plan(world, &plan, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_set_plan(world, &plan, ERR));
+    must(duet_world_step(world, &result, ERR));
     if (result.pairs != n_pairs || duet_result_get_hash(&result) != hash)
         fail_msg("%s, %s %s: %" PRIu64 " pairs, and %" PRIu64 " touch", scene,
                  duet_mode_name(plan.mode), ways[way].variant, result.pairs, n_pairs);
@@ -175,28 +174,22 @@ static void step(duet_world *world, size_t way, const char *scene, uint64_t hash
 
 static duet_world *make_world(duet_shape shape, uint32_t dims)
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
     def.dims = dims;
     def.shape = shape;
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world != NULL, err);
-    return world;
+    return must(duet_world_create(&def, ERR));
 }
 
 static void set_objects(duet_world *world, duet_shape shape, const lattice_box *boxes, uint32_t n,
                         int exponent)
 {
-    duet_error err = {0};
     if (shape == DUET_SHAPE_BOUNDS) {
-        duet_bounds *rows = duet_world_map_objects(world, DUET_OBJECT_BOUNDS, n, &err);
-        assert_ok(rows != NULL, err);
+        duet_bounds *rows = must(duet_world_map_objects(world, DUET_OBJECT_BOUNDS, n, ERR));
         for (uint32_t i = 0; i < n; ++i)
             rows[i] = bounds_of(&boxes[i], exponent);
     } else {
-        duet_pose *rows = duet_world_map_objects(world, DUET_OBJECT_POSES, n, &err);
-        assert_ok(rows != NULL, err);
+        duet_pose *rows = must(duet_world_map_objects(world, DUET_OBJECT_POSES, n, ERR));
         for (uint32_t i = 0; i < n; ++i)
             rows[i] = pose_of(&boxes[i], exponent);
     }

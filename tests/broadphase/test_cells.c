@@ -18,7 +18,6 @@ static duet_pose poses[MANY];
 // Upright cubes in a world whose cells are known.
 static duet_world *make_world(uint32_t dims, const float upper[3])
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
     def.dims = dims;
@@ -26,9 +25,7 @@ static duet_world *make_world(uint32_t dims, const float upper[3])
     def.cell = 1.01f;
     def.has_world = true;
     memcpy(def.upper, upper, sizeof def.upper);
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
-    return world;
+    return must(duet_world_create(&def, ERR));
 }
 
 static void fill(rng *r, uint32_t n, const float upper[3])
@@ -42,20 +39,18 @@ static void fill(rng *r, uint32_t n, const float upper[3])
 
 static void set_variant(duet_world *world, const char *words)
 {
-    duet_error err = {0};
     duet_plan plan = {.mode = DUET_MODE_OWN};
     strcpy(plan.variant_a, words);
     strcpy(plan.variant_b, words);
-    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    must(duet_world_set_plan(world, &plan, ERR));
 }
 
 // Steps with the first n poses, and gives the kernel that found their cells.
 static const kernel *step(duet_world *world, uint32_t n, uint64_t *hash)
 {
-    duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, ERR));
+    must(duet_world_step(world, &result, ERR));
     *hash = duet_result_get_hash(&result);
     return world->parts[1].kernels.hash;
 }
@@ -64,8 +59,7 @@ static uint64_t reference_hash(uint32_t dims, uint32_t n)
 {
     reference_objects objects = {.dims = dims, .shape = DUET_SHAPE_POSES, .n = n, .poses = poses};
     reference_found found = {0};
-    duet_error err = {0};
-    assert_ok(reference_find(&objects, REFERENCE_EACH_WITH_EACH, &found, &err), err);
+    must(reference_find(&objects, REFERENCE_EACH_WITH_EACH, &found, ERR));
     uint64_t hash = duet_pairs_hash(found.pairs, found.n);
     duet_free(found.pairs);
     return hash;

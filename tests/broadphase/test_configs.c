@@ -35,9 +35,7 @@ static gen *generator;
 
 static int begin(void **state)
 {
-    duet_error err = {0};
-    generator = gen_open(NULL, &err);
-    assert_ok(generator, err);
+    generator = must(gen_open(NULL, ERR));
     return open_devices(state);
 }
 
@@ -249,8 +247,7 @@ static uint64_t reference_hash(const scene *s)
                                  .level = s->level,
                                  .rotated = s->rotated};
     reference_found found = {0};
-    duet_error err = {0};
-    assert_ok(reference_find(&objects, REFERENCE_EACH_WITH_EACH, &found, &err), err);
+    must(reference_find(&objects, REFERENCE_EACH_WITH_EACH, &found, ERR));
     uint64_t hash = duet_pairs_hash(found.pairs, found.n);
     duet_free(found.pairs);
     return hash;
@@ -300,7 +297,7 @@ static void try_config(const config *c, rng *r)
     gen_variant v;
     duet_error err = {0};
     gen_limits limits = program_limits(&devices->devices[1].info);
-    assert_ok(gen_make(generator, c->kernel, c->settings, c->n, &limits, &v, &err), err);
+    must(gen_make(generator, c->kernel, c->settings, c->n, &limits, &v, ERR));
     duet_plan plan = {.mode = DUET_MODE_OWN};
     if (s.packed)
         plan = (duet_plan){.mode = DUET_MODE_SLAB, .share = DUET_SHARE_ONE / 2};
@@ -326,10 +323,9 @@ static void try_config(const config *c, rng *r)
 
 static bool get_config(config *c, const gen_limits *limits, uint64_t index)
 {
-    duet_error err = {0};
-    assert_ok(gen_params(generator, c->kernel, limits, &c->params, &c->n, &err), err);
+    must(gen_params(generator, c->kernel, limits, &c->params, &c->n, ERR));
     assert_true(c->n <= MOST_PARAMS);
-    assert_ok(gen_config(generator, c->kernel, limits, index, c->settings, &err), err);
+    must(gen_config(generator, c->kernel, limits, index, c->settings, ERR));
     return is_called_for(c);
 }
 
@@ -338,9 +334,8 @@ static uint32_t try_subject(const subject *of, rng *r)
 {
     config c = {.kernel = of->kernel, .searches = of->searches};
     gen_limits limits = program_limits(&devices->devices[1].info);
-    duet_error err = {0};
     uint64_t count = 0;
-    assert_ok(gen_count(generator, c.kernel, &limits, &count, &err), err);
+    must(gen_count(generator, c.kernel, &limits, &count, ERR));
     uint64_t most = !take_all ? SAMPLE : count <= WHOLE_SPACE ? count : LARGE_SAMPLE;
     uint32_t tried = 0;
     for (uint64_t i = 0; i < most; ++i) {

@@ -142,9 +142,8 @@ TEST(turned_cubes_with_a_cell_of_their_edge_are_refused_or_widened)
     scatter(500, &r, 0, 10, 0.5);
     duet_error err = {0};
     duet_result result;
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world != NULL, err);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, 500, &err), err);
+    duet_world *world = must(duet_world_create(&def, ERR));
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, 500, ERR));
     assert_false(duet_world_step(world, &result, &err));
     assert_int_equal(err.status, DUET_STATUS_CELL_TOO_SMALL);
     duet_world_destroy(world);
@@ -201,12 +200,10 @@ TEST(memory_follows_the_objects_and_not_the_world)
     duet_world_def def = def_of_cells(1e9f, 1e9f, 1e9f);
     for (uint32_t i = 0; i < CAPACITY; ++i)
         poses[i] = scattered(&r, 0, 1e9, 0.5);
-    duet_error err = {0};
     duet_result result;
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world != NULL, err);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, CAPACITY, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    duet_world *world = must(duet_world_create(&def, ERR));
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, CAPACITY, ERR));
+    must(duet_world_step(world, &result, ERR));
     assert_true(result.bytes[0] < 1000 * CAPACITY);
     assert_true(result.bytes[1] < 1000 * CAPACITY);
     duet_world_destroy(world);
@@ -308,10 +305,8 @@ TEST(scenes_of_any_small_number_of_objects_are_whole)
 
 static duet_world *open_world(const duet_world_def *def, uint32_t n)
 {
-    duet_error err = {0};
-    duet_world *world = duet_world_create(def, &err);
-    assert_ok(world != NULL, err);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
+    duet_world *world = must(duet_world_create(def, ERR));
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, ERR));
     return world;
 }
 
@@ -340,11 +335,10 @@ TEST(a_world_steps_on_as_its_pairs_become_more_and_fewer)
     duet_world *world = open_world(&def, 0);
     const uint32_t counts[] = {10, 1500, 3, 0, 700, 1501};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i) {
-        duet_error err = {0};
         duet_result result;
         scatter(counts[i], &r, 0, 0.1, 0.5);
-        assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, counts[i], &err), err);
-        assert_ok(duet_world_step(world, &result, &err), err);
+        must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, counts[i], ERR));
+        must(duet_world_step(world, &result, ERR));
         uint64_t n = counts[i];
         assert_int_equal(result.pairs, n > 0 ? n * (n - 1) / 2 : 0);
     }
@@ -362,10 +356,10 @@ TEST(one_nan_among_thousands_changes_nothing_else)
     duet_error err = {0};
     duet_result clean, kept;
     duet_world *world = open_world(&def, 3000);
-    assert_ok(duet_world_step(world, &clean, &err), err);
+    must(duet_world_step(world, &clean, ERR));
     uint64_t pairs = clean.pairs, hash = duet_result_get_hash(&clean);
     poses[1234].centre[1] = NAN;
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, 3000, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, 3000, ERR));
     assert_false(duet_world_step(world, &kept, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_non_null(strstr(err.text, "1234"));
@@ -374,7 +368,7 @@ TEST(one_nan_among_thousands_changes_nothing_else)
     err = (duet_error){0};
     def.keep_bad = true;
     world = open_world(&def, 3000);
-    assert_ok(duet_world_step(world, &kept, &err), err);
+    must(duet_world_step(world, &kept, ERR));
     assert_int_equal(kept.bad, 1);
     assert_int_equal(kept.first_bad, 1234);
     assert_int_equal(kept.pairs, pairs);
@@ -412,9 +406,8 @@ TEST(bounds_with_lower_above_upper_are_named)
     def.shape = DUET_SHAPE_BOUNDS;
     duet_error err = {0};
     duet_result result;
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world != NULL, err);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, bounds, 10, &err), err);
+    duet_world *world = must(duet_world_create(&def, ERR));
+    must(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, bounds, 10, ERR));
     assert_false(duet_world_step(world, &result, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_non_null(strstr(err.text, "object 4"));
@@ -425,10 +418,9 @@ TEST(bounds_with_lower_above_upper_are_named)
 
 static uint64_t hash_of(const duet_world_def *def, uint32_t n)
 {
-    duet_error err = {0};
     duet_result result;
     duet_world *world = open_world(def, n);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_step(world, &result, ERR));
     assert_true(result.pairs > 0);
     uint64_t hash = duet_result_get_hash(&result);
     duet_world_destroy(world);
@@ -467,10 +459,9 @@ TEST(the_order_of_the_objects_changes_only_their_names)
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(3);
     scatter(N, &r, 0, 9, 0.5);
-    duet_error err = {0};
     duet_result result;
     duet_world *world = open_world(&def, N);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_step(world, &result, ERR));
     // Object i takes the place N - 1 - i.
     uint64_t hash = 0;
     for (uint64_t i = 0; i < result.pairs; ++i) {
@@ -542,8 +533,8 @@ TEST(cells_that_fit_the_world_tightly_hold_their_objects)
         duet_world *world = duet_world_create(&def, &err);
         duet_result result;
         assert_ok(world != NULL, err);
-        assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
-        assert_ok(duet_world_step(world, &result, &err), err);
+        must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
+        must(duet_world_step(world, &result, ERR));
         duet_world_destroy(world);
     }
 }

@@ -42,31 +42,28 @@ static void fill_poses(rng *r, uint32_t n, uint32_t dims)
 static void set_large_poses(duet_world *world, uint32_t n)
 {
     static duet_large_pose large[CAPACITY];
-    duet_error err = {0};
     for (uint32_t i = 0; i < n; ++i) {
         const float *at = poses[i].centre;
         const double centre[3] = {at[0], at[1], at[2]};
         large[i] = (duet_large_pose){.pose = poses[i]};
-        assert_ok(duet_large_pose_set(&large[i], centre, world->def.origin_edge, &err), err);
+        must(duet_large_pose_set(&large[i], centre, world->def.origin_edge, ERR));
     }
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_LARGE_POSES, large, n, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_LARGE_POSES, large, n, ERR));
 }
 
 static void set_poses(duet_world *world, uint32_t n)
 {
-    duet_error err = {0};
     if (world->def.origin_edge > 0.0f) {
         set_large_poses(world, n);
         return;
     }
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, ERR));
 }
 
 static uint32_t *order_of(duet_world *world, uint32_t n)
 {
-    duet_error err = {0};
     uint32_t *order = NULL, n_ordered = 0;
-    assert_ok(duet_world_order(world, &order, &n_ordered, &err), err);
+    must(duet_world_order(world, &order, &n_ordered, ERR));
     assert_int_equal(n_ordered, n);
     return order;
 }
@@ -114,10 +111,9 @@ static void assert_any_threads_give(const uint32_t *order, duet_world *world, ui
     uint32_t *again = malloc(n * sizeof *again + 1);
     void *scratch = malloc((size_t)n * ORDER_SCRATCH + 1);
     for (size_t i = 0; i < sizeof n_threads / sizeof *n_threads; ++i) {
-        duet_error err = {0};
         world_forget_grid(world);
         memset(again, 0xff, n * sizeof *again);
-        assert_ok(world_order(world, n_threads[i], again, scratch, &err), err);
+        must(world_order(world, n_threads[i], again, scratch, ERR));
         assert_memory_equal(again, order, n * sizeof *again);
         if (n > 0)
             assert_memory_equal(world->grid.levels, fitted.levels, sizeof fitted.levels);
@@ -203,14 +199,13 @@ static void order_crowds(rng *r, float apart, double least_cells, double most_ce
 {
     enum { N = 33001 };
     static duet_bounds bounds[N];
-    duet_error err = {0};
     duet_world *world = make_hashed_world(DUET_SHAPE_BOUNDS);
     for (uint32_t i = 0; i < N; ++i)
         for (int k = 0; k < 3; ++k) {
             bounds[i].lower[k] = (float)rng_below(r, 40) + (i % 2 ? apart : 0.0f);
             bounds[i].upper[k] = bounds[i].lower[k] + 1.0f;
         }
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, bounds, N, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, bounds, N, ERR));
     assert_is_by_cell(world, N);
     assert_true(number_of_cells(world) > least_cells && number_of_cells(world) < most_cells);
     duet_world_destroy(world);
@@ -247,9 +242,7 @@ TEST(threads_find_what_one_finds_of_a_grid_s_needs)
 {
     static const uint32_t numbers[] = {0, 1, 127, 128, 129, CAPACITY};
     rng r = {test_seed()};
-    duet_error err = {0};
-    thread_pool *threads = thread_pool_open(3, &err);
-    assert_ok(threads != NULL, err);
+    thread_pool *threads = must(thread_pool_open(3, ERR));
     fill_poses(&r, CAPACITY, 3);
     for (uint32_t i = 0; i < CAPACITY; i += 30) {
         poses[i].half_extents[i % 3] = i % 4 ? 7.0f : -1.0f;
@@ -297,16 +290,14 @@ static duet_world_def ordered_def(uint32_t dims, const char *kernels)
 
 static void set_share(duet_world *world, uint32_t share)
 {
-    duet_error err = {0};
     duet_plan plan = *duet_world_get_plan(world);
     plan.share = share;
-    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    must(duet_world_set_plan(world, &plan, ERR));
 }
 
 static void step(duet_world *world, duet_result *result)
 {
-    duet_error err = {0};
-    assert_ok(duet_world_step(world, result, &err), err);
+    must(duet_world_step(world, result, ERR));
 }
 
 static void put_in_order(duet_world *world, uint32_t n)
@@ -596,11 +587,10 @@ TEST(a_world_may_change_its_mode_from_step_to_step)
     fill_poses(&r, N, 3);
     uint64_t truth = poses_hash(N, 3);
     for (size_t i = 0; i < sizeof modes / sizeof *modes; ++i) {
-        duet_error err = {0};
         duet_result result;
         duet_plan plan = *duet_world_get_plan(world);
         plan.mode = modes[i];
-        assert_ok(duet_world_set_plan(world, &plan, &err), err);
+        must(duet_world_set_plan(world, &plan, ERR));
         set_poses(world, N);
         step(world, &result);
         assert_int_equal(duet_result_get_hash(&result), truth);
@@ -744,13 +734,12 @@ enum { BLOCKS = 100, OWN = BLOCKS / 2 };
 // Slabs of 100 blocks in order, cut behind so many objects, with 3 blocks of ghosts.
 static void begin_ranges_behind(input_ranges *s, uint32_t homes, bool expected_new)
 {
-    duet_error err = {0};
     const grid g = {.generation = 1};
     const part_range slabs[2] = {
         {.key_to = 530, .home_to = 500, .homes = homes, .expected_ghosts = 3000},
         {.key_from = 500, .key_to = 1000, .home_to = 1000}};
     const input_ranges before = *s;
-    assert_ok(input_ranges_begin(s, &g, BLOCKS * INPUT_BLOCK, slabs, &err), err);
+    must(input_ranges_begin(s, &g, BLOCKS * INPUT_BLOCK, slabs, ERR));
     assert_int_equal(memcmp(&before, s, sizeof before) != 0, expected_new);
 }
 
@@ -872,10 +861,9 @@ TEST(a_bad_object_is_named_wherever_it_strays)
 
 static void assert_is_called(duet_world *world, const char *effects)
 {
-    duet_error err = {0};
     profile_subject p;
     set_poses(world, CAPACITY);
-    assert_ok(profile_subject_read(world, &p, &err), err);
+    must(profile_subject_read(world, &p, ERR));
     if (effects)
         assert_string_equal(p.workload.effects, effects);
     else

@@ -79,24 +79,21 @@ static void set_memory(bool host_a, bool host_b)
 
 static void set_share(duet_world *world, uint32_t share)
 {
-    duet_error err = {0};
     duet_plan plan = *duet_world_get_plan(world);
     plan.share = share;
-    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    must(duet_world_set_plan(world, &plan, ERR));
 }
 
 static duet_result step(duet_world *world)
 {
-    duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_step(world, &result, ERR));
     return result;
 }
 
 static duet_result step_poses(duet_world *world, uint32_t n)
 {
-    duet_error err = {0};
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, ERR));
     return step(world);
 }
 
@@ -294,7 +291,7 @@ TEST(a_bad_object_that_is_packed_is_refused_by_its_id)
     poses[1234].half_extents[1] = -1.0f;
     duet_world_def def = world_def(3, "gpu send=packed");
     duet_world *world = make_world(&def);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     assert_false(duet_world_step(world, &result, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_non_null(strstr(err.text, "object 1234 of 2003"));
@@ -314,7 +311,7 @@ TEST(a_device_without_room_fails_the_step_and_not_the_next)
         duet_world *world = make_world(&def);
         uint64_t *most = &devices->devices[side].info.max_buffer_bytes;
         uint64_t before = *most;
-        assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+        must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
         *most = 8192;
         assert_false(duet_world_step(world, &result, &err));
         assert_int_equal(err.status, DUET_STATUS_NO_MEMORY);

@@ -51,7 +51,6 @@ static void fill(const scene *s, rng *r)
 
 static uint64_t reference_hash(const scene *s, duet_level level, uint64_t *n)
 {
-    duet_error err = {0};
     reference_objects objects = {.dims = s->dims,
                                  .shape = s->shape,
                                  .n = OBJECTS,
@@ -60,8 +59,8 @@ static uint64_t reference_hash(const scene *s, duet_level level, uint64_t *n)
                                  .level = level,
                                  .rotated = s->rotated};
     reference_found each = {0}, columns = {0};
-    assert_ok(reference_find(&objects, REFERENCE_EACH_WITH_EACH, &each, &err), err);
-    assert_ok(reference_find(&objects, REFERENCE_COLUMNS, &columns, &err), err);
+    must(reference_find(&objects, REFERENCE_EACH_WITH_EACH, &each, ERR));
+    must(reference_find(&objects, REFERENCE_COLUMNS, &columns, ERR));
     uint64_t hash = duet_pairs_hash(each.pairs, each.n);
     assert_true(hash == duet_pairs_hash(columns.pairs, columns.n));
     *n = each.n;
@@ -95,15 +94,13 @@ static bool set_objects(duet_world *world, const scene *s, duet_error *err)
 static void assert_finds_the_reference(const scene *s, duet_level level, duet_mode mode,
                                        uint32_t share, const char *words)
 {
-    duet_error err = {0};
     duet_result result;
     uint64_t n;
     uint64_t expected = reference_hash(s, level, &n);
     duet_world_def def = def_of(s, level, mode, share, words);
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
-    assert_ok(set_objects(world, s, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    duet_world *world = must(duet_world_create(&def, ERR));
+    must(set_objects(world, s, ERR));
+    must(duet_world_step(world, &result, ERR));
     assert_true(n > OBJECTS / 8);
     if (duet_result_get_hash(&result) != expected)
         fail_msg("'%s' in %" PRIu32 "D, shape %d, rotated %d, level %d, mode %d: %" PRIu64
@@ -187,17 +184,15 @@ TEST(any_size_has_the_references_pairs)
 
 TEST(touching_spheres_of_a_lattice_collide)
 {
-    duet_error err = {0};
     duet_result result;
     enum { N = EDGE * EDGE * EDGE };
     for (int i = 0; i < N; ++i)
         spheres[i] = (duet_sphere){
             {(float)(i % EDGE), (float)(i / EDGE % EDGE), (float)(i / EDGE / EDGE)}, 0.5f};
     duet_world_def def = def_of(&scenes[3], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "simd");
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_SPHERES, spheres, N, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    duet_world *world = must(duet_world_create(&def, ERR));
+    must(duet_world_set_objects(world, DUET_OBJECT_SPHERES, spheres, N, ERR));
+    must(duet_world_step(world, &result, ERR));
     assert_int_equal(result.pairs, 3 * EDGE * EDGE * (EDGE - 1));
     duet_world_destroy(world);
 }
@@ -213,11 +208,10 @@ TEST(bad_radii_are_named)
     for (int i = 0; i < SCENES; i += 3) {
         fill(&scenes[i], &r);
         duet_world_def def = def_of(&scenes[i], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "simd");
-        duet_world *world = duet_world_create(&def, &err);
-        assert_ok(world, err);
+        duet_world *world = must(duet_world_create(&def, ERR));
         for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
             boxes[17].radius = spheres[17].radius = bad[k];
-            assert_ok(set_objects(world, &scenes[i], &err), err);
+            must(set_objects(world, &scenes[i], ERR));
             assert_false(duet_world_step(world, &result, &err));
             assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
             assert_non_null(strstr(err.text, "17"));
@@ -253,21 +247,17 @@ TEST(what_knows_no_radii_says_so)
     refuse(other, "the paper's search knows no rounded boxes");
     duet_tree_def tree = duet_default_tree_def();
     tree.pair = devices;
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
+    duet_world *world = must(duet_world_create(&def, ERR));
     assert_false(duet_world_set_objects(world, DUET_OBJECT_POSES, boxes, 1, &err));
     assert_string_equal(err.text, "the world was made for spheres, not for poses");
     duet_world_destroy(world);
     err = (duet_error){0};
-    duet_scene *made = duet_scene_create(DUET_OBJECT_SPHERES, spheres, 3, 3, 0, &err);
-    assert_ok(made, err);
+    duet_scene *made = must(duet_scene_create(DUET_OBJECT_SPHERES, spheres, 3, 3, 0, ERR));
     duet_motion_def motion = duet_scene_motion_def(made, devices);
     motion.wants = DUET_EFFECT_CONTACT;
-    duet_motion *m = duet_motion_create_from_scene(&motion, made, NULL, &err);
-    assert_ok(m, err);
+    duet_motion *m = must(duet_motion_create_from_scene(&motion, made, NULL, ERR));
     tree.shape = DUET_SHAPE_POSES;
-    duet_tree *of_bodies = duet_tree_create(&tree, &err);
-    assert_ok(of_bodies, err);
+    duet_tree *of_bodies = must(duet_tree_create(&tree, ERR));
     assert_false(duet_tree_set_motion(of_bodies, m, &err));
     assert_string_equal(err.text, "the motion's bodies have radii; the tree is of poses, expected "
                                   "one of rounded boxes");

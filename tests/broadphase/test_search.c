@@ -56,8 +56,7 @@ static uint64_t reference_hash(const crowd *c, uint64_t *n_pairs)
     reference_objects objects = {
         .dims = c->dims, .shape = c->shape, .n = c->n, .poses = c->poses, .bounds = c->bounds};
     reference_found found = {0};
-    duet_error err = {0};
-    assert_ok(reference_find(&objects, REFERENCE_COLUMNS, &found, &err), err);
+    must(reference_find(&objects, REFERENCE_COLUMNS, &found, ERR));
     uint64_t hash = duet_pairs_hash(found.pairs, found.n);
     *n_pairs = found.n;
     duet_free(found.pairs);
@@ -71,19 +70,15 @@ static duet_world *open_world(duet_device_pair *pair, const crowd *c)
     def.dims = c->dims;
     def.shape = c->shape;
     def.rotated = c->rotated;
-    duet_error err = {0};
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
-    return world;
+    return must(duet_world_create(&def, ERR));
 }
 
 static void set_objects(duet_world *world, const crowd *c)
 {
-    duet_error err = {0};
     if (c->shape == DUET_SHAPE_POSES)
-        assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, c->poses, c->n, &err), err);
+        must(duet_world_set_objects(world, DUET_OBJECT_POSES, c->poses, c->n, ERR));
     else
-        assert_ok(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, c->bounds, c->n, &err), err);
+        must(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, c->bounds, c->n, ERR));
 }
 
 static void assert_finds(duet_world *world, const crowd *c, const char *a, const char *b,
@@ -92,10 +87,9 @@ static void assert_finds(duet_world *world, const crowd *c, const char *a, const
     duet_plan plan = {.share = share, .mode = mode};
     strcpy(plan.variant_a, a);
     strcpy(plan.variant_b, b);
-    duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_set_plan(world, &plan, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_set_plan(world, &plan, ERR));
+    must(duet_world_step(world, &result, ERR));
     uint64_t n_pairs;
     uint64_t hash = reference_hash(c, &n_pairs);
     if (result.pairs != n_pairs || duet_result_get_hash(&result) != hash)

@@ -37,44 +37,38 @@ static void fill(rng *r, uint32_t n, double edge)
 // One of the smallest chunks is what a group of the kernel takes.
 static duet_world *make_world(duet_mode mode, const char *text, bool keep_bad)
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
     def.plan.mode = mode;
     def.keep_bad = keep_bad;
     strcpy(def.plan.variant_a, text);
     strcpy(def.plan.variant_b, text);
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world != NULL, err);
+    duet_world *world = must(duet_world_create(&def, ERR));
     world->parts[0].least_chunk = world->parts[1].least_chunk = 1;
     return world;
 }
 
 static void set_share(duet_world *world, uint32_t share)
 {
-    duet_error err = {0};
     duet_plan plan = *duet_world_get_plan(world);
     plan.share = share;
-    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    must(duet_world_set_plan(world, &plan, ERR));
 }
 
 static duet_result step(duet_world *world, uint32_t n)
 {
-    duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, ERR));
+    must(duet_world_step(world, &result, ERR));
     return result;
 }
 
 static void assert_is_the_reference(const duet_result *result, uint32_t n)
 {
-    duet_error err = {0};
     duet_pair *pairs = NULL;
     uint64_t n_pairs = 0;
-    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, &err);
-    assert_ok(scene != NULL, err);
-    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, &err), err);
+    duet_scene *scene = must(duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, ERR));
+    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, ERR));
     assert_int_equal(result->pairs, n_pairs);
     assert_int_equal(duet_result_get_hash(result), duet_pairs_hash(pairs, n_pairs));
     duet_free(pairs);
@@ -91,14 +85,13 @@ static void assert_step_is_the_reference(duet_world *world, uint32_t n)
 
 TEST(objects_that_are_there_come_in_no_chunks)
 {
-    duet_error err = {0};
     duet_result result;
     rng r = {test_seed()};
     duet_world *world = make_world(DUET_MODE_OWN, "gpu send=chunks", false);
     fill(&r, CAPACITY, 34.0);
     uint64_t pairs = step(world, CAPACITY).pairs;
     assert_true(world->parts[1].objects.n_chunks > 1);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_step(world, &result, ERR));
     assert_int_equal(world->parts[1].objects.n_chunks, 0);
     assert_int_equal(result.pairs, pairs);
     duet_world_destroy(world);
@@ -191,19 +184,17 @@ static void add_pair(sums *named, sums *left, const global_ids *ids, duet_pair p
 // A step of n objects counts what the reference finds, leaves the rest, and brings all when asked.
 static duet_result count_step(duet_world *world, const global_ids *ids, uint32_t n)
 {
-    duet_error err = {0};
     duet_result result;
     part_counted counted[2];
     sums expected_named = {0}, expected_left = {0}, named = {0}, left = {0};
     duet_pair *pairs = NULL;
     uint64_t n_pairs = 0;
-    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, &err);
-    assert_ok(scene != NULL, err);
-    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, &err), err);
+    duet_scene *scene = must(duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, ERR));
+    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, ERR));
     for (uint64_t i = 0; i < n_pairs; ++i)
         add_pair(&expected_named, &expected_left, ids, pairs[i]);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
-    assert_ok(world_step_counting(world, ids, &result, counted, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, ERR));
+    must(world_step_counting(world, ids, &result, counted, ERR));
     for (int side = 0; side < 2; ++side) {
         named.n += counted[side].n;
         named.hash += counted[side].hash;
@@ -216,7 +207,7 @@ static duet_result count_step(duet_world *world, const global_ids *ids, uint32_t
     assert_int_equal(left.hash, expected_left.hash);
     assert_true(result.pairs <= left.n + result.undecided);
     if (expected_named.n > 0) {
-        assert_ok(world_read_counted(world, result.spans, &err), err);
+        must(world_read_counted(world, result.spans, ERR));
         assert_int_equal(result.spans[0].n + result.spans[1].n, n_pairs);
         assert_int_equal(duet_result_get_hash(&result), duet_pairs_hash(pairs, n_pairs));
     }
@@ -247,11 +238,10 @@ static void change_ids(global_ids *ids, rng *r)
 
 static duet_world *make_counting_world(void)
 {
-    duet_error err = {0};
     duet_world *world = make_world(DUET_MODE_OWN, "gpu", false);
     duet_plan plan = *duet_world_get_plan(world);
     strcpy(plan.variant_b, "gpu count_pairs.WG=64 count_pairs.PER_ITEM=8");
-    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    must(duet_world_set_plan(world, &plan, ERR));
     return world;
 }
 

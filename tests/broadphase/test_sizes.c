@@ -53,7 +53,6 @@ static void fill(rng *r, uint32_t n, uint32_t dims)
 
 static duet_world *make_world(uint32_t dims, duet_mode mode, const char *text)
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
     def.dims = dims;
@@ -62,9 +61,7 @@ static duet_world *make_world(uint32_t dims, duet_mode mode, const char *text)
     strcpy(def.plan.variant_b, text);
     def.separate_sizes = !compact;
     def.compact_transforms = compact;
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world != NULL, err);
-    return world;
+    return must(duet_world_create(&def, ERR));
 }
 
 static void map_compact_transforms(duet_world *world, uint32_t n)
@@ -82,13 +79,11 @@ static void map_compact_transforms(duet_world *world, uint32_t n)
 
 static void map_transforms(duet_world *world, uint32_t n)
 {
-    duet_error err = {0};
     if (compact) {
         map_compact_transforms(world, n);
         return;
     }
-    duet_transform *to = duet_world_map_objects(world, DUET_OBJECT_TRANSFORMS, n, &err);
-    assert_ok(to != NULL, err);
+    duet_transform *to = must(duet_world_map_objects(world, DUET_OBJECT_TRANSFORMS, n, ERR));
     for (uint32_t i = 0; i < n; ++i) {
         memcpy(to[i].centre, poses[i].centre, sizeof to->centre);
         memcpy(to[i].rotation, poses[i].rotation, sizeof to->rotation);
@@ -97,9 +92,7 @@ static void map_transforms(duet_world *world, uint32_t n)
 
 static duet_size *map_sizes(duet_world *world, uint32_t n)
 {
-    duet_error err = {0};
-    duet_size *to = duet_world_map_objects(world, DUET_OBJECT_SIZES, n, &err);
-    assert_ok(to != NULL, err);
+    duet_size *to = must(duet_world_map_objects(world, DUET_OBJECT_SIZES, n, ERR));
     for (uint32_t i = 0; i < n; ++i)
         memcpy(to[i].half_extents, poses[i].half_extents, sizeof to->half_extents);
     return to;
@@ -107,14 +100,13 @@ static duet_size *map_sizes(duet_world *world, uint32_t n)
 
 static void assert_step_is_the_reference(duet_world *world, uint32_t n)
 {
-    duet_error err = {0};
     duet_pair *pairs = NULL;
     uint64_t n_pairs = 0;
     duet_result result;
-    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, n, world->def.dims, 0, &err);
-    assert_ok(scene != NULL, err);
-    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    duet_scene *scene =
+        must(duet_scene_create(DUET_OBJECT_POSES, poses, n, world->def.dims, 0, ERR));
+    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, ERR));
+    must(duet_world_step(world, &result, ERR));
     assert_int_equal(result.pairs, n_pairs);
     assert_int_equal(duet_result_get_hash(&result), duet_pairs_hash(pairs, n_pairs));
     duet_free(pairs);
@@ -205,8 +197,7 @@ TEST(the_nearest_compact_transform_is_as_near_as_is_said)
             t.rotation[k] = (float)(length * (rng_below(&r, 5) ? rng_normal(&r) : i % 3 - 1));
         t.rotation[rng_below(&r, 4)] = (float)length;
         duet_compact_transform c;
-        duet_error err = {0};
-        assert_ok(duet_compact_transform_set(&c, &t, &err), err);
+        must(duet_compact_transform_set(&c, &t, ERR));
         assert_memory_equal(c.centre, t.centre, sizeof c.centre);
         worst = fmax(worst, turned(t.rotation, c.rotation));
     }
@@ -262,12 +253,11 @@ TEST(sizes_are_sent_once)
 
 TEST(poses_are_taken_apart)
 {
-    duet_error err = {0};
     rng r = {test_seed()};
     tell_of_memory(true);
     duet_world *world = make_world(3, DUET_MODE_OWN, "simd");
     fill(&r, CAPACITY, 3);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, CAPACITY, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, CAPACITY, ERR));
     assert_step_is_the_reference(world, CAPACITY);
     duet_world_destroy(world);
 }
@@ -277,7 +267,6 @@ TEST(poses_are_taken_apart)
 TEST(what_float_leaves_open_is_decided)
 {
     enum { SIDE = 10, N = SIDE * SIDE * SIDE };
-    duet_error err = {0};
     duet_result result;
     for (uint32_t i = 0; i < N; ++i) {
         float x = (float)(i % SIDE), y = (float)(i / SIDE % SIDE), z = (float)(i / SIDE / SIDE);
@@ -290,7 +279,7 @@ TEST(what_float_leaves_open_is_decided)
     map_transforms(world, N);
     map_sizes(world, N);
     assert_step_is_the_reference(world, N);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_step(world, &result, ERR));
     assert_true(result.undecided > 0);
     duet_world_destroy(world);
 }
@@ -336,7 +325,7 @@ TEST(as_many_sizes_as_transforms)
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     map_sizes(world, 10);
     err = (duet_error){0};
-    assert_ok(duet_world_load_profile(world, "test_sizes.none.db", &profile, &err), err);
+    must(duet_world_load_profile(world, "test_sizes.none.db", &profile, ERR));
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     assert_step_is_the_reference(world, 10);
     duet_world_destroy(world);
@@ -431,8 +420,7 @@ TEST(only_what_has_sizes_has_them_apart)
     assert_string_equal(err.text, "the world was made for transforms, not for poses");
     duet_world_destroy(world);
     err = (duet_error){0};
-    world = duet_world_create(&def, &err);
-    assert_ok(world != NULL, err);
+    world = must(duet_world_create(&def, ERR));
     assert_null(duet_world_map_objects(world, DUET_OBJECT_SIZES, 1, &err));
     assert_string_equal(err.text, "the world was made for poses, not for sizes");
     duet_world_destroy(world);

@@ -57,9 +57,8 @@ static const void *rows_of(const duet_world *world, int s)
 
 static void set_copy(duet_world *world, rng *r, int s)
 {
-    duet_error err = {0};
     (void)r;
-    assert_ok(duet_world_set_objects(world, world->kind, rows_of(world, s), sets[s].n, &err), err);
+    must(duet_world_set_objects(world, world->kind, rows_of(world, s), sets[s].n, ERR));
 }
 
 static uint32_t n_prefetched, n_listed, n_in_ranges;
@@ -87,15 +86,13 @@ static void prefetch(duet_world *world, rng *r, int s)
 // Devices of one context both have it.
 static void put_in_buffer(duet_world *world, rng *r, int s)
 {
-    duet_error err = {0};
     cl_int code = CL_SUCCESS;
     const size_t bytes = sets[s].n * world_kind_bytes(world->kind);
     cl_mem mem = clCreateBuffer(devices->devices[rng_below(r, 2)].context,
                                 CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, bytes,
                                 (void *)(uintptr_t)rows_of(world, s), &code);
     assert_int_equal(code, CL_SUCCESS);
-    assert_ok(duet_world_set_objects_buffer(world, world->kind, mem, sets[s].n, 0, NULL, &err),
-              err);
+    must(duet_world_set_objects_buffer(world, world->kind, mem, sets[s].n, 0, NULL, ERR));
     clReleaseMemObject(mem);
 }
 
@@ -127,15 +124,13 @@ enum { PLANS = sizeof plans / sizeof *plans };
 
 static duet_world *make_world(duet_shape shape, bool ordered)
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
     def.shape = shape;
     def.rotated = shape == DUET_SHAPE_POSES;
     def.ordered = ordered;
     def.stage_times = true;
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world != NULL, err);
+    duet_world *world = must(duet_world_create(&def, ERR));
     world->parts[0].least_chunk = world->parts[1].least_chunk = 1;
     world->lists.least_chunk = 64;
     return world;
@@ -144,18 +139,16 @@ static duet_world *make_world(duet_shape shape, bool ordered)
 static void set_plan(duet_world *world, rng *r, uint32_t p)
 {
     static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE / 2, DUET_SHARE_ONE};
-    duet_error err = {0};
     duet_plan plan = {.mode = plans[p].mode, .share = shares[rng_below(r, 4)]};
     strcpy(plan.variant_a, plans[p].variants[0]);
     strcpy(plan.variant_b, plans[p].variants[1]);
-    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    must(duet_world_set_plan(world, &plan, ERR));
 }
 
 static duet_result step(duet_world *world, int s, const char *way, uint32_t p)
 {
-    duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_step(world, &result, ERR));
     if (duet_result_get_hash(&result) != sets[s].hashes[world->kind != DUET_OBJECT_POSES])
         fail_msg("objects %s, plan %u ('%s', '%s'), share %u, %s: %llu pairs are not the "
                  "reference's",

@@ -210,11 +210,10 @@ TEST(an_output_is_the_old_one_or_the_new_one)
     bool was_new = false;
     for (bool ended = true; ended; ++k) {
         text found = {0};
-        duet_error err = {0};
         enter_folder();
         test_write_file(path, "old");
         ended = ends_at(k, &calls_left, write_output);
-        assert_ok(text_read_file(&found, path, &err), err);
+        must(text_read_file(&found, path, ERR));
         bool is_new = found.length == sizeof new_content &&
                       memcmp(found.chars, new_content, found.length) == 0;
         assert_true(is_new || strcmp(found.chars, "old") == 0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // duet accuracy, as a person calls it.
 #include "support/devices.h"
+#include "support/json.h"
 #include "support/program.h"
 #include "support/test.h"
 
@@ -78,8 +79,7 @@ TEST(each_levels_cost_is_told_for_each_device)
     program p = program_run("accuracy --json --repeat 1 --csv " TABLE " --plot " PLOT " " SCENE);
     if (p.exit_code != 0)
         fail_msg("accuracy: %s", p.err);
-    cJSON *o = cJSON_Parse(p.out);
-    assert_non_null(o);
+    cJSON *o = json_of(p.out);
     const cJSON *levels = cJSON_GetObjectItemCaseSensitive(o, "levels");
     assert_int_equal(cJSON_GetArraySize(levels), (devices_are_two() ? 2 : 1) * DUET_LEVELS);
     const cJSON *row;
@@ -90,8 +90,6 @@ TEST(each_levels_cost_is_told_for_each_device)
         front |= cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(row, "front"));
     }
     assert_true(front);
-    cJSON_Delete(o);
-    program_free(&p);
 }
 
 TEST(an_only_device_is_measured_once)
@@ -102,7 +100,6 @@ TEST(an_only_device_is_measured_once)
     assert_non_null(first);
     assert_null(strstr(first + 1, "certified"));
     assert_null(strstr(p.out, "alone"));
-    program_free(&p);
 }
 
 // One of 95 % from 7 rounds leaves out none of them; from 5 rounds there is none.
@@ -111,8 +108,7 @@ TEST(a_difference_from_sat15_is_noise_or_not)
     static const int rounds[] = {5, 7};
     for (int i = 0; i < 2; ++i) {
         program p = program_run("accuracy --json --repeat %d " SCENE, rounds[i]);
-        cJSON *o = cJSON_Parse(p.out);
-        assert_non_null(o);
+        cJSON *o = json_of(p.out);
         const cJSON *row;
         cJSON_ArrayForEach(row, cJSON_GetObjectItemCaseSensitive(o, "levels"))
         {
@@ -125,12 +121,9 @@ TEST(a_difference_from_sat15_is_noise_or_not)
             assert_true(low <= relative && (!high || relative <= high->valuedouble));
             assert_true(is_sat15 || same == (low <= 1 && (!high || high->valuedouble >= 1)));
         }
-        cJSON_Delete(o);
-        program_free(&p);
     }
     program p = program_run("accuracy --repeat 1 " SCENE);
     assert_non_null(strstr(p.out, "Fewer than 6 rounds tell no difference from noise"));
-    program_free(&p);
 }
 
 TEST(the_table_and_the_plot_name_every_level)
@@ -145,7 +138,6 @@ TEST(the_table_and_the_plot_name_every_level)
         assert_true(content.length > 200);
         text_free(&content);
     }
-    program_free(&p);
 }
 
 TEST(a_plot_of_another_kind_is_refused)
@@ -153,7 +145,6 @@ TEST(a_plot_of_another_kind_is_refused)
     program p = program_run("accuracy --repeat 1 --plot plot.gif " SCENE);
     assert_int_equal(p.exit_code, 2);
     assert_non_null(strstr(p.err, ".svg"));
-    program_free(&p);
 }
 
 // ---------------------------------------------------------------- what moves
@@ -163,10 +154,7 @@ static cJSON *measure(const char *arguments)
     program p = program_run("accuracy --json %s", arguments);
     if (p.exit_code != 0)
         fail_msg("accuracy %s: %s", arguments, p.err);
-    cJSON *o = cJSON_Parse(p.out);
-    assert_non_null(o);
-    program_free(&p);
-    return o;
+    return json_of(p.out);
 }
 
 // The error of a row of free flight.
@@ -211,7 +199,6 @@ TEST(flights_compare_integrators)
     assert_int_equal(count_true(timesteps, "own"), 1);
     assert_true(count_true(timesteps, "front") > 0);
     assert_int_equal(count_true(timesteps, "finite"), 12);
-    cJSON_Delete(o);
 }
 
 TEST(contacts_compare_dt_and_substeps)
@@ -224,7 +211,6 @@ TEST(contacts_compare_dt_and_substeps)
     double coarse = number_of(cJSON_GetArrayItem(timesteps, 0), "depth");
     double fine = number_of(cJSON_GetArrayItem(timesteps, 15), "depth");
     assert_true(coarse > fine && fine > 0);
-    cJSON_Delete(o);
 }
 
 TEST(a_limit_ends_it_after_a_run)
@@ -232,14 +218,12 @@ TEST(a_limit_ends_it_after_a_run)
     program p = program_run("accuracy --limit 0 --time 0.1 " STACK);
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "15 dearer ones were not begun"));
-    program_free(&p);
 }
 
 TEST(still_asks_for_levels_of_what_moves)
 {
     cJSON *o = measure("--still --repeat 1 " STACK);
     assert_non_null(cJSON_GetObjectItemCaseSensitive(o, "levels"));
-    cJSON_Delete(o);
 }
 
 TEST_MAIN(make_scene, NULL)

@@ -2,6 +2,7 @@
 // What a person can get wrong with `duet run`: each is refused with one line,
 // and leaves nothing behind. Under ASan the program's leaks fail these too.
 #define _POSIX_C_SOURCE 200809L
+#include "support/json.h"
 #include "support/test.h"
 
 #include "base/text_file.h"
@@ -152,12 +153,10 @@ TEST(none_and_one_and_two_objects_are_no_error)
         assert_int_equal(p.exit_code, 0);
         assert_string_equal(p.err,
                             n == 0 ? "duet: note: test_bad_input: there are no objects\n" : "");
-        cJSON *report = cJSON_Parse(p.out);
+        cJSON *report = json_of(p.out);
         assert_int_equal(number_in(report, "objects"), n);
         assert_int_equal(number_in(report, "pairs"), n == 2);
         assert_file_holds(OUT, n == 2 ? "0,1\n" : "");
-        cJSON_Delete(report);
-        program_free(&p);
         remove(OUT);
     }
 }

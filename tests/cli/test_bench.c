@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // duet bench, as a person calls it; on one small scene of the set.
 #include "support/devices.h"
+#include "support/json.h"
 #include "support/program.h"
 #include "support/test.h"
 
@@ -17,7 +18,7 @@
 static cJSON *read_json(const char *path)
 {
     text t = test_read_file(path);
-    cJSON *o = cJSON_Parse(text_chars(&t));
+    cJSON *o = json_of(text_chars(&t));
     text_free(&t);
     assert_non_null(o);
     return o;
@@ -29,7 +30,6 @@ static int measure(void **state)
     program p = program_run(BENCH "--repeat 7 -o " OUT);
     if (p.exit_code != 0)
         fail_msg("%s", p.err);
-    program_free(&p);
     return 0;
 }
 
@@ -48,7 +48,6 @@ static void write_old(double factor, double others)
     char *chars = cJSON_Print(o);
     test_write_file(OLD, chars);
     cJSON_free(chars);
-    cJSON_Delete(o);
 }
 
 static void assert_verdicts(const char *arguments, const char *verdict)
@@ -59,12 +58,10 @@ static void assert_verdicts(const char *arguments, const char *verdict)
         fail_msg("exit code %d: %s", p.exit_code, p.err);
     if (slower && !strstr(p.err, "cases became slower for sure: paper by '"))
         fail_msg("%s", p.err);
-    cJSON *o = cJSON_Parse(p.out);
-    program_free(&p);
+    cJSON *o = json_of(p.out);
     const cJSON *one;
     cJSON_ArrayForEach(one, cJSON_GetObjectItem(o, "cases"))
         assert_string_equal(cJSON_GetObjectItem(one, "verdict")->valuestring, verdict);
-    cJSON_Delete(o);
 }
 
 TEST(results_hold_every_sample_and_the_devices)
@@ -84,7 +81,6 @@ TEST(results_hold_every_sample_and_the_devices)
         assert_true(median >= cJSON_GetObjectItem(one, "low_ms")->valuedouble);
         assert_true(median <= cJSON_GetObjectItem(one, "high_ms")->valuedouble);
     }
-    cJSON_Delete(o);
 }
 
 TEST(a_millionfold_difference_is_seen_and_few_samples_are_ambiguous)
@@ -109,7 +105,6 @@ TEST(an_only_device_has_no_share)
     assert_non_null(strstr(p.out, "kernels"));
     assert_null(strstr(p.out, "share"));
     assert_null(strstr(p.out, "A ms"));
-    program_free(&p);
 }
 
 TEST(the_whole_set_costs_levels_and_effects)
@@ -117,12 +112,10 @@ TEST(the_whole_set_costs_levels_and_effects)
     cJSON *o = read_json(OUT);
     const cJSON *levels = cJSON_GetObjectItem(cJSON_GetObjectItem(o, "accuracy")->child, "levels");
     assert_true(cJSON_GetArraySize(levels) >= (devices_are_two() ? 2 : 1) * 5);
-    cJSON_Delete(o);
     program p = program_run("bench --quick --scene falling --json");
     if (p.exit_code != 0)
         fail_msg("%s", p.err);
-    o = cJSON_Parse(p.out);
-    program_free(&p);
+    o = json_of(p.out);
     const cJSON *effects = cJSON_GetObjectItem(cJSON_GetObjectItem(o, "effects")->child, "effects");
     const cJSON *one;
     cJSON_ArrayForEach(one, effects)
@@ -132,7 +125,6 @@ TEST(the_whole_set_costs_levels_and_effects)
         if (alone != (alone && cJSON_GetObjectItem(one, "ms")))
             fail_msg("'%s' has no time", name);
     }
-    cJSON_Delete(o);
 }
 
 TEST(text_says_what_it_was_compared_with)
@@ -148,7 +140,6 @@ TEST(text_says_what_it_was_compared_with)
             fail_msg("'%s' is missing in\n%s", says[i], p.out);
     assert_null(strstr(p.out, "\n\n\n"));
     assert_int_not_equal(strncmp(p.out + strlen(p.out) - 2, "\n\n", 2), 0);
-    program_free(&p);
 }
 
 TEST(a_stopped_run_says_what_its_file_holds)
@@ -162,8 +153,6 @@ TEST(a_stopped_run_says_what_its_file_holds)
             cJSON_GetArraySize(cJSON_GetObjectItem(o, "accuracy"));
     snprintf(says, sizeof says, "duet: stopped; " OLD " holds %d case%s\n", n, n == 1 ? "" : "s");
     assert_string_equal(p.err, says);
-    cJSON_Delete(o);
-    program_free(&p);
 }
 
 TEST(what_is_no_result_is_refused_in_one_line)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // duet explain of still scenes, as a person calls it.
+#include "support/json.h"
 #include "support/program.h"
 #include "support/test.h"
 
@@ -15,14 +16,10 @@ static cJSON *explain(const char *arguments)
     program p = program_run("explain %s --share 0 --json", arguments);
     if (p.exit_code != 0)
         fail_msg("%s", p.err);
-    cJSON *o = cJSON_Parse(p.out);
-    assert_non_null(o);
+    cJSON *o = json_of(p.out);
     cJSON *search = cJSON_GetObjectItemCaseSensitive(o, "search");
     assert_int_equal(cJSON_GetArraySize(search), 1);
-    cJSON *b = cJSON_DetachItemFromArray(search, 0);
-    cJSON_Delete(o);
-    program_free(&p);
-    return b;
+    return cJSON_GetArrayItem(search, 0);
 }
 
 static const char *string_of(const cJSON *o, const char *name)
@@ -108,7 +105,6 @@ TEST(the_kernels_of_each_search_run_and_the_others_are_left_out)
         for (int i = 0; i < 6 && searches[s].left_out[i]; ++i)
             assert_false(runs(b, searches[s].left_out[i]));
         assert_true(runs(b, "clear") && runs(b, "hash") && runs(b, "scan"));
-        cJSON_Delete(b);
     }
 }
 
@@ -120,11 +116,9 @@ TEST(properties_of_the_scene_are_told_by_their_parameter)
     assert_int_equal(value_of(b, "ROTATED"), 1);
     assert_int_equal(value_of(b, "ACCURACY"), 0);
     assert_int_equal(value_of(b, "LEVELS"), 0);
-    cJSON_Delete(b);
     b = explain_paper("--level sat6 --variant 'gpu grid=hashed'");
     assert_int_equal(value_of(b, "ACCURACY"), 3);
     assert_int_equal(value_of(b, "GRID"), 1);
-    cJSON_Delete(b);
 }
 
 TEST(bounds_that_overlap_are_the_answer)
@@ -133,7 +127,6 @@ TEST(bounds_that_overlap_are_the_answer)
     assert_false(runs(b, "narrow_simd"));
     assert_string_equal(string_of(kernel_of(b, "narrow_simd"), "why"),
                         "bounds that overlap are the answer");
-    cJSON_Delete(b);
 }
 
 TEST(a_still_scene_is_told_as_text)
@@ -144,7 +137,6 @@ TEST(a_still_scene_is_told_as_text)
     assert_non_null(strstr(p.out, "\nruns "));
     assert_non_null(strstr(p.out, "\nleft out  "));
     assert_string_not_equal(p.out + strlen(p.out) - 2, "\n\n");
-    program_free(&p);
 }
 
 TEST(a_scene_that_moves_is_told_by_its_effects)
@@ -154,7 +146,6 @@ TEST(a_scene_that_moves_is_told_by_its_effects)
     assert_non_null(strstr(p.out, "gravity"));
     assert_null(strstr(p.out, "pair_search_simd"));
     assert_non_null(strstr(p.out, "\n4 substeps a step, chosen: nothing stands"));
-    program_free(&p);
     test_write_file("stack.lua",
                     "for i = 1, 50 do add { centre = { 0, 0, i - 0.5 }, half_extents = "
                     "{ .5, .5, .5 } } end\n"
@@ -164,7 +155,6 @@ TEST(a_scene_that_moves_is_told_by_its_effects)
     assert_int_equal(p.exit_code, 0);
     assert_non_null(
         strstr(p.out, "\n6 substeps a step, chosen: they hold the column of 50 bodies"));
-    program_free(&p);
 }
 
 TEST(what_is_wrong_with_a_plan_is_one_line)

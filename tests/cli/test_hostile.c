@@ -302,8 +302,8 @@ TEST(the_parser_ends_at_the_limit)
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
         duet_error err = {0};
         hostile h = {text_chars(texts[i]), NULL};
-        assert_ok(text_ok(texts[i], &err), err);
-        assert_ok(text_write_file(FILE_NAME, h.script, texts[i]->length, &err), err);
+        must(text_ok(texts[i], ERR));
+        must(text_write_file(FILE_NAME, h.script, texts[i]->length, ERR));
         for (size_t reader = 0; reader < sizeof readers / sizeof readers[0]; ++reader) {
             bool ok = false;
             double seconds = run_within(reader, &h, &ok, &err);

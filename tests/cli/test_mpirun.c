@@ -67,7 +67,6 @@ TEST(a_job_that_fails_is_one_line)
     assert_int_equal(p.exit_code, 0);
     assert_string_equal(p.out, "found\n");
     assert_string_equal(p.err, "ssh: no\ndriver: a warning\n\r\033[Kstep 3");
-    program_free(&p);
 }
 
 // mpirun says less unless a person asks for it.
@@ -80,7 +79,6 @@ TEST(mpirun_is_quiet_unless_verbose)
         program p = program_run_with("PATH=\"$PWD/mpirun_of_test:$PATH\"",
                                      "cluster --ranks 2 %s still", verbose ? "--verbose" : "");
         assert_string_equal(p.out, verbose ? "\n" : "1 1\n");
-        program_free(&p);
     }
 }
 
@@ -96,7 +94,6 @@ TEST(ranks_get_stdin_only_where_they_read_the_scene_from_it)
                                      "cluster --ranks 2 %s", jobs[i][0]);
         assert_int_equal(p.exit_code, 0);
         assert_string_equal(p.out, jobs[i][1]);
-        program_free(&p);
     }
 }
 
@@ -124,7 +121,6 @@ TEST(ranks_share_the_machine_with_any_open_mpi)
         program p = program_run_with(variables, "cluster --ranks 9 still -n 3");
         assert_int_equal(p.exit_code, 0);
         assert_string_equal(p.out, given[i][1]);
-        program_free(&p);
     }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Files of pairs: read, tested by `duet query`, and what it writes.
+#include "support/json.h"
 #include "support/program.h"
 #include "support/test.h"
 
@@ -16,18 +17,15 @@
 
 static void write_file(const char *path, const void *bytes, size_t n)
 {
-    duet_error err = {0};
-    assert_ok(text_write_file(path, bytes, n, &err), err);
+    must(text_write_file(path, bytes, n, ERR));
 }
 
 // ------------------------------------------------------------ reading
 
 TEST(rows_of_text_become_two_poses_each)
 {
-    duet_error err = {0};
     test_write_file("pairs.csv", "# two pairs\n" TOUCHING APART);
-    duet_scene *pairs = duet_scene_load_pairs("pairs.csv", &err);
-    assert_ok(pairs, err);
+    duet_scene *pairs = must(duet_scene_load_pairs("pairs.csv", ERR));
     const duet_scene_info *info = duet_scene_get_info(pairs);
     const duet_pose *poses = duet_scene_get_objects(pairs, DUET_OBJECT_POSES);
     assert_int_equal(info->n, 4);
@@ -35,8 +33,7 @@ TEST(rows_of_text_become_two_poses_each)
     assert_true(poses[1].centre[0] == 1 && poses[3].centre[1] == 2 && poses[3].rotation[2] == 1);
     duet_scene_destroy(pairs);
     test_write_file("pairs.csv", "0 0 1 1 0  3 0 1 1 3.14159\n");
-    pairs = duet_scene_load_pairs("pairs.csv", &err);
-    assert_ok(pairs, err);
+    pairs = must(duet_scene_load_pairs("pairs.csv", ERR));
     assert_int_equal(duet_scene_get_info(pairs)->n, 2);
     assert_int_equal(duet_scene_get_info(pairs)->dims, 2);
     duet_scene_destroy(pairs);
@@ -59,17 +56,14 @@ static void write_array(const char *path, const char *descr, const void *items, 
 
 TEST(doubles_are_rounded_to_the_nearest_float_and_floats_are_kept)
 {
-    duet_error err = {0};
     double row[20] = {0.1, 0, 0, 1, 1, 1, 0, 0, 0, 1, 16777217, 0, 0, 1, 1, 1, 0, 0, 0, 1};
     float single[20];
     for (int i = 0; i < 20; ++i)
         single[i] = (float)row[i];
     write_array("doubles.npy", "<f8", row, 8, 1);
     write_array("floats.npy", "<f4", single, 4, 1);
-    duet_scene *doubles = duet_scene_load_pairs("doubles.npy", &err);
-    assert_ok(doubles, err);
-    duet_scene *floats = duet_scene_load_pairs("floats.npy", &err);
-    assert_ok(floats, err);
+    duet_scene *doubles = must(duet_scene_load_pairs("doubles.npy", ERR));
+    duet_scene *floats = must(duet_scene_load_pairs("floats.npy", ERR));
     const duet_pose *poses = duet_scene_get_objects(doubles, DUET_OBJECT_POSES);
     assert_true(poses[0].centre[0] == 0.1f && poses[1].centre[0] == 16777216);
     assert_memory_equal(poses, duet_scene_get_objects(floats, DUET_OBJECT_POSES),
@@ -113,7 +107,7 @@ TEST(arrays_are_written_as_numpy_reads_them)
 {
     duet_error err = {0};
     const uint8_t answers[3] = {1, 0, 1};
-    assert_ok(npy_write("answers.npy", NPY_UINT8, answers, 3, &err), err);
+    must(npy_write("answers.npy", NPY_UINT8, answers, 3, ERR));
     text bytes = test_read_file("answers.npy");
     assert_int_equal(bytes.length, 128 + 3);
     assert_memory_equal(bytes.chars, "\x93NUMPY\1\0\x76\0", 10);
@@ -123,8 +117,8 @@ TEST(arrays_are_written_as_numpy_reads_them)
     assert_memory_equal(bytes.chars + 128, answers, 3);
     text_free(&bytes);
     const double separations[2] = {0.5, -1e300};
-    assert_ok(npy_write("answers.npy", NPY_FLOAT64, separations, 2, &err), err);
-    assert_ok(text_read_file(&bytes, "answers.npy", &err), err);
+    must(npy_write("answers.npy", NPY_FLOAT64, separations, 2, ERR));
+    must(text_read_file(&bytes, "answers.npy", ERR));
     assert_int_equal(bytes.length, 128 + 16);
     assert_memory_equal(bytes.chars + 128, separations, 16);
     text_free(&bytes);
@@ -152,12 +146,10 @@ TEST(the_program_tests_a_file_at_every_level)
                                      duet_level_get_info((duet_level)l)->name);
         assert_string_equal(p.err, "");
         assert_int_equal(p.exit_code, 0);
-        cJSON *o = cJSON_Parse(p.out);
+        cJSON *o = json_of(p.out);
         assert_true(number_in(o, "n") == 3 && number_in(o, "colliding") == 2);
         assert_true(number_in(o, "undecided") == (l == DUET_LEVEL_CERTIFIED ? 2 : 0));
         assert_true(number_in(o, "seconds") >= 0);
-        cJSON_Delete(o);
-        program_free(&p);
     }
 }
 
@@ -170,7 +162,6 @@ static void assert_file(const char *path, const char *expected)
 
 TEST(the_program_writes_answers_and_separations)
 {
-    duet_error err = {0};
     text bytes = {0};
     test_write_file("pairs.csv", TOUCHING APART);
     static const char *const outs[] = {"answers.csv", "answers.npy"};
@@ -178,13 +169,12 @@ TEST(the_program_writes_answers_and_separations)
         program p = program_run_with(CACHED, "query pairs.csv --separations -o %s", outs[i]);
         assert_string_equal(p.err, "");
         assert_int_equal(p.exit_code, 0);
-        program_free(&p);
     }
     assert_file("answers.csv", "1,0\n0,1\n");
-    assert_ok(text_read_file(&bytes, "answers.npy", &err), err);
+    must(text_read_file(&bytes, "answers.npy", ERR));
     assert_memory_equal(bytes.chars + 128, "\1\0", 2);
     text_free(&bytes);
-    assert_ok(text_read_file(&bytes, "answers.separations.npy", &err), err);
+    must(text_read_file(&bytes, "answers.separations.npy", ERR));
     assert_memory_equal(bytes.chars + 128, ((const double[2]){0, 1}), 16);
     text_free(&bytes);
 }

@@ -38,13 +38,11 @@ static void tell_alike(text *svg)
 static text draw(const char *path, const char *options)
 {
     text t = {0};
-    duet_error err = {0};
     program p = program_run("picture %s -o %s %s", SCENE, path, options);
     bool quiet = !*p.err || strstr(p.err, "test_picture: there are no objects\n");
     if (p.exit_code != 0 || !quiet || *p.out)
         fail_msg("picture %s: %s%s", options, p.out, p.err);
-    program_free(&p);
-    assert_ok(text_read_file(&t, path, &err), err);
+    must(text_read_file(&t, path, ERR));
     if (strcmp(path, SVG) == 0)
         tell_alike(&t);
     return t;

@@ -16,9 +16,7 @@
 static test_folder make_store(void)
 {
     test_folder folder = test_folder_make();
-    duet_error err = {0};
-    store *s = store_open(folder.store, STORE_WRITE, &err);
-    assert_ok(s, err);
+    store *s = must(store_open(folder.store, STORE_WRITE, ERR));
     profile_pair pair = test_pair();
     profile_workload small = test_workload(1000);
     profile_workload large = test_workload(250000);
@@ -49,7 +47,6 @@ static void assert_prints(const test_folder *folder, const char *arguments, cons
     assert_int_equal(p.exit_code, 0);
     if (!strstr(p.out, says))
         fail_msg("profiles %s does not say '%s':\n%s", arguments, says, p.out);
-    program_free(&p);
 }
 
 static void assert_refused(const test_folder *folder, const char *arguments, int code,
@@ -72,17 +69,14 @@ TEST(list_shows_what_an_application_would_load)
     assert_string_equal(json_string(large, "mode"), "own");
     assert_string_equal(json_string(cJSON_GetObjectItemCaseSensitive(large, "b"), "name"),
                         "NVIDIA H200");
-    cJSON_Delete(o);
     o = run_json(&folder, "list --dead --json");
     json_array(o, "profiles", 3);
-    cJSON_Delete(o);
     assert_prints(&folder, "list", "A: pthread-AMD EPYC 7763 64-Core Processor [0-0], driver 3.1");
     assert_prints(&folder, "list", "250 000");
     assert_prints(&folder, "list --dead", "replaced by a later tuning");
     program p = run_on(&folder, "list");
     for (const char *line = p.out; *line; line += strcspn(line, "\n") + 1)
         assert_in_range(strcspn(line, "\n"), 0, 80);
-    program_free(&p);
 }
 
 TEST(show_gives_a_profile_with_its_trials)
@@ -103,8 +97,6 @@ TEST(show_gives_a_profile_with_its_trials)
     snprintf(arguments, sizeof arguments, "show %.12s", json_string(first, "uid"));
     assert_prints(&folder, arguments, "gain      +12.0 % (+10.0 to +14.0)");
     assert_prints(&folder, arguments, "search    balance, seed 1, 9 trials, 27 launches");
-    cJSON_Delete(o);
-    cJSON_Delete(all);
     assert_refused(&folder, "show zz", 2, "no profile begins with 'zz'");
     assert_refused(&folder, "show ''", 2, "3 profiles begin with ''");
 }
@@ -119,7 +111,6 @@ TEST(a_stored_profile_is_compared_put_to_use_and_forgotten)
     for (int i = 0; i < 3; ++i)
         snprintf(uids[i], sizeof uids[i], "%s",
                  json_string(cJSON_GetArrayItem(json_array(o, "profiles", 3), i), "uid"));
-    cJSON_Delete(o);
     snprintf(arguments, sizeof arguments, "diff %s %s", uids[1], uids[2]);
     assert_prints(&folder, arguments, "replaced by a later tuning");
     assert_prints(&folder, arguments, "0.0 % longer than one of");
@@ -129,13 +120,11 @@ TEST(a_stored_profile_is_compared_put_to_use_and_forgotten)
     o = run_json(&folder, arguments);
     assert_true(json_true(cJSON_GetObjectItemCaseSensitive(o, "first"), "live"));
     assert_string_equal(json_string(cJSON_GetObjectItemCaseSensitive(o, "second"), "uid"), uids[2]);
-    cJSON_Delete(o);
     snprintf(arguments, sizeof arguments, "use %.9s", uids[2]);
     assert_prints(&folder, arguments, "");
     o = run_json(&folder, "list --json");
     assert_string_equal(json_string(cJSON_GetArrayItem(json_array(o, "profiles", 2), 1), "uid"),
                         uids[2]);
-    cJSON_Delete(o);
     snprintf(arguments, sizeof arguments, "forget %s", uids[2]);
     assert_prints(&folder, arguments, "");
     assert_refused(&folder, arguments, 2, "no profile begins with");
@@ -176,9 +165,6 @@ TEST(a_figure_that_was_not_measured_is_null)
     snprintf(arguments, sizeof arguments, "show %s", json_string(first, "uid"));
     program p = run_on(&folder, arguments);
     assert_null(strstr(p.out, "nan"));
-    program_free(&p);
-    cJSON_Delete(o);
-    cJSON_Delete(all);
 }
 
 // A row of one device says which, and what sharing would do; not the gain of a plan that
@@ -189,12 +175,11 @@ TEST(what_one_device_does_alone_is_told_as_such)
     duet_error err = {0};
     char arguments[64];
     store *s = store_open(folder.store, STORE_WRITE, &err);
-    assert_ok(s && sql_script(s,
-                              "UPDATE profile SET share = 0, gain = -0.261, gain_low = -0.3, "
-                              "gain_high = -0.2, verdict = 'slower', whole_ns = 1e6, "
-                              "whole_gain = -0.2, whole_gain_low = -0.25, whole_gain_high = -0.1",
-                              &err),
-              err);
+    must(s && sql_script(s,
+                         "UPDATE profile SET share = 0, gain = -0.261, gain_low = -0.3, "
+                         "gain_high = -0.2, verdict = 'slower', whole_ns = 1e6, "
+                         "whole_gain = -0.2, whole_gain_low = -0.25, whole_gain_high = -0.1",
+                         ERR));
     store_close(s);
     cJSON *o = run_json(&folder, "list --json");
     const cJSON *first = cJSON_GetArrayItem(json_array(o, "profiles", 2), 0);
@@ -203,7 +188,6 @@ TEST(what_one_device_does_alone_is_told_as_such)
     assert_prints(&folder, arguments, "by itself is 25.0 % faster (11.1 to 33.3): use --pair with");
     assert_prints(&folder, "list", "B alone");
     assert_prints(&folder, "list", "by itself is 25.0 % faster");
-    cJSON_Delete(o);
 }
 
 // The store tells two cards of one model not apart, but what shares is no single device.
@@ -217,7 +201,6 @@ TEST(two_equal_devices_that_share_are_two)
     snprintf(arguments, sizeof arguments, "show %s", json_string(first, "uid"));
     assert_prints(&folder, arguments, "share 0.50000");
     assert_prints(&folder, "list", "\nB: ");
-    cJSON_Delete(o);
 }
 
 TEST(rows_go_out_and_into_another_store)
@@ -229,27 +212,22 @@ TEST(rows_go_out_and_into_another_store)
     program p = run_on(&folder, arguments);
     assert_int_equal(p.exit_code, 0);
     assert_string_equal(p.out, "");
-    program_free(&p);
     snprintf(arguments, sizeof arguments, "import %s/rows.jsonl --json", folder.path);
     cJSON *o = run_json(&other, arguments);
     assert_int_equal(json_number(o, "known"), 0);
     double added = json_number(o, "added");
-    cJSON_Delete(o);
     snprintf(arguments, sizeof arguments, "merge %s --json", folder.store);
     o = run_json(&other, arguments);
     assert_int_equal(json_number(o, "added"), 0);
     assert_true(json_number(o, "known") == added);
-    cJSON_Delete(o);
     snprintf(arguments, sizeof arguments, "export | cmp - %s/rows.jsonl", folder.path);
     p = run_on(&other, arguments);
     assert_int_equal(p.exit_code, 0);
-    program_free(&p);
     snprintf(arguments, sizeof arguments, "export %s", folder.store);
     p = run_on(&folder, arguments);
     program_assert_refused(&p, 2, ": is the store itself; name another one");
     p = run_on(&folder, "export");
     assert_int_equal(p.exit_code, 0);
-    program_free(&p);
 }
 
 TEST(a_bad_line_is_named_and_the_store_untouched)
@@ -259,15 +237,13 @@ TEST(a_bad_line_is_named_and_the_store_untouched)
     char arguments[256];
     snprintf(arguments, sizeof arguments,
              "export | sed '4s/\"type\"/\"tpye\"/' >%s/rows.jsonl; true", folder.path);
-    program p = run_on(&folder, arguments);
-    program_free(&p);
+    run_on(&folder, arguments);
     snprintf(arguments, sizeof arguments, "import %s/rows.jsonl", folder.path);
     char says[128];
     snprintf(says, sizeof says, "%s/rows.jsonl:4: its type is not one of", folder.path);
     assert_refused(&other, arguments, 1, says);
     cJSON *o = run_json(&other, "list --json");
     json_array(o, "profiles", 0);
-    cJSON_Delete(o);
 }
 
 TEST(prune_and_check_say_what_they_found)
@@ -276,21 +252,18 @@ TEST(prune_and_check_say_what_they_found)
     cJSON *o = run_json(&folder, "prune --samples 1 --dead --json");
     assert_int_equal(json_number(o, "samples"), 27 * 3);
     assert_int_equal(json_number(o, "profiles"), 1);
-    cJSON_Delete(o);
     assert_prints(&folder, "prune", "0 launches and 0 profiles forgotten");
     o = run_json(&folder, "check --json");
     json_array(o, "problems", 0);
-    cJSON_Delete(o);
     assert_prints(&folder, "check", "sound");
     duet_error err = {0};
     store *s = store_open(folder.store, STORE_WRITE, &err);
-    assert_ok(s && sql_script(s, "UPDATE device SET units = 7", &err), err);
+    must(s && sql_script(s, "UPDATE device SET units = 7", ERR));
     store_close(s);
     program p = run_on(&folder, "check");
     assert_int_equal(p.exit_code, 1);
     assert_non_null(strstr(p.out, "its key is not that of its fields"));
     assert_non_null(strstr(p.err, "rows are not sound"));
-    program_free(&p);
 }
 
 TEST(what_is_wrong_is_said_in_one_line)
@@ -303,8 +276,7 @@ TEST(what_is_wrong_is_said_in_one_line)
     assert_refused(&folder, "prune --samples -1", 2, "--samples");
     assert_refused(&folder, "list", 1, "there is no profile store; duet tune makes one");
     assert_refused(&folder, "import no/such.jsonl", 1, "no/such.jsonl: No such file");
-    duet_error err = {0};
-    assert_ok(text_write_file(folder.store, "rubbish", 7, &err), err);
+    must(text_write_file(folder.store, "rubbish", 7, ERR));
     assert_refused(&folder, "list", 1, "is not a profile store and was left as it is");
     assert_refused(&folder, "prune", 1, "is not a profile store and was left as it is");
 }
@@ -314,8 +286,7 @@ TEST(every_query_of_the_documentation_works)
 {
     test_folder folder = make_store();
     duet_error err = {0};
-    store *s = store_open(folder.store, STORE_WRITE, &err);
-    assert_ok(s, err);
+    store *s = must(store_open(folder.store, STORE_WRITE, ERR));
     text path = {0};
     text_add(&path, "%s/../../docs/store.md", getenv("DUET_TEST_DATA"));
     text doc = test_read_file(text_chars(&path));

@@ -58,14 +58,12 @@ static int make_store(void **state)
 static text make_page(void)
 {
     text page = {0};
-    duet_error err = {0};
     program p =
         program_run("report --profile %s -o " PAGE " " RESULTS " " RESULTS " " LEVELS " " EFFECTS,
                     folder.store);
     if (p.exit_code != 0)
         fail_msg("%s", p.err);
-    program_free(&p);
-    assert_ok(text_read_file(&page, PAGE, &err), err);
+    must(text_read_file(&page, PAGE, ERR));
     return page;
 }
 
@@ -117,11 +115,10 @@ TEST(of_one_device_the_page_shows_no_share)
     static const char *const lacks[] = {"no work", "Standard set: shares",  "A: x:0",
                                         "B: x:0",  "Standard set: history", "What became of"};
     text page = {0};
-    duet_error err = {0};
     test_write_file(RESULTS, results);
     program p = program_run("report --profile %s -o " PAGE " " RESULTS, folder.store);
     assert_int_equal(p.exit_code, 0);
-    assert_ok(text_read_file(&page, PAGE, &err), err);
+    must(text_read_file(&page, PAGE, ERR));
     for (size_t i = 0; i < sizeof has / sizeof has[0]; ++i)
         if (!strstr(page.chars, has[i]))
             fail_msg("'%s' is not on the page", has[i]);
@@ -129,26 +126,23 @@ TEST(of_one_device_the_page_shows_no_share)
         if (strstr(page.chars, lacks[i]))
             fail_msg("'%s' is on the page", lacks[i]);
     text_free(&page);
-    program_free(&p);
 }
 
 // Gives what the page says of its only profile, from the share on; the caller frees it.
 static text profile_row_of(double share)
 {
     text page = {0}, row = {0}, change = {0};
-    duet_error err = {0};
     text_add(&change, "UPDATE profile SET share = %d, verdict = 'slower', gain = -0.2611",
              (int)(share * 65536));
     test_store_run(folder.store, text_chars(&change));
     program p = program_run("report --profile %s -o " PAGE, folder.store);
     assert_int_equal(p.exit_code, 0);
-    assert_ok(text_read_file(&page, PAGE, &err), err);
+    must(text_read_file(&page, PAGE, ERR));
     const char *from = strstr(page.chars, "data-head=\"share of A\"");
     assert_non_null(from);
     text_add_bytes(&row, from, (size_t)(strstr(from, "</tr>") - from));
     text_free(&page);
     text_free(&change);
-    program_free(&p);
     return row;
 }
 
@@ -175,14 +169,12 @@ TEST(a_page_without_a_name_is_told_of)
     assert_int_equal(p.exit_code, 0);
     assert_string_equal(p.out, "-> duet-report.html\n");
     assert_int_equal(remove("duet-report.html"), 0);
-    program_free(&p);
 }
 
 TEST(one_slow_step_does_not_flatten_the_others)
 {
     text results = {0};
     text page = {0};
-    duet_error err = {0};
     text_add(&results, "{\"type\":\"duet bench\",\"version\":1,\"duet\":\"1.0.0\",\"time\":"
                        "\"then\",\"devices\":[{},{}],\"cases\":[");
     for (int i = 0; i < 5; ++i)
@@ -196,12 +188,11 @@ TEST(one_slow_step_does_not_flatten_the_others)
     test_write_file(RESULTS, text_chars(&results));
     program p = program_run("report --profile %s -o " PAGE " " RESULTS, folder.store);
     assert_int_equal(p.exit_code, 0);
-    assert_ok(text_read_file(&page, PAGE, &err), err);
+    must(text_read_file(&page, PAGE, ERR));
     assert_non_null(strstr(page.chars, "1 above, up to 700 ms"));
     assert_non_null(strstr(page.chars, ">1.5</text>")); // a tick of an axis that ends near 2
     text_free(&results);
     text_free(&page);
-    program_free(&p);
 }
 
 TEST(the_page_loads_nothing)

@@ -65,7 +65,6 @@ TEST(json_has_what_a_script_needs)
                     strcmp(json_string(stage, "device"), "B") == 0);
         assert_true(json_number(stage, "ms") >= 0);
     }
-    cJSON_Delete(o);
 }
 
 TEST(share_is_a_decimal_or_a_fraction)
@@ -86,7 +85,6 @@ TEST(share_is_a_decimal_or_a_fraction)
                  shares[i].given);
         cJSON *o = run_json(arguments);
         assert_true(json_number(o, "share") == shares[i].share);
-        cJSON_Delete(o);
     }
 }
 
@@ -98,9 +96,6 @@ TEST(n_and_seed_choose_the_scene)
     assert_int_equal(json_number(a, "objects"), 300);
     assert_string_equal(json_string(a, "hash"), json_string(b, "hash"));
     assert_string_not_equal(json_string(a, "hash"), json_string(c, "hash"));
-    cJSON_Delete(a);
-    cJSON_Delete(b);
-    cJSON_Delete(c);
 }
 
 // Also for none, one and two objects.
@@ -113,7 +108,6 @@ TEST(any_number_of_objects_gives_the_references_pairs)
             fail_msg("a line ends with a space, or few are millions:\n%s", p.out);
         if (p.exit_code != 0 || !strstr(p.out, "as the plain C reference"))
             fail_msg("%d objects: %s %s", counts[i], p.out, p.err);
-        program_free(&p);
     }
 }
 
@@ -122,7 +116,6 @@ TEST(one_pair_is_no_pairs)
     program p =
         program_run_with("printf '0,0,0,1,1,1\\n1,1,1,2,2,2\\n' |", "run - --repeat 1 --check");
     assert_non_null(strstr(p.out, "check: the same 1 pair as the plain C reference\n"));
-    program_free(&p);
 }
 
 TEST(an_accuracy_that_no_profile_knows_is_told_of)
@@ -131,11 +124,9 @@ TEST(an_accuracy_that_no_profile_knows_is_told_of)
     for (size_t i = 0; i < sizeof plans / sizeof *plans; ++i) {
         program p = program_run("run " SCENE " --repeat 1 --missed 1 %s", plans[i]);
         assert_non_null(strstr(p.out, "\nlevel: certified, since no profile says that a cheaper"));
-        program_free(&p);
     }
     program p = program_run("run " SCENE " --repeat 1");
     assert_null(strstr(p.out, "level: certified, since"));
-    program_free(&p);
 }
 
 TEST(the_pairs_file_holds_each_pair_once_ascending)
@@ -160,7 +151,6 @@ TEST(the_pairs_file_holds_each_pair_once_ascending)
     assert_string_equal(hash, json_string(o, "hash"));
     free(pairs);
     text_free(&t);
-    cJSON_Delete(o);
 }
 
 TEST(objects_in_order_keep_the_ids_of_the_scene)
@@ -169,19 +159,17 @@ TEST(objects_in_order_keep_the_ids_of_the_scene)
     text lines[2] = {{0}};
     cJSON *o[2];
     for (int i = 0; i < 2; ++i) {
-        duet_error err = {0};
         char arguments[160];
         snprintf(arguments, sizeof arguments,
                  SCENE " --pairs test_run.csv --check --repeat 2 --share 0.5 %s", orders[i]);
         o[i] = run_json(arguments);
-        assert_ok(text_read_file(&lines[i], "test_run.csv", &err), err);
+        must(text_read_file(&lines[i], "test_run.csv", ERR));
         assert_int_equal(cJSON_IsTrue(cJSON_GetObjectItem(o[i], "ordered")), i);
     }
     assert_string_equal(lines[0].chars, lines[1].chars);
     assert_string_equal(json_string(o[0], "hash"), json_string(o[1], "hash"));
     for (int i = 0; i < 2; ++i) {
         text_free(&lines[i]);
-        cJSON_Delete(o[i]);
     }
 }
 
@@ -195,7 +183,6 @@ TEST(text_names_devices_stages_and_pairs)
     for (size_t i = 0; i < sizeof says / sizeof says[0]; ++i)
         if (!strstr(p.out, says[i]))
             fail_msg("'%s' is missing in\n%s", says[i], p.out);
-    program_free(&p);
 }
 
 // Stages of one device's queue follow each other, and all of them lie within the step.
@@ -236,13 +223,11 @@ TEST(timeline_shows_each_stage_where_it_was)
         assert_true(json_number(stage, "end_ms") == 0 || strstr(svg.chars, bar));
     }
     text_free(&svg);
-    cJSON_Delete(o);
     program p = program_run("run %s --steps 2 --timeline test_run.svg", SCENE);
     program_assert_refused(&p, 2, "--timeline");
     p = program_run("run %s --repeat 1 --timeline -", SCENE);
     assert_int_equal(p.exit_code, 0);
     assert_memory_equal(p.out, "<svg ", 5);
-    program_free(&p);
 }
 
 TEST(wrong_usage_is_one_line_and_exit_2)
@@ -281,18 +266,16 @@ TEST(wrong_usage_is_one_line_and_exit_2)
 // has complaints of its own.
 TEST(ctrl_c_shows_what_was_timed)
 {
-    cJSON_Delete(run_json(SCENE " -n 3000 --repeat 20"));
+    run_json(SCENE " -n 3000 --repeat 20");
     // in the foreground timeout(1) sends its signal once, as a person does
     program p = program_run_with("timeout --foreground --preserve-status -s INT 2",
                                  "run %s -n 3000 --repeat 100000 --json", SCENE);
     assert_int_equal(p.exit_code, 130); // a shell's word for an end by SIGINT
     assert_string_equal(p.err, "duet: stopped\n");
     if (*p.out) {
-        cJSON *o = cJSON_Parse(p.out);
+        cJSON *o = json_of(p.out);
         assert_true(json_number(o, "repeat") > 0 && json_number(o, "repeat") < 100000);
-        cJSON_Delete(o);
     }
-    program_free(&p);
 }
 
 TEST(a_level_is_compared_with_its_own_reference)
@@ -305,7 +288,6 @@ TEST(a_level_is_compared_with_its_own_reference)
         cJSON *o = run_json(arguments);
         assert_string_equal(json_string(o, "level"), name);
         found[l] = json_number(o, "pairs");
-        cJSON_Delete(o);
     }
     assert_true(found[DUET_LEVEL_AABB] > found[DUET_LEVEL_SAT6]);
     assert_true(found[DUET_LEVEL_SAT6] > found[DUET_LEVEL_CERTIFIED]);

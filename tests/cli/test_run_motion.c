@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // duet run --steps, as a person calls it.
 #define _POSIX_C_SOURCE 200809L
+#include "support/json.h"
 #include "support/program.h"
 #include "support/test.h"
 
@@ -65,7 +66,6 @@ TEST(a_picture_and_frames_are_drawn)
     assert_non_null(strstr(p.out, "of the work, kernels '"));
     assert_non_null(strstr(p.out, "plan: the default"));
     assert_non_null(strstr(p.out, " contact_response"));
-    program_free(&p);
 }
 
 // The column of a table's row, from 0; NAN where there is none.
@@ -104,20 +104,16 @@ TEST(the_parts_of_a_step_add_up_to_it)
     assert_true(n > 3);
     assert_true(ms >= step - 0.0006 * (n + 1)); // each is rounded; devices overlap
     assert_true(fabs(percent - 100) <= 0.06 * n);
-    program_free(&p);
 }
 
 TEST(json_says_what_the_table_does)
 {
     program p = program_run("run --steps 8 --json " SCENE);
     assert_int_equal(p.exit_code, 0);
-    cJSON *o = cJSON_Parse(p.out);
-    assert_non_null(o);
+    cJSON *o = json_of(p.out);
     assert_true(cJSON_GetObjectItem(o, "steps")->valuedouble == 8);
     assert_true(cJSON_GetObjectItem(o, "objects")->valuedouble == 9);
     assert_non_null(cJSON_GetObjectItem(cJSON_GetObjectItem(o, "stages_ms"), "solve_contacts"));
-    cJSON_Delete(o);
-    program_free(&p);
 }
 
 TEST(what_cannot_be_drawn_is_refused_before_the_steps)
@@ -179,8 +175,6 @@ TEST(a_recording_gives_the_same_hash_with_another_plan)
     if (q.exit_code != 0)
         fail_msg("run --replay: %s", q.err);
     assert_string_equal(strstr(q.out, "state hash"), hash);
-    program_free(&p);
-    program_free(&q);
     p = program_run("run --steps 9 --replay " RECORDING " " SCENE);
     program_assert_refused(&p, 2, RECORDING " has 8 recorded steps");
     p = program_run("run --steps 8 --replay " SCENE " " SCENE);
@@ -188,7 +182,6 @@ TEST(a_recording_gives_the_same_hash_with_another_plan)
     p = program_run("run --steps 8 --replay " RECORDING " falling -n 9");
     assert_int_equal(p.exit_code, 1);
     assert_non_null(strstr(p.err, "recorded from step 0, 9 places"));
-    program_free(&p);
     p = program_run("run --replay " RECORDING " " SCENE);
     program_assert_refused(&p, 2, "--replay");
 }
@@ -209,21 +202,17 @@ static text draw_one_that_comes(double radius)
         "  { { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xffffffff, 0xffffffff, %g, false, false } }))\n"
         "assert(motion:advance())\n"
         "assert(motion:save_recording '" RECORDING "')\n";
-    duet_error err = {0};
     char given[sizeof script + 16];
     int n = snprintf(given, sizeof given, script, radius);
     test_write_file(BALL, scene);
-    assert_ok(text_write_file(SCRIPT, given, (size_t)n, &err), err);
+    must(text_write_file(SCRIPT, given, (size_t)n, ERR));
     program p = program_run("lua --trust " SCRIPT);
     if (p.exit_code != 0)
         fail_msg("lua: %s", p.err);
-    program_free(&p);
     p = program_run("run --steps 1 --replay " RECORDING " --picture " PICTURE " " BALL);
     if (p.exit_code != 0)
         fail_msg("run --replay: %s", p.err);
-    program_free(&p);
-    text png = test_read_file(PICTURE);
-    return png;
+    return test_read_file(PICTURE);
 }
 
 // Nothing else differs.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // duet source, as a person calls it.
 #define _POSIX_C_SOURCE 200809L
+#include "support/json.h"
 #include "support/program.h"
 #include "support/test.h"
 
@@ -22,10 +23,7 @@ static cJSON *parse(program *p)
 {
     if (p->exit_code != 0)
         fail_msg("%s", p->err);
-    cJSON *o = cJSON_Parse(p->out);
-    assert_true(cJSON_IsObject(o));
-    program_free(p);
-    return o;
+    return json_of(p->out);
 }
 
 static const cJSON *item_named(const cJSON *list, const char *name)
@@ -54,8 +52,6 @@ TEST(the_text_is_printed_and_nothing_else)
     assert_int_equal(strncmp(p.out, "// scan.WG64.PER_ITEM4\n#define WG 64\n", 37), 0);
     program again = program_run("source scan --set PER_ITEM=4 --set WG=64");
     assert_string_equal(p.out, again.out);
-    program_free(&again);
-    program_free(&p);
 }
 
 TEST(json_has_the_text_and_its_hash)
@@ -65,18 +61,14 @@ TEST(json_has_the_text_and_its_hash)
     p = program_run("source scan | sha256sum");
     const char *hash = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(o, "sha256"));
     assert_int_equal(strncmp(p.out, hash, 64), 0);
-    cJSON_Delete(o);
-    program_free(&p);
 }
 
 TEST(a_device_decides_defaults)
 {
     program p = program_run("source scan --device pocl:0");
     assert_non_null(strstr(p.out, "#define WG 1\n"));
-    program_free(&p);
     p = program_run("source scan");
     assert_non_null(strstr(p.out, "#define WG 256\n"));
-    program_free(&p);
 }
 
 TEST(a_scene_decides_what_is_compiled_in)
@@ -85,10 +77,8 @@ TEST(a_scene_decides_what_is_compiled_in)
     test_write_file("test_source.csv", flat);
     program p = program_run("source hash --scene test_source.csv");
     assert_non_null(strstr(p.out, "#define DIMS 2\n#define SHAPE 1\n#define ROTATED 0\n"));
-    program_free(&p);
     p = program_run("source scan --scene test_source.csv"); // has none of these
     assert_int_equal(p.exit_code, 0);
-    program_free(&p);
     p = program_run("source hash --scene no_such.csv");
     program_assert_refused(&p, 1, "no_such.csv");
 }
@@ -104,20 +94,17 @@ TEST(kernels_are_listed_with_what_varies)
     assert_int_equal(number_of(item_named(params, "WG"), "default"), 64);
     assert_int_equal(number_of(item_named(params, "SHIFT"), "min"), -8);
     assert_int_equal(number_of(item_named(kernels, "shaped"), "configs"), 2);
-    cJSON_Delete(o);
     p = program_run_with(data_dir, "source --list plain");
     assert_non_null(strstr(p.out, "FACTOR    [1] 2 3"));
     assert_non_null(strstr(p.out, "SHIFT     -8 .. 8 [-1]"));
     assert_non_null(strstr(p.out, "15 valid configs"));
     assert_null(strstr(p.out, "shaped"));
-    program_free(&p);
 }
 
 TEST(a_folder_replaces_the_carried_kernels)
 {
     program p = program_run_with("DUET_KERNEL_DIR=", "source scan"); // empty counts as not set
     assert_int_equal(p.exit_code, 0);
-    program_free(&p);
     p = program_run_with(data_dir, "source scan");
     program_assert_refused(&p, 2, "no kernel 'scan'; 'duet source --list' lists those there are");
     p = program_run_with("DUET_KERNEL_DIR=no/such", "source scan");
@@ -132,10 +119,8 @@ TEST(every_config_of_a_small_space_is_compiled)
     assert_int_equal(number_of(item_named(kernels, "plain"), "compiled"), 15);
     assert_int_equal(number_of(item_named(kernels, "plain"), "failed"), 0);
     assert_int_equal(number_of(item_named(kernels, "shaped"), "compiled"), 2);
-    cJSON_Delete(o);
     p = program_run_with(data_dir, "source --check plain --device pocl:0 --most 3");
     assert_string_equal(p.out, "plain                3 of 15 configs compiled\n");
-    program_free(&p);
 }
 
 static void write_kernel(const char *dir, const char *file, const char *chars)
@@ -163,7 +148,6 @@ TEST(what_does_not_compile_is_told_with_our_file_and_line)
     assert_non_null(strstr(p.err, "duet: bad.A1 on pocl:0: "));
     assert_non_null(strstr(p.err, "kernels/bad.cl.in:5:"));
     assert_non_null(strstr(p.err, "duet: 2 configs failed to compile on pocl:0\n"));
-    program_free(&p);
 }
 
 TEST(wrong_usage_is_one_line)

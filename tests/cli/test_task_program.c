@@ -47,7 +47,6 @@ static void expect_says(program *p, const char *const *says)
     for (; *says; ++says)
         if (!strstr(p->out, *says))
             fail_msg("no '%s' in:\n%s", *says, p->out);
-    program_free(p);
 }
 
 TEST(a_task_is_run_and_checked)
@@ -71,26 +70,20 @@ TEST(a_tuned_plan_is_kept_and_used)
     assert_true(*json_string(row, "uid"));
     double share = json_number(row, "share");
     bool used = !*json_string(row, "unused");
-    cJSON_Delete(root);
     p = program_run_with(STORE, "run --json --task saxpy.task.lua -n 30000");
     root = json_of_program(&p);
     assert_string_equal(json_string(root, "plan_from"), used ? "exact" : "default");
     assert_true(!used || json_number(root, "share") == share);
-    cJSON_Delete(root);
     p = program_run_with(STORE, "profiles why --json --task saxpy.task.lua -n 30000");
     root = json_of_program(&p);
     assert_string_equal(json_string(root, "grade"), used ? "exact" : "default");
-    cJSON_Delete(root);
     p = program_run_with(STORE, "profiles list");
     if (used)
         expect_says(&p, says);
-    else
-        program_free(&p);
     p = program_run_with(STORE, "tune --json --task saxpy.task.lua -n 30000 " FEW);
     root = json_of_program(&p);
     row = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(root, "workloads"), 0);
     assert_true(json_true(row, "known"));
-    cJSON_Delete(root);
 }
 
 TEST(a_task_is_explained)
@@ -110,7 +103,6 @@ TEST(a_task_is_explained)
     const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(root, "kernels");
     const cJSON *b = cJSON_GetArrayItem(kernels, cJSON_GetArraySize(kernels) - 1);
     assert_int_equal(json_number(b, "configs"), 2);
-    cJSON_Delete(root);
 }
 
 // A tune file has tasks and a scene; its modes and levels are the scene's.
@@ -131,7 +123,6 @@ TEST(a_tune_file_has_tasks)
         assert_non_null(strstr(json_string(row, "command"), "--task saxpy.task.lua -n"));
     }
     assert_int_equal(json_number(cJSON_GetArrayItem(rows, 2), "objects"), 300);
-    cJSON_Delete(root);
 }
 
 TEST(a_wrong_task_in_a_tune_file_is_told)
@@ -153,7 +144,6 @@ TEST(a_wrong_task_in_a_tune_file_is_told)
         program p = program_run_with(STORE, "tune --config tune.lua");
         if (p.exit_code == 0 || !strstr(p.err, cases[i].says))
             fail_msg("%s: %d '%s'", cases[i].workload, p.exit_code, p.err);
-        program_free(&p);
     }
 }
 
@@ -162,14 +152,12 @@ TEST(a_changed_kernel_is_another_workload)
 {
     program p = program_run_with(STORE, "tune --task saxpy.task.lua " FEW);
     assert_int_equal(p.exit_code, 0);
-    program_free(&p);
     test_write_file("saxpy.cl",
                     "__kernel void saxpy(SAXPY_ARGS)\n{\n    ulong i = first + "
                     "get_global_id(0);\n    if (i < last)\n        y[i] += a * x[i];\n}\n");
     p = program_run_with(STORE, "run --json --task saxpy.task.lua");
     cJSON *root = json_of_program(&p);
     assert_string_equal(json_string(root, "plan_from"), "default");
-    cJSON_Delete(root);
 }
 
 // Watts that never change: energy follows time.
@@ -194,8 +182,6 @@ TEST(energy_is_made_small_and_kept_beside_time)
         joules = json_number(plan, "joules");
     }
     assert_true(ms > 0);
-    cJSON_Delete(shown);
-    cJSON_Delete(root);
     p = program_run_with(STORE " DUET_ENERGY=none.txt", "tune --task saxpy.task.lua "
                                                         "--objective energy");
     program_assert_refused(&p, 1, "energy: none.txt: expected a number, then J");
@@ -228,7 +214,6 @@ TEST(wrong_calls_are_refused)
         if (p.exit_code == 0 || !strstr(p.err, cases[i].says))
             fail_msg("%s: %d '%s'", cases[i].arguments, p.exit_code, p.err);
         assert_true(p.exit_code == cases[i].exit_code || i == 4);
-        program_free(&p);
     }
 }
 

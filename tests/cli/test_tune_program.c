@@ -40,20 +40,18 @@ static int begin_afresh(void **state)
     return code;
 }
 
-// The rows of "workloads"; the caller deletes their root.
-static cJSON *tune_json(const char *arguments, const cJSON **rows)
+// The rows of "workloads".
+static const cJSON *tune_json(const char *arguments)
 {
     program p = program_run("tune --json %s", arguments);
-    cJSON *root = json_of_program(&p);
-    *rows = cJSON_GetObjectItemCaseSensitive(root, "workloads");
-    assert_true(cJSON_IsArray(*rows));
-    return root;
+    const cJSON *rows = cJSON_GetObjectItemCaseSensitive(json_of_program(&p), "workloads");
+    assert_true(cJSON_IsArray(rows));
+    return rows;
 }
 
 TEST(a_workload_is_tuned_once_and_known_ever_after)
 {
-    const cJSON *rows;
-    cJSON *first = tune_json(QUICK FEW SCENE " -n 1000,2000", &rows);
+    const cJSON *rows = tune_json(QUICK FEW SCENE " -n 1000,2000");
     assert_int_equal(cJSON_GetArraySize(rows), 2);
     const cJSON *row = cJSON_GetArrayItem(rows, 1);
     assert_int_equal(json_number(row, "objects"), 2000);
@@ -62,34 +60,26 @@ TEST(a_workload_is_tuned_once_and_known_ever_after)
     assert_true(json_number(row, "gain") <= json_number(row, "gain_high"));
     assert_false(json_true(row, "known") || json_true(row, "resumed"));
     double share = json_number(row, "share");
-    cJSON_Delete(first);
-    cJSON *second = tune_json(QUICK FEW SCENE " -n 2000", &rows);
+    rows = tune_json(QUICK FEW SCENE " -n 2000");
     row = cJSON_GetArrayItem(rows, 0);
     assert_true(json_true(row, "known"));
     assert_int_equal(json_number(row, "launches"), 0);
     assert_true(json_number(row, "share") == share);
-    cJSON_Delete(second);
-    cJSON *fresh = tune_json(QUICK FEW SCENE " -n 2000 --fresh", &rows);
+    rows = tune_json(QUICK FEW SCENE " -n 2000 --fresh");
     row = cJSON_GetArrayItem(rows, 0);
     assert_true(json_number(row, "launches") > 0);
     program p = program_run("profiles forget --profile " STORE " %s", json_string(row, "uid"));
     assert_int_equal(p.exit_code, 0);
-    program_free(&p);
-    cJSON_Delete(fresh);
-    cJSON *forgotten =
-        tune_json(QUICK FEW SCENE " -n 2000", &rows); // the one before is none either
+    rows = tune_json(QUICK FEW SCENE " -n 2000"); // the one before is none either
     assert_false(json_true(cJSON_GetArrayItem(rows, 0), "known"));
-    cJSON_Delete(forgotten);
 }
 
 static double launches_of(const char *arguments)
 {
-    const cJSON *rows;
-    cJSON *root = tune_json(arguments, &rows);
+    const cJSON *rows = tune_json(arguments);
     const cJSON *row = cJSON_GetArrayItem(rows, 0);
     double launches = json_number(row, "launches");
     assert_int_equal(launches == 0, json_true(row, "known"));
-    cJSON_Delete(root);
     return launches;
 }
 
@@ -125,15 +115,12 @@ TEST(what_was_not_asked_before_is_measured)
             !json_true(row, "live") && strstr(json_string(row, "dead_reason"), "without --keep");
     }
     assert_int_equal(research, 2);
-    cJSON_Delete(o);
     // A line says what is known, and how to measure it again.
     p = program_run("tune " QUICK FEW SCENE " -n 1000");
     assert_non_null(strstr(p.out, "known: the same was measured before; --fresh measures it"));
-    program_free(&p);
     remove(STORE);
     p = program_run("tune " QUICK FEW SCENE " -n 1000 --strategy grid --keep");
     assert_null(strstr(p.out, "not used by applications"));
-    program_free(&p);
 }
 
 TEST(every_line_of_the_table_fits_a_terminal)
@@ -144,7 +131,6 @@ TEST(every_line_of_the_table_fits_a_terminal)
     assert_non_null(strstr(p.out, "plan: A's part of the work; B does the rest."));
     for (const char *at = p.out; *at; at += strcspn(at, "\n") + 1)
         assert_in_range(strcspn(at, "\n"), 0, 80);
-    program_free(&p);
 }
 
 // Gives what follows "duet " of the k-th command that was printed, with its continued lines.
@@ -183,15 +169,12 @@ static void assert_runs_as_printed(const char *command, const cJSON *row, const 
     assert_string_equal(json_string(ran, "hash"), json_string(plain, "hash"));
     assert_int_equal(json_true(ran, "ordered"), json_true(plain, "ordered"));
     assert_string_equal(json_string(ran, "pair"), json_string(plain, "pair"));
-    cJSON_Delete(ran);
-    cJSON_Delete(plain);
 }
 
 static void assert_tuning_prints_what_runs(const char *tuning, const char *asked, int k)
 {
-    const cJSON *rows;
     program told = program_run("tune %s", tuning);
-    cJSON *root = tune_json(tuning, &rows); // the same, which is known
+    const cJSON *rows = tune_json(tuning); // the same, which is known
     const cJSON *row = cJSON_GetArrayItem(rows, k);
     assert_true(json_true(row, "known"));
     char *command = printed_command(told.out, "run", k);
@@ -199,8 +182,6 @@ static void assert_tuning_prints_what_runs(const char *tuning, const char *asked
     assert_int_equal(strncmp(json_string(row, "command"), "duet run ", 9), 0);
     assert_runs_as_printed(json_string(row, "command") + strlen("duet "), row, asked);
     free(command);
-    cJSON_Delete(root);
-    program_free(&told);
 }
 
 TEST(a_plan_that_is_printed_runs_as_printed)
@@ -239,14 +220,11 @@ TEST(the_tuning_that_a_run_names_measures_what_it_then_loads)
     for (size_t i = 0; i < sizeof runs / sizeof *runs; ++i) {
         program p = program_run_with("DUET_PROFILE=" STORE, "run %s", runs[i]);
         char *tuning = printed_command(p.out, "tune", 0);
-        program_free(&p);
         p = program_run_with("DUET_PROFILE=" STORE, "%s --variants auto " FEW, tuning);
         assert_int_equal(p.exit_code, 0);
-        program_free(&p);
         p = program_run_with("DUET_PROFILE=" STORE, "run --json %s", runs[i]);
         cJSON *o = json_of_program(&p);
         assert_string_equal(json_string(o, "profile"), "exact");
-        cJSON_Delete(o);
         free(tuning);
     }
 }
@@ -256,23 +234,19 @@ TEST(the_command_that_uses_a_plan_names_its_store)
     skip_on_one_device();
     program p = program_run("tune " QUICK FEW SCENE " -n 500 --strategy grid");
     char *command = printed_command(p.out, "profiles", 0);
-    program_free(&p);
     p = program_run_with("DUET_PROFILE=nowhere.db", "%s", command);
     assert_int_equal(p.exit_code, 0);
-    program_free(&p);
     p = program_run_with("DUET_PROFILE=" STORE, "run --json " SCENE " -n 500");
     cJSON *o = json_of_program(&p);
     assert_string_equal(json_string(o, "profile"), "exact");
-    cJSON_Delete(o);
     free(command);
 }
 
 TEST(the_terms_of_a_known_workload_are_those_that_were_measured)
 {
-    const cJSON *rows;
-    cJSON *first = tune_json(QUICK FEW SCENE, &rows);
+    const cJSON *rows = tune_json(QUICK FEW SCENE);
     const cJSON *measured = cJSON_GetArrayItem(rows, 0);
-    cJSON *second = tune_json(QUICK FEW SCENE, &rows);
+    rows = tune_json(QUICK FEW SCENE);
     const cJSON *known = cJSON_GetArrayItem(rows, 0);
     static const char *const same[] = {"best_share", "gain", "gain_low", "gain_high", "single_ms"};
     for (size_t i = 0; i < sizeof same / sizeof *same; ++i)
@@ -286,15 +260,12 @@ TEST(the_terms_of_a_known_workload_are_those_that_were_measured)
         sum += fabs(term->valuedouble);
     }
     assert_true(sum > 0);
-    cJSON_Delete(first);
-    cJSON_Delete(second);
 }
 
 // Every level but certified is within it; what is chosen is stored at its level.
 TEST(an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more)
 {
-    const cJSON *rows;
-    cJSON *root = tune_json(QUICK FEW "--level sat6,aabb --false-rate 99 " SCENE, &rows);
+    const cJSON *rows = tune_json(QUICK FEW "--level sat6,aabb --false-rate 99 " SCENE);
     const cJSON *row = cJSON_GetArrayItem(rows, 0);
     char level[16];
     snprintf(level, sizeof level, "%s", json_string(row, "level"));
@@ -302,11 +273,9 @@ TEST(an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more)
     double false_rate = json_number(row, "false_rate");
     assert_true(json_number(row, "missed_rate") == 0 && false_rate > 0.01);
     assert_true(json_number(row, "true_pairs") > 100);
-    cJSON_Delete(root);
-    root = tune_json(QUICK FEW "--level sat6,aabb --false-rate 99 " SCENE, &rows);
+    rows = tune_json(QUICK FEW "--level sat6,aabb --false-rate 99 " SCENE);
     assert_true(json_true(cJSON_GetArrayItem(rows, 0), "known"));
     assert_string_equal(json_string(cJSON_GetArrayItem(rows, 0), "level"), level);
-    cJSON_Delete(root);
     static const struct {
         const char *asked;
         bool served;
@@ -320,12 +289,10 @@ TEST(an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more)
         cJSON *o = json_of_program(&p);
         assert_int_equal(strcmp(json_string(o, "level"), level) == 0, cases[i].served);
         assert_int_equal(strcmp(json_string(o, "profile"), "exact") == 0, cases[i].served);
-        cJSON_Delete(o);
     }
     program why = program_run("profiles why --profile " STORE " --false-rate 0.001 " SCENE);
     assert_non_null(strstr(why.out, "no: for each true pair it misses 0 and adds "));
     assert_non_null(strstr(why.out, "above 0 or 0.001"));
-    program_free(&why);
 }
 
 TEST(an_accuracy_out_of_reach_names_the_nearest_level)
@@ -336,20 +303,17 @@ TEST(an_accuracy_out_of_reach_names_the_nearest_level)
 
 TEST(a_scene_says_which_level_it_wants)
 {
-    const cJSON *rows;
     char scene[1024];
     snprintf(scene, sizeof scene, "%.*s{ dims = 3, level = 'sat6' }\n",
              (int)(strstr(scene_text, "{ dims") - scene_text), scene_text);
     test_write_file(SCENE, scene);
-    cJSON *root = tune_json(QUICK FEW SCENE, &rows);
+    const cJSON *rows = tune_json(QUICK FEW SCENE);
     assert_string_equal(json_string(cJSON_GetArrayItem(rows, 0), "level"), "sat6");
     assert_true(json_number(cJSON_GetArrayItem(rows, 0), "false_rate") > 0.01);
-    cJSON_Delete(root);
     program p = program_run_with("DUET_PROFILE=" STORE, "run --json --check " SCENE);
     cJSON *o = json_of_program(&p);
     assert_string_equal(json_string(o, "level"), "sat6");
     assert_string_equal(json_string(o, "profile"), "exact");
-    cJSON_Delete(o);
 }
 
 static int64_t count_trials(void)
@@ -378,11 +342,9 @@ TEST(a_stopped_tuning_is_taken_up_again)
         (void)status; // stopped, or finished before on a fast machine
         text_free(&command);
     }
-    const cJSON *rows;
-    cJSON *root = tune_json(QUICK FEW "--repeat 32 " SCENE, &rows);
+    const cJSON *rows = tune_json(QUICK FEW "--repeat 32 " SCENE);
     assert_true(json_true(cJSON_GetArrayItem(rows, 0), "resumed") ||
                 json_true(cJSON_GetArrayItem(rows, 0), "known"));
-    cJSON_Delete(root);
 }
 
 // A loop of tunings in a shell ends with the first, as its user meant; nothing is stored
@@ -413,12 +375,10 @@ TEST(ctrl_c_ends_a_loop_of_tunings)
 TEST(a_budget_of_trials_is_kept)
 {
     skip_on_one_device();
-    const cJSON *rows;
-    cJSON *root = tune_json(QUICK FEW "--repeat 1 --strategy fig12 " SCENE, &rows);
+    const cJSON *rows = tune_json(QUICK FEW "--repeat 1 --strategy fig12 " SCENE);
     const cJSON *row = cJSON_GetArrayItem(rows, 0);
     assert_in_range(json_number(row, "launches"), 20, 2 * 65);
     assert_string_not_equal(json_string(row, "verdict"), "ambiguous");
-    cJSON_Delete(root);
 }
 
 // Beside each other the other way round, the devices are the same.
@@ -429,7 +389,6 @@ static void assert_other_way_round_is_known(const char *search)
     const cJSON *row = cJSON_GetArrayItem(json_array(root, "workloads", 1), 0);
     assert_true(json_number(row, "launches") > 0);
     json_array(row, "kernels", 0);
-    cJSON_Delete(root);
 }
 
 // Searched once, followed by a run, and not searched again; what was tuned without
@@ -438,13 +397,11 @@ TEST(kernels_are_searched_once_and_runs_follow)
 {
     static const char search[] = "--variants simd --trials 80 --repeat 1 --profile " STORE
                                  " --search pair_search_simd " SCENE;
-    const cJSON *rows;
-    cJSON *root = tune_json("--variants simd --trials 66 --profile " STORE " " SCENE, &rows);
+    const cJSON *rows = tune_json("--variants simd --trials 66 --profile " STORE " " SCENE);
     assert_int_equal(cJSON_GetArraySize(
                          cJSON_GetObjectItemCaseSensitive(cJSON_GetArrayItem(rows, 0), "kernels")),
                      0);
-    cJSON_Delete(root);
-    root = tune_json(search, &rows);
+    rows = tune_json(search);
     const cJSON *row = cJSON_GetArrayItem(rows, 0), *one;
     const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(row, "kernels");
     assert_true(json_number(row, "launches") > 0);
@@ -457,16 +414,13 @@ TEST(kernels_are_searched_once_and_runs_follow)
         bool used = strstr(json_string(one, "variant"), " pair_search_simd.");
         assert_int_equal(used, strcmp(json_string(one, "verdict"), "faster") == 0);
     }
-    cJSON_Delete(root);
-    root = tune_json(search, &rows);
+    rows = tune_json(search);
     assert_int_equal(json_number(cJSON_GetArrayItem(rows, 0), "launches"), 0);
-    cJSON_Delete(root);
     if (devices_are_two())
         assert_other_way_round_is_known(search);
     program p = program_run_with("DUET_PROFILE=" STORE, "run --json --check " SCENE);
     cJSON *o = json_of_program(&p);
     assert_string_equal(json_string(o, "profile"), "exact");
-    cJSON_Delete(o);
 }
 
 TEST(a_tune_file_sweeps_with_a_strategy_of_its_own)
@@ -482,14 +436,12 @@ TEST(a_tune_file_sweeps_with_a_strategy_of_its_own)
                             "    if #history < 3 then return #history / 2 end\n"
                             "  end,\n"
                             "}\n");
-    const cJSON *rows;
-    cJSON *root = tune_json("--profile " STORE " --config " CONFIG, &rows);
+    const cJSON *rows = tune_json("--profile " STORE " --config " CONFIG);
     assert_int_equal(cJSON_GetArraySize(rows), 3);
     assert_int_equal(json_number(cJSON_GetArrayItem(rows, 0), "objects"), 500);
     assert_int_equal(json_number(cJSON_GetArrayItem(rows, 1), "objects"), 600);
     assert_string_equal(json_string(cJSON_GetArrayItem(rows, 2), "query"), "boxes itself");
     assert_int_equal(json_number(cJSON_GetArrayItem(rows, 2), "items"), 500);
-    cJSON_Delete(root);
 }
 
 // No share, and so no column about one.
@@ -502,7 +454,6 @@ TEST(one_device_is_told_its_kernels)
     assert_non_null(strstr(p.out, "  auto  "));
     assert_null(strstr(p.out, "gain"));
     assert_null(strstr(p.out, "verdict"));
-    program_free(&p);
 }
 
 // The plan of a motion, and what is said of it.
@@ -512,22 +463,19 @@ static void assert_runs(const char *arguments, const char *plan)
     assert_int_equal(p.exit_code, 0);
     if (!strstr(p.out, plan))
         fail_msg("run %s: no '%s' in %s", arguments, plan, p.out);
-    program_free(&p);
 }
 
 TEST(a_motion_is_tuned_by_runs_and_run_follows)
 {
     static const char motion[] = QUICK "falling -n 30 --pair cpu --search bodies --repeat 1 ";
     char arguments[256];
-    const cJSON *rows;
     for (int known = 0; known < 2; ++known) {
         snprintf(arguments, sizeof arguments, "%s --steps 4", motion);
-        cJSON *root = tune_json(arguments, &rows);
+        const cJSON *rows = tune_json(arguments);
         const cJSON *row = cJSON_GetArrayItem(rows, 0);
         assert_int_equal(json_true(row, "known"), known);
         assert_true(json_number(row, "steps") == 4 && json_number(row, "step_ms") > 0);
         assert_string_equal(json_string(row, "unused"), "");
-        cJSON_Delete(root);
     }
     assert_runs("falling -n 30 --pair cpu --steps 4", "plan: from the profile, exact: ");
     assert_runs("falling -n 50 --pair cpu --steps 4",
@@ -538,19 +486,15 @@ TEST(a_motion_is_tuned_by_runs_and_run_follows)
     program p = program_run("profiles why falling -n 30 --pair cpu --moving --profile " STORE);
     assert_non_null(strstr(p.out, " moving "));
     assert_non_null(strstr(p.out, "\nexact: kernels "));
-    program_free(&p);
     p = program_run("profiles why falling -n 50 --pair cpu --moving --profile " STORE);
     assert_non_null(strstr(p.out, "yes: the plan of such a motion of 30 bodies"));
     assert_non_null(strstr(
         p.out, "\nthe plan of another workload: what a step takes and gains here is not known\n"));
-    program_free(&p);
     p = program_run("profiles list --profile " STORE);
     assert_non_null(strstr(p.out, "falling, 30, moving"));
-    program_free(&p);
     p = program_run("tune %s --steps 5", motion);
     assert_non_null(strstr(p.out, ", runs of 5 steps, "));
     assert_non_null(strstr(p.out, "\n  duet run falling -n 30 --pair pocl:0 --steps 5 --share"));
-    program_free(&p);
 }
 
 TEST(what_is_wrong_on_the_command_line_is_one_line)

@@ -21,7 +21,6 @@ static int make_store(void **state)
     program p = program_run_with("gzip -dc \"$DUET_TEST_DATA\"/surfaces.jsonl.gz |",
                                  "profiles import - --profile %s", folder.store);
     assert_int_equal(p.exit_code, 0);
-    program_free(&p);
     return 0;
 }
 
@@ -49,7 +48,6 @@ TEST(every_workload_and_strategy_is_replayed_without_a_device)
             assert_true(json_number(row, "seconds") > 0);
         }
     }
-    cJSON_Delete(o);
 }
 
 TEST(a_seed_a_scene_and_a_strategy_are_chosen)
@@ -57,14 +55,12 @@ TEST(a_seed_a_scene_and_a_strategy_are_chosen)
     static const char chosen[] = "paper -n 20k --strategy balance --json --seed 3";
     program first = replay(chosen), again = replay(chosen);
     assert_string_equal(first.out, again.out);
-    program_free(&again);
     cJSON *o = json_of_program(&first);
     assert_int_equal(json_number(o, "seed"), 3);
     const cJSON *workload = cJSON_GetArrayItem(json_array(o, "workloads", 1), 0);
     assert_int_equal(json_number(workload, "objects"), 20000);
     const cJSON *row = cJSON_GetArrayItem(json_array(workload, "strategies", 1), 0);
     assert_string_equal(json_string(row, "strategy"), "balance");
-    cJSON_Delete(o);
 }
 
 TEST(a_script_is_replayed_as_a_strategy)
@@ -80,7 +76,6 @@ TEST(a_script_is_replayed_as_a_strategy)
     const cJSON *row = cJSON_GetArrayItem(json_array(workload, "strategies", 1), 0);
     assert_string_equal(json_string(row, "strategy"), "lua");
     assert_int_equal(json_number(row, "search_launches"), 3 * 2 * (1 + 3)); // modes, shares
-    cJSON_Delete(o);
 }
 
 TEST(the_table_fits_a_terminal)
@@ -90,7 +85,6 @@ TEST(the_table_fits_a_terminal)
     assert_non_null(strstr(p.out, "paper, 100 000\nA: "));
     for (const char *at = p.out; *at; at += strcspn(at, "\n") + 1)
         assert_in_range(strcspn(at, "\n"), 0, 80);
-    program_free(&p);
 }
 
 TEST(what_cannot_be_replayed_is_said_in_a_line)
@@ -102,7 +96,6 @@ TEST(what_cannot_be_replayed_is_said_in_a_line)
     p = replay("--strategy best");
     assert_true(p.exit_code > 0);
     assert_non_null(strstr(p.err, "strategy 'best': there is none; there are balance, fig12"));
-    program_free(&p);
     p = program_run("tune --replay /nowhere/profiles.db");
     program_assert_refused(&p, 1, "/nowhere/profiles.db: ");
     test_folder empty = test_folder_make();

@@ -45,8 +45,6 @@ static void assert_same_pairs(const char *scene, int ranks, int parts)
     assert_string_equal(json_string(found, "hash"), json_string(expected, "hash"));
     assert_true(json_number(found, "pairs") == json_number(expected, "pairs"));
     assert_true(json_number(found, "objects") == json_number(expected, "objects"));
-    cJSON_Delete(expected);
-    cJSON_Delete(found);
 }
 
 TEST(ranks_with_devices_find_the_pairs_of_run)
@@ -102,8 +100,6 @@ TEST(simulated_ranks_find_the_pairs_of_run)
             assert_true(json_number(found, "pairs") == json_number(expected, "pairs"));
             assert_true(json_number(found, "total_ms") > 0.01 && // one message takes that
                         json_number(found, "total_ms") < 1000);
-            cJSON_Delete(expected);
-            cJSON_Delete(found);
         }
 }
 
@@ -166,9 +162,6 @@ TEST(a_forecast_takes_the_times_of_a_profile)
     }
     assert_true(bytes > 0);
     assert_true(json_number(many, "total_ms") > 2000 * profile->step_ms + bytes * 1e-6 * 0.99);
-    cJSON_Delete(one);
-    cJSON_Delete(two);
-    cJSON_Delete(many);
     s = test_store_open(folder.store, STORE_WRITE);
     assert_ok(sql_script(s, "UPDATE workload SET query = 'rays closest', boxes = 9", &err), err);
     p = program_run_with(variables, "cluster --simulate " NETWORK " --ranks 2 --profile %.8s still",
@@ -251,8 +244,6 @@ TEST(an_array_is_read_in_parts)
         assert_true(json_number(expected, "pairs") > 100);
         assert_true(json_number(found, "objects") == 100);
         assert_string_equal(json_string(found, "hash"), json_string(expected, "hash"));
-        cJSON_Delete(expected);
-        cJSON_Delete(found);
         text_free(&file);
     }
 }
@@ -279,8 +270,6 @@ TEST(each_rank_has_its_row_and_its_part_of_the_devices)
     assert_true(json_number(first, "pairs") + json_number(second, "pairs") == 1);
     assert_true(json_number(o, "pairs") == 1);
     assert_true(json_true(cJSON_GetObjectItem(o, "check"), "right"));
-    cJSON_Delete(devices);
-    cJSON_Delete(o);
 }
 
 TEST(a_rank_that_is_bound_to_one_core_of_several_is_told_of)
@@ -294,8 +283,6 @@ TEST(a_rank_that_is_bound_to_one_core_of_several_is_told_of)
     assert_int_equal(p.exit_code, 0);
     assert_true((units > 1) == (strstr(p.err, "duet: rank 0 may use 1 of the ") != NULL));
     assert_non_null(strstr(p.out, "  pocl:0  ")); // the device that does it all is named once
-    cJSON_Delete(devices);
-    program_free(&p);
 }
 
 TEST(a_person_reads_a_table)
@@ -307,7 +294,6 @@ TEST(a_person_reads_a_table)
     assert_non_null(strstr(p.out, "3 ranks"));
     assert_non_null(strstr(p.out, "   2  "));
     assert_non_null(strstr(p.out, "same "));
-    program_free(&p);
 }
 
 TEST(the_file_of_pairs_is_that_of_one_rank)
@@ -322,7 +308,6 @@ TEST(the_file_of_pairs_is_that_of_one_rank)
         cJSON *o = json_of_program(&p);
         assert_ok(text_read_file(&files[i], "test_cluster.npy", &err), err);
         assert_int_equal(files[i].length, 128 + 16 * (size_t)json_number(o, "pairs"));
-        cJSON_Delete(o);
         remove("test_cluster.npy");
     }
     assert_int_equal(files[0].length, files[1].length);
@@ -386,10 +371,8 @@ TEST(run_is_refused_in_a_job)
     assert_int_equal(p.exit_code, 0);
     assert_string_equal(p.out, "");
     assert_string_equal(p.err, "");
-    program_free(&p);
     p = program_run_with("PMI_SIZE=1 PMI_RANK=0", "run still -n 3 --repeat 1 --json");
     assert_int_equal(p.exit_code, 0);
-    program_free(&p);
 }
 
 // mpirun is the program's child, and the ranks are mpirun's. Some seconds later that one would
@@ -432,7 +415,6 @@ TEST(a_rank_that_is_stopped_is_told_of_and_goes_on)
     assert_int_equal(p.exit_code, 0);
     cJSON *o = json_of_program(&p);
     assert_true(json_number(o, "pairs") == 1);
-    cJSON_Delete(o);
 }
 
 // On a slow machine nothing may have been timed yet. In the foreground timeout(1) sends its signal
@@ -457,13 +439,11 @@ TEST(ctrl_c_shows_what_was_timed)
         assert_true(last && strcmp(last, "duet: stopped\n") == 0);
         assert_true(last == p.err || !runs[i].shows);
         assert_true(*p.out || !runs[i].shows);
-        cJSON *o = *p.out ? cJSON_Parse(p.out) : NULL;
+        cJSON *o = *p.out ? json_of(p.out) : NULL;
         if (o) {
             double n = json_number(o, "repeat");
             assert_true(n > 0 && n < 100000 && json_number(o, "total_ms") > 0);
         }
-        cJSON_Delete(o);
-        program_free(&p);
     }
 }
 

@@ -70,8 +70,6 @@ TEST(sleepers_that_lose_their_support_move_as_if_all_were_gone_over)
     }
     assert_int_equal(least, 0);
     assert_true(most > 4 && most < few->n / 4);
-    mover_free(few);
-    mover_free(many);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -387,7 +387,7 @@ static void advance_all(play *p)
 {
     duet_error err = {0};
     for (int k = 1; k < PLAYERS; k += 2)
-        assert_ok(duet_motion_advance_begin(p->movers[k]->motion, &err), err);
+        must(duet_motion_advance_begin(p->movers[k]->motion, ERR));
     for (int k = 0; k < PLAYERS; ++k) {
         mover *m = p->movers[k];
         assert_ok(k % 2 ? duet_motion_advance_end(m->motion, &m->last, &err)

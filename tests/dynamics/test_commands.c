@@ -38,7 +38,6 @@ TEST(a_field_that_is_set_is_what_the_step_begins_with)
     duet_energy before = mover_energy(m);
     assert_done(duet_motion_set_bodies(m->motion, one(2), DUET_BODY_MASS, &fast, &err));
     assert_close(mover_energy(m).momentum[2], 9 * before.momentum[2], 1e-5);
-    mover_free(m);
 }
 
 TEST(a_pose_that_is_set_wakes_and_falls)
@@ -53,7 +52,6 @@ TEST(a_pose_that_is_set_wakes_and_falls)
     assert_close(m->states[1].centre[2], 10, 0.01);
     mover_run(m, 200);
     assert_close(m->states[1].centre[2], 1, 0.01);
-    mover_free(m);
 }
 
 TEST(wrong_commands_are_refused_by_name_and_change_nothing)
@@ -102,7 +100,6 @@ TEST(wrong_commands_are_refused_by_name_and_change_nothing)
     assert_refused(duet_motion_set_def(motion, &def, &err), "effect drag");
     assert_true(mover_hash(m) == hash);
     mover_run(m, 1);
-    mover_free(m);
 }
 
 // A weight alone pushes nothing, nor does a rough thing without one.
@@ -122,7 +119,6 @@ TEST(what_two_bodies_call_for_together_is_asked_of_the_motion)
     assert_done(duet_motion_add_bodies(m->motion, there, bodies, 1, NULL, &err));
     assert_refused(duet_motion_add_bodies(m->motion, &there[1], &bodies[1], 1, NULL, &err),
                    "body 0 of 1 needs the effect contact_response");
-    mover_free(m);
 }
 
 TEST(gravity_can_change_while_all_sleep)
@@ -135,7 +131,6 @@ TEST(gravity_can_change_while_all_sleep)
     assert_done(duet_motion_set_def(m->motion, &def, &err));
     mover_run(m, 60);
     assert_close(m->states[1].velocity[2], 3, 0.05);
-    mover_free(m);
 }
 
 // ------------------------------------------------------------ what pushes
@@ -163,7 +158,6 @@ TEST(a_force_holds_for_one_step_and_can_carry_a_weight)
             assert_close(m->states[id].angular_velocity[1], 1 / inertia, 1e-4);
             mover_run(m, 60);
             assert_close(m->states[id].velocity[2], -10, 1e-4);
-            mover_free(m);
         }
 }
 
@@ -180,7 +174,6 @@ TEST(an_impulse_beside_the_centre_turns)
     mover_run(m, 1);
     assert_close(m->states[id].velocity[1], 2, 1e-6);
     assert_close(m->states[id].angular_velocity[2], 0.5 * 6 / 2, 1e-6); // a cube: m/6 edge^2
-    mover_free(m);
 }
 
 // ------------------------------------------------------------ kinematic bodies
@@ -215,7 +208,6 @@ TEST(a_target_is_reached_exactly_and_carries_what_lies_on_it)
     mover_run(m, 60);
     assert_close(m->states[lift].centre[2], 3, 1e-6);
     assert_close(mover_speed(m, load), 0, 0);
-    mover_free(m);
 }
 
 TEST(what_has_no_mass_and_moves_wakes_what_it_newly_reaches)
@@ -229,7 +221,6 @@ TEST(what_has_no_mass_and_moves_wakes_what_it_newly_reaches)
     assert_done(duet_motion_set_bodies(m->motion, one(ram), DUET_BODY_VELOCITY, &pushes, &err));
     mover_run(m, 90); // 2 m to the first cube, and then 1 m with it
     assert_close(m->states[1].centre[0], 1, 0.05);
-    mover_free(m);
 }
 
 TEST(a_target_wakes_what_it_reaches_in_one_step)
@@ -243,7 +234,6 @@ TEST(a_target_wakes_what_it_reaches_in_one_step)
     assert_done(duet_motion_set_targets(m->motion, one(ram), &there, &err));
     mover_run(m, 30);
     assert_true(m->states[1].centre[0] < -0.1); // pushed out
-    mover_free(m);
 }
 
 TEST(what_has_no_mass_and_is_put_elsewhere_wakes_its_neighbours)
@@ -261,7 +251,6 @@ TEST(what_has_no_mass_and_is_put_elsewhere_wakes_its_neighbours)
     mover_run(m, 30);
     assert_true(m->states[book].centre[2] < 3); // nothing holds it
     assert_true(m->states[1].centre[2] > 0.6);  // pushed out
-    mover_free(m);
 }
 
 // ------------------------------------------------------------ bodies that come and go
@@ -297,7 +286,6 @@ TEST(ids_are_handles_and_places_are_used_again)
     assert_done(duet_motion_set_user_data(motion, two, data, &err));
     assert_done(duet_motion_get_user_data(motion, two, read, &err));
     assert_memory_equal(read, data, sizeof data);
-    mover_free(m);
 }
 
 TEST(what_lay_on_a_removed_body_falls)
@@ -327,7 +315,6 @@ TEST(what_lay_on_a_removed_body_falls)
                         fabs(m->states[2].centre[1] - m->states[1].centre[1]) > 0.9);
         }
         mover_assert_finite(m);
-        mover_free(m);
     }
 }
 
@@ -354,7 +341,6 @@ TEST(a_body_that_comes_falls_as_one_that_was_there)
         m->n = 4;
         mover_run(m, 90);
         memcpy(states[late], m->states, sizeof states[late]);
-        mover_free(m);
     }
     assert_memory_equal(states[0], states[1], 4 * sizeof states[0][0]);
 }
@@ -374,7 +360,6 @@ TEST(a_motion_can_begin_empty)
     assert_close(m->states[floor].centre[2], -0.5, 0);
     assert_close(m->states[brick].centre[2], 0.125, 0.01);
     assert_close(mover_speed(m, brick), 0, 0);
-    mover_free(m);
 }
 
 TEST(a_floor_can_get_a_mass)
@@ -391,7 +376,6 @@ TEST(a_floor_can_get_a_mass)
     assert_close(m->states[plate].centre[2], 0.25, 0.02);
     for (uint32_t id = plate + 1; id < m->n; ++id)
         assert_close(m->states[id].centre[2], 1, 0.05);
-    mover_free(m);
 }
 
 // Whether a search dropped what it touched before or kept it within its skin is the same.
@@ -412,7 +396,6 @@ TEST(what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin)
         }
         mover_run(m, 10);
         hashes[k] = mover_hash(m);
-        mover_free(m);
     }
     assert_true(hashes[0] == hashes[1]);
 }
@@ -430,7 +413,6 @@ TEST(who_sleeps_is_told)
     assert_done(duet_motion_remove_bodies(m->motion, one(2), &err));
     assert_done(duet_motion_get_asleep(m->motion, asleep, &err));
     assert_memory_equal(asleep, ((const uint8_t[]){0, 0, 0, 0}), 4);
-    mover_free(m);
 }
 
 // How far a box reaches down from its centre.
@@ -485,7 +467,6 @@ TEST(what_is_sent_to_sleep_on_its_way_never_arrives)
             assert_int_equal(m->last.n_events, 0);
             assert_int_equal(m->last.n_stays, 0);
         }
-        mover_free(m);
     }
 }
 
@@ -561,8 +542,6 @@ TEST(only_what_commands_altered_is_searched_within_a_skin)
     const duet_body_list many = {.first = 5, .n = 12};
     do_both(duet_motion_disable_bodies(motion, many, &err));
     assert_rests_alike(twins, false);
-    mover_free(twins[0]);
-    mover_free(twins[1]);
 }
 
 // ------------------------------------------------------------ two halves
@@ -640,7 +619,6 @@ TEST(nothing_is_done_to_a_motion_between_the_halves_of_its_step)
     assert_true(mover_hash(m) == mover_hash(twin));
     assert_done(duet_motion_advance_begin(motion, &err));
     mover_free(m); // which waits
-    mover_free(twin);
 }
 
 // A body is disabled while bounds are looked at for what is wrong while the step is under way.
@@ -659,7 +637,6 @@ TEST(a_step_that_fails_is_told_in_its_second_half)
                        disabled ? "object 1 of 4: its bounds are not finite after step 0"
                                 : "is not a number");
         assert_refused(duet_motion_advance_begin(m->motion, &err), "the motion failed in its step");
-        mover_free(m);
     }
 }
 
@@ -680,7 +657,6 @@ TEST(a_file_of_another_version_is_refused_by_name)
     assert_done(text_write_file(path, "\x1b\n", 1, &err));
     assert_refused(duet_motion_load(m->motion, path, &err), ": begins with \"\\x1b\"");
     assert_true(mover_hash(m) == hash);
-    mover_free(m);
 }
 
 // A saved motion has its bodies, so it matters not which ones the motion has meanwhile.
@@ -699,7 +675,6 @@ TEST(a_motion_that_got_commands_loads_a_file_from_before_them)
     assert_true(mover_hash(m) == saved);
     mover_run(m, 10);
     assert_true(mover_hash(m) == later);
-    mover_free(m);
 }
 
 TEST(what_commands_left_is_saved)
@@ -742,8 +717,6 @@ TEST(what_commands_left_is_saved)
     assert_true(read == data);
     assert_refused(duet_motion_wake_bodies(fresh->motion, one(3), &err), "was removed");
     assert_true(duet_motion_get_def(fresh->motion)->gravity[0] == 0.5);
-    mover_free(m);
-    mover_free(fresh);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -49,7 +49,6 @@ TEST(a_stack_comes_to_rest)
                     fail_msg("box %u of 10 moves by %g after %u s", i, mover_speed(m, i),
                              21 + second);
         }
-        mover_free(m);
     }
 }
 
@@ -63,7 +62,6 @@ static bool leaning_stack_falls(uint32_t dims, double aside)
         mover_add_rough_cube(m, i * aside, dims == 2 ? i + 0.5 : 0, i + 0.5);
     mover_run(m, 300);
     double height = m->states[HEIGHT].centre[dims - 1];
-    mover_free(m);
     return height < HEIGHT - 1;
 }
 
@@ -102,7 +100,6 @@ TEST(heavy_boxes_rest_on_light_ones)
         double height = m->states[heavy].centre[2];
         if (!(height > 1.5 - cases[i].depth) || !(height < 1.6))
             fail_msg("at a ratio of %g the heavy box is at %g", cases[i].ratio, height);
-        mover_free(m);
     }
 }
 
@@ -125,7 +122,6 @@ TEST(heavy_boxes_do_not_creep)
         double speed = hypot(to[0] - from[0], to[1] - from[1]);
         if (!(speed < 1e-3 * f[3]))
             fail_msg("at a ratio of %g the heavy box creeps by %g mm/s", f[i], 1e3 * speed);
-        mover_free(m);
     }
 }
 
@@ -140,7 +136,6 @@ TEST(what_has_no_mass_stays)
     assert_close(m->states[floor].centre[2], -0.5, 0.0);
     assert_close(m->states[other].centre[2], (double)0.2f, 0.0);
     assert_int_equal(m->last.contacts, 1);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- bullets
@@ -166,7 +161,6 @@ static flight shoot(double speed, double dt, uint32_t wants, double angle)
     }
     mover_assert_finite(m);
     f.back = -m->states[bullet].velocity[0];
-    mover_free(m);
     return f;
 }
 
@@ -210,7 +204,6 @@ TEST(a_bullet_that_misses_is_not_held)
     assert_true(duet_motion_get_effects(m->motion) & DUET_EFFECT_CONTINUOUS);
     assert_close(m->states[bullet].velocity[0], 2000.0, 1e-9);
     assert_close(m->states[bullet].centre[0], 200.0, 1e-2);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- overlap
@@ -229,7 +222,6 @@ TEST(deep_overlap_is_left_without_a_shot)
     double apart = m->states[b].centre[0] - m->states[a].centre[0];
     assert_true(apart > 0.97);
     assert_true(fastest <= m->def.max_push_speed);
-    mover_free(m);
 }
 
 TEST(boxes_in_one_place_give_no_nan)
@@ -243,7 +235,6 @@ TEST(boxes_in_one_place_give_no_nan)
     mover_add(m, 0, 0, 0, 1, 1, 0);
     mover_run(m, 120);
     mover_assert_finite(m);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- bounces
@@ -266,7 +257,6 @@ TEST(an_elastic_ball_keeps_its_energy)
     figures("effects.md", "elastic box between walls, # bounces | kinetic energy within #", 2, f);
     assert_true(f[0] == 1000);
     assert_close(mover_energy(m).kinetic / before, 1.0, f[1]);
-    mover_free(m);
 }
 
 // Corners of boxes that tumble come at different speeds, and a push at one changes
@@ -302,7 +292,6 @@ TEST(tumbling_elastic_boxes_gain_nothing)
     assert_true(left < 1 + f[2] / 100);
     assert_in_range((int)(1e4 * left), 1e4 - 100 * f[4], 1e4 - 100 * f[3]);
     assert_true(after.turning > 0.3 * before); // half of it, in the end
-    mover_free(m);
 }
 
 TEST(a_falling_elastic_ball_gains_nothing)
@@ -317,7 +306,6 @@ TEST(a_falling_elastic_ball_gains_nothing)
         mover_run(m, 60);
         assert_true(mover_total(m) < before * 1.03);
     }
-    mover_free(m);
 }
 
 // The greatest height within so many steps.
@@ -345,7 +333,6 @@ static double loss_of_a_bounce(double drop, uint32_t substeps, double *n)
     mover_run(m, 1200);
     *n = floor(1200 * m->def.dt / period);
     double left = (apex(m, ball, (int)(period / m->def.dt) + 2) - 0.5) / drop;
-    mover_free(m);
     return 1 - pow(left, 1 / *n);
 }
 
@@ -389,9 +376,7 @@ static double height_after(const bounce *b)
         mover_run(m, 1);
     double g = -m->def.gravity[2];
     double now = *speed - 0.5 * g * b->dt / b->substeps; // velocities are half a substep old
-    double peak = m->states[ball].centre[2] - 0.5 + now * now / (2 * g);
-    mover_free(m);
-    return peak;
+    return m->states[ball].centre[2] - 0.5 + now * now / (2 * g);
 }
 
 TEST(a_bounce_keeps_the_square_of_the_restitution)
@@ -427,7 +412,6 @@ TEST(an_inelastic_ball_comes_to_rest)
     mover_run(m, 180);
     assert_true(mover_speed(m, ball) < 1e-3);
     assert_close(m->states[ball].centre[2], 0.5, 0.01);
-    mover_free(m);
 }
 
 // Covers a cradle, and collisions.
@@ -453,7 +437,6 @@ TEST(a_cradle_hands_the_speed_on)
     assert_close(mover_energy(m).momentum[0], 2.0, 2 * kept_momentum(0));
     assert_close(mover_energy(m).kinetic, 2.0, 1e-4);
     assert_close(m->states[4].velocity[0], 2.0, 1e-4);
-    mover_free(m);
 }
 
 TEST(momentum_is_kept_in_a_collision)
@@ -474,7 +457,6 @@ TEST(momentum_is_kept_in_a_collision)
     assert_true(after.kinetic + after.turning < before.kinetic);
     for (int k = 0; k < 3; ++k)
         assert_close(after.momentum[k], before.momentum[k], kept_momentum(1));
-    mover_free(m);
 }
 
 // Two cubes without restitution, face to face: along an axis, at a speed, of such masses.
@@ -501,7 +483,6 @@ static void strike(uint32_t axis, double speed, double ratio, double dt, double 
                          "along %u and turns at %g",
                          axis, speed, ratio, dt, i, off, k, spin);
         }
-    mover_free(m);
 }
 
 TEST(a_plastic_hit_leaves_one_velocity_and_no_spin)
@@ -539,9 +520,7 @@ static duet_state slide(const slope *s)
     uint32_t box = mover_add(m, 0, flat ? 0.25 : 0, 0.25, 0.5, flat ? 0.25 : 0.5, 0.25);
     m->bodies[box].friction = (float)s->friction;
     mover_run(m, (uint32_t)lround(2 / s->dt));
-    duet_state end = m->states[box];
-    mover_free(m);
-    return end;
+    return m->states[box];
 }
 
 TEST(friction_holds_up_to_its_angle)
@@ -593,7 +572,6 @@ TEST(a_box_slides_over_a_seam)
     }
     assert_close(m->states[box].velocity[0], 3.0, 0.01);
     assert_true(m->states[box].centre[0] > 4.0);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- sleep, events
@@ -616,7 +594,6 @@ TEST(what_rests_sleeps_and_is_woken)
     assert_true(pairs >= 3);
     mover_run(m, 240);
     assert_true(fabs(m->states[1].centre[0] - before) > 0.1);
-    mover_free(m);
 }
 
 // The lower of two boxes that sleep is shot away, within one step further than
@@ -639,7 +616,6 @@ TEST(what_slept_on_a_box_that_is_gone_falls)
         assert_int_equal(m->last.contacts, 1); // only the bullet's
         mover_run(m, 65);
         assert_close(m->states[upper].centre[2], 0.5, 0.02);
-        mover_free(m);
     }
 }
 
@@ -656,9 +632,7 @@ static bool hopping_box_sleeps(float speed)
     m->bodies[box].fixed_rotation = true;
     m->bodies[box].velocity[2] = speed;
     mover_run(m, 120);
-    bool sleeps = mover_speed(m, box) == 0.0;
-    mover_free(m);
-    return sleeps;
+    return mover_speed(m, box) == 0.0;
 }
 
 // A box that hops, up to six fifths of the speed below which it rests, or to four times.
@@ -690,7 +664,6 @@ TEST(events_begin_and_end)
     }
     assert_int_equal(begins, 1);
     assert_int_equal(ends, 1);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- the same
@@ -713,7 +686,6 @@ TEST(bounds_last_while_a_body_flies)
     }
     assert_close(m->states[box].centre[0], 1.0, 1e-4);
     assert_in_range(searches, 8, 15);
-    mover_free(m);
 }
 
 TEST(the_share_changes_nothing)
@@ -743,7 +715,6 @@ TEST(the_share_changes_nothing)
             assert_true(mover_hash(m) == expected[k]);
         }
         mover_assert_finite(m);
-        mover_free(m);
     }
 }
 
@@ -761,7 +732,6 @@ TEST(one_lane_gives_the_bits_of_eight)
         info->kind = kind;
         assert_true(m->last.contacts > m->n);
         hashes[i] = mover_hash(m);
-        mover_free(m);
     }
     assert_true(hashes[0] == hashes[1]);
 }
@@ -786,7 +756,6 @@ TEST(a_pile_stays_between_its_walls_and_rests)
     mover_run(m, (uint32_t)(60 * f[1]) - 6 * 60);
     if (!(mover_greatest_speed(m) < 1e-3 * f[2]))
         fail_msg("the pile moves by %g m/s", mover_greatest_speed(m));
-    mover_free(m);
 }
 
 int main(int argc, char **argv)

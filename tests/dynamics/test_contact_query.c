@@ -440,14 +440,12 @@ TEST(the_pairs_of_a_world_have_points)
     duet_world *world = duet_world_create(&def, &err);
     duet_result result;
     assert_ok(world, err);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, BOXES, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, BOXES, ERR));
+    must(duet_world_step(world, &result, ERR));
     assert_true(result.spans[0].n > 0 && result.spans[1].n > 0);
     duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, 3, DUET_SHARE_DEFAULT, 0);
     duet_contact_query_result found;
-    assert_ok(
-        duet_contact_query_run(query, DUET_OBJECT_POSES, poses, BOXES, result.spans, &found, &err),
-        err);
+    must(duet_contact_query_run(query, DUET_OBJECT_POSES, poses, BOXES, result.spans, &found, ERR));
     assert_int_equal(found.n_contacts, result.pairs);
     assert_int_equal(found.touching, result.pairs);
     for (uint64_t i = 0; i < result.pairs; ++i) {
@@ -480,10 +478,10 @@ TEST(a_delta_is_what_two_steps_differ_by)
         duet_pair_delta_result found;
         duet_plan plan = *duet_world_get_plan(world);
         plan.share = step % 2 ? DUET_SHARE_ONE / 2 : 0;
-        assert_ok(duet_world_set_plan(world, &plan, &err), err);
-        assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, BOXES, &err), err);
-        assert_ok(duet_world_step(world, &result, &err), err);
-        assert_ok(duet_pair_delta_update(delta, result.spans, &found, &err), err);
+        must(duet_world_set_plan(world, &plan, ERR));
+        must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, BOXES, ERR));
+        must(duet_world_step(world, &result, ERR));
+        must(duet_pair_delta_update(delta, result.spans, &found, ERR));
         memset(is, 0, sizeof is);
         for (uint64_t i = 0; i < result.pairs; ++i)
             is[duet_result_get_pair(&result, i).a][duet_result_get_pair(&result, i).b] = true;

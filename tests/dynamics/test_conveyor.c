@@ -61,7 +61,6 @@ TEST(a_box_on_a_belt_gains_its_speed_by_friction_and_stays)
         }
         assert_close(hypot(m->states[1].velocity[0], m->states[1].velocity[1]), fabs(b.speed),
                      1e-4 * fabs(b.speed));
-        mover_free(m);
     }
 }
 
@@ -80,7 +79,6 @@ TEST(a_body_with_tracks_drives_itself)
         mover_run(m, 120);
         assert_close(m->states[1].velocity[0], -2.0 * cos(b.turn), 5e-3);
         assert_close(m->states[1].velocity[1], -2.0 * sin(b.turn), 5e-3);
-        mover_free(m);
     }
 }
 
@@ -94,7 +92,6 @@ TEST(a_box_against_a_stop_stays)
     mover_run(m, 120);
     assert_close(m->states[1].centre[0], 0.0, 0.01);
     assert_close(m->states[1].velocity[0], 0.0, 1e-3);
-    mover_free(m);
 }
 
 // A ball on a belt: its surface takes the belt's speed, so that 2/7 of it is left to the centre.
@@ -108,30 +105,25 @@ TEST(a_ball_on_a_belt_rolls_on_the_spot_in_part)
     mover_run(m, 240);
     assert_close(m->states[1].velocity[0], 2.0 * 2.0 / 7.0, 0.01);
     assert_close(m->states[1].angular_velocity[1], -2.0 * 5.0 / 7.0 / 0.25, 0.05);
-    mover_free(m);
 }
 
 // A command stops the belt, and the box with it.
 TEST(a_command_stops_a_belt)
 {
-    duet_error err = {0};
     belt b = {.dims = 3, .friction = 0.5, .speed = 2, .dt = 1.0 / 60.0, .substeps = 4};
     mover *m = make(&b);
     mover_run(m, 60);
     assert_close(m->states[1].velocity[0], 2.0, 1e-3);
     duet_body still = duet_default_body();
     duet_body_list floor = {.first = 0, .n = 1};
-    assert_ok(duet_motion_set_bodies(m->motion, floor, DUET_BODY_SURFACE_VELOCITY, &still, &err),
-              err);
+    must(duet_motion_set_bodies(m->motion, floor, DUET_BODY_SURFACE_VELOCITY, &still, ERR));
     mover_run(m, 60);
     assert_close(m->states[1].velocity[0], 0.0, 1e-3);
-    mover_free(m);
 }
 
 // A file of a motion on a belt goes on bit for bit, in double as well.
 TEST(a_loaded_belt_runs_on)
 {
-    duet_error err = {0};
     for (int doubles = 0; doubles < 2; ++doubles) {
         belt b = {
             .dims = 3, .friction = 0.5, .speed = 2, .turn = 0.3, .dt = 1.0 / 60.0, .substeps = 4};
@@ -139,13 +131,11 @@ TEST(a_loaded_belt_runs_on)
         m->def.doubles = loaded->def.doubles = doubles == 1;
         mover_run(m, 10);
         mover_run(loaded, 0);
-        assert_ok(duet_motion_save(m->motion, "belt", &err), err);
-        assert_ok(duet_motion_load(loaded->motion, "belt", &err), err);
+        must(duet_motion_save(m->motion, "belt", ERR));
+        must(duet_motion_load(loaded->motion, "belt", ERR));
         mover_run(m, 30);
         mover_run(loaded, 30);
         assert_true(mover_hash(m) == mover_hash(loaded));
-        mover_free(m);
-        mover_free(loaded);
     }
 }
 

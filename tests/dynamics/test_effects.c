@@ -35,7 +35,6 @@ TEST(a_still_scene_calls_for_nothing)
     mover *m = mover_new(3);
     mover_add_cube(m, 0, 0, 0, 1);
     assert_int_equal(effects_of(m), 0);
-    mover_free(m);
 }
 
 // Each cause calls for its effect, and for nothing but that and what it needs.
@@ -104,7 +103,6 @@ TEST(each_cause_calls_for_its_effect)
         uint32_t found = effects_of(m);
         if (found != expected[cause])
             fail_msg("cause %d calls for %x, not %x", cause, found, expected[cause]);
-        mover_free(m);
     }
 }
 
@@ -194,8 +192,6 @@ static void assert_same_state(medium in, uint32_t set, uint32_t more)
     assert_int_equal(duet_motion_get_effects(general->motion) & more, more);
     assert_int_not_equal(duet_motion_get_effects(special->motion),
                          duet_motion_get_effects(general->motion));
-    mover_free(special);
-    mover_free(general);
 }
 
 static const uint32_t effects[] = {
@@ -308,8 +304,7 @@ static bool has_param(gen *g, const char *name, const gen_limits *limits, const 
 {
     const gen_param *params = NULL;
     uint32_t n = 0;
-    duet_error err = {0};
-    assert_ok(gen_params(g, name, limits, &params, &n, &err), err);
+    must(gen_params(g, name, limits, &params, &n, ERR));
     for (uint32_t i = 0; i < n; ++i)
         if (strcmp(params[i].name, param) == 0 && params[i].n_values > 1)
             return true;
@@ -378,8 +373,7 @@ static gen_variant variant_without(gen *g, const char *name, const gen_limits *l
         settings[n++] = (gen_setting){param, !is_off};
     }
     gen_variant v = {0};
-    duet_error err = {0};
-    assert_ok(gen_make(g, name, settings, n, limits, &v, &err), err);
+    must(gen_make(g, name, settings, n, limits, &v, ERR));
     return v;
 }
 
@@ -405,9 +399,7 @@ static uint32_t n_arguments(const gen_variant *v)
 TEST(kernels_take_no_argument_of_what_is_left_out)
 {
     const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
-    duet_error err = {0};
-    gen *g = gen_open(NULL, &err);
-    assert_ok(g, err);
+    gen *g = must(gen_open(NULL, ERR));
     int checked = 0;
     for (size_t k = 0; k < N_KERNELS; ++k) {
         gen_variant all = variant_without(g, kernels[k], &limits, -1);
@@ -437,9 +429,7 @@ TEST(kernels_take_no_argument_of_what_is_left_out)
 TEST(an_effect_names_all_its_kernels)
 {
     const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
-    duet_error err = {0};
-    gen *g = gen_open(NULL, &err);
-    assert_ok(g, err);
+    gen *g = must(gen_open(NULL, ERR));
     mover *m = make_scene(0);
     mover_run(m, 1);
     int checked = 0;
@@ -458,7 +448,6 @@ TEST(an_effect_names_all_its_kernels)
         }
     }
     assert_in_range(checked, 30, 100);
-    mover_free(m);
     gen_close(g);
 }
 
@@ -499,7 +488,6 @@ TEST(buffers_are_those_that_are_called_for)
             bool called = duet_motion_get_effects(m->motion) & owned[k].effect;
             assert_int_equal(m->motion->buffers[owned[k].buffer].mem != NULL, called);
         }
-        mover_free(m);
     }
 }
 
@@ -515,14 +503,12 @@ TEST(kernels_are_those_that_are_called_for)
                     NULL);
     assert_int_equal(n_args, 5); // centres, velocities, times, substeps, n
     assert_int_equal(m->last.n_stages, 1);
-    mover_free(m);
     m = mover_new(3);
     mover_add_cube(m, 0, 0, 0, 1);
     mover_run(m, 1);
     only.integrate_free_flight = NULL;
     assert_memory_equal(&m->motion->kernels, &only, sizeof only);
     assert_int_equal(m->last.n_stages, 0);
-    mover_free(m);
 }
 
 // On a device with memory of its own each step has times only where that is asked for.
@@ -541,7 +527,6 @@ TEST(stages_have_times_where_they_are_asked_for)
         assert_true(m->last.timed || m->last.stages[0].ms == last_ms);
     }
     *host = had;
-    mover_free(m);
 }
 
 TEST(explain_tells_effects_and_bytes)
@@ -560,7 +545,6 @@ TEST(explain_tells_effects_and_bytes)
                 assert_int_equal(info.bytes, 4);
         }
         assert_int_equal(active, __builtin_popcount(duet_motion_get_effects(m->motion)));
-        mover_free(m);
     }
 }
 
@@ -573,8 +557,7 @@ typedef struct traffic {
 
 static traffic step_once(mover *m)
 {
-    duet_error err = {0};
-    assert_ok(duet_motion_advance(m->motion, &m->last, &err), err);
+    must(duet_motion_advance(m->motion, &m->last, ERR));
     const timeline *own = &m->motion->times, *search = &m->motion->graph.world->parts[1].times;
     bool searched = m->last.rebuilt;
     return (traffic){own->n_launches + (searched ? search->n_launches : 0),
@@ -602,7 +585,6 @@ TEST(launches_do_not_grow_with_colours)
     }
     assert_true(colours >= 6);
     assert_null(m->motion->buffers[PAIRS].mem); // they stayed where B found them
-    mover_free(m);
 }
 
 static mover *make_sleepers(void)
@@ -619,11 +601,10 @@ static mover *make_sleepers(void)
 // A change of a motion from outside is a load.
 TEST(a_step_at_rest_sends_nothing)
 {
-    duet_error err = {0};
     mover *m = make_sleepers();
     mover_run(m, 9);
     assert_true(step_once(m).launches > 0);
-    assert_ok(duet_motion_save(m->motion, path, &err), err);
+    must(duet_motion_save(m->motion, path, ERR));
     mover_run(m, 50);
     uint64_t hash = mover_hash(m);
     traffic t = step_once(m);
@@ -632,10 +613,9 @@ TEST(a_step_at_rest_sends_nothing)
     assert_int_equal(t.launches, 0);
     assert_int_equal(t.waits, 0);
     assert_true(mover_hash(m) == hash);
-    assert_ok(duet_motion_load(m->motion, path, &err), err);
+    must(duet_motion_load(m->motion, path, ERR));
     assert_true(step_once(m).launches > 0);
     assert_int_equal(m->last.step, 11);
-    mover_free(m);
 }
 
 TEST(what_moves_without_mass_keeps_a_step_from_resting)
@@ -648,7 +628,6 @@ TEST(what_moves_without_mass_keeps_a_step_from_resting)
     assert_int_equal(m->last.contacts, 0); // the others sleep
     assert_true(step_once(m).launches > 0);
     assert_close(m->states[cart].centre[0], 0.5, 1e-4);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- files
@@ -662,21 +641,18 @@ TEST(a_loaded_motion_goes_on_as_the_saved_one)
             with_needs(DUET_EFFECT_ROTATION | DUET_EFFECT_ANGULAR_VELOCITY |
                        DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_GRAVITY | DUET_EFFECT_BOUNDARY |
                        wants[i % 3] | (i < 3 ? 0 : DUET_EFFECT_SKIN));
-        duet_error err = {0};
         mover *saved = make_scene(set);
         mover *loaded = make_scene(set);
         mover_run(saved, 60);
-        assert_ok(duet_motion_save(saved->motion, path, &err), err);
+        must(duet_motion_save(saved->motion, path, ERR));
         mover_run(loaded, 0);
-        assert_ok(duet_motion_load(loaded->motion, path, &err), err);
+        must(duet_motion_load(loaded->motion, path, ERR));
         for (int k = 0; k < 3; ++k) {
             assert_true(mover_hash(saved) == mover_hash(loaded));
             mover_run(saved, 20);
             mover_run(loaded, 20);
         }
         assert_int_equal(loaded->last.step, 120);
-        mover_free(saved);
-        mover_free(loaded);
     }
 }
 
@@ -685,7 +661,7 @@ TEST(a_damaged_file_is_refused)
     duet_error err = {0};
     mover *m = make_scene(with_needs(DUET_EFFECT_CONTACT_RESPONSE));
     mover_run(m, 5);
-    assert_ok(duet_motion_save(m->motion, path, &err), err);
+    must(duet_motion_save(m->motion, path, ERR));
     FILE *f = fopen(path, "r+b");
     assert_non_null(f);
     fseek(f, 200, SEEK_SET);
@@ -698,8 +674,6 @@ TEST(a_damaged_file_is_refused)
     mover_run(other, 1);
     assert_false(duet_motion_load(other->motion, path, &err));
     assert_non_null(strstr(err.text, "effects"));
-    mover_free(other);
-    mover_free(m);
 }
 
 int main(int argc, char **argv)

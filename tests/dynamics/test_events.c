@@ -21,8 +21,7 @@ typedef struct touching {
 
 static void read(duet_motion *m, motion_buffer which, void *to, size_t bytes)
 {
-    duet_error err = {0};
-    assert_ok(timeline_read(&m->times, "test", &m->buffers[which], to, bytes, &err), err);
+    must(timeline_read(&m->times, "test", &m->buffers[which], to, bytes, ERR));
 }
 
 // From all records, whatever order they are in.
@@ -142,7 +141,6 @@ TEST(events_are_those_of_the_records)
         assert_true(c.begins > 2 * PILE && c.ends > PILE / 2 && c.stays > 50 * PILE);
         assert_true(c.hits > PILE / 2);
         print_message("%d begin, %d end, %d hit\n", (int)c.begins, (int)c.ends, (int)c.hits);
-        mover_free(m);
     }
 }
 
@@ -156,7 +154,6 @@ TEST(a_mask_leaves_the_events_of_its_groups)
     assert_true(c.begins > PILE / 6);
     for (uint64_t i = 0; i < m->last.n_stays; ++i)
         assert_true(m->last.stays[i].a % 6 == 0 || m->last.stays[i].b % 6 == 0);
-    mover_free(m);
 }
 
 TEST(without_response_events_are_overlaps)
@@ -170,7 +167,6 @@ TEST(without_response_events_are_overlaps)
     }
     counts c = run_and_compare(m, 120);
     assert_true(c.begins > PILE && c.ends > PILE && c.hits == 0);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- closed forms
@@ -237,7 +233,6 @@ TEST(a_cube_that_falls_begins_once_and_hits_once)
         assert_close(fabs(s.first.point[0]), 0.5, 0.02);
         assert_int_equal(m->last.n_stays, 1); // asleep
         assert_int_equal(m->last.n_stages, 0);
-        mover_free(m);
     }
 }
 
@@ -250,7 +245,6 @@ TEST(a_cube_that_bounces_ends_when_it_leaves)
     assert_int_equal(s.begins, s.hits);
     assert_in_range(s.ends, s.begins - 1, s.begins);
     assert_in_range(s.first_end, s.first_hit + 1, s.first_hit + 3);
-    mover_free(m);
 }
 
 TEST(a_hit_far_away_is_where_it_is)
@@ -263,7 +257,6 @@ TEST(a_hit_far_away_is_where_it_is)
         story s = run_story(m, 60);
         assert_int_equal(s.hits, 1);
         assert_close(fabs(s.first.point[0] - 1e7), 0.5, 0.02);
-        mover_free(m);
     }
 }
 
@@ -308,26 +301,22 @@ TEST(share_and_launch_change_no_event)
         if (way == 0)
             expected = sum;
         assert_true(sum == expected);
-        mover_free(m);
     }
 }
 
 TEST(a_loaded_motion_tells_what_the_saved_one_does)
 {
-    duet_error err = {0};
     mover *m = new_pile(), *other = new_pile();
     m->def.skin = other->def.skin = 0.2;
     mover_run(m, 80);
-    assert_ok(duet_motion_save(m->motion, "events.motion", &err), err);
+    must(duet_motion_save(m->motion, "events.motion", ERR));
     mover_run(other, 30);
-    assert_ok(duet_motion_load(other->motion, "events.motion", &err), err);
+    must(duet_motion_load(other->motion, "events.motion", ERR));
     for (int i = 0; i < 60; ++i) {
         mover_run(m, 1);
         mover_run(other, 1);
         assert_true(hash_events(m, 0) == hash_events(other, 0));
     }
-    mover_free(m);
-    mover_free(other);
 }
 
 // ---------------------------------------------------------------- sensors
@@ -388,8 +377,6 @@ TEST(what_falls_through_a_sensor_is_told_and_not_pushed)
         assert_true(c.begins == 1 && c.ends == 1 && c.stays > 5 && c.stays < 40);
         assert_memory_equal(m->states, without->states, 3 * sizeof *m->states);
         assert_true(mover_speed(m, 2) == 0.0); // asleep
-        mover_free(m);
-        mover_free(without);
     }
 }
 
@@ -401,21 +388,19 @@ TEST(a_sensor_sees_what_sleeps_and_does_not_wake_it)
     assert_int_equal(events_with(m, still).stays, 1); // the cube, not the floor
     assert_int_equal(events_with(m, guide).stays, 0);
     assert_int_equal(m->last.n_stages, 0); // all sleeps
-    duet_error err = {0};
     const duet_body goes = {.velocity = {2, 0, 0}};
     const duet_body_list list = {.first = guide, .n = 1};
-    assert_ok(duet_motion_set_bodies(m->motion, list, DUET_BODY_VELOCITY, &goes, &err), err);
+    must(duet_motion_set_bodies(m->motion, list, DUET_BODY_VELOCITY, &goes, ERR));
     counts c = run_sensor(m, guide, 360);
     assert_true(c.begins == 2 && c.ends == 2 && c.stays > 60);
     assert_close(mover_speed(m, 1) + mover_speed(m, 2), 0, 0);
     duet_pose away = m->poses[still];
     away.centre[0] = 9;
     const duet_body_list other = {.first = still, .n = 1};
-    assert_ok(duet_motion_set_poses(m->motion, other, &away, &err), err);
+    must(duet_motion_set_poses(m->motion, other, &away, ERR));
     mover_run(m, 1);
     assert_int_equal(events_with(m, still).ends, 1);
     assert_close(mover_speed(m, 1), 0, 0);
-    mover_free(m);
 }
 
 // A body without mass is seen as well: a lift that passes while all sleeps, and a floor.
@@ -441,18 +426,14 @@ TEST(a_sensor_without_mass_sees_what_has_none)
         assert_int_equal(events_with(m, low).stays, 1);
         assert_int_equal(events_with(m, still).stays + events_with(m, masked).stays, 0);
         assert_int_equal(m->last.n_stages, 0); // all sleeps
-        duet_error err = {0};
         const duet_body goes = {.velocity = {2, 0, 0}};
         const duet_body_list lift = {.first = 3, .n = 1};
-        assert_ok(duet_motion_set_bodies(m->motion, lift, DUET_BODY_VELOCITY, &goes, &err), err);
-        assert_ok(duet_motion_set_bodies(without->motion, lift, DUET_BODY_VELOCITY, &goes, &err),
-                  err);
+        must(duet_motion_set_bodies(m->motion, lift, DUET_BODY_VELOCITY, &goes, ERR));
+        must(duet_motion_set_bodies(without->motion, lift, DUET_BODY_VELOCITY, &goes, ERR));
         counts c = run_sensor(m, still, 180);
         mover_run(without, 180);
         assert_true(c.begins == 1 && c.ends == 1 && c.stays > 30 && c.stays < 60);
         assert_memory_equal(m->states, without->states, 4 * sizeof *m->states);
-        mover_free(m);
-        mover_free(without);
     }
 }
 
@@ -474,7 +455,6 @@ TEST(sensors_do_not_see_sensors_and_fall_through_all)
     assert_true(c.begins == 2 && c.ends == 2); // the cube and the floor
     assert_true(m->states[falls].centre[2] < -10);
     assert_int_equal(events_with(m, blind).stays, 0);
-    mover_free(m);
 }
 
 TEST(a_sensor_that_came_by_a_command_is_saved)
@@ -482,20 +462,17 @@ TEST(a_sensor_that_came_by_a_command_is_saved)
     mover *m = make_cubes(false), *fresh = make_cubes(false);
     mover_run(m, 10);
     mover_run(fresh, 1);
-    duet_error err = {0};
     const duet_pose pose = {{5, 0, 2}, {0.25f, 0.25f, 0.25f}, {0, 0, 0, 1}};
     duet_body sensor = duet_default_body();
     sensor.mass = 0;
     sensor.sensor = true;
-    assert_ok(duet_motion_add_bodies(m->motion, &pose, &sensor, 1, NULL, &err), err);
-    assert_ok(duet_motion_save(m->motion, path, &err), err);
-    assert_ok(duet_motion_load(fresh->motion, path, &err), err);
+    must(duet_motion_add_bodies(m->motion, &pose, &sensor, 1, NULL, ERR));
+    must(duet_motion_save(m->motion, path, ERR));
+    must(duet_motion_load(fresh->motion, path, ERR));
     m->n = fresh->n = 4;
     counts c = run_sensor(m, 3, 90), d = run_sensor(fresh, 3, 90);
     assert_true(c.begins == 1 && c.ends == 1 && c.stays == d.stays && d.begins == 1);
     assert_true(mover_hash(m) == mover_hash(fresh));
-    mover_free(m);
-    mover_free(fresh);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

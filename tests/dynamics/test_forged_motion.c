@@ -82,29 +82,27 @@ static mover *make_mover(kind of)
 // Every kind of command, some before a step and some after it.
 static void command(mover *m)
 {
-    duet_error err = {0};
     const duet_body_list going = {.first = 3, .n = 2}, some = {.first = 7, .n = 1};
     const duet_transform there = {.centre = {-1, 0.1f, 1}, .rotation = {0, 0, 0, 1}};
     const duet_force force = {.force = {1, 2, 3}, .torque = {0, 0, 1}};
     const duet_pose pose = {
         .centre = {0, 3, 0}, .half_extents = {0.3f, 0.4f, 0.5f}, .rotation = {0, 0, 0, 1}};
-    assert_ok(duet_motion_add_bodies(m->motion, &pose, NULL, 1, NULL, &err), err);
-    assert_ok(duet_motion_remove_bodies(m->motion, going, &err), err);
+    must(duet_motion_add_bodies(m->motion, &pose, NULL, 1, NULL, ERR));
+    must(duet_motion_remove_bodies(m->motion, going, ERR));
     mover_run(m, 1);
-    assert_ok(duet_motion_add_bodies(m->motion, &pose, NULL, 1, NULL, &err), err);
-    assert_ok(duet_motion_disable_bodies(m->motion, some, &err), err);
+    must(duet_motion_add_bodies(m->motion, &pose, NULL, 1, NULL, ERR));
+    must(duet_motion_disable_bodies(m->motion, some, ERR));
     const duet_body_list kinematic = {.first = 14, .n = 1}, pushed = {.first = 9, .n = 1};
-    assert_ok(duet_motion_set_targets(m->motion, kinematic, &there, &err), err);
-    assert_ok(duet_motion_apply_forces(m->motion, pushed, &force, &err), err);
+    must(duet_motion_set_targets(m->motion, kinematic, &there, ERR));
+    must(duet_motion_apply_forces(m->motion, pushed, &force, ERR));
 }
 
 // A target alone, which is the last of the file.
 static void aim(mover *m)
 {
-    duet_error err = {0};
     const duet_body_list kinematic = {.first = 14, .n = 1};
     const duet_transform there = {.centre = {-1, 0.1f, 1}, .rotation = {0, 0, 0, 1}};
-    assert_ok(duet_motion_set_targets(m->motion, kinematic, &there, &err), err);
+    must(duet_motion_set_targets(m->motion, kinematic, &there, ERR));
 }
 
 // ------------------------------------------------------------ files
@@ -191,27 +189,25 @@ static void begin_copy(forger *f)
 
 static void load_right(forger *f)
 {
-    duet_error err = {0};
     begin_copy(f);
     write_forged(f);
-    assert_ok(duet_motion_load(f->m->motion, path, &err), err);
+    must(duet_motion_load(f->m->motion, path, ERR));
 }
 
 static forger open_forger(kind of)
 {
-    duet_error err = {0};
     forger f = {.m = make_mover(of)};
     mover_run(f.m, 5);
     if (of == COMMANDED)
         command(f.m);
     if (of == AIMED)
         aim(f.m);
-    assert_ok(duet_motion_save(f.m->motion, path, &err), err);
-    assert_ok(text_read_file(&f.right, path, &err), err);
+    must(duet_motion_save(f.m->motion, path, ERR));
+    must(text_read_file(&f.right, path, ERR));
     f.bytes = malloc(f.right.length + 64);
     assert_non_null(f.bytes);
     memcpy(&f.n_contacts, f.right.chars + AT_N_CONTACTS, 4);
-    assert_ok(duet_motion_get_hash(f.m->motion, &f.hash, &err), err);
+    must(duet_motion_get_hash(f.m->motion, &f.hash, ERR));
     assert_true(of == FLIGHT || f.n_contacts > 10);
     if (of != COMMANDED)
         assert_int_equal(place_of(&f, SECTIONS) + f.m->n * PLACE + (of == AIMED ? TARGET : 0) +
@@ -242,7 +238,7 @@ static void assert_refused(forger *f, const char *what, const char *said)
     if (!strstr(err.text, said) || !strstr(err.text, path) || strchr(err.text, '\n'))
         fail_msg("%s: refused with '%s'; expected '%s'", what, err.text, said);
     err = (duet_error){0};
-    assert_ok(duet_motion_get_hash(f->m->motion, &hash, &err), err);
+    must(duet_motion_get_hash(f->m->motion, &hash, ERR));
     assert_true(hash == f->hash);
 }
 
@@ -455,7 +451,7 @@ static void forge(rng *r, forger *f, uint32_t *n_loaded)
     assert_true(err.status == DUET_STATUS_BAD_INPUT && !strchr(err.text, '\n'));
     assert_non_null(strstr(err.text, path));
     err = (duet_error){0};
-    assert_ok(duet_motion_get_hash(f->m->motion, &hash, &err), err);
+    must(duet_motion_get_hash(f->m->motion, &hash, ERR));
     assert_true(hash == f->hash);
 }
 

@@ -27,7 +27,6 @@ static duet_pose pose_at(axes a, float along, float up, float wide, float high)
 // a thin wall, a bullet at it, and a box that a force carries.
 static void add_bodies(duet_motion *motion, axes a, uint64_t ids[BODIES])
 {
-    duet_error err = {0};
     const duet_pose poses[BODIES] = {
         [FLOOR] = pose_at(a, 0, -0.5f, 50, 0.5f),    [BOX] = pose_at(a, 0, 2, 0.5f, 0.5f),
         [SLIDER] = pose_at(a, 10, 0.5f, 0.5f, 0.5f), [SENSOR] = pose_at(a, 12, 1, 0.25f, 0.5f),
@@ -44,7 +43,7 @@ static void add_bodies(duet_motion *motion, axes a, uint64_t ids[BODIES])
     bodies[GHOST].mask = 0;
     bodies[SLIDER].velocity[a.along] = 4;
     bodies[BULLET].velocity[a.along] = 300;
-    assert_ok(duet_motion_add_bodies(motion, poses, bodies, BODIES, ids, &err), err);
+    must(duet_motion_add_bodies(motion, poses, bodies, BODIES, ids, ERR));
 }
 
 static bool sees(const duet_motion_result *result, uint32_t a, uint32_t b)
@@ -57,11 +56,9 @@ static bool sees(const duet_motion_result *result, uint32_t a, uint32_t b)
 
 static void play(uint32_t dims)
 {
-    duet_error err = {0};
     const axes a = {dims == 2 ? 1 : 2, 0};
     duet_motion_def def = duet_game_motion_def(devices, dims);
-    duet_motion *motion = duet_motion_create(&def, NULL, NULL, 0, &err);
-    assert_ok(motion, err);
+    duet_motion *motion = must(duet_motion_create(&def, NULL, NULL, 0, ERR));
     uint64_t ids[BODIES];
     bool sensed = false;
     add_bodies(motion, a, ids);
@@ -71,11 +68,11 @@ static void play(uint32_t dims)
     lift.force[a.up] = 9.81f;
     for (int step = 0; step < 180; ++step) {
         const duet_body_list lifted = {&ids[LIFTED], 0, 1};
-        assert_ok(duet_motion_apply_forces(motion, lifted, &lift, &err), err);
-        assert_ok(duet_motion_advance(motion, &result, &err), err);
+        must(duet_motion_apply_forces(motion, lifted, &lift, ERR));
+        must(duet_motion_advance(motion, &result, ERR));
         sensed = sensed || sees(&result, SLIDER, SENSOR);
     }
-    assert_ok(duet_motion_get_states(motion, states, &err), err);
+    must(duet_motion_get_states(motion, states, ERR));
     assert_float_equal(states[BOX].centre[a.up], 0.5, 0.02);
     assert_float_equal(states[SLIDER].centre[a.along], 10 + 4 * 4 / (2 * 0.5 * 9.81), 0.1);
     assert_true(sensed);
@@ -83,8 +80,8 @@ static void play(uint32_t dims)
     assert_true(states[BULLET].centre[a.along] < -20);
     assert_float_equal(states[LIFTED].centre[a.up], 3, 0.01);
     for (int i = 0; i < 240; ++i)
-        assert_ok(duet_motion_advance(motion, &result, &err), err);
-    assert_ok(duet_motion_get_states(motion, states, &err), err);
+        must(duet_motion_advance(motion, &result, ERR));
+    must(duet_motion_get_states(motion, states, ERR));
     for (int k = 0; k < 3; ++k) // asleep
         assert_true(states[BOX].velocity[k] == 0 && states[SLIDER].velocity[k] == 0);
     duet_motion_destroy(motion);

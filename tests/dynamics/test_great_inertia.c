@@ -20,7 +20,6 @@ static void tumble(double size, double mass, uint32_t wants, double end[3])
     mover_assert_finite(m);
     for (int k = 0; k < 3; ++k)
         end[k] = m->states[id].angular_velocity[k];
-    mover_free(m);
 }
 
 // A free turn does not depend on size or mass: inertias of 1e3 to 1e41, in free flight, in steps

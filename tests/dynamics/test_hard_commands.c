@@ -32,7 +32,6 @@ TEST(numbers_that_overflow_are_refused)
     assert_true(mover_hash(m) == hash);
     mover_run(m, 10);
     mover_assert_finite(m);
-    mover_free(m);
 }
 
 TEST(what_events_are_told_of_cannot_change)
@@ -47,7 +46,6 @@ TEST(what_events_are_told_of_cannot_change)
     def.hit_speed = 1;
     def.event_mask = 1;
     assert_refused(duet_motion_set_def(m->motion, &def, &err), "event_mask is 1; expected");
-    mover_free(m);
 }
 
 // With bodies that come, walls get other numbers; what touched them stays.
@@ -68,7 +66,6 @@ TEST(walls_that_get_other_numbers_are_touched_all_the_same)
     assert_int_equal(m->last.n_events, 0);
     assert_int_equal(m->last.n_stays, 1);
     assert_true(m->last.stays[0].a == 0 && m->last.stays[0].b == 2 + 4);
-    mover_free(m);
 }
 
 typedef struct event_sums {
@@ -99,7 +96,6 @@ static event_sums events_of_changed_groups(bool saved)
         sums.begins += m->last.events[i].begins;
         sums.ends += !m->last.events[i].begins;
     }
-    mover_free(m);
     return sums;
 }
 
@@ -129,7 +125,6 @@ TEST(a_place_that_had_all_its_bodies_is_used_no_more)
     assert_false(duet_motion_has_body(m->motion, 1));
     assert_done(duet_motion_add_bodies(m->motion, &pose, NULL, 1, &id, &err));
     assert_true(id == 2);
-    mover_free(m);
 }
 
 TEST(a_list_of_none_changes_nothing)
@@ -156,7 +151,6 @@ TEST(a_list_of_none_changes_nothing)
     assert_int_equal(m->last.n_stages, 0); // all sleeps on
     assert_done(duet_motion_get_moved(motion, &moved, &err));
     assert_int_equal(moved.n, 0);
-    mover_free(m);
 }
 
 // The data that the step's end sent to the device is waited for once; the group's end counts.
@@ -173,7 +167,6 @@ TEST(a_file_can_be_loaded_right_after_a_step_with_forces)
     }
     mover_run(m, 1);
     assert_true(m->states[1].velocity[2] > 0.1);
-    mover_free(m);
 }
 
 TEST(a_body_that_came_by_a_file_is_told_as_moved)
@@ -189,7 +182,6 @@ TEST(a_body_that_came_by_a_file_is_told_as_moved)
     assert_done(duet_motion_load(m->motion, path, &err));
     assert_done(duet_motion_get_moved(m->motion, &moved, &err));
     assert_int_equal(moved.n, 3);
-    mover_free(m);
 }
 
 // A body that went has left no trace in how the others are computed.
@@ -222,8 +214,6 @@ TEST(a_body_of_another_kind_that_went_is_forgotten_in_a_file_too)
         mover_run(fresh, 10);
         assert_true(mover_hash(m) == mover_hash(fresh));
     }
-    mover_free(m);
-    mover_free(fresh);
 }
 
 TEST(all_bodies_can_go_and_others_come)
@@ -252,7 +242,6 @@ TEST(all_bodies_can_go_and_others_come)
             mover_run(m, 2);
             assert_true(m->last.contacts > 0);
             mover_assert_finite(m);
-            mover_free(m);
         }
 }
 
@@ -268,7 +257,6 @@ TEST(bodies_in_the_same_place_part)
     m->n += 8;
     mover_run(m, 240);
     mover_assert_finite(m);
-    mover_free(m);
 }
 
 TEST(what_moves_without_mass_wakes_in_every_kind_of_world)
@@ -289,7 +277,6 @@ TEST(what_moves_without_mass_wakes_in_every_kind_of_world)
         assert_true(mover_speed(m, 1) == 0.0);
         mover_run(m, 180);
         assert_true(fabs(m->states[1].centre[0]) > 0.005);
-        mover_free(m);
     }
 }
 
@@ -373,8 +360,6 @@ TEST(recorded_commands_give_the_same_hash_with_any_plan)
     assert_done(duet_motion_save(m->motion, path, &err));
     assert_done(duet_motion_load(m->motion, path, &err));
     assert_refused(duet_motion_save_recording(m->motion, path, &err), "nothing is recorded");
-    mover_free(m);
-    mover_free(other);
 }
 
 static void sum_file(unsigned char *bytes, size_t n)
@@ -423,7 +408,6 @@ TEST(forged_recordings_are_refused_or_done)
     assert_true(refused > tries / 4);
     text_free(&file);
     text_free(&forged);
-    mover_free(m);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -13,9 +13,8 @@ static const char path[] = "motion"; // name of the file that a test saves
 
 static duet_contact *contacts_of(mover *m, uint64_t *n)
 {
-    duet_error err = {0};
     duet_contact *contacts = NULL;
-    assert_ok(duet_motion_get_contacts(m->motion, &contacts, n, &err), err);
+    must(duet_motion_get_contacts(m->motion, &contacts, n, ERR));
     return contacts;
 }
 
@@ -49,7 +48,6 @@ TEST(a_resting_face_stays_a_face_under_noise)
             assert_true(fabsf(contacts[0].normal[1]) < 1e-2f);
             duet_free(contacts);
         }
-        mover_free(m);
     }
 }
 
@@ -113,7 +111,6 @@ TEST(a_millionth_changes_few_manifolds)
     print_message("%u of %u contacts have another number of points\n", changed, touching);
     assert_true(touching > RESTING * 9 / 10);
     assert_true(changed <= RESTING / 200);
-    mover_free(m);
 }
 
 // Boxes that lie flat over each other's edges but for half a degree: their
@@ -143,7 +140,6 @@ TEST(edges_that_cross_flat_are_a_face)
     for (int i = 0; i < RESTING; ++i)
         if (counts[i] < 3)
             fail_msg("box %d lies on %u points", i, counts[i]);
-    mover_free(m);
 }
 
 // ------------------------------------------------------------ filters
@@ -194,8 +190,6 @@ TEST(a_filter_leaves_exactly_the_contacts_it_lets_through)
     assert_true(kept > 0 && kept < n_all);
     duet_free(of_all);
     duet_free(of_some);
-    mover_free(all);
-    mover_free(some);
 }
 
 // ------------------------------------------------------------ skins
@@ -221,12 +215,10 @@ TEST(an_object_that_leaps_out_of_its_skin_is_found_where_it_lands)
     mover_run(m, 1);
     assert_true(m->last.rebuilt);
     assert_int_equal(count_contacts(m), 1);
-    mover_free(m);
 }
 
 TEST(objects_put_back_by_a_file_are_searched_anew)
 {
-    duet_error err = {0};
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT;
     m->def.skin = 0.5;
@@ -235,13 +227,12 @@ TEST(objects_put_back_by_a_file_are_searched_anew)
     m->bodies[1].velocity[0] = 1;
     mover_run(m, 1);
     assert_int_equal(count_contacts(m), 1);
-    assert_ok(duet_motion_save(m->motion, path, &err), err);
+    must(duet_motion_save(m->motion, path, ERR));
     mover_run(m, 100);
     assert_int_equal(count_contacts(m), 0);
-    assert_ok(duet_motion_load(m->motion, path, &err), err);
+    must(duet_motion_load(m->motion, path, ERR));
     mover_run(m, 1);
     assert_int_equal(count_contacts(m), 1);
-    mover_free(m);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -111,7 +111,6 @@ TEST(a_level_ground_holds_as_a_floor)
         if (!(mover_speed(m, id) < 0.002))
             fail_msg("shape %u goes at %g m/s", id % SHAPES, mover_speed(m, id));
     }
-    mover_free(m);
     free(f);
 }
 
@@ -143,7 +142,6 @@ static void glide(field *f, double speed, double direction)
                          speed, direction, kept, hop, i);
         }
     }
-    mover_free(m);
 }
 
 TEST(nothing_trips_over_a_seam_of_the_ground)
@@ -182,7 +180,6 @@ TEST(boxes_slide_down_a_slope_as_the_closed_form_says)
         const double *x = m->states[k].centre;
         assert_close((x[2] + tilt * x[0]) * cos(angle), 0.15, slop);
     }
-    mover_free(m);
     free(f);
 }
 
@@ -198,7 +195,6 @@ TEST(balls_roll_down_a_slope_of_the_ground)
     mover_run(m, 120);
     const double *v = m->states[id].velocity;
     assert_close(hypot(v[0], v[2]), 5.0 / 7 * 9.81 * sin(angle) * m->last.time, 0.1);
-    mover_free(m);
     free(f);
 }
 
@@ -221,7 +217,6 @@ TEST(balls_come_to_rest_at_the_lowest_point_of_a_bowl)
         assert_close(x[2], 0.25, slop);
         mover_restart(m);
     }
-    mover_free(m);
     free(f);
 }
 
@@ -312,13 +307,12 @@ static double above_ground(const field *f, vector p)
 // The nearest contact of each ball, from what a step without response says; INFINITY: none.
 static void least_separations(mover *m, double *least)
 {
-    duet_error err = {0};
     duet_contact *contacts;
     uint64_t n;
     mover_run(m, 1);
     for (uint32_t id = 0; id < m->n; ++id)
         least[id] = INFINITY;
-    assert_ok(duet_motion_get_contacts(m->motion, &contacts, &n, &err), err);
+    must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
     for (uint64_t i = 0; i < n; ++i)
         for (uint32_t k = 0; contacts[i].b == m->n + 6 && k < contacts[i].n; ++k)
             least[contacts[i].a] =
@@ -357,7 +351,6 @@ TEST(balls_are_as_far_from_the_ground_as_from_all_its_triangles)
                 if (!(fabs(least[id] - expected) < 0x1p-16))
                     fail_msg("round %d, ball %u: %g apart, not %g", round, id, least[id], expected);
         }
-        mover_free(m);
     }
     assert_true(touching > 200);
     free(least);
@@ -460,7 +453,6 @@ TEST(nothing_falls_through)
             fail_msg("shape %u lies %g deep by its corners, %g by the ground's", id % SHAPES,
                      corners, places);
     }
-    mover_free(m);
     free(f);
 }
 
@@ -476,9 +468,7 @@ static uint64_t hash_of(const field *f, uint32_t share, double skin, bool sleeps
     for (int k = 0; k < 60; ++k)
         add_thrown(m, &r, k % SHAPES);
     mover_run(m, 90);
-    uint64_t hash = mover_hash(m);
-    mover_free(m);
-    return hash;
+    return mover_hash(m);
 }
 
 TEST(any_share_and_any_skin_give_the_same_bits)
@@ -515,13 +505,11 @@ TEST(the_ground_is_one_partner_in_events_and_hits)
         hits += m->last.n_hits > 0 && m->last.hits[0].b == m->n + 6;
     }
     assert_true(begins >= 1 && hits >= 1);
-    mover_free(m);
     free(f);
 }
 
 TEST(a_saved_motion_on_a_ground_goes_on_bit_for_bit)
 {
-    duet_error err = {0};
     rng r = rng_seed(5);
     drawn = r;
     field *f = malloc(sizeof *f);
@@ -532,13 +520,12 @@ TEST(a_saved_motion_on_a_ground_goes_on_bit_for_bit)
     for (int k = 0; k < 30; ++k)
         add_thrown(m, &r, k % SHAPES);
     mover_run(m, 100);
-    assert_ok(duet_motion_save(m->motion, "saved", &err), err);
+    must(duet_motion_save(m->motion, "saved", ERR));
     mover_run(m, 50);
     uint64_t expected = mover_hash(m);
-    assert_ok(duet_motion_load(m->motion, "saved", &err), err);
+    must(duet_motion_load(m->motion, "saved", ERR));
     mover_run(m, 50);
     assert_int_equal(mover_hash(m), expected);
-    mover_free(m);
     free(f);
 }
 
@@ -586,7 +573,6 @@ TEST(grounds_that_no_motion_can_have_are_refused_in_a_line)
     refuse(m, &none, "the ground's heights are NULL");
     m->def.dims = 2;
     refuse(m, &f->heights, "heights are for motions in 3D");
-    mover_free(m);
     free(f);
 }
 

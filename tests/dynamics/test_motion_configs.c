@@ -79,11 +79,10 @@ static gen_limits limits_of_b(void)
 // One of the values of a parameter; 0 where the kernel has it not.
 static int64_t draw_value(const char *kernel_name, const char *param, rng *r)
 {
-    duet_error err = {0};
     const gen_limits limits = limits_of_b();
     const gen_param *params = NULL;
     uint32_t n = 0;
-    assert_ok(gen_params(generator, kernel_name, &limits, &params, &n, &err), err);
+    must(gen_params(generator, kernel_name, &limits, &params, &n, ERR));
     for (uint32_t i = 0; i < n; ++i)
         if (strcmp(params[i].name, param) == 0)
             return params[i].values[rng_below(r, params[i].n_values)];
@@ -189,9 +188,7 @@ static void try_launches(uint32_t dims, bool pushes, rng *r)
 TEST(any_launch_gives_the_same_state_and_writes_nothing_else)
 {
     rng r = rng_seed(test_seed());
-    duet_error err = {0};
-    generator = gen_open(NULL, &err);
-    assert_ok(generator, err);
+    generator = must(gen_open(NULL, ERR));
     are_round = rng_below(&r, 2) > 0;
     try_launches(3, true, &r);
     for (int round = 0; take_all && round < 4; ++round) {

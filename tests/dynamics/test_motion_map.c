@@ -27,16 +27,12 @@ static mover *make_shower(uint32_t dims, bool doubles)
 
 static void *map(mover *m, duet_state_part part, duet_map_access access, uint32_t first, uint32_t n)
 {
-    duet_error err = {0};
-    void *rows = duet_motion_map_states(m->motion, part, access, first, n, &err);
-    assert_ok(rows, err);
-    return rows;
+    return must(duet_motion_map_states(m->motion, part, access, first, n, ERR));
 }
 
 static void unmap(mover *m, duet_state_part part)
 {
-    duet_error err = {0};
-    assert_ok(duet_motion_unmap_states(m->motion, part, &err), err);
+    must(duet_motion_unmap_states(m->motion, part, ERR));
 }
 
 static void refused(bool ok, const duet_error *err, duet_status status, const char *says)
@@ -57,7 +53,6 @@ static void set_host_memory(bool host)
 // Places 3 to 7 are put elsewhere and thrown, in one motion by commands.
 static void write_some(mover *by_map, mover *by_command, bool doubles)
 {
-    duet_error err = {0};
     duet_pose poses[5];
     duet_body bodies[5];
     const duet_body_list list = {.first = 3, .n = 5};
@@ -84,9 +79,8 @@ static void write_some(mover *by_map, mover *by_command, bool doubles)
     }
     for (int part = 0; part < 3; ++part)
         unmap(by_map, (duet_state_part)part);
-    assert_ok(duet_motion_set_poses(by_command->motion, list, poses, &err), err);
-    assert_ok(duet_motion_set_bodies(by_command->motion, list, DUET_BODY_VELOCITY, bodies, &err),
-              err);
+    must(duet_motion_set_poses(by_command->motion, list, poses, ERR));
+    must(duet_motion_set_bodies(by_command->motion, list, DUET_BODY_VELOCITY, bodies, ERR));
 }
 
 static void written_is_as_set_in(uint32_t dims, bool doubles)
@@ -100,8 +94,6 @@ static void written_is_as_set_in(uint32_t dims, bool doubles)
         mover_run(by_map, 20);
         mover_run(by_command, 20);
     }
-    mover_free(by_map);
-    mover_free(by_command);
 }
 
 TEST(what_is_written_is_what_is_set)
@@ -141,7 +133,6 @@ TEST(what_is_read_is_the_state_without_a_copy)
     for (int p = 0; p < 4; ++p)
         unmap(m, all[p]);
     assert_true(mover_hash(m) == hash);
-    mover_free(m);
 }
 
 // But that everything wakes.
@@ -157,8 +148,6 @@ TEST(what_is_mapped_and_not_written_stays_bit_for_bit)
         mover_run(m, 5);
         mover_run(same, 5);
     }
-    mover_free(m);
-    mover_free(same);
 }
 
 TEST(a_row_that_is_no_number_stays_mapped_to_be_mended)
@@ -183,12 +172,10 @@ TEST(a_row_that_is_no_number_stays_mapped_to_be_mended)
     unmap(m, DUET_STATE_ROTATIONS);
     mover_run(m, 2);
     mover_assert_finite(m);
-    mover_free(m);
 }
 
 TEST(a_sleeper_that_is_written_wakes_and_a_target_is_forgotten)
 {
-    duet_error err = {0};
     mover *m = make_shower(3, false);
     mover_run(m, 240);
     assert_true(product_is_right(&m->motion->products, PRODUCT_BODIES));
@@ -201,21 +188,19 @@ TEST(a_sleeper_that_is_written_wakes_and_a_target_is_forgotten)
 
     const duet_transform target = {.centre = {0, -4.0f, 0}, .rotation = {0, 0, 0, 1}};
     const duet_body_list floor = {.first = 0, .n = 1};
-    assert_ok(duet_motion_set_targets(m->motion, floor, &target, &err), err);
+    must(duet_motion_set_targets(m->motion, floor, &target, ERR));
     map(m, DUET_STATE_VELOCITIES, DUET_MAP_WRITE, 0, 1);
     unmap(m, DUET_STATE_VELOCITIES);
     const double before = m->states[0].centre[1];
     mover_run(m, 1);
     assert_true(m->states[0].centre[1] == before);
-    mover_free(m);
 }
 
 TEST(a_disabled_body_stands_still_whatever_is_written)
 {
-    duet_error err = {0};
     mover *m = make_shower(3, false);
     const duet_body_list fifth = {.first = 5, .n = 1};
-    assert_ok(duet_motion_disable_bodies(m->motion, fifth, &err), err);
+    must(duet_motion_disable_bodies(m->motion, fifth, ERR));
     float *velocities = map(m, DUET_STATE_VELOCITIES, DUET_MAP_WRITE, 4, 3);
     velocities[4] = 9.0f;
     velocities[7] = 1.0f;
@@ -224,7 +209,6 @@ TEST(a_disabled_body_stands_still_whatever_is_written)
     const double at = m->states[5].centre[0];
     mover_run(m, 2);
     assert_true(m->states[5].centre[0] == at && m->states[5].velocity[0] == 0.0);
-    mover_free(m);
 }
 
 TEST(while_states_are_mapped_other_calls_are_refused)
@@ -292,11 +276,10 @@ TEST(what_cannot_be_mapped_is_refused_by_name)
     map(plain, DUET_STATE_CENTRES, DUET_MAP_WRITE, 1, 0); // a map of no rows
     unmap(plain, DUET_STATE_CENTRES);
     err = (duet_error){0};
-    assert_ok(duet_motion_record(m, &err), err);
+    must(duet_motion_record(m, ERR));
     refused(duet_motion_map_states(m, DUET_STATE_CENTRES, DUET_MAP_WRITE, 0, 1, &err), &err,
             DUET_STATUS_BAD_ARGUMENT, "what is written in place is not recorded");
     map(plain, DUET_STATE_CENTRES, DUET_MAP_READ, 0, 1);
-    mover_free(plain);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

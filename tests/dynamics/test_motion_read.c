@@ -34,17 +34,15 @@ TEST(states_of_ids_are_those_of_all)
     for (int way = 0; way < 3; ++way) {
         mover *m = new_pile(way);
         for (int step = 0; step < 5; ++step) {
-            duet_error err = {0};
             uint32_t ids[SOME / 2];
             duet_state some[SOME / 2];
             mover_run(m, 10);
             for (int i = 0; i < SOME / 2; ++i)
                 ids[i] = rng_below(&r, SOME);
-            assert_ok(duet_motion_get_states_of(m->motion, ids, SOME / 2, some, &err), err);
+            must(duet_motion_get_states_of(m->motion, ids, SOME / 2, some, ERR));
             for (int i = 0; i < SOME / 2; ++i)
                 assert_memory_equal(&some[i], &m->states[ids[i]], sizeof some[i]);
         }
-        mover_free(m);
     }
 }
 
@@ -61,10 +59,9 @@ TEST(what_moved_is_what_differs_from_the_last_read)
         static duet_state last[SOME];
         uint32_t still = 0;
         for (int read = 0; read < 60; ++read) {
-            duet_error err = {0};
             duet_moved moved;
             mover_run(m, 1 + read % 4);
-            assert_ok(duet_motion_get_moved(m->motion, &moved, &err), err);
+            must(duet_motion_get_moved(m->motion, &moved, ERR));
             uint32_t at = 0;
             for (uint32_t id = 0; id < m->n; ++id) {
                 if (read > 0 && !is_elsewhere(&last[id], &m->states[id]))
@@ -79,23 +76,20 @@ TEST(what_moved_is_what_differs_from_the_last_read)
             memcpy(last, m->states, sizeof last);
         }
         assert_true(still > 5 * 59);
-        mover_free(m);
     }
 }
 
 TEST(nothing_moved_where_everything_rests)
 {
-    duet_error err = {0};
     duet_moved moved;
     mover *m = mover_new(2);
     mover_add_cube(m, 0, 0, 0, 1);
     mover_run(m, 1);
-    assert_ok(duet_motion_get_moved(m->motion, &moved, &err), err);
+    must(duet_motion_get_moved(m->motion, &moved, ERR));
     assert_int_equal(moved.n, 1);
     mover_run(m, 3);
-    assert_ok(duet_motion_get_moved(m->motion, &moved, &err), err);
+    must(duet_motion_get_moved(m->motion, &moved, ERR));
     assert_int_equal(moved.n, 0);
-    mover_free(m);
 }
 
 // A turn of 90 degrees about z, and half of it.

@@ -74,9 +74,7 @@ static void check_stack(uint32_t dims, uint32_t height, uint32_t steps)
         mover *m = stack_at(dims, height, at);
         mover_run(m, steps);
         assert_alike(near, m);
-        mover_free(m);
     }
-    mover_free(near);
 }
 
 TEST(a_stack_far_away_ends_as_the_one_at_0)
@@ -95,8 +93,6 @@ TEST(a_flight_far_away_is_the_one_at_0)
         mover_run(m, 120);
         assert_alike(near, m);
         assert_true(fabs(m->states[19].centre[0] - far[0]) > 10); // it left its cell
-        mover_free(near);
-        mover_free(m);
     }
 }
 
@@ -134,9 +130,6 @@ TEST(round_bodies_far_away_fall_as_those_at_0)
             assert_close(near->states[i].centre[dims - 1], plain->states[i].centre[dims - 1], 1e-3);
             assert_true(m->states[i].centre[dims - 1] > at[dims - 1] + 0.25 + 0.2); // on the floor
         }
-        mover_free(plain);
-        mover_free(near);
-        mover_free(m);
     }
 }
 
@@ -151,7 +144,6 @@ TEST(a_fall_far_away_follows_its_parabola)
     assert_close(m->states[id].centre[0], far[0] + 0.5 + 6, 1e-4);
     assert_close(m->states[id].centre[2], far[2] - 0.5 * 9.81 * 4, 1e-3);
     assert_true(m->states[id].centre[1] == far[1] + 0.25);
-    mover_free(m);
 }
 
 TEST(a_loaded_motion_is_in_the_saved_one_s_cells)
@@ -160,20 +152,17 @@ TEST(a_loaded_motion_is_in_the_saved_one_s_cells)
     const char *path = "test_origin_motion.saved";
     mover *saved = stack_at(3, 4, far), *loaded = stack_at(3, 4, far);
     mover_run(saved, 30);
-    assert_ok(duet_motion_save(saved->motion, path, &err), err);
+    must(duet_motion_save(saved->motion, path, ERR));
     mover_run(loaded, 1);
-    assert_ok(duet_motion_load(loaded->motion, path, &err), err);
+    must(duet_motion_load(loaded->motion, path, ERR));
     assert_true(mover_hash(saved) == mover_hash(loaded));
     mover_run(saved, 30);
     mover_run(loaded, 30);
     assert_true(mover_hash(saved) == mover_hash(loaded));
-    mover_free(loaded);
     loaded = stack_at(3, 4, far);
     loaded->def.origin_edge = 2;
     mover_run(loaded, 1);
     assert_false(duet_motion_load(loaded->motion, path, &err));
-    mover_free(saved);
-    mover_free(loaded);
 }
 
 static void refuse(const mover *m, const char *words)
@@ -197,7 +186,6 @@ TEST(a_motion_says_what_origin_cells_do_not_go_with)
     m->def.doubles = false;
     m->def.attraction = 1;
     refuse(m, "know no origin cells");
-    mover_free(m);
 }
 
 TEST(explain_names_the_cells_and_their_bytes)
@@ -216,7 +204,6 @@ TEST(explain_names_the_cells_and_their_bytes)
             assert_int_equal(info.bytes, with ? 16 : 0);
         }
         assert_true(found);
-        mover_free(m);
     }
 }
 

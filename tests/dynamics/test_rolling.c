@@ -61,7 +61,6 @@ TEST(a_ball_on_a_plane_stops_where_the_closed_form_says)
         if (!(fabs(off) < 0.5 * b.speed * h + 0.001 * way))
             fail_msg("off by %g m", off);
         assert_true(mover_speed(m, 1) < 1e-4);
-        mover_free(m);
     }
 }
 
@@ -81,7 +80,6 @@ TEST(a_ball_on_a_slope_stays_or_rolls)
         double k = b.dims == 3 ? 0.4 : 0.5, moves = sin(b.slope) - 0.1 * cos(b.slope);
         double expected = i / 2 ? moves * g / (1 + k) : 0.0;
         assert_close(m->states[1].velocity[0], expected, 0.005);
-        mover_free(m);
     }
 }
 
@@ -96,7 +94,6 @@ TEST(a_spinning_ball_stops)
     assert_close(m->states[1].angular_velocity[2], 3.0 - 2.5 * 0.02 * g / 0.5 * 0.5, 0.02);
     mover_run(m, 180);
     assert_close(m->states[1].angular_velocity[2], 0.0, 1e-4);
-    mover_free(m);
 }
 
 // Two balls that roll against each other have the greater coefficient, and no torque from nothing.
@@ -120,7 +117,6 @@ TEST(resistance_keeps_momentum_and_takes_energy)
         assert_close(after.angular[k], before.angular[k], 1e-5);
     }
     assert_true(after.turning < 0.9 * before.turning);
-    mover_free(m);
 }
 
 TEST(a_thousand_balls_all_fall_asleep)
@@ -142,7 +138,6 @@ TEST(a_thousand_balls_all_fall_asleep)
     mover_run(m, 60 * 20);
     assert_int_equal(m->last.contacts, 0);
     assert_true(mover_greatest_speed(m) == 0.0);
-    mover_free(m);
 }
 
 // What needs a number is told.
@@ -154,13 +149,11 @@ TEST(what_is_no_resistance_is_refused)
     assert_null(duet_motion_create(&m->def, m->poses, m->bodies, m->n, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_non_null(strstr(err.text, "rolling resistance"));
-    mover_free(m);
 }
 
 // Set by a command it acts from then on.
 TEST(a_command_sets_it)
 {
-    duet_error err = {0};
     ball b = {
         .dims = 3, .radius = 0.5, .resistance = 1e-6f, .speed = 2, .dt = 1.0 / 60.0, .substeps = 4};
     mover *m = roll(&b);
@@ -169,11 +162,9 @@ TEST(a_command_sets_it)
     duet_body body = duet_default_body();
     body.rolling_resistance = 0.2f;
     duet_body_list one = {.first = 1, .n = 1};
-    assert_ok(duet_motion_set_bodies(m->motion, one, DUET_BODY_ROLLING_RESISTANCE, &body, &err),
-              err);
+    must(duet_motion_set_bodies(m->motion, one, DUET_BODY_ROLLING_RESISTANCE, &body, ERR));
     mover_run(m, 60);
     assert_close(m->states[1].velocity[0], 2.0 - 0.2 * g / 1.4, 0.02);
-    mover_free(m);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -352,7 +352,6 @@ TEST(spheres_have_the_contacts_of_rounded_boxes)
 // A motion keeps points up to four slops.
 TEST(a_motion_has_the_same_contacts)
 {
-    duet_error err = {0};
     duet_rounded_box boxes[BOXES];
     duet_pose poses[BOXES];
     duet_body bodies[BOXES];
@@ -367,13 +366,12 @@ TEST(a_motion_has_the_same_contacts)
     def.pair = devices;
     def.wants = DUET_EFFECT_CONTACT;
     def.slop = 0.005;
-    duet_motion *motion = duet_motion_create(&def, poses, bodies, BOXES, &err);
-    assert_ok(motion, err);
+    duet_motion *motion = must(duet_motion_create(&def, poses, bodies, BOXES, ERR));
     duet_motion_result result;
     duet_contact *moving = NULL;
     uint64_t n = 0, alike = 0, compared = 0;
-    assert_ok(duet_motion_advance(motion, &result, &err), err);
-    assert_ok(duet_motion_get_contacts(motion, &moving, &n, &err), err);
+    must(duet_motion_advance(motion, &result, ERR));
+    must(duet_motion_get_contacts(motion, &moving, &n, ERR));
     duet_pair *pairs = malloc((size_t)n * sizeof *pairs);
     for (uint64_t i = 0; i < n; ++i)
         pairs[i] = (duet_pair){moving[i].a, moving[i].b};

@@ -121,10 +121,9 @@ TEST(points_are_between_the_surfaces)
                 draw_body(m, &r);
             mover_run(m, 1);
             assert_true(duet_motion_get_effects(m->motion) & DUET_EFFECT_RADIUS);
-            duet_error err = {0};
             duet_contact *contacts = NULL;
             uint64_t n = 0;
-            assert_ok(duet_motion_get_contacts(m->motion, &contacts, &n, &err), err);
+            must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
             for (uint64_t c = 0; c < n; ++c) {
                 check_contact(m, &contacts[c], 0.02);
                 ++points[contacts[c].n];
@@ -134,7 +133,6 @@ TEST(points_are_between_the_surfaces)
                     assert_has_contact(m, contacts, n, a, b);
             touching += (uint32_t)n;
             duet_free(contacts);
-            mover_free(m);
         }
         assert_true(touching > PAIRS / 4 && points[1] > 0 && points[2] > 0);
     }
@@ -148,14 +146,12 @@ static duet_contact contact_of_two(const double half[3], double radius, const do
     add_round(m, 0, 0, 0, half, radius);
     add_round(m, apart[0], apart[1], apart[2], other, other_radius);
     mover_run(m, 1);
-    duet_error err = {0};
     duet_contact *contacts = NULL, one = {.n = 0};
     uint64_t n = 0;
-    assert_ok(duet_motion_get_contacts(m->motion, &contacts, &n, &err), err);
+    must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
     if (n == 1)
         one = contacts[0];
     duet_free(contacts);
-    mover_free(m);
     return one;
 }
 
@@ -199,7 +195,6 @@ TEST(balls_rest_at_their_radius)
     assert_close(m->states[capsule].centre[2], 0.4, 0.006);
     assert_close(m->states[box].centre[2], 0.4, 0.006);
     assert_close(mover_greatest_speed(m), 0.0, 1e-12); // asleep
-    mover_free(m);
 }
 
 // Without slip a = 5/7 g sin(slope), a capsule or disc by its own inertia.
@@ -219,7 +214,6 @@ TEST(balls_roll_down_a_slope)
     assert_close(spin * 0.5, v, 0.01);
     assert_close(m->states[ball].centre[2], 0.5, 0.006);
     assert_close(m->states[ball].centre[0], 0.5 * v, 0.03);
-    mover_free(m);
 }
 
 // That a ball turns far in a step lifts it off nothing: it neither hops nor sinks.
@@ -240,7 +234,6 @@ TEST(fast_balls_roll_level)
             assert_close(m->states[ball].velocity[0], 6.0, 0.01);
         }
         assert_close(mover_total(m) / before, 1.0, 2e-3);
-        mover_free(m);
     }
 }
 
@@ -259,7 +252,6 @@ TEST(bouncing_balls_come_back_to_their_height)
             highest = fmax(highest, m->states[ball].centre[2] - 0.5);
     }
     assert_close(highest, 0.64 * 2.0, 0.03);
-    mover_free(m);
 }
 
 // Off centre: the momenta along the line of centres change hands, the others stay.
@@ -278,7 +270,6 @@ TEST(elastic_spheres_exchange_momenta)
     assert_close(m->states[a].velocity[0] + m->states[b].velocity[0], 3.0, 1e-5);
     assert_close(m->states[a].velocity[1] + m->states[b].velocity[1], 0.0, 1e-5);
     assert_close(mover_total(m) / before, 1.0, 1e-4);
-    mover_free(m);
 }
 
 // Fast ones are followed on their way: neither past a thin wall nor held where they miss.
@@ -303,7 +294,6 @@ TEST(fast_balls_meet_what_is_in_their_way)
             assert_close(m->states[ball].velocity[0], 900.0, 1e-3);
         else if (!(furthest < 10 && fabs(m->states[ball].velocity[0]) < 900))
             fail_msg("the ball comes to %g", furthest);
-        mover_free(m);
     }
 }
 
@@ -323,7 +313,6 @@ TEST(round_stacks_stand)
         assert_close(m->states[10].centre[2], 9.5, 0.03);
         assert_close(m->states[10].centre[0], 0, 0.01);
         assert_true(mover_greatest_speed(m) < 0.005);
-        mover_free(m);
     }
 }
 
@@ -354,7 +343,6 @@ TEST(piles_come_to_rest)
             assert_true(c[k] > 0.05 && c[k] < (k < 2 ? 5.95 : 40));
         }
     assert_true(mover_greatest_speed(m) < 0.3);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- how they turn
@@ -366,7 +354,6 @@ static double turning_energy(uint32_t dims, const double half[3], double radius,
     m->bodies[id].mass = 3.0f;
     m->bodies[id].angular_velocity[axis] = 2.0f;
     double turning = mover_energy(m).turning;
-    mover_free(m);
     return turning / (0.5 * 2 * 2 * 3); // the inertia, a mass
 }
 
@@ -412,7 +399,6 @@ TEST(hits_and_sensors_are_told)
         assert_close(m->last.hits[0].speed, sqrt(2 * 9.81), 0.2);
     }
     assert_true(hit && sensed);
-    mover_free(m);
 }
 
 static mover *two_on_a_floor(void)
@@ -426,16 +412,14 @@ static mover *two_on_a_floor(void)
 
 static void advance(duet_motion *motion, uint32_t steps)
 {
-    duet_error err = {0};
     duet_motion_result result;
     for (uint32_t i = 0; i < steps; ++i)
-        assert_ok(duet_motion_advance(motion, &result, &err), err);
+        must(duet_motion_advance(motion, &result, ERR));
 }
 
 TEST(recordings_and_saved_motions_have_radii)
 {
     static const char recording[] = "rounded.replay", saved[] = "rounded.motion";
-    duet_error err = {0};
     uint64_t id, hash[2];
     mover *m = two_on_a_floor(), *other = two_on_a_floor(), *third = two_on_a_floor();
     mover_run(m, 0);
@@ -445,34 +429,30 @@ TEST(recordings_and_saved_motions_have_radii)
         .centre = {0.1f, 0, 5}, .half_extents = {0.2f, 0.2f, 0}, .rotation = {0, 0, 0, 1}};
     duet_body body = duet_default_body();
     body.radius = 0.2f;
-    assert_ok(duet_motion_record(m->motion, &err), err);
-    assert_ok(duet_motion_add_bodies(m->motion, &pose, &body, 1, &id, &err), err);
+    must(duet_motion_record(m->motion, ERR));
+    must(duet_motion_add_bodies(m->motion, &pose, &body, 1, &id, ERR));
     advance(m->motion, 20);
     body.radius = 0.4f;
     const duet_body_list one = {.ids = &id, .n = 1};
-    assert_ok(duet_motion_set_bodies(m->motion, one, DUET_BODY_RADIUS, &body, &err), err);
+    must(duet_motion_set_bodies(m->motion, one, DUET_BODY_RADIUS, &body, ERR));
     advance(m->motion, 10);
-    assert_ok(duet_motion_save(m->motion, saved, &err), err);
+    must(duet_motion_save(m->motion, saved, ERR));
     advance(m->motion, 90);
-    assert_ok(duet_motion_save_recording(m->motion, recording, &err), err);
-    assert_ok(duet_motion_get_hash(m->motion, &hash[0], &err), err);
+    must(duet_motion_save_recording(m->motion, recording, ERR));
+    must(duet_motion_get_hash(m->motion, &hash[0], ERR));
 
-    assert_ok(duet_motion_load(third->motion, saved, &err), err);
+    must(duet_motion_load(third->motion, saved, ERR));
     advance(third->motion, 90);
-    assert_ok(duet_motion_get_hash(third->motion, &hash[1], &err), err);
+    must(duet_motion_get_hash(third->motion, &hash[1], ERR));
     assert_true(hash[0] == hash[1]);
 
-    duet_replay *replay = duet_replay_create(recording, &err);
-    assert_ok(replay, err);
+    duet_replay *replay = must(duet_replay_create(recording, ERR));
     duet_motion_result result;
     while (duet_replay_get_info(replay).steps_done < duet_replay_get_info(replay).steps)
-        assert_ok(duet_replay_advance(replay, other->motion, &result, &err), err);
-    assert_ok(duet_motion_get_hash(other->motion, &hash[1], &err), err);
+        must(duet_replay_advance(replay, other->motion, &result, ERR));
+    must(duet_motion_get_hash(other->motion, &hash[1], ERR));
     assert_true(hash[0] == hash[1]);
     duet_replay_destroy(replay);
-    mover_free(m);
-    mover_free(other);
-    mover_free(third);
 }
 
 TEST(radii_need_their_effect)
@@ -490,13 +470,11 @@ TEST(radii_need_their_effect)
     err = (duet_error){0};
     assert_null(duet_motion_create(&m->def, &pose, &body, 1, &err));
     assert_non_null(strstr(err.text, "the radius must be 0 or above"));
-    mover_free(m);
 }
 
 // Two devices, shares and modes; and a scene's objects instead of poses and bodies.
 TEST(any_plan_gives_the_same_bits)
 {
-    duet_error err = {0};
     duet_rounded_box boxes[60];
     rng r = rng_seed(test_seed());
     mover *m = mover_new(3);
@@ -518,16 +496,13 @@ TEST(any_plan_gives_the_same_bits)
         mover_run(m, 30);
         assert_true(mover_hash(m) == expected);
     }
-    duet_scene *scene = duet_scene_create(DUET_OBJECT_ROUNDED_BOXES, boxes, 60, 3, 0, &err);
-    assert_ok(scene, err);
-    duet_motion *motion = duet_motion_create_from_scene(&m->def, scene, m->bodies, &err);
-    assert_ok(motion, err);
+    duet_scene *scene = must(duet_scene_create(DUET_OBJECT_ROUNDED_BOXES, boxes, 60, 3, 0, ERR));
+    duet_motion *motion = must(duet_motion_create_from_scene(&m->def, scene, m->bodies, ERR));
     advance(motion, 30);
-    assert_ok(duet_motion_get_hash(motion, &hash, &err), err);
+    must(duet_motion_get_hash(motion, &hash, ERR));
     assert_true(hash == expected);
     duet_motion_destroy(motion);
     duet_scene_destroy(scene);
-    mover_free(m);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

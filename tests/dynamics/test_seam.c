@@ -72,7 +72,6 @@ static void glide(uint32_t dims, double speed)
     m->def.skin = speed < 4 ? 0.1 : 0; // the slow ones take long
     take_rides(m, ids, SHAPES, speed, 58, rides);
     assert_glide(rides, speed, 0.98, 0.1 * LANES_SLOP, 0.1 * LANES_SLOP);
-    mover_free(m);
 }
 
 TEST(nothing_trips_over_a_seam)
@@ -92,7 +91,6 @@ TEST(no_direction_is_special)
         lanes_turn(m, 1, i ? -2 : 0.3, i ? 0.5 : 0.7, i ? 2.1 : 0.6);
         take_rides(m, ids, SHAPES, 5, 58, rides);
         assert_glide(rides, 5, 0.98, 0.1 * LANES_SLOP, 0.1 * LANES_SLOP);
-        mover_free(m);
     }
 }
 
@@ -115,8 +113,6 @@ TEST(tiles_are_as_one_long_box)
                 assert_close(a->centre[dims - 1], b->centre[dims - 1], 0.1 * LANES_SLOP);
             }
         }
-        mover_free(tiles);
-        mover_free(box);
     }
 }
 
@@ -138,7 +134,6 @@ TEST(sharp_boxes_glide_too)
             }
             take_rides(m, ids, SHAPES, speed, 58, rides);
             assert_glide(rides, speed, 0.98, 0.1 * LANES_SLOP, 0.1 * LANES_SLOP);
-            mover_free(m);
         }
 }
 
@@ -159,7 +154,6 @@ TEST(thrown_bodies_glide_on)
             assert_close(m->states[ids[k]].velocity[0], speed, 0.01 * speed);
             assert_close(m->states[ids[k]].centre[2], m->poses[ids[k]].centre[2] - 1, LANES_SLOP);
         }
-        mover_free(m);
     }
 }
 
@@ -174,11 +168,9 @@ TEST(gaps_and_heights_below_a_slop_are_none)
         mover *m = new_lanes(dims, &(paving){.gap = 0.95 * LANES_SLOP}, 5, ids);
         take_rides(m, ids, SHAPES, 5, 55, rides);
         assert_glide(rides, 5, 0.98, LANES_SLOP, LANES_SLOP);
-        mover_free(m);
         m = new_lanes(dims, &(paving){.uneven = 0.95 * LANES_SLOP}, 5, ids);
         take_rides(m, ids, SHAPES, 5, 55, rides);
         assert_glide(rides, 5, 0.95, LANES_SLOP, 2 * LANES_SLOP);
-        mover_free(m);
     }
 }
 
@@ -198,7 +190,6 @@ static ride ride_to_step(bool tiles, double rise, double speed)
     uint32_t ball = lanes_add_glider(m, 0, 0, speed);
     m->poses[ball].centre[0] = TILES - 2;
     take_rides(m, &ball, 1, speed, 8, &found);
-    mover_free(m);
     return found;
 }
 
@@ -244,7 +235,6 @@ TEST(ramps_lift)
         double v2 = 64 * (1 - lost) - 2 * 9.81 * rise / inertia;
         assert_close(m->states[ball].centre[2], rise + 0.25, LANES_SLOP);
         assert_close(m->states[ball].velocity[0], sqrt(v2), 0.2);
-        mover_free(m);
     }
 }
 
@@ -265,7 +255,6 @@ TEST(bodies_fall_off_the_last_tile)
         for (int k = 0; k < SHAPES; ++k)
             assert_true(m->states[ids[k]].centre[dims - 1] <
                         m->poses[ids[k]].centre[dims - 1] - 0.3);
-        mover_free(m);
     }
 }
 
@@ -294,7 +283,6 @@ TEST(bodies_rest_on_seams)
             assert_close(m->states[id].centre[k], m->poses[id].centre[k],
                          k < 2 ? 1e-3 : LANES_SLOP);
     assert_close(mover_greatest_speed(m), 0, 1e-12); // asleep
-    mover_free(m);
 }
 
 // From all sides, spinning, thrown from above: nothing falls through, and energy never grows.
@@ -332,7 +320,6 @@ static void throw_many(double speed)
                          10 * i);
         assert_true(mover_total(m) < most + 1e-3 * fabs(most));
     }
-    mover_free(m);
 }
 
 TEST(nothing_falls_through)
@@ -349,9 +336,7 @@ static uint64_t hash_of_ride(uint32_t dims, duet_mode mode, uint32_t share, doub
     m->def.plan.share = share;
     m->def.skin = skin;
     mover_run(m, 120);
-    uint64_t hash = mover_hash(m);
-    mover_free(m);
-    return hash;
+    return mover_hash(m);
 }
 
 TEST(seams_have_the_same_bits_by_any_plan)
@@ -389,7 +374,6 @@ TEST(sensors_are_no_tiles)
     assert_true(sensed);
     mover_run(m, 460); // past the last tile, over the other sensor, and down
     assert_true(m->states[ball].centre[0] > TILES && m->states[ball].centre[2] < 0);
-    mover_free(m);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

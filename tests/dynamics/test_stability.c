@@ -21,7 +21,6 @@ TEST(any_time_step_leaves_numbers)
         mover_run(m, 20);
         mover_assert_finite(m);
         assert_close(m->last.time, 20 * times[i], 0.0);
-        mover_free(m);
     }
 }
 
@@ -40,7 +39,6 @@ TEST(more_steps_come_to_the_same_time)
         mover_run(m, steps);
         assert_close(m->last.time, 70.0, 1e-12);
         places[i] = m->states[id].centre[0];
-        mover_free(m);
     }
     assert_close(places[0], 210.0, 1e-9);
     assert_close(places[1], places[0], 1e-9);
@@ -59,9 +57,7 @@ static double height_of_heavy(float ratio, uint32_t substeps)
     m->bodies[heavy].mass = ratio;
     mover_run(m, 300);
     mover_assert_finite(m);
-    double height = m->states[heavy].centre[2];
-    mover_free(m);
-    return height;
+    return m->states[heavy].centre[2];
 }
 
 // The word of docs/effects.md on substeps, from its other side.
@@ -88,7 +84,6 @@ TEST(a_small_pyramid_does_not_tremble)
     mover_add_pyramid(m, 8);
     mover_run(m, 480);
     assert_close(mover_greatest_speed(m), 0.0, 1e-3);
-    mover_free(m);
 }
 
 TEST(a_small_house_of_cards_stands)
@@ -99,16 +94,14 @@ TEST(a_small_house_of_cards_stands)
     mover_run(m, 300);
     assert_close(mover_greatest_speed(m), 0.0, 1e-3);
     assert_close(m->states[m->n - 1].centre[2], height, 0.01);
-    mover_free(m);
 }
 
 static double deepest_contact(mover *m)
 {
-    duet_error err = {0};
     duet_contact *contacts = NULL;
     uint64_t n = 0;
     double deepest = 0.0;
-    assert_ok(duet_motion_get_contacts(m->motion, &contacts, &n, &err), err);
+    must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
     assert_true(n > 0);
     for (uint64_t i = 0; i < n; ++i)
         for (uint32_t k = 0; k < contacts[i].n; ++k)
@@ -134,20 +127,18 @@ TEST(a_pile_does_not_fall_asleep_deep)
     assert_true(deepest < f[2] * slop);
     mover_run(m, 60);
     assert_close(deepest_contact(m), deepest, 0.0);
-    mover_free(m);
 }
 
 // Unit cubes in a row, each so deep in the next, that are put to sleep.
 static mover *make_sleeping_row(uint32_t n, double depth)
 {
     mover *m = mover_new(3);
-    duet_error err = {0};
     m->def.wants = DUET_EFFECT_SLEEP;
     m->def.slop = 0.005;
     for (uint32_t i = 0; i < n; ++i)
         mover_add_cube(m, (i - 0.5 * (n - 1)) * (1.0 - depth), 0, 0, 1);
     mover_run(m, 0);
-    assert_ok(duet_motion_sleep_bodies(m->motion, (duet_body_list){.n = n}, &err), err);
+    must(duet_motion_sleep_bodies(m->motion, (duet_body_list){.n = n}, ERR));
     return m;
 }
 
@@ -167,19 +158,17 @@ TEST(what_sleeps_deep_in_others_is_pushed_out)
     assert_close(middle, 0.0, 1e-5);
     assert_true(deepest_contact(m) < 4 * 0.005);
     assert_int_equal(m->last.n_stages, 0); // nothing is left to do
-    mover_free(m);
 }
 
 // Two that sleep in each other go apart, one of them into a cube that slides by.
 static mover *make_pushed_into_another(double skin)
 {
     mover *m = make_sleeping_row(2, 0.4);
-    duet_error err = {0};
     mover_restart(m);
     m->def.skin = skin;
     m->bodies[mover_add_cube(m, 1.45, 0, 0, 1)].velocity[1] = -0.5f;
     mover_run(m, 0);
-    assert_ok(duet_motion_sleep_bodies(m->motion, (duet_body_list){.n = 2}, &err), err);
+    must(duet_motion_sleep_bodies(m->motion, (duet_body_list){.n = 2}, ERR));
     return m;
 }
 
@@ -194,8 +183,6 @@ TEST(what_is_pushed_meets_the_same_with_a_skin)
         met = met || plain->states[2].velocity[0] > 0.0f;
     }
     assert_true(met);
-    mover_free(plain);
-    mover_free(with_skin);
 }
 
 // One between two of mass 0 that leave it no space. It is pushed for as long as it is long.
@@ -205,14 +192,12 @@ TEST(what_has_no_space_sleeps_all_the_same)
     mover_restart(m);
     m->bodies[0].mass = m->bodies[2].mass = 0.0f;
     mover_run(m, 0);
-    duet_error err = {0};
-    assert_ok(duet_motion_sleep_bodies(m->motion, (duet_body_list){.first = 1, .n = 1}, &err), err);
+    must(duet_motion_sleep_bodies(m->motion, (duet_body_list){.first = 1, .n = 1}, ERR));
     mover_run(m, 475);
     assert_true(m->last.n_stages > 0);
     mover_run(m, 15);
     assert_int_equal(m->last.n_stages, 0);
     assert_close(m->states[1].centre[0], 0.0, 1e-5);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- speeds
@@ -234,9 +219,7 @@ static double fall(uint32_t dims, bool doubles, uint32_t wants, double height, d
     uint32_t box = mover_add_cube(m, from[0], from[1], from[2], 0.2);
     mover_run(m, 60);
     mover_assert_finite(m);
-    double found = m->states[box].centre[k];
-    mover_free(m);
-    return found;
+    return m->states[box].centre[k];
 }
 
 // Whether `fast` is called for is seen from the start alone; what only becomes
@@ -269,7 +252,6 @@ TEST(filters_hold_in_2d_and_in_doubles)
             mover_run(m, 120);
             assert_close(m->states[0].centre[0], 2.0, 1e-4); // through its partner
             assert_true(m->states[2].centre[0] < 0.6);       // stopped by it
-            mover_free(m);
         }
 }
 
@@ -286,9 +268,7 @@ static double speed_after_impact(double speed)
     m->bodies[ball].fixed_rotation = true;
     m->bodies[ball].velocity[0] = (float)speed;
     mover_run(m, (uint32_t)(90.0 / speed));
-    double back = -m->states[ball].velocity[0];
-    mover_free(m);
-    return back;
+    return -m->states[ball].velocity[0];
 }
 
 TEST(impacts_bounce_from_a_speed_on)
@@ -321,7 +301,6 @@ TEST(a_pile_gets_back_little_of_an_impact)
         assert_true(kinetic > 1000.0);
         if (!(gain < f[1] / 100 * kinetic))
             fail_msg("%g of %g came back", gain, kinetic);
-        mover_free(m);
     }
 }
 

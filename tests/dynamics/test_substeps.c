@@ -50,7 +50,6 @@ TEST(small_cubes_stacked_20_high_stand)
     m->def.slop = 0.005 * edge;
     mover_run(m, 300);
     assert_in_place(m, edge);
-    mover_free(m);
 }
 
 TEST(a_jenga_tower_of_real_size_stands)
@@ -66,7 +65,6 @@ TEST(a_jenga_tower_of_real_size_stands)
     m->def.slop = 7.5e-5;
     mover_run(m, 600);
     assert_in_place(m, 0.015);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- the rule
@@ -103,7 +101,6 @@ TEST(the_number_follows_the_closed_form)
         assert_int_equal(info.layers, layers);
         assert_close(info.edge, edge, 1e-6 * edge);
         assert_int_equal(info.substeps, expected(layers, edge, g, 0.02 * edge, dt));
-        mover_free(m);
     }
 }
 
@@ -131,7 +128,6 @@ TEST(a_scene_that_says_its_substeps_keeps_them)
     duet_substep_info info = explain(m);
     assert_false(info.chosen);
     assert_int_equal(info.substeps, 3);
-    mover_free(m);
 }
 
 TEST(what_falls_has_four)
@@ -139,7 +135,6 @@ TEST(what_falls_has_four)
     mover *m = mover_new(3);
     mover_add_pile(m, 300);
     assert_int_equal(explain(m).substeps, 4);
-    mover_free(m);
 }
 
 // Nor do sensors, or boxes without mass.
@@ -157,7 +152,6 @@ TEST(what_does_not_stand_is_no_column)
         duet_substep_info info = explain(m);
         assert_int_equal(info.layers, 1);
         assert_int_equal(info.substeps, 4);
-        mover_free(m);
     }
 }
 
@@ -178,7 +172,6 @@ TEST(spheres_and_turned_boxes_stand_too)
         m->bodies[i].radius = 0.0f;
     }
     assert_int_equal(explain(m).layers, 30);
-    mover_free(m);
 }
 
 TEST(a_column_is_seen_in_its_origin_cells)
@@ -190,7 +183,6 @@ TEST(a_column_is_seen_in_its_origin_cells)
     for (uint32_t i = 0; i < 50; ++i)
         mover_add_rough_cube(m, 0, 0, i + 0.5);
     assert_int_equal(explain(m).layers, 50);
-    mover_free(m);
 }
 
 // ---------------------------------------------------------------- against every pair
@@ -239,7 +231,6 @@ TEST(the_tallest_column_is_that_of_all_pairs)
                 x += 2 * half + rng_between(&r, 0, 0.2);
             }
         assert_int_equal(explain(m).layers, most_layers(m));
-        mover_free(m);
     }
 }
 
@@ -255,12 +246,11 @@ TEST(a_def_that_leaves_its_substeps_changes_the_world)
     uint32_t chosen = explain(m).substeps;
     assert_true(chosen > 4);
     m->def.gravity[2] = -1.0;
-    assert_ok(duet_motion_set_def(m->motion, &m->def, &err), err);
+    must(duet_motion_set_def(m->motion, &m->def, ERR));
     assert_int_equal(explain(m).substeps, chosen);
     m->def.substeps = chosen + 1;
     assert_false(duet_motion_set_def(m->motion, &m->def, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    mover_free(m);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

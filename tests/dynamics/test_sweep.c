@@ -90,7 +90,6 @@ TEST(a_rod_that_sweeps_stops_at_a_thin_wall)
                 fail_msg(
                     "%uD, %g rad/s from %g, restitution %g: %g deep, %g of its energy, %g left",
                     dims, rates[i / 2], angle, bounce, o.deepest, o.most, o.left);
-            mover_free(m);
         }
 }
 
@@ -111,7 +110,6 @@ TEST(a_rod_that_sweeps_past_a_post_strikes_it)
         if (!(o.most < most && o.left < 0.97))
             fail_msg("%d: %g rad/s from %g, tilted by %g: %g of its energy, %g left", i, rate,
                      angle, tilt, o.most, o.left);
-        mover_free(m);
     }
 }
 
@@ -134,7 +132,6 @@ TEST(a_bullet_out_of_line_does_not_pass_a_wall)
         if (!(o.furthest < 10.0 && o.most <= 1.0 && m->states[cube].centre[0] < 9.95))
             fail_msg("%g m/s, turned by %g about %g %g %g: comes to %g, %g of its energy",
                      (double)m->bodies[cube].velocity[0], angle, x, y, z, o.furthest, o.most);
-        mover_free(m);
     }
 }
 

@@ -80,7 +80,6 @@ static drift drift_of(bool doubles, double spin)
         d.worst.momentum = fmax(d.worst.momentum, fabs(momentum));
         d.worst.energy = fmax(d.worst.energy, fabs(energy));
     }
-    mover_free(m);
     print_message("mean %.1e of momentum, %.1e of energy; at most %.1e and %.1e\n", d.mean.momentum,
                   d.mean.energy, d.worst.momentum, d.worst.energy);
     return d;
@@ -157,7 +156,6 @@ TEST(thin_boxes_that_turn_far_keep_their_energy)
                       worst.momentum, worst.energy);
         assert_true(worst.energy < part);
         assert_true(worst.momentum < 1e-3);
-        mover_free(m);
     }
 }
 

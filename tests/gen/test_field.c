@@ -42,11 +42,9 @@ static bool read(script *s, const char *chars, settings *found, duet_error *err)
 
 TEST(a_table_is_read_with_fallbacks)
 {
-    duet_error err = {0};
-    script *s = sandbox_open(NULL, &err);
-    assert_ok(s, err);
+    script *s = must(sandbox_open(NULL, ERR));
     settings found = {0};
-    assert_ok(read(s, "return { n = 3.0, fixed = false, world = {} }", &found, &err), err);
+    must(read(s, "return { n = 3.0, fixed = false, world = {} }", &found, ERR));
     assert_int_equal(found.n, 3);
     assert_true(found.cell == 0.5);
     assert_false(found.fixed);
@@ -75,8 +73,7 @@ TEST(what_is_wrong_is_told_with_its_line)
         {"return {\n world = 12 }", "scene.lua:2: world must be a table, is 12"},
     };
     duet_error err = {0};
-    script *s = sandbox_open(NULL, &err);
-    assert_ok(s, err);
+    script *s = must(sandbox_open(NULL, ERR));
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         settings found;
         err = (duet_error){0};

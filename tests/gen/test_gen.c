@@ -18,11 +18,9 @@ static const gen_limits cpu = {
 
 static gen *open_test_kernels(void)
 {
-    duet_error err = {0};
     text dir = {0};
     text_add(&dir, "%s/kernels", getenv("DUET_TEST_DATA"));
-    gen *g = gen_open(dir.chars, &err);
-    assert_ok(g, err);
+    gen *g = must(gen_open(dir.chars, ERR));
     text_free(&dir);
     return g;
 }
@@ -48,8 +46,7 @@ static duet_error make_with(const char *card, const char *body_file, const char 
     write_file("k.lua", card);
     write_file(body_file, body);
     duet_error err = {0};
-    gen *g = gen_open(folder, &err);
-    assert_ok(g, err);
+    gen *g = must(gen_open(folder, ERR));
     gen_variant v;
     bool ok = gen_make(g, "k", NULL, 0, &gpu, &v, &err);
     assert_int_equal(ok, v.text != NULL);
@@ -73,15 +70,14 @@ static void expect(duet_error err, duet_status status, const char *wanted)
 
 TEST(the_same_config_gives_the_same_bytes)
 {
-    duet_error err = {0};
     gen_setting settings[] = {{"FACTOR", 2}, {"WG", 256}};
     gen_variant first, second;
     gen *g = open_test_kernels();
     gen *other = open_test_kernels();
-    assert_ok(gen_make(g, "plain", settings, 2, &gpu, &first, &err), err);
-    assert_ok(gen_make(g, "plain", NULL, 0, &gpu, &second, &err), err);
+    must(gen_make(g, "plain", settings, 2, &gpu, &first, ERR));
+    must(gen_make(g, "plain", NULL, 0, &gpu, &second, ERR));
     gen_variant_free(&second);
-    assert_ok(gen_make(other, "plain", settings, 2, &gpu, &second, &err), err);
+    must(gen_make(other, "plain", settings, 2, &gpu, &second, ERR));
     assert_string_equal(first.text, second.text);
     assert_string_equal(first.sha256, second.sha256);
     assert_int_equal(strlen(first.sha256), 64);
@@ -96,8 +92,7 @@ TEST(what_was_made_before_changes_no_text)
 {
     duet_error err = {0};
     rng r = rng_seed(test_seed());
-    gen *g = gen_open(NULL, &err);
-    assert_ok(g, err);
+    gen *g = must(gen_open(NULL, ERR));
     static const char *const names[] = {"pair_search_simd", "hash", "scan"};
     for (int i = 0; i < 30; ++i) {
         const char *name = names[rng_below(&r, 3)];
@@ -113,8 +108,8 @@ TEST(what_was_made_before_changes_no_text)
                 gen_count(g, name, limits, &count, &err) &&
                 gen_config(g, name, limits, rng_below(&r, count < 4 ? count : 4), config, &err),
             err);
-        assert_ok(gen_make(g, name, config, n, limits, &used, &err), err);
-        assert_ok(gen_make(other, name, config, n, limits, &fresh, &err), err);
+        must(gen_make(g, name, config, n, limits, &used, ERR));
+        must(gen_make(other, name, config, n, limits, &fresh, ERR));
         assert_string_equal(used.text, fresh.text);
         assert_string_equal(used.sha256, fresh.sha256);
         assert_string_equal(used.name, fresh.name);
@@ -128,10 +123,9 @@ TEST(what_was_made_before_changes_no_text)
 
 TEST(the_hash_is_of_the_text)
 {
-    duet_error err = {0};
     gen *g = open_test_kernels();
     gen_variant v;
-    assert_ok(gen_make(g, "plain", NULL, 0, &gpu, &v, &err), err);
+    must(gen_make(g, "plain", NULL, 0, &gpu, &v, ERR));
     char sum[65];
     SHA256Data((const uint8_t *)v.text, strlen(v.text), sum);
     assert_string_equal(v.sha256, sum);
@@ -141,16 +135,15 @@ TEST(the_hash_is_of_the_text)
 
 TEST(texts_are_as_expected)
 {
-    duet_error err = {0};
     gen *g = open_test_kernels();
     gen_variant v;
     for (int64_t dims = 2; dims <= 3; ++dims) {
         gen_setting setting = {"DIMS", dims};
-        assert_ok(gen_make(g, "shaped", &setting, 1, &gpu, &v, &err), err);
+        must(gen_make(g, "shaped", &setting, 1, &gpu, &v, ERR));
         golden_check(dims == 2 ? "shaped.2d.cl" : "shaped.3d.cl", v.text);
         gen_variant_free(&v);
     }
-    assert_ok(gen_make(g, "plain", NULL, 0, &gpu, &v, &err), err);
+    must(gen_make(g, "plain", NULL, 0, &gpu, &v, ERR));
     golden_check("plain.gpu.cl", v.text);
     gen_variant_free(&v);
     gen_close(g);
@@ -158,11 +151,10 @@ TEST(texts_are_as_expected)
 
 TEST(a_variant_is_named_by_what_varies)
 {
-    duet_error err = {0};
     gen_setting settings[] = {{"SHIFT", 5}, {"PER_ITEM", 1}, {"FACTOR", 3}};
     gen *g = open_test_kernels();
     gen_variant v;
-    assert_ok(gen_make(g, "plain", settings, 3, &cpu, &v, &err), err);
+    must(gen_make(g, "plain", settings, 3, &cpu, &v, ERR));
     assert_string_equal(v.name, "plain.FACTOR3.WG1.PER_ITEM1");
     assert_non_null(strstr(v.text, "#define SHIFT 5\n"));
     assert_int_equal(v.group, 1);
@@ -209,7 +201,6 @@ TEST(settings_that_do_not_fit_are_refused)
 
 TEST(a_kernel_takes_the_offers_that_are_for_it)
 {
-    duet_error err = {0};
     bool taken[5] = {false};
     const gen_offer offers[] = {
         {NULL, "SHIFT", 5, GEN_OFFERED, &taken[0]},   {"", "SHIFT", 3, GEN_OFFERED, &taken[1]},
@@ -220,8 +211,8 @@ TEST(a_kernel_takes_the_offers_that_are_for_it)
     const gen_setting settings[] = {{"SHIFT", 3}, {"WG", 256}};
     gen *g = open_test_kernels();
     gen_variant offered, set;
-    assert_ok(gen_make_offered(g, "plain", offers, 5, &gpu, &offered, &err), err);
-    assert_ok(gen_make(g, "plain", settings, 2, &gpu, &set, &err), err);
+    must(gen_make_offered(g, "plain", offers, 5, &gpu, &offered, ERR));
+    must(gen_make(g, "plain", settings, 2, &gpu, &set, ERR));
     assert_string_equal(offered.text, set.text);
     assert_string_equal(offered.name, set.name);
     assert_memory_equal(taken, meant, sizeof taken);
@@ -265,11 +256,10 @@ TEST(a_group_above_the_device_is_never_valid)
 
 TEST(defaults_follow_the_limits)
 {
-    duet_error err = {0};
     const gen_param *params = NULL;
     uint32_t n = 0;
     gen *g = open_test_kernels();
-    assert_ok(gen_params(g, "plain", &gpu, &params, &n, &err), err);
+    must(gen_params(g, "plain", &gpu, &params, &n, ERR));
     assert_int_equal(n, 4);
     assert_string_equal(params[2].name, "WG");
     assert_int_equal(params[2].fallback, 64);
@@ -279,7 +269,7 @@ TEST(defaults_follow_the_limits)
     assert_true(params[1].is_range);
     assert_int_equal(params[1].fallback, -1);
     assert_int_equal(params[0].fallback, 1); // the first value
-    assert_ok(gen_params(g, "plain", &cpu, &params, &n, &err), err);
+    must(gen_params(g, "plain", &cpu, &params, &n, ERR));
     assert_int_equal(params[2].fallback, 1);
     gen_close(g);
 }
@@ -292,12 +282,12 @@ TEST(configs_are_counted_and_found_by_number)
     small.local_bytes = 256; // no group of 256
     gen *g = open_test_kernels();
     uint64_t count = 0, index = 0;
-    assert_ok(gen_count(g, "plain", &small, &count, &err), err);
+    must(gen_count(g, "plain", &small, &count, ERR));
     gen_setting config[4];
     for (int64_t factor = 1; factor <= 3; ++factor)
         for (int64_t wg = 1; wg <= 64; wg += 63)
             for (int64_t per_item = 1; per_item <= (factor == 3 ? 1 : 4); per_item += 3) {
-                assert_ok(gen_config(g, "plain", &small, index++, config, &err), err);
+                must(gen_config(g, "plain", &small, index++, config, ERR));
                 assert_int_equal(config[0].value, factor);
                 assert_string_equal(config[1].name, "SHIFT");
                 assert_int_equal(config[1].value, -1);
@@ -312,7 +302,6 @@ TEST(configs_are_counted_and_found_by_number)
 
 TEST(a_large_space_is_counted_block_by_block)
 {
-    duet_error err = {0};
     test_make_folder(folder);
     write_file("k.lua",
                CARD("{ 'A', values = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9 } },"
@@ -321,14 +310,13 @@ TEST(a_large_space_is_counted_block_by_block)
                     "valid = function(p) return (100 * p.A + 10 * p.B + p.C) % 7 == 3 end,"));
     write_file("common.clh", "\n");
     write_file("k.cl", "\n");
-    gen *g = gen_open(folder, &err);
-    assert_ok(g, err);
+    gen *g = must(gen_open(folder, ERR));
     uint64_t count = 0;
-    assert_ok(gen_count(g, "k", &gpu, &count, &err), err);
+    must(gen_count(g, "k", &gpu, &count, ERR));
     assert_int_equal(count, 143); // 3, 10, .. 997
     for (uint64_t i = 0; i < count; ++i) {
         gen_setting p[3];
-        assert_ok(gen_config(g, "k", &gpu, i, p, &err), err);
+        must(gen_config(g, "k", &gpu, i, p, ERR));
         assert_int_equal(100 * p[0].value + 10 * p[1].value + p[2].value, 7 * i + 3);
     }
     gen_close(g);
@@ -476,19 +464,18 @@ TEST(a_broken_kernel_does_not_stop_the_others)
     write_file("good.lua", CARD("", ""));
     write_file("good.cl", "int good;\n");
     write_file("common.clh", "\n");
-    gen *g = gen_open(folder, &err);
-    assert_ok(g, err);
+    gen *g = must(gen_open(folder, ERR));
     assert_string_equal(gen_kernel(g, 0), "bad");
     assert_string_equal(gen_kernel(g, 1), "good");
     assert_null(gen_kernel(g, 2));
     gen_variant v;
     assert_false(gen_make(g, "bad", NULL, 0, &gpu, &v, &err));
     err = (duet_error){0};
-    assert_ok(gen_make(g, "good", NULL, 0, &gpu, &v, &err), err);
+    must(gen_make(g, "good", NULL, 0, &gpu, &v, ERR));
     gen_variant_free(&v);
     write_file("bad.lua", CARD("", "")); // mended
     write_file("bad.cl", "int bad;\n");
-    assert_ok(gen_make(g, "bad", NULL, 0, &gpu, &v, &err), err);
+    must(gen_make(g, "bad", NULL, 0, &gpu, &v, ERR));
     gen_variant_free(&v);
     gen_close(g);
 }
@@ -504,25 +491,24 @@ TEST(a_folder_takes_only_the_common_header_from_carried_files)
     expect(err, DUET_STATUS_NOT_FOUND, "no card (*.lua) in it");
     write_file("scan.lua", CARD("", ""));
     err = (duet_error){0};
-    gen *g = gen_open(folder, &err);
-    assert_ok(g, err);
+    gen *g = must(gen_open(folder, ERR));
     gen_variant v;
     assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));
     expect(err, DUET_STATUS_NOT_FOUND, "/scan.cl: ");
     write_file("scan.cl", "\n");
     err = (duet_error){0};
-    assert_ok(gen_make(g, "scan", NULL, 0, &gpu, &v, &err), err);
+    must(gen_make(g, "scan", NULL, 0, &gpu, &v, ERR));
     assert_non_null(strstr(v.text, "FP_CONTRACT OFF"));
     gen_variant_free(&v);
     write_file("common.clh", "// own\n");
     gen_close(g);
-    assert_ok((g = gen_open(folder, &err)), err);
-    assert_ok(gen_make(g, "scan", NULL, 0, &gpu, &v, &err), err);
+    must((g = gen_open(folder, ERR)));
+    must(gen_make(g, "scan", NULL, 0, &gpu, &v, ERR));
     assert_non_null(strstr(v.text, "// own"));
     assert_null(strstr(v.text, "FP_CONTRACT OFF"));
     gen_variant_free(&v);
     gen_close(g);
-    assert_ok((g = gen_open(folder, &err)), err);
+    must((g = gen_open(folder, ERR)));
     write_file("scan.cl.in", "\n");
     err = (duet_error){0};
     assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));

@@ -78,10 +78,9 @@ static void add_what_is_made(const char *chars, text *out)
 
 static bool has_dims(gen *g, const char *kernel)
 {
-    duet_error err = {0};
     const gen_param *params = NULL;
     uint32_t n = 0;
-    assert_ok(gen_params(g, kernel, &gpu, &params, &n, &err), err);
+    must(gen_params(g, kernel, &gpu, &params, &n, ERR));
     for (uint32_t i = 0; i < n; ++i)
         if (strcmp(params[i].name, "DIMS") == 0)
             return true;
@@ -91,13 +90,12 @@ static bool has_dims(gen *g, const char *kernel)
 static void write_made(gen *g, const char *kernel, const gen_limits *limits, int64_t dims,
                        const char *path)
 {
-    duet_error err = {0};
     gen_setting setting = {"DIMS", dims};
     gen_variant v;
     text made = {0};
-    assert_ok(gen_make(g, kernel, &setting, has_dims(g, kernel), limits, &v, &err), err);
+    must(gen_make(g, kernel, &setting, has_dims(g, kernel), limits, &v, ERR));
     add_what_is_made(v.text, &made);
-    assert_ok(text_write_file(path, made.chars, made.length, &err), err);
+    must(text_write_file(path, made.chars, made.length, ERR));
     text_free(&made);
     gen_variant_free(&v);
 }
@@ -132,9 +130,7 @@ static bool is_template(const char *kernel)
 
 TEST(templates_have_the_expected_text)
 {
-    duet_error err = {0};
-    gen *g = gen_open(NULL, &err);
-    assert_ok(g, err);
+    gen *g = must(gen_open(NULL, ERR));
     int checked = 0;
     for (uint32_t i = 0; gen_kernel(g, i); ++i)
         if (is_template(gen_kernel(g, i))) {

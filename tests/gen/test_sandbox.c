@@ -9,7 +9,7 @@ static void assert_says(const char *chunk, const char *wanted)
 {
     duet_error err = {0};
     script *s = sandbox_open(NULL, &err);
-    assert_ok(s && script_run(s, "card.lua", chunk, strlen(chunk), 1, &err), err);
+    must(s && script_run(s, "card.lua", chunk, strlen(chunk), 1, ERR));
     assert_string_equal(lua_tostring(script_lua(s), -1), wanted);
     script_close(s);
 }
@@ -35,8 +35,7 @@ TEST(patterns_are_refused_with_their_line)
                                          "string.gsub('a', 'a', 'b')"};
     for (size_t i = 0; i < sizeof chunks / sizeof *chunks; ++i) {
         duet_error err = {0};
-        script *s = sandbox_open(NULL, &err);
-        assert_ok(s, err);
+        script *s = must(sandbox_open(NULL, ERR));
         assert_false(script_run(s, "card.lua", chunks[i], strlen(chunks[i]), 0, &err));
         assert_non_null(strstr(err.text, "card.lua:1: "));
         assert_non_null(strstr(err.text, "find(s, text, 1, true) finds plain text"));

@@ -24,7 +24,7 @@ static void refuse(script *s, const char *chars, const char *why)
         fail_msg("%s: %s %s, wanted %s", chars, duet_status_name(err.status), err.text, why);
     assert_int_equal(lua_gettop(script_lua(s)), 0);
     err = (duet_error){0};
-    assert_ok(run(s, "return 1 + 1", 1, &err), err);
+    must(run(s, "return 1 + 1", 1, ERR));
     assert_int_equal(lua_tointeger(script_lua(s), -1), 2);
     lua_pop(script_lua(s), 1);
 }
@@ -33,9 +33,7 @@ static void refuse_each(const script_limits *limits, const char *const *chunks, 
                         const char *why)
 {
     for (size_t i = 0; i < n; ++i) {
-        duet_error err = {0};
-        script *s = sandbox_open(limits, &err);
-        assert_ok(s, err);
+        script *s = must(sandbox_open(limits, ERR));
         refuse(s, chunks[i], why);
         script_close(s);
     }
@@ -46,10 +44,8 @@ static void refuse_each(const script_limits *limits, const char *const *chunks, 
 
 TEST(results_are_left_on_the_stack)
 {
-    duet_error err = {0};
-    script *s = sandbox_open(NULL, &err);
-    assert_ok(s, err);
-    assert_ok(run(s, "return 'a', math.maxinteger", 2, &err), err);
+    script *s = must(sandbox_open(NULL, ERR));
+    must(run(s, "return 'a', math.maxinteger", 2, ERR));
     assert_string_equal(lua_tostring(script_lua(s), 1), "a");
     assert_int_equal(lua_tointeger(script_lua(s), 2), INT64_MAX);
     script_close(s);
@@ -86,15 +82,12 @@ TEST(a_greedy_script_ends_at_its_memory)
 
 TEST(a_search_takes_what_it_looks_at)
 {
-    duet_error err = {0};
-    script *s = sandbox_open(&tight, &err);
-    assert_ok(s, err);
-    assert_ok(run(s,
-                  "local s, at, n = (('x'):rep(99) .. '\\n'):rep(2000), 1, 0\n"
-                  "while at do at, n = s:find('\\n', at + 1, true), n + 1 end\n"
-                  "assert(n == 2001)",
-                  0, &err),
-              err);
+    script *s = must(sandbox_open(&tight, ERR));
+    must(run(s,
+             "local s, at, n = (('x'):rep(99) .. '\\n'):rep(2000), 1, 0\n"
+             "while at do at, n = s:find('\\n', at + 1, true), n + 1 end\n"
+             "assert(n == 2001)",
+             0, ERR));
     refuse(s, "local s = ('x'):rep(2e5) for i = 1, 1000 do s:find('\\n', 1, true) end",
            "instructions");
     script_close(s);
@@ -121,9 +114,7 @@ TEST(deep_nesting_of_the_text_is_an_error)
 
 TEST(an_error_of_any_kind_is_one_line_with_a_place)
 {
-    duet_error err = {0};
-    script *s = sandbox_open(&tight, &err);
-    assert_ok(s, err);
+    script *s = must(sandbox_open(&tight, ERR));
     refuse(s, "\n\nerror('wrong')", "card.lua:3: wrong");
     refuse(s, "\n\nerror('two\\nlines')", "card.lua:3: two lines");
     refuse(s, "error('no level', 0)", "card.lua: no level");
@@ -144,8 +135,7 @@ TEST(an_error_of_any_kind_is_one_line_with_a_place)
 TEST(a_long_path_is_named_whole)
 {
     duet_error err = {0};
-    script *s = sandbox_open(NULL, &err);
-    assert_ok(s, err);
+    script *s = must(sandbox_open(NULL, ERR));
     const char *path = "some/folder/whose/name/goes/on/and/on/until/it/is/longer/than/sixty/x.lua";
     assert_false(script_run(s, path, "\nerror('here')", 14, 0, &err));
     char wanted[200];
@@ -161,13 +151,11 @@ TEST(nothing_dangerous_is_within_reach)
         "loadfile", "loadstring",   "dofile",       "print",  "warn",    "collectgarbage", "pcall",
         "xpcall",   "setmetatable", "getmetatable", "rawget", "rawset",  "rawequal",       "rawlen",
         "next",     "_G",           "string.dump"};
-    duet_error err = {0};
-    script *s = sandbox_open(NULL, &err);
-    assert_ok(s, err);
+    script *s = must(sandbox_open(NULL, ERR));
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         char chunk[100];
         snprintf(chunk, sizeof chunk, "return %s == nil", names[i]);
-        assert_ok(run(s, chunk, 1, &err), err);
+        must(run(s, chunk, 1, ERR));
         if (!lua_toboolean(script_lua(s), -1))
             fail_msg("a script finds %s", names[i]);
         lua_pop(script_lua(s), 1);
@@ -200,11 +188,9 @@ TEST(every_run_gives_the_same)
 // Each call may take the whole limit; a script cannot use up the next one's.
 TEST(limits_begin_again_with_each_call)
 {
-    duet_error err = {0};
-    script *s = sandbox_open(&tight, &err);
-    assert_ok(s, err);
+    script *s = must(sandbox_open(&tight, ERR));
     for (int i = 0; i < 5; ++i)
-        assert_ok(run(s, "for i = 1, 900000 do end", 0, &err), err);
+        must(run(s, "for i = 1, 900000 do end", 0, ERR));
     refuse(s, "for i = 1, 9000000 do end", "instructions");
     script_close(s);
 }
@@ -213,9 +199,7 @@ TEST(few_instructions_that_move_many_bytes_end_in_time)
 {
     script_limits limits = {
         .memory_bytes = 64 << 20, .instructions = (uint64_t)1 << 60, .seconds = 0.2};
-    duet_error err = {0};
-    script *s = sandbox_open(&limits, &err);
-    assert_ok(s, err);
+    script *s = must(sandbox_open(&limits, ERR));
     refuse(s, "local s = ('x'):rep(1e6) for i = 1, 1e9 do local t = s:reverse() end",
            "card.lua:1: runs for more than the 0.2 s");
     script_close(s);
@@ -237,9 +221,7 @@ TEST(memory_that_ends_while_the_stack_grows_is_told_with_a_line)
 {
     for (size_t bytes = 100000; bytes < 600000; bytes += 20000) {
         script_limits limits = {.memory_bytes = bytes, .instructions = 10000000, .seconds = 5};
-        duet_error err = {0};
-        script *s = sandbox_open(&limits, &err);
-        assert_ok(s, err);
+        script *s = must(sandbox_open(&limits, ERR));
         refuse(s, "\nlocal function f(n) return 1 + f(n + 1) end\nf(1)",
                "card.lua:2: needs more than the");
         script_close(s);

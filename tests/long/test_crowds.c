@@ -15,7 +15,6 @@
 // Upright cubes in one cell of edge 1.
 static duet_world *open_world(duet_pose *poses, uint32_t n, float half, uint64_t max_pairs)
 {
-    duet_error err = {0};
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < n; ++i) {
         poses[i] = (duet_pose){{0}, {half, half, half}, {0, 0, 0, 1}};
@@ -30,9 +29,8 @@ static duet_world *open_world(duet_pose *poses, uint32_t n, float half, uint64_t
     def.has_world = true;
     memcpy(def.upper, (float[]){20, 20, 20}, sizeof def.upper);
     def.max_pairs = max_pairs;
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
+    duet_world *world = must(duet_world_create(&def, ERR));
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, ERR));
     return world;
 }
 
@@ -47,22 +45,20 @@ TEST(none_of_65537_objects_in_a_cell_is_missed)
 {
     enum { N = 65537 };
     static const char *const variants[] = {"auto", "gpu"};
-    duet_error err = {0};
     duet_result result;
     duet_pose *poses = room_for(N);
     duet_world *world = open_world(poses, N, 0.002f, 0);
-    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, N, 3, 0, &err);
-    assert_ok(scene, err);
+    duet_scene *scene = must(duet_scene_create(DUET_OBJECT_POSES, poses, N, 3, 0, ERR));
     duet_pair *pairs = NULL;
     uint64_t n_pairs = 0;
-    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, &err), err);
+    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, ERR));
     uint64_t hash = duet_pairs_hash(pairs, n_pairs);
     for (int v = 0; v < 2; ++v) {
         duet_plan plan = *duet_world_get_plan(world);
         strcpy(plan.variant_a, variants[v]);
         strcpy(plan.variant_b, variants[v]);
-        assert_ok(duet_world_set_plan(world, &plan, &err), err);
-        assert_ok(duet_world_step(world, &result, &err), err);
+        must(duet_world_set_plan(world, &plan, ERR));
+        must(duet_world_step(world, &result, ERR));
         assert_true(result.cell >= 1);
         assert_true(n_pairs > 1000 && result.pairs == n_pairs);
         assert_true(duet_result_get_hash(&result) == hash);
@@ -82,7 +78,7 @@ static void expect_too_many(uint32_t n, uint64_t max_pairs, const char *says)
     duet_world *world = open_world(poses, n, 0.4f, max_pairs);
     duet_plan plan = *duet_world_get_plan(world);
     plan.share = 0;
-    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    must(duet_world_set_plan(world, &plan, ERR));
     assert_false(duet_world_step(world, &result, &err));
     assert_int_equal(err.status, DUET_STATUS_TOO_MANY);
     if (!strstr(err.text, says))

@@ -15,10 +15,9 @@ enum { OBJECT_BYTES = 200, PAIR_BYTES = 16 };
 
 static void check_step(duet_world *world, const duet_plan *plan, uint64_t pairs, uint64_t hash)
 {
-    duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_set_plan(world, plan, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_set_plan(world, plan, ERR));
+    must(duet_world_step(world, &result, ERR));
     if (result.pairs != pairs || duet_result_get_hash(&result) != hash)
         fail_msg("'%s', mode %s, share %u: %" PRIu64 " pairs, the reference has %" PRIu64,
                  plan->variant_a, duet_mode_name(plan->mode), plan->share, result.pairs, pairs);
@@ -34,24 +33,20 @@ static void check_scene(const char *name, const char *n)
     static const char *const variants[] = {"auto", "paper"};
     char path[1024];
     snprintf(path, sizeof path, "%s/%s.lua", getenv("DUET_TEST_SCENES"), name);
-    duet_error err = {0};
     duet_setting settings[] = {{"n", n}};
-    duet_scene *scene = duet_scene_load(path, settings, 1, &err);
-    assert_ok(scene, err);
+    duet_scene *scene = must(duet_scene_load(path, settings, 1, ERR));
     duet_pair *expected = NULL;
     uint64_t pairs = 0;
-    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &expected, &pairs, &err), err);
+    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &expected, &pairs, ERR));
     uint64_t hash = duet_pairs_hash(expected, pairs);
     duet_free(expected);
     print_message("%s, %s objects: %" PRIu64 " pairs, hash %016" PRIx64 "\n", name, n, pairs, hash);
 
     duet_device_pair_def pair_def = duet_default_device_pair_def();
-    duet_device_pair *pair = duet_device_pair_create(&pair_def, &err);
-    assert_ok(pair, err);
+    duet_device_pair *pair = must(duet_device_pair_create(&pair_def, ERR));
     duet_world_def def = duet_scene_world_def(scene, pair);
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
-    assert_ok(duet_world_set_scene(world, scene, &err), err);
+    duet_world *world = must(duet_world_create(&def, ERR));
+    must(duet_world_set_scene(world, scene, ERR));
     for (int v = 0; v < 2; ++v)
         for (duet_mode mode = DUET_MODE_SHARED; mode <= DUET_MODE_SLAB; ++mode)
             for (size_t s = 0; s < sizeof shares / sizeof shares[0]; ++s) {

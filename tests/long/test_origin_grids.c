@@ -62,7 +62,7 @@ TEST(every_level_finds_its_reference_s_pairs_far_away)
     assert_ok(scene != NULL, err);
     duet_world_def def = duet_scene_world_def(scene, devices);
     duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world && duet_world_set_scene(world, scene, &err), err);
+    must(world && duet_world_set_scene(world, scene, ERR));
     const char *const variants[] = {"gpu", "simd"};
     for (int l = 0; l < DUET_LEVELS; ++l) {
         duet_pair *pairs = NULL;
@@ -70,10 +70,10 @@ TEST(every_level_finds_its_reference_s_pairs_far_away)
         duet_result result;
         strcpy(def.plan.variant_a, variants[l % 2]);
         strcpy(def.plan.variant_b, variants[l % 2]);
-        assert_ok(duet_reference(scene, (duet_level)l, &pairs, &n, &err), err);
-        assert_ok(duet_world_set_plan(world, &def.plan, &err), err);
-        assert_ok(duet_world_set_level(world, (duet_level)l, &err), err);
-        assert_ok(duet_world_step(world, &result, &err), err);
+        must(duet_reference(scene, (duet_level)l, &pairs, &n, ERR));
+        must(duet_world_set_plan(world, &def.plan, ERR));
+        must(duet_world_set_level(world, (duet_level)l, ERR));
+        must(duet_world_step(world, &result, ERR));
         assert_int_equal(result.pairs, n);
         assert_int_equal(duet_result_get_hash(&result), duet_pairs_hash(pairs, n));
         duet_free(pairs);

@@ -25,7 +25,6 @@ static void assert_prints(const char *arguments, const char *output)
         fail_msg("%s: %s", arguments, p.err);
     assert_string_equal(p.out, output);
     assert_string_equal(p.err, "");
-    program_free(&p);
 }
 
 TEST(text_file_and_arguments_run)
@@ -99,7 +98,6 @@ TEST(what_is_shown_says_what_it_is)
     assert_non_null(strstr(p.out, "\n  shape         \"bounds\"\n"));
     assert_non_null(strstr(p.out, "\nname    "));
     assert_non_null(strstr(p.out, "\nclear   "));
-    program_free(&p);
 }
 
 TEST(help_is_of_the_prompt)
@@ -116,7 +114,6 @@ TEST(help_is_of_the_prompt)
     assert_null(strstr(p.out, "  duet.answers(from)")); // arrays have no rows of their own
     assert_non_null(strstr(p.out, "  duet.DevicePair:world(scene?, def?)  "));
     assert_non_null(strstr(p.out, "there is no help on 'no'"));
-    program_free(&p);
     assert_prints("lua -e 'print(help)'", "nil\n");
 }
 
@@ -358,7 +355,6 @@ TEST(a_script_that_goes_on_in_the_host_is_ended_by_the_program)
         fail_msg("said '%s'", p.err);
     if (seconds > 15)
         fail_msg("took %g s", seconds);
-    program_free(&p);
 }
 
 // The first signal is heard, whatever the script does; a second one would end
@@ -384,7 +380,6 @@ TEST(a_signal_is_heard_whatever_runs)
         double seconds = (double)(clock_steady_ns() - begun) * 1e-9;
         if (p.exit_code != 128 + SIGTERM || !strstr(p.err, "stopped\n") || seconds > 0.5 + 2 + 8)
             fail_msg("%s: exit %d after %g s, '%s'", cases[i].script, p.exit_code, seconds, p.err);
-        program_free(&p);
     }
 }
 

@@ -70,8 +70,7 @@ static reference_found reference_of(const crowd *c, duet_level level)
                                  .level = level,
                                  .rotated = c->rotated};
     reference_found found = {0};
-    duet_error err = {0};
-    assert_ok(reference_find(&objects, REFERENCE_EACH_WITH_EACH, &found, &err), err);
+    must(reference_find(&objects, REFERENCE_EACH_WITH_EACH, &found, ERR));
     return found;
 }
 
@@ -81,10 +80,8 @@ static duet_world *open_world(duet_device_pair *pair, const crowd *c)
     def.pair = pair;
     def.dims = c->dims;
     def.rotated = c->rotated;
-    duet_error err = {0};
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, c->poses, c->n, &err), err);
+    duet_world *world = must(duet_world_create(&def, ERR));
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, c->poses, c->n, ERR));
     return world;
 }
 
@@ -96,10 +93,9 @@ static void step(duet_world *world, const crowd *c, duet_level level, const refe
     duet_plan plan = {.share = share, .mode = DUET_MODE_OWN};
     strcpy(plan.variant_a, share == DUET_SHARE_ONE ? search : "gpu");
     strcpy(plan.variant_b, search);
-    duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_set_plan(world, &plan, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_set_plan(world, &plan, ERR));
+    must(duet_world_step(world, &result, ERR));
     if (duet_result_get_hash(&result) != duet_pairs_hash(truth->pairs, truth->n))
         fail_msg("%uD rotated %d %s, %s at %" PRIu32 ": %" PRIu64 " pairs; expected the %" PRIu64
                  " of the reference",
@@ -115,11 +111,10 @@ static void step(duet_world *world, const crowd *c, duet_level level, const refe
 static void try_levels(duet_device_pair *pair, const crowd *c)
 {
     duet_world *world = open_world(pair, c);
-    duet_error err = {0};
     for (int l = 0; l < DUET_LEVELS; ++l) {
         duet_level level = (duet_level)l;
         reference_found truth = reference_of(c, level);
-        assert_ok(duet_world_set_level(world, level, &err), err);
+        must(duet_world_set_level(world, level, ERR));
         for (size_t s = 0; s < sizeof searches / sizeof *searches; ++s) {
             if (level == DUET_LEVEL_AABB && strstr(searches[s], "FUSED="))
                 continue; // there is no test to fuse

@@ -25,9 +25,7 @@ static gen *kernels;
 
 static int begin(void **state)
 {
-    duet_error err = {0};
-    kernels = gen_open(NULL, &err);
-    assert_ok(kernels, err);
+    kernels = must(gen_open(NULL, ERR));
     return open_devices(state);
 }
 
@@ -39,11 +37,10 @@ static int end(void **state)
 
 static gen_variant make_narrow(const device *d, uint32_t dims)
 {
-    duet_error err = {0};
     gen_variant made;
     gen_limits limits = program_limits(&d->info);
     const gen_setting settings[] = {{"DIMS", dims}, {"SORTED", 0}};
-    assert_ok(gen_make(kernels, "narrow", settings, 2, &limits, &made, &err), err);
+    must(gen_make(kernels, "narrow", settings, 2, &limits, &made, ERR));
     return made;
 }
 
@@ -236,11 +233,10 @@ static void ask_test_pairs(const device *d, cl_program program, const gen_varian
 static void ask_level(const device *d, duet_level level, bool contracted, duet_pose *poses,
                       uint8_t answers[PAIRS])
 {
-    duet_error err = {0};
     gen_variant made;
     gen_limits limits = program_limits(&d->info);
     const gen_setting settings[] = {{"DIMS", 3}, {"ACCURACY", level}};
-    assert_ok(gen_make(kernels, "pair_query", settings, 2, &limits, &made, &err), err);
+    must(gen_make(kernels, "pair_query", settings, 2, &limits, &made, ERR));
     char *off = strstr(made.text, "FP_CONTRACT OFF");
     assert_non_null(off);
     if (contracted)
@@ -277,12 +273,11 @@ TEST(contraction_breaks_no_promise_of_any_level)
 
 TEST(relaxed_arithmetic_is_refused_by_every_kernel)
 {
-    duet_error err = {0};
     const device *d = &devices->devices[1];
     gen_limits limits = program_limits(&d->info);
     for (uint32_t i = 0; gen_kernel(kernels, i); ++i) {
         gen_variant made;
-        assert_ok(gen_make(kernels, gen_kernel(kernels, i), NULL, 0, &limits, &made, &err), err);
+        must(gen_make(kernels, gen_kernel(kernels, i), NULL, 0, &limits, &made, ERR));
         assert_null(build(d, &made, PLAIN " -cl-fast-relaxed-math"));
         gen_variant_free(&made);
     }

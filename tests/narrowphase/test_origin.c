@@ -29,8 +29,7 @@ TEST(a_position_is_kept_to_2_25_of_an_edge_anywhere)
         duet_large_pose p = {.cell = {7, 7, 7}};
         for (int k = 0; k < 3; ++k)
             at[k] = rng_between(&r, -1e7, 1e7);
-        duet_error err = {0};
-        assert_ok(duet_large_pose_set(&p, at, edge, &err), err);
+        must(duet_large_pose_set(&p, at, edge, ERR));
         for (int k = 0; k < 3; ++k) {
             assert_true(p.pose.centre[k] >= 0 && p.pose.centre[k] < edge);
             double there = (double)p.cell[k] * edge + p.pose.centre[k];
@@ -181,9 +180,8 @@ TEST(a_float_coordinate_loses_what_cells_keep)
 
 static uint64_t step_hash(duet_world *world, const duet_plan *plan, duet_result *result)
 {
-    duet_error err = {0};
-    assert_ok(duet_world_set_plan(world, plan, &err), err);
-    assert_ok(duet_world_step(world, result, &err), err);
+    must(duet_world_set_plan(world, plan, ERR));
+    must(duet_world_step(world, result, ERR));
     return duet_result_get_hash(result);
 }
 
@@ -203,10 +201,10 @@ static uint64_t check_cloud(const double at[3])
     assert_ok(scene != NULL, err);
     duet_world_def def = duet_scene_world_def(scene, devices);
     duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world && duet_world_set_scene(world, scene, &err), err);
+    must(world && duet_world_set_scene(world, scene, ERR));
     duet_pair *pairs = NULL;
     uint64_t n = 0;
-    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
+    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
     assert_true(n > 300);
     uint64_t hash = duet_pairs_hash(pairs, n), candidates = 0;
     for (int i = 0; i < 3; ++i) {
@@ -253,8 +251,7 @@ TEST(a_world_says_what_origin_cells_do_not_go_with)
     refuse_world(&def, "origin cells are for poses");
     def.shape = DUET_SHAPE_POSES;
     duet_error err = {0};
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world != NULL, err);
+    duet_world *world = must(duet_world_create(&def, ERR));
     assert_null(duet_world_map_objects(world, DUET_OBJECT_POSES, 1, &err));
     assert_non_null(strstr(err.text, "made for large poses, not for poses"));
     duet_world_destroy(world);
@@ -265,11 +262,9 @@ TEST(an_offset_that_is_not_settled_is_a_bad_object)
     const float wrong[] = {LARGE_EDGE, -LARGE_EDGE / 2, 0.05f, LARGE_EDGE * 0x1p-25f, NAN};
     duet_world_def def = large_def(3, true);
     duet_error err = {0};
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world != NULL, err);
+    duet_world *world = must(duet_world_create(&def, ERR));
     for (int i = 0; i < 5; ++i) {
-        duet_large_pose *to = duet_world_map_objects(world, DUET_OBJECT_LARGE_POSES, 2, &err);
-        assert_ok(to != NULL, err);
+        duet_large_pose *to = must(duet_world_map_objects(world, DUET_OBJECT_LARGE_POSES, 2, ERR));
         to[0] = to[1] = (duet_large_pose){.pose = {{0}, {1, 1, 1}, {0, 0, 0, 1}}};
         to[1].pose.centre[i % 3] = wrong[i];
         duet_result result;
@@ -314,8 +309,8 @@ TEST(what_is_not_asked_for_is_not_compiled)
     duet_error err = {0};
     scatter_large(0, 2, (double[]){0, 0, 0}, 1, 1, true, &r);
     test_kernels_write("test_origin.kernels", "common.clh", POISON, "");
-    assert_ok(find_pairs(0, "gpu FUSED=1", &err), err);
-    assert_ok(find_pairs(0, "simd", &err), err);
+    must(find_pairs(0, "gpu FUSED=1", ERR));
+    must(find_pairs(0, "simd", ERR));
     assert_false(find_pairs(LARGE_EDGE, "simd", &err));
     assert_int_equal(err.status, DUET_STATUS_BUILD_FAILED);
 }
@@ -328,9 +323,7 @@ TEST(a_script_s_doubles_reach_their_cells)
                        "add(1e7 + 1.2, 0, 0, 0.5, 0.5, 0.5, 0, 0, 0, 1)\n"
                        "add{centre = {1e7 + 2.3, 0, 0}, half_extents = {0.5, 0.5, 0.5}}\n"
                        "return {origin = 'cell'}";
-    duet_error err = {0};
-    duet_scene *scene = scene_from_text("far.lua", text, &err);
-    assert_ok(scene != NULL, err);
+    duet_scene *scene = must(scene_from_text("far.lua", text, ERR));
     assert_true(duet_scene_get_info(scene)->origin_edge == 1);
     assert_true(test_poses(scene)[1].centre[0] == 10000001.0f);
     const duet_large_pose *p = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
@@ -338,7 +331,7 @@ TEST(a_script_s_doubles_reach_their_cells)
     assert_true(fabs(p[1].pose.centre[0] - 0.2) < 1e-7);
     duet_pair *pairs = NULL;
     uint64_t n = 0;
-    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
+    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
     assert_int_equal(n, 1);
     duet_free(pairs);
     duet_scene_destroy(scene);
@@ -364,11 +357,9 @@ TEST(a_scene_says_what_is_wrong_with_its_origin)
 
 TEST(data_are_placed_where_that_is_asked_for)
 {
-    duet_error err = {0};
     const char *text = "10000000.25 0 1 1 0\n10000000.75 0 1 1 0\n";
     const duet_setting settings[] = {{"origin", "cell"}, {"origin_edge", "0.5"}};
-    duet_scene *scene = scene_from_bytes("far.csv", text, strlen(text), settings, 2, &err);
-    assert_ok(scene != NULL, err);
+    duet_scene *scene = must(scene_from_bytes("far.csv", text, strlen(text), settings, 2, ERR));
     const duet_large_pose *p = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
     assert_int_equal(p[1].cell[0] - p[0].cell[0], 1);
     assert_true(p[0].pose.centre[0] == 0.25f && p[1].pose.centre[0] == 0.25f);

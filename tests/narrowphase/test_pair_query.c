@@ -15,14 +15,11 @@
 
 static duet_pair_query *open_test(duet_level level, uint32_t share)
 {
-    duet_error err = {0};
     duet_pair_query_def def = duet_default_pair_query_def();
     def.pair = devices;
     def.level = level;
     def.share = share;
-    duet_pair_query *test = duet_pair_query_create(&def, &err);
-    assert_ok(test, err);
-    return test;
+    return must(duet_pair_query_create(&def, ERR));
 }
 
 static duet_pose cube_at(float x, float y, float z)
@@ -73,24 +70,20 @@ static uint64_t random_scene(duet_pose *poses)
 
 static void step_at(duet_world *world, duet_level level, duet_result *result)
 {
-    duet_error err = {0};
-    assert_ok(duet_world_set_level(world, level, &err), err);
-    assert_ok(duet_world_step(world, result, &err), err);
+    must(duet_world_set_level(world, level, ERR));
+    must(duet_world_step(world, result, ERR));
 }
 
 // The pairs of level aabb are the candidates; tested, they are the step's pairs.
 TEST(a_step_s_candidates_tested_alone_are_its_pairs)
 {
     static duet_pose objects[OBJECTS];
-    duet_error err = {0};
     duet_result result;
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, objects,
-                                     (uint32_t)random_scene(objects), &err),
-              err);
+    duet_world *world = must(duet_world_create(&def, ERR));
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, objects, (uint32_t)random_scene(objects),
+                                ERR));
     step_at(world, DUET_LEVEL_AABB, &result);
     uint64_t n = result.pairs;
     duet_pair *pairs = malloc(n * sizeof *pairs);
@@ -133,11 +126,10 @@ TEST(any_number_of_pairs_is_tested_and_nothing_else_written)
     for (uint32_t share = 0; share <= DUET_SHARE_ONE; share += DUET_SHARE_ONE / 2) {
         duet_pair_query *test = open_test(DUET_LEVEL_SPHERE, share);
         for (size_t c = 0; c < sizeof counts / sizeof *counts; ++c) {
-            duet_error err = {0};
             duet_pair_query_result result;
             uint64_t n = counts[c];
             memset(answers, 77, MOST + GUARD);
-            assert_ok(duet_pair_query_run(test, poses, n, answers, NULL, &result, &err), err);
+            must(duet_pair_query_run(test, poses, n, answers, NULL, &result, ERR));
             uint64_t colliding = 0;
             for (uint64_t i = 0; i < MOST + GUARD; ++i) {
                 assert_int_equal(answers[i], i < n ? i % 3 != 2 : 77);
@@ -159,10 +151,9 @@ TEST(gaps_are_those_of_the_best_axis_at_any_share)
     double separations[N];
     fill_row(poses, N);
     for (uint32_t share = 0; share <= DUET_SHARE_ONE; share += DUET_SHARE_ONE / 4) {
-        duet_error err = {0};
         duet_pair_query_result result;
         duet_pair_query *test = open_test(DUET_LEVEL_CERTIFIED, share);
-        assert_ok(duet_pair_query_run(test, poses, N, answers, separations, &result, &err), err);
+        must(duet_pair_query_run(test, poses, N, answers, separations, &result, ERR));
         for (int i = 0; i < N; ++i) {
             assert_int_equal(answers[i], i % 3 != 2);
             assert_true(separations[i] == (i % 3 == 2 ? 0.5 : -0.25));
@@ -173,13 +164,12 @@ TEST(gaps_are_those_of_the_best_axis_at_any_share)
 
 TEST(touching_pairs_are_decided_on_the_host_and_counted)
 {
-    duet_error err = {0};
     duet_pair_query_result result;
     uint8_t answers[2];
     const duet_pose poses[] = {cube_at(0, 0, 0), cube_at(1, 0, 0), cube_at(0, 0, 0),
                                cube_at(nextafterf(1, 2), 0, 0)};
     duet_pair_query *test = open_test(DUET_LEVEL_CERTIFIED, 0);
-    assert_ok(duet_pair_query_run(test, poses, 2, answers, NULL, &result, &err), err);
+    must(duet_pair_query_run(test, poses, 2, answers, NULL, &result, ERR));
     assert_int_equal(answers[0], 1);
     assert_int_equal(answers[1], 0);
     assert_int_equal(result.undecided, 2);
@@ -245,7 +235,7 @@ TEST(a_test_goes_on_after_a_refusal)
     poses[0].half_extents[0] = NAN;
     assert_false(duet_pair_query_run(test, poses, 1, &answer, NULL, &result, NULL));
     poses[0].half_extents[0] = 1;
-    assert_ok(duet_pair_query_run(test, poses, 1, &answer, NULL, &result, &err), err);
+    must(duet_pair_query_run(test, poses, 1, &answer, NULL, &result, ERR));
     assert_int_equal(answer, 1);
     assert_false(duet_pair_query_run(test, NULL, 1, &answer, NULL, &result, &err));
     assert_string_equal(err.text, "1 pairs, but no memory for their poses");

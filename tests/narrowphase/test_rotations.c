@@ -234,9 +234,7 @@ TEST(doubles_keep_24_bits)
         double row[NUMBERS], middle = rng_between(&r, -900, 900);
         make_needle(&r, middle - 120, middle + 120, row);
         const double *q = row + COLUMNS + 6;
-        duet_error err = {0};
-        duet_scene *scene = by_doubles(row, &err);
-        assert_ok(scene, err);
+        duet_scene *scene = must(by_doubles(row, ERR));
         const float *kept = test_poses(scene)[1].rotation;
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j) {

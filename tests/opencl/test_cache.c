@@ -75,20 +75,19 @@ TEST(a_damaged_entry_is_as_if_it_were_not_there)
 {
     char path[160];
     text whole = {0};
-    duet_error err = {0};
     entry_path(path);
     assert_true(cache_put(dir, key, binary, sizeof binary));
-    assert_ok(text_read_file(&whole, path, &err), err);
+    must(text_read_file(&whole, path, ERR));
     for (size_t i = 0; i < whole.length; ++i) {
-        assert_ok(text_write_file(path, whole.chars, i, &err), err);
+        must(text_write_file(path, whole.chars, i, ERR));
         assert_kept(false);
         whole.chars[i] ^= 0x20;
-        assert_ok(text_write_file(path, whole.chars, whole.length, &err), err);
+        must(text_write_file(path, whole.chars, whole.length, ERR));
         assert_kept(false);
         whole.chars[i] ^= 0x20;
     }
     text_add(&whole, "more");
-    assert_ok(text_write_file(path, whole.chars, whole.length, &err), err);
+    must(text_write_file(path, whole.chars, whole.length, ERR));
     assert_kept(false);
     assert_true(cache_put(dir, key, binary, sizeof binary));
     assert_kept(true);
@@ -396,7 +395,7 @@ TEST(a_folder_that_cannot_be_written_is_said)
     char missing[96];
     snprintf(missing, sizeof missing, "%.40s/a/b", dir);
     assert_true(cache_put(dir, key, binary, sizeof binary));
-    assert_ok(cache_check_writable(missing, &err), err); // made, with the one above
+    must(cache_check_writable(missing, ERR)); // made, with the one above
     assert_int_equal(access(missing, W_OK), 0);
     assert_false(cache_check_writable("/proc/duet", &err));
     assert_non_null(strstr(err.text, "built kernels cannot be kept in /proc/duet: "));
@@ -430,14 +429,11 @@ static void count_compiled(void *context, const duet_device_info *d, const char 
 
 static void build_on(const device *d)
 {
-    duet_error err = {0};
-    gen *g = gen_open(NULL, &err);
-    assert_ok(g, err);
+    gen *g = must(gen_open(NULL, ERR));
     const program_builder builder = {.cache_dir = dir, .on_compile = count_compiled};
-    program_set *set = program_set_open(d, g, &builder, &err);
-    assert_ok(set, err);
-    assert_ok(program_set_kernel(set, "cell_start", "cell_start", NULL, 0, bound, &err), err);
-    assert_ok(program_set_build(set, &err), err);
+    program_set *set = must(program_set_open(d, g, &builder, ERR));
+    must(program_set_kernel(set, "cell_start", "cell_start", NULL, 0, bound, ERR));
+    must(program_set_build(set, ERR));
     program_set_close(set);
     gen_close(g);
 }
@@ -445,9 +441,8 @@ static void build_on(const device *d)
 // Builds a small kernel through the cache, as a program that begins does.
 static void build_one(void)
 {
-    duet_error err = {0};
     device d;
-    assert_ok(device_open(&d, "pocl:0", &err), err);
+    must(device_open(&d, "pocl:0", ERR));
     build_on(&d);
     device_close(&d);
 }
@@ -508,7 +503,7 @@ TEST(a_device_keeps_what_was_built_last)
     device d;
     char path[160];
     text entry = {0};
-    assert_ok(device_open(&d, "pocl:0", &err), err);
+    must(device_open(&d, "pocl:0", ERR));
     build_on(&d);
     only_entry(&entry, path, &err);
     remove(path);

@@ -80,15 +80,12 @@ static int no_object_is_left(void **state)
 
 TEST(every_listed_device_can_be_opened_by_its_selector)
 {
-    duet_error err = {0};
-    duet_device_list *list = duet_device_list_create(&err);
-    assert_ok(list, err);
+    duet_device_list *list = must(duet_device_list_create(ERR));
     assert_true(duet_device_list_get_count(list) > 0);
     for (uint32_t i = 0; i < duet_device_list_get_count(list); ++i) {
         const duet_device_info *info = duet_device_list_get_info(list, i);
         assert_true(info->units > 0 && info->max_group > 0 && info->global_bytes > 0);
-        duet_device_pair *pair = open_pair(info->selector, info->selector, &err);
-        assert_ok(pair, err);
+        duet_device_pair *pair = must(open_pair(info->selector, info->selector, ERR));
         assert_string_equal(duet_device_pair_get_info(pair, 0)->selector, info->selector);
         assert_string_equal(duet_device_pair_get_info(pair, 1)->selector, info->selector);
         duet_device_pair_destroy(pair);
@@ -110,13 +107,12 @@ TEST(selectors_are_unique)
 TEST(a_part_has_the_units_it_names)
 {
     const duet_device_info *cpu = cuttable_cpu();
-    duet_error err = {0};
     for (uint32_t first = 0; first < cpu->units && first < 4; ++first) {
         for (uint32_t last = first; last < cpu->units && last < 4; ++last) {
             char selector[80];
             snprintf(selector, sizeof selector, "%s[%u-%u]", cpu->selector, first, last);
             device d;
-            assert_ok(device_open(&d, selector, &err), err);
+            must(device_open(&d, selector, ERR));
             assert_int_equal(d.info.units, last - first + 1);
             assert_string_equal(d.info.selector, selector);
             assert_false(d.info.can_cut);
@@ -127,9 +123,7 @@ TEST(a_part_has_the_units_it_names)
 
 static void check_contexts(const char *a, const char *b, bool is_one)
 {
-    duet_error err = {0};
-    duet_device_pair *pair = open_pair(a, b, &err);
-    assert_ok(pair, err);
+    duet_device_pair *pair = must(open_pair(a, b, ERR));
     const device *devices = pair->devices;
     assert_true((devices[0].context == devices[1].context) == is_one);
     assert_ptr_not_equal(devices[0].queue, devices[1].queue);
@@ -161,7 +155,7 @@ TEST(without_a_folder_the_users_cache_is_taken)
     assert_string_equal(pair->cache_dir, "/proc/nowhere/duet");
     duet_device_info other = pair->devices[0].info;
     assert_false(program_builder_keeps(&pair->builder, &other));
-    assert_ok(duet_device_pair_check_cache(pair, &err), err);
+    must(duet_device_pair_check_cache(pair, ERR));
     strcpy(other.platform, "Intel(R) OpenCL");
     assert_true(program_builder_keeps(&pair->builder, &other));
     const duet_device_info own = pair->devices[1].info;
@@ -175,9 +169,7 @@ TEST(without_a_folder_the_users_cache_is_taken)
 // With a GPU the pair is a CPU and the GPU; else one CPU is both, and B has all.
 TEST(without_selectors_a_whole_machine_is_chosen)
 {
-    duet_error err = {0};
-    duet_device_pair *pair = open_pair(NULL, NULL, &err);
-    assert_ok(pair, err);
+    duet_device_pair *pair = must(open_pair(NULL, NULL, ERR));
     const device *a = &pair->devices[0];
     const device *b = &pair->devices[1];
     assert_int_equal(a->info.kind, DUET_KIND_CPU);
@@ -190,17 +182,14 @@ TEST(without_selectors_a_whole_machine_is_chosen)
 TEST(halves_hold_all_units_between_them)
 {
     const duet_device_info *cpu = cuttable_cpu();
-    duet_error err = {0};
-    duet_device_pair *pair = open_pair("halves", NULL, &err);
-    assert_ok(pair, err);
+    duet_device_pair *pair = must(open_pair("halves", NULL, ERR));
     const duet_device_info *a = duet_device_pair_get_info(pair, 0);
     const duet_device_info *b = duet_device_pair_get_info(pair, 1);
     assert_int_equal(a->units + b->units, cpu->units);
     duet_plan plan = duet_default_plan(pair);
     assert_int_equal(plan.share, DUET_SHARE_ONE * (uint64_t)a->units / cpu->units);
     assert_int_equal(plan.mode, DUET_MODE_DEFAULT);
-    duet_device_pair *same = open_pair("cpu[1/2],cpu[2/2]", NULL, &err);
-    assert_ok(same, err);
+    duet_device_pair *same = must(open_pair("cpu[1/2],cpu[2/2]", NULL, ERR));
     assert_string_equal(duet_device_pair_get_info(same, 0)->selector, a->selector);
     assert_string_equal(duet_device_pair_get_info(same, 1)->selector, b->selector);
     duet_device_pair_destroy(same);
@@ -210,12 +199,10 @@ TEST(halves_hold_all_units_between_them)
 TEST(one_selector_is_a_pair_of_one)
 {
     duet_error err = {0};
-    duet_device_pair *pair = open_pair("cpu", NULL, &err);
-    assert_ok(pair, err);
+    duet_device_pair *pair = must(open_pair("cpu", NULL, ERR));
     assert_true(duet_device_pair_is_one(pair));
     assert_int_equal(duet_default_plan(pair).share, 0);
-    duet_device_pair *opened = duet_device_pair_open("cpu", &err);
-    assert_ok(opened, err);
+    duet_device_pair *opened = must(duet_device_pair_open("cpu", ERR));
     assert_true(duet_device_pair_is_one(opened));
     assert_string_equal(duet_device_pair_get_info(opened, 0)->selector,
                         duet_device_pair_get_info(pair, 0)->selector);
@@ -229,14 +216,13 @@ TEST(one_selector_is_a_pair_of_one)
 TEST(equal_parts_are_cut_one_after_the_other)
 {
     const duet_device_info *cpu = cuttable_cpu();
-    duet_error err = {0};
     uint32_t sum = 0;
     for (uint32_t k = 1; k <= cpu->units && cpu->units <= 8; ++k) {
         char selector[96], expected[96];
         device d;
         snprintf(selector, sizeof selector, "%s[%u/%u]", cpu->selector, k, cpu->units);
         snprintf(expected, sizeof expected, "%s[%u-%u]", cpu->selector, k - 1, k - 1);
-        assert_ok(device_open(&d, selector, &err), err);
+        must(device_open(&d, selector, ERR));
         assert_string_equal(d.info.selector, expected);
         sum += d.info.units;
         device_close(&d);
@@ -329,7 +315,7 @@ TEST(folders_come_from_the_environment_and_are_copied)
     assert_ok(pair, err);
     assert_string_equal(pair->kernel_dir, "some/folder");
     assert_null(pair->cache_dir);
-    assert_ok(duet_device_pair_check_cache(pair, &err), err);
+    must(duet_device_pair_check_cache(pair, ERR));
     duet_device_pair_destroy(pair);
 }
 
@@ -458,9 +444,7 @@ TEST(two_devices_launch_one_program_over_any_ranges_at_once)
 {
     uint64_t seed = test_seed();
     const duet_device_info *cpu = cuttable_cpu();
-    duet_error err = {0};
-    gen *g = gen_open(NULL, &err);
-    assert_ok(g != NULL, err);
+    gen *g = must(gen_open(NULL, ERR));
     clearing c[2] = {{.random = rng_stream(seed, 0)}, {.random = rng_stream(seed, 1)}};
     for (int i = 0; i < 2; ++i)
         open_clearing(&c[i], g, cpu->selector);
@@ -544,10 +528,8 @@ static void count_things(void *arg, uint64_t first, uint64_t last)
 
 TEST(what_threads_share_is_done_once_each)
 {
-    duet_error err = {0};
     static atomic_uchar done[SHARED_THINGS + 1];
-    thread_pool *pool = thread_pool_open(3, &err);
-    assert_ok(pool != NULL, err);
+    thread_pool *pool = must(thread_pool_open(3, ERR));
     for (uint64_t piece = 1; piece < 1000000; piece *= 10)
         thread_pool_share(pool, count_things, done, SHARED_THINGS, piece);
     thread_pool_share(NULL, count_things, done, SHARED_THINGS, 7);
@@ -562,16 +544,15 @@ TEST(what_threads_share_is_done_once_each)
 static void compile_declared(const device *d, gen *g, const char *name, uint64_t index)
 {
     enum { MOST_PARAMS = 64 };
-    duet_error err = {0};
     gen_limits limits = program_limits(&d->info);
     const gen_param *params = NULL;
     uint32_t n_params = 0;
     gen_setting config[MOST_PARAMS];
     gen_variant v;
-    assert_ok(gen_params(g, name, &limits, &params, &n_params, &err), err);
+    must(gen_params(g, name, &limits, &params, &n_params, ERR));
     assert_true(n_params <= MOST_PARAMS);
-    assert_ok(gen_config(g, name, &limits, index, config, &err), err);
-    assert_ok(gen_make(g, name, config, n_params, &limits, &v, &err), err);
+    must(gen_config(g, name, &limits, index, config, ERR));
+    must(gen_make(g, name, config, n_params, &limits, &v, ERR));
     const char *sources[] = {gen_built_ins(g), v.text};
     char options[64];
     snprintf(options, sizeof options, "-cl-std=CL1.2 -w %s", driver_of(&d->info).header_option);
@@ -589,12 +570,12 @@ TEST(every_built_in_function_that_a_kernel_calls_is_declared)
     device d;
     const char *selector = cuttable_cpu()->selector; // skips where there is none
     gen *g = gen_open(NULL, &err);
-    assert_ok(g && device_open(&d, selector, &err), err);
+    must(g && device_open(&d, selector, ERR));
     gen_limits limits = program_limits(&d.info);
     const char *name;
     for (uint32_t i = 0; driver_of(&d.info).header_option && (name = gen_kernel(g, i)); ++i) {
         uint64_t n = 0;
-        assert_ok(gen_count(g, name, &limits, &n, &err), err);
+        must(gen_count(g, name, &limits, &n, ERR));
         compile_declared(&d, g, name, 0);
         compile_declared(&d, g, name, n - 1);
     }

@@ -164,30 +164,25 @@ static uint64_t right; // the pairs' hash
 
 static duet_world *open_world(duet_device_pair *pair, duet_mode mode)
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = pair;
     def.plan = duet_default_plan(pair);
     def.plan.mode = mode;
     def.plan.share = DUET_SHARE_ONE / 2;
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+    duet_world *world = must(duet_world_create(&def, ERR));
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     return world;
 }
 
 static int open_devices(void **state)
 {
     (void)state;
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     for (int c = 0; c < CALLS; ++c)
         atomic_store(&left[c], -1);
-    builders = duet_device_pair_create(&def, &err);
-    assert_ok(builders, err);
+    builders = must(duet_device_pair_create(&def, ERR));
     def.cache_dir = "test_failing_device.cache";
-    devices = duet_device_pair_create(&def, &err);
-    assert_ok(devices, err);
+    devices = must(duet_device_pair_create(&def, ERR));
     rng r = rng_seed(test_seed());
     for (int i = 0; i < N; ++i)
         for (int k = 0; k < 4; ++k) {
@@ -199,7 +194,7 @@ static int open_devices(void **state)
         }
     duet_result result;
     duet_world *world = open_world(devices, DUET_MODE_OWN);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_step(world, &result, ERR));
     right = duet_result_get_hash(&result);
     duet_world_destroy(world);
     return 0;
@@ -235,12 +230,11 @@ static void assert_clear(const duet_error *err, call c)
 
 static void assert_right(duet_world *world, uint32_t share)
 {
-    duet_error err = {0};
     duet_result result;
     duet_plan plan = *duet_world_get_plan(world);
     plan.share = share;
-    assert_ok(duet_world_set_plan(world, &plan, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_set_plan(world, &plan, ERR));
+    must(duet_world_step(world, &result, ERR));
     assert_true(duet_result_get_hash(&result) == right);
 }
 
@@ -257,7 +251,7 @@ static bool survives(duet_world *world, call c, int k)
 {
     duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     atomic_store(&left[c], k);
     bool ok = duet_world_step(world, &result, &err);
     bool reached = atomic_exchange(&left[c], -1) < 0;
@@ -344,9 +338,8 @@ TEST(a_test_of_pairs_survives_as_well)
     duet_pair_query_def def = duet_default_pair_query_def();
     def.pair = devices;
     def.share = DUET_SHARE_ONE / 2;
-    duet_pair_query *test = duet_pair_query_create(&def, &err);
-    assert_ok(test, err);
-    assert_ok(duet_pair_query_run(test, poses, N / 2, verdicts, NULL, &result, &err), err);
+    duet_pair_query *test = must(duet_pair_query_create(&def, ERR));
+    must(duet_pair_query_run(test, poses, N / 2, verdicts, NULL, &result, ERR));
     for (size_t i = 0; i < sizeof used / sizeof *used; ++i)
         for (int k = 0; k < 2; ++k) {
             atomic_store(&left[used[i]], k);
@@ -357,7 +350,7 @@ TEST(a_test_of_pairs_survives_as_well)
             if (!ok)
                 assert_clear(&err, used[i]);
             err = (duet_error){0};
-            assert_ok(duet_pair_query_run(test, poses, N / 2, again, NULL, &result, &err), err);
+            must(duet_pair_query_run(test, poses, N / 2, again, NULL, &result, ERR));
             assert_memory_equal(again, verdicts, sizeof verdicts);
         }
     duet_pair_query_destroy(test);

@@ -22,14 +22,13 @@ static duet_device_pair *pair;
 static void change(const char *card, const char *from, const char *to)
 {
     text path = {0}, chars = {0}, changed = {0};
-    duet_error err = {0};
     text_add(&path, "%s/%s", FOLDER, card);
-    assert_ok(text_read_file(&chars, path.chars, &err), err);
+    must(text_read_file(&chars, path.chars, ERR));
     char *at = strstr(chars.chars, from);
     assert_non_null(at);
     assert_null(strstr(at + 1, from));
     text_add(&changed, "%.*s%s%s", (int)(at - chars.chars), chars.chars, to, at + strlen(from));
-    assert_ok(text_write_file(path.chars, changed.chars, changed.length, &err), err);
+    must(text_write_file(path.chars, changed.chars, changed.length, ERR));
     text_free(&path);
     text_free(&chars);
     text_free(&changed);
@@ -37,11 +36,9 @@ static void change(const char *card, const char *from, const char *to)
 
 static void open_folder(void)
 {
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     def.kernel_dir = FOLDER;
-    pair = duet_device_pair_create(&def, &err);
-    assert_ok(pair != NULL, err);
+    pair = must(duet_device_pair_create(&def, ERR));
 }
 
 static void close_folder(void)

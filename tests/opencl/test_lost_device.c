@@ -120,7 +120,7 @@ static void use_new_world(const scenario *s, lost_way way)
     }
     if (world && way == LOST_ONCE) {
         lost_end();
-        assert_ok(step_world(world, s, &err), err);
+        must(step_world(world, s, ERR));
     }
     duet_world_destroy(world);
 }
@@ -142,11 +142,11 @@ static void live_as_replanned_world(const scenario *s, lost_way way, uint32_t k)
 {
     duet_error err = {0};
     duet_world *world = open_world(s, &err);
-    assert_ok(world && step_world(world, s, &err), err);
+    must(world && step_world(world, s, ERR));
     assert_int_equal(kernel_param(part_kernel(&world->parts[1], "hash"), "PACKED"), 1);
     duet_plan plan = *duet_world_get_plan(world);
     plan.share = 0;
-    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    must(duet_world_set_plan(world, &plan, ERR));
     lost_begin(way, k);
     for (int i = 0; i < 2; ++i) {
         step_world(world, s, &err);
@@ -154,7 +154,7 @@ static void live_as_replanned_world(const scenario *s, lost_way way, uint32_t k)
     }
     if (way == LOST_ONCE) {
         lost_end();
-        assert_ok(step_world(world, s, &err), err);
+        must(step_world(world, s, ERR));
     }
     duet_world_destroy(world);
 }
@@ -233,12 +233,11 @@ static void use_motion(duet_motion *m)
 // A saved motion makes whole what failed half-way.
 static void assert_heals(duet_motion *m)
 {
-    duet_error err = {0};
     uint64_t hash = 0;
     lost_end();
-    assert_ok(duet_motion_load(m, saved, &err), err);
-    assert_ok(advance(m, STEPS, &err), err);
-    assert_ok(duet_motion_get_hash(m, &hash, &err), err);
+    must(duet_motion_load(m, saved, ERR));
+    must(advance(m, STEPS, ERR));
+    must(duet_motion_get_hash(m, &hash, ERR));
     if (hash != moved_right)
         fail_msg("%s: the loaded motion goes another way", what);
 }
@@ -258,13 +257,11 @@ static void live_as_motion(const scenario *s, lost_way way, uint32_t k)
 // The motion of a scenario after its steps, saved when they begin.
 static void save_motion(const scenario *s)
 {
-    duet_error err = {0};
-    duet_motion *m = open_motion(s, &err);
-    assert_ok(m, err);
-    assert_ok(advance(m, STEPS, &err), err);
-    assert_ok(duet_motion_save(m, saved, &err), err);
-    assert_ok(advance(m, STEPS, &err), err);
-    assert_ok(duet_motion_get_hash(m, &moved_right, &err), err);
+    duet_motion *m = must(open_motion(s, ERR));
+    must(advance(m, STEPS, ERR));
+    must(duet_motion_save(m, saved, ERR));
+    must(advance(m, STEPS, ERR));
+    must(duet_motion_get_hash(m, &moved_right, ERR));
     duet_motion_destroy(m);
 }
 
@@ -309,7 +306,7 @@ static uint64_t right_of(const duet_pose objects[N])
     duet_pair *pairs = NULL;
     uint64_t n = 0;
     duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, objects, N, 3, 0, &err);
-    assert_ok(scene && duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
+    must(scene && duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
     assert_true(n > 50);
     uint64_t right = duet_pairs_hash(pairs, n);
     duet_free(pairs);
@@ -394,24 +391,22 @@ TEST(a_motion_goes_on_without_kernels_that_were_not_made)
     duet_error err = {0};
     def.pair = pair;
     def.share = 0;
-    tree = duet_tree_create(&def, &err);
-    assert_ok(tree, err);
+    tree = must(duet_tree_create(&def, ERR));
     save_motion(&s);
     for (int i = 0; i < 2; ++i) {
         uint32_t n_kernels = 0;
         for (uint32_t k = 7; k-- > 0;) {
             duet_error why = {0};
             uint64_t hash;
-            duet_motion *m = open_motion(&s, &err);
-            assert_ok(m, err);
+            duet_motion *m = must(open_motion(&s, ERR));
             lost_begin(LOST_ONCE, k == 6 ? UINT32_MAX : k);
             bool ok = calls[i](m, &why);
             lost_end();
             if (!ok && strcmp(lost_call(), "clCreateKernel") == 0) {
                 ++n_kernels;
                 assert_true(i == 1 || into_tree(m, &err));
-                assert_ok(advance(m, 2 * STEPS, &err), err);
-                assert_ok(duet_motion_get_hash(m, &hash, &err), err);
+                must(advance(m, 2 * STEPS, ERR));
+                must(duet_motion_get_hash(m, &hash, ERR));
                 assert_true(hash == moved_right);
             }
             duet_motion_destroy(m);
@@ -448,15 +443,12 @@ TEST(a_broken_motion_is_loaded_while_parts_are_mapped)
     save_motion(&s);
     for (int copies = 0; copies < 2; ++copies)
         for (uint32_t k = 0; k < 8; ++k) {
-            duet_error err = {0}, why = {0};
+            duet_error why = {0};
             set_memory(copies);
             snprintf(what, sizeof what, "mapped, %s, call %u", copies ? "copied" : "in place", k);
-            duet_motion *m = open_motion(&s, &err);
-            assert_ok(m, err);
+            duet_motion *m = must(open_motion(&s, ERR));
             for (int i = 0; i < 4; ++i)
-                assert_ok(
-                    duet_motion_map_states(m, (duet_state_part)i, DUET_MAP_WRITE, 0, MOVING, &err),
-                    err);
+                must(duet_motion_map_states(m, (duet_state_part)i, DUET_MAP_WRITE, 0, MOVING, ERR));
             lost_begin(LOST_ONCE, k);
             if (!told(duet_motion_unmap_states(m, DUET_STATE_VELOCITIES, &why), &why)) {
                 ++n_broken;
@@ -477,11 +469,9 @@ TEST(a_broken_motion_is_loaded_while_parts_are_mapped)
 static int open_devices(void **state)
 {
     (void)state;
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     lost_begin(LOST_FOR_EVER, UINT32_MAX);
-    pair = duet_device_pair_create(&def, &err);
-    assert_ok(pair, err);
+    pair = must(duet_device_pair_create(&def, ERR));
     for (int side = 0; side < 2; ++side)
         have_host_memory[side] = pair->devices[side].info.host_memory;
     lost_know(pair);

@@ -29,7 +29,6 @@ static bool ask_for_scan(const gen_offer *offers, uint32_t n, duet_error *err)
 // Groups of one work-item, as a CPU has them, or of several.
 static void open_bench(bool emptying, bool grouped)
 {
-    duet_error err = {0};
     const device_root *roots = NULL;
     uint32_t n = 0, cpu = 0;
     device_list_roots(&roots, &n, NULL);
@@ -40,16 +39,14 @@ static void open_bench(bool emptying, bool grouped)
     const gen_offer offers[] = {{NULL, "EMPTIES", emptying, GEN_REQUIRED, NULL},
                                 {NULL, "WG", grouped ? 64 : 1, GEN_REQUIRED, NULL},
                                 {NULL, "PER_ITEM", grouped ? 4 : 8192, GEN_REQUIRED, NULL}};
-    assert_ok(device_open(&b.d, roots[cpu].info.selector, &err), err);
-    b.g = gen_open(NULL, &err);
-    assert_ok(b.g != NULL, err);
-    b.set = program_set_open(&b.d, b.g, NULL, &err);
-    assert_ok(b.set != NULL, err);
+    must(device_open(&b.d, roots[cpu].info.selector, ERR));
+    b.g = must(gen_open(NULL, ERR));
+    b.set = must(program_set_open(&b.d, b.g, NULL, ERR));
     b.s.device = &b.d;
-    assert_ok(ask_for_scan(offers, 3, &err), err);
-    assert_ok(program_set_build(b.set, &err), err);
-    assert_ok(buffer_reserve(&b.words, &b.d, sizeof b.from, &err), err);
-    assert_ok(buffer_reserve(&b.sums, &b.d, sizeof b.from, &err), err);
+    must(ask_for_scan(offers, 3, ERR));
+    must(program_set_build(b.set, ERR));
+    must(buffer_reserve(&b.words, &b.d, sizeof b.from, ERR));
+    must(buffer_reserve(&b.sums, &b.d, sizeof b.from, ERR));
 }
 
 static void close_bench(void)
@@ -66,19 +63,18 @@ static void close_bench(void)
 // Word n is not to be touched.
 static void try_scan(rng *r, uint32_t n, bool emptying)
 {
-    duet_error err = {0};
     timeline t = {0};
     size_t bytes = (n + (size_t)1) * sizeof(uint32_t);
     buffer *const to = emptying ? &b.sums : &b.words;
     for (uint32_t i = 0; i <= n; ++i)
         b.from[i] = rng_below(r, 5);
     timeline_begin(&t, &b.d, true);
-    assert_ok(timeline_write_at(&t, "send", &b.words, 0, b.from, bytes, &err), err);
-    assert_ok(timeline_fill(&t, "fill", &b.sums, 7, 0, n + (size_t)1, &err), err);
-    assert_ok(scan_run(&b.s, &t, "scan", &b.words, to, n, &err), err);
+    must(timeline_write_at(&t, "send", &b.words, 0, b.from, bytes, ERR));
+    must(timeline_fill(&t, "fill", &b.sums, 7, 0, n + (size_t)1, ERR));
+    must(scan_run(&b.s, &t, "scan", &b.words, to, n, ERR));
     const buffer absent = {0}, *const list[] = {&absent, &b.words, &b.sums};
     uint32_t waits = t.n_waits;
-    assert_ok(timeline_see(&t, "see", list, 3, &err), err);
+    must(timeline_see(&t, "see", list, 3, ERR));
     assert_int_equal(t.n_waits, waits + 1);
     const uint32_t *words = b.words.host, *sums = to->host;
     uint32_t sum = 0;
@@ -90,7 +86,7 @@ static void try_scan(rng *r, uint32_t n, bool emptying)
     }
     assert_int_equal(words[n], b.from[n]);
     assert_int_equal(((const uint32_t *)b.sums.host)[n], 7);
-    assert_ok(timeline_finish(&t, &err), err);
+    must(timeline_finish(&t, ERR));
     assert_int_equal(t.n_events, 0);
 }
 

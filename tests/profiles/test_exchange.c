@@ -44,9 +44,8 @@ static char *lines_of(store *s)
 {
     char *lines = NULL;
     size_t n = 0;
-    duet_error err = {0};
     FILE *out = open_memstream(&lines, &n);
-    assert_ok(profile_export(s, out, "an export", &err), err);
+    must(profile_export(s, out, "an export", ERR));
     fclose(out);
     return lines;
 }
@@ -71,20 +70,17 @@ static void tune_one(store *s, uint64_t n)
 // A table of level costs, and all that a profile can have.
 static void cost_one(store *s)
 {
-    duet_error err = {0};
     profile_workload workload = test_workload(1000);
     workload.level = "auto";
     profile_level_cost_key key = {.pair_id = 1, .kernels = TEST_KERNELS};
     const profile_level_cost costs[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
-    assert_ok(profile_workload_put(s, &workload, &key.workload_id, &err), err);
-    assert_ok(profile_level_costs_put(s, &key, costs, 2, &err), err);
-    assert_ok(
-        sql_script(s,
-                   "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
-                   "best_mode = 'slab', terms = '{\"T_1\":1.5}', rounds = 20, whole_ns = 2e6, "
-                   "whole_gain = 0.1, whole_gain_low = 0.05, whole_gain_high = 0.2",
-                   &err),
-        err);
+    must(profile_workload_put(s, &workload, &key.workload_id, ERR));
+    must(profile_level_costs_put(s, &key, costs, 2, ERR));
+    must(sql_script(s,
+                    "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
+                    "best_mode = 'slab', terms = '{\"T_1\":1.5}', rounds = 20, whole_ns = 2e6, "
+                    "whole_gain = 0.1, whole_gain_low = 0.05, whole_gain_high = 0.2",
+                    ERR));
 }
 
 TEST(what_went_out_comes_in_as_it_was)
@@ -93,10 +89,9 @@ TEST(what_went_out_comes_in_as_it_was)
     tune_one(two.s, 1000);
     tune_one(two.s, 2000);
     cost_one(two.s);
-    duet_error err = {0};
     char *lines = lines_of(two.s);
     profile_import_counts counts;
-    assert_ok(import_lines(two.other, lines, &counts, &err), err);
+    must(import_lines(two.other, lines, &counts, ERR));
     assert_int_equal(counts.known, 0);
     assert_int_equal(test_count(two.other, "level_cost WHERE missed = 3 AND invented = 9"), 1);
     char *back = lines_of(two.other);
@@ -112,15 +107,13 @@ TEST(numbers_of_full_length_survive)
 {
     two_stores two = open_two();
     tune_one(two.s, 1000);
-    duet_error err = {0};
-    assert_ok(sql_script(two.s,
-                         "UPDATE session SET seed = 9223372036854775807; "
-                         "UPDATE sample SET at_ns = 1763710000123456789",
-                         &err),
-              err);
+    must(sql_script(two.s,
+                    "UPDATE session SET seed = 9223372036854775807; "
+                    "UPDATE sample SET at_ns = 1763710000123456789",
+                    ERR));
     char *lines = lines_of(two.s);
     profile_import_counts counts;
-    assert_ok(import_lines(two.other, lines, &counts, &err), err);
+    must(import_lines(two.other, lines, &counts, ERR));
     assert_int_equal(test_count(two.other, "session WHERE seed = 9223372036854775807"), 1);
     assert_int_equal(test_count(two.other, "sample WHERE at_ns <> 1763710000123456789"), 0);
     free(lines);
@@ -145,10 +138,9 @@ TEST(a_plan_without_a_verdict_comes_in_unused)
     two_stores two = open_two();
     tune_one(two.s, 1000);
     char *lines = lines_of(two.s);
-    duet_error err = {0};
     profile_import_counts counts;
     replace_once(&lines, "\"verdict\":\"faster\"", "\"verdict\":\"ambiguous\"");
-    assert_ok(import_lines(two.other, lines, &counts, &err), err);
+    must(import_lines(two.other, lines, &counts, ERR));
     assert_int_equal(test_count(two.other, "profile WHERE live = 0 AND dead_reason = "
                                            "'" PROFILE_TOO_FEW_ROUNDS "'"),
                      1);
@@ -162,8 +154,7 @@ TEST(rows_that_are_known_are_not_taken_twice)
     tune_one(two.s, 1000);
     char *lines = lines_of(two.s);
     profile_import_counts counts;
-    duet_error err = {0};
-    assert_ok(import_lines(two.s, lines, &counts, &err), err);
+    must(import_lines(two.s, lines, &counts, ERR));
     assert_int_equal(counts.added, 0);
     assert_true(counts.known > 9);
     assert_int_equal(test_count(two.s, "profile"), 1);
@@ -255,17 +246,15 @@ TEST(a_poisoned_store_is_told_of_and_still_goes_out)
 {
     two_stores two = open_two();
     tune_one(two.s, 1000);
-    duet_error err = {0};
     text report = {0};
     uint32_t problems = 0;
-    assert_ok(sql_script(two.s,
-                         "UPDATE profile SET terms = '{\"x\":1},\"evil\":{\"a\":2}';"
-                         "UPDATE trial SET terms = '{broken}' WHERE number = 1;"
-                         "UPDATE trial SET terms = '{\"fine\":0.1}' WHERE number = 2;"
-                         "UPDATE session SET options = '{} , {}', search_state = '{\"a\":}'",
-                         &err),
-              err);
-    assert_ok(profile_check(two.s, &report, &problems, &err), err);
+    must(sql_script(two.s,
+                    "UPDATE profile SET terms = '{\"x\":1},\"evil\":{\"a\":2}';"
+                    "UPDATE trial SET terms = '{broken}' WHERE number = 1;"
+                    "UPDATE trial SET terms = '{\"fine\":0.1}' WHERE number = 2;"
+                    "UPDATE session SET options = '{} , {}', search_state = '{\"a\":}'",
+                    ERR));
+    must(profile_check(two.s, &report, &problems, ERR));
     assert_int_equal(problems, 3);
     assert_non_null(strstr(text_chars(&report), "a profile's terms are no JSON object"));
     char *lines = lines_of(two.s);
@@ -273,7 +262,7 @@ TEST(a_poisoned_store_is_told_of_and_still_goes_out)
     assert_null(strstr(lines, "broken"));
     assert_non_null(strstr(lines, "\"terms\":{\"fine\":0.1}"));
     profile_import_counts counts;
-    assert_ok(import_lines(two.other, lines, &counts, &err), err);
+    must(import_lines(two.other, lines, &counts, ERR));
     assert_int_equal(test_count(two.other, "profile"), 1);
     text_free(&report);
     free(lines);
@@ -337,10 +326,9 @@ TEST(a_merge_keeps_two_machines_apart)
     profile_workload workload = test_workload(1000);
     test_tune(two.s, &pair, &workload);
     test_tune(two.other, &theirs, &workload);
-    duet_error err = {0};
-    assert_ok(sql_script(two.other, "UPDATE session SET host = 'elsewhere'", &err), err);
+    must(sql_script(two.other, "UPDATE session SET host = 'elsewhere'", ERR));
     profile_import_counts counts;
-    assert_ok(profile_merge(two.s, two.other_path, &counts, &err), err);
+    must(profile_merge(two.s, two.other_path, &counts, ERR));
     assert_int_equal(test_count(two.s, "profile WHERE live = 1"), 2);
     assert_int_equal(test_count(two.s, "device"), 3);
     assert_int_equal(test_count(two.s, "session WHERE host = 'elsewhere'"), 1);
@@ -350,7 +338,7 @@ TEST(a_merge_keeps_two_machines_apart)
     for (int i = 0; i < 2; ++i) {
         profile_request request = test_request(pairs[i], &workload);
         profile_found found;
-        assert_ok(profile_lookup(two.s, &request, &found, NULL, &err), err);
+        must(profile_lookup(two.s, &request, &found, NULL, ERR));
         assert_int_equal(found.grade, PROFILE_EXACT);
         memcpy(hosts[i], found.session, sizeof hosts[i]);
     }
@@ -370,7 +358,7 @@ TEST(a_merge_does_not_replace_the_stores_own_profile)
     sql_copy(own, sizeof own, sql_get_text(&q, 0));
     sql_close(&q);
     profile_import_counts counts;
-    assert_ok(profile_merge(two.s, two.other_path, &counts, &err), err);
+    must(profile_merge(two.s, two.other_path, &counts, ERR));
     char query[96];
     snprintf(query, sizeof query, "profile WHERE live = 1 AND uid = '%s'", own);
     assert_int_equal(test_count(two.s, query), 1);
@@ -398,15 +386,14 @@ TEST(pruning_thins_samples_and_keeps_medians)
     tune_one(two.s, 1000);
     profile_prune_def def = {.keep_samples = 2, .before_ns = INT64_MAX, .drop_dead = true};
     profile_prune_counts counts;
-    duet_error err = {0};
-    assert_ok(profile_prune(two.s, &def, &counts, &err), err);
+    must(profile_prune(two.s, &def, &counts, ERR));
     assert_int_equal(counts.samples, 2 * 9 * 2);
     assert_int_equal(counts.profiles, 1);
     assert_int_equal(test_count(two.s, "trial WHERE median_ns > 0 AND launches = 3"), 18);
     assert_int_equal(test_count(two.s, "sample"), 2 * 9 * 2);
     assert_int_equal(test_count(two.s, "sample WHERE number IN (0, 2)"), 2 * 9 * 2);
     def.keep_samples = 0;
-    assert_ok(profile_prune(two.s, &def, &counts, &err), err);
+    must(profile_prune(two.s, &def, &counts, ERR));
     assert_int_equal(test_count(two.s, "sample"), 0);
     assert_int_equal(test_count(two.s, "profile WHERE live = 1"), 1);
     close_two(&two);
@@ -416,11 +403,10 @@ TEST(pruning_leaves_an_unfinished_search_whole)
 {
     two_stores two = open_two();
     tune_one(two.s, 1000);
-    duet_error err = {0};
-    assert_ok(sql_script(two.s, "UPDATE session SET state = 'stopped'", &err), err);
+    must(sql_script(two.s, "UPDATE session SET state = 'stopped'", ERR));
     profile_prune_def def = {.keep_samples = 0, .before_ns = INT64_MAX};
     profile_prune_counts counts;
-    assert_ok(profile_prune(two.s, &def, &counts, &err), err);
+    must(profile_prune(two.s, &def, &counts, ERR));
     assert_int_equal(counts.samples, 0);
     close_two(&two);
 }
@@ -443,11 +429,10 @@ TEST(a_check_finds_what_was_tampered_with)
         tune_one(two.s, 1000);
         text report = {0};
         uint32_t problems = 0;
-        duet_error err = {0};
-        assert_ok(profile_check(two.s, &report, &problems, &err), err);
+        must(profile_check(two.s, &report, &problems, ERR));
         assert_int_equal(problems, 0);
-        assert_ok(sql_script(two.s, cases[i].tampering, &err), err);
-        assert_ok(profile_check(two.s, &report, &problems, &err), err);
+        must(sql_script(two.s, cases[i].tampering, ERR));
+        must(profile_check(two.s, &report, &problems, ERR));
         assert_true(problems > 0);
         assert_non_null(strstr(text_chars(&report), cases[i].says));
         text_free(&report);

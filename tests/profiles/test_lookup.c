@@ -115,9 +115,8 @@ static double best_share(uint64_t n)
 static void assert_why_of(const profile_request *request, const char *says)
 {
     profile_found found;
-    duet_error err = {0};
     text why = {0};
-    assert_ok(profile_lookup(f.s, request, &found, &why, &err), err);
+    must(profile_lookup(f.s, request, &found, &why, ERR));
     if (!strstr(text_chars(&why), says))
         fail_msg("'%s' is not in:\n%s", says, text_chars(&why));
     text_free(&why);
@@ -464,7 +463,6 @@ TEST(a_workload_of_another_kind_is_not_a_neighbour)
 // A profile at a level of its own, as a tuning leaves it.
 static void tune_at(const char *level, double ms, double missed, double invented)
 {
-    duet_error err = {0};
     profile_workload workload = test_workload(100000);
     workload.level = level;
     profile_row row = {
@@ -482,9 +480,9 @@ static void tune_at(const char *level, double ms, double missed, double invented
         .trial_number = -1,
     };
     snprintf(row.plan.level, sizeof row.plan.level, "%s", level);
-    assert_ok(profile_pair_put(f.s, &f.pair, &row.pair_id, &err), err);
-    assert_ok(profile_workload_put(f.s, &workload, &row.workload_id, &err), err);
-    assert_ok(profile_put(f.s, &row, NULL, "replaced by a later tuning", NULL, &err), err);
+    must(profile_pair_put(f.s, &f.pair, &row.pair_id, ERR));
+    must(profile_workload_put(f.s, &workload, &row.workload_id, ERR));
+    must(profile_put(f.s, &row, NULL, "replaced by a later tuning", NULL, ERR));
 }
 
 TEST(more_accuracy_than_was_given_is_not_served)

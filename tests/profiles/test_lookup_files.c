@@ -32,7 +32,6 @@ TEST(a_look_up_leaves_no_trace)
     look_fixture f = look_open();
     look_tune(&f, 100000);
     store_close(f.s);
-    duet_error err = {0};
     text after = {0};
     text before = test_read_file(f.folder.store);
     usleep(100000); // until the file counts as settled
@@ -40,10 +39,10 @@ TEST(a_look_up_leaves_no_trace)
     profile_workload workload = test_workload(100000);
     profile_request request = test_request(&f.pair, &workload);
     profile_found found;
-    assert_ok(profile_lookup_files(f.folder.store, NULL, &request, &found, NULL, &err), err);
+    must(profile_lookup_files(f.folder.store, NULL, &request, &found, NULL, ERR));
     assert_int_equal(found.grade, PROFILE_EXACT);
     assert_int_equal(count_entries(f.folder.path), entries);
-    assert_ok(text_read_file(&after, f.folder.store, &err), err);
+    must(text_read_file(&after, f.folder.store, ERR));
     assert_int_equal(after.length, before.length);
     assert_memory_equal(after.chars, before.chars, before.length);
     text_free(&before);
@@ -59,8 +58,7 @@ TEST(a_look_up_sees_what_a_tuner_at_work_has_stored)
     profile_workload workload = test_workload(100000);
     profile_request request = test_request(&f.pair, &workload);
     profile_found found;
-    duet_error err = {0};
-    assert_ok(profile_lookup_files(f.folder.store, NULL, &request, &found, NULL, &err), err);
+    must(profile_lookup_files(f.folder.store, NULL, &request, &found, NULL, ERR));
     assert_int_equal(found.grade, PROFILE_EXACT);
     look_close(&f);
 }
@@ -71,9 +69,8 @@ TEST(missing_files_give_the_default_without_failure)
     profile_workload workload = test_workload(1000);
     profile_request request = test_request(&pair, &workload);
     profile_found found;
-    duet_error err = {0};
     text why = {0};
-    assert_ok(profile_lookup_files("no/such.db", "nor/this.db", &request, &found, &why, &err), err);
+    must(profile_lookup_files("no/such.db", "nor/this.db", &request, &found, &why, ERR));
     assert_int_equal(found.grade, PROFILE_DEFAULT);
     assert_non_null(strstr(text_chars(&why), "no/such.db"));
     assert_non_null(strstr(text_chars(&why), "nor/this.db"));
@@ -91,15 +88,10 @@ TEST(the_users_row_comes_before_the_systems)
     profile_workload workload = test_workload(100000);
     profile_request request = test_request(&user.pair, &workload);
     profile_found found;
-    duet_error err = {0};
-    assert_ok(
-        profile_lookup_files(user.folder.store, system.folder.store, &request, &found, NULL, &err),
-        err);
+    must(profile_lookup_files(user.folder.store, system.folder.store, &request, &found, NULL, ERR));
     assert_int_equal(found.plan.share, 8192);
     workload = test_workload(700000);
-    assert_ok(
-        profile_lookup_files(user.folder.store, system.folder.store, &request, &found, NULL, &err),
-        err);
+    must(profile_lookup_files(user.folder.store, system.folder.store, &request, &found, NULL, ERR));
     assert_int_equal(found.grade, PROFILE_EXACT);
     assert_int_equal(found.plan.share, 1);
     look_close(&user);
@@ -114,7 +106,7 @@ TEST(a_broken_user_file_leaves_the_systems)
     store_close(user.s);
     user.s = NULL;
     duet_error err = {0};
-    assert_ok(text_write_file(user.folder.store, "rubbish", 7, &err), err);
+    must(text_write_file(user.folder.store, "rubbish", 7, ERR));
     profile_workload workload = test_workload(100000);
     profile_request request = test_request(&user.pair, &workload);
     profile_found found;
@@ -131,9 +123,8 @@ TEST(a_broken_user_file_leaves_the_systems)
 static void assert_why(store *s, const profile_request *request, const char *says)
 {
     profile_found found;
-    duet_error err = {0};
     text why = {0};
-    assert_ok(profile_lookup(s, request, &found, &why, &err), err);
+    must(profile_lookup(s, request, &found, &why, ERR));
     if (!strstr(text_chars(&why), says))
         fail_msg("'%s' is not in:\n%s", says, text_chars(&why));
     text_free(&why);
@@ -219,8 +210,7 @@ TEST(every_look_up_goes_by_an_index)
     profile_workload workload = test_workload(7);
     profile_request request = test_request(&f.pair, &workload);
     profile_found found;
-    duet_error err = {0};
-    assert_ok(profile_lookup(f.s, &request, &found, NULL, &err), err);
+    must(profile_lookup(f.s, &request, &found, NULL, ERR));
     sqlite3_trace_v2(f.s->db, 0, NULL, NULL);
     assert_int_equal(found.grade, PROFILE_DEFAULT); // so that all grades were tried
     assert_in_range(kept.n, 6, 32);

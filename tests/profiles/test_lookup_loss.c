@@ -107,7 +107,6 @@ static void add_trial(store *s, const char *session, const truth *t, rng *r, dou
                       profile_plan plan)
 {
     int64_t number;
-    duet_error err = {0};
     int mode = strcmp(plan.mode, "slab") == 0 ? SLAB : OWN;
     double share = plan.share / (double)PROFILE_SHARE_ONE;
     profile_sample sample = {.total_ns = 1, .at_ns = 1};
@@ -116,14 +115,13 @@ static void add_trial(store *s, const char *session, const truth *t, rng *r, dou
     trial.a_ns = share > 0 ? noisy(t, r, part_time(t, 0, mode, n, share)) : 0;
     trial.b_ns = share < 1 ? noisy(t, r, part_time(t, 1, mode, n, 1 - share)) : 0;
     trial.terms = "{}";
-    assert_ok(profile_trial_add(s, session, &trial, "{}", &number, &err), err);
+    must(profile_trial_add(s, session, &trial, "{}", &number, ERR));
 }
 
 // Stores what a tuning leaves: the race's medians, its interval, and the best plan of those that
 // raced.
 static void tune(look_fixture *f, const char *family, const truth *t, rng *r, double n)
 {
-    duet_error err = {0};
     char id[PROFILE_ID];
     profile_row row = {.kernels = TEST_KERNELS,
                        .objective = "time",
@@ -131,10 +129,10 @@ static void tune(look_fixture *f, const char *family, const truth *t, rng *r, do
                        .session = id,
                        .trial_number = 0};
     profile_workload workload = workload_of(family, n);
-    assert_ok(profile_pair_put(f->s, &f->pair, &row.pair_id, &err), err);
-    assert_ok(profile_workload_put(f->s, &workload, &row.workload_id, &err), err);
+    must(profile_pair_put(f->s, &f->pair, &row.pair_id, ERR));
+    must(profile_workload_put(f->s, &workload, &row.workload_id, ERR));
     profile_session session = test_session(row.pair_id, row.workload_id);
-    assert_ok(profile_session_begin(f->s, &session, id, &err), err);
+    must(profile_session_begin(f->s, &session, id, ERR));
     profile_plan best = best_shared(t, n), single[2] = {plan_of(SLAB, 1), plan_of(SLAB, 0)};
     for (int i = 0; i < 2; ++i)
         add_trial(f->s, id, t, r, n, single[i]);
@@ -154,8 +152,8 @@ static void tune(look_fixture *f, const char *family, const truth *t, rng *r, do
     row.best_mode = best.mode;
     row.plan = row.gain_low > 0 ? best : single[one];
     row.median_ns = row.low_ns = row.high_ns = row.gain_low > 0 ? both_ns : row.single_ns;
-    assert_ok(profile_put(f->s, &row, NULL, "replaced", NULL, &err), err);
-    assert_ok(profile_session_end(f->s, id, "complete", &err), err);
+    must(profile_put(f->s, &row, NULL, "replaced", NULL, ERR));
+    must(profile_session_end(f->s, id, "complete", ERR));
 }
 
 // ---------------------------------------------------------------- the property
@@ -193,9 +191,8 @@ TEST(no_plan_that_is_looked_up_loses_to_the_default)
     uint64_t seed = test_seed();
     rng r = rng_seed(seed);
     look_fixture f = look_open();
-    duet_error err = {0};
     losses l = {0};
-    assert_ok(store_begin(f.s, &err), err);
+    must(store_begin(f.s, ERR));
     for (int round = 0; round < ROUNDS; ++round) {
         char family[32];
         snprintf(family, sizeof family, "round%d", round);
@@ -205,7 +202,7 @@ TEST(no_plan_that_is_looked_up_loses_to_the_default)
         for (int i = 0; i < QUESTIONS; ++i)
             ask(&f, family, &t, draw_n(&r), &l);
     }
-    assert_ok(store_end(f.s, true, &err), err);
+    must(store_end(f.s, true, ERR));
     for (int g = 0; g <= PROFILE_DEFAULT; ++g)
         print_message("%s: %u\n", profile_grade_name((profile_grade)g), l.n[g]);
     print_message("at worst %.2f %% behind the default\n", 100 * l.worst);

@@ -39,9 +39,8 @@ static const char *const broken_upgrades[] = {
 
 static int64_t version_of(store *s)
 {
-    duet_error err = {0};
     int64_t version = 0;
-    assert_ok(sql_number(s, "PRAGMA user_version", &version, &err), err);
+    must(sql_number(s, "PRAGMA user_version", &version, ERR));
     return version;
 }
 
@@ -52,8 +51,7 @@ TEST(an_older_store_is_copied_and_upgraded)
     profile_workload workload = test_workload(1000);
     store *s = test_store_open(folder.store, STORE_WRITE);
     test_tune(s, &pair, &workload);
-    duet_error err = {0};
-    assert_ok(migrate_upgrade(s, upgrades, &err), err);
+    must(migrate_upgrade(s, upgrades, ERR));
     assert_int_equal(version_of(s), STORE_FIRST_VERSION + 1);
     assert_int_equal(test_count(s, "profile WHERE colour IS NULL"), 1);
     assert_int_equal(test_count(s, "extra"), 1);

@@ -14,16 +14,15 @@
 TEST(a_pair_and_a_workload_are_stored_once)
 {
     store *s = test_store_fresh();
-    duet_error err = {0};
     profile_pair pair = test_pair();
     profile_pair swapped = {.a = pair.b, .b = pair.a};
     profile_workload workload = test_workload(1000);
     int64_t ids[6] = {0};
-    assert_ok(profile_pair_put(s, &pair, &ids[0], &err), err);
-    assert_ok(profile_pair_put(s, &pair, &ids[1], &err), err);
-    assert_ok(profile_pair_put(s, &swapped, &ids[2], &err), err);
-    assert_ok(profile_workload_put(s, &workload, &ids[3], &err), err);
-    assert_ok(profile_workload_put(s, &workload, &ids[4], &err), err);
+    must(profile_pair_put(s, &pair, &ids[0], ERR));
+    must(profile_pair_put(s, &pair, &ids[1], ERR));
+    must(profile_pair_put(s, &swapped, &ids[2], ERR));
+    must(profile_workload_put(s, &workload, &ids[3], ERR));
+    must(profile_workload_put(s, &workload, &ids[4], ERR));
     assert_int_equal(ids[0], ids[1]);
     assert_int_not_equal(ids[0], ids[2]);
     assert_int_equal(ids[3], ids[4]);
@@ -92,9 +91,8 @@ TEST(two_draws_of_one_scene_are_one_workload)
     other.cells[0] += 1;
     other.name = "mine";
     char keys[2][PROFILE_SHA];
-    duet_error err = {0};
-    assert_ok(profile_workload_key(&w, keys[0], &err), err);
-    assert_ok(profile_workload_key(&other, keys[1], &err), err);
+    must(profile_workload_key(&w, keys[0], ERR));
+    must(profile_workload_key(&other, keys[1], ERR));
     assert_string_equal(keys[0], keys[1]);
 }
 
@@ -102,11 +100,10 @@ TEST(the_order_of_effects_does_not_matter_and_the_effects_do)
 {
     static const char *const effects[] = {"gravity motion", " motion  gravity motion", "motion"};
     char keys[3][PROFILE_SHA];
-    duet_error err = {0};
     for (int i = 0; i < 3; ++i) {
         profile_workload w = test_workload(1000);
         w.effects = effects[i];
-        assert_ok(profile_workload_key(&w, keys[i], &err), err);
+        must(profile_workload_key(&w, keys[i], ERR));
     }
     assert_string_equal(keys[0], keys[1]);
     assert_string_not_equal(keys[0], keys[2]);
@@ -171,10 +168,10 @@ TEST(a_trial_without_measurements_needs_a_reason_and_no_times)
     duet_error err = {0};
     profile_session session = test_session(1, 1);
     char id[PROFILE_ID];
-    assert_ok(profile_session_begin(s, &session, id, &err), err);
+    must(profile_session_begin(s, &session, id, ERR));
     profile_trial trial = {.plan = test_plan(0.5), .outcome = "build", .reason = "no local memory"};
     int64_t number = -1;
-    assert_ok(profile_trial_add(s, id, &trial, NULL, &number, &err), err);
+    must(profile_trial_add(s, id, &trial, NULL, &number, ERR));
     assert_int_equal(number, 0);
     assert_int_equal(test_count(s, "trial WHERE outcome = 'build' AND median_ns IS NULL"), 1);
     trial.outcome = "ok";
@@ -198,7 +195,6 @@ TEST(a_replaced_profile_stays_dead_with_its_reason)
 // A profile of one workload on one pair.
 static profile_row gained(store *s, const char *verdict, double low, double high, uint32_t rounds)
 {
-    duet_error err = {0};
     profile_pair pair = test_pair();
     profile_workload workload = test_workload(1000);
     profile_row row = {
@@ -213,16 +209,15 @@ static profile_row gained(store *s, const char *verdict, double low, double high
         .origin = "manual",
         .trial_number = -1,
     };
-    assert_ok(profile_pair_put(s, &pair, &row.pair_id, &err), err);
-    assert_ok(profile_workload_put(s, &workload, &row.workload_id, &err), err);
+    must(profile_pair_put(s, &pair, &row.pair_id, ERR));
+    must(profile_workload_put(s, &workload, &row.workload_id, ERR));
     return row;
 }
 
 static profile_placed put(store *s, const profile_row *row, const char *unused)
 {
     profile_placed placed;
-    duet_error err = {0};
-    assert_ok(profile_put(s, row, unused, "replaced by a later tuning", &placed, &err), err);
+    must(profile_put(s, row, unused, "replaced by a later tuning", &placed, ERR));
     assert_int_equal(test_count(s, "profile WHERE live = 1 AND verdict = 'ambiguous'"), 0);
     return placed;
 }
@@ -305,13 +300,12 @@ static bool replaces(const char *options, const profile_row *gain, const double 
                      const double ns[2])
 {
     store *s = test_store_fresh();
-    duet_error err = {0};
     char ids[2][PROFILE_ID];
     profile_row row = gained(s, gain->verdict, gain->gain_low, gain->gain_high, gain->rounds);
     profile_session session = test_session(row.pair_id, row.workload_id);
-    assert_ok(profile_session_begin(s, &session, ids[0], &err), err);
+    must(profile_session_begin(s, &session, ids[0], ERR));
     session.options = options;
-    assert_ok(profile_session_begin(s, &session, ids[1], &err), err);
+    must(profile_session_begin(s, &session, ids[1], ERR));
     row.origin = "measured";
     row.session = ids[0];
     row.low_ns = before_ns[0];
@@ -369,15 +363,15 @@ TEST(a_stored_profile_is_put_to_use_and_forgotten)
     profile_placed few = put(s, &unfounded, NULL);
     assert_string_equal(few.unused, PROFILE_TOO_FEW_ROUNDS);
     assert_int_equal(is_live(s, &kept), 1);
-    assert_ok(profile_use(s, research.uid, &err), err);
+    must(profile_use(s, research.uid, ERR));
     assert_int_equal(is_live(s, &research), 1);
     assert_int_equal(is_live(s, &kept), 0);
     assert_int_equal(is_live(s, &other), 1);
-    assert_ok(profile_use(s, research.uid, &err), err); // again
+    must(profile_use(s, research.uid, ERR)); // again
     assert_false(profile_use(s, few.uid, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     err = (duet_error){0};
-    assert_ok(profile_forget(s, research.uid, &err), err);
+    must(profile_forget(s, research.uid, ERR));
     assert_int_equal(test_count(s, "profile"), 3);
     assert_int_equal(test_count(s, "profile WHERE live = 1"), 1);
     assert_false(profile_forget(s, research.uid, &err));

@@ -15,24 +15,23 @@
 TEST(a_stopped_session_is_resumed_with_its_state)
 {
     store *s = test_store_tuned();
-    duet_error err = {0};
     profile_session session = test_session(1, 1);
     profile_resumed resumed;
-    assert_ok(profile_session_resume(s, &session, &resumed, &err), err);
+    must(profile_session_resume(s, &session, &resumed, ERR));
     assert_int_equal(resumed.claim, PROFILE_CLAIM_NONE); // the tuned one is complete
     profile_resumed_free(&resumed);
     char id[PROFILE_ID];
-    assert_ok(profile_session_begin(s, &session, id, &err), err);
+    must(profile_session_begin(s, &session, id, ERR));
     profile_sample samples[2];
     profile_trial trial = test_trial(1000, 0.5, samples, 2);
     int64_t number = 0;
-    assert_ok(profile_trial_add(s, id, &trial, "{\"low\":0.25}", &number, &err), err);
-    assert_ok(profile_session_resume(s, &session, &resumed, &err), err);
+    must(profile_trial_add(s, id, &trial, "{\"low\":0.25}", &number, ERR));
+    must(profile_session_resume(s, &session, &resumed, ERR));
     assert_int_equal(resumed.claim, PROFILE_CLAIM_BUSY); // this process lives
     assert_int_equal(resumed.pid, getpid());
     profile_resumed_free(&resumed);
-    assert_ok(profile_session_end(s, id, "stopped", &err), err);
-    assert_ok(profile_session_resume(s, &session, &resumed, &err), err);
+    must(profile_session_end(s, id, "stopped", ERR));
+    must(profile_session_resume(s, &session, &resumed, ERR));
     assert_int_equal(resumed.claim, PROFILE_CLAIM_RESUMED);
     assert_string_equal(resumed.id, id);
     assert_string_equal(text_chars(&resumed.search_state), "{\"low\":0.25}");
@@ -44,11 +43,10 @@ TEST(a_stopped_session_is_resumed_with_its_state)
 TEST(another_search_is_not_resumed)
 {
     store *s = test_store_tuned();
-    duet_error err = {0};
     profile_session session = test_session(1, 1);
     char id[PROFILE_ID];
-    assert_ok(profile_session_begin(s, &session, id, &err), err);
-    assert_ok(profile_session_end(s, id, "stopped", &err), err);
+    must(profile_session_begin(s, &session, id, ERR));
+    must(profile_session_end(s, id, "stopped", ERR));
     profile_session others[5] = {session, session, session, session, session};
     others[0].strategy = "golden";
     others[1].kernels = "changed";
@@ -57,7 +55,7 @@ TEST(another_search_is_not_resumed)
     others[4].objective = "energy";
     for (int i = 0; i < 5; ++i) {
         profile_resumed resumed;
-        assert_ok(profile_session_resume(s, &others[i], &resumed, &err), err);
+        must(profile_session_resume(s, &others[i], &resumed, ERR));
         assert_int_equal(resumed.claim, PROFILE_CLAIM_NONE);
         profile_resumed_free(&resumed);
     }
@@ -68,16 +66,15 @@ TEST(another_search_is_not_resumed)
 TEST(what_was_asked_and_finished_is_known)
 {
     store *s = test_store_tuned();
-    duet_error err = {0};
     char uid[PROFILE_ID];
     profile_session session = test_session(1, 1);
     session.script = "return { n = 1000 } -- a word that changes nothing";
-    assert_ok(profile_session_known(s, &session, uid, &err), err);
+    must(profile_session_known(s, &session, uid, ERR));
     assert_int_equal(strlen(uid), PROFILE_ID - 1);
-    assert_ok(sql_script(s, "UPDATE profile SET live = 0, dead_reason = 'replaced'", &err), err);
-    assert_ok(profile_session_known(s, &session, uid, &err), err);
+    must(sql_script(s, "UPDATE profile SET live = 0, dead_reason = 'replaced'", ERR));
+    must(profile_session_known(s, &session, uid, ERR));
     assert_int_equal(strlen(uid), PROFILE_ID - 1);
-    assert_ok(sql_script(s, "UPDATE session SET strategy = 'lua'", &err), err);
+    must(sql_script(s, "UPDATE session SET strategy = 'lua'", ERR));
     profile_session others[6] = {session, session, session, session, session, session};
     others[0].strategy = "grid";
     others[1].kernels = "changed";
@@ -87,11 +84,11 @@ TEST(what_was_asked_and_finished_is_known)
     others[5].strategy = "lua";
     others[5].script = NULL;
     for (int i = 0; i < 6; ++i) {
-        assert_ok(profile_session_known(s, &others[i], uid, &err), err);
+        must(profile_session_known(s, &others[i], uid, ERR));
         assert_string_equal(uid, "");
     }
     others[5].script = test_session(1, 1).script;
-    assert_ok(profile_session_known(s, &others[5], uid, &err), err);
+    must(profile_session_known(s, &others[5], uid, ERR));
     assert_int_equal(strlen(uid), PROFILE_ID - 1);
     store_close(s);
 }
@@ -99,17 +96,16 @@ TEST(what_was_asked_and_finished_is_known)
 TEST(one_process_measures_a_workload_whatever_it_asks)
 {
     store *s = test_store_fresh();
-    duet_error err = {0};
     profile_pair pair = test_pair(), swapped = {.a = pair.b, .b = pair.a};
     profile_workload workloads[2] = {test_workload(1000), test_workload(2000)};
     int64_t pairs[2], ids[2];
-    assert_ok(profile_pair_put(s, &pair, &pairs[0], &err), err);
-    assert_ok(profile_pair_put(s, &swapped, &pairs[1], &err), err);
+    must(profile_pair_put(s, &pair, &pairs[0], ERR));
+    must(profile_pair_put(s, &swapped, &pairs[1], ERR));
     for (int i = 0; i < 2; ++i)
-        assert_ok(profile_workload_put(s, &workloads[i], &ids[i], &err), err);
+        must(profile_workload_put(s, &workloads[i], &ids[i], ERR));
     char id[PROFILE_ID];
     profile_session session = test_session(pairs[0], ids[0]);
-    assert_ok(profile_session_begin(s, &session, id, &err), err);
+    must(profile_session_begin(s, &session, id, ERR));
     profile_session others[4] = {session, session, session, session};
     others[0].options = "{\"launches\":17}";
     others[1].strategy = "grid";
@@ -117,15 +113,15 @@ TEST(one_process_measures_a_workload_whatever_it_asks)
     others[3].workload_id = ids[1];
     for (int i = 0; i < 4; ++i) {
         profile_resumed resumed;
-        assert_ok(profile_session_resume(s, &others[i], &resumed, &err), err);
+        must(profile_session_resume(s, &others[i], &resumed, ERR));
         assert_int_equal(resumed.claim, i < 3 ? PROFILE_CLAIM_BUSY : PROFILE_CLAIM_NONE);
         profile_resumed_free(&resumed);
     }
     // On another machine another pair is no disturbance.
-    assert_ok(sql_script(s, "UPDATE session SET host = 'elsewhere'", &err), err);
+    must(sql_script(s, "UPDATE session SET host = 'elsewhere'", ERR));
     for (int i = 0; i < 3; ++i) {
         profile_resumed resumed;
-        assert_ok(profile_session_resume(s, &others[i], &resumed, &err), err);
+        must(profile_session_resume(s, &others[i], &resumed, ERR));
         assert_int_equal(resumed.claim, i < 2 ? PROFILE_CLAIM_BUSY : PROFILE_CLAIM_NONE);
         profile_resumed_free(&resumed);
     }
@@ -141,13 +137,12 @@ TEST(a_dead_owners_session_is_resumed)
     };
     for (size_t i = 0; i < sizeof owners / sizeof owners[0]; ++i) {
         store *s = test_store_tuned();
-        duet_error err = {0};
         profile_session session = test_session(1, 1);
         char id[PROFILE_ID];
-        assert_ok(profile_session_begin(s, &session, id, &err), err);
-        assert_ok(sql_script(s, owners[i], &err), err);
+        must(profile_session_begin(s, &session, id, ERR));
+        must(sql_script(s, owners[i], ERR));
         profile_resumed resumed;
-        assert_ok(profile_session_resume(s, &session, &resumed, &err), err);
+        must(profile_session_resume(s, &session, &resumed, ERR));
         assert_int_equal(resumed.claim, PROFILE_CLAIM_RESUMED);
         assert_string_equal(resumed.id, id);
         profile_resumed_free(&resumed);
@@ -158,13 +153,12 @@ TEST(a_dead_owners_session_is_resumed)
 TEST(a_silent_owner_elsewhere_is_given_ten_minutes)
 {
     store *s = test_store_tuned();
-    duet_error err = {0};
     profile_session session = test_session(1, 1);
     char id[PROFILE_ID];
-    assert_ok(profile_session_begin(s, &session, id, &err), err);
-    assert_ok(sql_script(s, "UPDATE session SET host = 'elsewhere', pid = 999999999", &err), err);
+    must(profile_session_begin(s, &session, id, ERR));
+    must(sql_script(s, "UPDATE session SET host = 'elsewhere', pid = 999999999", ERR));
     profile_resumed resumed;
-    assert_ok(profile_session_resume(s, &session, &resumed, &err), err);
+    must(profile_session_resume(s, &session, &resumed, ERR));
     assert_int_equal(resumed.claim, PROFILE_CLAIM_BUSY);
     profile_resumed_free(&resumed);
     store_close(s);

@@ -15,8 +15,7 @@
 
 static void write_bytes(const char *path, const char *bytes, size_t n)
 {
-    duet_error err = {0};
-    assert_ok(text_write_file(path, bytes, n, &err), err);
+    must(text_write_file(path, bytes, n, ERR));
 }
 
 static void assert_file_is(const char *path, const char *bytes, size_t n)
@@ -49,15 +48,15 @@ TEST(a_path_comes_from_the_environment)
     setenv("DUET_PROFILE", "/p/q.db", 1);
     setenv("XDG_DATA_HOME", "/x", 1);
     setenv("HOME", "/h", 1);
-    assert_ok(store_user_path(&path, &err), err);
+    must(store_user_path(&path, ERR));
     assert_string_equal(text_chars(&path), "/p/q.db");
     text_free(&path);
     unsetenv("DUET_PROFILE");
-    assert_ok(store_user_path(&path, &err), err);
+    must(store_user_path(&path, ERR));
     assert_string_equal(text_chars(&path), "/x/duet/profiles.db");
     text_free(&path);
     unsetenv("XDG_DATA_HOME");
-    assert_ok(store_user_path(&path, &err), err);
+    must(store_user_path(&path, ERR));
     assert_string_equal(text_chars(&path), "/h/.local/share/duet/profiles.db");
     text_free(&path);
     unsetenv("HOME");
@@ -150,7 +149,6 @@ static void take_a_store_through(const char *path)
     profile_workload workload = test_workload(1000);
     profile_request request = test_request(&pair, &workload);
     profile_found found;
-    duet_error err = {0};
     store *s = test_store_open(path, STORE_WRITE);
     test_tune(s, &pair, &workload);
     store_close(s);
@@ -158,11 +156,11 @@ static void take_a_store_through(const char *path)
     s = test_store_open(path, STORE_READ); // waits until it rests
     assert_int_equal(test_count(s, "profile"), 1);
     store_close(s);
-    assert_ok(profile_lookup_files(path, NULL, &request, &found, NULL, &err), err);
+    must(profile_lookup_files(path, NULL, &request, &found, NULL, ERR));
     assert_int_equal(found.grade, PROFILE_EXACT);
     s = test_store_open("other.db", STORE_WRITE);
     profile_import_counts counts;
-    assert_ok(profile_merge(s, path, &counts, &err), err);
+    must(profile_merge(s, path, &counts, ERR));
     assert_true(counts.added > 0);
     store_close(s);
     remove("other.db");
@@ -323,7 +321,7 @@ TEST(a_view_or_trigger_of_a_stranger_is_refused)
         test_folder folder = test_folder_make();
         store *s = test_store_open(folder.store, STORE_WRITE);
         duet_error err = {0};
-        assert_ok(sql_script(s, cases[i].statements, &err), err);
+        must(sql_script(s, cases[i].statements, ERR));
         store_close(s);
         for (int k = 0; k < 2; ++k) {
             err = (duet_error){0};
@@ -341,10 +339,10 @@ TEST(a_failure_inside_undoes_the_whole_transaction)
 {
     store *s = test_store_fresh();
     duet_error err = {0};
-    assert_ok(store_begin(s, &err), err);
-    assert_ok(store_audit(s, "outer", "", &err), err);
-    assert_ok(store_begin(s, &err), err);
-    assert_ok(store_audit(s, "inner", "", &err), err);
+    must(store_begin(s, ERR));
+    must(store_audit(s, "outer", "", ERR));
+    must(store_begin(s, ERR));
+    must(store_audit(s, "inner", "", ERR));
     assert_false(store_end(s, false, &err));
     assert_false(store_end(s, true, &err));
     assert_int_equal(test_count(s, "audit"), 0);

@@ -362,8 +362,7 @@ TEST(a_text_that_is_too_long_is_told_of_with_its_row)
         assert_int_equal(sqlite3_exec(db, change, NULL, NULL, NULL), SQLITE_OK);
         sqlite3_close(db);
         duet_error err = {0};
-        store *s = store_open(folder.store, STORE_READ, &err);
-        assert_ok(s, err);
+        store *s = must(store_open(folder.store, STORE_READ, ERR));
         FILE *nowhere = tmpfile();
         assert_false(profile_export(s, nowhere, "x", &err));
         fclose(nowhere);

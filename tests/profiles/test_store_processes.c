@@ -19,7 +19,7 @@
 enum { WRITERS = 8, READERS = 8, TRIALS = 25, SAMPLES = 5, KILLS = 40 };
 
 // In a child a failed fact ends the process: cmocka belongs to the parent.
-static void must(bool fact, const char *what, const duet_error *err)
+static void require(bool fact, const char *what, const duet_error *err)
 {
     if (fact)
         return;
@@ -53,8 +53,7 @@ static void assert_sound(store *s)
 {
     text report = {0};
     uint32_t problems = 0;
-    duet_error err = {0};
-    assert_ok(profile_check(s, &report, &problems, &err), err);
+    must(profile_check(s, &report, &problems, ERR));
     if (problems)
         fail_msg("%s", text_chars(&report));
     text_free(&report);
@@ -69,10 +68,10 @@ static void begin(store *s, uint64_t n, profile_session *session, char id[PROFIL
     profile_workload workload = test_workload(n);
     int64_t pair_id = 0;
     int64_t workload_id = 0;
-    must(profile_pair_put(s, &pair, &pair_id, &err), "the pair is put", &err);
-    must(profile_workload_put(s, &workload, &workload_id, &err), "the workload is put", &err);
+    require(profile_pair_put(s, &pair, &pair_id, &err), "the pair is put", &err);
+    require(profile_workload_put(s, &workload, &workload_id, &err), "the workload is put", &err);
     *session = test_session(pair_id, workload_id);
-    must(profile_session_begin(s, session, id, &err), "the session begins", &err);
+    require(profile_session_begin(s, session, id, &err), "the session begins", &err);
 }
 
 static void add_trial(store *s, const char *id, int i)
@@ -83,8 +82,9 @@ static void add_trial(store *s, const char *id, int i)
     char search_state[48];
     int64_t number = 0;
     snprintf(search_state, sizeof search_state, "{\"trials\":%d}", i + 1);
-    must(profile_trial_add(s, id, &trial, search_state, &number, &err), "a trial is added", &err);
-    must(number == i, "trials are numbered in order", &err);
+    require(profile_trial_add(s, id, &trial, search_state, &number, &err), "a trial is added",
+            &err);
+    require(number == i, "trials are numbered in order", &err);
 }
 
 static void put_profile(store *s, const profile_session *session, const char *id)
@@ -104,9 +104,9 @@ static void put_profile(store *s, const profile_session *session, const char *id
         .session = id,
         .trial_number = 1,
     };
-    must(profile_put(s, &row, NULL, "replaced by a later tuning", NULL, &err), "the profile is put",
-         &err);
-    must(profile_session_end(s, id, "complete", &err), "the session ends", &err);
+    require(profile_put(s, &row, NULL, "replaced by a later tuning", NULL, &err),
+            "the profile is put", &err);
+    require(profile_session_end(s, id, "complete", &err), "the session ends", &err);
 }
 
 // Half of the writers share a workload. Each opens the store twice.
@@ -114,7 +114,7 @@ static void write_rows(const char *path, int who)
 {
     duet_error err = {0};
     store *s = store_open(path, STORE_WRITE, &err);
-    must(s, "a writer opens", &err);
+    require(s, "a writer opens", &err);
     char id[PROFILE_ID];
     profile_session session;
     begin(s, who % 2 ? 1000 : 2000 + (uint64_t)who, &session, id);
@@ -122,7 +122,7 @@ static void write_rows(const char *path, int who)
         add_trial(s, id, i);
     store_close(s);
     s = store_open(path, STORE_WRITE, &err);
-    must(s, "a writer opens again", &err);
+    require(s, "a writer opens again", &err);
     for (int i = TRIALS / 2; i < TRIALS; ++i)
         add_trial(s, id, i);
     put_profile(s, &session, id);
@@ -140,11 +140,11 @@ static void read_rows(const char *path, int who)
     for (;;) {
         profile_found found;
         duet_error err = {0};
-        must(profile_lookup_files(path, NULL, &request, &found, NULL, &err) ||
-                 (found.grade == PROFILE_DEFAULT && strstr(err.text, "keeps it locked")),
-             "a look-up ends well", &err);
+        require(profile_lookup_files(path, NULL, &request, &found, NULL, &err) ||
+                    (found.grade == PROFILE_DEFAULT && strstr(err.text, "keeps it locked")),
+                "a look-up ends well", &err);
         if (found.grade == PROFILE_EXACT) {
-            must(found.plan.share == 8192 && found.median_ns == 2, "the row is whole", &err);
+            require(found.plan.share == 8192 && found.median_ns == 2, "the row is whole", &err);
             return;
         }
         usleep(10000);
@@ -160,9 +160,7 @@ TEST(writers_and_readers_do_not_disturb_each_other)
     for (int i = 0; i < READERS; ++i)
         children[WRITERS + i] = start(read_rows, folder.store, i);
     assert_all_ended_well(children, WRITERS + READERS);
-    duet_error err = {0};
-    store *s = store_open(folder.store, STORE_WRITE, &err);
-    assert_ok(s, err);
+    store *s = must(store_open(folder.store, STORE_WRITE, ERR));
     assert_int_equal(test_count(s, "session WHERE state = 'complete'"), WRITERS);
     assert_int_equal(test_count(s, "trial"), WRITERS * TRIALS);
     assert_int_equal(test_count(s, "profile"), WRITERS);
@@ -181,14 +179,14 @@ static void claim(const char *path, int who)
     (void)who;
     duet_error err = {0};
     store *s = store_open(path, STORE_WRITE, &err);
-    must(s, "it opens", &err);
+    require(s, "it opens", &err);
     profile_session session = test_session(1, 1);
     profile_resumed resumed;
-    must(profile_session_resume(s, &session, &resumed, &err), "a claim ends well", &err);
+    require(profile_session_resume(s, &session, &resumed, &err), "a claim ends well", &err);
     char said = (char)('0' + (int)resumed.claim);
-    must(write(claim_pipe[1], &said, 1) == 1, "it is told", &err);
+    require(write(claim_pipe[1], &said, 1) == 1, "it is told", &err);
     close(end_pipe[1]);
-    must(read(end_pipe[0], &said, 1) == 0, "all have asked", &err);
+    require(read(end_pipe[0], &said, 1) == 0, "all have asked", &err);
     profile_resumed_free(&resumed);
     store_close(s);
 }
@@ -196,13 +194,11 @@ static void claim(const char *path, int who)
 TEST(one_of_many_takes_up_a_stopped_session)
 {
     test_folder folder = test_folder_make();
-    duet_error err = {0};
-    store *s = store_open(folder.store, STORE_WRITE, &err);
-    assert_ok(s, err);
+    store *s = must(store_open(folder.store, STORE_WRITE, ERR));
     char id[PROFILE_ID];
     profile_session session;
     begin(s, 1000, &session, id);
-    assert_ok(profile_session_end(s, id, "stopped", &err), err);
+    must(profile_session_end(s, id, "stopped", ERR));
     store_close(s);
     assert_int_equal(pipe(claim_pipe), 0);
     assert_int_equal(pipe(end_pipe), 0);
@@ -230,14 +226,14 @@ static void write_until_killed(const char *path, int who)
     (void)who;
     duet_error err = {0};
     store *s = store_open(path, STORE_WRITE, &err);
-    must(s, "a writer opens", &err);
+    require(s, "a writer opens", &err);
     char id[PROFILE_ID];
     profile_session session;
     begin(s, 1000, &session, id);
     for (int i = 0;; ++i) {
         add_trial(s, id, i);
         int32_t stored = i + 1;
-        must(write(told_pipe[1], &stored, sizeof stored) == sizeof stored, "it is told", &err);
+        require(write(told_pipe[1], &stored, sizeof stored) == sizeof stored, "it is told", &err);
     }
 }
 
@@ -264,10 +260,9 @@ static void await_death(int round, rng *r)
 // The session that was running when its owner was killed, taken up here.
 static void assert_resumes(store *s, int32_t told)
 {
-    duet_error err = {0};
     profile_session session = test_session(1, 1);
     profile_resumed resumed;
-    assert_ok(profile_session_resume(s, &session, &resumed, &err), err);
+    must(profile_session_resume(s, &session, &resumed, ERR));
     if (resumed.claim == PROFILE_CLAIM_NONE) {
         assert_int_equal(told, 0); // killed before it had begun
         return;
@@ -278,7 +273,7 @@ static void assert_resumes(store *s, int32_t told)
     if (resumed.trials > 0)
         snprintf(search_state, sizeof search_state, "{\"trials\":%" PRIu32 "}", resumed.trials);
     assert_string_equal(text_chars(&resumed.search_state), search_state);
-    assert_ok(profile_session_end(s, resumed.id, "failed", &err), err);
+    must(profile_session_end(s, resumed.id, "failed", ERR));
     profile_resumed_free(&resumed);
 }
 
@@ -294,9 +289,7 @@ TEST(a_killed_writer_loses_at_most_one_trial)
         assert_int_equal(kill(child, SIGKILL), 0);
         assert_int_equal(waitpid(child, NULL, 0), child);
         int32_t told = last_told();
-        duet_error err = {0};
-        store *s = store_open(folder.store, STORE_WRITE, &err);
-        assert_ok(s, err);
+        store *s = must(store_open(folder.store, STORE_WRITE, ERR));
         assert_true(test_count(s, "trial") >= trials + told);
         trials = test_count(s, "trial");
         assert_resumes(s, told);
@@ -311,7 +304,6 @@ TEST(a_killed_writer_loses_at_most_one_trial)
 TEST(a_look_up_works_after_a_kill)
 {
     test_folder folder = test_folder_make();
-    duet_error err = {0};
     assert_int_equal(pipe(told_pipe), 0);
     pid_t child = start(write_until_killed, folder.store, 0);
     int32_t told = 0;
@@ -326,7 +318,7 @@ TEST(a_look_up_works_after_a_kill)
     profile_request request = test_request(&pair, &workload);
     profile_found found;
     text why = {0};
-    assert_ok(profile_lookup_files(folder.store, NULL, &request, &found, &why, &err), err);
+    must(profile_lookup_files(folder.store, NULL, &request, &found, &why, ERR));
     assert_non_null(strstr(text_chars(&why), "this workload was never measured on these two"));
     text_free(&why);
 }

@@ -17,21 +17,17 @@
 
 static duet_box_query *open_query(duet_tree *tree, duet_level level)
 {
-    duet_error err = {0};
     duet_box_query_def def = duet_default_box_query_def();
     def.tree = tree;
     def.level = level;
-    duet_box_query *query = duet_box_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
+    return must(duet_box_query_create(&def, ERR));
 }
 
 static duet_box_query_result ask(duet_box_query *query, duet_object_kind kind, const void *boxes,
                                  uint64_t n)
 {
-    duet_error err = {0};
     duet_box_query_result result;
-    assert_ok(duet_box_query_run(query, kind, boxes, n, &result, &err), err);
+    must(duet_box_query_run(query, kind, boxes, n, &result, ERR));
     return result;
 }
 
@@ -110,20 +106,18 @@ static uint64_t count_by_pairs(duet_level level, const duet_pose *boxes, uint32_
                                const duet_pose *asked, uint32_t m,
                                const duet_box_query_result *found)
 {
-    duet_error err = {0};
     duet_pair_query_def def = duet_default_pair_query_def();
     duet_pair_query_result result;
     def.pair = devices;
     def.level = level;
-    duet_pair_query *test = duet_pair_query_create(&def, &err);
-    assert_ok(test, err);
+    duet_pair_query *test = must(duet_pair_query_create(&def, ERR));
     duet_pose *pairs = calloc((size_t)n * m * 2, sizeof *pairs);
     uint8_t *answers = calloc((size_t)n * m, 1);
     for (uint64_t i = 0; i < (uint64_t)n * m; ++i) {
         pairs[2 * i] = asked[i / n];
         pairs[2 * i + 1] = boxes[i % n];
     }
-    assert_ok(duet_pair_query_run(test, pairs, (uint64_t)n * m, answers, NULL, &result, &err), err);
+    must(duet_pair_query_run(test, pairs, (uint64_t)n * m, answers, NULL, &result, ERR));
     for (uint64_t i = 0; i < found->n_hits; ++i)
         assert_true(answers[(uint64_t)found->hits[i].box * n + found->hits[i].id] == 1);
     free(pairs);
@@ -195,10 +189,9 @@ TEST(bounds_meet_where_comparisons_say_so)
 static void meets_itself(duet_box_query *query, const duet_filter *filters, uint32_t count,
                          const duet_pair *pairs, uint64_t n)
 {
-    duet_error err = {0};
     duet_box_query_result found;
     uint64_t at = 0;
-    assert_ok(duet_box_query_run_itself(query, filters, filters ? count : 0, &found, &err), err);
+    must(duet_box_query_run_itself(query, filters, filters ? count : 0, &found, ERR));
     for (uint64_t i = 0; i < n; ++i) {
         uint32_t a = pairs[i].a, b = pairs[i].b;
         if (filters && !(filters[a].group & filters[b].mask && filters[b].group & filters[a].mask))
@@ -212,7 +205,6 @@ static void meets_itself(duet_box_query *query, const duet_filter *filters, uint
 // A tree without objects, and one with a body that was taken out of its motion.
 TEST(what_is_not_there_meets_nothing)
 {
-    duet_error err = {0};
     const duet_pose poses[3] = {{{0}, {1, 1, 1}, {0, 0, 0, 1}},
                                 {{0}, {1, 1, 1}, {0, 0, 0, 1}},
                                 {{1}, {1, 1, 1}, {0, 0, 0, 1}}};
@@ -220,15 +212,14 @@ TEST(what_is_not_there_meets_nothing)
     duet_motion_def def = duet_default_motion_def();
     def.pair = devices;
     def.wants = DUET_EFFECT_CONTACT;
-    duet_motion *motion = duet_motion_create(&def, poses, NULL, 3, &err);
-    assert_ok(motion, err);
+    duet_motion *motion = must(duet_motion_create(&def, poses, NULL, 3, ERR));
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 3, NULL, 0);
     duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
-    assert_ok(duet_box_query_run_itself(query, NULL, 0, &found, &err), err);
+    must(duet_box_query_run_itself(query, NULL, 0, &found, ERR));
     assert_int_equal(found.n_hits, 0);
-    assert_ok(duet_motion_remove_bodies(motion, (duet_body_list){.first = 1, .n = 1}, &err), err);
-    assert_ok(duet_tree_set_motion(tree, motion, &err), err);
-    assert_ok(duet_box_query_run_itself(query, NULL, 0, &found, &err), err);
+    must(duet_motion_remove_bodies(motion, (duet_body_list){.first = 1, .n = 1}, ERR));
+    must(duet_tree_set_motion(tree, motion, ERR));
+    must(duet_box_query_run_itself(query, NULL, 0, &found, ERR));
     assert_int_equal(found.n_hits, 1);
     assert_true(found.hits[0].box == 0 && found.hits[0].id == 2);
     duet_motion_destroy(motion);
@@ -240,7 +231,6 @@ TEST(what_is_not_there_meets_nothing)
 TEST(a_set_joined_with_itself_has_a_worlds_pairs)
 {
     enum { N = 20000 };
-    duet_error err = {0};
     duet_pose *poses = calloc(N, sizeof *poses);
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < N; ++i)
@@ -254,10 +244,9 @@ TEST(a_set_joined_with_itself_has_a_worlds_pairs)
     duet_world_def def = duet_default_world_def();
     duet_result result;
     def.pair = devices;
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    duet_world *world = must(duet_world_create(&def, ERR));
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
+    must(duet_world_step(world, &result, ERR));
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 3, poses, N);
     duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
     duet_box_query_result found = ask(query, DUET_OBJECT_POSES, poses, N);

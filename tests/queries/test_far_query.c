@@ -127,15 +127,13 @@ static void move_scene(scene *s, const int32_t by[3])
 static duet_tree *open_far_tree(uint32_t dims, uint32_t share, const duet_large_pose *boxes,
                                 uint32_t n)
 {
-    duet_error err = {0};
     duet_tree_def def = duet_default_tree_def();
     def.pair = devices;
     def.dims = dims;
     def.share = share;
     def.origin_edge = EDGE;
-    duet_tree *tree = duet_tree_create(&def, &err);
-    assert_ok(tree, err);
-    assert_ok(duet_tree_set_objects(tree, DUET_OBJECT_LARGE_POSES, boxes, n, &err), err);
+    duet_tree *tree = must(duet_tree_create(&def, ERR));
+    must(duet_tree_set_objects(tree, DUET_OBJECT_LARGE_POSES, boxes, n, ERR));
     return tree;
 }
 
@@ -157,32 +155,28 @@ static void keep(answer *a, const void *hits, uint64_t n, size_t bytes)
 
 static void ask_rays(const scene *s, duet_tree *tree, int wants, answer *found)
 {
-    duet_error err = {0};
     duet_ray_query_result result;
     duet_ray_query *query = open_ray_query(tree, (duet_query_wants)wants, false);
-    assert_ok(duet_ray_query_run_large(query, s->large_rays, ASKED, &result, &err), err);
+    must(duet_ray_query_run_large(query, s->large_rays, ASKED, &result, ERR));
     keep(found, result.hits, result.n_hits, sizeof *result.hits);
     duet_ray_query_destroy(query);
 }
 
 static void ask_points(const scene *s, duet_tree *tree, int nearest, answer *found)
 {
-    duet_error err = {0};
     duet_point_query_result result;
     duet_point_query *query = open_point_query(tree, (uint32_t)nearest);
-    assert_ok(duet_point_query_run_large(query, s->large_points, ASKED, &result, &err), err);
+    must(duet_point_query_run_large(query, s->large_points, ASKED, &result, ERR));
     keep(found, result.hits, result.n_hits, sizeof *result.hits);
     duet_point_query_destroy(query);
 }
 
 static void ask_sweeps(const scene *s, duet_tree *tree, int wants, answer *found)
 {
-    duet_error err = {0};
     duet_sweep_query_result result;
     duet_sweep_query *query = open_sweep_query(tree, (duet_query_wants)wants);
-    assert_ok(
-        duet_sweep_query_run(query, DUET_OBJECT_LARGE_POSES, s->large_sweeps, ASKED, &result, &err),
-        err);
+    must(
+        duet_sweep_query_run(query, DUET_OBJECT_LARGE_POSES, s->large_sweeps, ASKED, &result, ERR));
     keep(found, result.hits, result.n_hits, sizeof *result.hits);
     duet_sweep_query_destroy(query);
 }
@@ -195,8 +189,7 @@ static void ask_boxes(const scene *s, duet_tree *tree, int level, answer *found)
     duet_box_query_def def = duet_default_box_query_def();
     def.tree = tree;
     def.level = level < 0 ? DUET_LEVEL_CERTIFIED : (duet_level)level;
-    duet_box_query *query = duet_box_query_create(&def, &err);
-    assert_ok(query, err);
+    duet_box_query *query = must(duet_box_query_create(&def, ERR));
     assert_ok(level < 0 ? duet_box_query_run_itself(query, NULL, 0, &result, &err)
                         : duet_box_query_run(query, DUET_OBJECT_LARGE_POSES, s->large_asked, ASKED,
                                              &result, &err),
@@ -224,9 +217,7 @@ static answer ask_everywhere(scene *s, ask *kind, int what, uint32_t dims)
     move_scene(s, there);
     tree = open_far_tree(dims, HALF, s->large_boxes, BOXES);
     kind(s, tree, what, &far);
-    duet_error err = {0};
-    assert_ok(duet_tree_set_objects(tree, DUET_OBJECT_LARGE_POSES, s->large_boxes, BOXES + 1, &err),
-              err);
+    must(duet_tree_set_objects(tree, DUET_OBJECT_LARGE_POSES, s->large_boxes, BOXES + 1, ERR));
     kind(s, tree, what, &other);
     duet_tree_destroy(tree);
     same_answers(&near, &far);
@@ -498,7 +489,7 @@ TEST(many_are_answered_as_few)
     def.tree = tree;
     duet_ray_query *query = duet_ray_query_create(&def, &err);
     duet_ray_query_result found;
-    assert_ok(query && duet_ray_query_run_large(query, rays, MANY, &found, &err), err);
+    must(query && duet_ray_query_run_large(query, rays, MANY, &found, ERR));
     const duet_ray_hit *hits = few.hits;
     for (uint32_t i = 0; i < MANY; ++i) {
         assert_int_equal(found.hits[i].id, hits[i % ASKED].id);
@@ -546,27 +537,25 @@ TEST(bodies_of_a_motion_are_seen_where_they_are)
     const int32_t *const at[2] = {here, there};
     answer seen[2];
     for (int i = 0; i < 2; ++i) {
-        duet_error err = {0};
         duet_motion_def def = duet_default_motion_def();
         def.pair = devices;
         def.origin_edge = EDGE;
         def.gravity[2] = -9.81;
         for (int k = 0; k < 3; ++k)
             def.origin[k] = (double)at[i][k] * EDGE;
-        duet_motion *motion = duet_motion_create(&def, s->boxes, NULL, BOXES, &err);
-        assert_ok(motion, err);
+        duet_motion *motion = must(duet_motion_create(&def, s->boxes, NULL, BOXES, ERR));
         duet_motion_result result;
         for (int step = 0; step < 20; ++step)
-            assert_ok(duet_motion_advance(motion, &result, &err), err);
+            must(duet_motion_advance(motion, &result, ERR));
         move_scene(s, at[i]);
         duet_tree *tree = open_far_tree(3, 0, NULL, 0);
-        assert_ok(duet_tree_set_motion(tree, motion, &err), err);
+        must(duet_tree_set_motion(tree, motion, ERR));
         ask_rays(s, tree, DUET_QUERY_CLOSEST, &seen[i]);
         duet_state body;
         const uint32_t id = ((const duet_ray_hit *)seen[i].hits)[4].id;
         assert_true(id < BOXES);
         duet_state *states = calloc(BOXES, sizeof *states);
-        assert_ok(duet_motion_get_states(motion, states, &err), err);
+        must(duet_motion_get_states(motion, states, ERR));
         body = states[id];
         assert_float_equal(body.centre[2] - def.origin[2], s->boxes[id].centre[2] - 0.55, 0.1);
         free(states);
@@ -585,8 +574,7 @@ TEST(a_motion_with_other_cells_is_refused)
     const duet_pose box = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     duet_motion_def def = duet_default_motion_def();
     def.pair = devices;
-    duet_motion *motion = duet_motion_create(&def, &box, NULL, 1, &err);
-    assert_ok(motion, err);
+    duet_motion *motion = must(duet_motion_create(&def, &box, NULL, 1, ERR));
     duet_tree *tree = open_far_tree(3, 0, NULL, 0);
     assert_false(duet_tree_set_motion(tree, motion, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
@@ -604,8 +592,7 @@ TEST(what_has_no_cells_is_refused_by_name)
     duet_tree *tree = open_far_tree(3, 0, &box, 1);
     duet_ray_query_def def = duet_default_ray_query_def();
     def.tree = tree;
-    duet_ray_query *query = duet_ray_query_create(&def, &err);
-    assert_ok(query, err);
+    duet_ray_query *query = must(duet_ray_query_create(&def, ERR));
     duet_ray_query_result result;
     duet_large_ray rays[2] = {{{{0}, {1, 0, 0}, 1}, {5, 6, 7}}, {{{0}, {1, 0, 0}, 1}, {1 << 30}}};
     assert_false(duet_ray_query_run(query, &rays[0].ray, 1, &result, &err));

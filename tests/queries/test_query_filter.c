@@ -94,7 +94,6 @@ static size_t hit_words(way w)
 static uint32_t *ask(const scene *s, duet_tree *tree, bool round, way w, uint32_t nearest,
                      const duet_filter *filter, uint64_t *n)
 {
-    duet_error err = {0};
     const void *hits = NULL;
     void *query = NULL;
     if (w <= RAYS_EVERY) {
@@ -103,8 +102,8 @@ static uint32_t *ask(const scene *s, duet_tree *tree, bool round, way w, uint32_
         def.tree = tree;
         def.filter = filter;
         def.wants = (duet_query_wants)w;
-        assert_ok(query = duet_ray_query_create(&def, &err), err);
-        assert_ok(duet_ray_query_run(query, s->rays, ITEMS, &result, &err), err);
+        must(query = duet_ray_query_create(&def, ERR));
+        must(duet_ray_query_run(query, s->rays, ITEMS, &result, ERR));
         hits = result.hits;
         *n = result.n_hits;
     } else if (w <= SWEEPS_EVERY) {
@@ -113,7 +112,7 @@ static uint32_t *ask(const scene *s, duet_tree *tree, bool round, way w, uint32_
         def.tree = tree;
         def.filter = filter;
         def.wants = w == SWEEPS_EVERY ? DUET_QUERY_EVERY : DUET_QUERY_CLOSEST;
-        assert_ok(query = duet_sweep_query_create(&def, &err), err);
+        must(query = duet_sweep_query_create(&def, ERR));
         result = run_sweeps(query, round ? DUET_OBJECT_ROUNDED_BOXES : DUET_OBJECT_POSES,
                             round ? (const void *)s->rounded_sweeps : s->sweeps, ITEMS);
         hits = result.hits;
@@ -123,11 +122,10 @@ static uint32_t *ask(const scene *s, duet_tree *tree, bool round, way w, uint32_
         duet_box_query_result result;
         def.tree = tree;
         def.filter = filter;
-        assert_ok(query = duet_box_query_create(&def, &err), err);
-        assert_ok(duet_box_query_run(query, round ? DUET_OBJECT_ROUNDED_BOXES : DUET_OBJECT_POSES,
-                                     round ? (const void *)s->rounded_items : s->items, ITEMS,
-                                     &result, &err),
-                  err);
+        must(query = duet_box_query_create(&def, ERR));
+        must(duet_box_query_run(query, round ? DUET_OBJECT_ROUNDED_BOXES : DUET_OBJECT_POSES,
+                                round ? (const void *)s->rounded_items : s->items, ITEMS, &result,
+                                ERR));
         hits = result.hits;
         *n = result.n_hits;
     } else {
@@ -136,8 +134,8 @@ static uint32_t *ask(const scene *s, duet_tree *tree, bool round, way w, uint32_
         def.tree = tree;
         def.filter = filter;
         def.nearest = w == POINTS_NEAREST ? nearest : 0;
-        assert_ok(query = duet_point_query_create(&def, &err), err);
-        assert_ok(duet_point_query_run(query, s->points, ITEMS, &result, &err), err);
+        must(query = duet_point_query_create(&def, ERR));
+        must(duet_point_query_run(query, s->points, ITEMS, &result, ERR));
         hits = result.hits;
         *n = result.n_hits;
     }
@@ -214,7 +212,6 @@ static void assert_filtered(const scene *s, duet_tree *tree, bool round, way w,
 
 TEST(a_query_finds_what_its_filter_can_touch)
 {
-    duet_error err = {0};
     scene *s = draw_scene();
     const duet_filter filters[] = {{1, 3}, {6, 15}, {15, 0}};
     for (int round = 0; round < 2; ++round)
@@ -222,7 +219,7 @@ TEST(a_query_finds_what_its_filter_can_touch)
             duet_tree *tree = round ? open_rounded_tree(3, shares[share], DUET_OBJECT_ROUNDED_BOXES,
                                                         s->boxes, BOXES)
                                     : open_tree(3, shares[share], s->poses, BOXES);
-            assert_ok(duet_tree_set_filters(tree, s->filters, BOXES, &err), err);
+            must(duet_tree_set_filters(tree, s->filters, BOXES, ERR));
             for (int w = 0; w < WAYS; ++w)
                 assert_filtered(s, tree, round, (way)w, &filters[(w + share) % 3]);
             duet_tree_destroy(tree);
@@ -248,17 +245,16 @@ TEST(objects_keep_their_filters_until_they_are_set)
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, s->poses, BOXES);
     uint64_t every = count_rays(s, tree, all);
     assert_int_equal(count_rays(s, tree, some), every);
-    assert_ok(duet_tree_set_filters(tree, s->filters, BOXES, &err), err);
+    must(duet_tree_set_filters(tree, s->filters, BOXES, ERR));
     uint64_t few = count_rays(s, tree, some);
     assert_true(few > 0 && few < every);
     duet_box_query_def def = duet_default_box_query_def();
     duet_box_query_result result;
     def.tree = tree;
-    duet_box_query *boxes = duet_box_query_create(&def, &err);
-    assert_ok(boxes, err);
-    assert_ok(duet_box_query_run_itself(boxes, NULL, 0, &result, &err), err);
+    duet_box_query *boxes = must(duet_box_query_create(&def, ERR));
+    must(duet_box_query_run_itself(boxes, NULL, 0, &result, ERR));
     assert_int_equal(count_rays(s, tree, some), few);
-    assert_ok(duet_tree_set_share(tree, 0, &err), err);
+    must(duet_tree_set_share(tree, 0, ERR));
     assert_int_equal(count_rays(s, tree, some), few);
     assert_false(duet_tree_set_filters(tree, s->filters, BOXES - 1, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
@@ -272,7 +268,6 @@ TEST(objects_keep_their_filters_until_they_are_set)
 
 TEST(bodies_of_a_motion_bring_their_filters)
 {
-    duet_error err = {0};
     scene *s = draw_scene();
     duet_body bodies[BOXES];
     for (int i = 0; i < BOXES; ++i) {
@@ -283,23 +278,22 @@ TEST(bodies_of_a_motion_bring_their_filters)
     duet_motion_def def = duet_default_motion_def();
     def.pair = devices;
     def.wants = DUET_EFFECT_CONTACT;
-    duet_motion *motion = duet_motion_create(&def, s->poses, bodies, BOXES, &err);
-    assert_ok(motion, err);
+    duet_motion *motion = must(duet_motion_create(&def, s->poses, bodies, BOXES, ERR));
     duet_tree *tree = open_tree(3, 0, NULL, 0);
     const duet_filter some = {2, 6};
     for (int turn = 0; turn < 2; ++turn) {
-        assert_ok(duet_tree_set_motion(tree, motion, &err), err);
-        assert_ok(duet_motion_get_poses(motion, s->poses, &err), err);
+        must(duet_tree_set_motion(tree, motion, ERR));
+        must(duet_motion_get_poses(motion, s->poses, ERR));
         uint64_t found = count_rays(s, tree, some);
         set_poses(tree, s->poses, BOXES);
-        assert_ok(duet_tree_set_filters(tree, s->filters, BOXES, &err), err);
+        must(duet_tree_set_filters(tree, s->filters, BOXES, ERR));
         assert_int_equal(found, count_rays(s, tree, some));
         for (int i = 0; i < BOXES; ++i) { // and a command changes them
             s->filters[i].group = bodies[i].group = 1u << i % 3;
             s->filters[i].mask = bodies[i].mask = (uint32_t)i % 8;
         }
         const duet_body_list list = {NULL, 0, BOXES};
-        assert_ok(duet_motion_set_bodies(motion, list, DUET_BODY_FILTER, bodies, &err), err);
+        must(duet_motion_set_bodies(motion, list, DUET_BODY_FILTER, bodies, ERR));
     }
     duet_tree_destroy(tree);
     duet_motion_destroy(motion);
@@ -310,13 +304,11 @@ TEST(bodies_of_a_motion_bring_their_filters)
 
 static bool has_word(const char *kernel, int64_t filtered, const char *word)
 {
-    duet_error err = {0};
     gen_variant made = {0};
-    gen *g = gen_open(NULL, &err);
-    assert_ok(g, err);
+    gen *g = must(gen_open(NULL, ERR));
     const gen_limits limits = {.max_group = 1024, .local_bytes = 48 << 10, .fp64 = true};
     const gen_setting settings[] = {{"FILTERED", filtered}};
-    assert_ok(gen_make(g, kernel, settings, 1, &limits, &made, &err), err);
+    must(gen_make(g, kernel, settings, 1, &limits, &made, ERR));
     bool found = strstr(made.text, word);
     gen_variant_free(&made);
     gen_close(g);

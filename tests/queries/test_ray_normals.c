@@ -328,12 +328,10 @@ TEST(a_scene_moved_by_whole_cells_has_the_same_normals)
     duet_large_ray rays[N];
     for (int away = 0; away < 2; ++away) {
         const int32_t cell[3] = {away * 900000000, 0, -away * 123456789};
-        duet_error err = {0};
         duet_tree_def def = duet_default_tree_def();
         def.pair = devices;
         def.origin_edge = 4;
-        duet_tree *tree = duet_tree_create(&def, &err);
-        assert_ok(tree, err);
+        duet_tree *tree = must(duet_tree_create(&def, ERR));
         for (int i = 0; i < BOXES; ++i) {
             boxes[i] = (duet_large_pose){.pose = c->boxes[i].pose};
             memcpy(boxes[i].cell, cell, sizeof cell);
@@ -342,10 +340,10 @@ TEST(a_scene_moved_by_whole_cells_has_the_same_normals)
             rays[i] = (duet_large_ray){.ray = c->rays[i]};
             memcpy(rays[i].cell, cell, sizeof cell);
         }
-        assert_ok(duet_tree_set_objects(tree, DUET_OBJECT_LARGE_POSES, boxes, BOXES, &err), err);
+        must(duet_tree_set_objects(tree, DUET_OBJECT_LARGE_POSES, boxes, BOXES, ERR));
         duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, true);
         duet_ray_query_result found;
-        assert_ok(duet_ray_query_run_large(query, rays, N, &found, &err), err);
+        must(duet_ray_query_run_large(query, rays, N, &found, ERR));
         uint32_t compared = 0;
         for (int i = 0; i < N; ++i)
             if (found.hits[i].id != DUET_NO_OBJECT)

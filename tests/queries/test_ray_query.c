@@ -373,11 +373,10 @@ TEST(share_and_order_of_boxes_change_nothing)
     }
     free(turned);
     // A query of a tree that gets other shares, the first being A's alone.
-    duet_error err = {0};
     const uint32_t shares[] = {DUET_SHARE_ONE / 3, 0, DUET_SHARE_DEFAULT, DUET_SHARE_ONE};
     set_poses(tree, w->boxes, BOXES);
     for (size_t i = 0; i < sizeof shares / sizeof *shares; ++i) {
-        assert_ok(duet_tree_set_share(tree, shares[i], &err), err);
+        must(duet_tree_set_share(tree, shares[i], ERR));
         b = cast_rays(two, w->rays, RAYS);
         assert_memory_equal(a.hits, b.hits, RAYS * sizeof *a.hits);
         if (shares[i] != DUET_SHARE_DEFAULT)
@@ -396,7 +395,6 @@ TEST(share_and_order_of_boxes_change_nothing)
 // A body falls through the ray; the motion goes on as one that nobody asks about.
 TEST(rays_meet_bodies_where_they_are)
 {
-    duet_error err = {0};
     const duet_pose start = {{5, 0, 2}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
     const duet_ray ray = {{0, 0, 0}, {1, 0, 0}, INFINITY};
     duet_motion_def def = duet_default_motion_def();
@@ -405,17 +403,17 @@ TEST(rays_meet_bodies_where_they_are)
     def.pair = devices;
     def.gravity[2] = -10;
     for (int i = 0; i < 2; ++i)
-        assert_ok(asked[i] = duet_motion_create(&def, &start, NULL, 1, &err), err);
+        must(asked[i] = duet_motion_create(&def, &start, NULL, 1, ERR));
     duet_tree *tree = open_tree(3, 0, NULL, 0);
     duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
     uint32_t met = 0;
     for (int step = 0; step < 60; ++step) {
         duet_state where;
         duet_pose pose;
-        assert_ok(duet_motion_advance(asked[0], &result, &err), err);
-        assert_ok(duet_motion_advance(asked[1], &result, &err), err);
-        assert_ok(duet_motion_get_states(asked[1], &where, &err), err);
-        assert_ok(duet_motion_get_poses(asked[0], &pose, &err), err);
+        must(duet_motion_advance(asked[0], &result, ERR));
+        must(duet_motion_advance(asked[1], &result, ERR));
+        must(duet_motion_get_states(asked[1], &where, ERR));
+        must(duet_motion_get_poses(asked[0], &pose, ERR));
         set_poses(tree, &pose, 1);
         bool meets = fabs(where.centre[2]) <= 0.5;
         assert_int_equal(cast_rays(query, &ray, 1).hits[0].id, meets ? 0 : DUET_NO_OBJECT);
@@ -424,7 +422,7 @@ TEST(rays_meet_bodies_where_they_are)
     assert_true(met > 5 && met < 50);
     uint64_t hashes[2];
     for (int i = 0; i < 2; ++i) {
-        assert_ok(duet_motion_get_hash(asked[i], &hashes[i], &err), err);
+        must(duet_motion_get_hash(asked[i], &hashes[i], ERR));
         duet_motion_destroy(asked[i]);
     }
     assert_true(hashes[0] == hashes[1]);
@@ -438,7 +436,6 @@ enum { BODIES = 40 };
 // has the bodies' sizes.
 static duet_motion *drop_boxes(bool doubles, bool contact)
 {
-    duet_error err = {0};
     rng r = rng_seed(test_seed() + 4);
     duet_motion_def def = duet_default_motion_def();
     duet_pose poses[BODIES] = {{{0, 0, -1}, {20, 20, 1}, {0, 0, 0, 1}}};
@@ -454,30 +451,26 @@ static duet_motion *drop_boxes(bool doubles, bool contact)
     def.doubles = doubles;
     def.gravity[2] = -10;
     def.wants = contact ? DUET_EFFECT_CONTACT_RESPONSE : 0;
-    duet_motion *motion = duet_motion_create(&def, poses, bodies, BODIES, &err);
-    assert_ok(motion, err);
-    return motion;
+    return must(duet_motion_create(&def, poses, bodies, BODIES, ERR));
 }
 
 // Some leave, some come, and what is left out has a pose that no ray meets.
 static void change_bodies(duet_motion *motion)
 {
-    duet_error err = {0};
     const duet_body_list removed = {.first = 5, .n = 6}, disabled = {.first = 20, .n = 3};
     const duet_pose added = {{0, 0, 3}, {2, 2, 0.5f}, {0, 0, 0, 1}};
     uint64_t id;
-    assert_ok(duet_motion_remove_bodies(motion, removed, &err), err);
-    assert_ok(duet_motion_disable_bodies(motion, disabled, &err), err);
-    assert_ok(duet_motion_add_bodies(motion, &added, NULL, 1, &id, &err), err);
+    must(duet_motion_remove_bodies(motion, removed, ERR));
+    must(duet_motion_disable_bodies(motion, disabled, ERR));
+    must(duet_motion_add_bodies(motion, &added, NULL, 1, &id, ERR));
 }
 
 static void set_bodies(duet_tree *tree, duet_motion *motion, bool changed)
 {
-    duet_error err = {0};
     duet_pose poses[BODIES + 1];
     uint32_t n = duet_motion_get_count(motion);
     assert_true(n <= BODIES + 1);
-    assert_ok(duet_motion_get_poses(motion, poses, &err), err);
+    must(duet_motion_get_poses(motion, poses, ERR));
     for (uint32_t i = 0; changed && i < n; ++i)
         if ((i >= 5 && i < 11) || (i >= 20 && i < 23))
             poses[i] = (duet_pose){{1000, 1000, 1000}, {0}, {0, 0, 0, 1}};
@@ -486,7 +479,6 @@ static void set_bodies(duet_tree *tree, duet_motion *motion, bool changed)
 
 static void meet_the_bodies_of(bool doubles, bool contact)
 {
-    duet_error err = {0};
     world *w = make_world(3);
     duet_motion_result result;
     duet_motion *asked = drop_boxes(doubles, contact), *alone = drop_boxes(doubles, contact);
@@ -505,19 +497,19 @@ static void meet_the_bodies_of(bool doubles, bool contact)
         duet_ray_query_result known = cast_rays(expected, w->rays, 300);
         assert_true(known.n_hits > 0);
         for (int i = 0; i < 3; ++i) {
-            assert_ok(duet_tree_set_motion(trees[i], asked, &err), err);
+            must(duet_tree_set_motion(trees[i], asked, ERR));
             duet_ray_query_result found = cast_rays(queries[i], w->rays, 300);
             assert_int_equal(found.n_hits, known.n_hits);
             assert_memory_equal(found.hits, known.hits, known.n_hits * sizeof *known.hits);
         }
-        assert_ok(duet_motion_advance(asked, &result, &err), err);
-        assert_ok(duet_motion_advance(alone, &result, &err), err);
+        must(duet_motion_advance(asked, &result, ERR));
+        must(duet_motion_advance(alone, &result, ERR));
     }
     set_bodies(by_host, asked, true);
-    assert_ok(duet_tree_set_motion(trees[2], asked, &err), err);
-    assert_ok(duet_tree_set_motion(trees[0], asked, &err), err);
-    assert_ok(duet_tree_set_share(trees[2], 0, &err), err);
-    assert_ok(duet_tree_set_share(trees[0], DUET_SHARE_ONE, &err), err);
+    must(duet_tree_set_motion(trees[2], asked, ERR));
+    must(duet_tree_set_motion(trees[0], asked, ERR));
+    must(duet_tree_set_share(trees[2], 0, ERR));
+    must(duet_tree_set_share(trees[0], DUET_SHARE_ONE, ERR));
     duet_ray_query_result known = cast_rays(expected, w->rays, 300);
     for (int i = 0; i < 3; i += 2) {
         duet_ray_query_result found = cast_rays(queries[i], w->rays, 300);
@@ -525,8 +517,8 @@ static void meet_the_bodies_of(bool doubles, bool contact)
         assert_memory_equal(found.hits, known.hits, known.n_hits * sizeof *known.hits);
     }
     uint64_t hashes[2];
-    assert_ok(duet_motion_get_hash(asked, &hashes[0], &err), err);
-    assert_ok(duet_motion_get_hash(alone, &hashes[1], &err), err);
+    must(duet_motion_get_hash(asked, &hashes[0], ERR));
+    must(duet_motion_get_hash(alone, &hashes[1], ERR));
     assert_true(hashes[0] == hashes[1]);
     duet_motion_destroy(asked);
     duet_motion_destroy(alone);
@@ -555,8 +547,7 @@ TEST(a_motion_that_no_tree_takes_is_refused)
                               {{0x1p101f, 0, 0}, {1, 1, 1}, {0, 0, 0, 1}}};
     def.pair = devices;
     def.wants = DUET_EFFECT_CONTACT;
-    duet_motion *motion = duet_motion_create(&def, far, NULL, 2, &err);
-    assert_ok(motion, err);
+    duet_motion *motion = must(duet_motion_create(&def, far, NULL, 2, ERR));
     duet_tree *bounds = open_bounds_tree(3, 0, NULL, 0), *flat = open_tree(2, 0, NULL, 0);
     duet_tree *tree = open_tree(3, 0, &far[0], 1);
     assert_false(duet_tree_set_motion(bounds, motion, &err));

@@ -380,12 +380,9 @@ TEST(points_are_in_and_near_what_the_host_says)
 
 static duet_box_query *open_boxes(duet_tree *tree)
 {
-    duet_error err = {0};
     duet_box_query_def def = duet_default_box_query_def();
     def.tree = tree;
-    duet_box_query *query = duet_box_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
+    return must(duet_box_query_create(&def, ERR));
 }
 
 // Half of the boxes are asked about, then all of them against each other.
@@ -446,7 +443,6 @@ TEST(spheres_are_asked_about_as_rounded_boxes)
 
 static duet_motion *open_motion(const world *w, uint32_t wants, bool doubles)
 {
-    duet_error err = {0};
     duet_motion_def def = duet_default_motion_def();
     duet_pose *poses = calloc(BOXES, sizeof *poses);
     duet_body *bodies = calloc(BOXES, sizeof *bodies);
@@ -459,8 +455,7 @@ static duet_motion *open_motion(const world *w, uint32_t wants, bool doubles)
     def.pair = devices;
     def.doubles = doubles;
     def.wants = wants;
-    duet_motion *motion = duet_motion_create(&def, poses, bodies, BOXES, &err);
-    assert_ok(motion, err);
+    duet_motion *motion = must(duet_motion_create(&def, poses, bodies, BOXES, ERR));
     free(poses);
     free(bodies);
     return motion;
@@ -469,7 +464,6 @@ static duet_motion *open_motion(const world *w, uint32_t wants, bool doubles)
 // One gets another radius, one leaves, one is disabled, and one comes.
 static void change_bodies(duet_motion *motion, duet_rounded_box boxes[BOXES + 1])
 {
-    duet_error err = {0};
     duet_body wide = duet_default_body(), come = duet_default_body();
     uint64_t id = 0;
     const duet_body_list removed = {.first = 5, .n = 1}, disabled = {.first = 6, .n = 1};
@@ -477,12 +471,11 @@ static void change_bodies(duet_motion *motion, duet_rounded_box boxes[BOXES + 1]
     come.radius = 2;
     boxes[4].radius = wide.radius;
     boxes[BOXES] = (duet_rounded_box){{{1, 1, 1}, {0}, {0, 0, 0, 1}}, come.radius};
-    assert_ok(duet_motion_set_bodies(motion, (duet_body_list){.first = 4, .n = 1}, DUET_BODY_RADIUS,
-                                     &wide, &err),
-              err);
-    assert_ok(duet_motion_remove_bodies(motion, removed, &err), err);
-    assert_ok(duet_motion_disable_bodies(motion, disabled, &err), err);
-    assert_ok(duet_motion_add_bodies(motion, &boxes[BOXES].pose, &come, 1, &id, &err), err);
+    must(duet_motion_set_bodies(motion, (duet_body_list){.first = 4, .n = 1}, DUET_BODY_RADIUS,
+                                &wide, ERR));
+    must(duet_motion_remove_bodies(motion, removed, ERR));
+    must(duet_motion_disable_bodies(motion, disabled, ERR));
+    must(duet_motion_add_bodies(motion, &boxes[BOXES].pose, &come, 1, &id, ERR));
     assert_int_equal(id, BOXES);
 }
 
@@ -503,7 +496,6 @@ static void assert_same_rays(const world *w, duet_tree *tree, duet_tree *by_hand
 // where no ray goes.
 static void ask_bodies(const world *w, duet_motion *motion)
 {
-    duet_error err = {0};
     duet_motion_result result;
     duet_rounded_box boxes[BOXES + 1];
     duet_pose poses[BOXES + 1];
@@ -515,17 +507,17 @@ static void ask_bodies(const world *w, duet_motion *motion)
         if (step == 2)
             change_bodies(motion, boxes);
         uint32_t n = duet_motion_get_count(motion);
-        assert_ok(duet_motion_get_poses(motion, poses, &err), err);
+        must(duet_motion_get_poses(motion, poses, ERR));
         for (uint32_t i = 0; i < n; ++i)
             boxes[i].pose = poses[i];
         if (step == 2)
             boxes[5] = boxes[6] = (duet_rounded_box){{{1000, 1000, 1000}, {0}, {0, 0, 0, 1}}, 0};
-        assert_ok(duet_tree_set_objects(by_hand, DUET_OBJECT_ROUNDED_BOXES, boxes, n, &err), err);
+        must(duet_tree_set_objects(by_hand, DUET_OBJECT_ROUNDED_BOXES, boxes, n, ERR));
         for (int i = 0; i < 2; ++i) {
-            assert_ok(duet_tree_set_motion(trees[i], motion, &err), err);
+            must(duet_tree_set_motion(trees[i], motion, ERR));
             assert_same_rays(w, trees[i], by_hand);
         }
-        assert_ok(duet_motion_advance(motion, &result, &err), err);
+        must(duet_motion_advance(motion, &result, ERR));
     }
     duet_tree_destroy(trees[0]);
     duet_tree_destroy(trees[1]);
@@ -549,7 +541,6 @@ TEST(the_def_of_a_motion_makes_a_tree_that_takes_it)
     const duet_ray ray = {{0, 0, 9}, {0, 0, -1}, 9};
     duet_body body = duet_default_body();
     for (uint32_t i = 0; i < 16; ++i) {
-        duet_error err = {0};
         bool round = i & 1, wants = i & 2, flat = i & 4, cells = i & 8;
         duet_motion_def def = duet_default_motion_def();
         def.pair = devices;
@@ -557,13 +548,11 @@ TEST(the_def_of_a_motion_makes_a_tree_that_takes_it)
         def.wants = wants ? DUET_EFFECT_RADIUS : 0;
         def.origin_edge = cells ? 4 : 0;
         body.radius = round ? 0.25f : 0;
-        duet_motion *motion = duet_motion_create(&def, &pose, &body, 1, &err);
-        assert_ok(motion, err);
+        duet_motion *motion = must(duet_motion_create(&def, &pose, &body, 1, ERR));
         duet_tree_def of_motion = duet_motion_tree_def(motion);
         of_motion.share = 0;
-        duet_tree *tree = duet_tree_create(&of_motion, &err);
-        assert_ok(tree, err);
-        assert_ok(duet_tree_set_motion(tree, motion, &err), err);
+        duet_tree *tree = must(duet_tree_create(&of_motion, ERR));
+        must(duet_tree_set_motion(tree, motion, ERR));
         if (!flat && of_motion.origin_edge == 0) {
             duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
             assert_float_equal(cast_rays(query, &ray, 1).hits[0].t, round ? 6.25 : 6.5, 1e-5);
@@ -578,18 +567,17 @@ TEST(the_def_of_a_motion_makes_a_tree_that_takes_it)
 // Poses are rounded boxes without a radius.
 TEST(a_tree_of_rounded_boxes_takes_bodies_without_radii)
 {
-    duet_error err = {0};
     world *w = make_world();
     for (uint32_t i = 0; i < BOXES; ++i)
         w->boxes[i].radius = 0;
     duet_motion *motion = open_motion(w, DUET_EFFECT_CONTACT, false);
     duet_pose poses[BOXES];
-    assert_ok(duet_motion_get_poses(motion, poses, &err), err);
+    must(duet_motion_get_poses(motion, poses, ERR));
     for (uint32_t i = 0; i < BOXES; ++i)
         w->boxes[i].pose = poses[i];
     duet_tree *by_hand = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
     duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
-    assert_ok(duet_tree_set_motion(tree, motion, &err), err);
+    must(duet_tree_set_motion(tree, motion, ERR));
     assert_same_rays(w, tree, by_hand);
     duet_tree_destroy(by_hand);
     duet_tree_destroy(tree);

@@ -20,9 +20,7 @@ static int read_examples(const char *document, const char *kind)
     while ((at = strstr(at, begin))) {
         at += strlen(begin);
         const char *end = strstr(at, "```");
-        duet_error err = {0};
-        duet_scene *scene = scene_from_bytes(name, at, (size_t)(end - at), NULL, 0, &err);
-        assert_ok(scene, err);
+        duet_scene *scene = must(scene_from_bytes(name, at, (size_t)(end - at), NULL, 0, ERR));
         assert_true(duet_scene_get_info(scene)->n > 1);
         duet_scene_destroy(scene);
         at = end + 3;

@@ -120,9 +120,8 @@ TEST(columns_find_what_each_with_each_finds)
         duet_shape shape = i % 2 ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES;
         crowd *c = make_crowd(makers[i / 4], 2 + (uint32_t)i / 2 % 2, shape, &r);
         reference_found each, columns;
-        duet_error err = {0};
-        assert_ok(reference_find(&c->objects, REFERENCE_EACH_WITH_EACH, &each, &err), err);
-        assert_ok(reference_find(&c->objects, REFERENCE_COLUMNS, &columns, &err), err);
+        must(reference_find(&c->objects, REFERENCE_EACH_WITH_EACH, &each, ERR));
+        must(reference_find(&c->objects, REFERENCE_COLUMNS, &columns, ERR));
         assert_true(each.n > 0);
         assert_same(&each, &columns);
         duet_free(each.pairs);
@@ -139,11 +138,10 @@ TEST(each_level_has_its_set_however_it_is_found)
         c->objects.level = (duet_level)l;
         c->objects.rotated = true;
         reference_found each, columns, exact;
-        duet_error err = {0};
-        assert_ok(reference_find(&c->objects, REFERENCE_EACH_WITH_EACH, &each, &err), err);
-        assert_ok(reference_find(&c->objects, REFERENCE_COLUMNS, &columns, &err), err);
+        must(reference_find(&c->objects, REFERENCE_EACH_WITH_EACH, &each, ERR));
+        must(reference_find(&c->objects, REFERENCE_COLUMNS, &columns, ERR));
         c->objects.level = DUET_LEVEL_CERTIFIED;
-        assert_ok(reference_find(&c->objects, REFERENCE_COLUMNS, &exact, &err), err);
+        must(reference_find(&c->objects, REFERENCE_COLUMNS, &exact, ERR));
         assert_same(&each, &columns);
         assert_true(l == DUET_LEVEL_AABB ? each.n == each.candidates : each.n >= exact.n);
         duet_free(each.pairs);
@@ -158,8 +156,7 @@ TEST(pairs_ascend)
     rng r = rng_seed(test_seed());
     crowd *c = make_crowd(of_mixed_size, 3, DUET_SHAPE_POSES, &r);
     reference_found found;
-    duet_error err = {0};
-    assert_ok(reference_find(&c->objects, REFERENCE_COLUMNS, &found, &err), err);
+    must(reference_find(&c->objects, REFERENCE_COLUMNS, &found, ERR));
     for (uint64_t i = 0; i < found.n; ++i) {
         assert_true(found.pairs[i].a < found.pairs[i].b);
         if (i > 0)
@@ -178,8 +175,7 @@ TEST(all_neighbours_on_a_lattice_touch)
     crowd *c = make_crowd(on_a_lattice, 3, DUET_SHAPE_POSES, &r);
     c->objects.n = 512;
     reference_found found;
-    duet_error err = {0};
-    assert_ok(reference_find(&c->objects, REFERENCE_COLUMNS, &found, &err), err);
+    must(reference_find(&c->objects, REFERENCE_COLUMNS, &found, ERR));
     uint64_t met = 22 * 22 * 22; // (2 * 7 + 8)^3 ordered pairs, each cube with itself among them
     assert_int_equal(found.n, (met - 512) / 2);
     duet_free(found.pairs);
@@ -193,8 +189,7 @@ TEST(none_one_and_two_objects_are_scenes_too)
         for (int way = REFERENCE_EACH_WITH_EACH; way <= REFERENCE_COLUMNS; ++way) {
             reference_objects objects = {.dims = 3, .n = n, .poses = two};
             reference_found found;
-            duet_error err = {0};
-            assert_ok(reference_find(&objects, (reference_way)way, &found, &err), err);
+            must(reference_find(&objects, (reference_way)way, &found, ERR));
             assert_int_equal(found.n, n == 2);
             duet_free(found.pairs);
         }
@@ -204,14 +199,12 @@ TEST(a_scene_gives_the_pairs_of_its_objects)
 {
     rng r = rng_seed(test_seed());
     crowd *c = make_crowd(even, 3, DUET_SHAPE_POSES, &r);
-    duet_error err = {0};
-    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, c->poses, N, 3, 0, &err);
-    assert_ok(scene != NULL, err);
+    duet_scene *scene = must(duet_scene_create(DUET_OBJECT_POSES, c->poses, N, 3, 0, ERR));
     reference_found found;
     duet_pair *pairs;
     uint64_t n;
-    assert_ok(reference_find(&c->objects, REFERENCE_COLUMNS, &found, &err), err);
-    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
+    must(reference_find(&c->objects, REFERENCE_COLUMNS, &found, ERR));
+    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
     assert_int_equal(n, found.n);
     assert_memory_equal(pairs, found.pairs, n * sizeof *pairs);
     duet_free(pairs);

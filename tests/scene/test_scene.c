@@ -77,9 +77,7 @@ TEST(none_and_one_and_two_objects_make_a_scene)
 {
     const duet_pose poses[2] = {UNIT_CUBE, UNIT_CUBE};
     for (uint32_t n = 0; n <= 2; ++n) {
-        duet_error err = {0};
-        duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, &err);
-        assert_ok(scene, err);
+        duet_scene *scene = must(duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, ERR));
         assert_int_equal(duet_scene_get_info(scene)->n, n);
         assert_non_null(duet_scene_get_objects(scene, DUET_OBJECT_POSES));
         assert_null(duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS));
@@ -90,16 +88,13 @@ TEST(none_and_one_and_two_objects_make_a_scene)
 TEST(what_2d_does_not_read_is_zero_in_the_scene)
 {
     const duet_pose pose = {{1, 2, NAN}, {3, 4, -1}, {NAN, INFINITY, 0, 2}};
-    duet_error err = {0};
-    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, &pose, 1, 2, 0, &err);
-    assert_ok(scene, err);
+    duet_scene *scene = must(duet_scene_create(DUET_OBJECT_POSES, &pose, 1, 2, 0, ERR));
     const duet_pose want = {{1, 2, 0}, {3, 4, 0}, {0, 0, 0, 2}};
     assert_memory_equal(duet_scene_get_objects(scene, DUET_OBJECT_POSES), &want, sizeof want);
     assert_false(duet_scene_get_info(scene)->rotated);
     duet_scene_destroy(scene);
     const duet_bounds box = {{1, 2, NAN}, {3, 4, -1}};
-    scene = duet_scene_create(DUET_OBJECT_BOUNDS, &box, 1, 2, 0, &err);
-    assert_ok(scene, err);
+    scene = must(duet_scene_create(DUET_OBJECT_BOUNDS, &box, 1, 2, 0, ERR));
     const duet_bounds want_box = {{1, 2, 0}, {3, 4, 0}};
     assert_memory_equal(duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS), &want_box,
                         sizeof want_box);
@@ -110,10 +105,7 @@ static duet_scene *scene_of_rotation(float x, float y, float z, float w)
 {
     duet_pose pose = UNIT_CUBE;
     memcpy(pose.rotation, (const float[4]){x, y, z, w}, sizeof pose.rotation);
-    duet_error err = {0};
-    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, &pose, 1, 3, 0, &err);
-    assert_ok(scene, err);
-    return scene;
+    return must(duet_scene_create(DUET_OBJECT_POSES, &pose, 1, 3, 0, ERR));
 }
 
 TEST(a_scene_is_rotated_where_a_vector_part_is_not_zero)

@@ -20,10 +20,7 @@ static bool limited;
 
 static duet_scene *assert_scene(const char *chars)
 {
-    duet_error err = {0};
-    duet_scene *scene = scene_from_text(FILE_NAME, chars, &err);
-    assert_ok(scene, err);
-    return scene;
+    return must(scene_from_text(FILE_NAME, chars, ERR));
 }
 
 TEST(a_scene_says_its_world_and_cell)
@@ -374,9 +371,7 @@ static duet_scene *load_shipped(const char *name, const char *n, const char *par
     char path[512];
     snprintf(path, sizeof path, "%s/%s.lua", getenv("DUET_TEST_SCENES"), name);
     const duet_setting settings[] = {{"n", n}, {parameter, value}};
-    duet_error err = {0};
-    duet_scene *scene = duet_scene_load(path, settings, parameter ? 2 : 1, &err);
-    assert_ok(scene, err);
+    duet_scene *scene = must(duet_scene_load(path, settings, parameter ? 2 : 1, ERR));
     assert_string_equal(duet_scene_get_info(scene)->name, name);
     return scene;
 }
@@ -417,15 +412,14 @@ TEST(scenes_with_radii_have_the_shape_that_costs_least)
 // A box may stand before the first that has a radius, and behind it.
 TEST(radii_may_stand_beside_none)
 {
-    duet_error err = {0};
-    duet_scene *scene = scene_from_text(FILE_NAME,
-                                        "add(1, 2, .5, .5, 0)\n"
-                                        "add { centre = {3, 4}, half_extents = {1, 0}, radius = 2, "
-                                        "angle = 1 }\n"
-                                        "add(5, 6, .5, .5, 1)\n"
-                                        "return {}",
-                                        &err);
-    assert_ok(scene, err);
+    duet_scene *scene =
+        must(scene_from_text(FILE_NAME,
+                             "add(1, 2, .5, .5, 0)\n"
+                             "add { centre = {3, 4}, half_extents = {1, 0}, radius = 2, "
+                             "angle = 1 }\n"
+                             "add(5, 6, .5, .5, 1)\n"
+                             "return {}",
+                             ERR));
     const duet_rounded_box *boxes = duet_scene_get_objects(scene, DUET_OBJECT_ROUNDED_BOXES);
     assert_int_equal(duet_scene_get_info(scene)->n, 3);
     assert_int_equal(duet_scene_get_info(scene)->dims, 2);
@@ -461,8 +455,7 @@ static uint64_t count_pairs(const duet_scene *scene)
 {
     duet_pair *pairs = NULL;
     uint64_t n = 0;
-    duet_error err = {0};
-    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
+    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
     duet_free(pairs);
     return n;
 }
@@ -534,10 +527,8 @@ enum { IN_ALL = 14 };
 
 static duet_scene *load_range(const char *path, uint64_t first, uint64_t end)
 {
-    duet_error err = {0};
     uint64_t n = 0;
-    duet_scene *scene = scene_load_range(path, NULL, 0, first, end, &n, &err);
-    assert_ok(scene, err);
+    duet_scene *scene = must(scene_load_range(path, NULL, 0, first, end, &n, ERR));
     assert_int_equal(n, IN_ALL);
     return scene;
 }
@@ -590,11 +581,10 @@ TEST(sources_of_each_are_independent)
 // Only the kept ones of a thousand million are made.
 TEST(a_range_of_a_great_scene_is_quick)
 {
-    duet_error err = {0};
     uint64_t n = 0;
     const duet_setting setting = {"n", "1000000000"};
-    duet_scene *scene = scene_load_range("grains", &setting, 1, 999999990, UINT64_MAX, &n, &err);
-    assert_ok(scene, err);
+    duet_scene *scene =
+        must(scene_load_range("grains", &setting, 1, 999999990, UINT64_MAX, &n, ERR));
     assert_int_equal(n, 1000000000);
     assert_int_equal(duet_scene_get_info(scene)->n, 10);
     duet_scene_destroy(scene);

@@ -7,8 +7,7 @@
 
 TEST(a_scene_says_what_moves)
 {
-    duet_error err = {0};
-    duet_scene *s = scene_from_text(
+    duet_scene *s = must(scene_from_text(
         "moving.lua",
         "add{centre = {0, 0, 1}, half_extents = {1, 1, 1}, velocity = {1, 2, 3}, angular_velocity "
         "= {0, 0, 4}, mass = "
@@ -19,8 +18,7 @@ TEST(a_scene_says_what_moves)
         "'events'},\n"
         "  body = {friction = 0.25, mass = 2}, integrator = 'euler', doubles = true,\n"
         "  origin = {1e6, 0, 0}, skin = 0.125}",
-        &err);
-    assert_ok(s, err);
+        ERR));
     const duet_body *b = duet_scene_get_bodies(s);
     assert_non_null(b);
     assert_true(b[0].velocity[1] == 2.0f && b[0].angular_velocity[2] == 4.0f && b[0].mass == 5.0f);
@@ -39,15 +37,13 @@ TEST(a_scene_says_what_moves)
 
 TEST(a_scene_has_materials)
 {
-    duet_error err = {0};
-    duet_scene *s = scene_from_text(
+    duet_scene *s = must(scene_from_text(
         "made.lua",
         "add{centre = {0, 0, 1}, half_extents = {1, 1, 1}, material = 2}\n"
         "return {body = {material = 1}, materials = {{friction = 0.5, restitution_rule = 'min'},\n"
         "  {restitution = 0.25, friction_rule = 'product'}},\n"
         "  material_pairs = {{2, 1, friction = 0.75, restitution = 1}}}",
-        &err);
-    assert_ok(s, err);
+        ERR));
     assert_int_equal(duet_scene_get_bodies(s)[0].material, 2);
     duet_motion_def def = duet_scene_motion_def(s, NULL);
     assert_int_equal(def.n_materials, 2);

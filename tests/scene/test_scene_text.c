@@ -25,9 +25,7 @@ TEST(the_columns_say_what_a_row_is)
         {"0,0,0,1,1,1,0,0,0,1", 3, DUET_SHAPE_POSES},
     };
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
-        duet_error err = {0};
-        duet_scene *scene = scene_from_text(FILE_NAME, kinds[i].row, &err);
-        assert_ok(scene, err);
+        duet_scene *scene = must(scene_from_text(FILE_NAME, kinds[i].row, ERR));
         const duet_scene_info *info = duet_scene_get_info(scene);
         assert_string_equal(info->name, "test_scene_text");
         assert_int_equal(info->n, 1);
@@ -40,9 +38,7 @@ TEST(the_columns_say_what_a_row_is)
 
 TEST(a_box_turned_in_2d_becomes_a_quaternion)
 {
-    duet_error err = {0};
-    duet_scene *scene = scene_from_text(FILE_NAME, "1 2 3 4 0.7\n1 2 3 4 0\n", &err);
-    assert_ok(scene, err);
+    duet_scene *scene = must(scene_from_text(FILE_NAME, "1 2 3 4 0.7\n1 2 3 4 0\n", ERR));
     const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
     const duet_pose want = {{1, 2, 0}, {3, 4, 0}, {0, 0, (float)sin(0.35), (float)cos(0.35)}};
     assert_memory_equal(&poses[0], &want, sizeof want);
@@ -62,9 +58,7 @@ TEST(ways_of_writing_make_no_difference)
         "+1,2.0,0.3e1,0x4\n5e0,.6e1,7.,8\n\n\n",
     };
     for (size_t i = 0; i < sizeof ways / sizeof ways[0]; ++i) {
-        duet_error err = {0};
-        duet_scene *scene = scene_from_text(FILE_NAME, ways[i], &err);
-        assert_ok(scene, err);
+        duet_scene *scene = must(scene_from_text(FILE_NAME, ways[i], ERR));
         assert_int_equal(duet_scene_get_info(scene)->n, 2);
         const duet_bounds want[] = {{{1, 2, 0}, {3, 4, 0}}, {{5, 6, 0}, {7, 8, 0}}};
         assert_memory_equal(duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS), want, sizeof want);
@@ -76,9 +70,7 @@ TEST(a_file_without_rows_is_a_scene_without_objects)
 {
     static const char *const empty[] = {"", "\n\n", "# nothing", "cx cy cz", "\xEF\xBB\xBF"};
     for (size_t i = 0; i < sizeof empty / sizeof empty[0]; ++i) {
-        duet_error err = {0};
-        duet_scene *scene = scene_from_text(FILE_NAME, empty[i], &err);
-        assert_ok(scene, err);
+        duet_scene *scene = must(scene_from_text(FILE_NAME, empty[i], ERR));
         assert_int_equal(duet_scene_get_info(scene)->n, 0);
         duet_scene_destroy(scene);
     }

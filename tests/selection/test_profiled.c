@@ -2,6 +2,7 @@
 // A world as the profile store knows it, and what an application then gets.
 #define _POSIX_C_SOURCE 200809L
 #include "support/devices.h"
+#include "support/json.h"
 #include "support/program.h"
 #include "support/store.h"
 #include "support/test.h"
@@ -28,16 +29,13 @@ typedef struct fixture {
 
 static void open_world(fixture *f)
 {
-    duet_error err = {0};
-    f->world = duet_world_create(&f->def, &err);
-    assert_ok(f->world, err);
-    assert_ok(duet_world_set_objects(f->world, DUET_OBJECT_POSES, f->poses, f->n, &err), err);
+    f->world = must(duet_world_create(&f->def, ERR));
+    must(duet_world_set_objects(f->world, DUET_OBJECT_POSES, f->poses, f->n, ERR));
 }
 
 // n unit cubes in a world of 20^3, drawn with the seed; one is `giant` wide.
 static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *words)
 {
-    duet_error err = {0};
     fixture f = {0};
     rng r = rng_seed(seed);
     duet_pose *poses = calloc(n, sizeof *poses);
@@ -50,8 +48,7 @@ static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *wo
     if (giant > 0)
         poses[n / 2].half_extents[0] = giant / 2;
     duet_device_pair_def pair_def = duet_default_device_pair_def();
-    f.pair = duet_device_pair_create(&pair_def, &err);
-    assert_ok(f.pair, err);
+    f.pair = must(duet_device_pair_create(&pair_def, ERR));
     f.def = duet_default_world_def();
     f.def.pair = f.pair;
     f.def.dims = 3;
@@ -87,16 +84,14 @@ static void ask_for(fixture *f, duet_accuracy accuracy)
 static profile_subject describe(const fixture *f)
 {
     profile_subject p;
-    duet_error err = {0};
-    assert_ok(profile_subject_read(f->world, &p, &err), err);
+    must(profile_subject_read(f->world, &p, ERR));
     return p;
 }
 
 static void key_of(const fixture *f, char key[PROFILE_SHA])
 {
-    duet_error err = {0};
     profile_subject p = describe(f);
-    assert_ok(profile_workload_key(&p.workload, key, &err), err);
+    must(profile_workload_key(&p.workload, key, ERR));
 }
 
 TEST(a_worlds_numbers_are_those_of_its_scene)
@@ -150,7 +145,7 @@ TEST(a_workload_is_of_the_objects_that_a_world_has)
     poses[N / 3].half_extents[1] = 4;
     assert_true(describe(&f).workload.size_ratio == 8);
     duet_pose one = poses[0];
-    assert_ok(duet_world_set_objects(f.world, DUET_OBJECT_POSES, &one, 1, &err), err);
+    must(duet_world_set_objects(f.world, DUET_OBJECT_POSES, &one, 1, ERR));
     assert_int_equal(describe(&f).workload.n, 1);
     assert_true(describe(&f).workload.size_ratio == 1);
     drop_world(&f);
@@ -161,7 +156,7 @@ TEST(a_world_without_objects_is_refused)
     fixture f = make_world(1, 1, 0, "auto");
     profile_subject p;
     duet_error err = {0};
-    assert_ok(duet_world_set_objects(f.world, DUET_OBJECT_POSES, NULL, 0, &err), err);
+    must(duet_world_set_objects(f.world, DUET_OBJECT_POSES, NULL, 0, ERR));
     assert_false(profile_subject_read(f.world, &p, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     drop_world(&f);
@@ -175,7 +170,7 @@ TEST(a_plan_survives_being_stored)
     profile_plan stored = profile_subject_write_plan(&plan, "sat15");
     duet_plan back;
     duet_error err = {0};
-    assert_ok(profile_subject_read_plan(&stored, &back, &err), err);
+    must(profile_subject_read_plan(&stored, &back, ERR));
     assert_int_equal(back.share, plan.share);
     assert_int_equal(back.mode, plan.mode);
     assert_string_equal(back.variant_a, plan.variant_a);
@@ -190,9 +185,7 @@ TEST(a_plan_survives_being_stored)
 // Puts a profile into the store, as a tuner would.
 static void put_subject(const char *path, const profile_subject *p, const char *kernels)
 {
-    duet_error err = {0};
-    store *s = store_open(path, STORE_WRITE, &err);
-    assert_ok(s, err);
+    store *s = must(store_open(path, STORE_WRITE, ERR));
     profile_row row = {
         .kernels = kernels ? kernels : p->kernels,
         .objective = "time",
@@ -206,17 +199,16 @@ static void put_subject(const char *path, const profile_subject *p, const char *
         .trial_number = -1,
     };
     snprintf(row.plan.level, sizeof row.plan.level, "%s", p->workload.level);
-    assert_ok(profile_pair_put(s, &p->pair, &row.pair_id, &err), err);
-    assert_ok(profile_workload_put(s, &p->workload, &row.workload_id, &err), err);
-    assert_ok(profile_put(s, &row, NULL, "put again", NULL, &err), err);
+    must(profile_pair_put(s, &p->pair, &row.pair_id, ERR));
+    must(profile_workload_put(s, &p->workload, &row.workload_id, ERR));
+    must(profile_put(s, &row, NULL, "put again", NULL, ERR));
     store_close(s);
 }
 
 static void put_for(const char *path, duet_world *world, const char *kernels)
 {
-    duet_error err = {0};
     profile_subject p;
-    assert_ok(profile_subject_read(world, &p, &err), err);
+    must(profile_subject_read(world, &p, ERR));
     put_subject(path, &p, kernels);
 }
 
@@ -224,19 +216,18 @@ TEST(a_world_takes_its_profile_and_finds_the_same_pairs)
 {
     test_folder folder = test_folder_make();
     fixture f = make_world(3000, test_seed(), 0, "auto");
-    duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_step(f.world, &result, &err), err);
+    must(duet_world_step(f.world, &result, ERR));
     uint64_t hash = duet_result_get_hash(&result);
     put_for(folder.store, f.world, NULL);
     duet_profile profile;
-    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    must(duet_world_load_profile(f.world, folder.store, &profile, ERR));
     assert_int_equal(profile.grade, DUET_GRADE_EXACT);
     assert_string_equal(duet_grade_name(profile.grade), "exact");
     assert_int_equal(duet_world_get_plan(f.world)->share, 3 * DUET_SHARE_ONE / 8);
     assert_string_equal(duet_world_get_plan(f.world)->variant_b, "auto sort=radix");
     assert_true(profile.step_ms == 2 && profile.gain == 0.5 && profile.measured_s > 0);
-    assert_ok(duet_world_step(f.world, &result, &err), err);
+    must(duet_world_step(f.world, &result, ERR));
     assert_true(duet_result_get_hash(&result) == hash);
     drop_world(&f);
 }
@@ -246,7 +237,6 @@ TEST(a_world_takes_its_profile_and_finds_the_same_pairs)
 TEST(two_equal_devices_are_another_pair_than_one)
 {
     test_folder folder = test_folder_make();
-    duet_error err = {0};
     fixture f = make_world(300, 8, 0, "simd");
     device *own = f.pair->devices;
     if (duet_device_pair_is_one(f.pair)) {
@@ -259,16 +249,16 @@ TEST(two_equal_devices_are_another_pair_than_one)
     strcpy(own[0].info.selector, "pocl:0");
     strcpy(own[1].info.selector, "pocl:1");
     profile_subject two, one;
-    assert_ok(profile_subject_read(f.world, &two, &err), err);
+    must(profile_subject_read(f.world, &two, ERR));
     assert_string_equal(two.pair.b.part, PROFILE_SECOND);
     put_subject(folder.store, &two, two.kernels);
     own[1].id = own[0].id;
-    assert_ok(profile_subject_read(f.world, &one, &err), err);
+    must(profile_subject_read(f.world, &one, ERR));
     const profile_subject *const asked[] = {&one, &two};
     for (int i = 0; i < 2; ++i) {
         profile_found found;
         profile_request request = profile_subject_request(asked[i]);
-        assert_ok(profile_lookup_files(folder.store, NULL, &request, &found, NULL, &err), err);
+        must(profile_lookup_files(folder.store, NULL, &request, &found, NULL, ERR));
         assert_int_equal(found.grade, i == 0 ? PROFILE_DEFAULT : PROFILE_EXACT);
     }
     own[1] = kept;
@@ -279,21 +269,20 @@ TEST(a_world_gets_no_less_than_it_asked_for)
 {
     test_folder folder = test_folder_make();
     fixture f = make_world(3000, test_seed(), 0, "auto");
-    duet_error err = {0};
     duet_profile profile;
-    assert_ok(duet_world_set_level(f.world, DUET_LEVEL_SAT6, &err), err);
+    must(duet_world_set_level(f.world, DUET_LEVEL_SAT6, ERR));
     put_for(folder.store, f.world, NULL);
     test_store_run(folder.store, "UPDATE profile SET false_rate = 0.02, true_pairs = 100");
-    assert_ok(duet_world_set_level(f.world, DUET_LEVEL_CERTIFIED, &err), err);
-    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    must(duet_world_set_level(f.world, DUET_LEVEL_CERTIFIED, ERR));
+    must(duet_world_load_profile(f.world, folder.store, &profile, ERR));
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     ask_for(&f, (duet_accuracy){0, 0.0199});
-    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    must(duet_world_load_profile(f.world, folder.store, &profile, ERR));
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     assert_int_equal(profile.level, DUET_LEVEL_CERTIFIED);
     assert_int_equal(duet_world_get_level(f.world), DUET_LEVEL_CERTIFIED);
     ask_for(&f, (duet_accuracy){0, 0.02});
-    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    must(duet_world_load_profile(f.world, folder.store, &profile, ERR));
     assert_int_equal(profile.grade, DUET_GRADE_EXACT);
     assert_int_equal(profile.level, DUET_LEVEL_SAT6);
     assert_int_equal(duet_world_get_level(f.world), DUET_LEVEL_SAT6);
@@ -325,14 +314,14 @@ TEST(without_a_profile_the_plan_stays)
     duet_plan before = *duet_world_get_plan(f.world);
     duet_error err = {0};
     duet_profile profile;
-    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    must(duet_world_load_profile(f.world, folder.store, &profile, ERR));
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     put_for(folder.store, f.world, "of other kernels");
-    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    must(duet_world_load_profile(f.world, folder.store, &profile, ERR));
     assert_int_equal(profile.grade, DUET_GRADE_STALE);
     assert_memory_equal(&profile.plan, &before, sizeof before);
     assert_memory_equal(duet_world_get_plan(f.world), &before, sizeof before);
-    assert_ok(text_write_file(folder.store, "rubbish", 7, &err), err);
+    must(text_write_file(folder.store, "rubbish", 7, ERR));
     assert_false(duet_world_load_profile(f.world, folder.store, &profile, &err));
     assert_int_equal(err.status, DUET_STATUS_STORE_FAILED);
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
@@ -350,11 +339,10 @@ TEST(a_plan_of_another_workload_comes_without_figures)
 {
     test_folder folder = test_folder_make();
     fixture f = make_world(3000, test_seed(), 0, "auto");
-    duet_error err = {0};
     duet_profile profile;
     put_for(folder.store, f.world, NULL);
     test_store_run(folder.store, OF_TWICE_AS_MANY);
-    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    must(duet_world_load_profile(f.world, folder.store, &profile, ERR));
     assert_int_equal(profile.grade, DUET_GRADE_TRANSFERRED);
     assert_int_equal(profile.plan.share, 24576);
     assert_int_equal(duet_world_get_plan(f.world)->share, 24576);
@@ -379,13 +367,11 @@ static void put_for_scene(const char *path)
 {
     duet_error err = {0};
     duet_device_pair_def pair_def = duet_default_device_pair_def();
-    duet_device_pair *pair = duet_device_pair_create(&pair_def, &err);
-    assert_ok(pair, err);
-    duet_scene *scene = duet_scene_load(SCENE, NULL, 0, &err);
-    assert_ok(scene, err);
+    duet_device_pair *pair = must(duet_device_pair_create(&pair_def, ERR));
+    duet_scene *scene = must(duet_scene_load(SCENE, NULL, 0, ERR));
     duet_world_def def = duet_scene_world_def(scene, pair);
     duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world && duet_world_set_scene(world, scene, &err), err);
+    must(world && duet_world_set_scene(world, scene, ERR));
     put_for(path, world, NULL);
     duet_world_destroy(world);
     duet_scene_destroy(scene);
@@ -397,10 +383,7 @@ static cJSON *ask_why(const char *path)
     program p = program_run("profiles why %s --profile %s --json", SCENE, path);
     assert_string_equal(p.err, "");
     assert_int_equal(p.exit_code, 0);
-    cJSON *o = cJSON_Parse(p.out);
-    assert_true(cJSON_IsObject(o));
-    program_free(&p);
-    return o;
+    return json_of(p.out);
 }
 
 static void assert_why(const cJSON *o, const char *grade, const char *says)
@@ -429,13 +412,11 @@ TEST(a_file_that_is_named_is_all_that_why_looks_in)
              user.store);
     program p = program_run_with(variables, "profiles why %s", SCENE);
     assert_non_null(strstr(p.out, "\nexact: "));
-    program_free(&p);
     p = program_run_with(variables, "profiles why %s --profile %s", SCENE, user.store);
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "there is no profile store"));
     assert_non_null(strstr(p.out, "\ndefault: "));
     assert_null(strstr(p.out, system.path));
-    program_free(&p);
 }
 
 TEST(why_names_the_plan_and_run_uses_it)
@@ -444,44 +425,36 @@ TEST(why_names_the_plan_and_run_uses_it)
     test_write_file(SCENE, scene_text);
     cJSON *o = ask_why(folder.store);
     assert_why(o, "default", "there is no profile store");
-    cJSON_Delete(o);
     put_for_scene(folder.store);
     o = ask_why(folder.store);
     assert_why(o, "exact", "yes: manual 20");
     assert_true(cJSON_GetObjectItemCaseSensitive(o, "share")->valuedouble == 0.375);
     assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "variant_b")->valuestring,
                         "auto sort=radix");
-    cJSON_Delete(o);
     char variables[160];
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
     program p = program_run_with(variables, "run %s --repeat 1", SCENE);
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "plan: from the profile, exact; +50.0 % (+0.0 to +0.0) over "));
-    program_free(&p);
     p = program_run_with(variables, "run %s --repeat 1 --json --check", SCENE);
     assert_non_null(strstr(p.out, "0.375"));
     assert_non_null(strstr(p.out, "\"exact\""));
-    program_free(&p);
     p = program_run_with(variables, "run %s --repeat 1 --share 1/2", SCENE);
     assert_non_null(strstr(p.out, "plan: as given"));
-    program_free(&p);
     p = program_run("profiles why %s --profile %s", SCENE, folder.store);
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, devices_are_two() ? "\nexact: share 0.3750, mode own, A auto, "
                                                       "B auto sort=radix"
                                                     : "\nexact: kernels auto sort=radix"));
-    program_free(&p);
     p = program_run("profiles why %s --profile %s --level sat15", SCENE, folder.store);
     assert_non_null(strstr(p.out, "\n  exact         no: "));
     assert_non_null(strstr(p.out, "\n  other driver  no: "));
     assert_non_null(strstr(p.out, "\n  stale         no: "));
     assert_non_null(strstr(p.out, "of which nothing is known"));
-    program_free(&p);
     test_store_run(folder.store, "UPDATE profile SET share = 0, verdict = 'same'");
     p = program_run_with(variables, "run %s --repeat 1", SCENE);
     if (devices_are_two())
         assert_non_null(strstr(p.out, "exact; B alone; no share promises more"));
-    program_free(&p);
 }
 
 TEST(why_and_run_say_that_no_figure_is_known)
@@ -498,16 +471,13 @@ TEST(why_and_run_say_that_no_figure_is_known)
         assert_true(cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(o, figures[i])));
     assert_true(cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(o, "true_pairs")));
     assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "uid")->valuestring, "");
-    cJSON_Delete(o);
     program p = program_run("profiles why %s --profile %s", SCENE, folder.store);
     assert_non_null(strstr(p.out, "what a step takes and gains here is not known"));
-    program_free(&p);
     char variables[160];
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
     p = program_run_with(variables, "run %s --repeat 1", SCENE);
     assert_non_null(strstr(p.out, "plan: from the profile of another workload; what it gains here "
                                   "is not known"));
-    program_free(&p);
 }
 
 // ------------------------------------------------------------ queries
@@ -526,9 +496,8 @@ static duet_tree *make_tree(const fixture *f, duet_error *err)
 static duet_grade load_query(duet_tree *tree, const char *query, uint64_t n, const char *path,
                              uint32_t share)
 {
-    duet_error err = {0};
     duet_profile profile;
-    assert_ok(duet_tree_load_profile(tree, query, n, path, &profile, &err), err);
+    must(duet_tree_load_profile(tree, query, n, path, &profile, ERR));
     assert_int_equal(profile.plan.share, share);
     return profile.grade;
 }
@@ -543,8 +512,8 @@ TEST(a_query_takes_its_profile_and_others_keep_their_share)
     duet_tree *tree = make_tree(&f, &err);
     profile_subject subject;
     query_name name;
-    assert_ok(query_name_read("rays", &name, &err), err);
-    assert_ok(profile_subject_read_query(tree, &name, RAYS, &subject, &err), err);
+    must(query_name_read("rays", &name, ERR));
+    must(profile_subject_read_query(tree, &name, RAYS, &subject, ERR));
     assert_int_equal(load_query(tree, "rays closest", RAYS, folder.store, 0), DUET_GRADE_DEFAULT);
     put_subject(folder.store, &subject, NULL);
     assert_int_equal(load_query(tree, "rays closest", RAYS, folder.store, SHARE), DUET_GRADE_EXACT);
@@ -562,12 +531,12 @@ TEST(a_query_takes_its_profile_and_others_keep_their_share)
     duet_ray_query *tuned = duet_ray_query_create(&closest, &err);
     duet_ray_query *other = duet_ray_query_create(&any, &err);
     assert_ok(tuned && other, err);
-    assert_ok(duet_ray_query_run(other, rays, RAYS, &result, &err), err);
+    must(duet_ray_query_run(other, rays, RAYS, &result, ERR));
     assert_true(result.device_ms[0] == 0 && result.device_ms[1] > 0);
-    assert_ok(duet_ray_query_run(tuned, rays, RAYS, &result, &err), err);
+    must(duet_ray_query_run(tuned, rays, RAYS, &result, ERR));
     assert_true(result.device_ms[0] > 0 && result.device_ms[1] > 0);
-    assert_ok(duet_tree_set_share(tree, 0, &err), err);
-    assert_ok(duet_ray_query_run(tuned, rays, RAYS, &result, &err), err);
+    must(duet_tree_set_share(tree, 0, ERR));
+    must(duet_ray_query_run(tuned, rays, RAYS, &result, ERR));
     assert_true(result.device_ms[0] == 0);
 
     // A plan that no race has spoken for, or was measured with other kernels, is not followed.

@@ -27,10 +27,8 @@ static mover *make_pile(uint32_t n)
 
 static void create(mover *m)
 {
-    duet_error err = {0};
     mover_restart(m);
-    m->motion = duet_motion_create(&m->def, m->poses, m->bodies, m->n, &err);
-    assert_ok(m->motion, err);
+    m->motion = must(duet_motion_create(&m->def, m->poses, m->bodies, m->n, ERR));
 }
 
 static duet_plan plan_with(const char *settings)
@@ -44,9 +42,7 @@ static duet_plan plan_with(const char *settings)
 
 static void put(const char *path, const profile_subject *p, const char *settings)
 {
-    duet_error err = {0};
-    store *s = store_open(path, STORE_WRITE, &err);
-    assert_ok(s, err);
+    store *s = must(store_open(path, STORE_WRITE, ERR));
     duet_plan plan = plan_with(settings);
     profile_row row = {
         .kernels = p->kernels,
@@ -60,25 +56,23 @@ static void put(const char *path, const profile_subject *p, const char *settings
         .origin = "manual",
         .trial_number = -1,
     };
-    assert_ok(profile_pair_put(s, &p->pair, &row.pair_id, &err), err);
-    assert_ok(profile_workload_put(s, &p->workload, &row.workload_id, &err), err);
-    assert_ok(profile_put(s, &row, NULL, "put again", NULL, &err), err);
+    must(profile_pair_put(s, &p->pair, &row.pair_id, ERR));
+    must(profile_workload_put(s, &p->workload, &row.workload_id, ERR));
+    must(profile_put(s, &row, NULL, "put again", NULL, ERR));
     store_close(s);
 }
 
 static void put_for(const char *path, const mover *m, const char *settings)
 {
     profile_subject p;
-    duet_error err = {0};
-    assert_ok(profile_subject_read_motion(m->motion, &p, &err), err);
+    must(profile_subject_read_motion(m->motion, &p, ERR));
     put(path, &p, settings);
 }
 
 static duet_profile load(const mover *m, const char *path)
 {
-    duet_error err = {0};
     duet_profile profile;
-    assert_ok(duet_motion_load_profile(m->motion, path, &profile, &err), err);
+    must(duet_motion_load_profile(m->motion, path, &profile, ERR));
     return profile;
 }
 
@@ -97,13 +91,12 @@ static void assert_own_kernels(const mover *m)
 TEST(a_plan_changes_kernels_between_steps_and_no_bit)
 {
     mover *m = make_pile(CUBES);
-    duet_error err = {0};
     mover_run(m, 2 * STEPS);
     uint64_t hash = mover_hash(m);
     create(m);
     mover_run(m, STEPS);
     duet_plan plan = plan_with(OWN_SETTINGS);
-    assert_ok(duet_motion_set_plan(m->motion, &plan, &err), err);
+    must(duet_motion_set_plan(m->motion, &plan, ERR));
     assert_own_kernels(m);
     assert_string_equal(duet_motion_get_plan(m->motion)->variant_b, plan.variant_b);
     mover_run(m, STEPS);
@@ -113,7 +106,6 @@ TEST(a_plan_changes_kernels_between_steps_and_no_bit)
     assert_own_kernels(m);
     mover_run(m, 2 * STEPS);
     assert_true(mover_hash(m) == hash);
-    mover_free(m);
 }
 
 TEST(a_plan_that_cannot_be_leaves_the_motion_as_it_was)
@@ -150,7 +142,6 @@ TEST(a_plan_that_cannot_be_leaves_the_motion_as_it_was)
     }
     mover_run(m, STEPS);
     assert_true(mover_hash(m) == hash);
-    mover_free(m);
 }
 
 // Steps that searched pairs.
@@ -183,7 +174,7 @@ TEST(a_plans_skin_changes_how_often_pairs_are_searched_and_no_bit)
     assert_true(mover_hash(m) == hash);
     create(m);
     mover_run(m, STEPS);
-    assert_ok(duet_motion_set_plan(m->motion, &thin, &err), err);
+    must(duet_motion_set_plan(m->motion, &thin, ERR));
     mover_run(m, 1);
     assert_true(m->last.rebuilt); // a plan that holds within one skin may not within another
     mover_run(m, LONG - STEPS - 1);
@@ -194,7 +185,6 @@ TEST(a_plans_skin_changes_how_often_pairs_are_searched_and_no_bit)
     create(m);
     assert_false(duet_motion_set_plan(m->motion, &thick, &err));
     assert_non_null(strstr(err.text, "motion.skin=80; expected a motion whose def has a skin"));
-    mover_free(m);
 }
 
 // ------------------------------------------------------------ profiles
@@ -225,7 +215,6 @@ TEST(a_motion_takes_its_profile_and_keeps_its_bits)
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     mover_run(m, STEPS);
     assert_true(mover_hash(m) == hash);
-    mover_free(m);
 }
 
 TEST(a_motion_without_contact_takes_the_kernels_alone)
@@ -243,17 +232,14 @@ TEST(a_motion_without_contact_takes_the_kernels_alone)
     assert_null(duet_motion_get_plan(m->motion)); // no plan of pairs
     mover_run(m, STEPS);
     assert_true(mover_hash(m) == hash);
-    mover_free(m);
 }
 
 static duet_world *make_world(const mover *m)
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = mover_pair();
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, m->poses, m->n, &err), err);
+    duet_world *world = must(duet_world_create(&def, ERR));
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, m->poses, m->n, ERR));
     return world;
 }
 
@@ -261,22 +247,20 @@ TEST(a_still_worlds_profile_is_no_motions_nor_the_reverse)
 {
     test_folder still = test_folder_make(), moving = test_folder_make();
     mover *m = make_pile(CUBES);
-    duet_error err = {0};
     duet_profile profile;
     profile_subject p;
     create(m);
     duet_world *world = make_world(m);
-    assert_ok(profile_subject_read(world, &p, &err), err);
+    must(profile_subject_read(world, &p, ERR));
     put(still.store, &p, "");
     put_for(moving.store, m, OWN_SETTINGS);
-    assert_ok(duet_world_load_profile(world, still.store, &profile, &err), err);
+    must(duet_world_load_profile(world, still.store, &profile, ERR));
     assert_int_equal(profile.grade, DUET_GRADE_EXACT);
-    assert_ok(duet_world_load_profile(world, moving.store, &profile, &err), err);
+    must(duet_world_load_profile(world, moving.store, &profile, ERR));
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     assert_int_equal(load(m, still.store).grade, DUET_GRADE_DEFAULT);
     assert_int_equal(load(m, moving.store).grade, DUET_GRADE_EXACT);
     duet_world_destroy(world);
-    mover_free(m);
 }
 
 // A number that makes no motion of another kind.
@@ -295,9 +279,6 @@ TEST(another_number_of_bodies_takes_the_plan_and_no_figure)
     assert_true(profile.step_ms == 0 && profile.gain == 0 && profile.measured_s == 0);
     assert_string_equal(profile.verdict, "");
     assert_int_equal(load(many, folder.store).grade, DUET_GRADE_DEFAULT);
-    mover_free(m);
-    mover_free(more);
-    mover_free(many);
 }
 
 TEST(other_effects_or_substeps_are_another_workload)
@@ -314,7 +295,6 @@ TEST(other_effects_or_substeps_are_another_workload)
     m->def.substeps = 9;
     create(m);
     assert_int_equal(load(m, folder.store).grade, DUET_GRADE_DEFAULT);
-    mover_free(m);
 }
 
 TEST(what_nothing_happens_to_has_no_profile)
@@ -329,7 +309,6 @@ TEST(what_nothing_happens_to_has_no_profile)
         assert_non_null(strstr(err.text, "has no profile; expected bodies that"));
         mover_add_cube(m, 0, 0, 0, 1);
     }
-    mover_free(m);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -20,9 +20,7 @@ static duet_device_pair *pair;
 static int open_pair(void **state)
 {
     (void)state;
-    duet_error err = {0};
-    pair = duet_device_pair_open(NULL, &err);
-    assert_ok(pair, err);
+    pair = must(duet_device_pair_open(NULL, ERR));
     return 0;
 }
 
@@ -43,27 +41,22 @@ static int begin(void **state)
 
 static duet_task *create(const char *n)
 {
-    duet_error err = {0};
     const duet_setting setting = {"n", n};
     duet_task_def def = duet_default_task_def();
     def.pair = pair;
     def.path = "twice.task.lua";
     def.settings = &setting;
     def.n_settings = 1;
-    duet_task *t = duet_task_create(&def, &err);
-    assert_ok(t, err);
-    return t;
+    return must(duet_task_create(&def, ERR));
 }
 
 // Stores a plan for n items, as a tuning does.
 static void put(const char *n, double share, const char *variant)
 {
-    duet_error err = {0};
     const duet_setting setting = {"n", n};
     profile_subject p;
-    duet_task_file *file = duet_task_file_load("twice.task.lua", &setting, 1, &err);
-    assert_ok(file, err);
-    assert_ok(profile_subject_read_task(file, pair, &p, &err), err);
+    duet_task_file *file = must(duet_task_file_load("twice.task.lua", &setting, 1, ERR));
+    must(profile_subject_read_task(file, pair, &p, ERR));
     duet_plan plan = {.share = (uint32_t)(share * DUET_SHARE_ONE), .mode = DUET_MODE_OWN};
     strcpy(plan.variant_a, variant);
     strcpy(plan.variant_b, variant);
@@ -79,32 +72,28 @@ static void put(const char *n, double share, const char *variant)
         .origin = "manual",
         .trial_number = -1,
     };
-    store *s = store_open("store.db", STORE_WRITE, &err);
-    assert_ok(s, err);
-    assert_ok(profile_pair_put(s, &p.pair, &row.pair_id, &err), err);
-    assert_ok(profile_workload_put(s, &p.workload, &row.workload_id, &err), err);
-    assert_ok(profile_put(s, &row, NULL, "put again", NULL, &err), err);
+    store *s = must(store_open("store.db", STORE_WRITE, ERR));
+    must(profile_pair_put(s, &p.pair, &row.pair_id, ERR));
+    must(profile_workload_put(s, &p.workload, &row.workload_id, ERR));
+    must(profile_put(s, &row, NULL, "put again", NULL, ERR));
     store_close(s);
     duet_task_file_destroy(file);
 }
 
 static duet_profile load(duet_task *t)
 {
-    duet_error err = {0};
     duet_profile profile;
-    assert_ok(duet_task_load_profile(t, "store.db", &profile, &err), err);
+    must(duet_task_load_profile(t, "store.db", &profile, ERR));
     assert_memory_equal(&profile.plan, duet_task_get_plan(t), sizeof profile.plan);
     return profile;
 }
 
 static void expect_twice(duet_task *t)
 {
-    duet_error err = {0};
     duet_task_result result;
     uint64_t n = 0;
-    assert_ok(duet_task_run(t, &result, &err), err);
-    const int *y = duet_task_get_array(t, "y", &n, &err);
-    assert_ok(y, err);
+    must(duet_task_run(t, &result, ERR));
+    const int *y = must(duet_task_get_array(t, "y", &n, ERR));
     for (uint64_t i = 0; i < n; ++i)
         assert_int_equal(y[i], 2 * i);
 }

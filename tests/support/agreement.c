@@ -105,10 +105,9 @@ static void find_difference(const check *c, const duet_plan *plan, const duet_re
 
 static void step(check *c, duet_world *world, const duet_plan *plan)
 {
-    duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_set_plan(world, plan, &err), err);
-    assert_ok(duet_world_step(world, &result, &err), err);
+    must(duet_world_set_plan(world, plan, ERR));
+    must(duet_world_step(world, &result, ERR));
     if (result.pairs != c->truth.n || duet_result_get_hash(&result) != c->hash)
         find_difference(c, plan, &result);
     if (result.candidates != c->candidates || result.undecided != c->undecided)
@@ -191,16 +190,13 @@ uint64_t agreement_check(const duet_world_def *def, const void *objects, uint32_
         .origin = def->origin_edge,
     };
     check c = {.def = def, .objects = objects, .n = n};
-    duet_error err = {0};
-    assert_ok(reference_find(
-                  &all, n <= EACH_WITH_EACH_LIMIT ? REFERENCE_EACH_WITH_EACH : REFERENCE_COLUMNS,
-                  &c.truth, &err),
-              err);
+    must(reference_find(&all,
+                        n <= EACH_WITH_EACH_LIMIT ? REFERENCE_EACH_WITH_EACH : REFERENCE_COLUMNS,
+                        &c.truth, ERR));
     c.hash = duet_pairs_hash(c.truth.pairs, c.truth.n);
     count_as_devices_do(&c);
-    duet_world *world = duet_world_create(def, &err);
-    assert_ok(world != NULL, err);
-    assert_ok(set_objects(world, def, objects, n, &err), err);
+    duet_world *world = must(duet_world_create(def, ERR));
+    must(set_objects(world, def, objects, n, ERR));
     step_all_plans(&c, world);
     duet_world_destroy(world);
     duet_free(c.truth.pairs);

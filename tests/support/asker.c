@@ -64,13 +64,11 @@ questions questions_random(rng *r, uint32_t dims, double size)
 asker *asker_open(duet_device_pair *pair, uint32_t dims, uint32_t share)
 {
     asker *a = calloc(1, sizeof *a);
-    duet_error err = {0};
     duet_tree_def def = duet_default_tree_def();
     def.pair = pair;
     def.dims = dims;
     def.share = share;
-    a->tree = duet_tree_create(&def, &err);
-    assert_ok(a->tree, err);
+    a->tree = must(duet_tree_create(&def, ERR));
     OPEN(a, rays, ray_query, wants, DUET_QUERY_EVERY);
     OPEN(a, closest, ray_query, wants, DUET_QUERY_CLOSEST);
     OPEN(a, sweeps, sweep_query, wants, DUET_QUERY_EVERY);
@@ -125,10 +123,9 @@ static void assert_right(const asker *a, verdicts v, const char *kind)
 
 static void ask_rays(asker *a, const questions *q, bool twin)
 {
-    duet_error err = {0};
     duet_ray_query_result every, first;
-    assert_ok(duet_ray_query_run(a->rays, q->rays, ASKED, &every, &err), err);
-    assert_ok(duet_ray_query_run(a->closest, q->rays, ASKED, &first, &err), err);
+    must(duet_ray_query_run(a->rays, q->rays, ASKED, &every, ERR));
+    must(duet_ray_query_run(a->closest, q->rays, ASKED, &first, ERR));
     add_bytes(a, every.hits, every.n_hits * sizeof *every.hits);
     add_bytes(a, first.hits, first.n_hits * sizeof *first.hits);
     if (!twin)
@@ -148,10 +145,8 @@ static void ask_rays(asker *a, const questions *q, bool twin)
 
 static void ask_sweeps(asker *a, const questions *q, bool twin)
 {
-    duet_error err = {0};
     duet_sweep_query_result every;
-    assert_ok(duet_sweep_query_run(a->sweeps, DUET_OBJECT_POSES, q->sweeps, ASKED, &every, &err),
-              err);
+    must(duet_sweep_query_run(a->sweeps, DUET_OBJECT_POSES, q->sweeps, ASKED, &every, ERR));
     add_bytes(a, every.hits, every.n_hits * sizeof *every.hits);
     if (!twin)
         return;
@@ -166,9 +161,8 @@ static void ask_sweeps(asker *a, const questions *q, bool twin)
 
 static void ask_boxes(asker *a, const questions *q, bool twin)
 {
-    duet_error err = {0};
     duet_box_query_result found;
-    assert_ok(duet_box_query_run(a->boxes, DUET_OBJECT_POSES, q->boxes, ASKED, &found, &err), err);
+    must(duet_box_query_run(a->boxes, DUET_OBJECT_POSES, q->boxes, ASKED, &found, ERR));
     add_bytes(a, found.hits, found.n_hits * sizeof *found.hits);
     if (!twin)
         return;
@@ -205,11 +199,10 @@ static uint32_t count_nearer(const asker *a, const duet_point *p, double distanc
 
 static void ask_points(asker *a, const questions *q, bool twin)
 {
-    duet_error err = {0};
     const double bound = 1e-4;
     duet_point_query_result inside, near;
-    assert_ok(duet_point_query_run(a->inside, q->points, ASKED, &inside, &err), err);
-    assert_ok(duet_point_query_run(a->nearest, q->points, ASKED, &near, &err), err);
+    must(duet_point_query_run(a->inside, q->points, ASKED, &inside, ERR));
+    must(duet_point_query_run(a->nearest, q->points, ASKED, &near, ERR));
     add_bytes(a, inside.hits, inside.n_hits * sizeof *inside.hits);
     add_bytes(a, near.hits, near.n_hits * sizeof *near.hits);
     if (!twin)
@@ -240,12 +233,11 @@ static void ask_points(asker *a, const questions *q, bool twin)
 
 uint64_t asker_ask(asker *a, duet_motion *motion, const questions *q, bool twin)
 {
-    duet_error err = {0};
     a->n = duet_motion_get_count(motion);
     free(a->poses);
     a->poses = calloc((size_t)a->n + 1, sizeof *a->poses);
-    assert_ok(duet_motion_get_poses(motion, a->poses, &err), err);
-    assert_ok(duet_tree_set_objects(a->tree, DUET_OBJECT_POSES, a->poses, a->n, &err), err);
+    must(duet_motion_get_poses(motion, a->poses, ERR));
+    must(duet_tree_set_objects(a->tree, DUET_OBJECT_POSES, a->poses, a->n, ERR));
     a->sum = UINT64_C(0xcbf29ce484222325);
     ask_rays(a, q, twin);
     ask_sweeps(a, q, twin);

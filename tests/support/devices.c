@@ -10,23 +10,17 @@ duet_device_pair *devices;
 
 duet_device_pair *open_pair(const char *a, const char *b)
 {
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     if (a) {
         def.a = a;
         def.b = b;
     }
-    duet_device_pair *pair = duet_device_pair_create(&def, &err);
-    assert_ok(pair, err);
-    return pair;
+    return must(duet_device_pair_create(&def, ERR));
 }
 
 duet_world *create_world(const duet_world_def *def)
 {
-    duet_error err = {0};
-    duet_world *world = duet_world_create(def, &err);
-    assert_ok(world, err);
-    return world;
+    return must(duet_world_create(def, ERR));
 }
 
 uint64_t true_hash_of(duet_scene *scene)
@@ -35,7 +29,7 @@ uint64_t true_hash_of(duet_scene *scene)
     duet_pair *pairs = NULL;
     uint64_t n = 0;
     assert_ok(scene != NULL, err);
-    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
+    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
     uint64_t hash = duet_pairs_hash(pairs, n);
     duet_free(pairs);
     duet_scene_destroy(scene);
@@ -59,9 +53,7 @@ int close_devices(void **state)
 
 bool devices_are_two(void)
 {
-    duet_error err = {0};
-    duet_device_pair *pair = duet_device_pair_open(NULL, &err);
-    assert_ok(pair, err);
+    duet_device_pair *pair = must(duet_device_pair_open(NULL, ERR));
     bool two = !duet_device_pair_is_one(pair);
     duet_device_pair_destroy(pair);
     return two;

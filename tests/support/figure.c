@@ -94,8 +94,7 @@ void figures(const char *document, const char *pattern, int n, double *out)
     snprintf(path, sizeof path, "%s/../../docs/%s", getenv("DUET_TEST_SCENES"), document);
     assert_true(n <= MOST);
     text t = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&t, path, &err), err);
+    must(text_read_file(&t, path, ERR));
     join_lines(&t);
     int places = 0;
     for (const char *at = t.chars; *at; ++at) {

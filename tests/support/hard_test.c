@@ -80,17 +80,14 @@ void hard_test_answers(duet_device_pair *devices, duet_level level, uint32_t dim
                        const duet_pose *poses, uint64_t n, uint8_t *answers,
                        duet_pair_query_result *result)
 {
-    duet_error err = {0};
     duet_pair_query_result ignored;
     duet_pair_query_def def = duet_default_pair_query_def();
     def.pair = devices;
     def.share = share;
     def.level = level;
     def.dims = dims;
-    duet_pair_query *test = duet_pair_query_create(&def, &err);
-    assert_ok(test, err);
-    assert_ok(duet_pair_query_run(test, poses, n, answers, NULL, result ? result : &ignored, &err),
-              err);
+    duet_pair_query *test = must(duet_pair_query_create(&def, ERR));
+    must(duet_pair_query_run(test, poses, n, answers, NULL, result ? result : &ignored, ERR));
     duet_pair_query_destroy(test);
 }
 

@@ -3,17 +3,29 @@
 
 #include "support/test.h"
 
+#include <string.h>
+
+static void free_json(void *o)
+{
+    cJSON_Delete(o);
+}
+
+cJSON *json_of(const char *chars)
+{
+    const char *end = NULL;
+    cJSON *o = cJSON_ParseWithOpts(chars, &end, false);
+    if (!cJSON_IsObject(o) || (strcmp(end, "") != 0 && strcmp(end, "\n") != 0))
+        fail_msg("no JSON object: '%s'", chars);
+    return test_keep(o, free_json);
+}
+
 cJSON *json_of_program(program *p)
 {
     if (p->exit_code != 0)
         fail_msg("exit %d: %s", p->exit_code, p->err);
     assert_string_equal(p->err, "");
-    const char *end = NULL;
-    cJSON *o = cJSON_ParseWithOpts(p->out, &end, false);
-    assert_true(cJSON_IsObject(o));
-    assert_string_equal(end, "\n");
-    program_free(p);
-    return o;
+    assert_true(*p->out && p->out[strlen(p->out) - 1] == '\n');
+    return json_of(p->out);
 }
 
 double json_number(const cJSON *o, const char *key)

@@ -8,8 +8,10 @@
 #include <cjson/cJSON.h>
 #include <stdbool.h>
 
-// One object and nothing else, of a program that went well and said nothing on
-// stderr; gives the program back. The caller deletes the object.
+// One object and nothing else, but for the end of a line behind it. It lasts until the test ends.
+cJSON *json_of(const char *chars);
+
+// The same of a program that went well and said nothing on stderr.
 cJSON *json_of_program(program *p);
 
 double json_number(const cJSON *o, const char *key);

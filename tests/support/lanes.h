@@ -18,7 +18,7 @@ typedef struct {
     bool one_box;
 } paving;
 
-// Gravity and contact response, and no objects. The caller frees it with mover_free.
+// Gravity and contact response, and no objects.
 mover *lanes_new(uint32_t dims);
 
 uint32_t lanes_add_fixed(mover *m, const double at[3], const double half[3]);

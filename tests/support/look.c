@@ -24,16 +24,14 @@ void look_tune(look_fixture *f, uint64_t n)
 
 void look_change(look_fixture *f, const char *statements)
 {
-    duet_error err = {0};
-    assert_ok(sql_script(f->s, statements, &err), err);
+    must(sql_script(f->s, statements, ERR));
 }
 
 profile_found look_up(store *s, const profile_request *request)
 {
     profile_found found;
-    duet_error err = {0};
     text why = {0};
-    assert_ok(profile_lookup(s, request, &found, &why, &err), err);
+    must(profile_lookup(s, request, &found, &why, ERR));
     text_free(&why);
     return found;
 }

@@ -12,10 +12,8 @@ static duet_device_pair *pair;
 int mover_open_pair(void **state)
 {
     (void)state;
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    pair = duet_device_pair_create(&def, &err);
-    assert_ok(pair, err);
+    pair = must(duet_device_pair_create(&def, ERR));
     return 0;
 }
 
@@ -32,10 +30,23 @@ duet_device_pair *mover_pair(void)
     return pair;
 }
 
+void mover_restart(mover *m)
+{
+    duet_motion_destroy(m->motion);
+    m->motion = NULL;
+}
+
+static void give_back(void *m)
+{
+    mover_restart(m);
+    free(m);
+}
+
 mover *mover_new(uint32_t dims)
 {
     mover *m = calloc(1, sizeof *m);
     assert_non_null(m);
+    test_keep(m, give_back);
     m->def = duet_default_motion_def();
     m->def.pair = pair;
     m->def.plan = duet_default_plan(pair);
@@ -43,16 +54,9 @@ mover *mover_new(uint32_t dims)
     return m;
 }
 
-void mover_restart(mover *m)
-{
-    duet_motion_destroy(m->motion);
-    m->motion = NULL;
-}
-
 void mover_free(mover *m)
 {
-    mover_restart(m);
-    free(m);
+    test_give_back(m);
 }
 
 uint32_t mover_add(mover *m, double x, double y, double z, double hx, double hy, double hz)
@@ -82,28 +86,24 @@ void mover_turn(mover *m, uint32_t id, double x, double y, double z, double angl
 
 static void make(mover *m)
 {
-    duet_error err = {0};
     if (m->motion)
         return;
-    m->motion = duet_motion_create(&m->def, m->poses, m->bodies, m->n, &err);
-    assert_ok(m->motion, err);
+    m->motion = must(duet_motion_create(&m->def, m->poses, m->bodies, m->n, ERR));
 }
 
 void mover_run(mover *m, uint32_t steps)
 {
-    duet_error err = {0};
     make(m);
     for (uint32_t i = 0; i < steps; ++i)
-        assert_ok(duet_motion_advance(m->motion, &m->last, &err), err);
-    assert_ok(duet_motion_get_states(m->motion, m->states, &err), err);
+        must(duet_motion_advance(m->motion, &m->last, ERR));
+    must(duet_motion_get_states(m->motion, m->states, ERR));
 }
 
 duet_energy mover_energy(mover *m)
 {
-    duet_error err = {0};
     duet_energy energy;
     make(m);
-    assert_ok(duet_motion_get_energy(m->motion, &energy, &err), err);
+    must(duet_motion_get_energy(m->motion, &energy, ERR));
     return energy;
 }
 
@@ -207,9 +207,8 @@ double mover_total(mover *m)
 
 uint64_t mover_hash(mover *m)
 {
-    duet_error err = {0};
     uint64_t hash = 0;
     make(m);
-    assert_ok(duet_motion_get_hash(m->motion, &hash, &err), err);
+    must(duet_motion_get_hash(m->motion, &hash, ERR));
     return hash;
 }

@@ -23,7 +23,7 @@ int mover_open_pair(void **state);
 int mover_close_pair(void **state);
 duet_device_pair *mover_pair(void);
 
-// An empty mover, in 2D or 3D; the caller frees it with mover_free.
+// An empty mover, in 2D or 3D, which lasts until the test ends or mover_free.
 mover *mover_new(uint32_t dims);
 void mover_free(mover *m);
 

@@ -15,10 +15,9 @@
 static char *take_file(const char *path)
 {
     text t = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&t, path, &err), err);
+    must(text_read_file(&t, path, ERR));
     remove(path);
-    return t.chars;
+    return test_keep(t.chars, free);
 }
 
 static program run(const char *variables, const char *format, va_list args)
@@ -61,13 +60,6 @@ program program_run_with(const char *variables, const char *arguments, ...)
     return p;
 }
 
-void program_free(program *p)
-{
-    free(p->out);
-    free(p->err);
-    *p = (program){0};
-}
-
 void program_assert_refused(program *p, int exit_code, const char *says)
 {
     size_t length = strlen(p->err);
@@ -75,5 +67,4 @@ void program_assert_refused(program *p, int exit_code, const char *says)
     if (p->exit_code != exit_code || !one_line || *p->out || !strstr(p->err, says))
         fail_msg("exit %d for %d, '%s' for a line with '%s', stdout '%.200s'", p->exit_code,
                  exit_code, p->err, says, p->out);
-    program_free(p);
 }

@@ -5,7 +5,7 @@
 
 typedef struct program {
     int exit_code; // -1 where a signal ended it
-    char *out;
+    char *out;     // it and err last until the test ends
     char *err;
 } program;
 
@@ -16,7 +16,6 @@ program program_run(const char *arguments, ...) __attribute__((format(printf, 1,
 // The same with the environment's variables set before: "OCL_ICD_VENDORS=none".
 program program_run_with(const char *variables, const char *arguments, ...)
     __attribute__((format(printf, 2, 3)));
-void program_free(program *p);
 
 // Fails the test unless the program ended so, with nothing on stdout and one
 // line on stderr that says it.

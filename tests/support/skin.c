@@ -36,11 +36,10 @@ static bool has_contact(const duet_contact *contacts, uint64_t n, uint32_t a, ui
 
 void skin_assert_none_missed(mover *m, const duet_pose *poses)
 {
-    duet_error err = {0};
     duet_contact *contacts = NULL;
     uint64_t n = 0;
     double unseen = depth_unseen(m, poses);
-    assert_ok(duet_motion_get_contacts(m->motion, &contacts, &n, &err), err);
+    must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
     for (uint32_t a = 0; a < m->n; ++a)
         for (uint32_t b = a + 1; b < m->n; ++b)
             if ((m->bodies[a].mass > 0 || m->bodies[b].mass > 0) &&
@@ -102,6 +101,4 @@ void skin_run(uint32_t steps)
     }
     print_message("%u steps, the grid was built in %u\n", steps, rebuilt);
     assert_true(rebuilt > 1 && rebuilt < steps / 2);
-    mover_free(skinned);
-    mover_free(plain);
 }

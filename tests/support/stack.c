@@ -56,7 +56,6 @@ bool stack_stands(const stack *s, uint32_t seconds)
     if (i <= s->height)
         print_message("box %u of %u is at %g %g %g after %u s\n", i, s->height, c[0], c[1], c[2],
                       seconds);
-    mover_free(m);
     return i > s->height;
 }
 

@@ -18,10 +18,7 @@ test_folder test_folder_make(void)
 
 store *test_store_open(const char *path, store_access access)
 {
-    duet_error err = {0};
-    store *s = store_open(path, access, &err);
-    assert_ok(s, err);
-    return s;
+    return must(store_open(path, access, ERR));
 }
 
 store *test_store_fresh(void)
@@ -178,19 +175,18 @@ profile_trial test_trial(uint64_t n, double share, profile_sample *samples, uint
 
 void test_tune(store *s, const profile_pair *pair, const profile_workload *workload)
 {
-    duet_error err = {0};
     int64_t pair_id = 0;
     int64_t workload_id = 0;
-    assert_ok(profile_pair_put(s, pair, &pair_id, &err), err);
-    assert_ok(profile_workload_put(s, workload, &workload_id, &err), err);
+    must(profile_pair_put(s, pair, &pair_id, ERR));
+    must(profile_workload_put(s, workload, &workload_id, ERR));
     profile_session session = test_session(pair_id, workload_id);
     char id[PROFILE_ID];
-    assert_ok(profile_session_begin(s, &session, id, &err), err);
+    must(profile_session_begin(s, &session, id, ERR));
     int64_t number = 0;
     for (int i = 0; i <= 8; ++i) {
         profile_sample samples[4];
         profile_trial trial = test_trial(workload->n, i / 8.0, samples, 4);
-        assert_ok(profile_trial_add(s, id, &trial, "{\"at\":1}", &number, &err), err);
+        must(profile_trial_add(s, id, &trial, "{\"at\":1}", &number, ERR));
     }
     profile_row row = {
         .pair_id = pair_id,
@@ -209,8 +205,8 @@ void test_tune(store *s, const profile_pair *pair, const profile_workload *workl
     };
     row.low_ns = row.median_ns * 0.99;
     row.high_ns = row.median_ns * 1.01;
-    assert_ok(profile_put(s, &row, NULL, "replaced by a later tuning", NULL, &err), err);
-    assert_ok(profile_session_end(s, id, "complete", &err), err);
+    must(profile_put(s, &row, NULL, "replaced by a later tuning", NULL, ERR));
+    must(profile_session_end(s, id, "complete", ERR));
 }
 
 void test_tune_usual(store *s)
@@ -222,7 +218,6 @@ void test_tune_usual(store *s)
 
 void test_fill(store *s, uint32_t n)
 {
-    duet_error err = {0};
     profile_pair pair = test_pair();
     profile_row row = {
         .kernels = TEST_KERNELS,
@@ -232,23 +227,22 @@ void test_fill(store *s, uint32_t n)
         .origin = "manual",
         .trial_number = -1,
     };
-    assert_ok(store_begin(s, &err), err);
-    assert_ok(profile_pair_put(s, &pair, &row.pair_id, &err), err);
+    must(store_begin(s, ERR));
+    must(profile_pair_put(s, &pair, &row.pair_id, ERR));
     for (uint32_t i = 0; i < n; ++i) {
         profile_workload workload = test_workload(1000 + i);
         row.plan.share = i;
-        assert_ok(profile_workload_put(s, &workload, &row.workload_id, &err), err);
-        assert_ok(profile_put(s, &row, NULL, "filled again", NULL, &err), err);
+        must(profile_workload_put(s, &workload, &row.workload_id, ERR));
+        must(profile_put(s, &row, NULL, "filled again", NULL, ERR));
     }
-    assert_ok(store_end(s, true, &err), err);
+    must(store_end(s, true, ERR));
 }
 
 int64_t test_count(store *s, const char *table)
 {
     char query[256];
-    duet_error err = {0};
     int64_t n = 0;
     snprintf(query, sizeof query, "SELECT count(*) FROM %s", table);
-    assert_ok(sql_number(s, query, &n, &err), err);
+    must(sql_number(s, query, &n, ERR));
     return n;
 }

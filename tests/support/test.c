@@ -16,6 +16,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+_Thread_local duet_error test_error;
+
 enum { MOST_TESTS = 64 };
 
 static struct CMUnitTest tests[MOST_TESTS]; // CMocka passes over those without a name
@@ -58,9 +60,51 @@ int test_enter_folder(void **state)
     return chdir(path);
 }
 
+// What the test that runs was given, the latest first.
+typedef struct kept {
+    void *thing;
+    void (*back)(void *thing);
+    struct kept *next;
+} kept;
+
+static kept *all_kept;
+
+void *test_keep(void *thing, void (*back)(void *thing))
+{
+    kept *k = malloc(sizeof *k);
+    assert_non_null(k);
+    *k = (kept){thing, back, all_kept};
+    all_kept = k;
+    return thing;
+}
+
+static void give_back_first(kept **at)
+{
+    kept *k = *at;
+    *at = k->next;
+    k->back(k->thing);
+    free(k);
+}
+
+void test_give_back(void *thing)
+{
+    kept **at = &all_kept;
+    while (*at && (*at)->thing != thing)
+        at = &(*at)->next;
+    assert_non_null(*at);
+    give_back_first(at);
+}
+
 static int begin_test(void **state)
 {
     return chdir(own_folder) == 0 && (!each_begin || each_begin(state) == 0) ? 0 : -1;
+}
+
+static int end_test(void **state)
+{
+    while (all_kept)
+        give_back_first(&all_kept);
+    return each_end ? each_end(state) : 0;
 }
 
 static int remove_one(const char *path, const struct stat *info, int type, struct FTW *at)
@@ -73,7 +117,7 @@ int test_run(CMFixtureFunction begin, CMFixtureFunction end)
 {
     for (int i = 0; i < n_tests; ++i) {
         tests[i].setup_func = begin_test;
-        tests[i].teardown_func = each_end;
+        tests[i].teardown_func = end_test;
     }
     if (!mkdtemp(own_folder) || chmod(own_folder, 0755) != 0 || chdir(own_folder) != 0)
         abort();
@@ -115,15 +159,13 @@ bool test_takes(uint64_t way, unsigned of)
 
 void test_write_file(const char *path, const char *content)
 {
-    duet_error err = {0};
-    assert_ok(text_write_file(path, content, strlen(content), &err), err);
+    must(text_write_file(path, content, strlen(content), ERR));
 }
 
 text test_read_file(const char *path)
 {
     text content = {0};
-    duet_error err = {0};
-    assert_ok(text_read_file(&content, path, &err), err);
+    must(text_read_file(&content, path, ERR));
     return content;
 }
 

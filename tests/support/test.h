@@ -72,6 +72,17 @@ static inline const duet_bounds *test_bounds(const duet_scene *scene)
 void skip_without_device(const char *path);
 void skip_without_terminal(void);
 
+// Gives a thing to the test that runs: when it ends, however it ends, `back` is called with it,
+// after those with what was given later. test_give_back does it now. Returns the thing.
+void *test_keep(void *thing, void (*back)(void *thing));
+void test_give_back(void *thing);
+
+// What duet_..._destroy gives back.
+#define TEST_KINDS(OF)                                                                            \
+    OF(duet_box_query) OF(duet_contact_query) OF(duet_device_pair) OF(duet_motion)                \
+    OF(duet_pair_query) OF(duet_point_query) OF(duet_ray_query) OF(duet_replay) OF(duet_scene)    \
+    OF(duet_sweep_query) OF(duet_task) OF(duet_tree) OF(duet_world)
+
 // How many names there are in the folder one is in.
 int test_count_files(void);
 
@@ -81,5 +92,25 @@ int test_count_files(void);
         if (!(call))                                                                  \
             fail_msg("%s: %s %s", #call, duet_status_name((err).status), (err).text); \
     } while (0)
+
+// The value of a call that must succeed, in which ERR stands for the error that it fills:
+//     duet_world *world = must(duet_world_create(&def, ERR));
+#define must(call)                                                                  \
+    __extension__({                                                                 \
+        test_error = (duet_error){0};                                               \
+        __typeof__(call) given_ = (call);                                           \
+        if (!given_)                                                                \
+            fail_msg("%s: %s %s", #call, duet_status_name(ERR->status), ERR->text); \
+        given_;                                                                     \
+    })
+#define ERR (&test_error)
+
+// The same for a maker of one of TEST_KINDS, and the test keeps what it made.
+#define kept(call) test_keep_of(must(call))
+#define DECLARE_KEEP(kind) kind *test_keep_##kind(kind *made);
+TEST_KINDS(DECLARE_KEEP)
+#define KEEP_OF(kind) kind * : test_keep_##kind,
+
+extern _Thread_local duet_error test_error;
 
 #endif

@@ -6,21 +6,17 @@
 
 static duet_tree *open_of(duet_shape shape, uint32_t dims, uint32_t share)
 {
-    duet_error err = {0};
     duet_tree_def def = duet_default_tree_def();
     def.pair = devices;
     def.shape = shape;
     def.dims = dims;
     def.share = share;
-    duet_tree *tree = duet_tree_create(&def, &err);
-    assert_ok(tree, err);
-    return tree;
+    return must(duet_tree_create(&def, ERR));
 }
 
 void set_poses(duet_tree *tree, const duet_pose *poses, uint32_t n)
 {
-    duet_error err = {0};
-    assert_ok(duet_tree_set_objects(tree, DUET_OBJECT_POSES, poses, n, &err), err);
+    must(duet_tree_set_objects(tree, DUET_OBJECT_POSES, poses, n, ERR));
 }
 
 duet_tree *open_tree(uint32_t dims, uint32_t share, const duet_pose *poses, uint32_t n)
@@ -32,104 +28,86 @@ duet_tree *open_tree(uint32_t dims, uint32_t share, const duet_pose *poses, uint
 
 duet_tree *open_bounds_tree(uint32_t dims, uint32_t share, const duet_bounds *bounds, uint32_t n)
 {
-    duet_error err = {0};
     duet_tree *tree = open_of(DUET_SHAPE_BOUNDS, dims, share);
-    assert_ok(duet_tree_set_objects(tree, DUET_OBJECT_BOUNDS, bounds, n, &err), err);
+    must(duet_tree_set_objects(tree, DUET_OBJECT_BOUNDS, bounds, n, ERR));
     return tree;
 }
 
 duet_tree *open_rounded_tree(uint32_t dims, uint32_t share, duet_object_kind kind,
                              const void *objects, uint32_t n)
 {
-    duet_error err = {0};
     bool spheres = kind == DUET_OBJECT_SPHERES;
     duet_tree *tree = open_of(spheres ? DUET_SHAPE_SPHERES : DUET_SHAPE_ROUNDED_BOXES, dims, share);
-    assert_ok(duet_tree_set_objects(tree, kind, objects, n, &err), err);
+    must(duet_tree_set_objects(tree, kind, objects, n, ERR));
     return tree;
 }
 
 duet_ray_query *open_ray_query(duet_tree *tree, duet_query_wants wants, bool normals)
 {
-    duet_error err = {0};
     duet_ray_query_def def = duet_default_ray_query_def();
     def.tree = tree;
     def.wants = wants;
     def.normals = normals;
-    duet_ray_query *query = duet_ray_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
+    return must(duet_ray_query_create(&def, ERR));
 }
 
 duet_ray_query_result cast_rays(duet_ray_query *query, const duet_ray *rays, uint64_t n)
 {
-    duet_error err = {0};
     duet_ray_query_result result;
-    assert_ok(duet_ray_query_run(query, rays, n, &result, &err), err);
+    must(duet_ray_query_run(query, rays, n, &result, ERR));
     return result;
 }
 
 duet_point_query *open_point_query(duet_tree *tree, uint32_t nearest)
 {
-    duet_error err = {0};
     duet_point_query_def def = duet_default_point_query_def();
     def.tree = tree;
     def.nearest = nearest;
-    duet_point_query *query = duet_point_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
+    return must(duet_point_query_create(&def, ERR));
 }
 
 duet_point_query_result seek_points(duet_point_query *query, const duet_point *points, uint64_t n)
 {
-    duet_error err = {0};
     duet_point_query_result result;
-    assert_ok(duet_point_query_run(query, points, n, &result, &err), err);
+    must(duet_point_query_run(query, points, n, &result, ERR));
     return result;
 }
 
 duet_sweep_query *open_sweep_query(duet_tree *tree, duet_query_wants wants)
 {
-    duet_error err = {0};
     duet_sweep_query_def def = duet_default_sweep_query_def();
     def.tree = tree;
     def.wants = wants;
-    duet_sweep_query *query = duet_sweep_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
+    return must(duet_sweep_query_create(&def, ERR));
 }
 
 duet_sweep_query_result run_sweeps(duet_sweep_query *query, duet_object_kind kind,
                                    const void *sweeps, uint64_t n)
 {
-    duet_error err = {0};
     duet_sweep_query_result result;
-    assert_ok(duet_sweep_query_run(query, kind, sweeps, n, &result, &err), err);
+    must(duet_sweep_query_run(query, kind, sweeps, n, &result, ERR));
     return result;
 }
 
 duet_contact_query *open_contact_query(duet_shape shape, uint32_t dims, uint32_t share,
                                        float margin)
 {
-    duet_error err = {0};
     duet_contact_query_def def = duet_default_contact_query_def();
     def.pair = devices;
     def.shape = shape;
     def.dims = dims;
     def.share = share;
     def.margin = margin;
-    duet_contact_query *query = duet_contact_query_create(&def, &err);
-    assert_ok(query, err);
-    return query;
+    return must(duet_contact_query_create(&def, ERR));
 }
 
 duet_contact_query_result find_contacts(duet_contact_query *query, duet_object_kind kind,
                                         const void *objects, uint32_t n, const duet_pair *pairs,
                                         uint64_t n_pairs)
 {
-    duet_error err = {0};
     const duet_span spans[2] = {{pairs, n_pairs / 3}, {pairs + n_pairs / 3, n_pairs - n_pairs / 3}};
     duet_contact_query_result result;
-    assert_ok(duet_contact_query_run(query, kind, objects, n, spans, &result, &err), err);
+    must(duet_contact_query_run(query, kind, objects, n, spans, &result, ERR));
     assert_int_equal(result.n_contacts, n_pairs);
     return result;
 }

@@ -376,7 +376,6 @@ TEST(each_strategy_is_in_the_help)
         if (strcmp(name, "lua") != 0 && (!at || at > end))
             fail_msg("'duet tune --help' does not name the strategy '%s'", name);
     }
-    program_free(&help);
 }
 
 TEST_MAIN(NULL, NULL)
