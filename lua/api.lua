@@ -113,7 +113,6 @@ api.others = {
     "duet_world_bring_pairs", "duet_world_get_pair_buffers", "duet_world_step_begin_event",
     "duet_motion_copy_states", "duet_task_set_buffer",
   },
-  ["an application in C: a script may set a task's plan between runs"] = { "duet_online_run" },
   ["set_poses of a world with compact_transforms"] = { "duet_compact_transform_set" },
   ["tostring of a device pair"] = { "duet_device_pair_is_one" },
   ["require"] = {
@@ -367,6 +366,9 @@ api.names = {
   { "duet.Motion:online", { "def?: { most_extra?: number }" }, "duet.Online",
     "Watches the motion's searches of pairs, and moves their share.", fails = true, c = "duet_online_create" },
   { "duet.Online:advance", {}, "duet.MotionResult", "In the place of motion:advance.", fails = true, c = "duet_online_advance" },
+  { "duet.Task:online", { "def?: { most_extra?: number }" }, "duet.Online",
+    "Watches the times of the task's runs, and moves its share.", fails = true, c = "duet_online_create" },
+  { "duet.Online:run", {}, "duet.TaskResult", "In the place of task:run.", fails = true, c = "duet_online_run" },
   { "duet.Online:tunings", {}, "integer", "How often the share was tuned again, or another plan taken.", c = "duet_online_get_tunings" },
   { "duet.Online:close", {}, "true", "Stores what was learned, where that was asked for.", fails = true,
     c = "duet_online_destroy" },

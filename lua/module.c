@@ -69,6 +69,7 @@ int luaopen_duet(lua_State *L)
     search_open_lua(L);
     tune_open_lua(L);
     motion_open_lua(L);
+    task_open_lua(L);
     online_open_lua(L);
     motion_def_open_lua(L);
     motion_step_open_lua(L);
@@ -76,7 +77,6 @@ int luaopen_duet(lua_State *L)
     motion_commands_open_lua(L);
     source_open_lua(L);
     pair_query_open_lua(L);
-    task_open_lua(L);
     tree_open_lua(L);
     tree_query_open_lua(L);
     profiles_open_lua(L);

@@ -76,6 +76,7 @@ world_box *world_check(lua_State *L, int index);
 void world_forget_views(world_box *box); // objects mapped before are not sent again
 
 duet_task *task_check_lua(lua_State *L, int index);
+int task_result_push(lua_State *L, const duet_task_result *result); // as a table; returns 1
 duet_task_file *task_file_test(lua_State *L, int index); // NULL if there is something else
 
 duet_scene *scene_check(lua_State *L, int index);

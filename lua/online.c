@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
-// world:online and motion:online: keep a plan near its best while frames go by.
+// world:online, motion:online and task:online: keep a plan near its best while frames go by.
 #include "lua/motion.h"
 #include "lua/policy.h"
 #include "lua/tune.h"
 
+typedef enum followed { WORLD, MOTION, TASK } followed;
+
+// What is followed is the uservalue.
 typedef struct online_box {
     duet_online *online;
-    world_box *world; // the uservalue's; NULL if that is a motion
+    followed kind;
+    world_box *world; // the uservalue's, if that is a world
 } online_box;
 
 static const lua_class online_class;
@@ -26,12 +30,27 @@ static const member online_members[] = {
     MEMBER(member_names, online_def, modes),  {0},
 };
 
-static const member of_motion[] = {ONLINE_OPTION(member_double, most_extra), {0}};
+// A motion and a task have nothing but their share to move.
+static const member share_members[] = {ONLINE_OPTION(member_double, most_extra), {0}};
 
 static online_box *check_online(lua_State *L)
 {
     online_box *box = luaL_checkudata(L, 1, online_class.name);
     luaL_argcheck(L, box->online, 1, "the online plan is closed");
+    return box;
+}
+
+// Checks that it follows such a thing, which is pushed.
+static online_box *check_follows(lua_State *L, followed kind)
+{
+    static const char *const names[][2] = {
+        {"world", "step"}, {"motion", "advance"}, {"task", "run"}};
+    online_box *box = check_online(L);
+    if (box->kind != kind)
+        luaL_argerror(L, 1,
+                      lua_pushfstring(L, "it follows a %s: expected online:%s()",
+                                      names[box->kind][0], names[box->kind][1]));
+    lua_getiuservalue(L, 1, 1);
     return box;
 }
 
@@ -61,30 +80,43 @@ static int world_online(lua_State *L)
     return 1;
 }
 
+static int follow_share(lua_State *L, followed kind, online_def *o)
+{
+    duet_error err = {0};
+    member_read_table(L, 2, "an online plan", share_members, o);
+    online_box *box = class_push_of(L, &online_class, sizeof *box, 1);
+    box->kind = kind;
+    box->online = duet_online_create(&o->def, &err);
+    return box->online ? 1 : class_push_failure(L, &err);
+}
+
 // motion:online(def)
 static int motion_online(lua_State *L)
 {
-    duet_error err = {0};
     online_def o = {.def = duet_default_online_def()};
     o.def.motion = motion_check_box(L, 1)->motion;
-    member_read_table(L, 2, "an online plan", of_motion, &o);
-    online_box *box = class_push_of(L, &online_class, sizeof *box, 1);
-    box->online = duet_online_create(&o.def, &err);
-    return box->online ? 1 : class_push_failure(L, &err);
+    return follow_share(L, MOTION, &o);
+}
+
+// task:online(def)
+static int task_online(lua_State *L)
+{
+    online_def o = {.def = duet_default_online_def()};
+    o.def.task = task_check_lua(L, 1);
+    return follow_share(L, TASK, &o);
 }
 
 static int online_step(lua_State *L)
 {
     duet_error err = {0};
     duet_result result = {0};
-    online_box *box = check_online(L);
-    luaL_argcheck(L, box->world, 1, "it follows a motion: expected online:advance()");
+    lua_settop(L, 1);
+    online_box *box = check_follows(L, WORLD);
     ++box->world->steps;
     world_forget_views(box->world);
     if (!duet_online_step(box->online, &result, &err))
         return class_push_failure(L, &err);
-    lua_getiuservalue(L, 1, 1);
-    result_push(L, -1, &result);
+    result_push(L, 2, &result);
     return 1;
 }
 
@@ -97,10 +129,20 @@ static bool advance_online(void *by, duet_motion *motion, duet_motion_result *re
 
 static int online_advance(lua_State *L)
 {
-    online_box *box = check_online(L);
-    luaL_argcheck(L, !box->world, 1, "it follows a world: expected online:step()");
-    lua_getiuservalue(L, 1, 1);
+    online_box *box = check_follows(L, MOTION);
     return motion_run_by(L, lua_gettop(L), advance_online, box->online);
+}
+
+static int online_run(lua_State *L)
+{
+    duet_error err = {0};
+    duet_task_result result;
+    online_box *box = check_follows(L, TASK);
+    task_check_lua(L, -1); // that is open
+    class_check_limits(L);
+    if (!duet_online_run(box->online, &result, &err))
+        return class_push_failure(L, &err);
+    return task_result_push(L, &result);
 }
 
 static int online_tunings(lua_State *L)
@@ -123,18 +165,18 @@ static int online_close(lua_State *L)
     return class_push_done(L, ok, &err);
 }
 
-static const luaL_Reg online_methods[] = {{"step", online_step},
-                                          {"advance", online_advance},
-                                          {"tunings", online_tunings},
-                                          {"close", online_close},
-                                          {NULL, NULL}};
+static const luaL_Reg online_methods[] = {{"step", online_step},   {"advance", online_advance},
+                                          {"run", online_run},     {"tunings", online_tunings},
+                                          {"close", online_close}, {NULL, NULL}};
 static const lua_class online_class = {.name = "duet.online", .methods = online_methods};
 
 void online_open_lua(lua_State *L)
 {
     static const luaL_Reg of_world[] = {{"online", world_online}, {NULL, NULL}};
-    static const luaL_Reg of_motions[] = {{"online", motion_online}, {NULL, NULL}};
+    static const luaL_Reg of_motion[] = {{"online", motion_online}, {NULL, NULL}};
+    static const luaL_Reg of_task[] = {{"online", task_online}, {NULL, NULL}};
     class_open(L, &online_class);
     class_add_methods(L, "duet.world", of_world, NULL);
-    class_add_methods(L, "duet.motion", of_motions, NULL);
+    class_add_methods(L, "duet.motion", of_motion, NULL);
+    class_add_methods(L, "duet.task", of_task, NULL);
 }

@@ -235,6 +235,14 @@ static const member result_members[] = {
     {0},
 };
 
+int task_result_push(lua_State *L, const duet_task_result *result)
+{
+    member_push_table(L, result_members, result);
+    stages_push(L, result->stages, result->n_stages);
+    lua_setfield(L, -2, "stages");
+    return 1;
+}
+
 // task:run() -> { total_ms, device_ms, stages }
 static int task_run(lua_State *L)
 {
@@ -243,10 +251,7 @@ static int task_run(lua_State *L)
     class_check_limits(L);
     if (!duet_task_run(task_check_lua(L, 1), &result, &err))
         return class_push_failure(L, &err);
-    member_push_table(L, result_members, &result);
-    stages_push(L, result.stages, result.n_stages);
-    lua_setfield(L, -2, "stages");
-    return 1;
+    return task_result_push(L, &result);
 }
 
 static void destroy(void *t)

@@ -8,6 +8,7 @@ return {
       ulong last
       uint n
       float softening
+      float gravity
       const float4 *bodies
       float4 *acceleration
     ]],

@@ -40,7 +40,8 @@ def saxpy(n):
 
 def nbody(n):
     bodies = floats(4 * n)
-    return n, items(n) + [np.uint32(n), np.float32(0.01), bodies, np.zeros_like(bodies)], "WG"
+    values = [np.uint32(n), np.float32(0.01), np.float32(1 / n), bodies, np.zeros_like(bodies)]
+    return n, items(n) + values, "WG"
 
 
 def histogram(n):

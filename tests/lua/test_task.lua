@@ -74,6 +74,26 @@ facts.holds("arrays are also strings of bytes", function()
   facts.equal(task:get("y", "bytes"), string.pack("ffff", 3, 5, 7, 9))
 end)
 
+facts.holds("an online plan runs a task: the share moves, and what comes out stays right", function()
+  local task <close> = assert(pair:task(path, { n = 4 }))
+  local online <close> = assert(task:online { most_extra = 0.5 })
+  assert(task:set("x", { 1, 2, 3, 4, 5, 6, 7, 8 }):set("y", { 0, 0, 0, 0, 0, 0, 0, 0 }))
+  for run = 1, 60 do
+    local result = assert(online:run())
+    assert(result.total_ms > 0 and #result.stages > 0 and #result.device_ms == 2)
+    local found = assert(task:get "y")
+    for i = 1, 8 do facts.equal(found[i], run * (2.0 * i + 1)) end
+  end
+  facts.equal(math.type(online:tunings()), "integer")
+  facts.raises("it follows a task: expected online:run()", online.step, online)
+  facts.raises("it follows a task: expected online:run()", online.advance, online)
+  facts.raises("keep", task.online, task, { keep = true })
+  task:close()
+  facts.raises("closed", online.run, online)
+  facts.equal(online:close(), true)
+  facts.raises("the online plan is closed", online.run, online)
+end)
+
 facts.holds("arguments are listed by name", function()
   local task <close> = assert(pair:task(path))
   local args = task:args()

@@ -6,6 +6,7 @@
 #include "runtime/opencl/device_pair.h"
 #include "runtime/task/task_launch.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -78,6 +79,73 @@ TEST(saxpy_is_right)
 TEST(nbody_is_right)
 {
     run_example("nbody", "331");
+}
+
+typedef struct attraction {
+    double found[3]; // in double
+    double sizes[3]; // of the terms, summed
+} attraction;
+
+static attraction attract(const float *bodies, uint32_t n, uint32_t i)
+{
+    const double softening = 0.01f, gravity = (float)(1.0 / n);
+    attraction a = {{0}, {0}};
+    for (uint32_t j = 0; j < n; ++j) {
+        double d[3], squared = softening;
+        for (uint32_t k = 0; k < 3; ++k) {
+            d[k] = (double)bodies[4 * j + k] - bodies[4 * i + k];
+            squared += d[k] * d[k];
+        }
+        for (uint32_t k = 0; k < 3; ++k) {
+            double term = gravity * bodies[4 * j + 3] * d[k] / (squared * sqrt(squared));
+            a.found[k] += term;
+            a.sizes[k] += fabs(term);
+        }
+    }
+    return a;
+}
+
+// Checks a few bodies beside sums in double, within the bound that nbody.task.lua derives for the
+// kernel alone, by the sizes of each body's own terms.
+static void expect_attraction(duet_task *t, uint32_t n)
+{
+    const float *bodies = duet_task_get_array(t, "bodies", NULL, NULL);
+    const float *found = duet_task_get_array(t, "acceleration", NULL, NULL);
+    const double roundings = 26 + ceil(n / 256.0) + 255 + 1;
+    assert_true(bodies && found);
+    for (uint32_t i = 0; i < n; i += n / 61) {
+        attraction a = attract(bodies, n, i);
+        for (uint32_t k = 0; k < 3; ++k) {
+            double bound = 1.001 * roundings * 0x1p-24 * a.sizes[k];
+            if (!(fabs(found[4 * i + k] - a.found[k]) <= bound))
+                fail_msg("body %u: %.9g instead of %.9g within %g", i, (double)found[4 * i + k],
+                         a.found[k], bound);
+            assert_true(bound < 0.002); // so that one lost body shows in its neighbours
+        }
+    }
+}
+
+TEST(nbody_of_16384_is_within_its_bound)
+{
+    enum { N = 16384 };
+    const duet_setting setting = {"n", "16384"};
+    char path[600];
+    duet_error err = {0};
+    duet_task_result r;
+    snprintf(path, sizeof path, "%s/nbody.task.lua", folder);
+    duet_device_pair *pair = open_with_examples();
+    duet_task_def def = duet_default_task_def();
+    def.pair = pair;
+    def.path = path;
+    def.settings = &setting;
+    def.n_settings = 1;
+    def.plan.share = DUET_SHARE_ONE / 3;
+    duet_task *t = duet_task_create(&def, &err);
+    assert_ok(t, err);
+    assert_ok(duet_task_run(t, &r, &err), err);
+    expect_attraction(t, N);
+    duet_task_destroy(t);
+    duet_device_pair_destroy(pair);
 }
 
 TEST(histogram_is_right)
