@@ -70,7 +70,7 @@ static void read_heights(lua_State *L, const member *m, void *at)
     duet_heights read;
     float *values;
     if (!lua_istable(L, -1))
-        member_refuse(L, m, "a table of nx, ny, spacing, origin and values");
+        member_refuse(L, m, "a table of nx, ny, spacing, origin, values and material");
     const char *fault = heights_read(L, &read, &values);
     if (fault)
         luaL_error(L, "field 'heights': %s", fault);

@@ -117,6 +117,7 @@ typedef struct duet_heights {
     double origin[3];     // position of place 0, 0; its z is added to all heights
     double spacing[2];    // between places, along x and y
     const float *heights; // [ny][nx]
+    uint32_t material;    // 1 .. n_materials of the def; 0: contacts have what the body has
 } duet_heights;
 
 // A ground has at most so many heights.

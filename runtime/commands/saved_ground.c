@@ -51,8 +51,10 @@ void saved_ground_see(duet_motion *copy, const saved_head *h, const char *bytes)
         return;
     memcpy(&s, bytes, sizeof s);
     duet_heights *seen = &copy->ground.heights;
-    *seen = (duet_heights){
-        .nx = h->nx, .ny = h->ny, .heights = (const float *)(const void *)(bytes + sizeof s)};
+    *seen = (duet_heights){.nx = h->nx,
+                           .ny = h->ny,
+                           .material = copy->def.heights->material,
+                           .heights = (const float *)(const void *)(bytes + sizeof s)};
     memcpy(seen->origin, s.origin, sizeof s.origin);
     memcpy(seen->spacing, s.spacing, sizeof s.spacing);
     copy->def.heights = seen;

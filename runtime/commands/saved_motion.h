@@ -45,7 +45,7 @@ bool saved_places_take(duet_motion *copy, const saved_head *h, const char *bytes
                        duet_error *err);
 
 // Lets a copy's def have the ground at `bytes`, which were checked in length alone; take then
-// copies it, once the def was checked.
+// copies it, once the def was checked. Its material is the motion's.
 void saved_ground_see(duet_motion *copy, const saved_head *h, const char *bytes);
 bool saved_ground_take(duet_motion *copy, const saved_head *h, duet_error *err);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A ground of heights as a Lua table:
-// { nx = 65, ny = 65, spacing = 1, origin = { 0, 0, 0 }, values = { ... } }
+// { nx = 65, ny = 65, spacing = 1, origin = { 0, 0, 0 }, values = { ... }, material = 1 }
 #include "runtime/scene/scene_heights.h"
 
 #include <lauxlib.h>
@@ -34,9 +34,19 @@ static bool read_count(lua_State *L, const char *name, uint32_t *to)
     return n >= 2 && n <= DUET_MOST_HEIGHTS;
 }
 
+// 0: there is none.
+static bool read_material(lua_State *L, uint32_t *to)
+{
+    bool is_left_out = lua_getfield(L, -1, "material") == LUA_TNIL;
+    lua_Integer n = lua_isinteger(L, -1) ? lua_tointeger(L, -1) : 0;
+    lua_pop(L, 1);
+    *to = is_left_out ? 0 : (uint32_t)n;
+    return is_left_out || (n >= 1 && n < DUET_MATERIALS);
+}
+
 static bool has_only_known(lua_State *L)
 {
-    static const char *const names[] = {"nx", "ny", "spacing", "origin", "values"};
+    static const char *const names[] = {"nx", "ny", "spacing", "origin", "values", "material"};
     bool known = true;
     for (lua_pushnil(L); known && lua_next(L, -2);) {
         bool found = false;
@@ -78,7 +88,7 @@ const char *heights_read(lua_State *L, duet_heights *h, float **values)
     *h = (duet_heights){.spacing = {1, 1}};
     *values = NULL;
     if (!has_only_known(L))
-        return "the fields are nx, ny, spacing, origin and values";
+        return "the fields are nx, ny, spacing, origin, values and material";
     if (!read_count(L, "nx", &h->nx) || !read_count(L, "ny", &h->ny) ||
         (uint64_t)h->nx * h->ny > DUET_MOST_HEIGHTS)
         return "nx and ny must be whole numbers from 2 on, their product 2^26 at most";
@@ -89,6 +99,8 @@ const char *heights_read(lua_State *L, duet_heights *h, float **values)
     lua_pop(L, 1);
     if (!is_list || !read_numbers(L, "origin", h->origin, 3))
         return "origin must be three numbers";
+    if (!read_material(L, &h->material))
+        return "material must be the number of one of the materials";
     lua_getfield(L, -1, "values");
     const char *fault = read_values(L, h, values);
     lua_pop(L, 1);
