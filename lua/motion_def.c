@@ -6,8 +6,6 @@
 #include "runtime/scene/scene_materials.h"
 
 #include <lauxlib.h>
-#include <stdlib.h>
-#include <string.h>
 
 // The effects' names, one bit after the other; NULL past the last.
 static const char *effect_at(uint32_t i)
@@ -68,18 +66,21 @@ static const char *boundary_name(int boundary)
 static void read_heights(lua_State *L, const member *m, void *at)
 {
     duet_heights read;
-    float *values;
     if (!lua_istable(L, -1))
-        member_refuse(L, m, "a table of nx, ny, spacing, origin and values");
-    const char *fault = heights_read(L, &read, &values);
+        member_refuse(L, m, "a table of nx, ny, spacing, origin, values and material");
+    const char *fault = heights_read(L, &read);
     if (fault)
         luaL_error(L, "field 'heights': %s", fault);
-    size_t bytes = (size_t)read.nx * read.ny * sizeof *values;
+    size_t bytes = (size_t)read.nx * read.ny * sizeof *read.heights;
     duet_heights *kept = lua_newuserdatauv(L, sizeof *kept + bytes, 0);
-    memcpy(kept + 1, values, bytes);
-    free(values);
+    float *values = (float *)(kept + 1);
+    lua_pushvalue(L, -2);
+    fault = heights_read_values(L, &read, values);
+    lua_pop(L, 1);
+    if (fault)
+        luaL_error(L, "field 'heights': %s", fault);
     *kept = read;
-    kept->heights = (const float *)(kept + 1);
+    kept->heights = values;
     *(const duet_heights **)at = kept;
     lua_setfield(L, LUA_REGISTRYINDEX, "duet heights");
 }

@@ -117,6 +117,7 @@ typedef struct duet_heights {
     double origin[3];     // position of place 0, 0; its z is added to all heights
     double spacing[2];    // between places, along x and y
     const float *heights; // [ny][nx]
+    uint32_t material;    // 1 .. n_materials of the def; 0: contacts have what the body has
 } duet_heights;
 
 // A ground has at most so many heights.
@@ -327,7 +328,8 @@ DUET_API bool duet_motion_get_contacts(duet_motion *motion, duet_contact **conta
                                        duet_error *err);
 
 // Saves a motion as a file, or loads it: the loaded motion goes on bit for bit as the
-// saved one does. Objects, bodies and def must be those of the saved motion. BAD_INPUT if
+// saved one does, on the saved one's ground. Objects, bodies and def must be those of the saved
+// motion; a motion without a ground loads no file with one, nor the reverse. BAD_INPUT if
 // the file holds what this motion could not have saved; files may come from anyone. After a
 // failure the motion is as before.
 DUET_API bool duet_motion_save(duet_motion *motion, const char *path, duet_error *err);

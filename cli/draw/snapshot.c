@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "cli/body_states.h"
+#include "cli/draw/relief.h"
 #include "cli/draw/view.h"
 #include "cli/report/table.h"
 #include "runtime/scene/scene.h"
@@ -17,7 +18,7 @@ enum { WIDTH = 960, HEIGHT = 720 };
 enum { EDGE = 200 }; // one in so many objects may lie outside, on either side
 
 static const colour paper = {0.97, 0.97, 0.97, 1};
-static const colour ground = {0.88, 0.88, 0.86, 1};
+static const colour floor_fill = {0.88, 0.88, 0.86, 1};
 static const colour massless = {0.72, 0.73, 0.74, 1};
 static const colour shot = {0.88, 0.10, 0.14, 1};
 
@@ -77,6 +78,7 @@ static bool find_part(const snapshot *s, const body_states *c, extent *part, due
         if (k < 2)
             upper[k] = fmax(upper[k], d->upper[k]);
     }
+    relief_widen(d->heights, part);
     return true;
 }
 
@@ -245,22 +247,27 @@ static bool is_near_picture(const view *v, const block *b)
     return near;
 }
 
-static void draw_blocks(const snapshot *s, const view *v, canvas *c, block *blocks,
+// Before a box all of the ground that is farther than the box's nearest part.
+static void draw_blocks(const snapshot *s, relief *hills, canvas *c, block *blocks,
                         const body_states *bodies)
 {
+    const view *v = hills->view;
     uint32_t n = 0;
     for (uint32_t i = 0; i < bodies->n; ++i)
         if (body_states_has(bodies, i))
             blocks[n++] = block_of(s, v, bodies, i);
     if (v->dims == 3)
         qsort(blocks, n, sizeof *blocks, from_far_to_near);
-    for (uint32_t i = 0; i < n; ++i)
+    for (uint32_t i = 0; i < n; ++i) {
+        relief_draw(hills, c, relief_nearness(v, &blocks[i].corners));
         if (is_near_picture(v, &blocks[i]))
             view_box(v, c, &blocks[i].corners, &(box_ink){.fill = blocks[i].fill});
+    }
+    relief_draw(hills, c, INFINITY);
 }
 
 // The floor of a world with walls; in 2D what they enclose.
-static void draw_ground(const view *v, canvas *c, const duet_motion_def *d)
+static void draw_floor(const view *v, canvas *c, const duet_motion_def *d)
 {
     double z = d->dims == 3 ? d->lower[2] : 0.0;
     const double at[4][3] = {{d->lower[0], d->lower[1], z},
@@ -271,7 +278,7 @@ static void draw_ground(const view *v, canvas *c, const duet_motion_def *d)
     for (int i = 0; i < 4; ++i)
         walk[i] = view_point(v, at[i]);
     if (d->boundary != DUET_BOUNDARY_NONE)
-        canvas_polygon(c, walk, 4, ground, ground);
+        canvas_polygon(c, walk, 4, floor_fill, floor_fill);
 }
 
 static bool has_shot(const snapshot *s, const body_states *c)
@@ -310,13 +317,16 @@ static bool draw(const snapshot *s, const char *path, const body_states *bodies,
     view v = view_fit(&aside, s->def->dims, part, (point){0.05 * WIDTH, 0.05 * HEIGHT},
                       (point){0.95 * WIDTH, HEIGHT - 76});
     canvas_polygon(c, page, 4, paper, paper);
-    draw_ground(&v, c, s->def);
-    if (blocks)
-        draw_blocks(s, &v, c, blocks, bodies);
+    draw_floor(&v, c, s->def);
+    relief hills;
+    bool ok =
+        relief_begin(&hills, s->def->heights, &v, err) &&
+        (blocks || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for a picture", path));
+    if (ok)
+        draw_blocks(s, &hills, c, blocks, bodies);
     write_caption(s, &v, c, bodies, time);
-    if (!blocks)
-        error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for a picture", path);
-    bool ok = canvas_close(c, blocks, err);
+    ok = canvas_close(c, ok, err);
+    relief_end(&hills);
     free(blocks);
     return ok;
 }

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "cli/vtk/vtk_bodies.h"
 #include "cli/vtk/vtk_contacts.h"
+#include "cli/vtk/vtk_ground.h"
 
 #include <stdlib.h>
 
@@ -39,10 +40,23 @@ static bool add_contacts(vtk_frames *f, const body_states *bodies, double time, 
            vtk_series_add(&f->contacts, time, err);
 }
 
+// Once: no ground moves.
+static bool add_ground(const vtk_frames *f, double time, duet_error *err)
+{
+    const duet_heights *ground = duet_motion_get_def(f->motion)->heights;
+    if (!ground || f->bodies.n > 0)
+        return true;
+    text path = {0};
+    text_add(&path, "%s/ground.vtp", f->bodies.folder);
+    bool ok = text_ok(&path, err) && vtk_ground_write(text_chars(&path), ground, time, err);
+    text_free(&path);
+    return ok;
+}
+
 bool vtk_frames_add(vtk_frames *f, double time, duet_error *err)
 {
     body_states bodies;
-    bool ok = body_states_read(&bodies, f->motion, err) && add_bodies(f, &bodies, time, err) &&
+    bool ok = body_states_read(&bodies, f->motion, err) && add_ground(f, time, err) && add_bodies(f, &bodies, time, err) &&
               add_contacts(f, &bodies, time, err);
     body_states_free(&bodies);
     return ok;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Frames of a motion for ParaView: bodies.pvd, and where bodies can touch contacts.pvd.
+// Frames of a motion for ParaView: bodies.pvd, contacts.pvd if bodies can touch, and ground.vtp if
+// there is a ground.
 #ifndef CLI_VTK_FRAMES_H
 #define CLI_VTK_FRAMES_H
 

@@ -59,6 +59,20 @@ static inline void fill_materials(__global float *lane, const source *from, uint
         combined(row[RULE_FRICTION], row[GIVEN_FRICTION], from->frictions[a], from->frictions[b]);
 #endif
 }
+//@ if GROUND_MATERIAL == 1 then
+
+static inline void fill_ground_material(__global float *lane, const source *from, uint a)
+{
+    float4 ground = from->ground_surface; // friction, restitution, material
+    __global const float *row =
+        from->material_rules + MATERIAL_ROW * (from->materials[a] * MATERIALS_MOST + (uint)ground.z);
+    lane[IN_RESTITUTION * BLOCK] =
+        combined(row[RULE_RESTITUTION], row[GIVEN_RESTITUTION], from->restitutions[a], ground.y);
+#if FRICTION
+    lane[IN_FRICTION * BLOCK] = combined(row[RULE_FRICTION], row[GIVEN_FRICTION], from->frictions[a], ground.x);
+#endif
+}
+//@ end
 #endif
 
 // Fills what a lane has one number of; lanes that no contact is left for have no points and are
@@ -72,6 +86,10 @@ static inline void fill_lane(__global float *lane, const source *from, uint i, b
     lane[IN_POINTS * BLOCK] = as_float(empty ? 0u : from->touches[i] & TOUCH_POINTS);
 #if MATERIALS
     fill_materials(lane, from, link.x, partner);
+//@ if GROUND_MATERIAL == 1 then
+    if (link.y >= from->n + AT_GROUND)
+        fill_ground_material(lane, from, link.x);
+//@ end
 #else
     lane[IN_RESTITUTION * BLOCK] = fmax(from->restitutions[link.x], from->restitutions[partner]);
     if (FRICTION)

@@ -12,6 +12,7 @@ return {
     common.CONTACT_RESPONSE,
     common.CONVEYS,
     { "MATERIALS", values = { 0, 1 }, default = 0, silent = true, about = "1: bodies name materials" },
+    { "GROUND_MATERIAL", values = { 0, 1 }, default = 0, silent = true, about = "1: the ground has a material" },
     common.ROLLING,
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "contacts side by side in a work-item" },
@@ -31,6 +32,7 @@ return {
       const float *frictions  if FRICTION == 1
       const uint *materials   if MATERIALS == 1
       const float *material_rules  if MATERIALS == 1
+      float4 ground_surface   if GROUND_MATERIAL == 1
       const float *rolling_resistances  if ROLLING == 1
       const float4 *halves    if ROLLING == 1
       const float4 *surface_velocities  if CONVEYS == 1
@@ -62,6 +64,7 @@ return {
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.CONVEYS == 1 and p.FRICTION == 0 then return false, "what conveys has friction" end
     if p.ROLLING == 1 and p.ANGULAR_VELOCITY == 0 then return false, "what rolls turns" end
+    if p.GROUND_MATERIAL == 1 and p.MATERIALS == 0 then return false, "a material is one of a table" end
     if p.LANES == 8 and p.BLOCK ~= 8 then return false, "lanes are blocks" end
     if p.PER_ITEM % p.LANES ~= 0 then return false, "PER_ITEM is not a multiple of LANES" end
     return true

@@ -136,9 +136,19 @@ static void add_object(effect_facts *f, const duet_motion_def *def, const duet_p
     f->reach = fmax(f->reach, reach_of(p, b, dims, def->dt));
 }
 
+static void add_ground(effect_facts *f, const duet_motion_def *def)
+{
+    const duet_body surface = {.material = def->heights->material};
+    f->elastic |= material_is_elastic(def, &surface);
+    f->rough |= material_is_rough(def, &surface);
+    f->made = true;
+}
+
 void effect_facts_add(effect_facts *facts, const duet_motion_def *def, const duet_pose *poses,
                       const duet_body *bodies, uint32_t n)
 {
+    if (def->heights && def->heights->material > 0)
+        add_ground(facts, def);
     for (uint32_t i = 0; i < n; ++i)
         add_object(facts, def, &poses[i], &bodies[i]);
 }

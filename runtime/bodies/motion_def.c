@@ -146,6 +146,10 @@ static bool check_heights(const duet_motion_def *def, duet_error *err)
                          "heights are for motions in 3D without origin cells");
     if (!check_places(h, err))
         return false;
+    if (h->material > def->n_materials)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the ground's material is %u; expected one of the def's %u materials",
+                         h->material, def->n_materials);
     if (!h->heights)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the ground's heights are NULL");
     for (uint32_t i = 0; i < h->nx * h->ny; ++i)

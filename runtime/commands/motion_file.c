@@ -61,6 +61,8 @@ static saved_head head_of(const duet_motion *m)
                     .n_targets = c ? c->n_targets : 0,
                     .pushed = c && c->n_pushed > 0,
                     .origin_edge = m->def.origin_edge,
+                    .nx = saved_ground_is_kept(m) ? m->def.heights->nx : 0,
+                    .ny = saved_ground_is_kept(m) ? m->def.heights->ny : 0,
                     .step = m->step,
                     .n_pairs = m->graph.n_pairs,
                     .margin = m->margin,
@@ -127,8 +129,9 @@ bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
         ok = add_buffer(m, &h, kept[i], &file, err);
     if (ok && text_ok(&file, err)) {
         motion_saved parts = parts_of(m, &h, file.chars, path);
-        ok = motion_check(m, &parts, err) && saved_places_add(m, &file, err) &&
-             write_file(&file, path, err);
+        ok = motion_check(m, &parts, err) && saved_places_add(m, &file, err);
+        saved_ground_add(m, &file);
+        ok = ok && write_file(&file, path, err);
     } else {
         ok = false;
     }
@@ -149,6 +152,7 @@ static bool check_head(const duet_motion *m, const saved_head *h, const char *pa
         {"effects", h->effects, m->effects},
         {"floats a contact", h->record, m->layout.record},
         {"origin_edge", (double)h->origin_edge, (double)m->def.origin_edge},
+        {"grounds", h->nx > 0, saved_ground_is_kept(m)},
         {"slop", h->margin / MOTION_SLOPS, m->margin / MOTION_SLOPS},
     };
     for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)
@@ -174,7 +178,7 @@ static bool check_whole(const duet_motion *m, const saved_head *h, const text *f
     uint64_t sum = 0;
     size_t end = file->length - sizeof sum;
     memcpy(&sum, file->chars + end, sizeof sum);
-    return (end == kept_bytes(m, h) + saved_places_size(h) &&
+    return (end == kept_bytes(m, h) + saved_places_size(h) + saved_ground_size(h) &&
             sum == text_checksum(file->chars, end)) ||
            error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion is cut short or damaged",
                      path);

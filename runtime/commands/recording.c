@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/text_file.h"
+#include "runtime/commands/saved_motion.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -73,6 +74,27 @@ void recording_add(duet_motion *m, const command *c)
     }
 }
 
+// ---------------------------------------------------------------- the ground
+
+uint64_t recorded_ground_sum(const duet_motion *m)
+{
+    text ground = {0};
+    saved_ground_add(m, &ground);
+    uint64_t sum = ground.length > 0 ? text_checksum(ground.chars, ground.length) : 0;
+    text_free(&ground);
+    return sum;
+}
+
+static void add_ground(text *to, const duet_motion *m)
+{
+    const recorded r = {.kind = RECORDED_GROUND, .n = 1};
+    uint64_t sum = recorded_ground_sum(m);
+    if (sum == 0)
+        return;
+    add(to, &r, sizeof r);
+    add(to, &sum, sizeof sum);
+}
+
 // ---------------------------------------------------------------- files
 
 bool duet_motion_record(duet_motion *m, duet_error *err)
@@ -87,6 +109,7 @@ bool duet_motion_record(duet_motion *m, duet_error *err)
     if (!fresh)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a recording");
     add(fresh, &head, sizeof head);
+    add_ground(fresh, m);
     motion_forget_recording(m);
     m->recording = fresh;
     m->recorded_step = m->step;

@@ -18,7 +18,12 @@ typedef struct recording_head {
 
 extern const char recording_magic[16];
 
-enum { RECORDED_STEPS = 0 }; // a kind besides the commands' numbers
+// Kinds besides the commands' numbers. The first record of a motion on a ground is the ground's:
+// one sum follows.
+enum { RECORDED_STEPS = 0, RECORDED_GROUND = 255 };
+
+// Sums the ground that bodies of a motion touch (FNV-1a); 0: there is none.
+uint64_t recorded_ground_sum(const duet_motion *m);
 
 // Begins each record. n ids follow if bodies are listed, then n rows, then n bodies; bodies and
 // defs are packed.

@@ -15,6 +15,7 @@ struct duet_replay {
     char *path;
     text file;
     recording_head head;
+    uint64_t ground; // sum of the ground that it was recorded on; 0: none
     uint64_t end_hash;
     size_t at, end;      // offsets of the next record, and of the end of all
     uint32_t steps_left; // the record's
@@ -60,6 +61,19 @@ static bool count_records(duet_replay *p, duet_error *err)
     return true;
 }
 
+// Takes the ground's sum if that is the first record; elsewhere no record has its kind.
+static void take_ground(duet_replay *p)
+{
+    recorded r;
+    if (p->end - p->at < sizeof r + sizeof p->ground)
+        return;
+    memcpy(&r, p->file.chars + p->at, sizeof r);
+    if (r.kind != RECORDED_GROUND || r.n != 1 || r.fields || r.unused)
+        return;
+    memcpy(&p->ground, p->file.chars + p->at + sizeof r, sizeof p->ground);
+    p->at += sizeof r + sizeof p->ground;
+}
+
 static bool read_replay(duet_replay *p, duet_error *err)
 {
     uint64_t sum;
@@ -73,8 +87,10 @@ static bool read_replay(duet_replay *p, duet_error *err)
     p->at = sizeof p->head;
     p->end = p->file.length - sizeof sum - sizeof p->end_hash;
     memcpy(&p->end_hash, p->file.chars + p->end, sizeof p->end_hash);
-    return sum == text_checksum(p->file.chars, p->file.length - sizeof sum) ? count_records(p, err)
-                                                                            : damaged(p->path, err);
+    if (sum != text_checksum(p->file.chars, p->file.length - sizeof sum))
+        return damaged(p->path, err);
+    take_ground(p);
+    return count_records(p, err);
 }
 
 duet_replay *duet_replay_create(const char *path, duet_error *err)
@@ -197,12 +213,25 @@ static bool give_commands(duet_replay *p, duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- steps
 
+static bool check_ground(const duet_replay *p, const duet_motion *m, duet_error *err)
+{
+    uint64_t sum = recorded_ground_sum(m);
+    return p->ground == sum ||
+           error_set(err, DUET_STATUS_BAD_INPUT, "%s: recorded on %s; the motion has %s", p->path,
+                     p->ground ? "a ground of heights" : "no ground of heights",
+                     sum == 0    ? "none"
+                     : p->ground ? "another"
+                                 : "one");
+}
+
 static bool check_begin(duet_replay *p, duet_motion *m, duet_error *err)
 {
     uint64_t hash;
     if (p->begun)
         return true;
     if (!duet_motion_get_hash(m, &hash, err))
+        return false;
+    if (!check_ground(p, m, err))
         return false;
     p->begun = duet_motion_get_count(m) == p->head.n && m->step == p->head.step &&
                hash == p->head.hash && duet_motion_get_def(m)->dims == p->head.dims;

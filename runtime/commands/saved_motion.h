@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The form of a saved motion (docs/formats.md, "Saved motions"): a head, the kept buffers, each
-// place, targets, forces, and a sum of it all.
+// place, targets, forces, the ground, and a sum of it all.
 //
 // A file is read into a copy of the motion that has its own arrays and buffers. The copy replaces
 // the motion's state once all of the file was checked; a refused file leaves the motion as it was.
@@ -21,24 +21,35 @@ typedef struct saved_head {
     uint32_t n_targets;
     uint32_t pushed; // forces wait for the next step
     float origin_edge;
-    uint32_t unused[3];
+    uint32_t nx, ny; // heights of the ground; 0: the file has none
+    uint32_t unused;
     uint64_t step, n_pairs;
     double margin;
     packed_def def;
 } saved_head;
 
-// Bytes of the places, targets and forces behind the buffers.
+// Bytes of the places, targets and forces behind the buffers, and of the ground behind these.
 size_t saved_places_size(const saved_head *h);
+size_t saved_ground_size(const saved_head *h);
 
 // Adds them to a file.
 bool saved_places_add(duet_motion *m, text *file, duet_error *err);
+void saved_ground_add(const duet_motion *m, text *file);
+
+// Whether a file of the motion has its ground: whether bodies can touch it.
+bool saved_ground_is_kept(const duet_motion *m);
 
 // Takes the head's def, and the places, targets and forces at `bytes`, into a copy. BAD_INPUT if a
 // motion could not have saved them.
 bool saved_places_take(duet_motion *copy, const saved_head *h, const char *bytes, const char *path,
                        duet_error *err);
 
-// A copy of a motion with n places, and without the arrays and buffers.
+// Lets a copy's def have the ground at `bytes`, which were checked in length alone; take then
+// copies it, once the def was checked. Its material is the motion's.
+void saved_ground_see(duet_motion *copy, const saved_head *h, const char *bytes);
+bool saved_ground_take(duet_motion *copy, const saved_head *h, duet_error *err);
+
+// A copy of a motion with n places, and without the arrays, buffers and ground.
 duet_motion saved_copy_begin(const duet_motion *m, uint32_t n);
 void saved_copy_free(duet_motion *copy);
 

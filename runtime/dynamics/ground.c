@@ -34,6 +34,8 @@ bool ground_copy(motion_ground *ground, duet_motion_def *def, duet_error *err)
     ground->origin = real4_of(def->doubles, h.origin[0], h.origin[1], h.origin[2], 0.0);
     ground->spacing =
         real4_of(def->doubles, h.spacing[0], h.spacing[1], 1.0 / h.spacing[0], 1.0 / h.spacing[1]);
+    const duet_material *surface = &def->materials[h.material]; // [0] is not read
+    ground->surface = (cl_float4){{surface->friction, surface->restitution, (float)h.material}};
     ground->size = (cl_int4){{(cl_int)h.nx, (cl_int)h.ny}};
     def->heights = &ground->heights;
     return true;

@@ -14,6 +14,7 @@ typedef struct motion_ground {
     // arguments of kernels
     arg_real4 origin, spacing; // and one over the spacing
     cl_int4 size;
+    cl_float4 surface; // friction, restitution, material
 } motion_ground;
 
 // Copies the heights of a def, which then has the copy. A def without them gets a ground that is

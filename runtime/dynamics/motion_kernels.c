@@ -26,6 +26,7 @@ const binding motion_bindings[] = {
     BIND_VALUE(duet_motion, "ground_origin", ground.origin),
     BIND_VALUE(duet_motion, "ground_spacing", ground.spacing),
     BIND_VALUE(duet_motion, "ground_size", ground.size),
+    BIND_VALUE(duet_motion, "ground_surface", ground.surface),
     BIND_VALUE(duet_motion, "n_altered", altered.n),
     VALUE_OF(altered, n_heads),
     VALUE_OF(altered, per_edge),
@@ -108,6 +109,12 @@ static int64_t has_ground(const duet_motion *m)
     return has(m, DUET_EFFECT_HEIGHTS) && m->def.dims == 3 && m->def.origin_edge == 0.0f;
 }
 
+static int64_t has_ground_material(const duet_motion *m)
+{
+    return has_ground(m) && has(m, DUET_EFFECT_MATERIALS) && m->def.heights &&
+           m->def.heights->material > 0;
+}
+
 static int64_t order_of(duet_integrator integrator)
 {
     static const int64_t orders[] = {
@@ -147,6 +154,7 @@ uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFF
         OFFER("ROLLING", has(m, DUET_EFFECT_ROLLING_RESISTANCE)),
         OFFER("CONVEYS", has(m, DUET_EFFECT_SURFACE_VELOCITY)),
         OFFER("MATERIALS", has(m, DUET_EFFECT_MATERIALS)),
+        OFFER("GROUND_MATERIAL", has_ground_material(m)),
         OFFER("CONTINUOUS", has(m, DUET_EFFECT_CONTINUOUS)),
         OFFER("FILTER", has(m, DUET_EFFECT_FILTER)),
         OFFER("SLEEP", has(m, DUET_EFFECT_SLEEP)),

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 // A ground of heights as a Lua table:
-// { nx = 65, ny = 65, spacing = 1, origin = { 0, 0, 0 }, values = { ... } }
+// { nx = 65, ny = 65, spacing = 1, origin = { 0, 0, 0 }, values = { ... }, material = 1 }
 #include "runtime/scene/scene_heights.h"
 
 #include <lauxlib.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // Up to three numbers in a list, or one for all of them; false for anything else.
@@ -34,9 +33,19 @@ static bool read_count(lua_State *L, const char *name, uint32_t *to)
     return n >= 2 && n <= DUET_MOST_HEIGHTS;
 }
 
+// 0: there is none.
+static bool read_material(lua_State *L, uint32_t *to)
+{
+    bool is_left_out = lua_getfield(L, -1, "material") == LUA_TNIL;
+    lua_Integer n = lua_isinteger(L, -1) ? lua_tointeger(L, -1) : 0;
+    lua_pop(L, 1);
+    *to = is_left_out ? 0 : (uint32_t)n;
+    return is_left_out || (n >= 1 && n < DUET_MATERIALS);
+}
+
 static bool has_only_known(lua_State *L)
 {
-    static const char *const names[] = {"nx", "ny", "spacing", "origin", "values"};
+    static const char *const names[] = {"nx", "ny", "spacing", "origin", "values", "material"};
     bool known = true;
     for (lua_pushnil(L); known && lua_next(L, -2);) {
         bool found = false;
@@ -49,36 +58,34 @@ static bool has_only_known(lua_State *L)
     return known;
 }
 
-// Reads the list on top of the stack.
-static const char *read_values(lua_State *L, const duet_heights *h, float **values)
+// Whether the list has nx times ny values, which are not read yet.
+static bool has_all_values(lua_State *L, const duet_heights *h)
 {
-    lua_Unsigned n = (lua_Unsigned)h->nx * h->ny;
-    if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != n)
-        return "values must be nx times ny numbers, row by row along x";
-    float *read = malloc(n * sizeof *read);
-    if (!read)
-        return "no memory for values";
-    bool ok = true;
-    for (lua_Unsigned i = 0; ok && i < n; ++i) {
-        ok = lua_rawgeti(L, -1, (lua_Integer)i + 1) == LUA_TNUMBER;
-        read[i] = (float)lua_tonumber(L, -1);
-        ok = ok && isfinite(read[i]);
-        lua_pop(L, 1);
-    }
-    if (!ok) {
-        free(read);
-        return "values must be finite numbers";
-    }
-    *values = read;
-    return NULL;
+    bool has = lua_getfield(L, -1, "values") == LUA_TTABLE &&
+               lua_rawlen(L, -1) == (lua_Unsigned)h->nx * h->ny;
+    lua_pop(L, 1);
+    return has;
 }
 
-const char *heights_read(lua_State *L, duet_heights *h, float **values)
+const char *heights_read_values(lua_State *L, const duet_heights *h, float *to)
+{
+    bool ok = true;
+    lua_getfield(L, -1, "values");
+    for (uint32_t i = 0; ok && i < h->nx * h->ny; ++i) {
+        ok = lua_rawgeti(L, -1, (lua_Integer)i + 1) == LUA_TNUMBER;
+        to[i] = (float)lua_tonumber(L, -1);
+        ok = ok && isfinite(to[i]);
+        lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
+    return ok ? NULL : "values must be finite numbers";
+}
+
+const char *heights_read(lua_State *L, duet_heights *h)
 {
     *h = (duet_heights){.spacing = {1, 1}};
-    *values = NULL;
     if (!has_only_known(L))
-        return "the fields are nx, ny, spacing, origin and values";
+        return "the fields are nx, ny, spacing, origin, values and material";
     if (!read_count(L, "nx", &h->nx) || !read_count(L, "ny", &h->ny) ||
         (uint64_t)h->nx * h->ny > DUET_MOST_HEIGHTS)
         return "nx and ny must be whole numbers from 2 on, their product 2^26 at most";
@@ -89,9 +96,7 @@ const char *heights_read(lua_State *L, duet_heights *h, float **values)
     lua_pop(L, 1);
     if (!is_list || !read_numbers(L, "origin", h->origin, 3))
         return "origin must be three numbers";
-    lua_getfield(L, -1, "values");
-    const char *fault = read_values(L, h, values);
-    lua_pop(L, 1);
-    h->heights = *values;
-    return fault;
+    if (!read_material(L, &h->material))
+        return "material must be the number of one of the materials";
+    return has_all_values(L, h) ? NULL : "values must be nx times ny numbers, row by row along x";
 }

@@ -190,9 +190,15 @@ void scene_read_heights(lua_State *L, scene_reading *reading)
     duet_scene *scene = reading->scene;
     if (!field_push(L, 1, "heights", LUA_TTABLE))
         return;
-    const char *fault = heights_read(L, &scene->heights, &scene->height_values);
+    const char *fault = heights_read(L, &scene->heights);
+    size_t n = (size_t)scene->heights.nx * scene->heights.ny;
+    if (!fault && !(scene->height_values = malloc(n * sizeof *scene->height_values)))
+        fault = "no memory for values";
+    if (!fault)
+        fault = heights_read_values(L, &scene->heights, scene->height_values);
     if (fault)
         field_raise(L, "heights", "heights: %s", fault);
+    scene->heights.heights = scene->height_values;
     scene->motion.heights = &scene->heights;
     lua_pop(L, 1);
 }

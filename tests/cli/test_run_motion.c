@@ -226,4 +226,51 @@ TEST(what_commands_bring_is_drawn_with_its_radius)
     text_free(&round);
 }
 
+// A ridge, balls before and behind it, and another one.
+static text draw_on_ridge(double height, double x, double y)
+{
+    static const char scene[] =
+        "local values = {}\n"
+        "for j = 0, 8 do for i = 0, 8 do\n"
+        "  values[#values + 1] = (i - j == 2 or i - j == 3) and %g or 0\n"
+        "end end\n"
+        "local body = { half_extents = { 0, 0, 0 }, radius = 0.5, mass = 0 }\n"
+        "body.centre = { 7, -7, 0.5 } add(body)\n"
+        "body.centre = { -7, 7, 0.5 } add(body)\n"
+        "body.radius = 0.1 body.centre = { %g, %g, 0.5 } add(body)\n"
+        "return { dims = 3, wants = { 'contact' },\n"
+        "         heights = { nx = 9, ny = 9, spacing = 2, origin = { -8, -8, 0 }, values = values "
+        "} }\n";
+    duet_error err = {0};
+    char given[sizeof scene + 64];
+    int n = snprintf(given, sizeof given, scene, height, x, y);
+    assert_ok(text_write_file(BALL, given, (size_t)n, &err), err);
+    program p = program_run("run --steps 1 --picture " PICTURE " " BALL);
+    if (p.exit_code != 0)
+        fail_msg("run: %s", p.err);
+    program_free(&p);
+    return test_read_file(PICTURE);
+}
+
+static bool are_same(const text *a, const text *b)
+{
+    return a->length == b->length && memcmp(a->chars, b->chars, a->length) == 0;
+}
+
+// The eye stands at great x and small y. A greater ball would be seen by a 255th where two
+// triangles meet, as Cairo smooths their edges.
+TEST(hills_hide_what_is_behind_them_alone)
+{
+    text behind = draw_on_ridge(8, 0, -1), there = draw_on_ridge(8, 0.5, -0.5);
+    text ahead = draw_on_ridge(8, 4, -5), level = draw_on_ridge(0, 0, -1);
+    text level_there = draw_on_ridge(0, 0.5, -0.5);
+    assert_true(are_same(&behind, &there));
+    assert_false(are_same(&behind, &ahead));
+    assert_false(are_same(&behind, &level));
+    assert_false(are_same(&level, &level_there));
+    text *all[] = {&behind, &there, &ahead, &level, &level_there};
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+        text_free(all[i]);
+}
+
 TEST_MAIN(make_scene, NULL)

@@ -32,11 +32,13 @@ typedef enum kind {
     FLIGHT,
     COMMANDED,
     AIMED,
+    GROUND,
     KINDS
 } kind;
 
-static const char *const kind_names[KINDS] = {
-    "pile", "flat groups", "placed", "doubles", "only contacts", "flight", "commanded", "aimed"};
+static const char *const kind_names[KINDS] = {"pile",      "flat groups",   "placed",
+                                              "doubles",   "only contacts", "flight",
+                                              "commanded", "aimed",         "ground"};
 
 static void add_walls(mover *m, double half)
 {
@@ -46,6 +48,10 @@ static void add_walls(mover *m, double half)
         m->def.upper[k] = half;
     }
 }
+
+static const float heights[] = {-1, -2, 0, -1.5f, -1, -1};
+static const duet_heights ground = {
+    .nx = 3, .ny = 2, .origin = {-2, -4, 0}, .spacing = {2.5, 8}, .heights = heights};
 
 static mover *make_mover(kind of)
 {
@@ -57,6 +63,7 @@ static mover *make_mover(kind of)
     m->def.wants |= of == COMMANDED ? DUET_EFFECT_FORCES : 0;
     m->def.skin = of == PILE || of == ONLY_CONTACTS ? 0.3 : 0.0;
     m->def.gravity[1] = -5.0;
+    m->def.heights = of == GROUND ? &ground : NULL;
     m->def.doubles = of == DOUBLES || of == FLIGHT;
     m->def.sleep_after = of == PILE ? 0.05 : 0.5;
     if (of == PLACED || of == AIMED)
@@ -107,7 +114,16 @@ static void aim(mover *m)
 
 // ------------------------------------------------------------ files
 
-enum { HEADER = 240, AT_N_CONTACTS = 36, AT_HAS_ROWS = 40, PLACE = 136, TARGET = 32 };
+enum {
+    HEADER = 240,
+    AT_N_CONTACTS = 36,
+    AT_HAS_ROWS = 40,
+    AT_NX = 60,
+    PLACE = 136,
+    TARGET = 32,
+    FIELD = 40, // origin and spacing
+    HEIGHTS = 4 * 6
+};
 
 // The order of a file (docs/formats.md), and how many words one contact has; 0 for
 // what objects have.
@@ -211,7 +227,7 @@ static forger open_forger(kind of)
     assert_true(of == FLIGHT || f.n_contacts > 10);
     if (of != COMMANDED)
         assert_int_equal(place_of(&f, SECTIONS) + f.m->n * PLACE + (of == AIMED ? TARGET : 0) +
-                             sizeof(uint64_t),
+                             (of == GROUND ? FIELD + HEIGHTS : 0) + sizeof(uint64_t),
                          f.right.length);
     load_right(&f);
     return f;
@@ -320,6 +336,36 @@ TEST(a_target_beyond_the_origin_cells_is_refused)
         }
 }
 
+// Changes a word at `at`, or two that make a double.
+static void refuse_bytes(forger *f, size_t at, const void *bytes, size_t n, const char *said)
+{
+    begin_copy(f);
+    memcpy(f->bytes + at, bytes, n);
+    assert_refused(f, "ground", said);
+}
+
+TEST(a_ground_that_no_motion_can_have_is_refused)
+{
+    static const uint32_t none = 0, one = 1, many = 1u << 31, nan_bits = 0x7fc00000;
+    forger f = open_forger(GROUND);
+    size_t at = f.right.length - sizeof(uint64_t) - HEIGHTS - FIELD;
+    refuse_bytes(&f, AT_NX, &none, 4, "grounds: 0 in the file, 1 in the motion");
+    refuse_bytes(&f, AT_NX, &one, 4, "cut short or damaged");
+    refuse_bytes(&f, AT_NX, &many, 4, "cut short or damaged");
+    refuse_bytes(&f, AT_NX + 4, &none, 4, "cut short or damaged");
+    refuse_bytes(&f, AT_NX + 4, &many, 4, "cut short or damaged");
+    refuse_bytes(&f, AT_NX, (uint32_t[]){1, 6}, 8, "the ground has 1 x 6 heights");
+    refuse_bytes(&f, AT_NX, (uint32_t[]){0x80000003, 0x80000002}, 8, "cut short or damaged");
+    refuse_bytes(&f, AT_NX + 8, &one, 4, "no such word");
+    refuse_bytes(&f, at, &(double){NAN}, 8, "x of the ground's origin is nan");
+    refuse_bytes(&f, at + 24, &(double){0}, 8, "the ground's spacing along x is 0");
+    refuse_bytes(&f, at + FIELD + 16, &nan_bits, 4, "height 1, 1 of the ground is nan");
+    close_forger(&f, "ground");
+    f = open_forger(PILE);
+    refuse_bytes(&f, AT_NX, (uint32_t[]){3, 2}, 8, "grounds: 1 in the file, 0 in the motion");
+    close_forger(&f, "pile");
+}
+
 TEST(two_contacts_of_an_object_have_two_colours)
 {
     forger f = open_forger(PILE);
@@ -334,7 +380,7 @@ TEST(two_contacts_of_an_object_have_two_colours)
 // One word shorter, two, and so on, down to the header; the sum is right each time.
 TEST(a_file_that_ends_early_is_refused)
 {
-    static const kind of[] = {ONLY_CONTACTS, COMMANDED};
+    static const kind of[] = {ONLY_CONTACTS, COMMANDED, GROUND};
     for (size_t i = 0; i < sizeof of / sizeof of[0]; ++i) {
         forger f = open_forger(of[i]);
         for (size_t n = f.right.length - 4; n >= HEADER + sizeof(uint64_t); n -= 4) {
@@ -455,7 +501,7 @@ static void forge(rng *r, forger *f, uint32_t *n_loaded)
     assert_true(hash == f->hash);
 }
 
-static uint32_t n_forged = 2400; // forgeries of all kinds together
+static uint32_t n_forged = 2700; // forgeries of all kinds together
 
 TEST(forged_files_are_refused_or_step)
 {
@@ -475,7 +521,7 @@ TEST(forged_files_are_refused_or_step)
 int main(int argc, char **argv)
 {
     if (argc > 1 && strcmp(argv[1], "--all") == 0)
-        n_forged = 102000;
+        n_forged = 114750;
     else if (argc > 1)
         n_forged = (uint32_t)strtoul(argv[1], NULL, 10);
     return test_run(mover_open_pair, mover_close_pair);

@@ -508,24 +508,79 @@ TEST(the_ground_is_one_partner_in_events_and_hits)
     free(f);
 }
 
-TEST(a_saved_motion_on_a_ground_goes_on_bit_for_bit)
+// Thirty bodies thrown on a ground, which move for `steps`.
+static mover *thrown_on(const field *f, int steps)
 {
     rng r = rng_seed(5);
-    drawn = r;
-    field *f = malloc(sizeof *f);
-    fill(f, 65, 0.5, rough);
     mover *m = on_ground(f);
     m->def.wants |= DUET_EFFECT_SLEEP;
     m->def.skin = 0.1;
     for (int k = 0; k < 30; ++k)
         add_thrown(m, &r, k % SHAPES);
-    mover_run(m, 100);
+    if (steps > 0)
+        mover_run(m, steps);
+    return m;
+}
+
+// Loads into the motion itself, and into one whose ground is another until then.
+TEST(a_saved_motion_takes_its_ground_along_bit_for_bit)
+{
+    field *f = malloc(sizeof *f), *other = malloc(sizeof *other);
+    drawn = rng_seed(5);
+    fill(f, 65, 0.5, rough);
+    fill(other, 9, 1, slope);
+    mover *m = thrown_on(f, 100), *n = thrown_on(other, 3);
     must(duet_motion_save(m->motion, "saved", ERR));
     mover_run(m, 50);
     uint64_t expected = mover_hash(m);
     must(duet_motion_load(m->motion, "saved", ERR));
     mover_run(m, 50);
     assert_int_equal(mover_hash(m), expected);
+    must(duet_motion_load(n->motion, "saved", ERR));
+    mover_run(n, 50);
+    assert_int_equal(mover_hash(n), expected);
+    const duet_heights *h = duet_motion_get_def(n->motion)->heights;
+    assert_true(h->nx == 65 && h->ny == 65 && h->spacing[1] == 0.5 && h->origin[0] == -16);
+    assert_memory_equal(h->heights, f->values, 65 * 65 * sizeof *f->values);
+    free(f);
+    free(other);
+}
+
+static duet_status replay_status(mover *m, const char *says)
+{
+    duet_error err = {0};
+    duet_replay *replay = duet_replay_create("recorded", &err);
+    assert_ok(replay, err);
+    duet_status status = DUET_STATUS_OK;
+    for (int i = 0; i < 40 && status == DUET_STATUS_OK; ++i) {
+        duet_motion_result result;
+        if (!duet_replay_advance(replay, m->motion, &result, &err))
+            status = err.status;
+    }
+    if (says && (!strstr(err.text, says) || strchr(err.text, '\n')))
+        fail_msg("'%s' does not say '%s' in a line", err.text, says);
+    duet_replay_destroy(replay);
+    return status;
+}
+
+// The last replayed step compares the hash.
+TEST(a_recording_is_for_the_ground_that_it_was_made_on)
+{
+    field *f = malloc(sizeof *f);
+    drawn = rng_seed(5);
+    fill(f, 65, 0.5, rough);
+    mover *m = thrown_on(f, 1);
+    must(duet_motion_save(m->motion, "begin", ERR));
+    must(duet_motion_record(m->motion, ERR));
+    mover_run(m, 40);
+    must(duet_motion_save_recording(m->motion, "recorded", ERR));
+    must(duet_motion_load(m->motion, "begin", ERR));
+    assert_int_equal(replay_status(m, NULL), DUET_STATUS_OK);
+    f->values[2000] += 0x1p-10f;
+    mover *n = thrown_on(f, 1);
+    assert_int_equal(replay_status(n, "recorded on a ground of heights; the motion has another"),
+                     DUET_STATUS_BAD_INPUT);
+    f->values[2000] -= 0x1p-10f;
     free(f);
 }
 

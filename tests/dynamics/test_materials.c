@@ -86,6 +86,22 @@ static mover *make(uint32_t dims, uint32_t a)
     return m;
 }
 
+// The same of a ground.
+static mover *make_ground(uint32_t a)
+{
+    static const float level[9] = {0};
+    static duet_heights ground = {
+        .nx = 3, .ny = 3, .origin = {-51, -52, 0}, .spacing = {50, 50}, .heights = level};
+    mover *m = mover_new(3);
+    set_table(&m->def);
+    ground.material = a;
+    m->def.heights = &ground;
+    m->def.gravity[2] = -g;
+    m->def.substeps = 4;
+    m->def.wants |= DUET_EFFECT_CONTACT_RESPONSE;
+    return m;
+}
+
 static uint32_t add(mover *m, double height, uint32_t material)
 {
     double at[3] = {0, 0, 0};
@@ -155,6 +171,55 @@ TEST(a_ball_comes_up_as_both_materials_say)
         if (!(fabs(top - right) < g * h * h / 2 + seen + 2e-3 * right))
             fail_msg("%u on %u comes up to %g m, not %g", b, a, top, right);
     }
+}
+
+// Bodies of every material, and without one, on grounds of every material.
+TEST(a_ground_has_its_material)
+{
+    for (uint32_t i = 0; i < 30; ++i) {
+        uint32_t a = 1 + i / 6, b = i % 6;
+        mover *m = make_ground(a);
+        numbers right = expected_of(&m->def, a, b, own_surface());
+        double speed = 3.0, h = m->def.dt / m->def.substeps, slows = right.friction * g;
+        double way = speed * speed / (2 * slows);
+        uint32_t box = add(m, 0.1, b);
+        m->bodies[box].velocity[0] = (float)speed;
+        mover_run(m, (uint32_t)(1.1 * speed / slows / m->def.dt) + 10);
+        if (!(fabs(m->states[box].centre[0] - way) < speed * h + 0.002 * way))
+            fail_msg("%u on %u slides %g m, not %g", b, a, m->states[box].centre[0], way);
+        mover_free(m);
+    }
+    for (uint32_t i = 0; i < 30; ++i) {
+        uint32_t a = 1 + i / 6, b = i % 6;
+        mover *m = make_ground(a);
+        const double height = 4.0, radius = 0.25, h = m->def.dt / m->def.substeps;
+        uint32_t ball = add(m, height + radius, b);
+        memset(m->poses[ball].half_extents, 0, sizeof m->poses[ball].half_extents);
+        m->bodies[ball].radius = (float)radius;
+        double e = expected_of(&m->def, a, b, own_surface()).restitution;
+        double top = top_of_bounce(m, ball, height), right = e * e * height;
+        double seen = g * m->def.dt * m->def.dt / 8;
+        if (!(fabs(top - right) < g * h * h / 2 + seen + 2e-3 * right))
+            fail_msg("%u on %u comes up to %g m, not %g", b, a, top, right);
+        mover_free(m);
+    }
+}
+
+TEST(a_ground_without_a_material_has_that_of_what_touches_it)
+{
+    mover *m = make_ground(0);
+    uint32_t box = add(m, 0.1, 4); // product
+    m->bodies[box].velocity[0] = 3.0f;
+    mover_run(m, 120);
+    double way = 9.0 / (2 * 0.49 * g);
+    assert_close(m->states[box].centre[0], way, 3.0 * m->def.dt / 4 + 0.002 * way);
+    mover_free(m);
+    duet_error err = {0};
+    m = make_ground(6);
+    add(m, 1, 1);
+    assert_null(duet_motion_create(&m->def, m->poses, m->bodies, m->n, &err));
+    assert_non_null(strstr(err.text, "the ground's material is 6; expected one of the def's 5"));
+    mover_free(m);
 }
 
 static uint64_t hash_of_pile(bool materials, uint32_t dims)

@@ -38,6 +38,29 @@ holds("a row of a body may end behind sensor", function()
   raises("13 numbers, and a row has 19", set.set, set, 0, 1, 0, 0, 0, 0, 0, 2, 0, 0.5, 1, mask, 0, false)
 end)
 
+-- A ground of one cell that leans by 0.1 along x, and a cube that slides on it.
+holds("a def has a ground of heights", function()
+  local cube <const> = { { 0, 0, 0.75, 0.5, 0.5, 0.5, 0, 0, 0, 1 } }
+  local smooth <const> = { { 0, 0, 0, 0, 0, 0, 1, 0, 0, 1, mask, 0, false, false } }
+  local function with(heights)
+    return pair.motion, pair, cube, smooth, { gravity = { 0, 0, -10 }, wants = { "contact_response" }, heights = heights }
+  end
+  local ground <const> = { nx = 2, ny = 2, spacing = 40, origin = { -20, -20, 0 }, values = { 2, -2, 2, -2 } }
+  local make <const>, self, poses, bodies, def = with(ground)
+  local motion <close> = assert(make(self, poses, bodies, def))
+  for _ = 1, 60 do assert(motion:advance()) end
+  local x, _, z = assert(motion:read()):get(0)
+  local slope <const> = 0.1 / (1 + 0.1 ^ 2) -- sine times cosine
+  equal(math.abs(x - 10 / 2 * slope) < 0.05, true)
+  equal(math.abs(z - (0.5 * math.sqrt(1.01) - 0.1 * x)) < 0.01, true)
+  raises("field 'heights': 3, not a table of nx, ny", with(3))
+  raises("field 'heights': the fields are", with { nx = 2, ny = 2, value = {} })
+  raises("field 'heights': values must be nx times ny numbers", with { nx = 2, ny = 2, values = { 1, 2, 3 } })
+  raises("field 'heights': values must be finite", with { nx = 2, ny = 2, values = { 1, 2, 3, 0 / 0 } })
+  raises("field 'heights': values must be finite", with { nx = 2, ny = 2, values = { 1, 2, 3, "4" } })
+  raises("field 'heights': material must be", with { nx = 2, ny = 2, values = { 1, 2, 3, 4 }, material = 16 })
+end)
+
 -- Both slide at 4 m/s on a floor of material 1: mu g t is 0.1 (a pair) and 0.2 (min) of it.
 holds("bodies name materials of a table", function()
   local function slider(material) return { 4, 0, 0, 0, 0, 0, 1, 0, 9, 1, mask, 0, false, false, 0, 0, 0, 0, material } end

@@ -72,7 +72,8 @@ def run(program, folder, scene, steps):
     assert running.wait() == 0
     named = [path for name in ("bodies", "contacts") if os.path.exists(os.path.join(frames, name + ".pvd"))
              for _, path in read_series(frames, name)]
-    there = [os.path.join(frames, f) for f in os.listdir(frames) if not f.endswith(".pvd")]
+    there = [os.path.join(frames, f) for f in os.listdir(frames)
+             if not f.endswith(".pvd") and f != "ground.vtp"]
     assert sorted(named) == sorted(there), there
     return frames
 
@@ -287,6 +288,59 @@ def test_rest(program, folder):
         check_rest(read_rows(contact, ["a", "b", "force", "normal", "points"]), asleep)
         slept.append(sum(asleep))
     assert slept[0] == 0 and slept[-1] == 3, slept
+
+
+# ---------------------------------------------------------------- a ground
+
+GROUND = """
+add { centre = { 1, 0, 1 }, half_extents = { 0.5, 0.5, 0.5 }, mass = 3 }
+return { dims = 3, gravity = { 0, 0, -10 }, wants = { 'contact_response' },
+         heights = { nx = 3, ny = 4, spacing = { 2, 1.5 }, origin = { -1, -3, 0.25 },
+                     values = { 0, 0, 0.25, 0, 0.25, 0, 0.25, 0, 0, 0.5, 0, 0.25 } } }
+"""
+VALUES = [0, 0, 0.25, 0, 0.25, 0, 0.25, 0, 0, 0.5, 0, 0.25]
+
+
+def height_at(x, y):
+    """Of the ground: a cell's triangles meet in the line from its lowest corner to the opposite one."""
+    i, j = min(int((x + 1) / 2), 1), min(int((y + 3) / 1.5), 2)
+    u, v = (x + 1) / 2 - i, (y + 3) / 1.5 - j
+    a, b, c, d = (0.25 + VALUES[3 * (j + m) + i + k] for m in (0, 1) for k in (0, 1))
+    return a + u * (b - a) + v * (d - b) if u >= v else a + v * (c - a) + u * (d - c)
+
+
+def strips_of(path):
+    if vtk:
+        ground = read_vtk(path)
+        ids = vtk.vtkIdList()
+        strips = []
+        ground.GetStrips().InitTraversal()
+        while ground.GetStrips().GetNextCell(ids):
+            strips.append([ids.GetId(k) for k in range(ids.GetNumberOfIds())])
+        return [ground.GetPoint(k) for k in range(ground.GetNumberOfPoints())], strips
+    ground = read_own(path)
+    assert ground["counts"] == {"NumberOfPoints": 12, "NumberOfStrips": 3}
+    ends = [0] + ground["offsets"]
+    return ground["points"], [ground["connectivity"][a:b] for a, b in zip(ends, ends[1:])]
+
+
+def test_ground(program, folder):
+    """The triangles cover the grid once, look upwards, and lie on the ground."""
+    frames = run(program, folder, GROUND, 8)
+    points, strips = strips_of(os.path.join(frames, "ground.vtp"))
+    area = 0
+    for strip in strips:
+        for k in range(len(strip) - 2):
+            corners = [points[p] for p in (strip[k:k + 3] if k % 2 == 0 else
+                                           (strip[k + 1], strip[k], strip[k + 2]))]
+            a, b, c = corners
+            upwards = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+            assert upwards > 0, corners
+            area += upwards / 2
+            for weights in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0.5, 0.3, 0.2), (0.1, 0.2, 0.7)):
+                x, y, z = (sum(w * p[k] for w, p in zip(weights, corners)) for k in range(3))
+                assert abs(z - height_at(x, y)) < 1e-12, (x, y, z)
+    assert abs(area - 4 * 4.5) < 1e-12, area
 
 
 # ---------------------------------------------------------------- a run that ends in the middle

@@ -33,7 +33,11 @@ duet_motion *motions_make(int which, duet_device_pair *pair, duet_error *err)
         DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS,
         DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_CONTINUOUS | DUET_EFFECT_EVENTS,
         DUET_EFFECT_CONTACT | DUET_EFFECT_ANGULAR_VELOCITY,
+        DUET_EFFECT_CONTACT_RESPONSE,
     };
+    static const float values[] = {0.5f, 0, 0.25f, 0, -0.5f, 0};
+    static const duet_heights ground = {
+        .nx = 3, .ny = 2, .origin = {-2, -2, 0}, .spacing = {2, 4}, .heights = values};
     duet_motion_def def = duet_default_motion_def();
     duet_pose poses[BOXES];
     duet_body bodies[BOXES];
@@ -45,6 +49,7 @@ duet_motion *motions_make(int which, duet_device_pair *pair, duet_error *err)
     def.origin_edge = which == 1 ? 16.0f : 0.0f;
     def.skin = which == 0 ? 0.1 : 0.0;
     def.gravity[def.dims - 1] = -9.81;
+    def.heights = which == 3 ? &ground : NULL;
     place(poses, bodies, def.dims - 1);
     return duet_motion_create(&def, poses, bodies, BOXES, err);
 }
