@@ -18,5 +18,6 @@ int command_scenes(int argc, char **argv);
 int command_source(int argc, char **argv);
 int command_query(int argc, char **argv);
 int command_tune(int argc, char **argv);
+int command_verify(int argc, char **argv);
 
 #endif

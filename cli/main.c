@@ -33,6 +33,7 @@ static const struct {
     {"scenes", command_scenes, "list the scenes that come with Duet"},
     {"source", command_source, "print the exact text of a kernel, or its parameters"},
     {"tune", command_tune, "find how two devices share a scene's work best, and store it"},
+    {"verify", command_verify, "run a moving scene twice, and show the first bit that differs"},
 };
 
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };

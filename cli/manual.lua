@@ -272,7 +272,7 @@ _duet_profiles() { duet profiles list "$@" 2>/dev/null | sed -n 's/^\([0-9a-f]\{
 # What may follow this option.
 _duet_value() {
   case $1 in
-@VALUES    --pair) _duet_words "$(_duet_devices) cpu gpu halves" ;;
+@VALUES    --pair | --other-pair) _duet_words "$(_duet_devices) cpu gpu halves" ;;
     --device) _duet_words "$(_duet_devices) cpu gpu" ;;
     *) COMPREPLY=() ;; # a file
   esac

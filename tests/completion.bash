@@ -46,6 +46,8 @@ offers 'duet tune --strategy f' -- fig12
 offers 'duet bench --scene pl' -- planes
 offers 'duet run x.lua --pair n' -- 'nvidia:0'
 offers 'duet run x.lua --pair h' -- 'halves'
+offers 'duet verify x.lua --other-pair h' -- 'halves'
+offers 'duet verify x.lua --other-mode s' -- 'shared slab'
 offers 'duet run x.lua --pair pocl:0,n' -- '0,nvidia:0'
 offers 'duet query --device nvidia:' -- '0'
 offers 'duet run pape' -- 'paper paper2d'

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Recorded commands, given to a motion again. The file's form is checked when it is read;
 // whether its commands are right is for the calls that they go to.
+#include "runtime/commands/replay.h"
+
 #include "runtime/commands/commands.h"
 #include "runtime/commands/recording.h"
 
@@ -252,6 +254,14 @@ static bool check_end(const duet_replay *p, duet_motion *m, duet_error *err)
                       "%s: the state hash is %016" PRIx64 " at the end; expected the recorded "
                       "%016" PRIx64,
                       p->path, hash, p->end_hash));
+}
+
+bool replay_give(duet_replay *p, duet_motion *m, bool *given, duet_error *err)
+{
+    uint64_t before = p->commands_done;
+    bool ok = check_begin(p, m, err) && give_commands(p, m, err);
+    *given = p->commands_done > before;
+    return ok;
 }
 
 bool duet_replay_advance(duet_replay *p, duet_motion *m, duet_motion_result *result,

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: MIT
+// duet verify: runs a moving scene twice, step beside step, and says that all states were equal, or
+// what differed first.
+#include "cli/commands.h"
+
+#include "base/error.h"
+#include "cli/difference.h"
+#include "cli/interrupt.h"
+#include "cli/report/json.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct arguments {
+    scene_options scene;
+    uint64_t steps; // 0: all that are recorded
+    const char *replay;
+    const char *other_replay;
+    const char *pair;
+    const char *other_pair;
+    plan_options plan;
+    plan_options other_plan;
+    bool json;
+} arguments;
+
+static const option options[] = {
+    SCENE_OPTION_ROWS(scene),
+    OPTION_COUNT("steps", steps, "K", "steps to compare (all that are recorded)", 1, 1000000000),
+    OPTION_INPUT("replay", replay, "F.replay", "replay recorded commands in both runs"),
+    OPTION_INPUT("other-replay", other_replay, "F.replay", "commands of the other run"),
+    PAIR_OPTION_ROW(pair),
+    PLAN_OPTION_ROWS(plan),
+    OPTION_TEXT("other-pair", other_pair, "A,B", "devices of the other run"),
+    OPTION_SHARE("other-share", other_plan.share, "R", "A's part of the other run's work"),
+    OPTION_TEXT("other-mode", other_plan.mode, "M",
+                "the other run's: shared, own, slab or default"),
+    OPTION_TEXT("other-variant", other_plan.variant, "V", "kernels of the other run"),
+    OPTION_TEXT("other-variant-a", other_plan.variants[0], "V", "kernels of its A"),
+    OPTION_TEXT("other-variant-b", other_plan.variants[1], "V", "kernels of its B"),
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const option_rule rules[] = {
+    {"other-replay", OPTION_NEEDS, "replay"},
+    {0},
+};
+
+static const char *refuse(const void *given, char **operands)
+{
+    const arguments *args = given;
+    (void)operands;
+    return args->steps > 0 || args->replay ? NULL
+                                           : "--steps is missing; give it, or --replay F.replay";
+}
+
+static const command_line line = {
+    .name = "verify",
+    .operands = "SCENE|FILE",
+    .least_operands = 1,
+    .most_operands = 1,
+    .about = "Runs a moving scene twice, on two device pairs or by two plans, and says whether\n"
+             "every step gave the same bits, or the first step, stage and body that differ.\n"
+             "Without options of the other run that is on two devices: halves of the CPU, or\n"
+             "a device that is taken twice.",
+    .options = options,
+    .rules = rules,
+    .refuse = refuse,
+};
+
+typedef struct verification {
+    const arguments *args;
+    const duet_scene *scene;
+    verified_run runs[2];
+    uint64_t steps;
+    difference first;
+    progress shown;
+    char twice[160]; // selectors of the other run
+} verification;
+
+// ---------------------------------------------------------------- two runs
+
+// Without options of its own the other run divides what the first does on one device, and does on
+// one device what the first divides.
+static void choose_other(verification *v)
+{
+    const verified_run *first = &v->runs[0];
+    verified_run *other = &v->runs[1];
+    if (other->selectors || inputs_plan_given(&other->plan) || v->args->other_replay)
+        return;
+    const duet_device_info *b = duet_device_pair_get_info(first->pair, 1);
+    if (verified_run_plan(first).share > 0) {
+        other->plan.share = 0;
+        return;
+    }
+    if (duet_device_pair_is_one(first->pair)) {
+        snprintf(v->twice, sizeof v->twice, "%s,%s", b->selector, b->selector);
+        bool halves = b->kind == DUET_KIND_CPU && b->can_cut && b->units > 1;
+        other->selectors = halves ? "halves" : v->twice;
+    }
+    other->plan.share = DUET_SHARE_ONE / 2;
+    other->plan.mode = "slab";
+}
+
+static bool count_steps(verification *v, duet_error *err)
+{
+    v->steps = v->args->steps;
+    for (int i = 0; i < 2 && v->args->replay; ++i) {
+        uint64_t recorded = duet_replay_get_info(v->runs[i].replay).steps;
+        if (v->args->steps > recorded)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "--steps %" PRIu64 ": %s has %" PRIu64 " recorded steps",
+                             v->args->steps, v->runs[i].path, recorded);
+        v->steps = v->steps == 0 || recorded < v->steps ? recorded : v->steps;
+    }
+    return true;
+}
+
+static bool open_runs(verification *v, duet_error *err)
+{
+    const arguments *args = v->args;
+    v->runs[0] = (verified_run){.selectors = args->pair, .plan = args->plan, .path = args->replay};
+    v->runs[1] = (verified_run){.selectors = args->other_pair,
+                                .plan = args->other_plan,
+                                .path = args->other_replay ? args->other_replay : args->replay};
+    if (!verified_run_open(&v->runs[0], v->scene, err))
+        return false;
+    choose_other(v);
+    if (!v->runs[1].selectors)
+        v->runs[1].selectors = args->pair;
+    return verified_run_open(&v->runs[1], v->scene, err) && count_steps(v, err);
+}
+
+// ---------------------------------------------------------------- comparing
+
+typedef bool run_call(verified_run *r, duet_error *err);
+
+static bool call_both(verification *v, run_call *call, duet_error *err)
+{
+    return call(&v->runs[0], err) && call(&v->runs[1], err);
+}
+
+// A state that is not finite in both runs ends them.
+static bool both_finite(const verification *v, duet_error *err)
+{
+    const duet_error *why = &v->runs[0].not_finite;
+    return why->status == DUET_STATUS_OK || v->runs[1].not_finite.status == DUET_STATUS_OK ||
+           error_copy(err, why);
+}
+
+static bool compare_states(verification *v, const char *stage, uint64_t step, duet_error *err)
+{
+    v->first.step = step;
+    return call_both(v, verified_run_sum, err) && both_finite(v, err) &&
+           (!difference_is(v->runs, false) ||
+            difference_find_state(&v->first, v->runs, stage, err));
+}
+
+static bool compare_step(verification *v, uint64_t step, duet_error *err)
+{
+    if (!call_both(v, verified_run_command, err))
+        return false;
+    bool commanded = v->runs[0].commanded || v->runs[1].commanded;
+    if (commanded && !compare_states(v, "commands", step, err))
+        return false;
+    v->first.step = step;
+    return v->first.stage ||
+           (call_both(v, verified_run_step, err) && call_both(v, verified_run_sum, err) &&
+            both_finite(v, err) &&
+            (!difference_is(v->runs, true) || difference_find(&v->first, v->runs, err)));
+}
+
+static bool compare(verification *v, duet_error *err)
+{
+    uint64_t done = 0;
+    bool ok = compare_states(v, "start", 0, err);
+    v->shown = progress_begin("step", v->steps);
+    while (ok && !v->first.stage && done < v->steps && interrupt_check(err)) {
+        ok = compare_step(v, ++done, err);
+        progress_show(&v->shown, done);
+    }
+    progress_end(&v->shown);
+    return ok && (v->first.stage || done == v->steps);
+}
+
+// ---------------------------------------------------------------- telling
+
+static bool tell_json(const verification *v, duet_error *err)
+{
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "type", "duet verify");
+    cJSON_AddStringToObject(o, "scene", duet_scene_get_info(v->scene)->name);
+    cJSON_AddNumberToObject(o, "objects", duet_motion_get_count(v->runs[0].motion));
+    cJSON_AddNumberToObject(o, "steps", (double)(v->first.stage ? v->first.step : v->steps));
+    cJSON_AddBoolToObject(o, "equal", !v->first.stage);
+    if (!v->first.stage)
+        json_add_hash(o, v->runs[0].hash);
+    cJSON *list = cJSON_AddArrayToObject(o, "runs");
+    for (int i = 0; i < 2; ++i) {
+        duet_plan plan = verified_run_plan(&v->runs[i]);
+        cJSON *row = json_add_row(list);
+        json_add_devices(row, v->runs[i].pair);
+        json_add_plan(row, plan.share / (double)DUET_SHARE_ONE, duet_mode_name(plan.mode),
+                      plan.variant_a, plan.variant_b);
+    }
+    if (v->first.stage) {
+        cJSON_AddStringToObject(o, "stage", v->first.stage);
+        if (v->first.body != DUET_NO_BODY)
+            cJSON_AddNumberToObject(o, "body", (double)v->first.body);
+        cJSON_AddStringToObject(o, "field", v->first.field);
+        json_add_figure(o, "first", v->first.values[0]);
+        json_add_figure(o, "other", v->first.values[1]);
+    }
+    return say_json(o, err);
+}
+
+static void tell_runs(const verification *v, text *to)
+{
+    verified_run_tell(&v->runs[0], to);
+    text_add(to, " and ");
+    verified_run_tell(&v->runs[1], to);
+}
+
+static bool tell_equal(const verification *v, duet_error *err)
+{
+    text runs = {0};
+    tell_runs(v, &runs);
+    bool ok = text_ok(&runs, err);
+    uint32_t n = duet_motion_get_count(v->runs[0].motion);
+    if (ok && !v->args->json)
+        printf("equal: %s, %s, state hash %016" PRIx64 ": %s\n",
+               table_things(v->steps, "step", "steps").chars,
+               table_things(n, "body", "bodies").chars, v->runs[0].hash, runs.chars);
+    text_free(&runs);
+    return ok;
+}
+
+static bool tell_difference(const verification *v, duet_error *err)
+{
+    text told = {0};
+    difference_tell(&v->first, &told);
+    text_add(&told, ": ");
+    tell_runs(v, &told);
+    error_set(err, DUET_STATUS_WRONG_RESULT, "different: %s", text_chars(&told));
+    text_free(&told);
+    return false;
+}
+
+// Runs that are equal to each other can both differ from what was recorded.
+static bool tell(const verification *v, duet_error *err)
+{
+    if (v->args->json && !tell_json(v, err))
+        return false;
+    if (v->first.stage)
+        return tell_difference(v, err);
+    return tell_equal(v, err) &&
+           (v->runs[0].unlike.status == DUET_STATUS_OK || error_copy(err, &v->runs[0].unlike));
+}
+
+static bool run(void *given, char **operands, duet_error *err)
+{
+    const arguments *args = given;
+    verification v = {.args = args};
+    duet_scene *scene = inputs_load_scene(operands[0], &args->scene, err);
+    v.scene = scene;
+    bool ok = scene && open_runs(&v, err) && compare(&v, err) && tell(&v, err);
+    verified_run_close(&v.runs[0]);
+    verified_run_close(&v.runs[1]);
+    duet_scene_destroy(scene);
+    return ok;
+}
+
+int command_verify(int argc, char **argv)
+{
+    arguments args = {.scene = SCENE_OPTIONS_DEFAULT,
+                      .plan = PLAN_OPTIONS_DEFAULT,
+                      .other_plan = PLAN_OPTIONS_DEFAULT};
+    return options_run(&line, argc, argv, &args, run);
+}

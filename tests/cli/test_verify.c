@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: MIT
+// duet verify: two recordings that differ by one command, so that it is known where a run of each
+// differs first; recordings of other versions, and damaged ones.
+#include "support/program.h"
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "base/text_file.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <string.h>
+
+#define SCENE "test_verify.scene.lua"
+#define FLYING "test_verify.flying.lua"
+#define PLAIN "test_verify.plain.replay"
+#define ALTERED "test_verify.altered.replay"
+
+enum { STEPS = 12, BODIES = 24 };
+
+// Body 0 is a floor. Those on it are far from each other, and slide.
+static const char scene_text[] =
+    "add { centre = { 0, 0, -1 }, half_extents = { 60, 60, 1 }, mass = 0,\n"
+    "      friction = 0.5 }\n"
+    "for i = 1, 24 do\n"
+    "  add { centre = { i % 6 * 4, i // 6 * 4, 0.5 }, half_extents = { 0.5, 0.5, 0.5 },\n"
+    "        velocity = { 1, 0, 0 }, friction = 0.5 }\n"
+    "end\n"
+    "return { dims = 3, gravity = { 0, 0, -10 }, skin = 0.1,\n"
+    "         wants = { 'contact_response', 'friction', 'filter' } }\n";
+
+static const char flying_text[] =
+    "for i = 0, 24 do\n"
+    "  add { centre = { i * 4, 0, 0 }, half_extents = { 0.5, 0.5, 0.5 }, velocity = { 1, 2, 3 } }\n"
+    "end\n"
+    "return { dims = 3, gravity = { 0, 0, -10 }, wants = { 'forces' } }\n";
+
+static duet_device_pair *pair;
+static duet_error err;
+
+static int begin(void **state)
+{
+    (void)state;
+    pair = duet_device_pair_open("cpu", &err);
+    test_write_file(SCENE, scene_text);
+    test_write_file(FLYING, flying_text);
+    return pair ? 0 : 1;
+}
+
+static int end(void **state)
+{
+    (void)state;
+    duet_device_pair_destroy(pair);
+    return 0;
+}
+
+// What a recording has besides steps: a command to one body.
+typedef void command(duet_motion *m, uint64_t id);
+
+static duet_body_list only(const uint64_t *id)
+{
+    return (duet_body_list){.ids = id, .n = 1};
+}
+
+static void push(duet_motion *m, uint64_t id)
+{
+    const duet_impulse impulse = {.impulse = {0, 2, 0}};
+    assert_ok(duet_motion_apply_impulses(m, only(&id), &impulse, &err), err);
+}
+
+static void pull(duet_motion *m, uint64_t id)
+{
+    const duet_force force = {.force = {0, 0, 6}};
+    assert_ok(duet_motion_apply_forces(m, only(&id), &force, &err), err);
+}
+
+static void make_slippery(duet_motion *m, uint64_t id)
+{
+    const duet_body body = {.friction = 0};
+    assert_ok(duet_motion_set_bodies(m, only(&id), DUET_BODY_FRICTION, &body, &err), err);
+}
+
+static void let_fall(duet_motion *m, uint64_t id)
+{
+    const duet_body body = {.group = 1, .mask = 0};
+    assert_ok(duet_motion_set_bodies(m, only(&id), DUET_BODY_FILTER, &body, &err), err);
+}
+
+static void let_grow(duet_motion *m, uint64_t id)
+{
+    duet_state state;
+    const uint32_t place = (uint32_t)id;
+    assert_ok(duet_motion_get_states_of(m, &place, 1, &state, &err), err);
+    duet_pose pose = {.half_extents = {0.5f, 0.5f, 0.5625f}};
+    for (int k = 0; k < 3; ++k)
+        pose.centre[k] = (float)state.centre[k];
+    for (int k = 0; k < 4; ++k)
+        pose.rotation[k] = (float)state.rotation[k];
+    assert_ok(duet_motion_set_poses(m, only(&id), &pose, &err), err);
+}
+
+static void exchange(duet_motion *m, uint64_t id)
+{
+    const duet_pose pose = {
+        .centre = {-20, 0, 9}, .half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
+    const duet_body body = duet_default_body();
+    duet_motion_result result;
+    uint64_t fresh;
+    assert_ok(duet_motion_remove_bodies(m, only(&id), &err), err);
+    assert_ok(duet_motion_advance(m, &result, &err), err);
+    assert_ok(duet_motion_add_bodies(m, &pose, &body, 1, &fresh, &err), err);
+    assert_true(fresh == (UINT64_C(1) << 32 | id));
+}
+
+static void exchange_and_push(duet_motion *m, uint64_t id)
+{
+    exchange(m, id);
+    push(m, UINT64_C(1) << 32 | id);
+}
+
+// Records STEPS steps of a scene, in which a command comes before step `at`; NULL: none comes.
+static void record(const char *scene_path, const char *path, command *give, uint32_t at,
+                   uint64_t id)
+{
+    duet_scene *scene = duet_scene_load(scene_path, NULL, 0, &err);
+    assert_ok(scene, err);
+    duet_motion_def def = duet_scene_motion_def(scene, pair);
+    duet_motion *m = duet_motion_create_from_scene(&def, scene, NULL, &err);
+    assert_ok(m, err);
+    assert_ok(duet_motion_record(m, &err), err);
+    while (duet_motion_get_step(m) < STEPS) {
+        duet_motion_result result;
+        if (give && duet_motion_get_step(m) + 1 == at) {
+            give(m, id);
+            give = NULL;
+        }
+        assert_ok(duet_motion_advance(m, &result, &err), err);
+    }
+    assert_ok(duet_motion_save_recording(m, path, &err), err);
+    duet_motion_destroy(m);
+    duet_scene_destroy(scene);
+}
+
+// Fails the test unless runs of PLAIN and ALTERED differ, as a line on stderr says it.
+static void assert_differ(const char *scene, const char *says)
+{
+    program p = program_run("verify %s --replay " PLAIN " --other-replay " ALTERED, scene);
+    if (p.exit_code != 1 || !strstr(p.err, says))
+        fail_msg("status %d, expected '%s': %s", p.exit_code, says, p.err);
+    assert_string_equal(p.out, "");
+    assert_ptr_equal(strchr(p.err, '\n'), p.err + strlen(p.err) - 1);
+    program_free(&p);
+}
+
+// ---------------------------------------------------------------- equal
+
+TEST(equal_runs_are_told_in_one_line)
+{
+    program p = program_run("verify " SCENE " --steps 5");
+    assert_int_equal(p.exit_code, 0);
+    assert_ptr_equal(strstr(p.out, "equal: 5 steps, 25 bodies, state hash "), p.out);
+    assert_string_equal(p.err, "");
+    program_free(&p);
+}
+
+// The hash is that of duet run.
+TEST(modes_shares_and_halves_give_the_hash_of_one_device)
+{
+    static const char *const others[] = {
+        "--other-pair halves --other-share 0.25 --other-mode own",
+        "--other-pair halves --other-share 1 --other-mode slab",
+        "--pair halves --share 0.5 --mode shared --other-mode slab --other-share 0.75",
+        "--other-variant-b 'auto motion.skin=20'",
+    };
+    program once = program_run("run " SCENE " --steps 8 --pair cpu --json");
+    cJSON *o = cJSON_Parse(once.out);
+    const char *hash = cJSON_GetStringValue(cJSON_GetObjectItem(o, "hash"));
+    assert_non_null(hash);
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
+        program p = program_run("verify " SCENE " --steps 8 --pair cpu %s", others[i]);
+        if (p.exit_code != 0 || !strstr(p.out, hash))
+            fail_msg("%s: %s%s, expected %s", others[i], p.out, p.err, hash);
+        program_free(&p);
+    }
+    cJSON_Delete(o);
+    program_free(&once);
+}
+
+TEST(a_recording_is_verified_to_its_end)
+{
+    record(SCENE, PLAIN, push, 7, 3);
+    program p = program_run("verify " SCENE " --replay " PLAIN);
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "equal: 12 steps, 25 bodies"));
+    program_free(&p);
+}
+
+// ---------------------------------------------------------------- different
+
+TEST(the_step_and_body_of_an_altered_command_are_found)
+{
+    rng r = rng_seed(test_seed());
+    record(SCENE, PLAIN, NULL, 0, 0);
+    for (int i = 0; i < 4; ++i) {
+        uint32_t step = 1 + rng_below(&r, STEPS), body = 1 + rng_below(&r, BODIES);
+        char says[96];
+        snprintf(says, sizeof says, "different: step %u, commands, body %u: velocity.y is ", step,
+                 body);
+        record(SCENE, ALTERED, push, step, body);
+        assert_differ(SCENE, says);
+    }
+}
+
+TEST(the_stage_is_found_in_which_runs_part)
+{
+    static const struct {
+        command *give;
+        const char *says;
+    } cases[] = {
+        {make_slippery, "step 6, solver, body 9: centre.x is "},
+        {let_fall, "step 6, contacts, body 9: points of the contact with body 0 is 4 and none"},
+        {let_grow, "step 6, manifolds, body 9: separation with body 0 is "},
+        {push, "step 6, commands, body 9: velocity.y is "},
+    };
+    record(SCENE, PLAIN, NULL, 0, 0);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        record(SCENE, ALTERED, cases[i].give, 6, 9);
+        assert_differ(SCENE, cases[i].says);
+    }
+}
+
+// A force changes a velocity by mass^-1 dt in a step: 6 / 8 / 60 beside -10 / 60 a step.
+TEST(what_flies_free_differs_by_the_integration)
+{
+    record(FLYING, PLAIN, NULL, 0, 0);
+    record(FLYING, ALTERED, pull, 4, 21);
+    assert_differ(FLYING, "different: step 4, integration, body 21: centre.z is ");
+}
+
+TEST(the_id_of_a_body_in_a_place_that_was_used_is_told)
+{
+    record(SCENE, PLAIN, exchange, 3, 5);
+    record(SCENE, ALTERED, exchange_and_push, 3, 5);
+    assert_differ(SCENE, "different: step 4, commands, body 4294967301: velocity.y is 0 and 2");
+}
+
+TEST(json_has_what_the_line_says)
+{
+    record(SCENE, PLAIN, NULL, 0, 0);
+    record(SCENE, ALTERED, push, 8, 11);
+    program p = program_run("verify " SCENE " --json --replay " PLAIN " --other-replay " ALTERED);
+    assert_int_equal(p.exit_code, 1);
+    cJSON *o = cJSON_Parse(p.out);
+    assert_non_null(o);
+    assert_true(cJSON_IsFalse(cJSON_GetObjectItem(o, "equal")));
+    assert_true(cJSON_GetObjectItem(o, "steps")->valuedouble == 8);
+    assert_true(cJSON_GetObjectItem(o, "body")->valuedouble == 11);
+    assert_string_equal(cJSON_GetObjectItem(o, "field")->valuestring, "velocity.y");
+    double first = cJSON_GetObjectItem(o, "first")->valuedouble;
+    double pushed = cJSON_GetObjectItem(o, "other")->valuedouble - first;
+    assert_true(pushed > 1.999 && pushed < 2.001); // impulse / mass
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(o, "runs")), 2);
+    cJSON_Delete(o);
+    program_free(&p);
+}
+
+// ---------------------------------------------------------------- hostile
+
+static void forge(text *file, size_t at, char by, size_t length, bool summed)
+{
+    file->chars[at] = (char)(file->chars[at] ^ by);
+    if (summed) {
+        uint64_t sum = text_checksum(file->chars, length - 8);
+        memcpy(file->chars + length - 8, &sum, 8);
+    }
+    assert_ok(text_write_file(ALTERED, file->chars, length, &err), err);
+    file->chars[at] = (char)(file->chars[at] ^ by);
+}
+
+static void assert_refused(const char *says)
+{
+    program p = program_run("verify " SCENE " --replay " ALTERED);
+    program_assert_refused(&p, 1, says);
+}
+
+TEST(recordings_that_are_none_are_refused)
+{
+    record(SCENE, PLAIN, push, 7, 3);
+    text file = test_read_file(PLAIN);
+    forge(&file, 14, 1, file.length, true); // "duet commands 3"
+    assert_refused("expected \"duet commands 2\"");
+    rng r = rng_seed(test_seed());
+    for (int i = 0; i < 6; ++i) {
+        forge(&file, 0, 0, 16 + rng_below(&r, (uint32_t)file.length - 16), false);
+        assert_refused("the recording is cut short or damaged");
+    }
+    forge(&file, 60, 1, file.length, false);
+    assert_refused("the recording is cut short or damaged");
+    forge(&file, 0, 0, 0, false);
+    assert_refused("begins with \"\"");
+    text_free(&file);
+}
+
+// Both runs give the same bits, and the recording other ones.
+TEST(a_recorded_hash_that_differs_is_told_last)
+{
+    record(SCENE, PLAIN, NULL, 0, 0);
+    text file = test_read_file(PLAIN);
+    forge(&file, file.length - 16, 1, file.length, true);
+    program p = program_run("verify " SCENE " --replay " ALTERED);
+    assert_int_equal(p.exit_code, 1);
+    assert_non_null(strstr(p.out, "equal: 12 steps"));
+    assert_non_null(strstr(p.err, "at the end; expected the recorded"));
+    program_free(&p);
+    forge(&file, 32, 1, file.length, true);
+    assert_refused("recorded from step 0, 25 places and the state hash");
+    text_free(&file);
+}
+
+TEST(wrong_command_lines_are_refused)
+{
+    static const struct {
+        const char *arguments, *says;
+    } lines[] = {
+        {"verify " SCENE, "--steps is missing"},
+        {"verify --steps 3", "SCENE|FILE"},
+        {"verify " SCENE " --steps 3 --other-replay " PLAIN, "--replay"},
+        {"verify " SCENE " --steps 13 --replay " PLAIN, "has 12 recorded steps"},
+        {"verify " SCENE " --steps 3 --other-mode upside", "upside"},
+    };
+    record(SCENE, PLAIN, NULL, 0, 0);
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
+        program p = program_run("%s", lines[i].arguments);
+        program_assert_refused(&p, 2, lines[i].says);
+    }
+}
+
+TEST_MAIN(begin, end)
