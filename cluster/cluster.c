@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "cluster/ids.h"
+#include "cluster/moving.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -109,6 +110,7 @@ void duet_cluster_destroy(duet_cluster *c)
     if (!c)
         return;
     ranks_await_end(&c->ranks, __func__);
+    moving_end(c->moving);
     owned_end(&c->owned);
     classes_end(&c->migration.classes);
     cluster_close_workers(c->workers);

@@ -64,6 +64,7 @@ struct duet_cluster {
     cluster_search search;
     own_pairs own;
     step_state step;
+    struct moving *moving; // NULL: nothing moves
     duet_scene_info scene;
     char *scene_name;       // NULL: no scene was loaded
     duet_cluster_rank last; // this rank's last step

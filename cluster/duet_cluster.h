@@ -144,6 +144,34 @@ DUET_API bool duet_cluster_get_ranks(duet_cluster *cluster, duet_cluster_rank *r
 DUET_API bool duet_cluster_save_pairs(duet_cluster *cluster, const char *path, bool sorted,
                                       duet_error *err);
 
+// ---------------------------------------------------------------- motion
+
+// Reads a scene whose bodies move, on every rank whole, and divides them among the ranks' domains
+// (parts of the def each). Each rank's devices hold its domains' bodies and their ghosts. Replaces
+// the motion that the cluster had; other objects stay as they are. BAD_ARGUMENT names an effect
+// that several domains do not have yet, and a cluster without devices.
+DUET_API bool duet_cluster_begin_motion(duet_cluster *cluster, const char *path,
+                                        const duet_setting *settings, uint32_t n_settings,
+                                        duet_error *err);
+
+typedef struct duet_cluster_motion_result {
+    uint64_t step;     // how many were taken, the last one included
+    uint64_t bodies;   // the sum over all ranks, as are
+    uint64_t ghosts;   // bodies that domains have of others
+    uint64_t contacts; // that push
+    uint32_t colours;
+    double total_ms; // wall clock of the rank that took longest
+} duet_cluster_motion_result;
+
+// Takes a time step. Bodies have the same bits at any number of ranks and parts as those of one
+// duet_motion. After a failure the motion is gone. TOO_MANY: a body has more contacts than there are
+// colours (31).
+DUET_API bool duet_cluster_advance(duet_cluster *cluster, duet_cluster_motion_result *result,
+                                   duet_error *err);
+
+// Makes *hash that of duet_motion_get_hash, of all ranks' bodies.
+DUET_API bool duet_cluster_get_state_hash(duet_cluster *cluster, uint64_t *hash, duet_error *err);
+
 DUET_C_END
 
 #endif

@@ -98,6 +98,11 @@ static void send_and_receive(ranks *r, const parcels *out, parcels *in, MPI_Requ
     MPI_Type_free(&row);
 }
 
+void parcels_pass(ranks *r, const parcels *out, parcels *in, MPI_Request *requests)
+{
+    RANKS_WAITING(r, send_and_receive(r, out, in, requests));
+}
+
 // A rank that cannot send, or not receive, says so in its counts.
 static bool exchange_counts(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err)
 {
@@ -123,7 +128,7 @@ bool parcels_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_e
     ok = exchange_counts(r, ok, out, in, err) &&
          ranks_agree(r, parcels_reserve(in, r, NULL, err), err);
     if (ok)
-        RANKS_WAITING(r, send_and_receive(r, out, in, requests));
+        parcels_pass(r, out, in, requests);
     else
         parcels_end(in);
     free(requests);

@@ -24,6 +24,10 @@ bool parcels_reserve(parcels *p, const ranks *r, uint64_t *places, duet_error *e
 // and ends in agreement; `ok` is whether this rank has filled `out`.
 bool parcels_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err);
 
+// Sends and receives rows of which both sides know how many there are, as the counts and the memory
+// of both parcels say; it cannot fail. requests has space for 4 for each rank.
+void parcels_pass(ranks *r, const parcels *out, parcels *in, MPI_Request *requests);
+
 // Sends each of n rows of `context` to the rank that rank_of says, written by `write`; else as
 // parcels_exchange.
 typedef int parcels_rank(const void *context, uint64_t i);

@@ -37,6 +37,10 @@ typedef struct cluster_library {
     bool (*get_own_pairs)(duet_cluster *, const duet_pair64 **, uint64_t *, duet_error *);
     bool (*get_ranks)(duet_cluster *, duet_cluster_rank *, duet_error *);
     bool (*save_pairs)(duet_cluster *, const char *, bool, duet_error *);
+    bool (*begin_motion)(duet_cluster *, const char *, const duet_setting *, uint32_t,
+                         duet_error *);
+    bool (*advance)(duet_cluster *, duet_cluster_motion_result *, duet_error *);
+    bool (*get_state_hash)(duet_cluster *, uint64_t *, duet_error *);
 } cluster_library;
 
 #define CALL(member, name)                      \
@@ -65,6 +69,9 @@ static const struct {
     CALL(get_own_pairs, "duet_cluster_get_own_pairs"),
     CALL(get_ranks, "duet_cluster_get_ranks"),
     CALL(save_pairs, "duet_cluster_save_pairs"),
+    CALL(begin_motion, "duet_cluster_begin_motion"),
+    CALL(advance, "duet_cluster_advance"),
+    CALL(get_state_hash, "duet_cluster_get_state_hash"),
 };
 
 _Static_assert(sizeof(cluster_library) == sizeof call_names / sizeof *call_names * sizeof(void *),
@@ -165,6 +172,16 @@ static const member result_members[] = {
     MEMBER(member_count, duet_cluster_result, objects),
     MEMBER(member_count, duet_cluster_result, pairs),
     MEMBER(member_double, duet_cluster_result, total_ms),
+    {0},
+};
+
+static const member motion_members[] = {
+    MEMBER(member_count, duet_cluster_motion_result, step),
+    MEMBER(member_count, duet_cluster_motion_result, bodies),
+    MEMBER(member_count, duet_cluster_motion_result, ghosts),
+    MEMBER(member_count, duet_cluster_motion_result, contacts),
+    MEMBER(member_count, duet_cluster_motion_result, colours),
+    MEMBER(member_double, duet_cluster_motion_result, total_ms),
     {0},
 };
 
@@ -408,6 +425,42 @@ static int cluster_save_pairs(lua_State *L)
     return class_push_done(L, ok, &err);
 }
 
+// ---------------------------------------------------------------- motion
+
+// cluster:begin_motion(path, settings)
+static int cluster_begin_motion(lua_State *L)
+{
+    duet_error err = {0};
+    uint32_t n = 0;
+    cluster_box *box = check(L);
+    const char *path = luaL_checkstring(L, 2);
+    const duet_setting *settings = scene_read_settings(L, 3, &n);
+    bool ok = box->calls->begin_motion(box->cluster.object, path, settings, n, &err);
+    return class_push_done(L, ok, &err);
+}
+
+static int cluster_advance(lua_State *L)
+{
+    duet_error err = {0};
+    duet_cluster_motion_result result = {0};
+    cluster_box *box = check(L);
+    if (!box->calls->advance(box->cluster.object, &result, &err))
+        return class_push_failure(L, &err);
+    member_push_table(L, motion_members, &result);
+    return 1;
+}
+
+static int cluster_state_hash(lua_State *L)
+{
+    duet_error err = {0};
+    uint64_t hash = 0;
+    cluster_box *box = check(L);
+    if (!box->calls->get_state_hash(box->cluster.object, &hash, &err))
+        return class_push_failure(L, &err);
+    array_push_hash(L, hash);
+    return 1;
+}
+
 static const luaL_Reg methods[] = {{"close", cluster_close},
                                    {"load_scene", cluster_load_scene},
                                    {"scene", cluster_scene},
@@ -420,6 +473,9 @@ static const luaL_Reg methods[] = {{"close", cluster_close},
                                    {"own_pairs", cluster_own_pairs},
                                    {"ranks", cluster_ranks},
                                    {"save_pairs", cluster_save_pairs},
+                                   {"begin_motion", cluster_begin_motion},
+                                   {"advance", cluster_advance},
+                                   {"state_hash", cluster_state_hash},
                                    {NULL, NULL}};
 static const lua_class cluster_class = {.name = "duet.cluster",
                                         .methods = methods,

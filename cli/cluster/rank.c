@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #define _GNU_SOURCE // CPU_COUNT
 #include "cli/cluster/rank.h"
+#include "cli/cluster/rank_motion.h"
 
 #include "base/error.h"
 #include "base/output.h"
@@ -362,6 +363,8 @@ static bool tell(const run_state *r, duet_error *err)
 
 static bool run_all(run_state *r, const char *path, duet_error *err)
 {
+    if (r->args->steps > 0)
+        return open_cluster(r, err) && rank_motion_run(r->cluster, r->args, path, err);
     bool ok = open_cluster(r, err) && check_output(r, err) && load(r, path, err) &&
               check_profile(r, err) && choose_plan(r, err) && run_steps(r, err) && check(r, err);
     if (ok && r->args->pairs_path)

@@ -37,6 +37,7 @@ static const option options[] = {
                 "level of accuracy: certified, aabb, sphere, sat6, sat15 or double (the scene's)"),
     OPTION_COUNT("repeat", repeat, "K", "steps that are timed, after one to warm up (5)", 1,
                  100000),
+    OPTION_COUNT("steps", steps, "K", "advance a moving scene by K steps", 1, 1000000000),
     OPTION_FLAG("resident", resident, "leave the objects where they are between the steps"),
     OPTION_LATER("pairs", pairs_path, "P.npy", "write the pairs of all ranks into one file"),
     OPTION_FLAG("sorted", sorted, "write them ascending: the same bytes for any number of ranks"),
@@ -60,6 +61,7 @@ static const option_rule rules[] = {
     {"pair share mode variant variant-a variant-b", OPTION_EXCLUDES, "plain"},
     {"pair share mode variant variant-a variant-b hosts verbose", OPTION_EXCLUDES, "simulate"},
     {"check pairs", OPTION_EXCLUDES, "profile"},
+    {"repeat resident pairs check level weights plain simulate", OPTION_EXCLUDES, "steps"},
     {0},
 };
 
@@ -82,7 +84,8 @@ const command_line cluster_line = {
     .most_operands = 1,
     .about = "Finds all pairs of boxes that collide, on all ranks of an MPI job: each rank\n"
              "finds those of its part of the world on devices of its own. The pairs, and\n"
-             "their hash, are those of 'duet run' at any number of ranks. On several\n"
+             "their hash, are those of 'duet run' at any number of ranks. With --steps\n"
+             "bodies move, and their state hash is that of 'duet run --steps'. On several\n"
              "machines, or by another launcher: mpirun -np 4 duet cluster SCENE.",
     .options = options,
     .rules = rules,

@@ -20,6 +20,7 @@ typedef struct cluster_arguments {
     uint64_t parts;       // that each rank's objects are searched in
     uint64_t ranks;       // to start; 0: this is one of those that there are
     uint64_t repeat;
+    uint64_t steps; // 0: nothing moves
     bool plain;
     bool resident;
     bool sorted;

@@ -28,7 +28,7 @@ duet_module(simulated FOLDER cluster KNOWS selection LINKS duet_simgrid)
 set(duet_arrows "${arrows}")
 set(duet_module_objects "${objects}")
 
-add_executable(duet-simulate cli/cluster/simulate.c cli/cluster/rank.c
+add_executable(duet-simulate cli/cluster/simulate.c cli/cluster/rank.c cli/cluster/rank_motion.c
   $<TARGET_OBJECTS:duet_cli> $<TARGET_OBJECTS:duet_simulated> ${duet_objects})
 target_link_libraries(duet-simulate PRIVATE duet_cli duet_simulated duet_options)
 add_dependencies(duet duet-simulate)

@@ -214,6 +214,9 @@ void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state);
 // All states, which the caller frees; NULL if a number of them is no longer finite.
 duet_state *motion_read_states(duet_motion *m, duet_error *err);
 
+// Adds a body's state to a sum, which over all bodies is the state hash.
+uint64_t motion_hash_state(uint64_t sum, const duet_state *state, uint64_t id);
+
 // States of n bodies whose ids are valid, or without ids of the first n. If cells are asked for,
 // centres are offsets in these.
 bool motion_fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,

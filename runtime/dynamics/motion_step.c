@@ -3,6 +3,7 @@
 //
 // In two halves a thread of the motion's own takes the step while the caller works. Only the second
 // half changes what a caller may ask meanwhile.
+#include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_commands.h"
 
 #include "base/budget.h"
@@ -316,4 +317,43 @@ bool duet_motion_advance_end(duet_motion *m, duet_motion_result *result, duet_er
                          __func__);
     bool carried = background_end(&m->halves.thread, err);
     return complete_step(m, carried, m->halves.ms, result, err);
+}
+
+// ---------------------------------------------------------------- stage by stage
+
+bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err)
+{
+    set_args(m);
+    return m->n == 0 ||
+           (motion_launch(m, "fat_aabbs", m->kernels.compute_fat_aabbs, m->n, err) &&
+            motion_fetch(m, "fat_aabbs", BOXES, 0, bounds, m->n * 6 * sizeof *bounds, err));
+}
+
+// Without pairs that a domain would search for, too.
+bool domain_fly(duet_motion *m, duet_error *err)
+{
+    const kernel *flight = m->kernels.integrate_free_flight;
+    timeline_begin_step(&m->times, m->device, m->step++);
+    set_args(m);
+    products_move_bodies(&m->products);
+    return m->n == 0 || !flight ||
+           (motion_launch(m, "integrate", flight, m->n, err) && timeline_finish(&m->times, err));
+}
+
+bool domain_begin_step(duet_motion *m, duet_error *err)
+{
+    timeline_begin_step(&m->times, m->device, m->step);
+    m->products.before = m->products.last;
+    set_args(m);
+    return m->n == 0 || (motion_clear(m, "clear", FLAG_WORDS, 0, FLAGS, err) &&
+                         ensure(m, PRODUCT_MANIFOLDS, err));
+}
+
+bool domain_end_step(duet_motion *m, duet_error *err)
+{
+    ++m->step;
+    bool ok = m->n == 0 || (domain_store_impulses(m, err) && motion_finalize(m, err) &&
+                            timeline_finish(&m->times, err));
+    products_move_bodies(&m->products);
+    return ok;
 }

@@ -22,6 +22,15 @@ static uint64_t mix(uint64_t sum, double value, uint64_t place)
     return sum + (k ^ k >> 32);
 }
 
+uint64_t motion_hash_state(uint64_t sum, const duet_state *state, uint64_t id)
+{
+    const size_t numbers = sizeof *state / sizeof(double);
+    const double *values = (const double *)state;
+    for (size_t k = 0; k < numbers; ++k)
+        sum = mix(sum, values[k], id * numbers + k + 1);
+    return sum;
+}
+
 bool duet_motion_get_hash(duet_motion *m, uint64_t *hash, duet_error *err)
 {
     PUBLIC_CALL(err);
@@ -30,11 +39,9 @@ bool duet_motion_get_hash(duet_motion *m, uint64_t *hash, duet_error *err)
     duet_state *states = motion_read_states(m, err);
     if (!states)
         return false;
-    const size_t numbers = sizeof *states / sizeof(double);
-    const double *values = (const double *)states;
     *hash = 0;
-    for (size_t i = 0; i < m->n * numbers; ++i)
-        *hash = mix(*hash, values[i], i + 1);
+    for (uint32_t id = 0; id < m->n; ++id)
+        *hash = motion_hash_state(*hash, &states[id], id);
     free(states);
     return true;
 }

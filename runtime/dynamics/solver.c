@@ -3,7 +3,7 @@
 //
 // Contacts of one colour share no body that moves, so that a launch solves them in parallel.
 // Contacts that find no colour are solved in order.
-#include "runtime/dynamics/motion.h"
+#include "runtime/dynamics/domain_motion.h"
 
 #include "base/budget.h"
 
@@ -242,16 +242,16 @@ static uint32_t end_of_colours(const contact_solver *s)
     return to;
 }
 
-// Takes all colours in one launch.
-static bool launch_team(duet_motion *m, const kernel *k, duet_error *err)
+// Takes colours in one launch.
+static bool launch_team(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
+                        duet_error *err)
 {
     contact_solver *s = &m->solver;
-    const uint32_t to = end_of_colours(s);
-    s->span = span_of(s, 0);
-    s->from_colour = 0;
+    const uint32_t most = most_of(s, from, to < COLOUR_OVERFLOW ? to : COLOUR_OVERFLOW);
+    s->span = span_of(s, from);
+    s->from_colour = from;
     s->to_colour = to;
-    return to == 0 || team_launch(m, "solve_contacts", k, most_of(s, 0, COLOUR_OVERFLOW),
-                                  TEAM_LEAST_PART, to, err);
+    return from == to || team_launch(m, "solve_contacts", k, most, TEAM_LEAST_PART, to - from, err);
 }
 
 // ---------------------------------------------------------------- colours by launches
@@ -272,7 +272,8 @@ static bool launch_each(duet_motion *m, const kernel *k, duet_error *err)
 
 static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
 {
-    return team_takes(k) ? launch_team(m, k, err) : launch_each(m, k, err);
+    return team_takes(k) ? launch_team(m, k, 0, end_of_colours(&m->solver), err)
+                         : launch_each(m, k, err);
 }
 
 static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
@@ -376,4 +377,56 @@ bool motion_finalize(duet_motion *m, duet_error *err)
 {
     return motion_launch(m, "integrate", m->kernels.finalize_bodies, m->awake.n_bodies, err) &&
            push_sleepers(m, err);
+}
+
+// ---------------------------------------------------------------- stage by stage
+
+bool domain_take_colours(duet_motion *m, const cl_uint *colours, duet_error *err)
+{
+    const uint32_t n = m->graph.n_contacts;
+    if (m->n == 0 || n == 0)
+        return list_none(m);
+    return timeline_write_at(&m->times, "graph_colour", &m->buffers[COLOUR_OF], 0, colours,
+                             n * sizeof *colours, err) &&
+           reserve_lists(m, err) && sort_colours(m, err) && use_colours(m, err);
+}
+
+bool domain_prepare_contacts(duet_motion *m, duet_error *err)
+{
+    return for_colours(m, m->kernels.prepare_contacts, err);
+}
+
+bool domain_integrate_velocities(duet_motion *m, duet_error *err)
+{
+    return motion_launch(m, "integrate", m->kernels.integrate_velocities, m->n, err);
+}
+
+bool domain_integrate_positions(duet_motion *m, duet_error *err)
+{
+    return motion_launch(m, "integrate", m->kernels.integrate_positions, m->n, err);
+}
+
+static bool launch_one(duet_motion *m, const kernel *k, uint32_t colour, duet_error *err)
+{
+    const uint32_t n = m->solver.colours[colour].count;
+    if (n == 0)
+        return true;
+    return team_takes(k) ? launch_team(m, k, colour, colour + 1, err)
+                         : launch_colours(m, k, colour, colour + 1, k->per_item, n, err);
+}
+
+bool domain_solve_colour(duet_motion *m, uint32_t colour, bool soft, duet_error *err)
+{
+    m->solver.soft = soft;
+    return launch_one(m, m->kernels.solve_contacts, colour, err);
+}
+
+bool domain_restore_colour(duet_motion *m, uint32_t colour, duet_error *err)
+{
+    return !m->facts.elastic || launch_one(m, m->kernels.apply_restitution, colour, err);
+}
+
+bool domain_store_impulses(duet_motion *m, duet_error *err)
+{
+    return store_impulses(m, err);
 }

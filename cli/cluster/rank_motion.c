@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "cli/cluster/rank_motion.h"
+
+#include "base/budget.h"
+#include "base/error.h"
+#include "cli/interrupt.h"
+#include "cli/report/json.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+typedef struct moved {
+    duet_cluster *cluster;
+    const cluster_arguments *args;
+    const char *scene;
+    duet_cluster_motion_result last;
+    double all_ms;
+    uint64_t hash;
+    bool is_stopped;
+} moved;
+
+static bool begin(const moved *r, duet_error *err)
+{
+    scene_settings settings;
+    bool ok = inputs_make_settings(&settings, &r->args->scene, err);
+    ok = ranks_agree(&r->cluster->ranks, ok, err) &&
+         duet_cluster_begin_motion(r->cluster, r->scene, settings.list, settings.n, err);
+    inputs_free_settings(&settings);
+    return ok;
+}
+
+// A rank that is asked to stop stops all.
+static bool run_steps(moved *r, duet_error *err)
+{
+    bool ok = true, tells = duet_cluster_get_rank(r->cluster) == 0;
+    progress p = progress_begin("step", r->args->steps);
+    for (uint64_t i = 0; ok && !r->is_stopped && i < r->args->steps; ++i) {
+        ok = duet_cluster_advance(r->cluster, &r->last, err);
+        r->all_ms += r->last.total_ms;
+        uint64_t stops = ok && !budget_check_stop(NULL);
+        if (ok)
+            ranks_sum(&r->cluster->ranks, &stops, 1);
+        r->is_stopped = stops > 0;
+        if (tells)
+            progress_show(&p, i + 1);
+    }
+    progress_end(&p);
+    return ok;
+}
+
+static void print_text(const moved *r)
+{
+    const duet_cluster_motion_result *last = &r->last;
+    printf("%s: %s bodies, %s of %u\n\n", r->scene, table_count(last->bodies).chars,
+           table_things((uint64_t)r->cluster->ranks.n, "rank", "ranks").chars,
+           (uint32_t)r->args->parts);
+    table t = table_begin("lrl");
+    table_words(&t, "steps", table_count(last->step).chars, NULL);
+    table_cell(&t, "%.3f ms a step", r->all_ms / (double)last->step);
+    table_words(&t, "contacts", table_count(last->contacts).chars, NULL);
+    table_cell(&t, "push, in %" PRIu32 " colours", last->colours);
+    table_words(&t, "ghosts", table_count(last->ghosts).chars, NULL);
+    table_cell(&t, "bodies that domains have of others");
+    table_print(&t, stdout);
+    printf("state hash %016" PRIx64 "\n", r->hash);
+}
+
+static bool print_json(const moved *r, duet_error *err)
+{
+    const duet_cluster_motion_result *last = &r->last;
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "scene", r->scene);
+    cJSON_AddNumberToObject(o, "objects", (double)last->bodies);
+    cJSON_AddNumberToObject(o, "ranks", r->cluster->ranks.n);
+    cJSON_AddNumberToObject(o, "parts", (double)r->args->parts);
+    cJSON_AddNumberToObject(o, "steps", (double)last->step);
+    cJSON_AddNumberToObject(o, "ms_a_step", r->all_ms / (double)last->step);
+    cJSON_AddNumberToObject(o, "contacts", (double)last->contacts);
+    cJSON_AddNumberToObject(o, "colours", last->colours);
+    cJSON_AddNumberToObject(o, "ghosts", (double)last->ghosts);
+    json_add_hash(o, r->hash);
+    return say_json(o, err);
+}
+
+static bool tell(const moved *r, duet_error *err)
+{
+    if (duet_cluster_get_rank(r->cluster) > 0)
+        return true;
+    if (r->args->json && !print_json(r, err))
+        return false;
+    if (!r->args->json)
+        print_text(r);
+    fflush(stdout); // a launcher that was asked to stop, too, may end this rank
+    return true;
+}
+
+bool rank_motion_run(duet_cluster *cluster, const cluster_arguments *args, const char *scene,
+                     duet_error *err)
+{
+    moved r = {.cluster = cluster, .args = args, .scene = scene};
+    if (!begin(&r, err))
+        return false;
+    interrupt_react(INTERRUPT_NOTED);
+    return run_steps(&r, err) && duet_cluster_get_state_hash(cluster, &r.hash, err) &&
+           ranks_agree(&cluster->ranks, tell(&r, err), err) &&
+           (!r.is_stopped || error_set(err, DUET_STATUS_INTERRUPTED, "stopped"));
+}

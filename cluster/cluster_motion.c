@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// A cluster's motion, for its callers.
+#include "cluster/cluster.h"
+
+#include "base/error.h"
+#include "cluster/moving.h"
+
+static void end_motion(duet_cluster *c)
+{
+    moving_end(c->moving);
+    c->moving = NULL;
+}
+
+bool duet_cluster_begin_motion(duet_cluster *c, const char *path, const duet_setting *settings,
+                               uint32_t n_settings, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    duet_error own = {0};
+    if (!error_given(c, __func__, "cluster", err))
+        return false;
+    bool ok = error_given(path, __func__, "path", &own);
+    if (ok && !c->def.world.pair)
+        ok = error_set(&own, DUET_STATUS_BAD_ARGUMENT,
+                       "a cluster of plain workers moves nothing; expected devices");
+    if (!cluster_agree_on(c, __func__, ok, &own, err))
+        return false;
+    end_motion(c);
+    c->moving = moving_begin(&c->ranks, path, settings, n_settings, c->def.world.pair,
+                             &c->def.world.plan, c->def.parts, &own);
+    return c->moving || error_copy(err, &own);
+}
+
+// Fails on all ranks if one has no motion.
+static bool begin_call(duet_cluster *c, const char *call, const void *argument, const char *name,
+                       duet_error *own, duet_error *err)
+{
+    bool ok = error_given(argument, call, name, own);
+    if (ok && !c->moving)
+        ok = error_set(own, DUET_STATUS_BAD_ARGUMENT,
+                       "%s: nothing moves; expected duet_cluster_begin_motion first", call);
+    return cluster_agree_on(c, call, ok, own, err);
+}
+
+bool duet_cluster_advance(duet_cluster *c, duet_cluster_motion_result *result, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    duet_error own = {0};
+    if (!error_given(c, __func__, "cluster", err) ||
+        !begin_call(c, __func__, result, "result", &own, err))
+        return false;
+    uint64_t begun_ns = ranks_now_ns();
+    if (!moving_step(c->moving, &own)) {
+        end_motion(c);
+        return error_copy(err, &own);
+    }
+    moving_counts counts = moving_get_counts(c->moving);
+    double total_ms = (double)(ranks_now_ns() - begun_ns) * 1e-6;
+    ranks_greatest(&c->ranks, &total_ms, 1);
+    *result = (duet_cluster_motion_result){.step = counts.step,
+                                           .bodies = counts.bodies,
+                                           .ghosts = counts.ghosts,
+                                           .contacts = counts.contacts,
+                                           .colours = counts.colours,
+                                           .total_ms = total_ms};
+    return true;
+}
+
+bool duet_cluster_get_state_hash(duet_cluster *c, uint64_t *hash, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    duet_error own = {0};
+    return error_given(c, __func__, "cluster", err) &&
+           begin_call(c, __func__, hash, "hash", &own, err) &&
+           (moving_hash(c->moving, hash, &own) || error_copy(err, &own));
+}

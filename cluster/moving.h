@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// A scene's bodies in motion over all ranks: the bits of one motion, wherever the domains' borders
+// lie.
+//
+// All calls but moving_end are collective. A rank that failed, as `own` says, takes part in them,
+// and they return whether no rank had; after that a rank may have failed alone, as own says then.
+#ifndef CLUSTER_MOVING_H
+#define CLUSTER_MOVING_H
+
+#include "cluster/ranks.h"
+#include "runtime/duet.h"
+
+typedef struct moving moving;
+
+typedef struct moving_counts {
+    uint64_t step;     // steps taken
+    uint64_t bodies;   // of all ranks, as are
+    uint64_t contacts; // that push
+    uint64_t ghosts;
+    uint32_t colours;
+} moving_counts;
+
+// Reads the scene on each rank and divides its bodies among domains. plan NULL: the default one.
+// Returns NULL on all ranks after a failure of one.
+moving *moving_begin(ranks *r, const char *path, const duet_setting *settings, uint32_t n_settings,
+                     duet_device_pair *pair, const duet_plan *plan, uint32_t parts,
+                     duet_error *own);
+void moving_end(moving *m);
+
+bool moving_step(moving *m, duet_error *own);
+bool moving_hash(moving *m, uint64_t *hash, duet_error *own);
+moving_counts moving_get_counts(const moving *m);
+
+#endif

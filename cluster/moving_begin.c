@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+// A scene's bodies are divided among domains. Each rank reads all of it and makes motions of all of
+// it, so that what follows from the whole scene (effects, margins, substeps, the partition) is the
+// same on all ranks; then each motion keeps its domain's bodies.
+#include "cluster/moving_domains.h"
+
+#include "base/error.h"
+
+#include <stdlib.h>
+
+// ---------------------------------------------------------------- what is supported
+
+static const uint32_t unsupported = DUET_EFFECT_EVENTS | DUET_EFFECT_SENSORS | DUET_EFFECT_SLEEP |
+                                    DUET_EFFECT_SHOCKS | DUET_EFFECT_DEPENETRATION;
+
+static bool check_effects(const duet_motion *motion, const char *scene, duet_error *own)
+{
+    uint32_t effects = motion->effects, refused = effects & unsupported;
+    if ((effects & DUET_EFFECT_CONTACT) && !(effects & DUET_EFFECT_CONTACT_RESPONSE))
+        refused |= DUET_EFFECT_CONTACT;
+    for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
+        if (refused & bit)
+            return error_set(own, DUET_STATUS_BAD_ARGUMENT,
+                             "%s: the effect %s is not for several domains yet; expected none of "
+                             "sleep, events, sensors, shocks, depenetration, and no contact "
+                             "without response",
+                             scene, duet_effect_name(bit));
+    return true;
+}
+
+static bool check_scene(const duet_scene_info *info, duet_error *own)
+{
+    return info->origin_edge == 0.0f ||
+           error_set(own, DUET_STATUS_BAD_ARGUMENT,
+                     "%s: origin cells are not for several domains yet; expected an origin in "
+                     "numbers, or none",
+                     info->name);
+}
+
+// ---------------------------------------------------------------- motions
+
+// Skins change no bits, and bounds are made in each step, when ghosts are chosen.
+static duet_motion_def def_of(const duet_scene *scene, duet_device_pair *pair,
+                              const duet_plan *plan)
+{
+    duet_motion_def def = duet_scene_motion_def(scene, pair);
+    if (plan)
+        def.plan = *plan;
+    def.skin = 0.0;
+    def.wants &= ~DUET_EFFECT_SKIN;
+    return def;
+}
+
+static bool open_motions(moving *m, duet_device_pair *pair, const duet_plan *plan, duet_error *own)
+{
+    const duet_motion_def def = def_of(m->scene, pair, plan);
+    for (uint32_t k = 0; k < m->parts; ++k) {
+        moving_domain *d = &m->domains[k];
+        d->number = (uint32_t)m->ranks->self * m->parts + k;
+        d->motion = duet_motion_create_from_scene(&def, m->scene, NULL, own);
+        if (!d->motion)
+            return false;
+    }
+    return check_effects(m->domains[0].motion, duet_scene_get_info(m->scene)->name, own);
+}
+
+// ---------------------------------------------------------------- the partition
+
+static bool cut(moving *m, const item_list *bodies, duet_error *own)
+{
+    bisection_point *points = malloc((bodies->n + 1) * sizeof *points);
+    if (!points)
+        return error_set(own, DUET_STATUS_NO_MEMORY, "a partition: no memory");
+    for (uint64_t i = 0; i < bodies->n; ++i) {
+        points[i].weight = 1;
+        moving_centre(m, moving_body_at(m, bodies, i), points[i].at);
+    }
+    bool ok = bisection_begin(&m->cuts, m->n_domains, own);
+    if (ok)
+        bisection_cut(&m->cuts, NULL, points, bodies->n);
+    free(points);
+    return ok;
+}
+
+// Gives this rank's domains their own of all bodies, which the first one has.
+static bool divide(moving *m, duet_error *own)
+{
+    item_list all = m->domains[0].bodies;
+    m->domains[0].bodies = (item_list){0};
+    bool ok = cut(m, &all, own);
+    for (uint64_t i = 0; ok && i < all.n; ++i) {
+        moving_body *b = moving_body_at(m, &all, i);
+        b->own = b->domain = moving_domain_of(m, b);
+        if (b->own / m->parts != (uint32_t)m->ranks->self)
+            continue;
+        moving_domain *to = &m->domains[b->own % m->parts];
+        list_add(&to->bodies, b, 1, m->body_bytes);
+        ok = !to->bodies.failed ||
+             error_set(own, DUET_STATUS_NO_MEMORY, "a domain's bodies: no memory");
+    }
+    free(all.items);
+    return ok;
+}
+
+static bool list_all(moving *m, duet_error *own)
+{
+    item_list *all = &m->domains[0].bodies;
+    const duet_motion *motion = m->domains[0].motion;
+    all->items = calloc((size_t)m->n_all + 1, m->body_bytes);
+    if (!all->items)
+        return error_set(own, DUET_STATUS_NO_MEMORY, "%u bodies: no memory", m->n_all);
+    all->n = all->capacity = m->n_all;
+    for (uint32_t i = 0; i < m->n_all; ++i) {
+        moving_body *b = moving_body_at(m, all, i);
+        b->id = i;
+        b->pose = motion->poses[i];
+        b->body = motion->bodies[i];
+    }
+    moving_read_bodies(m, &m->domains[0], own);
+    return is_well(own);
+}
+
+// ---------------------------------------------------------------- all of it
+
+static bool load(moving *m, const char *path, const duet_setting *settings, uint32_t n_settings,
+                 duet_device_pair *pair, const duet_plan *plan, duet_error *own)
+{
+    m->scene = duet_scene_load(path, settings, n_settings, own);
+    if (!m->scene || !check_scene(duet_scene_get_info(m->scene), own))
+        return false;
+    m->domains = calloc(m->parts, sizeof *m->domains);
+    if (!m->domains)
+        return error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
+    if (!open_motions(m, pair, plan, own))
+        return false;
+    const duet_motion *first = m->domains[0].motion;
+    m->n_all = first->n;
+    m->counts.bodies = m->n_all;
+    m->body_bytes = sizeof(moving_body) + domain_state_bytes(first);
+    m->contact_bytes = sizeof(moving_contact) + first->layout.record * sizeof(float);
+    return list_all(m, own) && divide(m, own);
+}
+
+moving *moving_begin(ranks *r, const char *path, const duet_setting *settings, uint32_t n_settings,
+                     duet_device_pair *pair, const duet_plan *plan, uint32_t parts, duet_error *own)
+{
+    moving *m = calloc(1, sizeof *m);
+    item_list none = {0};
+    if (!m)
+        error_set(own, DUET_STATUS_NO_MEMORY, "a motion over ranks: no memory");
+    if (!ranks_agree(r, is_well(own), own)) {
+        free(m);
+        return NULL;
+    }
+    m->ranks = r;
+    m->parts = parts;
+    m->n_domains = parts * (uint32_t)r->n;
+    ranks_await_turn(r, true); // one rank of a host builds kernels
+    load(m, path, settings, n_settings, pair, plan, own);
+    ranks_end_turn(r);
+    if (ranks_agree(r, is_well(own), own) && moving_exchange(m, &none, own))
+        return m;
+    moving_end(m);
+    return NULL;
+}
+
+void moving_end(moving *m)
+{
+    if (!m)
+        return;
+    for (uint32_t k = 0; m->domains && k < m->parts; ++k) {
+        duet_motion_destroy(m->domains[k].motion);
+        free(m->domains[k].bodies.items);
+        free(m->domains[k].contacts.items);
+    }
+    free(m->domains);
+    halo_end(&m->halo);
+    bisection_end(&m->cuts);
+    duet_scene_destroy(m->scene);
+    free(m);
+}
+
+moving_counts moving_get_counts(const moving *m)
+{
+    return m->counts;
+}

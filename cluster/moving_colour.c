@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+// Colours over all domains: what begins to push waits, all ranks learn of all that wait, and each
+// gives them the same colours.
+#include "cluster/moving_domains.h"
+
+#include "base/error.h"
+#include "cluster/colouring.h"
+
+#include <inttypes.h>
+
+typedef LIST_OF(waiting_contact, contacts) waiting_list;
+
+// ---------------------------------------------------------------- one domain
+
+// Whether the contact is one that changes a body of the domain's own, and its domain decides.
+static bool pushes(const moving *m, const moving_domain *d, const domain_contacts *c, uint32_t i)
+{
+    bool decides = false;
+    for (int k = 0; k < 2; ++k) {
+        const moving_body *b = moving_body_or_wall(m, d, c->links[i].s[k]);
+        decides = decides || (b && moving_decides(d, b));
+    }
+    return decides && (c->touches[i] & TOUCH_POINTS) > 0;
+}
+
+// A contact keeps its colour while it pushes.
+static void mark(const moving *m, const moving_domain *d, domain_contacts *c)
+{
+    for (uint32_t i = 0; i < c->n; ++i)
+        if (!pushes(m, d, c, i))
+            c->colours[i] = COLOUR_NONE;
+        else if (c->colours[i] == COLOUR_NONE)
+            c->colours[i] = COLOUR_WAITS;
+}
+
+static void note_used(const moving_domain *d, const domain_contacts *c, uint32_t *used)
+{
+    for (uint32_t i = 0; i < c->n; ++i)
+        for (int k = 0; k < 2; ++k)
+            if (c->links[i].s[k] < d->bodies.n && c->colours[i] < COLOUR_OVERFLOW)
+                used[c->links[i].s[k]] |= 1u << c->colours[i];
+}
+
+// The colours that an end has, if all its contacts are here.
+static uint32_t used_of(const moving_domain *d, const moving_body *b, const uint32_t *used,
+                        uint32_t place)
+{
+    return b && moving_decides(d, b) ? used[place] : 0;
+}
+
+static void list_waiting(const moving *m, const moving_domain *d, const domain_contacts *c,
+                         const uint32_t *used, waiting_list *waiting)
+{
+    for (uint32_t i = 0; i < c->n; ++i) {
+        uint32_t a = c->links[i].s[0], b = c->links[i].s[1];
+        const moving_body *owner = moving_body_or_wall(m, d, a),
+                          *other = moving_body_or_wall(m, d, b);
+        if (c->colours[i] != COLOUR_WAITS)
+            continue;
+        const waiting_contact one = {.owner = owner->id,
+                                     .other = moving_id(m, d, b),
+                                     .other_moves = other && other->body.mass > 0.0f,
+                                     .owner_used = used_of(d, owner, used, a),
+                                     .other_used = used_of(d, other, used, b)};
+        list_add(&waiting->list, &one, 1, sizeof one);
+    }
+}
+
+static void wait_for_colours(const moving *m, const moving_domain *d, domain_contacts *c,
+                             waiting_list *waiting, duet_error *own)
+{
+    uint32_t *used = calloc(d->bodies.n + 1, sizeof *used);
+    if (!used) {
+        error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
+        return;
+    }
+    mark(m, d, c);
+    note_used(d, c, used);
+    list_waiting(m, d, c, used, waiting);
+    free(used);
+}
+
+// ---------------------------------------------------------------- all domains
+
+typedef struct telling {
+    const waiting_list *waiting;
+    uint64_t n_ranks;
+} telling;
+
+static int listener_of(const void *context, uint64_t i)
+{
+    return (int)(i % ((const telling *)context)->n_ranks);
+}
+
+static void write_waiting(const void *context, uint64_t i, void *row)
+{
+    const telling *t = context;
+    memcpy(row, &t->waiting->contacts[i / t->n_ranks], sizeof(waiting_contact));
+}
+
+// Every rank learns of all ranks' waiting contacts.
+static bool tell_all(moving *m, const waiting_list *waiting, parcels *all, duet_error *own)
+{
+    const telling t = {waiting, (uint64_t)m->ranks->n};
+    if (is_well(own) && waiting->failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "contacts that wait for colours: no memory");
+    return parcels_deal(m->ranks, is_well(own), sizeof(waiting_contact), waiting->n * t.n_ranks,
+                        listener_of, write_waiting, &t, all, own);
+}
+
+static void take_colours(moving *m, moving_domain *d, domain_contacts *c,
+                         const waiting_contact *waiting, uint64_t n, duet_error *own)
+{
+    for (uint32_t i = 0; i < c->n; ++i)
+        if (c->colours[i] == COLOUR_WAITS)
+            c->colours[i] = colouring_find(waiting, n, moving_id(m, d, c->links[i].s[0]),
+                                           moving_id(m, d, c->links[i].s[1]));
+    domain_take_colours(d->motion, c->colours, own);
+}
+
+// A contact is counted by the domain whose own its owner is.
+static void count(const moving *m, const moving_domain *d, const domain_contacts *c, tally *t)
+{
+    for (uint32_t i = 0; i < c->n; ++i) {
+        if (c->colours[i] >= COLOUR_WAITS)
+            continue;
+        t->greatest[0] =
+            c->colours[i] + 1.0 > t->greatest[0] ? c->colours[i] + 1.0 : t->greatest[0];
+        t->sums[0] += moving_is_own(d, moving_body_or_wall(m, d, c->links[i].s[0]));
+    }
+}
+
+// Contacts without a colour of their own are solved in the order of all ids, over all domains.
+static bool check_colours(moving *m, const tally *t, duet_error *own)
+{
+    m->counts.colours = (uint32_t)t->greatest[0];
+    m->counts.contacts = t->sums[0];
+    return m->counts.colours <= COLOUR_OVERFLOW ||
+           error_set(own, DUET_STATUS_TOO_MANY,
+                     "step %" PRIu64 ": a body has more contacts than there are colours, %d; "
+                     "several domains cannot solve these yet",
+                     m->counts.step, COLOUR_OVERFLOW);
+}
+
+bool moving_colour(moving *m, duet_error *own)
+{
+    waiting_list waiting = {0};
+    parcels all = {0};
+    tally t = {.sums = {0}};
+    domain_contacts *contacts = calloc(m->parts, sizeof *contacts);
+    if (is_well(own) && !contacts)
+        error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        if (domain_read_contacts(m->domains[k].motion, false, &contacts[k], own))
+            wait_for_colours(m, &m->domains[k], &contacts[k], &waiting, own);
+    bool ok = tell_all(m, &waiting, &all, own);
+    uint64_t n = all.n;
+    if (ok && is_well(own))
+        colouring_run(all.rows, &n, own);
+    for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
+        take_colours(m, &m->domains[k], &contacts[k], all.rows, n, own);
+        count(m, &m->domains[k], &contacts[k], &t);
+    }
+    ok = ok && ranks_agree_and(m->ranks, is_well(own), &t, own) && check_colours(m, &t, own);
+    for (uint32_t k = 0; contacts && k < m->parts; ++k)
+        domain_contacts_free(&contacts[k]);
+    free(contacts);
+    free(waiting.contacts);
+    parcels_end(&all);
+    return ok;
+}

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+// The domains among which a scene's bodies are divided.
+//
+// Invariants:
+//   - Each body is one domain's own. Domain d is of rank d / parts, and the box that holds the
+//     body's centre between two steps is its own domain's.
+//   - A domain has, as ghosts, all bodies of others whose bounds meet those of its own that move.
+//     So all contacts of its own bodies that move are there, and right.
+//   - A ghost has its own domain's bits, at the step's beginning and after each colour.
+//   - Ids ascend with places in each domain, so nothing that decides a bit depends on borders.
+#ifndef CLUSTER_MOVING_DOMAINS_H
+#define CLUSTER_MOVING_DOMAINS_H
+
+#include "cluster/bisection.h"
+#include "cluster/halo.h"
+#include "cluster/list.h"
+#include "cluster/moving.h"
+#include "runtime/dynamics/domain_motion.h"
+
+// A body as it travels. Its state (domain_state_bytes) lies behind.
+typedef struct moving_body {
+    uint32_t domain; // that it goes to
+    uint32_t own;    // the domain whose own it is
+    uint32_t id;
+    float bounds[6];
+    duet_pose pose; // as given
+    duet_body body;
+} moving_body;
+
+// A contact of the last step. Its record lies behind.
+typedef struct moving_contact {
+    uint32_t domain;
+    uint32_t owner, other; // ids; n_all + k for what never moves
+    uint32_t touch, colour;
+} moving_contact;
+
+typedef struct moving_domain {
+    duet_motion *motion;
+    uint32_t number;    // of all ranks' domains
+    item_list bodies;   // ascending by id; the motion's, place by place
+    item_list contacts; // ascending; what the next step begins with
+    uint32_t n_own;
+} moving_domain;
+
+struct moving {
+    ranks *ranks;
+    duet_scene *scene; // whole, on each rank
+    uint32_t parts;    // domains of each rank
+    uint32_t n_domains, n_all;
+    size_t body_bytes, contact_bytes;
+    bisection cuts;
+    moving_domain *domains; // [parts]
+    halo halo;
+    uint64_t n_ghosts; // of this rank
+    moving_counts counts;
+};
+
+static inline moving_body *moving_body_at(const moving *m, const item_list *bodies, uint64_t i)
+{
+    return (moving_body *)(void *)((char *)bodies->items + i * m->body_bytes);
+}
+
+static inline moving_contact *moving_contact_at(const moving *m, const item_list *contacts,
+                                                uint64_t i)
+{
+    return (moving_contact *)(void *)((char *)contacts->items + i * m->contact_bytes);
+}
+
+static inline char *moving_state(moving_body *b)
+{
+    return (char *)(b + 1);
+}
+
+static inline bool moving_is_own(const moving_domain *d, const moving_body *b)
+{
+    return b->own == d->number;
+}
+
+// Whether it is the domain's own and moves: then its contacts are right there.
+static inline bool moving_decides(const moving_domain *d, const moving_body *b)
+{
+    return b->own == d->number && b->body.mass > 0.0f;
+}
+
+// Returns the body at a place; NULL: a wall, or the ground.
+static inline const moving_body *moving_body_or_wall(const moving *m, const moving_domain *d,
+                                                     uint32_t place)
+{
+    return place < d->bodies.n ? moving_body_at(m, &d->bodies, place) : NULL;
+}
+
+static inline uint32_t moving_id(const moving *m, const moving_domain *d, uint32_t place)
+{
+    const moving_body *b = moving_body_or_wall(m, d, place);
+    return b ? b->id : m->n_all + (place - (uint32_t)d->bodies.n);
+}
+
+void moving_centre(const moving *m, const moving_body *b, double at[3]);
+
+// Returns the domain whose box holds a body.
+uint32_t moving_domain_of(const moving *m, const moving_body *b);
+
+// The place of a body in a domain; UINT32_MAX: it is not there.
+uint32_t moving_place(const moving *m, const moving_domain *d, uint32_t id);
+
+// Returns whether bodies push each other.
+static inline bool moving_pushes(const moving *m)
+{
+    return m->domains[0].motion->effects & DUET_EFFECT_CONTACT_RESPONSE;
+}
+
+// Reads what a step made of bodies, and adds contacts, each to the domains that own it next; not
+// collective.
+void moving_read(moving *m, item_list *contacts, duet_error *own);
+void moving_read_bodies(moving *m, moving_domain *d, duet_error *own);
+
+// Brings own bodies, then contacts and ghosts, to their domains, and replaces all motions' bodies.
+bool moving_exchange(moving *m, item_list *contacts, duet_error *own);
+
+// Gives all contacts their colours, once manifolds are there.
+bool moving_colour(moving *m, duet_error *own);
+
+#endif

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: MIT
+// Bodies, contacts and ghosts go to the domains where the next step needs them.
+#include "cluster/moving_domains.h"
+
+#include "base/error.h"
+#include "cluster/parcels.h"
+
+// ---------------------------------------------------------------- rows that travel
+
+typedef struct dealing {
+    const moving *m;
+    const item_list *rows;
+    size_t bytes; // of a row, which begins with the domain that it goes to
+} dealing;
+
+static uint32_t row_domain(const void *row)
+{
+    uint32_t domain;
+    memcpy(&domain, row, sizeof domain);
+    return domain;
+}
+
+static int rank_of(const void *context, uint64_t i)
+{
+    const dealing *d = context;
+    return (int)(row_domain((const char *)d->rows->items + i * d->bytes) / d->m->parts);
+}
+
+static void write_row(const void *context, uint64_t i, void *row)
+{
+    const dealing *d = context;
+    memcpy(row, (const char *)d->rows->items + i * d->bytes, d->bytes);
+}
+
+typedef item_list *list_of_domain(moving_domain *d);
+
+// Sends each row to its domain, and adds those that came to their domains' lists.
+static bool deal(moving *m, item_list *rows, size_t bytes, list_of_domain *list, duet_error *own)
+{
+    const dealing d = {m, rows, bytes};
+    parcels in = {0};
+    if (is_well(own) && rows->failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "rows that travel: no memory");
+    bool ok = parcels_deal(m->ranks, is_well(own), (uint32_t)bytes, rows->n, rank_of, write_row, &d,
+                           &in, own);
+    for (uint64_t i = 0; ok && i < in.n; ++i) {
+        const char *row = (const char *)in.rows + i * bytes;
+        list_add(list(&m->domains[row_domain(row) % m->parts]), row, 1, bytes);
+    }
+    for (uint32_t k = 0; ok && k < m->parts; ++k)
+        if (list(&m->domains[k])->failed)
+            error_set(own, DUET_STATUS_NO_MEMORY, "rows of a domain: no memory");
+    parcels_end(&in);
+    return ok;
+}
+
+static item_list *bodies_of(moving_domain *d)
+{
+    return &d->bodies;
+}
+
+static item_list *contacts_of(moving_domain *d)
+{
+    return &d->contacts;
+}
+
+// ---------------------------------------------------------------- own bodies
+
+static bool migrate(moving *m, duet_error *own)
+{
+    item_list out = {0};
+    for (uint32_t k = 0; k < m->parts; ++k) {
+        moving_domain *d = &m->domains[k];
+        for (uint64_t i = 0; i < d->bodies.n; ++i) {
+            moving_body *b = moving_body_at(m, &d->bodies, i);
+            if (!moving_is_own(d, b))
+                continue;
+            b->domain = b->own = moving_domain_of(m, b);
+            list_add(&out, b, 1, m->body_bytes);
+        }
+        list_clear(&d->bodies);
+    }
+    bool ok = deal(m, &out, m->body_bytes, bodies_of, own);
+    for (uint32_t k = 0; k < m->parts; ++k)
+        m->domains[k].n_own = (uint32_t)m->domains[k].bodies.n;
+    free(out.items);
+    return ok;
+}
+
+// ---------------------------------------------------------------- ghosts
+
+// The bounds of a domain's own bodies that move: only these have contacts that change something.
+static extent reach_of(const moving *m, const moving_domain *d)
+{
+    extent reach = extent_none;
+    for (uint64_t i = 0; i < d->bodies.n; ++i) {
+        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        const double lower[3] = {b->bounds[0], b->bounds[1], b->bounds[2]};
+        const double upper[3] = {b->bounds[3], b->bounds[4], b->bounds[5]};
+        if (!(b->body.mass > 0.0f))
+            continue;
+        extent_add(&reach, lower);
+        extent_add(&reach, upper);
+    }
+    return reach;
+}
+
+static void add_ghosts_of(moving *m, const moving_domain *d, const moving_body *b,
+                          const extent *reaches, item_list *out)
+{
+    const extent box = {{b->bounds[0], b->bounds[1], b->bounds[2]},
+                        {b->bounds[3], b->bounds[4], b->bounds[5]}};
+    for (uint32_t to = 0; to < m->n_domains; ++to) {
+        if (to == d->number || !extents_meet(&box, &reaches[to]))
+            continue;
+        list_add(out, b, 1, m->body_bytes);
+        if (!out->failed)
+            moving_body_at(m, out, out->n - 1)->domain = to;
+        halo_add(&m->halo.sent, &(halo_item){.rank = to / m->parts,
+                                             .to = to,
+                                             .from = d->number,
+                                             .id = b->id,
+                                             .domain = d->number % m->parts});
+    }
+}
+
+static void note_ghosts(moving *m)
+{
+    m->n_ghosts = 0;
+    for (uint32_t k = 0; k < m->parts; ++k) {
+        const moving_domain *d = &m->domains[k];
+        for (uint64_t i = d->n_own; i < d->bodies.n; ++i) {
+            const moving_body *b = moving_body_at(m, &d->bodies, i);
+            halo_add(&m->halo.received, &(halo_item){.rank = b->own / m->parts,
+                                                     .to = d->number,
+                                                     .from = b->own,
+                                                     .id = b->id,
+                                                     .domain = k});
+            ++m->n_ghosts;
+        }
+    }
+}
+
+static bool exchange_ghosts(moving *m, duet_error *own)
+{
+    item_list out = {0};
+    extent *all = calloc((size_t)m->n_domains + m->parts, sizeof *all), *here = all + m->n_domains;
+    halo_clear(&m->halo);
+    if (!all)
+        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->n_domains);
+    if (!ranks_agree(m->ranks, is_well(own), own)) {
+        free(all);
+        return false;
+    }
+    for (uint32_t k = 0; k < m->parts; ++k)
+        here[k] = reach_of(m, &m->domains[k]);
+    ranks_gather(m->ranks, here, all, (int)(m->parts * sizeof *all));
+    for (uint32_t k = 0; k < m->parts; ++k)
+        for (uint64_t i = 0; i < m->domains[k].bodies.n; ++i)
+            add_ghosts_of(m, &m->domains[k], moving_body_at(m, &m->domains[k].bodies, i), all,
+                          &out);
+    bool ok = deal(m, &out, m->body_bytes, bodies_of, own);
+    if (ok && is_well(own))
+        note_ghosts(m);
+    free(out.items);
+    free(all);
+    return ok;
+}
+
+// ---------------------------------------------------------------- order
+
+static int compare_bodies(const void *left, const void *right)
+{
+    const moving_body *a = left, *b = right;
+    return a->id < b->id ? -1 : a->id > b->id;
+}
+
+static int compare_contacts(const void *left, const void *right)
+{
+    const moving_contact *a = left, *b = right;
+    if (a->owner != b->owner)
+        return a->owner < b->owner ? -1 : 1;
+    return a->other < b->other ? -1 : a->other > b->other;
+}
+
+// Domains that each had an end of a contact send it to one that has both.
+static void sort_domain(moving *m, moving_domain *d)
+{
+    item_list *c = &d->contacts;
+    uint64_t kept = 0;
+    if (d->bodies.n > 0)
+        qsort(d->bodies.items, d->bodies.n, m->body_bytes, compare_bodies);
+    if (c->n > 0)
+        qsort(c->items, c->n, m->contact_bytes, compare_contacts);
+    for (uint64_t i = 0; i < c->n; ++i) {
+        const moving_contact *one = moving_contact_at(m, c, i);
+        if (kept == 0 || compare_contacts(moving_contact_at(m, c, kept - 1), one) != 0)
+            memmove(moving_contact_at(m, c, kept++), one, m->contact_bytes);
+    }
+    c->n = kept;
+}
+
+uint32_t moving_place(const moving *m, const moving_domain *d, uint32_t id)
+{
+    uint32_t low = 0, high = (uint32_t)d->bodies.n;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (moving_body_at(m, &d->bodies, middle)->id < id)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    bool found = low < d->bodies.n && moving_body_at(m, &d->bodies, low)->id == id;
+    return found ? low : UINT32_MAX;
+}
+
+// ---------------------------------------------------------------- into the motions
+
+typedef struct replacement {
+    duet_pose *poses;
+    duet_body *bodies;
+    char *states;
+    domain_contacts contacts;
+} replacement;
+
+static bool reserve(const moving *m, const moving_domain *d, replacement *r)
+{
+    size_t n = d->bodies.n + 1, contacts = d->contacts.n + 1;
+    r->poses = malloc(n * sizeof *r->poses);
+    r->bodies = malloc(n * sizeof *r->bodies);
+    r->states = malloc(n * (m->body_bytes - sizeof(moving_body)) + 1);
+    r->contacts.links = malloc(contacts * sizeof *r->contacts.links);
+    r->contacts.touches = malloc(contacts * sizeof *r->contacts.touches);
+    r->contacts.colours = malloc(contacts * sizeof *r->contacts.colours);
+    r->contacts.records = malloc(contacts * (m->contact_bytes - sizeof(moving_contact)) + 1);
+    return r->poses && r->bodies && r->states && r->contacts.links && r->contacts.touches &&
+           r->contacts.colours && r->contacts.records;
+}
+
+static void fill_bodies(const moving *m, const moving_domain *d, replacement *r)
+{
+    const size_t state = m->body_bytes - sizeof(moving_body);
+    for (uint64_t i = 0; i < d->bodies.n; ++i) {
+        moving_body *b = moving_body_at(m, &d->bodies, i);
+        r->poses[i] = b->pose;
+        r->bodies[i] = b->body;
+        memcpy(r->states + i * state, moving_state(b), state);
+    }
+}
+
+// An end that is not here any more touches nothing here.
+static void fill_contacts(const moving *m, const moving_domain *d, replacement *r)
+{
+    const size_t record = m->contact_bytes - sizeof(moving_contact);
+    domain_contacts *to = &r->contacts;
+    to->n = 0;
+    for (uint64_t i = 0; i < d->contacts.n; ++i) {
+        const moving_contact *c = moving_contact_at(m, &d->contacts, i);
+        bool fixed = c->other >= m->n_all;
+        uint32_t owner = moving_place(m, d, c->owner);
+        uint32_t other =
+            fixed ? (uint32_t)d->bodies.n + (c->other - m->n_all) : moving_place(m, d, c->other);
+        if (owner == UINT32_MAX || other == UINT32_MAX)
+            continue;
+        to->links[to->n] = (cl_uint2){{owner, other}};
+        to->touches[to->n] = c->touch;
+        to->colours[to->n] = c->colour;
+        memcpy((char *)to->records + to->n++ * record, c + 1, record);
+    }
+}
+
+static void replace(moving *m, moving_domain *d, duet_error *own)
+{
+    replacement r = {0};
+    if (!reserve(m, d, &r)) {
+        error_set(own, DUET_STATUS_NO_MEMORY, "a domain of %u bodies: no memory",
+                  (uint32_t)d->bodies.n);
+    } else {
+        fill_bodies(m, d, &r);
+        fill_contacts(m, d, &r);
+        domain_replace_bodies(d->motion, r.poses, r.bodies, r.states, (uint32_t)d->bodies.n,
+                              &r.contacts, own);
+    }
+    free(r.poses);
+    free(r.bodies);
+    free(r.states);
+    domain_contacts_free(&r.contacts);
+}
+
+bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
+{
+    for (uint32_t k = 0; k < m->parts; ++k)
+        list_clear(&m->domains[k].contacts);
+    bool ok = migrate(m, own);
+    if (ok && moving_pushes(m))
+        ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own);
+    for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
+        sort_domain(m, &m->domains[k]);
+    ok = ok && halo_settle(&m->halo, m, own);
+    for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
+        replace(m, &m->domains[k], own);
+    tally t = {.sums = {m->n_ghosts}};
+    ok = ok && ranks_agree_and(m->ranks, is_well(own), &t, own);
+    m->counts.ghosts = t.sums[0];
+    return ok;
+}

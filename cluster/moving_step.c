@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+// A step of a scene's bodies over all domains: the stages of one motion's step
+// (runtime/dynamics/solver.c), with an exchange of ghosts after each one that leaves them wrong.
+#include "cluster/moving_domains.h"
+
+#include "base/error.h"
+
+// ---------------------------------------------------------------- what a step made
+
+void moving_read_bodies(moving *m, moving_domain *d, duet_error *own)
+{
+    const size_t state = m->body_bytes - sizeof(moving_body), n = d->bodies.n;
+    char *states = malloc(n * state + 1);
+    float *bounds = malloc((6 * n + 1) * sizeof *bounds);
+    if (!states || !bounds)
+        error_set(own, DUET_STATUS_NO_MEMORY, "the states of %zu bodies: no memory", n);
+    bool ok = is_well(own) && domain_read_states(d->motion, states, own) &&
+              (!moving_pushes(m) || domain_read_bounds(d->motion, bounds, own));
+    for (uint64_t i = 0; ok && i < n; ++i) {
+        moving_body *b = moving_body_at(m, &d->bodies, i);
+        memcpy(moving_state(b), states + i * state, state);
+        if (moving_pushes(m))
+            memcpy(b->bounds, bounds + 6 * i, sizeof b->bounds);
+        if (d->motion->def.dims == 2)
+            b->bounds[2] = b->bounds[5] = 0.0f;
+    }
+    free(states);
+    free(bounds);
+}
+
+enum { MOST_RECORD = HEAD_OF(1, 1, 4) + 4 * POINT_FLOATS_OF(1, 1, 3) };
+
+typedef struct contact_row {
+    moving_contact head;
+    float record[MOST_RECORD];
+} contact_row;
+
+// A contact goes to the domains that own its ends next, of which this one knows those of its own.
+static void add_contact(moving *m, const moving_domain *d, const domain_contacts *from, uint32_t i,
+                        item_list *contacts)
+{
+    const size_t record = m->contact_bytes - sizeof(moving_contact);
+    const uint32_t *ends = from->links[i].s;
+    contact_row row = {.head = {.domain = UINT32_MAX,
+                                .owner = moving_id(m, d, ends[0]),
+                                .other = moving_id(m, d, ends[1]),
+                                .touch = from->touches[i],
+                                .colour = from->colours[i]}};
+    memcpy(row.record, (const char *)from->records + i * record, record);
+    for (int k = 0; k < 2; ++k) {
+        const moving_body *b = moving_body_or_wall(m, d, ends[k]);
+        uint32_t to = b && moving_decides(d, b) ? moving_domain_of(m, b) : UINT32_MAX;
+        if (to == UINT32_MAX || to == row.head.domain)
+            continue;
+        row.head.domain = to;
+        list_add(contacts, &row, 1, m->contact_bytes);
+    }
+}
+
+static void read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own)
+{
+    domain_contacts all;
+    if (!domain_read_contacts(d->motion, true, &all, own))
+        return;
+    for (uint32_t i = 0; i < all.n; ++i)
+        add_contact(m, d, &all, i, contacts);
+    domain_contacts_free(&all);
+}
+
+void moving_read(moving *m, item_list *contacts, duet_error *own)
+{
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
+        moving_read_bodies(m, &m->domains[k], own);
+        if (is_well(own) && moving_pushes(m))
+            read_contacts(m, &m->domains[k], contacts, own);
+    }
+}
+
+// ---------------------------------------------------------------- stages
+
+typedef bool domain_stage(duet_motion *m, duet_error *err);
+
+static void each(moving *m, domain_stage *stage, duet_error *own)
+{
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        stage(m->domains[k].motion, own);
+}
+
+// Domains that have no contact of a colour take part in its exchange.
+static void solve(moving *m, bool soft, duet_error *own)
+{
+    for (uint32_t colour = 0; colour < m->counts.colours; ++colour) {
+        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+            domain_solve_colour(m->domains[k].motion, colour, soft, own);
+        halo_exchange(&m->halo, m, own);
+    }
+}
+
+static void restore_speeds(moving *m, duet_error *own)
+{
+    bool any_bounces = m->domains[0].motion->facts.elastic;
+    for (uint32_t colour = 0; any_bounces && colour < m->counts.colours; ++colour) {
+        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+            domain_restore_colour(m->domains[k].motion, colour, own);
+        halo_exchange(&m->halo, m, own);
+    }
+}
+
+// The ghosts' velocities and positions change as their owners' do.
+static void substep(moving *m, duet_error *own)
+{
+    each(m, domain_integrate_velocities, own);
+    solve(m, true, own);
+    each(m, domain_integrate_positions, own);
+    solve(m, false, own);
+}
+
+// The impulses to warm start with are sums over contacts, of which a ghost lacks some.
+static bool respond(moving *m, duet_error *own)
+{
+    each(m, domain_begin_step, own);
+    if (!moving_colour(m, own))
+        return false;
+    each(m, domain_prepare_contacts, own);
+    halo_exchange(&m->halo, m, own);
+    for (uint32_t i = 0; i < m->domains[0].motion->def.substeps; ++i)
+        substep(m, own);
+    restore_speeds(m, own);
+    each(m, domain_end_step, own);
+    return true;
+}
+
+static bool fly(moving *m, duet_error *own)
+{
+    each(m, domain_fly, own);
+    return true;
+}
+
+bool moving_step(moving *m, duet_error *own)
+{
+    item_list contacts = {0};
+    bool ok = moving_pushes(m) ? respond(m, own) : fly(m, own);
+    if (ok)
+        moving_read(m, &contacts, own);
+    ok = ok && moving_exchange(m, &contacts, own);
+    free(contacts.items);
+    m->counts.step += ok;
+    return ok;
+}
+
+// ---------------------------------------------------------------- hash
+
+static void add_states(const moving *m, const moving_domain *d, uint64_t *hash, duet_error *own)
+{
+    duet_state *states = motion_read_states(d->motion, own);
+    for (uint64_t i = 0; states && i < d->bodies.n; ++i) {
+        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        if (moving_is_own(d, b))
+            *hash = motion_hash_state(*hash, &states[i], b->id);
+    }
+    free(states);
+}
+
+bool moving_hash(moving *m, uint64_t *hash, duet_error *own)
+{
+    tally t = {.sums = {0}};
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        add_states(m, &m->domains[k], &t.sums[0], own);
+    bool ok = ranks_agree_and(m->ranks, is_well(own), &t, own);
+    *hash = t.sums[0];
+    return ok;
+}
+
+// A state begins with the centre.
+void moving_centre(const moving *m, const moving_body *b, double at[3])
+{
+    const void *state = b + 1;
+    for (int k = 0; k < 3; ++k)
+        at[k] = m->domains[0].motion->def.doubles ? ((const double *)state)[k]
+                                                  : (double)((const float *)state)[k];
+}
+
+uint32_t moving_domain_of(const moving *m, const moving_body *b)
+{
+    double at[3];
+    moving_centre(m, b, at);
+    return bisection_part(&m->cuts, at);
+}

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// A motion of one domain's bodies: its own and ghosts, which are other domains'. It takes each step
+// stage by stage beside the motions of the other domains (cluster/moving_step.c), and its bodies
+// are replaced between steps.
+//
+// Invariant: places ascend with the bodies' global ids, so rows, owners and ties are those of one
+// motion of all bodies. A contact is right here if its end that moves is the domain's own.
+#ifndef RUNTIME_DOMAIN_MOTION_H
+#define RUNTIME_DOMAIN_MOTION_H
+
+#include "runtime/dynamics/motion.h"
+
+// Contacts by rows: owner and other, which is a place, or n + k of what never moves.
+typedef struct domain_contacts {
+    uint32_t n;
+    cl_uint2 *links; // ascending
+    cl_uint *touches, *colours;
+    float *records; // [n][layout.record]; NULL: not asked for
+} domain_contacts;
+
+void domain_contacts_free(domain_contacts *c);
+
+// Bytes of a body's state: what a step changes of it.
+size_t domain_state_bytes(const duet_motion *m);
+
+// Reads the states of all bodies, [n][domain_state_bytes], and the bounds that the next step has,
+// [n][6].
+bool domain_read_states(duet_motion *m, char *states, duet_error *err);
+bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err);
+
+// Reads contacts, which the caller frees.
+bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c, duet_error *err);
+
+// Replaces all bodies, and the contacts that they had in the last step.
+bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
+                           const char *states, uint32_t n, const domain_contacts *c,
+                           duet_error *err);
+
+// ---------------------------------------------------------------- a step's stages
+
+// In free flight a step is one stage.
+bool domain_fly(duet_motion *m, duet_error *err);
+
+// With response: manifolds; the contacts by the colours that each has, [n_contacts]; constraints
+// from them.
+bool domain_begin_step(duet_motion *m, duet_error *err);
+bool domain_take_colours(duet_motion *m, const cl_uint *colours, duet_error *err);
+bool domain_prepare_contacts(duet_motion *m, duet_error *err);
+
+// A substep: velocities, contacts of each colour as soft springs, positions, contacts relaxed.
+bool domain_integrate_velocities(duet_motion *m, duet_error *err);
+bool domain_solve_colour(duet_motion *m, uint32_t colour, bool soft, duet_error *err);
+bool domain_integrate_positions(duet_motion *m, duet_error *err);
+
+// After all substeps: restitution of each colour, impulses, and what is kept of bodies.
+bool domain_restore_colour(duet_motion *m, uint32_t colour, duet_error *err);
+bool domain_store_impulses(duet_motion *m, duet_error *err);
+bool domain_end_step(duet_motion *m, duet_error *err);
+
+#endif

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+// What the host reads and replaces of a domain's motion between its stages.
+#include "base/error.h"
+#include "runtime/dynamics/domain_motion.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char stage[] = "domain";
+
+// ---------------------------------------------------------------- states
+
+static const motion_buffer kept[] = {CENTRES, VELOCITIES, ROTATIONS, ANGULAR_VELOCITIES};
+
+enum { N_KEPT = sizeof kept / sizeof kept[0] };
+
+static size_t row_bytes(const duet_motion *m, motion_buffer which)
+{
+    return motion_words(m, which) * sizeof(uint32_t);
+}
+
+size_t domain_state_bytes(const duet_motion *m)
+{
+    size_t bytes = 0;
+    for (int i = 0; i < N_KEPT; ++i)
+        bytes += row_bytes(m, kept[i]);
+    return bytes;
+}
+
+static char *rows_of_all(const duet_motion *m, motion_buffer which, duet_error *err)
+{
+    char *rows = malloc(m->n * row_bytes(m, which) + 1);
+    if (!rows)
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the states of %u bodies", m->n);
+    return rows;
+}
+
+// A buffer's rows lie at byte `at` of each state.
+static bool read_rows(duet_motion *m, motion_buffer which, char *at, duet_error *err)
+{
+    size_t row = row_bytes(m, which), all = domain_state_bytes(m);
+    char *rows = rows_of_all(m, which, err);
+    bool ok = rows && motion_fetch(m, stage, which, 0, rows, m->n * row, err);
+    for (uint32_t i = 0; ok && i < m->n; ++i)
+        memcpy(at + i * all, rows + i * row, row);
+    free(rows);
+    return ok;
+}
+
+static bool write_rows(duet_motion *m, motion_buffer which, const char *at, duet_error *err)
+{
+    size_t row = row_bytes(m, which), all = domain_state_bytes(m);
+    char *rows = rows_of_all(m, which, err);
+    for (uint32_t i = 0; rows && i < m->n; ++i)
+        memcpy(rows + i * row, at + i * all, row);
+    bool ok =
+        rows &&
+        timeline_write_at(&m->times, stage, &m->buffers[which], 0, rows, m->n * row, err) &&
+        timeline_finish(&m->times, err);
+    free(rows);
+    return ok;
+}
+
+bool domain_read_states(duet_motion *m, char *states, duet_error *err)
+{
+    bool ok = true;
+    for (int i = 0; ok && m->n > 0 && i < N_KEPT; ++i)
+        if (row_bytes(m, kept[i]) > 0) {
+            ok = read_rows(m, kept[i], states, err);
+            states += row_bytes(m, kept[i]);
+        }
+    return ok;
+}
+
+static bool write_states(duet_motion *m, const char *states, duet_error *err)
+{
+    bool ok = true;
+    for (int i = 0; ok && m->n > 0 && i < N_KEPT; ++i)
+        if (row_bytes(m, kept[i]) > 0) {
+            ok = write_rows(m, kept[i], states, err);
+            states += row_bytes(m, kept[i]);
+        }
+    return ok;
+}
+
+// ---------------------------------------------------------------- contacts
+
+void domain_contacts_free(domain_contacts *c)
+{
+    free(c->links);
+    free(c->touches);
+    free(c->colours);
+    free(c->records);
+    *c = (domain_contacts){0};
+}
+
+static bool reserve(domain_contacts *c, size_t record, duet_error *err)
+{
+    size_t n = (size_t)c->n + 1;
+    c->links = malloc(n * sizeof *c->links);
+    c->touches = malloc(n * sizeof *c->touches);
+    c->colours = malloc(n * sizeof *c->colours);
+    c->records = malloc(n * record + 1);
+    return (c->links && c->touches && c->colours && c->records) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
+}
+
+bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c, duet_error *err)
+{
+    size_t record = with_records ? m->layout.record * sizeof(float) : 0;
+    *c = (domain_contacts){.n = m->n > 0 ? m->graph.n_contacts : 0};
+    size_t n = c->n;
+    bool ok = reserve(c, record, err) &&
+              (n == 0 ||
+               (motion_fetch(m, stage, LINKS, 0, c->links, n * sizeof *c->links, err) &&
+                motion_fetch(m, stage, TOUCHES, 0, c->touches, n * sizeof *c->touches, err) &&
+                motion_fetch(m, stage, COLOUR_OF, 0, c->colours, n * sizeof *c->colours, err) &&
+                (record == 0 || motion_fetch(m, stage, CONTACTS, 0, c->records, n * record, err))));
+    if (!ok)
+        domain_contacts_free(c);
+    return ok;
+}
+
+static bool put(duet_motion *m, motion_buffer which, const void *from, size_t n, size_t size,
+                duet_error *err)
+{
+    return motion_reserve(m, which, n + 1, size, err) &&
+           (n == 0 ||
+            timeline_write_at(&m->times, stage, &m->buffers[which], 0, from, n * size, err));
+}
+
+static bool write_contacts(duet_motion *m, const domain_contacts *c, duet_error *err)
+{
+    m->graph.n_contacts = c->n;
+    return put(m, LINKS, c->links, c->n, sizeof *c->links, err) &&
+           put(m, TOUCHES, c->touches, c->n, sizeof *c->touches, err) &&
+           put(m, COLOUR_OF, c->colours, c->n, sizeof *c->colours, err) &&
+           put(m, CONTACTS, c->records, c->n, m->layout.record * sizeof(float), err);
+}
+
+// ---------------------------------------------------------------- bodies
+
+static bool take_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies, uint32_t n,
+                        duet_error *err)
+{
+    size_t space = (size_t)n + 1;
+    duet_pose *more_poses = realloc(m->poses, space * sizeof *poses);
+    m->poses = more_poses ? more_poses : m->poses;
+    duet_body *more_bodies = realloc(m->bodies, space * sizeof *bodies);
+    m->bodies = more_bodies ? more_bodies : m->bodies;
+    if (!more_poses || !more_bodies)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", n);
+    memcpy(m->poses, poses, n * sizeof *poses);
+    memcpy(m->bodies, bodies, n * sizeof *bodies);
+    m->n = n;
+    return true;
+}
+
+bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
+                           const char *states, uint32_t n, const domain_contacts *c,
+                           duet_error *err)
+{
+    m->products = products_of_saved(false);
+    return take_bodies(m, poses, bodies, n, err) && motion_grow(m, 0, err) &&
+           motion_send_places(m, NULL, n, PART_ALL, err) && write_states(m, states, err) &&
+           (!(m->effects & DUET_EFFECT_CONTACT_RESPONSE) || write_contacts(m, c, err)) &&
+           timeline_finish(&m->times, err);
+}

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+// What must hold for bodies that move over any number of ranks, in one job that is cut into smaller
+// groups: the state hash of one motion.
+//
+// Every rank runs this; a fact that does not hold on one ends the job with a line.
+#include "cluster/cluster.h"
+#include "cluster/colouring.h"
+#include "cluster/must.h"
+
+#include "base/error.h"
+#include "base/rng.h"
+#include "kernels/dynamics/records.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+// The first n ranks of the job; MPI_COMM_NULL on the others.
+static MPI_Comm group_of(int n)
+{
+    MPI_Comm comm;
+    MPI_Comm_split(MPI_COMM_WORLD, rank < n ? 0 : MPI_UNDEFINED, rank, &comm);
+    return comm;
+}
+
+typedef struct moving_scene {
+    const char *path;
+    const duet_setting settings[4];
+    uint32_t n_settings, steps;
+    const char *effects; // whether some of what the scene is about was there: contacts
+} moving_scene;
+
+// ---------------------------------------------------------------- the truth
+
+static uint64_t hash_of_one(const moving_scene *s, duet_device_pair *pair)
+{
+    duet_error err = {0};
+    uint64_t hash = 0;
+    duet_motion_result result;
+    duet_scene *scene = duet_scene_load(s->path, s->settings, s->n_settings, &err);
+    MUST_OK(scene, err);
+    duet_motion_def def = duet_scene_motion_def(scene, pair);
+    duet_motion *motion = duet_motion_create_from_scene(&def, scene, NULL, &err);
+    MUST_OK(motion, err);
+    for (uint32_t i = 0; i < s->steps; ++i)
+        MUST_OK(duet_motion_advance(motion, &result, &err), err);
+    MUST_OK(duet_motion_get_hash(motion, &hash, &err), err);
+    duet_motion_destroy(motion);
+    duet_scene_destroy(scene);
+    return hash;
+}
+
+// Rank 0 finds it.
+static uint64_t expected_hash(const moving_scene *s)
+{
+    uint64_t hash = 0;
+    if (rank == 0) {
+        duet_error err = {0};
+        duet_device_pair_def def = duet_default_device_pair_def();
+        duet_device_pair *pair = duet_device_pair_create(&def, &err);
+        MUST_OK(pair, err);
+        hash = hash_of_one(s, pair);
+        duet_device_pair_destroy(pair);
+    }
+    MPI_Bcast(&hash, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+    return hash;
+}
+
+// ---------------------------------------------------------------- ranks
+
+static void must_move_to(const moving_scene *s, uint64_t expected, int n_ranks, uint32_t parts)
+{
+    MPI_Comm comm = group_of(n_ranks);
+    if (comm == MPI_COMM_NULL)
+        return;
+    char what[160];
+    duet_error err = {0};
+    uint64_t hash = 0;
+    duet_cluster_motion_result result = {0};
+    duet_cluster_def def = duet_default_cluster_def();
+    def.comm = &comm;
+    def.parts = parts;
+    duet_cluster *cluster = duet_cluster_create(&def, &err);
+    MUST_OK(cluster, err);
+    MUST_OK(duet_cluster_begin_motion(cluster, s->path, s->settings, s->n_settings, &err), err);
+    for (uint32_t i = 0; i < s->steps; ++i)
+        MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+    MUST_OK(duet_cluster_get_state_hash(cluster, &hash, &err), err);
+    snprintf(what, sizeof what, "%s on %d ranks of %u", s->path, n_ranks, parts);
+    MUST(result.step == s->steps, what);
+    MUST(!s->effects || result.contacts > 0, what);
+    MUST(!s->effects || n_ranks * parts == 1 || result.ghosts > 0, what);
+    MUST(hash == expected, what);
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
+static void must_move_alike(const moving_scene *s, const int (*shapes)[2], size_t n)
+{
+    uint64_t expected = expected_hash(s);
+    for (size_t i = 0; i < n; ++i)
+        must_move_to(s, expected, shapes[i][0], (uint32_t)shapes[i][1]);
+}
+
+static void a_flight_has_one_motions_bits(void)
+{
+    static const int shapes[][2] = {{1, 3}, {2, 1}, {3, 1}, {4, 2}, {5, 1}, {8, 1}};
+    const moving_scene s = {"orbit2d", {{"n", "300"}}, 1, 12, NULL};
+    must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+}
+
+static void a_pile_has_one_motions_bits(void)
+{
+    static const int shapes[][2] = {{1, 1}, {1, 4}, {2, 1}, {3, 1}, {4, 1}, {5, 1}, {8, 1}, {2, 3}};
+    const moving_scene s = {"falling", {{"n", "120"}, {"sleep", "false"}}, 2, 40, "contacts"};
+    must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+}
+
+static void bullets_have_one_motions_bits(void)
+{
+    static const int shapes[][2] = {{1, 5}, {3, 1}};
+    const moving_scene s = {"bullets", {{0}}, 0, 12, "contacts"};
+    must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+}
+
+// ---------------------------------------------------------------- failures
+
+static void must_refuse(const char *path, const duet_setting *settings, uint32_t n,
+                        const char *says)
+{
+    MPI_Comm comm = group_of(2);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_error err = {0};
+    duet_cluster_def def = duet_default_cluster_def();
+    def.comm = &comm;
+    duet_cluster *cluster = duet_cluster_create(&def, &err);
+    MUST_OK(cluster, err);
+    MUST(!duet_cluster_begin_motion(cluster, path, settings, n, &err), path);
+    MUST_OK(strstr(err.text, says), err);
+    duet_cluster_motion_result result;
+    err = (duet_error){0};
+    MUST(!duet_cluster_advance(cluster, &result, &err), "nothing moves");
+    MUST_OK(strstr(err.text, "expected duet_cluster_begin_motion first"), err);
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
+static void what_ranks_lack_is_refused(void)
+{
+    must_refuse("falling", NULL, 0, "the effect sleep is not for several domains yet");
+    must_refuse("no_such_scene.lua", NULL, 0, "no_such_scene.lua");
+}
+
+// ---------------------------------------------------------------- colours
+
+enum { MOST_CONTACTS = 200, BODIES = 40 };
+
+// Whether no two contacts at one body have one colour, of those below COLOUR_OVERFLOW.
+static bool are_apart(const waiting_contact *c, uint64_t n)
+{
+    for (uint64_t i = 0; i < n; ++i)
+        for (uint64_t k = 0; k < i; ++k) {
+            bool meet = c[i].owner == c[k].owner ||
+                        (c[i].other_moves && c[i].other == c[k].owner) ||
+                        (c[k].other_moves && c[k].other == c[i].owner) ||
+                        (c[i].other_moves && c[k].other_moves && c[i].other == c[k].other);
+            if (meet && c[i].colour == c[k].colour && c[i].colour < COLOUR_OVERFLOW)
+                return false;
+        }
+    return true;
+}
+
+// Which domain tells of a contact, and in which order, changes no colour.
+static void colours_follow_from_ids(uint64_t seed)
+{
+    rng r = rng_seed(seed);
+    duet_error err = {0};
+    waiting_contact once[MOST_CONTACTS], twice[2 * MOST_CONTACTS];
+    uint64_t n = 0, m = 0;
+    for (uint32_t a = 0; a < BODIES; ++a)
+        for (uint32_t b = a + 1; b < BODIES && n < MOST_CONTACTS; ++b)
+            if (rng_below(&r, 6) == 0)
+                once[n++] = (waiting_contact){a, b, b % 7 != 0, 1u << a % 5, 1u << b % 5, 0};
+    for (uint64_t i = n; i-- > 0;) {
+        twice[m] = once[i];
+        twice[m++].owner_used = 0;
+        twice[m] = once[i];
+        twice[m++].other_used = 0;
+    }
+    MUST_OK(colouring_run(once, &n, &err), err);
+    MUST_OK(colouring_run(twice, &m, &err), err);
+    MUST(m == n, "contacts that two domains know are one");
+    MUST(memcmp(once, twice, n * sizeof *once) == 0, "other colours");
+    MUST(are_apart(once, n), "two contacts of a body have one colour");
+    for (uint64_t i = 0; i < n; ++i) {
+        uint32_t used = once[i].owner_used | (once[i].other_moves ? once[i].other_used : 0);
+        MUST(!(used >> once[i].colour & 1u), "a colour that an end had");
+        MUST(colouring_find(once, n, once[i].owner, once[i].other) == once[i].colour, "found");
+    }
+    MUST(colouring_find(once, n, BODIES, 0) == COLOUR_NONE, "no such contact");
+}
+
+int main(int argc, char **argv)
+{
+    const char *given = getenv("DUET_TEST_SEED");
+    uint64_t seed = given ? strtoull(given, NULL, 10) : 20261128;
+    IGNORE_LEAKS(MPI_Init(&argc, &argv));
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    int n = 0;
+    MPI_Comm_size(MPI_COMM_WORLD, &n);
+    MUST(n == 8, "run by mpirun -np 8");
+    if (rank == 0) {
+        printf("DUET_TEST_SEED=%" PRIu64 "\n", seed);
+        colours_follow_from_ids(seed);
+    }
+    what_ranks_lack_is_refused();
+    a_flight_has_one_motions_bits();
+    a_pile_has_one_motions_bits();
+    bullets_have_one_motions_bits();
+    if (rank == 0)
+        printf("all facts hold on 1, 2, 3, 4, 5 and 8 ranks\n");
+    FIND_LEAKS(); // before MPI ends, which forgets some memory of its own
+    MPI_Finalize();
+    return 0;
+}
