@@ -224,7 +224,7 @@ static bool compare_plans(bench *b, const bench_scene *which, const duet_scene *
     progress_hide(&b->shown);
     if (b->tells) {
         begin_block(b);
-        bench_print_scene(b->results, duet_scene_get_info(scene)->name, b->before);
+        ok = bench_tell(b->results, duet_scene_get_info(scene)->name, b->before, err) && ok;
     }
     return ok;
 }
@@ -295,7 +295,7 @@ static bool finish(bench *b, duet_error *err)
         b->results = NULL;
     } else if (b->tells && b->before) {
         begin_block(b);
-        bench_print_verdicts(b->results, b->before);
+        ok = bench_tell(b->results, NULL, b->before, err) && ok;
     }
     return ok;
 }
