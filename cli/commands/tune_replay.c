@@ -12,7 +12,6 @@
 #include "tuner/replay.h"
 #include "tuner/strategy.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -132,4 +132,33 @@ function report.plan_words(share)
   return share > 0 and share < 1 and ("A %.2f %%"):format(100 * share) or share == 0 and "B alone" or "A alone"
 end
 
+-- The devices of a plan with their parts of the work. Both or one: A and B are one device that shares nothing.
+function report.tell_devices(o)
+  local row = report.columns("lllrl")
+  local function tell(label, name, part)
+    row(label, o[name], o[name .. "_name"], ("%.4g %%"):format(100 * part),
+      ("of the work, kernels '%s'"):format(o["variant_" .. name]))
+  end
+  if report.is_alone(o) then return tell("on", "b", 1) end
+  tell("A", "a", o.share)
+  tell("B", "b", 1 - o.share)
+end
+
+function report.is_alone(o) return o.share == 0 and o.a == o.b end
+
+-- If both devices have a share.
+function report.tell_grids(o)
+  if o.share > 0 and o.share < 1 then report.line("grids: %s", o.mode) end
+end
+
+-- "paper: 2 000 rotated boxes, 3D"
+function report.scene_words(o) return ("%s: %s %s, %.0fD"):format(o.scene, count(o.objects), o.kind, o.dims) end
+
+function report.tell_check(check)
+  local all = report.things(check.reference, "pair", "pairs")
+  if check.right then return report.line("check: the same %s as the plain C reference", all) end
+  report.line("check: WRONG: %s of the reference's %s missing, and %s too many", count(check.missing), all,
+    count(check.extra))
+end
+
 return report
