@@ -31,7 +31,7 @@ static void step_default(int wide, duet_mode mode)
 {
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     duet_plan usual = duet_default_plan(devices);
     const duet_plan *plan = duet_world_get_plan(world);
     assert_int_equal(plan->share, usual.share);
@@ -45,7 +45,6 @@ static void step_default(int wide, duet_mode mode)
     for (int d = 0; d < 2; ++d)
         assert_true(result.spans[d].n > 0);
     assert_int_equal(duet_world_get_plan(world)->mode, mode);
-    duet_world_destroy(world);
 }
 
 TEST(a_default_world_uses_both_devices)
@@ -63,7 +62,7 @@ TEST(a_plan_may_leave_things_to_the_world)
     def.pair = pair;
     def.plan.mode = DUET_MODE_SLAB;
     strcpy(def.plan.variant_b, "gpu");
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     duet_plan usual = duet_default_plan(pair);
     const duet_plan *plan = duet_world_get_plan(world);
     assert_int_equal(plan->mode, DUET_MODE_SLAB);
@@ -75,7 +74,6 @@ TEST(a_plan_may_leave_things_to_the_world)
     must(duet_world_set_plan(world, &open, ERR));
     assert_int_equal(duet_world_get_plan(world)->share, 0);
     assert_string_equal(duet_world_get_plan(world)->variant_a, usual.variant_a);
-    duet_world_destroy(world);
 }
 
 // A def of another kind, or one that nobody filled in, is told by its cookie.

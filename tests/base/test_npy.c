@@ -90,7 +90,6 @@ TEST(every_version_type_and_order_gives_the_same_objects)
                 for (int i = 0; i < 30; ++i)
                     assert_true(((const float *)duet_scene_get_objects(
                                     scene, DUET_OBJECT_POSES))[i] == (float)rows[i]);
-                duet_scene_destroy(scene);
                 text_free(&t);
             }
 }
@@ -106,15 +105,13 @@ TEST(a_range_is_that_part_of_the_whole)
     for (int i = 0; i < ROWS * COLUMNS; ++i)
         many[i] = i % COLUMNS < 3 ? i / COLUMNS : i / COLUMNS + i % COLUMNS;
     for (int fortran = 0; fortran < 2; ++fortran) {
-        duet_error err = {0};
         uint64_t n = 0, deferred = 0;
         text t = npy_of(1, "<f8", fortran, many, ROWS, COLUMNS);
         must(text_write_file(FILE_NAME, t.chars, t.length, ERR));
         for (size_t k = 0; k < sizeof ranges / sizeof *ranges; ++k) {
             uint64_t end = ranges[k][1] < ROWS ? ranges[k][1] : ROWS;
             duet_scene *scene =
-                scene_load_range(FILE_NAME, NULL, 0, ranges[k][0], ranges[k][1], &n, &err);
-            assert_ok(scene, err);
+                kept(scene_load_range(FILE_NAME, NULL, 0, ranges[k][0], ranges[k][1], &n, ERR));
             const duet_bounds *bounds = duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS);
             assert_int_equal(n, ROWS);
             assert_int_equal(duet_scene_get_info(scene)->n, end - ranges[k][0]);
@@ -123,13 +120,11 @@ TEST(a_range_is_that_part_of_the_whole)
                 assert_true(bounds[i].lower[0] == at && bounds[i].lower[2] == at);
                 assert_true(bounds[i].upper[0] == at + 3 && bounds[i].upper[2] == at + 5);
             }
-            duet_scene_destroy(scene);
         }
-        duet_scene *first = must(scene_load_deferred(FILE_NAME, NULL, 0, &n, &deferred, ERR));
+        duet_scene *first = kept(scene_load_deferred(FILE_NAME, NULL, 0, &n, &deferred, ERR));
         assert_int_equal(duet_scene_get_info(first)->n, 1);
         assert_int_equal(n, ROWS);
         assert_int_equal(deferred, ROWS - 1);
-        duet_scene_destroy(first);
         text_free(&t);
     }
     free(many);
@@ -153,7 +148,6 @@ TEST(the_second_number_of_the_shape_says_what_a_row_is)
             assert_int_equal(duet_scene_get_info(scene)->n, n);
             assert_int_equal(duet_scene_get_info(scene)->dims, kinds[i].dims);
             assert_int_equal(duet_scene_get_info(scene)->shape, kinds[i].shape);
-            duet_scene_destroy(scene);
             text_free(&t);
         }
 }
@@ -273,7 +267,6 @@ TEST(changed_bytes_are_read_or_refused)
         duet_scene *scene = read_npy(&t, &err);
         assert_true((scene != NULL) == (err.status == DUET_STATUS_OK));
         assert_true(scene || (err.text[0] && !strchr(err.text, '\n')));
-        duet_scene_destroy(scene);
         text_free(&t);
     }
     text_free(&good);

@@ -147,7 +147,6 @@ TEST(the_order_is_a_permutation_by_cell_then_id)
             fill_poses(&r, numbers[i], dims);
             set_poses(world, numbers[i]);
             assert_is_by_cell(world, numbers[i]);
-            duet_world_destroy(world);
         }
 }
 
@@ -177,7 +176,6 @@ TEST(any_grid_has_an_order)
     set_poses(world, N);
     assert_is_by_cell(world, N);
     assert_true(world->grid.n_levels > 1);
-    duet_world_destroy(world);
 
     for (uint32_t i = N / 2; i < N; ++i)
         for (int k = 0; k < 3; ++k)
@@ -190,7 +188,6 @@ TEST(any_grid_has_an_order)
     for (uint32_t i = 0; i < N; ++i)
         assert_int_equal(order[i] >= N / 2, i >= N / 2);
     duet_free(order);
-    duet_world_destroy(world);
 }
 
 // Cubes of edge 1 that take turns to be in one of two crowds. Bounds, for those of poses are
@@ -208,7 +205,6 @@ static void order_crowds(rng *r, float apart, double least_cells, double most_ce
     must(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, bounds, N, ERR));
     assert_is_by_cell(world, N);
     assert_true(number_of_cells(world) > least_cells && number_of_cells(world) < most_cells);
-    duet_world_destroy(world);
 }
 
 TEST(cells_beyond_32_and_beyond_63_bits_are_in_order)
@@ -234,7 +230,6 @@ TEST(objects_of_one_cell_are_in_the_order_of_their_ids)
     set_poses(world, MANY);
     world_forget_grid(world);
     assert_is_by_cell(world, MANY);
-    duet_world_destroy(world);
 }
 
 // Boxes of two sizes, of which several are the widest, and some that are bad.
@@ -381,7 +376,6 @@ TEST(any_order_share_and_number_gives_the_reference_pairs)
             fill_poses(&r, numbers[i], dims);
             assert_finds_all_in_any_order(world, &r, numbers[i]);
         }
-        duet_world_destroy(world);
     }
 }
 
@@ -401,7 +395,6 @@ TEST(every_sort_takes_stretches)
             put_in_order(world, N);
             stray(&r, N);
             assert_finds_all(world, N);
-            duet_world_destroy(world);
         }
     set_memory(true);
 }
@@ -425,7 +418,6 @@ TEST(whole_grids_of_ordered_objects_are_right)
         world_forget_grid(world);
         assert_finds_all(world, N);
         assert_true(world->grid.n_levels > 1);
-        duet_world_destroy(world);
     }
 }
 
@@ -477,13 +469,11 @@ TEST(objects_in_order_are_in_their_work_item_s_own_cells)
     duet_world *world = create_world(&def);
     fill_poses(&r, N, 3);
     assert_finds_all_in_any_order(world, &r, N);
-    duet_world_destroy(world);
     def.plan.mode = DUET_MODE_OWN;
     def.plan.share = 0;
     world = create_world(&def);
     put_in_order(world, N);
     if (!has_own_cells(world)) {
-        duet_world_destroy(world);
         devices->devices[1].info.units = units;
         print_message("this device's work-items have no cells of their own\n");
         skip();
@@ -494,7 +484,6 @@ TEST(objects_in_order_are_in_their_work_item_s_own_cells)
     assert_in_range(count_others(world, N), 1, N / 50);
     reverse(N);
     assert_in_range(count_others(world, N), N / 2, N);
-    duet_world_destroy(world);
     devices->devices[1].info.units = units;
 }
 
@@ -512,7 +501,6 @@ TEST(crowds_are_found_by_lanes_that_list_first)
             poses[i].centre[k] = (float)rng_between(&r, 0.0, i % 2 ? 6.0 : 60.0);
     put_in_order(world, N);
     assert_finds_all(world, N);
-    duet_world_destroy(world);
 }
 
 static bool has_stage(const part *p, const char *name)
@@ -572,7 +560,6 @@ TEST(a_step_leaves_its_counts_at_zero_for_the_next_one)
     assert_int_equal(err.status, DUET_STATUS_TOO_MANY);
     assert_counts_from_zero(world, N, both);
     assert_counts_from_zero(world, N, none);
-    duet_world_destroy(world);
 }
 
 // Modes take other kernels, which leave other sums behind.
@@ -596,7 +583,6 @@ TEST(a_world_may_change_its_mode_from_step_to_step)
         assert_int_equal(duet_result_get_hash(&result), truth);
     }
     assert_true(world->parts[1].scan.n_blocks > 1);
-    duet_world_destroy(world);
 }
 
 // B's slab has rows of cells, but no object is in them, and B takes none: what it counted when it
@@ -626,7 +612,6 @@ TEST(a_device_that_takes_nothing_finds_nothing)
             assert_int_equal(duet_result_get_hash(&result), truth);
         }
     }
-    duet_world_destroy(world);
 }
 
 // Giants make the cells wide, and a crowd makes one cell hold half of all.
@@ -644,7 +629,6 @@ TEST(giants_and_crowds_are_found)
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = i % 10 == 0 ? 1.0f : 1000.0f * poses[i].centre[k];
     assert_finds_all_in_any_order(world, &r, N);
-    duet_world_destroy(world);
 }
 
 // The devices alone compute cells of objects in origin cells, and mark strays by them.
@@ -661,7 +645,6 @@ TEST(objects_in_origin_cells_are_found_in_any_order)
             poses[i].centre[k] = rintf(poses[i].centre[k] * 1024.0f) / 1024.0f;
     assert_finds_all_in_any_order(world, &r, N);
     assert_in_range(world->ranges.selections[0].n_ranges, 1, SELECTION_RANGES);
-    duet_world_destroy(world);
 }
 
 static uint32_t count_taken(const duet_world *world, int side)
@@ -695,7 +678,6 @@ TEST(a_device_takes_its_own_half_and_the_blocks_with_strays)
         step(world, &result);
         assert_in_range(count_taken(world, 0), N * 4 / 10, N * 8 / 10);
         assert_in_range(count_taken(world, 1), N * 5 / 10, N * 7 / 10);
-        duet_world_destroy(world);
     }
     set_memory(true);
 }
@@ -722,7 +704,6 @@ TEST(objects_that_move_are_found_in_every_step)
             if (i == STEPS / 2)
                 reverse(N);
         }
-        duet_world_destroy(world);
     }
     set_memory(true);
 }
@@ -854,7 +835,6 @@ TEST(a_bad_object_is_named_wherever_it_strays)
         assert_non_null(strstr(err.text, "object 40 "));
         assert_non_null(strstr(err.text, "3 such objects"));
     }
-    duet_world_destroy(world);
 }
 
 // ------------------------------------------------------------ profiles
@@ -887,8 +867,6 @@ TEST(a_workload_tells_how_many_objects_stray)
         swap((uint32_t)rng_between(&r, 0, CAPACITY - 0.5),
              (uint32_t)rng_between(&r, 0, CAPACITY - 0.5));
     assert_is_called(world, "ordered strays");
-    duet_world_destroy(plain);
-    duet_world_destroy(world);
 }
 
 TEST_MAIN(open_devices, close_devices)

@@ -129,7 +129,6 @@ TEST(any_share_and_number_gives_the_reference_pairs)
                 assert_int_equal(duet_result_get_hash(&result), truth);
             }
         }
-        duet_world_destroy(world);
     }
 }
 
@@ -149,7 +148,6 @@ TEST(every_sort_takes_packed_objects)
         duet_result result = step_poses(world, N);
         assert_int_equal(duet_result_get_hash(&result), truth);
         assert_int_equal(was_packed(&result, 0), strcmp(variants[v], "gpu send=all") != 0);
-        duet_world_destroy(world);
     }
 }
 
@@ -168,7 +166,6 @@ TEST(each_device_is_sent_its_slab_alone)
     assert_in_range(a->n, N / 3, N * 2 / 3);
     assert_in_range(b->n, N / 3, N * 2 / 3);
     assert_in_range(a->n + b->n, N, N * 6 / 5); // A has ghosts, too
-    duet_world_destroy(world);
 }
 
 TEST(objects_that_move_between_steps_are_found)
@@ -186,7 +183,6 @@ TEST(objects_that_move_between_steps_are_found)
         for (uint32_t i = 0; i < N; ++i)
             poses[i].centre[2] += k < STEPS / 2 ? -6.0f : 9.0f;
     }
-    duet_world_destroy(world);
 }
 
 TEST(objects_outside_the_world_are_found)
@@ -207,7 +203,6 @@ TEST(objects_outside_the_world_are_found)
         duet_result result = step_poses(world, N);
         assert_int_equal(duet_result_get_hash(&result), truth);
     }
-    duet_world_destroy(world);
 }
 
 TEST(objects_that_stay_are_neither_packed_nor_sent_again)
@@ -231,7 +226,6 @@ TEST(objects_that_stay_are_neither_packed_nor_sent_again)
     duet_result cut = step(world);
     assert_true(was_packed(&cut, 0));
     assert_int_equal(duet_result_get_hash(&cut), truth);
-    duet_world_destroy(world);
 }
 
 // Every number of a pose may be the bad one, and its row a ghost row.
@@ -276,7 +270,6 @@ TEST(bad_objects_are_counted_once_and_the_first_is_named)
             truth = w == 0 && s == 0 ? duet_result_get_hash(&result) : truth;
             assert_int_equal(duet_result_get_hash(&result), truth);
         }
-        duet_world_destroy(world);
     }
 }
 
@@ -295,7 +288,6 @@ TEST(a_bad_object_that_is_packed_is_refused_by_its_id)
     assert_false(duet_world_step(world, &result, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_non_null(strstr(err.text, "object 1234 of 2003"));
-    duet_world_destroy(world);
 }
 
 TEST(a_device_without_room_fails_the_step_and_not_the_next)
@@ -318,7 +310,6 @@ TEST(a_device_without_room_fails_the_step_and_not_the_next)
         *most = before;
         result = step(world);
         assert_int_equal(duet_result_get_hash(&result), poses_hash(N, 3));
-        duet_world_destroy(world);
         err = (duet_error){0};
     }
 }

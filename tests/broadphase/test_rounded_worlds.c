@@ -98,7 +98,7 @@ static void assert_finds_the_reference(const scene *s, duet_level level, duet_mo
     uint64_t n;
     uint64_t expected = reference_hash(s, level, &n);
     duet_world_def def = def_of(s, level, mode, share, words);
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     must(set_objects(world, s, ERR));
     must(duet_world_step(world, &result, ERR));
     assert_true(n > OBJECTS / 8);
@@ -106,7 +106,6 @@ static void assert_finds_the_reference(const scene *s, duet_level level, duet_mo
         fail_msg("'%s' in %" PRIu32 "D, shape %d, rotated %d, level %d, mode %d: %" PRIu64
                  " pairs, %" PRIu64 " are the reference's",
                  words, s->dims, (int)s->shape, s->rotated, (int)level, (int)mode, result.pairs, n);
-    duet_world_destroy(world);
 }
 
 static const scene scenes[] = {
@@ -190,11 +189,10 @@ TEST(touching_spheres_of_a_lattice_collide)
         spheres[i] = (duet_sphere){
             {(float)(i % EDGE), (float)(i / EDGE % EDGE), (float)(i / EDGE / EDGE)}, 0.5f};
     duet_world_def def = def_of(&scenes[3], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "simd");
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     must(duet_world_set_objects(world, DUET_OBJECT_SPHERES, spheres, N, ERR));
     must(duet_world_step(world, &result, ERR));
     assert_int_equal(result.pairs, 3 * EDGE * EDGE * (EDGE - 1));
-    duet_world_destroy(world);
 }
 
 // ------------------------------------------------------------ refused
@@ -208,7 +206,7 @@ TEST(bad_radii_are_named)
     for (int i = 0; i < SCENES; i += 3) {
         fill(&scenes[i], &r);
         duet_world_def def = def_of(&scenes[i], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "simd");
-        duet_world *world = must(duet_world_create(&def, ERR));
+        duet_world *world = kept(duet_world_create(&def, ERR));
         for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
             boxes[17].radius = spheres[17].radius = bad[k];
             must(set_objects(world, &scenes[i], ERR));
@@ -217,7 +215,6 @@ TEST(bad_radii_are_named)
             assert_non_null(strstr(err.text, "17"));
             err = (duet_error){0};
         }
-        duet_world_destroy(world);
     }
 }
 
@@ -247,23 +244,19 @@ TEST(what_knows_no_radii_says_so)
     refuse(other, "the paper's search knows no rounded boxes");
     duet_tree_def tree = duet_default_tree_def();
     tree.pair = devices;
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     assert_false(duet_world_set_objects(world, DUET_OBJECT_POSES, boxes, 1, &err));
     assert_string_equal(err.text, "the world was made for spheres, not for poses");
-    duet_world_destroy(world);
     err = (duet_error){0};
-    duet_scene *made = must(duet_scene_create(DUET_OBJECT_SPHERES, spheres, 3, 3, 0, ERR));
+    duet_scene *made = kept(duet_scene_create(DUET_OBJECT_SPHERES, spheres, 3, 3, 0, ERR));
     duet_motion_def motion = duet_scene_motion_def(made, devices);
     motion.wants = DUET_EFFECT_CONTACT;
-    duet_motion *m = must(duet_motion_create_from_scene(&motion, made, NULL, ERR));
+    duet_motion *m = kept(duet_motion_create_from_scene(&motion, made, NULL, ERR));
     tree.shape = DUET_SHAPE_POSES;
-    duet_tree *of_bodies = must(duet_tree_create(&tree, ERR));
+    duet_tree *of_bodies = kept(duet_tree_create(&tree, ERR));
     assert_false(duet_tree_set_motion(of_bodies, m, &err));
     assert_string_equal(err.text, "the motion's bodies have radii; the tree is of poses, expected "
                                   "one of rounded boxes");
-    duet_tree_destroy(of_bodies);
-    duet_motion_destroy(m);
-    duet_scene_destroy(made);
 }
 
 TEST_MAIN(open_devices, close_devices)

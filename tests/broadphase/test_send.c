@@ -43,7 +43,7 @@ static duet_world *make_world(duet_mode mode, const char *text, bool keep_bad)
     def.keep_bad = keep_bad;
     strcpy(def.plan.variant_a, text);
     strcpy(def.plan.variant_b, text);
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     world->parts[0].least_chunk = world->parts[1].least_chunk = 1;
     return world;
 }
@@ -67,12 +67,11 @@ static void assert_is_the_reference(const duet_result *result, uint32_t n)
 {
     duet_pair *pairs = NULL;
     uint64_t n_pairs = 0;
-    duet_scene *scene = must(duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, ERR));
+    duet_scene *scene = kept(duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, ERR));
     must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, ERR));
     assert_int_equal(result->pairs, n_pairs);
     assert_int_equal(duet_result_get_hash(result), duet_pairs_hash(pairs, n_pairs));
     duet_free(pairs);
-    duet_scene_destroy(scene);
 }
 
 static void assert_step_is_the_reference(duet_world *world, uint32_t n)
@@ -94,7 +93,6 @@ TEST(objects_that_are_there_come_in_no_chunks)
     must(duet_world_step(world, &result, ERR));
     assert_int_equal(world->parts[1].objects.n_chunks, 0);
     assert_int_equal(result.pairs, pairs);
-    duet_world_destroy(world);
 }
 
 // The number of pairs is guessed from the step before, too high and too low, and
@@ -109,7 +107,6 @@ TEST(pairs_are_all_there_however_many_the_last_step_had)
         set_share(world, i % 2 ? DUET_SHARE_ONE / 2 : 0);
         assert_step_is_the_reference(world, 1000);
     }
-    duet_world_destroy(world);
 }
 
 enum { SIDE = 10, TOUCHING = SIDE * SIDE * SIDE };
@@ -134,7 +131,6 @@ TEST(more_undecided_pairs_than_are_sent_ahead_are_decided)
     assert_step_is_the_reference(world, TOUCHING);
     duet_result result = step(world, TOUCHING);
     assert_true(result.undecided > 1024);
-    duet_world_destroy(world);
 }
 
 // ------------------------------------------------------------ pairs that are counted
@@ -189,7 +185,7 @@ static duet_result count_step(duet_world *world, const global_ids *ids, uint32_t
     sums expected_named = {0}, expected_left = {0}, named = {0}, left = {0};
     duet_pair *pairs = NULL;
     uint64_t n_pairs = 0;
-    duet_scene *scene = must(duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, ERR));
+    duet_scene *scene = kept(duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, ERR));
     must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, ERR));
     for (uint64_t i = 0; i < n_pairs; ++i)
         add_pair(&expected_named, &expected_left, ids, pairs[i]);
@@ -212,7 +208,6 @@ static duet_result count_step(duet_world *world, const global_ids *ids, uint32_t
         assert_int_equal(duet_result_get_hash(&result), duet_pairs_hash(pairs, n_pairs));
     }
     duet_free(pairs);
-    duet_scene_destroy(scene);
     return result;
 }
 
@@ -278,7 +273,6 @@ TEST(pairs_of_objects_with_ids_are_counted_where_they_are_found)
                 ids.n_without = i;
         count_step(world, &ids, N);
     }
-    duet_world_destroy(world);
 }
 
 // Pairs that the host decides are not counted.
@@ -292,7 +286,6 @@ TEST(undecided_pairs_are_counted_once)
     set_share(world, 0);
     for (int at = 0; at < 2; ++at)
         assert_true(count_step(world, &ids, TOUCHING).undecided > 1024);
-    duet_world_destroy(world);
 }
 
 TEST(a_bad_object_of_any_chunk_is_named)
@@ -307,7 +300,6 @@ TEST(a_bad_object_of_any_chunk_is_named)
     duet_result result = step(world, CAPACITY);
     assert_int_equal(result.bad, 3);
     assert_int_equal(result.first_bad, 1500);
-    duet_world_destroy(world);
 }
 
 static double all_ms(const duet_result *result)
@@ -344,7 +336,6 @@ TEST(stages_have_times_where_they_are_asked_for)
         assert_int_equal(duet_result_get_hash(&result), hash);
     }
     assert_true(fresh > 5); // out of eight; two sums of times may be equal by chance
-    duet_world_destroy(world);
 }
 
 TEST_MAIN(begin, close_devices)

@@ -25,18 +25,17 @@ static void write_file(const char *path, const void *bytes, size_t n)
 TEST(rows_of_text_become_two_poses_each)
 {
     test_write_file("pairs.csv", "# two pairs\n" TOUCHING APART);
-    duet_scene *pairs = must(duet_scene_load_pairs("pairs.csv", ERR));
+    duet_scene *pairs = kept(duet_scene_load_pairs("pairs.csv", ERR));
     const duet_scene_info *info = duet_scene_get_info(pairs);
     const duet_pose *poses = duet_scene_get_objects(pairs, DUET_OBJECT_POSES);
     assert_int_equal(info->n, 4);
     assert_int_equal(info->dims, 3);
     assert_true(poses[1].centre[0] == 1 && poses[3].centre[1] == 2 && poses[3].rotation[2] == 1);
-    duet_scene_destroy(pairs);
+    test_give_back(pairs);
     test_write_file("pairs.csv", "0 0 1 1 0  3 0 1 1 3.14159\n");
-    pairs = must(duet_scene_load_pairs("pairs.csv", ERR));
+    pairs = kept(duet_scene_load_pairs("pairs.csv", ERR));
     assert_int_equal(duet_scene_get_info(pairs)->n, 2);
     assert_int_equal(duet_scene_get_info(pairs)->dims, 2);
-    duet_scene_destroy(pairs);
 }
 
 // An array of shape (n, 20) as NumPy writes it.
@@ -62,14 +61,12 @@ TEST(doubles_are_rounded_to_the_nearest_float_and_floats_are_kept)
         single[i] = (float)row[i];
     write_array("doubles.npy", "<f8", row, 8, 1);
     write_array("floats.npy", "<f4", single, 4, 1);
-    duet_scene *doubles = must(duet_scene_load_pairs("doubles.npy", ERR));
-    duet_scene *floats = must(duet_scene_load_pairs("floats.npy", ERR));
+    duet_scene *doubles = kept(duet_scene_load_pairs("doubles.npy", ERR));
+    duet_scene *floats = kept(duet_scene_load_pairs("floats.npy", ERR));
     const duet_pose *poses = duet_scene_get_objects(doubles, DUET_OBJECT_POSES);
     assert_true(poses[0].centre[0] == 0.1f && poses[1].centre[0] == 16777216);
     assert_memory_equal(poses, duet_scene_get_objects(floats, DUET_OBJECT_POSES),
                         2 * sizeof *poses);
-    duet_scene_destroy(doubles);
-    duet_scene_destroy(floats);
 }
 
 TEST(wrong_files_are_refused_with_pair_and_pose)

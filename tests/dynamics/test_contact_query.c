@@ -241,7 +241,6 @@ static void contacts_are_those_of_the_boxes(uint32_t dims, float margin)
     assert_true(colliding > BOXES / 2 && touching >= colliding && touching < n);
     print_message("%uD: %llu colliding of %llu, %llu points\n", dims, (unsigned long long)colliding,
                   (unsigned long long)n, (unsigned long long)points);
-    duet_contact_query_destroy(query);
     free(pairs);
 }
 
@@ -270,9 +269,7 @@ static duet_contact contact_of(uint32_t dims, duet_pose a, duet_pose b)
     const duet_pose poses[2] = {a, b};
     const duet_pair pair = {0, 1};
     duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, dims, 0, 0);
-    duet_contact c = find_contacts(query, DUET_OBJECT_POSES, poses, 2, &pair, 1).contacts[0];
-    duet_contact_query_destroy(query);
-    return c;
+    return find_contacts(query, DUET_OBJECT_POSES, poses, 2, &pair, 1).contacts[0];
 }
 
 TEST(a_box_on_a_plane_has_its_corners_at_its_depth)
@@ -359,7 +356,6 @@ TEST(what_touches_has_a_point)
             assert_true(found.contacts[i].points[k].separation == 0);
     }
     assert_true(found.contacts[n - 1].points[0].separation == -0.5f);
-    duet_contact_query_destroy(query);
 }
 
 // ---------------------------------------------------------------- the same
@@ -393,8 +389,6 @@ TEST(the_other_way_round_has_the_same_points)
                 }
             }
         }
-        duet_contact_query_destroy(query);
-        duet_contact_query_destroy(back);
         free(pairs);
     }
 }
@@ -421,7 +415,6 @@ TEST(share_and_launch_change_no_bit)
         if (i == 0)
             memcpy(first, found.contacts, (size_t)n * sizeof *first);
         assert_memory_equal(first, found.contacts, (size_t)n * sizeof *first);
-        duet_contact_query_destroy(query);
     }
     free(first);
     free(pairs);
@@ -452,8 +445,6 @@ TEST(the_pairs_of_a_world_have_points)
         duet_pair p = duet_result_get_pair(&result, i);
         assert_true(found.contacts[i].a == p.a && found.contacts[i].b == p.b);
     }
-    duet_contact_query_destroy(query);
-    duet_world_destroy(world);
 }
 
 // ---------------------------------------------------------------- from step to step
@@ -507,7 +498,6 @@ TEST(a_delta_is_what_two_steps_differ_by)
     }
     assert_true(told[0] > BOXES && told[1] > BOXES && told[2] > BOXES);
     duet_pair_delta_destroy(delta);
-    duet_world_destroy(world);
 }
 
 // ---------------------------------------------------------------- what is refused
@@ -523,7 +513,6 @@ static void assert_refused(const duet_pose *poses, uint32_t n, duet_pair pair, d
     assert_int_equal(err.status, status);
     assert_string_equal(err.text, says);
     find_contacts(query, DUET_OBJECT_POSES, poses, 2, &(duet_pair){0, 1}, 1); // and goes on
-    duet_contact_query_destroy(query);
 }
 
 TEST(what_is_no_pair_of_boxes_is_refused)

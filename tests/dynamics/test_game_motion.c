@@ -58,7 +58,7 @@ static void play(uint32_t dims)
 {
     const axes a = {dims == 2 ? 1 : 2, 0};
     duet_motion_def def = duet_game_motion_def(devices, dims);
-    duet_motion *motion = must(duet_motion_create(&def, NULL, NULL, 0, ERR));
+    duet_motion *motion = kept(duet_motion_create(&def, NULL, NULL, 0, ERR));
     uint64_t ids[BODIES];
     bool sensed = false;
     add_bodies(motion, a, ids);
@@ -84,7 +84,6 @@ static void play(uint32_t dims)
     must(duet_motion_get_states(motion, states, ERR));
     for (int k = 0; k < 3; ++k) // asleep
         assert_true(states[BOX].velocity[k] == 0 && states[SLIDER].velocity[k] == 0);
-    duet_motion_destroy(motion);
 }
 
 TEST(a_game_begins_empty_and_takes_what_comes)

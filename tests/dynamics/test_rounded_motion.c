@@ -446,13 +446,12 @@ TEST(recordings_and_saved_motions_have_radii)
     must(duet_motion_get_hash(third->motion, &hash[1], ERR));
     assert_true(hash[0] == hash[1]);
 
-    duet_replay *replay = must(duet_replay_create(recording, ERR));
+    duet_replay *replay = kept(duet_replay_create(recording, ERR));
     duet_motion_result result;
     while (duet_replay_get_info(replay).steps_done < duet_replay_get_info(replay).steps)
         must(duet_replay_advance(replay, other->motion, &result, ERR));
     must(duet_motion_get_hash(other->motion, &hash[1], ERR));
     assert_true(hash[0] == hash[1]);
-    duet_replay_destroy(replay);
 }
 
 TEST(radii_need_their_effect)
@@ -496,13 +495,11 @@ TEST(any_plan_gives_the_same_bits)
         mover_run(m, 30);
         assert_true(mover_hash(m) == expected);
     }
-    duet_scene *scene = must(duet_scene_create(DUET_OBJECT_ROUNDED_BOXES, boxes, 60, 3, 0, ERR));
-    duet_motion *motion = must(duet_motion_create_from_scene(&m->def, scene, m->bodies, ERR));
+    duet_scene *scene = kept(duet_scene_create(DUET_OBJECT_ROUNDED_BOXES, boxes, 60, 3, 0, ERR));
+    duet_motion *motion = kept(duet_motion_create_from_scene(&m->def, scene, m->bodies, ERR));
     advance(motion, 30);
     must(duet_motion_get_hash(motion, &hash, ERR));
     assert_true(hash == expected);
-    duet_motion_destroy(motion);
-    duet_scene_destroy(scene);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -34,7 +34,7 @@ static void check_scene(const char *name, const char *n)
     char path[1024];
     snprintf(path, sizeof path, "%s/%s.lua", getenv("DUET_TEST_SCENES"), name);
     duet_setting settings[] = {{"n", n}};
-    duet_scene *scene = must(duet_scene_load(path, settings, 1, ERR));
+    duet_scene *scene = kept(duet_scene_load(path, settings, 1, ERR));
     duet_pair *expected = NULL;
     uint64_t pairs = 0;
     must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &expected, &pairs, ERR));
@@ -43,9 +43,9 @@ static void check_scene(const char *name, const char *n)
     print_message("%s, %s objects: %" PRIu64 " pairs, hash %016" PRIx64 "\n", name, n, pairs, hash);
 
     duet_device_pair_def pair_def = duet_default_device_pair_def();
-    duet_device_pair *pair = must(duet_device_pair_create(&pair_def, ERR));
+    duet_device_pair *pair = kept(duet_device_pair_create(&pair_def, ERR));
     duet_world_def def = duet_scene_world_def(scene, pair);
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     must(duet_world_set_scene(world, scene, ERR));
     for (int v = 0; v < 2; ++v)
         for (duet_mode mode = DUET_MODE_SHARED; mode <= DUET_MODE_SLAB; ++mode)
@@ -55,9 +55,6 @@ static void check_scene(const char *name, const char *n)
                 snprintf(plan.variant_b, sizeof plan.variant_b, "%s", variants[v]);
                 check_step(world, &plan, pairs, hash);
             }
-    duet_world_destroy(world);
-    duet_device_pair_destroy(pair);
-    duet_scene_destroy(scene);
 }
 
 TEST(a_million_boxes_of_the_paper)

@@ -78,8 +78,6 @@ TEST(every_level_finds_its_reference_s_pairs_far_away)
         assert_int_equal(duet_result_get_hash(&result), duet_pairs_hash(pairs, n));
         duet_free(pairs);
     }
-    duet_world_destroy(world);
-    duet_scene_destroy(scene);
 }
 
 int main(void)

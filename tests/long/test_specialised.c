@@ -59,16 +59,14 @@ static uint64_t pairs_of(const scene *s, duet_world_def def, const char *words)
     def.plan = (duet_plan){.mode = DUET_MODE_OWN};
     strcpy(def.plan.variant_a, words);
     strcpy(def.plan.variant_b, words);
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     assert_ok(def.shape == DUET_SHAPE_POSES
                   ? duet_world_set_objects(world, DUET_OBJECT_POSES, s->poses, OBJECTS, &err)
                   : duet_world_set_objects(world, DUET_OBJECT_BOUNDS, s->bounds, OBJECTS, &err),
               err);
     must(duet_world_step(world, &result, ERR));
     assert_true(result.pairs > 0);
-    uint64_t hash = duet_result_get_hash(&result);
-    duet_world_destroy(world);
-    return hash;
+    return duet_result_get_hash(&result);
 }
 
 static void compare(const scene *s, const duet_world_def *def, const char *words, uint64_t general)

@@ -72,9 +72,9 @@ TEST(a_great_pile_does_not_sleep_deep)
     assert_close(f[0], 20000, 0.0);
     const double slop = 0.003; // nearly what it is by itself
     const duet_setting n = {"n", "20000"};
-    duet_scene *scene = must(duet_scene_load("falling", &n, 1, ERR));
+    duet_scene *scene = kept(duet_scene_load("falling", &n, 1, ERR));
     duet_motion_def def = duet_scene_motion_def(scene, mover_pair());
-    duet_motion *motion = must(duet_motion_create_from_scene(&def, scene, NULL, ERR));
+    duet_motion *motion = kept(duet_motion_create_from_scene(&def, scene, NULL, ERR));
     duet_motion_result last = {0};
     for (int step = 0; step < 60 * f[1]; ++step)
         must(duet_motion_advance(motion, &last, ERR));
@@ -90,8 +90,6 @@ TEST(a_great_pile_does_not_sleep_deep)
     print_message("%g slops\n", deepest / slop);
     assert_true(deepest < f[2] * slop);
     free(contacts);
-    duet_motion_destroy(motion);
-    duet_scene_destroy(scene);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -80,7 +80,7 @@ static duet_world *open_world(duet_device_pair *pair, const crowd *c)
     def.pair = pair;
     def.dims = c->dims;
     def.rotated = c->rotated;
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, c->poses, c->n, ERR));
     return world;
 }
@@ -126,7 +126,6 @@ static void try_levels(duet_device_pair *pair, const crowd *c)
         }
         duet_free(truth.pairs);
     }
-    duet_world_destroy(world);
 }
 
 TEST(devices_find_each_levels_reference)

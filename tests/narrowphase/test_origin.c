@@ -217,8 +217,6 @@ static uint64_t check_cloud(const double at[3])
         candidates = result.candidates;
     }
     duet_free(pairs);
-    duet_world_destroy(world);
-    duet_scene_destroy(scene);
     return hash + candidates;
 }
 
@@ -251,10 +249,9 @@ TEST(a_world_says_what_origin_cells_do_not_go_with)
     refuse_world(&def, "origin cells are for poses");
     def.shape = DUET_SHAPE_POSES;
     duet_error err = {0};
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     assert_null(duet_world_map_objects(world, DUET_OBJECT_POSES, 1, &err));
     assert_non_null(strstr(err.text, "made for large poses, not for poses"));
-    duet_world_destroy(world);
 }
 
 TEST(an_offset_that_is_not_settled_is_a_bad_object)
@@ -262,7 +259,7 @@ TEST(an_offset_that_is_not_settled_is_a_bad_object)
     const float wrong[] = {LARGE_EDGE, -LARGE_EDGE / 2, 0.05f, LARGE_EDGE * 0x1p-25f, NAN};
     duet_world_def def = large_def(3, true);
     duet_error err = {0};
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     for (int i = 0; i < 5; ++i) {
         duet_large_pose *to = must(duet_world_map_objects(world, DUET_OBJECT_LARGE_POSES, 2, ERR));
         to[0] = to[1] = (duet_large_pose){.pose = {{0}, {1, 1, 1}, {0, 0, 0, 1}}};
@@ -274,7 +271,6 @@ TEST(an_offset_that_is_not_settled_is_a_bad_object)
         assert_non_null(strstr(err.text, "object 1 of 2"));
         err = (duet_error){0};
     }
-    duet_world_destroy(world);
 }
 
 // A compiler stops at a poisoned word that is not skipped.
@@ -334,7 +330,6 @@ TEST(a_script_s_doubles_reach_their_cells)
     must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
     assert_int_equal(n, 1);
     duet_free(pairs);
-    duet_scene_destroy(scene);
 }
 
 static void refuse_scene(const char *name, const char *text, const char *setting, const char *words)
@@ -363,7 +358,6 @@ TEST(data_are_placed_where_that_is_asked_for)
     const duet_large_pose *p = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
     assert_int_equal(p[1].cell[0] - p[0].cell[0], 1);
     assert_true(p[0].pose.centre[0] == 0.25f && p[1].pose.centre[0] == 0.25f);
-    duet_scene_destroy(scene);
 }
 
 TEST_MAIN(open_devices, close_devices)

@@ -19,7 +19,7 @@ static duet_pair_query *open_test(duet_level level, uint32_t share)
     def.pair = devices;
     def.level = level;
     def.share = share;
-    return must(duet_pair_query_create(&def, ERR));
+    return kept(duet_pair_query_create(&def, ERR));
 }
 
 static duet_pose cube_at(float x, float y, float z)
@@ -81,7 +81,7 @@ TEST(a_step_s_candidates_tested_alone_are_its_pairs)
     duet_result result;
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, objects, (uint32_t)random_scene(objects),
                                 ERR));
     step_at(world, DUET_LEVEL_AABB, &result);
@@ -109,7 +109,6 @@ TEST(a_step_s_candidates_tested_alone_are_its_pairs)
     free(answers);
     free(poses);
     free(pairs);
-    duet_world_destroy(world);
 }
 
 // ------------------------------------------------------------ numbers of pairs
@@ -137,7 +136,6 @@ TEST(any_number_of_pairs_is_tested_and_nothing_else_written)
             }
             assert_int_equal(result.colliding, colliding);
         }
-        duet_pair_query_destroy(test);
     }
     free(answers);
     free(poses);
@@ -158,7 +156,6 @@ TEST(gaps_are_those_of_the_best_axis_at_any_share)
             assert_int_equal(answers[i], i % 3 != 2);
             assert_true(separations[i] == (i % 3 == 2 ? 0.5 : -0.25));
         }
-        duet_pair_query_destroy(test);
     }
 }
 
@@ -173,7 +170,6 @@ TEST(touching_pairs_are_decided_on_the_host_and_counted)
     assert_int_equal(answers[0], 1);
     assert_int_equal(answers[1], 0);
     assert_int_equal(result.undecided, 2);
-    duet_pair_query_destroy(test);
 }
 
 // ------------------------------------------------------------ refusals
@@ -187,7 +183,6 @@ static void expect_refused(const duet_pose *poses, uint64_t n, uint32_t share, c
     assert_false(duet_pair_query_run(test, poses, n, answers, NULL, &result, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_string_equal(err.text, why);
-    duet_pair_query_destroy(test);
     free(answers);
 }
 
@@ -239,7 +234,6 @@ TEST(a_test_goes_on_after_a_refusal)
     assert_int_equal(answer, 1);
     assert_false(duet_pair_query_run(test, NULL, 1, &answer, NULL, &result, &err));
     assert_string_equal(err.text, "1 pairs, but no memory for their poses");
-    duet_pair_query_destroy(test);
 }
 
 TEST(a_wrong_def_is_told)

@@ -104,7 +104,8 @@ static duet_scene *by_poses(const double row[NUMBERS], duet_error *err)
     duet_pose poses[2];
     for (int i = 0; i < NUMBERS; ++i)
         ((float *)&poses[i / COLUMNS])[i % COLUMNS] = (float)row[i];
-    return duet_scene_create(DUET_OBJECT_POSES, poses, 2, 3, 0, err);
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, 2, 3, 0, err);
+    return scene ? test_keep(scene, test_duet_scene_back) : NULL;
 }
 
 static void print_needle(const double row[NUMBERS])
@@ -127,7 +128,7 @@ static bool tells_the_truth(way_in way, const double row[NUMBERS], bool may_refu
     }
     const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
     bool answer = duet_poses_collide(&poses[0], &poses[1], 3);
-    duet_scene_destroy(scene);
+    test_give_back(scene);
     return answer == oracle_rows_collide(row, row + COLUMNS);
 }
 
@@ -244,7 +245,6 @@ TEST(doubles_keep_24_bits)
                 double ratio = (double)kept[i] / kept[j] / (q[i] / q[j]);
                 assert_true(fabs(ratio - 1) < 0x1.0001p-23);
             }
-        duet_scene_destroy(scene);
     }
 }
 
@@ -276,7 +276,6 @@ TEST(an_angle_however_small_turns)
             const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
             assert_false(duet_poses_collide(&poses[0], &poses[1], 2));
         }
-        duet_scene_destroy(scene);
     }
 }
 

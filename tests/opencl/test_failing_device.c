@@ -169,7 +169,7 @@ static duet_world *open_world(duet_device_pair *pair, duet_mode mode)
     def.plan = duet_default_plan(pair);
     def.plan.mode = mode;
     def.plan.share = DUET_SHARE_ONE / 2;
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     return world;
 }
@@ -276,7 +276,6 @@ static void fail_each(duet_mode mode, call first, call last)
             ++k;
         print_message("%s: %d %s\n", duet_mode_name(mode), k, calls[c].name);
     }
-    duet_world_destroy(world);
 }
 
 TEST(a_failing_command_is_told_and_the_next_step_is_right)
@@ -322,7 +321,6 @@ TEST(a_failing_first_step_is_told_and_the_next_one_is_right)
             duet_world *world = open_world(c == BUILD ? builders : devices, DUET_MODE_OWN);
             reached = survives(world, (call)c, k);
             assert_true(reached || k > 0);
-            duet_world_destroy(world);
         }
     }
 }
@@ -338,7 +336,7 @@ TEST(a_test_of_pairs_survives_as_well)
     duet_pair_query_def def = duet_default_pair_query_def();
     def.pair = devices;
     def.share = DUET_SHARE_ONE / 2;
-    duet_pair_query *test = must(duet_pair_query_create(&def, ERR));
+    duet_pair_query *test = kept(duet_pair_query_create(&def, ERR));
     must(duet_pair_query_run(test, poses, N / 2, verdicts, NULL, &result, ERR));
     for (size_t i = 0; i < sizeof used / sizeof *used; ++i)
         for (int k = 0; k < 2; ++k) {
@@ -353,7 +351,7 @@ TEST(a_test_of_pairs_survives_as_well)
             must(duet_pair_query_run(test, poses, N / 2, again, NULL, &result, ERR));
             assert_memory_equal(again, verdicts, sizeof verdicts);
         }
-    duet_pair_query_destroy(test);
+    test_give_back(test);
     map_memory(false);
 }
 

@@ -20,7 +20,7 @@ static duet_box_query *open_query(duet_tree *tree, duet_level level)
     duet_box_query_def def = duet_default_box_query_def();
     def.tree = tree;
     def.level = level;
-    return must(duet_box_query_create(&def, ERR));
+    return kept(duet_box_query_create(&def, ERR));
 }
 
 static duet_box_query_result ask(duet_box_query *query, duet_object_kind kind, const void *boxes,
@@ -89,8 +89,6 @@ static void hits_are_those_of_a_sweep_in(uint32_t dims, uint32_t share)
     assert_true(found.n_hits > m / 4 && found.undecided > 0);
     print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
                   found.undecided);
-    duet_box_query_destroy(query);
-    duet_tree_destroy(tree);
     free(boxes);
     free(asked);
 }
@@ -110,7 +108,7 @@ static uint64_t count_by_pairs(duet_level level, const duet_pose *boxes, uint32_
     duet_pair_query_result result;
     def.pair = devices;
     def.level = level;
-    duet_pair_query *test = must(duet_pair_query_create(&def, ERR));
+    duet_pair_query *test = kept(duet_pair_query_create(&def, ERR));
     duet_pose *pairs = calloc((size_t)n * m * 2, sizeof *pairs);
     uint8_t *answers = calloc((size_t)n * m, 1);
     for (uint64_t i = 0; i < (uint64_t)n * m; ++i) {
@@ -122,7 +120,6 @@ static uint64_t count_by_pairs(duet_level level, const duet_pose *boxes, uint32_
         assert_true(answers[(uint64_t)found->hits[i].box * n + found->hits[i].id] == 1);
     free(pairs);
     free(answers);
-    duet_pair_query_destroy(test);
     return result.colliding;
 }
 
@@ -151,9 +148,7 @@ TEST(every_level_answers_as_a_pair_query)
                          count_by_pairs((duet_level)level, boxes, N, asked, M, &found));
         bounds_hits = level == DUET_LEVEL_AABB ? found.n_hits : bounds_hits;
         assert_true(level <= DUET_LEVEL_AABB || found.n_hits < bounds_hits);
-        duet_box_query_destroy(query);
     }
-    duet_tree_destroy(tree);
 }
 
 TEST(bounds_meet_where_comparisons_say_so)
@@ -180,8 +175,6 @@ TEST(bounds_meet_where_comparisons_say_so)
                 ++at;
             }
         assert_true(at == found.n_hits && at > N);
-        duet_box_query_destroy(query);
-        duet_tree_destroy(tree);
     }
 }
 
@@ -212,7 +205,7 @@ TEST(what_is_not_there_meets_nothing)
     duet_motion_def def = duet_default_motion_def();
     def.pair = devices;
     def.wants = DUET_EFFECT_CONTACT;
-    duet_motion *motion = must(duet_motion_create(&def, poses, NULL, 3, ERR));
+    duet_motion *motion = kept(duet_motion_create(&def, poses, NULL, 3, ERR));
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 3, NULL, 0);
     duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
     must(duet_box_query_run_itself(query, NULL, 0, &found, ERR));
@@ -222,9 +215,6 @@ TEST(what_is_not_there_meets_nothing)
     must(duet_box_query_run_itself(query, NULL, 0, &found, ERR));
     assert_int_equal(found.n_hits, 1);
     assert_true(found.hits[0].box == 0 && found.hits[0].id == 2);
-    duet_motion_destroy(motion);
-    duet_box_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 // Enough boxes to be sorted before they are asked about, and lists that grow.
@@ -244,7 +234,7 @@ TEST(a_set_joined_with_itself_has_a_worlds_pairs)
     duet_world_def def = duet_default_world_def();
     duet_result result;
     def.pair = devices;
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     must(duet_world_step(world, &result, ERR));
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 3, poses, N);
@@ -266,9 +256,6 @@ TEST(a_set_joined_with_itself_has_a_worlds_pairs)
     free(filters);
     free(pairs);
     free(poses);
-    duet_box_query_destroy(query);
-    duet_tree_destroy(tree);
-    duet_world_destroy(world);
 }
 
 TEST(what_is_no_box_is_refused_by_its_number)
@@ -279,14 +266,13 @@ TEST(what_is_no_box_is_refused_by_its_number)
     duet_box_query_result found;
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, &good, 1);
     duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
-    duet_tree_destroy(tree); // the query holds it
+    test_give_back(tree); // the query holds it
     asked[2].half_extents[1] = -1;
     assert_false(duet_box_query_run(query, DUET_OBJECT_POSES, asked, 3, &found, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_non_null(strstr(err.text, "box 2:"));
     assert_int_equal(ask(query, DUET_OBJECT_POSES, asked, 2).n_hits, 2);
     assert_int_equal(ask(query, DUET_OBJECT_POSES, NULL, 0).n_hits, 0);
-    duet_box_query_destroy(query);
 }
 
 TEST_MAIN(open_devices, close_devices)

@@ -132,7 +132,7 @@ static duet_tree *open_far_tree(uint32_t dims, uint32_t share, const duet_large_
     def.dims = dims;
     def.share = share;
     def.origin_edge = EDGE;
-    duet_tree *tree = must(duet_tree_create(&def, ERR));
+    duet_tree *tree = kept(duet_tree_create(&def, ERR));
     must(duet_tree_set_objects(tree, DUET_OBJECT_LARGE_POSES, boxes, n, ERR));
     return tree;
 }
@@ -159,7 +159,6 @@ static void ask_rays(const scene *s, duet_tree *tree, int wants, answer *found)
     duet_ray_query *query = open_ray_query(tree, (duet_query_wants)wants, false);
     must(duet_ray_query_run_large(query, s->large_rays, ASKED, &result, ERR));
     keep(found, result.hits, result.n_hits, sizeof *result.hits);
-    duet_ray_query_destroy(query);
 }
 
 static void ask_points(const scene *s, duet_tree *tree, int nearest, answer *found)
@@ -168,7 +167,6 @@ static void ask_points(const scene *s, duet_tree *tree, int nearest, answer *fou
     duet_point_query *query = open_point_query(tree, (uint32_t)nearest);
     must(duet_point_query_run_large(query, s->large_points, ASKED, &result, ERR));
     keep(found, result.hits, result.n_hits, sizeof *result.hits);
-    duet_point_query_destroy(query);
 }
 
 static void ask_sweeps(const scene *s, duet_tree *tree, int wants, answer *found)
@@ -178,7 +176,6 @@ static void ask_sweeps(const scene *s, duet_tree *tree, int wants, answer *found
     must(
         duet_sweep_query_run(query, DUET_OBJECT_LARGE_POSES, s->large_sweeps, ASKED, &result, ERR));
     keep(found, result.hits, result.n_hits, sizeof *result.hits);
-    duet_sweep_query_destroy(query);
 }
 
 // level: or -1, the tree against itself.
@@ -189,13 +186,12 @@ static void ask_boxes(const scene *s, duet_tree *tree, int level, answer *found)
     duet_box_query_def def = duet_default_box_query_def();
     def.tree = tree;
     def.level = level < 0 ? DUET_LEVEL_CERTIFIED : (duet_level)level;
-    duet_box_query *query = must(duet_box_query_create(&def, ERR));
+    duet_box_query *query = kept(duet_box_query_create(&def, ERR));
     assert_ok(level < 0 ? duet_box_query_run_itself(query, NULL, 0, &result, &err)
                         : duet_box_query_run(query, DUET_OBJECT_LARGE_POSES, s->large_asked, ASKED,
                                              &result, &err),
               err);
     keep(found, result.hits, result.n_hits, sizeof *result.hits);
-    duet_box_query_destroy(query);
 }
 
 // ---------------------------------------------------------------- everywhere the same
@@ -213,13 +209,11 @@ static answer ask_everywhere(scene *s, ask *kind, int what, uint32_t dims)
     move_scene(s, here);
     duet_tree *tree = open_far_tree(dims, 0, s->large_boxes, BOXES);
     kind(s, tree, what, &near);
-    duet_tree_destroy(tree);
     move_scene(s, there);
     tree = open_far_tree(dims, HALF, s->large_boxes, BOXES);
     kind(s, tree, what, &far);
     must(duet_tree_set_objects(tree, DUET_OBJECT_LARGE_POSES, s->large_boxes, BOXES + 1, ERR));
     kind(s, tree, what, &other);
-    duet_tree_destroy(tree);
     same_answers(&near, &far);
     same_answers(&near, &other);
     free(far.hits);
@@ -268,7 +262,6 @@ TEST(a_closest_hit_is_the_first_of_all)
     answer every;
     duet_tree *tree = open_far_tree(3, HALF, s->large_boxes, BOXES);
     ask_rays(s, tree, DUET_QUERY_EVERY, &every);
-    duet_tree_destroy(tree);
     const duet_ray_hit *hits = every.hits, *first = closest.hits;
     uint64_t at = 0;
     for (uint32_t i = 0; i < ASKED; ++i) {
@@ -335,7 +328,6 @@ TEST(a_face_is_met_or_missed_by_a_quantum_a_billion_cells_away)
     for (uint32_t i = 0; i < ASKED; ++i)
         assert_int_equal(hits[i].id, i % 4 == 0 || i % 4 == 2 ? 0 : DUET_NO_OBJECT);
     assert_float_equal(hits[0].t, 2.0 * far * EDGE, 256);
-    duet_tree_destroy(tree);
     free(found.hits);
     free(s);
 }
@@ -497,8 +489,6 @@ TEST(many_are_answered_as_few)
     }
     free(rays);
     free(few.hits);
-    duet_ray_query_destroy(query);
-    duet_tree_destroy(tree);
     free(s);
 }
 
@@ -519,7 +509,6 @@ TEST(a_gpu_gives_the_same_answers)
             devices_seem_gpus(gpu);
             duet_tree *tree = open_far_tree(3, 0, s->large_boxes, BOXES);
             asks[i].kind(s, tree, asks[i].what, &found[gpu]);
-            duet_tree_destroy(tree);
         }
         devices_seem_gpus(false);
         assert_true(found[0].n > 0);
@@ -543,7 +532,7 @@ TEST(bodies_of_a_motion_are_seen_where_they_are)
         def.gravity[2] = -9.81;
         for (int k = 0; k < 3; ++k)
             def.origin[k] = (double)at[i][k] * EDGE;
-        duet_motion *motion = must(duet_motion_create(&def, s->boxes, NULL, BOXES, ERR));
+        duet_motion *motion = kept(duet_motion_create(&def, s->boxes, NULL, BOXES, ERR));
         duet_motion_result result;
         for (int step = 0; step < 20; ++step)
             must(duet_motion_advance(motion, &result, ERR));
@@ -559,8 +548,6 @@ TEST(bodies_of_a_motion_are_seen_where_they_are)
         body = states[id];
         assert_float_equal(body.centre[2] - def.origin[2], s->boxes[id].centre[2] - 0.55, 0.1);
         free(states);
-        duet_tree_destroy(tree);
-        duet_motion_destroy(motion);
     }
     same_answers(&seen[0], &seen[1]);
     free(seen[0].hits);
@@ -574,13 +561,11 @@ TEST(a_motion_with_other_cells_is_refused)
     const duet_pose box = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     duet_motion_def def = duet_default_motion_def();
     def.pair = devices;
-    duet_motion *motion = must(duet_motion_create(&def, &box, NULL, 1, ERR));
+    duet_motion *motion = kept(duet_motion_create(&def, &box, NULL, 1, ERR));
     duet_tree *tree = open_far_tree(3, 0, NULL, 0);
     assert_false(duet_tree_set_motion(tree, motion, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     assert_non_null(strstr(err.text, "origin_edge 0; the tree has 0.5"));
-    duet_tree_destroy(tree);
-    duet_motion_destroy(motion);
 }
 
 // ---------------------------------------------------------------- refusals
@@ -592,7 +577,7 @@ TEST(what_has_no_cells_is_refused_by_name)
     duet_tree *tree = open_far_tree(3, 0, &box, 1);
     duet_ray_query_def def = duet_default_ray_query_def();
     def.tree = tree;
-    duet_ray_query *query = must(duet_ray_query_create(&def, ERR));
+    duet_ray_query *query = kept(duet_ray_query_create(&def, ERR));
     duet_ray_query_result result;
     duet_large_ray rays[2] = {{{{0}, {1, 0, 0}, 1}, {5, 6, 7}}, {{{0}, {1, 0, 0}, 1}, {1 << 30}}};
     assert_false(duet_ray_query_run(query, &rays[0].ray, 1, &result, &err));
@@ -610,8 +595,6 @@ TEST(what_has_no_cells_is_refused_by_name)
     assert_false(duet_tree_set_objects(tree, DUET_OBJECT_LARGE_POSES, &box, 1, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_non_null(strstr(err.text, "object 0"));
-    duet_ray_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 TEST(an_edge_that_is_none_is_refused)

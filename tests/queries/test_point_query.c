@@ -82,8 +82,6 @@ static void containing_boxes_are_exact_in(duet_tree *tree, const world *w, bool 
         }
     assert_true(at == found.n_hits && at > POINTS / 4);
     assert_true(bounds == (found.undecided == 0));
-    duet_point_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 TEST(containing_boxes_are_exact)
@@ -176,8 +174,6 @@ static void nearest_boxes_are_near_in(duet_tree *tree, const world *w, bool boun
     assert_int_equal(found.n_hits, POINTS * NEAREST);
     for (uint32_t i = 0; i < POINTS; ++i)
         check_nearest(w, bounds, found.hits + (size_t)i * NEAREST, i, dims);
-    duet_point_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 TEST(nearest_boxes_are_near)
@@ -208,10 +204,6 @@ TEST(share_and_order_of_boxes_change_nothing)
     b = seek_points(of_two, w->points, POINTS);
     for (uint32_t i = 0; i < POINTS * NEAREST; ++i)
         assert_true(a.hits[i].distance == b.hits[i].distance);
-    duet_tree_destroy(one);
-    duet_tree_destroy(two);
-    duet_point_query_destroy(of_one);
-    duet_point_query_destroy(of_two);
     free(w);
 }
 
@@ -250,8 +242,6 @@ TEST(distances_keep_their_bound_on_hard_boxes)
             fail_msg("box %u: %.9g, expected %.9Lg", i, (double)found.hits[0].distance, distance);
         worst = size > 0x1p-30L ? fmaxl(worst, error / size * 0x1p24L) : worst;
     }
-    duet_point_query_destroy(query);
-    duet_tree_destroy(tree);
     print_message("the worst error is %.2Lf u S, of 48\n", worst);
 }
 
@@ -272,8 +262,6 @@ TEST(fewer_boxes_than_asked_for_are_no_error)
     assert_non_null(strstr(err.text, "point 1:"));
     set_poses(tree, NULL, 0);
     assert_true(seek_points(query, points, 1).hits[0].id == DUET_NO_OBJECT);
-    duet_point_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 TEST_MAIN(open_devices, close_devices)

@@ -102,7 +102,7 @@ static uint32_t *ask(const scene *s, duet_tree *tree, bool round, way w, uint32_
         def.tree = tree;
         def.filter = filter;
         def.wants = (duet_query_wants)w;
-        must(query = duet_ray_query_create(&def, ERR));
+        query = kept(duet_ray_query_create(&def, ERR));
         must(duet_ray_query_run(query, s->rays, ITEMS, &result, ERR));
         hits = result.hits;
         *n = result.n_hits;
@@ -112,7 +112,7 @@ static uint32_t *ask(const scene *s, duet_tree *tree, bool round, way w, uint32_
         def.tree = tree;
         def.filter = filter;
         def.wants = w == SWEEPS_EVERY ? DUET_QUERY_EVERY : DUET_QUERY_CLOSEST;
-        must(query = duet_sweep_query_create(&def, ERR));
+        query = kept(duet_sweep_query_create(&def, ERR));
         result = run_sweeps(query, round ? DUET_OBJECT_ROUNDED_BOXES : DUET_OBJECT_POSES,
                             round ? (const void *)s->rounded_sweeps : s->sweeps, ITEMS);
         hits = result.hits;
@@ -122,7 +122,7 @@ static uint32_t *ask(const scene *s, duet_tree *tree, bool round, way w, uint32_
         duet_box_query_result result;
         def.tree = tree;
         def.filter = filter;
-        must(query = duet_box_query_create(&def, ERR));
+        query = kept(duet_box_query_create(&def, ERR));
         must(duet_box_query_run(query, round ? DUET_OBJECT_ROUNDED_BOXES : DUET_OBJECT_POSES,
                                 round ? (const void *)s->rounded_items : s->items, ITEMS, &result,
                                 ERR));
@@ -134,7 +134,7 @@ static uint32_t *ask(const scene *s, duet_tree *tree, bool round, way w, uint32_
         def.tree = tree;
         def.filter = filter;
         def.nearest = w == POINTS_NEAREST ? nearest : 0;
-        must(query = duet_point_query_create(&def, ERR));
+        query = kept(duet_point_query_create(&def, ERR));
         must(duet_point_query_run(query, s->points, ITEMS, &result, ERR));
         hits = result.hits;
         *n = result.n_hits;
@@ -144,14 +144,6 @@ static uint32_t *ask(const scene *s, duet_tree *tree, bool round, way w, uint32_
     assert_non_null(copy);
     if (bytes > 0)
         memcpy(copy, hits, bytes);
-    if (w <= RAYS_EVERY)
-        duet_ray_query_destroy(query);
-    else if (w <= SWEEPS_EVERY)
-        duet_sweep_query_destroy(query);
-    else if (w == BOX_JOIN)
-        duet_box_query_destroy(query);
-    else
-        duet_point_query_destroy(query);
     return copy;
 }
 
@@ -222,7 +214,6 @@ TEST(a_query_finds_what_its_filter_can_touch)
             must(duet_tree_set_filters(tree, s->filters, BOXES, ERR));
             for (int w = 0; w < WAYS; ++w)
                 assert_filtered(s, tree, round, (way)w, &filters[(w + share) % 3]);
-            duet_tree_destroy(tree);
         }
     free(s);
 }
@@ -251,7 +242,7 @@ TEST(objects_keep_their_filters_until_they_are_set)
     duet_box_query_def def = duet_default_box_query_def();
     duet_box_query_result result;
     def.tree = tree;
-    duet_box_query *boxes = must(duet_box_query_create(&def, ERR));
+    duet_box_query *boxes = kept(duet_box_query_create(&def, ERR));
     must(duet_box_query_run_itself(boxes, NULL, 0, &result, ERR));
     assert_int_equal(count_rays(s, tree, some), few);
     must(duet_tree_set_share(tree, 0, ERR));
@@ -261,8 +252,6 @@ TEST(objects_keep_their_filters_until_they_are_set)
     assert_int_equal(count_rays(s, tree, some), few);
     set_poses(tree, s->poses, BOXES);
     assert_int_equal(count_rays(s, tree, some), every);
-    duet_box_query_destroy(boxes);
-    duet_tree_destroy(tree);
     free(s);
 }
 
@@ -278,7 +267,7 @@ TEST(bodies_of_a_motion_bring_their_filters)
     duet_motion_def def = duet_default_motion_def();
     def.pair = devices;
     def.wants = DUET_EFFECT_CONTACT;
-    duet_motion *motion = must(duet_motion_create(&def, s->poses, bodies, BOXES, ERR));
+    duet_motion *motion = kept(duet_motion_create(&def, s->poses, bodies, BOXES, ERR));
     duet_tree *tree = open_tree(3, 0, NULL, 0);
     const duet_filter some = {2, 6};
     for (int turn = 0; turn < 2; ++turn) {
@@ -295,8 +284,6 @@ TEST(bodies_of_a_motion_bring_their_filters)
         const duet_body_list list = {NULL, 0, BOXES};
         must(duet_motion_set_bodies(motion, list, DUET_BODY_FILTER, bodies, ERR));
     }
-    duet_tree_destroy(tree);
-    duet_motion_destroy(motion);
     free(s);
 }
 

@@ -21,9 +21,7 @@ static duet_ray_query *open_alone(duet_query_wants wants, uint32_t dims, uint32_
                                   const duet_pose *poses, uint32_t n)
 {
     duet_tree *tree = open_tree(dims, share, poses, n);
-    duet_ray_query *query = open_ray_query(tree, wants, false);
-    duet_tree_destroy(tree);
-    return query;
+    return open_ray_query(tree, wants, false);
 }
 
 // ---------------------------------------------------------------- worlds
@@ -189,7 +187,6 @@ static void every_hit_is_found_and_no_other(uint32_t dims, uint32_t share)
     assert_true(expected > RAYS && found.undecided > 0);
     print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
                   found.undecided);
-    duet_ray_query_destroy(query);
     free(w);
 }
 
@@ -268,8 +265,6 @@ static void hits_of_bounds_are_exact_in(uint32_t dims)
                 fail_msg("ray %u, bounds %u: %d is wrong", i, id, met[id]);
     }
     assert_true(at == found.n_hits && at > RAYS / 2);
-    duet_tree_destroy(tree);
-    duet_ray_query_destroy(query);
     free(w);
 }
 
@@ -296,9 +291,6 @@ TEST(a_slow_ray_enters_bounds_where_it_does)
     assert_int_equal(all.hits[0].id, 1);
     assert_int_equal(all.hits[1].id, 0);
     assert_true(all.hits[1].t == 2);
-    duet_tree_destroy(tree);
-    duet_ray_query_destroy(closest);
-    duet_ray_query_destroy(every);
 }
 
 // A box that is not turned is bounds too, where its corners are floats.
@@ -330,7 +322,7 @@ TEST(closest_and_any_are_of_every_hit)
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, w->boxes, BOXES);
     duet_ray_query *closest = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
     duet_ray_query *any = open_ray_query(tree, DUET_QUERY_ANY, false);
-    duet_tree_destroy(tree);
+    test_give_back(tree);
     duet_ray_query_result all = cast_rays(every, w->rays, RAYS);
     duet_ray_query_result nearest = cast_rays(closest, w->rays, RAYS);
     duet_ray_query_result some = cast_rays(any, w->rays, RAYS);
@@ -346,9 +338,6 @@ TEST(closest_and_any_are_of_every_hit)
         while (at < all.n_hits && all.hits[at].ray == i)
             ++at;
     }
-    duet_ray_query_destroy(every);
-    duet_ray_query_destroy(closest);
-    duet_ray_query_destroy(any);
     free(w);
 }
 
@@ -384,9 +373,6 @@ TEST(share_and_order_of_boxes_change_nothing)
         if (i == 0)
             assert_true(b.device_ms[1] > 0);
     }
-    duet_tree_destroy(tree);
-    duet_ray_query_destroy(one);
-    duet_ray_query_destroy(two);
     free(w);
 }
 
@@ -423,11 +409,8 @@ TEST(rays_meet_bodies_where_they_are)
     uint64_t hashes[2];
     for (int i = 0; i < 2; ++i) {
         must(duet_motion_get_hash(asked[i], &hashes[i], ERR));
-        duet_motion_destroy(asked[i]);
     }
     assert_true(hashes[0] == hashes[1]);
-    duet_ray_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 enum { BODIES = 40 };
@@ -451,7 +434,7 @@ static duet_motion *drop_boxes(bool doubles, bool contact)
     def.doubles = doubles;
     def.gravity[2] = -10;
     def.wants = contact ? DUET_EFFECT_CONTACT_RESPONSE : 0;
-    return must(duet_motion_create(&def, poses, bodies, BODIES, ERR));
+    return kept(duet_motion_create(&def, poses, bodies, BODIES, ERR));
 }
 
 // Some leave, some come, and what is left out has a pose that no ray meets.
@@ -520,15 +503,11 @@ static void meet_the_bodies_of(bool doubles, bool contact)
     must(duet_motion_get_hash(asked, &hashes[0], ERR));
     must(duet_motion_get_hash(alone, &hashes[1], ERR));
     assert_true(hashes[0] == hashes[1]);
-    duet_motion_destroy(asked);
-    duet_motion_destroy(alone);
+    test_give_back(asked);
+    test_give_back(alone);
     for (int i = 0; i < 3; ++i) { // a tree outlives its motion
         cast_rays(queries[i], w->rays, 300);
-        duet_tree_destroy(trees[i]);
-        duet_ray_query_destroy(queries[i]);
     }
-    duet_tree_destroy(by_host);
-    duet_ray_query_destroy(expected);
     free(w);
 }
 
@@ -547,7 +526,7 @@ TEST(a_motion_that_no_tree_takes_is_refused)
                               {{0x1p101f, 0, 0}, {1, 1, 1}, {0, 0, 0, 1}}};
     def.pair = devices;
     def.wants = DUET_EFFECT_CONTACT;
-    duet_motion *motion = must(duet_motion_create(&def, far, NULL, 2, ERR));
+    duet_motion *motion = kept(duet_motion_create(&def, far, NULL, 2, ERR));
     duet_tree *bounds = open_bounds_tree(3, 0, NULL, 0), *flat = open_tree(2, 0, NULL, 0);
     duet_tree *tree = open_tree(3, 0, &far[0], 1);
     assert_false(duet_tree_set_motion(bounds, motion, &err));
@@ -562,11 +541,6 @@ TEST(a_motion_that_no_tree_takes_is_refused)
     assert_non_null(strstr(err.text, "object 1 "));
     duet_ray_query *query = open_ray_query(tree, DUET_QUERY_ANY, false);
     assert_int_equal(cast_rays(query, &(duet_ray){.t_max = 1}, 1).hits[0].id, DUET_NO_OBJECT);
-    duet_ray_query_destroy(query);
-    duet_tree_destroy(bounds);
-    duet_tree_destroy(flat);
-    duet_tree_destroy(tree);
-    duet_motion_destroy(motion);
 }
 
 // ---------------------------------------------------------------- closed forms
@@ -610,7 +584,6 @@ TEST(touching_counts)
     for (int i = 0; i < N; ++i)
         if (hits[i] != known[i].hits)
             fail_msg("ray %d: %" PRIu64 " hits, expected %" PRIu64, i, hits[i], known[i].hits);
-    duet_ray_query_destroy(query);
 }
 
 // More hits than the lists hold at first.
@@ -630,7 +603,6 @@ TEST(lists_grow)
     for (uint64_t i = 0; i < found.n_hits; ++i)
         assert_true(found.hits[i].ray == i / N && found.hits[i].id == i % N &&
                     found.hits[i].t == 4);
-    duet_ray_query_destroy(query);
     free(boxes);
     free(rays);
 }
@@ -672,8 +644,6 @@ TEST(chunks_that_follow_each_other_lose_nothing)
             assert_false(duet_ray_query_run(query, rays, N, &found, &err));
             assert_non_null(strstr(err.text, "ray 262151:"));
         }
-        duet_ray_query_destroy(query);
-        duet_tree_destroy(tree);
     }
     devices_seem_gpus(false);
     free(rays);
@@ -690,9 +660,8 @@ TEST(a_gpu_walks_to_the_same_hits)
     duet_ray_query_result found = cast_rays(on_gpu, w->rays, RAYS);
     assert_memory_equal(found.hits, expected.hits, RAYS * sizeof *found.hits);
     assert_int_equal(found.undecided, expected.undecided);
-    duet_ray_query_destroy(on_gpu);
+    test_give_back(on_gpu);
     devices_seem_gpus(false);
-    duet_ray_query_destroy(on_cpu);
     free(w);
 }
 
@@ -708,8 +677,6 @@ TEST(no_boxes_and_no_rays_are_no_error)
     found = cast_rays(query, &ray, 1);
     assert_true(found.n_hits == 1 && found.hits[0].id == 0 && found.hits[0].t == 4);
     assert_int_equal(cast_rays(query, NULL, 0).n_hits, 0);
-    duet_tree_destroy(tree);
-    duet_ray_query_destroy(query);
 }
 
 TEST(what_is_no_ray_or_box_is_refused_by_its_number)
@@ -736,8 +703,6 @@ TEST(what_is_no_ray_or_box_is_refused_by_its_number)
     // It has no boxes now.
     const duet_ray ray = {{0, 0, -5}, {0, 0, 1}, INFINITY};
     assert_int_equal(cast_rays(query, &ray, 1).hits[0].id, DUET_NO_OBJECT);
-    duet_tree_destroy(tree);
-    duet_ray_query_destroy(query);
 }
 
 TEST_MAIN(open_devices, close_devices)

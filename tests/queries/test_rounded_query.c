@@ -243,8 +243,6 @@ static void rays_in(const world *w, duet_tree *tree, const duet_rounded_box *box
         while (next < all.n_hits && all.hits[next].ray == i)
             ++next;
     }
-    duet_ray_query_destroy(every);
-    duet_ray_query_destroy(closest);
 }
 
 TEST(rays_meet_what_the_host_says)
@@ -254,7 +252,6 @@ TEST(rays_meet_what_the_host_says)
         duet_tree *tree =
             open_rounded_tree(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
         rays_in(w, tree, w->boxes, dims);
-        duet_tree_destroy(tree);
     }
     free(w);
 }
@@ -296,8 +293,6 @@ TEST(rays_that_begin_at_a_surface_meet_it)
         if (found.n_hits != 1)
             fail_msg("ray %u misses the sphere in which it begins", i);
         assert_true(distance_at(&rays[i], &spheres[i], 3, found.hits[0].t) < 5.0001L);
-        duet_ray_query_destroy(query);
-        duet_tree_destroy(tree);
     }
 }
 
@@ -311,7 +306,6 @@ TEST(rays_of_any_scale_meet_as_many)
         duet_tree *tree =
             open_rounded_tree(3, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
         rays_in(w, tree, w->boxes, 3);
-        duet_tree_destroy(tree);
         free(w);
     }
 }
@@ -360,8 +354,6 @@ static void points_in(const world *w, duet_tree *tree, const duet_rounded_box *b
     found = seek_points(nearest, w->points, RAYS);
     for (uint32_t i = 0; i < RAYS; ++i)
         check_nearest(w, boxes, dims, found.hits + (size_t)i * NEAREST, i);
-    duet_point_query_destroy(containing);
-    duet_point_query_destroy(nearest);
 }
 
 TEST(points_are_in_and_near_what_the_host_says)
@@ -371,7 +363,6 @@ TEST(points_are_in_and_near_what_the_host_says)
         duet_tree *tree =
             open_rounded_tree(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
         points_in(w, tree, w->boxes, dims);
-        duet_tree_destroy(tree);
     }
     free(w);
 }
@@ -382,7 +373,7 @@ static duet_box_query *open_boxes(duet_tree *tree)
 {
     duet_box_query_def def = duet_default_box_query_def();
     def.tree = tree;
-    return must(duet_box_query_create(&def, ERR));
+    return kept(duet_box_query_create(&def, ERR));
 }
 
 // Half of the boxes are asked about, then all of them against each other.
@@ -409,7 +400,6 @@ static void boxes_in(duet_tree *tree, duet_object_kind kind, const void *objects
         assert_int_equal(next, found.n_hits);
         assert_true(next > 5);
     }
-    duet_box_query_destroy(query);
 }
 
 TEST(boxes_collide_as_a_worlds)
@@ -419,7 +409,6 @@ TEST(boxes_collide_as_a_worlds)
         duet_tree *tree =
             open_rounded_tree(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
         boxes_in(tree, DUET_OBJECT_ROUNDED_BOXES, w->boxes, w->boxes, dims);
-        duet_tree_destroy(tree);
     }
     free(w);
 }
@@ -435,7 +424,6 @@ TEST(spheres_are_asked_about_as_rounded_boxes)
         open_rounded_tree(3, DUET_SHARE_ONE / 3, DUET_OBJECT_SPHERES, w->spheres, BOXES);
     rays_in(w, tree, rounded, 3);
     boxes_in(tree, DUET_OBJECT_SPHERES, w->spheres, rounded, 3);
-    duet_tree_destroy(tree);
     free(w);
 }
 
@@ -455,7 +443,7 @@ static duet_motion *open_motion(const world *w, uint32_t wants, bool doubles)
     def.pair = devices;
     def.doubles = doubles;
     def.wants = wants;
-    duet_motion *motion = must(duet_motion_create(&def, poses, bodies, BOXES, ERR));
+    duet_motion *motion = kept(duet_motion_create(&def, poses, bodies, BOXES, ERR));
     free(poses);
     free(bodies);
     return motion;
@@ -488,8 +476,6 @@ static void assert_same_rays(const world *w, duet_tree *tree, duet_tree *by_hand
     assert_true(expected.n_hits > RAYS / 10);
     assert_int_equal(found.n_hits, expected.n_hits);
     assert_memory_equal(found.hits, expected.hits, expected.n_hits * sizeof *expected.hits);
-    duet_ray_query_destroy(asked);
-    duet_ray_query_destroy(known);
 }
 
 // By hand: the poses that the motion tells, with the radii that it was given; what is left out is
@@ -519,10 +505,6 @@ static void ask_bodies(const world *w, duet_motion *motion)
         }
         must(duet_motion_advance(motion, &result, ERR));
     }
-    duet_tree_destroy(trees[0]);
-    duet_tree_destroy(trees[1]);
-    duet_tree_destroy(by_hand);
-    duet_motion_destroy(motion);
 }
 
 TEST(a_tree_of_a_motion_has_its_radii)
@@ -548,18 +530,15 @@ TEST(the_def_of_a_motion_makes_a_tree_that_takes_it)
         def.wants = wants ? DUET_EFFECT_RADIUS : 0;
         def.origin_edge = cells ? 4 : 0;
         body.radius = round ? 0.25f : 0;
-        duet_motion *motion = must(duet_motion_create(&def, &pose, &body, 1, ERR));
+        duet_motion *motion = kept(duet_motion_create(&def, &pose, &body, 1, ERR));
         duet_tree_def of_motion = duet_motion_tree_def(motion);
         of_motion.share = 0;
-        duet_tree *tree = must(duet_tree_create(&of_motion, ERR));
+        duet_tree *tree = kept(duet_tree_create(&of_motion, ERR));
         must(duet_tree_set_motion(tree, motion, ERR));
         if (!flat && of_motion.origin_edge == 0) {
             duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
             assert_float_equal(cast_rays(query, &ray, 1).hits[0].t, round ? 6.25 : 6.5, 1e-5);
-            duet_ray_query_destroy(query);
         }
-        duet_tree_destroy(tree);
-        duet_motion_destroy(motion);
     }
     assert_null(duet_motion_tree_def(NULL).pair);
 }
@@ -579,9 +558,6 @@ TEST(a_tree_of_rounded_boxes_takes_bodies_without_radii)
     duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
     must(duet_tree_set_motion(tree, motion, ERR));
     assert_same_rays(w, tree, by_hand);
-    duet_tree_destroy(by_hand);
-    duet_tree_destroy(tree);
-    duet_motion_destroy(motion);
     free(w);
 }
 
@@ -603,7 +579,6 @@ TEST(what_is_no_rounded_box_is_refused)
     err = (duet_error){0};
     assert_false(duet_tree_set_objects(tree, DUET_OBJECT_POSES, boxes, 3, &err));
     assert_non_null(strstr(err.text, "the tree is of rounded boxes"));
-    duet_tree_destroy(tree);
 }
 
 TEST_MAIN(open_devices, close_devices)

@@ -394,8 +394,6 @@ static void every_hit_in(uint32_t dims, uint32_t share)
     print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
                   found.undecided);
     assert_true(4 * found.undecided < found.n_hits);
-    duet_sweep_query_destroy(query);
-    duet_tree_destroy(tree);
     free(w);
 }
 
@@ -420,8 +418,6 @@ TEST(closed_forms_hold_on_devices)
         duet_sweep_query_result found = run_sweeps(query, DUET_OBJECT_ROUNDED_BOXES, sweeps, 2);
         assert_int_equal(found.n_hits, closed[i].grazes ? 1 : 2);
         assert_true(fabsf(found.hits[0].t - k->t) <= 4e-6f * (1 + k->t));
-        duet_sweep_query_destroy(query);
-        duet_tree_destroy(tree);
     }
 }
 
@@ -455,10 +451,6 @@ TEST(closest_and_any_are_of_every_hit)
         assert_true(!hits || hit->t <= least + 0.05f); // a unit of t is a way of some units
     }
     assert_true(n_same * 50 >= n_hit * 49);
-    for (int i = 0; i < 4; ++i)
-        duet_sweep_query_destroy(queries[i]);
-    duet_tree_destroy(tree);
-    duet_tree_destroy(other);
     free(w);
 }
 
@@ -485,10 +477,6 @@ TEST(boxes_without_radii_have_the_hits_of_poses)
     duet_sweep_query_result b = run_sweeps(other, DUET_OBJECT_POSES, sweeps, SWEEPS);
     assert_true(a.n_hits == b.n_hits && a.n_hits > SWEEPS / 8);
     assert_memory_equal(a.hits, b.hits, a.n_hits * sizeof *a.hits);
-    duet_sweep_query_destroy(one);
-    duet_sweep_query_destroy(other);
-    duet_tree_destroy(rounded);
-    duet_tree_destroy(plain);
     free(w);
 }
 
@@ -527,8 +515,6 @@ TEST(lengths_of_any_scale_have_the_same_hits)
         }
         assert_int_equal(found.n_hits, n);
         assert_memory_equal(found.hits, first, (size_t)n * sizeof *first);
-        duet_sweep_query_destroy(query);
-        duet_tree_destroy(tree);
         free(w);
     }
     free(first);
@@ -560,10 +546,6 @@ TEST(spheres_move_as_rounded_boxes)
     duet_sweep_query_result b = run_sweeps(other, DUET_OBJECT_SPHERES, sweeps, SWEEPS);
     assert_true(a.n_hits == b.n_hits && a.n_hits > SWEEPS / 8);
     assert_memory_equal(a.hits, b.hits, a.n_hits * sizeof *a.hits);
-    duet_sweep_query_destroy(one);
-    duet_sweep_query_destroy(other);
-    duet_tree_destroy(rounded);
-    duet_tree_destroy(round);
     free(w);
 }
 
@@ -589,8 +571,6 @@ TEST(what_is_no_sweep_of_the_shape_is_refused)
     duet_error err = {0};
     assert_false(duet_sweep_query_run(query, DUET_OBJECT_POSES, sweeps, 2, &found, &err));
     assert_non_null(strstr(err.text, "the tree is of rounded boxes"));
-    duet_sweep_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 TEST_MAIN(open_devices, close_devices)

@@ -182,8 +182,6 @@ static void every_hit_in(uint32_t dims, uint32_t share)
     print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
                   found.undecided);
     assert_true(found.undecided < found.n_hits);
-    duet_sweep_query_destroy(query);
-    duet_tree_destroy(tree);
     free(w);
 }
 
@@ -225,12 +223,6 @@ TEST(closest_and_any_are_of_every_hit)
         assert_true(!hits || hit->t <= least + 0.05f); // a unit of t is a way of some units
     }
     assert_true(n_same * 50 >= n_hit * 49);
-    duet_sweep_query_destroy(every);
-    duet_sweep_query_destroy(closest);
-    duet_sweep_query_destroy(again);
-    duet_sweep_query_destroy(any);
-    duet_tree_destroy(tree);
-    duet_tree_destroy(other);
     free(w);
 }
 
@@ -275,8 +267,6 @@ static void moving_bounds_are_exact_in(uint32_t dims)
                 fail_msg("sweep %u, bounds %u: %d is wrong", i, id, met[id]);
     }
     assert_true(at == found.n_hits && at > N);
-    duet_sweep_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 TEST(moving_bounds_are_exact)
@@ -315,8 +305,6 @@ TEST(a_cube_stops_at_a_wall)
             assert_true(found.hits[i].id == expected[i].id && found.hits[i].t == expected[i].t &&
                         found.hits[i].normal[k] == expected[i].normal[k]);
     assert_true(fabsf(found.hits[N - 1].t - (4 - sqrtf(0.5f))) < 1e-6f); // edge first
-    duet_sweep_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 // Turned boxes that touch exactly: where they do is rounded, and yet no way is left.
@@ -337,8 +325,6 @@ TEST(what_touches_at_the_begin_has_no_normal)
         assert_true(hits[i].id == 0 && hits[i].t == 0);
         assert_true(hits[i].normal[0] == 0 && hits[i].normal[1] == 0 && hits[i].normal[2] == 0);
     }
-    duet_sweep_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 TEST(what_is_no_sweep_is_refused_by_its_number)
@@ -360,8 +346,6 @@ TEST(what_is_no_sweep_is_refused_by_its_number)
         assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
         assert_non_null(strstr(err.text, "sweep 2:"));
     }
-    duet_sweep_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 TEST_MAIN(open_devices, close_devices)

@@ -22,7 +22,6 @@ static int read_examples(const char *document, const char *kind)
         const char *end = strstr(at, "```");
         duet_scene *scene = must(scene_from_bytes(name, at, (size_t)(end - at), NULL, 0, ERR));
         assert_true(duet_scene_get_info(scene)->n > 1);
-        duet_scene_destroy(scene);
         at = end + 3;
         ++n;
     }

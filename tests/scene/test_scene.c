@@ -77,35 +77,32 @@ TEST(none_and_one_and_two_objects_make_a_scene)
 {
     const duet_pose poses[2] = {UNIT_CUBE, UNIT_CUBE};
     for (uint32_t n = 0; n <= 2; ++n) {
-        duet_scene *scene = must(duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, ERR));
+        duet_scene *scene = kept(duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, ERR));
         assert_int_equal(duet_scene_get_info(scene)->n, n);
         assert_non_null(duet_scene_get_objects(scene, DUET_OBJECT_POSES));
         assert_null(duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS));
-        duet_scene_destroy(scene);
     }
 }
 
 TEST(what_2d_does_not_read_is_zero_in_the_scene)
 {
     const duet_pose pose = {{1, 2, NAN}, {3, 4, -1}, {NAN, INFINITY, 0, 2}};
-    duet_scene *scene = must(duet_scene_create(DUET_OBJECT_POSES, &pose, 1, 2, 0, ERR));
+    duet_scene *scene = kept(duet_scene_create(DUET_OBJECT_POSES, &pose, 1, 2, 0, ERR));
     const duet_pose want = {{1, 2, 0}, {3, 4, 0}, {0, 0, 0, 2}};
     assert_memory_equal(duet_scene_get_objects(scene, DUET_OBJECT_POSES), &want, sizeof want);
     assert_false(duet_scene_get_info(scene)->rotated);
-    duet_scene_destroy(scene);
     const duet_bounds box = {{1, 2, NAN}, {3, 4, -1}};
-    scene = must(duet_scene_create(DUET_OBJECT_BOUNDS, &box, 1, 2, 0, ERR));
+    scene = kept(duet_scene_create(DUET_OBJECT_BOUNDS, &box, 1, 2, 0, ERR));
     const duet_bounds want_box = {{1, 2, 0}, {3, 4, 0}};
     assert_memory_equal(duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS), &want_box,
                         sizeof want_box);
-    duet_scene_destroy(scene);
 }
 
 static duet_scene *scene_of_rotation(float x, float y, float z, float w)
 {
     duet_pose pose = UNIT_CUBE;
     memcpy(pose.rotation, (const float[4]){x, y, z, w}, sizeof pose.rotation);
-    return must(duet_scene_create(DUET_OBJECT_POSES, &pose, 1, 3, 0, ERR));
+    return kept(duet_scene_create(DUET_OBJECT_POSES, &pose, 1, 3, 0, ERR));
 }
 
 TEST(a_scene_is_rotated_where_a_vector_part_is_not_zero)
@@ -121,7 +118,6 @@ TEST(a_scene_is_rotated_where_a_vector_part_is_not_zero)
         const float *q = cases[i].q;
         duet_scene *scene = scene_of_rotation(q[0], q[1], q[2], q[3]);
         assert_int_equal(duet_scene_get_info(scene)->rotated, cases[i].rotated);
-        duet_scene_destroy(scene);
     }
 }
 
@@ -142,7 +138,6 @@ TEST(a_quaternion_of_any_length_keeps_its_rotation)
             assert_true((double)kept[k] * (double)q[0] == (double)q[k] * (double)kept[0]);
         }
         assert_true(isnormal(squared));
-        duet_scene_destroy(scene);
     }
 }
 

@@ -44,7 +44,6 @@ TEST(a_scene_says_its_world_and_cell)
     assert_int_equal(def.level, DUET_LEVEL_CERTIFIED);
     assert_memory_equal(def.lower, info->lower, sizeof def.lower);
     assert_memory_equal(def.upper, info->upper, sizeof def.upper);
-    duet_scene_destroy(scene);
 }
 
 TEST(what_a_scene_leaves_out_has_a_default)
@@ -56,7 +55,6 @@ TEST(what_a_scene_leaves_out_has_a_default)
     assert_int_equal(info->dims, 3);
     assert_false(info->has_world || info->cell_fixed || info->rotated);
     assert_true(info->cell == 0);
-    duet_scene_destroy(scene);
 }
 
 TEST(all_ways_to_write_an_object_agree)
@@ -72,16 +70,13 @@ TEST(all_ways_to_write_an_object_agree)
     assert_int_equal(duet_scene_get_info(scene)->n, 6);
     for (int i = 0; i < 6; ++i)
         assert_memory_equal(&test_poses(scene)[i], &want, sizeof want);
-    duet_scene_destroy(scene);
     scene = assert_scene(
         "add(1, 2, 3, 4, 0.5) "
         "return { objects = {{ centre = {1, 2}, half_extents = {3, 4}, angle = 0.5 }} }");
     assert_memory_equal(&test_poses(scene)[0], &test_poses(scene)[1], sizeof(duet_pose));
-    duet_scene_destroy(scene);
     scene = assert_scene("add(1, 2, 3, 4, 5, 6) add { lower = {1, 2, 3}, upper = {4, 5, 6} }"
                          "return {}");
     assert_memory_equal(&test_bounds(scene)[0], &test_bounds(scene)[1], sizeof(duet_bounds));
-    duet_scene_destroy(scene);
 }
 
 // ---------------------------------------------------------------- rotations
@@ -134,7 +129,6 @@ static void assert_euler_is_the_papers(double phi, double theta, double psi)
     quaternion_to_matrix(test_poses(scene)->rotation, of_scene);
     euler_to_matrix(phi, theta, psi, of_paper);
     assert_matrices_near(of_scene, of_paper);
-    duet_scene_destroy(scene);
 }
 
 TEST(euler_angles_turn_in_the_papers_order)
@@ -291,7 +285,6 @@ static bool runs_with_n(const char *chars, const char *n)
     limited = false;
     if (!scene && !strstr(err.text, "runs for more than"))
         fail_msg("%s", err.text);
-    duet_scene_destroy(scene);
     return scene != NULL;
 }
 
@@ -324,7 +317,6 @@ TEST(settings_take_the_place_of_defaults)
     assert_true(info->rotated);
     assert_string_equal(info->name, "b c");
     assert_true(test_poses(scene)->half_extents[0] == 3);
-    duet_scene_destroy(scene);
 }
 
 TEST(a_wrong_setting_says_what_is_right)
@@ -371,7 +363,7 @@ static duet_scene *load_shipped(const char *name, const char *n, const char *par
     char path[512];
     snprintf(path, sizeof path, "%s/%s.lua", getenv("DUET_TEST_SCENES"), name);
     const duet_setting settings[] = {{"n", n}, {parameter, value}};
-    duet_scene *scene = must(duet_scene_load(path, settings, parameter ? 2 : 1, ERR));
+    duet_scene *scene = kept(duet_scene_load(path, settings, parameter ? 2 : 1, ERR));
     assert_string_equal(duet_scene_get_info(scene)->name, name);
     return scene;
 }
@@ -387,7 +379,6 @@ TEST(shipped_scenes_have_as_many_objects_as_asked_for)
             assert_int_equal(info->dims, strstr(shipped[i], "2d") ? 2 : 3);
             assert_int_equal(info->shape, DUET_SHAPE_POSES);
             assert_true(info->has_world);
-            duet_scene_destroy(scene);
         }
 }
 
@@ -398,7 +389,6 @@ TEST(scenes_with_radii_have_the_shape_that_costs_least)
     assert_int_equal(duet_scene_get_info(scene)->shape, DUET_SHAPE_SPHERES);
     assert_int_equal(duet_scene_get_info(scene)->n, 300);
     assert_true(spheres[299].radius == 0.5f && !test_poses(scene));
-    duet_scene_destroy(scene);
     scene = load_shipped("rounded", "300", NULL, NULL);
     const duet_rounded_box *boxes = duet_scene_get_objects(scene, DUET_OBJECT_ROUNDED_BOXES);
     assert_int_equal(duet_scene_get_info(scene)->shape, DUET_SHAPE_ROUNDED_BOXES);
@@ -406,7 +396,6 @@ TEST(scenes_with_radii_have_the_shape_that_costs_least)
     assert_true(boxes[0].radius == 0.25f && boxes[0].pose.half_extents[0] == 0.4f);
     assert_true(boxes[3].radius == 0.0f && boxes[3].pose.half_extents[2] == 0.3f);
     assert_true(!test_poses(scene) && !duet_scene_get_objects(scene, DUET_OBJECT_SPHERES));
-    duet_scene_destroy(scene);
 }
 
 // A box may stand before the first that has a radius, and behind it.
@@ -426,7 +415,6 @@ TEST(radii_may_stand_beside_none)
     assert_true(boxes[0].radius == 0 && boxes[1].radius == 2 && boxes[2].radius == 0);
     assert_memory_equal(boxes[1].pose.rotation, boxes[2].pose.rotation,
                         sizeof boxes[1].pose.rotation);
-    duet_scene_destroy(scene);
 }
 
 TEST(shipped_scenes_turn_their_boxes_only_if_asked_to)
@@ -436,7 +424,6 @@ TEST(shipped_scenes_turn_their_boxes_only_if_asked_to)
             duet_scene *scene =
                 load_shipped(shipped[i], "50", "rotated", rotated ? "true" : "false");
             assert_int_equal(duet_scene_get_info(scene)->rotated, rotated);
-            duet_scene_destroy(scene);
         }
 }
 
@@ -478,7 +465,6 @@ TEST(neighbours_on_planes_touch_exactly)
             }
         assert_true(touching > 2 * 500);
         assert_true(count_pairs(scene) == touching);
-        duet_scene_destroy(scene);
     }
 }
 
@@ -503,8 +489,6 @@ TEST(the_papers_scene_is_the_same_on_every_machine)
     snprintf(shown, sizeof shown, "%016" PRIx64, hash_bits(scene));
     assert_string_equal(shown, "d9501e27c1cfb636");
     assert_true(hash_bits(scene) != hash_bits(other));
-    duet_scene_destroy(scene);
-    duet_scene_destroy(other);
 }
 
 // ------------------------------------------------------------------- ranges
@@ -528,7 +512,7 @@ enum { IN_ALL = 14 };
 static duet_scene *load_range(const char *path, uint64_t first, uint64_t end)
 {
     uint64_t n = 0;
-    duet_scene *scene = must(scene_load_range(path, NULL, 0, first, end, &n, ERR));
+    duet_scene *scene = kept(scene_load_range(path, NULL, 0, first, end, &n, ERR));
     assert_int_equal(n, IN_ALL);
     return scene;
 }
@@ -551,10 +535,8 @@ static void assert_ranges_hold_the_whole(const char *path, const char *chars)
             const duet_body *own = duet_scene_get_bodies(part);
             for (uint32_t i = 0; own && i < end - first; ++i)
                 assert_memory_equal(&own[i], &bodies[first + i], sizeof *own);
-            duet_scene_destroy(part);
         }
     }
-    duet_scene_destroy(whole);
 }
 
 TEST(a_range_of_a_scene_is_that_part_of_the_whole)
@@ -575,7 +557,6 @@ TEST(sources_of_each_are_independent)
     for (int i = 3; i < 12; ++i)
         for (int k = 3; k < i; ++k)
             assert_true(p[i].centre[0] != p[k].centre[0]);
-    duet_scene_destroy(scene);
 }
 
 // Only the kept ones of a thousand million are made.
@@ -584,10 +565,9 @@ TEST(a_range_of_a_great_scene_is_quick)
     uint64_t n = 0;
     const duet_setting setting = {"n", "1000000000"};
     duet_scene *scene =
-        must(scene_load_range("grains", &setting, 1, 999999990, UINT64_MAX, &n, ERR));
+        kept(scene_load_range("grains", &setting, 1, 999999990, UINT64_MAX, &n, ERR));
     assert_int_equal(n, 1000000000);
     assert_int_equal(duet_scene_get_info(scene)->n, 10);
-    duet_scene_destroy(scene);
 }
 
 // ------------------------------------------------------------- random input
@@ -606,7 +586,6 @@ static void assert_scene_or_line(const char *bytes, size_t n)
     assert_true((scene != NULL) == (err.status == DUET_STATUS_OK));
     assert_true(scene || strstr(err.text, FILE_NAME));
     assert_true(scene || !strchr(err.text, '\n'));
-    duet_scene_destroy(scene);
 }
 
 TEST(every_beginning_of_a_scene_is_read_or_refused)

@@ -32,7 +32,6 @@ TEST(a_scene_says_what_moves)
     assert_int_equal(def.wants, DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_EVENTS);
     assert_true(def.upper[1] == 11.0 && def.gravity[2] == -9.0 && def.drag == 0.5);
     assert_true(def.dt == 0.01 && def.doubles && def.origin[0] == 1e6 && def.skin == 0.125);
-    duet_scene_destroy(s);
 }
 
 TEST(a_scene_has_materials)
@@ -56,17 +55,13 @@ TEST(a_scene_has_materials)
     assert_true(def.material_pairs[0].a == 2 && def.material_pairs[0].b == 1 &&
                 def.material_pairs[0].friction == 0.75f &&
                 def.material_pairs[0].restitution == 1.0f);
-    duet_scene_destroy(s);
 }
 
 TEST(a_scene_that_says_nothing_of_bodies_has_none)
 {
-    duet_error err = {0};
     duet_scene *s =
-        scene_from_text("still.lua", "add(0, 0, 0, 1, 1, 1, 0, 0, 0, 1) return {}", &err);
-    assert_ok(s, err);
+        must(scene_from_text("still.lua", "add(0, 0, 0, 1, 1, 1, 0, 0, 0, 1) return {}", ERR));
     assert_null(duet_scene_get_bodies(s));
-    duet_scene_destroy(s);
 }
 
 TEST(what_is_wrong_is_refused_with_its_name)

@@ -32,7 +32,6 @@ TEST(the_columns_say_what_a_row_is)
         assert_int_equal(info->dims, kinds[i].dims);
         assert_int_equal(info->shape, kinds[i].shape);
         assert_false(info->has_world);
-        duet_scene_destroy(scene);
     }
 }
 
@@ -44,7 +43,6 @@ TEST(a_box_turned_in_2d_becomes_a_quaternion)
     assert_memory_equal(&poses[0], &want, sizeof want);
     assert_true(poses[1].rotation[2] == 0 && poses[1].rotation[3] == 1);
     assert_true(duet_scene_get_info(scene)->rotated);
-    duet_scene_destroy(scene);
 }
 
 TEST(ways_of_writing_make_no_difference)
@@ -62,7 +60,6 @@ TEST(ways_of_writing_make_no_difference)
         assert_int_equal(duet_scene_get_info(scene)->n, 2);
         const duet_bounds want[] = {{{1, 2, 0}, {3, 4, 0}}, {{5, 6, 0}, {7, 8, 0}}};
         assert_memory_equal(duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS), want, sizeof want);
-        duet_scene_destroy(scene);
     }
 }
 
@@ -72,7 +69,6 @@ TEST(a_file_without_rows_is_a_scene_without_objects)
     for (size_t i = 0; i < sizeof empty / sizeof empty[0]; ++i) {
         duet_scene *scene = must(scene_from_text(FILE_NAME, empty[i], ERR));
         assert_int_equal(duet_scene_get_info(scene)->n, 0);
-        duet_scene_destroy(scene);
     }
 }
 
@@ -85,7 +81,6 @@ TEST(a_number_is_rounded_to_the_nearest_float)
     const duet_pose *pose = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
     assert_true(pose->centre[0] == 0.1f && pose->centre[1] == 0.0f);
     assert_true(pose->half_extents[0] == 16777216.0f && pose->half_extents[1] == 0x1.fffffep127f);
-    duet_scene_destroy(scene);
 }
 
 TEST(a_wrong_line_is_named)
@@ -178,7 +173,6 @@ TEST(the_language_of_the_application_does_not_matter)
     assert_ok(scene, err);
     assert_true(test_bounds(scene)->upper[1] == 1.5f);
     assert_string_equal(shown, "0,5");
-    duet_scene_destroy(scene);
 }
 
 #define SAMPLE "cx cy hx hy angle\n0.25, -1e3, 0.5, 0.5, 0.785\r\n# two\n-7 8 1 2 3\n"
@@ -194,7 +188,6 @@ static void assert_scene_or_line(const char *bytes, size_t n)
     for (uint32_t i = 0; scene && i < duet_scene_get_info(scene)->n; ++i)
         if (duet_scene_get_objects(scene, DUET_OBJECT_POSES))
             assert_true(isfinite(test_poses(scene)[i].centre[0]));
-    duet_scene_destroy(scene);
 }
 
 TEST(every_beginning_of_a_file_is_read_or_refused)

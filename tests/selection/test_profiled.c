@@ -367,15 +367,13 @@ static void put_for_scene(const char *path)
 {
     duet_error err = {0};
     duet_device_pair_def pair_def = duet_default_device_pair_def();
-    duet_device_pair *pair = must(duet_device_pair_create(&pair_def, ERR));
-    duet_scene *scene = must(duet_scene_load(SCENE, NULL, 0, ERR));
+    duet_device_pair *pair = kept(duet_device_pair_create(&pair_def, ERR));
+    duet_scene *scene = kept(duet_scene_load(SCENE, NULL, 0, ERR));
     duet_world_def def = duet_scene_world_def(scene, pair);
     duet_world *world = duet_world_create(&def, &err);
     must(world && duet_world_set_scene(world, scene, ERR));
     put_for(path, world, NULL);
     duet_world_destroy(world);
-    duet_scene_destroy(scene);
-    duet_device_pair_destroy(pair);
 }
 
 static cJSON *ask_why(const char *path)

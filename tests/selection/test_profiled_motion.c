@@ -238,7 +238,7 @@ static duet_world *make_world(const mover *m)
 {
     duet_world_def def = duet_default_world_def();
     def.pair = mover_pair();
-    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, m->poses, m->n, ERR));
     return world;
 }
@@ -260,7 +260,6 @@ TEST(a_still_worlds_profile_is_no_motions_nor_the_reverse)
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     assert_int_equal(load(m, still.store).grade, DUET_GRADE_DEFAULT);
     assert_int_equal(load(m, moving.store).grade, DUET_GRADE_EXACT);
-    duet_world_destroy(world);
 }
 
 // A number that makes no motion of another kind.

@@ -47,7 +47,7 @@ static duet_task *create(const char *n)
     def.path = "twice.task.lua";
     def.settings = &setting;
     def.n_settings = 1;
-    return must(duet_task_create(&def, ERR));
+    return kept(duet_task_create(&def, ERR));
 }
 
 // Stores a plan for n items, as a tuning does.
@@ -109,7 +109,6 @@ TEST(an_application_runs_by_the_plan_that_was_measured)
     assert_string_equal(found.verdict, "faster");
     assert_true(found.step_ms == 2);
     expect_twice(t);
-    duet_task_destroy(t);
 }
 
 TEST(a_size_within_a_tenth_gets_the_same_plan)
@@ -120,7 +119,6 @@ TEST(a_size_within_a_tenth_gets_the_same_plan)
     assert_int_equal(found.grade, DUET_GRADE_INTERPOLATED);
     assert_int_equal(found.plan.share, DUET_SHARE_ONE / 4);
     expect_twice(t);
-    duet_task_destroy(t);
 }
 
 static void expect_default(duet_task *t, duet_grade grade)
@@ -138,14 +136,12 @@ TEST(a_changed_kernel_runs_by_the_default_plan)
     task_files_write(".", "twice", "const int *x\nint *y\n", "y[i] = x[i] + x[i];");
     duet_task *t = create("4000");
     expect_default(t, DUET_GRADE_STALE);
-    duet_task_destroy(t);
 }
 
 TEST(without_a_store_the_plan_is_the_default)
 {
     duet_task *t = create("4000");
     expect_default(t, DUET_GRADE_DEFAULT);
-    duet_task_destroy(t);
 }
 
 TEST(a_store_that_cannot_be_read_leaves_a_task_that_runs)
@@ -159,7 +155,6 @@ TEST(a_store_that_cannot_be_read_leaves_a_task_that_runs)
     assert_non_null(strstr(err.text, "store.db"));
     assert_memory_equal(duet_task_get_plan(t), &before, sizeof before);
     expect_twice(t);
-    duet_task_destroy(t);
 }
 
 int main(void)

@@ -20,15 +20,14 @@ duet_device_pair *open_pair(const char *a, const char *b)
 
 duet_world *create_world(const duet_world_def *def)
 {
-    return must(duet_world_create(def, ERR));
+    return kept(duet_world_create(def, ERR));
 }
 
 uint64_t true_hash_of(duet_scene *scene)
 {
-    duet_error err = {0};
     duet_pair *pairs = NULL;
     uint64_t n = 0;
-    assert_ok(scene != NULL, err);
+    assert_non_null(scene);
     must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
     uint64_t hash = duet_pairs_hash(pairs, n);
     duet_free(pairs);

@@ -11,8 +11,8 @@ extern duet_device_pair *devices;
 int open_devices(void **state);
 int close_devices(void **state);
 
-// Fail the test if they cannot be made; the caller destroys them. a NULL: the pair of the tests'
-// environment.
+// Fail the test if they cannot be made. a NULL: the pair of the tests' environment. The caller
+// destroys the pair; the world lasts until the test ends.
 duet_device_pair *open_pair(const char *a, const char *b);
 duet_world *create_world(const duet_world_def *def);
 

@@ -10,11 +10,10 @@
 duet_scene *scene_from_bytes(const char *name, const void *bytes, size_t n,
                              const duet_setting *settings, uint32_t n_settings, duet_error *err)
 {
-    duet_error io = {0};
-    assert_ok(text_write_file(name, bytes, n, &io), io);
+    must(text_write_file(name, bytes, n, ERR));
     duet_scene *scene = duet_scene_load(name, settings, n_settings, err);
     remove(name);
-    return scene;
+    return scene ? test_keep(scene, test_duet_scene_back) : NULL;
 }
 
 duet_scene *scene_from_text(const char *name, const char *chars, duet_error *err)

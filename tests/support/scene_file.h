@@ -5,7 +5,8 @@
 
 #include "runtime/duet.h"
 
-// Reads bytes as a file of that name would be read. The file is gone after.
+// Reads bytes as a file of that name would be read. The file is gone after; the scene lasts until
+// the test ends.
 duet_scene *scene_from_bytes(const char *name, const void *bytes, size_t n,
                              const duet_setting *settings, uint32_t n_settings, duet_error *err);
 

@@ -95,6 +95,13 @@ void test_give_back(void *thing)
     give_back_first(at);
 }
 
+#define BACK(kind)                      \
+    void test_##kind##_back(void *made) \
+    {                                   \
+        kind##_destroy(made);           \
+    }
+TEST_KINDS(BACK)
+
 static int begin_test(void **state)
 {
     return chdir(own_folder) == 0 && (!each_begin || each_begin(state) == 0) ? 0 : -1;

@@ -77,11 +77,15 @@ void skip_without_terminal(void);
 void *test_keep(void *thing, void (*back)(void *thing));
 void test_give_back(void *thing);
 
-// What duet_..._destroy gives back.
-#define TEST_KINDS(OF)                                                                            \
-    OF(duet_box_query) OF(duet_contact_query) OF(duet_device_pair) OF(duet_motion)                \
-    OF(duet_pair_query) OF(duet_point_query) OF(duet_ray_query) OF(duet_replay) OF(duet_scene)    \
+// What public calls make and destroy, each with its test_KIND_back for test_keep.
+// clang-format off
+#define TEST_KINDS(OF)                                                                           \
+    OF(duet_box_query) OF(duet_contact_query) OF(duet_device_pair) OF(duet_motion)               \
+    OF(duet_pair_query) OF(duet_point_query) OF(duet_ray_query) OF(duet_replay) OF(duet_scene)   \
     OF(duet_sweep_query) OF(duet_task) OF(duet_tree) OF(duet_world)
+// clang-format on
+#define TEST_BACK(kind) void test_##kind##_back(void *made);
+TEST_KINDS(TEST_BACK)
 
 // How many names there are in the folder one is in.
 int test_count_files(void);
@@ -105,11 +109,9 @@ int test_count_files(void);
     })
 #define ERR (&test_error)
 
-// The same for a maker of one of TEST_KINDS, and the test keeps what it made.
-#define kept(call) test_keep_of(must(call))
-#define DECLARE_KEEP(kind) kind *test_keep_##kind(kind *made);
-TEST_KINDS(DECLARE_KEEP)
-#define KEEP_OF(kind) kind * : test_keep_##kind,
+// The same, and the test keeps what was made, one of TEST_KINDS.
+#define kept(call) test_keep(must(call), _Generic((call), TEST_KINDS(TEST_BACK_OF) void * : NULL))
+#define TEST_BACK_OF(kind) kind * : test_##kind##_back,
 
 extern _Thread_local duet_error test_error;
 

@@ -11,7 +11,7 @@ static duet_tree *open_of(duet_shape shape, uint32_t dims, uint32_t share)
     def.shape = shape;
     def.dims = dims;
     def.share = share;
-    return must(duet_tree_create(&def, ERR));
+    return kept(duet_tree_create(&def, ERR));
 }
 
 void set_poses(duet_tree *tree, const duet_pose *poses, uint32_t n)
@@ -48,7 +48,7 @@ duet_ray_query *open_ray_query(duet_tree *tree, duet_query_wants wants, bool nor
     def.tree = tree;
     def.wants = wants;
     def.normals = normals;
-    return must(duet_ray_query_create(&def, ERR));
+    return kept(duet_ray_query_create(&def, ERR));
 }
 
 duet_ray_query_result cast_rays(duet_ray_query *query, const duet_ray *rays, uint64_t n)
@@ -63,7 +63,7 @@ duet_point_query *open_point_query(duet_tree *tree, uint32_t nearest)
     duet_point_query_def def = duet_default_point_query_def();
     def.tree = tree;
     def.nearest = nearest;
-    return must(duet_point_query_create(&def, ERR));
+    return kept(duet_point_query_create(&def, ERR));
 }
 
 duet_point_query_result seek_points(duet_point_query *query, const duet_point *points, uint64_t n)
@@ -78,7 +78,7 @@ duet_sweep_query *open_sweep_query(duet_tree *tree, duet_query_wants wants)
     duet_sweep_query_def def = duet_default_sweep_query_def();
     def.tree = tree;
     def.wants = wants;
-    return must(duet_sweep_query_create(&def, ERR));
+    return kept(duet_sweep_query_create(&def, ERR));
 }
 
 duet_sweep_query_result run_sweeps(duet_sweep_query *query, duet_object_kind kind,
@@ -98,7 +98,7 @@ duet_contact_query *open_contact_query(duet_shape shape, uint32_t dims, uint32_t
     def.dims = dims;
     def.share = share;
     def.margin = margin;
-    return must(duet_contact_query_create(&def, ERR));
+    return kept(duet_contact_query_create(&def, ERR));
 }
 
 duet_contact_query_result find_contacts(duet_contact_query *query, duet_object_kind kind,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Trees and queries on the tests' devices, and what is asked of them.
+// Trees and queries on the tests' devices, which last until a test ends, and what is asked of them.
 #ifndef TESTS_TREES_H
 #define TESTS_TREES_H
 
