@@ -399,7 +399,7 @@ static uint32_t n_arguments(const gen_variant *v)
 TEST(kernels_take_no_argument_of_what_is_left_out)
 {
     const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
-    gen *g = must(gen_open(NULL, ERR));
+    gen *g = kept(gen_open(NULL, ERR));
     int checked = 0;
     for (size_t k = 0; k < N_KERNELS; ++k) {
         gen_variant all = variant_without(g, kernels[k], &limits, -1);
@@ -422,14 +422,13 @@ TEST(kernels_take_no_argument_of_what_is_left_out)
         gen_variant_free(&all);
     }
     assert_true(checked >= 20);
-    gen_close(g);
 }
 
 // Every kernel that an effect changes is among those that explain names.
 TEST(an_effect_names_all_its_kernels)
 {
     const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
-    gen *g = must(gen_open(NULL, ERR));
+    gen *g = kept(gen_open(NULL, ERR));
     mover *m = make_scene(0);
     mover_run(m, 1);
     int checked = 0;
@@ -448,7 +447,6 @@ TEST(an_effect_names_all_its_kernels)
         }
     }
     assert_in_range(checked, 30, 100);
-    gen_close(g);
 }
 
 // ---------------------------------------------------------------- memory

@@ -42,7 +42,7 @@ static bool read(script *s, const char *chars, settings *found, duet_error *err)
 
 TEST(a_table_is_read_with_fallbacks)
 {
-    script *s = must(sandbox_open(NULL, ERR));
+    script *s = kept(sandbox_open(NULL, ERR));
     settings found = {0};
     must(read(s, "return { n = 3.0, fixed = false, world = {} }", &found, ERR));
     assert_int_equal(found.n, 3);
@@ -50,7 +50,6 @@ TEST(a_table_is_read_with_fallbacks)
     assert_false(found.fixed);
     assert_string_equal(found.name, "none");
     assert_true(found.has_world);
-    script_close(s);
 }
 
 TEST(what_is_wrong_is_told_with_its_line)
@@ -73,7 +72,7 @@ TEST(what_is_wrong_is_told_with_its_line)
         {"return {\n world = 12 }", "scene.lua:2: world must be a table, is 12"},
     };
     duet_error err = {0};
-    script *s = must(sandbox_open(NULL, ERR));
+    script *s = kept(sandbox_open(NULL, ERR));
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         settings found;
         err = (duet_error){0};
@@ -83,7 +82,6 @@ TEST(what_is_wrong_is_told_with_its_line)
         assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
         assert_int_equal(lua_gettop(script_lua(s)), 0);
     }
-    script_close(s);
 }
 
 TEST_MAIN(NULL, NULL)

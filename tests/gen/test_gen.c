@@ -20,7 +20,7 @@ static gen *open_test_kernels(void)
 {
     text dir = {0};
     text_add(&dir, "%s/kernels", getenv("DUET_TEST_DATA"));
-    gen *g = must(gen_open(dir.chars, ERR));
+    gen *g = kept(gen_open(dir.chars, ERR));
     text_free(&dir);
     return g;
 }
@@ -46,13 +46,12 @@ static duet_error make_with(const char *card, const char *body_file, const char 
     write_file("k.lua", card);
     write_file(body_file, body);
     duet_error err = {0};
-    gen *g = must(gen_open(folder, ERR));
+    gen *g = kept(gen_open(folder, ERR));
     gen_variant v;
     bool ok = gen_make(g, "k", NULL, 0, &gpu, &v, &err);
     assert_int_equal(ok, v.text != NULL);
     snprintf(made, sizeof made, "%s", ok ? v.text : "");
     gen_variant_free(&v);
-    gen_close(g);
     return err;
 }
 
@@ -83,8 +82,6 @@ TEST(the_same_config_gives_the_same_bytes)
     assert_int_equal(strlen(first.sha256), 64);
     gen_variant_free(&first);
     gen_variant_free(&second);
-    gen_close(g);
-    gen_close(other);
 }
 
 // In any order, and for both kinds of device: as a gen makes it that never made another.
@@ -92,7 +89,7 @@ TEST(what_was_made_before_changes_no_text)
 {
     duet_error err = {0};
     rng r = rng_seed(test_seed());
-    gen *g = must(gen_open(NULL, ERR));
+    gen *g = kept(gen_open(NULL, ERR));
     static const char *const names[] = {"pair_search_simd", "hash", "scan"};
     for (int i = 0; i < 30; ++i) {
         const char *name = names[rng_below(&r, 3)];
@@ -118,7 +115,6 @@ TEST(what_was_made_before_changes_no_text)
         gen_variant_free(&fresh);
         gen_close(other);
     }
-    gen_close(g);
 }
 
 TEST(the_hash_is_of_the_text)
@@ -130,7 +126,6 @@ TEST(the_hash_is_of_the_text)
     SHA256Data((const uint8_t *)v.text, strlen(v.text), sum);
     assert_string_equal(v.sha256, sum);
     gen_variant_free(&v);
-    gen_close(g);
 }
 
 TEST(texts_are_as_expected)
@@ -146,7 +141,6 @@ TEST(texts_are_as_expected)
     must(gen_make(g, "plain", NULL, 0, &gpu, &v, ERR));
     golden_check("plain.gpu.cl", v.text);
     gen_variant_free(&v);
-    gen_close(g);
 }
 
 TEST(a_variant_is_named_by_what_varies)
@@ -160,7 +154,6 @@ TEST(a_variant_is_named_by_what_varies)
     assert_int_equal(v.group, 1);
     assert_int_equal(v.per_item, 1);
     gen_variant_free(&v);
-    gen_close(g);
 }
 
 // ------------------------------------------------------- configs
@@ -196,7 +189,6 @@ TEST(settings_that_do_not_fit_are_refused)
         expect(err, cases[i].status, cases[i].wanted);
         assert_null(v.text);
     }
-    gen_close(g);
 }
 
 TEST(a_kernel_takes_the_offers_that_are_for_it)
@@ -218,7 +210,6 @@ TEST(a_kernel_takes_the_offers_that_are_for_it)
     assert_memory_equal(taken, meant, sizeof taken);
     gen_variant_free(&offered);
     gen_variant_free(&set);
-    gen_close(g);
 }
 
 TEST(offers_that_do_not_fit_are_refused)
@@ -239,7 +230,6 @@ TEST(offers_that_do_not_fit_are_refused)
         expect(err, DUET_STATUS_BAD_ARGUMENT, cases[i].wanted);
         assert_null(v.text);
     }
-    gen_close(g);
 }
 
 TEST(a_group_above_the_device_is_never_valid)
@@ -251,7 +241,6 @@ TEST(a_group_above_the_device_is_never_valid)
     gen_variant v;
     assert_false(gen_make(g, "plain", NULL, 0, &small, &v, &err));
     expect(err, DUET_STATUS_BAD_ARGUMENT, "a group of 64 is above the device's 32");
-    gen_close(g);
 }
 
 TEST(defaults_follow_the_limits)
@@ -271,7 +260,6 @@ TEST(defaults_follow_the_limits)
     assert_int_equal(params[0].fallback, 1); // the first value
     must(gen_params(g, "plain", &cpu, &params, &n, ERR));
     assert_int_equal(params[2].fallback, 1);
-    gen_close(g);
 }
 
 // Every config by number, against three loops.
@@ -297,7 +285,6 @@ TEST(configs_are_counted_and_found_by_number)
     assert_int_equal(count, index);
     assert_false(gen_config(g, "plain", &small, count, config, &err));
     expect(err, DUET_STATUS_BAD_ARGUMENT, "plain: config 10 of 10");
-    gen_close(g);
 }
 
 TEST(a_large_space_is_counted_block_by_block)
@@ -310,7 +297,7 @@ TEST(a_large_space_is_counted_block_by_block)
                     "valid = function(p) return (100 * p.A + 10 * p.B + p.C) % 7 == 3 end,"));
     write_file("common.clh", "\n");
     write_file("k.cl", "\n");
-    gen *g = must(gen_open(folder, ERR));
+    gen *g = kept(gen_open(folder, ERR));
     uint64_t count = 0;
     must(gen_count(g, "k", &gpu, &count, ERR));
     assert_int_equal(count, 143); // 3, 10, .. 997
@@ -319,7 +306,6 @@ TEST(a_large_space_is_counted_block_by_block)
         must(gen_config(g, "k", &gpu, i, p, ERR));
         assert_int_equal(100 * p[0].value + 10 * p[1].value + p[2].value, 7 * i + 3);
     }
-    gen_close(g);
 }
 
 TEST(a_card_s_arguments_become_parameters)
@@ -464,7 +450,7 @@ TEST(a_broken_kernel_does_not_stop_the_others)
     write_file("good.lua", CARD("", ""));
     write_file("good.cl", "int good;\n");
     write_file("common.clh", "\n");
-    gen *g = must(gen_open(folder, ERR));
+    gen *g = kept(gen_open(folder, ERR));
     assert_string_equal(gen_kernel(g, 0), "bad");
     assert_string_equal(gen_kernel(g, 1), "good");
     assert_null(gen_kernel(g, 2));
@@ -477,7 +463,6 @@ TEST(a_broken_kernel_does_not_stop_the_others)
     write_file("bad.cl", "int bad;\n");
     must(gen_make(g, "bad", NULL, 0, &gpu, &v, ERR));
     gen_variant_free(&v);
-    gen_close(g);
 }
 
 TEST(a_folder_takes_only_the_common_header_from_carried_files)

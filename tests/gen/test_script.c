@@ -33,9 +33,8 @@ static void refuse_each(const script_limits *limits, const char *const *chunks, 
                         const char *why)
 {
     for (size_t i = 0; i < n; ++i) {
-        script *s = must(sandbox_open(limits, ERR));
+        script *s = kept(sandbox_open(limits, ERR));
         refuse(s, chunks[i], why);
-        script_close(s);
     }
 }
 
@@ -44,11 +43,10 @@ static void refuse_each(const script_limits *limits, const char *const *chunks, 
 
 TEST(results_are_left_on_the_stack)
 {
-    script *s = must(sandbox_open(NULL, ERR));
+    script *s = kept(sandbox_open(NULL, ERR));
     must(run(s, "return 'a', math.maxinteger", 2, ERR));
     assert_string_equal(lua_tostring(script_lua(s), 1), "a");
     assert_int_equal(lua_tointeger(script_lua(s), 2), INT64_MAX);
-    script_close(s);
 }
 
 TEST(an_endless_script_ends_with_its_line)
@@ -82,7 +80,7 @@ TEST(a_greedy_script_ends_at_its_memory)
 
 TEST(a_search_takes_what_it_looks_at)
 {
-    script *s = must(sandbox_open(&tight, ERR));
+    script *s = kept(sandbox_open(&tight, ERR));
     must(run(s,
              "local s, at, n = (('x'):rep(99) .. '\\n'):rep(2000), 1, 0\n"
              "while at do at, n = s:find('\\n', at + 1, true), n + 1 end\n"
@@ -90,7 +88,6 @@ TEST(a_search_takes_what_it_looks_at)
              0, ERR));
     refuse(s, "local s = ('x'):rep(2e5) for i = 1, 1000 do s:find('\\n', 1, true) end",
            "instructions");
-    script_close(s);
 }
 
 TEST(deep_recursion_is_an_error_and_no_crash)
@@ -114,7 +111,7 @@ TEST(deep_nesting_of_the_text_is_an_error)
 
 TEST(an_error_of_any_kind_is_one_line_with_a_place)
 {
-    script *s = must(sandbox_open(&tight, ERR));
+    script *s = kept(sandbox_open(&tight, ERR));
     refuse(s, "\n\nerror('wrong')", "card.lua:3: wrong");
     refuse(s, "\n\nerror('two\\nlines')", "card.lua:3: two lines");
     refuse(s, "error('no level', 0)", "card.lua: no level");
@@ -129,19 +126,17 @@ TEST(an_error_of_any_kind_is_one_line_with_a_place)
     refuse(s, "\x1bLua", "card.lua: attempt to load a binary chunk");
     refuse(s, "\nfor k in pairs({ [{}] = 1 }) do end", "card.lua:2: pairs: a key is a table");
     refuse(s, "\nmath.randomseed()", "card.lua:2: bad argument #1 to 'randomseed'");
-    script_close(s);
 }
 
 TEST(a_long_path_is_named_whole)
 {
     duet_error err = {0};
-    script *s = must(sandbox_open(NULL, ERR));
+    script *s = kept(sandbox_open(NULL, ERR));
     const char *path = "some/folder/whose/name/goes/on/and/on/until/it/is/longer/than/sixty/x.lua";
     assert_false(script_run(s, path, "\nerror('here')", 14, 0, &err));
     char wanted[200];
     snprintf(wanted, sizeof wanted, "%s:2: here", path);
     assert_string_equal(err.text, wanted);
-    script_close(s);
 }
 
 TEST(nothing_dangerous_is_within_reach)
@@ -151,7 +146,7 @@ TEST(nothing_dangerous_is_within_reach)
         "loadfile", "loadstring",   "dofile",       "print",  "warn",    "collectgarbage", "pcall",
         "xpcall",   "setmetatable", "getmetatable", "rawget", "rawset",  "rawequal",       "rawlen",
         "next",     "_G",           "string.dump"};
-    script *s = must(sandbox_open(NULL, ERR));
+    script *s = kept(sandbox_open(NULL, ERR));
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         char chunk[100];
         snprintf(chunk, sizeof chunk, "return %s == nil", names[i]);
@@ -160,7 +155,6 @@ TEST(nothing_dangerous_is_within_reach)
             fail_msg("a script finds %s", names[i]);
         lua_pop(script_lua(s), 1);
     }
-    script_close(s);
 }
 
 // Two states give the same answers.
@@ -188,21 +182,19 @@ TEST(every_run_gives_the_same)
 // Each call may take the whole limit; a script cannot use up the next one's.
 TEST(limits_begin_again_with_each_call)
 {
-    script *s = must(sandbox_open(&tight, ERR));
+    script *s = kept(sandbox_open(&tight, ERR));
     for (int i = 0; i < 5; ++i)
         must(run(s, "for i = 1, 900000 do end", 0, ERR));
     refuse(s, "for i = 1, 9000000 do end", "instructions");
-    script_close(s);
 }
 
 TEST(few_instructions_that_move_many_bytes_end_in_time)
 {
     script_limits limits = {
         .memory_bytes = 64 << 20, .instructions = (uint64_t)1 << 60, .seconds = 0.2};
-    script *s = must(sandbox_open(&limits, ERR));
+    script *s = kept(sandbox_open(&limits, ERR));
     refuse(s, "local s = ('x'):rep(1e6) for i = 1, 1e9 do local t = s:reverse() end",
            "card.lua:1: runs for more than the 0.2 s");
-    script_close(s);
 }
 
 TEST(too_little_memory_for_a_state_is_an_error)
@@ -221,10 +213,9 @@ TEST(memory_that_ends_while_the_stack_grows_is_told_with_a_line)
 {
     for (size_t bytes = 100000; bytes < 600000; bytes += 20000) {
         script_limits limits = {.memory_bytes = bytes, .instructions = 10000000, .seconds = 5};
-        script *s = must(sandbox_open(&limits, ERR));
+        script *s = kept(sandbox_open(&limits, ERR));
         refuse(s, "\nlocal function f(n) return 1 + f(n + 1) end\nf(1)",
                "card.lua:2: needs more than the");
-        script_close(s);
     }
 }
 

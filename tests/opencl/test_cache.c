@@ -429,13 +429,12 @@ static void count_compiled(void *context, const duet_device_info *d, const char 
 
 static void build_on(const device *d)
 {
-    gen *g = must(gen_open(NULL, ERR));
+    gen *g = kept(gen_open(NULL, ERR));
     const program_builder builder = {.cache_dir = dir, .on_compile = count_compiled};
     program_set *set = must(program_set_open(d, g, &builder, ERR));
     must(program_set_kernel(set, "cell_start", "cell_start", NULL, 0, bound, ERR));
     must(program_set_build(set, ERR));
     program_set_close(set);
-    gen_close(g);
 }
 
 // Builds a small kernel through the cache, as a program that begins does.

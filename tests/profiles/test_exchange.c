@@ -24,19 +24,11 @@ typedef struct two_stores {
 
 static two_stores open_two(void)
 {
-    duet_error err = {0};
     two_stores two = {.folder = test_folder_make()};
     snprintf(two.other_path, sizeof two.other_path, "%s/other.db", two.folder.path);
-    two.s = store_open(two.folder.store, STORE_WRITE, &err);
-    two.other = store_open(two.other_path, STORE_WRITE, &err);
-    assert_ok(two.s && two.other, err);
+    two.s = kept(store_open(two.folder.store, STORE_WRITE, ERR));
+    two.other = kept(store_open(two.other_path, STORE_WRITE, ERR));
     return two;
-}
-
-static void close_two(two_stores *two)
-{
-    store_close(two->s);
-    store_close(two->other);
 }
 
 // The store as lines; the caller frees them.
@@ -100,7 +92,6 @@ TEST(what_went_out_comes_in_as_it_was)
     assert_int_equal(test_count(two.other, "sample"), 2 * 9 * 4);
     free(lines);
     free(back);
-    close_two(&two);
 }
 
 TEST(numbers_of_full_length_survive)
@@ -117,7 +108,6 @@ TEST(numbers_of_full_length_survive)
     assert_int_equal(test_count(two.other, "session WHERE seed = 9223372036854775807"), 1);
     assert_int_equal(test_count(two.other, "sample WHERE at_ns <> 1763710000123456789"), 0);
     free(lines);
-    close_two(&two);
 }
 
 static void replace_once(char **lines, const char *from, const char *to)
@@ -145,7 +135,6 @@ TEST(a_plan_without_a_verdict_comes_in_unused)
                                            "'" PROFILE_TOO_FEW_ROUNDS "'"),
                      1);
     free(lines);
-    close_two(&two);
 }
 
 TEST(rows_that_are_known_are_not_taken_twice)
@@ -160,7 +149,6 @@ TEST(rows_that_are_known_are_not_taken_twice)
     assert_int_equal(test_count(two.s, "profile"), 1);
     assert_int_equal(test_count(two.s, "sample"), 36);
     free(lines);
-    close_two(&two);
 }
 
 TEST(a_file_without_lines_is_refused)
@@ -174,7 +162,6 @@ TEST(a_file_without_lines_is_refused)
         assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
         assert_non_null(strstr(err.text, "rows.jsonl: is empty; expected what"));
     }
-    close_two(&two);
 }
 
 static int line_of(const char *lines, const char *what)
@@ -238,7 +225,6 @@ TEST(one_bad_line_refuses_the_file_and_is_named)
         assert_int_equal(test_count(two.other, "audit"), 0);
         free(lines);
     }
-    close_two(&two);
 }
 
 // A store that somebody tampered with goes out without what is no object.
@@ -266,7 +252,6 @@ TEST(a_poisoned_store_is_told_of_and_still_goes_out)
     assert_int_equal(test_count(two.other, "profile"), 1);
     text_free(&report);
     free(lines);
-    close_two(&two);
 }
 
 TEST(a_row_whose_pair_is_nowhere_is_refused)
@@ -282,7 +267,6 @@ TEST(a_row_whose_pair_is_nowhere_is_refused)
     assert_non_null(strstr(err.text, "rows.jsonl:1: needs a row"));
     assert_non_null(strstr(err.text, "pair_id"));
     free(lines);
-    close_two(&two);
 }
 
 // Whatever a line holds, the import ends with all rows or with one line of
@@ -314,7 +298,6 @@ TEST(spoilt_bytes_never_break_the_store)
     assert_ok(profile_check(two.other, &report, &problems, &err), err);
     assert_int_equal(problems, 0);
     text_free(&report);
-    close_two(&two);
 }
 
 TEST(a_merge_keeps_two_machines_apart)
@@ -343,7 +326,6 @@ TEST(a_merge_keeps_two_machines_apart)
         memcpy(hosts[i], found.session, sizeof hosts[i]);
     }
     assert_string_not_equal(hosts[0], hosts[1]);
-    close_two(&two);
 }
 
 TEST(a_merge_does_not_replace_the_stores_own_profile)
@@ -364,7 +346,6 @@ TEST(a_merge_does_not_replace_the_stores_own_profile)
     assert_int_equal(test_count(two.s, query), 1);
     assert_int_equal(
         test_count(two.s, "profile WHERE dead_reason = 'the store had one of its own'"), 1);
-    close_two(&two);
 }
 
 TEST(a_store_is_not_merged_into_itself)
@@ -374,7 +355,6 @@ TEST(a_store_is_not_merged_into_itself)
     duet_error err = {0};
     assert_false(profile_merge(two.s, two.folder.store, &counts, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    close_two(&two);
 }
 
 // ------------------------------------------------------------------- prune, check
@@ -396,7 +376,6 @@ TEST(pruning_thins_samples_and_keeps_medians)
     must(profile_prune(two.s, &def, &counts, ERR));
     assert_int_equal(test_count(two.s, "sample"), 0);
     assert_int_equal(test_count(two.s, "profile WHERE live = 1"), 1);
-    close_two(&two);
 }
 
 TEST(pruning_leaves_an_unfinished_search_whole)
@@ -408,7 +387,6 @@ TEST(pruning_leaves_an_unfinished_search_whole)
     profile_prune_counts counts;
     must(profile_prune(two.s, &def, &counts, ERR));
     assert_int_equal(counts.samples, 0);
-    close_two(&two);
 }
 
 TEST(a_check_finds_what_was_tampered_with)
@@ -436,7 +414,6 @@ TEST(a_check_finds_what_was_tampered_with)
         assert_true(problems > 0);
         assert_non_null(strstr(text_chars(&report), cases[i].says));
         text_free(&report);
-        close_two(&two);
     }
 }
 

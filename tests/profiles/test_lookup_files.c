@@ -31,7 +31,7 @@ TEST(a_look_up_leaves_no_trace)
 {
     look_fixture f = look_open();
     look_tune(&f, 100000);
-    store_close(f.s);
+    test_give_back(f.s);
     text after = {0};
     text before = test_read_file(f.folder.store);
     usleep(100000); // until the file counts as settled
@@ -48,7 +48,6 @@ TEST(a_look_up_leaves_no_trace)
     text_free(&before);
     text_free(&after);
     f.s = NULL;
-    look_close(&f);
 }
 
 TEST(a_look_up_sees_what_a_tuner_at_work_has_stored)
@@ -60,7 +59,6 @@ TEST(a_look_up_sees_what_a_tuner_at_work_has_stored)
     profile_found found;
     must(profile_lookup_files(f.folder.store, NULL, &request, &found, NULL, ERR));
     assert_int_equal(found.grade, PROFILE_EXACT);
-    look_close(&f);
 }
 
 TEST(missing_files_give_the_default_without_failure)
@@ -94,8 +92,6 @@ TEST(the_users_row_comes_before_the_systems)
     must(profile_lookup_files(user.folder.store, system.folder.store, &request, &found, NULL, ERR));
     assert_int_equal(found.grade, PROFILE_EXACT);
     assert_int_equal(found.plan.share, 1);
-    look_close(&user);
-    look_close(&system);
 }
 
 TEST(a_broken_user_file_leaves_the_systems)
@@ -103,8 +99,7 @@ TEST(a_broken_user_file_leaves_the_systems)
     look_fixture user = look_open();
     look_fixture system = look_open();
     look_tune(&system, 100000);
-    store_close(user.s);
-    user.s = NULL;
+    test_give_back(user.s);
     duet_error err = {0};
     must(text_write_file(user.folder.store, "rubbish", 7, ERR));
     profile_workload workload = test_workload(100000);
@@ -114,8 +109,6 @@ TEST(a_broken_user_file_leaves_the_systems)
         profile_lookup_files(user.folder.store, system.folder.store, &request, &found, NULL, &err));
     assert_non_null(strstr(err.text, user.folder.store));
     assert_int_equal(found.grade, PROFILE_EXACT);
-    look_close(&user);
-    look_close(&system);
 }
 
 // ------------------------------------------------------------------------------ why
@@ -156,7 +149,6 @@ TEST(why_says_what_is_missing)
     pair.a.part = "0-1";
     request.pair = &pair;
     assert_why(f.s, &request, "transferred  no: one of the devices was never measured");
-    look_close(&f);
 }
 
 TEST(why_says_when_the_row_is_of_another_machine)
@@ -167,7 +159,6 @@ TEST(why_says_when_the_row_is_of_another_machine)
     profile_workload workload = test_workload(100000);
     profile_request request = test_request(&f.pair, &workload);
     assert_why(f.s, &request, "another machine with such devices");
-    look_close(&f);
 }
 
 // ---------------------------------------------------------------------------- speed
@@ -223,7 +214,6 @@ TEST(every_look_up_goes_by_an_index)
     if (strstr(text_chars(&plan), "SCAN"))
         fail_msg("%s", text_chars(&plan));
     text_free(&plan);
-    look_close(&f);
 }
 
 TEST(one_of_ten_thousand_is_found)
@@ -238,7 +228,6 @@ TEST(one_of_ten_thousand_is_found)
         assert_int_equal(found.grade, PROFILE_EXACT);
         assert_int_equal(found.plan.share, i);
     }
-    look_close(&f);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -208,7 +208,6 @@ TEST(no_plan_that_is_looked_up_loses_to_the_default)
     print_message("at worst %.2f %% behind the default\n", 100 * l.worst);
     assert_true(l.worst <= MOST_LOSS);
     assert_true(l.n[PROFILE_INTERPOLATED] > 0 && l.n[PROFILE_TRANSFERRED] > 0);
-    look_close(&f);
 }
 
 TEST_MAIN(NULL, NULL)

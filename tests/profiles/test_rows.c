@@ -28,7 +28,6 @@ TEST(a_pair_and_a_workload_are_stored_once)
     assert_int_equal(ids[3], ids[4]);
     assert_int_equal(test_count(s, "device"), 2);
     assert_int_equal(test_count(s, "env"), 2);
-    store_close(s);
 }
 
 TEST(every_field_of_a_device_tells_devices_apart)
@@ -159,7 +158,6 @@ TEST(a_trial_comes_back_as_it_went_in)
     assert_string_equal(t.last.plan.variant_b, "auto sort=radix");
     assert_true(t.last.a_ns == test_time(0, 1000, 0.5));
     assert_int_equal(t.last_total, (int64_t)test_time(0, 1000, 0.5) + 3);
-    store_close(s);
 }
 
 TEST(a_trial_without_measurements_needs_a_reason_and_no_times)
@@ -177,7 +175,6 @@ TEST(a_trial_without_measurements_needs_a_reason_and_no_times)
     trial.outcome = "ok";
     assert_false(profile_trial_add(s, id, &trial, NULL, &number, &err));
     assert_int_equal(test_count(s, "trial WHERE session_id <> ''"), 10);
-    store_close(s);
 }
 
 TEST(a_replaced_profile_stays_dead_with_its_reason)
@@ -187,7 +184,6 @@ TEST(a_replaced_profile_stays_dead_with_its_reason)
     assert_int_equal(test_count(s, "profile"), 2);
     assert_int_equal(test_count(s, "profile WHERE live = 1"), 1);
     assert_int_equal(test_count(s, "profile WHERE dead_reason = 'replaced by a later tuning'"), 1);
-    store_close(s);
 }
 
 // ------------------------------------------------------------- which one is live
@@ -258,7 +254,6 @@ TEST(a_live_profile_gives_way_only_to_one_that_is_founded_as_well)
         next.kernels = "newer";
         if (strcmp(next.verdict, "ambiguous") != 0)
             assert_string_equal(put(s, &next, NULL).unused, "");
-        store_close(s);
     }
 }
 
@@ -290,7 +285,6 @@ TEST(quiet_comes_before_all_other_grounds)
             profile_placed placed = put(s, &rows[1], NULL);
             if ((*placed.unused == '\0') != replaces[next][live])
                 fail_msg("next %d, live %d: '%s'", next, live, placed.unused);
-            store_close(s);
         }
 }
 
@@ -314,9 +308,7 @@ static bool replaces(const char *options, const profile_row *gain, const double 
     row.session = ids[1];
     row.low_ns = ns[0];
     row.median_ns = row.high_ns = ns[1];
-    bool replaced = *put(s, &row, NULL).unused == '\0';
-    store_close(s);
-    return replaced;
+    return *put(s, &row, NULL).unused == '\0';
 }
 
 // The plan of a search among fewer kernels is as sure, and a worse plan.
@@ -380,7 +372,6 @@ TEST(a_stored_profile_is_put_to_use_and_forgotten)
     assert_false(profile_forget(s, "", &err));
     assert_non_null(strstr(err.text, "an empty name is no profile's"));
     assert_int_equal(test_count(s, "audit WHERE what IN ('use', 'forget')"), 3);
-    store_close(s);
 }
 
 TEST(what_is_not_json_is_refused)
@@ -395,7 +386,6 @@ TEST(what_is_not_json_is_refused)
         assert_false(profile_session_begin(s, &session, id, &err));
         assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     }
-    store_close(s);
 }
 
 TEST_MAIN(NULL, NULL)

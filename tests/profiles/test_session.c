@@ -37,7 +37,6 @@ TEST(a_stopped_session_is_resumed_with_its_state)
     assert_string_equal(text_chars(&resumed.search_state), "{\"low\":0.25}");
     assert_int_equal(resumed.trials, 1);
     profile_resumed_free(&resumed);
-    store_close(s);
 }
 
 TEST(another_search_is_not_resumed)
@@ -59,7 +58,6 @@ TEST(another_search_is_not_resumed)
         assert_int_equal(resumed.claim, PROFILE_CLAIM_NONE);
         profile_resumed_free(&resumed);
     }
-    store_close(s);
 }
 
 // The question is part of what is finished.
@@ -90,7 +88,6 @@ TEST(what_was_asked_and_finished_is_known)
     others[5].script = test_session(1, 1).script;
     must(profile_session_known(s, &others[5], uid, ERR));
     assert_int_equal(strlen(uid), PROFILE_ID - 1);
-    store_close(s);
 }
 
 TEST(one_process_measures_a_workload_whatever_it_asks)
@@ -125,7 +122,6 @@ TEST(one_process_measures_a_workload_whatever_it_asks)
         assert_int_equal(resumed.claim, i < 2 ? PROFILE_CLAIM_BUSY : PROFILE_CLAIM_NONE);
         profile_resumed_free(&resumed);
     }
-    store_close(s);
 }
 
 TEST(a_dead_owners_session_is_resumed)
@@ -146,7 +142,6 @@ TEST(a_dead_owners_session_is_resumed)
         assert_int_equal(resumed.claim, PROFILE_CLAIM_RESUMED);
         assert_string_equal(resumed.id, id);
         profile_resumed_free(&resumed);
-        store_close(s);
     }
 }
 
@@ -161,7 +156,6 @@ TEST(a_silent_owner_elsewhere_is_given_ten_minutes)
     must(profile_session_resume(s, &session, &resumed, ERR));
     assert_int_equal(resumed.claim, PROFILE_CLAIM_BUSY);
     profile_resumed_free(&resumed);
-    store_close(s);
 }
 
 TEST_MAIN(NULL, NULL)

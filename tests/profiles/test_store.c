@@ -346,7 +346,6 @@ TEST(a_failure_inside_undoes_the_whole_transaction)
     assert_false(store_end(s, false, &err));
     assert_false(store_end(s, true, &err));
     assert_int_equal(test_count(s, "audit"), 0);
-    store_close(s);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -82,7 +82,6 @@ TEST(a_store_without_trials_is_a_document_without_results)
     store *s = test_store_fresh();
     cJSON *document = document_of(s);
     json_array(document, "results", 0);
-    store_close(s);
 }
 
 TEST(kernel_tuners_schema_finds_it_valid)

@@ -7,13 +7,8 @@
 look_fixture look_open(void)
 {
     look_fixture f = {.folder = test_folder_make(), .pair = test_pair()};
-    f.s = test_store_open(f.folder.store, STORE_WRITE);
+    f.s = kept(store_open(f.folder.store, STORE_WRITE, ERR));
     return f;
-}
-
-void look_close(look_fixture *f)
-{
-    store_close(f->s);
 }
 
 void look_tune(look_fixture *f, uint64_t n)

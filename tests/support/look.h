@@ -11,8 +11,7 @@ typedef struct look_fixture {
     profile_pair pair;
 } look_fixture;
 
-look_fixture look_open(void);
-void look_close(look_fixture *f);
+look_fixture look_open(void); // its store is open until the test ends
 
 void look_tune(look_fixture *f, uint64_t n); // a session for the test's workload of n objects
 void look_change(look_fixture *f, const char *statements);

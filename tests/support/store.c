@@ -23,7 +23,7 @@ store *test_store_open(const char *path, store_access access)
 
 store *test_store_fresh(void)
 {
-    return test_store_open(test_folder_make().store, STORE_WRITE);
+    return kept(store_open(test_folder_make().store, STORE_WRITE, ERR));
 }
 
 store *test_store_tuned(void)

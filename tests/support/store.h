@@ -16,8 +16,8 @@ typedef struct test_folder {
 test_folder test_folder_make(void);
 
 store *test_store_open(const char *path, store_access access);
-store *test_store_fresh(void); // in a folder of its own
-store *test_store_tuned(void); // with what test_tune_usual leaves
+store *test_store_fresh(void); // in a folder of its own, open until the test ends
+store *test_store_tuned(void); // the same with what test_tune_usual leaves
 duet_error test_store_refusal(const char *path, store_access access); // the line must be one
 void test_store_run(const char *path, const char *statements);        // past the store's own code
 

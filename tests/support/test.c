@@ -3,6 +3,9 @@
 #include "support/test.h"
 
 #include "base/text_file.h"
+#include "gen/gen.h"
+#include "gen/script.h"
+#include "profiles/store.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -101,6 +104,21 @@ void test_give_back(void *thing)
         kind##_destroy(made);           \
     }
 TEST_KINDS(BACK)
+
+void test_gen_back(void *made)
+{
+    gen_close(made);
+}
+
+void test_script_back(void *made)
+{
+    script_close(made);
+}
+
+void test_store_back(void *made)
+{
+    store_close(made);
+}
 
 static int begin_test(void **state)
 {

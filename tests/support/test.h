@@ -86,6 +86,9 @@ void test_give_back(void *thing);
 // clang-format on
 #define TEST_BACK(kind) void test_##kind##_back(void *made);
 TEST_KINDS(TEST_BACK)
+void test_gen_back(void *made); // these three by ..._close
+void test_script_back(void *made);
+void test_store_back(void *made);
 
 // How many names there are in the folder one is in.
 int test_count_files(void);
@@ -109,9 +112,14 @@ int test_count_files(void);
     })
 #define ERR (&test_error)
 
-// The same, and the test keeps what was made, one of TEST_KINDS.
-#define kept(call) test_keep(must(call), _Generic((call), TEST_KINDS(TEST_BACK_OF) void * : NULL))
-#define TEST_BACK_OF(kind) kind * : test_##kind##_back,
+// The same, and the test keeps what was made: one of TEST_KINDS, or of the three.
+// clang-format off
+#define TEST_BACK_OF(kind) kind *: test_##kind##_back,
+#define kept(call)                                                                             \
+    test_keep(must(call),                                                                      \
+              _Generic((call), TEST_KINDS(TEST_BACK_OF) struct gen *: test_gen_back,           \
+                       struct script *: test_script_back, struct store *: test_store_back))
+// clang-format on
 
 extern _Thread_local duet_error test_error;
 
