@@ -515,8 +515,7 @@ TEST(what_was_waited_for_in_vain_is_told)
 static uint64_t hash_of_buffers(const duet_pair_buffers *b)
 {
     cl_ulong n = 0;
-    duet_pair *pairs = malloc((size_t)b->n * sizeof *pairs + 1);
-    assert_non_null(pairs);
+    duet_pair *pairs = test_alloc((size_t)b->n * sizeof *pairs + 1);
     assert_int_equal(
         clEnqueueReadBuffer(own.queues[0], b->count, CL_TRUE, 0, sizeof n, &n, 0, NULL, NULL),
         CL_SUCCESS);
@@ -525,9 +524,7 @@ static uint64_t hash_of_buffers(const duet_pair_buffers *b)
         assert_int_equal(clEnqueueReadBuffer(own.queues[0], b->pairs, CL_TRUE, 0,
                                              (size_t)n * sizeof *pairs, pairs, 0, NULL, NULL),
                          CL_SUCCESS);
-    uint64_t hash = duet_pairs_hash(pairs, n);
-    free(pairs);
-    return hash;
+    return duet_pairs_hash(pairs, n);
 }
 
 static void leave_everywhere(duet_device_pair *pair)

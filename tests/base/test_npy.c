@@ -100,8 +100,7 @@ TEST(a_range_is_that_part_of_the_whole)
     enum { ROWS = 40000, COLUMNS = 6 };
     static const uint64_t ranges[][2] = {{0, ROWS},     {0, 1},        {0, 0}, {16383, 16386},
                                          {30000, ROWS}, {39999, ROWS}, {7, 7}, {5, UINT64_MAX}};
-    double *many = calloc((size_t)ROWS * COLUMNS, sizeof *many);
-    assert_non_null(many);
+    double *many = test_alloc((size_t)ROWS * COLUMNS * sizeof *many);
     for (int i = 0; i < ROWS * COLUMNS; ++i)
         many[i] = i % COLUMNS < 3 ? i / COLUMNS : i / COLUMNS + i % COLUMNS;
     for (int fortran = 0; fortran < 2; ++fortran) {
@@ -127,7 +126,6 @@ TEST(a_range_is_that_part_of_the_whole)
         assert_int_equal(deferred, ROWS - 1);
         text_free(&t);
     }
-    free(many);
 }
 
 TEST(the_second_number_of_the_shape_says_what_a_row_is)
@@ -234,12 +232,11 @@ TEST(every_truncation_is_refused)
     for (int version = 1; version <= 2; ++version) {
         text t = npy_of(version, "<f8", false, rows, 3, 10);
         for (size_t n = 0; n < t.length; ++n) {
-            char *exact = malloc(n ? n : 1); // so that a read past the end is seen
+            char *exact = test_alloc(n ? n : 1); // so that a read past the end is seen
             memcpy(exact, t.chars, n);
             duet_error err = {0};
             assert_null(scene_from_bytes(FILE_NAME, exact, n, NULL, 0, &err));
             assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
-            free(exact);
         }
         text_free(&t);
     }

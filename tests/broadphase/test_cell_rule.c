@@ -310,8 +310,7 @@ TEST(placed_boxes_of_a_few_quanta_are_found)
 TEST(thousands_of_boxes_an_ulp_wide_are_found_by_the_default_plan)
 {
     rng r = rng_seed(test_seed());
-    lattice_box *boxes = calloc(MANY, sizeof *boxes);
-    assert_non_null(boxes);
+    lattice_box *boxes = test_alloc(MANY * sizeof *boxes);
     duet_world *world = make_world(DUET_SHAPE_BOUNDS, 3);
     for (int round = 0; round < 2; ++round) {
         // 2^24 and more: a float there is even, then any number near 1e7.
@@ -323,7 +322,6 @@ TEST(thousands_of_boxes_an_ulp_wide_are_found_by_the_default_plan)
             if (!ways[way].needs_boxes && test_takes(way / 2, 5))
                 step(world, way, "20 000 boxes", hash, n_pairs);
     }
-    free(boxes);
 }
 
 int main(int argc, char **argv)

@@ -72,13 +72,12 @@ static uint32_t *order_of(duet_world *world, uint32_t n)
 
 static void assert_is_permutation(const uint32_t *order, uint32_t n)
 {
-    uint8_t *seen = calloc(n + 1, 1);
+    uint8_t *seen = test_alloc(n + 1);
     for (uint32_t i = 0; i < n; ++i) {
         assert_in_range(order[i], 0, n - 1);
         assert_false(seen[order[i]]);
         seen[order[i]] = 1;
     }
-    free(seen);
 }
 
 static double number_of_cells(const duet_world *world)
@@ -108,8 +107,8 @@ static void assert_any_threads_give(const uint32_t *order, duet_world *world, ui
 {
     static const uint32_t n_threads[] = {1, 2, 3, 5, 1000};
     const grid fitted = world->grid;
-    uint32_t *again = malloc(n * sizeof *again + 1);
-    void *scratch = malloc((size_t)n * ORDER_SCRATCH + 1);
+    uint32_t *again = test_alloc(n * sizeof *again + 1);
+    void *scratch = test_alloc((size_t)n * ORDER_SCRATCH + 1);
     for (size_t i = 0; i < sizeof n_threads / sizeof *n_threads; ++i) {
         world_forget_grid(world);
         memset(again, 0xff, n * sizeof *again);
@@ -118,8 +117,6 @@ static void assert_any_threads_give(const uint32_t *order, duet_world *world, ui
         if (n > 0)
             assert_memory_equal(world->grid.levels, fitted.levels, sizeof fitted.levels);
     }
-    free(scratch);
-    free(again);
 }
 
 static void assert_is_by_cell(duet_world *world, uint32_t n)
@@ -299,11 +296,10 @@ static void put_in_order(duet_world *world, uint32_t n)
 {
     set_poses(world, n);
     uint32_t *order = order_of(world, n);
-    duet_pose *old = malloc(n * sizeof *old + 1);
+    duet_pose *old = test_alloc(n * sizeof *old + 1);
     memcpy(old, poses, n * sizeof *old);
     for (uint32_t i = 0; i < n; ++i)
         poses[i] = old[order[i]];
-    free(old);
     duet_free(order);
 }
 

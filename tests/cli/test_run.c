@@ -135,7 +135,7 @@ TEST(the_pairs_file_holds_each_pair_once_ascending)
     text t = test_read_file("test_run.csv");
     uint64_t n = 0;
     uint64_t last = 0;
-    duet_pair *pairs = calloc(t.length, sizeof *pairs);
+    duet_pair *pairs = test_alloc(t.length * sizeof *pairs);
     for (char *line = strtok(t.chars, "\n"); line; line = strtok(NULL, "\n")) {
         duet_pair *pair = &pairs[n];
         assert_int_equal(sscanf(line, "%" SCNu32 ",%" SCNu32, &pair->a, &pair->b), 2);
@@ -149,7 +149,6 @@ TEST(the_pairs_file_holds_each_pair_once_ascending)
     char hash[17];
     snprintf(hash, sizeof hash, "%016" PRIx64, duet_pairs_hash(pairs, n));
     assert_string_equal(hash, json_string(o, "hash"));
-    free(pairs);
     text_free(&t);
 }
 

@@ -204,7 +204,7 @@ static void fill(rng *r, duet_pose *poses, uint32_t dims)
 // Every two boxes, lower id first.
 static duet_pair *all_pairs(uint64_t *n)
 {
-    duet_pair *pairs = malloc((size_t)BOXES * BOXES / 2 * sizeof *pairs);
+    duet_pair *pairs = test_alloc((size_t)BOXES * BOXES / 2 * sizeof *pairs);
     *n = 0;
     for (uint32_t a = 0; a < BOXES; ++a)
         for (uint32_t b = a + 1; b < BOXES; ++b)
@@ -241,7 +241,6 @@ static void contacts_are_those_of_the_boxes(uint32_t dims, float margin)
     assert_true(colliding > BOXES / 2 && touching >= colliding && touching < n);
     print_message("%uD: %llu colliding of %llu, %llu points\n", dims, (unsigned long long)colliding,
                   (unsigned long long)n, (unsigned long long)points);
-    free(pairs);
 }
 
 TEST(contacts_in_3d)
@@ -389,7 +388,6 @@ TEST(the_other_way_round_has_the_same_points)
                 }
             }
         }
-        free(pairs);
     }
 }
 
@@ -405,7 +403,7 @@ TEST(share_and_launch_change_no_bit)
     duet_pair *pairs = all_pairs(&n);
     duet_device_info *info = &devices->devices[1].info;
     duet_device_kind kind = info->kind;
-    duet_contact *first = malloc((size_t)n * sizeof *first);
+    duet_contact *first = test_alloc((size_t)n * sizeof *first);
     for (int i = 0; i < WAYS; ++i) {
         info->kind = i + 1 == WAYS ? DUET_KIND_GPU : kind;
         duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, 3, shares[i], 0.01f);
@@ -416,8 +414,6 @@ TEST(share_and_launch_change_no_bit)
             memcpy(first, found.contacts, (size_t)n * sizeof *first);
         assert_memory_equal(first, found.contacts, (size_t)n * sizeof *first);
     }
-    free(first);
-    free(pairs);
 }
 
 // A world's pairs as its result has them.

@@ -30,8 +30,8 @@ static touching *what_touches(duet_motion *m)
     touching *t = calloc(1, sizeof *t);
     uint32_t n = m->graph.n_contacts;
     uint32_t(*links)[2] = calloc(n + 1, sizeof *links);
-    uint32_t *touches = calloc(n + 1, sizeof *touches);
-    float *records = calloc((size_t)n + 1, m->layout.record * sizeof *records);
+    uint32_t *touches = test_alloc((n + 1) * sizeof *touches);
+    float *records = test_alloc(((size_t)n + 1) * m->layout.record * sizeof *records);
     if (n > 0) {
         read(m, LINKS, links, n * sizeof *links);
         read(m, TOUCHES, touches, n * sizeof *touches);
@@ -47,8 +47,6 @@ static touching *what_touches(duet_motion *m)
                 t->pair[a < b ? a : b][a < b ? b : a] = true;
         }
     free(links);
-    free(touches);
-    free(records);
     return t;
 }
 

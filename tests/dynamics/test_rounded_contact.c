@@ -267,7 +267,7 @@ TEST(shares_launches_and_order_change_no_bit)
     rng r = rng_seed(test_seed());
     fill(&r, boxes, 3);
     uint64_t n = all_pairs(pairs);
-    duet_contact *first = malloc((size_t)n * sizeof *first);
+    duet_contact *first = test_alloc((size_t)n * sizeof *first);
     duet_device_info *info = &devices->devices[1].info;
     duet_device_kind kind = info->kind;
     for (int way = 0; way < 3; ++way) {
@@ -293,7 +293,6 @@ TEST(shares_launches_and_order_change_no_bit)
         for (uint32_t p = 0; p < first[i].n; ++p)
             assert_true(found.contacts[i].points[p].separation == first[i].points[p].separation);
     }
-    free(first);
 }
 
 TEST(boxes_without_radii_have_the_contacts_of_poses)
@@ -364,7 +363,7 @@ TEST(a_motion_has_the_same_contacts)
     uint64_t n = 0, alike = 0, compared = 0;
     must(duet_motion_advance(motion, &result, ERR));
     must(duet_motion_get_contacts(motion, &moving, &n, ERR));
-    duet_pair *pairs = malloc((size_t)n * sizeof *pairs);
+    duet_pair *pairs = test_alloc((size_t)n * sizeof *pairs);
     for (uint64_t i = 0; i < n; ++i)
         pairs[i] = (duet_pair){moving[i].a, moving[i].b};
     duet_contact_query *query = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.02f);
@@ -387,7 +386,6 @@ TEST(a_motion_has_the_same_contacts)
                   (unsigned long long)compared);
     assert_true(compared > BOXES / 4 && 10 * alike > 9 * compared);
     duet_free(moving);
-    free(pairs);
 }
 
 // ---------------------------------------------------------------- refusals

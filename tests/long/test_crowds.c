@@ -36,9 +36,7 @@ static duet_world *open_world(duet_pose *poses, uint32_t n, float half, uint64_t
 
 static duet_pose *room_for(uint32_t n)
 {
-    duet_pose *poses = malloc(n * sizeof *poses);
-    assert_non_null(poses);
-    return poses;
+    return test_alloc(n * sizeof(duet_pose));
 }
 
 TEST(none_of_65537_objects_in_a_cell_is_missed)
@@ -64,7 +62,6 @@ TEST(none_of_65537_objects_in_a_cell_is_missed)
         assert_true(duet_result_get_hash(&result) == hash);
     }
     duet_free(pairs);
-    free(poses);
 }
 
 // All n objects overlap each other, and B alone counts the pairs.
@@ -81,7 +78,6 @@ static void expect_too_many(uint32_t n, uint64_t max_pairs, const char *says)
     assert_int_equal(err.status, DUET_STATUS_TOO_MANY);
     if (!strstr(err.text, says))
         fail_msg("%s; it should say %s", err.text, says);
-    free(poses);
 }
 
 TEST(more_pairs_than_31_bits_count_are_counted)

@@ -86,9 +86,9 @@ TEST(a_step_s_candidates_tested_alone_are_its_pairs)
                                 ERR));
     step_at(world, DUET_LEVEL_AABB, &result);
     uint64_t n = result.pairs;
-    duet_pair *pairs = malloc(n * sizeof *pairs);
-    duet_pose *poses = malloc(2 * n * sizeof *poses);
-    uint8_t *answers = malloc(n);
+    duet_pair *pairs = test_alloc(n * sizeof *pairs);
+    duet_pose *poses = test_alloc(2 * n * sizeof *poses);
+    uint8_t *answers = test_alloc(n);
     for (uint64_t i = 0; i < n; ++i) {
         pairs[i] = duet_result_get_pair(&result, i);
         poses[2 * i] = objects[pairs[i].a];
@@ -106,9 +106,6 @@ TEST(a_step_s_candidates_tested_alone_are_its_pairs)
         assert_int_equal(hash, duet_result_get_hash(&result));
         assert_true(level != DUET_LEVEL_CERTIFIED || tested.undecided == result.undecided);
     }
-    free(answers);
-    free(poses);
-    free(pairs);
 }
 
 // ------------------------------------------------------------ numbers of pairs
@@ -118,8 +115,8 @@ TEST(any_number_of_pairs_is_tested_and_nothing_else_written)
 {
     static const uint64_t counts[] = {0, 1, 2, 7, 8, 9, 513, 262143, 262145, 524289 + 5};
     enum { MOST = 524289 + 5, GUARD = 64 };
-    duet_pose *poses = malloc(2 * MOST * sizeof *poses);
-    uint8_t *answers = malloc(MOST + GUARD);
+    duet_pose *poses = test_alloc(2 * MOST * sizeof *poses);
+    uint8_t *answers = test_alloc(MOST + GUARD);
     assert_true(poses && answers);
     fill_row(poses, MOST);
     for (uint32_t share = 0; share <= DUET_SHARE_ONE; share += DUET_SHARE_ONE / 2) {
@@ -137,8 +134,6 @@ TEST(any_number_of_pairs_is_tested_and_nothing_else_written)
             assert_int_equal(result.colliding, colliding);
         }
     }
-    free(answers);
-    free(poses);
 }
 
 TEST(gaps_are_those_of_the_best_axis_at_any_share)
@@ -178,12 +173,11 @@ static void expect_refused(const duet_pose *poses, uint64_t n, uint32_t share, c
 {
     duet_error err = {0};
     duet_pair_query_result result;
-    uint8_t *answers = malloc(n);
+    uint8_t *answers = test_alloc(n);
     duet_pair_query *test = open_test(DUET_LEVEL_SAT15, share);
     assert_false(duet_pair_query_run(test, poses, n, answers, NULL, &result, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_string_equal(err.text, why);
-    free(answers);
 }
 
 TEST(each_kind_of_bad_pose_is_named_with_its_pair)
@@ -207,8 +201,7 @@ TEST(each_kind_of_bad_pose_is_named_with_its_pair)
 TEST(of_several_bad_pairs_the_first_is_named)
 {
     enum { N = 600000 };
-    duet_pose *poses = malloc(2 * N * sizeof *poses);
-    assert_non_null(poses);
+    duet_pose *poses = test_alloc(2 * N * sizeof *poses);
     fill_row(poses, N);
     poses[2 * 599999].half_extents[0] = -1;
     poses[2 * 299990 + 1].half_extents[0] = -1;
@@ -217,7 +210,6 @@ TEST(of_several_bad_pairs_the_first_is_named)
         expect_refused(poses, N, share,
                        "pair 299990: the second pose is not a number, infinite, negative or "
                        "without rotation");
-    free(poses);
 }
 
 TEST(a_test_goes_on_after_a_refusal)

@@ -421,7 +421,7 @@ static void *clear_ranges(void *arg)
 {
     clearing *c = arg;
     timeline times = {0};
-    cl_uint *words = malloc((CLEARED_MOST + 1) * sizeof *words);
+    cl_uint *words = test_alloc((CLEARED_MOST + 1) * sizeof *words);
     c->ok = words != NULL;
     for (int i = 0; c->ok && i < CLEARINGS; ++i) {
         uint32_t most = i % 2 ? CLEARED_MOST : 1000;
@@ -435,7 +435,6 @@ static void *clear_ranges(void *arg)
         for (cl_uint k = 0; c->ok && k < n; ++k)
             c->ok = words[k] == 0;
     }
-    free(words);
     return NULL;
 }
 

@@ -205,8 +205,7 @@ TEST(a_file_that_is_no_database_is_left_as_it_is)
     test_folder folder = test_folder_make();
     rng r = rng_seed(test_seed());
     for (size_t n = 1; n < 9000; n = n * 3 + 1) {
-        char *bytes = malloc(n);
-        assert_non_null(bytes);
+        char *bytes = test_alloc(n);
         for (size_t i = 0; i < n; ++i)
             bytes[i] = (char)rng_below(&r, 256);
         write_bytes(folder.store, bytes, n);
@@ -215,7 +214,6 @@ TEST(a_file_that_is_no_database_is_left_as_it_is)
         assert_non_null(
             strstr(test_store_refusal(folder.store, STORE_READ).text, "not a profile store"));
         assert_file_is(folder.store, bytes, n);
-        free(bytes);
     }
 }
 
@@ -277,8 +275,7 @@ TEST(a_damaged_store_never_crashes_a_look_up)
     profile_request request = test_request(&pair, &workload);
     int refused = 0;
     for (int round = 0; round < 200; ++round) {
-        char *bytes = malloc(whole.length);
-        assert_non_null(bytes);
+        char *bytes = test_alloc(whole.length);
         memcpy(bytes, whole.chars, whole.length);
         uint32_t from = 16 + rng_below(&r, (uint32_t)whole.length - 16);
         uint32_t length = 1 + rng_below(&r, 3000);
@@ -297,7 +294,6 @@ TEST(a_damaged_store_never_crashes_a_look_up)
         refused += !ok;
         assert_file_is(folder.store, bytes, whole.length);
         text_free(&why);
-        free(bytes);
     }
     assert_true(refused > 0);
     text_free(&whole);

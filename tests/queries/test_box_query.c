@@ -68,7 +68,8 @@ static uint32_t keep_taken(duet_pose *poses, uint32_t n, uint32_t dims)
 
 static void hits_are_those_of_a_sweep_in(uint32_t dims, uint32_t share)
 {
-    duet_pose *boxes = calloc(BOXES, sizeof *boxes), *asked = calloc(ASKED, sizeof *asked);
+    duet_pose *boxes = test_alloc(BOXES * sizeof *boxes);
+    duet_pose *asked = test_alloc(ASKED * sizeof *asked);
     fill(dims, boxes, asked);
     uint32_t n = keep_taken(boxes, BOXES, dims), m = keep_taken(asked, ASKED, dims);
     assert_true(n > BOXES / 2 && m > ASKED / 2);
@@ -89,8 +90,6 @@ static void hits_are_those_of_a_sweep_in(uint32_t dims, uint32_t share)
     assert_true(found.n_hits > m / 4 && found.undecided > 0);
     print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
                   found.undecided);
-    free(boxes);
-    free(asked);
 }
 
 TEST(hits_are_those_of_a_sweep)
@@ -109,8 +108,8 @@ static uint64_t count_by_pairs(duet_level level, const duet_pose *boxes, uint32_
     def.pair = devices;
     def.level = level;
     duet_pair_query *test = kept(duet_pair_query_create(&def, ERR));
-    duet_pose *pairs = calloc((size_t)n * m * 2, sizeof *pairs);
-    uint8_t *answers = calloc((size_t)n * m, 1);
+    duet_pose *pairs = test_alloc((size_t)n * m * 2 * sizeof *pairs);
+    uint8_t *answers = test_alloc((size_t)n * m);
     for (uint64_t i = 0; i < (uint64_t)n * m; ++i) {
         pairs[2 * i] = asked[i / n];
         pairs[2 * i + 1] = boxes[i % n];
@@ -118,8 +117,6 @@ static uint64_t count_by_pairs(duet_level level, const duet_pose *boxes, uint32_
     must(duet_pair_query_run(test, pairs, (uint64_t)n * m, answers, NULL, &result, ERR));
     for (uint64_t i = 0; i < found->n_hits; ++i)
         assert_true(answers[(uint64_t)found->hits[i].box * n + found->hits[i].id] == 1);
-    free(pairs);
-    free(answers);
     return result.colliding;
 }
 
@@ -221,7 +218,7 @@ TEST(what_is_not_there_meets_nothing)
 TEST(a_set_joined_with_itself_has_a_worlds_pairs)
 {
     enum { N = 20000 };
-    duet_pose *poses = calloc(N, sizeof *poses);
+    duet_pose *poses = test_alloc(N * sizeof *poses);
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < N; ++i)
         for (int k = 0; k < 4; ++k) {
@@ -241,21 +238,18 @@ TEST(a_set_joined_with_itself_has_a_worlds_pairs)
     duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
     duet_box_query_result found = ask(query, DUET_OBJECT_POSES, poses, N);
     assert_int_equal(found.n_hits, N + 2 * result.pairs);
-    duet_pair *pairs = calloc((size_t)result.pairs, sizeof *pairs);
+    duet_pair *pairs = test_alloc((size_t)result.pairs * sizeof *pairs);
     uint64_t n = 0;
     for (uint64_t i = 0; i < found.n_hits; ++i)
         if (found.hits[i].box < found.hits[i].id)
             pairs[n++] = (duet_pair){found.hits[i].box, found.hits[i].id};
     assert_int_equal(n, result.pairs);
     assert_true(duet_pairs_hash(pairs, n) == duet_result_get_hash(&result));
-    duet_filter *filters = calloc(N, sizeof *filters);
+    duet_filter *filters = test_alloc(N * sizeof *filters);
     for (uint32_t i = 0; i < N; ++i)
         filters[i] = (duet_filter){1u << rng_below(&r, 4), rng_below(&r, 16)};
     meets_itself(query, NULL, N, pairs, n);
     meets_itself(query, filters, N, pairs, n);
-    free(filters);
-    free(pairs);
-    free(poses);
 }
 
 TEST(what_is_no_box_is_refused_by_its_number)

@@ -94,7 +94,7 @@ typedef struct scene {
 
 static scene *make_scene(uint32_t dims)
 {
-    scene *s = calloc(1, sizeof *s);
+    scene *s = test_alloc(sizeof *s);
     rng r = rng_seed(test_seed());
     fill_boxes(&r, s->boxes, BOXES, dims);
     fill_boxes(&r, s->asked, ASKED, dims);
@@ -228,7 +228,7 @@ static void all_hits_of_rays_are_those_of_integers_in(uint32_t dims)
     scene *s = make_scene(dims);
     answer found = ask_everywhere(s, ask_rays, DUET_QUERY_EVERY, dims);
     const duet_ray_hit *hits = found.hits;
-    bool *met = calloc(BOXES, sizeof *met);
+    bool *met = test_alloc(BOXES * sizeof *met);
     uint64_t at = 0;
     for (uint32_t i = 0; i < ASKED; ++i) {
         memset(met, 0, BOXES * sizeof *met);
@@ -243,9 +243,7 @@ static void all_hits_of_rays_are_those_of_integers_in(uint32_t dims)
     }
     assert_int_equal(at, found.n);
     assert_true(found.n > ASKED);
-    free(met);
     free(found.hits);
-    free(s);
 }
 
 TEST(all_hits_of_rays_are_those_of_integers_wherever_they_are)
@@ -274,7 +272,6 @@ TEST(a_closest_hit_is_the_first_of_all)
     }
     free(every.hits);
     free(closest.hits);
-    free(s);
 }
 
 // The surface of a box that stands upright that a ray enters is known.
@@ -303,7 +300,6 @@ TEST(t_is_where_the_ray_enters_as_exactly_as_near_0)
     }
     assert_true(n_seen > 100);
     free(found.hits);
-    free(s);
 }
 
 // A ray across the whole of what cells can say, along the face of a box at its other end.
@@ -318,7 +314,7 @@ TEST(a_face_is_met_or_missed_by_a_quantum_a_billion_cells_away)
     rays[2].cell[2] -= 2;                    // along an edge
     rays[3] = rays[2];
     rays[3].ray.origin[2] = -EDGE * 0x1p-24f;
-    scene *s = calloc(1, sizeof *s);
+    scene *s = test_alloc(sizeof *s);
     for (uint32_t i = 0; i < ASKED; ++i)
         s->large_rays[i] = rays[i % 4];
     duet_tree *tree = open_far_tree(3, HALF, &box, 1);
@@ -329,7 +325,6 @@ TEST(a_face_is_met_or_missed_by_a_quantum_a_billion_cells_away)
         assert_int_equal(hits[i].id, i % 4 == 0 || i % 4 == 2 ? 0 : DUET_NO_OBJECT);
     assert_float_equal(hits[0].t, 2.0 * far * EDGE, 256);
     free(found.hits);
-    free(s);
 }
 
 // ---------------------------------------------------------------- points and boxes
@@ -352,7 +347,6 @@ TEST(points_lie_in_the_boxes_that_integers_say)
     assert_int_equal(at, found.n);
     assert_true(found.n > ASKED / 4);
     free(found.hits);
-    free(s);
 }
 
 static double distance_to(const duet_pose *box, const float point[3])
@@ -394,7 +388,6 @@ TEST(the_nearest_are_those_of_a_sweep)
             assert_float_equal(hits[NEAREST * i + k].distance, distances[k], 1e-4);
     }
     free(found.hits);
-    free(s);
 }
 
 TEST(boxes_meet_where_integers_say_so)
@@ -420,7 +413,6 @@ TEST(boxes_meet_where_integers_say_so)
     assert_true(at > ASKED / 4 && n_pairs > BOXES / 4);
     free(itself.hits);
     free(found.hits);
-    free(s);
 }
 
 // And t and the normal are those of the same sweep near 0.
@@ -429,7 +421,7 @@ TEST(sweeps_meet_what_integers_say)
     scene *s = make_scene(3);
     answer found = ask_everywhere(s, ask_sweeps, DUET_QUERY_EVERY, 3);
     const duet_sweep_hit *hits = found.hits;
-    bool *met = calloc(BOXES, sizeof *met);
+    bool *met = test_alloc(BOXES * sizeof *met);
     uint64_t at = 0;
     for (uint32_t i = 0; i < ASKED; ++i) {
         duet_sweep sweep = {.box = s->asked[i], .t_max = s->rays[i].t_max};
@@ -446,9 +438,7 @@ TEST(sweeps_meet_what_integers_say)
     }
     assert_int_equal(at, found.n);
     assert_true(found.n > ASKED);
-    free(met);
     free(found.hits);
-    free(s);
 }
 
 TEST(cheaper_levels_answer_alike_everywhere)
@@ -459,7 +449,6 @@ TEST(cheaper_levels_answer_alike_everywhere)
     assert_true(aabb.n > axes.n && axes.n > ASKED);
     free(aabb.hits);
     free(axes.hits);
-    free(s);
 }
 
 // ---------------------------------------------------------------- many, and bodies
@@ -474,7 +463,7 @@ TEST(many_are_answered_as_few)
     move_scene(s, there);
     duet_tree *tree = open_far_tree(3, 0, s->large_boxes, BOXES + 1);
     ask_rays(s, tree, DUET_QUERY_CLOSEST, &few);
-    duet_large_ray *rays = calloc(MANY, sizeof *rays);
+    duet_large_ray *rays = test_alloc(MANY * sizeof *rays);
     for (uint32_t i = 0; i < MANY; ++i)
         rays[i] = s->large_rays[i % ASKED];
     duet_ray_query_def def = duet_default_ray_query_def();
@@ -487,9 +476,7 @@ TEST(many_are_answered_as_few)
         assert_int_equal(found.hits[i].id, hits[i % ASKED].id);
         assert_true(found.hits[i].t == hits[i % ASKED].t);
     }
-    free(rays);
     free(few.hits);
-    free(s);
 }
 
 TEST(a_gpu_gives_the_same_answers)
@@ -516,7 +503,6 @@ TEST(a_gpu_gives_the_same_answers)
         free(found[0].hits);
         free(found[1].hits);
     }
-    free(s);
 }
 
 // Bodies fall alike near 0 and far away, and rays see them alike.
@@ -543,16 +529,14 @@ TEST(bodies_of_a_motion_are_seen_where_they_are)
         duet_state body;
         const uint32_t id = ((const duet_ray_hit *)seen[i].hits)[4].id;
         assert_true(id < BOXES);
-        duet_state *states = calloc(BOXES, sizeof *states);
+        duet_state *states = test_alloc(BOXES * sizeof *states);
         must(duet_motion_get_states(motion, states, ERR));
         body = states[id];
         assert_float_equal(body.centre[2] - def.origin[2], s->boxes[id].centre[2] - 0.55, 0.1);
-        free(states);
     }
     same_answers(&seen[0], &seen[1]);
     free(seen[0].hits);
     free(seen[1].hits);
-    free(s);
 }
 
 TEST(a_motion_with_other_cells_is_refused)

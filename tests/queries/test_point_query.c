@@ -27,7 +27,7 @@ typedef struct world {
 // are far away.
 static world *make_world(void)
 {
-    world *w = calloc(1, sizeof *w);
+    world *w = test_alloc(sizeof *w);
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < BOXES; ++i) {
         float size = i % 50 == 0 ? 4 : i % 11 == 0 ? 0.001f : 0.5f;
@@ -93,7 +93,6 @@ TEST(containing_boxes_are_exact)
         containing_boxes_are_exact_in(open_bounds_tree(dims, third, w->bounds, BOXES), w, true,
                                       dims);
     }
-    free(w);
 }
 
 // ---------------------------------------------------------------- nearest
@@ -184,7 +183,6 @@ TEST(nearest_boxes_are_near)
         nearest_boxes_are_near_in(open_tree(dims, third, w->boxes, BOXES), w, false, dims);
         nearest_boxes_are_near_in(open_bounds_tree(dims, third, w->bounds, BOXES), w, true, dims);
     }
-    free(w);
 }
 
 TEST(share_and_order_of_boxes_change_nothing)
@@ -204,7 +202,6 @@ TEST(share_and_order_of_boxes_change_nothing)
     b = seek_points(of_two, w->points, POINTS);
     for (uint32_t i = 0; i < POINTS * NEAREST; ++i)
         assert_true(a.hits[i].distance == b.hits[i].distance);
-    free(w);
 }
 
 // Hard boxes of all sizes, from near and from far: the error is looked for where it is large.

@@ -42,8 +42,7 @@ static duet_pose draw_pose(rng *r)
 
 static scene *draw_scene(void)
 {
-    scene *s = calloc(1, sizeof *s);
-    assert_non_null(s);
+    scene *s = test_alloc(sizeof *s);
     rng r = rng_seed(test_seed());
     for (int i = 0; i < BOXES; ++i) {
         s->poses[i] = draw_pose(&r);
@@ -199,7 +198,6 @@ static void assert_filtered(const scene *s, duet_tree *tree, bool round, way w,
                     known + first * words, at - first);
     }
     free(found);
-    free(known);
 }
 
 TEST(a_query_finds_what_its_filter_can_touch)
@@ -215,7 +213,6 @@ TEST(a_query_finds_what_its_filter_can_touch)
             for (int w = 0; w < WAYS; ++w)
                 assert_filtered(s, tree, round, (way)w, &filters[(w + share) % 3]);
         }
-    free(s);
 }
 
 // ---------------------------------------------------------------- whose filters
@@ -252,7 +249,6 @@ TEST(objects_keep_their_filters_until_they_are_set)
     assert_int_equal(count_rays(s, tree, some), few);
     set_poses(tree, s->poses, BOXES);
     assert_int_equal(count_rays(s, tree, some), every);
-    free(s);
 }
 
 TEST(bodies_of_a_motion_bring_their_filters)
@@ -284,7 +280,6 @@ TEST(bodies_of_a_motion_bring_their_filters)
         const duet_body_list list = {NULL, 0, BOXES};
         must(duet_motion_set_bodies(motion, list, DUET_BODY_FILTER, bodies, ERR));
     }
-    free(s);
 }
 
 // ---------------------------------------------------------------- texts

@@ -118,8 +118,7 @@ typedef struct crowd {
 // Boxes, rounded ones, capsules and spheres; in 2D they turn in the plane.
 static crowd *draw_crowd(uint64_t seed, uint32_t dims, bool round, bool upright)
 {
-    crowd *c = calloc(1, sizeof *c);
-    assert_non_null(c);
+    crowd *c = test_alloc(sizeof *c);
     rng r = rng_seed(seed);
     for (uint32_t i = 0; i < BOXES; ++i) {
         duet_rounded_box *box = &c->boxes[i];
@@ -209,15 +208,12 @@ static void compare_normals(duet_shape shape, uint32_t dims, duet_query_wants wa
             else
                 assert_memory_equal(&found.normals[i], &(duet_ray_normal){{0}}, sizeof *known);
         if (s == 0)
-            known = malloc(bytes);
-        assert_non_null(known);
+            known = test_alloc(bytes);
         if (s == 0)
             memcpy(known, found.normals, bytes);
         assert_memory_equal(known, found.normals, bytes);
     }
     assert_true(compared > RAYS / 20);
-    free(known);
-    free(c);
 }
 
 TEST(normals_are_the_gradient_of_the_distance)
@@ -346,7 +342,6 @@ TEST(a_scene_moved_by_whole_cells_has_the_same_normals)
             memcpy(known, found.normals, sizeof known);
         assert_memory_equal(known, found.normals, sizeof known);
     }
-    free(c);
 }
 
 TEST(any_hit_has_no_normal)

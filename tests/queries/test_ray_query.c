@@ -98,7 +98,7 @@ typedef struct world {
 
 static world *make_world(uint32_t dims)
 {
-    world *w = calloc(1, sizeof *w);
+    world *w = test_alloc(sizeof *w);
     rng r = rng_seed(test_seed());
     fill_boxes(&r, w->boxes, BOXES, dims);
     fill_rays(&r, w->rays, RAYS, w->boxes, BOXES);
@@ -187,7 +187,6 @@ static void every_hit_is_found_and_no_other(uint32_t dims, uint32_t share)
     assert_true(expected > RAYS && found.undecided > 0);
     print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
                   found.undecided);
-    free(w);
 }
 
 TEST(every_hit_in_3d)
@@ -265,7 +264,6 @@ static void hits_of_bounds_are_exact_in(uint32_t dims)
                 fail_msg("ray %u, bounds %u: %d is wrong", i, id, met[id]);
     }
     assert_true(at == found.n_hits && at > RAYS / 2);
-    free(w);
 }
 
 TEST(hits_of_bounds_are_exact)
@@ -338,7 +336,6 @@ TEST(closest_and_any_are_of_every_hit)
         while (at < all.n_hits && all.hits[at].ray == i)
             ++at;
     }
-    free(w);
 }
 
 TEST(share_and_order_of_boxes_change_nothing)
@@ -351,7 +348,7 @@ TEST(share_and_order_of_boxes_change_nothing)
     assert_memory_equal(a.hits, b.hits, RAYS * sizeof *a.hits);
     assert_int_equal(a.undecided, b.undecided);
     // Another box first makes another tree.
-    duet_pose *turned = malloc(sizeof w->boxes);
+    duet_pose *turned = test_alloc(sizeof w->boxes);
     for (uint32_t id = 0; id < BOXES; ++id)
         turned[id] = w->boxes[(id + 77) % BOXES];
     set_poses(tree, turned, BOXES);
@@ -360,7 +357,7 @@ TEST(share_and_order_of_boxes_change_nothing)
         assert_true(a.hits[i].t == b.hits[i].t);
         assert_true((a.hits[i].id == DUET_NO_OBJECT) == (b.hits[i].id == DUET_NO_OBJECT));
     }
-    free(turned);
+    test_give_back(turned);
     // A query of a tree that gets other shares, the first being A's alone.
     const uint32_t shares[] = {DUET_SHARE_ONE / 3, 0, DUET_SHARE_DEFAULT, DUET_SHARE_ONE};
     set_poses(tree, w->boxes, BOXES);
@@ -373,7 +370,6 @@ TEST(share_and_order_of_boxes_change_nothing)
         if (i == 0)
             assert_true(b.device_ms[1] > 0);
     }
-    free(w);
 }
 
 // ---------------------------------------------------------------- moving worlds
@@ -508,7 +504,6 @@ static void meet_the_bodies_of(bool doubles, bool contact)
     for (int i = 0; i < 3; ++i) { // a tree outlives its motion
         cast_rays(queries[i], w->rays, 300);
     }
-    free(w);
 }
 
 TEST(a_tree_of_a_motion_has_its_bodies)
@@ -590,8 +585,8 @@ TEST(touching_counts)
 TEST(lists_grow)
 {
     enum { N = 300 };
-    duet_pose *boxes = calloc(N, sizeof *boxes);
-    duet_ray *rays = calloc(N, sizeof *rays);
+    duet_pose *boxes = test_alloc(N * sizeof *boxes);
+    duet_ray *rays = test_alloc(N * sizeof *rays);
     for (int i = 0; i < N; ++i) {
         boxes[i] = (duet_pose){{0}, {1, 1, 1}, {0, 0, 0, 1}};
         rays[i] = (duet_ray){{i % 2 ? 1.0f : 0.5f, 0, -5}, {0, 0, 1}, INFINITY};
@@ -603,8 +598,6 @@ TEST(lists_grow)
     for (uint64_t i = 0; i < found.n_hits; ++i)
         assert_true(found.hits[i].ray == i / N && found.hits[i].id == i % N &&
                     found.hits[i].t == 4);
-    free(boxes);
-    free(rays);
 }
 
 // On GPUs with memory of their own, as the CPU's parts are told here to be, chunks follow each
@@ -614,8 +607,8 @@ TEST(chunks_that_follow_each_other_lose_nothing)
 {
     enum { FLOW = 1 << 18, N = 2 * FLOW + 5000, CUBES = 27 };
     duet_pose cubes[CUBES];
-    duet_ray *rays = calloc(N, sizeof *rays);
-    duet_ray_hit *expected = calloc(N, sizeof *expected);
+    duet_ray *rays = test_alloc(N * sizeof *rays);
+    duet_ray_hit *expected = test_alloc(N * sizeof *expected);
     rng r = rng_seed(test_seed());
     for (int i = 0; i < CUBES; ++i)
         cubes[i] = (duet_pose){
@@ -646,8 +639,6 @@ TEST(chunks_that_follow_each_other_lose_nothing)
         }
     }
     devices_seem_gpus(false);
-    free(rays);
-    free(expected);
 }
 
 TEST(a_gpu_walks_to_the_same_hits)
@@ -662,7 +653,6 @@ TEST(a_gpu_walks_to_the_same_hits)
     assert_int_equal(found.undecided, expected.undecided);
     test_give_back(on_gpu);
     devices_seem_gpus(false);
-    free(w);
 }
 
 TEST(no_boxes_and_no_rays_are_no_error)

@@ -55,8 +55,7 @@ static duet_rounded_box draw_box(rng *r, uint32_t i)
 // some a point.
 static world *make_world(void)
 {
-    world *w = calloc(1, sizeof *w);
-    assert_non_null(w);
+    world *w = test_alloc(sizeof *w);
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < BOXES; ++i) {
         w->boxes[i] = draw_box(&r, i);
@@ -168,7 +167,6 @@ TEST(integers_agree_with_the_least_distance)
             clear += told;
         }
     assert_true(near > 100 && clear > 1000);
-    free(w);
 }
 
 // ---------------------------------------------------------------- rays
@@ -253,7 +251,6 @@ TEST(rays_meet_what_the_host_says)
             open_rounded_tree(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
         rays_in(w, tree, w->boxes, dims);
     }
-    free(w);
 }
 
 // A ray that begins in a sphere, nearer to its surface than float sees, and goes along it: whether
@@ -306,7 +303,6 @@ TEST(rays_of_any_scale_meet_as_many)
         duet_tree *tree =
             open_rounded_tree(3, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
         rays_in(w, tree, w->boxes, 3);
-        free(w);
     }
 }
 
@@ -364,7 +360,6 @@ TEST(points_are_in_and_near_what_the_host_says)
             open_rounded_tree(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
         points_in(w, tree, w->boxes, dims);
     }
-    free(w);
 }
 
 // ---------------------------------------------------------------- boxes
@@ -410,7 +405,6 @@ TEST(boxes_collide_as_a_worlds)
             open_rounded_tree(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
         boxes_in(tree, DUET_OBJECT_ROUNDED_BOXES, w->boxes, w->boxes, dims);
     }
-    free(w);
 }
 
 // Spheres are rounded boxes without a core.
@@ -424,7 +418,6 @@ TEST(spheres_are_asked_about_as_rounded_boxes)
         open_rounded_tree(3, DUET_SHARE_ONE / 3, DUET_OBJECT_SPHERES, w->spheres, BOXES);
     rays_in(w, tree, rounded, 3);
     boxes_in(tree, DUET_OBJECT_SPHERES, w->spheres, rounded, 3);
-    free(w);
 }
 
 // ---------------------------------------------------------------- a motion's bodies
@@ -432,8 +425,8 @@ TEST(spheres_are_asked_about_as_rounded_boxes)
 static duet_motion *open_motion(const world *w, uint32_t wants, bool doubles)
 {
     duet_motion_def def = duet_default_motion_def();
-    duet_pose *poses = calloc(BOXES, sizeof *poses);
-    duet_body *bodies = calloc(BOXES, sizeof *bodies);
+    duet_pose *poses = test_alloc(BOXES * sizeof *poses);
+    duet_body *bodies = test_alloc(BOXES * sizeof *bodies);
     for (uint32_t i = 0; i < BOXES; ++i) {
         poses[i] = w->boxes[i].pose;
         bodies[i] = duet_default_body();
@@ -443,10 +436,7 @@ static duet_motion *open_motion(const world *w, uint32_t wants, bool doubles)
     def.pair = devices;
     def.doubles = doubles;
     def.wants = wants;
-    duet_motion *motion = kept(duet_motion_create(&def, poses, bodies, BOXES, ERR));
-    free(poses);
-    free(bodies);
-    return motion;
+    return kept(duet_motion_create(&def, poses, bodies, BOXES, ERR));
 }
 
 // One gets another radius, one leaves, one is disabled, and one comes.
@@ -513,7 +503,6 @@ TEST(a_tree_of_a_motion_has_its_radii)
     ask_bodies(w, open_motion(w, DUET_EFFECT_CONTACT, false));
     ask_bodies(w, open_motion(w, DUET_EFFECT_CONTACT, true));
     ask_bodies(w, open_motion(w, 0, false)); // by way of the host
-    free(w);
 }
 
 // Bodies with radii, bodies that may get some, boxes, and boxes in origin cells.
@@ -558,7 +547,6 @@ TEST(a_tree_of_rounded_boxes_takes_bodies_without_radii)
     duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
     must(duet_tree_set_motion(tree, motion, ERR));
     assert_same_rays(w, tree, by_hand);
-    free(w);
 }
 
 // ---------------------------------------------------------------- refusals

@@ -48,8 +48,7 @@ static duet_rounded_box draw_box(rng *r, uint32_t i)
 
 static world *make_world(void)
 {
-    world *w = calloc(1, sizeof *w);
-    assert_non_null(w);
+    world *w = test_alloc(sizeof *w);
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < BOXES; ++i)
         w->boxes[i] = draw_box(&r, i);
@@ -114,7 +113,6 @@ TEST(integers_agree_with_a_search_in_time)
             told += fabs(least) > 2e-5;
         }
     assert_true(met > SWEEPS / 8 && told > SWEEPS);
-    free(w);
 }
 
 static duet_rounded_box round_at(double x, double y, double z, double hx, double hy, double hz,
@@ -394,7 +392,6 @@ static void every_hit_in(uint32_t dims, uint32_t share)
     print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
                   found.undecided);
     assert_true(4 * found.undecided < found.n_hits);
-    free(w);
 }
 
 TEST(every_hit_is_found_and_no_other)
@@ -451,7 +448,6 @@ TEST(closest_and_any_are_of_every_hit)
         assert_true(!hits || hit->t <= least + 0.05f); // a unit of t is a way of some units
     }
     assert_true(n_same * 50 >= n_hit * 49);
-    free(w);
 }
 
 TEST(boxes_without_radii_have_the_hits_of_poses)
@@ -477,7 +473,6 @@ TEST(boxes_without_radii_have_the_hits_of_poses)
     duet_sweep_query_result b = run_sweeps(other, DUET_OBJECT_POSES, sweeps, SWEEPS);
     assert_true(a.n_hits == b.n_hits && a.n_hits > SWEEPS / 8);
     assert_memory_equal(a.hits, b.hits, a.n_hits * sizeof *a.hits);
-    free(w);
 }
 
 static void scale_box(duet_rounded_box *box, float scale)
@@ -510,14 +505,12 @@ TEST(lengths_of_any_scale_have_the_same_hits)
             run_sweeps(query, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
         if (i == 0) {
             n = found.n_hits;
-            first = malloc((size_t)n * sizeof *first);
+            first = test_alloc((size_t)n * sizeof *first);
             memcpy(first, found.hits, (size_t)n * sizeof *first);
         }
         assert_int_equal(found.n_hits, n);
         assert_memory_equal(found.hits, first, (size_t)n * sizeof *first);
-        free(w);
     }
-    free(first);
 }
 
 TEST(spheres_move_as_rounded_boxes)
@@ -546,7 +539,6 @@ TEST(spheres_move_as_rounded_boxes)
     duet_sweep_query_result b = run_sweeps(other, DUET_OBJECT_SPHERES, sweeps, SWEEPS);
     assert_true(a.n_hits == b.n_hits && a.n_hits > SWEEPS / 8);
     assert_memory_equal(a.hits, b.hits, a.n_hits * sizeof *a.hits);
-    free(w);
 }
 
 // ---------------------------------------------------------------- refusals

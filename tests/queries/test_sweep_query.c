@@ -47,7 +47,7 @@ static void fill_box(rng *r, uint32_t i, duet_pose *box)
 
 static world *make_world(void)
 {
-    world *w = calloc(1, sizeof *w);
+    world *w = test_alloc(sizeof *w);
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < BOXES; ++i)
         fill_box(&r, i, &w->boxes[i]);
@@ -90,7 +90,6 @@ TEST(integers_agree_with_rays_and_with_boxes_that_stand)
             n_met += met;
         }
     assert_true(n_met > SWEEPS / 4);
-    free(w);
 }
 
 // Hard pairs that are pushed apart and back: the way has t = 1 on it, where they stand.
@@ -182,7 +181,6 @@ static void every_hit_in(uint32_t dims, uint32_t share)
     print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
                   found.undecided);
     assert_true(found.undecided < found.n_hits);
-    free(w);
 }
 
 TEST(every_hit_is_found_and_no_other)
@@ -223,7 +221,6 @@ TEST(closest_and_any_are_of_every_hit)
         assert_true(!hits || hit->t <= least + 0.05f); // a unit of t is a way of some units
     }
     assert_true(n_same * 50 >= n_hit * 49);
-    free(w);
 }
 
 // ---------------------------------------------------------------- bounds

@@ -91,8 +91,7 @@ static const maker makers[] = {
 
 static crowd *make_crowd(maker make, uint32_t dims, duet_shape shape, rng *r)
 {
-    crowd *c = calloc(1, sizeof *c);
-    assert_non_null(c);
+    crowd *c = test_alloc(sizeof *c);
     c->objects = (reference_objects){
         .dims = dims, .shape = shape, .n = N, .poses = c->poses, .bounds = c->bounds};
     for (uint32_t i = 0; i < N; ++i) {
@@ -126,7 +125,6 @@ TEST(columns_find_what_each_with_each_finds)
         assert_same(&each, &columns);
         duet_free(each.pairs);
         duet_free(columns.pairs);
-        free(c);
     }
 }
 
@@ -147,7 +145,6 @@ TEST(each_level_has_its_set_however_it_is_found)
         duet_free(each.pairs);
         duet_free(columns.pairs);
         duet_free(exact.pairs);
-        free(c);
     }
 }
 
@@ -165,7 +162,6 @@ TEST(pairs_ascend)
                          found.pairs[i - 1].b < found.pairs[i].b));
     }
     duet_free(found.pairs);
-    free(c);
 }
 
 // 8 x 8 x 8 cubes that touch along faces, edges and corners.
@@ -179,7 +175,6 @@ TEST(all_neighbours_on_a_lattice_touch)
     uint64_t met = 22 * 22 * 22; // (2 * 7 + 8)^3 ordered pairs, each cube with itself among them
     assert_int_equal(found.n, (met - 512) / 2);
     duet_free(found.pairs);
-    free(c);
 }
 
 TEST(none_one_and_two_objects_are_scenes_too)
@@ -209,7 +204,6 @@ TEST(a_scene_gives_the_pairs_of_its_objects)
     assert_memory_equal(pairs, found.pairs, n * sizeof *pairs);
     duet_free(pairs);
     duet_free(found.pairs);
-    free(c);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -120,6 +120,13 @@ void test_store_back(void *made)
     store_close(made);
 }
 
+void *test_alloc(size_t bytes)
+{
+    void *zeros = calloc(1, bytes);
+    assert_non_null(zeros);
+    return test_keep(zeros, free);
+}
+
 static int begin_test(void **state)
 {
     return chdir(own_folder) == 0 && (!each_begin || each_begin(state) == 0) ? 0 : -1;

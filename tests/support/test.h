@@ -76,6 +76,7 @@ void skip_without_terminal(void);
 // after those with what was given later. test_give_back does it now. Returns the thing.
 void *test_keep(void *thing, void (*back)(void *thing));
 void test_give_back(void *thing);
+void *test_alloc(size_t bytes); // zeros, which the test keeps
 
 // What public calls make and destroy, each with its test_KIND_back for test_keep.
 // clang-format off
