@@ -219,15 +219,15 @@ static bool tune(replay *r, const replay_def *def, uint32_t *search_launches,
     tuned.repeats = def->repeats ? def->repeats : tuned.repeats;
     tuned.watch = count_search;
     tuned.watch_context = search_launches;
-    tune_task task = {
+    tune_problem problem = {
         .def = &tuned,
         .machine = {.context = r, .launch = launch_recorded},
         .script = def->script,
-        .least_share = task_least_share(r->surface->n),
+        .least_share = tune_least_share(r->surface->n),
     };
     trial_log log = {0};
     duet_error why = {0};
-    bool ok = tune_run(&task, &log, found, &why);
+    bool ok = tune_run(&problem, &log, found, &why);
     trial_log_free(&log);
     if (why.status == DUET_STATUS_INTERRUPTED)
         return error_set(err, why.status, "stopped");

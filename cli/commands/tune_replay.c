@@ -61,9 +61,9 @@ static bool replay_strategies(replay *r, const replay_options *options, script *
     def.script = lua;
     if ((def.strategy = asked))
         return replay_strategy(r, def, rows, err);
-    for (uint32_t i = 0; strategy_at(i); ++i) {
-        def.strategy = strategy_at(i)->name;
-        if (strategy_at(i) != &strategy_lua && !replay_strategy(r, def, rows, err))
+    for (uint32_t i = 0; strategies[i] && strategies[i]->choice == STRATEGY_SHARE; ++i) {
+        def.strategy = strategies[i]->name;
+        if (strategies[i] != &strategy_lua && !replay_strategy(r, def, rows, err))
             return false;
     }
     return true;

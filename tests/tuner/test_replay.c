@@ -163,8 +163,8 @@ TEST(the_same_seed_gives_the_same_tuning)
 {
     replay r;
     profile_surface *surface = open_surface(recorded, 20000, &r);
-    for (uint32_t i = 0; strategy_at(i) && strategy_at(i) != &strategy_lua; ++i) {
-        const char *name = strategy_at(i)->name;
+    for (uint32_t i = 0; strategies[i] && strategies[i] != &strategy_lua; ++i) {
+        const char *name = strategies[i]->name;
         replay_outcome first = run(&r, name, 7), other = run(&r, name, 8), again = run(&r, name, 7);
         assert_memory_equal(&first, &again, sizeof first);
         assert_true(first.seconds != other.seconds);
