@@ -2,7 +2,7 @@
 // A world, a motion or a task whose plan follows its frames' times. The kernels that a world may
 // change to are built and timed where it is created, so that no frame waits for them. A motion's
 // frames are its searches, and only their share moves: its kernels cannot be timed beside the run,
-// since each step changes the state. Of a task, too, only the share moves.
+// since each step changes the state. A task, too, moves its share alone.
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"

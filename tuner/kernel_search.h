@@ -21,7 +21,7 @@ typedef struct kernel_search {
     bool behind[KERNEL_SPACE_PARAMS][KERNEL_SPACE_VALUES];
 } kernel_search;
 
-// In how many parameters two configs differ.
+// Counts the parameters in which two configs differ.
 uint32_t kernel_search_distance(const kernel_space *space, uint32_t config, uint32_t other);
 
 // The space must live as long as the search.

@@ -24,7 +24,7 @@ static uint32_t find_kernel(recorded_space *s, const char *name)
         ++at;
     if (at == s->n && at < SEARCH_KERNELS) {
         kernel_space *k = &s->kernels[s->n++];
-        *k = (kernel_space){.n_configs = 1}; // what ran at first
+        *k = (kernel_space){.n_configs = 1}; // the config that ran at first
         snprintf(k->kernel, sizeof k->kernel, "%s", name);
     }
     return at;

@@ -15,7 +15,7 @@ typedef struct recorded_space {
     char base[DUET_VARIANT]; // the text without configs
 } recorded_space;
 
-// Adds the configs of "auto k.WG=64 k.TILE=1". What is beyond the limits of a kernel_space is left
+// Adds the configs of "auto k.WG=64 k.TILE=1". Configs beyond the limits of a kernel_space are left
 // out.
 void recorded_space_add(recorded_space *s, const char *variant);
 

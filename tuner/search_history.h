@@ -40,7 +40,7 @@ search_options search_default_options(void);
 typedef struct search_history {
     search_options options;
     struct script *script;           // only strategy lua has it; borrowed
-    const struct joint_space *space; // of a strategy that chooses kernels too; borrowed
+    const struct joint_space *space; // kernels to choose from; may be NULL; borrowed
     uint64_t seed;
     search_sample *samples; // in the order they were measured
     uint32_t n;

@@ -15,7 +15,7 @@ typedef struct search_next {
     search_sample at;
 } search_next;
 
-// What a strategy chooses.
+// The choice that a strategy makes.
 typedef enum strategy_choice {
     STRATEGY_SHARE,
     STRATEGY_JOINT,    // kernels and share together, a tenth of all plans within bounds
@@ -29,7 +29,7 @@ typedef struct strategy {
     bool evened;       // its share is evened out by what both devices take in the verdict
     uint32_t launches; // at most, if the options name no number; 0: no end of its own
     bool (*ask)(const search_history *h, search_next *next, duet_error *err);
-    uint32_t (*pick)(const search_history *h);                               // of a share
+    uint32_t (*pick)(const search_history *h);                               // NULL: no share alone
     void (*bracket)(const search_history *h, uint32_t *low, uint32_t *high); // NULL: all
 } strategy;
 

@@ -30,7 +30,7 @@ typedef struct subject_truth {
     duet_accuracy accuracy;
 } subject_truth;
 
-// What a def may ask for.
+// Names each thing that a def may ask for.
 enum {
     SUBJECT_TASK = 1,
     SUBJECT_STEPS = 2,
@@ -47,7 +47,7 @@ enum {
 typedef struct subject_kind {
     const char *has;   // "a task has", for what it cannot be asked for
     unsigned asked_by; // a def that asks for this is of the kind
-    unsigned takes;    // what a def may ask for
+    unsigned takes;    // the most that a def may ask for
     bool searches;     // kernels, unless the def says which
     bool has_one_way;  // each device has grids and kernels of its own: mode own, variant auto
     bool (*check)(const duet_tune_def *def, duet_error *err); // NULL: nothing is left to check

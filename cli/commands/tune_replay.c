@@ -140,16 +140,30 @@ static bool fail_unwanted(const replay_options *options, const profile_surface *
     return false;
 }
 
+static bool fail_unfit(const replay_options *options, duet_error *err)
+{
+    return error_set(err, DUET_STATUS_NOT_FOUND,
+                     "%s: has no workload for that strategy; expected shares that '--strategy "
+                     "grid' has stored, or kernels and shares that '--strategy brute' has",
+                     options->store);
+}
+
 static bool replay_store(store *s, const replay_options *options, script *lua, cJSON *workloads,
                          duet_error *err)
 {
     profile_surface *surfaces;
     uint32_t n;
     bool ok = profile_surfaces_get(s, &surfaces, &n, err);
-    for (uint32_t i = 0; ok && i < n; ++i)
-        ok = !is_wanted(&surfaces[i], options) || !fits(&surfaces[i], options, lua) ||
+    bool wanted = false;
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        if (!is_wanted(&surfaces[i], options))
+            continue;
+        wanted = true;
+        ok = !fits(&surfaces[i], options, lua) ||
              replay_surface(s, &surfaces[i], options, lua, workloads, err);
-    ok = ok && (cJSON_GetArraySize(workloads) > 0 || fail_unwanted(options, surfaces, n, err));
+    }
+    if (ok && cJSON_GetArraySize(workloads) == 0)
+        ok = wanted ? fail_unfit(options, err) : fail_unwanted(options, surfaces, n, err);
     free(surfaces);
     return ok && store_check_read(s, err);
 }
