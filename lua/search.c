@@ -83,7 +83,7 @@ static int search_ask_lua(lua_State *L)
         return class_push_failure(L, &err);
     if (next.done)
         return 0;
-    push_share(L, next.share);
+    push_share(L, next.at.share);
     return 1;
 }
 

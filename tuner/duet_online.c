@@ -2,14 +2,13 @@
 // A world, a motion or a task whose plan follows its frames' times. The kernels that a world may
 // change to are built and timed where it is created, so that no frame waits for them. A motion's
 // frames are its searches, and only their share moves: its kernels cannot be timed beside the run,
-// since each step changes the state. Of a task, too, only the share moves.
+// since each step changes the state. A task, too, moves its share alone.
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
-#include "runtime/selection/profile_subject.h"
 #include "tuner/online.h"
 #include "tuner/record.h"
-#include "tuner/subject_still.h"
+#include "tuner/subject.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -217,12 +216,16 @@ duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
 
 // ---------------------------------------------------------------- frames
 
-static bool has(const duet_online *o, const void *subject, const char *call, const char *name,
-                duet_error *err)
+// Checks a call of one that follows such a thing, and tells the next frame's plan.
+static bool begin_frame(const duet_online *o, const void *followed, const char *name,
+                        const void *result, const char *call, listed_plan *plan, duet_error *err)
 {
-    return error_given(o, call, "online", err) &&
-           (subject || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                 "%s: the def had no %s; expected one", call, name));
+    if (!error_given(o, call, "online", err) || !error_given(result, call, "result", err))
+        return false;
+    if (!followed)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: the def had no %s; expected one", call,
+                         name);
+    return online_plan(&o->online, plan, err);
 }
 
 bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
@@ -230,9 +233,8 @@ bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
     PUBLIC_CALL(err);
     listed_plan plan;
     search_sample frame;
-    if (!has(o, o ? o->def.world : NULL, __func__, "world", err) ||
-        !error_given(result, __func__, "result", err) ||
-        !world_is_idle(o->def.world, __func__, err) || !online_plan(&o->online, &plan, err))
+    if (!begin_frame(o, o ? o->def.world : NULL, "world", result, __func__, &plan, err) ||
+        !world_is_idle(o->def.world, __func__, err))
         return false;
     bool trial = online_is_trial(&o->online);
     if (step(o, &plan, result, &frame, trial ? NULL : err))
@@ -248,9 +250,8 @@ bool duet_online_advance(duet_online *o, duet_motion_result *result, duet_error 
     PUBLIC_CALL(err);
     listed_plan plan;
     duet_result found;
-    if (!has(o, o ? o->def.motion : NULL, __func__, "motion", err) ||
-        !error_given(result, __func__, "result", err) ||
-        !motion_is_whole(o->def.motion, __func__, err) || !online_plan(&o->online, &plan, err) ||
+    if (!begin_frame(o, o ? o->def.motion : NULL, "motion", result, __func__, &plan, err) ||
+        !motion_is_whole(o->def.motion, __func__, err) ||
         !motion_set_share(o->def.motion, plan.share, err))
         return false;
     motion_take_search(o->def.motion, &found); // of a step that was not this one's
@@ -266,8 +267,7 @@ bool duet_online_run(duet_online *o, duet_task_result *result, duet_error *err)
 {
     PUBLIC_CALL(err);
     listed_plan listed;
-    if (!has(o, o ? o->def.task : NULL, __func__, "task", err) ||
-        !error_given(result, __func__, "result", err) || !online_plan(&o->online, &listed, err))
+    if (!begin_frame(o, o ? o->def.task : NULL, "task", result, __func__, &listed, err))
         return false;
     duet_plan plan = *duet_task_get_plan(o->def.task);
     plan.share = listed.share;

@@ -9,7 +9,6 @@
 #include "runtime/scene/scene.h"
 #include "runtime/selection/profile_subject.h"
 #include "tuner/device_lock.h"
-#include "tuner/joint_strategy.h"
 #include "tuner/level_costs.h"
 #include "tuner/record.h"
 #include "tuner/strategy.h"
@@ -122,11 +121,9 @@ static duet_tune_def complete_def(const duet_tune_def *def)
     whole.wait_seconds = def->wait_seconds < 0 ? default_wait() : def->wait_seconds;
     whole.objective = def->objective ? def->objective : "time";
     const strategy *evens = makes_energy_small(def) ? strategy_find(def->strategy) : NULL;
-    if (evens && evens->evened)
+    if (evens && evens->evened && evens->choice == STRATEGY_SHARE)
         whole.strategy = "annealing";
-    const subject_kind *kind = subject_kind_of(def);
-    if (kind->complete)
-        kind->complete(&whole);
+    subject_complete(&whole);
     return whole;
 }
 
@@ -153,9 +150,8 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
             return false;
     }
     return check_objective(def, err) && check_levels(def, err) &&
-           joint_strategy_check(def->strategy, err) &&
-           (def->task || check_search(def->search, err)) && subject_kind_of(def)->check(def, err) &&
-           check_budget(&whole, err);
+           strategy_check(def->strategy, err) && (def->task || check_search(def->search, err)) &&
+           subject_check(def, err) && check_budget(&whole, err);
 }
 
 // ---------------------------------------------------------------- a tuning
@@ -426,13 +422,13 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
 {
     subject *s = &h->subject;
     subject_truth truth = {0};
-    if (!s->kind->find_truth(s, &truth, err))
+    if (s->kind->find_truth && !s->kind->find_truth(s, &truth, err))
         return false;
     h->hash = truth.hash;
     bool guessed = near->grade == PROFILE_INTERPOLATED || near->grade == PROFILE_TRANSFERRED ||
                    near->grade == PROFILE_OTHER_DRIVER || near->grade == PROFILE_STALE;
     duet_plan usual = duet_default_plan(h->def.pair); // share 0 if the devices differ
-    tune_task task = {
+    tune_problem problem = {
         .def = &h->def,
         .machine = subject_machine(s, h->hash),
         .others = {h->cores, look_at_others},
@@ -444,17 +440,18 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         .fair = usual.share,
         .fair_mode = usual.mode,
         .script = h->script,
-        .least_share = task_least_share(s->units),
+        .least_share = tune_least_share(s->units),
     };
     if (!h->meter && find_whole(h->def.pair, s->kind->lives_on_one, h->whole_name))
-        task.whole = (tune_whole){h, open_whole};
+        problem.whole = (tune_whole){h, open_whole};
     if (h->record.store)
-        task.recorder = record_recorder(&h->record);
+        problem.recorder = record_recorder(&h->record);
     bool looks = h->record.store && h->def.search && !h->def.fresh;
     for (int device = 0; looks && device < 2; ++device)
-        if (!record_device_variant(&h->record, device, h->def.search, task.searched[device], err))
+        if (!record_device_variant(&h->record, device, h->def.search, problem.searched[device],
+                                   err))
             return false;
-    bool ok = tune_run(&task, &h->state, outcome, err);
+    bool ok = tune_run(&problem, &h->state, outcome, err);
     outcome->accuracy = truth.accuracy;
     outcome->true_pairs = truth.pairs;
     return ok;

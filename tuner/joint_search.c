@@ -2,7 +2,7 @@
 #include "tuner/joint_search.h"
 
 #include "tuner/field.h"
-#include "tuner/joint_strategy.h"
+#include "tuner/joint_space.h"
 #include "tuner/kernel_tuning.h"
 #include "tuner/trial_budget.h"
 
@@ -14,9 +14,15 @@ enum { POINTS = 16, FINALISTS = 6 };
 static const race_options finals = {
     .least_rounds = 6, .most_rounds = 12, .confidence = 0.95, .dropped = 1.1, .margin = 0.02};
 
-bool joint_search_is_asked(const tune_task *task)
+static const strategy *strategy_for(const tune_problem *problem)
 {
-    return joint_strategy_of(task->def->strategy, task->script);
+    return strategy_of(problem->def->strategy, problem->script);
+}
+
+bool joint_search_is_asked(const tune_problem *problem)
+{
+    const strategy *s = strategy_for(problem);
+    return s && s->choice != STRATEGY_SHARE;
 }
 
 // ---------------------------------------------------------------- space
@@ -25,7 +31,7 @@ bool joint_search_is_asked(const tune_task *task)
 static uint32_t keep_meant(const duet_tune_def *def, kernel_space *spaces, uint32_t n)
 {
     uint32_t kept = 0;
-    for (uint32_t i = 0; i < n && kept < JOINT_KERNELS; ++i)
+    for (uint32_t i = 0; i < n && kept < SEARCH_KERNELS; ++i)
         if (kernel_tuning_is_meant(def->search, &spaces[i]))
             spaces[kept++] = spaces[i];
     return kept;
@@ -33,65 +39,54 @@ static uint32_t keep_meant(const duet_tune_def *def, kernel_space *spaces, uint3
 
 static bool read_space(tuning *t, joint_space *s, duet_error *err)
 {
-    const tune_task *task = t->task;
-    uint32_t half = task->one_device ? 0 : DUET_SHARE_ONE / 2;
-    duet_mode mode = task->def->n_modes ? task->def->modes[0] : DUET_MODE_OWN;
+    const tune_problem *problem = t->problem;
+    uint32_t half = problem->one_device ? 0 : DUET_SHARE_ONE / 2;
+    duet_mode mode = problem->def->n_modes ? problem->def->modes[0] : DUET_MODE_OWN;
     trial got;
-    *s = (joint_space){.points = task->one_device ? 0 : POINTS, .base = tuning_plan(t, half, mode)};
+    *s = (joint_space){.points = problem->one_device ? 0 : POINTS,
+                       .base = tuning_plan(t, half, mode)};
     if (!tuning_run_trial(t, &s->base, &got, err))
         return false;
-    for (int device = 0; task->def->search && got.usable && device < 2; ++device) {
+    for (int device = 0; problem->def->search && got.usable && device < 2; ++device) {
         uint32_t n = 0;
-        if (task->one_device && device == 0)
+        if (problem->one_device && device == 0)
             continue;
-        if (!task->kernels.read(task->kernels.context, &s->base, device, &s->kernels[device], &n,
-                                err))
+        if (!problem->kernels.read(problem->kernels.context, &s->base, device, &s->kernels[device],
+                                   &n, err))
             return false;
-        s->n_kernels[device] = keep_meant(task->def, s->kernels[device], n);
+        s->n_kernels[device] = keep_meant(problem->def, s->kernels[device], n);
     }
     return true;
 }
 
 // ---------------------------------------------------------------- search
 
-static bool measure(tuning *t, joint_history *h, const joint_point *at, duet_error *err)
+static uint32_t count_samples(const strategy *of, const joint_space *space)
 {
-    trial got = {0};
-    duet_plan plan;
-    bool fits = joint_space_plan(h->space, at, &plan);
-    if (fits && !tuning_run_trial(t, &plan, &got, err))
-        return false;
-    return joint_history_add(
-        h, &(joint_sample){.at = *at, .usable = got.usable, .times = got.sample}, err);
+    enum { LEAST = 24, MOST = 400, ALL_PLANS = 100000 };
+    uint64_t n = joint_space_count(space);
+    if (of->choice == STRATEGY_JOINT_ALL)
+        return (uint32_t)(n < ALL_PLANS ? n : ALL_PLANS);
+    return n / 10 < LEAST ? LEAST : n / 10 > MOST ? MOST : (uint32_t)(n / 10);
 }
 
-static bool run_strategy(tuning *t, joint_history *h, duet_error *err)
+static bool run_strategy(tuning *t, search *s, duet_error *err)
 {
-    const joint_strategy *strategy = joint_strategy_of(t->task->def->strategy, t->task->script);
-    h->most = joint_strategy_samples(strategy, h->space);
+    bool usable;
+    s->history.options.launches = count_samples(s->strategy, s->history.space);
     t->search_known = true;
-    t->search_trials = h->most + FINALISTS * finals.most_rounds;
-    while (h->n < h->most) {
-        joint_next next;
-        if (!strategy->ask(h, &next, err))
-            return false;
-        t->cut |= !next.done && !tuning_within_budget(t);
-        if (next.done || t->cut)
-            return true;
-        if (!measure(t, h, &next.at, err))
-            return false;
-    }
-    return true;
+    t->search_trials = s->history.options.launches + FINALISTS * finals.most_rounds;
+    return mode_search_ask(t, s, &usable, err);
 }
 
 // ---------------------------------------------------------------- choice
 
 static int by_time(const void *a, const void *b)
 {
-    const joint_sample *x = a, *y = b;
-    if (x->usable != y->usable)
-        return x->usable ? -1 : 1;
-    return (x->times.total_ns > y->times.total_ns) - (x->times.total_ns < y->times.total_ns);
+    const search_sample *x = a, *y = b;
+    if (x->failed != y->failed)
+        return x->failed ? 1 : -1;
+    return (x->total_ns > y->total_ns) - (x->total_ns < y->total_ns);
 }
 
 static bool has_entered(const field *f, const duet_plan *plan)
@@ -103,12 +98,12 @@ static bool has_entered(const field *f, const duet_plan *plan)
 }
 
 // The best of many short times is mostly one that was lucky, so the best few race.
-static bool race_best_few(tuning *t, const joint_history *h, duet_plan *best, duet_error *err)
+static bool race_best_few(tuning *t, const search_history *h, duet_plan *best, duet_error *err)
 {
     field f = {0};
     for (uint32_t i = 0; i < h->n && f.n < FINALISTS; ++i) {
         duet_plan plan;
-        bool fits = h->samples[i].usable && joint_space_plan(h->space, &h->samples[i].at, &plan);
+        bool fits = !h->samples[i].failed && joint_space_plan(h->space, &h->samples[i], &plan);
         if (fits && !has_entered(&f, &plan))
             field_enter(&f, plan);
     }
@@ -123,26 +118,26 @@ static bool race_best_few(tuning *t, const joint_history *h, duet_plan *best, du
 }
 
 // The least that a device would take for all the work, by its part in any launch.
-static double expect_alone(const joint_history *h, int device)
+static double expect_alone(const search_history *h, int device)
 {
     double least = INFINITY;
     for (uint32_t i = 0; i < h->n; ++i) {
-        const joint_sample *at = &h->samples[i];
-        uint32_t part = device == 0 ? at->at.share : SEARCH_ONE - at->at.share;
-        uint64_t ns = device == 0 ? at->times.a_ns : at->times.b_ns;
-        if (at->usable && part > 0 && ns > 0)
+        const search_sample *at = &h->samples[i];
+        uint32_t part = device == 0 ? at->share : SEARCH_ONE - at->share;
+        uint64_t ns = device == 0 ? at->a_ns : at->b_ns;
+        if (!at->failed && part > 0 && ns > 0)
             least = fmin(least, (double)ns * SEARCH_ONE / part);
     }
     return least;
 }
 
-static bool choose(tuning *t, joint_history *h, mode_found *found, duet_error *err)
+static bool choose(tuning *t, search_history *h, mode_found *found, duet_error *err)
 {
     duet_plan best = h->space->base;
     *found = (mode_found){
         .mode = best.mode, .a_alone_ns = expect_alone(h, 0), .b_alone_ns = expect_alone(h, 1)};
     qsort(h->samples, h->n, sizeof *h->samples, by_time);
-    found->usable = h->n > 0 && h->samples[0].usable;
+    found->usable = h->n > 0 && !h->samples[0].failed;
     if (!race_best_few(t, h, &best, err))
         return false;
     found->share = best.share;
@@ -156,15 +151,17 @@ bool joint_search_run(tuning *t, mode_found *found, uint32_t *n, duet_tune_outco
 {
     *n = 1;
     joint_space s = {0};
-    joint_history h = {.space = &s, .script = t->task->script, .seed = t->task->def->seed};
+    search joint = {
+        .strategy = strategy_for(t->problem),
+        .history = {.space = &s, .script = t->problem->script, .seed = t->problem->def->seed}};
     t->stage = "kernels and share";
     t->stage_end = SEARCH_END;
-    bool ok = read_space(t, &s, err) && run_strategy(t, &h, err);
+    bool ok = read_space(t, &s, err) && run_strategy(t, &joint, err);
     uint64_t plans = joint_space_count(&s);
     told->plans = plans < UINT32_MAX ? (uint32_t)plans : UINT32_MAX;
-    told->plans_tried = h.n;
-    ok = ok && choose(t, &h, found, err);
-    joint_history_free(&h);
+    told->plans_tried = joint.history.n;
+    ok = ok && choose(t, &joint.history, found, err);
+    search_end(&joint);
     joint_space_free(&s);
     return ok;
 }

@@ -7,7 +7,7 @@
 #include "tuner/mode_search.h"
 
 // Whether the tuning's strategy is such a one.
-bool joint_search_is_asked(const tune_task *task);
+bool joint_search_is_asked(const tune_problem *problem);
 
 // Measures plans until the strategy or the budget ends, and races the best few. The winner's
 // kernels enter the tuning's plan, and found has its share; told gets how many plans there are and

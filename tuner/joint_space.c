@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/joint_space.h"
 
-#include "tuner/tuning.h"
+#include "tuner/kernel_search.h"
+#include "tuner/tune.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 void joint_space_free(joint_space *s)
 {
@@ -13,31 +13,26 @@ void joint_space_free(joint_space *s)
     *s = (joint_space){0};
 }
 
-static void reset_device(const joint_space *s, joint_point *p, int device)
+static void reset_device(const joint_space *s, search_sample *p, int device)
 {
     for (uint32_t i = 0; i < s->n_kernels[device]; ++i)
         p->configs[device][i] = (uint16_t)s->kernels[device][i].now;
 }
 
-joint_point joint_space_base(const joint_space *s, uint32_t share)
+search_sample joint_space_base(const joint_space *s, uint32_t share)
 {
-    joint_point p = {.share = share};
+    search_sample p = {.share = share};
     reset_device(s, &p, 0);
     reset_device(s, &p, 1);
     return p;
 }
 
-void joint_space_normalize(const joint_space *s, joint_point *p)
+void joint_space_normalize(const joint_space *s, search_sample *p)
 {
     if (p->share == 0)
         reset_device(s, p, 0);
     if (p->share == SEARCH_ONE)
         reset_device(s, p, 1);
-}
-
-bool joint_point_same(const joint_point *a, const joint_point *b)
-{
-    return a->share == b->share && memcmp(a->configs, b->configs, sizeof a->configs) == 0;
 }
 
 // ---------------------------------------------------------------- numbers
@@ -67,7 +62,7 @@ uint64_t joint_space_count(const joint_space *s)
     return s->points ? a * b * (s->points - 1) + a + b : b;
 }
 
-static void set_configs(const joint_space *s, joint_point *p, int device, uint64_t number)
+static void set_configs(const joint_space *s, search_sample *p, int device, uint64_t number)
 {
     for (uint32_t i = 0; i < s->n_kernels[device]; ++i) {
         uint32_t n = s->kernels[device][i].n_configs;
@@ -77,10 +72,10 @@ static void set_configs(const joint_space *s, joint_point *p, int device, uint64
 }
 
 // B alone, then A alone, then both at each share between.
-joint_point joint_space_at(const joint_space *s, uint64_t number)
+search_sample joint_space_at(const joint_space *s, uint64_t number)
 {
     uint64_t a = count_configs(s, 0), b = count_configs(s, 1);
-    joint_point p = joint_space_base(s, 0);
+    search_sample p = joint_space_base(s, 0);
     if (number < b) {
         set_configs(s, &p, 1, number);
     } else if (number < a + b) {
@@ -97,9 +92,9 @@ joint_point joint_space_at(const joint_space *s, uint64_t number)
 
 // ---------------------------------------------------------------- chance
 
-joint_point joint_space_random(const joint_space *s, rng *r)
+search_sample joint_space_random(const joint_space *s, rng *r)
 {
-    joint_point p = {.share = share_of(s, rng_below(r, s->points + 1))};
+    search_sample p = {.share = share_of(s, rng_below(r, s->points + 1))};
     for (int device = 0; device < 2; ++device)
         for (uint32_t i = 0; i < s->n_kernels[device]; ++i)
             p.configs[device][i] = (uint16_t)rng_below(r, s->kernels[device][i].n_configs);
@@ -113,9 +108,7 @@ static uint16_t step_config(const kernel_space *k, uint16_t from, rng *r)
     uint32_t least = UINT32_MAX, n = 0;
     uint16_t chosen = from;
     for (uint32_t i = 0; i < k->n_configs; ++i) {
-        uint32_t differ = 0;
-        for (uint32_t param = 0; param < k->n_params; ++param)
-            differ += k->configs[i][param] != k->configs[from][param];
+        uint32_t differ = kernel_search_distance(k, from, i);
         if (differ == 0 || differ > least)
             continue;
         n = differ < least ? 1 : n + 1;
@@ -137,9 +130,9 @@ static uint32_t step_share(const joint_space *s, uint32_t share, rng *r)
 }
 
 // The share is what most depends on the others, and is moved in a third of the steps.
-joint_point joint_space_neighbour(const joint_space *s, const joint_point *p, rng *r)
+search_sample joint_space_neighbour(const joint_space *s, const search_sample *p, rng *r)
 {
-    joint_point to = *p;
+    search_sample to = *p;
     uint32_t n = s->n_kernels[0] + s->n_kernels[1];
     if (n == 0 || (s->points && rng_below(r, 3) == 0)) {
         to.share = step_share(s, p->share, r);
@@ -155,7 +148,7 @@ joint_point joint_space_neighbour(const joint_space *s, const joint_point *p, rn
 
 // ---------------------------------------------------------------- plans
 
-bool joint_space_plan(const joint_space *s, const joint_point *p, duet_plan *plan)
+bool joint_space_plan(const joint_space *s, const search_sample *p, duet_plan *plan)
 {
     *plan = s->base;
     plan->share = p->share;

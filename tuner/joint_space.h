@@ -8,8 +8,6 @@
 #include "runtime/broadphase/kernel_space.h"
 #include "tuner/search_history.h"
 
-enum { JOINT_KERNELS = 8 }; // of a device; others keep their config
-
 typedef struct joint_space {
     kernel_space *kernels[2]; // of A and of B, owned
     uint32_t n_kernels[2];
@@ -17,35 +15,27 @@ typedef struct joint_space {
     duet_plan base;  // with the texts of the variants that configs are added to
 } joint_space;
 
-// A device without work has the configs that ran at first.
-typedef struct joint_point {
-    uint32_t share; // out of SEARCH_ONE
-    uint16_t configs[2][JOINT_KERNELS];
-} joint_point;
-
 void joint_space_free(joint_space *s);
 
 // The configs that ran at first, at a share.
-joint_point joint_space_base(const joint_space *s, uint32_t share);
+search_sample joint_space_base(const joint_space *s, uint32_t share);
 
 // Gives a device without work the configs that ran at first: they are the same plan.
-void joint_space_normalize(const joint_space *s, joint_point *p);
-
-bool joint_point_same(const joint_point *a, const joint_point *b);
+void joint_space_normalize(const joint_space *s, search_sample *p);
 
 // How many plans the grid has, of at most 2^24 sets of configs of a device; and the one of a number
 // below that. Plans that follow each other mostly differ in the share alone, whose change builds no
 // kernel.
 uint64_t joint_space_count(const joint_space *s);
-joint_point joint_space_at(const joint_space *s, uint64_t number);
+search_sample joint_space_at(const joint_space *s, uint64_t number);
 
-joint_point joint_space_random(const joint_space *s, rng *r);
+search_sample joint_space_random(const joint_space *s, rng *r);
 
 // One step away: another value of one parameter of one kernel, or a share up to four steps of the
 // grid away.
-joint_point joint_space_neighbour(const joint_space *s, const joint_point *p, rng *r);
+search_sample joint_space_neighbour(const joint_space *s, const search_sample *p, rng *r);
 
 // False if a variant's text would be too long.
-bool joint_space_plan(const joint_space *s, const joint_point *p, duet_plan *plan);
+bool joint_space_plan(const joint_space *s, const search_sample *p, duet_plan *plan);
 
 #endif

@@ -14,12 +14,11 @@ kernel_search kernel_search_begin(const kernel_space *space)
     return s;
 }
 
-static uint32_t distance(const kernel_search *s, uint32_t config)
+uint32_t kernel_search_distance(const kernel_space *space, uint32_t config, uint32_t other)
 {
-    const uint8_t *best = s->space->configs[s->best], *other = s->space->configs[config];
     uint32_t n = 0;
-    for (uint32_t i = 0; i < s->space->n_params; ++i)
-        n += best[i] != other[i];
+    for (uint32_t i = 0; i < space->n_params; ++i)
+        n += space->configs[config][i] != space->configs[other][i];
     return n;
 }
 
@@ -29,8 +28,9 @@ static uint32_t nearest_with(const kernel_search *s, uint32_t param, uint32_t va
 {
     uint32_t nearest = s->best, least = UINT32_MAX;
     for (uint32_t i = 0; i < s->space->n_configs; ++i) {
-        if (s->space->configs[i][param] == value && distance(s, i) < least) {
-            least = distance(s, i);
+        uint32_t away = kernel_search_distance(s->space, s->best, i);
+        if (s->space->configs[i][param] == value && away < least) {
+            least = away;
             nearest = i;
         }
     }

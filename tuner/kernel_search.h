@@ -21,6 +21,9 @@ typedef struct kernel_search {
     bool behind[KERNEL_SPACE_PARAMS][KERNEL_SPACE_VALUES];
 } kernel_search;
 
+// Counts the parameters in which two configs differ.
+uint32_t kernel_search_distance(const kernel_space *space, uint32_t config, uint32_t other);
+
 // The space must live as long as the search.
 kernel_search kernel_search_begin(const kernel_space *space);
 

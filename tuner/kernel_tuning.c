@@ -95,9 +95,9 @@ static bool is_worth_search(tuning *t, const duet_plan *plan, int device, bool *
     if (!tuning_run_trial(t, plan, &got, err))
         return false;
     // B does more of a motion than the search that it shares.
-    double whole = (double)(device == 0           ? got.sample.a_ns
-                            : t->task->def->steps ? got.sample.total_ns
-                                                  : got.sample.b_ns);
+    double whole = (double)(device == 0              ? got.sample.a_ns
+                            : t->problem->def->steps ? got.sample.total_ns
+                                                     : got.sample.b_ns);
     *kernel_ns = (double)got.focus_ns;
     *worth = got.usable && (double)got.focus_ns > WORTH_SEARCH * whole;
     return true;
@@ -143,7 +143,7 @@ static bool confirm_kernels(tuning *t, int device, const duet_plan *before, cons
         "pairs",         "integrate",      "manifolds", "sleep", "solve_contacts", "graph_colour",
         "contact_graph", "match_contacts", "fat_aabbs", "grid",  "events"};
     race_gain gain = {.verdict = RACE_SAME, .ratio = 1, .interval = {1, 1, 1}};
-    bool moves = device == 1 && t->task->def->steps;
+    bool moves = device == 1 && t->problem->def->steps;
     t->focus = moves ? (focus){device, of_motion, sizeof of_motion / sizeof *of_motion}
                      : (focus){device, stages, sizeof stages / sizeof *stages};
     if (!trial_log_same_plan(before, after)) {
@@ -178,10 +178,10 @@ static void expect_trials(tuning *t, int device, const kernel_space *spaces, uin
     uint32_t left = 2 * confirmation.most_rounds;
     for (uint32_t i = 0; i < n; ++i)
         for (uint32_t p = 0;
-             kernel_tuning_is_meant(t->task->def->search, &spaces[i]) && p < spaces[i].n_params;
+             kernel_tuning_is_meant(t->problem->def->search, &spaces[i]) && p < spaces[i].n_params;
              ++p)
             left += (uint32_t)(TRIALS_A_VALUE * (spaces[i].params[p].n_values - 1));
-    uint32_t next = device == 1 && !t->task->one_device ? so_far + left : 0;
+    uint32_t next = device == 1 && !t->problem->one_device ? so_far + left : 0;
     t->search_known = true;
     t->search_trials = t->state->played - t->search_begun + left + next;
 }
@@ -189,7 +189,7 @@ static void expect_trials(tuning *t, int device, const kernel_space *spaces, uin
 static bool search_device(tuning *t, int device, uint32_t share, duet_kernel_search *told,
                           duet_error *err)
 {
-    const tune_kernels *kernels = &t->task->kernels;
+    const tune_kernels *kernels = &t->problem->kernels;
     kernel_space *spaces = NULL;
     uint32_t n = 0, launches = t->launches, begun = t->state->played;
     trial got;
@@ -199,7 +199,7 @@ static bool search_device(tuning *t, int device, uint32_t share, duet_kernel_sea
     t->found |= !got.usable; // the verdict tells why
     bool ok = !got.usable || kernels->read(kernels->context, &before, device, &spaces, &n, err);
     for (uint32_t i = 0; ok && i < n && tuning_within_budget(t); ++i) {
-        if (!kernel_tuning_is_meant(t->task->def->search, &spaces[i]))
+        if (!kernel_tuning_is_meant(t->problem->def->search, &spaces[i]))
             continue;
         t->found = true;
         expect_trials(t, device, &spaces[i], n - i, t->state->played - begun);
@@ -216,9 +216,9 @@ static bool search_device(tuning *t, int device, uint32_t share, duet_kernel_sea
 // chosen.
 static bool take_searched(tuning *t, int device)
 {
-    const char *searched = t->task->searched[device], *base;
+    const char *searched = t->problem->searched[device], *base;
     bool taken = false;
-    for (uint32_t i = 0; *searched && !taken && (base = task_variant(t->task->def, i)); ++i) {
+    for (uint32_t i = 0; *searched && !taken && (base = tune_variant(t->problem->def, i)); ++i) {
         size_t length = strlen(base);
         taken = strncmp(searched, base, length) == 0 &&
                 (searched[length] == '\0' || searched[length] == ' ');
@@ -232,7 +232,7 @@ static bool take_searched(tuning *t, int device)
 bool kernel_tuning_run(tuning *t, duet_kernel_search told[2], duet_error *err)
 {
     uint32_t repeats = t->repeats, share;
-    if (!t->task->def->search)
+    if (!t->problem->def->search)
         return true;
     t->search_begun = t->state->played;
     t->stage = "kernels of B";
@@ -242,7 +242,7 @@ bool kernel_tuning_run(tuning *t, duet_kernel_search told[2], duet_error *err)
         take_searched(t, 1) || !tuning_within_budget(t) || search_device(t, 1, 0, &told[1], err);
     t->stage = "kernels of A";
     t->stage_end = KERNELS_END;
-    if (t->task->one_device)
+    if (t->problem->one_device)
         plan_set_variant(&t->plan, 0, t->plan.variant_b);
     else
         ok = ok &&
@@ -255,6 +255,6 @@ bool kernel_tuning_run(tuning *t, duet_kernel_search told[2], duet_error *err)
         return error_set(err, DUET_STATUS_NOT_FOUND,
                          "search '%s': neither device runs it with several configs by '%s' and "
                          "'%s'",
-                         t->task->def->search, t->plan.variant_a, t->plan.variant_b);
+                         t->problem->def->search, t->plan.variant_a, t->plan.variant_b);
     return ok;
 }

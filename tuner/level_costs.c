@@ -4,7 +4,7 @@
 #include "base/budget.h"
 #include "base/error.h"
 #include "runtime/scene/scene.h"
-#include "tuner/sorted_pairs.h"
+#include "runtime/scene/sorted_pairs.h"
 #include "tuner/stats.h"
 
 #include <math.h>

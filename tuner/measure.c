@@ -16,6 +16,23 @@ int64_t measure_to_ns(double ms)
     return (int64_t)(ms * 1e6 + 0.5);
 }
 
+void measure_take_stages(measure_launch *launch, const duet_stage *stages, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        launch->transfer_ns += stages[i].transfer ? measure_to_ns(stages[i].ms) : 0;
+    launch->n_stages = n < MEASURE_STAGES ? n : MEASURE_STAGES;
+    memcpy(launch->stages, stages, launch->n_stages * sizeof *stages);
+}
+
+uint32_t measure_find_stage(const duet_stage *stages, uint32_t n, const duet_stage *like)
+{
+    uint32_t at = 0;
+    while (at < n &&
+           (stages[at].device != like->device || strcmp(stages[at].name, like->name) != 0))
+        ++at;
+    return at;
+}
+
 uint64_t measure_stages_ns(const measure_launch *launch, int side, const char *const *names,
                            uint32_t most)
 {
@@ -67,17 +84,6 @@ static bool launch_once(const measure_machine *machine, const duet_plan *plan, b
     return true;
 }
 
-// Launches differ in their stages: some have nothing to clear.
-static const duet_stage *find_stage(const measure_launch *launch, const duet_stage *like)
-{
-    for (uint32_t i = 0; i < launch->n_stages; ++i) {
-        const duet_stage *stage = &launch->stages[i];
-        if (stage->device == like->device && strcmp(stage->name, like->name) == 0)
-            return stage;
-    }
-    return NULL;
-}
-
 // A disturbance only ever adds to a kernel's time, which the device's own clock took:
 // what warmed up counts too.
 static void take_least_stages(measure_launch *launch, const measure_launch *launches, uint32_t n)
@@ -85,8 +91,10 @@ static void take_least_stages(measure_launch *launch, const measure_launch *laun
     for (uint32_t i = 0; i < launch->n_stages; ++i) {
         duet_stage *stage = &launch->stages[i];
         for (uint32_t k = 0; k < n; ++k) {
-            const duet_stage *other = find_stage(&launches[k], stage);
-            stage->ms = other ? fmin(stage->ms, other->ms) : stage->ms;
+            // Launches differ in their stages: some have nothing to clear.
+            uint32_t at = measure_find_stage(launches[k].stages, launches[k].n_stages, stage);
+            if (at < launches[k].n_stages)
+                stage->ms = fmin(stage->ms, launches[k].stages[at].ms);
         }
     }
 }

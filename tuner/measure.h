@@ -80,6 +80,12 @@ measurement measure_plan(const measure_machine *machine, const duet_plan *plan, 
 
 int64_t measure_to_ns(double ms);
 
+// Takes over a launch's stages, as many as there is space for, and sums transfers.
+void measure_take_stages(measure_launch *launch, const duet_stage *stages, uint32_t n);
+
+// The stage of that device and name; n if there is none yet.
+uint32_t measure_find_stage(const duet_stage *stages, uint32_t n, const duet_stage *like);
+
 // Returns the launch's time on a device in stages of these names; names end with NULL or after
 // `most`.
 uint64_t measure_stages_ns(const measure_launch *launch, int side, const char *const *names,

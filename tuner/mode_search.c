@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/mode_search.h"
 
-#include "tuner/search.h"
+#include "tuner/joint_space.h"
 #include "tuner/trial_budget.h"
 
 #include <math.h>
@@ -28,23 +28,27 @@ static double expect_a_alone(const search_history *h)
     return (double)large->a_ns + fmax(slope, 0) * (DUET_SHARE_ONE - large->share);
 }
 
-static bool run_search(tuning *t, search *s, duet_mode mode, bool *usable, duet_error *err)
+bool mode_search_ask(tuning *t, search *s, bool *usable, duet_error *err)
 {
-    *usable = true;
-    while (*usable) {
+    const bool joint = s->strategy->choice != STRATEGY_SHARE;
+    for (*usable = true; *usable || joint;) {
         search_next next;
-        trial got;
+        duet_plan plan;
+        trial got = {0};
         if (!search_ask(s, &next, err))
             return false;
         t->cut |= !next.done && !tuning_within_budget(t);
         if (next.done || t->cut)
             return true;
-        duet_plan plan = tuning_plan(t, next.share, mode);
-        if (!tuning_run_trial(t, &plan, &got, err))
+        if (joint_space_plan(s->history.space, &next.at, &plan) &&
+            !tuning_run_trial(t, &plan, &got, err))
             return false;
-        got.sample.share = next.share;
         *usable = got.usable;
-        if (got.usable && !search_tell(s, &got.sample, err))
+        search_sample told = got.sample;
+        told.share = next.at.share;
+        told.failed = !got.usable;
+        memcpy(told.configs, next.at.configs, sizeof told.configs);
+        if ((*usable || joint) && !search_tell(s, &told, err))
             return false;
     }
     return true;
@@ -55,14 +59,16 @@ static bool search_mode(tuning *t, duet_mode mode, const uint32_t *near, mode_fo
                         duet_error *err)
 {
     search s;
+    const joint_space share_alone = {.base = tuning_plan(t, 0, mode)};
     search_options options = search_default_options();
-    options.quantum = t->task->least_share;
+    options.quantum = t->problem->least_share;
     options.has_start = near;
     options.start = near ? *near : 0;
-    if (!search_begin(&s, t->task->def->strategy, &options, err))
+    if (!search_begin(&s, t->problem->def->strategy, &options, err))
         return false;
-    s.history.script = t->task->script;
-    bool ok = run_search(t, &s, mode, &out->usable, err);
+    s.history.script = t->problem->script;
+    s.history.space = &share_alone;
+    bool ok = mode_search_ask(t, &s, &out->usable, err);
     out->mode = mode;
     out->usable = out->usable && s.history.n > 0;
     out->share = search_pick(&s);
@@ -87,7 +93,7 @@ static bool mode_fits(const duet_plan *plan, duet_mode mode)
 
 static uint32_t list_modes(const tuning *t, duet_mode modes[MOST_MODES])
 {
-    const duet_tune_def *def = t->task->def;
+    const duet_tune_def *def = t->problem->def;
     uint32_t n = 0;
     for (uint32_t i = 0; n < MOST_MODES && (i < def->n_modes || def->n_modes == 0); ++i) {
         duet_mode mode = def->n_modes ? def->modes[i] : (duet_mode)i;
@@ -102,11 +108,11 @@ static uint32_t list_modes(const tuning *t, duet_mode modes[MOST_MODES])
 bool mode_search_run(tuning *t, mode_found founds[MOST_MODES], uint32_t *n, duet_error *err)
 {
     duet_mode modes[MOST_MODES];
-    const uint32_t *near = t->task->start ? &t->task->start : NULL;
-    *n = t->task->one_device ? 0 : list_modes(t, modes);
+    const uint32_t *near = t->problem->start ? &t->problem->start : NULL;
+    *n = t->problem->one_device ? 0 : list_modes(t, modes);
     t->stage = "share";
     for (uint32_t i = 0; i < *n; ++i) {
-        double from = t->task->def->search ? KERNELS_END : VARIANTS_END;
+        double from = t->problem->def->search ? KERNELS_END : VARIANTS_END;
         t->stage_end = from + (SEARCH_END - from) * (i + 1) / *n;
         if (!search_mode(t, modes[i], near, &founds[i], err))
             return false;

@@ -3,6 +3,7 @@
 #ifndef TUNER_MODE_SEARCH_H
 #define TUNER_MODE_SEARCH_H
 
+#include "tuner/search.h"
 #include "tuner/tuning.h"
 
 enum { MOST_MODES = 8 };
@@ -15,6 +16,10 @@ typedef struct mode_found {
     double a_alone_ns; // expected; INFINITY if nothing was seen of A
     double b_alone_ns; // the first measured time of B alone
 } mode_found;
+
+// Measures the plans that a strategy wants, until it or the budget ends. A strategy for the share
+// ends at a plan that does not run, which usable says; others are told.
+bool mode_search_ask(tuning *t, search *s, bool *usable, duet_error *err);
 
 // Searches each mode from the share that was best in the mode before. *n modes were searched; none
 // if there is nothing to share.

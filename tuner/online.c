@@ -64,17 +64,7 @@ static double balance_of(const search_sample *frame)
 // The median time of the frames that were seen of the kept plan (0) or the rival (1).
 static search_sample median_of(const online *o, int which)
 {
-    const online_seen *seen = &o->seen[which];
-    double ns[3][ONLINE_SETTLE];
-    for (uint32_t i = 0; i < seen->n; ++i) {
-        ns[0][i] = (double)seen->frames[i].total_ns;
-        ns[1][i] = (double)seen->frames[i].a_ns;
-        ns[2][i] = (double)seen->frames[i].b_ns;
-    }
-    return (search_sample){.share = seen->frames[0].share,
-                           .total_ns = (uint64_t)stats_median(ns[0], seen->n),
-                           .a_ns = (uint64_t)stats_median(ns[1], seen->n),
-                           .b_ns = (uint64_t)stats_median(ns[2], seen->n)};
+    return search_samples_median(o->seen[which].frames, o->seen[which].n);
 }
 
 static void see(online *o, int which, const search_sample *frame)
@@ -371,9 +361,9 @@ static bool next_share(const online *o, uint32_t *share, duet_error *err)
         return false;
     const search_sample *last = &o->search.history.samples[o->search.history.n - 1];
     double most = (1 + o->most_extra) * expect_total(last, last->share);
-    while (next.share != last->share && expect_total(last, next.share) > most)
-        next.share = (next.share + last->share) / 2;
-    *share = next.share;
+    while (next.at.share != last->share && expect_total(last, next.at.share) > most)
+        next.at.share = (next.at.share + last->share) / 2;
+    *share = next.at.share;
     return true;
 }
 

@@ -145,19 +145,13 @@ bool plan_times_rival(const plan_times *t, uint32_t i, listed_plan *rival)
 // The median frame after one that warms up.
 static bool run(const plan_runner *runner, const listed_plan *plan, search_sample *frame)
 {
-    double total[FRAMES], a[FRAMES], b[FRAMES];
-    if (!runner->run(runner->context, plan, frame))
-        return false;
-    for (int i = 0; i < FRAMES; ++i) {
-        if (!runner->run(runner->context, plan, frame))
-            return false;
-        total[i] = (double)frame->total_ns;
-        a[i] = (double)frame->a_ns;
-        b[i] = (double)frame->b_ns;
-    }
-    *frame = (search_sample){plan->share, (uint64_t)stats_median(total, FRAMES),
-                             (uint64_t)stats_median(a, FRAMES), (uint64_t)stats_median(b, FRAMES)};
-    return true;
+    search_sample frames[FRAMES];
+    bool ok = runner->run(runner->context, plan, frame);
+    for (int i = 0; ok && i < FRAMES; ++i)
+        ok = runner->run(runner->context, plan, &frames[i]);
+    if (ok)
+        *frame = search_samples_median(frames, FRAMES);
+    return ok;
 }
 
 static part_line line_through(double part, double ns, double other_part, double other_ns)

@@ -2,6 +2,7 @@
 #include "tuner/replay.h"
 
 #include "tuner/stats.h"
+#include "tuner/strategy.h"
 #include "tuner/tune.h"
 
 #include <math.h>
@@ -20,7 +21,8 @@ static bool is_alone(uint32_t share)
 
 static bool same_point(const profile_launch *a, const profile_launch *b)
 {
-    return a->share == b->share && strcmp(a->mode, b->mode) == 0;
+    return a->share == b->share && strcmp(a->mode, b->mode) == 0 &&
+           strcmp(a->variant_a, b->variant_a) == 0 && strcmp(a->variant_b, b->variant_b) == 0;
 }
 
 // DUET_MODE_DEFAULT for a name that is none.
@@ -59,6 +61,8 @@ static void add_point(replay *r, const profile_launch *launches, uint32_t n)
     };
     if (counted == 0 || p.plan.mode == DUET_MODE_DEFAULT)
         return;
+    plan_set_variant(&p.plan, 0, launches->variant_a);
+    plan_set_variant(&p.plan, 1, launches->variant_b);
     p.median_ns = median_ns(&p);
     add_mode(r, &p.plan);
     replay_point *kept = &r->points[r->n_points++];
@@ -75,6 +79,23 @@ static void add_points(replay *r, uint32_t n)
     }
 }
 
+static bool read_spaces(replay *r, duet_error *err)
+{
+    r->spaces = calloc(2, sizeof *r->spaces);
+    if (!r->spaces)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "recorded kernels: no memory");
+    for (uint32_t i = 0; i < 2 * r->n_points; ++i)
+        if (*plan_variant(&r->points[i / 2].plan, i % 2))
+            recorded_space_add(&r->spaces[i % 2], plan_variant(&r->points[i / 2].plan, i % 2));
+    for (uint32_t i = 0; i < r->n_points; ++i) {
+        if (*r->points[i].plan.variant_a)
+            recorded_space_order(&r->spaces[0], r->points[i].plan.variant_a);
+        if (*r->points[i].plan.variant_b)
+            recorded_space_order(&r->spaces[1], r->points[i].plan.variant_b);
+    }
+    return true;
+}
+
 bool replay_open(replay *r, store *s, const profile_surface *surface, duet_error *err)
 {
     uint32_t n = 0;
@@ -85,11 +106,12 @@ bool replay_open(replay *r, store *s, const profile_surface *surface, duet_error
     if (!r->points)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%u recorded launches: no memory", n);
     add_points(r, n);
-    return true;
+    return !surface->joint || read_spaces(r, err);
 }
 
 void replay_close(replay *r)
 {
+    free(r->spaces);
     free(r->points);
     free(r->launches);
     *r = (replay){0};
@@ -104,18 +126,28 @@ typedef struct between {
     double weight;
 } between;
 
+// Whether the devices that work run the same kernels: all do, unless the surface is joint.
+static bool has_kernels(const replay *r, const replay_point *p, const duet_plan *plan)
+{
+    bool a = plan->share > 0, b = plan->share < DUET_SHARE_ONE;
+    return !r->surface->joint || ((!a || strcmp(p->plan.variant_a, plan->variant_a) == 0) &&
+                                  (!b || strcmp(p->plan.variant_b, plan->variant_b) == 0));
+}
+
 // The nearest points at or below a share of a mode and at or above it, at which as many devices
-// work; NULL if there is none.
-static between find_neighbours(const replay *r, duet_mode mode, uint32_t share)
+// work, with the same kernels; NULL if there is none.
+static between find_neighbours(const replay *r, const duet_plan *plan)
 {
     between at = {0};
     for (uint32_t i = 0; i < r->n_points; ++i) {
         const replay_point *p = &r->points[i];
-        bool fits = is_alone(share) ? p->plan.share == share
-                                    : p->plan.mode == mode && !is_alone(p->plan.share);
-        if (fits && p->plan.share <= share)
+        bool fits = is_alone(plan->share) ? p->plan.share == plan->share
+                                          : p->plan.mode == plan->mode && !is_alone(p->plan.share);
+        if (!fits || !has_kernels(r, p, plan))
+            continue;
+        if (p->plan.share <= plan->share)
             at.low = p;
-        if (fits && p->plan.share >= share && !at.high)
+        if (p->plan.share >= plan->share && !at.high)
             at.high = p;
     }
     return at;
@@ -123,7 +155,7 @@ static between find_neighbours(const replay *r, duet_mode mode, uint32_t share)
 
 static between find_points(const replay *r, const duet_plan *plan)
 {
-    between at = find_neighbours(r, plan->mode, plan->share);
+    between at = find_neighbours(r, plan);
     at.low = at.low ? at.low : at.high;
     at.high = at.high ? at.high : at.low;
     if (!at.low || at.low == at.high)
@@ -186,8 +218,9 @@ static bool launch_recorded(void *context, const duet_plan *plan, bool staged,
     between at = find_points(r, plan);
     double rank = rng_unit(&r->random);
     if (!at.low)
-        return error_set(err, DUET_STATUS_NOT_FOUND, "mode '%s' was not recorded",
-                         duet_mode_name(plan->mode));
+        return error_set(err, DUET_STATUS_NOT_FOUND,
+                         "mode '%s' with '%s' and '%s' was not recorded",
+                         duet_mode_name(plan->mode), plan->variant_a, plan->variant_b);
     profile_launch drawn = mix_launches(&at, staged, rank);
     launch->total_ns = drawn.total_ns;
     launch->a_ns = drawn.a_ns;
@@ -201,17 +234,43 @@ static bool launch_recorded(void *context, const duet_plan *plan, bool staged,
 static bool count_search(void *context, const duet_tune_progress *progress)
 {
     uint32_t *launches = context;
-    if (strcmp(progress->stage, "share") == 0)
+    if (strcmp(progress->stage, "share") == 0 || strcmp(progress->stage, "kernels and share") == 0)
         *launches = progress->launches;
     return true;
+}
+
+static bool give_spaces(void *context, const duet_plan *plan, int device, kernel_space **spaces,
+                        uint32_t *n, duet_error *err)
+{
+    const recorded_space *s = &((const replay *)context)->spaces[device];
+    (void)plan;
+    *n = s->n;
+    *spaces = malloc((s->n + 1) * sizeof **spaces);
+    if (*spaces)
+        memcpy(*spaces, s->kernels, s->n * sizeof **spaces);
+    return *spaces || error_set(err, DUET_STATUS_NO_MEMORY, "recorded kernels: no memory");
+}
+
+static bool check_fits(const replay *r, const replay_def *def, duet_error *err)
+{
+    const strategy *s = strategy_of(def->strategy, def->script);
+    if (!s)
+        return strategy_check(def->strategy, err);
+    bool joint = s->choice != STRATEGY_SHARE;
+    return joint == r->surface->joint ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "strategy '%s' chooses %s; expected one for %s",
+                     s->name, joint ? "kernels and share" : "a share alone",
+                     joint ? "a share alone" : "kernels and share");
 }
 
 static bool tune(replay *r, const replay_def *def, uint32_t *search_launches,
                  duet_tune_outcome *found, duet_error *err)
 {
-    static const char *const variants[] = {"auto"}; // the surface is of one, whatever its name is
+    // The surface is of one, whatever its name is, or of the configs of one.
+    const char *variants[] = {r->surface->joint ? r->spaces[1].base : "auto"};
     duet_tune_def tuned = duet_default_tune_def();
     tuned.strategy = def->strategy;
+    tuned.seed = def->seed;
     tuned.variants = variants;
     tuned.n_variants = 1;
     tuned.modes = r->modes;
@@ -219,15 +278,20 @@ static bool tune(replay *r, const replay_def *def, uint32_t *search_launches,
     tuned.repeats = def->repeats ? def->repeats : tuned.repeats;
     tuned.watch = count_search;
     tuned.watch_context = search_launches;
-    tune_task task = {
+    tune_problem problem = {
         .def = &tuned,
         .machine = {.context = r, .launch = launch_recorded},
         .script = def->script,
-        .least_share = task_least_share(r->surface->n),
+        .least_share = tune_least_share(r->surface->n),
     };
+    if (r->surface->joint) {
+        tuned.search = "kernels";
+        problem.kernels = (tune_kernels){r, give_spaces};
+        plan_set_variants(&problem.plan, variants[0]);
+    }
     trial_log log = {0};
     duet_error why = {0};
-    bool ok = tune_run(&task, &log, found, &why);
+    bool ok = tune_run(&problem, &log, found, &why);
     trial_log_free(&log);
     if (why.status == DUET_STATUS_INTERRUPTED)
         return error_set(err, why.status, "stopped");
@@ -240,11 +304,13 @@ bool replay_run(replay *r, const replay_def *def, replay_outcome *outcome, duet_
     *outcome = (replay_outcome){0};
     r->random = rng_seed(def->seed);
     r->spent_ns = 0;
-    if (!tune(r, def, &outcome->search_launches, &found, err))
+    if (!check_fits(r, def, err) || !tune(r, def, &outcome->search_launches, &found, err))
         return false;
     outcome->plan = found.plan;
-    memcpy(outcome->plan.variant_a, r->surface->variant_a, sizeof outcome->plan.variant_a);
-    memcpy(outcome->plan.variant_b, r->surface->variant_b, sizeof outcome->plan.variant_b);
+    if (!r->surface->joint) {
+        plan_set_variant(&outcome->plan, 0, r->surface->variant_a);
+        plan_set_variant(&outcome->plan, 1, r->surface->variant_b);
+    }
     memcpy(outcome->verdict, found.verdict, sizeof outcome->verdict);
     outcome->median_ns = replay_median_ns(r, &found.plan);
     outcome->loss = outcome->median_ns / r->best->median_ns - 1;

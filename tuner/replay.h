@@ -6,6 +6,7 @@
 // device's time, and what the step takes beyond the slower one. One device alone takes no part in
 // that, because its step lacks what sharing costs: below the least shared share, above the
 // greatest one, and in gaps of more than 1/16 the nearest share stands for the one that was asked.
+// On a joint surface a plan needs its own variants; one that was not recorded does not run.
 #ifndef TUNER_REPLAY_H
 #define TUNER_REPLAY_H
 
@@ -13,12 +14,13 @@
 #include "gen/script.h"
 #include "profiles/surface.h"
 #include "tuner/measure.h"
+#include "tuner/recorded_space.h"
 
 enum { REPLAY_MODES = DUET_MODE_DEFAULT };
 
 // The launches of one plan, each list by total_ns: those that count, and those that warmed up.
 typedef struct replay_point {
-    duet_plan plan; // its variants are empty
+    duet_plan plan;
     const profile_launch *launches[2];
     uint32_t n[2]; // the first is not 0
     double median_ns;
@@ -32,6 +34,7 @@ typedef struct replay {
     duet_mode modes[REPLAY_MODES]; // in which both devices worked
     uint32_t n_modes;
     const replay_point *best; // with the least median
+    recorded_space *spaces;   // A's and B's, of a joint surface
     rng random;
     uint64_t spent_ns; // by the launches that were drawn
 } replay;
@@ -61,7 +64,8 @@ typedef struct replay_outcome {
     double seconds;           // the time of all launches; kernels are not compiled
 } replay_outcome;
 
-// Tunes mode and share as duet_tune_run does. The same seed gives the same outcome.
+// Tunes mode and share, or kernels and share on a joint surface, as duet_tune_run does. A strategy
+// for the other kind of surface is BAD_ARGUMENT. The same seed gives the same outcome.
 bool replay_run(replay *r, const replay_def *def, replay_outcome *outcome, duet_error *err);
 
 #endif

@@ -1,24 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/search.h"
 
-#include "base/text.h"
-
-static bool fail_unknown(const char *name, duet_error *err)
-{
-    text known = {0};
-    for (uint32_t i = 0; strategies[i]; ++i)
-        text_add(&known, "%s%s", i ? ", " : "", strategies[i]->name);
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "strategy '%s': there is none; there are %s", name,
-              text_chars(&known));
-    text_free(&known);
-    return false;
-}
-
 bool search_begin(search *s, const char *name, const search_options *options, duet_error *err)
 {
     *s = (search){.strategy = strategy_find(name)};
-    if (!s->strategy)
-        return fail_unknown(name, err);
+    if (!strategy_check(name, err))
+        return false;
+    if (s->strategy->choice != STRATEGY_SHARE)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "strategy '%s' chooses kernels too; expected one for the share alone",
+                         name);
     search_options *own = &s->history.options;
     *own = options ? *options : search_default_options();
     if (own->quantum == 0)

@@ -11,12 +11,17 @@
 
 #define SEARCH_ONE 65536u // the whole work; shares are out of it
 
-// One launch: the share that A took and the wall-clock times.
+enum { SEARCH_KERNELS = 8 }; // of a device that a search varies; others keep their config
+
+// One launch: the share that A took, the configs of both devices' kernels and the wall-clock times.
+// A plan to try has no times.
 typedef struct search_sample {
     uint32_t share;
     uint64_t total_ns;
     uint64_t a_ns; // 0 if the device took no part
     uint64_t b_ns;
+    uint16_t configs[2][SEARCH_KERNELS]; // in the history's space
+    bool failed;                         // it did not run, or found what is wrong
 } search_sample;
 
 typedef struct search_options {
@@ -34,7 +39,9 @@ search_options search_default_options(void);
 
 typedef struct search_history {
     search_options options;
-    struct script *script;  // only strategy lua has it; borrowed
+    struct script *script;           // only strategy lua has it; borrowed
+    const struct joint_space *space; // kernels to choose from; may be NULL; borrowed
+    uint64_t seed;
     search_sample *samples; // in the order they were measured
     uint32_t n;
     uint32_t capacity;
@@ -43,8 +50,16 @@ typedef struct search_history {
 bool search_history_add(search_history *h, const search_sample *sample, duet_error *err);
 void search_history_free(search_history *h);
 
-// Returns the first sample of that share; NULL if there is none.
+// Returns the first sample of that share, or of that plan; NULL if there is none.
 const search_sample *search_history_at(const search_history *h, uint32_t share);
+const search_sample *search_history_find(const search_history *h, const search_sample *plan);
+
+// Returns the share of the quickest sample, of one or more: the pick of strategies that trust
+// single samples.
+uint32_t search_history_fastest(const search_history *h);
+
+// Returns the medians of the times of n > 0 samples, of one plan.
+search_sample search_samples_median(const search_sample *samples, uint32_t n);
 
 // The first share that both take part in: the neighbour's, or 1/16, which is
 // large against overheads and 16 times cheaper than all.

@@ -1,25 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The table of strategies, and those that are short. balance has a file of its
-// own.
+// The table of strategies, and the short ones that choose a share alone.
 #include "tuner/strategy.h"
 
-#include "gen/sandbox.h"
+#include "base/text.h"
 #include "tuner/duet_tune.h"
 #include "tuner/stats.h"
 
-#include <lauxlib.h>
 #include <string.h>
-
-// The pick of strategies that trust single samples.
-static uint32_t pick_fastest(const search_history *h)
-{
-    const search_sample *fastest = &h->samples[0];
-    for (uint32_t i = 1; i < h->n; ++i) {
-        if (h->samples[i].total_ns < fastest->total_ns)
-            fastest = &h->samples[i];
-    }
-    return fastest->share;
-}
 
 // ---------------------------------------------------------------- fig12
 
@@ -64,12 +51,12 @@ static ends play(const search_history *h)
 static bool fig12_ask(const search_history *h, search_next *next, duet_error *err)
 {
     (void)err;
-    *next = (search_next){.share = h->n == 0 ? SEARCH_ONE : 0};
+    *next = (search_next){.at.share = h->n == 0 ? SEARCH_ONE : 0};
     if (h->n < 2)
         return true;
     ends e = play(h);
     next->done = e.stopped;
-    next->share = (e.up.share + e.down.share) / 2;
+    next->at.share = (e.up.share + e.down.share) / 2;
     return true;
 }
 
@@ -88,7 +75,7 @@ static const strategy strategy_fig12 = {
     .about = "the paper's successive approximation, as printed",
     .launches = 3 + 10,
     .ask = fig12_ask,
-    .pick = pick_fastest,
+    .pick = search_history_fastest,
     .bracket = fig12_bracket,
 };
 
@@ -109,7 +96,7 @@ static bool grid_ask(const search_history *h, search_next *next, duet_error *err
     (void)err;
     uint32_t points = h->options.points + 1;
     next->done = h->n >= points * h->options.rounds;
-    next->share = share_of(h, h->n % points);
+    next->at.share = share_of(h, h->n % points);
     return true;
 }
 
@@ -194,7 +181,7 @@ static uint32_t next_share(const search_history *h)
 static bool chunks_ask(const search_history *h, search_next *next, duet_error *err)
 {
     (void)err;
-    *next = (search_next){.share = h->n == 0 ? 0 : next_share(h)};
+    *next = (search_next){.at.share = h->n == 0 ? 0 : next_share(h)};
     return true;
 }
 
@@ -217,141 +204,60 @@ static const strategy strategy_chunks = {
     .pick = chunks_pick,
 };
 
-// ---------------------------------------------------------------- lua
-
-// The script's function stays at the bottom of its stack, and above it whether it chooses kernels
-// too.
-enum { FUNCTION = 1, IS_JOINT = 2 };
-
-// the script's result -> the function in it, whether it is the field `joint`
-static int find_function(lua_State *L)
-{
-    bool is_table = lua_istable(L, 1);
-    bool joint = is_table && lua_getfield(L, 1, "joint") != LUA_TNIL;
-    if (is_table && !joint)
-        lua_getfield(L, 1, "strategy");
-    lua_pushboolean(L, joint);
-    return 2;
-}
-
-script *strategy_lua_open(const char *name, const char *chars, duet_error *err)
-{
-    script *s = sandbox_open(NULL, err);
-    if (!s)
-        return NULL;
-    lua_State *L = script_lua(s);
-    lua_pushcfunction(L, find_function);
-    bool ok = script_run(s, name, chars, strlen(chars), 1, err) && script_call(s, 1, 2, err);
-    if (ok && !lua_isfunction(L, FUNCTION))
-        ok = error_set(err, DUET_STATUS_BAD_INPUT,
-                       "%s: the strategy is a %s; expected a function of the history", name,
-                       luaL_typename(L, FUNCTION));
-    if (!ok) {
-        script_close(s);
-        return NULL;
-    }
-    return s;
-}
-
-bool strategy_lua_is_joint(script *s)
-{
-    return lua_toboolean(script_lua(s), IS_JOINT);
-}
-
-bool strategy_lua_call(script *s, int (*call)(lua_State *L), const void *history, void *next,
-                       duet_error *err)
-{
-    lua_State *L = script_lua(s);
-    lua_pushcfunction(L, call);
-    lua_pushvalue(L, FUNCTION);
-    lua_pushlightuserdata(L, (void *)history);
-    lua_pushlightuserdata(L, next);
-    return script_call(s, 3, 0, err);
-}
-
-static void set_number(lua_State *L, const char *name, double value)
-{
-    lua_pushnumber(L, value);
-    lua_setfield(L, -2, name);
-}
-
-static void push_history(lua_State *L, const search_history *h)
-{
-    lua_createtable(L, (int)h->n, 0);
-    for (uint32_t i = 0; i < h->n; ++i) {
-        const search_sample *at = &h->samples[i];
-        lua_createtable(L, 0, 4);
-        set_number(L, "share", at->share / (double)SEARCH_ONE);
-        set_number(L, "total", (double)at->total_ns * 1e-6);
-        set_number(L, "a", (double)at->a_ns * 1e-6);
-        set_number(L, "b", (double)at->b_ns * 1e-6);
-        lua_rawseti(L, -2, (lua_Integer)i + 1);
-    }
-}
-
-// function, history, next ->
-static int call_function(lua_State *L)
-{
-    const search_history *h = lua_touserdata(L, 2);
-    search_next *next = lua_touserdata(L, 3);
-    lua_pushvalue(L, 1);
-    push_history(L, h);
-    lua_call(L, 1, 1);
-    next->done = lua_isnil(L, -1);
-    if (next->done)
-        return 0;
-    double share = lua_type(L, -1) == LUA_TNUMBER ? lua_tonumber(L, -1) : -1;
-    if (!(share >= 0 && share <= 1))
-        return luaL_error(L, "the strategy gave %s; expected a share of 0 to 1, or nil",
-                          script_tostring(L, -1, NULL));
-    next->share = (uint32_t)(share * SEARCH_ONE + 0.5);
-    return 0;
-}
-
-static bool lua_ask(const search_history *h, search_next *next, duet_error *err)
-{
-    if (!h->script)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "strategy 'lua': there is no script; expected a function in tune.lua");
-    return strategy_lua_call(h->script, call_function, h, next, err);
-}
-
-const strategy strategy_lua = {
-    .name = "lua",
-    .about = "a function of a script: history in, next share or nil out",
-    .launches = 64,
-    .ask = lua_ask,
-    .pick = pick_fastest,
-};
-
 // ---------------------------------------------------------------- the table
 
 const strategy *const strategies[] = {
-    &strategy_balance, &strategy_fig12, &strategy_grid, &strategy_chunks, &strategy_lua, NULL,
+    &strategy_balance,   &strategy_fig12, &strategy_grid,
+    &strategy_chunks,    &strategy_lua,   &strategy_random,
+    &strategy_annealing, &strategy_brute, NULL,
 };
-
-const strategy *strategy_at(uint32_t i)
-{
-    return i < sizeof strategies / sizeof strategies[0] ? strategies[i] : NULL;
-}
 
 const strategy *strategy_find(const char *name)
 {
+    const strategy *const *at = strategies;
+    while (*at && strcmp((*at)->name, name) != 0)
+        ++at;
+    return *at;
+}
+
+const strategy *strategy_of(const char *name, script *own)
+{
+    bool joint = own && strcmp(name, strategy_lua.name) == 0 && strategy_lua_is_joint(own);
+    return joint ? &strategy_lua_joint : strategy_find(name);
+}
+
+bool strategy_check(const char *name, duet_error *err)
+{
+    if (strategy_find(name))
+        return true;
+    text known = {0};
+    bool joint = false;
     for (uint32_t i = 0; strategies[i]; ++i) {
-        if (strcmp(strategies[i]->name, name) == 0)
-            return strategies[i];
+        bool first = joint != (strategies[i]->choice != STRATEGY_SHARE);
+        joint |= first;
+        text_add(&known, "%s%s%s", i ? ", " : "",
+                 first ? "and for kernels and share together " : "", strategies[i]->name);
     }
-    return NULL;
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "strategy '%s': there is none; there are %s", name,
+              text_chars(&known));
+    text_free(&known);
+    return false;
+}
+
+static const strategy *share_strategy_at(uint32_t i)
+{
+    const uint32_t n = sizeof strategies / sizeof *strategies - 1;
+    return i < n && strategies[i]->choice == STRATEGY_SHARE ? strategies[i] : NULL;
 }
 
 const char *duet_strategy_get_name(uint32_t i)
 {
-    const strategy *s = strategy_at(i);
+    const strategy *s = share_strategy_at(i);
     return s ? s->name : NULL;
 }
 
 const char *duet_strategy_get_summary(uint32_t i)
 {
-    const strategy *s = strategy_at(i);
+    const strategy *s = share_strategy_at(i);
     return s ? s->about : NULL;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// How the next share is chosen: the table of strategies.
+// How the next share is chosen, or the next share and kernels together: the table of strategies.
 //
-// Each function sees the history and keeps nothing: what it decides follows
-// from the samples alone, replayed from the first.
+// Each function sees the history and keeps nothing: what it decides follows from the samples alone,
+// replayed from the first. Chance follows from the seed and the number of what is asked.
 #ifndef TUNER_STRATEGY_H
 #define TUNER_STRATEGY_H
 
@@ -12,27 +12,40 @@
 // Says which launch a strategy wants next, or none.
 typedef struct search_next {
     bool done;
-    uint32_t share;
+    search_sample at;
 } search_next;
+
+// The choice that a strategy makes.
+typedef enum strategy_choice {
+    STRATEGY_SHARE,
+    STRATEGY_JOINT,    // kernels and share together, a tenth of all plans within bounds
+    STRATEGY_JOINT_ALL // the same, every plan
+} strategy_choice;
 
 typedef struct strategy {
     const char *name;
     const char *about;
+    strategy_choice choice;
     bool evened;       // its share is evened out by what both devices take in the verdict
     uint32_t launches; // at most, if the options name no number; 0: no end of its own
     bool (*ask)(const search_history *h, search_next *next, duet_error *err);
-    uint32_t (*pick)(const search_history *h);
+    uint32_t (*pick)(const search_history *h);                               // NULL: no share alone
     void (*bracket)(const search_history *h, uint32_t *low, uint32_t *high); // NULL: all
 } strategy;
 
-extern const strategy *const strategies[]; // ends with NULL; the first is the default
-
-const strategy *strategy_at(uint32_t i); // NULL past the end
+// Ends with NULL; the first is the default, and those that choose a share alone come first.
+extern const strategy *const strategies[];
 
 const strategy *strategy_find(const char *name); // NULL if there is none
 
-extern const strategy strategy_balance;
-extern const strategy strategy_lua;
+// BAD_ARGUMENT for a name that is none: the line lists those there are.
+bool strategy_check(const char *name, duet_error *err);
+
+// The strategy of a tuning whose script is own, or NULL.
+const strategy *strategy_of(const char *name, script *own);
+
+extern const strategy strategy_balance, strategy_random, strategy_annealing, strategy_brute;
+extern const strategy strategy_lua, strategy_lua_joint;
 
 // The script behind the strategy "lua".
 //
@@ -47,15 +60,21 @@ extern const strategy strategy_lua;
 // nil ends the search; the pick is the share of the least total. It must decide
 // from the history alone, or a resumed search goes another way.
 //
+// A function in the field "joint" chooses kernels and share together:
+//
+//     return { joint = function(space, history)
+//       if #history < 20 then return { share = 0.25, configs = { 1, 2 } } end
+//     end }
+//
+// space has kernels ({ device =, name =, now =, configs = { { WG = 16, ... }, ... } }), shares (the
+// grid), seed and most; a row of this history also configs (one for each kernel, from 1) and ok. A
+// share between those of the grid is taken too.
+//
 // NULL with BAD_INPUT and name:line. Goes into search_history.script; closed by
 // script_close.
 script *strategy_lua_open(const char *name, const char *chars, duet_error *err);
 
-// Whether the script's function chooses kernels and share together (joint_strategy.h).
+// Whether the script's function is such a one.
 bool strategy_lua_is_joint(script *s);
-
-// Calls `call` with the script's function, history and next on its stack.
-bool strategy_lua_call(script *s, int (*call)(lua_State *L), const void *history, void *next,
-                       duet_error *err);
 
 #endif

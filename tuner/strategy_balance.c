@@ -376,7 +376,7 @@ static search_next race(const search_history *h, const field *f)
         ++alive;
         if (raced < fewest) {
             fewest = raced;
-            next.share = f->rivals[i];
+            next.at.share = f->rivals[i];
         }
     }
     next.done = h->n > f->refined && (alive <= 1 || (quiet && fewest > 0));
@@ -388,9 +388,9 @@ static search_next race(const search_history *h, const field *f)
 static bool ask(const search_history *h, search_next *next, duet_error *err)
 {
     (void)err;
-    *next = (search_next){.share = h->n == 0 ? 0 : search_history_first_share(h)};
+    *next = (search_next){.at.share = h->n == 0 ? 0 : search_history_first_share(h)};
     field f;
-    if (h->n < 2 || !find_field(h, &f, &next->share))
+    if (h->n < 2 || !find_field(h, &f, &next->at.share))
         return true;
     *next = race(h, &f);
     next->done = next->done || (!f.surveyed && h->n >= MOST_RACED);

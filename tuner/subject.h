@@ -30,17 +30,36 @@ typedef struct subject_truth {
     duet_accuracy accuracy;
 } subject_truth;
 
+// Names each thing that a def may ask for.
+enum {
+    SUBJECT_TASK = 1,
+    SUBJECT_STEPS = 2,
+    SUBJECT_QUERY = 4,
+    SUBJECT_SCENE = 8,
+    SUBJECT_ITEMS = 16,
+    SUBJECT_SEARCH = 32,
+    SUBJECT_VARIANTS = 64,
+    SUBJECT_MODES = 128,
+    SUBJECT_LEVELS = 256,
+    SUBJECT_ORDER = 512
+};
+
 typedef struct subject_kind {
-    bool (*is_asked)(const duet_tune_def *def);
-    bool (*check)(const duet_tune_def *def, duet_error *err);
-    void (*complete)(duet_tune_def *def); // fills in what the def leaves open
-    // Fills state, plan, units and one_device. Closed also after a failure.
+    const char *has;   // "a task has", for what it cannot be asked for
+    unsigned asked_by; // a def that asks for this is of the kind
+    unsigned takes;    // the most that a def may ask for
+    bool searches;     // kernels, unless the def says which
+    bool has_one_way;  // each device has grids and kernels of its own: mode own, variant auto
+    bool (*check)(const duet_tune_def *def, duet_error *err); // NULL: nothing is left to check
+    void (*complete)(duet_tune_def *def); // fills in what else the def leaves open; or NULL
+    // Fills state and units, and what differs of plan and one_device. Closed also after a failure.
     bool (*open)(subject *s, duet_error *err);
     void (*close)(subject *s);
     bool (*describe)(subject *s, profile_subject *p, duet_error *err);
     // Sets the level that is tuned and tells it; NULL: the kind has no levels.
     bool (*set_level)(subject *s, duet_level level, duet_error *err);
     duet_level (*level)(const subject *s);
+    // NULL: each launch is checked by itself.
     bool (*find_truth)(subject *s, subject_truth *truth, duet_error *err);
     // As measure_machine has it; the context is the subject.
     bool (*launch)(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
@@ -55,14 +74,21 @@ typedef struct subject_kind {
 
 extern const subject_kind subject_still, subject_query, subject_motion, subject_task;
 
-// The kind that the def asks for.
-const subject_kind *subject_kind_of(const duet_tune_def *def);
+// Checks that the def asks for nothing that its kind has not; BAD_ARGUMENT.
+bool subject_check(const duet_tune_def *def, duet_error *err);
 
+// Fills in what the def leaves open.
+void subject_complete(duet_tune_def *def);
+
+// Closed by subject_release, also after a failure.
 bool subject_prepare(subject *s, const duet_tune_def *def, duet_device_pair *pair,
                      core_watch *cores, duet_error *err);
 void subject_release(subject *s); // an unopened one is passed over
 
 duet_level subject_level(const subject *s); // certified if the kind has no levels
 measure_machine subject_machine(subject *s, uint64_t hash);
+
+// A still step's times as strategies want them: each device's from the step's begin.
+search_sample measure_sample(const duet_result *result, const duet_plan *plan);
 
 #endif

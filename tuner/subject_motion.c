@@ -19,30 +19,6 @@ typedef struct run_state {
     core_watch *cores;   // NULL: nobody looks at other programs
 } run_state;
 
-// ---------------------------------------------------------------- def
-
-static bool is_asked(const duet_tune_def *def)
-{
-    return def->steps;
-}
-
-static bool check(const duet_tune_def *def, duet_error *err)
-{
-    if (def->items)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu items, but no query that has them",
-                         (unsigned long long)def->items);
-    const char *other = def->n_levels > 0 || def->has_accuracy ? "level or accuracy"
-                        : def->ordered                         ? "order"
-                                                               : NULL;
-    return !other || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                               "steps of a motion have no %s; expected none", other);
-}
-
-static void complete(duet_tune_def *def)
-{
-    def->search = def->search ? def->search : "kernels";
-}
-
 // ---------------------------------------------------------------- owner
 
 // From the scene's start again.
@@ -111,17 +87,11 @@ typedef struct sums {
 static void add_stages(sums *s, const duet_stage *stages, uint32_t n)
 {
     for (uint32_t i = 0; i < n; ++i) {
-        uint32_t k = 0;
-        while (k < s->n_stages && (s->stages[k].device != stages[i].device ||
-                                   strcmp(s->stages[k].name, stages[i].name) != 0))
-            ++k;
-        if (k == MEASURE_STAGES)
-            continue;
-        if (k == s->n_stages) {
-            s->stages[s->n_stages] = stages[i];
-            s->stages[s->n_stages++].ms = 0;
-        }
-        s->stages[k].ms += stages[i].ms;
+        uint32_t k = measure_find_stage(s->stages, s->n_stages, &stages[i]);
+        if (k < s->n_stages)
+            s->stages[k].ms += stages[i].ms;
+        else if (k < MEASURE_STAGES)
+            s->stages[s->n_stages++] = stages[i];
     }
 }
 
@@ -241,9 +211,10 @@ static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_
 }
 
 const subject_kind subject_motion = {
-    .is_asked = is_asked,
-    .check = check,
-    .complete = complete,
+    .has = "steps of a motion have",
+    .asked_by = SUBJECT_STEPS,
+    .takes = SUBJECT_SCENE | SUBJECT_STEPS | SUBJECT_SEARCH | SUBJECT_VARIANTS | SUBJECT_MODES,
+    .searches = true,
     .open = open,
     .close = close,
     .describe = describe,

@@ -1,33 +1,19 @@
 // SPDX-License-Identifier: MIT
 // A still step of a scene as a subject: its state is a world with the scene's objects.
-#include "tuner/subject_still.h"
+#include "tuner/subject.h"
 
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/narrowphase/accuracy.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/scene/scene.h"
-#include "tuner/sorted_pairs.h"
-#include "tuner/subject.h"
+#include "runtime/scene/sorted_pairs.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
 
 // ---------------------------------------------------------------- def
-
-static bool is_asked(const duet_tune_def *def)
-{
-    (void)def;
-    return true;
-}
-
-static bool check(const duet_tune_def *def, duet_error *err)
-{
-    return def->items == 0 ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu items, but no query that has them",
-                     (unsigned long long)def->items);
-}
 
 static void complete(duet_tune_def *def)
 {
@@ -212,10 +198,7 @@ static bool step(void *context, const duet_plan *plan, bool staged, measure_laun
         .use = use,
         .terms = terms_of(&result, plan),
     };
-    for (uint32_t i = 0; i < result.n_stages; ++i)
-        launch->transfer_ns += result.stages[i].transfer ? measure_to_ns(result.stages[i].ms) : 0;
-    launch->n_stages = result.n_stages < MEASURE_STAGES ? result.n_stages : MEASURE_STAGES;
-    memcpy(launch->stages, result.stages, launch->n_stages * sizeof *launch->stages);
+    measure_take_stages(launch, result.stages, result.n_stages);
     return true;
 }
 
@@ -227,8 +210,9 @@ static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_
 }
 
 const subject_kind subject_still = {
-    .is_asked = is_asked,
-    .check = check,
+    .has = "a still step has",
+    .takes = SUBJECT_SCENE | SUBJECT_SEARCH | SUBJECT_VARIANTS | SUBJECT_MODES | SUBJECT_LEVELS |
+             SUBJECT_ORDER,
     .complete = complete,
     .open = open,
     .close = close,

@@ -16,41 +16,41 @@ const race_options trial_budget_last_race = {
 // Counts the rivals of the first race: all devices alone, and each mode's best share.
 static uint32_t most_rivals(const duet_tune_def *def)
 {
-    return 2 + task_count_modes(def);
+    return 2 + tune_count_modes(def);
 }
 
 uint32_t trial_budget_least(const duet_tune_def *def)
 {
-    uint32_t variants = task_count_variants(def);
-    return (variants > 1 ? 2 * variants + 2 : 0) + LEAST_SEARCHED * task_count_modes(def) +
+    uint32_t variants = tune_count_variants(def);
+    return (variants > 1 ? 2 * variants + 2 : 0) + LEAST_SEARCHED * tune_count_modes(def) +
            LEAST_RACED * most_rivals(def) + LEAST_RACED * 2;
 }
 
-uint32_t trial_budget_most(const tune_task *task, uint32_t kernels)
+uint32_t trial_budget_most(const tune_problem *problem, uint32_t kernels)
 {
-    const duet_tune_def *def = task->def;
-    uint32_t variants = task_count_variants(def), modes = task_count_modes(def);
+    const duet_tune_def *def = problem->def;
+    uint32_t variants = tune_count_variants(def), modes = tune_count_modes(def);
     const strategy *searches = strategy_find(def->strategy);
-    uint32_t searched = searches ? searches->launches : 0; // else kernels and share are one search
+    uint32_t searched = searches ? searches->launches : 0;
     uint32_t most = kernels +
                     (variants > 1 ? 2 * variants * trial_budget_quick_race.most_rounds + 2 : 0) +
                     modes * searched + most_rivals(def) * race_default_options().most_rounds +
-                    (task->fair ? 4 : 3) * trial_budget_last_race.most_rounds +
-                    (task->whole.open ? 2 * race_default_options().most_rounds : 0);
+                    (problem->fair ? 4 : 3) * trial_budget_last_race.most_rounds +
+                    (problem->whole.open ? 2 * race_default_options().most_rounds : 0);
     return def->budget_trials > 0 && def->budget_trials < most ? def->budget_trials : most;
 }
 
 // After all races of what is tuned: one with the undivided device, or an only device's steps.
-static uint32_t least_at_the_end(const tune_task *task)
+static uint32_t least_at_the_end(const tune_problem *problem)
 {
-    return task->whole.open ? LEAST_RACED * 2 : task->one_device ? LEAST_RACED : 0;
+    return problem->whole.open ? LEAST_RACED * 2 : problem->one_device ? LEAST_RACED : 0;
 }
 
-double trial_budget_end(const tune_task *task, double stage_end)
+double trial_budget_end(const tune_problem *problem, double stage_end)
 {
-    const duet_tune_def *def = task->def;
+    const duet_tune_def *def = problem->def;
     double all = def->budget_trials;
-    double raced = all - least_at_the_end(task);
+    double raced = all - least_at_the_end(problem);
     double searched = fmin(SEARCH_END * raced, raced - LEAST_RACED * most_rivals(def));
     if (stage_end <= SEARCH_END)
         return stage_end / SEARCH_END * searched;

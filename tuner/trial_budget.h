@@ -26,9 +26,9 @@ extern const race_options trial_budget_last_race;  // the race for the verdict
 uint32_t trial_budget_least(const duet_tune_def *def);
 
 // Returns the most trials of variants, search and verdict, beside `kernels` of the kernels' search.
-uint32_t trial_budget_most(const tune_task *task, uint32_t kernels);
+uint32_t trial_budget_most(const tune_problem *problem, uint32_t kernels);
 
 // Trials at which the stage with that end must end, of a budget in trials.
-double trial_budget_end(const tune_task *task, double stage_end);
+double trial_budget_end(const tune_problem *problem, double stage_end);
 
 #endif

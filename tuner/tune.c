@@ -20,8 +20,8 @@ bool tune_gave_up(const duet_tune_outcome *outcome)
 // The default plan, of which nothing is known.
 static duet_tune_outcome nothing_known(const tuning *t)
 {
-    return (duet_tune_outcome){.plan = t->task->plan,
-                               .best = t->task->plan,
+    return (duet_tune_outcome){.plan = t->problem->plan,
+                               .best = t->problem->plan,
                                .single_ms = NAN,
                                .whole_ms = NAN,
                                .whole_gain = NAN,
@@ -66,30 +66,34 @@ static void separate_energy(const tuning *t, duet_tune_outcome *o)
 // ---------------------------------------------------------------- a tuning
 
 // Kernels, then mode and share; or all of it by one strategy.
-static bool search(tuning *t, mode_found *founds, uint32_t *n, duet_tune_outcome *told,
-                   duet_error *err)
+static bool find_plan(tuning *t, mode_found *founds, uint32_t *n, duet_tune_outcome *told,
+                      duet_error *err)
 {
     bool ok = true;
-    if (joint_search_is_asked(t->task))
+    if (joint_search_is_asked(t->problem))
         ok = joint_search_run(t, founds, n, told, err);
     else
         ok = kernel_tuning_run(t, told->kernels, err) && mode_search_run(t, founds, n, err);
-    for (uint32_t i = 0; t->task->meter && i < *n; ++i)
+    for (uint32_t i = 0; t->problem->meter && i < *n; ++i)
         founds[i].a_alone_ns = 0; // a slow device may be the more efficient one, and is raced
     return ok;
 }
 
-bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err)
+bool tune_run(const tune_problem *problem, trial_log *state, duet_tune_outcome *outcome,
+              duet_error *err)
 {
-    tuning t = {.task = task, .state = state, .plan = task->plan, .repeats = task->def->repeats};
+    tuning t = {.problem = problem,
+                .state = state,
+                .plan = problem->plan,
+                .repeats = problem->def->repeats};
     mode_found founds[MOST_MODES] = {0};
     uint32_t n = 0;
     state->played = 0;
     *outcome = nothing_known(&t);
     duet_error why = {0};
-    bool ok = variants_choose(&t, &why) && search(&t, founds, &n, outcome, &why) &&
+    bool ok = variants_choose(&t, &why) && find_plan(&t, founds, &n, outcome, &why) &&
               verdict_reach(&t, founds, n, outcome, &why) && verdict_race_whole(&t, outcome, &why);
-    if (ok && task->meter)
+    if (ok && problem->meter)
         separate_energy(&t, outcome);
     if (!ok && tuning_is_out_of_patience(&t)) {
         give_up(&t, outcome);

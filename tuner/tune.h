@@ -37,7 +37,7 @@ typedef struct tune_others {
     core_others (*look)(void *context);
 } tune_others;
 
-typedef struct tune_task {
+typedef struct tune_problem {
     const duet_tune_def *def; // the choices, budget, strategy and watch
     measure_machine machine;
     tune_others others;
@@ -53,23 +53,29 @@ typedef struct tune_task {
     duet_mode fair_mode;            // with `fair`: another share or mode must be proven faster
     void *script;                   // the strategy "lua" runs it
     uint32_t least_share;           // shares nearer than this are the same
-} tune_task;
+} tune_problem;
 
 // The variants to choose from, in order: those that are asked for, or else ours. NULL
 // past the end.
-const char *task_variant(const duet_tune_def *def, uint32_t i);
-uint32_t task_count_variants(const duet_tune_def *def);
+const char *tune_variant(const duet_tune_def *def, uint32_t i);
+uint32_t tune_count_variants(const duet_tune_def *def);
 
 // Modes that may be searched; some fit no pair of variants.
-uint32_t task_count_modes(const duet_tune_def *def);
+uint32_t tune_count_modes(const duet_tune_def *def);
 
 // The share of about one work-group of n objects.
-uint32_t task_least_share(uint64_t n);
+uint32_t tune_least_share(uint64_t n);
+
+// A plan's variant by device; A is 0.
+const char *plan_variant(const duet_plan *plan, int device);
+void plan_set_variant(duet_plan *plan, int device, const char *variant);
+void plan_set_variants(duet_plan *plan, const char *variant); // both
 
 // state is empty, or an interrupted tuning's. After INTERRUPTED, and if the tuning gave up because
 // of other programs, it can be handed in again. Fills all of outcome but known, resumed and
 // objects.
-bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err);
+bool tune_run(const tune_problem *problem, trial_log *state, duet_tune_outcome *outcome,
+              duet_error *err);
 
 // Whether the tuning gave up: nothing is known of its plan.
 bool tune_gave_up(const duet_tune_outcome *outcome);

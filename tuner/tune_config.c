@@ -6,7 +6,6 @@
 #include "gen/sandbox.h"
 #include "runtime/narrowphase/accuracy.h"
 #include "runtime/scene/shipped.h"
-#include "tuner/joint_strategy.h"
 #include "tuner/strategy.h"
 
 #include <lauxlib.h>
@@ -162,7 +161,7 @@ static void read_strategy(lua_State *L, tune_config *c)
         return;
     }
     c->strategy = field_string(L, ROOT, "strategy", c->strategy);
-    if (!strategy_find(c->strategy) && !joint_strategy_find(c->strategy))
+    if (!strategy_find(c->strategy))
         field_raise(L, "strategy", "there is no strategy '%s'; a function may also be given",
                     c->strategy);
 }

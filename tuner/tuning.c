@@ -10,23 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *plan_variant(const duet_plan *plan, int device)
-{
-    return device == 0 ? plan->variant_a : plan->variant_b;
-}
-
-void plan_set_variant(duet_plan *plan, int device, const char *variant)
-{
-    char *to = device == 0 ? plan->variant_a : plan->variant_b;
-    snprintf(to, sizeof plan->variant_a, "%s", variant);
-}
-
-void plan_set_variants(duet_plan *plan, const char *variant)
-{
-    plan_set_variant(plan, 0, variant);
-    plan_set_variant(plan, 1, variant);
-}
-
 duet_plan tuning_plan(const tuning *t, uint32_t share, duet_mode mode)
 {
     duet_plan plan = t->plan;
@@ -37,18 +20,18 @@ duet_plan tuning_plan(const tuning *t, uint32_t share, duet_mode mode)
 
 bool tuning_within_budget(const tuning *t)
 {
-    const duet_tune_def *def = t->task->def;
+    const duet_tune_def *def = t->problem->def;
     double spent_s = (double)(t->spent_ns + t->waited_ns) * 1e-9;
     bool in_time = def->budget_seconds <= 0 || spent_s < t->stage_end * def->budget_seconds;
     return in_time && (def->budget_trials == 0 ||
-                       t->state->played + t->unlogged < trial_budget_end(t->task, t->stage_end));
+                       t->state->played + t->unlogged < trial_budget_end(t->problem, t->stage_end));
 }
 
 // Checks after the first trial, whose kernels were built in it, whether the time can suffice: each
 // trial takes at least half as long as one device alone.
 static bool check_budget(const tuning *t, const trial *first, duet_error *err)
 {
-    const duet_tune_def *def = t->task->def;
+    const duet_tune_def *def = t->problem->def;
     double launch_s = (double)first->sample.total_ns * 1e-9;
     double least_s = (double)t->spent_ns * 1e-9 +
                      0.5 * launch_s * (1 + VERDICT_REPEATS) * trial_budget_least(def);
@@ -69,14 +52,13 @@ bool tuning_stop(const tuning *t, duet_error *err)
 // Until it is known what the kernels' search takes, only the budget limits the trials.
 static uint32_t most_trials(const tuning *t)
 {
-    bool known = t->search_known || !t->task->def->search;
-    return known ? trial_budget_most(t->task, t->search_trials) : t->task->def->budget_trials;
+    bool known = t->search_known || !t->problem->def->search;
+    return known ? trial_budget_most(t->problem, t->search_trials) : t->problem->def->budget_trials;
 }
 
-static bool tell_watcher(const tuning *t, const trial_log_entry *entry, bool remembered,
-                         duet_error *err)
+static bool tell_watcher(const tuning *t, const trial *entry, bool remembered, duet_error *err)
 {
-    const duet_tune_def *def = t->task->def;
+    const duet_tune_def *def = t->problem->def;
     duet_tune_progress progress = {
         .stage = t->stage,
         .plan = &entry->plan,
@@ -100,7 +82,7 @@ enum { QUIET_TRIES = 5, MOST_QUIET_TRIES = 60 };
 
 static core_others look_at_others(const tuning *t)
 {
-    const tune_others *others = &t->task->others;
+    const tune_others *others = &t->problem->others;
     return others->look ? others->look(others->context) : (core_others){0};
 }
 
@@ -116,7 +98,7 @@ tuning_others tuning_describe_others(const tuning *t)
 // The budget may end before the patience.
 bool tuning_is_out_of_patience(const tuning *t)
 {
-    const duet_tune_def *def = t->task->def;
+    const duet_tune_def *def = t->problem->def;
     double most = def->wait_seconds;
     if (def->budget_seconds > 0)
         most = fmin(most, def->budget_seconds - (double)t->spent_ns * 1e-9);
@@ -125,7 +107,7 @@ bool tuning_is_out_of_patience(const tuning *t)
 
 static bool tell_waiting(const tuning *t, const duet_plan *plan, duet_error *err)
 {
-    const duet_tune_def *def = t->task->def;
+    const duet_tune_def *def = t->problem->def;
     char waiting[128];
     snprintf(waiting, sizeof waiting, "other programs have %s", tuning_describe_others(t).chars);
     duet_tune_progress progress = {
@@ -170,7 +152,7 @@ static bool measure_in_quiet(tuning *t, const measure_machine *machine, const du
                              measure_way way, measurement *m, duet_error *err)
 {
     uint32_t tries = 0;
-    way.quiet = t->task->def->wait_seconds > 0;
+    way.quiet = t->problem->def->wait_seconds > 0;
     *m = measure_plan(machine, plan, way);
     while (m->failure.status == DUET_STATUS_OK && m->counted < way.repeats) {
         t->watched += m->watched;
@@ -187,10 +169,10 @@ static bool measure_in_quiet(tuning *t, const measure_machine *machine, const du
 
 // ---------------------------------------------------------------- trials
 
-static trial_log_entry entry_of(const tuning *t, const duet_plan *plan, const measurement *m)
+static trial trial_of(const tuning *t, const duet_plan *plan, const measurement *m)
 {
     const profile_sample *typical = &m->samples[m->typical];
-    trial_log_entry entry = {
+    trial entry = {
         .plan = *plan,
         .usable = strcmp(m->outcome, "ok") == 0,
         .sample = {.share = plan->share},
@@ -211,10 +193,10 @@ static trial_log_entry entry_of(const tuning *t, const duet_plan *plan, const me
     return entry;
 }
 
-static bool has_default_variants(const tune_task *task, const duet_plan *plan)
+static bool has_default_variants(const tune_problem *problem, const duet_plan *plan)
 {
-    return strcmp(plan->variant_a, task->plan.variant_a) == 0 &&
-           strcmp(plan->variant_b, task->plan.variant_b) == 0;
+    return strcmp(plan->variant_a, problem->plan.variant_a) == 0 &&
+           strcmp(plan->variant_b, problem->plan.variant_b) == 0;
 }
 
 // The default variants must be right; any other that is wrong is passed over.
@@ -223,7 +205,7 @@ static bool check_measured(tuning *t, const duet_plan *plan, const measurement *
     if (strcmp(m->outcome, "ok") == 0)
         return true;
     error_set(&t->failure, m->failure.status, "no plan runs: %s", m->failure.text);
-    if (strcmp(m->outcome, "wrong") == 0 && has_default_variants(t->task, plan))
+    if (strcmp(m->outcome, "wrong") == 0 && has_default_variants(t->problem, plan))
         return error_set(err, DUET_STATUS_WRONG_RESULT,
                          "share %u of %u, variants '%s' and '%s': %s", plan->share, DUET_SHARE_ONE,
                          plan->variant_a, plan->variant_b, m->failure.text);
@@ -244,27 +226,27 @@ static measure_way way_of(const tuning *t, const duet_plan *plan)
     return (measure_way){.repeats = t->repeats,
                          .warm = is_warm(t, plan),
                          .staged = t->focus.stages,
-                         .meter = t->task->meter};
+                         .meter = t->problem->meter};
 }
 
-static bool measure_live(tuning *t, const duet_plan *plan, trial_log_entry *entry, duet_error *err)
+static bool measure_live(tuning *t, const duet_plan *plan, trial *entry, duet_error *err)
 {
-    const tune_task *task = t->task;
+    const tune_problem *problem = t->problem;
     if (!budget_check(err))
         return false;
     measurement m;
-    if (!measure_in_quiet(t, &task->machine, plan, way_of(t, plan), &m, err))
+    if (!measure_in_quiet(t, &problem->machine, plan, way_of(t, plan), &m, err))
         return false;
-    *entry = entry_of(t, plan, &m);
+    *entry = trial_of(t, plan, &m);
     if (!trial_log_add(t->state, entry, err))
         return false;
     ++t->state->played;
-    const tune_recorder *recorder = &task->recorder;
+    const tune_recorder *recorder = &problem->recorder;
     return (!recorder->trial || recorder->trial(recorder->context, plan, &m, t->state, err)) &&
            check_measured(t, plan, &m, err);
 }
 
-static void count_entry(tuning *t, const trial_log_entry *entry)
+static void count_trial(tuning *t, const trial *entry)
 {
     t->launches += entry->launches;
     t->watched += entry->watched;
@@ -274,24 +256,16 @@ static void count_entry(tuning *t, const trial_log_entry *entry)
 
 bool tuning_run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *err)
 {
-    const trial_log_entry *kept = trial_log_next(t->state, plan);
-    trial_log_entry entry;
-    *out = (trial){0};
-    if (kept)
-        entry = *kept;
-    else if (!measure_live(t, plan, &entry, err))
+    const trial *kept = trial_log_next(t->state, plan);
+    *out = kept ? *kept : (trial){0};
+    if (!kept && !measure_live(t, plan, out, err))
         return false;
     t->first = kept ? t->state->played : t->first;
-    count_entry(t, &entry);
-    out->usable = entry.usable;
-    out->sample = entry.sample;
-    out->focus_ns = entry.focus_ns;
-    out->terms = entry.terms;
-    if (!tell_watcher(t, &entry, kept, err) ||
-        (t->state->played == 1 && !check_budget(t, out, err)))
+    count_trial(t, out);
+    if (!tell_watcher(t, out, kept, err) || (t->state->played == 1 && !check_budget(t, out, err)))
         return false;
-    if (t->task->meter) // what races and searches make small
-        out->sample.total_ns = (uint64_t)(entry.terms.joules * 1e9);
+    if (t->problem->meter) // what races and searches make small
+        out->sample.total_ns = (uint64_t)(out->terms.joules * 1e9);
     return true;
 }
 
@@ -301,9 +275,9 @@ bool tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_p
     measurement m;
     if (!measure_in_quiet(t, machine, plan, (measure_way){.repeats = t->repeats}, &m, err))
         return false;
-    trial_log_entry entry = entry_of(t, plan, &m);
+    trial entry = trial_of(t, plan, &m);
     ++t->unlogged;
-    count_entry(t, &entry);
+    count_trial(t, &entry);
     *ns = entry.usable ? (double)entry.sample.total_ns : 0;
     return tell_watcher(t, &entry, false, err);
 }

@@ -15,7 +15,7 @@ typedef struct focus {
 } focus;
 
 typedef struct tuning {
-    const tune_task *task;
+    const tune_problem *problem;
     trial_log *state;
     const char *stage;
     double stage_end; // part of the budget that is used up when it must end
@@ -38,13 +38,7 @@ typedef struct tuning {
     duet_error failure;   // the first plan's that did not run
 } tuning;
 
-// Holds what a decision needs of a trial.
-typedef struct trial {
-    bool usable;
-    search_sample sample;
-    uint64_t focus_ns;
-    duet_tune_terms terms;
-} trial;
+typedef trial_log_entry trial;
 
 // Whether the stage is within its part of the budget.
 bool tuning_within_budget(const tuning *t);
@@ -75,10 +69,5 @@ bool tuning_stop(const tuning *t, duet_error *err);
 
 // The chosen variants at a share.
 duet_plan tuning_plan(const tuning *t, uint32_t share, duet_mode mode);
-
-// A plan's variant by device; A is 0.
-const char *plan_variant(const duet_plan *plan, int device);
-void plan_set_variant(duet_plan *plan, int device, const char *variant);
-void plan_set_variants(duet_plan *plan, const char *variant); // both
 
 #endif

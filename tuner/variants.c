@@ -14,7 +14,7 @@ static bool choose_variant(tuning *t, int device, uint32_t share, duet_error *er
 {
     field f = {0};
     const char *variant;
-    for (uint32_t i = 0; (variant = task_variant(t->task->def, i)); ++i) {
+    for (uint32_t i = 0; (variant = tune_variant(t->problem->def, i)); ++i) {
         duet_plan plan = tuning_plan(t, share, DUET_MODE_OWN);
         plan_set_variant(&plan, device, variant);
         field_enter(&f, plan);
@@ -45,7 +45,7 @@ bool variants_share_of_a(tuning *t, uint32_t *share, duet_error *err)
 static bool is_listed(const duet_tune_def *def, const char *variant)
 {
     const char *other;
-    for (uint32_t i = 0; (other = task_variant(def, i)); ++i)
+    for (uint32_t i = 0; (other = tune_variant(def, i)); ++i)
         if (strcmp(other, variant) == 0)
             return true;
     return false;
@@ -55,7 +55,7 @@ static bool is_listed(const duet_tune_def *def, const char *variant)
 // only if it is surely faster than the usual variant, if that is among those to try.
 static bool confirm_variant(tuning *t, const char *usual, duet_error *err)
 {
-    if (!is_listed(t->task->def, usual) || strcmp(t->plan.variant_b, usual) == 0)
+    if (!is_listed(t->problem->def, usual) || strcmp(t->plan.variant_b, usual) == 0)
         return true;
     field f = {0};
     duet_plan plan = tuning_plan(t, 0, DUET_MODE_OWN);
@@ -75,14 +75,14 @@ bool variants_choose(tuning *t, duet_error *err)
     uint32_t share;
     const duet_plan usual = t->plan;
     for (int device = 0; device < 2; ++device)
-        plan_set_variant(&t->plan, device, task_variant(t->task->def, 0));
-    if (!task_variant(t->task->def, 1))
+        plan_set_variant(&t->plan, device, tune_variant(t->problem->def, 0));
+    if (!tune_variant(t->problem->def, 1))
         return true;
     t->stage_end = VARIANTS_END;
     t->stage = "variant of B";
     if (!choose_variant(t, 1, 0, err))
         return false;
-    if (t->task->one_device) {
+    if (t->problem->one_device) {
         if (!confirm_variant(t, usual.variant_b, err))
             return false;
         plan_set_variant(&t->plan, 0, t->plan.variant_b);

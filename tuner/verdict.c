@@ -59,15 +59,14 @@ static bool undisturbed(const trial_log *state, const duet_plan *plan, double ns
 static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
 {
     double ns[2];
-    const strategy *searched = strategy_find(t->task->def->strategy); // NULL: with kernels
-    if ((searched && !searched->evened) || !undisturbed(t->state, plan, ns))
+    if (!strategy_find(t->problem->def->strategy)->evened || !undisturbed(t->state, plan, ns))
         return false;
     double part = (double)plan->share / DUET_SHARE_ONE;
     double a = ns[0] / part, b = ns[1] / (1 - part); // each device's time for all the work
     double fair = b / (a + b);
-    double quanta = floor(fair * DUET_SHARE_ONE / t->task->least_share + 0.5);
+    double quanta = floor(fair * DUET_SHARE_ONE / t->problem->least_share + 0.5);
     *even = *plan;
-    even->share = (uint32_t)quanta * t->task->least_share;
+    even->share = (uint32_t)quanta * t->problem->least_share;
     return fmax(ns[0], ns[1]) > UNEVEN * fair * a && even->share > 0 &&
            even->share < DUET_SHARE_ONE;
 }
@@ -83,15 +82,15 @@ static bool is_mostly_disturbed(const tuning *t, const duet_plan *plan)
         trials += counts;
         disturbed += counts && 2 * entry->disturbed > entry->launches;
     }
-    return t->task->def->wait_seconds > 0 && 2 * disturbed > trials;
+    return t->problem->def->wait_seconds > 0 && 2 * disturbed > trials;
 }
 
 // Whether sharing may gain or lose much, though neither is proven, and there is a reason to expect
 // that it gains: the devices are of one kind, or launches waited for a core.
 static bool is_open(const tuning *t, const race_gain *gain)
 {
-    bool expected = t->task->fair > 0 || t->disturbed > t->watched / 10;
-    return t->task->def->wait_seconds > 0 && gain->verdict == RACE_SAME &&
+    bool expected = t->problem->fair > 0 || t->disturbed > t->watched / 10;
+    return t->problem->def->wait_seconds > 0 && gain->verdict == RACE_SAME &&
            fmax(gain->interval.high, 1 / gain->interval.low) > MOST_OF_SAME && expected;
 }
 
@@ -153,9 +152,9 @@ static duet_plan expected_plan(const tuning *t, const mode_found *founds, uint32
                                const duet_plan *shared)
 {
     duet_plan expected = *shared;
-    expected.share = t->task->fair;
+    expected.share = t->problem->fair;
     for (uint32_t i = 0; i < n; ++i)
-        if (founds[i].usable && founds[i].mode == t->task->fair_mode)
+        if (founds[i].usable && founds[i].mode == t->problem->fair_mode)
             expected.mode = founds[i].mode;
     return expected;
 }
@@ -220,7 +219,7 @@ bool verdict_reach(tuning *t, const mode_found *founds, uint32_t n, duet_tune_ou
     field all = {0}, finalists;
     uint32_t n_alone = enter_rivals(t, founds, n, &all);
     t->stage = "verdict";
-    t->stage_end = t->task->whole.open ? VERDICT_END : ALL;
+    t->stage_end = t->problem->whole.open ? VERDICT_END : ALL;
     t->repeats = t->repeats < VERDICT_REPEATS ? t->repeats : VERDICT_REPEATS;
     if (!(all.n > 1 ? field_race(t, &all, NULL, false, INFINITY, err) : run_alone(t, &all, err)))
         return false;
@@ -245,8 +244,8 @@ bool verdict_reach(tuning *t, const mode_found *founds, uint32_t n, duet_tune_ou
 
 bool verdict_race_whole(tuning *t, duet_tune_outcome *outcome, duet_error *err)
 {
-    const tune_whole *whole = &t->task->whole;
-    measure_machine machines[2] = {t->task->machine};
+    const tune_whole *whole = &t->problem->whole;
+    measure_machine machines[2] = {t->problem->machine};
     duet_plan plans[2] = {outcome->plan};
     race r = race_begin(2, NULL);
     uint32_t rival;

@@ -10,7 +10,7 @@
 #include "cli/report/run_report.h"
 #include "cli/report/time_lines.h"
 #include "cli/say.h"
-#include "tuner/sorted_pairs.h"
+#include "runtime/scene/sorted_pairs.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

@@ -11,7 +11,7 @@
 #include "cli/inputs.h"
 #include "cli/report/tune_report.h"
 #include "runtime/task/task.h"
-#include "tuner/joint_strategy.h"
+#include "tuner/strategy.h"
 #include "tuner/tune_config.h"
 
 #include <stdio.h>
@@ -408,7 +408,7 @@ static bool check_query(const config_workload *w, const duet_device_pair *pair, 
 
 static bool check_strategy(const arguments *args, const duet_device_pair *pair, duet_error *err)
 {
-    if (args->strategy && !joint_strategy_check(args->strategy, err))
+    if (args->strategy && !strategy_check(args->strategy, err))
         return false;
     return !duet_device_pair_is_one(pair) || (!args->strategy && !args->strategy_path) ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,

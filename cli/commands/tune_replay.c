@@ -52,18 +52,21 @@ static bool replay_strategy(replay *r, replay_def def, cJSON *rows, duet_error *
     return true;
 }
 
-// The strategy that was asked for, or each that needs no script.
+// The strategy that was asked for, or each that needs no script and fits the surface. Brute force
+// takes what was recorded for the truth.
 static bool replay_strategies(replay *r, const replay_options *options, script *lua, cJSON *rows,
                               duet_error *err)
 {
     const char *asked = lua ? strategy_lua.name : options->strategy;
+    const strategy_choice choice = r->surface->joint ? STRATEGY_JOINT : STRATEGY_SHARE;
     replay_def def = {.repeats = (uint32_t)options->repeats, .seed = options->seed};
     def.script = lua;
     if ((def.strategy = asked))
         return replay_strategy(r, def, rows, err);
-    for (uint32_t i = 0; strategy_at(i); ++i) {
-        def.strategy = strategy_at(i)->name;
-        if (strategy_at(i) != &strategy_lua && !replay_strategy(r, def, rows, err))
+    for (uint32_t i = 0; strategies[i]; ++i) {
+        def.strategy = strategies[i]->name;
+        if (strategies[i]->choice == choice && strategies[i] != &strategy_lua &&
+            !replay_strategy(r, def, rows, err))
             return false;
     }
     return true;
@@ -83,8 +86,9 @@ static cJSON *describe(const replay *r)
     }
     json_add(o, STRING("level", s->level), STRING("a", s->a), STRING("b", s->b),
              NUMBER("plans", r->n_points), NUMBER("best_ms", r->best->median_ns * 1e-6));
-    json_add_plan(o, best->share / (double)DUET_SHARE_ONE, duet_mode_name(best->mode), s->variant_a,
-                  s->variant_b);
+    json_add_plan(o, best->share / (double)DUET_SHARE_ONE, duet_mode_name(best->mode),
+                  s->joint ? best->variant_a : s->variant_a,
+                  s->joint ? best->variant_b : s->variant_b);
     return o;
 }
 
@@ -100,6 +104,14 @@ static bool replay_surface(store *s, const profile_surface *surface, const repla
     }
     replay_close(&r);
     return ok;
+}
+
+// A strategy that is asked for is replayed on the surfaces of its kind.
+static bool fits(const profile_surface *surface, const replay_options *options, script *lua)
+{
+    const char *asked = lua ? strategy_lua.name : options->strategy;
+    const strategy *s = asked ? strategy_of(asked, lua) : NULL;
+    return !s || (s->choice != STRATEGY_SHARE) == surface->joint;
 }
 
 static bool is_wanted(const profile_surface *surface, const replay_options *options)
@@ -128,16 +140,30 @@ static bool fail_unwanted(const replay_options *options, const profile_surface *
     return false;
 }
 
+static bool fail_unfit(const replay_options *options, duet_error *err)
+{
+    return error_set(err, DUET_STATUS_NOT_FOUND,
+                     "%s: has no workload for that strategy; expected shares that '--strategy "
+                     "grid' has stored, or kernels and shares that '--strategy brute' has",
+                     options->store);
+}
+
 static bool replay_store(store *s, const replay_options *options, script *lua, cJSON *workloads,
                          duet_error *err)
 {
     profile_surface *surfaces;
     uint32_t n;
     bool ok = profile_surfaces_get(s, &surfaces, &n, err);
-    for (uint32_t i = 0; ok && i < n; ++i)
-        ok = !is_wanted(&surfaces[i], options) ||
+    bool wanted = false;
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        if (!is_wanted(&surfaces[i], options))
+            continue;
+        wanted = true;
+        ok = !fits(&surfaces[i], options, lua) ||
              replay_surface(s, &surfaces[i], options, lua, workloads, err);
-    ok = ok && (cJSON_GetArraySize(workloads) > 0 || fail_unwanted(options, surfaces, n, err));
+    }
+    if (ok && cJSON_GetArraySize(workloads) == 0)
+        ok = wanted ? fail_unfit(options, err) : fail_unwanted(options, surfaces, n, err);
     free(surfaces);
     return ok && store_check_read(s, err);
 }

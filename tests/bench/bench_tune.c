@@ -41,8 +41,10 @@ static bool measure_share(const measure_machine *machine, uint32_t share, search
         return false;
     }
     const profile_sample *at = &m.samples[m.typical];
-    *sample =
-        (search_sample){share, (uint64_t)at->total_ns, (uint64_t)at->a_ns, (uint64_t)at->b_ns};
+    *sample = (search_sample){.share = share,
+                              .total_ns = (uint64_t)at->total_ns,
+                              .a_ns = (uint64_t)at->a_ns,
+                              .b_ns = (uint64_t)at->b_ns};
     return true;
 }
 
@@ -54,7 +56,7 @@ static bool choose(const measure_machine *machine, const char *name, chosen *out
     *out = (chosen){0};
     while (ok && (ok = search_ask(&s, &next, err)) && !next.done) {
         search_sample sample;
-        ok = measure_share(machine, next.share, &sample, err) && search_tell(&s, &sample, err);
+        ok = measure_share(machine, next.at.share, &sample, err) && search_tell(&s, &sample, err);
         out->ms += ok ? (double)sample.total_ns * 1e-6 : 0;
     }
     out->share = ok ? search_pick(&s) : 0;

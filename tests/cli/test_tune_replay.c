@@ -96,6 +96,8 @@ TEST(what_cannot_be_replayed_is_said_in_a_line)
     p = replay("--strategy best");
     assert_true(p.exit_code > 0);
     assert_non_null(strstr(p.err, "strategy 'best': there is none; there are balance, fig12"));
+    p = replay("--strategy annealing");
+    program_assert_refused(&p, 1, "has no workload for that strategy; expected shares that");
     p = program_run("tune --replay /nowhere/profiles.db");
     program_assert_refused(&p, 1, "/nowhere/profiles.db: ");
     test_folder empty = test_folder_make();

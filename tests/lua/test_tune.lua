@@ -148,7 +148,7 @@ holds("queries are tuned by their kind, and a tree takes what is known of them",
   end
   for _, ending in ipairs { "", "-wal", "-shm" } do os.remove(store .. ending) end
   refused("BAD_ARGUMENT", "query 'rays both'", tree.load_profile, tree, "rays both", 1)
-  refused("BAD_ARGUMENT", "expected no variants", pair.tune, pair, scene, quick { query = "boxes" })
+  refused("BAD_ARGUMENT", "a query has no variants; expected none", pair.tune, pair, scene, quick { query = "boxes" })
 end)
 
 holds("a motion is tuned by runs, goes on where it was stopped, and then has the same bits", function()

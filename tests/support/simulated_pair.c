@@ -106,7 +106,7 @@ bool simulated_run(search *s, const simulated_pair *model, rng *r, uint64_t *cos
     uint64_t cost = 0;
     bool ok = true;
     for (search_next next; (ok = search_ask(s, &next, err)) && !next.done;) {
-        search_sample sample = simulated_launch(model, next.share, r);
+        search_sample sample = simulated_launch(model, next.at.share, r);
         cost += sample.total_ns;
         ok = search_tell(s, &sample, err);
         if (!ok)

@@ -10,7 +10,12 @@
 #include "tuner/search.h"
 
 // One row of a recorded table, or a launch without noise.
-typedef search_sample simulated_row;
+typedef struct simulated_row {
+    uint32_t share;
+    uint64_t total_ns;
+    uint64_t a_ns;
+    uint64_t b_ns;
+} simulated_row;
 
 // Times are in units of B's time for the whole work, 10 ms.
 typedef struct simulated_pair {

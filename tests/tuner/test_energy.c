@@ -52,7 +52,7 @@ static duet_tune_outcome tune(const char *name, energy_meter *meter, trial_log *
                                .modes = modes,
                                .n_modes = 1,
                                .repeats = 2};
-    const tune_task task = {
+    const tune_problem problem = {
         .def = &def,
         .machine = {.launch = launch},
         .meter = meter,
@@ -60,7 +60,7 @@ static duet_tune_outcome tune(const char *name, energy_meter *meter, trial_log *
         .least_share = 8};
     duet_tune_outcome o;
     duet_error err = {0};
-    assert_ok(tune_run(&task, log, &o, &err), err);
+    assert_ok(tune_run(&problem, log, &o, &err), err);
     return o;
 }
 

@@ -3,7 +3,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "tuner/joint_strategy.h"
+#include "tuner/joint_space.h"
 #include "tuner/strategy.h"
 #include "tuner/tune.h"
 
@@ -141,13 +141,14 @@ static bool run_fake(fake *f, const char *name, script *own, trial_log *log,
                                .seed = 7,
                                .watch = watch_fake,
                                .watch_context = f};
-    tune_task task = {.def = &def,
-                      .machine = {.context = f, .launch = launch_fake},
-                      .kernels = {.context = f, .read = read_fake},
-                      .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
-                      .script = own,
-                      .least_share = 8};
-    return tune_run(&task, log, outcome, err);
+    tune_problem problem = {
+        .def = &def,
+        .machine = {.context = f, .launch = launch_fake},
+        .kernels = {.context = f, .read = read_fake},
+        .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
+        .script = own,
+        .least_share = 8};
+    return tune_run(&problem, log, outcome, err);
 }
 
 static duet_tune_outcome tune_fake(fake *f, const char *name)
@@ -186,11 +187,12 @@ TEST(every_plan_of_the_grid_has_one_number)
     assert_int_equal(n, (POINTS - 1) * CONFIGS * CONFIGS + 2 * CONFIGS);
     bool seen[POINTS + 1][CONFIGS][CONFIGS] = {{{false}}};
     for (uint64_t i = 0; i < n; ++i) {
-        joint_point p = joint_space_at(&s, i), same = p;
+        search_sample p = joint_space_at(&s, i), same = p;
         uint32_t point = p.share / (SEARCH_ONE / POINTS);
         assert_int_equal(p.share % (SEARCH_ONE / POINTS), 0);
         joint_space_normalize(&s, &same);
-        assert_true(joint_point_same(&p, &same));
+        assert_true(memcmp(p.configs, same.configs, sizeof p.configs) == 0 &&
+                    p.share == same.share);
         assert_false(seen[point][p.configs[0][0]][p.configs[1][0]]);
         seen[point][p.configs[0][0]][p.configs[1][0]] = true;
     }
@@ -204,20 +206,20 @@ TEST(many_kernels_leave_a_number_of_plans)
     invent(&f);
     kernel_space *kernels[2];
     for (int device = 0; device < 2; ++device) {
-        kernels[device] = malloc(JOINT_KERNELS * sizeof f.space);
+        kernels[device] = malloc(SEARCH_KERNELS * sizeof f.space);
         assert_non_null(kernels[device]);
-        for (int i = 0; i < JOINT_KERNELS; ++i)
+        for (int i = 0; i < SEARCH_KERNELS; ++i)
             kernels[device][i] = f.space;
     }
     joint_space s = {.points = POINTS,
                      .kernels = {kernels[0], kernels[1]},
-                     .n_kernels = {JOINT_KERNELS, JOINT_KERNELS}};
+                     .n_kernels = {SEARCH_KERNELS, SEARCH_KERNELS}};
     const uint64_t most = UINT64_C(1) << 24;
     uint64_t n = joint_space_count(&s);
     assert_true(n == most * most * (POINTS - 1) + 2 * most);
-    joint_point last = joint_space_at(&s, n - 1);
+    search_sample last = joint_space_at(&s, n - 1);
     for (int device = 0; device < 2; ++device)
-        for (int i = 0; i < JOINT_KERNELS; ++i)
+        for (int i = 0; i < SEARCH_KERNELS; ++i)
             assert_true(last.configs[device][i] < CONFIGS);
     joint_space_free(&s);
 }
@@ -228,8 +230,8 @@ TEST(a_neighbour_differs_in_one_parameter_or_in_the_share)
     invent(&f);
     joint_space s = open_space(&f);
     for (int i = 0; i < 2000; ++i) {
-        joint_point p = joint_space_random(&s, &f.random);
-        joint_point to = joint_space_neighbour(&s, &p, &f.random);
+        search_sample p = joint_space_random(&s, &f.random);
+        search_sample to = joint_space_neighbour(&s, &p, &f.random);
         if (p.share == 0 || p.share == SEARCH_ONE || to.share == 0 || to.share == SEARCH_ONE)
             continue;
         uint32_t differ = p.share != to.share;
@@ -286,21 +288,24 @@ TEST(no_plan_is_measured_twice)
     fake f = {.random = rng_seed(test_seed())};
     invent(&f);
     joint_space s = open_space(&f);
-    for (int k = 0; joint_strategies[k]; ++k) {
-        joint_history h = {.space = &s, .seed = 3, .most = 300};
+    for (int k = 0; strategies[k]; ++k) {
+        if (strategies[k]->choice == STRATEGY_SHARE)
+            continue;
+        search_history h = {.space = &s, .seed = 3, .options.launches = 300};
         duet_error err = {0};
-        while (h.n < h.most) {
-            joint_next next;
-            assert_ok(joint_strategies[k]->ask(&h, &next, &err), err);
+        while (h.n < 300) {
+            search_next next;
+            assert_ok(strategies[k]->ask(&h, &next, &err), err);
             if (next.done)
                 break;
-            assert_null(joint_history_find(&h, &next.at));
-            joint_sample sample = {.at = next.at, .usable = rng_below(&f.random, 9) > 0};
-            sample.times.total_ns = 1000 + rng_below(&f.random, 1000);
-            assert_ok(joint_history_add(&h, &sample, &err), err);
+            assert_null(search_history_find(&h, &next.at));
+            search_sample sample = next.at;
+            sample.failed = rng_below(&f.random, 9) == 0;
+            sample.total_ns = 1000 + rng_below(&f.random, 1000);
+            assert_ok(search_history_add(&h, &sample, &err), err);
         }
-        assert_int_equal(h.n, h.most);
-        joint_history_free(&h);
+        assert_int_equal(h.n, 300);
+        search_history_free(&h);
     }
     joint_space_free(&s);
 }

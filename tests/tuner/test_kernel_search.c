@@ -190,12 +190,13 @@ static duet_tune_def fake_def(fake *f)
 static bool run_fake(fake *f, const duet_tune_def *def, trial_log *state,
                      duet_tune_outcome *outcome, duet_error *err)
 {
-    tune_task task = {.def = def,
-                      .machine = {.context = f, .launch = launch_fake, .hash = RIGHT},
-                      .kernels = {.context = f, .read = read_fake},
-                      .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
-                      .least_share = 8};
-    return tune_run(&task, state, outcome, err);
+    tune_problem problem = {
+        .def = def,
+        .machine = {.context = f, .launch = launch_fake, .hash = RIGHT},
+        .kernels = {.context = f, .read = read_fake},
+        .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
+        .least_share = 8};
+    return tune_run(&problem, state, outcome, err);
 }
 
 static duet_tune_outcome tune_fake(fake *f, const duet_tune_def *def, trial_log *state)

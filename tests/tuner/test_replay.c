@@ -159,12 +159,150 @@ TEST(a_strategy_ends_where_the_invented_devices_are_in_balance)
     store_close(s);
 }
 
+// ---------------------------------------------------------------- kernels and share
+
+enum { KERNELS = 6, GRID = 16 };
+
+static const struct {
+    const char *variant;
+    double factor[2]; // of A's and of B's time
+} kernels[KERNELS] = {
+    {"auto", {1.9, 1.3}},
+    {"auto k.WG=16", {1.2, 1.6}},
+    {"auto k.WG=64", {1.0, 1.9}},
+    {"auto k.TILE=1", {2.3, 1.1}},
+    {"auto k.WG=16 k.TILE=1", {1.5, 1.4}},
+    {"auto k.WG=64 k.TILE=1", {1.4, 1.0}},
+};
+
+static double joint_ns(double share, int a, int b)
+{
+    return fmax(share > 0 ? kernels[a].factor[0] * test_time(0, INVENTED, share) : 0,
+                share < 1 ? kernels[b].factor[1] * test_time(1, INVENTED, share) : 0);
+}
+
+static void record_plan(store *s, const char *session, double share, int a, int b)
+{
+    profile_sample samples[3];
+    profile_trial trial = test_trial(INVENTED, share, samples, 3);
+    int64_t number;
+    duet_error err = {0};
+    for (int k = 0; k < 3; ++k) {
+        samples[k].total_ns = llround(joint_ns(share, a, b));
+        samples[k].a_ns = llround(joint_ns(share, a, b) * (share > 0));
+        samples[k].b_ns = llround(joint_ns(share, a, b) * (share < 1));
+    }
+    strcpy(trial.plan.variant_a, kernels[a].variant);
+    strcpy(trial.plan.variant_b, kernels[b].variant);
+    assert_ok(profile_trial_add(s, session, &trial, NULL, &number, &err), err);
+}
+
+// What brute force would have kept: every config of both devices at each share of a grid.
+static void record_joint(store *s)
+{
+    duet_error err = {0};
+    int64_t pair_id, workload_id;
+    char id[PROFILE_ID];
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(INVENTED);
+    assert_ok(profile_pair_put(s, &pair, &pair_id, &err), err);
+    assert_ok(profile_workload_put(s, &workload, &workload_id, &err), err);
+    profile_session session = test_session(pair_id, workload_id);
+    session.strategy = "brute";
+    assert_ok(profile_session_begin(s, &session, id, &err), err);
+    for (int k = 0; k < KERNELS; ++k) {
+        record_plan(s, id, 0, 0, k);
+        record_plan(s, id, 1, k, 0);
+        for (int i = 1; i < GRID; ++i)
+            for (int b = 0; b < KERNELS; ++b)
+                record_plan(s, id, i / (double)GRID, k, b);
+    }
+}
+
+static double least_joint_ns(void)
+{
+    double least = INFINITY;
+    for (int i = 0; i <= GRID; ++i)
+        for (int k = 0; k < KERNELS * KERNELS; ++k)
+            least = fmin(least, joint_ns(i / (double)GRID, k / KERNELS, k % KERNELS));
+    return least;
+}
+
+static profile_surface *open_joint(store *s, replay *r)
+{
+    duet_error err = {0};
+    profile_surface *surfaces;
+    uint32_t n;
+    assert_ok(profile_surfaces_get(s, &surfaces, &n, &err), err);
+    assert_true(n > 0 && surfaces[n - 1].joint);
+    surfaces[0] = surfaces[n - 1];
+    assert_ok(replay_open(r, s, &surfaces[0], &err), err);
+    return surfaces;
+}
+
+// The least of all is known, and random search of a tenth of the plans is seldom far from it.
+TEST(kernels_and_share_are_searched_on_what_brute_force_recorded)
+{
+    enum { SEEDS = 40 };
+    static const char *const names[] = {"brute", "annealing", "random"};
+    static const double most[] = {1e-9, 0.05, 0.15}; // in the mean
+    replay r;
+    test_folder own = test_folder_make();
+    store *s = test_store_open(own.store, STORE_WRITE);
+    record_joint(s);
+    profile_surface *surface = open_joint(s, &r);
+    assert_int_equal(r.n_points, 2 * KERNELS + (GRID - 1) * KERNELS * KERNELS);
+    assert_true(fabs(r.best->median_ns / least_joint_ns() - 1) < 1e-6);
+    for (int device = 0; device < 2; ++device) {
+        assert_int_equal(r.spaces[device].n, 1);
+        assert_int_equal(r.spaces[device].kernels[0].n_configs, KERNELS);
+        assert_string_equal(r.spaces[device].base, "auto");
+    }
+    for (int k = 0; k < 3; ++k) {
+        double mean = 0;
+        for (uint64_t seed = 0; seed < (k == 0 ? 2 : SEEDS); ++seed) {
+            replay_outcome o = run(&r, names[k], test_seed() + seed), again;
+            again = run(&r, names[k], test_seed() + seed);
+            assert_memory_equal(&o, &again, sizeof o);
+            assert_true(o.search_launches > 0 && o.launches > o.search_launches);
+            mean += fmax(o.loss, 0) / (k == 0 ? 2 : SEEDS);
+        }
+        print_message("%s: %.1f %% above the best in the mean\n", names[k], 100 * mean);
+        assert_true(mean <= most[k]);
+    }
+    replay_close(&r);
+    free(surface);
+    store_close(s);
+}
+
+TEST(a_strategy_for_a_share_alone_needs_another_surface)
+{
+    replay r;
+    duet_error err = {0};
+    replay_outcome o;
+    test_folder own = test_folder_make();
+    store *s = test_store_open(own.store, STORE_WRITE);
+    record_joint(s);
+    profile_surface *surface = open_joint(s, &r);
+    assert_false(replay_run(&r, &(replay_def){.strategy = "balance"}, &o, &err));
+    assert_non_null(strstr(err.text, "'balance' chooses a share alone; expected one for kernels"));
+    replay_close(&r);
+    free(surface);
+    store_close(s);
+    err = (duet_error){0};
+    surface = open_surface(recorded, 20000, &r);
+    assert_false(replay_run(&r, &(replay_def){.strategy = "random"}, &o, &err));
+    assert_non_null(strstr(err.text, "'random' chooses kernels and share; expected one for a"));
+    replay_close(&r);
+    free(surface);
+}
+
 TEST(the_same_seed_gives_the_same_tuning)
 {
     replay r;
     profile_surface *surface = open_surface(recorded, 20000, &r);
-    for (uint32_t i = 0; strategy_at(i) && strategy_at(i) != &strategy_lua; ++i) {
-        const char *name = strategy_at(i)->name;
+    for (uint32_t i = 0; strategies[i] && strategies[i] != &strategy_lua; ++i) {
+        const char *name = strategies[i]->name;
         replay_outcome first = run(&r, name, 7), other = run(&r, name, 8), again = run(&r, name, 7);
         assert_memory_equal(&first, &again, sizeof first);
         assert_true(first.seconds != other.seconds);

@@ -153,7 +153,7 @@ TEST(the_bracket_holds_the_best_share_at_every_step)
         assert_ok(search_begin(&s, "balance", NULL, &err), err);
         for (search_next next; search_ask(&s, &next, &err) && !next.done;) {
             uint32_t low, high;
-            search_sample sample = simulated_launch(&model, next.share, NULL);
+            search_sample sample = simulated_launch(&model, next.at.share, NULL);
             assert_ok(search_tell(&s, &sample, &err), err);
             search_bracket(&s, &low, &high);
             assert_true(low <= best && best <= high);
@@ -287,7 +287,7 @@ TEST(chunks_follow_a_device_that_slows_down)
         const simulated_pair *model = i < 15 ? &fast : &slow;
         search_next next;
         assert_ok(search_ask(&s, &next, &err), err);
-        search_sample sample = simulated_launch(model, next.share, NULL);
+        search_sample sample = simulated_launch(model, next.at.share, NULL);
         assert_ok(search_tell(&s, &sample, &err), err);
         if (i == 14 || i == 29)
             assert_true(simulated_excess(model, search_pick(&s)) < 0.02);
@@ -309,8 +309,9 @@ TEST(senseless_times_do_no_harm)
             uint64_t ns[3];
             for (int k = 0; k < 3; ++k)
                 ns[k] = rng_below(&r, 3) ? rng_next(&r) >> rng_below(&r, 32) : 0;
-            assert_true(next.share <= SEARCH_ONE);
-            search_sample sample = {next.share, ns[0], ns[1], ns[2]};
+            assert_true(next.at.share <= SEARCH_ONE);
+            search_sample sample = {
+                .share = next.at.share, .total_ns = ns[0], .a_ns = ns[1], .b_ns = ns[2]};
             assert_ok(search_tell(&s, &sample, &err), err);
             search_bracket(&s, &low, &high);
             assert_true(s.history.n < 1000 && search_pick(&s) <= SEARCH_ONE);
@@ -342,7 +343,7 @@ static uint32_t run_with_stops(const char *name, const simulated_pair *model, bo
     rng r = rng_seed(seed);
     assert_ok(any_strategy_begin(&s, name, &err), err);
     for (search_next next; search_ask(&s, &next, &err) && !next.done;) {
-        search_sample sample = simulated_launch(model, next.share, &r);
+        search_sample sample = simulated_launch(model, next.at.share, &r);
         assert_ok(search_tell(&s, &sample, &err), err);
         if (stops)
             begin_again(&s);
@@ -371,8 +372,8 @@ TEST(each_strategy_is_in_the_help)
     program help = program_run("tune --help");
     const char *row = strstr(help.out, "--strategy S "), *end = strstr(help.out, "--strategy-lua");
     assert_true(row && end && row < end);
-    for (uint32_t i = 0; strategy_at(i); ++i) {
-        const char *name = strategy_at(i)->name, *at = strstr(row, name);
+    for (uint32_t i = 0; strategies[i]; ++i) {
+        const char *name = strategies[i]->name, *at = strstr(row, name);
         if (strcmp(name, "lua") != 0 && (!at || at > end))
             fail_msg("'duet tune --help' does not name the strategy '%s'", name);
     }

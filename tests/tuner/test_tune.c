@@ -118,9 +118,9 @@ static duet_tune_def fake_def(fake *f)
     };
 }
 
-static tune_task fake_task(fake *f, const duet_tune_def *def)
+static tune_problem fake_task(fake *f, const duet_tune_def *def)
 {
-    return (tune_task){
+    return (tune_problem){
         .def = def,
         .machine = {.context = f, .launch = launch_fake, .hash = RIGHT},
         .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
@@ -129,20 +129,20 @@ static tune_task fake_task(fake *f, const duet_tune_def *def)
     };
 }
 
-static duet_tune_outcome tune_task_fake(const tune_task *task)
+static duet_tune_outcome tune_problem_fake(const tune_problem *problem)
 {
     duet_tune_outcome outcome;
     trial_log state = {0};
     duet_error err = {0};
-    assert_ok(tune_run(task, &state, &outcome, &err), err);
+    assert_ok(tune_run(problem, &state, &outcome, &err), err);
     trial_log_free(&state);
     return outcome;
 }
 
 static duet_tune_outcome tune_fake(fake *f, const duet_tune_def *def)
 {
-    tune_task task = fake_task(f, def);
-    return tune_task_fake(&task);
+    tune_problem problem = fake_task(f, def);
+    return tune_problem_fake(&problem);
 }
 
 static bool open_fake(void *whole, const char *kernels, measure_machine *machine, duet_plan *plan)
@@ -157,9 +157,9 @@ static bool open_fake(void *whole, const char *kernels, measure_machine *machine
 // The case that both are parts of one device.
 static duet_tune_outcome tune_parts(fake *f, fake *whole, const duet_tune_def *def)
 {
-    tune_task task = fake_task(f, def);
-    task.whole = (tune_whole){whole, open_fake};
-    return tune_task_fake(&task);
+    tune_problem problem = fake_task(f, def);
+    problem.whole = (tune_whole){whole, open_fake};
+    return tune_problem_fake(&problem);
 }
 
 TEST(two_equal_halves_are_shared_evenly_and_gain)
@@ -229,10 +229,10 @@ TEST(devices_that_are_slow_for_a_while_hide_neither_share_nor_gain)
 static duet_tune_outcome tune_equal(fake *f)
 {
     duet_tune_def def = fake_def(f);
-    tune_task task = fake_task(f, &def);
-    task.fair = task.start = DUET_SHARE_ONE / 2;
-    task.fair_mode = DUET_MODE_SLAB;
-    return tune_task_fake(&task);
+    tune_problem problem = fake_task(f, &def);
+    problem.fair = problem.start = DUET_SHARE_ONE / 2;
+    problem.fair_mode = DUET_MODE_SLAB;
+    return tune_problem_fake(&problem);
 }
 
 // Times that vary by 15 % lead a search to shares from .4 to .6.
@@ -301,9 +301,9 @@ static int count_ambiguous(double disturbed, uint32_t fair, double overhead)
                   .one_core = true};
         duet_tune_def def = fake_def(&f);
         def.wait_seconds = 1;
-        tune_task task = fake_task(&f, &def);
-        task.fair = fair;
-        duet_tune_outcome outcome = tune_task_fake(&task);
+        tune_problem problem = fake_task(&f, &def);
+        problem.fair = fair;
+        duet_tune_outcome outcome = tune_problem_fake(&problem);
         bool is_ambiguous = strcmp(outcome.verdict, "ambiguous") == 0;
         if (strcmp(outcome.verdict, "same") == 0 && (disturbed > 0.1 || fair)) {
             assert_true(outcome.gain_high < 0.1001);
@@ -341,10 +341,10 @@ TEST(equal_devices_keep_the_default_mode_unless_another_is_proven_faster)
         duet_tune_def def = fake_def(&f);
         def.modes = modes;
         def.n_modes = 2;
-        tune_task task = fake_task(&f, &def);
-        task.fair = task.start = DUET_SHARE_ONE / 2;
-        task.fair_mode = DUET_MODE_SLAB;
-        kept += tune_task_fake(&task).best.mode == DUET_MODE_SLAB;
+        tune_problem problem = fake_task(&f, &def);
+        problem.fair = problem.start = DUET_SHARE_ONE / 2;
+        problem.fair_mode = DUET_MODE_SLAB;
+        kept += tune_problem_fake(&problem).best.mode == DUET_MODE_SLAB;
         random = f.random;
     }
     print_message("%d of 200 in the default mode\n", kept);
@@ -444,13 +444,13 @@ TEST(a_default_that_finds_wrong_pairs_ends_the_tuning)
     fake f = {.model = {.ratio = 4}};
     duet_tune_def def = fake_def(&f);
     def.variants = wrong;
-    tune_task task = fake_task(&f, &def);
-    strcpy(task.plan.variant_a, "wrong");
-    strcpy(task.plan.variant_b, "wrong");
+    tune_problem problem = fake_task(&f, &def);
+    strcpy(problem.plan.variant_a, "wrong");
+    strcpy(problem.plan.variant_b, "wrong");
     trial_log kept = {0};
     duet_tune_outcome outcome;
     duet_error err = {0};
-    assert_false(tune_run(&task, &kept, &outcome, &err));
+    assert_false(tune_run(&problem, &kept, &outcome, &err));
     assert_int_equal(err.status, DUET_STATUS_WRONG_RESULT);
     assert_non_null(strstr(err.text, "result hash 0000000000000001"));
     assert_int_equal(f.launches, 1);
@@ -463,11 +463,11 @@ TEST(nothing_that_builds_is_said_with_its_reason)
     fake f = {.model = {.ratio = 4}};
     duet_tune_def def = fake_def(&f);
     def.variants = broken;
-    tune_task task = fake_task(&f, &def);
+    tune_problem problem = fake_task(&f, &def);
     trial_log kept = {0};
     duet_tune_outcome outcome;
     duet_error err = {0};
-    assert_false(tune_run(&task, &kept, &outcome, &err));
+    assert_false(tune_run(&problem, &kept, &outcome, &err));
     assert_int_equal(err.status, DUET_STATUS_BUILD_FAILED);
     assert_non_null(strstr(err.text, "broken does not build"));
     trial_log_free(&kept);
@@ -494,12 +494,12 @@ TEST(a_resumed_tuning_ends_as_an_uninterrupted_one)
     for (uint32_t stop = 1; stop <= 7; stop += 3) {
         fake f = {.model = whole.model, .random = rng_seed(seed), .stop_after = stop};
         def.watch_context = &f;
-        tune_task task = fake_task(&f, &def);
+        tune_problem problem = fake_task(&f, &def);
         trial_log kept = {0};
         duet_tune_outcome outcome;
         duet_error err = {0};
         uint32_t stops = 0;
-        while (!tune_run(&task, &kept, &outcome, &err)) {
+        while (!tune_run(&problem, &kept, &outcome, &err)) {
             assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
             err = (duet_error){0};
             text json = {0};
@@ -547,12 +547,12 @@ TEST(seconds_that_cannot_do_are_refused_after_the_first_trial)
 {
     fake f = {.model = {.ratio = 3}};
     duet_tune_def def = fake_def(&f);
-    tune_task task = fake_task(&f, &def);
+    tune_problem problem = fake_task(&f, &def);
     trial_log kept = {0};
     duet_tune_outcome outcome;
     duet_error err = {0};
     def.budget_seconds = 1e-3;
-    assert_false(tune_run(&task, &kept, &outcome, &err));
+    assert_false(tune_run(&problem, &kept, &outcome, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     assert_non_null(strstr(err.text, "a budget of 0.001 s ends before a verdict"));
     assert_int_equal(kept.n, 1);
@@ -587,17 +587,17 @@ TEST(one_device_gets_its_best_kernels_and_no_share)
     duet_tune_def def = fake_def(&f);
     def.variants = variants;
     def.n_variants = 2;
-    tune_task task = fake_task(&f, &def);
-    task.one_device = true;
-    duet_tune_outcome outcome = tune_task_fake(&task);
+    tune_problem problem = fake_task(&f, &def);
+    problem.one_device = true;
+    duet_tune_outcome outcome = tune_problem_fake(&problem);
     assert_int_equal(outcome.plan.share, 0);
     assert_string_equal(outcome.plan.variant_a, "auto");
     assert_string_equal(outcome.plan.variant_b, "auto");
     assert_string_equal(outcome.verdict, "same");
     assert_true(outcome.gain == 0 && outcome.step_low_ms < outcome.step_high_ms);
     assert_in_range(f.launches, 20, 100);
-    strcpy(task.plan.variant_b, "slow");
-    assert_string_equal(tune_task_fake(&task).plan.variant_b, "auto");
+    strcpy(problem.plan.variant_b, "slow");
+    assert_string_equal(tune_problem_fake(&problem).plan.variant_b, "auto");
 }
 
 // Luck in a quick race is no reason to leave the usual kernels.
@@ -609,11 +609,11 @@ TEST(one_device_keeps_its_usual_kernels_unless_others_are_surely_faster)
     duet_tune_def def = fake_def(&f);
     def.variants = variants;
     def.n_variants = 3;
-    tune_task task = fake_task(&f, &def);
-    task.one_device = true;
+    tune_problem problem = fake_task(&f, &def);
+    problem.one_device = true;
     int left = 0;
     for (int i = 0; i < TIMES; ++i)
-        left += strcmp(tune_task_fake(&task).plan.variant_b, "auto") != 0;
+        left += strcmp(tune_problem_fake(&problem).plan.variant_b, "auto") != 0;
     print_message("%d of %d left the usual kernels\n", left, TIMES);
     assert_in_range(left, 0, 0.03 * TIMES);
 }
@@ -626,11 +626,11 @@ TEST(a_budget_leaves_an_only_device_its_time)
     duet_tune_def def = fake_def(&f);
     def.variants = variants;
     def.n_variants = 2;
-    tune_task task = fake_task(&f, &def);
-    task.one_device = true;
+    tune_problem problem = fake_task(&f, &def);
+    problem.one_device = true;
     for (uint32_t i = 0; i < 50; ++i) {
         def.budget_trials = trial_budget_least(&def) + i % 40;
-        duet_tune_outcome outcome = tune_task_fake(&task);
+        duet_tune_outcome outcome = tune_problem_fake(&problem);
         assert_in_range(outcome.trials, 8, def.budget_trials);
         assert_true(outcome.step_low_ms > 0 && outcome.step_low_ms < outcome.step_high_ms);
     }
@@ -673,15 +673,15 @@ TEST(a_stop_while_a_kernel_is_built_is_no_trial)
     static budget_watch stops = {.stopped = is_stopped};
     fake f = {.model = {.ratio = 3}};
     duet_tune_def def = fake_def(&f);
-    tune_task task = fake_task(&f, &def);
-    task.machine.launch = launch_stopped;
-    task.recorder = (tune_recorder){&f, count_recorded};
+    tune_problem problem = fake_task(&f, &def);
+    problem.machine.launch = launch_stopped;
+    problem.recorder = (tune_recorder){&f, count_recorded};
     trial_log kept = {0};
     duet_tune_outcome outcome;
     duet_error err = {0};
     stopped_now = false;
     budget_set_watch(&stops);
-    bool ran = tune_run(&task, &kept, &outcome, &err);
+    bool ran = tune_run(&problem, &kept, &outcome, &err);
     budget_set_watch(NULL);
     assert_false(ran);
     assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
@@ -695,13 +695,13 @@ TEST(a_start_from_a_neighbour_saves_trials)
 {
     fake f = {.model = {.ratio = 9, .overhead = {0.05, 0.05}}};
     duet_tune_def def = fake_def(&f);
-    tune_task task = fake_task(&f, &def);
-    task.start = SEARCH_ONE / 10;
+    tune_problem problem = fake_task(&f, &def);
+    problem.start = SEARCH_ONE / 10;
     trial_log kept = {0};
     duet_tune_outcome outcome;
     duet_error err = {0};
-    assert_ok(tune_run(&task, &kept, &outcome, &err), err);
-    assert_int_equal(kept.entries[1].plan.share, task.start);
+    assert_ok(tune_run(&problem, &kept, &outcome, &err), err);
+    assert_int_equal(kept.entries[1].plan.share, problem.start);
     trial_log_free(&kept);
 }
 
@@ -709,15 +709,15 @@ TEST(a_log_of_another_tuning_is_forgotten_where_it_differs)
 {
     fake f = {.model = {.ratio = 3, .sigma = 0.02}, .random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&f);
-    tune_task task = fake_task(&f, &def);
+    tune_problem problem = fake_task(&f, &def);
     trial_log kept = {0};
     duet_tune_outcome outcome;
     duet_error err = {0};
-    assert_ok(tune_run(&task, &kept, &outcome, &err), err);
+    assert_ok(tune_run(&problem, &kept, &outcome, &err), err);
     kept.entries[2].plan.share += 5;
     uint32_t known = kept.entries[0].launches + kept.entries[1].launches;
     uint32_t before = f.launches;
-    assert_ok(tune_run(&task, &kept, &outcome, &err), err);
+    assert_ok(tune_run(&problem, &kept, &outcome, &err), err);
     assert_int_equal(f.launches - before, outcome.launches - known);
     trial_log_free(&kept);
 }
@@ -769,11 +769,11 @@ TEST(a_tuning_that_waited_in_vain_is_ambiguous_and_goes_on_later)
     f.looks = UINT32_MAX;
     duet_tune_def def = fake_def(&f);
     def.wait_seconds = 0.25;
-    tune_task task = fake_task(&f, &def);
+    tune_problem problem = fake_task(&f, &def);
     trial_log log = {0};
     duet_error err = {0};
     duet_tune_outcome outcome;
-    assert_ok(tune_run(&task, &log, &outcome, &err), err);
+    assert_ok(tune_run(&problem, &log, &outcome, &err), err);
     assert_true(tune_gave_up(&outcome));
     assert_string_equal(outcome.verdict, "ambiguous");
     assert_string_equal(outcome.unused, "other programs had 1.0 of 2 cores");
@@ -782,7 +782,7 @@ TEST(a_tuning_that_waited_in_vain_is_ambiguous_and_goes_on_later)
     for (uint32_t i = 0; i < kept; ++i)
         assert_true(log.entries[i].plan.share == 0 || log.entries[i].plan.share == DUET_SHARE_ONE);
     f.looks = 0;
-    assert_ok(tune_run(&task, &log, &outcome, &err), err);
+    assert_ok(tune_run(&problem, &log, &outcome, &err), err);
     assert_string_equal(outcome.verdict, "faster");
     assert_true(log.n > kept);
     trial_log_free(&log);
@@ -796,9 +796,9 @@ TEST(launches_that_no_other_program_disturbs_count_in_the_end)
     f.looks = UINT32_MAX;
     duet_tune_def def = fake_def(&f);
     def.wait_seconds = 1e6;
-    tune_task task = fake_task(&f, &def);
-    task.others = (tune_others){0};
-    duet_tune_outcome outcome = tune_task_fake(&task);
+    tune_problem problem = fake_task(&f, &def);
+    problem.others = (tune_others){0};
+    duet_tune_outcome outcome = tune_problem_fake(&problem);
     assert_string_not_equal(outcome.verdict, "faster");
     assert_false(tune_gave_up(&outcome));
     assert_int_equal(f.waits, 0);

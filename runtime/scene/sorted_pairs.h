@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A step's pairs in one ascending list, to be written or compared.
-#ifndef TUNER_SORTED_PAIRS_H
-#define TUNER_SORTED_PAIRS_H
+#ifndef SCENE_SORTED_PAIRS_H
+#define SCENE_SORTED_PAIRS_H
 
 #include "runtime/duet.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/sorted_pairs.h"
+#include "runtime/scene/sorted_pairs.h"
 
 #include "base/compare.h"
 #include "base/error.h"
