@@ -113,6 +113,16 @@ function report.whole(name, selector, row)
   return ("about as fast as %s by itself: "):format(name) .. percents("%+.1f %% (%+.1f to %+.1f)", row, "whole_gain")
 end
 
+-- The members of an object, by name: "least 0.1, repeats 3".
+function report.members(o)
+  local words = {}
+  for name, value in pairs(o) do
+    words[#words + 1] = name .. " " .. (type(value) == "table" and "(" .. report.members(value) .. ")"
+      or type(value) == "number" and ("%.14g"):format(value) or tostring(value))
+  end
+  return table.concat(words, ", ")
+end
+
 -- What a level gets wrong; certified needs no word.
 function report.wrong_words(row)
   return ("of %s pairs that collide, level %s misses %.3g %% and adds %.3g %% that are false"):format(
