@@ -69,7 +69,7 @@ function report.bytes(n)
   return (unit > 1 and n < 99.5 and "%.1f %s" or "%.0f %s"):format(n, units[unit])
 end
 
--- Of at most so many characters, as long as part (0 to 1) of it; in eighths of a character where there are such.
+-- A bar of part (0 to 1) of the width in characters; in eighths of one if the terminal has UTF-8.
 function report.bar(part, width)
   local left = math.floor(math.max(0, math.min(part, 1)) * width * 8 + 0.5)
   if not in_utf8 then return ("#"):rep((left + 4) // 8) end
@@ -123,7 +123,7 @@ function report.members(o)
   return table.concat(words, ", ")
 end
 
--- What a level gets wrong; certified needs no word.
+-- Pairs that a level gets wrong; certified needs no word.
 function report.wrong_words(row)
   return ("of %s pairs that collide, level %s misses %.3g %% and adds %.3g %% that are false"):format(
     count(number(row, "true_pairs")), text(row, "level"), 100 * number(row, "missed_rate"),
