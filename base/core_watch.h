@@ -39,7 +39,7 @@ typedef struct core_others {
 // All launches since the watch was opened.
 typedef struct core_tally {
     uint64_t launches;
-    uint64_t disturbed; // of them
+    uint64_t disturbed; // part of the launches
     double others;      // cores that other programs had on average
     uint32_t of;        // cores that this process may use; 0: nothing is known
 } core_tally;

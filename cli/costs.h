@@ -21,9 +21,9 @@ typedef struct costs {
     cost rows[COSTS_MOST]; // in the order of duet_motion_explain
     uint32_t n;
     duet_substep_info substeps; // 0 of them: no effect is active
-    uint64_t steps;             // of each run; 0: nothing was measured
+    uint64_t steps;             // steps of each run; 0: nothing was measured
     double step_ms;             // with all effects
-    core_tally cores;           // what other programs did meanwhile
+    core_tally cores;           // the share of other programs meanwhile
 } costs;
 
 // steps 0 tells the effects and measures nothing.

@@ -32,7 +32,7 @@ void interrupt_hear(int number);
 
 // The effect of a signal from here on.
 typedef enum interrupt_reaction {
-    INTERRUPT_NOTED,       // as it is at first: work asks between two steps
+    INTERRUPT_NOTED,       // the state at first: work asks between two steps
     INTERRUPT_INTERACTIVE, // ends the command that runs. If it must be waited for, a line says so,
                            // and a second Ctrl-C meanwhile ends the program
     INTERRUPT_ENDS,        // ends the program at once

@@ -240,7 +240,7 @@ local function first_words(lines)
   return words
 end
 
--- What may be the value of an option of this name, wherever --help does not list it.
+-- Values of an option of this name, if --help does not list them.
 local function find_values(pages)
   local values = {}
   for _, page in pairs(pages) do
@@ -310,7 +310,7 @@ _duet() {
 complete -o default -F _duet duet
 ]=]
 
--- What may stand at a place of the command line, by the words before it.
+-- Words that may stand at a place of the command line, by those before it.
 local function case(pattern, page)
   local words = {}
   for _, option in ipairs(page.options) do table.move(option.flags, 1, #option.flags, #words + 1, words) end

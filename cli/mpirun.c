@@ -22,7 +22,7 @@
 
 enum { PAUSE_MS = 20, START_S = 60, LAST_SIGNAL = 31 };
 
-#define STOP_NS 1000000000u  // for ranks that are asked to stop
+#define STOP_NS 1000000000u  // given to ranks that are asked to stop
 #define GRACE_NS 5000000000u // between a signal that asks and one that does not
 
 typedef struct job {
@@ -63,7 +63,7 @@ static const char *const variables[][2] = {
 
 static void prepare(const mpirun_job *what)
 {
-    if (!what->verbose) { // of Open MPI 4 and 5
+    if (!what->verbose) { // names of Open MPI 4 and 5
         setenv("OMPI_MCA_orte_execute_quiet", "1", 0);
         setenv("PRTE_MCA_prte_execute_quiet", "1", 0);
     }

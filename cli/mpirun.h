@@ -24,7 +24,7 @@ enum { MPIRUN_BEGUN = 0x06, MPIRUN_STOPPED = 0x18 };
 #define MPIRUN_STOPS SIGUSR2
 
 typedef struct mpirun_job {
-    char **argv;       // of mpirun, itself first, and NULL last
+    char **argv;       // mpirun's, itself first, and NULL last
     const char *hosts; // machines that it is to reach; NULL: this one
     bool reads_stdin;  // which is else left to who called
     bool verbose;      // mpirun tells of ranks that fail, too

@@ -37,7 +37,7 @@ typedef struct command_option { // getopt.h has an option too
     const char *name;
     option_kind kind;
     size_t at;         // offset of its value in the arguments' struct
-    const char *value; // what --help calls the value; NULL for a flag
+    const char *value; // the value's name in --help; NULL for a flag
     const char *help;  // one line; names the default
     double least;
     double most; // 0: no end
@@ -80,7 +80,7 @@ typedef struct command_line {
     const char *about;        // one line of help, a sentence
     const option *options;    // ends with a row without name
     const option_rule *rules; // ends with {0}; NULL: none
-    bool rest_is_operands;    // what follows the first operand is passed on unread
+    bool rest_is_operands;    // passes on what follows the first operand unread
     // Says what is wrong between options that are each right. NULL: nothing is wrong.
     const char *(*refuse)(const void *args, char **operands);
 } command_line;

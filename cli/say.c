@@ -109,7 +109,7 @@ bool say_finish(void)
 enum { LEAST_NS_BETWEEN = 100000000, LINE_MOST = 200 };
 
 static bool shows_on_terminal;
-static int depth;             // of works that are one a part of another
+static int depth;             // counts works that are one a part of another
 static char whole[LINE_MOST]; // how far the outermost is, without its rate
 
 // The library counts in units of its own, so that a part or seconds are shown.

@@ -18,9 +18,9 @@ typedef struct timed_step {
 typedef struct timed {
     timed_step *steps; // by time, least first; then, likewise, those timed by stages besides
     uint32_t n;
-    uint32_t n_staged; // of those besides
+    uint32_t n_staged; // the steps timed by stages
     duet_result last;  // pairs and counts
-    core_tally cores;  // what other programs did meanwhile
+    core_tally cores;  // the share of other programs meanwhile
     uint64_t hash;
 } timed;
 

@@ -35,15 +35,15 @@ typedef struct survey {
 
 typedef struct run {
     duet_motion *motion;
-    double ms;          // of the windows that are over
-    double noise;       // of that
+    double ms;          // the time of windows that are over
+    double noise;       // the noise of ms
     bool noise_known;   // a part of the run had two steps
     double window_ms;   // least of a step in this one
     double window_next; // and the next above it
     uint64_t window_steps;
     double least; // energy so far
     double gain;
-    double energy; // of the last sample
+    double energy; // the last sample's
     double kinetic;
     double depth;
 } run;

@@ -16,12 +16,12 @@ typedef struct timestep_run {
     bool own;       // the scene's
     bool finite;    // no number was lost; else the rest but ms says nothing
     double ms;      // that a second of the scene takes
-    double noise;   // of that, in ms: less between two runs tells nothing; INFINITY: not known,
+    double noise;   // the noise of ms: less between two runs tells nothing; INFINITY: not known,
                     // for lack of steps
     double error;   // root mean square of the centres' distances from the reference's
     double energy;  // less the reference's, in the greatest kinetic energy
     double gain;    // greatest rise of energy over what it was before, in the same
-    double depth;   // of the deepest contact
+    double depth;   // the deepest contact's
     bool front;     // nothing is both faster, beyond noise, and nearer to the reference
 } timestep_run;
 

@@ -48,7 +48,7 @@ typedef enum array_kind {
     ARRAY_KINDS
 } array_kind;
 
-// Whose the rows are.
+// The owner of the rows.
 typedef enum array_access {
     ARRAY_OPEN,  // the userdata's or its owner's, and may be written
     ARRAY_FIXED, // the owner's, and must not be written

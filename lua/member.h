@@ -15,7 +15,7 @@ typedef struct member member;
 typedef struct member_type {
     void (*read)(lua_State *L, const member *m, void *at);
     void (*push)(lua_State *L, const member *m, const void *at);
-    const member *members; // of a struct
+    const member *members; // a struct's
     const char *what;      // its name in messages: "a plan"
 } member_type;
 

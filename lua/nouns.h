@@ -76,16 +76,16 @@ world_box *world_check(lua_State *L, int index);
 void world_forget_views(world_box *box); // objects mapped before are not sent again
 
 duet_task *task_check_lua(lua_State *L, int index);
-int task_result_push(lua_State *L, const duet_task_result *result); // as a table; returns 1
+int task_result_push(lua_State *L, const duet_task_result *result); // pushes a table; returns 1
 duet_task_file *task_file_test(lua_State *L, int index); // NULL if there is something else
 
 duet_scene *scene_check(lua_State *L, int index);
 // { n = 1000, rotated = false } -> names and values as text, kept by a table
 // that is left on the stack.
 const duet_setting *scene_read_settings(lua_State *L, int index, uint32_t *n);
-void scene_push_info(lua_State *L, const duet_scene_info *info); // as a table
+void scene_push_info(lua_State *L, const duet_scene_info *info); // pushes a table
 
-void profile_push_known(lua_State *L, const duet_profile *profile); // as a table
+void profile_push_known(lua_State *L, const duet_profile *profile); // pushes a table
 
 // Pushes a list of tables, one a stage.
 void stages_push(lua_State *L, const duet_stage *stages, uint32_t n);

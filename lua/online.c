@@ -6,7 +6,7 @@
 
 typedef enum followed { WORLD, MOTION, TASK } followed;
 
-// What is followed is the uservalue.
+// The uservalue is the world, motion or task that is followed.
 typedef struct online_box {
     duet_online *online;
     followed kind;

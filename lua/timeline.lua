@@ -85,7 +85,7 @@ local function span_of(def)
   return low, high > low and high or low + 1
 end
 
--- What each stage took on each device, in three columns.
+-- The time of each stage on each device, in three columns.
 local function legend(add, def, names, colour_of, top)
   local column_width = (width - 40) / 3
   for i, name in ipairs(names) do

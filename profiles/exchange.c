@@ -94,7 +94,7 @@ bool profile_export_file(store *s, profile_export_format *format, const char *pa
 
 typedef struct import {
     store *s;
-    const char *name; // of the file, for messages
+    const char *name; // the file's, for messages
     uint64_t line;
     profile_import_counts *counts;
     bool has_lines; // one that is not blank

@@ -13,7 +13,7 @@ typedef struct profile_level_cost {
     char level[16];
     double step_ns; // the median
     uint64_t true_pairs;
-    uint64_t missed;   // of them
+    uint64_t missed;   // pairs that it misses
     uint64_t invented; // pairs reported that are none
 } profile_level_cost;
 

@@ -11,7 +11,7 @@ typedef struct line_type {
     const char *fields; // words: what follows the type, in order. One that begins with "key" has a
                         // key that is made from its other fields
     const char *joins;  // joins the other tables that a line tells of to the row t
-    const char *order;  // of the lines
+    const char *order;  // the order of the lines
     const char *parts;  // inserts the rows of ?2 in another table that line ?1 holds; NULL: none
 } line_type;
 

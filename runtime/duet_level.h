@@ -24,13 +24,13 @@ typedef enum duet_level {
 
 #define DUET_LEVELS 6
 
-// What a level promises for two boxes with 2^-70 <= S <= 2^100, S being the sum of |t|_1 and all
+// The promise of a level for two boxes with 2^-70 <= S <= 2^100, S being the sum of |t|_1 and all
 // half extents. A separation is the greatest of the 15 axes (4 in 2D); an axis across two edges
 // has the length of the sine between them. If nothing is rotated, all levels but aabb and
 // sphere are exact.
 typedef struct duet_level_info {
     const char *name;
-    const char *about; // what is tested
+    const char *about; // names what is tested
     double missed;     // misses a colliding pair only if its separation is above -missed * S
     double added;      // reports a separated pair only if its separation is at most added * S
 } duet_level_info;

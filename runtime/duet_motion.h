@@ -10,7 +10,7 @@
 
 DUET_C_BEGIN
 
-// What a motion can simulate. It runs the effects that its objects and its def call for, and
+// Parts of the simulation. A motion runs the effects that its objects and its def call for, and
 // no others; docs/effects.md says what calls for each.
 typedef enum duet_effect {
     DUET_EFFECT_ROTATION = 1u << 0,         // orientation matters
@@ -30,12 +30,12 @@ typedef enum duet_effect {
     DUET_EFFECT_FORCES = 1u << 14,          // commands push (duet_motion_commands.h)
     DUET_EFFECT_SENSORS = 1u << 15,         // bodies that touch without pushing
     DUET_EFFECT_RADIUS = 1u << 16,          // bodies have radii: spheres, capsules, rounded boxes
-    DUET_EFFECT_ROLLING_RESISTANCE = 1u << 17, // what rolls slows down
+    DUET_EFFECT_ROLLING_RESISTANCE = 1u << 17, // rolling bodies slow down
     DUET_EFFECT_SURFACE_VELOCITY = 1u << 18,   // surfaces move: conveyors
     DUET_EFFECT_MATERIALS = 1u << 19,          // bodies name materials of a table
     DUET_EFFECT_SHOCKS = 1u << 20,             // impacts pass through rows of bodies that touch
-    DUET_EFFECT_DEPENETRATION = 1u << 21,      // what begins deep in each other is taken apart
-    DUET_EFFECT_HEIGHTS = 1u << 22,            // a ground of heights
+    DUET_EFFECT_DEPENETRATION = 1u << 21, // bodies that begin deep in each other are taken apart
+    DUET_EFFECT_HEIGHTS = 1u << 22,       // a ground of heights
     DUET_EFFECT_ALL = (1u << 23) - 1
 } duet_effect;
 
@@ -55,10 +55,10 @@ typedef struct duet_body {
     bool sensor;               // its contacts are reported as events and push nothing
     float rolling_resistance;  // >= 0; a contact has the greater one of both bodies'. It turns them
                                // back with that part of the push times the greater radius
-    float
-        surface_velocity[3]; // of its surface, along its own axes: friction carries what it touches
-    uint32_t material;       // 1 .. n_materials of the def: that one's friction and restitution
-                             // count; 0: the body's own
+    float surface_velocity[3]; // velocity of its surface, along its own axes: friction carries what
+                               // it touches
+    uint32_t material;         // 1 .. n_materials of the def: that one's friction and restitution
+                               // count; 0: the body's own
 } duet_body;
 
 DUET_API duet_body duet_default_body(void); // at rest, mass 1, friction 0, all groups
@@ -83,7 +83,8 @@ typedef enum duet_integrator {
     DUET_INTEGRATOR_YOSHIDA // fourth order, symmetric; without contact response
 } duet_integrator;
 
-// How the numbers of two materials become a contact's. Where they differ in it, the later counts.
+// How the numbers of two materials become a contact's. If they have different rules, the later
+// counts.
 typedef enum duet_combine {
     DUET_COMBINE_AVERAGE,
     DUET_COMBINE_GEOMETRIC_MEAN,
@@ -99,7 +100,7 @@ typedef struct duet_material {
     duet_combine restitution_rule;
 } duet_material;
 
-// What two materials have together, whatever their rules say.
+// The numbers of two materials together, whatever their rules say.
 typedef struct duet_material_pair {
     uint32_t a, b; // 1 .. n_materials, in any order, and equal for a material with itself
     float friction;
@@ -110,7 +111,7 @@ enum { DUET_MATERIALS = 16, DUET_MATERIAL_PAIRS = 120 };
 
 // A ground: a grid of heights in 3D. The cell with the places i and j as its lowest corner lies
 // between them and i + 1, j + 1; the line between these two corners divides it into two triangles.
-// What is below them is solid, and beside the grid there is no ground.
+// Space below them is solid, and beside the grid there is no ground.
 typedef struct duet_heights {
     uint32_t nx; // heights along x and along y, each at least 2
     uint32_t ny;
@@ -139,7 +140,7 @@ typedef struct duet_motion_def {
     double lower[3]; // corners of the world's box
     double upper[3];
     double dt;
-    uint32_t substeps; // of a step; 0: chosen for what stands at the start (4 to 32)
+    uint32_t substeps; // parts of a step; 0: chosen for what stands at the start (4 to 32)
     duet_integrator integrator;
     double skin;                  // > 0: grows bounds by that much, so that the grid lasts
     double slop;                  // contacts are kept up to 4 slops apart; 0: from objects' sizes
@@ -154,7 +155,7 @@ typedef struct duet_motion_def {
     uint32_t n_materials;        // at most 15: those that bodies can name
     duet_material materials[DUET_MATERIALS]; // [1] is the first; [0] is not read
     uint32_t n_material_pairs;
-    duet_material_pair material_pairs[DUET_MATERIAL_PAIRS]; // of equal pairs the last counts
+    duet_material_pair material_pairs[DUET_MATERIAL_PAIRS]; // the last of equal pairs counts
     int cookie;
 } duet_motion_def;
 
@@ -205,7 +206,7 @@ typedef struct duet_hit_event {
     float impulse;   // along the normal, the greatest of a substep, of all points
 } duet_hit_event;
 
-// What a step did. Its memory is the motion's and lasts until the next step.
+// The findings of a step. Its memory is the motion's and lasts until the next step.
 typedef struct duet_motion_result {
     uint64_t step;            // steps since the start
     double time;              // step * dt
@@ -301,8 +302,8 @@ DUET_API bool duet_motion_get_asleep(duet_motion *motion, uint8_t *asleep, duet_
 DUET_API bool duet_motion_get_hash(duet_motion *motion, uint64_t *hash, duet_error *err);
 
 typedef struct duet_energy {
-    double kinetic; // of objects with a mass
-    double turning; // of their rotation
+    double kinetic; // energy of the motion of objects with a mass
+    double turning; // energy of their rotation
     double potential;
     double momentum[3];
     double angular[3]; // angular momentum about the origin
@@ -319,7 +320,7 @@ typedef struct duet_contact {
     struct {
         float anchor[3];      // from a's centre
         float separation;     // below 0: depth
-        float normal_impulse; // of the last substep, with contact response
+        float normal_impulse; // impulse of the last substep, with contact response
     } points[4];
 } duet_contact;
 
@@ -339,7 +340,7 @@ DUET_API bool duet_motion_load(duet_motion *motion, const char *path, duet_error
 typedef struct duet_effect_info {
     const char *name;
     bool active;
-    const char *called_by; // what calls for it, or would
+    const char *called_by; // names what calls for it, or would
     const char *kernels;   // kernels that have code for it
     uint32_t bytes;        // bytes of state an object, on B
 } duet_effect_info;

@@ -21,7 +21,7 @@ typedef struct duet_pose {
 // A box's position and rotation without its size: what changes from step to step.
 typedef struct duet_transform {
     float centre[3];
-    float rotation[4]; // as a pose's
+    float rotation[4]; // quaternion, like a pose's
 } duet_transform;
 
 // A transform in 20 bytes. The rotation's parts are whole numbers; their common factor does
@@ -85,7 +85,7 @@ typedef struct duet_pair {
 // duet_result_get_hash. Independent of the pairs' order.
 DUET_API uint64_t duet_pairs_hash(const duet_pair *pairs, uint64_t n);
 
-// What an array of objects holds.
+// The kind of the rows of an array of objects.
 typedef enum duet_object_kind {
     DUET_OBJECT_POSES,              // duet_pose
     DUET_OBJECT_BOUNDS,             // duet_bounds

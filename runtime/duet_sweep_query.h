@@ -47,7 +47,7 @@ typedef struct duet_sweep_hit {
     uint32_t sweep;
     uint32_t id;     // id of the object; DUET_NO_OBJECT: the box meets none
     float t;         // first touches it there; 0 if it does so at the start
-    float normal[3]; // of length 1, towards the box that moves; 0 if t is 0, and for ANY
+    float normal[3]; // unit length, towards the box that moves; 0 if t is 0, and for ANY
 } duet_sweep_hit;
 
 typedef struct duet_sweep_query duet_sweep_query;

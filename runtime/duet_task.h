@@ -36,7 +36,7 @@ typedef struct duet_task_def {
     const char *path;             // task file; read by duet_task_create alone
     const duet_setting *settings; // [n_settings] of the file's parameters
     uint32_t n_settings;
-    duet_plan plan; // of which share and variants count: a task has no modes
+    duet_plan plan; // only share and variants count: a task has no modes
     int cookie;
 } duet_task_def;
 
@@ -44,7 +44,7 @@ DUET_API duet_task_def duet_default_task_def(void);
 
 // Creates a task: makes its arrays on both devices, and builds its kernels. Card and text of the
 // kernel are in the pair's kernel_dir, or else in the folder of the task file. Arrays hold what the
-// file gives them. What is right is not read, and no launch is checked: duet_tune_run and 'duet run
+// file gives them. The reference is not read, and no launch is checked: duet_tune_run and 'duet run
 // --task' check. Errors as of duet_task_file_load; BAD_INPUT also names an argument that the card
 // has otherwise, BUILD_FAILED the kernel and the compiler's first line.
 DUET_API duet_task *duet_task_create(const duet_task_def *def, duet_error *err);
@@ -53,10 +53,10 @@ DUET_API void duet_task_destroy(duet_task *task);
 // An argument of a task's kernel.
 typedef struct duet_task_arg {
     const char *name;   // the task's
-    const char *type;   // of an element of an array, "float4"; "" of a number
-    const char *access; // of an array: "all", "slice", "out slice", "in out slice" or "sum"
-    uint64_t elements;  // of an array; 0: it is a number
-    uint32_t bytes;     // of an element
+    const char *type;   // type of an element of an array, "float4"; "" for a number
+    const char *access; // access to an array: "all", "slice", "out slice", "in out slice" or "sum"
+    uint64_t elements;  // number of them in an array; 0: it is a number
+    uint32_t bytes;     // size of an element
 } duet_task_arg;
 
 // Returns argument i, by name; NULL past the last and for NULL. It lasts as long as the task.
@@ -79,8 +79,8 @@ DUET_API bool duet_task_set_array(duet_task *task, const char *name, const void 
                                   uint64_t n, duet_error *err);
 
 // Returns the elements of an array on the host and sets *n, which may be NULL, to their number:
-// what the last run wrote, or what was set. Those that are only written hold zeros before the first
-// run. Valid until the task is set, run or destroyed.
+// what the last run wrote, or what was set. Arrays that are only written hold zeros before the
+// first run. Valid until the task is set, run or destroyed.
 DUET_API const void *duet_task_get_array(duet_task *task, const char *name, uint64_t *n,
                                          duet_error *err);
 

@@ -128,8 +128,8 @@ typedef struct duet_stage {
     int device;       // 0: A, 1: B
     double ms;        // from OpenCL events; a host stage from the clock
     bool transfer;
-    double begin_ms; // of its first command, by the host's clock, since its device's part began
-    double end_ms;   // of its last one; between them the device may have done other things
+    double begin_ms; // start of its first command, in host time since its device's part began
+    double end_ms;   // end of its last one; between them the device may have done other things
 } duet_stage;
 
 typedef struct duet_span {
@@ -137,7 +137,7 @@ typedef struct duet_span {
     uint64_t n;
 } duet_span;
 
-// What a step found. Its memory is the world's and lasts until the next step.
+// The findings of a step. Its memory is the world's and lasts until the next step.
 typedef struct duet_result {
     uint32_t objects;
     uint32_t bad;       // objects left out (keep_bad)
@@ -198,12 +198,12 @@ typedef enum duet_grade {
 
 DUET_API const char *duet_grade_name(duet_grade grade); // "other driver"; NULL outside
 
-// What a store of profiles knows about a world.
+// The knowledge of a store of profiles about a world.
 typedef struct duet_profile {
     duet_plan plan; // the world's after the call
     duet_grade grade;
     duet_level level;       // the world's after the call
-    duet_accuracy accuracy; // of that level, as measured with the plan for this workload
+    duet_accuracy accuracy; // accuracy of that level, as measured with the plan for this workload
     uint64_t true_pairs;    // pairs that accuracy was measured on; 0: it was not
     double step_ms; // by that plan; predicted if INTERPOLATED. From TRANSFERRED on this and what
                     // follows is 0, because nothing is known about this workload

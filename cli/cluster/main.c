@@ -13,7 +13,7 @@
 
 typedef struct rank_arguments {
     cluster_arguments args; // first: the table of options fills it
-    int quiet_status;       // of a rank whose failure another process tells
+    int quiet_status;       // the status of a rank whose failure another process tells
 } rank_arguments;
 
 static bool run(void *given, char **operands, duet_error *err)

@@ -25,7 +25,7 @@
 typedef struct run_state {
     const cluster_arguments *args;
     const simulation *simulation;       // NULL: the ranks are real
-    const duet_stored_profile *profile; // whose times they take; NULL: their own
+    const duet_stored_profile *profile; // gives the times of the ranks; NULL: their own
     duet_cluster *cluster;
     duet_scene *scene; // rank 0's
     int rank;

@@ -15,9 +15,9 @@ typedef struct simulated_job {
     const char *scene;
     simulation simulation;
     duet_profile_list *profiles;
-    const duet_stored_profile *profile; // whose times ranks take; NULL: they find pairs
+    const duet_stored_profile *profile; // gives the times of ranks; NULL: they find pairs
     bool failed;
-    duet_error err; // of rank 0, which is that of all
+    duet_error err; // rank 0's, which is that of all
 } simulated_job;
 
 // ---------------------------------------------------------------- times

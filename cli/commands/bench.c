@@ -60,7 +60,7 @@ typedef struct bench_scene {
     const char *world; // edge of the world; NULL: the scene's own
     const char *quick_world;
     bool mixed;  // sizes: plans that need one size of cells are left out
-    bool levels; // of accuracy are measured too
+    bool levels; // measures levels of accuracy, too
     bool moves;  // its effects' costs are measured, and nothing else
 } bench_scene;
 
@@ -80,7 +80,7 @@ static const uint32_t shares[] = {0, DUET_SHARE_ONE / 4, DUET_SHARE_ONE / 2, DUE
 static const duet_mode modes[] = {DUET_MODE_SHARED, DUET_MODE_SLAB};
 static const struct {
     const char *variant;
-    bool one_size; // of cells
+    bool one_size; // takes cells of one size
 } variants[] = {{"auto", false}, {"simd", false}, {"auto sort=radix", false}, {"paper", true}};
 
 typedef struct plan_list {

@@ -104,7 +104,7 @@ static bool read_variable(const char *name, unsigned long *number)
     return *end == '\0';
 }
 
-// As Open MPI and MPICH, and with it Slurm, tell their processes.
+// The variables by which Open MPI and MPICH, and with it Slurm, tell their processes.
 bool cluster_job(unsigned long *rank, unsigned long *n_ranks)
 {
     return (read_variable("OMPI_COMM_WORLD_SIZE", n_ranks) &&
@@ -116,7 +116,7 @@ bool cluster_job(unsigned long *rank, unsigned long *n_ranks)
 
 typedef struct beside {
     const char *name;
-    const char *lacking; // what to say where it is not there
+    const char *lacking; // the message if it is not there
 } beside;
 
 static const beside rank_program = {
@@ -145,7 +145,7 @@ typedef struct launch {
     const char *scene;
     char **argv;
     int argc;
-    int status; // of ranks that have told why
+    int status; // the status of ranks that have told why
 } launch;
 
 // The command line behind `begin`, which ends with NULL.

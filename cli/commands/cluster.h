@@ -15,7 +15,7 @@ typedef struct cluster_arguments {
     const char *hosts;   // to start ranks on; NULL: this machine
     const char *pairs_path;
     const char *simulate; // a platform; NULL: ranks are real
-    const char *profile;  // whose times simulated ranks take; NULL: they find pairs
+    const char *profile;  // gives the times of simulated ranks; NULL: they find pairs
     uint64_t stands_for;  // objects that each object stands for
     uint64_t parts;       // that each rank's objects are searched in
     uint64_t ranks;       // to start; 0: this is one of those that there are

@@ -61,7 +61,7 @@ static const command_line line = {
 typedef struct tested {
     duet_pair_query_def def;
     const char *path;
-    const char *name; // of the file, or stdin
+    const char *name; // the file's, or stdin
     const duet_pose *poses;
     uint64_t n; // pairs
     uint8_t *answers;

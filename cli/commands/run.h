@@ -16,8 +16,8 @@ typedef struct arguments {
     const char *picture; // a PNG of the last step
     const char *frames;  // a folder for frames, 30 of a second of the scene
     const char *format;  // the name of a frames_format
-    const char *record;  // where the scene's commands go
-    const char *replay;  // where they come from
+    const char *record;  // the file to which the scene's commands go
+    const char *replay;  // the file from which they come
     const char *input;   // the name of a timed_input
     bool ordered;
     const char *pairs_path;

@@ -63,7 +63,7 @@ static bool step(moved *r, duet_error *err)
     return tell_step(r, err) && frames_add(&r->frames, time_of(r), err);
 }
 
-// As choose_plan; a motion in which nothing happens has no plan.
+// Like choose_plan; a motion in which nothing happens has no plan.
 static void choose_motion_plan(moved *r)
 {
     duet_error failure = {0};

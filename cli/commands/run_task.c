@@ -23,7 +23,7 @@ typedef struct ran {
     const task *task;
     const duet_device_pair *pair;
     duet_plan plan;
-    duet_grade grade;     // of the plan
+    duet_grade grade;     // the plan's
     bool given;           // the plan
     task_result *results; // by their time
     uint32_t n;

@@ -12,10 +12,10 @@ typedef struct replay_options {
     const char *store;
     const char *scene; // its name in the store; NULL: all
     const int64_t *numbers;
-    uint32_t n_numbers;        // of objects, or items; 0: all
+    uint32_t n_numbers;        // numbers of objects, or items; 0: all
     const char *strategy;      // NULL: each
-    const char *strategy_path; // of a script, which is then the strategy
-    uint64_t repeats;          // as in duet_tune_def
+    const char *strategy_path; // the script that is then the strategy
+    uint64_t repeats;          // see duet_tune_def
     uint64_t seed;
     bool json;
 } replay_options;

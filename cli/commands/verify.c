@@ -191,11 +191,10 @@ static bool compare(verification *v, duet_error *err)
 static bool tell_json(const verification *v, duet_error *err)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "type", "duet verify");
-    cJSON_AddStringToObject(o, "scene", duet_scene_get_info(v->scene)->name);
-    cJSON_AddNumberToObject(o, "objects", duet_motion_get_count(v->runs[0].motion));
-    cJSON_AddNumberToObject(o, "steps", (double)(v->first.stage ? v->first.step : v->steps));
-    cJSON_AddBoolToObject(o, "equal", !v->first.stage);
+    json_add(o, STRING("type", "duet verify"), STRING("scene", duet_scene_get_info(v->scene)->name),
+             NUMBER("objects", duet_motion_get_count(v->runs[0].motion)),
+             NUMBER("steps", (double)(v->first.stage ? v->first.step : v->steps)),
+             FLAG("equal", !v->first.stage));
     if (!v->first.stage)
         json_add_hash(o, v->runs[0].hash);
     cJSON *list = cJSON_AddArrayToObject(o, "runs");
@@ -207,10 +206,10 @@ static bool tell_json(const verification *v, duet_error *err)
                       plan.variant_a, plan.variant_b);
     }
     if (v->first.stage) {
-        cJSON_AddStringToObject(o, "stage", v->first.stage);
+        json_add(o, STRING("stage", v->first.stage));
         if (v->first.body != DUET_NO_BODY)
-            cJSON_AddNumberToObject(o, "body", (double)v->first.body);
-        cJSON_AddStringToObject(o, "field", v->first.field);
+            json_add(o, NUMBER("body", v->first.body));
+        json_add(o, STRING("field", v->first.field));
         json_add(o, NUMBER("first", v->first.values[0]), NUMBER("other", v->first.values[1]));
     }
     return say_json(o, err);

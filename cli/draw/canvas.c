@@ -19,7 +19,7 @@ struct canvas {
     bool is_png;
     cairo_surface_t *surface;
     cairo_t *cairo;
-    text bytes; // of the file
+    text bytes; // the file's
 };
 
 static cairo_status_t add_bytes(void *bytes, const unsigned char *data, unsigned int n)

@@ -8,9 +8,9 @@
 #include "runtime/broadphase/grid.h"
 
 typedef struct sketch {
-    const duet_scene_info *info; // of the scene
+    const duet_scene_info *info; // the scene's
     grid grid;
-    double from[3]; // what is drawn counts from there: with origin cells the first box's corner
+    double from[3]; // the origin of what is drawn: with origin cells the first box's corner
     extent whole;   // all boxes, and the world where one is given
     uint64_t n_pairs;
     uint32_t n_colliding; // boxes that are in some pair
@@ -19,7 +19,7 @@ typedef struct sketch {
     uint32_t n;
     duet_rounded_box *boxes; // from far to near
     bool *colliding;
-    extent part;      // of the drawn boxes
+    extent part;      // holds the drawn boxes
     duet_pair *links; // pairs among them, by place in boxes
     uint64_t n_links;
     double (*crowd)[3]; // centres of a few thousand boxes of the whole scene
@@ -34,6 +34,7 @@ void sketch_free(sketch *s);
 // Draws it, with lines of words below.
 void sketch_draw(const sketch *s, canvas *c, double width, double height);
 
-corners sketch_corners(const duet_rounded_box *box, uint32_t dims); // of a core, with its radius
+corners sketch_corners(const duet_rounded_box *box,
+                       uint32_t dims); // corners of a core, with its radius
 
 #endif

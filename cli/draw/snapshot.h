@@ -12,7 +12,7 @@ typedef struct snapshot {
     uint32_t n;
     colour *colours; // [n]
     bool *is_shot;   // [n]
-    extent part;     // what all frames show
+    extent part;     // shown by all frames
 } snapshot;
 
 // How a scene is drawn follows from its start: colours say where an object then

@@ -23,7 +23,7 @@ typedef struct look {
     double near[3]; // towards the eye
     double light[3];
     double dark;   // brightness of a face that no light falls on
-    double bright; // what light adds to it
+    double bright; // added to it by light
 } look;
 
 extern const look oblique; // from above, with x nearer than y
@@ -33,7 +33,7 @@ typedef struct view {
     uint32_t dims;
     extent shown;
     double scale; // pixels a unit of length
-    point at;     // where the scene's origin lies
+    point at;     // the place of the scene's origin
 } view;
 
 // Shows the extent as large as fits between the points.
@@ -48,14 +48,14 @@ double view_nearness(const view *v, const double p[3]);
 typedef struct corners {
     double at[8][3];
     double turn[3][3];
-    double radius; // of a rounded box, whose core the corners are of
+    double radius; // the radius of a rounded box; the corners are its core's
 } corners;
 
 corners corners_of(const duet_pose *box, uint32_t dims);
 
 typedef struct box_ink {
     colour fill;
-    colour edge; // of alpha 0: none
+    colour edge; // alpha 0: none
 } box_ink;
 
 // Its outline filled, or in 3D the faces that are seen, shaded by direction; round edges are all

@@ -14,7 +14,7 @@
 #include <time.h>
 
 enum { VERSION = 1 };
-static const double level = 0.95; // of all intervals
+static const double level = 0.95; // the confidence of all intervals
 
 // ---------------------------------------------------------------- writing
 

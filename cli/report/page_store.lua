@@ -105,7 +105,7 @@ local function add_searches(profiles)
   end)
 end
 
--- Of the plans whose energy was measured, those that no other beats in both.
+-- Plans that no other beats in both time and energy, if energy was measured.
 local function draw_energy(p)
   local front, chosen = {}, {}
   for _, plan in ipairs(list(p, "pareto")) do

@@ -1,8 +1,7 @@
 -- SPDX-License-Identifier: MIT
--- What `duet profiles show` tells of a profile, of the object that --json prints; options_text and terms_text are
--- those objects as they are stored.
+-- What `duet profiles show` tells of a profile, of the object that --json prints.
 local report = ...
-local number, text = report.number, report.text
+local number = report.number
 
 local function result_words(p)
   if p.one_device then return ("%s, level %s"):format(p.variant_b, p.level) end
@@ -18,7 +17,7 @@ local function tell_result(row, p)
     or ("%.0f of %.0f launches waited for a core"):format(p.disturbed, p.watched))
   if p.whole_ms then row("whole", ("%.4f ms; %s"):format(p.whole_ms, report.whole(p.a.name, nil, p))) end
   row("accuracy", p.true_pairs and report.wrong_words(p) or "was not measured")
-  if p.terms_text then row("terms", p.terms_text) end
+  if p.terms then row("terms", report.members(p.terms)) end
   row("kernels", p.kernels)
 end
 
@@ -29,7 +28,7 @@ local function tell_session(row, p)
     p.here and "this" or "another", number(s, "load"), number(s, "timer_ns")))
   row("search", ("%s, seed %.0f, %d trials, %.0f launches, resumed %.0f times"):format(s.strategy, s.seed, #p.trials,
     s.launches, s.resumed))
-  row("options", text(p, "options_text"), "when", ("%s to %s UTC"):format(s.started, s.ended ~= "" and s.ended or "-"))
+  row("options", report.members(report.list(s, "options")), "when", ("%s to %s UTC"):format(s.started, s.ended ~= "" and s.ended or "-"))
 end
 
 return function(p)

@@ -43,7 +43,7 @@ local function count(n)
   return table.concat(groups, " ")
 end
 
--- What the longest bar or the axis stands for: the greatest value, or the greatest but a
+-- The value of the longest bar or the end of the axis: the greatest value, or the greatest but a
 -- few (at most a fifth) that lie far above all others and would make these flat.
 local function most_shown(values)
   table.sort(values)

@@ -79,7 +79,7 @@ void run_report_add_check(cJSON *o, const reference_check *check)
              NUMBER("extra", check->extra));
 }
 
-// What the text needs besides.
+// Adds members for the text alone.
 static void add_source(cJSON *o, const run_report *r)
 {
     const duet_profile *p = &r->profile;

@@ -19,10 +19,10 @@ typedef struct run_report {
     const duet_scene_info *scene;
     const duet_device_pair *pair;
     const duet_plan *plan;
-    const char *level;    // of accuracy
+    const char *level;    // the level of accuracy
     bool plan_given;      // on the command line
     bool accuracy_given;  // there, too: a profile may have chosen a level by it
-    duet_profile profile; // what the plan comes from, unless it was given
+    duet_profile profile; // the source of the plan, unless it was given
     const char *tuning;   // the command that measures a plan for this scene
     const timed *timed;
     timed_input input;

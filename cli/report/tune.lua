@@ -89,7 +89,7 @@ local function tell_searches(row)
   if row.plans then line("  kernels and share together: %.0f of %.0f plans tried", row.plans_tried, row.plans) end
 end
 
--- What the table has no column for.
+-- Tells figures that the table has no column for.
 local function tell_details(row)
   line("\n%s, %s, %.0f launches", row.workload, subject(row), row.launches)
   if row.disturbed > 0 then line("  %.0f of %.0f launches waited for a core", row.disturbed, row.watched) end

@@ -10,17 +10,17 @@
 
 typedef struct tune_report {
     cJSON *workloads; // one object each
-    char name[168];   // of the workload that is measured
+    char name[168];   // the measured workload's
     const char *query;
     const char *task; // its kernel; NULL: a scene is tuned
     uint64_t items;
-    uint32_t steps;  // of a motion; 0: none
-    uint32_t number; // of it, from 1
+    uint32_t steps;  // a motion's; 0: none
+    uint32_t number; // the workload's, from 1
     uint32_t n_workloads;
     char whole[80]; // the device that A and B may be parts of
     bool one;       // A and B are the same device
     double budget_seconds;
-    const char *store_path; // as --profile names it, or NULL
+    const char *store_path; // the value of --profile, or NULL
     bool json;
     bool on_terminal;
     bool waits; // told so last

@@ -69,7 +69,7 @@ function report.bytes(n)
   return (unit > 1 and n < 99.5 and "%.1f %s" or "%.0f %s"):format(n, units[unit])
 end
 
--- Of at most so many characters, as long as part (0 to 1) of it; in eighths of a character where there are such.
+-- A bar of part (0 to 1) of the width in characters; in eighths of one if the terminal has UTF-8.
 function report.bar(part, width)
   local left = math.floor(math.max(0, math.min(part, 1)) * width * 8 + 0.5)
   if not in_utf8 then return ("#"):rep((left + 4) // 8) end
@@ -113,7 +113,17 @@ function report.whole(name, selector, row)
   return ("about as fast as %s by itself: "):format(name) .. percents("%+.1f %% (%+.1f to %+.1f)", row, "whole_gain")
 end
 
--- What a level gets wrong; certified needs no word.
+-- The members of an object, by name: "least 0.1, repeats 3".
+function report.members(o)
+  local words = {}
+  for name, value in pairs(o) do
+    words[#words + 1] = name .. " " .. (type(value) == "table" and "(" .. report.members(value) .. ")"
+      or type(value) == "number" and ("%.14g"):format(value) or tostring(value))
+  end
+  return table.concat(words, ", ")
+end
+
+-- Pairs that a level gets wrong; certified needs no word.
 function report.wrong_words(row)
   return ("of %s pairs that collide, level %s misses %.3g %% and adds %.3g %% that are false"):format(
     count(number(row, "true_pairs")), text(row, "level"), 100 * number(row, "missed_rate"),

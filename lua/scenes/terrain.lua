@@ -3,7 +3,7 @@
 
 local p = parameters {
   n = 400,
-  places = 65, -- of heights along each axis
+  places = 65, -- heights along each axis
   spacing = 1,
   hill = 3, -- height
   seed = 1,

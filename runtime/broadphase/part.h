@@ -204,7 +204,7 @@ typedef struct part {
     };
 } part;
 
-// What launches of a part hand over, by the names of arguments; and those of the kernel that
+// Arguments of the launches of a part, by name, and those of the kernel that
 // gathers undecided objects.
 extern const binding part_bindings[], part_gather_bindings[];
 

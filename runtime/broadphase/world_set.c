@@ -132,7 +132,7 @@ static bool fetch_sizes(duet_world *world, resident *r, const device *from, uint
     if (code != CL_SUCCESS)
         ok = error_set_cl(err, code, "%s: fetching %u sizes", from->info.selector, n);
     if (!ok)
-        world->n_sizes = 0; // what lies there is not what was asked for
+        world->n_sizes = 0; // their content is unknown
     return ok;
 }
 
