@@ -63,3 +63,12 @@ void heights_place(const duet_heights *h, uint32_t i, uint32_t j, double at[3])
     at[1] = fma(j, h->spacing[1], h->origin[1]);
     at[2] = h->origin[2] + (double)h->heights[(size_t)j * h->nx + i];
 }
+
+// No number is -0.
+void heights_set_normal(const heights_entry *entry, float normal[3])
+{
+    const double *n = entry->normal;
+    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int k = 0; k < 3; ++k)
+        normal[k] = (float)(n[k] / length) + 0.0f;
+}

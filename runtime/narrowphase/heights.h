@@ -17,17 +17,38 @@ bool heights_check_places(const duet_heights *h, duet_error *err);
 
 void heights_place(const duet_heights *h, uint32_t i, uint32_t j, double at[3]);
 
-// Where a ray enters the ground.
+// A valid box on a straight way, or a ray, as a ground is asked about it: at centre + t direction
+// for t from 0 to t_max.
+typedef struct heights_probe {
+    double centre[3], half[3];
+    float rotation[4], direction[3], t_max; // t_max is 0 without a direction
+    const duet_bounds *bounds;              // the box, exactly; NULL: centre and half are exact
+    double axis[3][3], sums[3][3];          // and the sums of amounts that these are made of
+    double reach[3];                        // at least, along the world's axes
+    double inexact;                         // 0, or with bounds 1
+    bool is_point;
+} heights_probe;
+
+heights_probe heights_probe_of_ray(const duet_ray *ray);
+heights_probe heights_probe_of_sweep(const duet_sweep *sweep);
+heights_probe heights_probe_of_bounds(const duet_bounds_sweep *sweep); // borrowed
+heights_probe heights_probe_of_box(const duet_pose *box);
+heights_probe heights_probe_of_still_bounds(const duet_bounds *bounds); // borrowed
+
+// Where it first touches the ground.
 typedef struct heights_entry {
-    double t;         // 0: it begins in the ground
+    double t;         // 0 if, and only if, it touches the ground at the begin
     double normal[3]; // outward, of any length
 } heights_entry;
 
-// Whether the ray meets the ground: in double with an error bound, then in rational numbers. The
-// ray is valid. Sets entry if it does.
-bool heights_meet_ray(const duet_heights *h, const duet_ray *ray, heights_entry *entry);
+// Whether it meets the ground, touching included: in double with an error bound, then in rational
+// numbers. Sets entry if it does.
+bool heights_meet(const duet_heights *h, const heights_probe *probe, heights_entry *entry);
 
-// The same of a point.
+// Sets the normal of an entry, of length 1.
+void heights_set_normal(const heights_entry *entry, float normal[3]);
+
+// Whether a point lies in it.
 bool heights_contain(const duet_heights *h, const float at[3]);
 
 // How far a point is from the ground, 0 in it.

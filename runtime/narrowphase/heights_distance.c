@@ -128,7 +128,8 @@ static void search_row(search *s, uint32_t j)
 static void search_cells(search *s)
 {
     uint32_t middle = cell_at(s, 1);
-    for (uint32_t j = middle; j + 1 < s->heights->ny && is_near(s, beyond(s, 1, j, j + 1), 0.0); ++j)
+    for (uint32_t j = middle; j + 1 < s->heights->ny && is_near(s, beyond(s, 1, j, j + 1), 0.0);
+         ++j)
         search_row(s, j);
     for (uint32_t j = middle; j-- > 0 && is_near(s, beyond(s, 1, j, j + 1), 0.0);)
         search_row(s, j);

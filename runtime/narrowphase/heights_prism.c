@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
+// Whether a moving box meets a prism, in double with an error bound.
+//
+// At each time no axis of 19 separates two that meet (a point: of 4). Along an axis the box comes
+// nearer at a constant speed: each axis cuts the times, and what is left is when they meet.
 #include "runtime/narrowphase/heights_prism.h"
 
 #include "runtime/narrowphase/vector.h"
 
-#include <gmp.h>
 #include <math.h>
-#include <string.h>
 
 //   c --- d     a b d is the lower triangle of a cell, a d c the upper one
 //   |   / |
@@ -21,62 +23,99 @@ heights_prism heights_prism_of(const duet_heights *h, uint32_t i, uint32_t j, bo
     return p;
 }
 
-// ---------------------------------------------------------------- double
-
-#define SLACK (16 * 0x1p-53) // of a sum of three products, each of four rounded differences
+#define SLACK (64 * 0x1p-53) // of sums of products of what is itself rounded a few times
 
 typedef enum met { MISSED, MET, OPEN } met;
 
-// A plane, with the sums of amounts that its normal is made of.
+// Each number of a normal is known within SLACK times the sum of amounts that it is made of.
 typedef struct plane {
-    double normal[3], amounts[3]; // inward
-    const double *through;
+    double normal[3], amounts[3];
 } plane;
 
-static plane plane_of(const heights_prism *p, int k)
+static void set_product(plane *s, const double u[3], const double sums[3], const double v[3])
 {
-    plane s = {.through = p->corner[k % 3]};
-    double e[2][3];
-    for (int i = 0; i < 3; ++i) {
-        e[0][i] = p->corner[(k + 1) % 3][i] - s.through[i];
-        e[1][i] = p->corner[(k + 2) % 3][i] - s.through[i];
-    }
-    if (k < PRISM_TOP) {
-        s.normal[0] = -e[0][1];
-        s.normal[1] = e[0][0];
-    } else {
-        cross(s.normal, e[1], e[0]);
-    }
+    cross(s->normal, u, v);
     for (int i = 0; i < 3; ++i) {
         int a = (i + 1) % 3, b = (i + 2) % 3;
-        s.amounts[i] =
-            k < PRISM_TOP ? fabs(s.normal[i]) : fabs(e[1][a] * e[0][b]) + fabs(e[1][b] * e[0][a]);
+        s->amounts[i] = sums[a] * fabs(v[b]) + sums[b] * fabs(v[a]);
+    }
+}
+
+static void set_level(plane *s, const double along[3], const double sums[3])
+{
+    *s = (plane){{along[1], -along[0]}, {sums[1], sums[0]}};
+}
+
+static plane plane_of(const heights_prism *p, const heights_probe *probe, int k)
+{
+    plane s = {0};
+    double e[3][3], sums[3];
+    int axis, edge;
+    for (int i = 0; i < 9; ++i)
+        e[i / 3][i % 3] = p->corner[(i / 3 + 1) % 3][i % 3] - p->corner[i / 3][i % 3];
+    if (prism_axis_is_product(k, &axis, &edge)) {
+        set_product(&s, probe->axis[axis], probe->sums[axis], e[edge]);
+        return s;
+    }
+    for (int i = 0; i < 3; ++i)
+        sums[i] = fabs(e[k % 3][i]);
+    if (k < PRISM_TOP)
+        set_level(&s, e[k], sums);
+    else if (k == PRISM_TOP)
+        set_product(&s, e[0], sums, e[1]);
+    else if (k >= 16)
+        set_level(&s, probe->axis[k - 16], probe->sums[k - 16]);
+    for (int i = 0; k > PRISM_TOP && k < 7 && i < 3; ++i) {
+        s.normal[i] = probe->axis[k - PRISM_PLANES][i];
+        s.amounts[i] = probe->sums[k - PRISM_PLANES][i];
     }
     return s;
 }
 
-// How far a ray is within a plane: at + t speed, each known within an error.
+// How far a box reaches into the prism along a normal: at + t speed, each known within an error.
 typedef struct within {
     double at, at_error, speed, speed_error;
 } within;
 
-static within within_of(const plane *s, const duet_ray *ray)
+static void add_box(within *w, const plane *s, const heights_probe *probe)
 {
-    within w = {0};
-    for (int i = 0; i < 3; ++i) {
-        double from = ray->origin[i] - s->through[i], go = ray->direction[i];
-        w.at += s->normal[i] * from;
-        w.at_error += SLACK * s->amounts[i] * fabs(from);
-        w.speed += s->normal[i] * go;
-        w.speed_error += SLACK * s->amounts[i] * fabs(go);
+    for (int k = 0; k < 3; ++k) {
+        double along = 0.0, sum = 0.0;
+        for (int i = 0; i < 3; ++i) {
+            along += probe->axis[k][i] * s->normal[i];
+            sum += probe->sums[k][i] * s->amounts[i];
+        }
+        w->at += probe->half[k] * fabs(along);
+        w->at_error += SLACK * probe->half[k] * sum;
     }
+}
+
+static within within_of(const heights_prism *p, const plane *s, const heights_probe *probe)
+{
+    within w = {.at = -INFINITY};
+    for (int corner = 0; corner < 3; ++corner) {
+        double at = 0.0, sum = 0.0;
+        for (int i = 0; i < 3; ++i) {
+            double way = p->corner[corner][i] - probe->centre[i];
+            at += s->normal[i] * way;
+            sum += s->amounts[i] * (fabs(way) + probe->inexact * fabs(probe->centre[i]));
+        }
+        w.at = fmax(w.at, at);
+        w.at_error = fmax(w.at_error, SLACK * sum);
+    }
+    for (int i = 0; i < 3; ++i) {
+        w.speed -= s->normal[i] * probe->direction[i];
+        w.speed_error += SLACK * s->amounts[i] * fabs((double)probe->direction[i]);
+    }
+    if (!probe->is_point)
+        add_box(&w, s, probe);
     return w;
 }
 
-// The times at which a ray is in the prism, as far as they are sure.
+// The times at which none of the axes so far separates, as far as they are sure.
 typedef struct span {
     double surely_enter, maybe_enter, surely_leave, maybe_leave;
-    int entered; // plane that is passed last; -1: none
+    int entered; // axis that separates last; -1: none
     met so_far;
 } span;
 
@@ -103,139 +142,74 @@ static void cut(span *s, const within *w, int k)
     s->maybe_enter = fmax(s->maybe_enter, t - doubt);
 }
 
-static bool is_still(const duet_ray *ray)
+static void negate(plane *s)
 {
-    return ray->direction[0] == 0.0f && ray->direction[1] == 0.0f && ray->direction[2] == 0.0f;
+    for (int i = 0; i < 3; ++i)
+        s->normal[i] = -s->normal[i];
 }
 
-static met meet_in_double(const heights_prism *p, const duet_ray *ray, double *t, int *entered)
+// As cut_by_axis of heights_exact.c. An axis of which nobody knows whether it points down cuts
+// nothing.
+static void cut_by_axis(span *s, const heights_prism *p, const heights_probe *probe, int k)
 {
-    double end = is_still(ray) ? 0.0 : ray->t_max;
-    span s = {.surely_leave = end, .maybe_leave = end, .entered = -1, .so_far = MET};
-    for (int k = 0; k < PRISM_PLANES; ++k) {
-        const plane side = plane_of(p, k);
-        const within w = within_of(&side, ray);
-        cut(&s, &w, k);
+    plane side = plane_of(p, probe, k);
+    double up = k == PRISM_TOP ? 1.0 : side.normal[2], doubt = SLACK * side.amounts[2];
+    if (k > PRISM_TOP && doubt > 0.0 && fabs(up) <= doubt) {
+        s->so_far = s->so_far == MISSED ? MISSED : OPEN;
+        return;
     }
+    if (up < 0.0)
+        negate(&side);
+    within w = within_of(p, &side, probe);
+    cut(s, &w, k);
+    if (up != 0.0 || k < PRISM_TOP)
+        return;
+    negate(&side);
+    w = within_of(p, &side, probe);
+    cut(s, &w, k);
+}
+
+static met meet_in_double(const heights_prism *p, const heights_probe *probe, double *t,
+                          int *entered)
+{
+    span s = {
+        .surely_leave = probe->t_max, .maybe_leave = probe->t_max, .entered = -1, .so_far = MET};
+    int n = probe->is_point ? PRISM_PLANES : PRISM_AXES;
+    for (int k = 0; k < n && s.so_far != MISSED && s.maybe_enter <= s.maybe_leave; ++k)
+        cut_by_axis(&s, p, probe, k);
     *t = fmax(0.0, 0.5 * (s.surely_enter + s.maybe_enter));
     *entered = s.entered;
     if (s.so_far == MISSED || s.maybe_enter > s.maybe_leave)
         return MISSED;
-    return s.so_far == MET && s.surely_enter <= s.surely_leave ? MET : OPEN;
-}
-
-// ---------------------------------------------------------------- rational numbers
-
-typedef struct numbers {
-    mpq_t e[2][3], normal[3], way, at, speed, enter, leave, term;
-} numbers;
-
-static void open_numbers(numbers *n)
-{
-    for (mpq_t *at = (mpq_t *)n; at < (mpq_t *)(n + 1); ++at)
-        mpq_init(*at);
-}
-
-static void close_numbers(numbers *n)
-{
-    for (mpq_t *at = (mpq_t *)n; at < (mpq_t *)(n + 1); ++at)
-        mpq_clear(*at);
-}
-
-static void set_difference(numbers *n, mpq_t out, double a, double b)
-{
-    mpq_set_d(out, a);
-    mpq_set_d(n->term, b);
-    mpq_sub(out, out, n->term);
-}
-
-static void set_plane(numbers *n, const heights_prism *p, int k)
-{
-    const double *through = p->corner[k % 3];
-    for (int i = 0; i < 3; ++i) {
-        set_difference(n, n->e[0][i], p->corner[(k + 1) % 3][i], through[i]);
-        set_difference(n, n->e[1][i], p->corner[(k + 2) % 3][i], through[i]);
-    }
-    for (int i = 0; k == PRISM_TOP && i < 3; ++i) {
-        int a = (i + 1) % 3, b = (i + 2) % 3;
-        mpq_mul(n->normal[i], n->e[1][a], n->e[0][b]);
-        mpq_mul(n->term, n->e[1][b], n->e[0][a]);
-        mpq_sub(n->normal[i], n->normal[i], n->term);
-    }
-    if (k == PRISM_TOP)
-        return;
-    mpq_neg(n->normal[0], n->e[0][1]);
-    mpq_set(n->normal[1], n->e[0][0]);
-    mpq_set_ui(n->normal[2], 0, 1);
-}
-
-static void set_within(numbers *n, const heights_prism *p, const duet_ray *ray, int k)
-{
-    set_plane(n, p, k);
-    mpq_set_ui(n->at, 0, 1);
-    mpq_set_ui(n->speed, 0, 1);
-    for (int i = 0; i < 3; ++i) {
-        set_difference(n, n->way, ray->origin[i], p->corner[k % 3][i]);
-        mpq_mul(n->way, n->way, n->normal[i]);
-        mpq_add(n->at, n->at, n->way);
-        mpq_set_d(n->way, ray->direction[i]);
-        mpq_mul(n->way, n->way, n->normal[i]);
-        mpq_add(n->speed, n->speed, n->way);
-    }
-}
-
-// Whether some of the way is left.
-static bool cut_exactly(numbers *n, bool *ends, int *entered, int k)
-{
-    int speed = mpq_sgn(n->speed);
-    if (speed == 0)
-        return mpq_sgn(n->at) >= 0;
-    mpq_div(n->way, n->at, n->speed);
-    mpq_neg(n->way, n->way);
-    if (speed > 0 && mpq_cmp(n->way, n->enter) > 0) {
-        mpq_set(n->enter, n->way);
-        *entered = k;
-    } else if (speed < 0 && (!*ends || mpq_cmp(n->way, n->leave) < 0)) {
-        mpq_set(n->leave, n->way);
-        *ends = true;
-    }
-    return !*ends || mpq_cmp(n->enter, n->leave) <= 0;
-}
-
-static bool meet_exactly(const heights_prism *p, const duet_ray *ray, double *t, int *entered)
-{
-    bool ends = isfinite(ray->t_max) || is_still(ray), meets = true;
-    numbers n;
-    open_numbers(&n);
-    *entered = -1;
-    if (ends)
-        mpq_set_d(n.leave, is_still(ray) ? 0.0 : (double)ray->t_max);
-    for (int k = 0; meets && k < PRISM_PLANES; ++k) {
-        set_within(&n, p, ray, k);
-        meets = cut_exactly(&n, &ends, entered, k);
-    }
-    *t = mpq_get_d(n.enter);
-    close_numbers(&n);
-    return meets;
+    bool begins = s.surely_enter == 0.0 || s.maybe_enter > 0.0; // there, or surely later
+    return s.so_far == MET && begins && s.surely_enter <= s.surely_leave ? MET : OPEN;
 }
 
 // ---------------------------------------------------------------- both
 
-// What is entered by an upright plane inside the ground is entered by its edge at the top.
-static void set_normal(const heights_prism *p, int entered, double normal[3])
+// What is entered by a level axis inside the ground is entered by its edge at the top.
+static void set_normal(const heights_prism *p, const heights_probe *probe, int entered,
+                       double normal[3])
 {
-    bool is_wall = entered >= 0 && p->is_rim[entered];
-    const plane s = plane_of(p, is_wall ? entered : PRISM_TOP);
+    bool is_rim = p->is_rim[0] || p->is_rim[1] || p->is_rim[2];
+    bool is_inner =
+        entered < 0 || (entered < PRISM_TOP && !p->is_rim[entered]) || (entered >= 16 && !is_rim);
+    plane s = plane_of(p, probe, is_inner ? PRISM_TOP : entered);
+    if (s.normal[2] < 0.0 ||
+        (entered >= PRISM_PLANES && s.normal[2] == 0.0 &&
+         dot(s.normal, (const double[3]){probe->direction[0], probe->direction[1], 0.0}) > 0.0))
+        negate(&s);
     for (int i = 0; i < 3; ++i)
-        normal[i] = -s.normal[i];
+        normal[i] = s.normal[i];
 }
 
-bool heights_prism_meet(const heights_prism *p, const duet_ray *ray, heights_entry *entry)
+bool heights_prism_meet(const heights_prism *p, const heights_probe *probe, heights_entry *entry)
 {
     int entered;
-    met found = meet_in_double(p, ray, &entry->t, &entered);
-    if (found == MISSED || (found == OPEN && !meet_exactly(p, ray, &entry->t, &entered)))
+    met found = meet_in_double(p, probe, &entry->t, &entered);
+    if (found == MISSED ||
+        (found == OPEN && !heights_prism_meet_exactly(p, probe, &entry->t, &entered)))
         return false;
-    set_normal(p, entered, entry->normal);
+    set_normal(p, probe, entered, entry->normal);
     return true;
 }

@@ -82,8 +82,9 @@ static bool meets_ground(const tree_query *q, const void *item, uint32_t *hit)
 {
     const duet_ray *ray = item;
     duet_ray_hit *h = (duet_ray_hit *)hit;
+    const heights_probe probe = heights_probe_of_ray(ray);
     heights_entry entry;
-    if (!heights_meet_ray(&q->tree->ground, ray, &entry))
+    if (!heights_meet(&q->tree->ground, &probe, &entry))
         return false;
     h->t = fminf((float)entry.t, ray->t_max);
     return true;
@@ -93,15 +94,11 @@ static void ground_normal(const duet_tree *tree, const void *item, const uint32_
                           float out[3])
 {
     const duet_ray *ray = item;
+    const heights_probe probe = heights_probe_of_ray(ray);
     heights_entry entry;
     (void)hit;
-    if (heights_contain(&tree->ground, ray->origin) ||
-        !heights_meet_ray(&tree->ground, ray, &entry))
-        return;
-    const double *n = entry.normal;
-    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    for (int k = 0; k < 3; ++k)
-        out[k] = (float)(n[k] / length);
+    if (heights_meet(&tree->ground, &probe, &entry) && entry.t > 0.0)
+        heights_set_normal(&entry, out);
 }
 
 #define RAYS(type_, wrong_, meets_, normal_)                                                  \

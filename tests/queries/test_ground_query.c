@@ -433,6 +433,281 @@ TEST(the_ground_is_as_far_as_all_its_triangles_say)
     free(f);
 }
 
+// ---------------------------------------------------------------- boxes
+
+// A box as its corners, in long double, moved along.
+typedef struct block {
+    real centre[3], axis[3][3], half[3];
+} block;
+
+static block block_of(const duet_pose *pose)
+{
+    const float *q = pose->rotation;
+    real x = q[0], y = q[1], z = q[2], w = q[3], s = 2 / (x * x + y * y + z * z + w * w);
+    block b = {.axis = {{1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
+                        {s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x)},
+                        {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)}}};
+    for (int k = 0; k < 3; ++k) {
+        b.centre[k] = pose->centre[k];
+        b.half[k] = pose->half_extents[k];
+    }
+    return b;
+}
+
+static void corner_of(const block *b, int which, real at[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        at[k] = b->centre[k];
+        for (int i = 0; i < 3; ++i)
+            at[k] += (which >> i & 1 ? 1 : -1) * b->half[i] * b->axis[i][k];
+    }
+}
+
+// How far a point over or beside a triangle is inside its edge e, times the edge's length.
+static real inside(const triangle *t, int e, const real p[3])
+{
+    const real *a = t->at[e], *b = t->at[(e + 1) % 3];
+    return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+}
+
+static real above_plane(const triangle *t, const real p[3])
+{
+    real e1[3], e2[3], n[3], way[3];
+    less(e1, t->at[1], t->at[0]);
+    less(e2, t->at[2], t->at[0]);
+    less(way, p, t->at[0]);
+    cross(n, e1, e2);
+    return dot(n, way) / n[2];
+}
+
+// The corners of a face, clipped by the triangle's edges: the lowest one over its plane.
+static real lowest_of_face(const triangle *t, const block *b, int axis, int side)
+{
+    real from[12][3], to[12][3], lowest = INFINITY;
+    int n = 4, u = 1 << (axis + 1) % 3, v = 1 << (axis + 2) % 3, first = side << axis;
+    const int walk[4] = {first, first | u, first | u | v, first | v};
+    for (int i = 0; i < 4; ++i)
+        corner_of(b, walk[i], from[i]);
+    for (int e = 0; e < 3; ++e) {
+        int kept = 0;
+        for (int i = 0; i < n; ++i) {
+            const real *p = from[i], *q = from[(i + 1) % n];
+            real at_p = inside(t, e, p), at_q = inside(t, e, q);
+            if (at_p >= 0)
+                memcpy(to[kept++], p, sizeof *to);
+            if ((at_p >= 0) != (at_q >= 0)) {
+                for (int k = 0; k < 3; ++k)
+                    to[kept][k] = p[k] + at_p / (at_p - at_q) * (q[k] - p[k]);
+                ++kept;
+            }
+        }
+        n = kept;
+        memcpy(from, to, sizeof from);
+    }
+    for (int i = 0; i < n; ++i)
+        lowest = fminl(lowest, above_plane(t, from[i]));
+    return lowest;
+}
+
+// How far the lowest place of a box is above the ground; INFINITY: it is beside it.
+static real clearance(const field *f, const block *b)
+{
+    real lowest = INFINITY;
+    for (uint32_t k = 0; k < TRIANGLES; ++k) {
+        triangle t = triangle_of(f, k);
+        for (int i = 0; i < 6; ++i)
+            lowest = fminl(lowest, lowest_of_face(&t, b, i / 2, i % 2));
+    }
+    return lowest;
+}
+
+static duet_pose draw_box(rng *r, bool upright)
+{
+    duet_pose box = {.rotation = {0, 0, 0, 1}};
+    for (int k = 0; k < 3; ++k) {
+        box.centre[k] = (float)rng_between(r, k == 2 ? 0 : -6, k == 2 ? 4 : 6);
+        box.half_extents[k] = (float)rng_between(r, 0.1, 1.2);
+    }
+    for (int k = 0; k < 4 && !upright; ++k)
+        box.rotation[k] = (float)rng_normal(r);
+    return box;
+}
+
+static duet_bounds bounds_of(const duet_pose *box)
+{
+    duet_bounds b;
+    for (int k = 0; k < 3; ++k) {
+        b.lower[k] = box->centre[k] - box->half_extents[k];
+        b.upper[k] = box->centre[k] + box->half_extents[k];
+    }
+    return b;
+}
+
+static duet_box_query_result join(duet_box_query *query, duet_object_kind kind, const void *boxes,
+                                  uint64_t n)
+{
+    duet_box_query_result result;
+    must(duet_box_query_run(query, kind, boxes, n, &result, ERR));
+    return result;
+}
+
+static duet_box_query *open_box_query(duet_tree *tree)
+{
+    duet_box_query_def def = duet_default_box_query_def();
+    def.tree = tree;
+    return must(duet_box_query_create(&def, ERR));
+}
+
+static duet_tree *open_ground_of(const field *f, duet_shape shape)
+{
+    duet_tree *tree =
+        shape == DUET_SHAPE_BOUNDS ? open_bounds_tree(3, 0, NULL, 0) : open_tree(3, 0, NULL, 0);
+    must(duet_tree_set_heights(tree, &f->heights, ERR));
+    return tree;
+}
+
+static void join_some(const field *f, rng *r, bool upright)
+{
+    enum { BOXES = 400 };
+    duet_pose boxes[BOXES];
+    duet_bounds bounds[BOXES];
+    uint32_t met = 0;
+    for (int i = 0; i < BOXES; ++i) {
+        boxes[i] = draw_box(r, upright);
+        bounds[i] = bounds_of(&boxes[i]);
+    }
+    duet_tree *tree = open_ground_of(f, upright ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES);
+    duet_box_query *query = open_box_query(tree);
+    duet_box_query_result found = upright ? join(query, DUET_OBJECT_BOUNDS, bounds, BOXES)
+                                          : join(query, DUET_OBJECT_POSES, boxes, BOXES);
+    for (uint32_t i = 0; i < BOXES; ++i) {
+        block b = block_of(&boxes[i]);
+        real high = clearance(f, &b);
+        if (fabsl(high) < 1e-6L)
+            continue; // bounds are rounded
+        bool is_hit = met < found.n_hits && found.hits[met].box == i;
+        if (is_hit != (high < 0))
+            fail_msg("box %u: %s, and %Lg above", i, is_hit ? "met" : "missed", high);
+        met += is_hit;
+    }
+    assert_int_equal(met, found.n_hits);
+    assert_true(met > BOXES / 8 && met < BOXES * 7 / 8);
+    duet_box_query_destroy(query);
+    duet_tree_destroy(tree);
+}
+
+TEST(boxes_meet_the_ground_if_their_lowest_place_over_it_is_below)
+{
+    rng r = rng_seed(test_seed());
+    field *f = draw_field(&r);
+    join_some(f, &r, true);
+    join_some(f, &r, false);
+    free(f);
+}
+
+// Over the roof of 1 along x at y = 1: a box that stands on it, on its edge, beside a wall, and one
+// whose edge crosses the ridge; each a bit higher, or further out.
+TEST(boxes_that_only_touch_are_met)
+{
+    static const float roof[] = {0, 0, 0, 1, 1, 1, 0, 0, 0};
+    field f = {.heights = {.nx = 3, .ny = 3, .spacing = {1, 1}, .heights = roof}};
+    duet_tree *tree = open_ground_of(&f, DUET_SHAPE_POSES);
+    duet_box_query *query = open_box_query(tree);
+    static const duet_pose touching[] = {
+        {{0.7f, 1, 1.5f}, {0.5f, 0.25f, 0.5f}, {0, 0, 0, 1}}, // stands on the ridge
+        {{0.7f, 2.5f, 0.25f}, {0.5f, 0.5f, 2}, {0, 0, 0, 1}}, // at a wall
+        {{1, 1, 2}, {1, 0.5f, 0.5f}, {0, 1, 0, 1}},           // on its end
+        {{1, 1, 3}, {0, 0, 2}, {0, 0, 0.3f, 1}},              // an edge that ends on it
+        {{-2, 1, 0.5f}, {2, 3, 0.5f}, {0, 0, 0, 1}},          // at the wall of x = 0
+        {{1, 1, 1}, {3, 0, 0}, {0, 0, 0.6f, 0.8f}},           // an edge across the ridge
+    };
+    static const int free_along[] = {2, 1, 2, 2, 0, 2};
+    for (size_t i = 0; i < sizeof touching / sizeof *touching; ++i) {
+        duet_pose box = touching[i];
+        int k = free_along[i];
+        if (join(query, DUET_OBJECT_POSES, &box, 1).n_hits != 1)
+            fail_msg("box %zu touches, and is not met", i);
+        box.centre[k] = nextafterf(box.centre[k], k == 0 ? -INFINITY : INFINITY);
+        if (join(query, DUET_OBJECT_POSES, &box, 1).n_hits != 0)
+            fail_msg("box %zu is a bit beside the ground, and meets it", i);
+    }
+    duet_box_query_destroy(query);
+    duet_tree_destroy(tree);
+}
+
+// ---------------------------------------------------------------- sweeps
+
+static block moved(const duet_sweep *sweep, real t)
+{
+    block b = block_of(&sweep->box);
+    for (int k = 0; k < 3; ++k)
+        b.centre[k] += t * (real)sweep->direction[k];
+    return b;
+}
+
+// Nowhere before, at a hundred places; there; and no more when it is pushed along the normal.
+static void check_sweep(const field *f, const duet_sweep *sweep, const duet_sweep_hit *hit)
+{
+    bool met = hit->id != DUET_NO_OBJECT;
+    real last = met ? (real)hit->t : (real)sweep->t_max;
+    for (int i = 0; i <= 100 && last > 0; ++i) {
+        block b = moved(sweep, (1 - 1e-6L) * last * i / 100);
+        if (clearance(f, &b) < -1e-6L)
+            fail_msg("sweep %u meets the ground before %.9Lg", hit->sweep, last);
+    }
+    if (!met)
+        return;
+    block b = moved(sweep, last + 1e-5L); // rounding may leave it before a wall
+    real high = clearance(f, &b);
+    if (!(high < 5e-5L))
+        fail_msg("sweep %u is %Lg above the ground at %.9Lg", hit->sweep, high, last);
+    b = moved(sweep, last);
+    real square = 0, along = 0;
+    for (int k = 0; k < 3; ++k) {
+        b.centre[k] += 1e-4L * (real)hit->normal[k];
+        square += (real)hit->normal[k] * (real)hit->normal[k];
+        along += (real)hit->normal[k] * (real)sweep->direction[k];
+    }
+    if (hit->t == 0)
+        assert_true(square == 0);
+    else if (!(fabsl(square - 1) < 1e-6L && along < 1e-6L && clearance(f, &b) > 0))
+        fail_msg("sweep %u: the normal is %Lg long, %Lg along the way, and leads to %Lg",
+                 hit->sweep, square, along, clearance(f, &b));
+}
+
+TEST(sweeps_meet_the_ground_there_and_not_before)
+{
+    enum { SWEEPS = 120 };
+    rng r = rng_seed(test_seed());
+    field *f = draw_field(&r);
+    for (int upright = 0; upright < 2; ++upright) {
+        duet_sweep sweeps[SWEEPS];
+        duet_bounds_sweep bounds[SWEEPS];
+        uint32_t met = 0;
+        for (int i = 0; i < SWEEPS; ++i) {
+            sweeps[i] = (duet_sweep){.box = draw_box(&r, upright), .t_max = 4};
+            sweeps[i].box.centre[2] += 1;
+            for (int k = 0; k < 3; ++k)
+                sweeps[i].direction[k] = (float)(rng_normal(&r) - (k == 2 ? 0.5 : 0));
+            bounds[i] = (duet_bounds_sweep){.bounds = bounds_of(&sweeps[i].box), .t_max = 4};
+            memcpy(bounds[i].direction, sweeps[i].direction, sizeof bounds[i].direction);
+        }
+        duet_tree *tree = open_ground_of(f, upright ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES);
+        duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_CLOSEST);
+        duet_sweep_query_result found = upright
+                                            ? run_sweeps(query, DUET_OBJECT_BOUNDS, bounds, SWEEPS)
+                                            : run_sweeps(query, DUET_OBJECT_POSES, sweeps, SWEEPS);
+        for (uint32_t i = 0; i < SWEEPS; ++i) {
+            check_sweep(f, &sweeps[i], &found.hits[i]);
+            met += found.hits[i].id != DUET_NO_OBJECT && found.hits[i].t > 0;
+        }
+        assert_true(met > SWEEPS / 10 && met < SWEEPS);
+        duet_sweep_query_destroy(query);
+        duet_tree_destroy(tree);
+    }
+    free(f);
+}
+
 // ---------------------------------------------------------------- among objects
 
 static duet_tree *open_crowd(const field *f, uint32_t share, bool ground)

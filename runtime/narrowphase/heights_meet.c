@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-// The cells that a ray passes over, a column of them after the other, and near their tops both
-// prisms of each.
+// The cells that a moving box passes over, a column of them after the other, and near their tops
+// both prisms of each.
 #include "runtime/narrowphase/heights_prism.h"
 
 #include <math.h>
 #include <stdint.h>
 
-// A ray over the grid: places along both axes are counted in cells. `doubt` is how far off they may
-// be.
+// A box over the grid: places along both axes are counted in cells, and it reaches `wide` to both
+// sides of its centre, or a little less.
 typedef struct track {
     const duet_heights *heights;
-    const duet_ray *ray;
-    double at[2], go[2], doubt[2];
+    const heights_probe *probe;
+    double at[2], go[2], wide[2];
     uint32_t cells[2];
     int major; // axis along which it passes more cells
     double begin, end;
@@ -24,7 +24,7 @@ typedef struct cell_span {
 // Cuts the times to those over the grid. False: it never is.
 static bool cut_to_grid(track *t, int k)
 {
-    double lower = -t->doubt[k], upper = t->cells[k] + t->doubt[k];
+    double lower = -t->wide[k], upper = t->cells[k] + t->wide[k];
     if (t->go[k] == 0.0)
         return t->at[k] >= lower && t->at[k] <= upper;
     double in = (lower - t->at[k]) / t->go[k], out = (upper - t->at[k]) / t->go[k];
@@ -33,18 +33,16 @@ static bool cut_to_grid(track *t, int k)
     return t->begin <= t->end;
 }
 
-// A quotient is right within 2^-50 of itself, a cell's middle differs from its ends by far more.
-static bool begin_track(track *t, const duet_heights *h, const duet_ray *ray)
+// A quotient is right within 2^-50 of itself.
+static bool begin_track(track *t, const duet_heights *h, const heights_probe *probe)
 {
-    *t = (track){.heights = h, .ray = ray, .cells = {h->nx - 1, h->ny - 1}};
-    bool still = true;
+    *t = (track){.heights = h, .probe = probe, .cells = {h->nx - 1, h->ny - 1}};
     for (int k = 0; k < 2; ++k) {
-        t->at[k] = (ray->origin[k] - h->origin[k]) / h->spacing[k];
-        t->go[k] = ray->direction[k] / h->spacing[k];
-        t->doubt[k] = 0x1p-8 + 0x1p-48 * fabs(t->at[k]);
-        still = still && ray->direction[k] == 0.0f;
+        t->at[k] = (probe->centre[k] - h->origin[k]) / h->spacing[k];
+        t->go[k] = probe->direction[k] / h->spacing[k];
+        t->wide[k] = probe->reach[k] / h->spacing[k] + 0x1p-8 + 0x1p-48 * fabs(t->at[k]);
     }
-    t->end = still && ray->direction[2] == 0.0f ? 0.0 : ray->t_max;
+    t->end = probe->t_max;
     t->major = fabs(t->go[1]) > fabs(t->go[0]);
     return cut_to_grid(t, 0) && cut_to_grid(t, 1);
 }
@@ -58,7 +56,7 @@ static double place_at(const track *t, int k, double time)
 static cell_span cells_between(const track *t, int k, double from, double to)
 {
     double a = place_at(t, k, from), b = place_at(t, k, to), last = t->cells[k] - 1.0;
-    double lower = floor(fmin(a, b) - t->doubt[k]), upper = floor(fmax(a, b) + t->doubt[k]);
+    double lower = floor(fmin(a, b) - t->wide[k]), upper = floor(fmax(a, b) + t->wide[k]);
     return (cell_span){(uint32_t)fmin(fmax(lower, 0.0), last),
                        (uint32_t)fmin(fmax(upper, 0.0), last)};
 }
@@ -69,12 +67,13 @@ static double top_of(const duet_heights *h, uint32_t i, uint32_t j)
     return h->origin[2] + (double)fmaxf(fmaxf(low[0], low[1]), fmaxf(high[0], high[1]));
 }
 
-// The least z between two times; less than that by what rounding may do.
+// The least z that it reaches between two times; less than that by what rounding may do.
 static double least_z(const track *t, double from, double to)
 {
-    double begin = t->ray->origin[2], go = t->ray->direction[2];
+    double begin = t->probe->centre[2], go = t->probe->direction[2];
     double time = go < 0.0 ? to : from, way = go == 0.0 ? 0.0 : time * go;
-    return begin + way - 0x1p-40 * (fabs(begin) + fabs(way) + fabs(t->heights->origin[2]));
+    return begin + way - t->probe->reach[2] -
+           0x1p-40 * (fabs(begin) + fabs(way) + fabs(t->heights->origin[2]));
 }
 
 static bool meet_cell(const track *t, uint32_t i, uint32_t j, heights_entry *best)
@@ -83,7 +82,7 @@ static bool meet_cell(const track *t, uint32_t i, uint32_t j, heights_entry *bes
     for (int upper = 0; upper < 2; ++upper) {
         heights_entry entry;
         const heights_prism p = heights_prism_of(t->heights, i, j, upper);
-        if (!heights_prism_meet(&p, t->ray, &entry) || entry.t >= best->t)
+        if (!heights_prism_meet(&p, t->probe, &entry) || entry.t >= best->t)
             continue;
         *best = entry;
         met = true;
@@ -99,8 +98,8 @@ static void time_column(const track *t, uint32_t c, double *from, double *to)
     *to = t->end;
     if (t->go[k] == 0.0)
         return;
-    double in = (c - t->doubt[k] - t->at[k]) / t->go[k];
-    double out = (c + 1 + t->doubt[k] - t->at[k]) / t->go[k];
+    double in = (c - t->wide[k] - t->at[k]) / t->go[k];
+    double out = (c + 1 + t->wide[k] - t->at[k]) / t->go[k];
     *from = fmax(*from, fmin(in, out));
     *to = fmin(*to, fmax(in, out));
 }
@@ -120,10 +119,10 @@ static bool meet_column(const track *t, uint32_t c, double from, double to, heig
 }
 
 // Columns later on the way are met no sooner.
-bool heights_meet_ray(const duet_heights *h, const duet_ray *ray, heights_entry *entry)
+bool heights_meet(const duet_heights *h, const heights_probe *probe, heights_entry *entry)
 {
     track t;
-    if (!begin_track(&t, h, ray))
+    if (!begin_track(&t, h, probe))
         return false;
     cell_span columns = cells_between(&t, t.major, t.begin, t.end);
     uint32_t n = columns.last - columns.first + 1;
@@ -133,7 +132,7 @@ bool heights_meet_ray(const duet_heights *h, const duet_ray *ray, heights_entry 
         uint32_t c = t.go[t.major] < 0.0 ? columns.last - i : columns.first + i;
         double from, to;
         time_column(&t, c, &from, &to);
-        if (met && from > entry->t)
+        if (met && (from > entry->t || entry->t == 0.0))
             break;
         if (from <= to)
             met |= meet_column(&t, c, from, to, entry);
@@ -144,6 +143,7 @@ bool heights_meet_ray(const duet_heights *h, const duet_ray *ray, heights_entry 
 bool heights_contain(const duet_heights *h, const float at[3])
 {
     const duet_ray ray = {.origin = {at[0], at[1], at[2]}};
+    const heights_probe probe = heights_probe_of_ray(&ray);
     heights_entry entry;
-    return heights_meet_ray(h, &ray, &entry);
+    return heights_meet(h, &probe, &entry);
 }
