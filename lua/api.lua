@@ -481,7 +481,7 @@ api.names = {
     fails = true, c = "duet_tree_set_motion" },
   { "duet.Tree:set_heights", { "heights?: table" }, "duet.Tree",
     "A ground { nx, ny, spacing, origin, values } beside the boxes, or none; a motion brings its own. Queries find it as one more box, " ..
-    "with the number of boxes plus 6 as its id: boxes and sweeps in trees of poses and bounds alone.",
+    "with the number of boxes plus 6 as its id.",
     fails = true, c = "duet_tree_set_heights" },
   { "duet.Tree:set_filters", { "filters: duet.Filters|string|integer[]|integer[][]" }, "duet.Tree",
     "The boxes' filters until they are set again; a motion's bodies bring theirs. Queries whose def has a filter { group, mask } " ..

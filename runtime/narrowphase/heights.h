@@ -20,7 +20,7 @@ void heights_place(const duet_heights *h, uint32_t i, uint32_t j, double at[3]);
 // A valid box on a straight way, or a ray, as a ground is asked about it: at centre + t direction
 // for t from 0 to t_max.
 typedef struct heights_probe {
-    double centre[3], half[3];
+    double centre[3], half[3], radius;
     float rotation[4], direction[3], t_max; // t_max is 0 without a direction
     const duet_bounds *bounds;              // the box, exactly; NULL: centre and half are exact
     double axis[3][3], sums[3][3];          // and the sums of amounts that these are made of
@@ -34,6 +34,8 @@ heights_probe heights_probe_of_sweep(const duet_sweep *sweep);
 heights_probe heights_probe_of_bounds(const duet_bounds_sweep *sweep); // borrowed
 heights_probe heights_probe_of_box(const duet_pose *box);
 heights_probe heights_probe_of_still_bounds(const duet_bounds *bounds); // borrowed
+heights_probe heights_probe_of_rounded_sweep(const duet_rounded_sweep *sweep);
+heights_probe heights_probe_of_rounded_box(const duet_rounded_box *box);
 
 // Where it first touches the ground.
 typedef struct heights_entry {
@@ -42,7 +44,7 @@ typedef struct heights_entry {
 } heights_entry;
 
 // Whether it meets the ground, touching included: in double with an error bound, then in rational
-// numbers. Sets entry if it does.
+// numbers; with a radius in double, within 2^-40 of the sizes. Sets entry if it does.
 bool heights_meet(const duet_heights *h, const heights_probe *probe, heights_entry *entry);
 
 // Sets the normal of an entry, of length 1.

@@ -80,9 +80,11 @@ static bool meet_cell(const track *t, uint32_t i, uint32_t j, heights_entry *bes
 {
     bool met = false;
     for (int upper = 0; upper < 2; ++upper) {
-        heights_entry entry;
+        heights_entry entry = *best;
         const heights_prism p = heights_prism_of(t->heights, i, j, upper);
-        if (!heights_prism_meet(&p, t->probe, &entry) || entry.t >= best->t)
+        bool meets = t->probe->radius > 0.0 ? heights_prism_meet_round(&p, t->probe, &entry)
+                                            : heights_prism_meet(&p, t->probe, &entry);
+        if (!meets || entry.t >= best->t)
             continue;
         *best = entry;
         met = true;

@@ -18,6 +18,11 @@ heights_prism heights_prism_of(const duet_heights *h, uint32_t i, uint32_t j, bo
 // As heights_meet.
 bool heights_prism_meet(const heights_prism *p, const heights_probe *probe, heights_entry *entry);
 
+// The same of a probe with a radius, whose core is the box; touching within 2^-40 of the sizes.
+// entry->t is the latest time that counts.
+bool heights_prism_meet_round(const heights_prism *p, const heights_probe *probe,
+                              heights_entry *entry);
+
 // An axis that may separate a prism from a box: its direction is out of the prism, or in both
 // directions if it is level and none of the prism's own.
 enum { PRISM_AXES = 19 }; // planes, the box's axes, products of edges

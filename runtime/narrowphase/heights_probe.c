@@ -86,3 +86,20 @@ heights_probe heights_probe_of_still_bounds(const duet_bounds *bounds)
     set_box(&p, upright);
     return p;
 }
+
+heights_probe heights_probe_of_rounded_sweep(const duet_rounded_sweep *sweep)
+{
+    duet_sweep core = {.box = sweep->box.pose, .t_max = sweep->t_max};
+    memcpy(core.direction, sweep->direction, sizeof core.direction);
+    heights_probe p = heights_probe_of_sweep(&core);
+    p.radius = sweep->box.radius;
+    for (int k = 0; k < 3; ++k)
+        p.reach[k] += p.radius;
+    return p;
+}
+
+heights_probe heights_probe_of_rounded_box(const duet_rounded_box *box)
+{
+    const duet_rounded_sweep still = {.box = *box};
+    return heights_probe_of_rounded_sweep(&still);
+}

@@ -38,9 +38,10 @@ static bool meets_rounded(const duet_tree *tree, const void *item, uint32_t *hit
 static bool meets_ground(const tree_query *q, const void *item, uint32_t *hit)
 {
     heights_entry entry;
-    const heights_probe probe = q->tree->def.shape == DUET_SHAPE_BOUNDS
-                                    ? heights_probe_of_still_bounds(item)
-                                    : heights_probe_of_box(item);
+    const duet_shape shape = q->tree->def.shape;
+    const heights_probe probe = shape == DUET_SHAPE_BOUNDS  ? heights_probe_of_still_bounds(item)
+                                : shape == DUET_SHAPE_POSES ? heights_probe_of_box(item)
+                                                            : heights_probe_of_rounded_box(item);
     (void)hit;
     return heights_meet(&q->tree->ground, &probe, &entry);
 }
@@ -59,9 +60,10 @@ const query_kinds box_kinds = {
                "not a number, infinite, with a lower corner above its upper one, or above 2^100",
                NULL),
          .meets_ground = meets_ground},
-    [DUET_SHAPE_ROUNDED_BOXES] = {BOXES(duet_rounded_box, WRONG_BOX, meets_rounded)},
+    [DUET_SHAPE_ROUNDED_BOXES] = {BOXES(duet_rounded_box, WRONG_BOX, meets_rounded),
+                                  .meets_ground = meets_ground},
     [DUET_SHAPE_SPHERES] = {BOXES(duet_rounded_box, WRONG_BOX, meets_rounded),
-                            .copy = tree_copy_rows},
+                            .copy = tree_copy_rows, .meets_ground = meets_ground},
     [DUET_SHAPES] = {BOXES(
         duet_large_pose,
         "not a number, infinite, negative, without rotation, or beyond 2^30 origin cells",

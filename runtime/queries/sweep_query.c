@@ -95,9 +95,10 @@ static void enter_rounded(const duet_tree *tree, const void *item, uint32_t *hit
 
 static bool meets_ground(const tree_query *q, const void *item, uint32_t *hit)
 {
-    const bool bounds = q->tree->def.shape == DUET_SHAPE_BOUNDS;
-    const heights_probe probe =
-        bounds ? heights_probe_of_bounds(item) : heights_probe_of_sweep(item);
+    const duet_shape shape = q->tree->def.shape;
+    const heights_probe probe = shape == DUET_SHAPE_BOUNDS  ? heights_probe_of_bounds(item)
+                                : shape == DUET_SHAPE_POSES ? heights_probe_of_sweep(item)
+                                                            : heights_probe_of_rounded_sweep(item);
     duet_sweep_hit *h = (duet_sweep_hit *)hit;
     heights_entry entry;
     if (!heights_meet(&q->tree->ground, &probe, &entry))
@@ -142,9 +143,10 @@ const query_kinds sweep_kinds = {
                                   meets_bounds, enter_bounds),
                            .meets_ground = meets_ground},
     [DUET_SHAPE_ROUNDED_BOXES] = {SWEEPS(duet_rounded_sweep, WRONG_ROUNDED, meets_rounded,
-                                         enter_rounded)},
+                                         enter_rounded),
+                                  .meets_ground = meets_ground},
     [DUET_SHAPE_SPHERES] = {SWEEPS(duet_rounded_sweep, WRONG_ROUNDED, meets_rounded, enter_rounded),
-                            .copy = copy_spheres},
+                            .copy = copy_spheres, .meets_ground = meets_ground},
     [DUET_SHAPES] = {SWEEPS(duet_large_sweep,
                             "no box, beyond 2^30 origin cells, a number that is none or above "
                             "2^100, a direction below 2^-100, or a t_max below 0",

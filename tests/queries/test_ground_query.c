@@ -708,6 +708,119 @@ TEST(sweeps_meet_the_ground_there_and_not_before)
     free(f);
 }
 
+// ---------------------------------------------------------------- with radii
+
+// The distance of a core and the ground, which it does not meet: from places all over the core,
+// ever nearer to the one that was nearest.
+static real distance_of_core(const field *f, const block *b)
+{
+    real best = INFINITY, middle[3] = {0, 0, 0}, size = 1;
+    for (int round = 0; round < 18; ++round, size *= 0.6L) {
+        real from[3] = {middle[0], middle[1], middle[2]};
+        for (int i = 0; i < 27; ++i) {
+            real at[3], on[3] = {b->centre[0], b->centre[1], b->centre[2]};
+            for (int k = 0; k < 3; ++k) {
+                int side = (k == 0 ? i : k == 1 ? i / 3 : i / 9) % 3 - 1;
+                at[k] = fminl(fmaxl(from[k] + size * side, -1), 1);
+                for (int m = 0; m < 3; ++m)
+                    on[m] += at[k] * b->half[k] * b->axis[k][m];
+            }
+            real far = distance(f, on);
+            if (far < best) {
+                best = far;
+                memcpy(middle, at, sizeof at);
+            }
+        }
+    }
+    return best;
+}
+
+static duet_rounded_box draw_rounded(rng *r, int kind)
+{
+    duet_rounded_box box = {draw_box(r, false), (float)rng_between(r, 0.1, 0.6)};
+    for (int k = 0; k < 3; ++k)
+        box.pose.half_extents[k] = kind > k ? box.pose.half_extents[k] / 2 : 0;
+    return box;
+}
+
+// Spheres, capsules, plates and boxes. The truth is found from above: the search may stop too far.
+TEST(rounded_boxes_meet_the_ground_if_their_cores_are_that_near)
+{
+    enum { BOXES = 60 };
+    rng r = rng_seed(test_seed());
+    field *f = draw_field(&r);
+    duet_rounded_box boxes[BOXES];
+    uint32_t met = 0;
+    for (int i = 0; i < BOXES; ++i)
+        boxes[i] = draw_rounded(&r, i % 4);
+    duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
+    must(duet_tree_set_heights(tree, &f->heights, ERR));
+    duet_box_query *query = open_box_query(tree);
+    duet_box_query_result found = join(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES);
+    for (uint32_t i = 0; i < BOXES; ++i) {
+        block b = block_of(&boxes[i].pose);
+        real far = distance_of_core(f, &b) - (real)boxes[i].radius;
+        bool is_hit = met < found.n_hits && found.hits[met].box == i;
+        if (is_hit ? far > 0.02L : far < -1e-9L)
+            fail_msg("rounded box %u: %s, and %Lg apart", i, is_hit ? "met" : "missed", far);
+        met += is_hit;
+    }
+    assert_int_equal(met, found.n_hits);
+    assert_true(met > BOXES / 8 && met < BOXES * 7 / 8);
+    duet_box_query_destroy(query);
+    duet_tree_destroy(tree);
+    free(f);
+}
+
+// A ball's centre is its radius from the ground where it touches, and further away before.
+TEST(balls_meet_the_ground_a_radius_away)
+{
+    enum { SWEEPS = 300 };
+    rng r = rng_seed(test_seed());
+    field *f = draw_field(&r);
+    duet_sphere_sweep sweeps[SWEEPS];
+    uint32_t met = 0;
+    for (int i = 0; i < SWEEPS; ++i) {
+        sweeps[i] =
+            (duet_sphere_sweep){.sphere = {.radius = (float)rng_between(&r, 0.1, 1)}, .t_max = 6};
+        for (int k = 0; k < 3; ++k) {
+            sweeps[i].sphere.centre[k] = (float)rng_between(&r, k == 2 ? 1 : -7, k == 2 ? 5 : 7);
+            sweeps[i].direction[k] = (float)(rng_normal(&r) - (k == 2 ? 0.5 : 0));
+        }
+    }
+    duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_SPHERES, NULL, 0);
+    must(duet_tree_set_heights(tree, &f->heights, ERR));
+    duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_CLOSEST);
+    duet_sweep_query_result found = run_sweeps(query, DUET_OBJECT_SPHERES, sweeps, SWEEPS);
+    for (uint32_t i = 0; i < SWEEPS; ++i) {
+        const duet_sweep_hit *hit = &found.hits[i];
+        bool is_hit = hit->id != DUET_NO_OBJECT;
+        real last = is_hit ? (real)hit->t : 6, at[3], square = 0;
+        for (int n = 0; n <= 60; ++n) {
+            for (int k = 0; k < 3; ++k)
+                at[k] =
+                    (real)sweeps[i].sphere.centre[k] + last * n / 60 * (real)sweeps[i].direction[k];
+            if (distance(f, at) < (real)sweeps[i].sphere.radius - 1e-5L && last > 0)
+                fail_msg("ball %u meets the ground before %.9Lg", i, last);
+        }
+        if (!is_hit || hit->t == 0)
+            continue;
+        ++met;
+        if (!(fabsl(distance(f, at) - (real)sweeps[i].sphere.radius) < 1e-5L))
+            fail_msg("ball %u is %.9Lg from the ground, not its radius", i, distance(f, at));
+        for (int k = 0; k < 3; ++k) {
+            at[k] -= (real)sweeps[i].sphere.radius * (real)hit->normal[k];
+            square += (real)hit->normal[k] * (real)hit->normal[k];
+        }
+        // A radius along the normal from the centre is the nearest place of the ground.
+        assert_true(fabsl(square - 1) < 1e-6L && distance(f, at) < 2e-5L);
+    }
+    assert_true(met > SWEEPS / 8);
+    duet_sweep_query_destroy(query);
+    duet_tree_destroy(tree);
+    free(f);
+}
+
 // ---------------------------------------------------------------- among objects
 
 static duet_tree *open_crowd(const field *f, uint32_t share, bool ground)
