@@ -365,7 +365,7 @@ static real distance_to_triangle(const triangle *t, const real p[3])
 static real distance_to_wall(const real a[3], const real b[3], const real p[3])
 {
     real from = 0, to = 1, best = INFINITY;
-    for (int i = 0; i < 200; ++i) {
+    for (int i = 0; i < 45; ++i) {
         real at[2] = {from + (to - from) / 3, to - (to - from) / 3}, far[2];
         for (int m = 0; m < 2; ++m) {
             real x = a[0] + at[m] * (b[0] - a[0]) - p[0], y = a[1] + at[m] * (b[1] - a[1]) - p[1];
@@ -645,13 +645,13 @@ static block moved(const duet_sweep *sweep, real t)
     return b;
 }
 
-// Nowhere before, at a hundred places; there; and no more when it is pushed along the normal.
+// Nowhere before, at twenty places; there; and no more when it is pushed along the normal.
 static void check_sweep(const field *f, const duet_sweep *sweep, const duet_sweep_hit *hit)
 {
     bool met = hit->id != DUET_NO_OBJECT;
     real last = met ? (real)hit->t : (real)sweep->t_max;
-    for (int i = 0; i <= 100 && last > 0; ++i) {
-        block b = moved(sweep, (1 - 1e-6L) * last * i / 100);
+    for (int i = 0; i <= 20 && last > 0; ++i) {
+        block b = moved(sweep, (1 - 1e-6L) * last * i / 20);
         if (clearance(f, &b) < -1e-6L)
             fail_msg("sweep %u meets the ground before %.9Lg", hit->sweep, last);
     }
@@ -715,7 +715,7 @@ TEST(sweeps_meet_the_ground_there_and_not_before)
 static real distance_of_core(const field *f, const block *b)
 {
     real best = INFINITY, middle[3] = {0, 0, 0}, size = 1;
-    for (int round = 0; round < 18; ++round, size *= 0.6L) {
+    for (int round = 0; round < 10; ++round, size *= 0.5L) {
         real from[3] = {middle[0], middle[1], middle[2]};
         for (int i = 0; i < 27; ++i) {
             real at[3], on[3] = {b->centre[0], b->centre[1], b->centre[2]};
@@ -746,7 +746,7 @@ static duet_rounded_box draw_rounded(rng *r, int kind)
 // Spheres, capsules, plates and boxes. The truth is found from above: the search may stop too far.
 TEST(rounded_boxes_meet_the_ground_if_their_cores_are_that_near)
 {
-    enum { BOXES = 60 };
+    enum { BOXES = 40 };
     rng r = rng_seed(test_seed());
     field *f = draw_field(&r);
     duet_rounded_box boxes[BOXES];
@@ -775,7 +775,7 @@ TEST(rounded_boxes_meet_the_ground_if_their_cores_are_that_near)
 // A ball's centre is its radius from the ground where it touches, and further away before.
 TEST(balls_meet_the_ground_a_radius_away)
 {
-    enum { SWEEPS = 300 };
+    enum { SWEEPS = 200 };
     rng r = rng_seed(test_seed());
     field *f = draw_field(&r);
     duet_sphere_sweep sweeps[SWEEPS];
@@ -796,10 +796,10 @@ TEST(balls_meet_the_ground_a_radius_away)
         const duet_sweep_hit *hit = &found.hits[i];
         bool is_hit = hit->id != DUET_NO_OBJECT;
         real last = is_hit ? (real)hit->t : 6, at[3], square = 0;
-        for (int n = 0; n <= 60; ++n) {
+        for (int n = 0; n <= 15; ++n) {
             for (int k = 0; k < 3; ++k)
                 at[k] =
-                    (real)sweeps[i].sphere.centre[k] + last * n / 60 * (real)sweeps[i].direction[k];
+                    (real)sweeps[i].sphere.centre[k] + last * n / 15 * (real)sweeps[i].direction[k];
             if (distance(f, at) < (real)sweeps[i].sphere.radius - 1e-5L && last > 0)
                 fail_msg("ball %u meets the ground before %.9Lg", i, last);
         }
