@@ -479,6 +479,10 @@ api.names = {
     "The boxes from now on are a motion's bodies where they are, by place; removed and disabled ones are left out. " ..
     "Bodies with radii need a tree of rounded boxes.",
     fails = true, c = "duet_tree_set_motion" },
+  { "duet.Tree:set_heights", { "heights?: table" }, "duet.Tree",
+    "A ground { nx, ny, spacing, origin, values } beside the boxes, or none; a motion brings its own. Queries find it as one more box, " ..
+    "with the number of boxes plus 6 as its id.",
+    fails = true, c = "duet_tree_set_heights" },
   { "duet.Tree:set_filters", { "filters: duet.Filters|string|integer[]|integer[][]" }, "duet.Tree",
     "The boxes' filters until they are set again; a motion's bodies bring theirs. Queries whose def has a filter { group, mask } " ..
     "find the boxes that it can touch.",

@@ -18,4 +18,8 @@ motion_box *motion_check_box(lua_State *L, int index); // one that is open
 extern const member motion_def_members[];
 void motion_push_effects(lua_State *L, uint32_t effects); // a list of their names
 
+// Reads a ground from the table on top of the stack and pushes it, as a userdata; raises an error
+// for what is none.
+const duet_heights *motion_push_heights(lua_State *L);
+
 #endif

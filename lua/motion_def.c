@@ -62,12 +62,9 @@ static const char *boundary_name(int boundary)
     return boundary < 3 ? names[boundary] : NULL;
 }
 
-// heights = { nx = 65, ... }: kept in the registry until a motion has copied them.
-static void read_heights(lua_State *L, const member *m, void *at)
+const duet_heights *motion_push_heights(lua_State *L)
 {
     duet_heights read;
-    if (!lua_istable(L, -1))
-        member_refuse(L, m, "a table of nx, ny, spacing, origin, values and material");
     const char *fault = heights_read(L, &read);
     if (fault)
         luaL_error(L, "field 'heights': %s", fault);
@@ -81,7 +78,15 @@ static void read_heights(lua_State *L, const member *m, void *at)
         luaL_error(L, "field 'heights': %s", fault);
     *kept = read;
     kept->heights = values;
-    *(const duet_heights **)at = kept;
+    return kept;
+}
+
+// heights = { nx = 65, ... }: kept in the registry until a motion has copied them.
+static void read_heights(lua_State *L, const member *m, void *at)
+{
+    if (!lua_istable(L, -1))
+        member_refuse(L, m, "a table of nx, ny, spacing, origin, values and material");
+    *(const duet_heights **)at = motion_push_heights(L);
     lua_setfield(L, LUA_REGISTRYINDEX, "duet heights");
 }
 

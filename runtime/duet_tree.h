@@ -52,6 +52,13 @@ DUET_API bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, cons
 // tree is then empty.
 DUET_API bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err);
 
+// Sets a ground, which is copied; NULL: none. It lies beside the objects and queries find it as one
+// more, with the id n + 6 for n objects, as in a motion's events. All under its triangles is part
+// of it, without an end below. duet_tree_set_motion takes a motion's ground, or none; set_objects
+// keeps what there is. BAD_ARGUMENT for a ground that no motion can have, and for trees in 2D or in
+// origin cells.
+DUET_API bool duet_tree_set_heights(duet_tree *tree, const duet_heights *heights, duet_error *err);
+
 // Two can touch if each one's group has a bit of the other's mask, as in a duet_body.
 typedef struct duet_filter {
     uint32_t group;

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "runtime/bodies/material.h"
 #include "runtime/bodies/vector.h"
+#include "runtime/narrowphase/heights.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/opencl/device_pair.h"
 
@@ -115,26 +116,6 @@ static bool check_origin(const duet_motion_def *def, duet_error *err)
                      "doubles, and no origin cells");
 }
 
-static bool check_places(const duet_heights *h, duet_error *err)
-{
-    if (h->nx < 2 || h->ny < 2 || (uint64_t)h->nx * h->ny > DUET_MOST_HEIGHTS)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the ground has %u x %u heights; expected 2 or more along each axis, and "
-                         "%u at most",
-                         h->nx, h->ny, DUET_MOST_HEIGHTS);
-    for (int k = 0; k < 3; ++k)
-        if (!is_between(h->origin[k], -1e30, 1e30))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "%c of the ground's origin is %g; expected from -1e30 to 1e30",
-                             "xyz"[k], h -> origin[k]);
-    for (int k = 0; k < 2; ++k)
-        if (!is_between(h->spacing[k], 1e-6, 1e6))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "the ground's spacing along %c is %g; expected from 1e-6 to 1e6",
-                             "xy"[k], h -> spacing[k]);
-    return true;
-}
-
 // Refuses a ground that no motion can have.
 static bool check_heights(const duet_motion_def *def, duet_error *err)
 {
@@ -144,20 +125,11 @@ static bool check_heights(const duet_motion_def *def, duet_error *err)
     if (def->dims != 3 || def->origin_edge != 0.0f)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "heights are for motions in 3D without origin cells");
-    if (!check_places(h, err))
-        return false;
     if (h->material > def->n_materials)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the ground's material is %u; expected one of the def's %u materials",
                          h->material, def->n_materials);
-    if (!h->heights)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the ground's heights are NULL");
-    for (uint32_t i = 0; i < h->nx * h->ny; ++i)
-        if (!is_between(h->heights[i], -1e15, 1e15))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "height %u, %u of the ground is %g; expected from -1e15 to 1e15",
-                             i % h->nx, i / h->nx, (double)h->heights[i]);
-    return true;
+    return heights_check(h, err);
 }
 
 bool motion_check_def(const duet_motion_def *def, duet_error *err)

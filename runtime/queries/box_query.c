@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
+#include "runtime/narrowphase/heights.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/queries/far_rows.h"
@@ -34,6 +35,17 @@ static bool meets_rounded(const duet_tree *tree, const void *item, uint32_t *hit
     return rounded_decide(item, (const duet_rounded_box *)tree->objects + hit[1], tree->def.dims);
 }
 
+static bool meets_ground(const tree_query *q, const void *item, uint32_t *hit)
+{
+    heights_entry entry;
+    const duet_shape shape = q->tree->def.shape;
+    const heights_probe probe = shape == DUET_SHAPE_BOUNDS  ? heights_probe_of_still_bounds(item)
+                                : shape == DUET_SHAPE_POSES ? heights_probe_of_box(item)
+                                                            : heights_probe_of_rounded_box(item);
+    (void)hit;
+    return heights_meet(&q->tree->ground, &probe, &entry);
+}
+
 #define BOXES(type_, wrong_, meets_)                                              \
     .item = "box", .items = "boxes", .wrong = (wrong_), .kernel = "box_query",    \
     .item_words = QUERY_WORDS(type_), .item_cell = FAR_POSE_CELL, .hit_words = 2, \
@@ -42,13 +54,16 @@ static bool meets_rounded(const duet_tree *tree, const void *item, uint32_t *hit
 #define WRONG_BOX "not a number, infinite, negative, without rotation, or above 2^100"
 
 const query_kinds box_kinds = {
-    [DUET_SHAPE_POSES] = {BOXES(duet_pose, WRONG_BOX, meets)},
-    [DUET_SHAPE_BOUNDS] = {BOXES(
-        duet_bounds,
-        "not a number, infinite, with a lower corner above its upper one, or above 2^100", NULL)},
-    [DUET_SHAPE_ROUNDED_BOXES] = {BOXES(duet_rounded_box, WRONG_BOX, meets_rounded)},
+    [DUET_SHAPE_POSES] = {BOXES(duet_pose, WRONG_BOX, meets), .meets_ground = meets_ground},
+    [DUET_SHAPE_BOUNDS] =
+        {BOXES(duet_bounds,
+               "not a number, infinite, with a lower corner above its upper one, or above 2^100",
+               NULL),
+         .meets_ground = meets_ground},
+    [DUET_SHAPE_ROUNDED_BOXES] = {BOXES(duet_rounded_box, WRONG_BOX, meets_rounded),
+                                  .meets_ground = meets_ground},
     [DUET_SHAPE_SPHERES] = {BOXES(duet_rounded_box, WRONG_BOX, meets_rounded),
-                            .copy = tree_copy_rows},
+                            .copy = tree_copy_rows, .meets_ground = meets_ground},
     [DUET_SHAPES] = {BOXES(
         duet_large_pose,
         "not a number, infinite, negative, without rotation, or beyond 2^30 origin cells",

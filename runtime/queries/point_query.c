@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
+#include "runtime/narrowphase/heights.h"
 #include "runtime/queries/far_rows.h"
 #include "runtime/queries/ray.h"
 #include "runtime/queries/tree_query.h"
@@ -42,12 +43,21 @@ static void take_root(const duet_tree *tree, const void *item, uint32_t *hit)
     found->distance = sqrtf(found->distance);
 }
 
+static bool meets_ground(const tree_query *q, const void *item, uint32_t *hit)
+{
+    const duet_point *point = item;
+    if (q->wants != QUERY_NEAREST)
+        return heights_contain(&q->tree->ground, point->at);
+    ((duet_point_hit *)hit)->distance = (float)heights_distance(&q->tree->ground, point->at);
+    return true;
+}
+
 #define POINTS(type_)                                                                           \
     {                                                                                           \
         .item = "point", .items = "points", .kernel = "point_query",                            \
         .wrong = "not a number, above 2^100, or beyond 2^30 origin cells",                      \
         .item_words = QUERY_WORDS(type_), .item_cell = QUERY_WORDS(duet_point), .hit_words = 3, \
-        .meets = meets, .finish = take_root                                                     \
+        .meets = meets, .finish = take_root, .meets_ground = meets_ground                       \
     }
 
 const query_kinds point_kinds = {POINTS(duet_point), POINTS(duet_point), POINTS(duet_point),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
+#include "runtime/narrowphase/heights.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/queries/far_rows.h"
 #include "runtime/queries/ray.h"
@@ -77,11 +78,35 @@ static void normal_far(const duet_tree *tree, const void *item, const uint32_t *
     ray_normal(&ray->ray, &box->pose, shift, tree->def.dims, out);
 }
 
+static bool meets_ground(const tree_query *q, const void *item, uint32_t *hit)
+{
+    const duet_ray *ray = item;
+    duet_ray_hit *h = (duet_ray_hit *)hit;
+    const heights_probe probe = heights_probe_of_ray(ray);
+    heights_entry entry;
+    if (!heights_meet(&q->tree->ground, &probe, &entry))
+        return false;
+    h->t = fminf((float)entry.t, ray->t_max);
+    return true;
+}
+
+static void ground_normal(const duet_tree *tree, const void *item, const uint32_t *hit,
+                          float out[3])
+{
+    const duet_ray *ray = item;
+    const heights_probe probe = heights_probe_of_ray(ray);
+    heights_entry entry;
+    (void)hit;
+    if (heights_meet(&tree->ground, &probe, &entry) && entry.t > 0.0)
+        heights_set_normal(&entry, out);
+}
+
 #define RAYS(type_, wrong_, meets_, normal_)                                                  \
     {                                                                                         \
         .item = "ray", .items = "rays", .wrong = (wrong_), .kernel = "ray_query",             \
         .item_words = QUERY_WORDS(type_), .item_cell = QUERY_WORDS(duet_ray), .hit_words = 3, \
-        .meets = (meets_), .normal = (normal_)                                                \
+        .meets = (meets_), .normal = (normal_), .meets_ground = meets_ground,                 \
+        .ground_normal = ground_normal                                                        \
     }
 #define NEAR_RAYS                                                                            \
     RAYS(duet_ray,                                                                           \

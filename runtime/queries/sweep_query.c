@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
+#include "runtime/narrowphase/heights.h"
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/queries/far_rows.h"
 #include "runtime/queries/rounded_sweep.h"
@@ -92,6 +93,22 @@ static void enter_rounded(const duet_tree *tree, const void *item, uint32_t *hit
     h->t = rounded_sweep_enter(item, box, tree->def.dims, h->normal);
 }
 
+static bool meets_ground(const tree_query *q, const void *item, uint32_t *hit)
+{
+    const duet_shape shape = q->tree->def.shape;
+    const heights_probe probe = shape == DUET_SHAPE_BOUNDS  ? heights_probe_of_bounds(item)
+                                : shape == DUET_SHAPE_POSES ? heights_probe_of_sweep(item)
+                                                            : heights_probe_of_rounded_sweep(item);
+    duet_sweep_hit *h = (duet_sweep_hit *)hit;
+    heights_entry entry;
+    if (!heights_meet(&q->tree->ground, &probe, &entry))
+        return false;
+    h->t = fminf((float)entry.t, probe.t_max);
+    if (entry.t > 0.0)
+        heights_set_normal(&entry, h->normal);
+    return true;
+}
+
 // Spheres are rounded boxes to the kernel.
 static void copy_spheres(const duet_tree *tree, const void *items, uint64_t n, void *to)
 {
@@ -118,15 +135,18 @@ const query_kinds sweep_kinds = {
     [DUET_SHAPE_POSES] = {SWEEPS(duet_sweep,
                                  "no box, a number that is none or above 2^100, a direction below "
                                  "2^-100, or a t_max below 0",
-                                 meets, enter)},
+                                 meets, enter),
+                          .meets_ground = meets_ground},
     [DUET_SHAPE_BOUNDS] = {SWEEPS(duet_bounds_sweep,
                                   "no bounds, a number that is none or above 2^100, a direction "
                                   "below 2^-100, or a t_max below 0",
-                                  meets_bounds, enter_bounds)},
+                                  meets_bounds, enter_bounds),
+                           .meets_ground = meets_ground},
     [DUET_SHAPE_ROUNDED_BOXES] = {SWEEPS(duet_rounded_sweep, WRONG_ROUNDED, meets_rounded,
-                                         enter_rounded)},
+                                         enter_rounded),
+                                  .meets_ground = meets_ground},
     [DUET_SHAPE_SPHERES] = {SWEEPS(duet_rounded_sweep, WRONG_ROUNDED, meets_rounded, enter_rounded),
-                            .copy = copy_spheres},
+                            .copy = copy_spheres, .meets_ground = meets_ground},
     [DUET_SHAPES] = {SWEEPS(duet_large_sweep,
                             "no box, beyond 2^30 origin cells, a number that is none or above "
                             "2^100, a direction below 2^-100, or a t_max below 0",

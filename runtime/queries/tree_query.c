@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/queries/far_rows.h"
+#include "runtime/queries/ground_hits.h"
 #include "runtime/queries/query_chunk.h"
 #include "runtime/queries/query_flow.h"
 
@@ -183,6 +184,8 @@ void any_query_destroy(any_query *q)
     host_block_release(&q->joined.block);
     free(q->own_items);
     free(q->normals);
+    free(q->on_ground);
+    host_block_release(&q->with_ground.block);
     duet_tree_destroy(q->tree);
     free(q);
 }
@@ -259,8 +262,10 @@ static void find_some_normals(void *arg, uint64_t first, uint64_t last)
         const uint32_t *hit = rows->hits + i * q->kind->hit_words;
         float *normal = q->normals + 3 * i;
         memset(normal, 0, 3 * sizeof *normal);
-        if (hit[1] != DUET_NO_OBJECT)
-            q->normal(q->tree, query_item_at(q, hit[0]), hit, normal);
+        if (hit[1] == DUET_NO_OBJECT)
+            continue;
+        query_normal *find = hit[1] == tree_ground_id(q->tree) ? q->kind->ground_normal : q->normal;
+        find(q->tree, query_item_at(q, hit[0]), hit, normal);
     }
 }
 
@@ -339,7 +344,7 @@ bool tree_query_run(tree_query *q, const void *items, uint64_t n, query_result *
     query_side *a = begin_side(q, 0, 0, cut), *b = begin_side(q, 1, cut, n);
     query_result found = {0};
     if (!tree_run(q->tree, run_side, a, b, err) || !join_hits(q, &found, err) ||
-        !find_normals(q, &found, err))
+        !ground_hits_add(q, n, &found, err) || !find_normals(q, &found, err))
         return false;
     for (int which = 0; which < 2; ++which) {
         found.undecided += q->sides[which].undecided;

@@ -40,6 +40,9 @@ typedef struct query_kind {
     bool finish_reads; // the tree's objects
     // Computes the normal of a hit on an object; NULL: its hits have none.
     query_normal *normal;
+    // Whether an item meets the tree's ground, and its hit's value; NULL: it finds no ground.
+    bool (*meets_ground)(const struct tree_query *q, const void *item, uint32_t *hit);
+    query_normal *ground_normal;
 } query_kind;
 
 // A kind for each shape of a tree, then that of large poses.
@@ -99,6 +102,9 @@ typedef struct tree_query {
     query_normal *normal; // NULL: not asked for
     float *normals;       // [most_normals][3] of the hits, 0 where there is none
     uint64_t most_normals;
+    uint32_t *on_ground; // [most_on_ground] a hit of each item: NO_OBJECT for none
+    uint64_t most_on_ground;
+    hit_list with_ground; // all hits, of every object
 } tree_query;
 
 // A query_result as a public query tells it, whose result and hits are of these types.

@@ -584,6 +584,51 @@ TEST(a_recording_is_for_the_ground_that_it_was_made_on)
     free(f);
 }
 
+// ---------------------------------------------------------------- queries
+
+static duet_ray_hit cast_down(duet_tree *tree, float x, float y)
+{
+    duet_error err = {0};
+    duet_ray_query_def def = duet_default_ray_query_def();
+    duet_ray_query_result found;
+    const duet_ray down = {.origin = {x, y, 9}, .direction = {0, 0, -1}, .t_max = INFINITY};
+    def.tree = tree;
+    duet_ray_query *query = duet_ray_query_create(&def, &err);
+    assert_ok(query, err);
+    assert_ok(duet_ray_query_run(query, &down, 1, &found, &err), err);
+    duet_ray_hit hit = found.hits[0];
+    duet_ray_query_destroy(query);
+    return hit;
+}
+
+// The id of rays' hits is that of events.
+TEST(a_tree_takes_a_motion_with_its_ground_and_without)
+{
+    duet_error err = {0};
+    field *f = malloc(sizeof *f);
+    fill(f, 9, 1, slope);
+    mover *m = on_ground(f), *none = mover_new(3);
+    none->def.wants |= DUET_EFFECT_CONTACT_RESPONSE;
+    mover_add_cube(m, 0, 0, 3, 0.5);
+    mover_add_cube(none, 0, 0, 3, 0.5);
+    mover_run(m, 1);
+    mover_run(none, 1);
+    duet_tree_def def = duet_motion_tree_def(m->motion);
+    duet_tree *tree = duet_tree_create(&def, &err);
+    assert_ok(tree, err);
+    assert_ok(duet_tree_set_motion(tree, m->motion, &err), err);
+    duet_ray_hit hit = cast_down(tree, 2, 1);
+    assert_int_equal(hit.id, m->n + 6);
+    assert_close((double)hit.t, 9 + 2 * tilt, 1e-6);
+    assert_int_equal(cast_down(tree, 0, 0).id, 0);
+    assert_ok(duet_tree_set_motion(tree, none->motion, &err), err);
+    assert_int_equal(cast_down(tree, 2, 1).id, DUET_NO_OBJECT);
+    duet_tree_destroy(tree);
+    mover_free(m);
+    mover_free(none);
+    free(f);
+}
+
 // ---------------------------------------------------------------- hostile grounds
 
 static void refuse(const mover *m, const duet_heights *h, const char *says)
