@@ -10,8 +10,8 @@
 
 // ---------------------------------------------------------------- what is supported
 
-static const uint32_t unsupported = DUET_EFFECT_EVENTS | DUET_EFFECT_SENSORS | DUET_EFFECT_SLEEP |
-                                    DUET_EFFECT_SHOCKS | DUET_EFFECT_DEPENETRATION;
+static const uint32_t unsupported =
+    DUET_EFFECT_EVENTS | DUET_EFFECT_SENSORS | DUET_EFFECT_SHOCKS | DUET_EFFECT_DEPENETRATION;
 
 static bool check_effects(const duet_motion *motion, const char *scene, duet_error *own)
 {
@@ -22,7 +22,7 @@ static bool check_effects(const duet_motion *motion, const char *scene, duet_err
         if (refused & bit)
             return error_set(own, DUET_STATUS_BAD_ARGUMENT,
                              "%s: the effect %s is not for several domains yet; expected none of "
-                             "sleep, events, sensors, shocks, depenetration, and no contact "
+                             "events, sensors, shocks, depenetration, and no contact "
                              "without response",
                              scene, duet_effect_name(bit));
     return true;

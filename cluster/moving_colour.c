@@ -12,22 +12,25 @@ typedef LIST_OF(waiting_contact, contacts) waiting_list;
 
 // ---------------------------------------------------------------- one domain
 
-// Whether the contact is one that changes a body of the domain's own, and its domain decides.
-static bool pushes(const moving *m, const moving_domain *d, const domain_contacts *c, uint32_t i)
+// Whether the contact changes a body that is awake, and the domain owns an end that moves.
+static bool pushes(const moving *m, const moving_domain *d, const domain_contacts *c, uint32_t i,
+                   const cl_uint *asleep)
 {
-    bool decides = false;
+    bool decides = false, is_awake = false;
     for (int k = 0; k < 2; ++k) {
-        const moving_body *b = moving_body_or_wall(m, d, c->links[i].s[k]);
+        uint32_t place = c->links[i].s[k];
+        const moving_body *b = moving_body_or_wall(m, d, place);
         decides = decides || (b && moving_decides(d, b));
+        is_awake = is_awake || (b && b->body.mass > 0.0f && !(asleep[place] & SLEEPS));
     }
-    return decides && (c->touches[i] & TOUCH_POINTS) > 0;
+    return decides && is_awake && (c->touches[i] & TOUCH_POINTS) > 0;
 }
 
 // A contact keeps its colour while it pushes.
-static void mark(const moving *m, const moving_domain *d, domain_contacts *c)
+static void mark(const moving *m, const moving_domain *d, domain_contacts *c, const cl_uint *asleep)
 {
     for (uint32_t i = 0; i < c->n; ++i)
-        if (!pushes(m, d, c, i))
+        if (!pushes(m, d, c, i, asleep))
             c->colours[i] = COLOUR_NONE;
         else if (c->colours[i] == COLOUR_NONE)
             c->colours[i] = COLOUR_WAITS;
@@ -70,14 +73,16 @@ static void wait_for_colours(const moving *m, const moving_domain *d, domain_con
                              waiting_list *waiting, duet_error *own)
 {
     uint32_t *used = calloc(d->bodies.n + 1, sizeof *used);
-    if (!used) {
+    cl_uint *asleep = calloc(d->bodies.n + 1, sizeof *asleep);
+    if (!used || !asleep)
         error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
-        return;
+    else if (domain_read_asleep(d->motion, asleep, own)) {
+        mark(m, d, c, asleep);
+        note_used(d, c, used);
+        list_waiting(m, d, c, used, waiting);
     }
-    mark(m, d, c);
-    note_used(d, c, used);
-    list_waiting(m, d, c, used, waiting);
     free(used);
+    free(asleep);
 }
 
 // ---------------------------------------------------------------- all domains

@@ -92,7 +92,7 @@ static void solve(moving *m, bool soft, duet_error *own)
     for (uint32_t colour = 0; colour < m->counts.colours; ++colour) {
         for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
             domain_solve_colour(m->domains[k].motion, colour, soft, own);
-        halo_exchange(&m->halo, m, own);
+        halo_exchange(&m->halo, m, BODIES, own);
     }
 }
 
@@ -102,7 +102,7 @@ static void restore_speeds(moving *m, duet_error *own)
     for (uint32_t colour = 0; any_bounces && colour < m->counts.colours; ++colour) {
         for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
             domain_restore_colour(m->domains[k].motion, colour, own);
-        halo_exchange(&m->halo, m, own);
+        halo_exchange(&m->halo, m, BODIES, own);
     }
 }
 
@@ -115,17 +115,54 @@ static void substep(moving *m, duet_error *own)
     solve(m, false, own);
 }
 
+// What wakes, and what falls asleep, is right for bodies that a domain owns, and told to others:
+// rests before bodies look at those that they touch, and then which of them sleep.
+static bool update_sleep(moving *m, tally *t, duet_error *own)
+{
+    *t = (tally){0};
+    if (!(m->domains[0].motion->effects & DUET_EFFECT_SLEEP))
+        return true;
+    halo_exchange(&m->halo, m, RESTS, own);
+    each(m, domain_update_sleep, own);
+    halo_exchange(&m->halo, m, ASLEEP, own);
+    each(m, domain_read_flags, own);
+    for (uint32_t k = 0; k < m->parts; ++k) {
+        const uint32_t *flags = m->domains[k].motion->flags;
+        t->sums[0] += flags[FLAG_FELL_ASLEEP];
+        t->sums[1] += flags[FLAG_PRESSED];
+    }
+    if (!ranks_agree_and(m->ranks, is_well(own), t, own))
+        return false;
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        domain_wake_touched(m->domains[k].motion, t->sums[0] > 0, own);
+    return true;
+}
+
+static void push_sleepers(moving *m, duet_error *own)
+{
+    for (uint32_t round = 0; round < PRESSED_ROUNDS; ++round) {
+        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+            domain_push_sleepers(m->domains[k].motion, round, own);
+        halo_exchange(&m->halo, m, BODIES, own);
+    }
+    each(m, domain_move_sleepers, own);
+}
+
 // The impulses to warm start with are sums over contacts, of which a ghost lacks some.
 static bool respond(moving *m, duet_error *own)
 {
+    tally t;
     each(m, domain_begin_step, own);
-    if (!moving_colour(m, own))
+    if (!update_sleep(m, &t, own) || !moving_colour(m, own))
         return false;
     each(m, domain_prepare_contacts, own);
-    halo_exchange(&m->halo, m, own);
+    halo_exchange(&m->halo, m, BODIES, own);
     for (uint32_t i = 0; i < m->domains[0].motion->def.substeps; ++i)
         substep(m, own);
     restore_speeds(m, own);
+    each(m, domain_finalize, own);
+    if (t.sums[1] > 0)
+        push_sleepers(m, own);
     each(m, domain_end_step, own);
     return true;
 }

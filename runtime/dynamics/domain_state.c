@@ -10,7 +10,8 @@ static const char stage[] = "domain";
 
 // ---------------------------------------------------------------- states
 
-static const motion_buffer kept[] = {CENTRES, VELOCITIES, ROTATIONS, ANGULAR_VELOCITIES};
+static const motion_buffer kept[] = {CENTRES, VELOCITIES, ROTATIONS, ANGULAR_VELOCITIES,
+                                     RESTS,   ASLEEP};
 
 enum { N_KEPT = sizeof kept / sizeof kept[0] };
 
@@ -25,6 +26,14 @@ size_t domain_state_bytes(const duet_motion *m)
     for (int i = 0; i < N_KEPT; ++i)
         bytes += row_bytes(m, kept[i]);
     return bytes;
+}
+
+size_t domain_rest_at(const duet_motion *m)
+{
+    size_t at = 0;
+    for (int i = 0; kept[i] != RESTS; ++i)
+        at += row_bytes(m, kept[i]);
+    return at;
 }
 
 static char *rows_of_all(const duet_motion *m, motion_buffer which, duet_error *err)
@@ -53,10 +62,9 @@ static bool write_rows(duet_motion *m, motion_buffer which, const char *at, duet
     char *rows = rows_of_all(m, which, err);
     for (uint32_t i = 0; rows && i < m->n; ++i)
         memcpy(rows + i * row, at + i * all, row);
-    bool ok =
-        rows &&
-        timeline_write_at(&m->times, stage, &m->buffers[which], 0, rows, m->n * row, err) &&
-        timeline_finish(&m->times, err);
+    bool ok = rows &&
+              timeline_write_at(&m->times, stage, &m->buffers[which], 0, rows, m->n * row, err) &&
+              timeline_finish(&m->times, err);
     free(rows);
     return ok;
 }
@@ -83,7 +91,22 @@ static bool write_states(duet_motion *m, const char *states, duet_error *err)
     return ok;
 }
 
+bool domain_read_asleep(duet_motion *m, cl_uint *asleep, duet_error *err)
+{
+    memset(asleep, 0, m->n * sizeof *asleep);
+    return m->n == 0 || !(m->effects & DUET_EFFECT_SLEEP) ||
+           motion_fetch(m, stage, ASLEEP, 0, asleep, m->n * sizeof *asleep, err);
+}
+
 // ---------------------------------------------------------------- contacts
+
+bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n)
+{
+    bool pushed = false;
+    for (uint32_t k = 0; k < n; ++k)
+        pushed = pushed || record[m->layout.head + k * m->layout.point + OF_MAX_IMPULSE] > 0.0f;
+    return pushed;
+}
 
 void domain_contacts_free(domain_contacts *c)
 {

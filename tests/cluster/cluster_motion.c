@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/rng.h"
+#include "base/text_file.h"
 #include "kernels/dynamics/records.h"
 
 #include <inttypes.h>
@@ -110,16 +111,28 @@ static void a_flight_has_one_motions_bits(void)
 
 static void a_pile_has_one_motions_bits(void)
 {
-    static const int shapes[][2] = {{1, 1}, {1, 4}, {2, 1}, {3, 1}, {4, 1}, {5, 1}, {8, 1}, {2, 3}};
-    const moving_scene s = {"falling", {{"n", "120"}, {"sleep", "false"}}, 2, 40, "contacts"};
+    static const int shapes[][2] = {{1, 1}, {1, 4}, {2, 1}, {3, 1}, {4, 1}, {5, 1}, {8, 1}};
+    const moving_scene s = {"falling", {{"n", "120"}, {"sleep", "false"}}, 2, 32, "contacts"};
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
 }
 
-static void bullets_have_one_motions_bits(void)
+// At the end all of it sleeps, after bodies fell asleep and woke beside borders.
+static void a_pile_that_falls_asleep_has_one_motions_bits(void)
+{
+    static const int shapes[][2] = {{1, 3}, {2, 2}};
+    const moving_scene s = {"falling", {{"n", "60"}}, 1, 320, NULL};
+    must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+}
+
+static void other_effects_have_one_motions_bits(void)
 {
     static const int shapes[][2] = {{1, 5}, {3, 1}};
-    const moving_scene s = {"bullets", {{0}}, 0, 12, "contacts"};
-    must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+    const moving_scene bullets = {"bullets", {{0}}, 0, 12, "contacts"};
+    const moving_scene marbles = {"marbles", {{"n", "100"}}, 1, 40, "contacts"};
+    const moving_scene terrain = {"terrain", {{"n", "100"}}, 1, 30, "contacts"};
+    must_move_alike(&bullets, shapes, sizeof shapes / sizeof *shapes);
+    must_move_alike(&marbles, shapes, 1);
+    must_move_alike(&terrain, shapes, 1);
 }
 
 // ---------------------------------------------------------------- failures
@@ -145,9 +158,26 @@ static void must_refuse(const char *path, const duet_setting *settings, uint32_t
     MPI_Comm_free(&comm);
 }
 
+#define SHOCKS "cluster_motion_shocks.lua"
+
+static void write_scene(void)
+{
+    duet_error err = {0};
+    const char scene[] =
+        "add { centre = { 0, 0, 0 }, half_extents = { 1, 1, 1 }, velocity = { 1, 0, 0 } }\n"
+        "return { dims = 3, wants = { 'shocks' } }\n";
+    if (rank == 0)
+        MUST_OK(text_write_file(SHOCKS, scene, sizeof scene - 1, &err), err);
+    MPI_Barrier(MPI_COMM_WORLD);
+}
+
 static void what_ranks_lack_is_refused(void)
 {
-    must_refuse("falling", NULL, 0, "the effect sleep is not for several domains yet");
+    write_scene();
+    must_refuse(SHOCKS, NULL, 0, "the effect shocks is not for several domains yet");
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (rank == 0)
+        remove(SHOCKS);
     must_refuse("no_such_scene.lua", NULL, 0, "no_such_scene.lua");
 }
 
@@ -216,7 +246,8 @@ int main(int argc, char **argv)
     what_ranks_lack_is_refused();
     a_flight_has_one_motions_bits();
     a_pile_has_one_motions_bits();
-    bullets_have_one_motions_bits();
+    a_pile_that_falls_asleep_has_one_motions_bits();
+    other_effects_have_one_motions_bits();
     if (rank == 0)
         printf("all facts hold on 1, 2, 3, 4, 5 and 8 ranks\n");
     FIND_LEAKS(); // before MPI ends, which forgets some memory of its own
