@@ -135,16 +135,58 @@ static void count(const moving *m, const moving_domain *d, const domain_contacts
     }
 }
 
-// Contacts without a colour of their own are solved in the order of all ids, over all domains.
-static bool check_colours(moving *m, const tally *t, duet_error *own)
+// ---------------------------------------------------------------- without a colour
+
+static void add_in_order(const moving *m, const moving_domain *d, const domain_contacts *c,
+                         waiting_list *list)
 {
+    for (uint32_t i = 0; i < c->n; ++i) {
+        const waiting_contact one = {.owner = moving_id(m, d, c->links[i].s[0]),
+                                     .other = moving_id(m, d, c->links[i].s[1])};
+        if (c->colours[i] == COLOUR_OVERFLOW)
+            list_add(&list->list, &one, 1, sizeof one);
+    }
+}
+
+static void note_in_order(const moving *m, moving_domain *d, const domain_contacts *c,
+                          const waiting_contact *all, uint64_t n, duet_error *own)
+{
+    list_clear(&d->in_order.list);
+    for (uint32_t i = 0; i < c->n; ++i)
+        if (c->colours[i] == COLOUR_OVERFLOW)
+            row_list_add(&d->in_order,
+                         (uint32_t)colouring_place(all, n, moving_id(m, d, c->links[i].s[0]),
+                                                   moving_id(m, d, c->links[i].s[1])));
+    if (d->in_order.failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "contacts in order: no memory");
+}
+
+// All ranks learn which contacts are solved in order, and each domain where its own lie among them.
+static bool order_contacts(moving *m, const domain_contacts *contacts, duet_error *own)
+{
+    waiting_list list = {0};
+    parcels all = {0};
+    for (uint32_t k = 0; k < m->parts; ++k)
+        add_in_order(m, &m->domains[k], &contacts[k], &list);
+    bool ok = tell_all(m, &list, &all, own);
+    m->n_in_order = ok ? colouring_sort(all.rows, all.n) : 0;
+    for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
+        note_in_order(m, &m->domains[k], &contacts[k], all.rows, m->n_in_order, own);
+    free(list.contacts);
+    parcels_end(&all);
+    return ok;
+}
+
+// ---------------------------------------------------------------- all of it
+
+static bool end_colouring(moving *m, const domain_contacts *contacts, tally *t, duet_error *own)
+{
+    if (!ranks_agree_and(m->ranks, is_well(own), t, own))
+        return false;
     m->counts.colours = (uint32_t)t->greatest[0];
     m->counts.contacts = t->sums[0];
-    return m->counts.colours <= COLOUR_OVERFLOW ||
-           error_set(own, DUET_STATUS_TOO_MANY,
-                     "step %" PRIu64 ": a body has more contacts than there are colours, %d; "
-                     "several domains cannot solve these yet",
-                     m->counts.step, COLOUR_OVERFLOW);
+    m->n_in_order = 0;
+    return m->counts.colours <= COLOUR_OVERFLOW || order_contacts(m, contacts, own);
 }
 
 bool moving_colour(moving *m, duet_error *own)
@@ -166,7 +208,7 @@ bool moving_colour(moving *m, duet_error *own)
         take_colours(m, &m->domains[k], &contacts[k], all.rows, n, own);
         count(m, &m->domains[k], &contacts[k], &t);
     }
-    ok = ok && ranks_agree_and(m->ranks, is_well(own), &t, own) && check_colours(m, &t, own);
+    ok = ok && end_colouring(m, contacts, &t, own);
     for (uint32_t k = 0; contacts && k < m->parts; ++k)
         domain_contacts_free(&contacts[k]);
     free(contacts);

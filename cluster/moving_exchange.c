@@ -289,9 +289,10 @@ static void fill_contacts(const moving *m, const moving_domain *d, replacement *
     }
 }
 
-static void replace(moving *m, moving_domain *d, duet_error *own)
+void moving_replace(moving *m, moving_domain *d, duet_error *own)
 {
     replacement r = {0};
+    sort_domain(m, d);
     if (!reserve(m, d, &r)) {
         error_set(own, DUET_STATUS_NO_MEMORY, "a domain of %u bodies: no memory",
                   (uint32_t)d->bodies.n);
@@ -315,10 +316,8 @@ bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
     if (ok && moving_pushes(m))
         ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
-        sort_domain(m, &m->domains[k]);
+        moving_replace(m, &m->domains[k], own);
     ok = ok && halo_settle(&m->halo, m, own);
-    for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
-        replace(m, &m->domains[k], own);
     tally t = {.sums = {m->n_ghosts}};
     ok = ok && ranks_agree_and(m->ranks, is_well(own), &t, own);
     m->counts.ghosts = t.sums[0];

@@ -57,7 +57,7 @@ static void add_contact(moving *m, const moving_domain *d, const domain_contacts
     }
 }
 
-static void read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own)
+void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own)
 {
     domain_contacts all;
     if (!domain_read_contacts(d->motion, true, &all, own))
@@ -72,7 +72,7 @@ void moving_read(moving *m, item_list *contacts, duet_error *own)
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
         moving_read_bodies(m, &m->domains[k], own);
         if (is_well(own) && moving_pushes(m))
-            read_contacts(m, &m->domains[k], contacts, own);
+            moving_read_contacts(m, &m->domains[k], contacts, own);
     }
 }
 
@@ -86,33 +86,62 @@ static void each(moving *m, domain_stage *stage, duet_error *own)
         stage(m->domains[k].motion, own);
 }
 
-// Domains that have no contact of a colour take part in its exchange.
-static void solve(moving *m, bool soft, duet_error *own)
+// What is done to the contacts of a colour, or to one of those that are solved in order.
+typedef enum solve_pass { SOLVE_SOFT, SOLVE_RELAX, SOLVE_RESTORE } solve_pass;
+
+static void solve_colour(duet_motion *motion, uint32_t colour, solve_pass pass, duet_error *own)
 {
-    for (uint32_t colour = 0; colour < m->counts.colours; ++colour) {
-        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-            domain_solve_colour(m->domains[k].motion, colour, soft, own);
-        halo_exchange(&m->halo, m, BODIES, own);
-    }
+    if (pass == SOLVE_RESTORE)
+        domain_restore_colour(motion, colour, own);
+    else
+        domain_solve_colour(motion, colour, pass == SOLVE_SOFT, own);
 }
 
-static void restore_speeds(moving *m, duet_error *own)
+static void solve_one(duet_motion *motion, uint32_t i, solve_pass pass, duet_error *own)
 {
-    bool any_bounces = m->domains[0].motion->facts.elastic;
-    for (uint32_t colour = 0; any_bounces && colour < m->counts.colours; ++colour) {
-        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-            domain_restore_colour(m->domains[k].motion, colour, own);
+    if (pass == SOLVE_RESTORE)
+        domain_restore_in_order(motion, i, own);
+    else
+        domain_solve_in_order(motion, i, pass == SOLVE_SOFT, own);
+}
+
+// Contacts without a colour of their own come one by one, in the order of all ids: a domain takes
+// those that it has.
+static void solve_in_order(moving *m, solve_pass pass, duet_error *own)
+{
+    uint64_t *taken = calloc(m->parts, sizeof *taken);
+    if (!taken)
+        error_set(own, DUET_STATUS_NO_MEMORY, "contacts in order: no memory");
+    for (uint64_t i = 0; i < m->n_in_order; ++i) {
+        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
+            const row_list *has = &m->domains[k].in_order;
+            if (taken[k] < has->n && has->rows[taken[k]] == i)
+                solve_one(m->domains[k].motion, (uint32_t)taken[k]++, pass, own);
+        }
         halo_exchange(&m->halo, m, BODIES, own);
     }
+    free(taken);
+}
+
+// Domains that have no contact of a colour take part in its exchange.
+static void solve(moving *m, solve_pass pass, duet_error *own)
+{
+    for (uint32_t colour = 0; colour < m->counts.colours && colour < COLOUR_OVERFLOW; ++colour) {
+        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+            solve_colour(m->domains[k].motion, colour, pass, own);
+        halo_exchange(&m->halo, m, BODIES, own);
+    }
+    if (m->n_in_order > 0)
+        solve_in_order(m, pass, own);
 }
 
 // The ghosts' velocities and positions change as their owners' do.
 static void substep(moving *m, duet_error *own)
 {
     each(m, domain_integrate_velocities, own);
-    solve(m, true, own);
+    solve(m, SOLVE_SOFT, own);
     each(m, domain_integrate_positions, own);
-    solve(m, false, own);
+    solve(m, SOLVE_RELAX, own);
 }
 
 // What wakes, and what falls asleep, is right for bodies that a domain owns, and told to others:
@@ -159,7 +188,8 @@ static bool respond(moving *m, duet_error *own)
     halo_exchange(&m->halo, m, BODIES, own);
     for (uint32_t i = 0; i < m->domains[0].motion->def.substeps; ++i)
         substep(m, own);
-    restore_speeds(m, own);
+    if (m->domains[0].motion->facts.elastic)
+        solve(m, SOLVE_RESTORE, own);
     each(m, domain_finalize, own);
     if (t.sums[1] > 0)
         push_sleepers(m, own);

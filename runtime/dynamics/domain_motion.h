@@ -45,6 +45,14 @@ bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_bo
                            const char *states, uint32_t n, const domain_contacts *c,
                            duet_error *err);
 
+// Makes the rows of where the bodies are, which take over what contacts had, and clears what
+// records do not say: then two motions of the same bodies and contacts have the same bytes.
+bool domain_settle_rows(duet_motion *m, duet_error *err);
+bool domain_make_rows(duet_motion *m, duet_error *err); // of it
+
+// Forgets what commands left behind; false if some still acts: a place without a body, or a push.
+bool domain_forget_commands(duet_motion *m);
+
 // ---------------------------------------------------------------- a step's stages
 
 // In free flight a step is one stage.
@@ -66,12 +74,15 @@ bool domain_take_colours(duet_motion *m, const cl_uint *colours, duet_error *err
 bool domain_prepare_contacts(duet_motion *m, duet_error *err);
 
 // A substep: velocities, contacts of each colour as soft springs, positions, contacts relaxed.
+// After the colours those of COLOUR_OVERFLOW come, of which the domain's i-th is one call.
 bool domain_integrate_velocities(duet_motion *m, duet_error *err);
 bool domain_solve_colour(duet_motion *m, uint32_t colour, bool soft, duet_error *err);
+bool domain_solve_in_order(duet_motion *m, uint32_t i, bool soft, duet_error *err);
 bool domain_integrate_positions(duet_motion *m, duet_error *err);
 
 // After all substeps: restitution of each colour; impulses and bodies as they are kept.
 bool domain_restore_colour(duet_motion *m, uint32_t colour, duet_error *err);
+bool domain_restore_in_order(duet_motion *m, uint32_t i, duet_error *err);
 bool domain_finalize(duet_motion *m, duet_error *err);
 
 // Where a body sleeps deep in others: so many rounds (PRESSED_ROUNDS), and then all go.

@@ -2,6 +2,7 @@
 // What the host reads and replaces of a domain's motion between its stages.
 #include "base/error.h"
 #include "runtime/dynamics/domain_motion.h"
+#include "runtime/dynamics/motion_commands.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -188,4 +189,48 @@ bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_bo
            motion_send_places(m, NULL, n, PART_ALL, err) && write_states(m, states, err) &&
            (!(m->effects & DUET_EFFECT_CONTACT_RESPONSE) || write_contacts(m, c, err)) &&
            timeline_finish(&m->times, err);
+}
+
+// ---------------------------------------------------------------- rows to be saved
+
+static bool clear_records(duet_motion *m, duet_error *err)
+{
+    const motion_layout *l = &m->layout;
+    domain_contacts c;
+    if (!domain_read_contacts(m, true, &c, err))
+        return false;
+    for (uint32_t i = 0; i < c.n; ++i) {
+        uint32_t points = c.touches[i] & TOUCH_POINTS;
+        uint32_t used = points > 0 ? l->head + points * l->point : 0;
+        memset(c.records + (size_t)i * l->record + used, 0, (l->record - used) * sizeof(float));
+    }
+    bool ok = put(m, CONTACTS, c.records, c.n, l->record * sizeof(float), err) &&
+              timeline_finish(&m->times, err);
+    domain_contacts_free(&c);
+    return ok;
+}
+
+// Contacts with what never moves have none.
+static bool clear_returns(duet_motion *m, duet_error *err)
+{
+    cl_uint n = 0;
+    return motion_fetch(m, stage, RETURN_STARTS, m->n * sizeof n, &n, sizeof n, err) &&
+           motion_clear(m, stage, RETURNS, n, m->graph.n_contacts, err);
+}
+
+bool domain_settle_rows(duet_motion *m, duet_error *err)
+{
+    return !(m->effects & DUET_EFFECT_CONTACT_RESPONSE) || m->n == 0 ||
+           (domain_make_rows(m, err) && clear_returns(m, err) && clear_records(m, err));
+}
+
+bool domain_forget_commands(duet_motion *m)
+{
+    motion_commands *c = m->commands;
+    bool acts = c && (c->n_hidden > 0 || c->n_targets > 0 || c->n_pushed > 0);
+    if (acts)
+        return false;
+    motion_forget_commands(c);
+    m->commands = NULL;
+    return true;
 }

@@ -350,6 +350,12 @@ bool domain_begin_step(duet_motion *m, duet_error *err)
                          ensure(m, PRODUCT_AWAKE, err) && domain_find_manifolds(m, err));
 }
 
+bool domain_make_rows(duet_motion *m, duet_error *err)
+{
+    set_args(m);
+    return ensure(m, PRODUCT_ROWS, err) && timeline_finish(&m->times, err);
+}
+
 bool domain_read_flags(duet_motion *m, duet_error *err)
 {
     memset(m->flags, 0, sizeof m->flags);

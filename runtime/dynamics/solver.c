@@ -453,6 +453,30 @@ static bool launch_one(duet_motion *m, const kernel *k, uint32_t colour, duet_er
                          : launch_colours(m, k, colour, colour + 1, k->per_item, n, err);
 }
 
+// Launches a kernel for one of the contacts that have no colour of their own.
+static bool launch_in_order(duet_motion *m, const kernel *k, uint32_t i, duet_error *err)
+{
+    contact_solver *s = &m->solver;
+    const colour_span *all = &s->colours[COLOUR_OVERFLOW];
+    s->span = (cl_int4){{(cl_int)(all->first + i), 1, (cl_int)(all->slot + i * m->layout.block)}};
+    s->from_colour = COLOUR_OVERFLOW;
+    s->to_colour = COLOUR_OVERFLOW + 1;
+    s->each = 1;
+    return team_takes(k) ? team_launch(m, "solve_contacts", k, 1, TEAM_LEAST_PART, 1, err)
+                         : motion_launch(m, "solve_contacts", k, 1, err);
+}
+
+bool domain_solve_in_order(duet_motion *m, uint32_t i, bool soft, duet_error *err)
+{
+    m->solver.soft = soft;
+    return launch_in_order(m, m->kernels.solve_contacts, i, err);
+}
+
+bool domain_restore_in_order(duet_motion *m, uint32_t i, duet_error *err)
+{
+    return launch_in_order(m, m->kernels.apply_restitution, i, err);
+}
+
 bool domain_solve_colour(duet_motion *m, uint32_t colour, bool soft, duet_error *err)
 {
     m->solver.soft = soft;
@@ -461,7 +485,7 @@ bool domain_solve_colour(duet_motion *m, uint32_t colour, bool soft, duet_error 
 
 bool domain_restore_colour(duet_motion *m, uint32_t colour, duet_error *err)
 {
-    return !m->facts.elastic || launch_one(m, m->kernels.apply_restitution, colour, err);
+    return launch_one(m, m->kernels.apply_restitution, colour, err);
 }
 
 bool domain_finalize(duet_motion *m, duet_error *err)
