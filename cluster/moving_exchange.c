@@ -319,7 +319,10 @@ bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
         moving_replace(m, &m->domains[k], own);
     ok = ok && halo_settle(&m->halo, m, own);
     tally t = {.sums = {m->n_ghosts}};
+    for (uint32_t k = 0; k < m->parts; ++k)
+        t.greatest[0] = greater(t.greatest[0], m->domains[k].n_own);
     ok = ok && ranks_agree_and(m->ranks, is_well(own), &t, own);
     m->counts.ghosts = t.sums[0];
+    m->most_own = t.greatest[0];
     return ok;
 }

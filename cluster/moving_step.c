@@ -67,13 +67,16 @@ void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts
     domain_contacts_free(&all);
 }
 
-void moving_read(moving *m, item_list *contacts, duet_error *own)
+// The domains that contacts go to follow from where bodies are, and from the borders.
+static bool read_all(moving *m, item_list *contacts, duet_error *own)
 {
-    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         moving_read_bodies(m, &m->domains[k], own);
-        if (is_well(own) && moving_pushes(m))
-            moving_read_contacts(m, &m->domains[k], contacts, own);
-    }
+    if (moving_cut_is_due(m) && !moving_cut(m, own))
+        return false;
+    for (uint32_t k = 0; is_well(own) && moving_pushes(m) && k < m->parts; ++k)
+        moving_read_contacts(m, &m->domains[k], contacts, own);
+    return true;
 }
 
 // ---------------------------------------------------------------- stages
@@ -207,9 +210,7 @@ bool moving_step(moving *m, duet_error *own)
 {
     item_list contacts = {0};
     bool ok = moving_pushes(m) ? respond(m, own) : fly(m, own);
-    if (ok)
-        moving_read(m, &contacts, own);
-    ok = ok && moving_exchange(m, &contacts, own);
+    ok = ok && read_all(m, &contacts, own) && moving_exchange(m, &contacts, own);
     free(contacts.items);
     m->counts.step += ok;
     return ok;

@@ -5,6 +5,7 @@
 // Every rank runs this; a fact that does not hold on one ends the job with a line.
 #include "cluster/cluster.h"
 #include "cluster/colouring.h"
+#include "cluster/moving_domains.h"
 #include "cluster/must.h"
 
 #include "base/error.h"
@@ -180,6 +181,63 @@ static void a_giant_on_small_ones_has_one_motions_bits(void)
     remove_file(GIANT);
 }
 
+// ---------------------------------------------------------------- other borders
+
+// Between all steps the borders are cut at random, so that bodies, with their contacts and their
+// sleep, change domains all the time.
+static void borders_change_nothing(uint64_t seed)
+{
+    const moving_scene s = {"falling", {{"n", "90"}}, 1, 60, 0};
+    uint64_t expected = expected_hash(&s), hash = 0;
+    MPI_Comm comm = group_of(3);
+    if (comm == MPI_COMM_NULL)
+        return;
+    rng r = rng_seed(seed); // the same on all ranks
+    duet_error err = {0};
+    duet_cluster_motion_result result;
+    duet_cluster_def def = duet_default_cluster_def();
+    def.comm = &comm;
+    def.parts = 2;
+    duet_cluster *cluster = duet_cluster_create(&def, &err);
+    MUST_OK(cluster, err);
+    MUST_OK(duet_cluster_begin_motion(cluster, s.path, s.settings, 1, NULL, &err), err);
+    for (uint32_t i = 0; i < s.steps; ++i) {
+        for (uint32_t k = 1; k < cluster->moving->cuts.n; ++k)
+            cluster->moving->cuts.planes[k] =
+                (bisection_plane){rng_between(&r, 0, 6), rng_below(&r, 3)};
+        MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+    }
+    MUST_OK(duet_cluster_get_state_hash(cluster, &hash, &err), err);
+    MUST(hash == expected, "other borders give other bits");
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
+// All bodies are one domain's, and the world is cut anew in the next step.
+static void borders_follow_bodies(void)
+{
+    const duet_setting settings[] = {{"n", "400"}};
+    MPI_Comm comm = group_of(4);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_error err = {0};
+    duet_cluster_motion_result result;
+    duet_cluster_def def = duet_default_cluster_def();
+    def.comm = &comm;
+    duet_cluster *cluster = duet_cluster_create(&def, &err);
+    MUST_OK(cluster, err);
+    MUST_OK(duet_cluster_begin_motion(cluster, "orbit2d", settings, 1, NULL, &err), err);
+    moving *m = cluster->moving;
+    for (uint32_t k = 1; k < m->cuts.n; ++k)
+        m->cuts.planes[k] = (bisection_plane){1e6, 0};
+    MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+    MUST(m->most_own == 400, "all are of one domain");
+    MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+    MUST(m->most_own <= 104, "a quarter is each domain's");
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
 // ---------------------------------------------------------------- checkpoints
 
 // Takes steps of a pile on so many ranks, from a file or from the beginning, and saves it.
@@ -269,7 +327,7 @@ static void what_ranks_lack_is_refused(void)
 
 // ---------------------------------------------------------------- colours
 
-enum { MOST_CONTACTS = 200, BODIES = 40 };
+enum { MOST_CONTACTS = 200, MOST_BODIES = 40 };
 
 // Whether no two contacts at one body have one colour, of those below COLOUR_OVERFLOW.
 static bool are_apart(const waiting_contact *c, uint64_t n)
@@ -293,8 +351,8 @@ static void colours_follow_from_ids(uint64_t seed)
     duet_error err = {0};
     waiting_contact once[MOST_CONTACTS], twice[2 * MOST_CONTACTS];
     uint64_t n = 0, m = 0;
-    for (uint32_t a = 0; a < BODIES; ++a)
-        for (uint32_t b = a + 1; b < BODIES && n < MOST_CONTACTS; ++b)
+    for (uint32_t a = 0; a < MOST_BODIES; ++a)
+        for (uint32_t b = a + 1; b < MOST_BODIES && n < MOST_CONTACTS; ++b)
             if (rng_below(&r, 6) == 0)
                 once[n++] = (waiting_contact){a, b, b % 7 != 0, 1u << a % 5, 1u << b % 5, 0};
     for (uint64_t i = n; i-- > 0;) {
@@ -313,7 +371,7 @@ static void colours_follow_from_ids(uint64_t seed)
         MUST(!(used >> once[i].colour & 1u), "a colour that an end had");
         MUST(colouring_find(once, n, once[i].owner, once[i].other) == once[i].colour, "found");
     }
-    MUST(colouring_find(once, n, BODIES, 0) == COLOUR_NONE, "no such contact");
+    MUST(colouring_find(once, n, MOST_BODIES, 0) == COLOUR_NONE, "no such contact");
 }
 
 int main(int argc, char **argv)
@@ -331,6 +389,8 @@ int main(int argc, char **argv)
     }
     what_ranks_lack_is_refused();
     checkpoints_know_no_ranks();
+    borders_change_nothing(seed);
+    borders_follow_bodies();
     a_flight_has_one_motions_bits();
     a_pile_has_one_motions_bits();
     a_pile_that_falls_asleep_has_one_motions_bits();
