@@ -3,13 +3,10 @@
 
 #include "base/error.h"
 #include "cli/interrupt.h"
-#include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/scene/scene.h"
 #include "tuner/stats.h"
 
-#include <inttypes.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -205,50 +202,6 @@ bool costs_measure(costs *c, const duet_motion_def *def, const duet_scene *scene
     core_watch_close(t.cores);
     free(s.bodies);
     return ok;
-}
-
-// ---------------------------------------------------------------- as text
-
-static void print_row(table *t, const costs *c, const cost *row)
-{
-    const duet_effect_info *info = &row->info;
-    table_words(t, info->name, info->active ? "yes" : "-", info->called_by, NULL);
-    table_cell(t, "%u", info->bytes);
-    table_cell(t, "%s", info->active ? info->kernels : "-");
-    if (row->measured)
-        table_cell(t, "%.3f", row->ms);
-    else if (c->steps > 0)
-        table_cell(t, "-");
-}
-
-static void print_substeps(const duet_substep_info *s)
-{
-    printf("\n%s a step, ", table_things(s->substeps, "substep", "substeps").chars);
-    if (!s->chosen)
-        printf("as the scene says\n");
-    else if (s->layers < 2)
-        printf("chosen: nothing stands on another body at the start\n");
-    else
-        printf("chosen: they hold the column of %u bodies with an edge of %.3g that stands at the "
-               "start\n",
-               s->layers, s->edge);
-}
-
-void costs_report_text(const costs *c)
-{
-    bool measured = c->steps > 0;
-    table t = table_begin(measured ? "lllrlr" : "lllrl");
-    table_words(&t, "effect", "", "called for by", "bytes each", "kernels",
-                measured ? "ms a step" : NULL, NULL);
-    for (uint32_t i = 0; i < c->n; ++i)
-        print_row(&t, c, &c->rows[i]);
-    table_print(&t, stdout);
-    print_substeps(&c->substeps);
-    if (measured)
-        printf("\n%.3f ms a step with all of them, in steps 3 to %" PRIu64 " of the scene\n",
-               c->step_ms, c->steps + 2);
-    if (c->cores.disturbed > 0)
-        printf("%s\n", table_disturbed(&c->cores).chars);
 }
 
 // ---------------------------------------------------------------- as data

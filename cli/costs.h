@@ -30,8 +30,6 @@ typedef struct costs {
 bool costs_measure(costs *c, const duet_motion_def *def, const duet_scene *scene, uint64_t steps,
                    duet_error *err);
 
-// The output of `duet explain`: a table, JSON.
-void costs_report_text(const costs *c);
 cJSON *costs_report_json(const costs *c, const duet_scene_info *scene,
                          const duet_device_pair *pair);
 

@@ -52,8 +52,7 @@ typedef struct timestep_study_report {
     const timestep_study *study;
 } timestep_study_report;
 
-void timestep_study_report_text(const timestep_study_report *r);
-bool timestep_study_report_json(const timestep_study_report *r, duet_error *err);
+bool timestep_study_report_tell(const timestep_study_report *r, bool json, duet_error *err);
 bool timestep_study_report_csv(const timestep_study_report *r, const char *path, duet_error *err);
 
 // A .svg or .png: the error over the time, with the front as a line.

@@ -44,6 +44,34 @@ common = {
     about = "contacts that are neighbours in memory" },
   TEAM = { "TEAM", values = { 0, 1 }, default = 0, silent = true, about = "1: a launch's groups take all colours together" },
   TURNS = { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
+  DOUBLE = { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
+  TURN = { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+  SLEEP = { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
+  GRAVITY = { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
+  ORIENTED = { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
+  MAY_RESPOND = { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
+  ONE_LANE = { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
+  DRAG = { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
+  FORCES = { "FORCES", values = { 0, 1 }, default = 0, about = "1: commands push" },
+  SENSORS = { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
+  GYRO = { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },
+  ALL_ROTATED = { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
+  CONTACT_LANES = { "LANES", values = { 1, 8 }, default = by_device(8, 1),
+    about = "contacts side by side in a work-item" },
+  CONTACTS_AN_ITEM = { "PER_ITEM", values = { 1, 64, 256 },
+    default = function(limits) return limits.cpu and limits.batch // 4 or 1 end, about = "contacts a work-item" },
+  ROWS_AN_ITEM = { "PER_ITEM", values = { 1, 256, 1024 },
+    default = function(limits) return limits.cpu and limits.batch or 1 end,
+    about = "objects, pairs or contacts a work-item" },
+  GROUP = function(other)
+    return { "WG", values = { 1, 64, 128 }, default = by_device(1, other), about = "work-items a group" }
+  end,
+  -- Whether the device, and positions as they are kept, allow a state in double.
+  can_double = function(p, limits)
+    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
+    if p.DOUBLE == 1 and p.ORIGIN and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
+    return true
+  end,
   -- Whether a kernel that solves contacts has this config.
   can_solve = function(p)
     if p.CONVEYS == 1 and p.FRICTION == 0 then return false, "what conveys has friction" end

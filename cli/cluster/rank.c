@@ -7,8 +7,8 @@
 #include "base/output.h"
 #include "cli/interrupt.h"
 #include "cli/report/json.h"
+#include "cli/report/rendering.h"
 #include "cli/report/run_report.h"
-#include "cli/report/table.h"
 #include "cli/say.h"
 #include "cluster/cluster.h"
 #include "cluster/rank_watch.h"
@@ -261,53 +261,6 @@ static double efficiency(const run_state *r)
     return own_ms / (r->n_ranks * r->total_ms[(r->n_steps - 1) / 2]);
 }
 
-static void print_ranks(const run_state *r)
-{
-    table t = table_begin("rllrrrrr");
-    table_words(&t, "rank", "host", "devices", "objects", "ghosts", "pairs", "busy ms", "wait ms",
-                NULL);
-    for (int i = 0; i < r->n_ranks; ++i) {
-        const duet_cluster_rank *rank = &r->ranks[i];
-        table_cell(&t, "%d", i);
-        table_words(&t, rank->host, rank->pair, table_count(rank->objects).chars,
-                    table_count(rank->ghosts).chars, table_count(rank->pairs).chars, NULL);
-        table_cell(&t, "%.3f", rank->busy_ms);
-        table_cell(&t, "%.3f", rank->wait_ms);
-    }
-    table_print(&t, stdout);
-}
-
-static void print_text(const run_state *r)
-{
-    const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
-    const duet_cluster_result *result = &r->result;
-    run_report_scene(info);
-    printf("%s\n\n", table_things((uint64_t)r->n_ranks, "rank", "ranks").chars);
-    print_ranks(r);
-    uint64_t n = r->n_steps;
-    double median = r->total_ms[(n - 1) / 2];
-    printf("\n");
-    table t = table_begin("lrl");
-    if (!is_forecast(r)) {
-        table_words(&t, "pairs", table_count(result->pairs).chars, NULL);
-        table_cell(&t, "collide, at level %s; hash %016" PRIx64,
-                   duet_level_get_info(r->cluster->def.world.level)->name, result->hash);
-    }
-    table_cell(&t, r->simulation ? "simulated time" : "time");
-    table_cell(&t, "%.3f ms", median);
-    table_cell(&t, "median of %" PRIu64 ", %.3f to %.3f; %s boxes a second", n, r->total_ms[0],
-               r->total_ms[n - 1],
-               table_rate(median > 0 ? (double)result->objects / median * 1e3 : 0).chars);
-    if (is_forecast(r)) {
-        table_cell(&t, "efficiency");
-        table_cell(&t, "%.3f", efficiency(r));
-        table_cell(&t, "what devices take for their own objects, by that");
-    }
-    table_print(&t, stdout);
-    if (r->check.asked)
-        run_report_check(&r->check);
-}
-
 static void add_rank(cJSON *list, const run_state *r, int i)
 {
     const duet_cluster_rank *rank = &r->ranks[i];
@@ -318,13 +271,12 @@ static void add_rank(cJSON *list, const run_state *r, int i)
              NUMBER("wait_ms", rank->wait_ms), NUMBER("sent_bytes", rank->sent_bytes));
 }
 
-static bool print_json(const run_state *r, duet_error *err)
+static bool report(const run_state *r, duet_error *err)
 {
-    const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
     uint64_t n = r->n_steps;
     cJSON *o = cJSON_CreateObject();
-    json_add(o, STRING("scene", info->name), NUMBER("dims", info->dims),
-             NUMBER("objects", r->result.objects));
+    run_report_add_scene(o, duet_cluster_get_scene_info(r->cluster));
+    cJSON_ReplaceItemInObject(o, "objects", cJSON_CreateNumber((double)r->result.objects));
     if (!is_forecast(r)) {
         json_add(o, NUMBER("pairs", r->result.pairs));
         json_add_hash(o, r->result.hash);
@@ -342,16 +294,14 @@ static bool print_json(const run_state *r, duet_error *err)
         add_rank(rows, r, i);
     if (r->check.asked)
         run_report_add_check(o, &r->check);
-    return say_json(o, err);
+    return rendering_tell(o, r->args->json, "cli/report/ranks.lua", err);
 }
 
 static bool tell(const run_state *r, duet_error *err)
 {
     if (r->rank > 0)
         return true;
-    if (!r->args->json)
-        print_text(r);
-    else if (!print_json(r, err))
+    if (!report(r, err))
         return false;
     fflush(stdout); // a launcher that was asked to stop, too, may end this rank
     return reference_check_is_right(&r->check) ||

@@ -7,7 +7,7 @@
 #include "cli/draw/canvas.h"
 #include "cli/inputs.h"
 #include "cli/report/level_costs_report.h"
-#include "cli/say.h"
+#include "cli/report/rendering.h"
 #include "cli/timestep_study.h"
 
 enum { REPEAT = 9, TIME = 1, LIMIT = 120 };
@@ -54,10 +54,10 @@ static const command_line line = {
     .rules = rules,
 };
 
-// Whether a file is to be written to stdout.
+// Whether a file is to be written to stdout, and nothing else.
 static bool is_elsewhere(const arguments *args)
 {
-    return options_is_stdout(args->csv) || options_is_stdout(args->plot);
+    return !args->json && (options_is_stdout(args->csv) || options_is_stdout(args->plot));
 }
 
 static bool run_levels(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
@@ -69,11 +69,8 @@ static bool run_levels(const arguments *args, duet_device_pair *pair, const duet
         level_costs_show(&p, pair, scene, args->repeat ? (uint32_t)args->repeat : REPEAT, err);
     ok = ok && (!args->csv || level_costs_report_csv(&r, args->csv, err));
     ok = ok && (!args->plot || level_costs_report_plot(&r, args->plot, err));
-    if (ok && args->json)
-        return say_json(level_costs_report_json(&r), err);
-    if (ok && !is_elsewhere(args))
-        level_costs_report_text(&r);
-    return ok;
+    return ok && (is_elsewhere(args) || rendering_tell(level_costs_report_json(&r), args->json,
+                                                       "cli/report/levels.lua", err));
 }
 
 static bool run_timesteps(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
@@ -85,11 +82,7 @@ static bool run_timesteps(const arguments *args, duet_device_pair *pair, const d
                                      args->limit < 0 ? LIMIT : args->limit, err);
     ok = ok && (!args->csv || timestep_study_report_csv(&r, args->csv, err));
     ok = ok && (!args->plot || timestep_study_report_plot(&r, args->plot, err));
-    if (ok && args->json)
-        return timestep_study_report_json(&r, err);
-    if (ok && !is_elsewhere(args))
-        timestep_study_report_text(&r);
-    return ok;
+    return ok && (is_elsewhere(args) || timestep_study_report_tell(&r, args->json, err));
 }
 
 // A plot that cannot be drawn is refused before minutes of measuring.

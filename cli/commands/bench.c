@@ -9,6 +9,7 @@
 #include "cli/interrupt.h"
 #include "cli/report/bench_results.h"
 #include "cli/report/level_costs_report.h"
+#include "cli/report/rendering.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "tuner/trial_log.h"
@@ -224,7 +225,7 @@ static bool compare_plans(bench *b, const bench_scene *which, const duet_scene *
     progress_hide(&b->shown);
     if (b->tells) {
         begin_block(b);
-        bench_print_scene(b->results, duet_scene_get_info(scene)->name, b->before);
+        ok = bench_tell(b->results, duet_scene_get_info(scene)->name, b->before, err) && ok;
     }
     return ok;
 }
@@ -239,12 +240,12 @@ static bool measure_levels(bench *b, const duet_scene *scene, duet_error *err)
     ++b->done;
     progress_hide(&b->shown);
     level_costs_report r = {duet_scene_get_info(scene), b->pair, &p};
-    cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "accuracy"), level_costs_report_json(&r));
-    if (b->tells) {
-        begin_block(b);
-        level_costs_report_text(&r);
-    }
-    return true;
+    cJSON *o = level_costs_report_json(&r);
+    cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "accuracy"), o);
+    if (!b->tells)
+        return true;
+    begin_block(b);
+    return rendering_print("cli/report/levels.lua", o, err);
 }
 
 static bool measure_effects(bench *b, const duet_scene *scene, duet_error *err)
@@ -256,15 +257,14 @@ static bool measure_effects(bench *b, const duet_scene *scene, duet_error *err)
     duet_motion_def def = duet_scene_motion_def(scene, b->pair);
     if (!costs_measure(&c, &def, scene, b->args->quick ? QUICK_STEPS : STEPS, err))
         return false;
-    cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "effects"),
-                         costs_report_json(&c, info, b->pair));
+    cJSON *o = costs_report_json(&c, info, b->pair);
+    cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "effects"), o);
     progress_hide(&b->shown);
-    if (b->tells) {
-        begin_block(b);
-        printf("%s, %s that move\n", info->name, table_things(info->n, "object", "objects").chars);
-        costs_report_text(&c);
-    }
-    return true;
+    if (!b->tells)
+        return true;
+    begin_block(b);
+    printf("%s, %s that move\n", info->name, table_things(info->n, "object", "objects").chars);
+    return rendering_print("cli/report/explain.lua", o, err);
 }
 
 static bool measure_scene(bench *b, const bench_scene *which, duet_error *err)
@@ -295,7 +295,7 @@ static bool finish(bench *b, duet_error *err)
         b->results = NULL;
     } else if (b->tells && b->before) {
         begin_block(b);
-        bench_print_verdicts(b->results, b->before);
+        ok = bench_tell(b->results, NULL, b->before, err) && ok;
     }
     return ok;
 }

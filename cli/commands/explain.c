@@ -7,11 +7,8 @@
 #include "cli/commands/explain_task.h"
 #include "cli/costs.h"
 #include "cli/inputs.h"
-#include "cli/report/table.h"
-#include "cli/say.h"
+#include "cli/report/rendering.h"
 #include "runtime/broadphase/world_explain.h"
-
-#include <inttypes.h>
 
 typedef struct arguments {
     scene_options scene;
@@ -68,46 +65,6 @@ static const command_line line = {
 
 static const char *const sides[] = {"A", "B"};
 
-static void print_facts(const duet_world *world, int side)
-{
-    table t = table_begin("lll");
-    table_words(&t, "scene", "parameter", "what of it is in the kernels", NULL);
-    world_fact fact;
-    for (uint32_t i = 0; world_fact_at(world, side, i, &fact); ++i) {
-        table_cell(&t, "%s", fact.name);
-        table_cell(&t, "%s=%" PRId64, fact.parameter, fact.value);
-        table_cell(&t, "%s", fact.means);
-    }
-    table_print(&t, stdout);
-}
-
-static void print_kernels(const duet_world *world, int side)
-{
-    table t = table_begin("lll");
-    world_kernel k;
-    for (uint32_t i = 0; world_kernel_at(world, side, i, &k); ++i) {
-        table_words(&t, k.runs ? "runs" : "left out", k.why, k.name, NULL); // last: it is long
-    }
-    table_print(&t, stdout);
-}
-
-static void print(const duet_world *world, const duet_device_pair *pair)
-{
-    const duet_plan *plan = duet_world_get_plan(world);
-    const char *variants[] = {plan->variant_a, plan->variant_b};
-    bool one = duet_device_pair_is_one(pair);
-    for (int side = 0; side < 2; ++side) {
-        if (!world_is_prepared(world, side))
-            continue;
-        printf("%s%s%s%s, kernels '%s'\n\n", side == 1 && world_is_prepared(world, 0) ? "\n" : "",
-               one ? "" : sides[side], one ? "" : "  ",
-               duet_device_pair_get_info(pair, side)->selector, variants[side]);
-        print_facts(world, side);
-        printf("\n");
-        print_kernels(world, side);
-    }
-}
-
 static void add_facts(cJSON *o, const duet_world *world, int side)
 {
     cJSON *list = cJSON_AddArrayToObject(o, "facts");
@@ -144,8 +101,8 @@ static void add_json(const duet_world *world, cJSON *o)
     }
 }
 
-// Steps the scene once in such a world, and tells what is then compiled in and
-// launched: with o it adds "search" to that object, else it prints.
+// Steps the scene once in such a world, and adds "search" to o: what is then compiled in and
+// launched.
 static bool explain_search(const duet_world_def *def, const duet_scene *scene, cJSON *o,
                            duet_error *err)
 {
@@ -153,10 +110,8 @@ static bool explain_search(const duet_world_def *def, const duet_scene *scene, c
     duet_world *world = duet_world_create(def, err);
     bool ok =
         world && duet_world_set_scene(world, scene, err) && duet_world_step(world, &result, err);
-    if (ok && o)
+    if (ok)
         add_json(world, o);
-    else if (ok)
-        print(world, def->pair);
     duet_world_destroy(world);
     return ok;
 }
@@ -212,13 +167,10 @@ static bool run(void *given, char **operands, duet_error *err)
     bool ok = scene && tell_effects(&c, args, pair, scene, err);
     bool still = ok && is_still(&c);
     ok = ok && check_given(args, still, err);
-    cJSON *o = ok && args->json ? costs_report_json(&c, duet_scene_get_info(scene), pair) : NULL;
-    if (ok && still)
-        ok = tell_search(args, pair, scene, o, err);
-    else if (ok && !o)
-        costs_report_text(&c);
-    if (ok && o)
-        ok = say_json(o, err);
+    cJSON *o = ok ? costs_report_json(&c, duet_scene_get_info(scene), pair) : NULL;
+    ok = ok && (!still || tell_search(args, pair, scene, o, err));
+    if (ok)
+        ok = rendering_tell(o, args->json, "cli/report/explain.lua", err);
     else
         cJSON_Delete(o);
     duet_scene_destroy(scene);

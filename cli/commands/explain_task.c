@@ -5,13 +5,10 @@
 
 #include "base/error.h"
 #include "cli/report/json.h"
-#include "cli/report/table.h"
-#include "cli/say.h"
+#include "cli/report/rendering.h"
 #include "runtime/task/task_launch.h"
 
-#include <inttypes.h>
 #include <stdlib.h>
-#include <string.h>
 
 // A task on its devices, with what is free of its kernel on each.
 typedef struct explained {
@@ -26,32 +23,6 @@ typedef struct explained {
 static uint64_t elements_an_item(const task_arg *arg)
 {
     return arg->once ? 0 : arg->per_item;
-}
-
-static void print_arguments(const task *t)
-{
-    table rows = table_begin("llrrl");
-    table_words(&rows, "argument", "type", "elements", "an item", "access", NULL);
-    for (uint32_t i = 0; i < t->n_args; ++i) {
-        const task_arg *arg = &t->args[i];
-        table_words(&rows, arg->name, arg->is_array ? arg->type : "number", NULL);
-        if (!arg->is_array) {
-            table_words(&rows, "", "", NULL);
-            table_cell(&rows, "%.9g", arg->value);
-            continue;
-        }
-        table_cell(&rows, "%" PRIu64, arg->count);
-        if (elements_an_item(arg) > 0)
-            table_cell(&rows, "%" PRIu64, elements_an_item(arg));
-        else
-            table_words(&rows, "all", NULL);
-        char halo[40] = "";
-        if (arg->halo > 0)
-            snprintf(halo, sizeof halo, ", halo %" PRIu64, arg->halo);
-        table_cell(&rows, "%s%s%s", task_access_name(arg->access), halo,
-                   arg->once ? ", sent once" : "");
-    }
-    table_print(&rows, stdout);
 }
 
 static void add_arguments(cJSON *o, const task *t)
@@ -75,39 +46,13 @@ static void add_arguments(cJSON *o, const task *t)
 
 static const char *const sides[] = {"A", "B"};
 
-// The values of a parameter, the one that the default has in brackets: "1 [16] 64".
-static void write_values(text *t, const kernel_space *s, uint32_t param)
-{
-    for (uint32_t i = 0; i < s->params[param].n_values; ++i) {
-        bool now = s->configs[s->now][param] == i;
-        text_add(t, "%s%s%" PRId64 "%s", i ? " " : "", now ? "[" : "", s->params[param].values[i],
-                 now ? "]" : "");
-    }
-}
-
-static void print_kernel(const explained *e, int side)
-{
-    const kernel_space *s = e->spaces[side];
-    printf("\n%s  %s: kernel %s, ", sides[side], duet_device_pair_get_info(e->pair, side)->selector,
-           e->task->kernel);
-    if (!s) {
-        printf("which leaves nothing to be chosen\n");
-        return;
-    }
-    printf("%u valid sets of parameters\n", s->n_configs);
-    for (uint32_t i = 0; i < s->n_params; ++i) {
-        text values = {0};
-        write_values(&values, s, i);
-        printf("  %s  %s\n", s->params[i].name, text_chars(&values));
-        text_free(&values);
-    }
-}
-
 static void add_kernel(cJSON *list, const explained *e, int side)
 {
     const kernel_space *s = e->spaces[side];
     cJSON *row = json_add_row(list);
-    json_add(row, STRING("device", sides[side]), NUMBER("configs", s ? s->n_configs : 1));
+    json_add(row, STRING("device", sides[side]),
+             STRING("selector", duet_device_pair_get_info(e->pair, side)->selector),
+             NUMBER("configs", s ? s->n_configs : 1));
     cJSON *params = cJSON_AddArrayToObject(row, "parameters");
     for (uint32_t i = 0; s && i < s->n_params; ++i) {
         cJSON *param = json_add_row(params);
@@ -126,27 +71,7 @@ static bool has_work(const explained *e, int side)
     return side == 1 || !duet_device_pair_is_one(e->pair);
 }
 
-static void print_text(const explained *e)
-{
-    const task *t = e->task;
-    char words[TASK_WORDS];
-    task_write_words(t, words);
-    printf("%s: %s items of kernel %s\n\n", say_name(t->name).chars, table_count(t->items).chars,
-           t->kernel);
-    print_arguments(t);
-    for (int side = 0; side < 2; ++side)
-        if (has_work(e, side))
-            print_kernel(e, side);
-    printf("\nright: %s%s", *t->reference ? "as kernel " : "as the file's reference",
-           *t->reference ? t->reference : "");
-    if (t->tolerance > 0)
-        printf(", within %g\n", t->tolerance);
-    else
-        printf(", exactly\n");
-    printf("in the store: %s; n %" PRIu64 "\n", words, t->size);
-}
-
-static bool print_json(const explained *e, duet_error *err)
+static cJSON *describe(const explained *e)
 {
     const task *t = e->task;
     char words[TASK_WORDS];
@@ -154,13 +79,14 @@ static bool print_json(const explained *e, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("type", "duet explain"), STRING("task", t->name),
              STRING("kernel", t->kernel), NUMBER("items", t->items), STRING("key", words),
-             NUMBER("n", t->size), NUMBER("tolerance", t->tolerance));
+             NUMBER("n", t->size), NUMBER("tolerance", t->tolerance),
+             STRING("reference", t->reference));
     add_arguments(o, t);
     cJSON *kernels = cJSON_AddArrayToObject(o, "kernels");
     for (int side = 0; side < 2; ++side)
         if (has_work(e, side))
             add_kernel(kernels, e, side);
-    return say_json(o, err);
+    return o;
 }
 
 static bool read_spaces(explained *e, task_launcher *l, duet_error *err)
@@ -182,10 +108,7 @@ static bool explain(explained *e, task *t, duet_device_pair *pair, bool json, du
 {
     task_launcher *l = task_launcher_open_unchecked(t, pair, err);
     bool ok = l && read_spaces(e, l, err);
-    if (ok && json)
-        ok = print_json(e, err);
-    else if (ok)
-        print_text(e);
+    ok = ok && rendering_tell(describe(e), json, "cli/report/explain_task.lua", err);
     task_launcher_close(l);
     for (int side = 0; side < 2; ++side)
         free(e->spaces[side]);

@@ -7,6 +7,7 @@
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/report/json.h"
+#include "cli/report/rendering.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "profiles/exchange.h"
@@ -258,16 +259,10 @@ static bool prune(store *s, const arguments *args, char **operands, duet_error *
     };
     if (!profile_prune(s, &def, &counts, err))
         return false;
-    if (!args->json) {
-        printf("%s launches and %s profiles forgotten, the file is %s smaller\n",
-               table_count(counts.samples).chars, table_count(counts.profiles).chars,
-               table_bytes(counts.bytes > 0 ? (uint64_t)counts.bytes : 0).chars);
-        return true;
-    }
     cJSON *o = cJSON_CreateObject();
     json_add(o, NUMBER("samples", counts.samples), NUMBER("profiles", counts.profiles),
              NUMBER("bytes", counts.bytes));
-    return say_json(o, err);
+    return rendering_tell(o, args->json, "cli/report/prune.lua", err);
 }
 
 // -------------------------------------------------------------------------- check

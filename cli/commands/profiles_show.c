@@ -2,113 +2,37 @@
 // duet profiles show: a profile with the session it comes from and all its trials, or a run of a
 // cluster. duet profiles diff: two profiles side by side, and which is the quicker.
 #include "cli/commands/profiles.h"
-#include "cli/report/pareto.h"
 #include "cli/report/profile_report.h"
+#include "cli/report/rendering.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 
-#include <inttypes.h>
-#include <math.h>
 #include <string.h>
 
-// The trials' kernels, each told once and numbered as it is met.
-typedef struct trial_table {
-    table rows;
-    text kernels; // each ends with a NUL
-    unsigned n_kernels;
-} trial_table;
-
-static unsigned kernels_number(trial_table *t, const char *variant)
+static bool show_text(cJSON *o, const profile_entry *e, duet_error *err)
 {
-    const char *known = text_chars(&t->kernels);
-    for (unsigned i = 1; i <= t->n_kernels; ++i, known += strlen(known) + 1)
-        if (strcmp(known, variant) == 0)
-            return i;
-    text_add_bytes(&t->kernels, variant, strlen(variant) + 1);
-    return ++t->n_kernels;
-}
-
-static void add_ms(table *t, double ns)
-{
-    if (isnan(ns))
-        table_words(t, "-", NULL);
-    else
-        table_cell(t, "%.3f", ns * 1e-6);
-}
-
-static bool add_trial_row(void *context, int64_t number, const profile_trial *trial)
-{
-    trial_table *all = context;
-    table *t = &all->rows;
-    table_cell(t, "%" PRId64, number);
-    table_cell(t, "%.4f", trial->plan.share / (double)PROFILE_SHARE_ONE);
-    table_words(t, trial->plan.mode, NULL);
-    table_cell(t, "%u", kernels_number(all, trial->plan.variant_a));
-    table_cell(t, "%u", kernels_number(all, trial->plan.variant_b));
-    table_cell(t, "%u", trial->n_samples);
-    add_ms(t, trial->median_ns);
-    add_ms(t, trial->low_ns);
-    add_ms(t, trial->high_ns);
-    add_ms(t, trial->a_ns);
-    add_ms(t, trial->b_ns);
-    table_cell(t, "%s%s%s", trial->outcome, trial->reason ? ": " : "",
-               trial->reason ? trial->reason : "");
-    return true;
-}
-
-static void print_kernels(const trial_table *t)
-{
-    table names = table_begin("rl");
-    table_words(&names, "A, B", "kernels", NULL);
-    const char *name = text_chars(&t->kernels);
-    for (unsigned i = 1; i <= t->n_kernels; ++i, name += strlen(name) + 1) {
-        table_cell(&names, "%u", i);
-        table_words(&names, say_name(name).chars, NULL);
+    json_add(o, STRING("options_text", e->session.options), STRING("terms_text", e->row.terms));
+    bool ok = rendering_print("cli/report/profile.lua", o, err);
+    if (e->session.id && e->session.script) {
+        printf("script\n");
+        say_lines(e->session.script);
+        printf("\n");
     }
-    table_print(&names, stdout);
-}
-
-static bool show_json(profile_showing *show, const profile_entry *e)
-{
-    cJSON *o = profile_report_json(e);
-    bool ok = profile_report_add_trials(o, show->s, e->session.id, show->err);
-    profile_report_add_session(o, &e->session);
-    if (ok)
-        return say_json(o, show->err);
-    cJSON_Delete(o);
-    return false;
-}
-
-static bool print_pareto(profile_showing *show, const profile_entry *e)
-{
-    cJSON *o = cJSON_CreateObject();
-    bool ok = profile_report_add_trials(o, show->s, e->session.id, show->err);
-    pareto_print(o);
+    ok = ok && (!e->session.id || rendering_print("cli/report/trials.lua", o, err));
     cJSON_Delete(o);
     return ok;
-}
-
-static bool show_text(profile_showing *show, const profile_entry *e)
-{
-    profile_report_text(e);
-    if (!e->session.id)
-        return true;
-    trial_table t = {.rows = table_begin("rrlrrrrrrrrl")};
-    table_words(&t.rows, "trial", "share", "mode", "A", "B", "runs", "ms", "low", "high", "A ms",
-                "B ms", "outcome", NULL);
-    bool ok = profile_trial_each(show->s, e->session.id, add_trial_row, &t, show->err);
-    printf("\n");
-    table_print(&t.rows, stdout);
-    printf("\n");
-    print_kernels(&t);
-    text_free(&t.kernels);
-    return ok && print_pareto(show, e);
 }
 
 static bool show_entry(void *context, const profile_entry *e)
 {
     profile_showing *show = context;
-    show->ok = show->json ? show_json(show, e) : show_text(show, e);
+    cJSON *o = profile_report_json(e);
+    show->ok = profile_report_add_trials(o, show->s, e->session.id, show->err);
+    profile_report_add_session(o, &e->session);
+    if (show->ok)
+        show->ok = show->json ? say_json(o, show->err) : show_text(o, e, show->err);
+    else
+        cJSON_Delete(o);
     return false;
 }
 

@@ -5,7 +5,7 @@
 #include "cli/options.h"
 #include "cli/report/json.h"
 #include "cli/report/profile_report.h"
-#include "cli/report/table.h"
+#include "cli/report/rendering.h"
 #include "cli/say.h"
 #include "runtime/selection/profile_subject.h"
 #include "runtime/task/task.h"
@@ -104,110 +104,12 @@ static bool read_subject(const arguments *args, const duet_scene *scene, duet_de
     return ok;
 }
 
-static void add_device_row(table *t, const char *label, const profile_env *env)
+static void add_device(cJSON *o, const char *name, const profile_env *env)
 {
-    profile_report_device_row(t, label,
+    profile_report_add_device(o, name,
                               &(profile_entry_device){.name = env->device.name,
                                                       .part = env->part,
                                                       .driver = env->driver});
-}
-
-static void print_subject(const answer *a)
-{
-    text workload = {0};
-    profile_workload_text(&a->asked.workload, &workload);
-    table t = table_begin("ll");
-    table_words(&t, "workload", say_name(text_chars(&workload)).chars, NULL);
-    text_free(&workload);
-    if (!a->one_device)
-        add_device_row(&t, "A", &a->asked.pair.a);
-    add_device_row(&t, a->one_device ? "device" : "B", &a->asked.pair.b);
-    table_print(&t, stdout);
-}
-
-// How many characters of the row are blanks and the grade behind them; 0: it names no grade.
-static size_t grade_length(const char *row)
-{
-    size_t blanks = strspn(row, " ");
-    for (int grade = 0; blanks > 0 && grade < PROFILE_DEFAULT; ++grade) {
-        const char *name = profile_grade_name((profile_grade)grade);
-        if (strncmp(row + blanks, name, strlen(name)) == 0)
-            return blanks + strlen(name);
-    }
-    return 0;
-}
-
-// Lines as "  exact        yes: ..." become rows of a table; others are printed as they are.
-static void print_grades(const char *why)
-{
-    table t = table_begin("ll");
-    for (const char *at = why; *at;) {
-        char row[512];
-        int length = (int)strcspn(at, "\n");
-        snprintf(row, sizeof row, "%.*s", length, at);
-        at += length + (at[length] == '\n');
-        size_t grade = grade_length(row);
-        if (grade > 0) {
-            table_cell(&t, "%.*s", (int)grade, row);
-            table_words(&t, say_name(row + grade + strspn(row + grade, " ")).chars, NULL);
-            continue;
-        }
-        table_print(&t, stdout);
-        t = table_begin("ll");
-        say_lines(row);
-        putchar('\n');
-    }
-    table_print(&t, stdout);
-}
-
-static table_text whole_text(const answer *a)
-{
-    const profile_found *found = &a->found;
-    return table_whole(a->asked.pair.a.device.name, a->whole, found->whole_gain,
-                       found->whole_gain_low, found->whole_gain_high);
-}
-
-static void print_text(const answer *a)
-{
-    const profile_found *found = &a->found;
-    const profile_plan *plan = &found->plan;
-    print_subject(a);
-    printf("\n");
-    print_grades(text_chars(&a->why));
-    printf("\n");
-    printf("%s: ", profile_grade_name(found->grade));
-    if (found->grade == PROFILE_DEFAULT) {
-        if (a->one_device)
-            printf("kernels %s, of which nothing is known\n", a->fallback.variant_b);
-        else
-            printf("share %.4f, mode %s, A %s, B %s, of which nothing is known\n",
-                   a->fallback.share / (double)DUET_SHARE_ONE, duet_mode_name(a->fallback.mode),
-                   a->fallback.variant_a, a->fallback.variant_b);
-        return;
-    }
-    if (a->one_device)
-        printf("kernels %s, level %s\n", say_name(plan->variant_b).chars,
-               say_name(plan->level).chars);
-    else
-        printf("share %.4f, mode %s, A %s, B %s, level %s\n",
-               plan->share / (double)PROFILE_SHARE_ONE, say_name(plan->mode).chars,
-               say_name(plan->variant_a).chars, say_name(plan->variant_b).chars,
-               say_name(plan->level).chars);
-    if (!*found->verdict) {
-        printf("the plan of another workload: what a step takes and gains here is not known\n");
-        return;
-    }
-    table_text gain =
-        table_gain(plan->share, found->gain, found->gain_low, found->gain_high, found->verdict);
-    printf("a step of %.4g ms%s%s\n", found->median_ns * 1e-6, a->one_device ? "" : ", ",
-           a->one_device ? "" : say_name(gain.chars).chars);
-    if (found->whole_ns > 0)
-        printf("%s\n", say_name(whole_text(a).chars).chars);
-    if (found->true_pairs > 0)
-        printf(
-            "of %s pairs that collide, level %s misses %.3g %% and adds %.3g %% that are false\n",
-            table_count((uint64_t)found->true_pairs).chars, say_name(plan->level).chars,
-            100 * found->missed_rate, 100 * found->false_rate);
 }
 
 static void add_plan(cJSON *o, const answer *a)
@@ -236,7 +138,7 @@ static void add_figures(cJSON *o, const profile_found *found)
              STRING("verdict", found->verdict));
 }
 
-static bool print_json(const answer *a, duet_error *err)
+static cJSON *describe(const answer *a)
 {
     const profile_found *found = &a->found;
     text workload = {0};
@@ -244,7 +146,10 @@ static bool print_json(const answer *a, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("workload", text_chars(&workload)));
     text_free(&workload);
-    json_add(o, STRING("grade", profile_grade_name(found->grade)));
+    add_device(o, "a", &a->asked.pair.a);
+    add_device(o, "b", &a->asked.pair.b);
+    json_add(o, FLAG("one_device", a->one_device), STRING("whole", a->whole),
+             STRING("grade", profile_grade_name(found->grade)));
     add_plan(o, a);
     if (found->grade != PROFILE_DEFAULT) {
         json_add(o, STRING("level", found->plan.level),
@@ -258,7 +163,15 @@ static bool print_json(const answer *a, duet_error *err)
                  STRING("created", profile_report_when(found->created_ns).chars));
     }
     json_add_lines(o, "why", text_chars(&a->why));
-    return say_json(o, err);
+    return o;
+}
+
+// The names by which the report finds the lines of "why" that tell of a grade.
+static void add_grades(cJSON *o)
+{
+    cJSON *grades = cJSON_AddArrayToObject(o, "grades");
+    for (int grade = 0; grade < PROFILE_DEFAULT; ++grade)
+        cJSON_AddItemToArray(grades, cJSON_CreateString(profile_grade_name((profile_grade)grade)));
 }
 
 static bool look_and_tell(const arguments *args, answer *a, duet_error *err)
@@ -266,10 +179,10 @@ static bool look_and_tell(const arguments *args, answer *a, duet_error *err)
     profile_request request = profile_subject_request(&a->asked);
     if (!profile_subject_look(args->store, &request, &a->found, &a->why, err))
         return false;
-    if (args->json)
-        return print_json(a, err);
-    print_text(a);
-    return true;
+    cJSON *o = describe(a);
+    if (!args->json)
+        add_grades(o);
+    return rendering_tell(o, args->json, "cli/report/why.lua", err);
 }
 
 static bool ask_scene(const arguments *args, const char *path, duet_device_pair *pair, answer *a,

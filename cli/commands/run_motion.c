@@ -121,11 +121,8 @@ static bool run_steps(moved *r, duet_error *err)
     uint64_t hash = 0;
     ok = ok && duet_motion_get_hash(r->motion, &hash, err) && draw_picture(r, err) &&
          save_recording(r, err);
-    if (ok && r->args->json)
-        return motion_report_json(&r->report, hash, err);
-    if (ok)
-        motion_report_end(&r->report, hash);
-    return ok && interrupt_check(err);
+    ok = ok && motion_report_end(&r->report, hash, r->args->json, err);
+    return ok && (r->args->json || interrupt_check(err));
 }
 
 bool run_motion(const arguments *args, const duet_scene *scene, duet_device_pair *pair,
@@ -134,9 +131,7 @@ bool run_motion(const arguments *args, const duet_scene *scene, duet_device_pair
     moved r = {.args = args, .scene = scene};
     bool ok = open_motion(&r, pair, err) && open_replay(&r, err) &&
               (!args->record || duet_motion_record(r.motion, err));
-    if (ok && !args->json)
-        motion_report_begin(&r.report);
-    ok = ok && run_steps(&r, err);
+    ok = ok && (args->json || motion_report_begin(&r.report, err)) && run_steps(&r, err);
     frames_end(&r.frames);
     snapshot_end(&r.look);
     duet_replay_destroy(r.replay);

@@ -172,11 +172,10 @@ static bool tell(const still *s, duet_error *err)
     const run_report *r = &s->report;
     if (!draw_timeline(s, err))
         return false;
-    if (s->args->json && !run_report_json(r, err))
+    bool elsewhere = !s->args->json && (options_is_stdout(s->args->pairs_path) ||
+                                        options_is_stdout(s->args->timeline));
+    if (!elsewhere && !run_report_tell(r, s->args->json, err))
         return false;
-    if (!s->args->json && !options_is_stdout(s->args->pairs_path) &&
-        !options_is_stdout(s->args->timeline))
-        run_report_text(r);
     return reference_check_is_right(&r->check) ||
            error_set(err, DUET_STATUS_WRONG_RESULT, "%s: the pairs differ from the reference's",
                      r->scene->name);

@@ -8,14 +8,13 @@
 #include "cli/command_text.h"
 #include "cli/interrupt.h"
 #include "cli/report/json.h"
+#include "cli/report/rendering.h"
 #include "cli/report/run_report.h"
-#include "cli/report/table.h"
 #include "cli/report/time_lines.h"
 #include "cli/say.h"
 #include "runtime/selection/profile_subject.h"
 #include "runtime/task/task_launch.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -84,83 +83,33 @@ static bool launch_all(const arguments *args, task_launcher *l, ran *r, duet_err
 
 // ---------------------------------------------------------------- the report
 
-static void print_stages(const task_result *m)
-{
-    table t = table_begin("lrr");
-    table_words(&t, "", "A ms", "B ms", NULL);
-    for (uint32_t i = 0; i < m->n_stages; ++i) {
-        bool seen = false;
-        double ms[2] = {0, 0};
-        for (uint32_t k = 0; k < m->n_stages; ++k) {
-            bool same = strcmp(m->stages[k].name, m->stages[i].name) == 0;
-            seen |= same && k < i;
-            ms[m->stages[k].device] += same ? m->stages[k].ms : 0;
-        }
-        if (seen)
-            continue;
-        table_words(&t, m->stages[i].name, NULL);
-        table_cell(&t, "%.3f", ms[0]);
-        table_cell(&t, "%.3f", ms[1]);
-    }
-    table_words(&t, "together", NULL);
-    table_cell(&t, "%.3f", m->device_ms[0]);
-    table_cell(&t, "%.3f", m->device_ms[1]);
-    table_print(&t, stdout);
-}
-
-static void print_plan(const arguments *args, const ran *r)
+static void add_tuning(cJSON *o, const arguments *args, const ran *r)
 {
     text tuning = {0};
-    if (r->given || r->grade < DUET_GRADE_DEFAULT) {
-        printf(r->given ? "plan: as given\n\n" : "plan: from the profile, %s\n\n",
-               duet_grade_name(r->grade));
-        return;
-    }
-    printf("plan: the default; to measure a better one:\n");
     text_add(&tuning, "duet tune");
     command_text_option(&tuning, "task", args->task);
     command_text_settings(&tuning, &args->scene);
     command_text_pair(&tuning, r->pair);
-    command_text_print(text_chars(&tuning), stdout);
+    json_add(o, STRING("tuning", text_chars(&tuning)));
     text_free(&tuning);
-    putchar('\n');
 }
 
-static void print_right(const task *t)
-{
-    if (t->tolerance > 0)
-        printf("right: every launch, within %g of what the task expects\n", t->tolerance);
-    else
-        printf("right: every launch, exactly what the task expects\n");
-}
-
-static void print_text(const arguments *args, const ran *r)
-{
-    const task_result *m = &r->results[r->n / 2];
-    printf("%s: %s items of kernel %s\n", say_name(r->task->name).chars,
-           table_count(r->task->items).chars, r->task->kernel);
-    run_report_devices(r->pair, &r->plan);
-    print_plan(args, r);
-    print_stages(m);
-    printf("\ntime: %.3f ms, median of %u, %.3f to %.3f; %s items a second\n", m->total_ms, r->n,
-           r->results[0].total_ms, r->results[r->n - 1].total_ms,
-           table_rate(m->total_ms > 0 ? (double)r->task->items / m->total_ms * 1e3 : 0).chars);
-    print_right(r->task);
-}
-
-static bool print_json(const ran *r, duet_error *err)
+static bool report(const arguments *args, const ran *r, duet_error *err)
 {
     const task_result *m = &r->results[r->n / 2];
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("task", r->task->name), STRING("kernel", r->task->kernel),
              NUMBER("items", r->task->items));
-    json_add_plan(o, r->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(r->plan.mode),
-                  r->plan.variant_a, r->plan.variant_b);
+    run_report_add_plan(o, r->pair, &r->plan);
     json_add(o, STRING("plan_from", r->given ? "given" : duet_grade_name(r->grade)),
-             NUMBER("total_ms", m->total_ms), NUMBER("a_ms", m->device_ms[0]),
+             NUMBER("total_ms", m->total_ms), NUMBER("least_ms", r->results[0].total_ms),
+             NUMBER("most_ms", r->results[r->n - 1].total_ms), NUMBER("a_ms", m->device_ms[0]),
              NUMBER("b_ms", m->device_ms[1]), NUMBER("launches", r->n),
              NUMBER("tolerance", r->task->tolerance));
-    return say_json(o, err);
+    if (!args->json)
+        add_tuning(o, args, r);
+    json_add_stages(o, m->stages, m->n_stages);
+    return rendering_tell(o, args->json, "cli/report/run_task.lua", err);
 }
 
 static bool draw_timeline(const arguments *args, const ran *r, duet_error *err)
@@ -181,10 +130,8 @@ static bool run_on(const arguments *args, task *t, duet_device_pair *pair, duet_
     task_launcher *l = task_launcher_open(t, pair, err);
     bool ok = l && choose_plan(args, &r, err) && launch_all(args, l, &r, err) &&
               draw_timeline(args, &r, err);
-    if (ok && args->json)
-        ok = print_json(&r, err);
-    else if (ok && !options_is_stdout(args->timeline))
-        print_text(args, &r);
+    if (ok && (args->json || !options_is_stdout(args->timeline)))
+        ok = report(args, &r, err);
     free(r.results);
     task_launcher_close(l);
     return ok;

@@ -8,12 +8,10 @@
 #include "cli/commands/profiles.h"
 #include "cli/interrupt.h"
 #include "cli/report/json.h"
-#include "cli/report/table.h"
-#include "cli/say.h"
+#include "cli/report/rendering.h"
 #include "tuner/replay.h"
 #include "tuner/strategy.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -144,81 +142,6 @@ static bool replay_store(store *s, const replay_options *options, script *lua, c
     return ok && store_check_read(s, err);
 }
 
-// ---------------------------------------------------------------- what is printed
-
-static table_text plan_text(const cJSON *row)
-{
-    table_text t;
-    double share = json_number(row, "share");
-    if (share > 0 && share < 1)
-        snprintf(t.chars, sizeof t.chars, "A %.2f %% %s", 100 * share, json_string(row, "mode"));
-    else
-        snprintf(t.chars, sizeof t.chars, "%s alone", share > 0 ? "A" : "B");
-    return t;
-}
-
-static void print_strategies(const cJSON *workload)
-{
-    table t = table_begin("llrrrrrr");
-    const cJSON *row;
-    table_words(&t, "strategy", "plan", "ms", "loss %", "worst", "search", "launches", "seconds",
-                NULL);
-    cJSON_ArrayForEach(row, json_list(workload, "strategies"))
-    {
-        table_words(&t, json_string(row, "strategy"), plan_text(row).chars, NULL);
-        table_cell(&t, "%.3f", json_number(row, "ms"));
-        table_cell(&t, "%.1f", 100 * json_number(row, "loss"));
-        table_cell(&t, "%.1f", 100 * json_number(row, "worst_loss"));
-        table_cell(&t, "%.0f", json_number(row, "search_launches"));
-        table_cell(&t, "%.0f", json_number(row, "launches"));
-        table_cell(&t, "%.2f", json_number(row, "seconds"));
-    }
-    table_print(&t, stdout);
-}
-
-static void print_workload(const cJSON *o)
-{
-    const char *query = json_string(o, "query");
-    double objects = json_number(o, "objects");
-    bool is_task = *query && objects == 0;
-    printf("%s, %s%s%s", say_name(json_string(o, "scene")).chars,
-           table_count((uint64_t)(is_task ? json_number(o, "items") : objects)).chars,
-           is_task ? ", " : "", is_task ? say_name(query).chars : "");
-    if (*query && !is_task)
-        printf(": %s %s", table_count((uint64_t)json_number(o, "items")).chars,
-               say_name(query).chars);
-    printf("\nA: %s\nB: %s\n", say_name(json_string(o, "a")).chars,
-           say_name(json_string(o, "b")).chars);
-    printf("best of %.0f recorded plans: %s, %.3f ms\n", json_number(o, "plans"),
-           plan_text(o).chars, json_number(o, "best_ms"));
-    print_strategies(o);
-    printf("\n");
-}
-
-static void print_workloads(const cJSON *workloads)
-{
-    const cJSON *o;
-    cJSON_ArrayForEach(o, workloads) print_workload(o);
-    printf("Each strategy was replayed %d times; its row is the run with the median loss.\n"
-           "loss: by how much the plan takes longer than the best recorded one; worst: in\n"
-           "the worst run. search: launches until the shares were searched; launches and\n"
-           "seconds: with the races after it, and without compiling kernels.\n",
-           RUNS);
-}
-
-static bool print(cJSON *workloads, const replay_options *options, duet_error *err)
-{
-    if (!options->json) {
-        print_workloads(workloads);
-        cJSON_Delete(workloads);
-        return true;
-    }
-    cJSON *o = cJSON_CreateObject();
-    json_add(o, NUMBER("seed", options->seed), NUMBER("runs", RUNS));
-    cJSON_AddItemToObject(o, "workloads", workloads);
-    return say_json(o, err);
-}
-
 static bool open_script(const char *path, script **opened, duet_error *err)
 {
     text chars = {0};
@@ -241,8 +164,11 @@ bool tune_replay(const replay_options *options, duet_error *err)
     bool ok = s && replay_store(s, options, lua, workloads, err);
     store_close(s);
     script_close(lua);
+    cJSON *o = cJSON_CreateObject();
+    json_add(o, NUMBER("seed", options->seed), NUMBER("runs", RUNS));
+    cJSON_AddItemToObject(o, "workloads", workloads);
     if (ok)
-        return print(workloads, options, err);
-    cJSON_Delete(workloads);
+        return rendering_tell(o, options->json, "cli/report/replay.lua", err);
+    cJSON_Delete(o);
     return false;
 }

@@ -211,8 +211,7 @@ static bool tell_json(const verification *v, duet_error *err)
         if (v->first.body != DUET_NO_BODY)
             cJSON_AddNumberToObject(o, "body", (double)v->first.body);
         cJSON_AddStringToObject(o, "field", v->first.field);
-        json_add_figure(o, "first", v->first.values[0]);
-        json_add_figure(o, "other", v->first.values[1]);
+        json_add(o, NUMBER("first", v->first.values[0]), NUMBER("other", v->first.values[1]));
     }
     return say_json(o, err);
 }

@@ -4,8 +4,7 @@
 #include "base/error.h"
 #include "cli/costs.h"
 #include "cli/report/level_costs_report.h"
-#include "cli/report/table.h"
-#include "cli/say.h"
+#include "cli/report/rendering.h"
 #include "tuner/race.h"
 #include "tuner/stats.h"
 
@@ -277,114 +276,16 @@ bool bench_first_slower(const cJSON *results, char name[BENCH_NAME], uint32_t *n
     return *n > 0;
 }
 
-// ---------------------------------------------------------------- tables
+// ---------------------------------------------------------------- as text
 
-static void kernels_cell(table *t, const cJSON *one)
+bool bench_tell(const cJSON *results, const char *scene, const cJSON *before, duet_error *err)
 {
-    const char *a = json_string(one, "variant_a");
-    const char *b = json_string(one, "variant_b");
-    bool same = strcmp(a, b) == 0;
-    table_cell(t, "%s%s%s", a, same ? "" : " | ", same ? "" : b);
-}
-
-static void comparison_cells(table *t, const cJSON *one)
-{
-    if (!*json_string(one, "verdict")) {
-        table_words(t, "-", "-", "-", "-", "new", NULL);
-        return;
-    }
-    table_cell(t, "%.3f", json_number(one, "against_ms"));
-    for (int i = 1; i < 4; ++i)
-        table_cell(t, "%.3f", json_number(one, fields[i]));
-    table_cell(t, "%s", json_string(one, "verdict"));
-}
-
-// shared: by two devices, so that there is a share and a time of each.
-static void case_row(table *t, const cJSON *one, bool shared, bool compared)
-{
-    static const char *const times[] = {"median_ms", "low_ms", "high_ms", "a_ms", "b_ms"};
-    if (shared) {
-        table_cell(t, "%.2f", json_number(one, "share"));
-        table_cell(t, "%s", json_string(one, "mode"));
-    }
-    kernels_cell(t, one);
-    for (int i = 0; i < (shared ? 5 : 3); ++i) {
-        if (*json_string(one, "failed"))
-            table_cell(t, i == 0 ? "failed" : "-");
-        else
-            table_cell(t, "%.3f", json_number(one, times[i]));
-    }
-    if (compared)
-        comparison_cells(t, one);
-}
-
-void bench_print_scene(const cJSON *results, const char *scene, const cJSON *before)
-{
-    const cJSON *devices = json_list(results, "devices");
-    bool shared =
-        !cJSON_Compare(cJSON_GetArrayItem(devices, 0), cJSON_GetArrayItem(devices, 1), true);
-    const char *aligned = shared ? "rllrrrrrrrrrl" : "lrrrrrrrl";
-    char align[16];
-    snprintf(align, sizeof align, "%.*s", before ? 13 : shared ? 8 : 4, aligned);
-    table t = table_begin(align);
-    bool begun = false;
-    const cJSON *one;
-    cJSON_ArrayForEach(one, json_list(results, "cases"))
-    {
-        if (strcmp(json_string(one, "scene"), scene) != 0)
-            continue;
-        if (!begun) {
-            printf("%s, %s, %.0fD\n", say_name(scene).chars,
-                   table_things((uint64_t)json_number(one, "objects"), "object", "objects").chars,
-                   json_number(one, "dims"));
-            if (shared)
-                table_words(&t, "share", "mode", NULL);
-            table_words(&t, "kernels", "ms", "from", "to", NULL);
-            if (shared)
-                table_words(&t, "A ms", "B ms", NULL);
-            if (before)
-                table_words(&t, "before", "before/now", "from", "to", "", NULL);
-        }
-        begun = true;
-        case_row(&t, one, shared, before != NULL);
-    }
-    table_print(&t, stdout);
+    cJSON *o = cJSON_CreateObject();
+    json_add(o, STRING("scene", scene), NUMBER("confidence", level));
+    cJSON_AddItemReferenceToObject(o, "results", (cJSON *)results);
+    if (before)
+        cJSON_AddItemReferenceToObject(o, "before", (cJSON *)before);
+    bool ok = rendering_tell(o, false, "cli/report/bench.lua", err);
     fflush(stdout);
-}
-
-static double mean_others(const cJSON *results)
-{
-    double sum = 0;
-    int n = 0;
-    const cJSON *one;
-    cJSON_ArrayForEach(one, json_list(results, "cases"))
-    {
-        sum += json_number(one, "cpu_load");
-        n += !*json_string(one, "failed");
-    }
-    return n > 0 ? sum / n : 0;
-}
-
-void bench_print_verdicts(const cJSON *results, const cJSON *before)
-{
-    uint32_t counts[RACE_AMBIGUOUS + 1] = {0};
-    const cJSON *one;
-    if (!before)
-        return;
-    cJSON_ArrayForEach(one, json_list(results, "cases"))
-    {
-        for (int v = 0; v <= RACE_AMBIGUOUS; ++v)
-            counts[v] += strcmp(json_string(one, "verdict"), race_verdict_name(v)) == 0;
-    }
-    printf("against %s:", say_name(json_string(before, "time")).chars);
-    for (int v = 0; v <= RACE_AMBIGUOUS; ++v)
-        printf("%s %u %s", v ? "," : "", counts[v], race_verdict_name((race_verdict)v));
-    printf(
-        "\nbefore/now: 1.10 is 10 %% faster now than before; it lies between 'from' and 'to' with\n"
-        "%.0f %% confidence\n",
-        100 * level);
-    printf(
-        "other programs used %.0f %% of the cores, and before %.0f %%; a difference that they can "
-        "explain is ambiguous\n",
-        100 * mean_others(results), 100 * mean_others(before));
+    return ok;
 }

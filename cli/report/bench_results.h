@@ -22,12 +22,9 @@ cJSON *bench_add(cJSON *results, const duet_scene_info *scene, const duet_plan *
 bool bench_check(const cJSON *o, const char *path, duet_error *err);
 cJSON *bench_read(const char *path, duet_error *err);
 
-// The cases of one scene; before is NULL or what bench_read gave.
-void bench_print_scene(const cJSON *results, const char *scene, const cJSON *before);
-
-// How many cases became faster, stayed the same and so on; nothing if
-// before is NULL.
-void bench_print_verdicts(const cJSON *results, const cJSON *before);
+// Prints the cases of one scene, or with NULL how many cases became faster, stayed the same and so
+// on. before: what bench_read gave, or NULL.
+bool bench_tell(const cJSON *results, const char *scene, const cJSON *before, duet_error *err);
 
 // The first case of verdict "slower", as one line names it: "paper by 'simd', mode own,
 // share 0.50". False if there is none; n counts them.

@@ -124,8 +124,10 @@ void json_add_stages(cJSON *o, const duet_stage *stages, uint32_t n)
 
 void json_add_devices(cJSON *o, const duet_device_pair *pair)
 {
-    json_add(o, STRING("a", duet_device_pair_get_info(pair, 0)->selector),
-             STRING("b", duet_device_pair_get_info(pair, 1)->selector));
+    const duet_device_info *a = duet_device_pair_get_info(pair, 0);
+    const duet_device_info *b = duet_device_pair_get_info(pair, 1);
+    json_add(o, STRING("a", a->selector), STRING("b", b->selector), STRING("a_name", a->name),
+             STRING("b_name", b->name));
 }
 
 void json_add_cores(cJSON *o, const core_tally *cores)

@@ -71,7 +71,7 @@ void json_add_pair(cJSON *o, const char *name, const duet_device_pair *pair);
 // Adds "stages", a row each.
 void json_add_stages(cJSON *o, const duet_stage *stages, uint32_t n);
 
-// Adds the fields "a" and "b", the devices' selectors.
+// Adds the devices' selectors, "a" and "b", and their names, "a_name" and "b_name".
 void json_add_devices(cJSON *o, const duet_device_pair *pair);
 
 // A field that must be there; a table of them ends with {0}.

@@ -11,8 +11,6 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { BAR = 20, ROUNDS_FOR_ONE = 6 }; // the least for an interval of 95 %
-
 static bool watch(void *shown, uint64_t done, uint64_t steps)
 {
     progress *p = shown;
@@ -44,83 +42,6 @@ static const char *name_of(const level_cost *row)
 static double undecided_share(const level_cost *row)
 {
     return row->candidates ? (double)row->undecided / (double)row->candidates : 0;
-}
-
-// ---------------------------------------------------------------- as text
-
-static double slowest_ms(const level_costs *p, int device)
-{
-    double ms = 0;
-    for (uint32_t i = 0; i < p->n; ++i)
-        if (p->rows[i].device == device)
-            ms = fmax(ms, p->rows[i].step_ms);
-    return ms;
-}
-
-static void distance_cell(table *t, uint64_t n, double distance)
-{
-    if (n == 0)
-        table_cell(t, "-");
-    else
-        table_cell(t, "%.2g", distance);
-}
-
-static void print_row(table *t, const level_cost *row, double slowest)
-{
-    table_words(t, row->front ? "*" : " ", name_of(row), NULL);
-    table_cell(t, "%.3f", row->step_ms);
-    table_cell(t, "%.2f%s", row->relative, row->same ? " ~" : "  ");
-    table_words(t, table_bar(row->step_ms / slowest, BAR).chars, table_count(row->missed).chars,
-                table_count(row->added).chars, NULL);
-    distance_cell(t, row->missed, row->deepest_missed);
-    distance_cell(t, row->added, row->widest_added);
-    table_cell(t, "%.2g %%", 100 * undecided_share(row));
-}
-
-// "A: pocl:0[0], its name", without the letter if the device is the only one.
-static text device_words(const level_costs_report *r, int device)
-{
-    const duet_device_info *info = duet_device_pair_get_info(r->pair, device);
-    text words = {0};
-    if (!duet_device_pair_is_one(r->pair))
-        text_add(&words, "%c alone: ", "AB"[device]);
-    text_add(&words, "%.60s, %.120s", info->selector, info->name);
-    return words;
-}
-
-static void print_device(const level_costs_report *r, int device)
-{
-    text words = device_words(r, device);
-    printf("\n%s\n", text_chars(&words));
-    text_free(&words);
-    table t = table_begin("llrrlrrrrr");
-    table_words(&t, " ", "level", "ms a step", "/ sat15", " ", "missed", "false", "deepest",
-                "widest", "undecided", NULL);
-    double slowest = slowest_ms(r->costs, device);
-    for (uint32_t i = 0; i < r->costs->n; ++i)
-        if (r->costs->rows[i].device == device)
-            print_row(&t, &r->costs->rows[i], slowest);
-    table_print(&t, stdout);
-}
-
-void level_costs_report_text(const level_costs_report *r)
-{
-    printf("%s: %s, ", r->scene->name, table_things(r->scene->n, "object", "objects").chars);
-    printf("%s; median of %u steps\n",
-           table_things(r->costs->truth, "pair collides", "pairs collide").chars, r->costs->rounds);
-    for (int device = duet_device_pair_is_one(r->pair); device < 2; ++device)
-        print_device(r, device);
-    printf("\n* nothing is both faster and more right. ~ the difference from sat15 is noise in "
-           "these rounds.\n");
-    if (r->costs->rounds < ROUNDS_FOR_ONE)
-        printf("Fewer than %d rounds tell no difference from noise: give --repeat.\n",
-               ROUNDS_FOR_ONE);
-    if (r->costs->cores.disturbed > 0)
-        printf("%s\n", table_disturbed(&r->costs->cores).chars);
-    printf("missed: pairs that collide; false: that do "
-           "not.\ndeepest: overlap of the worst missed; widest: separation of the worst false one, "
-           "in the "
-           "scene's unit.\n");
 }
 
 // ---------------------------------------------------------------- as data
@@ -243,6 +164,17 @@ static void draw_row(canvas *c, const level_costs *p, const level_cost *row, dou
     snprintf(words, sizeof words, "%s", table_count(row->missed + row->added).chars);
     canvas_words(c, (point){wrongs_x + length + 8, y}, words_px, canvas_ink,
                  row->missed + row->added ? words : "none");
+}
+
+// "A: pocl:0[0], its name", without the letter if the device is the only one.
+static text device_words(const level_costs_report *r, int device)
+{
+    const duet_device_info *info = duet_device_pair_get_info(r->pair, device);
+    text words = {0};
+    if (!duet_device_pair_is_one(r->pair))
+        text_add(&words, "%c alone: ", "AB"[device]);
+    text_add(&words, "%.60s, %.120s", info->selector, info->name);
+    return words;
 }
 
 static void draw_device(canvas *c, const level_costs_report *r, int device, double *y)

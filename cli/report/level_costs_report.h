@@ -17,7 +17,6 @@ typedef struct level_costs_report {
 bool level_costs_show(level_costs *p, duet_device_pair *pair, const duet_scene *scene,
                       uint32_t rounds, duet_error *err);
 
-void level_costs_report_text(const level_costs_report *r);
 cJSON *level_costs_report_json(const level_costs_report *r);
 bool level_costs_report_csv(const level_costs_report *r, const char *path, duet_error *err);
 

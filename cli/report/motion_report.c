@@ -2,9 +2,8 @@
 #include "cli/report/motion_report.h"
 
 #include "cli/report/json.h"
+#include "cli/report/rendering.h"
 #include "cli/report/run_report.h"
-#include "cli/report/table.h"
-#include "cli/say.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -48,7 +47,7 @@ void motion_report_add(motion_report *r, const duet_motion_result *step)
     add_stages(r);
 }
 
-// ---------------------------------------------------------------- as text
+// ---------------------------------------------------------------- what is told
 
 static const duet_device_pair *pair_of(const motion_report *r)
 {
@@ -64,45 +63,36 @@ static duet_plan plan_used(const motion_report *r)
     return plan;
 }
 
-// A step without pairs, or whose pairs B finds, leaves A idle.
-static void tell_plan(const motion_report *r, const duet_plan *plan)
+static void add_effects(cJSON *o, const motion_report *r)
 {
-    const duet_profile *p = &r->profile;
-    bool known = p->grade < DUET_GRADE_STALE;
-    printf("plan: ");
-    if (r->plan_given)
-        printf("as given");
-    else if (p->grade == DUET_GRADE_STALE)
-        printf("the default, since the kernels changed after it was measured");
-    else if (!known)
-        printf("the default; 'duet tune --steps' measures a better one");
-    else if (p->step_ms > 0)
-        printf("from the profile, %s: %.3f ms a step", duet_grade_name(p->grade), p->step_ms);
-    else
-        printf("from the profile, %s: that of another number of bodies", duet_grade_name(p->grade));
-    if (plan->share == 0 && !duet_device_pair_is_one(pair_of(r)))
-        printf("; A has nothing to do");
-    printf("\n\n");
+    cJSON *effects = cJSON_AddArrayToObject(o, "effects");
+    for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
+        if (duet_motion_get_effects(r->motion) & bit)
+            cJSON_AddItemToArray(effects, cJSON_CreateString(duet_effect_name(bit)));
 }
 
-void motion_report_begin(const motion_report *r)
+// The scene, the plan, and where that is from.
+static cJSON *describe(const motion_report *r, uint64_t n)
 {
-    const duet_scene_info *info = r->scene;
-    printf("%s: %s, %uD; effects:", info->name, table_things(info->n, "box", "boxes").chars,
-           info->dims);
-    uint32_t effects = duet_motion_get_effects(r->motion);
-    for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
-        if (effects & bit)
-            printf(" %s", duet_effect_name(bit));
-    const duet_motion_def *def = duet_motion_get_def(r->motion);
-    printf("%s\n%s of %.6g s\n", effects ? "" : " none",
-           table_things(def->substeps, "substep", "substeps").chars, def->dt / def->substeps);
+    cJSON *o = cJSON_CreateObject();
     duet_plan plan = plan_used(r);
-    run_report_devices(pair_of(r), &plan);
-    run_report_grids(&plan);
-    tell_plan(r, &plan);
+    json_add(o, STRING("scene", r->scene->name), NUMBER("objects", n));
+    run_report_add_plan(o, pair_of(r), &plan);
+    json_add(o, STRING("profile", r->plan_given ? "given" : duet_grade_name(r->profile.grade)));
+    add_effects(o, r);
+    return o;
+}
+
+bool motion_report_begin(const motion_report *r, duet_error *err)
+{
+    const duet_motion_def *def = duet_motion_get_def(r->motion);
+    cJSON *o = describe(r, r->scene->n);
+    json_add(o, NUMBER("dims", r->scene->dims), NUMBER("substeps", def->substeps),
+             NUMBER("dt", def->dt), NUMBER("step_ms", r->profile.step_ms));
+    bool ok = rendering_tell(o, false, "cli/report/motion_begin.lua", err);
     printf("%9s %9s %12s %12s %12s %12s %12s %9s\n", "step", "time", "kinetic", "potential",
            "energy", "pairs", "contacts", "ms");
+    return ok;
 }
 
 bool motion_report_row(const motion_report *r, duet_error *err)
@@ -122,72 +112,31 @@ static double mean_ms(const motion_report *r)
     return r->done > 1 ? r->total_ms / (double)(r->done - 1) : 0.0;
 }
 
-static void tell_stage(table *t, const char *name, double ms, double whole)
+static void add_stage_times(cJSON *o, const motion_report *r, bool json)
 {
-    double part = whole > 0 ? ms / whole : 0.0;
-    table_cell(t, "%s", name);
-    table_cell(t, "%.3f", ms);
-    table_cell(t, "%.1f", 100 * part);
-    table_cell(t, "%s", table_bar(part, 24).chars);
+    cJSON *stages = json ? cJSON_AddObjectToObject(o, "stages_ms") : NULL;
+    cJSON *rows = json ? NULL : cJSON_AddArrayToObject(o, "stages");
+    for (uint32_t i = 0; i < r->n_stages; ++i) {
+        double ms = r->stages[i].ms / (double)r->staged_steps;
+        if (json)
+            json_add(stages, NUMBER(r->stages[i].name, ms));
+        else
+            json_add(json_add_row(rows), STRING("name", r->stages[i].name), NUMBER("ms", ms));
+    }
 }
 
-// The rest of a step is the host's own work and waits. Stages of two devices may take more
-// together than the step does.
-static void tell_times(const motion_report *r)
-{
-    table t = table_begin("lrrl");
-    double mean = mean_ms(r), all = 0;
-    for (uint32_t i = 0; i < r->n_stages; ++i)
-        all += r->stages[i].ms / (double)r->staged_steps;
-    double whole = fmax(mean, all);
-    table_words(&t, "", "ms a step", "%", "", NULL);
-    for (uint32_t i = 0; i < r->n_stages; ++i)
-        tell_stage(&t, r->stages[i].name, r->stages[i].ms / (double)r->staged_steps, whole);
-    if (all < mean)
-        tell_stage(&t, "host and waits", mean - all, whole);
-    table_print(&t, stdout);
-    if (r->timed_steps + 1 < r->done)
-        printf("of %s\n", table_things(r->timed_steps, "timed step", "timed steps").chars);
-    printf("\n%.3f ms a step after the first, the slowest %.3f: %.4g steps a second\n", mean,
-           r->slowest_ms, mean > 0 ? 1e3 / mean : 0.0);
-}
-
-void motion_report_end(const motion_report *r, uint64_t hash)
-{
-    putchar('\n');
-    if (r->n_stages > 0)
-        tell_times(r);
-    else if (duet_motion_get_effects(r->motion) == 0)
-        printf("nothing is called for, so that a step launches nothing\n");
-    printf("state hash %016" PRIx64 "\n", hash);
-}
-
-// ---------------------------------------------------------------- as JSON
-
-bool motion_report_json(const motion_report *r, uint64_t hash, duet_error *err)
+bool motion_report_end(const motion_report *r, uint64_t hash, bool json, duet_error *err)
 {
     duet_energy e;
     if (!duet_motion_get_energy(r->motion, &e, err))
         return false;
-    cJSON *o = cJSON_CreateObject();
-    json_add(o, STRING("scene", r->scene->name),
-             NUMBER("objects", duet_motion_get_count(r->motion)));
-    duet_plan plan = plan_used(r);
-    json_add_plan(o, plan.share / (double)DUET_SHARE_ONE, duet_mode_name(plan.mode), plan.variant_a,
-                  plan.variant_b);
-    json_add(o, STRING("profile", r->plan_given ? "given" : duet_grade_name(r->profile.grade)),
-             NUMBER("steps", r->done), NUMBER("time", r->last.time),
-             NUMBER("ms_a_step", mean_ms(r)), NUMBER("pairs", r->last.pairs),
-             NUMBER("contacts", r->last.contacts), NUMBER("kinetic", e.kinetic + e.turning),
-             NUMBER("potential", e.potential));
+    cJSON *o = describe(r, duet_motion_get_count(r->motion));
+    json_add(o, NUMBER("steps", r->done), NUMBER("time", r->last.time),
+             NUMBER("ms_a_step", mean_ms(r)), NUMBER("slowest_ms", r->slowest_ms),
+             NUMBER("pairs", r->last.pairs), NUMBER("contacts", r->last.contacts),
+             NUMBER("kinetic", e.kinetic + e.turning), NUMBER("potential", e.potential));
     json_add_hash(o, hash);
-    cJSON *effects = cJSON_AddArrayToObject(o, "effects");
-    for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
-        if (duet_motion_get_effects(r->motion) & bit)
-            cJSON_AddItemToArray(effects, cJSON_CreateString(duet_effect_name(bit)));
-    cJSON *stages = cJSON_AddObjectToObject(o, "stages_ms");
-    for (uint32_t i = 0; i < r->n_stages; ++i)
-        json_add(stages, NUMBER(r->stages[i].name, r->stages[i].ms / (double)r->staged_steps));
+    add_stage_times(o, r, json);
     json_add(o, NUMBER("timed_steps", r->timed_steps));
-    return say_json(o, err);
+    return rendering_tell(o, json, "cli/report/motion_end.lua", err);
 }

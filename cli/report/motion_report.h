@@ -33,12 +33,11 @@ typedef struct motion_report {
 // Counts a step, whose result is `last` from then on.
 void motion_report_add(motion_report *r, const duet_motion_result *step);
 
-// The scene, its effects and its plan, then the names of the columns.
-void motion_report_begin(const motion_report *r);
+// Prints the scene, its effects and its plan, then the names of the columns.
+bool motion_report_begin(const motion_report *r, duet_error *err);
 bool motion_report_row(const motion_report *r, duet_error *err);
-void motion_report_end(const motion_report *r, uint64_t hash);
 
-// The whole as one object.
-bool motion_report_json(const motion_report *r, uint64_t hash, duet_error *err);
+// Prints where the time went and the hash; or all as one object.
+bool motion_report_end(const motion_report *r, uint64_t hash, bool json, duet_error *err);
 
 #endif

@@ -12,7 +12,7 @@
 
 // Each part of the script takes what the one before it returns; the last returns the page's
 // function.
-static const char *const parts[] = {"cli/report/page_read.lua",  "cli/report/page_draw.lua",
+static const char *const parts[] = {"cli/report/read.lua",       "cli/report/page_draw.lua",
                                     "cli/report/page_store.lua", "cli/report/page_bench.lua",
                                     "cli/report/page.lua",       NULL};
 

@@ -4,16 +4,13 @@ local report = ...
 local number, list, count, is_of_one = report.number, report.list, report.count, report.is_of_one
 local same_plan, cut, add, words = report.same_plan, report.cut, report.add, report.words
 local paragraph, section, charts = report.paragraph, report.section, report.charts
-local rows_begin, rows_end, draw_chart = report.rows_begin, report.rows_end, report.draw_chart
+local device_words, rows_begin, rows_end = report.device_words, report.rows_begin, report.rows_end
+local draw_chart = report.draw_chart
 
 local function title_of(p)
   local plan = is_of_one(p) and p.variant_b or ("%s | %s, %s"):format(p.variant_a, p.variant_b, p.mode)
   return ("%s, %s objects: %s, level %s"):format(cut(p.scene ~= "" and p.scene or "a scene", 60), count(p.objects),
     plan, p.level)
-end
-
-local function device_words(d)
-  return ("%s%s, driver %s"):format(d.name, d.part ~= "" and (" [%s]"):format(d.part) or "", d.driver)
 end
 
 local function pair_words(p)

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "cli/report/pareto.h"
 
-#include "cli/report/table.h"
-#include "cli/say.h"
+#include "cli/report/json.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -86,23 +84,4 @@ void pareto_add(cJSON *o)
     if (n > 0)
         add_front(cJSON_AddArrayToObject(o, "pareto"), plans, n);
     free(plans);
-}
-
-void pareto_print(const cJSON *o)
-{
-    const cJSON *row, *front = json_list(o, "pareto");
-    if (!front)
-        return;
-    table t = table_begin("rrrll");
-    table_words(&t, "ms", "J", "share", "A's kernels", "B's kernels", NULL);
-    cJSON_ArrayForEach(row, front)
-    {
-        table_cell(&t, "%.4f", json_number(row, "ms"));
-        table_cell(&t, "%.6g", json_number(row, "joules"));
-        table_cell(&t, "%.4f", json_number(row, "share"));
-        table_words(&t, say_name(json_string(row, "variant_a")).chars,
-                    say_name(json_string(row, "variant_b")).chars, NULL);
-    }
-    printf("\nplans that no other beats in both time and energy:\n");
-    table_print(&t, stdout);
 }

@@ -10,7 +10,4 @@
 // measured.
 void pareto_add(cJSON *o);
 
-// Prints that as a table; nothing if there is none.
-void pareto_print(const cJSON *o);
-
 #endif

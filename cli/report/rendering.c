@@ -3,22 +3,26 @@
 
 #include "base/blob.h"
 #include "base/error.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
 #include "gen/sandbox.h"
 
+#include <langinfo.h>
 #include <lauxlib.h>
 #include <string.h>
 
 // The argument of a C function that pushes an object; its text outlives what Lua raises.
 typedef struct pushing {
     const cJSON *shown;
+    const char *keep; // control characters that stay
     text words;
 } pushing;
 
-// Untrusted strings, with what no page may hold made visible.
+// Untrusted strings, with control characters made visible.
 static void push_words(lua_State *L, pushing *p, const char *chars)
 {
     p->words.length = 0;
-    text_add_visible(&p->words, chars, strlen(chars), "\n\t");
+    text_add_visible(&p->words, chars, strlen(chars), p->keep);
     lua_pushlstring(L, text_chars(&p->words), p->words.length);
 }
 
@@ -49,6 +53,8 @@ static void push(lua_State *L, pushing *p, const cJSON *item)
 static int push_shown(lua_State *L)
 {
     pushing *p = lua_touserdata(L, 1);
+    lua_pushboolean(L, strcmp(nl_langinfo(CODESET), "UTF-8") == 0);
+    lua_setglobal(L, "in_utf8");
     push(L, p, p->shown);
     return 1;
 }
@@ -66,32 +72,82 @@ static bool load_parts(script *s, const char *const *parts, duet_error *err)
     return ok;
 }
 
-static bool call_parts(script *s, const char *const *parts, pushing *p, text *out, duet_error *err)
-{
-    lua_State *L = script_lua(s);
-    if (!load_parts(s, parts, err))
-        return false;
-    lua_pushcfunction(L, push_shown);
-    lua_pushlightuserdata(L, p);
-    if (!script_call(s, 1, 1, err) || !script_call(s, 1, 1, err))
-        return false;
-    size_t n = 0;
-    const char *chars = lua_tolstring(L, -1, &n);
-    text_add_bytes(out, chars, n);
-    return text_ok(out, err);
-}
-
-// The script is ours, and bounded only by how much there is to show.
-bool rendering_make(text *out, const char *const *parts, const cJSON *shown, duet_error *err)
+// Leaves what the last part's function returns on the stack of a script; NULL on failure. The
+// scripts are ours, and bounded only by how much there is to show.
+static script *call_parts(const char *const *parts, const cJSON *shown, const char *keep,
+                          duet_error *err)
 {
     const script_limits limits = {.memory_bytes = (size_t)4 << 30,
                                   .instructions = (uint64_t)1 << 40,
                                   .seconds = 3600,
                                   .failure = DUET_STATUS_BAD_INPUT};
-    pushing p = {.shown = shown};
+    pushing p = {.shown = shown, .keep = keep};
     script *s = sandbox_open(&limits, err);
-    bool ok = s && call_parts(s, parts, &p, out, err);
+    bool ok = s && load_parts(s, parts, err);
+    if (ok) {
+        lua_pushcfunction(script_lua(s), push_shown);
+        lua_pushlightuserdata(script_lua(s), &p);
+        ok = script_call(s, 1, 1, err) && script_call(s, 1, 1, err);
+    }
     text_free(&p.words);
+    if (ok)
+        return s;
     script_close(s);
+    return NULL;
+}
+
+bool rendering_make(text *out, const char *const *parts, const cJSON *shown, duet_error *err)
+{
+    size_t n = 0;
+    script *s = call_parts(parts, shown, "\n\t", err);
+    if (!s)
+        return false;
+    const char *chars = lua_tolstring(script_lua(s), -1, &n);
+    text_add_bytes(out, chars, n);
+    script_close(s);
+    return text_ok(out, err);
+}
+
+// The list at the stack's top: the alignment of columns, then cells.
+static void print_table(lua_State *L)
+{
+    lua_rawgeti(L, -1, 1);
+    table t = table_begin(lua_tostring(L, -1));
+    lua_Integer n = (lua_Integer)lua_rawlen(L, -2);
+    for (lua_Integer i = 2; i <= n; ++i) {
+        lua_rawgeti(L, -2, i);
+        table_words(&t, lua_tostring(L, -1), NULL);
+        lua_pop(L, 1);
+    }
+    table_print(&t, stdout);
+    lua_pop(L, 1);
+}
+
+bool rendering_print(const char *name, const cJSON *shown, duet_error *err)
+{
+    const char *const parts[] = {"cli/report/read.lua", "cli/report/words.lua", name, NULL};
+    script *s = call_parts(parts, shown, "", err);
+    if (!s)
+        return false;
+    lua_State *L = script_lua(s);
+    lua_Integer n = (lua_Integer)lua_rawlen(L, -1);
+    for (lua_Integer i = 1; i <= n; ++i) {
+        lua_rawgeti(L, -1, i);
+        if (lua_type(L, -1) == LUA_TSTRING)
+            puts(lua_tostring(L, -1));
+        else
+            print_table(L);
+        lua_pop(L, 1);
+    }
+    script_close(s);
+    return true;
+}
+
+bool rendering_tell(cJSON *o, bool json, const char *name, duet_error *err)
+{
+    if (json)
+        return say_json(o, err);
+    bool ok = rendering_print(name, o, err);
+    cJSON_Delete(o);
     return ok;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Texts that the program's own Lua scripts make of a JSON object: a page, a picture.
+// What the program's own Lua scripts make of a JSON object: a page, a picture, a report for people.
 #ifndef CLI_RENDERING_H
 #define CLI_RENDERING_H
 
@@ -11,5 +11,11 @@
 // Adds the text to out. Each part, a carried script, is given what the one before it returned, and
 // the last returns a function from the object, as a Lua table, to the text. parts ends with NULL.
 bool rendering_make(text *out, const char *const *parts, const cJSON *shown, duet_error *err);
+
+// Prints the lines and tables that a carried script returns; cli/report/words.lua says how.
+bool rendering_print(const char *name, const cJSON *shown, duet_error *err);
+
+// Prints the object as JSON or by that script, and deletes it.
+bool rendering_tell(cJSON *o, bool json, const char *name, duet_error *err);
 
 #endif

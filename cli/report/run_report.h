@@ -30,17 +30,13 @@ typedef struct run_report {
     reference_check check;
 } run_report;
 
-// The scene, and how the pairs compare with the reference's: a line each, and as a field.
+// Adds the scene's name, kind ("rotated boxes"), dims and objects; the devices and the plan; how
+// the pairs compare with the reference's. cli/report/words.lua tells them.
 struct cJSON;
-void run_report_scene(const duet_scene_info *info);
-void run_report_check(const reference_check *check);
+void run_report_add_scene(struct cJSON *o, const duet_scene_info *info);
+void run_report_add_plan(struct cJSON *o, const duet_device_pair *pair, const duet_plan *plan);
 void run_report_add_check(struct cJSON *o, const reference_check *check);
 
-// Which device does how much of the work by which kernels.
-void run_report_devices(const duet_device_pair *pair, const duet_plan *plan);
-void run_report_grids(const duet_plan *plan); // a line, if both devices have a share
-
-void run_report_text(const run_report *r);
-bool run_report_json(const run_report *r, duet_error *err);
+bool run_report_tell(const run_report *r, bool json, duet_error *err);
 
 #endif

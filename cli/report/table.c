@@ -3,13 +3,9 @@
 #include "cli/report/table.h"
 
 #include "base/text.h"
-#include "runtime/duet.h"
 
 #include <ctype.h>
-#include <inttypes.h>
-#include <langinfo.h>
 #include <limits.h>
-#include <math.h>
 #include <stdarg.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -221,111 +217,9 @@ table_text table_count(uint64_t n)
     return grouped;
 }
 
-table_text table_rate(double a_second)
-{
-    table_text t;
-    if (a_second < 999500) {
-        double unit = a_second < 1e3 ? 1 : pow(10, floor(log10(a_second)) - 2);
-        return table_count((uint64_t)(round(a_second / unit) * unit + 0.5));
-    }
-    snprintf(t.chars, sizeof t.chars, "%.3g million", a_second * 1e-6);
-    return t;
-}
-
 table_text table_things(uint64_t n, const char *one, const char *many)
 {
     table_text t;
     snprintf(t.chars, sizeof t.chars, "%.40s %.40s", table_count(n).chars, n == 1 ? one : many);
-    return t;
-}
-
-table_text table_bytes(uint64_t bytes)
-{
-    static const char *const units[] = {"B", "kB", "MB", "GB", "TB", "PB", "EB"};
-    double size = (double)bytes;
-    size_t unit = 0;
-    while (size >= 999.5 && unit + 1 < sizeof units / sizeof units[0]) {
-        size /= 1000;
-        ++unit;
-    }
-    table_text t;
-    snprintf(t.chars, sizeof t.chars, "%.*f %s", unit > 0 && size < 99.5 ? 1 : 0, size,
-             units[unit]);
-    return t;
-}
-
-table_text table_gain(uint32_t share, double gain, double low, double high, const char *verdict)
-{
-    const char *device = share == 0 ? "B" : "A";
-    table_text t;
-    if (share > 0 && share < DUET_SHARE_ONE)
-        snprintf(t.chars, sizeof t.chars,
-                 "%+.1f %% (%+.1f to %+.1f) over the best single device: %s", 100 * gain, 100 * low,
-                 100 * high, verdict);
-    else if (strcmp(verdict, "slower") == 0)
-        snprintf(t.chars, sizeof t.chars,
-                 "%s alone; sharing would be %.1f %% slower (%.1f to %.1f)", device, -100 * gain,
-                 -100 * high, -100 * low);
-    else if (strcmp(verdict, "ambiguous") == 0)
-        snprintf(t.chars, sizeof t.chars, "%s alone; not certain what sharing gains", device);
-    else if (low < high)
-        snprintf(t.chars, sizeof t.chars,
-                 "%s alone; sharing may gain nothing: %+.1f %% (%+.1f to %+.1f)", device,
-                 100 * gain, 100 * low, 100 * high);
-    else
-        snprintf(t.chars, sizeof t.chars, "%s alone; no share promises more", device);
-    return t;
-}
-
-// Percent by which the other is quicker where one gains so much over it.
-static double lead_of_other(double gain)
-{
-    return 100 * (1 / (1 + gain) - 1);
-}
-
-table_text table_whole(const char *name, const char *selector, double gain, double low, double high)
-{
-    table_text t;
-    if (high < 0)
-        snprintf(t.chars, sizeof t.chars,
-                 "%.40s by itself is %.1f %% faster (%.1f to %.1f): use --pair %.30s", name,
-                 lead_of_other(gain), lead_of_other(high), lead_of_other(low),
-                 selector ? selector : "with it alone");
-    else if (low > 0)
-        snprintf(t.chars, sizeof t.chars, "%.1f %% faster than %.40s by itself (%.1f to %.1f)",
-                 100 * gain, name, 100 * low, 100 * high);
-    else
-        snprintf(t.chars, sizeof t.chars,
-                 "about as fast as %.40s by itself: %+.1f %% (%+.1f to %+.1f)", name, 100 * gain,
-                 100 * low, 100 * high);
-    return t;
-}
-
-table_text table_bar(double part, int width)
-{
-    // Eighths of a character, where the terminal has them.
-    static const char *const eighths[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉", "█"};
-    bool fine = strcmp(nl_langinfo(CODESET), "UTF-8") == 0;
-    int left = (int)((part < 0 ? 0 : part > 1 ? 1 : part) * width * 8 + 0.5);
-    table_text bar = {{0}};
-    char *to = bar.chars;
-    while (left >= (fine ? 1 : 4)) {
-        const char *piece = fine ? eighths[left < 8 ? left : 8] : "#";
-        size_t length = strlen(piece);
-        memcpy(to, piece, length);
-        to += length;
-        left -= 8;
-    }
-    return bar;
-}
-
-table_text table_disturbed(const core_tally *cores)
-{
-    table_text t = {""};
-    if (cores->disturbed > 0)
-        snprintf(t.chars, sizeof t.chars,
-                 "%" PRIu64 " of %" PRIu64
-                 " steps waited for a core; other programs had %.1f of %u",
-                 cores->disturbed, cores->launches, cores->others, cores->of);
     return t;
 }

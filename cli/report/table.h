@@ -4,7 +4,6 @@
 #ifndef CLI_TABLE_H
 #define CLI_TABLE_H
 
-#include "base/core_watch.h"
 #include "base/text.h"
 
 #include <stdint.h>
@@ -36,26 +35,5 @@ table_text table_count(uint64_t n);
 
 // "1 box", "2 000 boxes"
 table_text table_things(uint64_t n, const char *one, const char *many);
-
-// "98.3 million", "14 800": three digits
-table_text table_rate(double a_second);
-
-// "12.3 MB"
-table_text table_bytes(uint64_t bytes);
-
-// The gain of a plan with that share; if one device does it all, which one, and what
-// sharing would gain, which is why it does.
-table_text table_gain(uint32_t share, double gain, double low, double high, const char *verdict);
-
-// How one device by itself compares with a plan that gains so much over it. selector: what
-// --pair takes for it; NULL: not known here.
-table_text table_whole(const char *name, const char *selector, double gain, double low,
-                       double high);
-
-// A bar of at most width (<= 40) characters, as long as part (0..1) of it.
-table_text table_bar(double part, int width);
-
-// "3 of 20 steps waited for a core; other programs had 0.4 of 2"; empty if none did.
-table_text table_disturbed(const core_tally *cores);
 
 #endif

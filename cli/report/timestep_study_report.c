@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "cli/draw/canvas.h"
 #include "cli/report/json.h"
+#include "cli/report/rendering.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/scene/scene.h"
@@ -11,98 +12,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-enum { BAR = 16 };
-
-// ---------------------------------------------------------------- as text
-
-// The ends of the bars.
-typedef struct scale {
-    double least_error; // above 0
-    double most_error;
-    double slowest_ms;
-} scale;
-
-static scale scale_of(const timestep_study *p)
-{
-    scale r = {.least_error = INFINITY};
-    for (uint32_t i = 0; i < p->n; ++i) {
-        r.slowest_ms = fmax(r.slowest_ms, p->rows[i].ms);
-        if (!p->rows[i].finite || !(p->rows[i].error > 0))
-            continue;
-        r.least_error = fmin(r.least_error, p->rows[i].error);
-        r.most_error = fmax(r.most_error, p->rows[i].error);
-    }
-    return r;
-}
-
-// By powers of ten: a character at the least error.
-static double digits_part(double error, const scale *r)
-{
-    return error > 0 ? (log10(error / r->least_error) + 0.2) /
-                           (log10(r->most_error / r->least_error) + 0.2)
-                     : 0.0;
-}
-
-static void wrong_cells(table *t, const timestep_study *p, const timestep_run *row, const scale *r)
-{
-    if (!row->finite) {
-        table_words(t, "lost", table_bar(1.0, BAR).chars, "-", "-", "-", NULL);
-        return;
-    }
-    table_cell(t, "%.2g", row->error);
-    table_cell(t, "%s", table_bar(digits_part(row->error, r), BAR).chars);
-    table_cell(t, "%+.2g %%", 100 * row->energy);
-    table_cell(t, "%.2g %%", 100 * row->gain);
-    if (p->contact)
-        table_cell(t, "%.2g", row->depth);
-    else
-        table_cell(t, "-");
-}
-
-static void print_row(table *t, const timestep_study *p, const timestep_run *row, const scale *r)
-{
-    table_cell(t, "%s", row->front ? "*" : " ");
-    table_cell(t, "1/%.4g", 1 / row->dt);
-    table_cell(t, "%u%s", row->substeps, row->own ? " <" : "  ");
-    table_cell(t, "%s", scene_integrator_name(row->integrator));
-    table_cell(t, "%.1f", row->ms);
-    if (isfinite(row->noise))
-        table_cell(t, "\u00b1%.1f", row->noise);
-    else
-        table_cell(t, "?");
-    table_cell(t, "%s", table_bar(row->ms / r->slowest_ms, BAR).chars);
-    wrong_cells(t, p, row, r);
-}
-
-void timestep_study_report_text(const timestep_study_report *r)
-{
-    const timestep_study *p = r->study;
-    printf("%s: %s, %.3g s of the scene, on %s\n", r->scene->name,
-           table_things(r->scene->n, "object", "objects").chars, p->time,
-           duet_device_pair_get_info(r->pair, 1)->selector);
-    printf("reference: dt 1/%.4g, substeps %u, %s: %.1f ms a second, gain %.2g %%\n\n",
-           1 / p->reference.dt, p->reference.substeps,
-           scene_integrator_name(p->reference.integrator), p->reference.ms,
-           100 * p->reference.gain);
-    table t = table_begin("lrrlrrlrlrrr");
-    table_words(&t, " ", "dt", "substeps", "", "ms a second", "noise", "", "error", "", "energy",
-                "gain", "deepest", NULL);
-    const scale bars = scale_of(p);
-    for (uint32_t i = 0; i < p->n; ++i)
-        print_row(&t, p, &p->rows[i], &bars);
-    table_print(&t, stdout);
-    if (p->n < p->n_asked)
-        printf("\n%u dearer ones were not begun: the limit, or Ctrl-C, came before.\n",
-               p->n_asked - p->n);
-    printf(
-        "\n* nothing is both faster and nearer to the reference; < the scene's own.\n"
-        "noise: two times that differ by less than both of theirs may be the same; ? where a run\n"
-        "had too few steps to know it: a longer --time has more.\n"
-        "error: root mean square distance of the centres from the reference's, by powers of ten;"
-        "\nenergy: less the reference's at the end, gain: greatest rise on the way, both in the "
-        "greatest\nkinetic energy; deepest: overlap of the worst contact, in the scene's unit.\n");
-}
 
 // ---------------------------------------------------------------- as data
 
@@ -120,18 +29,18 @@ static cJSON *row_json(const timestep_run *row)
     return o;
 }
 
-bool timestep_study_report_json(const timestep_study_report *r, duet_error *err)
+bool timestep_study_report_tell(const timestep_study_report *r, bool json, duet_error *err)
 {
     const timestep_study *p = r->study;
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("scene", r->scene->name), NUMBER("objects", r->scene->n));
     json_add_devices(o, r->pair);
-    json_add(o, NUMBER("time", p->time));
+    json_add(o, NUMBER("time", p->time), NUMBER("asked", p->n_asked), FLAG("contact", p->contact));
     cJSON_AddItemToObject(o, "reference", row_json(&p->reference));
     cJSON *rows = cJSON_AddArrayToObject(o, "timesteps");
     for (uint32_t i = 0; i < p->n; ++i)
         cJSON_AddItemToArray(rows, row_json(&p->rows[i]));
-    return say_json(o, err);
+    return rendering_tell(o, json, "cli/report/timesteps.lua", err);
 }
 
 bool timestep_study_report_csv(const timestep_study_report *r, const char *path, duet_error *err)

@@ -3,8 +3,7 @@ return {
   about = "pairs of the bodies that commands altered, and those of all others as they were",
   uses = { "dynamics/altered.h" },
   params = {
-    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
-      about = "work-items a group" },
+    common.GROUP(64),
     { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
       about = "bodies or contacts a work-item" },
   },

@@ -3,11 +3,7 @@ return {
   about = "lists of the bodies and contacts that a step may change",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/rest.clh" },
   params = {
-    common.DIMS,
-    { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
-    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
-    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
-      about = "work-items a group" },
+    common.DIMS, common.DOUBLE, common.TURN, common.GROUP(64),
     { "PER_ITEM", values = { 8, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 8 end,
       about = "bodies and contacts a work-item" },
   },
@@ -53,8 +49,5 @@ return {
       uint *n_listed
     ]],
   },
-  valid = function(p, limits)
-    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
-    return true
-  end,
+  valid = common.can_double,
 }

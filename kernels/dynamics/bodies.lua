@@ -4,20 +4,8 @@ return {
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/float_vector.clh",
     "dynamics/listed.clh", "dynamics/accelerate.clh" },
   params = {
-    common.DIMS,
-    { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
-    { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    common.TURNS,
-    { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
-    { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
-    { "FORCES", values = { 0, 1 }, default = 0, about = "1: commands push" },
-    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
-    common.ROUNDED,
-    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
-      about = "objects, pairs or contacts a work-item" },
+    common.DIMS, common.DOUBLE, common.ORIGIN, common.TURNS, common.GRAVITY, common.DRAG, common.FORCES, common.SLEEP,
+    common.ROUNDED, common.GROUP(64), common.ROWS_AN_ITEM,
   },
   args = {
     prepare_bodies = [[
@@ -66,9 +54,5 @@ return {
       real4 *velocities
     ]],
   },
-  valid = function(p, limits)
-    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
-    if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
-    return true
-  end,
+  valid = common.can_double,
 }

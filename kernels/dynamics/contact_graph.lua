@@ -3,17 +3,13 @@ return {
   about = "the contact graph: which bodies each body may touch",
   uses = { "dynamics/motion.clh", "dynamics/records.h" },
   params = {
-    common.DIMS,
-    { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
+    common.DIMS, common.DOUBLE,
     { "BOUNDARY", values = { 0, 1 }, default = 0, about = "1: walls" },
-    { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
+    common.MAY_RESPOND,
     { "FILTER", values = { 0, 1 }, default = 0, about = "1: groups and masks" },
-    { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
+    common.SENSORS,
     { "HEIGHTS", values = { 0, 1 }, default = 0, silent = true, about = "1: a ground of heights" },
-    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
-      about = "objects, pairs or contacts a work-item" },
+    common.GROUP(64), common.ROWS_AN_ITEM,
   },
   args = {
     contact_graph_pairs = [[
@@ -69,8 +65,5 @@ return {
       uint *returns
     ]],
   },
-  valid = function(p, limits)
-    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
-    return true
-  end,
+  valid = common.can_double,
 }

@@ -4,18 +4,9 @@ return {
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh",
     "dynamics/listed.clh", "dynamics/team.clh" },
   params = {
-    common.DIMS,
-    { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
-    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
-    common.FRICTION,
-    common.CONTACT_RESPONSE,
-    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
-    { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
+    common.DIMS, common.DOUBLE, common.TURN, common.FRICTION, common.CONTACT_RESPONSE, common.SLEEP, common.SENSORS,
     { "TEAM", values = { 0, 1 }, default = 0, silent = true, about = "1: a launch's groups colour together" },
-    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
-      about = "objects, pairs or contacts a work-item" },
+    common.GROUP(64), common.ROWS_AN_ITEM,
   },
   args = {
     graph_colour_mark = [[
@@ -97,8 +88,5 @@ return {
       uint stage
     ]],
   },
-  valid = function(p, limits)
-    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
-    return true
-  end,
+  valid = common.can_double,
 }

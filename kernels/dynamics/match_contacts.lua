@@ -3,15 +3,8 @@ return {
   about = "matches the last step's contacts with the new ones, and moves their impulses over",
   uses = { "dynamics/records.h", "dynamics/contact.clh" },
   params = {
-    common.DIMS,
-    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
-    { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
-    common.FRICTION,
-    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
-    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
-      about = "objects, pairs or contacts a work-item" },
+    common.DIMS, common.TURN, common.MAY_RESPOND, common.FRICTION, common.SLEEP, common.GROUP(64),
+    common.ROWS_AN_ITEM,
   },
   args = {
     match_contacts = [[

@@ -3,8 +3,7 @@ return {
   about = "rows of some objects together, and which rows have changed",
   uses = {},
   params = {
-    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
-      about = "work-items a group" },
+    common.GROUP(64),
     { "PER_ITEM", values = { 1, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,
       about = "rows, or words of 32 rows, a work-item" },
   },

@@ -4,21 +4,8 @@ return {
   uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh",
     "dynamics/restitution.clh", "dynamics/team.clh", "dynamics/colour_parts.clh" },
   params = {
-    common.DIMS,
-    common.TURNS,
-    common.FRICTION,
-    common.CONTACT_RESPONSE,
-    common.CONVEYS,
-    common.ROLLING,
-    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
-      about = "contacts side by side in a work-item" },
-    common.BLOCK,
-    common.ROUNDED,
-    common.TEAM,
-    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 128 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 64, 256 }, default = function(limits) return limits.cpu and limits.batch // 4 or 1 end,
-      about = "contacts a work-item" },
+    common.DIMS, common.TURNS, common.FRICTION, common.CONTACT_RESPONSE, common.CONVEYS, common.ROLLING,
+    common.CONTACT_LANES, common.BLOCK, common.ROUNDED, common.TEAM, common.GROUP(128), common.CONTACTS_AN_ITEM,
   },
   args = {
     solve_shocks = [[

@@ -4,19 +4,9 @@ return {
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/rest.clh",
     "dynamics/listed.clh" },
   params = {
-    common.DIMS,
-    { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
-    { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
-    common.FRICTION,
-    common.CONTACT_RESPONSE,
+    common.DIMS, common.DOUBLE, common.ORIGIN, common.TURN, common.FRICTION, common.CONTACT_RESPONSE,
     { "SLEEP", values = { 1 }, default = 1, about = "bodies at rest are left out" },
-    { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
-    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
-      about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
-      about = "objects, pairs or contacts a work-item" },
+    common.SENSORS, common.GROUP(64), common.ROWS_AN_ITEM,
   },
   args = {
     update_sleep = [[
@@ -77,9 +67,5 @@ return {
       float *rests
     ]],
   },
-  valid = function(p, limits)
-    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
-    if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
-    return true
-  end,
+  valid = common.can_double,
 }

@@ -3,11 +3,7 @@ return {
   about = "where bodies are, as poses for a tree",
   uses = { "dynamics/motion.clh" },
   params = {
-    { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
-    { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
-    common.ROUNDED,
-    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
-      about = "work-items a group" },
+    common.DOUBLE, common.ORIENTED, common.ROUNDED, common.GROUP(64),
     { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
       about = "bodies a work-item" },
   },
@@ -21,8 +17,5 @@ return {
       float *poses
     ]],
   },
-  valid = function(p, limits)
-    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
-    return true
-  end,
+  valid = common.can_double,
 }

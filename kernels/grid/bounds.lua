@@ -8,8 +8,7 @@ return {
     common.ROTATED,
     { "GRID", values = { 0 }, default = 0, about = "0 dense" },
     { "LEVELS", values = { 0 }, default = 0, about = "one size of cells" },
-    { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
-    common.WG(256), common.PER_ITEM,
+    common.ONE_LANE, common.WG(256), common.PER_ITEM,
   },
   args = {
     find_bounds = [[

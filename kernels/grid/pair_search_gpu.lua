@@ -5,9 +5,8 @@ return {
     "narrowphase/rounded.clh", "narrowphase/boxes.clh" },
   emit = { "stencil" },
   params = {
-    common.DIMS, common.SHAPE, common.GRID, common.LEVELS,
-    { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
-    common.ROTATED, common.ORIGIN, common.ACCURACY,
+    common.DIMS, common.SHAPE, common.GRID, common.LEVELS, common.ONE_LANE, common.ROTATED, common.ORIGIN,
+    common.ACCURACY,
     { "SORTED", values = { 1 }, min = 0, max = 1, default = 1, about = "where a box is read: 0 by id, 1 in cell order" },
     { "FUSED", values = { 0, 1 }, default = 0, about = "1: candidates are tested where they are found" },
     { "JOINED", values = { 0, 1 }, default = common.by_device(0, 1),

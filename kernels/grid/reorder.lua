@@ -8,8 +8,7 @@ return {
     { "PACKED", values = { 0, 1 }, default = 0, about = "1: objects of one slab, with their ids" },
     common.STRETCH,
     { "UNBOXED", min = 0, max = 1, default = 0, silent = true, about = "1: boxes are read by id, and only bounds are moved" },
-    { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
-    common.WG(256), common.PER_ITEM,
+    common.ONE_LANE, common.WG(256), common.PER_ITEM,
     { "BATCH", values = { 1, 16 }, default = common.by_device(16, 1), about = "objects read ahead" },
   },
   args = {

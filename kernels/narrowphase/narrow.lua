@@ -9,7 +9,7 @@ return {
       about = "0 poses, 2 rounded boxes, 3 spheres; bounds need no test" },
     common.ROTATED, common.ORIGIN, common.ACCURACY,
     { "SORTED", values = { 0, 1 }, default = 1, about = "where a box is read: 0 by id, 1 in cell order" },
-    { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
+    common.ONE_LANE,
     { "WG", values = { 1, 32, 64, 128, 256 }, default = common.by_device(1, 256), about = "work-items a group" },
     { "PER_ITEM", values = { 1, 2, 4, 256 }, default = common.by_device(256, 4),
       about = "candidates a work-item tests between two flushes" },

@@ -4,9 +4,7 @@ return {
   uses = { "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh",
     "narrowphase/rounded.clh", "narrowphase/answer.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh", "queries/refused.clh", "queries/far.clh", "queries/traversal.clh" },
   params = {
-    common.DIMS, common.TREE_SHAPE, common.TREE_ORIGIN,
-    { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
-    common.ACCURACY,
+    common.DIMS, common.TREE_SHAPE, common.TREE_ORIGIN, common.ALL_ROTATED, common.ACCURACY,
     { "ITSELF", values = { 0, 1 }, default = 0, about = "1: the tree's objects against each other, by their filters" },
     common.FILTERED,
     { "LANES", values = { 1, 8 }, default = common.by_device(8, 1), about = "boxes side by side in a work-item" },

@@ -4,8 +4,7 @@ return {
   uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh",
     "queries/refused.clh", "queries/far.clh" },
   params = {
-    common.DIMS, common.TREE_SHAPE, common.TREE_ORIGIN,
-    { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
+    common.DIMS, common.TREE_SHAPE, common.TREE_ORIGIN, common.ALL_ROTATED,
     { "LANES", values = { 1, 8 }, default = common.by_device(8, 1), about = "boxes side by side in a work-item" },
     { "ITEM_BITS", values = { 16, 24 }, default = common.by_device(24, 16),
       about = "bits of an item's place along the curve, by which items are sorted" },

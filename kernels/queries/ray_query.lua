@@ -4,8 +4,7 @@ return {
   uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh",
     "queries/refused.clh", "queries/far.clh", "queries/traversal.clh", "queries/line.clh", "queries/sweep.clh", "queries/rounded_ray.clh" },
   params = {
-    common.DIMS, common.TREE_SHAPE, common.TREE_ORIGIN,
-    { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
+    common.DIMS, common.TREE_SHAPE, common.TREE_ORIGIN, common.ALL_ROTATED,
     { "SWEPT", values = { 0, 1 }, default = 0, about = "0 rays, 1 boxes that move along them" },
     { "WANTS", values = { 0, 1, 2 }, default = 0, about = "0 the closest hit, 1 whether there is any, 2 every hit" },
     common.FILTERED,

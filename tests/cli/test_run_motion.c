@@ -248,7 +248,6 @@ static text draw_on_ridge(double height, double x, double y)
     program p = program_run("run --steps 1 --picture " PICTURE " " BALL);
     if (p.exit_code != 0)
         fail_msg("run: %s", p.err);
-    program_free(&p);
     return test_read_file(PICTURE);
 }
 

@@ -149,7 +149,6 @@ static void assert_differ(const char *scene, const char *says)
         fail_msg("status %d, expected '%s': %s", p.exit_code, says, p.err);
     assert_string_equal(p.out, "");
     assert_ptr_equal(strchr(p.err, '\n'), p.err + strlen(p.err) - 1);
-    program_free(&p);
 }
 
 // ---------------------------------------------------------------- equal
@@ -160,7 +159,6 @@ TEST(equal_runs_are_told_in_one_line)
     assert_int_equal(p.exit_code, 0);
     assert_ptr_equal(strstr(p.out, "equal: 5 steps, 25 bodies, state hash "), p.out);
     assert_string_equal(p.err, "");
-    program_free(&p);
 }
 
 // The hash is that of duet run.
@@ -180,10 +178,8 @@ TEST(modes_shares_and_halves_give_the_hash_of_one_device)
         program p = program_run("verify " SCENE " --steps 8 --pair cpu %s", others[i]);
         if (p.exit_code != 0 || !strstr(p.out, hash))
             fail_msg("%s: %s%s, expected %s", others[i], p.out, p.err, hash);
-        program_free(&p);
     }
     cJSON_Delete(o);
-    program_free(&once);
 }
 
 TEST(a_recording_is_verified_to_its_end)
@@ -192,7 +188,6 @@ TEST(a_recording_is_verified_to_its_end)
     program p = program_run("verify " SCENE " --replay " PLAIN);
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "equal: 12 steps, 25 bodies"));
-    program_free(&p);
 }
 
 // ---------------------------------------------------------------- different
@@ -261,7 +256,6 @@ TEST(json_has_what_the_line_says)
     assert_true(pushed > 1.999 && pushed < 2.001); // impulse / mass
     assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(o, "runs")), 2);
     cJSON_Delete(o);
-    program_free(&p);
 }
 
 // ---------------------------------------------------------------- hostile
@@ -311,7 +305,6 @@ TEST(a_recorded_hash_that_differs_is_told_last)
     assert_int_equal(p.exit_code, 1);
     assert_non_null(strstr(p.out, "equal: 12 steps"));
     assert_non_null(strstr(p.err, "at the end; expected the recorded"));
-    program_free(&p);
     forge(&file, 32, 1, file.length, true);
     assert_refused("recorded from step 0, 25 places and the state hash");
     text_free(&file);

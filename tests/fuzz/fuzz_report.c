@@ -28,8 +28,8 @@ static void compare(const char *first, const char *second)
     cJSON *before = second ? bench_read(second, &err) : NULL;
     if (now && (before || !second)) {
         bench_compare(now, before);
-        bench_print_scene(now, "s", before);
-        bench_print_verdicts(now, before);
+        bench_tell(now, "s", before, NULL);
+        bench_tell(now, NULL, before, NULL);
     }
     cJSON_Delete(now);
     cJSON_Delete(before);

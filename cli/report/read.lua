@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- How the parts of a page read results, which are untrusted: what is not the number or the name that
+-- How pages and reports read results, which are untrusted: what is not the number or the name that
 -- it should be counts as 0 and "". Returns the table in which each part finds what those before it
 -- have.
 local report = {}
@@ -22,11 +22,7 @@ end
 -- One device alone is named as A and as B, and is the B that works.
 local function is_one_device(a, b) return text(a, "selector") ~= "" and text(a, "selector") == text(b, "selector") end
 
--- A profile has no selectors: two equal devices that share nothing count as one.
-local function is_of_one(p)
-  return number(p, "share") == 0 and text(p.a, "name") == text(p.b, "name") and text(p.a, "part") == text(p.b, "part")
-    and text(p.a, "driver") == text(p.b, "driver")
-end
+local function is_of_one(p) return p.one_device == true end
 
 -- Whether two have the same mode and kernels.
 local function same_plan(a, b)
@@ -76,6 +72,12 @@ local function scene_words(one)
   return ("%s, %s objects"):format(cut(text(one, "scene"), 60), count(number(one, "objects")))
 end
 
+-- A device of a profile.
+local function device_words(d)
+  return ("%s%s, driver %s"):format(d.name, d.part ~= "" and (" [%s]"):format(d.part) or "", d.driver)
+end
+
+report.device_words = device_words
 report.text = text
 report.number = number
 report.list = list

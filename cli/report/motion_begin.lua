@@ -1,0 +1,23 @@
+-- SPDX-License-Identifier: MIT
+-- What `duet run --steps` tells before the first step: the scene, its effects, the devices, and where the plan is from.
+local report = ...
+local line, things = report.line, report.things
+
+local function source_words(o)
+  if o.profile == "given" then return "as given" end
+  if o.profile == "stale" then return "the default, since the kernels changed after it was measured" end
+  if o.profile == "default" then return "the default; 'duet tune --steps' measures a better one" end
+  return ("from the profile, %s: %s"):format(o.profile,
+    o.step_ms > 0 and ("%.3f ms a step"):format(o.step_ms) or "that of another number of bodies")
+end
+
+return function(o)
+  line("%s: %s, %.0fD; effects: %s", o.scene, things(o.objects, "box", "boxes"), o.dims,
+    #o.effects > 0 and table.concat(o.effects, " ") or "none")
+  line("%s of %.6g s", things(o.substeps, "substep", "substeps"), o.dt / o.substeps)
+  report.tell_devices(o)
+  report.tell_grids(o)
+  -- A step without pairs, or whose pairs B finds, leaves A idle.
+  line("plan: %s%s\n", source_words(o), o.share == 0 and o.a ~= o.b and "; A has nothing to do" or "")
+  return report.told
+end
