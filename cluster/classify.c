@@ -67,7 +67,7 @@ static void add_boxes(job *j, uint32_t d, const level_boxes *boxes)
 {
     while (atomic_flag_test_and_set(&j->adds))
         continue;
-    for (int k = 0; k < LEVELS; ++k)
+    for (int k = 0; k < SIZE_LEVELS; ++k)
         extent_join(&j->o->boxes[d].upto[k], &boxes->upto[k]);
     atomic_flag_clear(&j->adds);
 }
@@ -196,7 +196,7 @@ static extent around_all(const owned *o, const extent *deep)
 {
     extent all = extent_none;
     for (uint32_t d = 0; d < o->n_domains; ++d)
-        for (int k = 0; k < LEVELS; ++k)
+        for (int k = 0; k < SIZE_LEVELS; ++k)
             extent_join(&all, &o->boxes[d].upto[k]);
     for (int k = 0; k < 3 && deep->lower[0] <= deep->upper[0]; ++k) {
         all.lower[k] = fmin(all.lower[k], deep->lower[k] - 0.5 * o->widest);

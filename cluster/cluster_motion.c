@@ -12,7 +12,7 @@ static void end_motion(duet_cluster *c)
 }
 
 bool duet_cluster_begin_motion(duet_cluster *c, const char *path, const duet_setting *settings,
-                               uint32_t n_settings, duet_error *err)
+                               uint32_t n_settings, const char *resume, duet_error *err)
 {
     PUBLIC_CALL(err);
     duet_error own = {0};
@@ -25,8 +25,15 @@ bool duet_cluster_begin_motion(duet_cluster *c, const char *path, const duet_set
     if (!cluster_agree_on(c, __func__, ok, &own, err))
         return false;
     end_motion(c);
-    c->moving = moving_begin(&c->ranks, path, settings, n_settings, c->def.world.pair,
-                             &c->def.world.plan, c->def.parts, &own);
+    c->moving = moving_begin(&c->ranks,
+                             &(moving_start){.path = path,
+                                             .settings = settings,
+                                             .n_settings = n_settings,
+                                             .resume = resume,
+                                             .pair = c->def.world.pair,
+                                             .plan = &c->def.world.plan,
+                                             .parts = c->def.parts},
+                             &own);
     return c->moving || error_copy(err, &own);
 }
 
@@ -72,4 +79,13 @@ bool duet_cluster_get_state_hash(duet_cluster *c, uint64_t *hash, duet_error *er
     return error_given(c, __func__, "cluster", err) &&
            begin_call(c, __func__, hash, "hash", &own, err) &&
            (moving_hash(c->moving, hash, &own) || error_copy(err, &own));
+}
+
+bool duet_cluster_save_motion(duet_cluster *c, const char *path, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    duet_error own = {0};
+    return error_given(c, __func__, "cluster", err) &&
+           begin_call(c, __func__, path, "path", &own, err) &&
+           (moving_save(c->moving, path, &own) || error_copy(err, &own));
 }

@@ -32,11 +32,26 @@ static uint64_t merge_equal(waiting_contact *contacts, uint64_t n)
     return kept;
 }
 
-uint32_t colouring_find(const waiting_contact *contacts, uint64_t n, uint32_t owner, uint32_t other)
+uint64_t colouring_sort(waiting_contact *contacts, uint64_t n)
+{
+    if (n > 0)
+        qsort(contacts, n, sizeof *contacts, compare_ids);
+    return merge_equal(contacts, n);
+}
+
+uint64_t colouring_place(const waiting_contact *contacts, uint64_t n, uint32_t owner,
+                         uint32_t other)
 {
     const waiting_contact key = {.owner = owner, .other = other};
-    const waiting_contact *found = bsearch(&key, contacts, n, sizeof *contacts, compare_ids);
-    return found ? found->colour : COLOUR_NONE;
+    const waiting_contact *found =
+        n > 0 ? bsearch(&key, contacts, n, sizeof *contacts, compare_ids) : NULL;
+    return found ? (uint64_t)(found - contacts) : n;
+}
+
+uint32_t colouring_find(const waiting_contact *contacts, uint64_t n, uint32_t owner, uint32_t other)
+{
+    uint64_t place = colouring_place(contacts, n, owner, other);
+    return place < n ? contacts[place].colour : COLOUR_NONE;
 }
 
 // ---------------------------------------------------------------- ends
@@ -120,9 +135,7 @@ static void take_colour(waiting_contact *c, end *ends, uint64_t n_ends)
 
 bool colouring_run(waiting_contact *contacts, uint64_t *n, duet_error *err)
 {
-    if (*n > 0)
-        qsort(contacts, *n, sizeof *contacts, compare_ids);
-    *n = merge_equal(contacts, *n);
+    *n = colouring_sort(contacts, *n);
     end *ends = malloc(2 * *n * sizeof *ends + 1);
     turn *turns = malloc(*n * sizeof *turns + 1);
     bool ok = ends && turns;

@@ -19,9 +19,16 @@ typedef struct waiting_contact {
     uint32_t colour;                 // that it gets
 } waiting_contact;
 
-// Sorts n contacts by owner and other, merges those that two domains know, and gives them colours.
-// Returns how many there are in *n.
+// Sorts n contacts by owner and other, and merges those that two domains know. Returns how many
+// there are.
+uint64_t colouring_sort(waiting_contact *contacts, uint64_t n);
+
+// Sorts them, and gives them colours; *n becomes how many there are.
 bool colouring_run(waiting_contact *contacts, uint64_t *n, duet_error *err);
+
+// Returns the place of a contact among sorted ones; n: it is not there.
+uint64_t colouring_place(const waiting_contact *contacts, uint64_t n, uint32_t owner,
+                         uint32_t other);
 
 // Returns the contact's colour; COLOUR_NONE: it does not wait.
 uint32_t colouring_find(const waiting_contact *contacts, uint64_t n, uint32_t owner,

@@ -149,10 +149,12 @@ DUET_API bool duet_cluster_save_pairs(duet_cluster *cluster, const char *path, b
 // Reads a scene whose bodies move, on every rank whole, and divides them among the ranks' domains
 // (parts of the def each). Each rank's devices hold its domains' bodies and their ghosts. Replaces
 // the motion that the cluster had; other objects stay as they are. BAD_ARGUMENT names an effect
-// that several domains do not have yet, and a cluster without devices.
+// that several domains do not have yet, and a cluster without devices. resume NULL: the scene's
+// beginning; else a file of duet_cluster_save_motion, of the same scene and any number of ranks,
+// which all ranks can read.
 DUET_API bool duet_cluster_begin_motion(duet_cluster *cluster, const char *path,
                                         const duet_setting *settings, uint32_t n_settings,
-                                        duet_error *err);
+                                        const char *resume, duet_error *err);
 
 typedef struct duet_cluster_motion_result {
     uint64_t step;     // how many were taken, the last one included
@@ -164,13 +166,17 @@ typedef struct duet_cluster_motion_result {
 } duet_cluster_motion_result;
 
 // Takes a time step. Bodies have the same bits at any number of ranks and parts as those of one
-// duet_motion. After a failure the motion is gone. TOO_MANY: a body has more contacts than there are
-// colours (31).
+// duet_motion. After a failure the motion is gone.
 DUET_API bool duet_cluster_advance(duet_cluster *cluster, duet_cluster_motion_result *result,
                                    duet_error *err);
 
 // Makes *hash that of duet_motion_get_hash, of all ranks' bodies.
 DUET_API bool duet_cluster_get_state_hash(duet_cluster *cluster, uint64_t *hash, duet_error *err);
+
+// Writes the motion as duet_motion_save does, without a skin: the file's bytes are the same for any
+// number of ranks and parts. Rank 0 writes it, and needs memory for all bodies. The file appears
+// whole or not at all.
+DUET_API bool duet_cluster_save_motion(duet_cluster *cluster, const char *path, duet_error *err);
 
 DUET_C_END
 

@@ -21,7 +21,7 @@ typedef struct search {
 
 static const extent *all_of(const ghosts *g, uint32_t place)
 {
-    return &g->boxes[place].upto[LEVELS - 1];
+    return &g->boxes[place].upto[SIZE_LEVELS - 1];
 }
 
 static bool list_neighbours(search *s)

@@ -57,14 +57,15 @@ static void settle_list(item_list *items, const moving *m)
     }
 }
 
-static size_t row_bytes(const moving *m)
+static uint32_t row_bytes(const moving *m, motion_buffer which)
 {
-    return motion_words(m->domains[0].motion, BODIES) * sizeof(uint32_t);
+    return motion_words(m->domains[0].motion, which) * (uint32_t)sizeof(uint32_t);
 }
 
+// BODIES have the longest rows.
 static bool reserve(parcels *p, const item_list *items, const moving *m, duet_error *own)
 {
-    if (!parcels_begin(p, m->ranks, (uint32_t)row_bytes(m), own))
+    if (!parcels_begin(p, m->ranks, row_bytes(m, BODIES), own))
         return false;
     for (uint64_t i = 0; i < items->n; ++i)
         ++p->counts[item_at(items, i)->rank];
@@ -89,12 +90,12 @@ bool halo_settle(halo *h, moving *m, duet_error *own)
 
 // ---------------------------------------------------------------- rows
 
-static bool open_rows(const moving *m, motion_rows *rows, duet_error *own)
+static bool open_rows(const moving *m, motion_buffer which, motion_rows *rows, duet_error *own)
 {
     bool ok = true;
     for (uint32_t d = 0; ok && d < m->parts; ++d) {
         duet_motion *motion = m->domains[d].motion;
-        ok = motion->n == 0 || motion_rows_open(motion, BODIES, 0, motion->n, &rows[d], own);
+        ok = motion->n == 0 || motion_rows_open(motion, which, 0, motion->n, &rows[d], own);
     }
     return ok;
 }
@@ -126,14 +127,15 @@ static void unpack(const halo *h, const motion_rows *rows)
     }
 }
 
-void halo_exchange(halo *h, moving *m, duet_error *own)
+void halo_exchange(halo *h, moving *m, motion_buffer which, duet_error *own)
 {
     if (h->sent.n == 0 && h->received.n == 0)
         return;
     motion_rows *rows = calloc(m->parts, sizeof *rows);
     if (!rows)
         error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
-    bool opened = is_well(own) && open_rows(m, rows, own);
+    h->out.row_bytes = h->in.row_bytes = row_bytes(m, which);
+    bool opened = is_well(own) && open_rows(m, which, rows, own);
     if (opened)
         pack(h, rows);
     parcels_pass(m->ranks, &h->out, &h->in, h->requests);

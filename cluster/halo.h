@@ -7,6 +7,7 @@
 
 #include "cluster/list.h"
 #include "cluster/parcels.h"
+#include "runtime/dynamics/motion.h"
 
 // A ghost, at the side that sends it or at the one that has it.
 typedef struct halo_item {
@@ -31,8 +32,8 @@ void halo_add(item_list *items, const halo_item *item);
 // Sorts both lists, finds places, and reserves what all exchanges of a step need. Collective.
 bool halo_settle(halo *h, struct moving *m, duet_error *own);
 
-// Makes all ghosts' rows of the solver's bodies those of their own domains. A rank that has failed,
+// Makes all ghosts' rows of a buffer by object those of their own domains. A rank that has failed,
 // or fails, sends rows all the same, so that no exchange of a step needs agreement.
-void halo_exchange(halo *h, struct moving *m, duet_error *own);
+void halo_exchange(halo *h, struct moving *m, motion_buffer which, duet_error *own);
 
 #endif

@@ -179,7 +179,7 @@ static bool begin(migration *m, duet_error *err)
 static void join_boxes(owned *o)
 {
     for (uint32_t d = 0; d < o->n_domains; ++d)
-        for (int k = 1; k < LEVELS; ++k)
+        for (int k = 1; k < SIZE_LEVELS; ++k)
             extent_join(&o->boxes[d].upto[k], &o->boxes[d].upto[k - 1]);
 }
 

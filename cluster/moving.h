@@ -20,15 +20,28 @@ typedef struct moving_counts {
     uint32_t colours;
 } moving_counts;
 
-// Reads the scene on each rank and divides its bodies among domains. plan NULL: the default one.
-// Returns NULL on all ranks after a failure of one.
-moving *moving_begin(ranks *r, const char *path, const duet_setting *settings, uint32_t n_settings,
-                     duet_device_pair *pair, const duet_plan *plan, uint32_t parts,
-                     duet_error *own);
+// What a motion over ranks begins with. plan NULL: the default one; resume NULL: the scene's
+// beginning, else a file that moving_save wrote, and that all ranks can read.
+typedef struct moving_start {
+    const char *path;
+    const duet_setting *settings;
+    uint32_t n_settings;
+    const char *resume;
+    duet_device_pair *pair;
+    const duet_plan *plan;
+    uint32_t parts; // domains of each rank
+} moving_start;
+
+// Reads the scene on each rank and divides its bodies among domains. Returns NULL on all ranks
+// after a failure of one.
+moving *moving_begin(ranks *r, const moving_start *start, duet_error *own);
 void moving_end(moving *m);
 
 bool moving_step(moving *m, duet_error *own);
 bool moving_hash(moving *m, uint64_t *hash, duet_error *own);
+
+// Rank 0 writes all of it into one file, for which it needs memory for all bodies.
+bool moving_save(moving *m, const char *path, duet_error *own);
 moving_counts moving_get_counts(const moving *m);
 
 #endif

@@ -10,8 +10,8 @@
 
 // ---------------------------------------------------------------- what is supported
 
-static const uint32_t unsupported = DUET_EFFECT_EVENTS | DUET_EFFECT_SENSORS | DUET_EFFECT_SLEEP |
-                                    DUET_EFFECT_SHOCKS | DUET_EFFECT_DEPENETRATION;
+static const uint32_t unsupported =
+    DUET_EFFECT_EVENTS | DUET_EFFECT_SENSORS | DUET_EFFECT_SHOCKS | DUET_EFFECT_DEPENETRATION;
 
 static bool check_effects(const duet_motion *motion, const char *scene, duet_error *own)
 {
@@ -22,7 +22,7 @@ static bool check_effects(const duet_motion *motion, const char *scene, duet_err
         if (refused & bit)
             return error_set(own, DUET_STATUS_BAD_ARGUMENT,
                              "%s: the effect %s is not for several domains yet; expected none of "
-                             "sleep, events, sensors, shocks, depenetration, and no contact "
+                             "events, sensors, shocks, depenetration, and no contact "
                              "without response",
                              scene, duet_effect_name(bit));
     return true;
@@ -40,28 +40,28 @@ static bool check_scene(const duet_scene_info *info, duet_error *own)
 // ---------------------------------------------------------------- motions
 
 // Skins change no bits, and bounds are made in each step, when ghosts are chosen.
-static duet_motion_def def_of(const duet_scene *scene, duet_device_pair *pair,
-                              const duet_plan *plan)
+static duet_motion_def def_of(const duet_scene *scene, const moving_start *start)
 {
-    duet_motion_def def = duet_scene_motion_def(scene, pair);
-    if (plan)
-        def.plan = *plan;
+    duet_motion_def def = duet_scene_motion_def(scene, start->pair);
+    if (start->plan)
+        def.plan = *start->plan;
     def.skin = 0.0;
     def.wants &= ~DUET_EFFECT_SKIN;
     return def;
 }
 
-static bool open_motions(moving *m, duet_device_pair *pair, const duet_plan *plan, duet_error *own)
+static bool open_motions(moving *m, const moving_start *start, duet_error *own)
 {
-    const duet_motion_def def = def_of(m->scene, pair, plan);
+    m->def = def_of(m->scene, start);
     for (uint32_t k = 0; k < m->parts; ++k) {
         moving_domain *d = &m->domains[k];
         d->number = (uint32_t)m->ranks->self * m->parts + k;
-        d->motion = duet_motion_create_from_scene(&def, m->scene, NULL, own);
+        d->motion = duet_motion_create_from_scene(&m->def, m->scene, NULL, own);
         if (!d->motion)
             return false;
     }
-    return check_effects(m->domains[0].motion, duet_scene_get_info(m->scene)->name, own);
+    return check_effects(m->domains[0].motion, duet_scene_get_info(m->scene)->name, own) &&
+           (!start->resume || moving_load(m, start->resume, own));
 }
 
 // ---------------------------------------------------------------- the partition
@@ -82,12 +82,32 @@ static bool cut(moving *m, const item_list *bodies, duet_error *own)
     return ok;
 }
 
-// Gives this rank's domains their own of all bodies, which the first one has.
-static bool divide(moving *m, duet_error *own)
+// Keeps the contacts that are for this rank's domains. Rank 0 has them all; the first domain of
+// each rank lists the whole motion's, as if all bodies were its own.
+static void divide_contacts(moving *m, item_list *contacts, duet_error *own)
 {
+    const moving_domain *first = &m->domains[0];
+    uint64_t kept = 0;
+    if (!moving_pushes(m))
+        return;
+    moving_read_contacts(m, first, contacts, own);
+    for (uint64_t i = 0; is_well(own) && !contacts->failed && i < contacts->n; ++i) {
+        const moving_contact *c = moving_contact_at(m, contacts, i);
+        if (c->domain / m->parts == (uint32_t)m->ranks->self)
+            memmove(moving_contact_at(m, contacts, kept++), c, m->contact_bytes);
+    }
+    contacts->n = kept;
+}
+
+// Gives this rank's domains their own of all bodies, which the first one has.
+static bool divide(moving *m, item_list *contacts, duet_error *own)
+{
+    bool ok = cut(m, &m->domains[0].bodies, own);
+    if (ok)
+        divide_contacts(m, contacts, own);
     item_list all = m->domains[0].bodies;
     m->domains[0].bodies = (item_list){0};
-    bool ok = cut(m, &all, own);
+    ok = ok && is_well(own);
     for (uint64_t i = 0; ok && i < all.n; ++i) {
         moving_body *b = moving_body_at(m, &all, i);
         b->own = b->domain = moving_domain_of(m, b);
@@ -113,6 +133,7 @@ static bool list_all(moving *m, duet_error *own)
     for (uint32_t i = 0; i < m->n_all; ++i) {
         moving_body *b = moving_body_at(m, all, i);
         b->id = i;
+        b->own = m->domains[0].number;
         b->pose = motion->poses[i];
         b->body = motion->bodies[i];
     }
@@ -122,30 +143,28 @@ static bool list_all(moving *m, duet_error *own)
 
 // ---------------------------------------------------------------- all of it
 
-static bool load(moving *m, const char *path, const duet_setting *settings, uint32_t n_settings,
-                 duet_device_pair *pair, const duet_plan *plan, duet_error *own)
+static bool load(moving *m, const moving_start *start, item_list *contacts, duet_error *own)
 {
-    m->scene = duet_scene_load(path, settings, n_settings, own);
+    m->scene = duet_scene_load(start->path, start->settings, start->n_settings, own);
     if (!m->scene || !check_scene(duet_scene_get_info(m->scene), own))
         return false;
     m->domains = calloc(m->parts, sizeof *m->domains);
     if (!m->domains)
         return error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
-    if (!open_motions(m, pair, plan, own))
+    if (!open_motions(m, start, own))
         return false;
     const duet_motion *first = m->domains[0].motion;
     m->n_all = first->n;
     m->counts.bodies = m->n_all;
     m->body_bytes = sizeof(moving_body) + domain_state_bytes(first);
     m->contact_bytes = sizeof(moving_contact) + first->layout.record * sizeof(float);
-    return list_all(m, own) && divide(m, own);
+    return list_all(m, own) && divide(m, contacts, own);
 }
 
-moving *moving_begin(ranks *r, const char *path, const duet_setting *settings, uint32_t n_settings,
-                     duet_device_pair *pair, const duet_plan *plan, uint32_t parts, duet_error *own)
+moving *moving_begin(ranks *r, const moving_start *start, duet_error *own)
 {
     moving *m = calloc(1, sizeof *m);
-    item_list none = {0};
+    item_list contacts = {0};
     if (!m)
         error_set(own, DUET_STATUS_NO_MEMORY, "a motion over ranks: no memory");
     if (!ranks_agree(r, is_well(own), own)) {
@@ -153,12 +172,14 @@ moving *moving_begin(ranks *r, const char *path, const duet_setting *settings, u
         return NULL;
     }
     m->ranks = r;
-    m->parts = parts;
-    m->n_domains = parts * (uint32_t)r->n;
+    m->parts = start->parts;
+    m->n_domains = m->parts * (uint32_t)r->n;
     ranks_await_turn(r, true); // one rank of a host builds kernels
-    load(m, path, settings, n_settings, pair, plan, own);
+    load(m, start, &contacts, own);
     ranks_end_turn(r);
-    if (ranks_agree(r, is_well(own), own) && moving_exchange(m, &none, own))
+    bool ok = ranks_agree(r, is_well(own), own) && moving_exchange(m, &contacts, own);
+    free(contacts.items);
+    if (ok)
         return m;
     moving_end(m);
     return NULL;
@@ -172,6 +193,7 @@ void moving_end(moving *m)
         duet_motion_destroy(m->domains[k].motion);
         free(m->domains[k].bodies.items);
         free(m->domains[k].contacts.items);
+        free(m->domains[k].in_order.rows);
     }
     free(m->domains);
     halo_end(&m->halo);

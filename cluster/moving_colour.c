@@ -12,22 +12,25 @@ typedef LIST_OF(waiting_contact, contacts) waiting_list;
 
 // ---------------------------------------------------------------- one domain
 
-// Whether the contact is one that changes a body of the domain's own, and its domain decides.
-static bool pushes(const moving *m, const moving_domain *d, const domain_contacts *c, uint32_t i)
+// Whether the contact changes a body that is awake, and the domain owns an end that moves.
+static bool pushes(const moving *m, const moving_domain *d, const domain_contacts *c, uint32_t i,
+                   const cl_uint *asleep)
 {
-    bool decides = false;
+    bool decides = false, is_awake = false;
     for (int k = 0; k < 2; ++k) {
-        const moving_body *b = moving_body_or_wall(m, d, c->links[i].s[k]);
+        uint32_t place = c->links[i].s[k];
+        const moving_body *b = moving_body_or_wall(m, d, place);
         decides = decides || (b && moving_decides(d, b));
+        is_awake = is_awake || (b && b->body.mass > 0.0f && !(asleep[place] & SLEEPS));
     }
-    return decides && (c->touches[i] & TOUCH_POINTS) > 0;
+    return decides && is_awake && (c->touches[i] & TOUCH_POINTS) > 0;
 }
 
 // A contact keeps its colour while it pushes.
-static void mark(const moving *m, const moving_domain *d, domain_contacts *c)
+static void mark(const moving *m, const moving_domain *d, domain_contacts *c, const cl_uint *asleep)
 {
     for (uint32_t i = 0; i < c->n; ++i)
-        if (!pushes(m, d, c, i))
+        if (!pushes(m, d, c, i, asleep))
             c->colours[i] = COLOUR_NONE;
         else if (c->colours[i] == COLOUR_NONE)
             c->colours[i] = COLOUR_WAITS;
@@ -70,14 +73,16 @@ static void wait_for_colours(const moving *m, const moving_domain *d, domain_con
                              waiting_list *waiting, duet_error *own)
 {
     uint32_t *used = calloc(d->bodies.n + 1, sizeof *used);
-    if (!used) {
+    cl_uint *asleep = calloc(d->bodies.n + 1, sizeof *asleep);
+    if (!used || !asleep)
         error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
-        return;
+    else if (domain_read_asleep(d->motion, asleep, own)) {
+        mark(m, d, c, asleep);
+        note_used(d, c, used);
+        list_waiting(m, d, c, used, waiting);
     }
-    mark(m, d, c);
-    note_used(d, c, used);
-    list_waiting(m, d, c, used, waiting);
     free(used);
+    free(asleep);
 }
 
 // ---------------------------------------------------------------- all domains
@@ -130,16 +135,58 @@ static void count(const moving *m, const moving_domain *d, const domain_contacts
     }
 }
 
-// Contacts without a colour of their own are solved in the order of all ids, over all domains.
-static bool check_colours(moving *m, const tally *t, duet_error *own)
+// ---------------------------------------------------------------- without a colour
+
+static void add_in_order(const moving *m, const moving_domain *d, const domain_contacts *c,
+                         waiting_list *list)
 {
+    for (uint32_t i = 0; i < c->n; ++i) {
+        const waiting_contact one = {.owner = moving_id(m, d, c->links[i].s[0]),
+                                     .other = moving_id(m, d, c->links[i].s[1])};
+        if (c->colours[i] == COLOUR_OVERFLOW)
+            list_add(&list->list, &one, 1, sizeof one);
+    }
+}
+
+static void note_in_order(const moving *m, moving_domain *d, const domain_contacts *c,
+                          const waiting_contact *all, uint64_t n, duet_error *own)
+{
+    list_clear(&d->in_order.list);
+    for (uint32_t i = 0; i < c->n; ++i)
+        if (c->colours[i] == COLOUR_OVERFLOW)
+            row_list_add(&d->in_order,
+                         (uint32_t)colouring_place(all, n, moving_id(m, d, c->links[i].s[0]),
+                                                   moving_id(m, d, c->links[i].s[1])));
+    if (d->in_order.failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "contacts in order: no memory");
+}
+
+// All ranks learn which contacts are solved in order, and each domain where its own lie among them.
+static bool order_contacts(moving *m, const domain_contacts *contacts, duet_error *own)
+{
+    waiting_list list = {0};
+    parcels all = {0};
+    for (uint32_t k = 0; k < m->parts; ++k)
+        add_in_order(m, &m->domains[k], &contacts[k], &list);
+    bool ok = tell_all(m, &list, &all, own);
+    m->n_in_order = ok ? colouring_sort(all.rows, all.n) : 0;
+    for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
+        note_in_order(m, &m->domains[k], &contacts[k], all.rows, m->n_in_order, own);
+    free(list.contacts);
+    parcels_end(&all);
+    return ok;
+}
+
+// ---------------------------------------------------------------- all of it
+
+static bool end_colouring(moving *m, const domain_contacts *contacts, tally *t, duet_error *own)
+{
+    if (!ranks_agree_and(m->ranks, is_well(own), t, own))
+        return false;
     m->counts.colours = (uint32_t)t->greatest[0];
     m->counts.contacts = t->sums[0];
-    return m->counts.colours <= COLOUR_OVERFLOW ||
-           error_set(own, DUET_STATUS_TOO_MANY,
-                     "step %" PRIu64 ": a body has more contacts than there are colours, %d; "
-                     "several domains cannot solve these yet",
-                     m->counts.step, COLOUR_OVERFLOW);
+    m->n_in_order = 0;
+    return m->counts.colours <= COLOUR_OVERFLOW || order_contacts(m, contacts, own);
 }
 
 bool moving_colour(moving *m, duet_error *own)
@@ -161,7 +208,7 @@ bool moving_colour(moving *m, duet_error *own)
         take_colours(m, &m->domains[k], &contacts[k], all.rows, n, own);
         count(m, &m->domains[k], &contacts[k], &t);
     }
-    ok = ok && ranks_agree_and(m->ranks, is_well(own), &t, own) && check_colours(m, &t, own);
+    ok = ok && end_colouring(m, contacts, &t, own);
     for (uint32_t k = 0; contacts && k < m->parts; ++k)
         domain_contacts_free(&contacts[k]);
     free(contacts);

@@ -40,18 +40,23 @@ typedef struct moving_domain {
     item_list bodies;   // ascending by id; the motion's, place by place
     item_list contacts; // ascending; what the next step begins with
     uint32_t n_own;
+    row_list in_order; // its contacts of COLOUR_OVERFLOW: ascending places among those of all
 } moving_domain;
 
 struct moving {
     ranks *ranks;
     duet_scene *scene; // whole, on each rank
-    uint32_t parts;    // domains of each rank
+    duet_motion_def def;
+    uint32_t parts; // domains of each rank
     uint32_t n_domains, n_all;
     size_t body_bytes, contact_bytes;
     bisection cuts;
     moving_domain *domains; // [parts]
     halo halo;
-    uint64_t n_ghosts; // of this rank
+    uint64_t n_ghosts;   // of this rank
+    uint64_t next_cut;   // the first step after which the world may be cut anew
+    double most_own;     // bodies of the domain that owns most
+    uint64_t n_in_order; // contacts of COLOUR_OVERFLOW, of all ranks
     moving_counts counts;
 };
 
@@ -109,13 +114,24 @@ static inline bool moving_pushes(const moving *m)
     return m->domains[0].motion->effects & DUET_EFFECT_CONTACT_RESPONSE;
 }
 
-// Reads what a step made of bodies, and adds contacts, each to the domains that own it next; not
-// collective.
-void moving_read(moving *m, item_list *contacts, duet_error *own);
+// Reads what a step made of a domain's bodies; not collective.
 void moving_read_bodies(moving *m, moving_domain *d, duet_error *own);
 
 // Brings own bodies, then contacts and ghosts, to their domains, and replaces all motions' bodies.
 bool moving_exchange(moving *m, item_list *contacts, duet_error *own);
+
+// Whether a domain has far more bodies than the mean, and a cut anew, before bodies change domains.
+bool moving_cut_is_due(const moving *m);
+bool moving_cut(moving *m, duet_error *own);
+
+// Sorts a domain's bodies and contacts, and makes them those of its motion.
+void moving_replace(moving *m, moving_domain *d, duet_error *own);
+
+// Makes all domains' motions, of all bodies, those of a file; not collective.
+bool moving_load(moving *m, const char *path, duet_error *own);
+
+// Adds the contacts of a domain's motion, each for the domains that own its ends.
+void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own);
 
 // Gives all contacts their colours, once manifolds are there.
 bool moving_colour(moving *m, duet_error *own);

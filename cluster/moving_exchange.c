@@ -248,7 +248,25 @@ static void fill_bodies(const moving *m, const moving_domain *d, replacement *r)
     }
 }
 
-// An end that is not here any more touches nothing here.
+// A sleeper that leant on what is far away now wakes, as in match_contacts.cl.
+static void wake_end(const moving *m, const moving_domain *d, const moving_contact *c,
+                     uint32_t place, replacement *r)
+{
+    const duet_motion *motion = d->motion;
+    const size_t state = m->body_bytes - sizeof(moving_body);
+    uint32_t points = c->touch & TOUCH_POINTS;
+    const float none = 0.0f;
+    bool leant = (motion->effects & DUET_EFFECT_SLEEP) &&
+                 domain_was_pushed(motion, (const float *)(const void *)(c + 1), points);
+    char *rest = place == UINT32_MAX ? NULL : r->states + place * state + domain_rest_at(motion);
+    cl_uint asleep = 0;
+    if (rest)
+        memcpy(&asleep, rest + sizeof none, sizeof asleep);
+    if (leant && rest && (asleep & SLEEPS))
+        memcpy(rest, &none, sizeof none);
+}
+
+// A contact of which an end is not here any more is none: bounds that meet are here.
 static void fill_contacts(const moving *m, const moving_domain *d, replacement *r)
 {
     const size_t record = m->contact_bytes - sizeof(moving_contact);
@@ -260,8 +278,10 @@ static void fill_contacts(const moving *m, const moving_domain *d, replacement *
         uint32_t owner = moving_place(m, d, c->owner);
         uint32_t other =
             fixed ? (uint32_t)d->bodies.n + (c->other - m->n_all) : moving_place(m, d, c->other);
-        if (owner == UINT32_MAX || other == UINT32_MAX)
+        if (owner == UINT32_MAX || other == UINT32_MAX) {
+            wake_end(m, d, c, owner != UINT32_MAX ? owner : other, r);
             continue;
+        }
         to->links[to->n] = (cl_uint2){{owner, other}};
         to->touches[to->n] = c->touch;
         to->colours[to->n] = c->colour;
@@ -269,9 +289,10 @@ static void fill_contacts(const moving *m, const moving_domain *d, replacement *
     }
 }
 
-static void replace(moving *m, moving_domain *d, duet_error *own)
+void moving_replace(moving *m, moving_domain *d, duet_error *own)
 {
     replacement r = {0};
+    sort_domain(m, d);
     if (!reserve(m, d, &r)) {
         error_set(own, DUET_STATUS_NO_MEMORY, "a domain of %u bodies: no memory",
                   (uint32_t)d->bodies.n);
@@ -295,12 +316,13 @@ bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
     if (ok && moving_pushes(m))
         ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
-        sort_domain(m, &m->domains[k]);
+        moving_replace(m, &m->domains[k], own);
     ok = ok && halo_settle(&m->halo, m, own);
-    for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
-        replace(m, &m->domains[k], own);
     tally t = {.sums = {m->n_ghosts}};
+    for (uint32_t k = 0; k < m->parts; ++k)
+        t.greatest[0] = greater(t.greatest[0], m->domains[k].n_own);
     ok = ok && ranks_agree_and(m->ranks, is_well(own), &t, own);
     m->counts.ghosts = t.sums[0];
+    m->most_own = t.greatest[0];
     return ok;
 }

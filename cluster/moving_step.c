@@ -57,7 +57,7 @@ static void add_contact(moving *m, const moving_domain *d, const domain_contacts
     }
 }
 
-static void read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own)
+void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own)
 {
     domain_contacts all;
     if (!domain_read_contacts(d->motion, true, &all, own))
@@ -67,13 +67,16 @@ static void read_contacts(moving *m, const moving_domain *d, item_list *contacts
     domain_contacts_free(&all);
 }
 
-void moving_read(moving *m, item_list *contacts, duet_error *own)
+// The domains that contacts go to follow from where bodies are, and from the borders.
+static bool read_all(moving *m, item_list *contacts, duet_error *own)
 {
-    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         moving_read_bodies(m, &m->domains[k], own);
-        if (is_well(own) && moving_pushes(m))
-            read_contacts(m, &m->domains[k], contacts, own);
-    }
+    if (moving_cut_is_due(m) && !moving_cut(m, own))
+        return false;
+    for (uint32_t k = 0; is_well(own) && moving_pushes(m) && k < m->parts; ++k)
+        moving_read_contacts(m, &m->domains[k], contacts, own);
+    return true;
 }
 
 // ---------------------------------------------------------------- stages
@@ -86,46 +89,113 @@ static void each(moving *m, domain_stage *stage, duet_error *own)
         stage(m->domains[k].motion, own);
 }
 
-// Domains that have no contact of a colour take part in its exchange.
-static void solve(moving *m, bool soft, duet_error *own)
+// What is done to the contacts of a colour, or to one of those that are solved in order.
+typedef enum solve_pass { SOLVE_SOFT, SOLVE_RELAX, SOLVE_RESTORE } solve_pass;
+
+static void solve_colour(duet_motion *motion, uint32_t colour, solve_pass pass, duet_error *own)
 {
-    for (uint32_t colour = 0; colour < m->counts.colours; ++colour) {
-        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-            domain_solve_colour(m->domains[k].motion, colour, soft, own);
-        halo_exchange(&m->halo, m, own);
-    }
+    if (pass == SOLVE_RESTORE)
+        domain_restore_colour(motion, colour, own);
+    else
+        domain_solve_colour(motion, colour, pass == SOLVE_SOFT, own);
 }
 
-static void restore_speeds(moving *m, duet_error *own)
+static void solve_one(duet_motion *motion, uint32_t i, solve_pass pass, duet_error *own)
 {
-    bool any_bounces = m->domains[0].motion->facts.elastic;
-    for (uint32_t colour = 0; any_bounces && colour < m->counts.colours; ++colour) {
-        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-            domain_restore_colour(m->domains[k].motion, colour, own);
-        halo_exchange(&m->halo, m, own);
+    if (pass == SOLVE_RESTORE)
+        domain_restore_in_order(motion, i, own);
+    else
+        domain_solve_in_order(motion, i, pass == SOLVE_SOFT, own);
+}
+
+// Contacts without a colour of their own come one by one, in the order of all ids: a domain takes
+// those that it has.
+static void solve_in_order(moving *m, solve_pass pass, duet_error *own)
+{
+    uint64_t *taken = calloc(m->parts, sizeof *taken);
+    if (!taken)
+        error_set(own, DUET_STATUS_NO_MEMORY, "contacts in order: no memory");
+    for (uint64_t i = 0; i < m->n_in_order; ++i) {
+        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
+            const row_list *has = &m->domains[k].in_order;
+            if (taken[k] < has->n && has->rows[taken[k]] == i)
+                solve_one(m->domains[k].motion, (uint32_t)taken[k]++, pass, own);
+        }
+        halo_exchange(&m->halo, m, BODIES, own);
     }
+    free(taken);
+}
+
+// Domains that have no contact of a colour take part in its exchange.
+static void solve(moving *m, solve_pass pass, duet_error *own)
+{
+    for (uint32_t colour = 0; colour < m->counts.colours && colour < COLOUR_OVERFLOW; ++colour) {
+        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+            solve_colour(m->domains[k].motion, colour, pass, own);
+        halo_exchange(&m->halo, m, BODIES, own);
+    }
+    if (m->n_in_order > 0)
+        solve_in_order(m, pass, own);
 }
 
 // The ghosts' velocities and positions change as their owners' do.
 static void substep(moving *m, duet_error *own)
 {
     each(m, domain_integrate_velocities, own);
-    solve(m, true, own);
+    solve(m, SOLVE_SOFT, own);
     each(m, domain_integrate_positions, own);
-    solve(m, false, own);
+    solve(m, SOLVE_RELAX, own);
+}
+
+// What wakes, and what falls asleep, is right for bodies that a domain owns, and told to others:
+// rests before bodies look at those that they touch, and then which of them sleep.
+static bool update_sleep(moving *m, tally *t, duet_error *own)
+{
+    *t = (tally){0};
+    if (!(m->domains[0].motion->effects & DUET_EFFECT_SLEEP))
+        return true;
+    halo_exchange(&m->halo, m, RESTS, own);
+    each(m, domain_update_sleep, own);
+    halo_exchange(&m->halo, m, ASLEEP, own);
+    each(m, domain_read_flags, own);
+    for (uint32_t k = 0; k < m->parts; ++k) {
+        const uint32_t *flags = m->domains[k].motion->flags;
+        t->sums[0] += flags[FLAG_FELL_ASLEEP];
+        t->sums[1] += flags[FLAG_PRESSED];
+    }
+    if (!ranks_agree_and(m->ranks, is_well(own), t, own))
+        return false;
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        domain_wake_touched(m->domains[k].motion, t->sums[0] > 0, own);
+    return true;
+}
+
+static void push_sleepers(moving *m, duet_error *own)
+{
+    for (uint32_t round = 0; round < PRESSED_ROUNDS; ++round) {
+        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+            domain_push_sleepers(m->domains[k].motion, round, own);
+        halo_exchange(&m->halo, m, BODIES, own);
+    }
+    each(m, domain_move_sleepers, own);
 }
 
 // The impulses to warm start with are sums over contacts, of which a ghost lacks some.
 static bool respond(moving *m, duet_error *own)
 {
+    tally t;
     each(m, domain_begin_step, own);
-    if (!moving_colour(m, own))
+    if (!update_sleep(m, &t, own) || !moving_colour(m, own))
         return false;
     each(m, domain_prepare_contacts, own);
-    halo_exchange(&m->halo, m, own);
+    halo_exchange(&m->halo, m, BODIES, own);
     for (uint32_t i = 0; i < m->domains[0].motion->def.substeps; ++i)
         substep(m, own);
-    restore_speeds(m, own);
+    if (m->domains[0].motion->facts.elastic)
+        solve(m, SOLVE_RESTORE, own);
+    each(m, domain_finalize, own);
+    if (t.sums[1] > 0)
+        push_sleepers(m, own);
     each(m, domain_end_step, own);
     return true;
 }
@@ -140,9 +210,7 @@ bool moving_step(moving *m, duet_error *own)
 {
     item_list contacts = {0};
     bool ok = moving_pushes(m) ? respond(m, own) : fly(m, own);
-    if (ok)
-        moving_read(m, &contacts, own);
-    ok = ok && moving_exchange(m, &contacts, own);
+    ok = ok && read_all(m, &contacts, own) && moving_exchange(m, &contacts, own);
     free(contacts.items);
     m->counts.step += ok;
     return ok;

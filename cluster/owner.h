@@ -9,7 +9,7 @@
 
 #include <stdint.h>
 
-enum { LEVELS = 16 };
+enum { SIZE_LEVELS = 16 };
 
 // The level of an extent among objects of which `widest` is the widest: an octave each, from
 // the widest down, and the last for all that is finer.
@@ -17,21 +17,21 @@ static inline int level_of(double width, double widest)
 {
     int own = 0, top = 0;
     if (!isfinite(width) || width >= widest)
-        return LEVELS - 1;
+        return SIZE_LEVELS - 1;
     frexp(width, &own);
     frexp(widest, &top);
-    int below = isfinite(widest) && width > 0 ? top - own : LEVELS;
-    return below < LEVELS ? LEVELS - 1 - below : 0;
+    int below = isfinite(widest) && width > 0 ? top - own : SIZE_LEVELS;
+    return below < SIZE_LEVELS ? SIZE_LEVELS - 1 - below : 0;
 }
 
 // Boxes around the objects of each level and of all finer ones.
 typedef struct level_boxes {
-    extent upto[LEVELS];
+    extent upto[SIZE_LEVELS];
 } level_boxes;
 
 static inline void level_boxes_clear(level_boxes *boxes)
 {
-    for (int k = 0; k < LEVELS; ++k)
+    for (int k = 0; k < SIZE_LEVELS; ++k)
         boxes->upto[k] = extent_none;
 }
 

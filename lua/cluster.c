@@ -37,10 +37,11 @@ typedef struct cluster_library {
     bool (*get_own_pairs)(duet_cluster *, const duet_pair64 **, uint64_t *, duet_error *);
     bool (*get_ranks)(duet_cluster *, duet_cluster_rank *, duet_error *);
     bool (*save_pairs)(duet_cluster *, const char *, bool, duet_error *);
-    bool (*begin_motion)(duet_cluster *, const char *, const duet_setting *, uint32_t,
+    bool (*begin_motion)(duet_cluster *, const char *, const duet_setting *, uint32_t, const char *,
                          duet_error *);
     bool (*advance)(duet_cluster *, duet_cluster_motion_result *, duet_error *);
     bool (*get_state_hash)(duet_cluster *, uint64_t *, duet_error *);
+    bool (*save_motion)(duet_cluster *, const char *, duet_error *);
 } cluster_library;
 
 #define CALL(member, name)                      \
@@ -72,6 +73,7 @@ static const struct {
     CALL(begin_motion, "duet_cluster_begin_motion"),
     CALL(advance, "duet_cluster_advance"),
     CALL(get_state_hash, "duet_cluster_get_state_hash"),
+    CALL(save_motion, "duet_cluster_save_motion"),
 };
 
 _Static_assert(sizeof(cluster_library) == sizeof call_names / sizeof *call_names * sizeof(void *),
@@ -427,7 +429,7 @@ static int cluster_save_pairs(lua_State *L)
 
 // ---------------------------------------------------------------- motion
 
-// cluster:begin_motion(path, settings)
+// cluster:begin_motion(path, settings, resume)
 static int cluster_begin_motion(lua_State *L)
 {
     duet_error err = {0};
@@ -435,7 +437,8 @@ static int cluster_begin_motion(lua_State *L)
     cluster_box *box = check(L);
     const char *path = luaL_checkstring(L, 2);
     const duet_setting *settings = scene_read_settings(L, 3, &n);
-    bool ok = box->calls->begin_motion(box->cluster.object, path, settings, n, &err);
+    const char *resume = luaL_optstring(L, 4, NULL);
+    bool ok = box->calls->begin_motion(box->cluster.object, path, settings, n, resume, &err);
     return class_push_done(L, ok, &err);
 }
 
@@ -461,6 +464,14 @@ static int cluster_state_hash(lua_State *L)
     return 1;
 }
 
+static int cluster_save_motion(lua_State *L)
+{
+    duet_error err = {0};
+    cluster_box *box = check(L);
+    const char *path = luaL_checkstring(L, 2);
+    return class_push_done(L, box->calls->save_motion(box->cluster.object, path, &err), &err);
+}
+
 static const luaL_Reg methods[] = {{"close", cluster_close},
                                    {"load_scene", cluster_load_scene},
                                    {"scene", cluster_scene},
@@ -476,6 +487,7 @@ static const luaL_Reg methods[] = {{"close", cluster_close},
                                    {"begin_motion", cluster_begin_motion},
                                    {"advance", cluster_advance},
                                    {"state_hash", cluster_state_hash},
+                                   {"save_motion", cluster_save_motion},
                                    {NULL, NULL}};
 static const lua_class cluster_class = {.name = "duet.cluster",
                                         .methods = methods,

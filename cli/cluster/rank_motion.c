@@ -26,9 +26,19 @@ static bool begin(const moved *r, duet_error *err)
     scene_settings settings;
     bool ok = inputs_make_settings(&settings, &r->args->scene, err);
     ok = ranks_agree(&r->cluster->ranks, ok, err) &&
-         duet_cluster_begin_motion(r->cluster, r->scene, settings.list, settings.n, err);
+         duet_cluster_begin_motion(r->cluster, r->scene, settings.list, settings.n, r->args->resume,
+                                   err);
     inputs_free_settings(&settings);
     return ok;
+}
+
+// After so many steps, and after the last one.
+static bool save(const moved *r, bool is_last, duet_error *err)
+{
+    uint64_t every = r->args->every;
+    bool due = is_last || (every > 0 && r->last.step % every == 0);
+    return !r->args->checkpoint || !due ||
+           duet_cluster_save_motion(r->cluster, r->args->checkpoint, err);
 }
 
 // A rank that is asked to stop stops all.
@@ -43,6 +53,7 @@ static bool run_steps(moved *r, duet_error *err)
         if (ok)
             ranks_sum(&r->cluster->ranks, &stops, 1);
         r->is_stopped = stops > 0;
+        ok = ok && save(r, r->is_stopped || i + 1 == r->args->steps, err);
         if (tells)
             progress_show(&p, i + 1);
     }

@@ -38,6 +38,9 @@ static const option options[] = {
     OPTION_COUNT("repeat", repeat, "K", "steps that are timed, after one to warm up (5)", 1,
                  100000),
     OPTION_COUNT("steps", steps, "K", "advance a moving scene by K steps", 1, 1000000000),
+    OPTION_LATER("checkpoint", checkpoint, "F", "save the bodies in file F after the steps"),
+    OPTION_COUNT("every", every, "K", "save them after each K steps, too", 1, 1000000000),
+    OPTION_INPUT("resume", resume, "F", "go on from file F, of any number of ranks"),
     OPTION_FLAG("resident", resident, "leave the objects where they are between the steps"),
     OPTION_LATER("pairs", pairs_path, "P.npy", "write the pairs of all ranks into one file"),
     OPTION_FLAG("sorted", sorted, "write them ascending: the same bytes for any number of ranks"),
@@ -56,6 +59,8 @@ static const option options[] = {
 static const option_rule rules[] = {
     {"hosts verbose simulate", OPTION_NEEDS, "ranks"},
     {"sorted", OPTION_NEEDS, "pairs"},
+    {"every", OPTION_NEEDS, "checkpoint"},
+    {"checkpoint resume", OPTION_NEEDS, "steps"},
     {"profile", OPTION_NEEDS, "simulate"},
     {"stands-for", OPTION_NEEDS, "profile"},
     {"pair share mode variant variant-a variant-b", OPTION_EXCLUDES, "plain"},

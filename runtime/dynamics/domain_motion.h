@@ -28,6 +28,15 @@ size_t domain_state_bytes(const duet_motion *m);
 bool domain_read_states(duet_motion *m, char *states, duet_error *err);
 bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err);
 
+// Reads whether bodies sleep, [n] words as kernels have them; 0 for all without the effect.
+bool domain_read_asleep(duet_motion *m, cl_uint *asleep, duet_error *err);
+
+// Byte of a state at which the seconds at rest lie; only where bodies sleep.
+size_t domain_rest_at(const duet_motion *m);
+
+// Whether a contact's record of n points pushed in the last step.
+bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n);
+
 // Reads contacts, which the caller frees.
 bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c, duet_error *err);
 
@@ -36,25 +45,50 @@ bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_bo
                            const char *states, uint32_t n, const domain_contacts *c,
                            duet_error *err);
 
+// Makes the rows of where the bodies are, which take over what contacts had, and clears what
+// records do not say: then two motions of the same bodies and contacts have the same bytes.
+bool domain_settle_rows(duet_motion *m, duet_error *err);
+bool domain_make_rows(duet_motion *m, duet_error *err); // of it
+
+// Forgets what commands left behind; false if some still acts: a place without a body, or a push.
+bool domain_forget_commands(duet_motion *m);
+
 // ---------------------------------------------------------------- a step's stages
 
 // In free flight a step is one stage.
 bool domain_fly(duet_motion *m, duet_error *err);
 
-// With response: manifolds; the contacts by the colours that each has, [n_contacts]; constraints
-// from them.
+// With response: manifolds of where the step begins, which may wake what leant on something that is
+// gone (RESTS).
 bool domain_begin_step(duet_motion *m, duet_error *err);
+bool domain_find_manifolds(duet_motion *m, duet_error *err); // of it
+
+// Where bodies sleep: which do from now on (ASLEEP), and manifolds of what woke. Flags are read in
+// between; `fell`: something fell asleep or woke in any domain.
+bool domain_update_sleep(duet_motion *m, duet_error *err);
+bool domain_read_flags(duet_motion *m, duet_error *err);
+bool domain_wake_touched(duet_motion *m, bool fell, duet_error *err);
+
+// The contacts by the colours that each has, [n_contacts], and constraints from them.
 bool domain_take_colours(duet_motion *m, const cl_uint *colours, duet_error *err);
 bool domain_prepare_contacts(duet_motion *m, duet_error *err);
 
 // A substep: velocities, contacts of each colour as soft springs, positions, contacts relaxed.
+// After the colours those of COLOUR_OVERFLOW come, of which the domain's i-th is one call.
 bool domain_integrate_velocities(duet_motion *m, duet_error *err);
 bool domain_solve_colour(duet_motion *m, uint32_t colour, bool soft, duet_error *err);
+bool domain_solve_in_order(duet_motion *m, uint32_t i, bool soft, duet_error *err);
 bool domain_integrate_positions(duet_motion *m, duet_error *err);
 
-// After all substeps: restitution of each colour, impulses, and what is kept of bodies.
+// After all substeps: restitution of each colour; impulses and bodies as they are kept.
 bool domain_restore_colour(duet_motion *m, uint32_t colour, duet_error *err);
-bool domain_store_impulses(duet_motion *m, duet_error *err);
+bool domain_restore_in_order(duet_motion *m, uint32_t i, duet_error *err);
+bool domain_finalize(duet_motion *m, duet_error *err);
+
+// Where a body sleeps deep in others: so many rounds (PRESSED_ROUNDS), and then all go.
+bool domain_push_sleepers(duet_motion *m, uint32_t round, duet_error *err);
+bool domain_move_sleepers(duet_motion *m, duet_error *err);
+
 bool domain_end_step(duet_motion *m, duet_error *err);
 
 #endif

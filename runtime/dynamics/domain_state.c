@@ -2,6 +2,7 @@
 // What the host reads and replaces of a domain's motion between its stages.
 #include "base/error.h"
 #include "runtime/dynamics/domain_motion.h"
+#include "runtime/dynamics/motion_commands.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +11,8 @@ static const char stage[] = "domain";
 
 // ---------------------------------------------------------------- states
 
-static const motion_buffer kept[] = {CENTRES, VELOCITIES, ROTATIONS, ANGULAR_VELOCITIES};
+static const motion_buffer kept[] = {CENTRES, VELOCITIES, ROTATIONS, ANGULAR_VELOCITIES,
+                                     RESTS,   ASLEEP};
 
 enum { N_KEPT = sizeof kept / sizeof kept[0] };
 
@@ -25,6 +27,14 @@ size_t domain_state_bytes(const duet_motion *m)
     for (int i = 0; i < N_KEPT; ++i)
         bytes += row_bytes(m, kept[i]);
     return bytes;
+}
+
+size_t domain_rest_at(const duet_motion *m)
+{
+    size_t at = 0;
+    for (int i = 0; kept[i] != RESTS; ++i)
+        at += row_bytes(m, kept[i]);
+    return at;
 }
 
 static char *rows_of_all(const duet_motion *m, motion_buffer which, duet_error *err)
@@ -53,10 +63,9 @@ static bool write_rows(duet_motion *m, motion_buffer which, const char *at, duet
     char *rows = rows_of_all(m, which, err);
     for (uint32_t i = 0; rows && i < m->n; ++i)
         memcpy(rows + i * row, at + i * all, row);
-    bool ok =
-        rows &&
-        timeline_write_at(&m->times, stage, &m->buffers[which], 0, rows, m->n * row, err) &&
-        timeline_finish(&m->times, err);
+    bool ok = rows &&
+              timeline_write_at(&m->times, stage, &m->buffers[which], 0, rows, m->n * row, err) &&
+              timeline_finish(&m->times, err);
     free(rows);
     return ok;
 }
@@ -83,7 +92,22 @@ static bool write_states(duet_motion *m, const char *states, duet_error *err)
     return ok;
 }
 
+bool domain_read_asleep(duet_motion *m, cl_uint *asleep, duet_error *err)
+{
+    memset(asleep, 0, m->n * sizeof *asleep);
+    return m->n == 0 || !(m->effects & DUET_EFFECT_SLEEP) ||
+           motion_fetch(m, stage, ASLEEP, 0, asleep, m->n * sizeof *asleep, err);
+}
+
 // ---------------------------------------------------------------- contacts
+
+bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n)
+{
+    bool pushed = false;
+    for (uint32_t k = 0; k < n; ++k)
+        pushed = pushed || record[m->layout.head + k * m->layout.point + OF_MAX_IMPULSE] > 0.0f;
+    return pushed;
+}
 
 void domain_contacts_free(domain_contacts *c)
 {
@@ -165,4 +189,48 @@ bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_bo
            motion_send_places(m, NULL, n, PART_ALL, err) && write_states(m, states, err) &&
            (!(m->effects & DUET_EFFECT_CONTACT_RESPONSE) || write_contacts(m, c, err)) &&
            timeline_finish(&m->times, err);
+}
+
+// ---------------------------------------------------------------- rows to be saved
+
+static bool clear_records(duet_motion *m, duet_error *err)
+{
+    const motion_layout *l = &m->layout;
+    domain_contacts c;
+    if (!domain_read_contacts(m, true, &c, err))
+        return false;
+    for (uint32_t i = 0; i < c.n; ++i) {
+        uint32_t points = c.touches[i] & TOUCH_POINTS;
+        uint32_t used = points > 0 ? l->head + points * l->point : 0;
+        memset(c.records + (size_t)i * l->record + used, 0, (l->record - used) * sizeof(float));
+    }
+    bool ok = put(m, CONTACTS, c.records, c.n, l->record * sizeof(float), err) &&
+              timeline_finish(&m->times, err);
+    domain_contacts_free(&c);
+    return ok;
+}
+
+// Contacts with what never moves have none.
+static bool clear_returns(duet_motion *m, duet_error *err)
+{
+    cl_uint n = 0;
+    return motion_fetch(m, stage, RETURN_STARTS, m->n * sizeof n, &n, sizeof n, err) &&
+           motion_clear(m, stage, RETURNS, n, m->graph.n_contacts, err);
+}
+
+bool domain_settle_rows(duet_motion *m, duet_error *err)
+{
+    return !(m->effects & DUET_EFFECT_CONTACT_RESPONSE) || m->n == 0 ||
+           (domain_make_rows(m, err) && clear_returns(m, err) && clear_records(m, err));
+}
+
+bool domain_forget_commands(duet_motion *m)
+{
+    motion_commands *c = m->commands;
+    bool acts = c && (c->n_hidden > 0 || c->n_targets > 0 || c->n_pushed > 0);
+    if (acts)
+        return false;
+    motion_forget_commands(c);
+    m->commands = NULL;
+    return true;
 }

@@ -11,6 +11,7 @@
 #include "base/error.h"
 
 #include <math.h>
+#include <string.h>
 
 // ---------------------------------------------------------------- arguments
 
@@ -346,14 +347,24 @@ bool domain_begin_step(duet_motion *m, duet_error *err)
     m->products.before = m->products.last;
     set_args(m);
     return m->n == 0 || (motion_clear(m, "clear", FLAG_WORDS, 0, FLAGS, err) &&
-                         ensure(m, PRODUCT_MANIFOLDS, err));
+                         ensure(m, PRODUCT_AWAKE, err) && domain_find_manifolds(m, err));
+}
+
+bool domain_make_rows(duet_motion *m, duet_error *err)
+{
+    set_args(m);
+    return ensure(m, PRODUCT_ROWS, err) && timeline_finish(&m->times, err);
+}
+
+bool domain_read_flags(duet_motion *m, duet_error *err)
+{
+    memset(m->flags, 0, sizeof m->flags);
+    return m->n == 0 || motion_read_flags(m, err);
 }
 
 bool domain_end_step(duet_motion *m, duet_error *err)
 {
     ++m->step;
-    bool ok = m->n == 0 || (domain_store_impulses(m, err) && motion_finalize(m, err) &&
-                            timeline_finish(&m->times, err));
     products_move_bodies(&m->products);
-    return ok;
+    return timeline_finish(&m->times, err);
 }

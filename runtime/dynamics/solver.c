@@ -381,6 +381,44 @@ bool motion_finalize(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- stage by stage
 
+static bool find_first_manifolds(duet_motion *m, duet_error *err)
+{
+    product_renew(&m->products, PRODUCT_MANIFOLDS);
+    return prepare_bodies(m, 0, err) && find_manifolds(m, 0, err);
+}
+
+bool domain_find_manifolds(duet_motion *m, duet_error *err)
+{
+    return m->n == 0 || find_first_manifolds(m, err);
+}
+
+bool domain_update_sleep(duet_motion *m, duet_error *err)
+{
+    return motion_launch(m, "sleep", m->kernels.update_sleep, m->n, err);
+}
+
+bool domain_wake_touched(duet_motion *m, bool fell, duet_error *err)
+{
+    static const cl_uint one = 1;
+    if (m->n == 0 || !fell)
+        return true;
+    return timeline_write_at(&m->times, "sleep", &m->buffers[FLAG_WORDS],
+                             FLAG_FELL_ASLEEP * sizeof one, &one, sizeof one, err) &&
+           prepare_bodies(m, 1, err) && find_manifolds(m, 1, err);
+}
+
+bool domain_push_sleepers(duet_motion *m, uint32_t round, duet_error *err)
+{
+    m->solver.round = round;
+    return motion_launch(m, "sleep", m->kernels.push_sleepers, m->n, err);
+}
+
+bool domain_move_sleepers(duet_motion *m, duet_error *err)
+{
+    m->solver.round = PRESSED_ROUNDS;
+    return motion_launch(m, "sleep", m->kernels.move_sleepers, m->n, err);
+}
+
 bool domain_take_colours(duet_motion *m, const cl_uint *colours, duet_error *err)
 {
     const uint32_t n = m->graph.n_contacts;
@@ -415,6 +453,30 @@ static bool launch_one(duet_motion *m, const kernel *k, uint32_t colour, duet_er
                          : launch_colours(m, k, colour, colour + 1, k->per_item, n, err);
 }
 
+// Launches a kernel for one of the contacts that have no colour of their own.
+static bool launch_in_order(duet_motion *m, const kernel *k, uint32_t i, duet_error *err)
+{
+    contact_solver *s = &m->solver;
+    const colour_span *all = &s->colours[COLOUR_OVERFLOW];
+    s->span = (cl_int4){{(cl_int)(all->first + i), 1, (cl_int)(all->slot + i * m->layout.block)}};
+    s->from_colour = COLOUR_OVERFLOW;
+    s->to_colour = COLOUR_OVERFLOW + 1;
+    s->each = 1;
+    return team_takes(k) ? team_launch(m, "solve_contacts", k, 1, TEAM_LEAST_PART, 1, err)
+                         : motion_launch(m, "solve_contacts", k, 1, err);
+}
+
+bool domain_solve_in_order(duet_motion *m, uint32_t i, bool soft, duet_error *err)
+{
+    m->solver.soft = soft;
+    return launch_in_order(m, m->kernels.solve_contacts, i, err);
+}
+
+bool domain_restore_in_order(duet_motion *m, uint32_t i, duet_error *err)
+{
+    return launch_in_order(m, m->kernels.apply_restitution, i, err);
+}
+
 bool domain_solve_colour(duet_motion *m, uint32_t colour, bool soft, duet_error *err)
 {
     m->solver.soft = soft;
@@ -423,10 +485,11 @@ bool domain_solve_colour(duet_motion *m, uint32_t colour, bool soft, duet_error 
 
 bool domain_restore_colour(duet_motion *m, uint32_t colour, duet_error *err)
 {
-    return !m->facts.elastic || launch_one(m, m->kernels.apply_restitution, colour, err);
+    return launch_one(m, m->kernels.apply_restitution, colour, err);
 }
 
-bool domain_store_impulses(duet_motion *m, duet_error *err)
+bool domain_finalize(duet_motion *m, duet_error *err)
 {
-    return store_impulses(m, err);
+    return m->n == 0 || (store_impulses(m, err) &&
+                         motion_launch(m, "integrate", m->kernels.finalize_bodies, m->n, err));
 }

@@ -5,14 +5,37 @@
 // Every rank runs this; a fact that does not hold on one ends the job with a line.
 #include "cluster/cluster.h"
 #include "cluster/colouring.h"
+#include "cluster/moving_domains.h"
 #include "cluster/must.h"
 
 #include "base/error.h"
 #include "base/rng.h"
+#include "base/text.h"
+#include "base/text_file.h"
 #include "kernels/dynamics/records.h"
 
 #include <inttypes.h>
 #include <string.h>
+
+// ---------------------------------------------------------------- scenes of files
+
+#define SHOCKS "cluster_motion_shocks.lua"
+#define GIANT "cluster_motion_giant.lua"
+
+static void write_scene(const char *path, const char *scene)
+{
+    duet_error err = {0};
+    if (rank == 0)
+        MUST_OK(text_write_file(path, scene, strlen(scene), &err), err);
+    MPI_Barrier(MPI_COMM_WORLD);
+}
+
+static void remove_file(const char *path)
+{
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (rank == 0)
+        remove(path);
+}
 
 // The first n ranks of the job; MPI_COMM_NULL on the others.
 static MPI_Comm group_of(int n)
@@ -26,7 +49,7 @@ typedef struct moving_scene {
     const char *path;
     const duet_setting settings[4];
     uint32_t n_settings, steps;
-    const char *effects; // whether some of what the scene is about was there: contacts
+    uint64_t least_contacts; // at the end
 } moving_scene;
 
 // ---------------------------------------------------------------- the truth
@@ -75,20 +98,25 @@ static void must_move_to(const moving_scene *s, uint64_t expected, int n_ranks, 
     char what[160];
     duet_error err = {0};
     uint64_t hash = 0;
+    uint32_t most_colours = 0;
     duet_cluster_motion_result result = {0};
     duet_cluster_def def = duet_default_cluster_def();
     def.comm = &comm;
     def.parts = parts;
     duet_cluster *cluster = duet_cluster_create(&def, &err);
     MUST_OK(cluster, err);
-    MUST_OK(duet_cluster_begin_motion(cluster, s->path, s->settings, s->n_settings, &err), err);
-    for (uint32_t i = 0; i < s->steps; ++i)
+    MUST_OK(duet_cluster_begin_motion(cluster, s->path, s->settings, s->n_settings, NULL, &err),
+            err);
+    for (uint32_t i = 0; i < s->steps; ++i) {
         MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+        most_colours = result.colours > most_colours ? result.colours : most_colours;
+    }
     MUST_OK(duet_cluster_get_state_hash(cluster, &hash, &err), err);
     snprintf(what, sizeof what, "%s on %d ranks of %u", s->path, n_ranks, parts);
     MUST(result.step == s->steps, what);
-    MUST(!s->effects || result.contacts > 0, what);
-    MUST(!s->effects || n_ranks * parts == 1 || result.ghosts > 0, what);
+    MUST(result.contacts >= s->least_contacts, what);
+    MUST(strcmp(s->path, GIANT) != 0 || most_colours == COLOUR_OVERFLOW + 1, what);
+    MUST(s->least_contacts == 0 || n_ranks * parts == 1 || result.ghosts > 0, what);
     MUST(hash == expected, what);
     duet_cluster_destroy(cluster);
     MPI_Comm_free(&comm);
@@ -104,22 +132,164 @@ static void must_move_alike(const moving_scene *s, const int (*shapes)[2], size_
 static void a_flight_has_one_motions_bits(void)
 {
     static const int shapes[][2] = {{1, 3}, {2, 1}, {3, 1}, {4, 2}, {5, 1}, {8, 1}};
-    const moving_scene s = {"orbit2d", {{"n", "300"}}, 1, 12, NULL};
+    const moving_scene s = {"orbit2d", {{"n", "300"}}, 1, 12, 0};
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
 }
 
 static void a_pile_has_one_motions_bits(void)
 {
-    static const int shapes[][2] = {{1, 1}, {1, 4}, {2, 1}, {3, 1}, {4, 1}, {5, 1}, {8, 1}, {2, 3}};
-    const moving_scene s = {"falling", {{"n", "120"}, {"sleep", "false"}}, 2, 40, "contacts"};
+    static const int shapes[][2] = {{1, 1}, {1, 4}, {2, 1}, {3, 1}, {4, 1}, {5, 1}, {8, 1}};
+    const moving_scene s = {"falling", {{"n", "120"}, {"sleep", "false"}}, 2, 32, 1};
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
 }
 
-static void bullets_have_one_motions_bits(void)
+// At the end all of it sleeps, after bodies fell asleep and woke beside borders.
+static void a_pile_that_falls_asleep_has_one_motions_bits(void)
+{
+    static const int shapes[][2] = {{1, 3}, {2, 2}};
+    const moving_scene s = {"falling", {{"n", "60"}}, 1, 320, 0};
+    must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+}
+
+static void other_effects_have_one_motions_bits(void)
 {
     static const int shapes[][2] = {{1, 5}, {3, 1}};
-    const moving_scene s = {"bullets", {{0}}, 0, 12, "contacts"};
+    const moving_scene bullets = {"bullets", {{0}}, 0, 12, 1};
+    const moving_scene marbles = {"marbles", {{"n", "100"}}, 1, 40, 1};
+    const moving_scene terrain = {"terrain", {{"n", "100"}}, 1, 80, 1};
+    must_move_alike(&bullets, shapes, sizeof shapes / sizeof *shapes);
+    must_move_alike(&marbles, shapes, 1);
+    must_move_alike(&terrain, shapes, 1);
+}
+
+// It has more contacts than there are colours, in all domains.
+static void a_giant_on_small_ones_has_one_motions_bits(void)
+{
+    static const int shapes[][2] = {{1, 1}, {1, 4}, {3, 1}};
+    const moving_scene s = {GIANT, {{0}}, 0, 16, 1};
+    write_scene(GIANT, "for i = 0, 79 do\n"
+                       "  local x, y = i % 9, i // 9\n"
+                       "  add { centre = { x, y, 0.45 }, half_extents = { 0.4, 0.4, 0.4 } }\n"
+                       "end\n"
+                       "add { centre = { 4, 4, 1.9 }, half_extents = { 5, 5, 1 }, mass = 40 }\n"
+                       "return {\n"
+                       "  dims = 3, gravity = { 0, 0, -9.81 }, boundary = 'walls',\n"
+                       "  world = { lower = { -2, -2, 0 }, upper = { 11, 11, 20 } },\n"
+                       "  body = { friction = 0.5, restitution = 0.3 },\n"
+                       "}\n");
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+    remove_file(GIANT);
+}
+
+// ---------------------------------------------------------------- other borders
+
+// Between all steps the borders are cut at random, so that bodies, with their contacts and their
+// sleep, change domains all the time.
+static void borders_change_nothing(uint64_t seed)
+{
+    const moving_scene s = {"falling", {{"n", "90"}}, 1, 60, 0};
+    uint64_t expected = expected_hash(&s), hash = 0;
+    MPI_Comm comm = group_of(3);
+    if (comm == MPI_COMM_NULL)
+        return;
+    rng r = rng_seed(seed); // the same on all ranks
+    duet_error err = {0};
+    duet_cluster_motion_result result;
+    duet_cluster_def def = duet_default_cluster_def();
+    def.comm = &comm;
+    def.parts = 2;
+    duet_cluster *cluster = duet_cluster_create(&def, &err);
+    MUST_OK(cluster, err);
+    MUST_OK(duet_cluster_begin_motion(cluster, s.path, s.settings, 1, NULL, &err), err);
+    for (uint32_t i = 0; i < s.steps; ++i) {
+        for (uint32_t k = 1; k < cluster->moving->cuts.n; ++k)
+            cluster->moving->cuts.planes[k] =
+                (bisection_plane){rng_between(&r, 0, 6), rng_below(&r, 3)};
+        MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+    }
+    MUST_OK(duet_cluster_get_state_hash(cluster, &hash, &err), err);
+    MUST(hash == expected, "other borders give other bits");
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
+// All bodies are one domain's, and the world is cut anew in the next step.
+static void borders_follow_bodies(void)
+{
+    const duet_setting settings[] = {{"n", "400"}};
+    MPI_Comm comm = group_of(4);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_error err = {0};
+    duet_cluster_motion_result result;
+    duet_cluster_def def = duet_default_cluster_def();
+    def.comm = &comm;
+    duet_cluster *cluster = duet_cluster_create(&def, &err);
+    MUST_OK(cluster, err);
+    MUST_OK(duet_cluster_begin_motion(cluster, "orbit2d", settings, 1, NULL, &err), err);
+    moving *m = cluster->moving;
+    for (uint32_t k = 1; k < m->cuts.n; ++k)
+        m->cuts.planes[k] = (bisection_plane){1e6, 0};
+    MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+    MUST(m->most_own == 400, "all are of one domain");
+    MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+    MUST(m->most_own <= 104, "a quarter is each domain's");
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
+// ---------------------------------------------------------------- checkpoints
+
+// Takes steps of a pile on so many ranks, from a file or from the beginning, and saves it.
+static uint64_t go_on(int n_ranks, uint32_t parts, uint32_t steps, const char *from, const char *to)
+{
+    const duet_setting settings[] = {{"n", "90"}};
+    duet_error err = {0};
+    uint64_t hash = 0;
+    duet_cluster_motion_result result;
+    duet_cluster_def def = duet_default_cluster_def();
+    MPI_Comm comm = group_of(n_ranks);
+    def.comm = &comm;
+    def.parts = parts;
+    if (comm != MPI_COMM_NULL) {
+        duet_cluster *c = duet_cluster_create(&def, &err);
+        MUST_OK(c, err);
+        MUST_OK(duet_cluster_begin_motion(c, "falling", settings, 1, from, &err), err);
+        for (uint32_t i = 0; i < steps; ++i)
+            MUST_OK(duet_cluster_advance(c, &result, &err), err);
+        MUST_OK(duet_cluster_get_state_hash(c, &hash, &err), err);
+        MUST_OK(!to || duet_cluster_save_motion(c, to, &err), err);
+        duet_cluster_destroy(c);
+        MPI_Comm_free(&comm);
+    }
+    MPI_Bcast(&hash, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+    return hash;
+}
+
+static void must_be_the_same_bytes(const char *path, const char *other)
+{
+    duet_error err = {0};
+    text a = {0}, b = {0};
+    MUST_OK(text_read_file(&a, path, &err) && text_read_file(&b, other, &err), err);
+    MUST(a.length == b.length && memcmp(a.chars, b.chars, a.length) == 0, other);
+    text_free(&a);
+    text_free(&b);
+}
+
+// Saved on 3 ranks, gone on with on 1 and on 5.
+static void checkpoints_know_no_ranks(void)
+{
+    const char *three = "cluster_motion_3.ck", *one = "cluster_motion_1.ck";
+    const moving_scene s = {"falling", {{"n", "90"}}, 1, 70, 0};
+    uint64_t expected = expected_hash(&s);
+    go_on(3, 1, 40, NULL, three);
+    go_on(1, 4, 40, NULL, one);
+    if (rank == 0)
+        must_be_the_same_bytes(three, one);
+    MUST(go_on(5, 1, 30, three, NULL) == expected, "5 ranks go on from what 3 saved");
+    MUST(go_on(1, 1, 30, three, NULL) == expected, "1 rank goes on from what 3 saved");
+    remove_file(three);
+    remove_file(one);
 }
 
 // ---------------------------------------------------------------- failures
@@ -135,7 +305,7 @@ static void must_refuse(const char *path, const duet_setting *settings, uint32_t
     def.comm = &comm;
     duet_cluster *cluster = duet_cluster_create(&def, &err);
     MUST_OK(cluster, err);
-    MUST(!duet_cluster_begin_motion(cluster, path, settings, n, &err), path);
+    MUST(!duet_cluster_begin_motion(cluster, path, settings, n, NULL, &err), path);
     MUST_OK(strstr(err.text, says), err);
     duet_cluster_motion_result result;
     err = (duet_error){0};
@@ -147,13 +317,17 @@ static void must_refuse(const char *path, const duet_setting *settings, uint32_t
 
 static void what_ranks_lack_is_refused(void)
 {
-    must_refuse("falling", NULL, 0, "the effect sleep is not for several domains yet");
+    write_scene(SHOCKS,
+                "add { centre = { 0, 0, 0 }, half_extents = { 1, 1, 1 }, velocity = { 1, 0, 0 } }\n"
+                "return { dims = 3, wants = { 'shocks' } }\n");
+    must_refuse(SHOCKS, NULL, 0, "the effect shocks is not for several domains yet");
+    remove_file(SHOCKS);
     must_refuse("no_such_scene.lua", NULL, 0, "no_such_scene.lua");
 }
 
 // ---------------------------------------------------------------- colours
 
-enum { MOST_CONTACTS = 200, BODIES = 40 };
+enum { MOST_CONTACTS = 200, MOST_BODIES = 40 };
 
 // Whether no two contacts at one body have one colour, of those below COLOUR_OVERFLOW.
 static bool are_apart(const waiting_contact *c, uint64_t n)
@@ -177,8 +351,8 @@ static void colours_follow_from_ids(uint64_t seed)
     duet_error err = {0};
     waiting_contact once[MOST_CONTACTS], twice[2 * MOST_CONTACTS];
     uint64_t n = 0, m = 0;
-    for (uint32_t a = 0; a < BODIES; ++a)
-        for (uint32_t b = a + 1; b < BODIES && n < MOST_CONTACTS; ++b)
+    for (uint32_t a = 0; a < MOST_BODIES; ++a)
+        for (uint32_t b = a + 1; b < MOST_BODIES && n < MOST_CONTACTS; ++b)
             if (rng_below(&r, 6) == 0)
                 once[n++] = (waiting_contact){a, b, b % 7 != 0, 1u << a % 5, 1u << b % 5, 0};
     for (uint64_t i = n; i-- > 0;) {
@@ -197,7 +371,7 @@ static void colours_follow_from_ids(uint64_t seed)
         MUST(!(used >> once[i].colour & 1u), "a colour that an end had");
         MUST(colouring_find(once, n, once[i].owner, once[i].other) == once[i].colour, "found");
     }
-    MUST(colouring_find(once, n, BODIES, 0) == COLOUR_NONE, "no such contact");
+    MUST(colouring_find(once, n, MOST_BODIES, 0) == COLOUR_NONE, "no such contact");
 }
 
 int main(int argc, char **argv)
@@ -214,9 +388,14 @@ int main(int argc, char **argv)
         colours_follow_from_ids(seed);
     }
     what_ranks_lack_is_refused();
+    checkpoints_know_no_ranks();
+    borders_change_nothing(seed);
+    borders_follow_bodies();
     a_flight_has_one_motions_bits();
     a_pile_has_one_motions_bits();
-    bullets_have_one_motions_bits();
+    a_pile_that_falls_asleep_has_one_motions_bits();
+    a_giant_on_small_ones_has_one_motions_bits();
+    other_effects_have_one_motions_bits();
     if (rank == 0)
         printf("all facts hold on 1, 2, 3, 4, 5 and 8 ranks\n");
     FIND_LEAKS(); // before MPI ends, which forgets some memory of its own

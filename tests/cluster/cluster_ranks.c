@@ -1670,9 +1670,10 @@ static void nothing_is_refused(void)
 
 static void levels_are_octaves_below_the_widest(void)
 {
-    MUST(level_of(8, 8) == LEVELS - 1 && level_of(7.9, 8) == LEVELS - 2, "the widest has its own");
-    MUST(level_of(0, 8) == 0 && level_of(0, 0) == LEVELS - 1, "points");
-    MUST(level_of(1e-30, 8) == 0 && level_of(INFINITY, INFINITY) == LEVELS - 1, "the ends");
+    MUST(level_of(8, 8) == SIZE_LEVELS - 1 && level_of(7.9, 8) == SIZE_LEVELS - 2,
+         "the widest has its own");
+    MUST(level_of(0, 8) == 0 && level_of(0, 0) == SIZE_LEVELS - 1, "points");
+    MUST(level_of(1e-30, 8) == 0 && level_of(INFINITY, INFINITY) == SIZE_LEVELS - 1, "the ends");
     MUST(level_of(1, INFINITY) == 0, "below what has no end");
     rng r = rng_seed(3);
     for (int i = 0; i < 1000; ++i) {

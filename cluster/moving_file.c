@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// A motion over ranks as a file: the saved motion (docs/formats.md) of all bodies in the order of
+// their ids, so that its bytes are the same for any number of ranks, and any number goes on from
+// it.
+#include "cluster/moving_domains.h"
+
+#include "base/error.h"
+#include "cluster/parcels.h"
+
+// ---------------------------------------------------------------- to rank 0
+
+typedef struct gathering {
+    const item_list *rows;
+    size_t bytes;
+} gathering;
+
+static int first_rank(const void *context, uint64_t i)
+{
+    (void)context, (void)i;
+    return 0;
+}
+
+static void write_row(const void *context, uint64_t i, void *row)
+{
+    const gathering *g = context;
+    memcpy(row, (const char *)g->rows->items + i * g->bytes, g->bytes);
+}
+
+static bool gather(moving *m, const item_list *rows, size_t bytes, parcels *in, duet_error *own)
+{
+    const gathering g = {rows, bytes};
+    if (is_well(own) && rows->failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "rows that are saved: no memory");
+    return parcels_deal(m->ranks, is_well(own), (uint32_t)bytes, rows->n, first_rank, write_row, &g,
+                        in, own);
+}
+
+static void list_own(const moving *m, item_list *bodies, item_list *contacts)
+{
+    for (uint32_t k = 0; k < m->parts; ++k) {
+        const moving_domain *d = &m->domains[k];
+        for (uint64_t i = 0; i < d->bodies.n; ++i)
+            if (moving_is_own(d, moving_body_at(m, &d->bodies, i)))
+                list_add(bodies, moving_body_at(m, &d->bodies, i), 1, m->body_bytes);
+        for (uint64_t i = 0; i < d->contacts.n; ++i) {
+            const moving_contact *c = moving_contact_at(m, &d->contacts, i);
+            uint32_t place = moving_place(m, d, c->owner);
+            if (moving_is_own(d, moving_body_at(m, &d->bodies, place)))
+                list_add(contacts, c, 1, m->contact_bytes);
+        }
+    }
+}
+
+// ---------------------------------------------------------------- on rank 0
+
+static void save_all(moving *m, const char *path, const parcels *bodies, const parcels *contacts,
+                     duet_error *own)
+{
+    moving_domain whole = {
+        .motion = duet_motion_create_from_scene(&m->def, m->scene, NULL, own),
+        .bodies = {.items = bodies->rows, .n = bodies->n},
+        .contacts = {.items = contacts->rows, .n = contacts->n},
+    };
+    if (!whole.motion)
+        return;
+    whole.motion->step = m->counts.step;
+    moving_replace(m, &whole, own);
+    if (is_well(own) && domain_settle_rows(whole.motion, own))
+        duet_motion_save(whole.motion, path, own);
+    duet_motion_destroy(whole.motion);
+}
+
+bool moving_save(moving *m, const char *path, duet_error *own)
+{
+    item_list bodies = {0}, contacts = {0};
+    parcels all_bodies = {0}, all_contacts = {0};
+    list_own(m, &bodies, &contacts);
+    bool ok = gather(m, &bodies, m->body_bytes, &all_bodies, own) &&
+              gather(m, &contacts, m->contact_bytes, &all_contacts, own);
+    if (ok && is_well(own) && m->ranks->self == 0)
+        save_all(m, path, &all_bodies, &all_contacts, own);
+    ok = ok && ranks_agree(m->ranks, is_well(own), own);
+    free(bodies.items);
+    free(contacts.items);
+    parcels_end(&all_bodies);
+    parcels_end(&all_contacts);
+    return ok;
+}
+
+// ---------------------------------------------------------------- loading
+
+// Bodies that commands hid are in no domain.
+bool moving_load(moving *m, const char *path, duet_error *own)
+{
+    for (uint32_t k = 0; k < m->parts; ++k) {
+        duet_motion *motion = m->domains[k].motion;
+        if (!duet_motion_load(motion, path, own))
+            return false;
+        if (!domain_forget_commands(motion))
+            return error_set(own, DUET_STATUS_BAD_INPUT,
+                             "%s: bodies were removed, disabled, pushed or aimed; several domains "
+                             "have no such bodies yet",
+                             path);
+    }
+    m->counts.step = m->domains[0].motion->step;
+    return true;
+}
