@@ -156,7 +156,7 @@ static inline void collide_eight(const scene *s, const uint places[8], uint n)
 // All pairs that may change, or none in a pass for bodies that just woke if none did.
 static inline uint contacts_to_update(const scene *s)
 {
-    return SLEEP && s->woken && !s->flags[FLAG_FELL_ASLEEP] ? 0 : N_AWAKE_CONTACTS_OF(s);
+    return SLEEP && s->woken && !s->flags[FLAG_WOKE] ? 0 : N_AWAKE_CONTACTS_OF(s);
 }
 
 // Whether a pair needs no search for an axis: a wall, the ground, or a record that could be renewed.
