@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: MIT
 // Lists of what a step may change, in ascending order: bodies, and contacts.
 //
-// Invariant: a body that is not listed sleeps or never moves, and no step of the listed ones changes it. A body
-// that is awake wakes what it touches; if a contact then ends, what it wakes has neighbours that wake in the
-// same step. So sleepers up to two contacts away may wake. Their contacts are listed, with both bodies of each
-// that have a mass.
+// Invariant: a body that is not listed sleeps or never moves, and no step of the listed ones changes it, but for
+// those that wake_touching of update_sleep.cl wakes. All contacts of bodies that are awake are listed, with both
+// bodies of each that have a mass; what wakes in a step is awake in lists that are made again then.
 //
-//   mark    bodies that are awake get level 1
-//   spread  bodies of mass beside those of the level before get the next one, up to WAKE_LEVELS + 1
-//   count   each part counts its bodies and contacts; a scan makes places of that
+//   mark    bodies that are awake; with `woken` those of the last lists as well
+//   spread  each part counts its contacts of these, and marks the bodies of mass beside them
+//   count   each part counts its bodies; a scan makes places of both counts
 //   list    each part writes them
 //
-//   levels          [n] 0: is not listed; next_levels [n] after a spread
+//   levels          [n] 0: is not listed
 //   part_counts     [2 n_parts + 1] of PER_ITEM bodies each, then of PER_ITEM contacts each
 //   awake           [n] ids, awake_contacts [n_contacts]
 //   n_listed        [2] how many there are
+
+#define LEVEL_AWAKE 1
+#define LEVEL_BESIDE 2
 
 static inline bool is_awake(const scene *s, uint id)
 {
@@ -29,49 +31,47 @@ __kernel void mark_awake(MARK_AWAKE_ARGS)
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id)
-        levels[id] = is_awake(&s, id) ? 1 : 0;
+        levels[id] = (woken && levels[id] == LEVEL_AWAKE) || is_awake(&s, id) ? LEVEL_AWAKE : 0;
 }
 
-static inline bool touches_awake(const scene *s, uint id)
+static inline bool is_contact_listed(uint2 link, __global const volatile uint *levels, uint n)
 {
-    bool found = false;
-    for (uint i = s->starts[id]; !found && i < s->starts[id + 1]; ++i)
-        found = s->others[i] < s->n && s->levels[s->others[i]] > 0;
-    for (uint k = s->return_starts[id]; !found && k < s->return_starts[id + 1]; ++k)
-        found = s->levels[s->links[s->returns[k]].x] > 0;
-    return found;
+    return levels[link.x] == LEVEL_AWAKE || (link.y < n && levels[link.y] == LEVEL_AWAKE);
+}
+
+static inline void list_beside(const scene *s, uint id, volatile __global uint *levels)
+{
+    if (id < s->n && levels[id] == 0 && s->velocities[id].w > 0)
+        levels[id] = LEVEL_BESIDE;
 }
 
 __kernel void spread_awake(SPREAD_AWAKE_ARGS)
 {
     const scene s = {SPREAD_AWAKE_VALUES};
-    uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
-    for (uint id = first; id < last; ++id) {
-        uint has = s.levels[id];
-        bool reached = has == 0 && velocities[id].w > 0 && touches_awake(&s, id);
-        next_levels[id] = reached ? level : has;
+    uint part = get_global_id(0), first = part * PER_ITEM;
+    uint contacts = 0;
+    if (part >= n_parts)
+        return;
+    for (uint i = first; i < min(first + PER_ITEM, n_contacts); ++i) {
+        uint2 link = links[i];
+        if (!is_contact_listed(link, levels, n))
+            continue;
+        ++contacts;
+        list_beside(&s, link.x, levels);
+        list_beside(&s, link.y, levels);
     }
-}
-
-static inline bool is_contact_listed(uint2 link, __global const uint *levels, uint n)
-{
-    uint level_a = levels[link.x], level_b = link.y < n ? levels[link.y] : 0;
-    return (level_a > 0 && level_a <= WAKE_LEVELS) || (level_b > 0 && level_b <= WAKE_LEVELS);
+    part_counts[n_parts + part] = contacts;
 }
 
 __kernel void count_awake(COUNT_AWAKE_ARGS)
 {
     uint part = get_global_id(0), first = part * PER_ITEM;
-    uint bodies = 0, contacts = 0;
+    uint bodies = 0;
     if (part >= n_parts)
         return;
     for (uint id = first; id < min(first + PER_ITEM, n); ++id)
         bodies += levels[id] > 0;
-    for (uint i = first; i < min(first + PER_ITEM, n_contacts); ++i)
-        contacts += is_contact_listed(links[i], levels, n);
     part_counts[part] = bodies;
-    part_counts[n_parts + part] = contacts;
 }
 
 __kernel void list_awake(LIST_AWAKE_ARGS)

@@ -15,25 +15,21 @@ return {
       const uint *asleep
       uint n
       float sleep_after
+      uint woken
       uint *levels
     ]],
     spread_awake = [[
-      const uint *starts
-      const uint *others
-      const uint *return_starts
-      const uint *returns
       const uint2 *links
+      uint n_contacts
       uint n
       const real4 *velocities
-      uint level
-      const uint *levels
-      uint *next_levels
+      uint n_parts
+      volatile uint *levels
+      uint *part_counts
     ]],
     count_awake = [[
       const uint *levels
       uint n
-      const uint2 *links
-      uint n_contacts
       uint n_parts
       uint *part_counts
     ]],

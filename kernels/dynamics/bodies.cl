@@ -49,6 +49,12 @@ static inline void put_to_sleep(__global float4 *body)
     body[BODY_DELTA_POSITION].w = 0.0f;
 }
 
+// Whether a body woke in this step or fell asleep, since it was prepared.
+static inline bool is_turned_over(const state *s, uint id, __global const float4 *body)
+{
+    return (s->asleep[id] & WOKE) || ((s->asleep[id] & SLEEPS) && body[BODY_VELOCITY].w > 0.0f);
+}
+
 __kernel void prepare_bodies(PREPARE_BODIES_ARGS)
 {
     const state s = {PREPARE_BODIES_VALUES};
@@ -60,6 +66,8 @@ __kernel void prepare_bodies(PREPARE_BODIES_ARGS)
         uint id = k < n_here ? AWAKE_AT(k) : n + (k - n_here);
         __global float4 *body = bodies + (size_t)id * BODY;
         bool wall = id >= n;
+        if (SLEEP && s.woken && (wall || !is_turned_over(&s, id, body)))
+            continue;
         body[BODY_VELOCITY] = wall ? (float4)(0.0f) : convert_float4(velocities[wall ? 0 : id]);
         body[BODY_DELTA_POSITION] = body[BODY_WARM_IMPULSE] = (float4)(0.0f);
         if (ANGULAR_VELOCITY)

@@ -156,7 +156,7 @@ static inline void collide_eight(const scene *s, const uint places[8], uint n)
 // All pairs that may change, or none in a pass for bodies that just woke if none did.
 static inline uint contacts_to_update(const scene *s)
 {
-    return SLEEP && s->woken && !s->flags[FLAG_FELL_ASLEEP] ? 0 : N_AWAKE_CONTACTS_OF(s);
+    return SLEEP && s->woken && !s->flags[FLAG_WOKE] ? 0 : N_AWAKE_CONTACTS_OF(s);
 }
 
 // Whether a pair needs no search for an axis: a wall, the ground, or a record that could be renewed.
@@ -224,22 +224,29 @@ typedef struct {
     uint n[2];
 } eights;
 
-// Asks for what is read of a pair once eight are there; of a pair that touched the record as well.
-static inline void ask_for_pair(const scene *s, uint i, uint2 link)
+#define AHEAD 8 // contacts whose records are asked for in time
+
+// Asks for the record of a pair that touched.
+static inline void ask_for_record(const scene *s, uint i)
+{
+    uint words = HEAD + (s->touches[i] & TOUCH_POINTS) * POINT_FLOATS;
+    for (uint k = 0; words > HEAD && k < words; k += 16)
+        ask_for(s->contacts + (size_t)i * RECORD + k);
+}
+
+// Asks for what is read of a pair once eight are there.
+static inline void ask_for_pair(const scene *s, uint2 link)
 {
     ask_for(s->rotations + link.y);
     ask_for(s->halves + link.y);
     ask_for(s->centres + link.y);
-    uint words = HEAD + (s->touches[i] & TOUCH_POINTS) * POINT_FLOATS;
-    for (uint k = 0; words > HEAD && k < words; k += 16)
-        ask_for(s->contacts + (size_t)i * RECORD + k);
 }
 
 static inline void add_to_eights(const scene *s, eights *e, uint i, uint2 link)
 {
     uint touched = had_points(s, i) ? 1 : 0;
     e->places[touched][e->n[touched]++] = i;
-    ask_for_pair(s, i, link);
+    ask_for_pair(s, link);
     if (e->n[touched] == 8) {
         collide_eight(s, e->places[touched], 8);
         e->n[touched] = 0;
@@ -267,6 +274,9 @@ __kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
     for (uint k = first; k < last; ++k) {
         uint i = AWAKE_CONTACT_AT(k);
         uint2 link = links[i];
+        uint ahead = AWAKE_CONTACT_AT(min(k + AHEAD, last - 1));
+        if (needs_update(&s, links[ahead]))
+            ask_for_record(&s, ahead);
         if (!needs_update(&s, link) || update_directly(&s, i, link))
             continue;
         if (SIDE_BY_SIDE)

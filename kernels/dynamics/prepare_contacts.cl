@@ -219,9 +219,11 @@ static inline void prepare_lanes(__global float *constraint, const source *from,
 // asked for in time, the records first.
 static inline void ask_for_records(const source *from, __global const uint *list)
 {
-    for (uint k = 0; k < LANES; ++k)
-        for (uint at = 0; at < RECORD; at += 16)
+    for (uint k = 0; k < LANES; ++k) {
+        uint words = HEAD + (from->touches[list[k]] & TOUCH_POINTS) * POINT_FLOATS;
+        for (uint at = 0; at < words; at += 16)
             ask_for(from->contacts + (size_t)list[k] * RECORD + at);
+    }
 }
 
 static inline void ask_for_bodies(const source *from, __global const uint *list)

@@ -139,14 +139,13 @@
 #define FLAG_AWAKE 5       // something neither sleeps nor stands still for ever
 #define FLAG_ROUNDS 6      // of the colouring that coloured something
 #define FLAG_PRESSED 7     // something is to be pushed out of others in which it sleeps
-#define FLAGS 8
+#define FLAG_WOKE 8        // something woke
+#define FLAGS 9
 
 // Steps that bounds last at least for a body that keeps its velocity, where there is a skin.
 #define LEAST_HORIZON 3
 
-// Lists of what is awake: the levels of bodies that are, or that may wake in the same step
-// (awake.cl), and the lengths of the lists.
-#define WAKE_LEVELS 3
+// The lengths of the lists of what is awake (awake.cl).
 #define LISTED_BODIES 0
 #define LISTED_CONTACTS 1
 #define LISTED 2

@@ -58,6 +58,8 @@ __kernel void update_sleep(UPDATE_SLEEP_ARGS)
         }
         if (sleeps != slept)
             atomic_or(flags + FLAG_FELL_ASLEEP, 1u);
+        if (slept && !sleeps)
+            atomic_or(flags + FLAG_WOKE, 1u);
         asleep[id] = (sleeps ? SLEEPS : 0u) | (pressed ? PRESSED : 0u) | (slept && !sleeps ? WOKE : 0u);
         any_pressed = any_pressed || pressed;
         any_awake = any_awake || pressed || !(sleeps || (!(velocities[id].w > 0) && is_at_rest(&s, id)));
@@ -66,6 +68,29 @@ __kernel void update_sleep(UPDATE_SLEEP_ARGS)
         atomic_or(flags + FLAG_AWAKE, 1u);
     if (any_pressed)
         atomic_or(flags + FLAG_PRESSED, 1u);
+}
+
+static inline void wake_across(const scene *s, uint contact, uint other)
+{
+    if (other < s->n && (s->touches[contact] & TOUCH_POINTS) && !is_sensor(s, other) && (s->asleep[other] & SLEEPS))
+        atomic_xchg(s->asleep + other, WOKE);
+}
+
+// A sleeper that lost a contact in this step wakes what it touches, which may be in no list yet.
+__kernel void wake_touching(WAKE_TOUCHING_ARGS)
+{
+    const scene s = {WAKE_TOUCHING_VALUES};
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, N_AWAKE);
+    for (uint k = first; k < last; ++k) {
+        uint id = AWAKE_AT(k);
+        if (!(asleep[id] & WOKE) || is_at_rest(&s, id) || is_sensor(&s, id))
+            continue;
+        for (uint i = starts[id]; i < starts[id + 1]; ++i)
+            wake_across(&s, i, links[i].y);
+        for (uint j = return_starts[id]; j < return_starts[id + 1]; ++j)
+            wake_across(&s, returns[j], links[returns[j]].x);
+    }
 }
 
 // ------------------------------------------------------------ pushing apart

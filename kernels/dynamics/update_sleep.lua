@@ -25,8 +25,24 @@ return {
       const float *sensors             if SENSORS == 1
       float sleep_after
       float dt
-      uint *asleep
+      volatile uint *asleep
       volatile uint *flags
+    ]],
+    wake_touching = [[
+      const uint2 *links
+      const uint *touches
+      const uint *starts
+      const uint *return_starts
+      const uint *returns
+      uint n
+      const uint *awake
+      const uint *n_listed
+      uint all_awake
+      const float *rests
+      const real4 *velocities
+      const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
+      const float *sensors             if SENSORS == 1
+      volatile uint *asleep
     ]],
     push_sleepers = [[
       const uint *touches

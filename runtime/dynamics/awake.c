@@ -14,36 +14,25 @@ static bool reserve(duet_motion *m, duet_error *err)
 {
     const size_t word = sizeof(uint32_t);
     return motion_reserve(m, LEVELS, m->n, word, err) &&
-           motion_reserve(m, NEXT_LEVELS, m->n, word, err) &&
            motion_reserve(m, PART_COUNTS, 2 * (uint64_t)m->awake.n_parts + 1, word, err) &&
            motion_reserve(m, AWAKE, m->n, word, err) &&
            motion_reserve(m, AWAKE_CONTACTS, (uint64_t)m->graph.n_contacts + 1, word, err) &&
            motion_reserve(m, N_LISTED, LISTED, word, err);
 }
 
-static bool spread(duet_motion *m, duet_error *err)
-{
-    bool ok = motion_launch(m, stage, m->kernels.spread_awake, m->n, err);
-    buffer_swap(&m->buffers[LEVELS], &m->buffers[NEXT_LEVELS]);
-    return ok;
-}
-
-static bool mark(duet_motion *m, duet_error *err)
-{
-    awake_lists *a = &m->awake;
-    bool ok = motion_launch(m, stage, m->kernels.mark_awake, m->n, err);
-    for (a->level = 2; ok && a->level <= WAKE_LEVELS + 1; ++a->level)
-        ok = spread(m, err);
-    return ok;
-}
-
-static bool list(duet_motion *m, duet_error *err)
+// woken: 1 adds to the last lists what is awake.
+static bool list(duet_motion *m, uint32_t woken, duet_error *err)
 {
     awake_lists *a = &m->awake;
     const motion_kernels *k = &m->kernels;
     buffer *counts = &m->buffers[PART_COUNTS];
     uint64_t work = (uint64_t)a->n_parts * k->list_awake->per_item;
-    return motion_launch(m, stage, k->count_awake, work, err) &&
+    m->solver.woken = woken;
+    a->n_bodies = m->n;
+    a->n_contacts = m->graph.n_contacts;
+    return motion_launch(m, stage, k->mark_awake, m->n, err) &&
+           motion_launch(m, stage, k->spread_awake, work, err) &&
+           motion_launch(m, stage, k->count_awake, work, err) &&
            scan_run(&m->graph.scan, &m->times, stage, counts, counts, 2 * a->n_parts + 1, err) &&
            motion_launch(m, stage, k->list_awake, work, err) &&
            timeline_start_read(&m->times, stage, &m->buffers[N_LISTED], 0, a->counted,
@@ -52,7 +41,7 @@ static bool list(duet_motion *m, duet_error *err)
 
 // Lists of more than one in FEW bodies are not made, but for each COUNTED_EVERY steps if something
 // woke or fell asleep: then it is seen whether they have become fewer.
-enum { FEW = 4, COUNTED_EVERY = 16 };
+enum { FEW = 2, COUNTED_EVERY = 16 };
 
 static bool are_most_awake(const duet_motion *m)
 {
@@ -80,7 +69,13 @@ bool motion_make_awake(duet_motion *m, duet_error *err)
     if (a->all_awake)
         return true;
     a->counted_in = m->step;
-    return mark(m, err) && list(m, err);
+    return list(m, 0, err);
+}
+
+bool motion_list_woken(duet_motion *m, duet_error *err)
+{
+    return motion_launch(m, stage, m->kernels.wake_touching, m->awake.n_bodies, err) &&
+           list(m, 1, err);
 }
 
 void motion_count_awake(duet_motion *m)

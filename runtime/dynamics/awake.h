@@ -23,10 +23,13 @@ typedef struct awake_lists {
     uint64_t changed_in;     // the last step in which something woke or fell asleep, or a command
                              // altered bodies
     // what a launch is told besides
-    cl_uint level, n_parts;
+    cl_uint n_parts;
 } awake_lists;
 
 bool motion_make_awake(duet_motion *m, duet_error *err);
+
+// Once flags were read: makes the lists again, with what woke in this step.
+bool motion_list_woken(duet_motion *m, duet_error *err);
 
 // Once flags were read, or all is over: takes the numbers that the device counted. At the end of a
 // step: notes in the products whether the lists hold.

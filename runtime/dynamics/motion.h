@@ -45,7 +45,7 @@ typedef struct motion_kernels {
     kernel *match_contacts;
     kernel *build_manifolds;
     kernel *mark_awake, *spread_awake, *count_awake, *list_awake;
-    kernel *update_sleep, *push_sleepers, *move_sleepers;
+    kernel *update_sleep, *wake_touching, *push_sleepers, *move_sleepers;
     kernel *contact_events;
     kernel *prepare_bodies, *integrate_velocities, *integrate_positions, *finalize_bodies;
     kernel *graph_colour_mark, *graph_colour_choose, *graph_colour_take, *graph_colour_key;

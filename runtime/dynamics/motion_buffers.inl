@@ -60,7 +60,6 @@ BUFFER(SHOCKED, "shocked", "uint *") // a word
 BUFFER(MATERIAL_RULES, "material_rules", "float *") // a row for each two materials
 // what a step may change
 BUFFER(LEVELS, "levels", "uint *")
-BUFFER(NEXT_LEVELS, "next_levels", "uint *")
 BUFFER(PART_COUNTS, "part_counts", "uint *")
 BUFFER(AWAKE, "awake", "uint *")
 BUFFER(AWAKE_CONTACTS, "awake_contacts", "uint *")

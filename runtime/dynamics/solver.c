@@ -24,10 +24,23 @@ static bool prepare_bodies(duet_motion *m, uint32_t woken, duet_error *err)
 }
 
 // A body that a touch wakes has its mass again before it is pushed.
+static bool prepare_woken(duet_motion *m, duet_error *err)
+{
+    return prepare_bodies(m, 1, err) && find_manifolds(m, 1, err);
+}
+
+// Where there are lists they get what woke.
 static bool wake_touched(duet_motion *m, duet_error *err)
 {
-    return motion_launch(m, "sleep", m->kernels.update_sleep, m->awake.n_bodies, err) &&
-           prepare_bodies(m, 1, err) && find_manifolds(m, 1, err);
+    if (!motion_launch(m, "sleep", m->kernels.update_sleep, m->awake.n_bodies, err))
+        return false;
+    if (m->awake.all_awake)
+        return prepare_woken(m, err);
+    if (!motion_read_flags(m, err))
+        return false;
+    motion_count_awake(m);
+    return (!m->flags[FLAG_WOKE] || motion_list_woken(m, err)) &&
+           (!m->flags[FLAG_FELL_ASLEEP] || prepare_woken(m, err));
 }
 
 bool motion_make_manifolds(duet_motion *m, duet_error *err)
