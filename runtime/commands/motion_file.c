@@ -5,6 +5,7 @@
 #include "runtime/commands/saved_motion.h"
 
 #include "base/error.h"
+#include "base/output.h"
 #include "base/text_file.h"
 
 #include <assert.h>
@@ -129,7 +130,14 @@ static bool write_file(text *file, const char *path, duet_error *err)
 {
     uint64_t sum = text_checksum(file->chars, file->length);
     text_add_bytes(file, (const char *)&sum, sizeof sum);
-    return text_ok(file, err) && text_write_file(path, file->chars, file->length, err);
+    output o;
+    if (!text_ok(file, err))
+        return false;
+    bool ok = output_open(&o, path, err);
+    if (ok)
+        fwrite(file->chars, 1, file->length, o.stream); // a failure stays with the stream
+    ok = ok && output_sync(&o, err);
+    return output_close(&o, ok, err);
 }
 
 // A file that could not be loaded is told while the motion is still there.
