@@ -289,6 +289,15 @@ static bool close_stream(output *o, bool keep, duet_error *err)
     return keep && (written || fail(o, code, err));
 }
 
+// A pipe or a device knows no disk.
+bool output_sync(output *o, duet_error *err)
+{
+    if (!o->stream || fflush(o->stream) != 0) // which output_close tells
+        return true;
+    return fsync(fileno(o->stream)) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP ||
+           fail(o, errno, err);
+}
+
 bool output_close(output *o, bool keep, duet_error *err)
 {
     bool kept = close_stream(o, keep, err);

@@ -33,6 +33,10 @@ bool output_open(output *o, const char *path, duet_error *err);
 // no link is followed. The file's mode is `mode` less the umask.
 bool output_open_in(output *o, int folder, const char *name, mode_t mode, duet_error *err);
 
+// Waits until what was written is on the disk, as far as the place has one: a crash after
+// output_close then leaves all of it.
+bool output_sync(output *o, duet_error *err);
+
 // Puts the file in its place where `keep` holds and all of it was written; else
 // removes what there is. Gives back whether the file is in its place.
 bool output_close(output *o, bool keep, duet_error *err);

@@ -29,6 +29,9 @@ static const option options[] = {
     OPTION_TEXT("format", format, "F", "what frames are (png): png, or vtu, which ParaView opens"),
     OPTION_OUTPUT("record", record, "F.replay", "record commands, steps and the state's hash"),
     OPTION_INPUT("replay", replay, "F.replay", "replay recorded commands, and compare the hash"),
+    OPTION_COUNT("every", every, "K", "save the motion each K steps", 1, 1000000000),
+    OPTION_OUTPUT("checkpoint", checkpoint, "F", "where it is saved"),
+    OPTION_TEXT("resume", resume, "F", "go on from a saved motion to step --steps"),
     OPTION_OUTPUT("pairs", pairs_path, "OUT.csv",
                   "write the pairs, a line each, ascending; - is stdout"),
     OPTION_OUTPUT("timeline", timeline, "F.svg",
@@ -40,7 +43,11 @@ static const option options[] = {
 
 // --steps advances a scene; without it one state is stepped again and again.
 static const option_rule rules[] = {
-    {"picture frames record replay", OPTION_NEEDS, "steps"},
+    {"picture frames record replay checkpoint resume", OPTION_NEEDS, "steps"},
+    {"every", OPTION_NEEDS, "checkpoint"},
+    {"checkpoint", OPTION_NEEDS, "every"},
+    {"checkpoint resume", OPTION_EXCLUDES, "replay"},
+    {"frames", OPTION_EXCLUDES, "resume"},
     {"format", OPTION_NEEDS, "frames"},
     {"input ordered steps pairs check level missed false-rate", OPTION_EXCLUDES, "task"},
     {"repeat input ordered pairs timeline check level missed false-rate", OPTION_EXCLUDES, "steps"},

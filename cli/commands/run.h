@@ -12,13 +12,16 @@ typedef struct arguments {
     const char *pair;
     const char *task; // a task file; NULL: a scene is run
     uint64_t repeat;
-    uint64_t steps;      // 0: the scene is not advanced
-    const char *picture; // a PNG of the last step
-    const char *frames;  // a folder for frames, 30 of a second of the scene
-    const char *format;  // the name of a frames_format
-    const char *record;  // the file to which the scene's commands go
-    const char *replay;  // the file from which they come
-    const char *input;   // the name of a timed_input
+    uint64_t steps;         // 0: the scene is not advanced
+    const char *picture;    // a PNG of the last step
+    const char *frames;     // a folder for frames, 30 of a second of the scene
+    const char *format;     // the name of a frames_format
+    const char *record;     // the file to which the scene's commands go
+    const char *replay;     // the file from which they come
+    uint64_t every;         // steps from one checkpoint to the next
+    const char *checkpoint; // the file to which the motion is saved
+    const char *resume;     // a saved motion that the run goes on from
+    const char *input;      // the name of a timed_input
     bool ordered;
     const char *pairs_path;
     const char *timeline; // an SVG of one step's time lines

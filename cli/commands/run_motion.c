@@ -8,6 +8,7 @@
 #include "cli/say.h"
 
 #include <inttypes.h>
+#include <string.h>
 
 // A run of so few steps is timed by stages, though a GPU then takes longer.
 enum { FEW_STEPS = 64, ROWS_TOLD = 10 };
@@ -26,7 +27,7 @@ typedef struct moved {
 
 static double time_of(const moved *r)
 {
-    return (double)r->report.done * r->def.dt;
+    return (double)duet_motion_get_step(r->motion) * r->def.dt;
 }
 
 static bool draw_picture(moved *r, duet_error *err)
@@ -46,11 +47,18 @@ static bool begin_frames(moved *r, duet_error *err)
 static bool tell_step(moved *r, duet_error *err)
 {
     uint64_t done = r->report.done, every = r->args->steps / ROWS_TOLD;
-    bool due = done == 1 || done == r->args->steps || (every > 0 && done % every == 0);
+    bool due =
+        done == 1 || r->report.last.step == r->args->steps || (every > 0 && done % every == 0);
     if (!due || r->args->json)
         return true;
     progress_hide(&r->shown);
     return motion_report_row(&r->report, err);
+}
+
+static bool save_checkpoint(moved *r, duet_error *err)
+{
+    return !r->args->checkpoint || r->report.last.step % r->args->every != 0 ||
+           duet_motion_save(r->motion, r->args->checkpoint, err);
 }
 
 static bool step(moved *r, duet_error *err)
@@ -60,7 +68,7 @@ static bool step(moved *r, duet_error *err)
                     : duet_motion_advance(r->motion, &last, err)))
         return false;
     motion_report_add(&r->report, &last);
-    return tell_step(r, err) && frames_add(&r->frames, time_of(r), err);
+    return save_checkpoint(r, err) && tell_step(r, err) && frames_add(&r->frames, time_of(r), err);
 }
 
 // Like choose_plan; a motion in which nothing happens has no plan.
@@ -91,6 +99,24 @@ static bool open_motion(moved *r, duet_device_pair *pair, duet_error *err)
     return r->motion && (!draws || snapshot_begin(&r->look, &r->def, r->scene, r->motion, err));
 }
 
+// The first run of a command that is repeated after each crash finds no checkpoint of its own yet.
+static bool resume(moved *r, duet_error *err)
+{
+    const char *path = r->args->resume;
+    duet_error why = {0};
+    if (!path)
+        return true;
+    if (!duet_motion_load(r->motion, path, &why)) {
+        bool first = why.status == DUET_STATUS_NOT_FOUND && r->args->checkpoint &&
+                     strcmp(r->args->checkpoint, path) == 0;
+        return first || error_copy(err, &why);
+    }
+    uint64_t step = duet_motion_get_step(r->motion);
+    return step <= r->args->steps || error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                               "--steps %" PRIu64 ": %s was saved at step %" PRIu64,
+                                               r->args->steps, path, step);
+}
+
 static bool open_replay(moved *r, duet_error *err)
 {
     if (!r->args->replay)
@@ -113,9 +139,9 @@ static bool run_steps(moved *r, duet_error *err)
     // The picture is drawn at the start too: where it cannot be written, that is told at once.
     bool ok = begin_frames(r, err) && draw_picture(r, err);
     r->shown = progress_begin("step", r->args->steps);
-    while (ok && r->report.done < r->args->steps && !interrupt_asked()) {
+    while (ok && duet_motion_get_step(r->motion) < r->args->steps && !interrupt_asked()) {
         ok = step(r, err);
-        progress_show(&r->shown, r->report.done);
+        progress_show(&r->shown, duet_motion_get_step(r->motion));
     }
     progress_end(&r->shown);
     uint64_t hash = 0;
@@ -129,7 +155,7 @@ bool run_motion(const arguments *args, const duet_scene *scene, duet_device_pair
                 duet_error *err)
 {
     moved r = {.args = args, .scene = scene};
-    bool ok = open_motion(&r, pair, err) && open_replay(&r, err) &&
+    bool ok = open_motion(&r, pair, err) && resume(&r, err) && open_replay(&r, err) &&
               (!args->record || duet_motion_record(r.motion, err));
     ok = ok && (args->json || motion_report_begin(&r.report, err)) && run_steps(&r, err);
     frames_end(&r.frames);

@@ -100,9 +100,9 @@ bool motion_report_row(const motion_report *r, duet_error *err)
     duet_energy e;
     if (!duet_motion_get_energy(r->motion, &e, err))
         return false;
-    printf("%9" PRIu64 " %9.3f %12.5g %12.5g %12.5g %12" PRIu64 " %12" PRIu64 " %9.2f\n", r->done,
-           r->last.time, e.kinetic + e.turning, e.potential, e.kinetic + e.turning + e.potential,
-           r->last.pairs, r->last.contacts, r->last.total_ms);
+    printf("%9" PRIu64 " %9.3f %12.5g %12.5g %12.5g %12" PRIu64 " %12" PRIu64 " %9.2f\n",
+           r->last.step, r->last.time, e.kinetic + e.turning, e.potential,
+           e.kinetic + e.turning + e.potential, r->last.pairs, r->last.contacts, r->last.total_ms);
     fflush(stdout);
     return true;
 }

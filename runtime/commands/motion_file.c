@@ -5,6 +5,7 @@
 #include "runtime/commands/saved_motion.h"
 
 #include "base/error.h"
+#include "base/output.h"
 #include "base/text_file.h"
 
 #include <assert.h>
@@ -108,11 +109,35 @@ static bool add_buffer(duet_motion *m, const saved_head *h, motion_buffer which,
            error_set_cl(err, code, "%s: fetching %zu bytes", m->device->info.selector, bytes);
 }
 
+// Zeroes what no step reads of a contact: the points that it does not have. Buffers hold there what
+// they held before, and equal states shall have equal bytes.
+static void clear_spare(const duet_motion *m, const motion_saved *s, char *bytes)
+{
+    const uint32_t *touches = s->at[TOUCHES];
+    const uint32_t record = m->layout.record;
+    if (!s->at[CONTACTS])
+        return;
+    char *row = bytes + ((const char *)s->at[CONTACTS] - bytes);
+    for (uint32_t i = 0; i < s->n_contacts; ++i, row += record * sizeof(float)) {
+        uint32_t points = touches[i] & TOUCH_POINTS;
+        uint32_t used = points > 0 ? m->layout.head + points * m->layout.point : 0;
+        if (used < record)
+            memset(row + used * sizeof(float), 0, (record - used) * sizeof(float));
+    }
+}
+
 static bool write_file(text *file, const char *path, duet_error *err)
 {
     uint64_t sum = text_checksum(file->chars, file->length);
     text_add_bytes(file, (const char *)&sum, sizeof sum);
-    return text_ok(file, err) && text_write_file(path, file->chars, file->length, err);
+    output o;
+    if (!text_ok(file, err))
+        return false;
+    bool ok = output_open(&o, path, err);
+    if (ok)
+        fwrite(file->chars, 1, file->length, o.stream); // a failure stays with the stream
+    ok = ok && output_sync(&o, err);
+    return output_close(&o, ok, err);
 }
 
 // A file that could not be loaded is told while the motion is still there.
@@ -129,6 +154,7 @@ bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
         ok = add_buffer(m, &h, kept[i], &file, err);
     if (ok && text_ok(&file, err)) {
         motion_saved parts = parts_of(m, &h, file.chars, path);
+        clear_spare(m, &parts, file.chars);
         ok = motion_check(m, &parts, err) && saved_places_add(m, &file, err);
         saved_ground_add(m, &file);
         ok = ok && write_file(&file, path, err);

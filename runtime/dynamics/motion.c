@@ -3,6 +3,7 @@
 #include "runtime/dynamics/substeps.h"
 
 #include "base/error.h"
+#include "base/exact_sum.h"
 #include "runtime/narrowphase/origin.h"
 
 #include <math.h>
@@ -43,10 +44,10 @@ static bool check_objects(const duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- owner
 
-// Averages over bodies that can push.
+// Averages over bodies that can push; the same bits in any order of them.
 static double mean_least_extent(const duet_motion *m)
 {
-    double sum = 0.0;
+    exact_sum sum = {0};
     uint32_t n = 0;
     for (uint32_t id = 0; id < m->n; ++id) {
         if (m->bodies[id].sensor)
@@ -54,9 +55,10 @@ static double mean_least_extent(const duet_motion *m)
         ++n;
         const float *h = m->poses[id].half_extents;
         double least = fmin(h[0], h[1]);
-        sum += 2.0 * ((m->def.dims == 3 ? fmin(least, h[2]) : least) + m->bodies[id].radius);
+        least = m->def.dims == 3 ? fmin(least, h[2]) : least;
+        exact_sum_add(&sum, 2.0 * (least + m->bodies[id].radius));
     }
-    return n > 0 ? sum / n : 0.0;
+    return n > 0 ? exact_sum_round(&sum) / n : 0.0;
 }
 
 static bool settle_pose(const duet_motion *m, duet_large_pose p, duet_pose *pose, cl_int4 *cell)

@@ -4,6 +4,7 @@
 #include "runtime/dynamics/motion_commands.h"
 
 #include "base/error.h"
+#include "base/exact_sum.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -68,28 +69,52 @@ static double potential_of(const duet_motion_def *def, const duet_state *s, doub
     return -mass * vector_dot(def->gravity, s->centre, 3);
 }
 
-static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, duet_energy *e)
+// Exact sums of what each object has: the same bits in any order of the objects.
+typedef struct energy_sums {
+    exact_sum kinetic, turning, potential;
+    exact_sum momentum[3], angular[3];
+} energy_sums;
+
+static void add_turning(const duet_motion *m, uint32_t id, const duet_state *s, energy_sums *e)
 {
-    double mass = m->bodies[id].mass;
-    double swing[3], inverse[3];
+    double inverse[3];
     motion_inverse_inertia(m, id, inverse);
-    vector_cross(s->centre, s->velocity, swing);
-    e->kinetic += 0.5 * mass * vector_dot(s->velocity, s->velocity, 3);
-    if (m->effects & DUET_EFFECT_GRAVITY)
-        e->potential += potential_of(&m->def, s, mass);
-    for (int k = 0; k < 3; ++k) {
-        e->momentum[k] += mass * s->velocity[k];
-        e->angular[k] += mass * swing[k];
-    }
     for (int k = 0; k < 3; ++k) {
         double axis[3];
         axis_of(s->rotation, k, axis);
         double along = vector_dot(axis, s->angular_velocity, 3);
         double inertia = inverse[k] > 0.0 ? 1.0 / inverse[k] : 0.0;
-        e->turning += 0.5 * inertia * along * along;
+        exact_sum_add(&e->turning, 0.5 * inertia * along * along);
         for (int j = 0; j < 3; ++j)
-            e->angular[j] += inertia * along * axis[j];
+            exact_sum_add(&e->angular[j], inertia * along * axis[j]);
     }
+}
+
+static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, energy_sums *e)
+{
+    double mass = m->bodies[id].mass;
+    double swing[3];
+    vector_cross(s->centre, s->velocity, swing);
+    exact_sum_add(&e->kinetic, 0.5 * mass * vector_dot(s->velocity, s->velocity, 3));
+    if (m->effects & DUET_EFFECT_GRAVITY)
+        exact_sum_add(&e->potential, potential_of(&m->def, s, mass));
+    for (int k = 0; k < 3; ++k) {
+        exact_sum_add(&e->momentum[k], mass * s->velocity[k]);
+        exact_sum_add(&e->angular[k], mass * swing[k]);
+    }
+    add_turning(m, id, s, e);
+}
+
+static duet_energy round_sums(const energy_sums *e)
+{
+    duet_energy energy = {.kinetic = exact_sum_round(&e->kinetic),
+                          .turning = exact_sum_round(&e->turning),
+                          .potential = exact_sum_round(&e->potential)};
+    for (int k = 0; k < 3; ++k) {
+        energy.momentum[k] = exact_sum_round(&e->momentum[k]);
+        energy.angular[k] = exact_sum_round(&e->angular[k]);
+    }
+    return energy;
 }
 
 bool duet_motion_get_energy(duet_motion *m, duet_energy *energy, duet_error *err)
@@ -100,10 +125,11 @@ bool duet_motion_get_energy(duet_motion *m, duet_energy *energy, duet_error *err
     duet_state *states = motion_read_states(m, err);
     if (!states)
         return false;
-    *energy = (duet_energy){0};
+    energy_sums sums = {0};
     for (uint32_t id = 0; id < m->n; ++id)
         if (m->bodies[id].mass > 0.0f && !motion_is_hidden(m, id))
-            add_object(m, id, &states[id], energy);
+            add_object(m, id, &states[id], &sums);
     free(states);
+    *energy = round_sums(&sums);
     return true;
 }

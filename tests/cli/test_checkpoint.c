@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+// duet run --checkpoint and --resume: a run that is killed, at any moment, goes on bit for bit.
+#define _POSIX_C_SOURCE 200809L
+#include "support/json.h"
+#include "support/program.h"
+#include "support/test.h"
+
+#include "base/clock.h"
+#include "base/rng.h"
+#include "base/text_file.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#define SCENE "falling -n 300"
+#define RUN "run " SCENE " --steps 60 --json"
+#define SAVED "run.motion"
+#define KEPT " --every 2 --checkpoint " SAVED " --resume " SAVED
+
+enum { KILLS = 8 };
+
+static void get_hash(const char *arguments, char hash[32], double *steps)
+{
+    program p = program_run("%s", arguments);
+    if (p.exit_code != 0)
+        fail_msg("%s: %s", arguments, p.err);
+    const cJSON *o = json_of_program(&p);
+    snprintf(hash, 32, "%s", json_string(o, "hash"));
+    *steps = json_number(o, "steps");
+}
+
+// Starts the command and kills it after a while, unless it is done before. Returns whether it was
+// killed.
+static bool run_and_kill(const char *arguments, uint64_t ns)
+{
+    char command[512];
+    snprintf(command, sizeof command, "exec '%s' %s >/dev/null 2>&1", getenv("DUET_PROGRAM"),
+             arguments);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        execl("/bin/sh", "sh", "-c", command, (char *)NULL);
+        _exit(127);
+    }
+    const struct timespec delay = {(time_t)(ns / 1000000000), (long)(ns % 1000000000)};
+    nanosleep(&delay, NULL);
+    kill(child, SIGKILL);
+    int status = 0;
+    assert_true(waitpid(child, &status, 0) == child);
+    return WIFSIGNALED(status);
+}
+
+TEST(a_run_that_is_killed_at_any_moment_goes_on_bit_for_bit)
+{
+    char right[32], hash[32];
+    double steps;
+    rng r = rng_seed(test_seed());
+    get_hash(RUN, right, &steps);
+    uint64_t begun = clock_steady_ns();
+    get_hash(RUN KEPT, hash, &steps);
+    uint64_t took = clock_steady_ns() - begun;
+    assert_string_equal(hash, right);
+    assert_true(steps == 60);
+    remove(SAVED);
+    for (int i = 0; i < KILLS; ++i) {
+        if (!run_and_kill(RUN KEPT, (uint64_t)((double)took * rng_unit(&r))))
+            remove(SAVED); // it was done, and begins again
+    }
+    get_hash(RUN KEPT, hash, &steps);
+    print_message("%.0f steps after the last kill\n", steps);
+    assert_string_equal(hash, right);
+}
+
+TEST(a_checkpoint_goes_on_from_its_step_on_other_devices)
+{
+    char right[32], hash[32];
+    double steps;
+    get_hash(RUN, right, &steps);
+    get_hash("run " SCENE " --steps 33 --json --every 10 --checkpoint " SAVED, hash, &steps);
+    assert_true(steps == 33);
+    get_hash(RUN " --pair halves --share 0.5 --mode slab --resume " SAVED, hash, &steps);
+    assert_true(steps == 30);
+    assert_string_equal(hash, right);
+    get_hash("run " SCENE " --steps 30 --json --resume " SAVED, hash, &steps);
+    assert_true(steps == 0);
+}
+
+TEST(checkpoints_that_cannot_be_used_are_refused)
+{
+    static const struct {
+        const char *arguments, *says;
+        int status;
+    } lines[] = {
+        {"run " SCENE " --steps 9 --every 2", "--checkpoint", 2},
+        {"run " SCENE " --steps 9 --checkpoint x", "--every", 2},
+        {"run " SCENE " --resume x", "--steps", 2},
+        {"run " SCENE " --steps 9 --resume no.motion", "no.motion: No such file", 1},
+        {"run " SCENE " --steps 9 --every 2 --checkpoint y --resume no.motion", "no.motion", 1},
+        {"run " SCENE " --steps 9 --resume " SAVED, "was saved at step 10", 2},
+        {"run marbles -n 20 --steps 30 --resume " SAVED, SAVED, 1},
+    };
+    char hash[32];
+    double steps;
+    get_hash("run " SCENE " --steps 10 --json --every 10 --checkpoint " SAVED, hash, &steps);
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
+        program p = program_run("%s --json", lines[i].arguments);
+        program_assert_refused(&p, lines[i].status, lines[i].says);
+    }
+}
+
+TEST(a_checkpoint_that_is_cut_short_is_refused)
+{
+    char hash[32];
+    double steps;
+    duet_error err = {0};
+    rng r = rng_seed(test_seed());
+    get_hash("run " SCENE " --steps 10 --json --every 10 --checkpoint " SAVED, hash, &steps);
+    text file = test_read_file(SAVED);
+    for (int i = 0; i < 3; ++i) {
+        size_t length = 16 + rng_below(&r, (uint32_t)file.length - 16);
+        assert_ok(text_write_file("cut.motion", file.chars, length, &err), err);
+        program p = program_run(RUN " --resume cut.motion");
+        program_assert_refused(&p, 1, "cut short or damaged");
+    }
+    text_free(&file);
+}
+
+TEST_MAIN(NULL, NULL)

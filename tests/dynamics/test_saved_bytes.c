@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+// Saved motions: the same state gives the same bytes, whatever devices and plan made it.
+#include "support/mover.h"
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "base/text_file.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { PILE = 250 };
+
+typedef struct way {
+    const char *name, *pair;
+    double share; // of A
+    duet_mode mode;
+    const char *variant;
+} way;
+
+static const way ways[] = {
+    {"one device", "cpu", 0, DUET_MODE_OWN, ""},
+    {"one device, variant gpu", "cpu", 0, DUET_MODE_OWN, "gpu"},
+    {"halves, slab", "halves", 0.5, DUET_MODE_SLAB, ""},
+    {"halves, own", "halves", 0.25, DUET_MODE_OWN, ""},
+    {"halves, shared", "halves", 0.75, DUET_MODE_SHARED, ""},
+    {"halves, all by A", "halves", 1, DUET_MODE_SLAB, ""},
+};
+
+enum { WAYS = sizeof ways / sizeof ways[0] };
+
+// What is made: an effect or two more than a pile, by bits.
+enum { SLEEPS = 1, SKIN = 2, EVENTS = 4, ORIGIN = 8, WALLS = 16, COMMANDS = 32, KINDS = 64 };
+
+static mover *make_pile(duet_device_pair *pair, int kind, const way *w)
+{
+    mover *m = mover_new(3);
+    m->def.pair = pair;
+    m->def.plan = duet_default_plan(pair);
+    m->def.plan.share = (uint32_t)(w->share * DUET_SHARE_ONE);
+    m->def.plan.mode = w->mode;
+    if (w->variant[0])
+        snprintf(m->def.plan.variant_b, sizeof m->def.plan.variant_b, "%s", w->variant);
+    mover_add_pile(m, PILE);
+    m->def.wants |= kind & SLEEPS ? DUET_EFFECT_SLEEP : 0;
+    m->def.wants |= kind & EVENTS ? DUET_EFFECT_EVENTS : 0;
+    m->def.wants |= kind & COMMANDS ? DUET_EFFECT_FORCES | DUET_EFFECT_FILTER : 0;
+    m->def.skin = kind & SKIN ? 0.1 : 0;
+    m->def.origin_edge = kind & ORIGIN ? 8 : 0;
+    if (!(kind & WALLS))
+        m->def.boundary = DUET_BOUNDARY_NONE;
+    return m;
+}
+
+static void command(mover *m, uint64_t step)
+{
+    duet_error err = {0};
+    const uint64_t id = 7 + step, other = 90 + step;
+    const duet_force force = {.force = {1, 2, 3}};
+    const duet_body_list one = {.ids = &id, .n = 1}, two = {.ids = &other, .n = 1};
+    assert_ok(duet_motion_apply_forces(m->motion, one, &force, &err), err);
+    assert_ok(duet_motion_remove_bodies(m->motion, two, &err), err);
+    if (step % 2)
+        assert_ok(
+            duet_motion_add_bodies(m->motion, &m->poses[other], &m->bodies[other], 1, NULL, &err),
+            err);
+}
+
+static text bytes_after(duet_device_pair *pair, int kind, const way *w, uint32_t steps)
+{
+    duet_error err = {0};
+    mover *m = make_pile(pair, kind, w);
+    mover_run(m, steps);
+    for (uint64_t k = 0; kind & COMMANDS && k < 4; ++k) {
+        command(m, k);
+        mover_run(m, 2);
+    }
+    if (kind & COMMANDS)
+        command(m, 5);
+    assert_ok(duet_motion_save(m->motion, "saved", &err), err);
+    mover_free(m);
+    return test_read_file("saved");
+}
+
+TEST(the_bytes_of_a_state_do_not_tell_which_devices_made_it)
+{
+    duet_error err = {0};
+    rng r = rng_seed(test_seed());
+    duet_device_pair *one = duet_device_pair_open("cpu", &err);
+    duet_device_pair *two = one ? duet_device_pair_open("halves", &err) : NULL;
+    assert_ok(two, err);
+    for (int i = 0; i < 4; ++i) {
+        int kind = (int)rng_below(&r, KINDS);
+        uint32_t steps = 1 + rng_below(&r, 60);
+        text right = bytes_after(one, kind, &ways[0], steps);
+        for (int k = 0; k < WAYS; ++k) {
+            bool is_one = strcmp(ways[k].pair, "cpu") == 0;
+            text bytes = bytes_after(is_one ? one : two, kind, &ways[k], steps);
+            bool same = bytes.length == right.length &&
+                        memcmp(text_chars(&bytes), text_chars(&right), right.length) == 0;
+            if (!same)
+                fail_msg("%s, kind %d, %u steps: other bytes", ways[k].name, kind, steps);
+            text_free(&bytes);
+        }
+        text_free(&right);
+    }
+    duet_device_pair_destroy(two);
+    duet_device_pair_destroy(one);
+}
+
+TEST_MAIN(mover_open_pair, mover_close_pair)
