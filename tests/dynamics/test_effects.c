@@ -25,7 +25,7 @@ static uint32_t effects_of(mover *m)
 }
 
 // A ground that reaches up to the lowest bodies.
-static const float uneven_heights[] = {-0.51f, -0.5f,  -0.52f, -0.51f, -0.49f,
+static const float uneven_heights[] = {-0.51f, -0.5f,  -0.52f, -0.51f, -0.5f,
                                        -0.52f, -0.51f, -0.5f,  -0.51f};
 static const duet_heights uneven = {
     .nx = 3, .ny = 3, .origin = {-1, -1, 0}, .spacing = {2, 2}, .heights = uneven_heights};
