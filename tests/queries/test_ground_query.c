@@ -223,8 +223,6 @@ TEST(rays_meet_the_ground_where_all_its_triangles_say)
         met += found.hits[i].id != DUET_NO_OBJECT;
     }
     assert_true(met > RAYS / 8 && met < RAYS * 7 / 8);
-    duet_ray_query_destroy(query);
-    duet_tree_destroy(tree);
     free(rays);
     free(f);
 }
@@ -251,8 +249,6 @@ TEST(a_normal_is_that_of_the_slope)
         assert_true(fabsl((real)n[0] / (real)n[2] + dx / (2 * step)) < 1e-4L);
         assert_true(fabsl((real)n[1] / (real)n[2] + dy / (2 * step)) < 1e-4L);
     }
-    duet_ray_query_destroy(query);
-    duet_tree_destroy(tree);
     free(f);
 }
 
@@ -292,8 +288,6 @@ TEST(what_only_touches_is_met)
         if (meets(query, ray))
             fail_msg("ray %zu is a bit beside the ground, and meets it", i);
     }
-    duet_ray_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 // Points a few bits about the surface, of places that no float holds: exact in long double, whose
@@ -327,8 +321,6 @@ TEST(points_beside_the_surface_are_told_apart)
         }
     assert_int_equal(found.n_hits, in);
     assert_true(in > 30 && in < 270);
-    duet_point_query_destroy(query);
-    duet_tree_destroy(tree);
     free(f);
 }
 
@@ -428,8 +420,6 @@ TEST(the_ground_is_as_far_as_all_its_triangles_say)
         if (!(fabsl(seen - right) <= 2e-7L * (1 + right)))
             fail_msg("point %u is %.9Lg from the ground, not %.9Lg", i, seen, right);
     }
-    duet_point_query_destroy(query);
-    duet_tree_destroy(tree);
     free(f);
 }
 
@@ -555,7 +545,7 @@ static duet_box_query *open_box_query(duet_tree *tree)
 {
     duet_box_query_def def = duet_default_box_query_def();
     def.tree = tree;
-    return must(duet_box_query_create(&def, ERR));
+    return kept(duet_box_query_create(&def, ERR));
 }
 
 static duet_tree *open_ground_of(const field *f, duet_shape shape)
@@ -592,8 +582,6 @@ static void join_some(const field *f, rng *r, bool upright)
     }
     assert_int_equal(met, found.n_hits);
     assert_true(met > BOXES / 8 && met < BOXES * 7 / 8);
-    duet_box_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 TEST(boxes_meet_the_ground_if_their_lowest_place_over_it_is_below)
@@ -631,8 +619,6 @@ TEST(boxes_that_only_touch_are_met)
         if (join(query, DUET_OBJECT_POSES, &box, 1).n_hits != 0)
             fail_msg("box %zu is a bit beside the ground, and meets it", i);
     }
-    duet_box_query_destroy(query);
-    duet_tree_destroy(tree);
 }
 
 // ---------------------------------------------------------------- sweeps
@@ -702,8 +688,8 @@ TEST(sweeps_meet_the_ground_there_and_not_before)
             met += found.hits[i].id != DUET_NO_OBJECT && found.hits[i].t > 0;
         }
         assert_true(met > SWEEPS / 10 && met < SWEEPS);
-        duet_sweep_query_destroy(query);
-        duet_tree_destroy(tree);
+        test_give_back(query);
+        test_give_back(tree);
     }
     free(f);
 }
@@ -767,8 +753,6 @@ TEST(rounded_boxes_meet_the_ground_if_their_cores_are_that_near)
     }
     assert_int_equal(met, found.n_hits);
     assert_true(met > BOXES / 8 && met < BOXES * 7 / 8);
-    duet_box_query_destroy(query);
-    duet_tree_destroy(tree);
     free(f);
 }
 
@@ -816,8 +800,6 @@ TEST(balls_meet_the_ground_a_radius_away)
         assert_true(fabsl(square - 1) < 1e-6L && distance(f, at) < 2e-5L);
     }
     assert_true(met > SWEEPS / 8);
-    duet_sweep_query_destroy(query);
-    duet_tree_destroy(tree);
     free(f);
 }
 
@@ -890,11 +872,11 @@ TEST(the_ground_is_one_more_object)
             while (at < found[0].n_hits && found[0].hits[at].ray == i)
                 ++at;
         }
-        duet_ray_query_destroy(closest);
-        duet_ray_query_destroy(any);
+        test_give_back(closest);
+        test_give_back(any);
         for (int i = 0; i < 3; ++i) {
-            duet_ray_query_destroy(query[i]);
-            duet_tree_destroy(trees[i]);
+            test_give_back(query[i]);
+            test_give_back(trees[i]);
         }
     }
     free(f);
@@ -929,8 +911,6 @@ TEST(a_filter_of_nothing_finds_no_ground_and_bad_grounds_are_refused)
     f->heights.origin[1] = 1e30;
     assert_false(duet_tree_set_heights(tree, &f->heights, &err));
     assert_non_null(strstr(err.text, "the ground's origin is 1e+30 along y"));
-    duet_tree_destroy(tree);
-    duet_tree_destroy(flat);
     free(f);
 }
 
