@@ -46,3 +46,19 @@ for _ = 1, 3 do assert(row:advance()) end
 assert(row:remove_bodies { 20 })
 assert(row:advance())
 tell(assert(row:read_of { 0, 19, 39 }))
+
+-- A body that comes to sleepers wakes the first, and that the next.
+local still, coming = { 0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, false, false }, { 6, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, false, false }
+local bodies = {}
+for i = 0, 39 do
+  poses:set(i, i < 3 and 1.01 * i or 1.5 * i, 0, 0, 0.5, 0.5, 0.5, 0, 0, 0, 1)
+  bodies[i + 1] = still
+end
+poses:set(39, -1.3, 0, 0, 0.5, 0.5, 0.5, 0, 0, 0, 1)
+bodies[40] = coming
+local sleepers <close> = assert(pair:motion(poses, duet.bodies(bodies), { dims = dims,
+  wants = { "contact_response", "sleep" }, plan = { share = 0 } }))
+table.remove(all)
+assert(sleepers:sleep_bodies(all))
+for _ = 1, 6 do assert(sleepers:advance()) end
+tell(assert(sleepers:read_of { 0, 1, 39 }))
