@@ -305,12 +305,7 @@ TEST(an_empty_input_is_told_of)
 TEST(devices_are_listed_as_one_json_object)
 {
     program p = program_run("devices --json");
-    assert_int_equal(p.exit_code, 0);
-    assert_string_equal(p.err, "");
-    const char *end = NULL;
-    cJSON *o = cJSON_ParseWithOpts(p.out, &end, false);
-    assert_true(cJSON_IsObject(o));
-    assert_string_equal(end, "\n");
+    cJSON *o = json_of_program(&p);
     cJSON *devices = cJSON_GetObjectItemCaseSensitive(o, "devices");
     assert_true(cJSON_GetArraySize(devices) > 0);
     cJSON *selector = cJSON_GetObjectItemCaseSensitive(cJSON_GetArrayItem(devices, 0), "selector");
