@@ -419,16 +419,14 @@ TEST(share_and_launch_change_no_bit)
 // A world's pairs as its result has them.
 TEST(the_pairs_of_a_world_have_points)
 {
-    duet_error err = {0};
     duet_pose poses[BOXES];
     rng r = rng_seed(test_seed());
     fill(&r, poses, 3);
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
     def.plan.share = DUET_SHARE_ONE / 3;
-    duet_world *world = duet_world_create(&def, &err);
+    duet_world *world = kept(duet_world_create(&def, ERR));
     duet_result result;
-    assert_ok(world, err);
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, BOXES, ERR));
     must(duet_world_step(world, &result, ERR));
     assert_true(result.spans[0].n > 0 && result.spans[1].n > 0);
@@ -448,16 +446,14 @@ TEST(the_pairs_of_a_world_have_points)
 // Against a matrix of the pairs, two steps of a world whose boxes move.
 TEST(a_delta_is_what_two_steps_differ_by)
 {
-    duet_error err = {0};
     duet_pose poses[BOXES];
     static bool was[BOXES][BOXES], is[BOXES][BOXES];
     rng r = rng_seed(test_seed());
     fill(&r, poses, 3);
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
-    duet_world *world = duet_world_create(&def, &err);
-    duet_pair_delta *delta = duet_pair_delta_create(&err);
-    assert_ok(world && delta, err);
+    duet_world *world = kept(duet_world_create(&def, ERR));
+    duet_pair_delta *delta = must(duet_pair_delta_create(ERR));
     uint64_t told[3] = {0};
     memset(was, 0, sizeof was);
     for (int step = 0; step < 6; ++step) {

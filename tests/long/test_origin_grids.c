@@ -56,13 +56,11 @@ TEST(every_level_finds_its_reference_s_pairs_far_away)
 {
     rng r = rng_seed(test_seed());
     scatter_large(0, 300, (double[]){1e7, -1e7, 3}, 6, 2, true, &r);
-    duet_error err = {0};
     duet_scene *scene =
-        duet_scene_create(DUET_OBJECT_LARGE_POSES, large_poses, 300, 3, LARGE_EDGE, &err);
-    assert_ok(scene != NULL, err);
+        kept(duet_scene_create(DUET_OBJECT_LARGE_POSES, large_poses, 300, 3, LARGE_EDGE, ERR));
     duet_world_def def = duet_scene_world_def(scene, devices);
-    duet_world *world = duet_world_create(&def, &err);
-    must(world && duet_world_set_scene(world, scene, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
+    must(duet_world_set_scene(world, scene, ERR));
     const char *const variants[] = {"gpu", "simd"};
     for (int l = 0; l < DUET_LEVELS; ++l) {
         duet_pair *pairs = NULL;

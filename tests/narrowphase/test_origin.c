@@ -195,13 +195,11 @@ static uint64_t check_cloud(const double at[3])
         {DUET_MODE_OWN, "gpu FUSED=1"}, {DUET_MODE_SLAB, "simd"}, {DUET_MODE_SHARED, "simd"}};
     rng r = rng_seed(test_seed());
     scatter_large(0, 300, at, 6, 20, true, &r);
-    duet_error err = {0};
     duet_scene *scene =
-        duet_scene_create(DUET_OBJECT_LARGE_POSES, large_poses, 300, 3, LARGE_EDGE, &err);
-    assert_ok(scene != NULL, err);
+        kept(duet_scene_create(DUET_OBJECT_LARGE_POSES, large_poses, 300, 3, LARGE_EDGE, ERR));
     duet_world_def def = duet_scene_world_def(scene, devices);
-    duet_world *world = duet_world_create(&def, &err);
-    must(world && duet_world_set_scene(world, scene, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
+    must(duet_world_set_scene(world, scene, ERR));
     duet_pair *pairs = NULL;
     uint64_t n = 0;
     must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));

@@ -196,7 +196,7 @@ static int open_devices(void **state)
     duet_world *world = open_world(devices, DUET_MODE_OWN);
     must(duet_world_step(world, &result, ERR));
     right = duet_result_get_hash(&result);
-    duet_world_destroy(world);
+    test_give_back(world);
     return 0;
 }
 

@@ -458,7 +458,6 @@ TEST(many_are_answered_as_few)
 {
     enum { MANY = 15 * ASKED };
     scene *s = make_scene(3);
-    duet_error err = {0};
     answer few;
     move_scene(s, there);
     duet_tree *tree = open_far_tree(3, 0, s->large_boxes, BOXES + 1);
@@ -468,9 +467,9 @@ TEST(many_are_answered_as_few)
         rays[i] = s->large_rays[i % ASKED];
     duet_ray_query_def def = duet_default_ray_query_def();
     def.tree = tree;
-    duet_ray_query *query = duet_ray_query_create(&def, &err);
+    duet_ray_query *query = kept(duet_ray_query_create(&def, ERR));
     duet_ray_query_result found;
-    must(query && duet_ray_query_run_large(query, rays, MANY, &found, ERR));
+    must(duet_ray_query_run_large(query, rays, MANY, &found, ERR));
     const duet_ray_hit *hits = few.hits;
     for (uint32_t i = 0; i < MANY; ++i) {
         assert_int_equal(found.hits[i].id, hits[i % ASKED].id);

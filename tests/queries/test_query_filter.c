@@ -139,8 +139,7 @@ static uint32_t *ask(const scene *s, duet_tree *tree, bool round, way w, uint32_
         *n = result.n_hits;
     }
     size_t bytes = *n * hit_words(w) * sizeof(uint32_t);
-    uint32_t *copy = malloc(bytes + 1);
-    assert_non_null(copy);
+    uint32_t *copy = test_alloc(bytes + 1);
     if (bytes > 0)
         memcpy(copy, hits, bytes);
     return copy;
@@ -197,7 +196,6 @@ static void assert_filtered(const scene *s, duet_tree *tree, bool round, way w,
         assert_item(w, found + item * (w == POINTS_NEAREST ? NEAREST : 1) * words,
                     known + first * words, at - first);
     }
-    free(found);
 }
 
 TEST(a_query_finds_what_its_filter_can_touch)
@@ -220,7 +218,7 @@ TEST(a_query_finds_what_its_filter_can_touch)
 static uint64_t count_rays(const scene *s, duet_tree *tree, duet_filter filter)
 {
     uint64_t n;
-    free(ask(s, tree, false, RAYS_EVERY, 0, &filter, &n));
+    ask(s, tree, false, RAYS_EVERY, 0, &filter, &n);
     return n;
 }
 

@@ -385,7 +385,7 @@ TEST(rays_meet_bodies_where_they_are)
     def.pair = devices;
     def.gravity[2] = -10;
     for (int i = 0; i < 2; ++i)
-        must(asked[i] = duet_motion_create(&def, &start, NULL, 1, ERR));
+        asked[i] = kept(duet_motion_create(&def, &start, NULL, 1, ERR));
     duet_tree *tree = open_tree(3, 0, NULL, 0);
     duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, false);
     uint32_t met = 0;
