@@ -70,10 +70,10 @@ __kernel void update_sleep(UPDATE_SLEEP_ARGS)
         atomic_or(flags + FLAG_PRESSED, 1u);
 }
 
-static inline void wake_across(const scene *s, uint contact, uint other)
+static inline void wake_across(const scene *s, volatile __global uint *asleep, uint contact, uint other)
 {
-    if (other < s->n && (s->touches[contact] & TOUCH_POINTS) && !is_sensor(s, other) && (s->asleep[other] & SLEEPS))
-        atomic_xchg(s->asleep + other, WOKE);
+    if (other < s->n && (s->touches[contact] & TOUCH_POINTS) && !is_sensor(s, other) && (asleep[other] & SLEEPS))
+        atomic_xchg(asleep + other, WOKE);
 }
 
 // A sleeper that lost a contact in this step wakes what it touches, which may be in no list yet.
@@ -87,9 +87,9 @@ __kernel void wake_touching(WAKE_TOUCHING_ARGS)
         if (!(asleep[id] & WOKE) || is_at_rest(&s, id) || is_sensor(&s, id))
             continue;
         for (uint i = starts[id]; i < starts[id + 1]; ++i)
-            wake_across(&s, i, links[i].y);
+            wake_across(&s, asleep, i, links[i].y);
         for (uint j = return_starts[id]; j < return_starts[id + 1]; ++j)
-            wake_across(&s, returns[j], links[returns[j]].x);
+            wake_across(&s, asleep, returns[j], links[returns[j]].x);
     }
 }
 
