@@ -84,7 +84,7 @@ static bool any_below(const int64_t *limbs, int bit)
     return false;
 }
 
-// Of limbs that are carried and not below 0.
+// Rounds limbs that are carried and not below 0.
 static double round_limbs(const int64_t *limbs)
 {
     int top = highest_bit(limbs), last = top >= MANTISSA ? top - MANTISSA + 1 : 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What differs first between two motions after the same step: stage, body, field and values.
+// Finds what differs first between two motions after the same step: stage, body, field and values.
 #ifndef CLI_DIFFERENCE_H
 #define CLI_DIFFERENCE_H
 

@@ -20,7 +20,7 @@ typedef struct moving_counts {
     uint32_t colours;
 } moving_counts;
 
-// What a motion over ranks begins with. plan NULL: the default one; resume NULL: the scene's
+// Says what a motion over ranks begins with. plan NULL: the default one; resume NULL: the scene's
 // beginning, else a file that moving_save wrote, and that all ranks can read.
 typedef struct moving_start {
     const char *path;

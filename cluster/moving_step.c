@@ -89,7 +89,7 @@ static void each(moving *m, domain_stage *stage, duet_error *own)
         stage(m->domains[k].motion, own);
 }
 
-// What is done to the contacts of a colour, or to one of those that are solved in order.
+// A pass does one of these to the contacts of a colour, or to one of those that are solved in order.
 typedef enum solve_pass { SOLVE_SOFT, SOLVE_RELAX, SOLVE_RESTORE } solve_pass;
 
 static void solve_colour(duet_motion *motion, uint32_t colour, solve_pass pass, duet_error *own)
@@ -147,8 +147,8 @@ static void substep(moving *m, duet_error *own)
     solve(m, SOLVE_RELAX, own);
 }
 
-// What wakes, and what falls asleep, is right for bodies that a domain owns, and told to others:
-// rests before bodies look at those that they touch, and then which of them sleep.
+// Finds what wakes and what falls asleep among the bodies that a domain owns, and tells others: rests
+// before bodies look at those that they touch, and then which of them sleep.
 static bool update_sleep(moving *m, tally *t, duet_error *own)
 {
     *t = (tally){0};

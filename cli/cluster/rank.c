@@ -275,8 +275,7 @@ static bool report(const run_state *r, duet_error *err)
 {
     uint64_t n = r->n_steps;
     cJSON *o = cJSON_CreateObject();
-    run_report_add_scene(o, duet_cluster_get_scene_info(r->cluster));
-    cJSON_ReplaceItemInObject(o, "objects", cJSON_CreateNumber((double)r->result.objects));
+    run_report_add_scene(o, duet_cluster_get_scene_info(r->cluster), r->result.objects);
     if (!is_forecast(r)) {
         json_add(o, NUMBER("pairs", r->result.pairs));
         json_add_hash(o, r->result.hash);

@@ -5,10 +5,9 @@
 #include "base/error.h"
 #include "cli/interrupt.h"
 #include "cli/report/json.h"
-#include "cli/report/table.h"
+#include "cli/report/rendering.h"
 #include "cli/say.h"
 
-#include <inttypes.h>
 #include <stdio.h>
 
 typedef struct moved {
@@ -61,50 +60,26 @@ static bool run_steps(moved *r, duet_error *err)
     return ok;
 }
 
-static void print_text(const moved *r)
-{
-    const duet_cluster_motion_result *last = &r->last;
-    printf("%s: %s bodies, %s of %u\n\n", r->scene, table_count(last->bodies).chars,
-           table_things((uint64_t)r->cluster->ranks.n, "rank", "ranks").chars,
-           (uint32_t)r->args->parts);
-    table t = table_begin("lrl");
-    table_words(&t, "steps", table_count(last->step).chars, NULL);
-    table_cell(&t, "%.3f ms a step", r->all_ms / (double)last->step);
-    table_words(&t, "contacts", table_count(last->contacts).chars, NULL);
-    table_cell(&t, "push, in %" PRIu32 " colours", last->colours);
-    table_words(&t, "ghosts", table_count(last->ghosts).chars, NULL);
-    table_cell(&t, "bodies that domains have of others");
-    table_print(&t, stdout);
-    printf("state hash %016" PRIx64 "\n", r->hash);
-}
-
-static bool print_json(const moved *r, duet_error *err)
+static bool report(const moved *r, duet_error *err)
 {
     const duet_cluster_motion_result *last = &r->last;
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "scene", r->scene);
-    cJSON_AddNumberToObject(o, "objects", (double)last->bodies);
-    cJSON_AddNumberToObject(o, "ranks", r->cluster->ranks.n);
-    cJSON_AddNumberToObject(o, "parts", (double)r->args->parts);
-    cJSON_AddNumberToObject(o, "steps", (double)last->step);
-    cJSON_AddNumberToObject(o, "ms_a_step", r->all_ms / (double)last->step);
-    cJSON_AddNumberToObject(o, "contacts", (double)last->contacts);
-    cJSON_AddNumberToObject(o, "colours", last->colours);
-    cJSON_AddNumberToObject(o, "ghosts", (double)last->ghosts);
+    json_add(o, STRING("scene", r->scene), NUMBER("objects", last->bodies),
+             NUMBER("ranks", r->cluster->ranks.n), NUMBER("parts", r->args->parts),
+             NUMBER("steps", last->step), NUMBER("ms_a_step", r->all_ms / (double)last->step),
+             NUMBER("contacts", last->contacts), NUMBER("colours", last->colours),
+             NUMBER("ghosts", last->ghosts));
     json_add_hash(o, r->hash);
-    return say_json(o, err);
+    return rendering_tell(o, r->args->json, "cli/report/ranks_motion.lua", err);
 }
 
 static bool tell(const moved *r, duet_error *err)
 {
     if (duet_cluster_get_rank(r->cluster) > 0)
         return true;
-    if (r->args->json && !print_json(r, err))
-        return false;
-    if (!r->args->json)
-        print_text(r);
+    bool ok = report(r, err);
     fflush(stdout); // a launcher that was asked to stop, too, may end this rank
-    return true;
+    return ok;
 }
 
 bool rank_motion_run(duet_cluster *cluster, const cluster_arguments *args, const char *scene,

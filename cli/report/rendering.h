@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the program's own Lua scripts make of a JSON object: a page, a picture, a report for people.
+// Makes a page, a picture or a report for people of a JSON object, by the program's own Lua scripts.
 #ifndef CLI_RENDERING_H
 #define CLI_RENDERING_H
 

@@ -12,7 +12,7 @@ bool reference_check_is_right(const reference_check *check)
     return check->missing == 0 && check->extra == 0;
 }
 
-void run_report_add_scene(cJSON *o, const duet_scene_info *info)
+void run_report_add_scene(cJSON *o, const duet_scene_info *info, uint64_t objects)
 {
     static const char *const kinds[DUET_SHAPES][2] = {
         [DUET_SHAPE_POSES] = {"box", "boxes"},
@@ -22,9 +22,9 @@ void run_report_add_scene(cJSON *o, const duet_scene_info *info)
     };
     char kind[64];
     snprintf(kind, sizeof kind, "%s%s", info->rotated ? "rotated " : "",
-             kinds[info->shape][info->n != 1]);
+             kinds[info->shape][objects != 1]);
     json_add(o, STRING("scene", info->name), STRING("kind", kind), NUMBER("dims", info->dims),
-             NUMBER("objects", info->n));
+             NUMBER("objects", objects));
 }
 
 void run_report_add_plan(cJSON *o, const duet_device_pair *pair, const duet_plan *plan)
@@ -47,7 +47,7 @@ static void add_variants(cJSON *o, const duet_plan *plan)
 static void add_counts(cJSON *o, const duet_scene_info *info, const timed *m)
 {
     const duet_result *r = &m->last;
-    run_report_add_scene(o, info);
+    run_report_add_scene(o, info, info->n);
     json_add(o, NUMBER("bad", r->bad), NUMBER("candidates", r->candidates),
              NUMBER("pairs", r->pairs), NUMBER("undecided", r->undecided));
     json_add_hash(o, m->hash);

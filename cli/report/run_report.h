@@ -33,7 +33,7 @@ typedef struct run_report {
 // Adds the scene's name, kind ("rotated boxes"), dims and objects; the devices and the plan; how
 // the pairs compare with the reference's. cli/report/words.lua tells them.
 struct cJSON;
-void run_report_add_scene(struct cJSON *o, const duet_scene_info *info);
+void run_report_add_scene(struct cJSON *o, const duet_scene_info *info, uint64_t objects);
 void run_report_add_plan(struct cJSON *o, const duet_device_pair *pair, const duet_plan *plan);
 void run_report_add_check(struct cJSON *o, const reference_check *check);
 

@@ -1,4 +1,21 @@
 -- SPDX-License-Identifier: MIT
+-- What a body touches, and whether it rests.
+local of_rest = [[
+  const uint2 *links
+  const uint *touches
+  const uint *starts
+  const uint *return_starts
+  const uint *returns
+  uint n
+  const uint *awake
+  const uint *n_listed
+  uint all_awake
+  const float *rests
+  const real4 *velocities
+  const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
+  const float *sensors             if SENSORS == 1
+]]
+
 return {
   about = "which bodies sleep; those that do deep in each other are pushed apart",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/rest.clh",
@@ -9,39 +26,13 @@ return {
     common.SENSORS, common.GROUP(64), common.ROWS_AN_ITEM,
   },
   args = {
-    update_sleep = [[
-      const uint2 *links
-      const uint *touches
-      const uint *starts
-      const uint *return_starts
-      const uint *returns
-      uint n
-      const uint *awake
-      const uint *n_listed
-      uint all_awake
-      const float *rests
-      const real4 *velocities
-      const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
-      const float *sensors             if SENSORS == 1
+    update_sleep = of_rest .. [[
       float sleep_after
       float dt
       volatile uint *asleep
       volatile uint *flags
     ]],
-    wake_touching = [[
-      const uint2 *links
-      const uint *touches
-      const uint *starts
-      const uint *return_starts
-      const uint *returns
-      uint n
-      const uint *awake
-      const uint *n_listed
-      uint all_awake
-      const float *rests
-      const real4 *velocities
-      const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
-      const float *sensors             if SENSORS == 1
+    wake_touching = of_rest .. [[
       volatile uint *asleep
     ]],
     push_sleepers = [[

@@ -63,8 +63,8 @@ bool domain_fly(duet_motion *m, duet_error *err);
 bool domain_begin_step(duet_motion *m, duet_error *err);
 bool domain_find_manifolds(duet_motion *m, duet_error *err); // of it
 
-// Where bodies sleep: which do from now on (ASLEEP), and manifolds of what woke. Flags are read in
-// between; `fell`: something fell asleep or woke in any domain.
+// Find which bodies sleep from now on (ASLEEP), read the flags, and find manifolds of what woke;
+// `fell`: something fell asleep or woke in any domain.
 bool domain_update_sleep(duet_motion *m, duet_error *err);
 bool domain_read_flags(duet_motion *m, duet_error *err);
 bool domain_wake_touched(duet_motion *m, bool fell, duet_error *err);
@@ -85,7 +85,7 @@ bool domain_restore_colour(duet_motion *m, uint32_t colour, duet_error *err);
 bool domain_restore_in_order(duet_motion *m, uint32_t i, duet_error *err);
 bool domain_finalize(duet_motion *m, duet_error *err);
 
-// Where a body sleeps deep in others: so many rounds (PRESSED_ROUNDS), and then all go.
+// Push bodies that sleep deep in others: so many rounds (PRESSED_ROUNDS), and then all go.
 bool domain_push_sleepers(duet_motion *m, uint32_t round, duet_error *err);
 bool domain_move_sleepers(duet_motion *m, duet_error *err);
 

@@ -1,0 +1,14 @@
+-- SPDX-License-Identifier: MIT
+-- What `duet cluster` tells of a motion, of the object that --json prints.
+local report = ...
+local line, count = report.line, report.count
+
+return function(o)
+  line("%s: %s bodies, %s of %.0f\n", o.scene, count(o.objects), report.things(o.ranks, "rank", "ranks"), o.parts)
+  local row = report.columns("lrl")
+  row("steps", count(o.steps), ("%.3f ms a step"):format(o.ms_a_step))
+  row("contacts", count(o.contacts), ("push, in %.0f colours"):format(o.colours))
+  row("ghosts", count(o.ghosts), "bodies that domains have of others")
+  line("state hash %s", o.hash)
+  return report.told
+end
