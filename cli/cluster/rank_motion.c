@@ -16,6 +16,7 @@ typedef struct moved {
     const char *scene;
     duet_cluster_motion_result last;
     double all_ms;
+    uint64_t n_steps; // of this run, which may go on from a checkpoint
     uint64_t hash;
     bool is_stopped;
 } moved;
@@ -48,6 +49,7 @@ static bool run_steps(moved *r, duet_error *err)
     for (uint64_t i = 0; ok && !r->is_stopped && i < r->args->steps; ++i) {
         ok = duet_cluster_advance(r->cluster, &r->last, err);
         r->all_ms += r->last.total_ms;
+        ++r->n_steps;
         uint64_t stops = ok && !budget_check_stop(NULL);
         if (ok)
             ranks_sum(&r->cluster->ranks, &stops, 1);
@@ -66,7 +68,7 @@ static bool report(const moved *r, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("scene", r->scene), NUMBER("objects", last->bodies),
              NUMBER("ranks", r->cluster->ranks.n), NUMBER("parts", r->args->parts),
-             NUMBER("steps", last->step), NUMBER("ms_a_step", r->all_ms / (double)last->step),
+             NUMBER("steps", last->step), NUMBER("ms_a_step", r->all_ms / (double)r->n_steps),
              NUMBER("contacts", last->contacts), NUMBER("colours", last->colours),
              NUMBER("ghosts", last->ghosts));
     json_add_hash(o, r->hash);
