@@ -328,10 +328,10 @@ typedef struct duet_contact {
 DUET_API bool duet_motion_get_contacts(duet_motion *motion, duet_contact **contacts, uint64_t *n,
                                        duet_error *err);
 
-// Saves a motion as a file, or loads it: the loaded motion goes on bit for bit as the
-// saved one does, on the saved one's ground. Objects, bodies and def must be those of the saved
-// motion; a motion without a ground loads no file with one, nor the reverse. BAD_INPUT if
-// the file holds what this motion could not have saved; files may come from anyone. After a
+// Saves a motion as a file, or loads it: the loaded motion goes on bit for bit as the saved one
+// does, on the saved one's ground. Objects, bodies and def must be those of the saved motion,
+// but for its skin; a motion without a ground loads no file with one, nor the reverse. BAD_INPUT
+// if the file holds what this motion could not have saved; files may come from anyone. After a
 // failure the motion is as before.
 DUET_API bool duet_motion_save(duet_motion *motion, const char *path, duet_error *err);
 DUET_API bool duet_motion_load(duet_motion *motion, const char *path, duet_error *err);

@@ -167,6 +167,12 @@ bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
 
 // ---------------------------------------------------------------- loading
 
+// A skin changes no bits.
+static uint32_t effects_but_skin(uint32_t effects)
+{
+    return effects & ~(uint32_t)DUET_EFFECT_SKIN;
+}
+
 static bool check_head(const duet_motion *m, const saved_head *h, const char *path, duet_error *err)
 {
     const struct {
@@ -175,7 +181,7 @@ static bool check_head(const duet_motion *m, const saved_head *h, const char *pa
     } same[] = {
         {"dimensions", h->dims, m->def.dims},
         {"doubles", h->doubles, m->def.doubles},
-        {"effects", h->effects, m->effects},
+        {"effects", effects_but_skin(h->effects), effects_but_skin(m->effects)},
         {"floats a contact", h->record, m->layout.record},
         {"origin_edge", (double)h->origin_edge, (double)m->def.origin_edge},
         {"grounds", h->nx > 0, saved_ground_is_kept(m)},
@@ -247,7 +253,7 @@ static void take_counts(duet_motion *copy, const saved_head *h)
     copy->graph.n_pairs = (cl_uint)h->n_pairs;
     copy->products = products_of_saved(h->has_graph);
     altered_forget(&copy->altered);
-    if (h->rows_stale)
+    if (h->rows_stale || h->effects != copy->effects) // bounds with a skin reach further
         motion_alter_all(copy);
     motion_forget_events(&copy->told);
     copy->told.touching.n = 0;

@@ -12,7 +12,7 @@
 #include <string.h>
 
 static const char saved[] = "saved";
-static const char *const past[2] = {"past", "past with a skin"};
+static const char past[] = "past";
 
 enum { PLAYERS = 5, MOST_IDS = 4096 };
 
@@ -246,12 +246,10 @@ static void assert_stale_ids_are_refused(play *p)
         fail_msg("command %d with a stale id is told '%s'", what, err.text);
 }
 
-// One player goes on with what another saved, perhaps as one that is new. Rows are those of
-// a skin.
+// One player goes on with what another saved, perhaps as one that is new, with a skin or without.
 static void save_and_load(play *p)
 {
     uint32_t from = rng_below(&p->r, PLAYERS), to = rng_below(&p->r, PLAYERS);
-    to = p->movers[from]->def.skin == p->movers[to]->def.skin ? to : from;
     assert_done(duet_motion_save(p->movers[from]->motion, saved, &err));
     if (rng_below(&p->r, 2)) {
         mover_restart(p->movers[to]);
@@ -264,12 +262,11 @@ static void save_and_load(play *p)
 static void remember_or_go_back(play *p)
 {
     for (int k = 0; k < PLAYERS; ++k) {
-        bool skin = p->movers[k]->def.skin > 0;
         duet_motion *m = p->movers[k]->motion;
         if (p->past.known)
-            assert_done(duet_motion_load(m, past[skin], &err));
-        else if (k == 0 || skin)
-            assert_done(duet_motion_save(m, past[skin], &err));
+            assert_done(duet_motion_load(m, past, &err));
+        else if (k == 0)
+            assert_done(duet_motion_save(m, past, &err));
     }
     if (p->past.known) {
         memcpy(p->ids, p->past.ids, sizeof p->ids);
