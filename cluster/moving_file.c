@@ -35,6 +35,7 @@ static bool gather(moving *m, const item_list *rows, size_t bytes, parcels *in, 
                         in, own);
 }
 
+// An end that is far away now, and that of a contact which is none any more, is not here.
 static void list_own(const moving *m, item_list *bodies, item_list *contacts)
 {
     for (uint32_t k = 0; k < m->parts; ++k) {
@@ -45,7 +46,7 @@ static void list_own(const moving *m, item_list *bodies, item_list *contacts)
         for (uint64_t i = 0; i < d->contacts.n; ++i) {
             const moving_contact *c = moving_contact_at(m, &d->contacts, i);
             uint32_t place = moving_place(m, d, c->owner);
-            if (moving_is_own(d, moving_body_at(m, &d->bodies, place)))
+            if (place != UINT32_MAX && moving_is_own(d, moving_body_at(m, &d->bodies, place)))
                 list_add(contacts, c, 1, m->contact_bytes);
         }
     }
