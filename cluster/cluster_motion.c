@@ -37,6 +37,11 @@ bool duet_cluster_begin_motion(duet_cluster *c, const char *path, const duet_set
     return c->moving || error_copy(err, &own);
 }
 
+uint64_t duet_cluster_get_motion_step(const duet_cluster *c)
+{
+    return c && c->moving ? moving_get_counts(c->moving).step : 0;
+}
+
 // Fails on all ranks if one has no motion.
 static bool begin_call(duet_cluster *c, const char *call, const void *argument, const char *name,
                        duet_error *own, duet_error *err)

@@ -156,6 +156,11 @@ DUET_API bool duet_cluster_begin_motion(duet_cluster *cluster, const char *path,
                                         const duet_setting *settings, uint32_t n_settings,
                                         const char *resume, duet_error *err);
 
+// Returns how many steps the motion has taken, those before a file that it goes on from included;
+// 0: nothing moves. A program that is started again after a crash advances until this is its last
+// step.
+DUET_API uint64_t duet_cluster_get_motion_step(const duet_cluster *cluster);
+
 typedef struct duet_cluster_motion_result {
     uint64_t step;     // how many were taken, the last one included
     uint64_t bodies;   // the sum over all ranks, as are

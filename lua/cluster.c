@@ -39,6 +39,7 @@ typedef struct cluster_library {
     bool (*save_pairs)(duet_cluster *, const char *, bool, duet_error *);
     bool (*begin_motion)(duet_cluster *, const char *, const duet_setting *, uint32_t, const char *,
                          duet_error *);
+    uint64_t (*get_motion_step)(const duet_cluster *);
     bool (*advance)(duet_cluster *, duet_cluster_motion_result *, duet_error *);
     bool (*get_state_hash)(duet_cluster *, uint64_t *, duet_error *);
     bool (*save_motion)(duet_cluster *, const char *, duet_error *);
@@ -71,6 +72,7 @@ static const struct {
     CALL(get_ranks, "duet_cluster_get_ranks"),
     CALL(save_pairs, "duet_cluster_save_pairs"),
     CALL(begin_motion, "duet_cluster_begin_motion"),
+    CALL(get_motion_step, "duet_cluster_get_motion_step"),
     CALL(advance, "duet_cluster_advance"),
     CALL(get_state_hash, "duet_cluster_get_state_hash"),
     CALL(save_motion, "duet_cluster_save_motion"),
@@ -442,6 +444,13 @@ static int cluster_begin_motion(lua_State *L)
     return class_push_done(L, ok, &err);
 }
 
+static int cluster_motion_step(lua_State *L)
+{
+    cluster_box *box = check(L);
+    lua_pushinteger(L, (lua_Integer)box->calls->get_motion_step(box->cluster.object));
+    return 1;
+}
+
 static int cluster_advance(lua_State *L)
 {
     duet_error err = {0};
@@ -485,6 +494,7 @@ static const luaL_Reg methods[] = {{"close", cluster_close},
                                    {"ranks", cluster_ranks},
                                    {"save_pairs", cluster_save_pairs},
                                    {"begin_motion", cluster_begin_motion},
+                                   {"motion_step", cluster_motion_step},
                                    {"advance", cluster_advance},
                                    {"state_hash", cluster_state_hash},
                                    {"save_motion", cluster_save_motion},

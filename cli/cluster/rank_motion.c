@@ -7,8 +7,12 @@
 #include "cli/report/json.h"
 #include "cli/report/rendering.h"
 #include "cli/say.h"
+#include "cluster/moving.h"
 
+#include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
+#include <unistd.h>
 
 typedef struct moved {
     duet_cluster *cluster;
@@ -21,13 +25,39 @@ typedef struct moved {
     bool is_stopped;
 } moved;
 
-static bool begin(const moved *r, duet_error *err)
+// The first run of a command that is repeated after each crash finds no checkpoint of its own yet.
+// Rank 0, which writes it, says for all whether it is there.
+static const char *file_to_resume(const moved *r)
+{
+    const char *path = r->args->resume;
+    uint64_t is_there = 0;
+    if (!path || !r->args->checkpoint || strcmp(r->args->checkpoint, path) != 0)
+        return path;
+    is_there = duet_cluster_get_rank(r->cluster) == 0 && access(path, F_OK) == 0;
+    ranks_sum(&r->cluster->ranks, &is_there, 1);
+    return is_there > 0 ? path : NULL;
+}
+
+// Until a step is made, the last one is that of the file.
+static bool take_begin(moved *r, const char *resume, duet_error *err)
+{
+    moving_counts counts = moving_get_counts(r->cluster->moving);
+    r->last = (duet_cluster_motion_result){
+        .step = counts.step, .bodies = counts.bodies, .ghosts = counts.ghosts};
+    return counts.step <= r->args->steps ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "--steps %" PRIu64 ": %s was saved at step %" PRIu64, r->args->steps, resume,
+                     counts.step);
+}
+
+static bool begin(moved *r, duet_error *err)
 {
     scene_settings settings;
+    const char *resume = file_to_resume(r);
     bool ok = inputs_make_settings(&settings, &r->args->scene, err);
     ok = ranks_agree(&r->cluster->ranks, ok, err) &&
-         duet_cluster_begin_motion(r->cluster, r->scene, settings.list, settings.n, r->args->resume,
-                                   err);
+         duet_cluster_begin_motion(r->cluster, r->scene, settings.list, settings.n, resume, err) &&
+         take_begin(r, resume, err);
     inputs_free_settings(&settings);
     return ok;
 }
@@ -46,7 +76,7 @@ static bool run_steps(moved *r, duet_error *err)
 {
     bool ok = true, tells = duet_cluster_get_rank(r->cluster) == 0;
     progress p = progress_begin("step", r->args->steps);
-    for (uint64_t i = 0; ok && !r->is_stopped && i < r->args->steps; ++i) {
+    while (ok && !r->is_stopped && r->last.step < r->args->steps) {
         ok = duet_cluster_advance(r->cluster, &r->last, err);
         r->all_ms += r->last.total_ms;
         ++r->n_steps;
@@ -54,9 +84,9 @@ static bool run_steps(moved *r, duet_error *err)
         if (ok)
             ranks_sum(&r->cluster->ranks, &stops, 1);
         r->is_stopped = stops > 0;
-        ok = ok && save(r, r->is_stopped || i + 1 == r->args->steps, err);
+        ok = ok && save(r, r->is_stopped || r->last.step == r->args->steps, err);
         if (tells)
-            progress_show(&p, i + 1);
+            progress_show(&p, r->last.step);
     }
     progress_end(&p);
     return ok;
@@ -65,10 +95,11 @@ static bool run_steps(moved *r, duet_error *err)
 static bool report(const moved *r, duet_error *err)
 {
     const duet_cluster_motion_result *last = &r->last;
+    double mean_ms = r->n_steps > 0 ? r->all_ms / (double)r->n_steps : 0;
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("scene", r->scene), NUMBER("objects", last->bodies),
              NUMBER("ranks", r->cluster->ranks.n), NUMBER("parts", r->args->parts),
-             NUMBER("steps", last->step), NUMBER("ms_a_step", r->all_ms / (double)r->n_steps),
+             NUMBER("steps", last->step), NUMBER("ms_a_step", mean_ms),
              NUMBER("contacts", last->contacts), NUMBER("colours", last->colours),
              NUMBER("ghosts", last->ghosts));
     json_add_hash(o, r->hash);

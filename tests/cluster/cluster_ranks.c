@@ -1580,7 +1580,9 @@ static void nothing_is_refused(void)
     const duet_pair64 *pairs;
     uint64_t n_pairs;
     uint32_t n;
-    MUST(duet_cluster_get_rank(NULL) == -1 && duet_cluster_get_rank_count(NULL) == 0, "no ranks");
+    MUST(duet_cluster_get_rank(NULL) == -1 && duet_cluster_get_rank_count(NULL) == 0 &&
+             duet_cluster_get_motion_step(NULL) == 0,
+         "no ranks");
     MUST(!duet_cluster_get_scene_info(NULL), "no scene");
     duet_cluster_destroy(NULL);
 #define REFUSED(call)                                                       \

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+// duet cluster --steps, --checkpoint and --resume as a person runs them: a job of which any rank is
+// killed, at any moment, ends soon with one line, and the same command goes on bit for bit. --all:
+// far more kills. Skipped where Duet was built without MPI.
+#define _POSIX_C_SOURCE 200809L
+#include "support/json.h"
+#include "support/program.h"
+#include "support/test.h"
+
+#include "base/clock.h"
+#include "base/rng.h"
+#include "base/text_file.h"
+
+#include <errno.h>
+#include <glob.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#define SCENE "falling -n 150"
+#define STEPS 40
+#define SAVED "cluster.motion"
+#define SAYS "cluster.says"
+#define KEPT " --every 3 --checkpoint " SAVED " --resume " SAVED
+
+enum { KILLS = 3, KILLS_OF_ALL = 50, MOST_RANKS = 5, PAUSE_MS = 5 };
+
+// A job that has not ended by then hangs; a quiet machine is to see its end sooner.
+enum { HANGS_S = 60, SOON_S = 5 };
+
+static bool asks_all;
+
+static void skip_without_mpi(void)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s-cluster", getenv("DUET_PROGRAM"));
+    if (access(path, X_OK) != 0) {
+        print_message("%s: Duet was built without MPI\n", path);
+        skip();
+    }
+}
+
+static void get_hash(const char *arguments, char hash[32], double *steps)
+{
+    program p = program_run("%s", arguments);
+    if (p.exit_code != 0)
+        fail_msg("%s: %s", arguments, p.err);
+    const cJSON *o = json_of_program(&p);
+    snprintf(hash, 32, "%s", json_string(o, "hash"));
+    *steps = json_number(o, "steps");
+}
+
+// ---------------------------------------------------------------- going on
+
+TEST(steps_are_the_step_that_a_job_ends_at)
+{
+    skip_without_mpi();
+    char right[32], hash[32];
+    double steps;
+    get_hash("run " SCENE " --steps 20 --json", right, &steps);
+    get_hash("cluster --ranks 3 " SCENE " --steps 8 --json --checkpoint " SAVED, hash, &steps);
+    assert_string_not_equal(hash, right);
+    get_hash("cluster --ranks 2 " SCENE " --steps 20 --json --resume " SAVED, hash, &steps);
+    assert_true(steps == 20);
+    assert_string_equal(hash, right);
+    get_hash("run " SCENE " --steps 20 --json --resume " SAVED, hash, &steps); // one rank, no job
+    assert_string_equal(hash, right);
+    remove(SAVED);
+    get_hash("cluster --parts 2 " SCENE " --steps 20 --json" KEPT, hash, &steps);
+    assert_string_equal(hash, right);
+    get_hash("cluster --ranks 2 " SCENE " --steps 20 --json" KEPT, hash, &steps); // nothing is left
+    assert_true(steps == 20);
+    assert_string_equal(hash, right);
+    program p = program_run("cluster --ranks 2 " SCENE " --steps 19 --resume " SAVED);
+    program_assert_refused(&p, 2, "--steps 19: " SAVED " was saved at step 20");
+    p = program_run("cluster --ranks 2 " SCENE " --steps 30 --resume no.motion");
+    program_assert_refused(&p, 1, "no.motion: No such file");
+    p = program_run("cluster --ranks 2 " SCENE
+                    " --steps 30 --checkpoint other.motion --resume no.motion");
+    program_assert_refused(&p, 1, "no.motion: No such file");
+    remove(SAVED);
+}
+
+// ---------------------------------------------------------------- killed ranks
+
+static pid_t start(const char *arguments)
+{
+    char command[512];
+    snprintf(command, sizeof command, "exec '%s' %s >/dev/null 2>" SAYS, getenv("DUET_PROGRAM"),
+             arguments);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        execl("/bin/sh", "sh", "-c", command, (char *)NULL);
+        _exit(127);
+    }
+    return child;
+}
+
+// Children of all threads; a process that has ended has none.
+static int children_of(pid_t process, pid_t children[MOST_RANKS])
+{
+    char pattern[64];
+    glob_t tasks;
+    int n = 0;
+    snprintf(pattern, sizeof pattern, "/proc/%ld/task/*/children", (long)process);
+    if (glob(pattern, 0, NULL, &tasks) != 0)
+        return 0;
+    for (size_t i = 0; i < tasks.gl_pathc; ++i) {
+        FILE *f = fopen(tasks.gl_pathv[i], "r");
+        for (long child; f && n < MOST_RANKS && fscanf(f, "%ld", &child) == 1;)
+            children[n++] = (pid_t)child;
+        if (f)
+            fclose(f);
+    }
+    globfree(&tasks);
+    return n;
+}
+
+// The ranks are children of mpirun, which is the program's child.
+static int ranks_of(pid_t job, pid_t ranks[MOST_RANKS])
+{
+    pid_t mpirun[MOST_RANKS];
+    return children_of(job, mpirun) > 0 ? children_of(mpirun[0], ranks) : 0;
+}
+
+static void pause_ms(uint64_t ms)
+{
+    const struct timespec delay = {(time_t)(ms / 1000), (long)(ms % 1000 * 1000000)};
+    nanosleep(&delay, NULL);
+}
+
+static bool has_ended(pid_t job, int *status)
+{
+    pid_t ended = waitpid(job, status, WNOHANG);
+    assert_true(ended >= 0);
+    return ended == job;
+}
+
+// Kills one of the ranks once all are there, after so many ms of them. Returns false if the job was
+// done before.
+static bool kill_one(pid_t job, int n_ranks, rng *r, uint64_t after_ms, int *status)
+{
+    pid_t ranks[MOST_RANKS];
+    while (ranks_of(job, ranks) < n_ranks) {
+        if (has_ended(job, status))
+            return false;
+        pause_ms(PAUSE_MS);
+    }
+    for (uint64_t ms = 0; ms < after_ms; ms += PAUSE_MS) {
+        if (has_ended(job, status))
+            return false;
+        pause_ms(PAUSE_MS);
+    }
+    return kill(ranks[rng_below(r, (uint32_t)n_ranks)], SIGKILL) == 0;
+}
+
+static void must_say_one_line(void)
+{
+    duet_error err = {0};
+    text says = {0};
+    assert_ok(text_read_file(&says, SAYS, &err), err);
+    const char *line = text_chars(&says), *end = strchr(line, '\n');
+    if (strncmp(line, "duet: ", 6) != 0 || !end || end[1])
+        fail_msg("other than one line: %s", line);
+    text_free(&says);
+}
+
+// Returns how long a job that lost a rank went on; -1: it was done before.
+static double run_and_kill(const char *arguments, int n_ranks, rng *r, uint64_t after_ms)
+{
+    int status = 0;
+    pid_t job = start(arguments);
+    if (!kill_one(job, n_ranks, r, after_ms, &status)) {
+        while (!WIFEXITED(status) && !has_ended(job, &status)) // its ranks have ended
+            pause_ms(PAUSE_MS);
+        return -1;
+    }
+    uint64_t killed = clock_steady_ns();
+    while (!has_ended(job, &status) && clock_ms_since(killed) < 1e3 * HANGS_S)
+        pause_ms(PAUSE_MS);
+    double took_s = 1e-3 * clock_ms_since(killed);
+    if (took_s >= HANGS_S)
+        kill(job, SIGKILL);
+    assert_true(took_s < (asks_all ? SOON_S : HANGS_S));
+    assert_true(WIFEXITED(status));
+    if (WEXITSTATUS(status) == 0)
+        return -1; // it had written all that it was to
+    assert_int_equal(WEXITSTATUS(status), 1);
+    must_say_one_line();
+    return took_s;
+}
+
+TEST(a_job_that_loses_a_rank_at_any_moment_ends_soon_and_goes_on_bit_for_bit)
+{
+    skip_without_mpi();
+    char job[128], right[32], hash[32];
+    double steps, slowest_s = 0;
+    int n_killed = 0, kills = asks_all ? KILLS_OF_ALL : KILLS;
+    rng r = rng_seed(test_seed());
+    snprintf(job, sizeof job, SCENE " --steps %d --json", STEPS);
+    char whole[320];
+    snprintf(whole, sizeof whole, "run %s", job);
+    get_hash(whole, right, &steps);
+    uint64_t begun = clock_steady_ns();
+    snprintf(whole, sizeof whole, "cluster --ranks 3 %s" KEPT, job);
+    remove(SAVED);
+    get_hash(whole, hash, &steps);
+    double took_ms = clock_ms_since(begun);
+    assert_string_equal(hash, right);
+    remove(SAVED);
+    while (n_killed < kills) {
+        int n_ranks = 2 + (int)rng_below(&r, MOST_RANKS - 1);
+        snprintf(whole, sizeof whole, "cluster --ranks %d %s" KEPT, n_ranks, job);
+        double s = run_and_kill(whole, n_ranks, &r, (uint64_t)(took_ms * rng_unit(&r)));
+        n_killed += s >= 0;
+        slowest_s = s > slowest_s ? s : slowest_s;
+        if (s < 0) // it was done, and begins again
+            remove(SAVED);
+    }
+    print_message("%d ranks were killed; the slowest job ended %.2f s later\n", n_killed,
+                  slowest_s);
+    get_hash(whole, hash, &steps);
+    assert_string_equal(hash, right);
+    assert_true(steps == STEPS);
+    remove(SAVED);
+    remove(SAYS);
+}
+
+int main(int argc, char **argv)
+{
+    asks_all = argc > 1 && strcmp(argv[1], "--all") == 0;
+    return test_run(NULL, NULL);
+}
