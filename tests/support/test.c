@@ -6,6 +6,7 @@
 #include "gen/gen.h"
 #include "gen/script.h"
 #include "profiles/store.h"
+#include "support/crash.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -129,6 +130,8 @@ void *test_alloc(size_t bytes)
 
 static int begin_test(void **state)
 {
+    static int n_begun;
+    crash_test = tests[n_begun++].name;
     return chdir(own_folder) == 0 && (!each_begin || each_begin(state) == 0) ? 0 : -1;
 }
 
@@ -151,6 +154,7 @@ int test_run(CMFixtureFunction begin, CMFixtureFunction end)
         tests[i].setup_func = begin_test;
         tests[i].teardown_func = end_test;
     }
+    setvbuf(stdout, NULL, _IOLBF, 0); // a crash leaves nothing unsaid
     if (!mkdtemp(own_folder) || chmod(own_folder, 0755) != 0 || chdir(own_folder) != 0)
         abort();
     int n_failed = cmocka_run_group_tests(tests, begin, end);
