@@ -252,10 +252,10 @@ bool device_open_on_queue(device *d, cl_command_queue queue, duet_error *err)
     return make_ready(d, hold_context(d, queue, err), err);
 }
 
-// A driver's thread lets go of a command, and with it of the queue, a moment
-// after the command is over. PoCL 3.1 reads the device then, which must not be
-// gone by that time. Bounded, for a driver may count otherwise.
-static void wait_until_alone(cl_command_queue queue)
+// A driver's thread lets go of a command, and with it of the queue, a moment after the command is
+// over, and PoCL reads the device then. Returns whether that is done. Bounded, for a caller's
+// buffer holds the last command that used it.
+static bool wait_until_alone(cl_command_queue queue)
 {
     const struct timespec moment = {.tv_nsec = 50000};
     cl_uint users = 1;
@@ -264,9 +264,10 @@ static void wait_until_alone(cl_command_queue queue)
         if (clGetCommandQueueInfo(queue, CL_QUEUE_REFERENCE_COUNT, sizeof users, &users, NULL) !=
                 CL_SUCCESS ||
             users <= 1)
-            return;
+            return true;
         nanosleep(&moment, NULL);
     }
+    return false;
 }
 
 static void release_queue(cl_command_queue queue)
@@ -281,9 +282,10 @@ void device_close(device *d)
 {
     program_pool_close(d->built);
     const cl_command_queue queues[] = {d->queue, d->beside};
+    bool is_alone = true;
     for (int i = 0; i < 2; ++i) {
         if (queues[i] && d->info.host_memory)
-            wait_until_alone(queues[i]);
+            is_alone &= wait_until_alone(queues[i]);
         release_queue(queues[i]);
     }
     release_queue(d->callers);
@@ -292,7 +294,8 @@ void device_close(device *d)
         device_object_gone();
     }
     if (d->owns_part) {
-        clReleaseDevice(d->id);
+        if (is_alone) // a part that may still be read lasts as long as the process
+            clReleaseDevice(d->id);
         device_object_gone();
     }
     *d = (device){0};
