@@ -19,6 +19,7 @@
 static const double LOST = 0.05;      // part of a launch that may be lost
 static const double WANTS = 0.2;      // part for which a thread that matters wants a core
 static const double FEW_CORES = 0.15; // share that a system's own programs take at rest
+static const double ALL_CORES = 0.9;  // part of the cores that is as good as all
 
 typedef struct thread_row {
     int id;
@@ -203,12 +204,22 @@ static uint64_t least(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
+// Whether more threads of this process wanted a core than there are, so that they waited for each
+// other. Until other programs were looked at, that is believed of a launch that had the cores.
+static bool waits_for_itself(const core_watch *w, uint32_t wanting, uint64_t ran_ns, uint64_t ns)
+{
+    bool looked = w->last.at_ns > w->first.at_ns;
+    bool crowded = looked ? w->others.is_crowded
+                          : (double)ran_ns < ALL_CORES * w->others.of * (double)ns;
+    return !crowded && wanting > w->others.of;
+}
+
 core_use core_watch_stop(core_watch *w)
 {
     core_use use = {0};
     if (!w)
         return use;
-    uint64_t ns = clock_steady_ns() - w->begun_ns, busiest_ns = 0;
+    uint64_t ns = clock_steady_ns() - w->begun_ns, busiest_ns = 0, ran_ns = 0;
     uint32_t wanting = 0; // threads that wanted a core for long
     // The system's table is behind for a thread that runs, as this one does.
     uint64_t caller_ns = clock_thread_ns() - w->caller_ns;
@@ -218,6 +229,7 @@ core_use core_watch_stop(core_watch *w)
     for (uint32_t i = 0; i < w->after.n; ++i) {
         thread_row row = difference(&w->before, &w->after.rows[i]);
         use.wait_ns = row.waited_ns > use.wait_ns ? row.waited_ns : use.wait_ns;
+        ran_ns += row.ran_ns;
         wanting += (double)(row.ran_ns + row.waited_ns) > WANTS * (double)ns;
         if (row.id != caller && row.ran_ns > busiest_ns)
             busiest_ns = row.ran_ns;
@@ -225,8 +237,8 @@ core_use core_watch_stop(core_watch *w)
     use.cpu_ns = caller_ns + busiest_ns;
     use.lost_ns = least(use.wait_ns, ns - least(use.cpu_ns, ns));
     look_at_others(w);
-    bool own = !w->others.is_crowded && wanting > w->others.of;
-    use.disturbed = !own && (double)use.lost_ns > LOST * (double)ns;
+    use.disturbed = (double)use.lost_ns > LOST * (double)ns &&
+                    !waits_for_itself(w, wanting, ran_ns, ns);
     ++w->tally.launches;
     w->tally.disturbed += use.disturbed;
     return use;

@@ -80,6 +80,28 @@ TEST(a_program_on_the_same_core_disturbs_a_launch)
     sched_setaffinity(0, sizeof all, &all);
 }
 
+// What other programs have is known only after a while, and the launch has more threads than cores.
+TEST(a_program_disturbs_the_first_launch_too)
+{
+    cpu_set_t all = keep_one_core();
+    pid_t burner = burn();
+    core_watch *w = core_watch_open();
+    pthread_t other;
+    uint64_t ns = 10000000, longer = 100000000;
+    core_watch_start(w);
+    assert_int_equal(pthread_create(&other, NULL, work, &longer), 0);
+    work(&ns);
+    core_use use = core_watch_stop(w);
+    pthread_join(other, NULL);
+    kill(burner, SIGKILL);
+    waitpid(burner, NULL, 0);
+    sched_setaffinity(0, sizeof all, &all);
+    core_watch_close(w);
+    if (!w)
+        skip();
+    assert_true(use.disturbed);
+}
+
 // It is not on the way of the launch.
 TEST(a_thread_that_waits_while_another_works_loses_nothing)
 {
