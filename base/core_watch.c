@@ -209,8 +209,8 @@ static uint64_t least(uint64_t a, uint64_t b)
 static bool waits_for_itself(const core_watch *w, uint32_t wanting, uint64_t ran_ns, uint64_t ns)
 {
     bool looked = w->last.at_ns > w->first.at_ns;
-    bool crowded = looked ? w->others.is_crowded
-                          : (double)ran_ns < ALL_CORES * w->others.of * (double)ns;
+    bool crowded =
+        looked ? w->others.is_crowded : (double)ran_ns < ALL_CORES * w->others.of * (double)ns;
     return !crowded && wanting > w->others.of;
 }
 
@@ -237,8 +237,8 @@ core_use core_watch_stop(core_watch *w)
     use.cpu_ns = caller_ns + busiest_ns;
     use.lost_ns = least(use.wait_ns, ns - least(use.cpu_ns, ns));
     look_at_others(w);
-    use.disturbed = (double)use.lost_ns > LOST * (double)ns &&
-                    !waits_for_itself(w, wanting, ran_ns, ns);
+    use.disturbed =
+        (double)use.lost_ns > LOST * (double)ns && !waits_for_itself(w, wanting, ran_ns, ns);
     ++w->tally.launches;
     w->tally.disturbed += use.disturbed;
     return use;
