@@ -10,8 +10,7 @@
 
 // ---------------------------------------------------------------- what is supported
 
-static const uint32_t unsupported =
-    DUET_EFFECT_EVENTS | DUET_EFFECT_SENSORS | DUET_EFFECT_SHOCKS | DUET_EFFECT_DEPENETRATION;
+static const uint32_t unsupported = DUET_EFFECT_DEPENETRATION;
 
 static bool check_effects(const duet_motion *motion, const char *scene, duet_error *own)
 {
@@ -21,9 +20,8 @@ static bool check_effects(const duet_motion *motion, const char *scene, duet_err
     for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
         if (refused & bit)
             return error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                             "%s: the effect %s is not for several domains yet; expected none of "
-                             "events, sensors, shocks, depenetration, and no contact "
-                             "without response",
+                             "%s: the effect %s is not for several domains yet; expected no "
+                             "depenetration, and no contact without response",
                              scene, duet_effect_name(bit));
     return true;
 }
@@ -90,7 +88,8 @@ static void divide_contacts(moving *m, item_list *contacts, duet_error *own)
     uint64_t kept = 0;
     if (!moving_pushes(m))
         return;
-    moving_read_contacts(m, first, contacts, own);
+    if (domain_note_touching(first->motion, own))
+        moving_read_contacts(m, first, contacts, own);
     for (uint64_t i = 0; is_well(own) && !contacts->failed && i < contacts->n; ++i) {
         const moving_contact *c = moving_contact_at(m, contacts, i);
         if (c->domain / m->parts == (uint32_t)m->ranks->self)
@@ -197,6 +196,7 @@ void moving_end(moving *m)
     }
     free(m->domains);
     halo_end(&m->halo);
+    moving_events_end(&m->events);
     bisection_end(&m->cuts);
     duet_scene_destroy(m->scene);
     free(m);

@@ -12,18 +12,20 @@ typedef LIST_OF(waiting_contact, contacts) waiting_list;
 
 // ---------------------------------------------------------------- one domain
 
-// Whether the contact changes a body that is awake, and the domain owns an end that moves.
+// Whether the contact changes a body that is awake, and the domain owns an end that acts. Sensors
+// push nothing.
 static bool pushes(const moving *m, const moving_domain *d, const domain_contacts *c, uint32_t i,
                    const cl_uint *asleep)
 {
-    bool decides = false, is_awake = false;
+    bool decides = false, is_awake = false, is_sensor = false;
     for (int k = 0; k < 2; ++k) {
         uint32_t place = c->links[i].s[k];
         const moving_body *b = moving_body_or_wall(m, d, place);
         decides = decides || (b && moving_decides(d, b));
+        is_sensor = is_sensor || (b && b->body.sensor);
         is_awake = is_awake || (b && b->body.mass > 0.0f && !(asleep[place] & SLEEPS));
     }
-    return decides && is_awake && (c->touches[i] & TOUCH_POINTS) > 0;
+    return decides && is_awake && !is_sensor && (c->touches[i] & TOUCH_POINTS) > 0;
 }
 
 // A contact keeps its colour while it pushes.

@@ -4,8 +4,8 @@
 // Invariants:
 //   - Each body is one domain's own. Domain d is of rank d / parts, and the box that holds the
 //     body's centre between two steps is its own domain's.
-//   - A domain has, as ghosts, all bodies of others whose bounds meet those of its own that move.
-//     So all contacts of its own bodies that move are there, and right.
+//   - A domain has, as ghosts, all bodies of others whose bounds meet those of its own that act:
+//     that move, or are sensors. So all contacts of its own bodies that act are there, and right.
 //   - A ghost has its own domain's bits, at the step's beginning and after each colour.
 //   - Ids ascend with places in each domain, so nothing that decides a bit depends on borders.
 #ifndef CLUSTER_MOVING_DOMAINS_H
@@ -15,6 +15,7 @@
 #include "cluster/halo.h"
 #include "cluster/list.h"
 #include "cluster/moving.h"
+#include "cluster/moving_events.h"
 #include "runtime/dynamics/domain_motion.h"
 
 // A body as it travels. Its state (domain_state_bytes) lies behind.
@@ -32,6 +33,7 @@ typedef struct moving_contact {
     uint32_t domain;
     uint32_t owner, other; // ids; n_all + k for what never moves
     uint32_t touch, colour;
+    uint32_t told; // 1: it touches, and events tell of it
 } moving_contact;
 
 typedef struct moving_domain {
@@ -53,6 +55,7 @@ struct moving {
     bisection cuts;
     moving_domain *domains; // [parts]
     halo halo;
+    moving_events events;
     uint64_t n_ghosts;   // of this rank
     uint64_t next_cut;   // the first step after which the world may be cut anew
     double most_own;     // bodies of the domain that owns most
@@ -81,10 +84,16 @@ static inline bool moving_is_own(const moving_domain *d, const moving_body *b)
     return b->own == d->number;
 }
 
-// Whether it is the domain's own and moves: then its contacts are right there.
+// Whether it has contacts with what does not.
+static inline bool moving_acts(const moving_body *b)
+{
+    return b->body.mass > 0.0f || b->body.sensor;
+}
+
+// Whether it is the domain's own and acts: then its contacts are right there.
 static inline bool moving_decides(const moving_domain *d, const moving_body *b)
 {
-    return b->own == d->number && b->body.mass > 0.0f;
+    return b->own == d->number && moving_acts(b);
 }
 
 // Returns the body at a place; NULL: a wall, or the ground.

@@ -89,7 +89,8 @@ static bool migrate(moving *m, duet_error *own)
 
 // ---------------------------------------------------------------- ghosts
 
-// The bounds of a domain's own bodies that move: only these have contacts that change something.
+// The bounds of a domain's own bodies that act: only these have contacts that change or tell
+// something.
 static extent reach_of(const moving *m, const moving_domain *d)
 {
     extent reach = extent_none;
@@ -97,7 +98,7 @@ static extent reach_of(const moving *m, const moving_domain *d)
         const moving_body *b = moving_body_at(m, &d->bodies, i);
         const double lower[3] = {b->bounds[0], b->bounds[1], b->bounds[2]};
         const double upper[3] = {b->bounds[3], b->bounds[4], b->bounds[5]};
-        if (!(b->body.mass > 0.0f))
+        if (!moving_acts(b))
             continue;
         extent_add(&reach, lower);
         extent_add(&reach, upper);

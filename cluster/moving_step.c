@@ -37,7 +37,7 @@ typedef struct contact_row {
 
 // A contact goes to the domains that own its ends next, of which this one knows those of its own.
 static void add_contact(moving *m, const moving_domain *d, const domain_contacts *from, uint32_t i,
-                        item_list *contacts)
+                        bool is_told, item_list *contacts)
 {
     const size_t record = m->contact_bytes - sizeof(moving_contact);
     const uint32_t *ends = from->links[i].s;
@@ -45,7 +45,8 @@ static void add_contact(moving *m, const moving_domain *d, const domain_contacts
                                 .owner = moving_id(m, d, ends[0]),
                                 .other = moving_id(m, d, ends[1]),
                                 .touch = from->touches[i],
-                                .colour = from->colours[i]}};
+                                .colour = from->colours[i],
+                                .told = is_told}};
     memcpy(row.record, (const char *)from->records + i * record, record);
     for (int k = 0; k < 2; ++k) {
         const moving_body *b = moving_body_or_wall(m, d, ends[k]);
@@ -62,20 +63,28 @@ void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts
     domain_contacts all;
     if (!domain_read_contacts(d->motion, true, &all, own))
         return;
-    for (uint32_t i = 0; i < all.n; ++i)
-        add_contact(m, d, &all, i, contacts);
+    uint8_t *told = malloc(all.n + 1);
+    if (!told)
+        error_set(own, DUET_STATUS_NO_MEMORY, "%u contacts: no memory", all.n);
+    else if (domain_read_told(d->motion, told, own))
+        moving_add_touching(m, d, &all, told, own);
+    for (uint32_t i = 0; is_well(own) && i < all.n; ++i)
+        add_contact(m, d, &all, i, told[i], contacts);
+    free(told);
     domain_contacts_free(&all);
 }
 
 // The domains that contacts go to follow from where bodies are, and from the borders.
 static bool read_all(moving *m, item_list *contacts, duet_error *own)
 {
+    moving_begin_events(m, own);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         moving_read_bodies(m, &m->domains[k], own);
     if (moving_cut_is_due(m) && !moving_cut(m, own))
         return false;
     for (uint32_t k = 0; is_well(own) && moving_pushes(m) && k < m->parts; ++k)
         moving_read_contacts(m, &m->domains[k], contacts, own);
+    moving_find_events(m, own);
     return true;
 }
 
@@ -89,12 +98,15 @@ static void each(moving *m, domain_stage *stage, duet_error *own)
         stage(m->domains[k].motion, own);
 }
 
-// A pass does one of these to the contacts of a colour, or to one of those that are solved in order.
-typedef enum solve_pass { SOLVE_SOFT, SOLVE_RELAX, SOLVE_RESTORE } solve_pass;
+// A pass does one of these to the contacts of a colour, or to one of those that are solved in
+// order.
+typedef enum solve_pass { SOLVE_SHOCKS, SOLVE_SOFT, SOLVE_RELAX, SOLVE_RESTORE } solve_pass;
 
 static void solve_colour(duet_motion *motion, uint32_t colour, solve_pass pass, duet_error *own)
 {
-    if (pass == SOLVE_RESTORE)
+    if (pass == SOLVE_SHOCKS)
+        domain_shock_colour(motion, colour, own);
+    else if (pass == SOLVE_RESTORE)
         domain_restore_colour(motion, colour, own);
     else
         domain_solve_colour(motion, colour, pass == SOLVE_SOFT, own);
@@ -102,7 +114,9 @@ static void solve_colour(duet_motion *motion, uint32_t colour, solve_pass pass, 
 
 static void solve_one(duet_motion *motion, uint32_t i, solve_pass pass, duet_error *own)
 {
-    if (pass == SOLVE_RESTORE)
+    if (pass == SOLVE_SHOCKS)
+        domain_shock_in_order(motion, i, own);
+    else if (pass == SOLVE_RESTORE)
         domain_restore_in_order(motion, i, own);
     else
         domain_solve_in_order(motion, i, pass == SOLVE_SOFT, own);
@@ -138,17 +152,55 @@ static void solve(moving *m, solve_pass pass, duet_error *own)
         solve_in_order(m, pass, own);
 }
 
+static bool has_shocks(const moving *m)
+{
+    const duet_motion *motion = m->domains[0].motion;
+    return (motion->effects & DUET_EFFECT_SHOCKS) && motion->facts.elastic;
+}
+
+// Sweeps go on while something bounced in any domain.
+static bool solve_shocks(moving *m, duet_error *own)
+{
+    tally t = {.sums = {has_shocks(m)}};
+    for (int i = 0; t.sums[0] > 0 && i < SHOCK_SWEEPS; ++i) {
+        solve(m, SOLVE_SHOCKS, own);
+        t = (tally){0};
+        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
+            bool bounced = false;
+            domain_end_sweep(m->domains[k].motion, &bounced, own);
+            t.sums[0] += bounced;
+        }
+        if (!ranks_agree_and(m->ranks, is_well(own), &t, own))
+            return false;
+    }
+    return true;
+}
+
 // The ghosts' velocities and positions change as their owners' do.
-static void substep(moving *m, duet_error *own)
+static bool substep(moving *m, duet_error *own)
 {
     each(m, domain_integrate_velocities, own);
+    if (!solve_shocks(m, own))
+        return false;
     solve(m, SOLVE_SOFT, own);
     each(m, domain_integrate_positions, own);
     solve(m, SOLVE_RELAX, own);
+    return true;
 }
 
-// Finds what wakes and what falls asleep among the bodies that a domain owns, and tells others: rests
-// before bodies look at those that they touch, and then which of them sleep.
+// Shocks have given back all speed.
+static bool run_substeps(moving *m, duet_error *own)
+{
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < m->domains[0].motion->def.substeps; ++i)
+        ok = substep(m, own);
+    if (ok && m->domains[0].motion->facts.elastic && !has_shocks(m))
+        solve(m, SOLVE_RESTORE, own);
+    return ok;
+}
+
+// Finds what wakes and what falls asleep among the bodies that a domain owns, and tells others:
+// rests before bodies look at those that they touch, and then which of them sleep.
 static bool update_sleep(moving *m, tally *t, duet_error *own)
 {
     *t = (tally){0};
@@ -189,10 +241,8 @@ static bool respond(moving *m, duet_error *own)
         return false;
     each(m, domain_prepare_contacts, own);
     halo_exchange(&m->halo, m, BODIES, own);
-    for (uint32_t i = 0; i < m->domains[0].motion->def.substeps; ++i)
-        substep(m, own);
-    if (m->domains[0].motion->facts.elastic)
-        solve(m, SOLVE_RESTORE, own);
+    if (!run_substeps(m, own))
+        return false;
     each(m, domain_finalize, own);
     if (t.sums[1] > 0)
         push_sleepers(m, own);

@@ -40,6 +40,16 @@ bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n);
 // Reads contacts, which the caller frees.
 bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c, duet_error *err);
 
+// With events: sends for what touches, of contacts that were loaded, as domain_finalize does in a
+// step.
+bool domain_note_touching(duet_motion *m, duet_error *err);
+bool domain_note_events(duet_motion *m, duet_error *err); // of both
+
+// Finds which contacts, by rows, touch and are told: told [n_contacts], 0 for all without events;
+// and, after a step, this motion's hits, which last until the next one.
+bool domain_read_told(duet_motion *m, uint8_t *told, duet_error *err);
+bool domain_read_hits(duet_motion *m, const duet_hit_event **hits, size_t *n, duet_error *err);
+
 // Replaces all bodies, and the contacts that they had in the last step.
 bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
                            const char *states, uint32_t n, const domain_contacts *c,
@@ -80,7 +90,13 @@ bool domain_solve_colour(duet_motion *m, uint32_t colour, bool soft, duet_error 
 bool domain_solve_in_order(duet_motion *m, uint32_t i, bool soft, duet_error *err);
 bool domain_integrate_positions(duet_motion *m, duet_error *err);
 
-// After all substeps: restitution of each colour; impulses and bodies as they are kept.
+// With shocks, before the contacts of a substep: sweeps of all colours, up to SHOCK_SWEEPS, until
+// none in any domain bounced.
+bool domain_shock_colour(duet_motion *m, uint32_t colour, duet_error *err);
+bool domain_shock_in_order(duet_motion *m, uint32_t i, duet_error *err);
+bool domain_end_sweep(duet_motion *m, bool *bounced, duet_error *err);
+
+// After all substeps: restitution of each colour; impulses, events and bodies as they are kept.
 bool domain_restore_colour(duet_motion *m, uint32_t colour, duet_error *err);
 bool domain_restore_in_order(duet_motion *m, uint32_t i, duet_error *err);
 bool domain_finalize(duet_motion *m, duet_error *err);

@@ -350,6 +350,12 @@ bool domain_begin_step(duet_motion *m, duet_error *err)
                          ensure(m, PRODUCT_AWAKE, err) && domain_find_manifolds(m, err));
 }
 
+bool domain_note_touching(duet_motion *m, duet_error *err)
+{
+    set_args(m);
+    return domain_note_events(m, err);
+}
+
 bool domain_make_rows(duet_motion *m, duet_error *err)
 {
     set_args(m);

@@ -295,9 +295,6 @@ static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
     return for_colours(m, m->kernels.solve_contacts, err);
 }
 
-// A row of so many bodies hands an impact on from end to end.
-enum { SHOCK_SWEEPS = 16 };
-
 // The first sweep looks at all contacts, and the others go on while something bounced.
 static bool solve_shocks(duet_motion *m, duet_error *err)
 {
@@ -496,6 +493,27 @@ bool domain_solve_colour(duet_motion *m, uint32_t colour, bool soft, duet_error 
     return launch_one(m, m->kernels.solve_contacts, colour, err);
 }
 
+// No sweep of a domain knows whether it is the last one.
+bool domain_shock_colour(duet_motion *m, uint32_t colour, duet_error *err)
+{
+    m->solver.first_sweep = m->solver.sweep;
+    return launch_one(m, m->kernels.solve_shocks, colour, err);
+}
+
+bool domain_shock_in_order(duet_motion *m, uint32_t i, duet_error *err)
+{
+    m->solver.first_sweep = m->solver.sweep;
+    return launch_in_order(m, m->kernels.solve_shocks, i, err);
+}
+
+bool domain_end_sweep(duet_motion *m, bool *bounced, duet_error *err)
+{
+    cl_uint last = 0, sweep = m->solver.sweep++;
+    bool ok = m->n == 0 || motion_fetch(m, "solve_contacts", SHOCKED, 0, &last, sizeof last, err);
+    *bounced = m->n > 0 && last == sweep;
+    return ok;
+}
+
 bool domain_restore_colour(duet_motion *m, uint32_t colour, duet_error *err)
 {
     return launch_one(m, m->kernels.apply_restitution, colour, err);
@@ -503,6 +521,6 @@ bool domain_restore_colour(duet_motion *m, uint32_t colour, duet_error *err)
 
 bool domain_finalize(duet_motion *m, duet_error *err)
 {
-    return m->n == 0 || (store_impulses(m, err) &&
+    return m->n == 0 || (store_impulses(m, err) && domain_note_events(m, err) &&
                          motion_launch(m, "integrate", m->kernels.finalize_bodies, m->n, err));
 }
