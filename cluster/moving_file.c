@@ -66,7 +66,7 @@ static void save_all(moving *m, const char *path, const parcels *bodies, const p
         return;
     whole.motion->step = m->counts.step;
     moving_replace(m, &whole, own);
-    if (is_well(own) && domain_settle_rows(whole.motion, own))
+    if (is_well(own) && domain_make_bounds(whole.motion, own) && domain_lay_rows(whole.motion, own))
         duet_motion_save(whole.motion, path, own);
     duet_motion_destroy(whole.motion);
 }

@@ -55,10 +55,11 @@ bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_bo
                            const char *states, uint32_t n, const domain_contacts *c,
                            duet_error *err);
 
-// Makes the rows of where the bodies are, which take over what contacts had, and clears what
-// records do not say: then two motions of the same bodies and contacts have the same bytes.
-bool domain_settle_rows(duet_motion *m, duet_error *err);
-bool domain_make_rows(duet_motion *m, duet_error *err); // of it
+// Makes bounds of where bodies are, and rows of the contacts that they were replaced with, as if the
+// last step had made them: then two motions of the same bodies and contacts are saved as the same
+// bytes.
+bool domain_make_bounds(duet_motion *m, duet_error *err);
+bool domain_lay_rows(duet_motion *m, duet_error *err);
 
 // Forgets what commands left behind; false if some still acts: a place without a body, or a push.
 bool domain_forget_commands(duet_motion *m);

@@ -253,9 +253,9 @@ bool domain_read_hits(duet_motion *m, const duet_hit_event **hits, size_t *n, du
 {
     motion_events *e = &m->told;
     *n = 0;
-    if (!motion_tells_hits(m))
+    if (!motion_tells_hits(m) || m->n == 0)
         return true;
-    if (!domain_read_flags(m, err))
+    if (!motion_read_flags(m, err))
         return false;
     size_t most = m->flags[FLAG_EVENTS];
     bool ok = pair_list_grow((void **)&e->hits, &e->hit_capacity, most, sizeof *e->hits, err) &&

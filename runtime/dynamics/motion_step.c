@@ -356,10 +356,12 @@ bool domain_note_touching(duet_motion *m, duet_error *err)
     return domain_note_events(m, err);
 }
 
-bool domain_make_rows(duet_motion *m, duet_error *err)
+bool domain_make_bounds(duet_motion *m, duet_error *err)
 {
     set_args(m);
-    return ensure(m, PRODUCT_ROWS, err) && timeline_finish(&m->times, err);
+    return m->n == 0 || !m->kernels.compute_fat_aabbs ||
+           (motion_launch(m, "fat_aabbs", m->kernels.compute_fat_aabbs, m->n, err) &&
+            timeline_finish(&m->times, err));
 }
 
 bool domain_read_flags(duet_motion *m, duet_error *err)
