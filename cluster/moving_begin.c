@@ -39,14 +39,11 @@ static bool check_scene(const duet_scene_info *info, duet_error *own)
 
 // ---------------------------------------------------------------- motions
 
-// Skins change no bits, and bounds are made in each step, when ghosts are chosen.
 static duet_motion_def def_of(const duet_scene *scene, const moving_start *start)
 {
     duet_motion_def def = duet_scene_motion_def(scene, start->pair);
     if (start->plan)
         def.plan = *start->plan;
-    def.skin = 0.0;
-    def.wants &= ~DUET_EFFECT_SKIN;
     return def;
 }
 

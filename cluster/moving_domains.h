@@ -2,10 +2,11 @@
 // The domains among which a scene's bodies are divided.
 //
 // Invariants:
-//   - Each body is one domain's own. Domain d is of rank d / parts, and the box that holds the
-//     body's centre between two steps is its own domain's.
-//   - A domain has, as ghosts, all bodies of others whose bounds meet those of its own that move.
-//     So all contacts of its own bodies that move are there, and right.
+//   - Each body is one domain's own. Domain d is of rank d / parts, and the box that held the
+//     body's centre when bodies were last exchanged is its own domain's.
+//   - A domain has, as ghosts, all bodies of others whose bounds then met those of its own that
+//     move. Bodies are exchanged before one that has left its bounds takes a step. So all contacts
+//     of its own bodies that move are there, and right.
 //   - A ghost has its own domain's bits, at the step's beginning and after each colour.
 //   - Ids ascend with places in each domain, so nothing that decides a bit depends on borders.
 #ifndef CLUSTER_MOVING_DOMAINS_H
@@ -116,6 +117,9 @@ static inline bool moving_pushes(const moving *m)
 
 // Reads what a step made of a domain's bodies; not collective.
 void moving_read_bodies(moving *m, moving_domain *d, duet_error *own);
+
+// Reads all domains' bodies and contacts, and exchanges them. Collective.
+bool moving_settle(moving *m, duet_error *own);
 
 // Brings own bodies, then contacts and ghosts, to their domains, and replaces all motions' bodies.
 bool moving_exchange(moving *m, item_list *contacts, duet_error *own);

@@ -57,13 +57,15 @@ static void add_contact(moving *m, const moving_domain *d, const domain_contacts
     }
 }
 
+// What does not touch has nothing to keep.
 void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own)
 {
     domain_contacts all;
     if (!domain_read_contacts(d->motion, true, &all, own))
         return;
     for (uint32_t i = 0; i < all.n; ++i)
-        add_contact(m, d, &all, i, contacts);
+        if (all.touches[i] & TOUCH_POINTS)
+            add_contact(m, d, &all, i, contacts);
     domain_contacts_free(&all);
 }
 
@@ -206,12 +208,42 @@ static bool fly(moving *m, duet_error *own)
     return true;
 }
 
-bool moving_step(moving *m, duet_error *own)
+bool moving_settle(moving *m, duet_error *own)
 {
     item_list contacts = {0};
-    bool ok = moving_pushes(m) ? respond(m, own) : fly(m, own);
-    ok = ok && read_all(m, &contacts, own) && moving_exchange(m, &contacts, own);
+    bool ok = read_all(m, &contacts, own) && moving_exchange(m, &contacts, own);
     free(contacts.items);
+    return ok;
+}
+
+// While no body has left its bounds, all that a domain's bodies may touch is there. All ranks know
+// whether one has.
+static bool settle_where_due(moving *m, duet_error *own)
+{
+    tally t = {.sums = {0}};
+    for (uint32_t k = 0; k < m->parts; ++k)
+        t.sums[0] += !domain_is_bounded(m->domains[k].motion);
+    if (!ranks_agree_and(m->ranks, is_well(own), &t, own))
+        return false;
+    return (t.sums[0] == 0 && !moving_cut_is_due(m)) || moving_settle(m, own);
+}
+
+// The only domain's bodies are a motion of their own.
+static bool step_alone(moving *m, duet_error *own)
+{
+    duet_motion_result result;
+    if (!is_well(own) || !duet_motion_advance(m->domains[0].motion, &result, own))
+        return false;
+    m->counts.contacts = result.contacts;
+    m->counts.colours = result.colours;
+    return true;
+}
+
+bool moving_step(moving *m, duet_error *own)
+{
+    bool ok = m->n_domains == 1
+                  ? step_alone(m, own)
+                  : (moving_pushes(m) ? respond(m, own) : fly(m, own)) && settle_where_due(m, own);
     m->counts.step += ok;
     return ok;
 }

@@ -91,4 +91,8 @@ bool domain_move_sleepers(duet_motion *m, duet_error *err);
 
 bool domain_end_step(duet_motion *m, duet_error *err);
 
+// Whether all bodies are within the bounds that pairs were searched by: then the next step needs no
+// others.
+bool domain_is_bounded(const duet_motion *m);
+
 #endif

@@ -362,9 +362,23 @@ bool domain_read_flags(duet_motion *m, duet_error *err)
     return m->n == 0 || motion_read_flags(m, err);
 }
 
+static bool check_bounds(duet_motion *m, duet_error *err)
+{
+    if (!motion_check_bounds(m, true, err) || !motion_read_flags(m, err))
+        return false;
+    motion_note_bounds(m);
+    return true;
+}
+
 bool domain_end_step(duet_motion *m, duet_error *err)
 {
     ++m->step;
     products_move_bodies(&m->products);
-    return timeline_finish(&m->times, err);
+    return (m->n == 0 || !m->kernels.check_fat_aabbs || check_bounds(m, err)) &&
+           timeline_finish(&m->times, err);
+}
+
+bool domain_is_bounded(const duet_motion *m)
+{
+    return m->n == 0 || !pushes(m) || product_is_right(&m->products, PRODUCT_BOUNDS);
 }
