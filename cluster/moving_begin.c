@@ -190,6 +190,7 @@ void moving_end(moving *m)
         duet_motion_destroy(m->domains[k].motion);
         free(m->domains[k].bodies.items);
         free(m->domains[k].contacts.items);
+        free(m->domains[k].used);
         free(m->domains[k].in_order.rows);
     }
     free(m->domains);

@@ -7,6 +7,25 @@
 
 // ---------------------------------------------------------------- what a step made
 
+// Ghosts are chosen by bounds that bodies stay in for about so many steps, so that pairs are
+// searched more often than bodies are exchanged.
+enum { STEPS_WITHIN = 8 };
+
+// Wider by the way of a body that keeps its velocity, and by the mean extent for one that does not.
+static void widen(const moving *m, moving_body *b)
+{
+    const duet_motion *motion = m->domains[0].motion;
+    double velocity[3];
+    moving_velocity(m, b, velocity);
+    for (int k = 0; k < 3; ++k) {
+        double way = STEPS_WITHIN * motion->def.dt * velocity[k];
+        b->bounds[k] -= (float)(motion->extent + greater(0, -way));
+        b->bounds[k + 3] += (float)(motion->extent + greater(0, way));
+    }
+    if (motion->def.dims == 2)
+        b->bounds[2] = b->bounds[5] = 0.0f;
+}
+
 void moving_read_bodies(moving *m, moving_domain *d, duet_error *own)
 {
     const size_t state = m->body_bytes - sizeof(moving_body), n = d->bodies.n;
@@ -19,10 +38,10 @@ void moving_read_bodies(moving *m, moving_domain *d, duet_error *own)
     for (uint64_t i = 0; ok && i < n; ++i) {
         moving_body *b = moving_body_at(m, &d->bodies, i);
         memcpy(moving_state(b), states + i * state, state);
-        if (moving_pushes(m))
-            memcpy(b->bounds, bounds + 6 * i, sizeof b->bounds);
-        if (d->motion->def.dims == 2)
-            b->bounds[2] = b->bounds[5] = 0.0f;
+        if (!moving_pushes(m))
+            continue;
+        memcpy(b->bounds, bounds + 6 * i, sizeof b->bounds);
+        widen(m, b);
     }
     free(states);
     free(bounds);
@@ -91,15 +110,17 @@ static void each(moving *m, domain_stage *stage, duet_error *own)
         stage(m->domains[k].motion, own);
 }
 
-// A pass does one of these to the contacts of a colour, or to one of those that are solved in order.
+// A pass does one of these to the contacts of a colour, or to one of those that are solved in
+// order.
 typedef enum solve_pass { SOLVE_SOFT, SOLVE_RELAX, SOLVE_RESTORE } solve_pass;
 
-static void solve_colour(duet_motion *motion, uint32_t colour, solve_pass pass, duet_error *own)
+static void solve_colours(duet_motion *motion, uint32_t from, uint32_t to, solve_pass pass,
+                          duet_error *own)
 {
     if (pass == SOLVE_RESTORE)
-        domain_restore_colour(motion, colour, own);
+        domain_restore_colours(motion, from, to, own);
     else
-        domain_solve_colour(motion, colour, pass == SOLVE_SOFT, own);
+        domain_solve_colours(motion, from, to, pass == SOLVE_SOFT, own);
 }
 
 static void solve_one(duet_motion *motion, uint32_t i, solve_pass pass, duet_error *own)
@@ -128,13 +149,23 @@ static void solve_in_order(moving *m, solve_pass pass, duet_error *own)
     free(taken);
 }
 
-// Domains that have no contact of a colour take part in its exchange.
+// Colours that leave no ghost of this rank wrong are solved together with the next one.
+static uint32_t end_of_colours(const moving *m, uint32_t from)
+{
+    uint32_t colours = m->counts.colours < HALO_COLOURS ? m->counts.colours : HALO_COLOURS;
+    uint32_t to = from + 1;
+    while (to < colours && !halo_has_wrong(&m->halo, to - 1))
+        ++to;
+    return to;
+}
+
 static void solve(moving *m, solve_pass pass, duet_error *own)
 {
-    for (uint32_t colour = 0; colour < m->counts.colours && colour < COLOUR_OVERFLOW; ++colour) {
+    for (uint32_t from = 0, to; from < m->counts.colours && from < COLOUR_OVERFLOW; from = to) {
+        to = end_of_colours(m, from);
         for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-            solve_colour(m->domains[k].motion, colour, pass, own);
-        halo_exchange(&m->halo, m, BODIES, own);
+            solve_colours(m->domains[k].motion, from, to, pass, own);
+        halo_exchange_after(&m->halo, m, to - 1, pass == SOLVE_RELAX, own);
     }
     if (m->n_in_order > 0)
         solve_in_order(m, pass, own);
@@ -149,8 +180,8 @@ static void substep(moving *m, duet_error *own)
     solve(m, SOLVE_RELAX, own);
 }
 
-// Finds what wakes and what falls asleep among the bodies that a domain owns, and tells others: rests
-// before bodies look at those that they touch, and then which of them sleep.
+// Finds what wakes and what falls asleep among the bodies that a domain owns, and tells others:
+// rests before bodies look at those that they touch, and then which of them sleep.
 static bool update_sleep(moving *m, tally *t, duet_error *own)
 {
     *t = (tally){0};
@@ -190,7 +221,7 @@ static bool respond(moving *m, duet_error *own)
     if (!update_sleep(m, &t, own) || !moving_colour(m, own))
         return false;
     each(m, domain_prepare_contacts, own);
-    halo_exchange(&m->halo, m, BODIES, own);
+    halo_exchange_after(&m->halo, m, HALO_ANY, true, own);
     for (uint32_t i = 0; i < m->domains[0].motion->def.substeps; ++i)
         substep(m, own);
     if (m->domains[0].motion->facts.elastic)
@@ -216,13 +247,38 @@ bool moving_settle(moving *m, duet_error *own)
     return ok;
 }
 
-// While no body has left its bounds, all that a domain's bodies may touch is there. All ranks know
-// whether one has.
+static bool is_within(const moving_body *b, const float bounds[6], uint32_t dims)
+{
+    bool within = true;
+    for (uint32_t k = 0; k < dims; ++k)
+        within = within && bounds[k] >= b->bounds[k] && bounds[k + 3] <= b->bounds[k + 3];
+    return within;
+}
+
+// Whether pairs that the next step searches are all among the domain's bodies.
+static bool has_all_pairs(const moving *m, const moving_domain *d, duet_error *own)
+{
+    bool within = true;
+    if (domain_is_bounded(d->motion))
+        return true;
+    float *bounds = malloc((6 * d->bodies.n + 1) * sizeof *bounds);
+    if (!bounds)
+        return error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of bodies: no memory");
+    within = domain_read_bounds(d->motion, bounds, own);
+    for (uint64_t i = 0; within && i < d->bodies.n; ++i) {
+        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        within = !moving_is_own(d, b) || is_within(b, bounds + 6 * i, m->def.dims);
+    }
+    free(bounds);
+    return within;
+}
+
+// All ranks know whether a body has left what ghosts were chosen by.
 static bool settle_where_due(moving *m, duet_error *own)
 {
     tally t = {.sums = {0}};
-    for (uint32_t k = 0; k < m->parts; ++k)
-        t.sums[0] += !domain_is_bounded(m->domains[k].motion);
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        t.sums[0] += !has_all_pairs(m, &m->domains[k], own);
     if (!ranks_agree_and(m->ranks, is_well(own), &t, own))
         return false;
     return (t.sums[0] == 0 && !moving_cut_is_due(m)) || moving_settle(m, own);
@@ -271,13 +327,24 @@ bool moving_hash(moving *m, uint64_t *hash, duet_error *own)
     return ok;
 }
 
-// A state begins with the centre.
-void moving_centre(const moving *m, const moving_body *b, double at[3])
+// Three reals of a state, from the first on.
+static void read_reals(const moving *m, const moving_body *b, int first, double at[3])
 {
     const void *state = b + 1;
     for (int k = 0; k < 3; ++k)
-        at[k] = m->domains[0].motion->def.doubles ? ((const double *)state)[k]
-                                                  : (double)((const float *)state)[k];
+        at[k] = m->domains[0].motion->def.doubles ? ((const double *)state)[first + k]
+                                                  : (double)((const float *)state)[first + k];
+}
+
+// A state begins with the centre and the velocity, each a vector of four.
+void moving_centre(const moving *m, const moving_body *b, double at[3])
+{
+    read_reals(m, b, 0, at);
+}
+
+void moving_velocity(const moving *m, const moving_body *b, double velocity[3])
+{
+    read_reals(m, b, 4, velocity);
 }
 
 uint32_t moving_domain_of(const moving *m, const moving_body *b)

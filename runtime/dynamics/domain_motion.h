@@ -73,15 +73,15 @@ bool domain_wake_touched(duet_motion *m, bool fell, duet_error *err);
 bool domain_take_colours(duet_motion *m, const cl_uint *colours, duet_error *err);
 bool domain_prepare_contacts(duet_motion *m, duet_error *err);
 
-// A substep: velocities, contacts of each colour as soft springs, positions, contacts relaxed.
+// A substep: velocities, contacts of colours [from, to) as soft springs, positions, contacts relaxed.
 // After the colours those of COLOUR_OVERFLOW come, of which the domain's i-th is one call.
 bool domain_integrate_velocities(duet_motion *m, duet_error *err);
-bool domain_solve_colour(duet_motion *m, uint32_t colour, bool soft, duet_error *err);
+bool domain_solve_colours(duet_motion *m, uint32_t from, uint32_t to, bool soft, duet_error *err);
 bool domain_solve_in_order(duet_motion *m, uint32_t i, bool soft, duet_error *err);
 bool domain_integrate_positions(duet_motion *m, duet_error *err);
 
-// After all substeps: restitution of each colour; impulses and bodies as they are kept.
-bool domain_restore_colour(duet_motion *m, uint32_t colour, duet_error *err);
+// After all substeps: restitution, likewise; impulses and bodies as they are kept.
+bool domain_restore_colours(duet_motion *m, uint32_t from, uint32_t to, duet_error *err);
 bool domain_restore_in_order(duet_motion *m, uint32_t i, duet_error *err);
 bool domain_finalize(duet_motion *m, duet_error *err);
 
@@ -91,8 +91,8 @@ bool domain_move_sleepers(duet_motion *m, duet_error *err);
 
 bool domain_end_step(duet_motion *m, duet_error *err);
 
-// Whether all bodies are within the bounds that pairs were searched by: then the next step needs no
-// others.
+// Whether all bodies are within the bounds that pairs were searched by, so that the next step searches
+// none.
 bool domain_is_bounded(const duet_motion *m);
 
 #endif

@@ -326,7 +326,7 @@ bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err)
 {
     set_args(m);
     return m->n == 0 ||
-           (motion_launch(m, "fat_aabbs", m->kernels.compute_fat_aabbs, m->n, err) &&
+           (ensure(m, PRODUCT_BOUNDS, err) &&
             motion_fetch(m, "fat_aabbs", BOXES, 0, bounds, m->n * 6 * sizeof *bounds, err));
 }
 

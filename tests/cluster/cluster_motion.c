@@ -183,8 +183,8 @@ static void a_giant_on_small_ones_has_one_motions_bits(void)
 
 // ---------------------------------------------------------------- other borders
 
-// Borders are cut at random, between most steps, so that bodies, with their contacts and their sleep,
-// change domains all the time.
+// Borders are cut at random, between most steps, so that bodies, with their contacts and their
+// sleep, change domains all the time.
 static void borders_change_nothing(uint64_t seed)
 {
     const moving_scene s = {"falling", {{"n", "90"}}, 1, 60, 0};
