@@ -33,6 +33,7 @@ void moving_read_bodies(moving *m, moving_domain *d, duet_error *own)
     float *bounds = malloc((6 * n + 1) * sizeof *bounds);
     if (!states || !bounds)
         error_set(own, DUET_STATUS_NO_MEMORY, "the states of %zu bodies: no memory", n);
+    domain_forget_bounds(d->motion); // others than those that the next step makes
     bool ok = is_well(own) && domain_read_states(d->motion, states, own) &&
               (!moving_pushes(m) || domain_read_bounds(d->motion, bounds, own));
     for (uint64_t i = 0; ok && i < n; ++i) {

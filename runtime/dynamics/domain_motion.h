@@ -24,9 +24,10 @@ void domain_contacts_free(domain_contacts *c);
 size_t domain_state_bytes(const duet_motion *m);
 
 // Reads the states of all bodies, [n][domain_state_bytes], and the bounds that the next step has,
-// [n][6].
+// [n][6]: those before it, while bodies are within them and they are not forgotten.
 bool domain_read_states(duet_motion *m, char *states, duet_error *err);
 bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err);
+void domain_forget_bounds(duet_motion *m);
 
 // Reads whether bodies sleep, [n] words as kernels have them; 0 for all without the effect.
 bool domain_read_asleep(duet_motion *m, cl_uint *asleep, duet_error *err);

@@ -322,6 +322,11 @@ bool duet_motion_advance_end(duet_motion *m, duet_motion_result *result, duet_er
 
 // ---------------------------------------------------------------- stage by stage
 
+void domain_forget_bounds(duet_motion *m)
+{
+    product_forget(&m->products, PRODUCT_BOUNDS);
+}
+
 bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err)
 {
     set_args(m);
@@ -341,10 +346,12 @@ bool domain_fly(duet_motion *m, duet_error *err)
            (motion_launch(m, "integrate", flight, m->n, err) && timeline_finish(&m->times, err));
 }
 
+// All bodies are gone over: what wakes one may be in another domain.
 bool domain_begin_step(duet_motion *m, duet_error *err)
 {
     timeline_begin_step(&m->times, m->device, m->step);
     m->products.before = m->products.last;
+    product_drop(&m->products, PRODUCT_AWAKE);
     set_args(m);
     return m->n == 0 || (motion_clear(m, "clear", FLAG_WORDS, 0, FLAGS, err) &&
                          ensure(m, PRODUCT_AWAKE, err) && domain_find_manifolds(m, err));
