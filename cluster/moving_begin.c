@@ -204,3 +204,17 @@ moving_counts moving_get_counts(const moving *m)
 {
     return m->counts;
 }
+
+duet_motion *moving_get_motion(const moving *m, uint32_t k)
+{
+    return m->domains[k].motion;
+}
+
+void moving_get_own_ids(const moving *m, uint32_t k, uint64_t *ids)
+{
+    const moving_domain *d = &m->domains[k];
+    for (uint64_t i = 0; i < d->bodies.n; ++i) {
+        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        ids[i] = moving_is_own(d, b) ? b->id : DUET_NO_BODY;
+    }
+}
