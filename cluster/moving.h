@@ -56,4 +56,9 @@ bool moving_save(moving *m, const char *path, duet_error *own);
 moving_counts moving_get_counts(const moving *m);
 moving_told moving_get_told(const moving *m);
 
+// A domain of this rank, k of its parts, for who reads it: the motion of its own bodies and of
+// others, and of each place the id of an own body, else DUET_NO_BODY. Not collective.
+duet_motion *moving_get_motion(const moving *m, uint32_t k);
+void moving_get_own_ids(const moving *m, uint32_t k, uint64_t *ids);
+
 #endif

@@ -37,14 +37,11 @@ static bool check_scene(const duet_scene_info *info, duet_error *own)
 
 // ---------------------------------------------------------------- motions
 
-// Skins change no bits, and bounds are made in each step, when ghosts are chosen.
 static duet_motion_def def_of(const duet_scene *scene, const moving_start *start)
 {
     duet_motion_def def = duet_scene_motion_def(scene, start->pair);
     if (start->plan)
         def.plan = *start->plan;
-    def.skin = 0.0;
-    def.wants &= ~DUET_EFFECT_SKIN;
     return def;
 }
 
@@ -88,8 +85,7 @@ static void divide_contacts(moving *m, item_list *contacts, duet_error *own)
     uint64_t kept = 0;
     if (!moving_pushes(m))
         return;
-    if (domain_note_touching(first->motion, own))
-        moving_read_contacts(m, first, contacts, own);
+    moving_read_contacts(m, first, contacts, own);
     for (uint64_t i = 0; is_well(own) && !contacts->failed && i < contacts->n; ++i) {
         const moving_contact *c = moving_contact_at(m, contacts, i);
         if (c->domain / m->parts == (uint32_t)m->ranks->self)
@@ -192,6 +188,7 @@ void moving_end(moving *m)
         duet_motion_destroy(m->domains[k].motion);
         free(m->domains[k].bodies.items);
         free(m->domains[k].contacts.items);
+        free(m->domains[k].used);
         free(m->domains[k].in_order.rows);
     }
     free(m->domains);
@@ -205,4 +202,18 @@ void moving_end(moving *m)
 moving_counts moving_get_counts(const moving *m)
 {
     return m->counts;
+}
+
+duet_motion *moving_get_motion(const moving *m, uint32_t k)
+{
+    return m->domains[k].motion;
+}
+
+void moving_get_own_ids(const moving *m, uint32_t k, uint64_t *ids)
+{
+    const moving_domain *d = &m->domains[k];
+    for (uint64_t i = 0; i < d->bodies.n; ++i) {
+        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        ids[i] = moving_is_own(d, b) ? b->id : DUET_NO_BODY;
+    }
 }

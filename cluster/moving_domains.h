@@ -2,10 +2,11 @@
 // The domains among which a scene's bodies are divided.
 //
 // Invariants:
-//   - Each body is one domain's own. Domain d is of rank d / parts, and the box that holds the
-//     body's centre between two steps is its own domain's.
-//   - A domain has, as ghosts, all bodies of others whose bounds meet those of its own that act:
-//     that move, or are sensors. So all contacts of its own bodies that act are there, and right.
+//   - Each body is one domain's own. Domain d is of rank d / parts, and the box that held the
+//     body's centre when bodies were last exchanged is its own domain's.
+//   - A domain has, as ghosts, all bodies of others whose bounds then met those of its own that
+//     act: that move, or are sensors. Bodies are exchanged before one that has left these bounds
+//     takes a step. So all contacts of its own bodies that act are there, and right.
 //   - A ghost has its own domain's bits, at the step's beginning and after each colour.
 //   - Ids ascend with places in each domain, so nothing that decides a bit depends on borders.
 #ifndef CLUSTER_MOVING_DOMAINS_H
@@ -23,8 +24,8 @@ typedef struct moving_body {
     uint32_t domain; // that it goes to
     uint32_t own;    // the domain whose own it is
     uint32_t id;
-    float bounds[6];
-    duet_pose pose; // as given
+    float bounds[6]; // that ghosts are chosen by
+    duet_pose pose;  // as given
     duet_body body;
 } moving_body;
 
@@ -42,6 +43,7 @@ typedef struct moving_domain {
     item_list bodies;   // ascending by id; the motion's, place by place
     item_list contacts; // ascending; what the next step begins with
     uint32_t n_own;
+    uint32_t *used;    // [bodies], a bit for each colour of the contacts that it has here
     row_list in_order; // its contacts of COLOUR_OVERFLOW: ascending places among those of all
 } moving_domain;
 
@@ -56,6 +58,7 @@ struct moving {
     moving_domain *domains; // [parts]
     halo halo;
     moving_events events;
+    moving_told told;
     uint64_t n_ghosts;   // of this rank
     uint64_t next_cut;   // the first step after which the world may be cut anew
     double most_own;     // bodies of the domain that owns most
@@ -110,6 +113,7 @@ static inline uint32_t moving_id(const moving *m, const moving_domain *d, uint32
 }
 
 void moving_centre(const moving *m, const moving_body *b, double at[3]);
+void moving_velocity(const moving *m, const moving_body *b, double velocity[3]);
 
 // Returns the domain whose box holds a body.
 uint32_t moving_domain_of(const moving *m, const moving_body *b);
@@ -125,6 +129,9 @@ static inline bool moving_pushes(const moving *m)
 
 // Reads what a step made of a domain's bodies; not collective.
 void moving_read_bodies(moving *m, moving_domain *d, duet_error *own);
+
+// Reads all domains' bodies and contacts, and exchanges them. Collective.
+bool moving_settle(moving *m, duet_error *own);
 
 // Brings own bodies, then contacts and ghosts, to their domains, and replaces all motions' bodies.
 bool moving_exchange(moving *m, item_list *contacts, duet_error *own);

@@ -37,26 +37,42 @@ static bool owns(const moving *m, const moving_domain *d, uint32_t place)
     return place != UINT32_MAX && moving_is_own(d, moving_body_at(m, &d->bodies, place));
 }
 
-void moving_begin_events(moving *m, duet_error *own)
+static bool tells(const moving *m)
 {
-    m->events.before.n = m->events.now.n = 0;
-    for (uint32_t k = 0; k < m->parts; ++k) {
-        const moving_domain *d = &m->domains[k];
-        for (uint64_t i = 0; is_well(own) && i < d->contacts.n; ++i) {
-            const moving_contact *c = moving_contact_at(m, &d->contacts, i);
-            if (c->told && owns(m, d, moving_place(m, d, c->owner)))
-                add_pair(m, &m->events.before, c->owner, c->other, own);
-        }
+    return m->domains[0].motion->effects & DUET_EFFECT_EVENTS;
+}
+
+static void add_told(moving *m, const moving_domain *d, duet_error *own)
+{
+    for (uint64_t i = 0; is_well(own) && i < d->contacts.n; ++i) {
+        const moving_contact *c = moving_contact_at(m, &d->contacts, i);
+        if (c->told && owns(m, d, moving_place(m, d, c->owner)))
+            add_pair(m, &m->events.now, c->owner, c->other, own);
     }
 }
 
-void moving_add_touching(moving *m, const moving_domain *d, const domain_contacts *c,
-                         const uint8_t *told, duet_error *own)
+void moving_note_touching(moving *m, duet_error *own)
 {
-    for (uint32_t i = 0; is_well(own) && i < c->n; ++i)
-        if (told[i] && owns(m, d, c->links[i].s[0]))
-            add_pair(m, &m->events.now, moving_id(m, d, c->links[i].s[0]),
-                     moving_id(m, d, c->links[i].s[1]), own);
+    m->events.now.n = 0;
+    if (tells(m) && m->n_domains == 1 && is_well(own))
+        domain_recall_touching(m->domains[0].motion, own);
+    for (uint32_t k = 0; tells(m) && k < m->parts; ++k)
+        add_told(m, &m->domains[k], own);
+}
+
+static void add_touching(moving *m, const moving_domain *d, duet_error *own)
+{
+    const motion_events *e = &d->motion->told;
+    uint8_t *told = malloc(d->motion->graph.n_contacts + 1);
+    if (!told)
+        error_set(own, DUET_STATUS_NO_MEMORY, "contacts that touch: no memory");
+    else if (domain_read_told(d->motion, told, own))
+        for (size_t i = 0; d->bodies.n > 0 && is_well(own) && i < e->links.n; ++i) {
+            duet_pair link = e->links.pairs[i];
+            if (told[i] && owns(m, d, link.a))
+                add_pair(m, &m->events.now, moving_id(m, d, link.a), moving_id(m, d, link.b), own);
+        }
+    free(told);
 }
 
 // ---------------------------------------------------------------- hits
@@ -88,24 +104,41 @@ static bool add_hits(moving *m, const moving_domain *d, duet_error *own)
 
 // ---------------------------------------------------------------- a step
 
-void moving_find_events(moving *m, duet_error *own)
+static void begin(moving_events *e)
 {
-    moving_events *e = &m->events;
-    e->n_hits = 0;
-    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-        add_hits(m, &m->domains[k], own);
-    qsort(e->hits, e->n_hits, sizeof *e->hits, compare_uint32_pair);
-    if (is_well(own) && pair_list_sort(&e->before, own) && pair_list_sort(&e->now, own))
-        pair_changes_find(&e->changes, &e->before, &e->now, own);
+    pair_list before = e->before;
+    e->before = e->now;
+    e->now = before;
+    e->now.n = e->n_hits = 0;
 }
 
-moving_told moving_get_told(const moving *m)
+static moving_told told_of(const moving_events *e)
 {
-    const moving_events *e = &m->events;
     return (moving_told){.events = e->changes.events,
                          .n_events = e->changes.n_events,
                          .stays = e->changes.stays.pairs,
                          .n_stays = e->changes.stays.n,
                          .hits = e->hits,
                          .n_hits = e->n_hits};
+}
+
+void moving_find_events(moving *m, duet_error *own)
+{
+    moving_events *e = &m->events;
+    if (!tells(m))
+        return;
+    begin(e);
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
+        add_touching(m, &m->domains[k], own);
+        add_hits(m, &m->domains[k], own);
+    }
+    qsort(e->hits, e->n_hits, sizeof *e->hits, compare_uint32_pair);
+    if (is_well(own) && pair_list_sort(&e->before, own) && pair_list_sort(&e->now, own))
+        pair_changes_find(&e->changes, &e->before, &e->now, own);
+    m->told = told_of(e);
+}
+
+moving_told moving_get_told(const moving *m)
+{
+    return m->told;
 }

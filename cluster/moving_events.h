@@ -16,19 +16,13 @@ typedef struct moving_events {
 } moving_events;
 
 struct moving;
-struct moving_domain;
-struct domain_contacts;
 
 void moving_events_end(moving_events *e);
 
-// Notes what touched when the step began, while all domains have the contacts that it began with.
-void moving_begin_events(struct moving *m, duet_error *own);
+// Notes what touches now, once bodies and contacts have changed domains.
+void moving_note_touching(struct moving *m, duet_error *own);
 
-// Adds a domain's contacts that touch now: told [c->n], as domain_read_told has it.
-void moving_add_touching(struct moving *m, const struct moving_domain *d,
-                         const struct domain_contacts *c, const uint8_t *told, duet_error *own);
-
-// Finds what changed, and what hit, before bodies change domains.
+// After a step, finds what touches now, what changed, and what hit.
 void moving_find_events(struct moving *m, duet_error *own);
 
 #endif

@@ -75,6 +75,8 @@ bool moving_save(moving *m, const char *path, duet_error *own)
 {
     item_list bodies = {0}, contacts = {0};
     parcels all_bodies = {0}, all_contacts = {0};
+    if (!moving_settle(m, own))
+        return false;
     list_own(m, &bodies, &contacts);
     bool ok = gather(m, &bodies, m->body_bytes, &all_bodies, own) &&
               gather(m, &contacts, m->contact_bytes, &all_contacts, own);

@@ -72,7 +72,7 @@ static void list_touching(duet_motion *m, const uint32_t *words)
 static bool fetch_bits(duet_motion *m, uint32_t *words, size_t n_words, duet_error *err)
 {
     motion_events *e = &m->told;
-    bool same = e->links_of == m->products.of[PRODUCT_ROWS].stamp;
+    bool same = e->links_of != 0 && e->links_of == m->products.of[PRODUCT_ROWS].stamp;
     e->links.n = m->graph.n_contacts;
     return (same ||
             fetch(m, LINKS, e->links.pairs, m->graph.n_contacts * sizeof *e->links.pairs, err)) &&
@@ -224,6 +224,11 @@ bool domain_note_events(duet_motion *m, duet_error *err)
     return m->n == 0 || motion_note_events(m, err);
 }
 
+bool domain_list_touching(duet_motion *m, duet_error *err)
+{
+    return m->n == 0 || !m->kernels.contact_events || fetch_touching(m, err);
+}
+
 static bool mark_told(duet_motion *m, uint32_t *words, size_t n_words, uint8_t *told,
                       duet_error *err)
 {
@@ -240,6 +245,7 @@ bool domain_read_told(duet_motion *m, uint8_t *told, duet_error *err)
 {
     size_t n = m->n > 0 ? m->graph.n_contacts : 0, n_words = (n + 31) / 32;
     memset(told, 0, n);
+    m->told.links.n = 0;
     if (!m->kernels.contact_events || n == 0)
         return true;
     uint32_t *words = malloc(n_words * sizeof *words);
