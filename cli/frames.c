@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "cli/frames.h"
 
-#include "base/error.h"
+#include "cli/frame_folder.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <string.h>
-#include <sys/stat.h>
-
-enum { FRAMES_A_SECOND = 30 };
 
 bool frames_format_named(const char *name, frames_format *format)
 {
@@ -30,9 +26,7 @@ bool frames_begin(frames *f, const char *folder, frames_format format, duet_moti
     f->pictures = pictures;
     if (folder && format == FRAMES_VTU)
         vtk_frames_begin(&f->vtk, folder, motion);
-    return !folder || mkdir(folder, 0777) == 0 || errno == EEXIST ||
-           error_set(err, DUET_STATUS_IO_FAILED, "--frames: the folder %s cannot be made: %s",
-                     folder, strerror(errno));
+    return !folder || frame_folder_make(folder, err);
 }
 
 static bool add_picture(frames *f, double time, duet_error *err)
@@ -47,7 +41,7 @@ static bool add_picture(frames *f, double time, duet_error *err)
 
 bool frames_add(frames *f, double time, duet_error *err)
 {
-    if (!f->folder || time * FRAMES_A_SECOND < (double)f->n)
+    if (!f->folder || !frame_is_due(f->n, time))
         return true;
     bool ok =
         f->format == FRAMES_PNG ? add_picture(f, time, err) : vtk_frames_add(&f->vtk, time, err);

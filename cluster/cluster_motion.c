@@ -68,12 +68,19 @@ bool duet_cluster_advance(duet_cluster *c, duet_cluster_motion_result *result, d
     moving_counts counts = moving_get_counts(c->moving);
     double total_ms = (double)(ranks_now_ns() - begun_ns) * 1e-6;
     ranks_greatest(&c->ranks, &total_ms, 1);
+    const moving_told told = moving_get_told(c->moving);
     *result = (duet_cluster_motion_result){.step = counts.step,
                                            .bodies = counts.bodies,
                                            .ghosts = counts.ghosts,
                                            .contacts = counts.contacts,
                                            .colours = counts.colours,
-                                           .total_ms = total_ms};
+                                           .total_ms = total_ms,
+                                           .events = told.events,
+                                           .n_events = told.n_events,
+                                           .stays = told.stays,
+                                           .n_stays = told.n_stays,
+                                           .hits = told.hits,
+                                           .n_hits = told.n_hits};
     return true;
 }
 

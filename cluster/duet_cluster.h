@@ -14,7 +14,7 @@
 #ifndef DUET_CLUSTER_H
 #define DUET_CLUSTER_H
 
-#include "duet_world.h"
+#include "duet_motion.h"
 
 DUET_C_BEGIN
 
@@ -167,11 +167,19 @@ typedef struct duet_cluster_motion_result {
     uint64_t ghosts;   // bodies that domains have of others
     uint64_t contacts; // that push
     uint32_t colours;
-    double total_ms; // wall clock of the rank that took longest
+    double total_ms;          // wall clock of the rank that took longest
+    const duet_event *events; // [n_events] this rank's, by global ids; ascending, as are the others
+    uint64_t n_events;
+    const duet_pair *stays; // [n_stays]
+    uint64_t n_stays;
+    const duet_hit_event *hits; // [n_hits]
+    uint64_t n_hits;
 } duet_cluster_motion_result;
 
 // Takes a time step. Bodies have the same bits at any number of ranks and parts as those of one
-// duet_motion. After a failure the motion is gone.
+// duet_motion, and the ranks' events, stays and hits together are that one's: each is told by one
+// rank. Their memory is the cluster's until the next call that changes the motion. After a failure
+// the motion is gone.
 DUET_API bool duet_cluster_advance(duet_cluster *cluster, duet_cluster_motion_result *result,
                                    duet_error *err);
 

@@ -7,20 +7,26 @@
 
 #include <stdlib.h>
 
+static void end_side(halo_side *s)
+{
+    free(s->items.items);
+    for (int i = 0; i < HALO_LISTS; ++i)
+        free(s->wrong_after[i].rows);
+    parcels_end(&s->rows);
+}
+
 void halo_end(halo *h)
 {
-    free(h->sent.items);
-    free(h->received.items);
-    parcels_end(&h->out);
-    parcels_end(&h->in);
+    end_side(&h->sent);
+    end_side(&h->received);
     free(h->requests);
     *h = (halo){0};
 }
 
 void halo_clear(halo *h)
 {
-    list_clear(&h->sent);
-    list_clear(&h->received);
+    list_clear(&h->sent.items);
+    list_clear(&h->received.items);
 }
 
 void halo_add(item_list *items, const halo_item *item)
@@ -42,17 +48,17 @@ static int compare(const void *left, const void *right)
     return 0;
 }
 
-static halo_item *item_at(const item_list *items, uint64_t i)
+static halo_item *item_at(const halo_side *s, uint64_t i)
 {
-    return (halo_item *)items->items + i;
+    return (halo_item *)s->items.items + i;
 }
 
-static void settle_list(item_list *items, const moving *m)
+static void settle_list(halo_side *s, const moving *m)
 {
-    if (items->n > 0)
-        qsort(items->items, items->n, sizeof(halo_item), compare);
-    for (uint64_t i = 0; i < items->n; ++i) {
-        halo_item *item = item_at(items, i);
+    if (s->items.n > 0)
+        qsort(s->items.items, s->items.n, sizeof(halo_item), compare);
+    for (uint64_t i = 0; i < s->items.n; ++i) {
+        halo_item *item = item_at(s, i);
         item->place = moving_place(m, &m->domains[item->domain], item->id);
     }
 }
@@ -62,25 +68,53 @@ static uint32_t row_bytes(const moving *m, motion_buffer which)
     return motion_words(m->domains[0].motion, which) * (uint32_t)sizeof(uint32_t);
 }
 
-// BODIES have the longest rows.
-static bool reserve(parcels *p, const item_list *items, const moving *m, duet_error *own)
+// The items of an exchange: all, or those of a list.
+typedef struct chosen {
+    const uint32_t *items; // NULL: all
+    uint64_t n;
+} chosen;
+
+static chosen all_of(const halo_side *s)
 {
-    if (!parcels_begin(p, m->ranks, row_bytes(m, BODIES), own))
+    return (chosen){NULL, s->items.n};
+}
+
+static chosen wrong_after(const halo_side *s, uint32_t colour)
+{
+    return (chosen){s->wrong_after[colour].rows, s->wrong_after[colour].n};
+}
+
+static const halo_item *chosen_at(const halo_side *s, const chosen *c, uint64_t i)
+{
+    return item_at(s, c->items ? c->items[i] : i);
+}
+
+static void count(halo_side *s, const chosen *c, int n_ranks)
+{
+    memset(s->rows.counts, 0, (size_t)n_ranks * sizeof *s->rows.counts);
+    for (uint64_t i = 0; i < c->n; ++i)
+        ++s->rows.counts[chosen_at(s, c, i)->rank];
+}
+
+// BODIES have the longest rows.
+static bool reserve(halo_side *s, const moving *m, duet_error *own)
+{
+    const chosen all = all_of(s);
+    if (!parcels_begin(&s->rows, m->ranks, row_bytes(m, BODIES), own))
         return false;
-    for (uint64_t i = 0; i < items->n; ++i)
-        ++p->counts[item_at(items, i)->rank];
-    return parcels_reserve(p, m->ranks, NULL, own);
+    count(s, &all, m->ranks->n);
+    return parcels_reserve(&s->rows, m->ranks, NULL, own);
 }
 
 static bool settle(halo *h, const moving *m, duet_error *own)
 {
     if (!h->requests)
         h->requests = malloc(4 * (size_t)m->ranks->n * sizeof *h->requests);
-    if (!h->requests || h->sent.failed || h->received.failed)
+    if (!h->requests || h->sent.items.failed || h->received.items.failed)
         return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
     settle_list(&h->sent, m);
     settle_list(&h->received, m);
-    return reserve(&h->out, &h->sent, m, own) && reserve(&h->in, &h->received, m, own);
+    return reserve(&h->sent, m, own) && reserve(&h->received, m, own);
 }
 
 bool halo_settle(halo *h, moving *m, duet_error *own)
@@ -109,39 +143,152 @@ static void close_rows(const moving *m, motion_rows *rows, bool changed, duet_er
             motion_rows_drop(&rows[d]);
 }
 
-static void pack(const halo *h, const motion_rows *rows)
+// What is sent of a row.
+typedef struct row_part {
+    size_t at, bytes;
+} row_part;
+
+typedef struct row_parts {
+    row_part part[2];
+    uint32_t n;
+} row_parts;
+
+static size_t bytes_of(const row_parts *parts)
 {
-    const size_t row = h->out.row_bytes;
-    for (uint64_t i = 0; i < h->sent.n; ++i) {
-        const halo_item *item = item_at(&h->sent, i);
-        memcpy((char *)h->out.rows + i * row, motion_row(&rows[item->domain], item->place), row);
+    return parts->part[0].bytes + (parts->n > 1 ? parts->part[1].bytes : 0);
+}
+
+static void pack(halo_side *s, const chosen *c, const motion_rows *rows, const row_parts *parts)
+{
+    char *to = s->rows.rows;
+    for (uint64_t i = 0; i < c->n; ++i) {
+        const halo_item *item = chosen_at(s, c, i);
+        const char *row = motion_row(&rows[item->domain], item->place);
+        for (uint32_t k = 0; k < parts->n; to += parts->part[k++].bytes)
+            memcpy(to, row + parts->part[k].at, parts->part[k].bytes);
     }
 }
 
-static void unpack(const halo *h, const motion_rows *rows)
+static void unpack(const halo_side *s, const chosen *c, const motion_rows *rows,
+                   const row_parts *parts)
 {
-    const size_t row = h->in.row_bytes;
-    for (uint64_t i = 0; i < h->received.n; ++i) {
-        const halo_item *item = item_at(&h->received, i);
-        memcpy(motion_row(&rows[item->domain], item->place), (char *)h->in.rows + i * row, row);
+    const char *from = s->rows.rows;
+    for (uint64_t i = 0; i < c->n; ++i) {
+        const halo_item *item = chosen_at(s, c, i);
+        char *row = motion_row(&rows[item->domain], item->place);
+        for (uint32_t k = 0; k < parts->n; from += parts->part[k++].bytes)
+            memcpy(row + parts->part[k].at, from, parts->part[k].bytes);
     }
 }
 
-void halo_exchange(halo *h, moving *m, motion_buffer which, duet_error *own)
+static void exchange(halo *h, moving *m, motion_buffer which, const chosen *out, const chosen *in,
+                     const row_parts *parts, duet_error *own)
 {
-    if (h->sent.n == 0 && h->received.n == 0)
+    if (out->n == 0 && in->n == 0)
         return;
     motion_rows *rows = calloc(m->parts, sizeof *rows);
     if (!rows)
         error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
-    h->out.row_bytes = h->in.row_bytes = row_bytes(m, which);
+    h->sent.rows.row_bytes = h->received.rows.row_bytes = (uint32_t)bytes_of(parts);
+    count(&h->sent, out, m->ranks->n);
+    count(&h->received, in, m->ranks->n);
     bool opened = is_well(own) && open_rows(m, which, rows, own);
     if (opened)
-        pack(h, rows);
-    parcels_pass(m->ranks, &h->out, &h->in, h->requests);
+        pack(&h->sent, out, rows, parts);
+    parcels_pass(m->ranks, &h->sent.rows, &h->received.rows, h->requests);
     if (opened)
-        unpack(h, rows);
+        unpack(&h->received, in, rows, parts);
     if (rows)
         close_rows(m, rows, opened, own);
     free(rows);
+}
+
+void halo_exchange(halo *h, moving *m, motion_buffer which, duet_error *own)
+{
+    const chosen out = all_of(&h->sent), in = all_of(&h->received);
+    const row_parts whole = {{{0, row_bytes(m, which)}}, 1};
+    exchange(h, m, which, &out, &in, &whole, own);
+}
+
+// ---------------------------------------------------------------- after a colour
+
+// Velocities of a body lie first (kernels/dynamics/records.h).
+static row_parts parts_of_body(const duet_motion *motion, bool warm)
+{
+    const bool turns = motion->layout.body == BODY_OF(1);
+    const size_t vector = 4 * sizeof(float), both = (turns ? 2 : 1) * vector;
+    return (row_parts){{{0, both}, {BODY_WARM_IMPULSE_OF(turns) * vector, both}}, warm ? 2 : 1};
+}
+
+void halo_exchange_after(halo *h, moving *m, uint32_t colour, bool warm, duet_error *own)
+{
+    const chosen out = wrong_after(&h->sent, colour), in = wrong_after(&h->received, colour);
+    const row_parts parts = parts_of_body(m->domains[0].motion, warm);
+    exchange(h, m, BODIES, &out, &in, &parts, own);
+}
+
+bool halo_has_wrong(const halo *h, uint32_t colour)
+{
+    return h->sent.wrong_after[colour].n > 0 || h->received.wrong_after[colour].n > 0;
+}
+
+static uint32_t colours_here(const moving *m, const halo_item *item)
+{
+    return m->domains[item->domain].used[item->place];
+}
+
+// Tells the other sides the colours that the items have here, of which the parcels become theirs.
+static void tell_colours(halo *h, moving *m, halo_side *from, halo_side *to)
+{
+    uint32_t *here = from->rows.rows;
+    const chosen out = all_of(from), in = all_of(to);
+    from->rows.row_bytes = to->rows.row_bytes = sizeof *here;
+    count(from, &out, m->ranks->n);
+    count(to, &in, m->ranks->n);
+    for (uint64_t i = 0; i < from->items.n; ++i)
+        here[i] = colours_here(m, item_at(from, i));
+    parcels_pass(m->ranks, &from->rows, &to->rows, h->requests);
+}
+
+// Contacts that are here, too, leave a ghost right. Those without a colour of their own need not
+// all be.
+static uint32_t wrong_colours(uint32_t at_home, uint32_t here)
+{
+    return at_home & ~(here & ((1u << HALO_COLOURS) - 1));
+}
+
+static void list_wrong(halo_side *s, uint64_t i, uint32_t colours)
+{
+    for (uint32_t k = 0; k < HALO_COLOURS; ++k)
+        if (colours >> k & 1u)
+            row_list_add(&s->wrong_after[k], (uint32_t)i);
+    if (colours != 0)
+        row_list_add(&s->wrong_after[HALO_ANY], (uint32_t)i);
+}
+
+static bool has_lists(const halo_side *s)
+{
+    bool failed = false;
+    for (int k = 0; k < HALO_LISTS; ++k)
+        failed = failed || s->wrong_after[k].failed;
+    return !failed;
+}
+
+void halo_note_colours(halo *h, moving *m, duet_error *own)
+{
+    const uint32_t *theirs = h->received.rows.rows;
+    for (int k = 0; k < HALO_LISTS; ++k) {
+        list_clear(&h->sent.wrong_after[k].list);
+        list_clear(&h->received.wrong_after[k].list);
+    }
+    tell_colours(h, m, &h->sent, &h->received);
+    for (uint64_t i = 0; i < h->received.items.n; ++i)
+        list_wrong(&h->received, i,
+                   wrong_colours(theirs[i], colours_here(m, item_at(&h->received, i))));
+    tell_colours(h, m, &h->received, &h->sent);
+    theirs = h->sent.rows.rows;
+    for (uint64_t i = 0; i < h->sent.items.n; ++i)
+        list_wrong(&h->sent, i, wrong_colours(colours_here(m, item_at(&h->sent, i)), theirs[i]));
+    if (!has_lists(&h->sent) || !has_lists(&h->received))
+        error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Bodies while a step is solved, from the domains whose own they are to those that have them as
-// ghosts. Lists of both sides are made once a step, and ascend alike: no message says which is
-// which.
+// ghosts. Lists of both sides ascend alike, so no message says which is which: items as long as
+// bodies stay in their domains, and in each step those of them that a colour leaves wrong.
 #ifndef CLUSTER_HALO_H
 #define CLUSTER_HALO_H
 
@@ -17,9 +17,18 @@ typedef struct halo_item {
     uint32_t domain, place; // at this side, of this rank's domains
 } halo_item;
 
+// Colours have numbers from 0; after some contacts of another colour ghosts are wrong as well.
+enum { HALO_COLOURS = 31, HALO_ANY = HALO_COLOURS, HALO_LISTS };
+
+// The items at one side.
+typedef struct halo_side {
+    item_list items;                  // halo_item
+    row_list wrong_after[HALO_LISTS]; // items that a colour leaves wrong, or any contact does
+    parcels rows;
+} halo_side;
+
 typedef struct halo {
-    item_list sent, received; // halo_item
-    parcels out, in;
+    halo_side sent, received;
     MPI_Request *requests;
 } halo;
 
@@ -35,5 +44,17 @@ bool halo_settle(halo *h, struct moving *m, duet_error *own);
 // Makes all ghosts' rows of a buffer by object those of their own domains. A rank that has failed,
 // or fails, sends rows all the same, so that no exchange of a step needs agreement.
 void halo_exchange(halo *h, struct moving *m, motion_buffer which, duet_error *own);
+
+// Finds which ghosts are wrong after contacts of a colour: those whose own domain has one that
+// touches them and that is not here. Domains know the colours of their bodies' contacts
+// (moving_domain.used). Needs agreement.
+void halo_note_colours(halo *h, struct moving *m, duet_error *own);
+
+// Makes velocities, and the impulses to warm start with, those of the ghosts' own domains after
+// contacts of a colour; HALO_ANY: after all.
+void halo_exchange_after(halo *h, struct moving *m, uint32_t colour, bool warm, duet_error *own);
+
+// Whether this rank sends or receives something then.
+bool halo_has_wrong(const halo *h, uint32_t colour);
 
 #endif

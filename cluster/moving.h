@@ -20,6 +20,17 @@ typedef struct moving_counts {
     uint32_t colours;
 } moving_counts;
 
+// What this rank tells of the last step: contacts whose owner one of its domains owned then. The
+// memory is the motion's, until the next step.
+typedef struct moving_told {
+    const duet_event *events; // as are the others, ascending
+    uint64_t n_events;
+    const duet_pair *stays;
+    uint64_t n_stays;
+    const duet_hit_event *hits;
+    uint64_t n_hits;
+} moving_told;
+
 // Says what a motion over ranks begins with. plan NULL: the default one; resume NULL: the scene's
 // beginning, else a file that moving_save wrote, and that all ranks can read.
 typedef struct moving_start {
@@ -43,5 +54,11 @@ bool moving_hash(moving *m, uint64_t *hash, duet_error *own);
 // Rank 0 writes all of it into one file, for which it needs memory for all bodies.
 bool moving_save(moving *m, const char *path, duet_error *own);
 moving_counts moving_get_counts(const moving *m);
+moving_told moving_get_told(const moving *m);
+
+// A domain of this rank, k of its parts, for who reads it: the motion of its own bodies and of
+// others, and of each place the id of an own body, else DUET_NO_BODY. Not collective.
+duet_motion *moving_get_motion(const moving *m, uint32_t k);
+void moving_get_own_ids(const moving *m, uint32_t k, uint64_t *ids);
 
 #endif

@@ -10,8 +10,7 @@
 
 // ---------------------------------------------------------------- what is supported
 
-static const uint32_t unsupported =
-    DUET_EFFECT_EVENTS | DUET_EFFECT_SENSORS | DUET_EFFECT_SHOCKS | DUET_EFFECT_DEPENETRATION;
+static const uint32_t unsupported = DUET_EFFECT_DEPENETRATION;
 
 static bool check_effects(const duet_motion *motion, const char *scene, duet_error *own)
 {
@@ -21,9 +20,8 @@ static bool check_effects(const duet_motion *motion, const char *scene, duet_err
     for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
         if (refused & bit)
             return error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                             "%s: the effect %s is not for several domains yet; expected none of "
-                             "events, sensors, shocks, depenetration, and no contact "
-                             "without response",
+                             "%s: the effect %s is not for several domains yet; expected no "
+                             "depenetration, and no contact without response",
                              scene, duet_effect_name(bit));
     return true;
 }
@@ -39,14 +37,11 @@ static bool check_scene(const duet_scene_info *info, duet_error *own)
 
 // ---------------------------------------------------------------- motions
 
-// Skins change no bits, and bounds are made in each step, when ghosts are chosen.
 static duet_motion_def def_of(const duet_scene *scene, const moving_start *start)
 {
     duet_motion_def def = duet_scene_motion_def(scene, start->pair);
     if (start->plan)
         def.plan = *start->plan;
-    def.skin = 0.0;
-    def.wants &= ~DUET_EFFECT_SKIN;
     return def;
 }
 
@@ -193,10 +188,12 @@ void moving_end(moving *m)
         duet_motion_destroy(m->domains[k].motion);
         free(m->domains[k].bodies.items);
         free(m->domains[k].contacts.items);
+        free(m->domains[k].used);
         free(m->domains[k].in_order.rows);
     }
     free(m->domains);
     halo_end(&m->halo);
+    moving_events_end(&m->events);
     bisection_end(&m->cuts);
     duet_scene_destroy(m->scene);
     free(m);
@@ -205,4 +202,18 @@ void moving_end(moving *m)
 moving_counts moving_get_counts(const moving *m)
 {
     return m->counts;
+}
+
+duet_motion *moving_get_motion(const moving *m, uint32_t k)
+{
+    return m->domains[k].motion;
+}
+
+void moving_get_own_ids(const moving *m, uint32_t k, uint64_t *ids)
+{
+    const moving_domain *d = &m->domains[k];
+    for (uint64_t i = 0; i < d->bodies.n; ++i) {
+        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        ids[i] = moving_is_own(d, b) ? b->id : DUET_NO_BODY;
+    }
 }

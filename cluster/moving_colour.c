@@ -12,18 +12,20 @@ typedef LIST_OF(waiting_contact, contacts) waiting_list;
 
 // ---------------------------------------------------------------- one domain
 
-// Whether the contact changes a body that is awake, and the domain owns an end that moves.
+// Whether the contact changes a body that is awake, and the domain owns an end that acts. Sensors
+// push nothing.
 static bool pushes(const moving *m, const moving_domain *d, const domain_contacts *c, uint32_t i,
                    const cl_uint *asleep)
 {
-    bool decides = false, is_awake = false;
+    bool decides = false, is_awake = false, is_sensor = false;
     for (int k = 0; k < 2; ++k) {
         uint32_t place = c->links[i].s[k];
         const moving_body *b = moving_body_or_wall(m, d, place);
         decides = decides || (b && moving_decides(d, b));
+        is_sensor = is_sensor || (b && b->body.sensor);
         is_awake = is_awake || (b && b->body.mass > 0.0f && !(asleep[place] & SLEEPS));
     }
-    return decides && is_awake && (c->touches[i] & TOUCH_POINTS) > 0;
+    return decides && is_awake && !is_sensor && (c->touches[i] & TOUCH_POINTS) > 0;
 }
 
 // A contact keeps its colour while it pushes.
@@ -36,23 +38,26 @@ static void mark(const moving *m, const moving_domain *d, domain_contacts *c, co
             c->colours[i] = COLOUR_WAITS;
 }
 
-static void note_used(const moving_domain *d, const domain_contacts *c, uint32_t *used)
+// The colours that the contacts here have of each body that moves.
+static void note_used(const moving *m, moving_domain *d, const domain_contacts *c)
 {
+    memset(d->used, 0, d->bodies.n * sizeof *d->used);
     for (uint32_t i = 0; i < c->n; ++i)
-        for (int k = 0; k < 2; ++k)
-            if (c->links[i].s[k] < d->bodies.n && c->colours[i] < COLOUR_OVERFLOW)
-                used[c->links[i].s[k]] |= 1u << c->colours[i];
+        for (int k = 0; k < 2 && c->colours[i] <= COLOUR_OVERFLOW; ++k) {
+            const moving_body *b = moving_body_or_wall(m, d, c->links[i].s[k]);
+            if (b && b->body.mass > 0.0f)
+                d->used[c->links[i].s[k]] |= 1u << c->colours[i];
+        }
 }
 
 // The colours that an end has, if all its contacts are here.
-static uint32_t used_of(const moving_domain *d, const moving_body *b, const uint32_t *used,
-                        uint32_t place)
+static uint32_t used_of(const moving_domain *d, const moving_body *b, uint32_t place)
 {
-    return b && moving_decides(d, b) ? used[place] : 0;
+    return b && moving_decides(d, b) ? d->used[place] : 0;
 }
 
 static void list_waiting(const moving *m, const moving_domain *d, const domain_contacts *c,
-                         const uint32_t *used, waiting_list *waiting)
+                         waiting_list *waiting)
 {
     for (uint32_t i = 0; i < c->n; ++i) {
         uint32_t a = c->links[i].s[0], b = c->links[i].s[1];
@@ -63,25 +68,23 @@ static void list_waiting(const moving *m, const moving_domain *d, const domain_c
         const waiting_contact one = {.owner = owner->id,
                                      .other = moving_id(m, d, b),
                                      .other_moves = other && other->body.mass > 0.0f,
-                                     .owner_used = used_of(d, owner, used, a),
-                                     .other_used = used_of(d, other, used, b)};
+                                     .owner_used = used_of(d, owner, a),
+                                     .other_used = used_of(d, other, b)};
         list_add(&waiting->list, &one, 1, sizeof one);
     }
 }
 
-static void wait_for_colours(const moving *m, const moving_domain *d, domain_contacts *c,
+static void wait_for_colours(const moving *m, moving_domain *d, domain_contacts *c,
                              waiting_list *waiting, duet_error *own)
 {
-    uint32_t *used = calloc(d->bodies.n + 1, sizeof *used);
     cl_uint *asleep = calloc(d->bodies.n + 1, sizeof *asleep);
-    if (!used || !asleep)
+    if (!asleep)
         error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
     else if (domain_read_asleep(d->motion, asleep, own)) {
         mark(m, d, c, asleep);
-        note_used(d, c, used);
-        list_waiting(m, d, c, used, waiting);
+        note_used(m, d, c);
+        list_waiting(m, d, c, waiting);
     }
-    free(used);
     free(asleep);
 }
 
@@ -120,6 +123,7 @@ static void take_colours(moving *m, moving_domain *d, domain_contacts *c,
         if (c->colours[i] == COLOUR_WAITS)
             c->colours[i] = colouring_find(waiting, n, moving_id(m, d, c->links[i].s[0]),
                                            moving_id(m, d, c->links[i].s[1]));
+    note_used(m, d, c);
     domain_take_colours(d->motion, c->colours, own);
 }
 
@@ -208,6 +212,8 @@ bool moving_colour(moving *m, duet_error *own)
         take_colours(m, &m->domains[k], &contacts[k], all.rows, n, own);
         count(m, &m->domains[k], &contacts[k], &t);
     }
+    if (ok)
+        halo_note_colours(&m->halo, m, own);
     ok = ok && end_colouring(m, contacts, &t, own);
     for (uint32_t k = 0; contacts && k < m->parts; ++k)
         domain_contacts_free(&contacts[k]);

@@ -2,10 +2,11 @@
 // The domains among which a scene's bodies are divided.
 //
 // Invariants:
-//   - Each body is one domain's own. Domain d is of rank d / parts, and the box that holds the
-//     body's centre between two steps is its own domain's.
-//   - A domain has, as ghosts, all bodies of others whose bounds meet those of its own that move.
-//     So all contacts of its own bodies that move are there, and right.
+//   - Each body is one domain's own. Domain d is of rank d / parts, and the box that held the
+//     body's centre when bodies were last exchanged is its own domain's.
+//   - A domain has, as ghosts, all bodies of others whose bounds then met those of its own that
+//     act: that move, or are sensors. Bodies are exchanged before one that has left these bounds
+//     takes a step. So all contacts of its own bodies that act are there, and right.
 //   - A ghost has its own domain's bits, at the step's beginning and after each colour.
 //   - Ids ascend with places in each domain, so nothing that decides a bit depends on borders.
 #ifndef CLUSTER_MOVING_DOMAINS_H
@@ -15,6 +16,7 @@
 #include "cluster/halo.h"
 #include "cluster/list.h"
 #include "cluster/moving.h"
+#include "cluster/moving_events.h"
 #include "runtime/dynamics/domain_motion.h"
 
 // A body as it travels. Its state (domain_state_bytes) lies behind.
@@ -22,8 +24,8 @@ typedef struct moving_body {
     uint32_t domain; // that it goes to
     uint32_t own;    // the domain whose own it is
     uint32_t id;
-    float bounds[6];
-    duet_pose pose; // as given
+    float bounds[6]; // that ghosts are chosen by
+    duet_pose pose;  // as given
     duet_body body;
 } moving_body;
 
@@ -32,6 +34,7 @@ typedef struct moving_contact {
     uint32_t domain;
     uint32_t owner, other; // ids; n_all + k for what never moves
     uint32_t touch, colour;
+    uint32_t told; // 1: it touches, and events tell of it
 } moving_contact;
 
 typedef struct moving_domain {
@@ -40,6 +43,7 @@ typedef struct moving_domain {
     item_list bodies;   // ascending by id; the motion's, place by place
     item_list contacts; // ascending; what the next step begins with
     uint32_t n_own;
+    uint32_t *used;    // [bodies], a bit for each colour of the contacts that it has here
     row_list in_order; // its contacts of COLOUR_OVERFLOW: ascending places among those of all
 } moving_domain;
 
@@ -53,6 +57,8 @@ struct moving {
     bisection cuts;
     moving_domain *domains; // [parts]
     halo halo;
+    moving_events events;
+    moving_told told;
     uint64_t n_ghosts;   // of this rank
     uint64_t next_cut;   // the first step after which the world may be cut anew
     double most_own;     // bodies of the domain that owns most
@@ -81,10 +87,16 @@ static inline bool moving_is_own(const moving_domain *d, const moving_body *b)
     return b->own == d->number;
 }
 
-// Whether it is the domain's own and moves: then its contacts are right there.
+// Whether it has contacts with what does not.
+static inline bool moving_acts(const moving_body *b)
+{
+    return b->body.mass > 0.0f || b->body.sensor;
+}
+
+// Whether it is the domain's own and acts: then its contacts are right there.
 static inline bool moving_decides(const moving_domain *d, const moving_body *b)
 {
-    return b->own == d->number && b->body.mass > 0.0f;
+    return b->own == d->number && moving_acts(b);
 }
 
 // Returns the body at a place; NULL: a wall, or the ground.
@@ -101,6 +113,7 @@ static inline uint32_t moving_id(const moving *m, const moving_domain *d, uint32
 }
 
 void moving_centre(const moving *m, const moving_body *b, double at[3]);
+void moving_velocity(const moving *m, const moving_body *b, double velocity[3]);
 
 // Returns the domain whose box holds a body.
 uint32_t moving_domain_of(const moving *m, const moving_body *b);
@@ -116,6 +129,9 @@ static inline bool moving_pushes(const moving *m)
 
 // Reads what a step made of a domain's bodies; not collective.
 void moving_read_bodies(moving *m, moving_domain *d, duet_error *own);
+
+// Reads all domains' bodies and contacts, and exchanges them. Collective.
+bool moving_settle(moving *m, duet_error *own);
 
 // Brings own bodies, then contacts and ghosts, to their domains, and replaces all motions' bodies.
 bool moving_exchange(moving *m, item_list *contacts, duet_error *own);

@@ -89,7 +89,8 @@ static bool migrate(moving *m, duet_error *own)
 
 // ---------------------------------------------------------------- ghosts
 
-// The bounds of a domain's own bodies that move: only these have contacts that change something.
+// The bounds of a domain's own bodies that act: only these have contacts that change or tell
+// something.
 static extent reach_of(const moving *m, const moving_domain *d)
 {
     extent reach = extent_none;
@@ -97,7 +98,7 @@ static extent reach_of(const moving *m, const moving_domain *d)
         const moving_body *b = moving_body_at(m, &d->bodies, i);
         const double lower[3] = {b->bounds[0], b->bounds[1], b->bounds[2]};
         const double upper[3] = {b->bounds[3], b->bounds[4], b->bounds[5]};
-        if (!(b->body.mass > 0.0f))
+        if (!moving_acts(b))
             continue;
         extent_add(&reach, lower);
         extent_add(&reach, upper);
@@ -116,11 +117,11 @@ static void add_ghosts_of(moving *m, const moving_domain *d, const moving_body *
         list_add(out, b, 1, m->body_bytes);
         if (!out->failed)
             moving_body_at(m, out, out->n - 1)->domain = to;
-        halo_add(&m->halo.sent, &(halo_item){.rank = to / m->parts,
-                                             .to = to,
-                                             .from = d->number,
-                                             .id = b->id,
-                                             .domain = d->number % m->parts});
+        halo_add(&m->halo.sent.items, &(halo_item){.rank = to / m->parts,
+                                                   .to = to,
+                                                   .from = d->number,
+                                                   .id = b->id,
+                                                   .domain = d->number % m->parts});
     }
 }
 
@@ -131,11 +132,11 @@ static void note_ghosts(moving *m)
         const moving_domain *d = &m->domains[k];
         for (uint64_t i = d->n_own; i < d->bodies.n; ++i) {
             const moving_body *b = moving_body_at(m, &d->bodies, i);
-            halo_add(&m->halo.received, &(halo_item){.rank = b->own / m->parts,
-                                                     .to = d->number,
-                                                     .from = b->own,
-                                                     .id = b->id,
-                                                     .domain = k});
+            halo_add(&m->halo.received.items, &(halo_item){.rank = b->own / m->parts,
+                                                           .to = d->number,
+                                                           .from = b->own,
+                                                           .id = b->id,
+                                                           .domain = k});
             ++m->n_ghosts;
         }
     }
@@ -308,6 +309,15 @@ void moving_replace(moving *m, moving_domain *d, duet_error *own)
     domain_contacts_free(&r.contacts);
 }
 
+static void reserve_used(moving_domain *d, duet_error *own)
+{
+    uint32_t *used = realloc(d->used, (d->bodies.n + 1) * sizeof *used);
+    d->used = used ? used : d->used;
+    if (!used)
+        error_set(own, DUET_STATUS_NO_MEMORY, "the colours of %u bodies: no memory",
+                  (uint32_t)d->bodies.n);
+}
+
 bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
 {
     for (uint32_t k = 0; k < m->parts; ++k)
@@ -315,8 +325,12 @@ bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
     bool ok = migrate(m, own);
     if (ok && moving_pushes(m))
         ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own);
-    for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
+    for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
+        reserve_used(&m->domains[k], own);
         moving_replace(m, &m->domains[k], own);
+    }
+    if (ok)
+        moving_note_touching(m, own);
     ok = ok && halo_settle(&m->halo, m, own);
     tally t = {.sums = {m->n_ghosts}};
     for (uint32_t k = 0; k < m->parts; ++k)

@@ -66,7 +66,7 @@ static void save_all(moving *m, const char *path, const parcels *bodies, const p
         return;
     whole.motion->step = m->counts.step;
     moving_replace(m, &whole, own);
-    if (is_well(own) && domain_settle_rows(whole.motion, own))
+    if (is_well(own) && domain_make_bounds(whole.motion, own) && domain_lay_rows(whole.motion, own))
         duet_motion_save(whole.motion, path, own);
     duet_motion_destroy(whole.motion);
 }
@@ -75,6 +75,8 @@ bool moving_save(moving *m, const char *path, duet_error *own)
 {
     item_list bodies = {0}, contacts = {0};
     parcels all_bodies = {0}, all_contacts = {0};
+    if (!moving_settle(m, own))
+        return false;
     list_own(m, &bodies, &contacts);
     bool ok = gather(m, &bodies, m->body_bytes, &all_bodies, own) &&
               gather(m, &contacts, m->contact_bytes, &all_contacts, own);

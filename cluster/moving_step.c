@@ -7,6 +7,25 @@
 
 // ---------------------------------------------------------------- what a step made
 
+// Ghosts are chosen by bounds that bodies stay in for about so many steps, so that pairs are
+// searched more often than bodies are exchanged.
+enum { STEPS_WITHIN = 8 };
+
+// Wider by the way of a body that keeps its velocity, and by the mean extent for one that does not.
+static void widen(const moving *m, moving_body *b)
+{
+    const duet_motion *motion = m->domains[0].motion;
+    double velocity[3];
+    moving_velocity(m, b, velocity);
+    for (int k = 0; k < 3; ++k) {
+        double way = STEPS_WITHIN * motion->def.dt * velocity[k];
+        b->bounds[k] -= (float)(motion->extent + greater(0, -way));
+        b->bounds[k + 3] += (float)(motion->extent + greater(0, way));
+    }
+    if (motion->def.dims == 2)
+        b->bounds[2] = b->bounds[5] = 0.0f;
+}
+
 void moving_read_bodies(moving *m, moving_domain *d, duet_error *own)
 {
     const size_t state = m->body_bytes - sizeof(moving_body), n = d->bodies.n;
@@ -14,15 +33,16 @@ void moving_read_bodies(moving *m, moving_domain *d, duet_error *own)
     float *bounds = malloc((6 * n + 1) * sizeof *bounds);
     if (!states || !bounds)
         error_set(own, DUET_STATUS_NO_MEMORY, "the states of %zu bodies: no memory", n);
+    domain_forget_bounds(d->motion); // others than those that the next step makes
     bool ok = is_well(own) && domain_read_states(d->motion, states, own) &&
               (!moving_pushes(m) || domain_read_bounds(d->motion, bounds, own));
     for (uint64_t i = 0; ok && i < n; ++i) {
         moving_body *b = moving_body_at(m, &d->bodies, i);
         memcpy(moving_state(b), states + i * state, state);
-        if (moving_pushes(m))
-            memcpy(b->bounds, bounds + 6 * i, sizeof b->bounds);
-        if (d->motion->def.dims == 2)
-            b->bounds[2] = b->bounds[5] = 0.0f;
+        if (!moving_pushes(m))
+            continue;
+        memcpy(b->bounds, bounds + 6 * i, sizeof b->bounds);
+        widen(m, b);
     }
     free(states);
     free(bounds);
@@ -37,7 +57,7 @@ typedef struct contact_row {
 
 // A contact goes to the domains that own its ends next, of which this one knows those of its own.
 static void add_contact(moving *m, const moving_domain *d, const domain_contacts *from, uint32_t i,
-                        item_list *contacts)
+                        bool is_told, item_list *contacts)
 {
     const size_t record = m->contact_bytes - sizeof(moving_contact);
     const uint32_t *ends = from->links[i].s;
@@ -45,7 +65,8 @@ static void add_contact(moving *m, const moving_domain *d, const domain_contacts
                                 .owner = moving_id(m, d, ends[0]),
                                 .other = moving_id(m, d, ends[1]),
                                 .touch = from->touches[i],
-                                .colour = from->colours[i]}};
+                                .colour = from->colours[i],
+                                .told = is_told}};
     memcpy(row.record, (const char *)from->records + i * record, record);
     for (int k = 0; k < 2; ++k) {
         const moving_body *b = moving_body_or_wall(m, d, ends[k]);
@@ -57,13 +78,21 @@ static void add_contact(moving *m, const moving_domain *d, const domain_contacts
     }
 }
 
+// What does not touch has nothing to keep.
 void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own)
 {
     domain_contacts all;
     if (!domain_read_contacts(d->motion, true, &all, own))
         return;
-    for (uint32_t i = 0; i < all.n; ++i)
-        add_contact(m, d, &all, i, contacts);
+    uint8_t *told = malloc(all.n + 1);
+    if (!told)
+        error_set(own, DUET_STATUS_NO_MEMORY, "%u contacts: no memory", all.n);
+    else if (domain_note_touching(d->motion, own))
+        domain_read_told(d->motion, told, own);
+    for (uint32_t i = 0; is_well(own) && i < all.n; ++i)
+        if (all.touches[i] & TOUCH_POINTS)
+            add_contact(m, d, &all, i, told[i], contacts);
+    free(told);
     domain_contacts_free(&all);
 }
 
@@ -89,20 +118,26 @@ static void each(moving *m, domain_stage *stage, duet_error *own)
         stage(m->domains[k].motion, own);
 }
 
-// A pass does one of these to the contacts of a colour, or to one of those that are solved in order.
-typedef enum solve_pass { SOLVE_SOFT, SOLVE_RELAX, SOLVE_RESTORE } solve_pass;
+// A pass does one of these to the contacts of a colour, or to one of those that are solved in
+// order.
+typedef enum solve_pass { SOLVE_SHOCKS, SOLVE_SOFT, SOLVE_RELAX, SOLVE_RESTORE } solve_pass;
 
-static void solve_colour(duet_motion *motion, uint32_t colour, solve_pass pass, duet_error *own)
+static void solve_colours(duet_motion *motion, uint32_t from, uint32_t to, solve_pass pass,
+                          duet_error *own)
 {
-    if (pass == SOLVE_RESTORE)
-        domain_restore_colour(motion, colour, own);
+    if (pass == SOLVE_SHOCKS)
+        domain_shock_colours(motion, from, to, own);
+    else if (pass == SOLVE_RESTORE)
+        domain_restore_colours(motion, from, to, own);
     else
-        domain_solve_colour(motion, colour, pass == SOLVE_SOFT, own);
+        domain_solve_colours(motion, from, to, pass == SOLVE_SOFT, own);
 }
 
 static void solve_one(duet_motion *motion, uint32_t i, solve_pass pass, duet_error *own)
 {
-    if (pass == SOLVE_RESTORE)
+    if (pass == SOLVE_SHOCKS)
+        domain_shock_in_order(motion, i, own);
+    else if (pass == SOLVE_RESTORE)
         domain_restore_in_order(motion, i, own);
     else
         domain_solve_in_order(motion, i, pass == SOLVE_SOFT, own);
@@ -126,29 +161,77 @@ static void solve_in_order(moving *m, solve_pass pass, duet_error *own)
     free(taken);
 }
 
-// Domains that have no contact of a colour take part in its exchange.
+// Colours that leave no ghost of this rank wrong are solved together with the next one.
+static uint32_t end_of_colours(const moving *m, uint32_t from)
+{
+    uint32_t colours = m->counts.colours < HALO_COLOURS ? m->counts.colours : HALO_COLOURS;
+    uint32_t to = from + 1;
+    while (to < colours && !halo_has_wrong(&m->halo, to - 1))
+        ++to;
+    return to;
+}
+
 static void solve(moving *m, solve_pass pass, duet_error *own)
 {
-    for (uint32_t colour = 0; colour < m->counts.colours && colour < COLOUR_OVERFLOW; ++colour) {
+    for (uint32_t from = 0, to; from < m->counts.colours && from < COLOUR_OVERFLOW; from = to) {
+        to = end_of_colours(m, from);
         for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-            solve_colour(m->domains[k].motion, colour, pass, own);
-        halo_exchange(&m->halo, m, BODIES, own);
+            solve_colours(m->domains[k].motion, from, to, pass, own);
+        halo_exchange_after(&m->halo, m, to - 1, pass == SOLVE_RELAX, own);
     }
     if (m->n_in_order > 0)
         solve_in_order(m, pass, own);
 }
 
+static bool has_shocks(const moving *m)
+{
+    const duet_motion *motion = m->domains[0].motion;
+    return (motion->effects & DUET_EFFECT_SHOCKS) && motion->facts.elastic;
+}
+
+// Sweeps go on while something bounced in any domain.
+static bool solve_shocks(moving *m, duet_error *own)
+{
+    tally t = {.sums = {has_shocks(m)}};
+    for (int i = 0; t.sums[0] > 0 && i < SHOCK_SWEEPS; ++i) {
+        solve(m, SOLVE_SHOCKS, own);
+        t = (tally){0};
+        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
+            bool bounced = false;
+            domain_end_sweep(m->domains[k].motion, &bounced, own);
+            t.sums[0] += bounced;
+        }
+        if (!ranks_agree_and(m->ranks, is_well(own), &t, own))
+            return false;
+    }
+    return true;
+}
+
 // The ghosts' velocities and positions change as their owners' do.
-static void substep(moving *m, duet_error *own)
+static bool substep(moving *m, duet_error *own)
 {
     each(m, domain_integrate_velocities, own);
+    if (!solve_shocks(m, own))
+        return false;
     solve(m, SOLVE_SOFT, own);
     each(m, domain_integrate_positions, own);
     solve(m, SOLVE_RELAX, own);
+    return true;
 }
 
-// Finds what wakes and what falls asleep among the bodies that a domain owns, and tells others: rests
-// before bodies look at those that they touch, and then which of them sleep.
+// Shocks have given back all speed.
+static bool run_substeps(moving *m, duet_error *own)
+{
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < m->domains[0].motion->def.substeps; ++i)
+        ok = substep(m, own);
+    if (ok && m->domains[0].motion->facts.elastic && !has_shocks(m))
+        solve(m, SOLVE_RESTORE, own);
+    return ok;
+}
+
+// Finds what wakes and what falls asleep among the bodies that a domain owns, and tells others:
+// rests before bodies look at those that they touch, and then which of them sleep.
 static bool update_sleep(moving *m, tally *t, duet_error *own)
 {
     *t = (tally){0};
@@ -188,11 +271,9 @@ static bool respond(moving *m, duet_error *own)
     if (!update_sleep(m, &t, own) || !moving_colour(m, own))
         return false;
     each(m, domain_prepare_contacts, own);
-    halo_exchange(&m->halo, m, BODIES, own);
-    for (uint32_t i = 0; i < m->domains[0].motion->def.substeps; ++i)
-        substep(m, own);
-    if (m->domains[0].motion->facts.elastic)
-        solve(m, SOLVE_RESTORE, own);
+    halo_exchange_after(&m->halo, m, HALO_ANY, true, own);
+    if (!run_substeps(m, own))
+        return false;
     each(m, domain_finalize, own);
     if (t.sums[1] > 0)
         push_sleepers(m, own);
@@ -206,12 +287,79 @@ static bool fly(moving *m, duet_error *own)
     return true;
 }
 
-bool moving_step(moving *m, duet_error *own)
+bool moving_settle(moving *m, duet_error *own)
 {
     item_list contacts = {0};
-    bool ok = moving_pushes(m) ? respond(m, own) : fly(m, own);
-    ok = ok && read_all(m, &contacts, own) && moving_exchange(m, &contacts, own);
+    bool ok = read_all(m, &contacts, own) && moving_exchange(m, &contacts, own);
     free(contacts.items);
+    return ok;
+}
+
+static bool is_within(const moving_body *b, const float bounds[6], uint32_t dims)
+{
+    bool within = true;
+    for (uint32_t k = 0; k < dims; ++k)
+        within = within && bounds[k] >= b->bounds[k] && bounds[k + 3] <= b->bounds[k + 3];
+    return within;
+}
+
+// Whether pairs that the next step searches are all among the domain's bodies.
+static bool has_all_pairs(const moving *m, const moving_domain *d, duet_error *own)
+{
+    bool within = true;
+    if (domain_is_bounded(d->motion))
+        return true;
+    float *bounds = malloc((6 * d->bodies.n + 1) * sizeof *bounds);
+    if (!bounds)
+        return error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of bodies: no memory");
+    within = domain_read_bounds(d->motion, bounds, own);
+    for (uint64_t i = 0; within && i < d->bodies.n; ++i) {
+        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        within = !moving_is_own(d, b) || is_within(b, bounds + 6 * i, m->def.dims);
+    }
+    free(bounds);
+    return within;
+}
+
+// All ranks know whether a body has left what ghosts were chosen by.
+static bool settle_where_due(moving *m, duet_error *own)
+{
+    tally t = {.sums = {0}};
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        t.sums[0] += !has_all_pairs(m, &m->domains[k], own);
+    if (!ranks_agree_and(m->ranks, is_well(own), &t, own))
+        return false;
+    return (t.sums[0] == 0 && !moving_cut_is_due(m)) || moving_settle(m, own);
+}
+
+// The only domain's bodies are a motion of their own.
+static bool step_alone(moving *m, duet_error *own)
+{
+    duet_motion_result result;
+    if (!is_well(own) || !duet_motion_advance(m->domains[0].motion, &result, own))
+        return false;
+    m->counts.contacts = result.contacts;
+    m->counts.colours = result.colours;
+    m->told = (moving_told){.events = result.events,
+                            .n_events = result.n_events,
+                            .stays = result.stays,
+                            .n_stays = result.n_stays,
+                            .hits = result.hits,
+                            .n_hits = result.n_hits};
+    return true;
+}
+
+static bool step_together(moving *m, duet_error *own)
+{
+    if (!(moving_pushes(m) ? respond(m, own) : fly(m, own)))
+        return false;
+    moving_find_events(m, own);
+    return settle_where_due(m, own);
+}
+
+bool moving_step(moving *m, duet_error *own)
+{
+    bool ok = m->n_domains == 1 ? step_alone(m, own) : step_together(m, own);
     m->counts.step += ok;
     return ok;
 }
@@ -239,13 +387,24 @@ bool moving_hash(moving *m, uint64_t *hash, duet_error *own)
     return ok;
 }
 
-// A state begins with the centre.
-void moving_centre(const moving *m, const moving_body *b, double at[3])
+// Three reals of a state, from the first on.
+static void read_reals(const moving *m, const moving_body *b, int first, double at[3])
 {
     const void *state = b + 1;
     for (int k = 0; k < 3; ++k)
-        at[k] = m->domains[0].motion->def.doubles ? ((const double *)state)[k]
-                                                  : (double)((const float *)state)[k];
+        at[k] = m->domains[0].motion->def.doubles ? ((const double *)state)[first + k]
+                                                  : (double)((const float *)state)[first + k];
+}
+
+// A state begins with the centre and the velocity, each a vector of four.
+void moving_centre(const moving *m, const moving_body *b, double at[3])
+{
+    read_reals(m, b, 0, at);
+}
+
+void moving_velocity(const moving *m, const moving_body *b, double velocity[3])
+{
+    read_reals(m, b, 4, velocity);
 }
 
 uint32_t moving_domain_of(const moving *m, const moving_body *b)

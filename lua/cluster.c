@@ -154,6 +154,29 @@ static const member def_members[] = {
     {0},
 };
 
+static const member event_members[] = {
+    MEMBER(member_count, duet_event, a),
+    MEMBER(member_count, duet_event, b),
+    MEMBER(member_bool, duet_event, begins),
+    {0},
+};
+
+static const member stay_members[] = {
+    MEMBER(member_count, duet_pair, a),
+    MEMBER(member_count, duet_pair, b),
+    {0},
+};
+
+static const member hit_members[] = {
+    MEMBER(member_count, duet_hit_event, a),
+    MEMBER(member_count, duet_hit_event, b),
+    MEMBER(member_double, duet_hit_event, point),
+    MEMBER(member_float, duet_hit_event, normal),
+    MEMBER(member_float, duet_hit_event, speed),
+    MEMBER(member_float, duet_hit_event, impulse),
+    {0},
+};
+
 static const member box_members[] = {
     MEMBER(member_int, cluster_box, rank),
     MEMBER(member_int, cluster_box, rank_count),
@@ -459,6 +482,12 @@ static int cluster_advance(lua_State *L)
     if (!box->calls->advance(box->cluster.object, &result, &err))
         return class_push_failure(L, &err);
     member_push_table(L, motion_members, &result);
+    member_push_list(L, event_members, result.events, result.n_events, sizeof *result.events);
+    lua_setfield(L, -2, "events");
+    member_push_list(L, stay_members, result.stays, result.n_stays, sizeof *result.stays);
+    lua_setfield(L, -2, "stays");
+    member_push_list(L, hit_members, result.hits, result.n_hits, sizeof *result.hits);
+    lua_setfield(L, -2, "hits");
     return 1;
 }
 

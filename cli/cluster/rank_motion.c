@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "cli/cluster/rank_motion.h"
 
+#include "cli/cluster/rank_frames.h"
+
 #include "base/budget.h"
 #include "base/error.h"
 #include "cli/interrupt.h"
@@ -18,6 +20,7 @@ typedef struct moved {
     duet_cluster *cluster;
     const cluster_arguments *args;
     const char *scene;
+    rank_frames frames;
     duet_cluster_motion_result last;
     double all_ms;
     uint64_t n_steps; // of this run, which may go on from a checkpoint
@@ -74,8 +77,9 @@ static bool save(const moved *r, bool is_last, duet_error *err)
 // A rank that is asked to stop stops all.
 static bool run_steps(moved *r, duet_error *err)
 {
-    bool ok = true, tells = duet_cluster_get_rank(r->cluster) == 0;
+    bool ok, tells = duet_cluster_get_rank(r->cluster) == 0;
     progress p = progress_begin("step", r->args->steps);
+    ok = rank_frames_add(&r->frames, r->last.step, err);
     while (ok && !r->is_stopped && r->last.step < r->args->steps) {
         ok = duet_cluster_advance(r->cluster, &r->last, err);
         r->all_ms += r->last.total_ms;
@@ -84,7 +88,8 @@ static bool run_steps(moved *r, duet_error *err)
         if (ok)
             ranks_sum(&r->cluster->ranks, &stops, 1);
         r->is_stopped = stops > 0;
-        ok = ok && save(r, r->is_stopped || r->last.step == r->args->steps, err);
+        ok = ok && rank_frames_add(&r->frames, r->last.step, err) &&
+             save(r, r->is_stopped || r->last.step == r->args->steps, err);
         if (tells)
             progress_show(&p, r->last.step);
     }
@@ -122,7 +127,10 @@ bool rank_motion_run(duet_cluster *cluster, const cluster_arguments *args, const
     if (!begin(&r, err))
         return false;
     interrupt_react(INTERRUPT_NOTED);
-    return run_steps(&r, err) && duet_cluster_get_state_hash(cluster, &r.hash, err) &&
-           ranks_agree(&cluster->ranks, tell(&r, err), err) &&
-           (!r.is_stopped || error_set(err, DUET_STATUS_INTERRUPTED, "stopped"));
+    bool ok = rank_frames_begin(&r.frames, args->frames, cluster, err) && run_steps(&r, err) &&
+              duet_cluster_get_state_hash(cluster, &r.hash, err) &&
+              ranks_agree(&cluster->ranks, tell(&r, err), err) &&
+              (!r.is_stopped || error_set(err, DUET_STATUS_INTERRUPTED, "stopped"));
+    rank_frames_end(&r.frames);
+    return ok;
 }

@@ -38,6 +38,8 @@ static const option options[] = {
     OPTION_COUNT("repeat", repeat, "K", "steps that are timed, after one to warm up (5)", 1,
                  100000),
     OPTION_COUNT("steps", steps, "K", "advance a moving scene to step K", 1, 1000000000),
+    OPTION_TEXT("frames", frames, "DIR", "write 30 frames a second of the scene"),
+    OPTION_TEXT("format", format, "F", "what frames are: vtu, which ParaView opens"),
     OPTION_LATER("checkpoint", checkpoint, "F", "save the bodies in file F after the steps"),
     OPTION_COUNT("every", every, "K", "save them after each K steps, too", 1, 1000000000),
     OPTION_TEXT("resume", resume, "F",
@@ -61,7 +63,10 @@ static const option_rule rules[] = {
     {"hosts verbose simulate", OPTION_NEEDS, "ranks"},
     {"sorted", OPTION_NEEDS, "pairs"},
     {"every", OPTION_NEEDS, "checkpoint"},
-    {"checkpoint resume", OPTION_NEEDS, "steps"},
+    {"checkpoint resume frames", OPTION_NEEDS, "steps"},
+    {"frames", OPTION_NEEDS, "format"},
+    {"format", OPTION_NEEDS, "frames"},
+    {"frames", OPTION_EXCLUDES, "resume"},
     {"profile", OPTION_NEEDS, "simulate"},
     {"stands-for", OPTION_NEEDS, "profile"},
     {"pair share mode variant variant-a variant-b", OPTION_EXCLUDES, "plain"},
@@ -78,6 +83,8 @@ static const char *refuse(const void *given, char **operands)
     (void)operands;
     if (args->hosts && !*args->hosts)
         return "--hosts: expected names of machines, as one,two";
+    if (args->format && strcmp(args->format, "vtu") != 0)
+        return "--format: give vtu (bodies for ParaView)";
     return args->pairs_path && (length < 5 || strcmp(args->pairs_path + length - 4, ".npy") != 0)
                ? "--pairs: expected a file whose name ends in .npy"
                : NULL;

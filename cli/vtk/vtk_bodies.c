@@ -6,6 +6,7 @@
 
 #include <inttypes.h>
 #include <stdlib.h>
+#include <string.h>
 
 // A body, as its cell's data have it.
 typedef struct row {
@@ -159,9 +160,11 @@ static void write_face_offsets(FILE *to, const void *of)
         section, name, type, components, NULL, n, NULL, 0, write \
     }
 
-static bool write_grid(const char *path, const grid *g, double time, duet_error *err)
+enum { ARRAYS = 13 };
+
+static void list_arrays(const grid *g, vtk_array arrays[ARRAYS])
 {
-    const vtk_array arrays[] = {
+    const vtk_array all[ARRAYS] = {
         DATA(id, VTK_INT64, 1, NULL),
         DATA(velocity, VTK_FLOAT32, 3, "x y z"),
         DATA(angular_velocity, VTK_FLOAT32, 3, "x y z"),
@@ -176,12 +179,18 @@ static bool write_grid(const char *path, const grid *g, double time, duet_error 
         MADE("Cells", "faces", VTK_INT64, 1, g->n_words, write_faces), // if there are polyhedra
         MADE("Cells", "faceoffsets", VTK_INT64, 1, g->n, write_face_offsets),
     };
-    const uint32_t all = sizeof arrays / sizeof *arrays;
+    memcpy(arrays, all, sizeof all);
+}
+
+static bool write_grid(const char *path, const grid *g, double time, duet_error *err)
+{
+    vtk_array arrays[ARRAYS];
     char counts[96];
+    list_arrays(g, arrays);
     snprintf(counts, sizeof counts, "NumberOfPoints=\"%" PRIu64 "\" NumberOfCells=\"%" PRIu64 "\"",
              g->n_points, g->n);
     const vtk_piece piece = {
-        "UnstructuredGrid", counts, time, arrays, g->n_words > 0 ? all : all - 2, g};
+        "UnstructuredGrid", counts, time, arrays, g->n_words > 0 ? ARRAYS : ARRAYS - 2, g};
     return vtk_file_write(path, &piece, err);
 }
 
@@ -192,4 +201,15 @@ bool vtk_bodies_write(const char *path, const body_states *bodies, const uint8_t
     bool ok = make_rows(&g, asleep, err) && write_grid(path, &g, time, err);
     free(g.rows);
     return ok;
+}
+
+bool vtk_bodies_write_parallel(const char *path, const char *stem, uint32_t n, double time,
+                               duet_error *err)
+{
+    row none = {0};
+    const grid g = {.rows = &none};
+    vtk_array arrays[ARRAYS];
+    list_arrays(&g, arrays);
+    const vtk_piece piece = {"UnstructuredGrid", "", time, arrays, ARRAYS, &g};
+    return vtk_file_write_parallel(path, &piece, stem, n, err);
 }

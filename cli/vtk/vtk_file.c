@@ -47,12 +47,18 @@ static void write_labels(FILE *to, const char *labels)
     }
 }
 
-static void write_declaration(FILE *to, const vtk_array *a, uint64_t offset)
+static void begin_declaration(FILE *to, const char *element, const vtk_array *a)
 {
-    fprintf(to, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%" PRIu32 "\"",
+    fprintf(to, "<%s type=\"%s\" Name=\"%s\" NumberOfComponents=\"%" PRIu32 "\"", element,
             types[a->type].name, a->name, a->components);
     write_labels(to, a->labels);
-    fprintf(to, " format=\"appended\" offset=\"%" PRIu64 "\"/>\n", offset);
+}
+
+// Whether array i is the first of its section, or with step 1 the last.
+static bool is_at_border(const vtk_piece *p, uint32_t i, uint32_t step)
+{
+    uint32_t next = step > 0 ? i + 1 : i - 1;
+    return next >= p->n || strcmp(p->arrays[next].section, p->arrays[i].section) != 0;
 }
 
 static void write_declarations(FILE *to, const vtk_piece *p)
@@ -60,22 +66,30 @@ static void write_declarations(FILE *to, const vtk_piece *p)
     uint64_t offset = 0;
     for (uint32_t i = 0; i < p->n; ++i) {
         const char *section = p->arrays[i].section;
-        if (i == 0 || strcmp(p->arrays[i - 1].section, section) != 0)
+        if (is_at_border(p, i, 0))
             fprintf(to, "<%s>\n", section);
-        write_declaration(to, &p->arrays[i], offset);
-        if (i + 1 == p->n || strcmp(p->arrays[i + 1].section, section) != 0)
+        begin_declaration(to, "DataArray", &p->arrays[i]);
+        fprintf(to, " format=\"appended\" offset=\"%" PRIu64 "\"/>\n", offset);
+        if (is_at_border(p, i, 1))
             fprintf(to, "</%s>\n", section);
         offset += sizeof offset + bytes_of(&p->arrays[i]);
     }
 }
 
+static void write_time(FILE *to, double time)
+{
+    fprintf(to,
+            "<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
+            "format=\"ascii\">%.17g</DataArray>\n</FieldData>\n",
+            time);
+}
+
 static void write_head(FILE *to, const vtk_piece *p)
 {
     vtk_file_begin(to, p->kind);
-    fprintf(to,
-            "<%s>\n<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" "
-            "NumberOfTuples=\"1\" format=\"ascii\">%.17g</DataArray>\n</FieldData>\n<Piece %s>\n",
-            p->kind, p->time, p->counts);
+    fprintf(to, "<%s>\n", p->kind);
+    write_time(to, p->time);
+    fprintf(to, "<Piece %s>\n", p->counts);
     write_declarations(to, p);
     fprintf(to, "</Piece>\n</%s>\n", p->kind);
 }
@@ -115,6 +129,45 @@ bool vtk_file_write(const char *path, const vtk_piece *piece, duet_error *err)
     if (ok) {
         write_head(o.stream, piece);
         write_values(o.stream, piece);
+        vtk_file_end(o.stream);
+    }
+    return output_close(&o, ok, err);
+}
+
+// ---------------------------------------------------------------- files of pieces
+
+static bool is_of_cells(const vtk_array *a)
+{
+    return strcmp(a->section, "Cells") == 0;
+}
+
+static void write_pieces(FILE *to, const vtk_piece *p, const char *stem, uint32_t n)
+{
+    fprintf(to, "<P%s GhostLevel=\"0\">\n", p->kind);
+    write_time(to, p->time);
+    for (uint32_t i = 0; i < p->n && !is_of_cells(&p->arrays[i]); ++i) {
+        if (is_at_border(p, i, 0))
+            fprintf(to, "<P%s>\n", p->arrays[i].section);
+        begin_declaration(to, "PDataArray", &p->arrays[i]);
+        fputs("/>\n", to);
+        if (is_at_border(p, i, 1))
+            fprintf(to, "</P%s>\n", p->arrays[i].section);
+    }
+    for (uint32_t k = 0; k < n; ++k)
+        fprintf(to, "<Piece Source=\"%s_%" PRIu32 ".vtu\"/>\n", stem, k);
+    fprintf(to, "</P%s>\n", p->kind);
+}
+
+bool vtk_file_write_parallel(const char *path, const vtk_piece *piece, const char *stem, uint32_t n,
+                             duet_error *err)
+{
+    output o;
+    char kind[64];
+    bool ok = output_open(&o, path, err);
+    snprintf(kind, sizeof kind, "P%s", piece->kind);
+    if (ok) {
+        vtk_file_begin(o.stream, kind);
+        write_pieces(o.stream, piece, stem, n);
         vtk_file_end(o.stream);
     }
     return output_close(&o, ok, err);

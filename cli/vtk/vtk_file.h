@@ -40,6 +40,10 @@ typedef struct vtk_piece {
 
 bool vtk_file_write(const char *path, const vtk_piece *piece, duet_error *err);
 
+// A file that names n files of pieces, STEM_0.vtu and so on, each with the arrays of `piece`.
+bool vtk_file_write_parallel(const char *path, const vtk_piece *piece, const char *stem, uint32_t n,
+                             duet_error *err);
+
 // Begins a file of that kind, as every file of VTK begins; vtk_file_end ends it.
 void vtk_file_begin(FILE *to, const char *kind);
 void vtk_file_end(FILE *to);

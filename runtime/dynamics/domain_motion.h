@@ -24,9 +24,10 @@ void domain_contacts_free(domain_contacts *c);
 size_t domain_state_bytes(const duet_motion *m);
 
 // Reads the states of all bodies, [n][domain_state_bytes], and the bounds that the next step has,
-// [n][6].
+// [n][6]: those before it, while bodies are within them and they are not forgotten.
 bool domain_read_states(duet_motion *m, char *states, duet_error *err);
 bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err);
+void domain_forget_bounds(duet_motion *m);
 
 // Reads whether bodies sleep, [n] words as kernels have them; 0 for all without the effect.
 bool domain_read_asleep(duet_motion *m, cl_uint *asleep, duet_error *err);
@@ -40,15 +41,28 @@ bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n);
 // Reads contacts, which the caller frees.
 bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c, duet_error *err);
 
+// With events: sends for what touches, of contacts that a motion was given, as domain_finalize does
+// in a step; and makes that what touches before the next step, which duet_motion_advance takes.
+bool domain_note_touching(duet_motion *m, duet_error *err);
+bool domain_note_events(duet_motion *m, duet_error *err); // of both
+bool domain_recall_touching(duet_motion *m, duet_error *err);
+bool domain_list_touching(duet_motion *m, duet_error *err); // of it
+
+// Finds which contacts, by rows, touch and are told: told [n_contacts], 0 for all without events;
+// and, after a step, this motion's hits, which last until the next one.
+bool domain_read_told(duet_motion *m, uint8_t *told, duet_error *err);
+bool domain_read_hits(duet_motion *m, const duet_hit_event **hits, size_t *n, duet_error *err);
+
 // Replaces all bodies, and the contacts that they had in the last step.
 bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
                            const char *states, uint32_t n, const domain_contacts *c,
                            duet_error *err);
 
-// Makes the rows of where the bodies are, which take over what contacts had, and clears what
-// records do not say: then two motions of the same bodies and contacts have the same bytes.
-bool domain_settle_rows(duet_motion *m, duet_error *err);
-bool domain_make_rows(duet_motion *m, duet_error *err); // of it
+// Makes bounds of where bodies are, and rows of the contacts that they were replaced with, as if the
+// last step had made them: then two motions of the same bodies and contacts are saved as the same
+// bytes.
+bool domain_make_bounds(duet_motion *m, duet_error *err);
+bool domain_lay_rows(duet_motion *m, duet_error *err);
 
 // Forgets what commands left behind; false if some still acts: a place without a body, or a push.
 bool domain_forget_commands(duet_motion *m);
@@ -73,15 +87,21 @@ bool domain_wake_touched(duet_motion *m, bool fell, duet_error *err);
 bool domain_take_colours(duet_motion *m, const cl_uint *colours, duet_error *err);
 bool domain_prepare_contacts(duet_motion *m, duet_error *err);
 
-// A substep: velocities, contacts of each colour as soft springs, positions, contacts relaxed.
+// A substep: velocities, contacts of colours [from, to) as soft springs, positions, contacts relaxed.
 // After the colours those of COLOUR_OVERFLOW come, of which the domain's i-th is one call.
 bool domain_integrate_velocities(duet_motion *m, duet_error *err);
-bool domain_solve_colour(duet_motion *m, uint32_t colour, bool soft, duet_error *err);
+bool domain_solve_colours(duet_motion *m, uint32_t from, uint32_t to, bool soft, duet_error *err);
 bool domain_solve_in_order(duet_motion *m, uint32_t i, bool soft, duet_error *err);
 bool domain_integrate_positions(duet_motion *m, duet_error *err);
 
-// After all substeps: restitution of each colour; impulses and bodies as they are kept.
-bool domain_restore_colour(duet_motion *m, uint32_t colour, duet_error *err);
+// With shocks, before the contacts of a substep: sweeps of all colours, up to SHOCK_SWEEPS, until
+// none in any domain bounced.
+bool domain_shock_colours(duet_motion *m, uint32_t from, uint32_t to, duet_error *err);
+bool domain_shock_in_order(duet_motion *m, uint32_t i, duet_error *err);
+bool domain_end_sweep(duet_motion *m, bool *bounced, duet_error *err);
+
+// After all substeps: restitution, likewise; impulses, events and bodies as they are kept.
+bool domain_restore_colours(duet_motion *m, uint32_t from, uint32_t to, duet_error *err);
 bool domain_restore_in_order(duet_motion *m, uint32_t i, duet_error *err);
 bool domain_finalize(duet_motion *m, duet_error *err);
 
@@ -90,5 +110,9 @@ bool domain_push_sleepers(duet_motion *m, uint32_t round, duet_error *err);
 bool domain_move_sleepers(duet_motion *m, duet_error *err);
 
 bool domain_end_step(duet_motion *m, duet_error *err);
+
+// Whether all bodies are within the bounds that pairs were searched by, so that the next step searches
+// none.
+bool domain_is_bounded(const duet_motion *m);
 
 #endif

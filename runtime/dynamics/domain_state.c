@@ -185,6 +185,7 @@ bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_bo
                            duet_error *err)
 {
     m->products = products_of_saved(false);
+    motion_forget_events(&m->told);
     return take_bodies(m, poses, bodies, n, err) && motion_grow(m, 0, err) &&
            motion_send_places(m, NULL, n, PART_ALL, err) && write_states(m, states, err) &&
            (!(m->effects & DUET_EFFECT_CONTACT_RESPONSE) || write_contacts(m, c, err)) &&
@@ -193,35 +194,94 @@ bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_bo
 
 // ---------------------------------------------------------------- rows to be saved
 
-static bool clear_records(duet_motion *m, duet_error *err)
+// Rows of contacts, and of those that a body that moves is the other of.
+typedef struct contact_rows {
+    cl_uint *starts, *others, *return_starts, *returns;
+} contact_rows;
+
+static void free_rows(contact_rows *r)
 {
-    const motion_layout *l = &m->layout;
-    domain_contacts c;
-    if (!domain_read_contacts(m, true, &c, err))
-        return false;
-    for (uint32_t i = 0; i < c.n; ++i) {
-        uint32_t points = c.touches[i] & TOUCH_POINTS;
-        uint32_t used = points > 0 ? l->head + points * l->point : 0;
-        memset(c.records + (size_t)i * l->record + used, 0, (l->record - used) * sizeof(float));
+    free(r->starts);
+    free(r->others);
+    free(r->return_starts);
+    free(r->returns);
+}
+
+static bool reserve_rows(contact_rows *r, size_t n, size_t n_contacts, duet_error *err)
+{
+    r->starts = calloc(n + 2, sizeof *r->starts);
+    r->return_starts = calloc(n + 2, sizeof *r->return_starts);
+    r->others = calloc(n_contacts + 1, sizeof *r->others);
+    r->returns = calloc(n_contacts + 1, sizeof *r->returns);
+    return (r->starts && r->return_starts && r->others && r->returns) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the rows of %zu contacts",
+                     n_contacts);
+}
+
+static bool returns(const duet_motion *m, uint32_t other)
+{
+    return other < m->n && m->bodies[other].mass > 0.0f;
+}
+
+// Starts lie one further on until rows are filled.
+static void fill_rows(const duet_motion *m, const domain_contacts *c, contact_rows *r)
+{
+    for (uint32_t i = 0; i < c->n; ++i) {
+        r->others[i] = c->links[i].s[1];
+        ++r->starts[c->links[i].s[0] + 1];
+        if (returns(m, r->others[i]))
+            ++r->return_starts[r->others[i] + 2];
     }
-    bool ok = put(m, CONTACTS, c.records, c.n, l->record * sizeof(float), err) &&
-              timeline_finish(&m->times, err);
-    domain_contacts_free(&c);
+    for (uint32_t id = 0; id < m->n; ++id) {
+        r->starts[id + 1] += r->starts[id];
+        r->return_starts[id + 2] += r->return_starts[id + 1];
+    }
+    for (uint32_t i = 0; i < c->n; ++i)
+        if (returns(m, r->others[i]))
+            r->returns[r->return_starts[r->others[i] + 1]++] = i;
+}
+
+static bool write_rows_of(duet_motion *m, const domain_contacts *c, const contact_rows *r,
+                          duet_error *err)
+{
+    size_t n = (size_t)m->n + 1, word = sizeof(cl_uint);
+    return put(m, STARTS, r->starts, n, word, err) && put(m, OTHERS, r->others, c->n, word, err) &&
+           put(m, RETURN_STARTS, r->return_starts, n, word, err) &&
+           put(m, RETURNS, r->returns, c->n, word, err) && timeline_finish(&m->times, err);
+}
+
+static uint32_t count_pairs(const duet_motion *m, const domain_contacts *c)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < c->n; ++i)
+        n += c->links[i].s[1] < m->n;
+    return n;
+}
+
+static bool lay_rows(duet_motion *m, const domain_contacts *c, duet_error *err)
+{
+    contact_rows r = {0};
+    bool ok = reserve_rows(&r, m->n, c->n, err);
+    if (ok) {
+        fill_rows(m, c, &r);
+        ok = write_rows_of(m, c, &r, err);
+    }
+    free_rows(&r);
+    m->graph.n_pairs = count_pairs(m, c);
+    m->products = products_of_saved(true);
     return ok;
 }
 
-// Contacts with what never moves have none.
-static bool clear_returns(duet_motion *m, duet_error *err)
+bool domain_lay_rows(duet_motion *m, duet_error *err)
 {
-    cl_uint n = 0;
-    return motion_fetch(m, stage, RETURN_STARTS, m->n * sizeof n, &n, sizeof n, err) &&
-           motion_clear(m, stage, RETURNS, n, m->graph.n_contacts, err);
-}
-
-bool domain_settle_rows(duet_motion *m, duet_error *err)
-{
-    return !(m->effects & DUET_EFFECT_CONTACT_RESPONSE) || m->n == 0 ||
-           (domain_make_rows(m, err) && clear_returns(m, err) && clear_records(m, err));
+    domain_contacts c;
+    if (!(m->effects & DUET_EFFECT_CONTACT_RESPONSE) || m->n == 0)
+        return true;
+    if (!domain_read_contacts(m, false, &c, err))
+        return false;
+    bool ok = lay_rows(m, &c, err);
+    domain_contacts_free(&c);
+    return ok;
 }
 
 bool domain_forget_commands(duet_motion *m)

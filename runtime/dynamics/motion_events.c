@@ -2,7 +2,7 @@
 // What began, stays and ended is told by comparing the pairs that touch with those of the
 // step before. The device says a bit a contact; its contacts are by owner, so that pairs
 // come nearly in order.
-#include "runtime/dynamics/motion.h"
+#include "runtime/dynamics/domain_motion.h"
 
 #include "base/compare.h"
 #include "base/error.h"
@@ -72,7 +72,7 @@ static void list_touching(duet_motion *m, const uint32_t *words)
 static bool fetch_bits(duet_motion *m, uint32_t *words, size_t n_words, duet_error *err)
 {
     motion_events *e = &m->told;
-    bool same = e->links_of == m->products.of[PRODUCT_ROWS].stamp;
+    bool same = e->links_of != 0 && e->links_of == m->products.of[PRODUCT_ROWS].stamp;
     e->links.n = m->graph.n_contacts;
     return (same ||
             fetch(m, LINKS, e->links.pairs, m->graph.n_contacts * sizeof *e->links.pairs, err)) &&
@@ -214,4 +214,59 @@ bool motion_find_events(duet_motion *m, bool moved, duet_error *err)
            pair_changes_find(&e->changes, moved ? &e->before : &e->touching, &e->touching, err) &&
            pair_list_grow((void **)&e->hits, &e->hit_capacity, n_hits, sizeof *e->hits, err) &&
            fetch_hits(m, n_hits, err);
+}
+
+// ---------------------------------------------------------------- stage by stage
+
+bool domain_note_events(duet_motion *m, duet_error *err)
+{
+    motion_forget_events(&m->told);
+    return m->n == 0 || motion_note_events(m, err);
+}
+
+bool domain_list_touching(duet_motion *m, duet_error *err)
+{
+    return m->n == 0 || !m->kernels.contact_events || fetch_touching(m, err);
+}
+
+static bool mark_told(duet_motion *m, uint32_t *words, size_t n_words, uint8_t *told,
+                      duet_error *err)
+{
+    motion_events *e = &m->told;
+    if (!pair_list_reserve(&e->links, m->graph.n_contacts, err) ||
+        !fetch_bits(m, words, n_words, err))
+        return false;
+    for (size_t i = 0; i < e->links.n; ++i)
+        told[i] = (words[i / 32] >> i % 32 & 1u) && is_told(m, e->links.pairs[i]);
+    return true;
+}
+
+bool domain_read_told(duet_motion *m, uint8_t *told, duet_error *err)
+{
+    size_t n = m->n > 0 ? m->graph.n_contacts : 0, n_words = (n + 31) / 32;
+    memset(told, 0, n);
+    m->told.links.n = 0;
+    if (!m->kernels.contact_events || n == 0)
+        return true;
+    uint32_t *words = malloc(n_words * sizeof *words);
+    bool ok = words ? mark_told(m, words, n_words, told, err)
+                    : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu contacts", n);
+    free(words);
+    return ok;
+}
+
+bool domain_read_hits(duet_motion *m, const duet_hit_event **hits, size_t *n, duet_error *err)
+{
+    motion_events *e = &m->told;
+    *n = 0;
+    if (!motion_tells_hits(m) || m->n == 0)
+        return true;
+    if (!motion_read_flags(m, err))
+        return false;
+    size_t most = m->flags[FLAG_EVENTS];
+    bool ok = pair_list_grow((void **)&e->hits, &e->hit_capacity, most, sizeof *e->hits, err) &&
+              fetch_hits(m, most, err);
+    *hits = e->hits;
+    *n = ok ? e->n_hits : 0;
+    return ok;
 }

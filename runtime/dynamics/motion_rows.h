@@ -15,7 +15,7 @@ typedef struct motion_rows {
     size_t size;
     bool doubles;
     char *bytes;
-    cl_command_queue mapped_by; // the queue that mapped the buffer's memory; NULL: bytes are a copy
+    cl_command_queue mapped_by; // the queue that mapped the buffer's memory; NULL: none did
 } motion_rows;
 
 // Rows [first, last) of a buffer by object; those from the least of n places to the greatest; or

@@ -124,10 +124,16 @@ bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err)
 
 // ---------------------------------------------------------------- rows
 
+// Rows of host memory, once all that was launched is done: mapped, or as they lie.
 static bool map_rows(duet_motion *m, motion_rows *rows, size_t at, duet_error *err)
 {
     const device *d = m->device;
+    const buffer *const seen[] = {rows->of};
     cl_int code = CL_SUCCESS;
+    if (d->driver.in_place) {
+        rows->bytes = (char *)rows->of->host + at;
+        return timeline_see(&m->times, "send", seen, 1, err);
+    }
     ++m->times.n_waits;
     rows->bytes = clEnqueueMapBuffer(d->queue, rows->of->mem, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE,
                                      at, rows->size, 0, NULL, NULL, &code);
@@ -150,11 +156,15 @@ static bool fetch_rows(duet_motion *m, motion_rows *rows, size_t at, bool fresh,
     return ok;
 }
 
+static bool are_of_host(const motion_rows *rows)
+{
+    return rows->of && rows->of->host && rows->size > 0;
+}
+
 static bool open_rows(duet_motion *m, motion_rows *rows, bool fresh, duet_error *err)
 {
     size_t at = rows->first * rows->row;
-    return rows->of->host && rows->size > 0 ? map_rows(m, rows, at, err)
-                                            : fetch_rows(m, rows, at, fresh, err);
+    return are_of_host(rows) ? map_rows(m, rows, at, err) : fetch_rows(m, rows, at, fresh, err);
 }
 
 static motion_rows rows_of(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last)
@@ -197,7 +207,7 @@ bool motion_rows_of_contacts(duet_motion *m, motion_buffer which, uint32_t words
 bool motion_rows_close(duet_motion *m, motion_rows *rows, duet_error *err)
 {
     size_t at = rows->first * rows->row;
-    bool ok = rows->mapped_by ||
+    bool ok = are_of_host(rows) ||
               (timeline_write_at(&m->times, "send", rows->of, at, rows->bytes, rows->size, err) &&
                timeline_finish(&m->times, err));
     motion_rows_drop(rows);
@@ -208,7 +218,7 @@ void motion_rows_drop(motion_rows *rows)
 {
     if (rows->mapped_by)
         clEnqueueUnmapMemObject(rows->mapped_by, rows->of->mem, rows->bytes, 0, NULL, NULL);
-    else
+    else if (!are_of_host(rows))
         free(rows->bytes);
     *rows = (motion_rows){0};
 }

@@ -322,11 +322,21 @@ bool duet_motion_advance_end(duet_motion *m, duet_motion_result *result, duet_er
 
 // ---------------------------------------------------------------- stage by stage
 
-bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err)
+void domain_forget_bounds(duet_motion *m)
+{
+    product_forget(&m->products, PRODUCT_BOUNDS);
+}
+
+bool domain_make_bounds(duet_motion *m, duet_error *err)
 {
     set_args(m);
-    return m->n == 0 ||
-           (motion_launch(m, "fat_aabbs", m->kernels.compute_fat_aabbs, m->n, err) &&
+    return m->n == 0 || !m->kernels.compute_fat_aabbs || ensure(m, PRODUCT_BOUNDS, err);
+}
+
+bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err)
+{
+    return domain_make_bounds(m, err) &&
+           (m->n == 0 ||
             motion_fetch(m, "fat_aabbs", BOXES, 0, bounds, m->n * 6 * sizeof *bounds, err));
 }
 
@@ -341,19 +351,26 @@ bool domain_fly(duet_motion *m, duet_error *err)
            (motion_launch(m, "integrate", flight, m->n, err) && timeline_finish(&m->times, err));
 }
 
+// All bodies are gone over: what wakes one may be in another domain.
 bool domain_begin_step(duet_motion *m, duet_error *err)
 {
     timeline_begin_step(&m->times, m->device, m->step);
     m->products.before = m->products.last;
+    product_drop(&m->products, PRODUCT_AWAKE);
     set_args(m);
     return m->n == 0 || (motion_clear(m, "clear", FLAG_WORDS, 0, FLAGS, err) &&
                          ensure(m, PRODUCT_AWAKE, err) && domain_find_manifolds(m, err));
 }
 
-bool domain_make_rows(duet_motion *m, duet_error *err)
+bool domain_note_touching(duet_motion *m, duet_error *err)
 {
     set_args(m);
-    return ensure(m, PRODUCT_ROWS, err) && timeline_finish(&m->times, err);
+    return domain_note_events(m, err);
+}
+
+bool domain_recall_touching(duet_motion *m, duet_error *err)
+{
+    return domain_note_touching(m, err) && domain_list_touching(m, err);
 }
 
 bool domain_read_flags(duet_motion *m, duet_error *err)
@@ -362,9 +379,23 @@ bool domain_read_flags(duet_motion *m, duet_error *err)
     return m->n == 0 || motion_read_flags(m, err);
 }
 
+static bool check_bounds(duet_motion *m, duet_error *err)
+{
+    if (!motion_check_bounds(m, true, err) || !motion_read_flags(m, err))
+        return false;
+    motion_note_bounds(m);
+    return true;
+}
+
 bool domain_end_step(duet_motion *m, duet_error *err)
 {
     ++m->step;
     products_move_bodies(&m->products);
-    return timeline_finish(&m->times, err);
+    return (m->n == 0 || !m->kernels.check_fat_aabbs || check_bounds(m, err)) &&
+           timeline_finish(&m->times, err);
+}
+
+bool domain_is_bounded(const duet_motion *m)
+{
+    return m->n == 0 || !pushes(m) || product_is_right(&m->products, PRODUCT_BOUNDS);
 }

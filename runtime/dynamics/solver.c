@@ -295,9 +295,6 @@ static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
     return for_colours(m, m->kernels.solve_contacts, err);
 }
 
-// A row of so many bodies hands an impact on from end to end.
-enum { SHOCK_SWEEPS = 16 };
-
 // The first sweep looks at all contacts, and the others go on while something bounced.
 static bool solve_shocks(duet_motion *m, duet_error *err)
 {
@@ -457,13 +454,22 @@ bool domain_integrate_positions(duet_motion *m, duet_error *err)
     return motion_launch(m, "integrate", m->kernels.integrate_positions, m->n, err);
 }
 
-static bool launch_one(duet_motion *m, const kernel *k, uint32_t colour, duet_error *err)
+// Runs a kernel over the contacts of colours below COLOUR_OVERFLOW.
+static bool launch_between(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
+                           duet_error *err)
 {
-    const uint32_t n = m->solver.colours[colour].count;
-    if (n == 0)
+    const contact_solver *s = &m->solver;
+    bool ok = true;
+    if (most_of(s, from, to) == 0)
         return true;
-    return team_takes(k) ? launch_team(m, k, colour, colour + 1, err)
-                         : launch_colours(m, k, colour, colour + 1, k->per_item, n, err);
+    if (team_takes(k))
+        return launch_team(m, k, from, to, err);
+    for (uint32_t next; ok && from < to; from = next) {
+        next = end_of_few(s, k, from);
+        next = next < to ? next : to;
+        ok = launch_colours(m, k, from, next, k->per_item, most_of(s, from, next), err);
+    }
+    return ok;
 }
 
 // Launches a kernel for one of the contacts that have no colour of their own.
@@ -490,19 +496,40 @@ bool domain_restore_in_order(duet_motion *m, uint32_t i, duet_error *err)
     return launch_in_order(m, m->kernels.apply_restitution, i, err);
 }
 
-bool domain_solve_colour(duet_motion *m, uint32_t colour, bool soft, duet_error *err)
+bool domain_solve_colours(duet_motion *m, uint32_t from, uint32_t to, bool soft, duet_error *err)
 {
     m->solver.soft = soft;
-    return launch_one(m, m->kernels.solve_contacts, colour, err);
+    return launch_between(m, m->kernels.solve_contacts, from, to, err);
 }
 
-bool domain_restore_colour(duet_motion *m, uint32_t colour, duet_error *err)
+// No sweep of a domain knows whether it is the last one.
+bool domain_shock_colours(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
 {
-    return launch_one(m, m->kernels.apply_restitution, colour, err);
+    m->solver.first_sweep = m->solver.sweep;
+    return launch_between(m, m->kernels.solve_shocks, from, to, err);
+}
+
+bool domain_shock_in_order(duet_motion *m, uint32_t i, duet_error *err)
+{
+    m->solver.first_sweep = m->solver.sweep;
+    return launch_in_order(m, m->kernels.solve_shocks, i, err);
+}
+
+bool domain_end_sweep(duet_motion *m, bool *bounced, duet_error *err)
+{
+    cl_uint last = 0, sweep = m->solver.sweep++;
+    bool ok = m->n == 0 || motion_fetch(m, "solve_contacts", SHOCKED, 0, &last, sizeof last, err);
+    *bounced = m->n > 0 && last == sweep;
+    return ok;
+}
+
+bool domain_restore_colours(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
+{
+    return launch_between(m, m->kernels.apply_restitution, from, to, err);
 }
 
 bool domain_finalize(duet_motion *m, duet_error *err)
 {
-    return m->n == 0 || (store_impulses(m, err) &&
+    return m->n == 0 || (store_impulses(m, err) && domain_note_events(m, err) &&
                          motion_launch(m, "integrate", m->kernels.finalize_bodies, m->n, err));
 }

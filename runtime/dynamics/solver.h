@@ -13,6 +13,9 @@ enum { KEYS = COLOURS * COLOUR_KEYS, KEY_BITS = 8 };
 // More bodies than that are never solved in one launch.
 enum { SOLVER_FEW = 1024 };
 
+// A row of so many bodies hands an impact on from end to end.
+enum { SHOCK_SWEEPS = 16 };
+
 // Contacts of one colour: where in the list, and where in blocks. A uint4 on devices.
 typedef struct colour_span {
     cl_uint first;

@@ -128,6 +128,49 @@ facts.holds("devices of a cluster and of the script find the same pairs", functi
   facts.equal(assert(cluster:step()).hash, one:hash())
 end)
 
+facts.holds("bodies move as those of one motion, and a script that begins again knows its step", function()
+  local name = "cluster_lua_motion_" .. os.getenv "OMPI_COMM_WORLD_SIZE"
+  local path, saved, n_ranks = name .. ".lua", name .. ".motion", 0
+  local file = assert(io.open(path, "w"))
+  file:write [[
+    for i = 0, 19 do add { centre = { i % 5, i // 5, 1 + i % 3 }, half_extents = { 0.45, 0.45, 0.4 } } end
+    return { dims = 3, gravity = { 0, 0, -9.81 }, boundary = "walls", hit_speed = 0.5,
+      world = { lower = { -1, -1, 0 }, upper = { 6, 5, 20 } }, wants = { "contact_response", "events" } } ]]
+  file:close()
+  local events, hits = 0, 0
+  local cluster <close> = assert(duet.cluster())
+  n_ranks = cluster.rank_count
+  assert(cluster:begin_motion(path))
+  facts.equal(cluster:motion_step(), 0)
+  for step = 1, 40 do
+    local result = assert(cluster:advance())
+    events, hits = events + #result.events, hits + #result.hits
+    for _, e in ipairs(result.events) do assert(e.a < e.b and (e.begins == true or e.begins == false)) end
+    for _, h in ipairs(result.hits) do assert(h.speed > 0.5 and #h.point == 3 and #h.normal == 3) end
+    assert(n_ranks > 1 or step < 30 or result.stays[1].a < result.stays[1].b)
+  end
+  assert(cluster:save_motion(saved))
+  assert(cluster:begin_motion(path, nil, saved))
+  facts.equal(cluster:motion_step(), 40)
+  local last = assert(cluster:advance())
+  local pair <close> = assert(duet.device_pair())
+  local scene <close> = assert(duet.scene(path))
+  local motion <close> = assert(pair:motion(scene))
+  local all_events, all_hits, result = 0, 0, nil
+  for step = 1, 41 do
+    result = assert(motion:advance())
+    if step <= 40 then all_events, all_hits = all_events + result.n_events, all_hits + result.n_hits end
+  end
+  facts.equal(assert(cluster:state_hash()), motion:hash())
+  assert(all_events > 10 and all_hits > 10)
+  assert(events <= all_events and hits <= all_hits and last.step == 41)
+  if n_ranks == 1 then
+    facts.equal(events, all_events)
+    facts.equal(hits, all_hits)
+  end
+  if cluster.rank == 0 then os.remove(path); os.remove(saved) end
+end)
+
 facts.holds("the file of pairs is that of the reference", function()
   local cluster <close> = assert(duet.cluster { plain = true })
   fill(cluster, 0)

@@ -20,6 +20,8 @@
 // ---------------------------------------------------------------- scenes of files
 
 #define SHOCKS "cluster_motion_shocks.lua"
+#define EVENTS "cluster_motion_events.lua"
+#define APART "cluster_motion_apart.lua"
 #define GIANT "cluster_motion_giant.lua"
 
 static void write_scene(const char *path, const char *scene)
@@ -50,54 +52,146 @@ typedef struct moving_scene {
     const duet_setting settings[4];
     uint32_t n_settings, steps;
     uint64_t least_contacts; // at the end
+    uint32_t saved_at;       // the step at which it is saved, and goes on from the file; 0: none
 } moving_scene;
+
+// What came of a motion: its state, and sums over all events of all steps.
+typedef struct outcome {
+    uint64_t hash;
+    uint64_t events, stays, hits; // how many
+    uint64_t told;                // a sum of hashes of them, each with its step
+} outcome;
+
+// FNV-1a of bytes.
+static uint64_t add_bytes(uint64_t hash, const void *bytes, size_t n)
+{
+    for (size_t i = 0; i < n; ++i)
+        hash = (hash ^ ((const uint8_t *)bytes)[i]) * 0x100000001B3u;
+    return hash;
+}
+
+static uint64_t begin_hash(uint64_t step, uint64_t kind, uint32_t a, uint32_t b)
+{
+    const uint64_t words[] = {step, kind, a, b};
+    return add_bytes(0xCBF29CE484222325u, words, sizeof words);
+}
+
+static void add_events(outcome *o, uint64_t step, const duet_event *events, uint64_t n)
+{
+    for (uint64_t i = 0; i < n; ++i) {
+        const duet_event *e = &events[i];
+        MUST(i == 0 || e[-1].a < e->a || (e[-1].a == e->a && e[-1].b < e->b), "events ascend");
+        o->told += begin_hash(step, e->begins, e->a, e->b);
+    }
+    o->events += n;
+}
+
+static void add_stays(outcome *o, uint64_t step, const duet_pair *stays, uint64_t n)
+{
+    for (uint64_t i = 0; i < n; ++i)
+        o->told += begin_hash(step, 2, stays[i].a, stays[i].b);
+    o->stays += n;
+}
+
+static void add_hits(outcome *o, uint64_t step, const duet_hit_event *hits, uint64_t n)
+{
+    for (uint64_t i = 0; i < n; ++i) {
+        const duet_hit_event *h = &hits[i];
+        uint64_t hash = begin_hash(step, 3, h->a, h->b);
+        hash = add_bytes(hash, h->point, sizeof h->point);
+        hash = add_bytes(hash, h->normal, sizeof h->normal);
+        hash = add_bytes(hash, &h->speed, sizeof h->speed);
+        o->told += add_bytes(hash, &h->impulse, sizeof h->impulse);
+    }
+    o->hits += n;
+}
 
 // ---------------------------------------------------------------- the truth
 
-static uint64_t hash_of_one(const moving_scene *s, duet_device_pair *pair)
+static outcome outcome_of_one(const moving_scene *s, duet_device_pair *pair)
 {
     duet_error err = {0};
-    uint64_t hash = 0;
+    outcome o = {0};
     duet_motion_result result;
     duet_scene *scene = duet_scene_load(s->path, s->settings, s->n_settings, &err);
     MUST_OK(scene, err);
     duet_motion_def def = duet_scene_motion_def(scene, pair);
     duet_motion *motion = duet_motion_create_from_scene(&def, scene, NULL, &err);
     MUST_OK(motion, err);
-    for (uint32_t i = 0; i < s->steps; ++i)
+    for (uint32_t i = 0; i < s->steps; ++i) {
         MUST_OK(duet_motion_advance(motion, &result, &err), err);
-    MUST_OK(duet_motion_get_hash(motion, &hash, &err), err);
+        add_events(&o, i, result.events, result.n_events);
+        add_stays(&o, i, result.stays, result.n_stays);
+        add_hits(&o, i, result.hits, result.n_hits);
+    }
+    MUST_OK(duet_motion_get_hash(motion, &o.hash, &err), err);
     duet_motion_destroy(motion);
     duet_scene_destroy(scene);
-    return hash;
+    return o;
 }
 
 // Rank 0 finds it.
-static uint64_t expected_hash(const moving_scene *s)
+static outcome expected_outcome(const moving_scene *s)
 {
-    uint64_t hash = 0;
+    outcome o = {0};
     if (rank == 0) {
         duet_error err = {0};
         duet_device_pair_def def = duet_default_device_pair_def();
         duet_device_pair *pair = duet_device_pair_create(&def, &err);
         MUST_OK(pair, err);
-        hash = hash_of_one(s, pair);
+        o = outcome_of_one(s, pair);
         duet_device_pair_destroy(pair);
     }
-    MPI_Bcast(&hash, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
-    return hash;
+    MPI_Bcast(&o, sizeof o, MPI_BYTE, 0, MPI_COMM_WORLD);
+    return o;
+}
+
+static uint64_t expected_hash(const moving_scene *s)
+{
+    return expected_outcome(s).hash;
 }
 
 // ---------------------------------------------------------------- ranks
 
-static void must_move_to(const moving_scene *s, uint64_t expected, int n_ranks, uint32_t parts)
+static outcome sum_of_ranks(const outcome *own, MPI_Comm comm)
+{
+    outcome all;
+    MPI_Allreduce(own, &all, sizeof all / sizeof(uint64_t), MPI_UINT64_T, MPI_SUM, comm);
+    return all;
+}
+
+static void must_tell_alike(const outcome *own, const outcome *expected, MPI_Comm comm,
+                            const char *what)
+{
+    outcome all = sum_of_ranks(own, comm);
+    MUST(all.events == expected->events, what);
+    MUST(all.stays == expected->stays, what);
+    MUST(all.hits == expected->hits, what);
+    MUST(all.told == expected->told, what);
+}
+
+// A motion takes the other's place, as a job that is started again.
+static void save_and_resume(duet_cluster *cluster, const moving_scene *s)
+{
+    static const char file[] = "cluster_motion_at.ck";
+    duet_error err = {0};
+    MUST_OK(duet_cluster_save_motion(cluster, file, &err), err);
+    MUST_OK(duet_cluster_begin_motion(cluster, s->path, s->settings, s->n_settings, file, &err),
+            err);
+    MUST(duet_cluster_get_motion_step(cluster) == s->saved_at, "the step that was saved");
+    if (rank == 0)
+        remove(file);
+}
+
+static void must_move_to(const moving_scene *s, const outcome *expected, int n_ranks,
+                         uint32_t parts)
 {
     MPI_Comm comm = group_of(n_ranks);
     if (comm == MPI_COMM_NULL)
         return;
     char what[160];
     duet_error err = {0};
-    uint64_t hash = 0;
+    outcome own = {0};
     uint32_t most_colours = 0;
     duet_cluster_motion_result result = {0};
     duet_cluster_def def = duet_default_cluster_def();
@@ -108,38 +202,45 @@ static void must_move_to(const moving_scene *s, uint64_t expected, int n_ranks, 
     MUST_OK(duet_cluster_begin_motion(cluster, s->path, s->settings, s->n_settings, NULL, &err),
             err);
     for (uint32_t i = 0; i < s->steps; ++i) {
+        if (i > 0 && i == s->saved_at)
+            save_and_resume(cluster, s);
         MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
         most_colours = result.colours > most_colours ? result.colours : most_colours;
+        add_events(&own, i, result.events, result.n_events);
+        add_stays(&own, i, result.stays, result.n_stays);
+        add_hits(&own, i, result.hits, result.n_hits);
     }
-    MUST_OK(duet_cluster_get_state_hash(cluster, &hash, &err), err);
+    MUST_OK(duet_cluster_get_state_hash(cluster, &own.hash, &err), err);
     snprintf(what, sizeof what, "%s on %d ranks of %u", s->path, n_ranks, parts);
     MUST(result.step == s->steps, what);
     MUST(result.contacts >= s->least_contacts, what);
     MUST(strcmp(s->path, GIANT) != 0 || most_colours == COLOUR_OVERFLOW + 1, what);
     MUST(s->least_contacts == 0 || n_ranks * parts == 1 || result.ghosts > 0, what);
-    MUST(hash == expected, what);
+    MUST(own.hash == expected->hash, what);
+    must_tell_alike(&own, expected, comm, what);
     duet_cluster_destroy(cluster);
     MPI_Comm_free(&comm);
 }
 
-static void must_move_alike(const moving_scene *s, const int (*shapes)[2], size_t n)
+static outcome must_move_alike(const moving_scene *s, const int (*shapes)[2], size_t n)
 {
-    uint64_t expected = expected_hash(s);
+    outcome expected = expected_outcome(s);
     for (size_t i = 0; i < n; ++i)
-        must_move_to(s, expected, shapes[i][0], (uint32_t)shapes[i][1]);
+        must_move_to(s, &expected, shapes[i][0], (uint32_t)shapes[i][1]);
+    return expected;
 }
 
 static void a_flight_has_one_motions_bits(void)
 {
     static const int shapes[][2] = {{1, 3}, {2, 1}, {3, 1}, {4, 2}, {5, 1}, {8, 1}};
-    const moving_scene s = {"orbit2d", {{"n", "300"}}, 1, 12, 0};
+    const moving_scene s = {"orbit2d", {{"n", "300"}}, 1, 12, 0, 0};
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
 }
 
 static void a_pile_has_one_motions_bits(void)
 {
     static const int shapes[][2] = {{1, 1}, {1, 4}, {2, 1}, {3, 1}, {4, 1}, {5, 1}, {8, 1}};
-    const moving_scene s = {"falling", {{"n", "120"}, {"sleep", "false"}}, 2, 32, 1};
+    const moving_scene s = {"falling", {{"n", "120"}, {"sleep", "false"}}, 2, 32, 1, 0};
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
 }
 
@@ -147,16 +248,16 @@ static void a_pile_has_one_motions_bits(void)
 static void a_pile_that_falls_asleep_has_one_motions_bits(void)
 {
     static const int shapes[][2] = {{1, 3}, {2, 2}};
-    const moving_scene s = {"falling", {{"n", "60"}}, 1, 320, 0};
+    const moving_scene s = {"falling", {{"n", "60"}}, 1, 320, 0, 0};
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
 }
 
 static void other_effects_have_one_motions_bits(void)
 {
     static const int shapes[][2] = {{1, 5}, {3, 1}};
-    const moving_scene bullets = {"bullets", {{0}}, 0, 12, 1};
-    const moving_scene marbles = {"marbles", {{"n", "100"}}, 1, 40, 1};
-    const moving_scene terrain = {"terrain", {{"n", "100"}}, 1, 80, 1};
+    const moving_scene bullets = {"bullets", {{0}}, 0, 12, 1, 0};
+    const moving_scene marbles = {"marbles", {{"n", "100"}}, 1, 40, 1, 0};
+    const moving_scene terrain = {"terrain", {{"n", "100"}}, 1, 80, 1, 0};
     must_move_alike(&bullets, shapes, sizeof shapes / sizeof *shapes);
     must_move_alike(&marbles, shapes, 1);
     must_move_alike(&terrain, shapes, 1);
@@ -166,7 +267,7 @@ static void other_effects_have_one_motions_bits(void)
 static void a_giant_on_small_ones_has_one_motions_bits(void)
 {
     static const int shapes[][2] = {{1, 1}, {1, 4}, {3, 1}};
-    const moving_scene s = {GIANT, {{0}}, 0, 16, 1};
+    const moving_scene s = {GIANT, {{0}}, 0, 16, 1, 0};
     write_scene(GIANT, "for i = 0, 79 do\n"
                        "  local x, y = i % 9, i // 9\n"
                        "  add { centre = { x, y, 0.45 }, half_extents = { 0.4, 0.4, 0.4 } }\n"
@@ -181,13 +282,66 @@ static void a_giant_on_small_ones_has_one_motions_bits(void)
     remove_file(GIANT);
 }
 
+// ---------------------------------------------------------------- what is told
+
+// Boxes fall through a sensor onto a floor, a sensor that stands in a box, and bodies of one group
+// that is told of; a fast sensor passes them all.
+static void events_are_one_motions(void)
+{
+    static const int shapes[][2] = {{1, 1}, {1, 3}, {2, 1}, {3, 2}, {5, 1}};
+    const moving_scene s = {EVENTS, {{0}}, 0, 90, 1, 45};
+    write_scene(EVENTS,
+                "for i = 0, 47 do\n"
+                "  local x, y = i % 8, i // 8\n"
+                "  add { centre = { x + 0.01 * y, y, 1 + 0.31 * (i * 7 % 11) },\n"
+                "        half_extents = { 0.4, 0.45, 0.3 }, group = i % 5 == 0 and 2 or 1,\n"
+                "        velocity = { 0, 0, i % 3 == 0 and -2 or 1 } }\n"
+                "end\n"
+                "add { centre = { 3.5, 2.5, 1 }, half_extents = { 4, 3, 0.1 }, mass = 0,\n"
+                "      sensor = true }\n"
+                "add { centre = { 3.5, -2, 0.5 }, half_extents = { 4, 0.5, 0.5 }, mass = 0 }\n"
+                "add { centre = { 1, -2, 0.5 }, half_extents = { 0.2, 1, 0.2 }, mass = 0,\n"
+                "      sensor = true }\n"
+                "add { centre = { -1, 2, 1 }, half_extents = { 0.3, 0.3, 0.3 }, sensor = true,\n"
+                "      velocity = { 6, 0.4, 7 } }\n"
+                "return {\n"
+                "  dims = 3, gravity = { 0, 0, -9.81 }, boundary = 'walls', hit_speed = 0.6,\n"
+                "  world = { lower = { -2, -3, 0 }, upper = { 9, 7, 20 } },\n"
+                "  wants = { 'contact_response', 'events', 'sleep' }, event_mask = 3,\n"
+                "  body = { friction = 0.5, restitution = 0.4 },\n"
+                "}\n");
+    outcome o = must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+    MUST(o.events > 200 && o.stays > 1000 && o.hits > 50, "much is told");
+    remove_file(EVENTS);
+}
+
+// A blow goes through a row from end to end.
+static void shocks_have_one_motions_bits(void)
+{
+    static const int shapes[][2] = {{1, 4}, {2, 1}, {3, 1}, {5, 1}};
+    const moving_scene s = {SHOCKS, {{0}}, 0, 40, 1, 0};
+    write_scene(SHOCKS,
+                "for i = 0, 9 do\n"
+                "  add { centre = { i, 0, 0 }, radius = 0.5, mass = 1 + i % 2 }\n"
+                "  add { centre = { i, 0.3, 1.5 }, half_extents = { 0.5, 0.5, 0.5 } }\n"
+                "end\n"
+                "add { centre = { -3, 0, 0 }, radius = 0.5, velocity = { 9, 0, 0 } }\n"
+                "add { centre = { 13, 0.3, 1.5 }, half_extents = { 0.5, 0.5, 0.5 },\n"
+                "      velocity = { -7, 0, 0 } }\n"
+                "return { dims = 3, body = { restitution = 0.9, friction = 0.2 }, dt = 1 / 60,\n"
+                "         world = { lower = { -5, -2, -2 }, upper = { 15, 3, 4 } },\n"
+                "         wants = { 'contact_response', 'shocks' } }\n");
+    must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+    remove_file(SHOCKS);
+}
+
 // ---------------------------------------------------------------- other borders
 
-// Between all steps the borders are cut at random, so that bodies, with their contacts and their
+// Borders are cut at random, between most steps, so that bodies, with their contacts and their
 // sleep, change domains all the time.
 static void borders_change_nothing(uint64_t seed)
 {
-    const moving_scene s = {"falling", {{"n", "90"}}, 1, 60, 0};
+    const moving_scene s = {"falling", {{"n", "90"}}, 1, 60, 0, 0};
     uint64_t expected = expected_hash(&s), hash = 0;
     MPI_Comm comm = group_of(3);
     if (comm == MPI_COMM_NULL)
@@ -205,6 +359,8 @@ static void borders_change_nothing(uint64_t seed)
         for (uint32_t k = 1; k < cluster->moving->cuts.n; ++k)
             cluster->moving->cuts.planes[k] =
                 (bisection_plane){rng_between(&r, 0, 6), rng_below(&r, 3)};
+        if (rng_below(&r, 3) > 0)
+            MUST_OK(moving_settle(cluster->moving, &err), err);
         MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
     }
     MUST_OK(duet_cluster_get_state_hash(cluster, &hash, &err), err);
@@ -230,7 +386,7 @@ static void borders_follow_bodies(void)
     moving *m = cluster->moving;
     for (uint32_t k = 1; k < m->cuts.n; ++k)
         m->cuts.planes[k] = (bisection_plane){1e6, 0};
-    MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+    MUST_OK(moving_settle(m, &err), err);
     MUST(m->most_own == 400, "all are of one domain");
     MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
     MUST(m->most_own <= 104, "a quarter is each domain's");
@@ -280,7 +436,7 @@ static void must_be_the_same_bytes(const char *path, const char *other)
 static void checkpoints_know_no_ranks(void)
 {
     const char *three = "cluster_motion_3.ck", *one = "cluster_motion_1.ck";
-    const moving_scene s = {"falling", {{"n", "90"}}, 1, 70, 0};
+    const moving_scene s = {"falling", {{"n", "90"}}, 1, 70, 0, 0};
     uint64_t expected = expected_hash(&s);
     go_on(3, 1, 40, NULL, three);
     go_on(1, 4, 40, NULL, one);
@@ -317,11 +473,11 @@ static void must_refuse(const char *path, const duet_setting *settings, uint32_t
 
 static void what_ranks_lack_is_refused(void)
 {
-    write_scene(SHOCKS,
+    write_scene(APART,
                 "add { centre = { 0, 0, 0 }, half_extents = { 1, 1, 1 }, velocity = { 1, 0, 0 } }\n"
-                "return { dims = 3, wants = { 'shocks' } }\n");
-    must_refuse(SHOCKS, NULL, 0, "the effect shocks is not for several domains yet");
-    remove_file(SHOCKS);
+                "return { dims = 3, wants = { 'depenetration' } }\n");
+    must_refuse(APART, NULL, 0, "the effect depenetration is not for several domains yet");
+    remove_file(APART);
     must_refuse("no_such_scene.lua", NULL, 0, "no_such_scene.lua");
 }
 
@@ -395,6 +551,8 @@ int main(int argc, char **argv)
     a_pile_has_one_motions_bits();
     a_pile_that_falls_asleep_has_one_motions_bits();
     a_giant_on_small_ones_has_one_motions_bits();
+    events_are_one_motions();
+    shocks_have_one_motions_bits();
     other_effects_have_one_motions_bits();
     if (rank == 0)
         printf("all facts hold on 1, 2, 3, 4, 5 and 8 ranks\n");

@@ -11,50 +11,18 @@ import math
 import os
 import random
 import shutil
-import struct
 import subprocess
 import sys
 import time
-import xml.etree.ElementTree as xml
 from signal import SIGINT, SIGKILL
 
-TYPES = {"Float32": "f", "Float64": "d", "Int64": "q", "UInt8": "B"}
+sys.dont_write_bytecode = True
+from vtu import read_own, read_series
+
 POLYGON, QUAD, HEXAHEDRON, POLYHEDRON = 7, 9, 12, 42
 
 
 # ---------------------------------------------------------------- files
-
-def read_own(path):
-    """The arrays of a file by name, each a list of rows or of numbers, and its counts."""
-    data = open(path, "rb").read()
-    at = data.index(b"<AppendedData")
-    start = data.index(b"_", at) + 1
-    root = xml.fromstring(data[:at] + b"</VTKFile>")
-    assert root.get("byte_order") == "LittleEndian" and root.get("header_type") == "UInt64"
-    piece = root[0].find("Piece")
-    found = {"counts": {k: int(v) for k, v in piece.attrib.items()}, "labels": {}}
-    found["time"] = float(root[0].find("FieldData")[0].text)
-    end = 0
-    for section in piece:
-        for a in section:
-            assert int(a.get("offset")) == end, "arrays follow each other"
-            (size,) = struct.unpack_from("<Q", data, start + end)
-            letter, width = TYPES[a.get("type")], int(a.get("NumberOfComponents"))
-            n = size // struct.calcsize("<" + letter)
-            values = struct.unpack_from("<%d%s" % (n, letter), data, start + end + 8)
-            rows = [values[i:i + width] for i in range(0, n, width)] if width > 1 else list(values)
-            found[a.get("Name")] = rows
-            found["labels"][a.get("Name")] = [a.get("ComponentName%d" % k) for k in range(width)]
-            end += 8 + size
-    assert data[start + end:].split() == [b"</AppendedData>", b"</VTKFile>"]
-    return found
-
-
-def read_series(folder, name):
-    """Times and paths of a .pvd."""
-    entries = xml.parse(os.path.join(folder, name + ".pvd")).getroot()[0]
-    return [(float(e.get("timestep")), os.path.join(folder, e.get("file"))) for e in entries]
-
 
 def begin(program, folder, scene, steps):
     path = os.path.join(folder, "scene.lua")
