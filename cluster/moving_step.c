@@ -191,7 +191,7 @@ static bool respond(moving *m, duet_error *own)
     halo_exchange(&m->halo, m, BODIES, own);
     for (uint32_t i = 0; i < m->domains[0].motion->def.substeps; ++i)
         substep(m, own);
-    if (m->domains[0].motion->facts.elastic)
+    if (m->domains[0].motion->facts & FACT_ELASTIC)
         solve(m, SOLVE_RESTORE, own);
     each(m, domain_finalize, own);
     if (t.sums[1] > 0)

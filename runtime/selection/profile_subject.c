@@ -299,7 +299,7 @@ static bool read_bodies(const duet_motion *m, profile_subject *p, duet_error *er
     def.dims = m->def.dims;
     def.origin_edge = m->cells ? m->def.origin_edge : 0;
     def.rotated = m->effects & DUET_EFFECT_ROTATION;
-    def.shape = !m->cells && m->facts.round ? DUET_SHAPE_ROUNDED_BOXES : DUET_SHAPE_POSES;
+    def.shape = !m->cells && (m->facts & FACT_ROUND) ? DUET_SHAPE_ROUNDED_BOXES : DUET_SHAPE_POSES;
     duet_object_kind kind = origin_row_kind(def.shape, def.origin_edge);
     void *rows = copy_bodies(m, kind, err);
     duet_world *world = rows ? duet_world_create(&def, err) : NULL;
