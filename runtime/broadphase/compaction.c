@@ -125,12 +125,10 @@ static void list_block(compaction *c, uint32_t block)
     atomic_fetch_add_explicit(&c->done, 1, memory_order_release);
 }
 
-static void list_blocks(void *arg)
+static void list_blocks(void *arg, uint64_t first, uint64_t last)
 {
-    compaction *c = arg;
-    uint32_t block = 0;
-    while ((block = atomic_fetch_add_explicit(&c->begun, 1, memory_order_relaxed)) < c->n_blocks)
-        list_block(c, block);
+    for (; first < last; ++first)
+        list_block(arg, (uint32_t)first);
 }
 
 // ---------------------------------------------------------------- beginning
@@ -170,7 +168,6 @@ bool compaction_start(compaction *c, const grid_objects *objects, const grid *g,
     c->objects = *objects;
     c->grid = g;
     c->n_blocks = divide_up(objects->n, BLOCK);
-    atomic_init(&c->begun, 0);
     atomic_init(&c->done, 0);
     atomic_init(&c->cancelled, false);
     for (int side = 0; side < 2; ++side)
@@ -181,7 +178,7 @@ bool compaction_start(compaction *c, const grid_objects *objects, const grid *g,
         return true;
     if (!c->threads && !(c->threads = thread_pool_open(thread_pool_spare(MOST_THREADS), err)))
         return false;
-    thread_pool_start(c->threads, list_blocks, c);
+    thread_pool_start(c->threads, list_blocks, c, c->n_blocks);
     *threads = c->threads;
     return true;
 }

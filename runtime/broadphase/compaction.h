@@ -45,8 +45,7 @@ typedef struct compaction {
     grid_objects objects;
     const grid *grid;
     uint32_t n_blocks;
-    atomic_uint begun; // blocks
-    atomic_uint done;
+    atomic_uint done; // blocks
     atomic_bool cancelled; // a device failed and sends no more
     compaction_list lists[2];
     thread_pool *threads; // NULL before the first time

@@ -16,11 +16,12 @@ static void complete(step_half *h, bool ok)
     h->done = NULL;
 }
 
-static void run(void *arg)
+static bool run(void *arg, duet_error *err)
 {
     duet_world *world = arg;
-    world->background.ok = world_step(world, &world->half.result, &world->background.err);
+    bool ok = world_step(world, &world->half.result, err);
     complete(&world->half, world->left.count_written);
+    return ok;
 }
 
 static void start(duet_world *world)
