@@ -24,8 +24,8 @@ typedef enum grid_role {
 // The work of a part in a step. Lists and ranges need slabs, and slabs GRID_OWN; all other
 // combinations of the selection, the role, the pairs and the ids are legal (test_views).
 typedef struct part_task {
-    const duet_world_def *def; // with the mode that the grid suits
-    grid_objects objects;      // all of the world's; once the view is updated, as many as it has
+    const duet_world_def *def;   // with the mode that the grid suits
+    const grid_objects *objects; // the world's; those on the device are the view's
     const grid *grid;
     grid_role role;
     struct part *other;    // the other device's part
@@ -60,12 +60,6 @@ typedef struct part_kernels {
     kernel *change_ids;
     kernel *count_pairs; // NULL if pairs come to the host
     kernel *skim;        // NULL if it cannot be
-    bool fused;          // candidates are tested where they are found
-    bool listed;         // overlapping bounds are a pair, without a test
-    bool unboxed;        // boxes are read by id, where the objects are
-    bool from_ids;       // objects reach cell order by their sorted ids
-    bool summed;         // objects are counted by the scan's blocks, too
-    bool guarded;        // the search finds nothing if the grid got more than it has space for
 } part_kernels;
 
 // A parameter of the kernels that the scene or the stage decides. A choice that is open may be set
@@ -175,9 +169,9 @@ typedef struct part {
         cl_event done[2 * VIEW_CHUNKS]; // when those of a chunk are
     } skimmed;
     struct {
-        buffer words;    // [n / INPUT_BLOCK] the epoch, if the other part needs the block
-        host_block seen; // on the host, if the device has memory of its own
-        cl_uint epoch;   // the last step's
+        buffer words;        // [n / INPUT_BLOCK] the epoch, if the other part needs the block
+        host_block seen;     // on the host, if the device has memory of its own
+        block_requests last; // the last step's
     } requests;
 
     struct {                          // the grid
@@ -221,12 +215,22 @@ void part_forget_kernels(part *p);
 // Builds the kernel of part_skim, too.
 bool part_prepare_skim(part *p, duet_error *err);
 
+// What the kernels do, by the task and the variant that they were built for.
+bool part_tests_boxes(const part *p);  // beyond their bounds
+bool part_leaves_boxes(const part *p); // boxes are read by id, where the objects are
+bool part_sums_blocks(const part *p);  // objects are counted by the scan's blocks, too
+bool part_goes_by_ids(const part *p);  // objects reach cell order by their sorted ids
+bool part_is_fused(const part *p);     // candidates are tested where they are found
+
 // The kernel of that name that the part has prepared; NULL if it runs another.
 const kernel *part_kernel(const part *p, const char *name);
 
 // Invalidates what lies on the device, after a step that failed: waits for what is under way. It
 // may not have arrived, so the next step sends all of it again.
 void part_invalidate(part *p);
+
+// Forgets what was made from the grid: it is another.
+void part_forget_grid(part *p);
 
 // Begins to send the first n objects before a step that has these and perhaps more, `bytes` of them
 // all. Only for a device with memory of its own. step: see part_begin.
@@ -250,7 +254,7 @@ void part_drop_prefetch(part *p);
 void part_begin(part *p, uint64_t step);
 
 // Makes the views of the objects, their sizes, the grid's levels and the ids equal to what the task
-// wants. task.objects.n becomes the number of objects to read.
+// wants.
 bool part_update_views(part *p, duet_error *err);
 
 // Builds the task's range of the grid from the objects.
@@ -269,9 +273,6 @@ bool part_search(part *p, duet_error *err);
 // Adds what was counted on the device to the part's span, which then has all pairs of the last
 // step.
 bool part_read_counted(part *p, duet_error *err);
-
-// The blocks that the part marked in the last step for the other one.
-block_requests part_requests(const part *p);
 
 uint64_t part_bytes(const part *p); // memory held on the device
 

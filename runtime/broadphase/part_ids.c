@@ -66,7 +66,7 @@ bool part_update_ids(part *p, const global_ids *ids, duet_error *err)
     if (ids->n == 0 || (has > 0 && has == ids->generation))
         return true;
     const bool follows =
-        has > 0 && has == ids->before && !ids->all_changed && ids->n_changed <= ids->n / 4;
+        has > 0 && has + 1 == ids->generation && ids->n_changed > 0 && ids->n_changed <= ids->n / 4;
     v->generation = 0;
     bool ok = (follows || send_all(p, ids, err)) &&
               send_changes(p, ids, follows ? ids->n_changed : 0, err);

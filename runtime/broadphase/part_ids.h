@@ -6,8 +6,7 @@
 
 #include "runtime/broadphase/part.h"
 
-// Makes the view equal to the ids of ids->generation: by the changes since ids->before, if the view
-// has that generation, else by all of them.
+// Makes the view equal to the ids: by the changes if it has the generation before, else by all.
 bool part_update_ids(part *p, const global_ids *ids, duet_error *err);
 
 #endif

@@ -19,7 +19,7 @@ static uint32_t chunk_size(const part *p, uint32_t n)
 
 bool part_prefetch(part *p, const host_array *objects, size_t bytes, uint64_t step, duet_error *err)
 {
-    const selection first = {SELECT_RANGES, 1, {{0, objects->n}}, 0, {0}};
+    const selection first = {.kind = SELECT_RANGES, .n_ranges = 1, .ranges = {{0, objects->n}}};
     part_begin(p, step);
     view_forget(&p->objects);
     return buffer_reserve(&p->objects.own, p->device, bytes, err) &&
@@ -41,46 +41,40 @@ static uint32_t chunk_of(const part *p, uint32_t n)
 static bool update_objects(part *p, duet_error *err)
 {
     const part_task *task = &p->task;
-    const grid_objects *o = &task->objects;
-    const host_array objects = {o->array, o->row_bytes, o->n, o->generation};
-    if (!view_continues(&p->objects, &objects, &task->wanted))
+    const host_array *objects = &task->objects->all;
+    if (!view_continues(&p->objects, objects, &task->wanted))
         part_drop_prefetch(p);
     bool ok = task->wanted.kind == SELECT_LIST
                   ? view_update_list(&p->objects, &p->times, task->lists, p->side,
-                                     objects.generation, &task->wanted, err)
-                  : view_update(&p->objects, &p->times, &objects, &task->wanted,
-                                chunk_of(p, objects.n), err);
-    if (ok && !view_has(&p->objects, objects.generation, &task->wanted))
+                                     objects->generation, &task->wanted, err)
+                  : view_update(&p->objects, &p->times, objects, &task->wanted,
+                                chunk_of(p, objects->n), err);
+    if (ok && !view_has(&p->objects, objects->generation, &task->wanted))
         p->state = PART_CROWDED;
     return ok;
 }
 
-static bool update_all(part *p, device_view *v, const host_array *rows, duet_error *err)
+// The row behind the last belongs to none (world_set.c).
+static bool update_sizes(part *p, duet_error *err)
 {
-    const selection all = select_all(rows->n);
-    return view_update(v, &p->times, rows, &all, 0, err);
+    host_array sizes = p->task.objects->sizes;
+    const selection all = select_all(++sizes.n);
+    return !sizes.rows || view_update(&p->sizes, &p->times, &sizes, &all, 0, err);
 }
 
 // The device has a copy of the levels, whatever memory it works on: the grid may change in place.
+// The view is forgotten if it does.
 static bool update_levels(part *p, const grid *g, duet_error *err)
 {
     device_view *v = &p->levels;
-    if (v->generation == g->generation)
-        return true;
-    bool ok = timeline_write(&p->times, "send objects", &v->own, g->levels,
-                             g->n_levels * sizeof g->levels[0], err);
-    v->generation = ok ? g->generation : 0;
+    bool ok = v->generation > 0 || timeline_write(&p->times, "send objects", &v->own, g->levels,
+                                                  g->n_levels * sizeof g->levels[0], err);
+    v->generation = ok;
     return ok;
 }
 
 bool part_update_views(part *p, duet_error *err)
 {
-    const grid_objects *o = &p->task.objects;
-    const global_ids *ids = p->task.ids;
-    // The row behind the last belongs to none (world_set.c).
-    const host_array sizes = {o->sizes, sizeof *o->sizes, o->n + 1, o->sizes_generation};
-    bool ok = update_objects(p, err) && (!sizes.rows || update_all(p, &p->sizes, &sizes, err)) &&
-              update_levels(p, p->task.grid, err) && (!ids || part_update_ids(p, ids, err));
-    p->task.objects.n = p->objects.n;
-    return ok;
+    return update_objects(p, err) && update_sizes(p, err) && update_levels(p, p->task.grid, err) &&
+           (!p->task.ids || part_update_ids(p, p->task.ids, err));
 }

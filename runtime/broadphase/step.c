@@ -49,43 +49,41 @@ static bool has_work(const part_range *range)
 
 // A device with memory of its own gets a list of its slab's objects, if the variant asks for it and
 // that leaves out enough. The kernels know lists of poses and bounds alone.
-static bool selects_list(const duet_world *world, const grid_objects *o, const part_range ranges[2],
-                         int side)
+static bool selects_list(const duet_world *world, const part_range ranges[2], int side)
 {
+    const grid_objects *o = &world->objects;
     const part *p = &world->parts[side];
     const variant *v = &world->variants[side];
     const bool plain = (o->shape == DUET_SHAPE_POSES || o->shape == DUET_SHAPE_BOUNDS) &&
-                       o->origin == 0.0f && !o->sizes;
+                       o->origin == 0.0f && !grid_has_sizes(o);
     return world->def.plan.mode == DUET_MODE_SLAB && plain && v->search == SEARCH_GPU &&
            v->send == SEND_PACKED && !p->device->info.host_memory && !p->objects.bound.mem &&
-           has_work(&ranges[0]) && has_work(&ranges[1]) && compaction_pays(&ranges[side], o->n);
+           has_work(&ranges[0]) && has_work(&ranges[1]) && compaction_pays(&ranges[side], o->all.n);
 }
 
-static selection select_objects(const duet_world *world, const grid_objects *o,
-                                const part_range ranges[2], int side)
+static selection select_objects(const duet_world *world, const part_range ranges[2], int side)
 {
+    const part_range *slab = &ranges[side];
     if (selects_ranges(world))
         return world->ranges.selections[side];
-    if (!selects_list(world, o, ranges, side))
-        return select_all(o->n);
-    return (selection){
-        .kind = SELECT_LIST,
-        .slab = {world->grid.generation, ranges[side].key_from, ranges[side].key_to}};
+    return selects_list(world, ranges, side)
+               ? (selection){SELECT_LIST, .key_from = slab->key_from, .key_to = slab->key_to}
+               : select_all(world->objects.all.n);
 }
 
 // Which objects each part searches around: parts of one sorted order, or slabs.
-static bool divide(duet_world *world, const grid_objects *o, part_range ranges[2], duet_error *err)
+static bool divide(duet_world *world, part_range ranges[2], duet_error *err)
 {
-    uint32_t share = world->def.plan.share, n_cells = world->grid.n_cells;
+    const uint32_t share = world->def.plan.share, n_cells = world->grid.n_cells;
+    const uint32_t n = world->objects.all.n;
     if (world->def.plan.mode == DUET_MODE_SLAB)
-        return split_cut(&world->split, &world->grid, o, share, ranges, err) &&
-               (!selects_ranges(world) ||
-                input_ranges_begin(&world->ranges, &world->grid, o->n, ranges, err));
-    uint32_t cut = (uint32_t)((uint64_t)o->n * share / DUET_SHARE_ONE);
-    part_range whole = {.home_to = n_cells, .key_to = n_cells, .expected = o->n};
+        return split_cut(&world->split, &world->grid, &world->objects, share, ranges, err) &&
+               (!selects_ranges(world) || input_ranges_begin(&world->ranges, n, ranges, err));
+    uint32_t cut = (uint32_t)((uint64_t)n * share / DUET_SHARE_ONE);
+    part_range whole = {.home_to = n_cells, .key_to = n_cells, .expected = n};
     ranges[0] = ranges[1] = whole;
     ranges[0].last = ranges[1].first = cut;
-    ranges[1].last = o->n;
+    ranges[1].last = n;
     return true;
 }
 
@@ -152,7 +150,7 @@ static const part_range *slab_to_list(const part *p)
 {
     const part_task *task = &p->task;
     bool lists = task->wanted.kind == SELECT_LIST &&
-                 !view_has(&p->objects, task->objects.generation, &task->wanted);
+                 !view_has(&p->objects, task->objects->all.generation, &task->wanted);
     return lists ? &task->range : NULL;
 }
 
@@ -163,9 +161,9 @@ static bool run_both(duet_world *world, const bool use[2], duet_error *err)
     part *a = &world->parts[0], *b = &world->parts[1];
     const part_range *const slabs[2] = {slab_to_list(a), slab_to_list(b)};
     const device *const devices[2] = {a->device, b->device};
-    const grid_objects objects = world_objects(world);
     thread_pool *threads = NULL;
-    if (!compaction_start(&world->lists, &objects, &world->grid, slabs, devices, &threads, err))
+    if (!compaction_start(&world->lists, &world->objects, &world->grid, slabs, devices, &threads,
+                          err))
         return false;
     thread_pool_run_both(world->driver, run_part, use[0] ? a : NULL, use[1] ? b : NULL);
     thread_pool_wait(threads);
@@ -179,15 +177,15 @@ static bool run_both(duet_world *world, const bool use[2], duet_error *err)
 static void begin_parts(duet_world *world)
 {
     for (int side = 0; side < 2; ++side)
-        if (world->n == 0 ||
-            !view_is_prefetched(&world->parts[side].objects, world->objects_generation))
+        if (world->objects.all.n == 0 ||
+            !view_is_prefetched(&world->parts[side].objects, world->objects.all.generation))
             part_begin(&world->parts[side], world->steps);
 }
 
-static bool give_tasks(duet_world *world, const grid_objects *objects, duet_error *err)
+static bool give_tasks(duet_world *world, duet_error *err)
 {
     part_range ranges[2];
-    if (!divide(world, objects, ranges, err))
+    if (!divide(world, ranges, err))
         return false;
     for (int side = 0; side < 2; ++side) {
         part *p = &world->parts[side];
@@ -195,14 +193,14 @@ static bool give_tasks(duet_world *world, const grid_objects *objects, duet_erro
         p->err = (duet_error){0};
         p->task = (part_task){
             .def = &world->def,
-            .objects = *objects,
+            .objects = &world->objects,
             .grid = &world->grid,
             .role = role_of(world, side),
             .other = &world->parts[1 - side],
             .range = ranges[side],
-            .wanted = select_objects(world, objects, ranges, side),
+            .wanted = select_objects(world, ranges, side),
             .lists = &world->lists,
-            .ids = p->device->info.host_memory ? NULL : world->ids.list,
+            .ids = p->device->info.host_memory ? NULL : world->counted,
             .pairs_on_device = pairs_on_device(world, side),
         };
     }
@@ -211,11 +209,10 @@ static bool give_tasks(duet_world *world, const grid_objects *objects, duet_erro
 
 // *found_all is false if a slab had more objects than space, or a requested block was not selected:
 // both are known then, and the parts are to be run again.
-static bool run_parts(duet_world *world, const grid_objects *objects, bool *found_all,
-                      duet_error *err)
+static bool run_parts(duet_world *world, bool *found_all, duet_error *err)
 {
     part *a = &world->parts[0], *b = &world->parts[1];
-    if (!give_tasks(world, objects, err))
+    if (!give_tasks(world, err))
         return false;
     const bool shared = a->task.role == GRID_RECEIVED && has_work(&a->task.range);
     const bool use[2] = {has_work(&a->task.range), shared || has_work(&b->task.range)};
@@ -224,7 +221,7 @@ static bool run_parts(duet_world *world, const grid_objects *objects, bool *foun
         (shared && !share_grid(a, b, err)) || !run_both(world, use, err))
         return false;
     const bool crowded = a->state == PART_CROWDED || b->state == PART_CROWDED;
-    const block_requests requests[2] = {part_requests(a), part_requests(b)};
+    const block_requests requests[2] = {a->requests.last, b->requests.last};
     if (crowded)
         split_forget(&world->split);
     *found_all =
@@ -242,14 +239,13 @@ static bool find_all(duet_world *world, duet_error *err)
 {
     bool fits = false;
     for (int fit = 0; !fits; ++fit) {
-        grid_objects objects;
         begin_parts(world);
-        if (!budget_check(err) || !world_fit_grid(world, &objects, false, NULL, err))
+        if (!budget_check(err) || !world_fit_grid(world, false, NULL, err))
             return false;
-        if (world->n == 0)
+        if (world->objects.all.n == 0)
             return true;
         bool found_all = false;
-        if (!run_parts(world, &objects, &found_all, err))
+        if (!run_parts(world, &found_all, err))
             return false;
         float widest =
             fmaxf(world->parts[0].result.found.widest, world->parts[1].result.found.widest);
@@ -308,14 +304,12 @@ bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, bo
 bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *result,
                          part_counted counted[2], duet_error *err)
 {
-    counting_ids *state = &world->ids;
-    global_ids own = *ids;
-    own.before = state->generation;
-    const bool changed = own.before == 0 || own.all_changed || own.n_changed > 0;
-    own.generation = state->generation += changed;
-    state->list = &own;
+    const uint64_t before = world->ids.generation;
+    world->ids = *ids;
+    world->ids.generation = before + (before == 0 || ids->n_changed > 0);
+    world->counted = &world->ids;
     bool ok = duet_world_step(world, result, err);
-    state->list = NULL;
+    world->counted = NULL;
     for (int side = 0; side < 2; ++side)
         counted[side] = world->parts[side].result.counted;
     return ok;
@@ -345,13 +339,13 @@ static bool can_prefetch(const duet_world *world, int side)
 
 void world_prefetch(duet_world *world, uint32_t n)
 {
-    const size_t row = world_kind_bytes(world->kind);
-    const host_array objects = {world->rows, row, n, world->objects_generation};
+    host_array first = world->objects.all;
+    first.n = n;
     const uint64_t step = world->def.stage_times ? 0 : world->steps;
     for (int side = 0; side < 2 && n > 0 && !world->resident.mem; ++side) {
         part *p = &world->parts[side];
         if (can_prefetch(world, side) &&
-            !part_prefetch(p, &objects, world->objects.size, step, NULL))
+            !part_prefetch(p, &first, world->objects_block.size, step, NULL))
             part_invalidate(p);
     }
 }
@@ -371,7 +365,7 @@ bool world_skim(duet_world *world, const float inside_lower[3], const float insi
 {
     part *p = skimmer(world);
     const device_view *v = &p->objects;
-    return v->n_chunks > 0 && v->chunks[v->n_chunks - 1].to == world->n &&
+    return v->n_chunks > 0 && v->chunks[v->n_chunks - 1].to == world->objects.all.n &&
            part_skim(p, &world->def, inside_lower, inside_upper, NULL);
 }
 

@@ -20,7 +20,7 @@ static bool run(void *arg, duet_error *err)
 {
     duet_world *world = arg;
     bool ok = world_step(world, &world->half.result, err);
-    complete(&world->half, world->left.count_written);
+    complete(&world->half, world->left.last.count);
     return ok;
 }
 

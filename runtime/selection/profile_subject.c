@@ -172,7 +172,7 @@ static profile_workload describe_workload(const duet_world *world)
     bool turns = def->shape == DUET_SHAPE_POSES || def->shape == DUET_SHAPE_ROUNDED_BOXES;
     return (profile_workload){
         .dims = def->dims,
-        .n = world->n,
+        .n = world->objects.all.n,
         .cells = {s.cells[0], s.cells[1], s.cells[2]},
         .cell = s.cell,
         .occ_mean = s.mean_occupancy,
@@ -209,7 +209,7 @@ static void describe_pair(profile_subject *p, const duet_device_pair *pair)
 bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err)
 {
     *p = (profile_subject){0};
-    if (world->n == 0)
+    if (world->objects.all.n == 0)
         return error_set(
             err, DUET_STATUS_BAD_ARGUMENT,
             "a world without objects has no profile; expected objects to be set first");

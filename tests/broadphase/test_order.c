@@ -89,7 +89,7 @@ static double number_of_cells(const duet_world *world)
 // Two of more cells than there are keys are one along each axis, or four.
 static uint64_t key_of(const duet_world *world, uint32_t id)
 {
-    const grid_objects objects = world_objects(world);
+    const grid_objects objects = world->objects;
     const cl_int *cells = world->grid.levels[0].cells.s;
     uint64_t along[3] = {(uint64_t)cells[0], (uint64_t)cells[1], (uint64_t)cells[2]};
     uint32_t cell[3];
@@ -241,11 +241,7 @@ TEST(threads_find_what_one_finds_of_a_grid_s_needs)
         memcpy(poses[i].rotation, (const float[]){0, 0, 0, 1}, sizeof poses[i].rotation);
     }
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
-        grid_objects objects = {.array = poses,
-                                .row_bytes = sizeof *poses,
-                                .shape = DUET_SHAPE_POSES,
-                                .n = numbers[i],
-                                .dims = 3};
+        grid_objects objects = {.dims = 3, .all = {poses, sizeof *poses, numbers[i], 0}};
         grid_needs one = {0}, all = {0};
         grid_needs_of(&one, &objects, NULL);
         grid_needs_of(&all, &objects, threads);
